@@ -1,0 +1,141 @@
+#include "musher/actuator/actuator_shell.hpp"
+
+#include <utility>
+
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher {
+namespace {
+
+// Names of states and actuators are at most this long; anything longer is not one of ours.
+constexpr std::size_t kLongestName = 256;
+// How long the latch may be behind: every reply carries the status too, so a quick callback need
+// not be told of twice, and a switch does not wait for the telling.
+constexpr Duration kStatusDelay = Milliseconds(10);
+
+SwitchCommand SwitchFrom(const msg::ActuatorCommand::Request& request) {
+  SwitchCommand command;
+  command.epoch = request.epoch;
+  command.number = request.number;
+  command.target = request.target.substr(0, kLongestName);
+  command.budget = Duration(request.budget_ns);
+  command.status_stamp = transport::FromNanoseconds(request.status_stamp_ns);
+  command.since_status = Duration(request.since_status_ns);
+  command.incarnation = request.incarnation;
+  return command;
+}
+
+}  // namespace
+
+ActuatorShell::ActuatorShell(transport::Node& node, Worker& worker, const MachineConfig& config,
+                             std::size_t index, ActuatorIdentity identity, Hooks hooks)
+    : node_(node),
+      worker_(worker),
+      config_(config),
+      actuator_(config.actuators[index]),
+      hooks_(std::move(hooks)) {
+  core_.report.state = config.default_state;
+  core_.report.incarnation = identity.incarnation;
+  core_.report.pid = identity.pid;
+  core_.report.host = std::move(identity.host);
+  core_.report.config_hash = config.hash;
+}
+
+Result<std::unique_ptr<ActuatorShell>> ActuatorShell::Make(transport::Node& node, Worker& worker,
+                                                           const MachineConfig& config,
+                                                           std::size_t index,
+                                                           ActuatorIdentity identity, Hooks hooks) {
+  std::unique_ptr<ActuatorShell> shell(
+      new ActuatorShell(node, worker, config, index, std::move(identity), std::move(hooks)));
+  auto status = transport::MakePublisher<msg::ActuatorStatus>(
+      node, transport::ActuatorStatusTopic(config.name_space), transport::kLatchedQos);
+  if (!status) return status.error();
+  shell->status_ = std::move(status).value();
+  return shell;
+}
+
+void ActuatorShell::Start() {
+  Handle(actuator_event::Started{});
+}
+
+void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Reply reply) {
+  const RequestToken token = next_token_++;
+  replies_[token] = std::move(reply);
+  switch (request.kind) {
+    case msg::ActuatorCommand::kKindSwitch:
+      return Handle(actuator_event::SwitchArrived{token, SwitchFrom(request)});
+    case msg::ActuatorCommand::kKindAsk:
+      return Handle(
+          actuator_event::AskArrived{token, {request.epoch, request.number, request.stop}});
+    default:
+      return Do(actuator_action::Answer{token, Verdict::kRefused, kCodeParametersInvalid,
+                                        "unknown kind of command " + std::to_string(request.kind)});
+  }
+}
+
+void ActuatorShell::Handle(const ActuatorEvent& event) {
+  const std::vector<ActuatorAction> actions = Step(actuator_, core_, event, node_.loop().Now());
+  for (const ActuatorAction& action : actions) {
+    std::visit([this](const auto& a) { Do(a); }, action);
+  }
+}
+
+void ActuatorShell::Do(const actuator_action::RunCallback& action) {
+  if (hooks_.set_stop_requested) hooks_.set_stop_requested(false);
+  worker_.Run(
+      [run = hooks_.run_callback, target = action.target] { return run(target); },
+      [this, alive = std::weak_ptr<bool>(alive_), &loop = node_.loop()](Result<> result) {
+        loop.Post([this, alive, result = std::move(result)] {
+          if (alive.expired()) return;
+          Handle(actuator_event::CallbackEnded{result ? kCodeOk : result.error().code,
+                                               result ? std::string() : result.error().message});
+        });
+      });
+}
+
+void ActuatorShell::Do(const actuator_action::RequestStop&) {
+  if (hooks_.set_stop_requested) hooks_.set_stop_requested(true);
+}
+
+void ActuatorShell::Do(const actuator_action::Answer& action) {
+  const auto node = replies_.extract(action.token);
+  if (node.empty()) return;
+  node.mapped()({transport::ToMessage(action.verdict), action.code, action.message, Status()});
+}
+
+void ActuatorShell::Do(const actuator_action::PublishStatus&) {
+  if (hooks_.on_report) hooks_.on_report(core_.report);
+  if (core_.report.epoch == 0) return Publish();  // no controller has spoken to it yet
+  if (publish_later_) return;
+  publish_later_ = node_.loop().At(node_.loop().Now() + kStatusDelay, [this] { Publish(); });
+}
+
+// A status that cannot be sent is not lost: every reply carries it.
+void ActuatorShell::Publish() {
+  publish_later_ = nullptr;
+  static_cast<void>(status_->Publish(Status()));
+}
+
+void ActuatorShell::Do(const actuator_action::BecomeVisible&) {
+  auto server = transport::MakeServer<msg::ActuatorCommand>(
+      node_, transport::CommandService(config_.name_space, actuator_.name),
+      [this](const msg::ActuatorCommand::Request& request, Reply reply) {
+        OnRequest(request, std::move(reply));
+      });
+  if (!server) return hooks_.on_finished(server.error());
+  server_ = std::move(server).value();
+  if (hooks_.on_set_up) hooks_.on_set_up();
+}
+
+void ActuatorShell::Do(const actuator_action::Finish& action) {
+  if (publish_later_) Publish();
+  hooks_.on_finished(Error{action.code, action.message});
+}
+
+msg::ActuatorStatus ActuatorShell::Status() const {
+  ActuatorReport report = core_.report;
+  report.stamp = node_.loop().Now();
+  return transport::ToMessage(actuator_.name, report);
+}
+
+}  // namespace musher

@@ -1,0 +1,79 @@
+#pragma once
+// The IO around the actuator's decision code (lifecycle/actuator_core.hpp): samples and the
+// worker's results become events, actions become replies, callbacks and the latched status.
+//
+// Threads: loop thread only. Runs on any transport; the simulation runs this very class.
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "musher/actuator/worker.hpp"
+#include "musher/lifecycle/actuator_core.hpp"
+#include "musher/lifecycle/config.hpp"
+#include "musher/messages/musher_msgs/actuator_command.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/transport/node.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher {
+
+struct ActuatorIdentity {
+  std::uint64_t incarnation = 0;  // not 0, new with every start
+  std::int32_t pid = 0;
+  std::string host;
+};
+
+class ActuatorShell {
+ public:
+  struct Hooks {
+    std::function<Result<>(const State&)> run_callback;  // on the worker
+    std::function<void(bool)> set_stop_requested;  // false as a callback begins, true to end it
+    std::function<void(const ActuatorReport&)> on_report;  // the status has changed; may be empty
+    std::function<void()> on_set_up;         // SetUp is done and the services are there
+    std::function<void(Error)> on_finished;  // torn down (code 0), or SetUp failed
+  };
+
+  // `config`, `node` and `worker` must outlive the shell.
+  static Result<std::unique_ptr<ActuatorShell>> Make(transport::Node& node, Worker& worker,
+                                                     const MachineConfig& config, std::size_t index,
+                                                     ActuatorIdentity identity, Hooks hooks);
+
+  // Runs SetUp; the latched status is there from now on.
+  void Start();
+
+  const ActuatorReport& report() const { return core_.report; }
+
+ private:
+  ActuatorShell(transport::Node& node, Worker& worker, const MachineConfig& config,
+                std::size_t index, ActuatorIdentity identity, Hooks hooks);
+
+  using Reply = transport::Server<msg::ActuatorCommand>::Reply;
+
+  void OnRequest(const msg::ActuatorCommand::Request& request, Reply reply);
+  void Handle(const ActuatorEvent& event);
+  void Do(const actuator_action::RunCallback& action);
+  void Do(const actuator_action::RequestStop& action);
+  void Do(const actuator_action::Answer& action);
+  void Do(const actuator_action::PublishStatus& action);
+  void Do(const actuator_action::BecomeVisible& action);
+  void Do(const actuator_action::Finish& action);
+  void Publish();
+  msg::ActuatorStatus Status() const;
+
+  transport::Node& node_;
+  Worker& worker_;
+  const MachineConfig& config_;
+  const ActuatorConfig& actuator_;
+  Hooks hooks_;
+  ActuatorCore core_;
+  RequestToken next_token_ = 1;
+  std::map<RequestToken, Reply> replies_;
+  std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> status_;
+  transport::LoopHandlePtr publish_later_;
+  std::unique_ptr<transport::Server<msg::ActuatorCommand>> server_;
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for results that come after us
+};
+
+}  // namespace musher

@@ -1,0 +1,242 @@
+#include "musher/actuator/machine_actuator.hpp"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdlib>
+#include <exception>
+#include <future>
+#include <iostream>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <utility>
+
+#include "musher/actuator/actuator_shell.hpp"
+#include "musher/lifecycle/config_toml.hpp"
+#include "musher/transport/host.hpp"
+
+namespace musher {
+namespace {
+
+using Callback = std::function<Result<>()>;
+
+std::uint64_t NewIncarnation() {
+  std::random_device random;
+  const std::uint64_t number = (std::uint64_t{random()} << 32) | random();
+  return number == 0 ? 1 : number;
+}
+
+// The callback's own word, or what became of it.
+Result<> RunGuarded(const Callback& callback) {
+  try {
+    return callback();
+  } catch (const std::exception& e) {
+    return Error{kCodeFailed, std::string("the callback threw: ") + e.what()};
+  } catch (...) {
+    return Error{kCodeFailed, "the callback threw something that is no std::exception"};
+  }
+}
+
+}  // namespace
+
+class MachineActuator::Impl {
+ public:
+  explicit Impl(std::string name) : name_(std::move(name)) {}
+  ~Impl() { Shutdown(); }
+
+  const std::string& name() const { return name_; }
+
+  Result<> Init(const std::string& file, std::shared_ptr<transport::NodeThread> node) {
+    auto config = ReadValidConfig(file);
+    if (!config) return config.error();
+    config_ = std::move(config).value();
+    index_ = config_->IndexOf(name_);
+    if (!index_) {
+      return Error{kCodeParametersInvalid, config_->file + " has no actuator '" + name_ + "'"};
+    }
+    node_ = std::move(node);
+    return Ok();
+  }
+
+  void Register(const std::string& state, Callback callback) {
+    if (!callbacks_.emplace(state, std::move(callback)).second) twice_ = state;
+  }
+
+  Result<> Start() {
+    if (auto fit = CheckCallbacks(); !fit) return fit;
+    transport::DdsOptions options;
+    options.profile = config_->transport;
+    const auto domain = transport::DomainId(options);
+    if (!domain) return domain.error();
+    auto lock = transport::NameLock::Acquire(
+        transport::NameLock::NameOf(domain.value(), config_->name_space, name_));
+    if (!lock) return lock.error();
+    name_lock_.emplace(std::move(lock).value());
+    if (!node_) {
+      auto started = transport::NodeThread::Start(options);
+      if (!started) return started.error();
+      node_ = std::move(started).value();
+    }
+    worker_.emplace();
+    std::future<Result<>> set_up = set_up_.get_future();
+    node_->RunOnLoop([this] { StartShell(); });
+    return set_up.get();
+  }
+
+  int Wait() {
+    std::unique_lock lock(mutex_);
+    ended_.wait(lock, [this] { return finished_.has_value(); });
+    return *finished_;
+  }
+
+  void Shutdown() {
+    if (worker_) {
+      stop_requested_ = true;
+      worker_.reset();  // waits for a callback that runs
+    }
+    if (node_) node_->RunOnLoop([this] { shell_.reset(); });
+    node_.reset();
+    name_lock_.reset();
+    Finish(0);
+  }
+
+  bool stop_requested() const { return stop_requested_; }
+
+  State current_state() const {
+    const std::lock_guard lock(mutex_);
+    return state_;
+  }
+
+ private:
+  Result<> CheckCallbacks() const {
+    if (!index_) return Error{kCodeUninitialized, "Init has not succeeded"};
+    if (twice_) return Error{kCodeParametersInvalid, "two callbacks for state '" + *twice_ + "'"};
+    const ActuatorConfig& actuator = config_->actuators[*index_];
+    for (const State& state : actuator.states) {
+      if (callbacks_.count(state) == 0) {
+        return Error{kCodeParametersInvalid, config_->file + " lists state '" + state + "' for " +
+                                                 name_ + ", but there is no callback for it"};
+      }
+    }
+    for (const auto& [state, callback] : callbacks_) {
+      if (!actuator.Lists(state)) {
+        return Error{kCodeParametersInvalid, "there is a callback for state '" + state + "', but " +
+                                                 config_->file + " does not list it for " + name_};
+      }
+    }
+    return Ok();
+  }
+
+  void StartShell() {
+    ActuatorShell::Hooks hooks;
+    hooks.run_callback = [this](const State& state) { return RunGuarded(callbacks_.at(state)); };
+    hooks.set_stop_requested = [this](bool requested) { stop_requested_ = requested; };
+    hooks.on_report = [this](const ActuatorReport& report) {
+      const std::lock_guard lock(mutex_);
+      state_ = report.state;
+    };
+    hooks.on_set_up = [this] { TellSetUp(Ok()); };
+    hooks.on_finished = [this](const Error& end) {
+      if (end.code != kCodeOk) TellSetUp(end);
+      Finish(end.code == kCodeOk ? 0 : 1);
+    };
+    auto shell =
+        ActuatorShell::Make(node_->node(), *worker_, *config_, *index_,
+                            {NewIncarnation(), getpid(), transport::HostId()}, std::move(hooks));
+    if (!shell) return TellSetUp(shell.error());
+    shell_ = std::move(shell).value();
+    shell_->Start();
+  }
+
+  void TellSetUp(Result<> result) {
+    if (!std::exchange(set_up_told_, true)) set_up_.set_value(std::move(result));
+  }
+
+  void Finish(int code) {
+    const std::lock_guard lock(mutex_);
+    if (finished_) return;
+    finished_ = code;
+    ended_.notify_all();
+  }
+
+  const std::string name_;
+  std::optional<MachineConfig> config_;
+  std::optional<std::size_t> index_;
+  std::map<State, Callback> callbacks_;
+  std::optional<State> twice_;
+  std::optional<transport::NameLock> name_lock_;
+  std::atomic<bool> stop_requested_ = false;
+  std::promise<Result<>> set_up_;
+  bool set_up_told_ = false;
+  mutable std::mutex mutex_;  // guards the two below
+  std::optional<int> finished_;
+  State state_{kUninitialized};
+  std::condition_variable ended_;
+  std::shared_ptr<transport::NodeThread> node_;
+  std::optional<WorkerThread> worker_;
+  std::unique_ptr<ActuatorShell> shell_;
+};
+
+MachineActuator::MachineActuator(const std::string& actuator_name)
+    : impl_(std::make_unique<Impl>(actuator_name)) {}
+MachineActuator::~MachineActuator() = default;
+
+Result<> MachineActuator::Init(const std::string& config_file,
+                               std::shared_ptr<transport::NodeThread> node) {
+  return impl_->Init(config_file, std::move(node));
+}
+
+bool MachineActuator::MachineActuatorInit(const std::string& config_file,
+                                          std::shared_ptr<transport::NodeThread> node) {
+  const Result<> result = Init(config_file, std::move(node));
+  if (!result) std::cerr << name() << ": " << result.error().message << std::endl;
+  return result.ok();
+}
+
+void MachineActuator::RegisterStateCallback(const std::string& state,
+                                            std::function<std::int32_t()> callback) {
+  impl_->Register(state, [callback = std::move(callback)]() -> Result<> {
+    if (const std::int32_t code = callback(); code != kCodeOk) return Error{code, ""};
+    return Ok();
+  });
+}
+
+void MachineActuator::RegisterStateCallback(const std::string& state,
+                                            std::function<Result<>()> callback) {
+  impl_->Register(state, std::move(callback));
+}
+
+Result<> MachineActuator::Start() {
+  return impl_->Start();
+}
+
+bool MachineActuator::ActuatorStart() {
+  const Result<> result = Start();
+  if (!result) {
+    std::cerr << name() << ": not started: " << CodeText(result.error().code)
+              << (result.error().message.empty() ? "" : ", ") << result.error().message
+              << std::endl;
+  }
+  return result.ok();
+}
+
+int MachineActuator::Wait() {
+  return impl_->Wait();
+}
+void MachineActuator::Shutdown() {
+  impl_->Shutdown();
+}
+bool MachineActuator::StopRequested() const {
+  return impl_->stop_requested();
+}
+State MachineActuator::CurrentState() const {
+  return impl_->current_state();
+}
+const std::string& MachineActuator::name() const {
+  return impl_->name();
+}
+
+}  // namespace musher

@@ -1,0 +1,94 @@
+#pragma once
+// The base class of a robot's module: derive from it, register a callback for each state, start.
+//
+//   class Gripper : public musher::MachineActuator {
+//    public:
+//     Gripper() : MachineActuator("gripper") {
+//       RegisterStateCallback("SetUp", [this] { return OpenPort(); });
+//       RegisterStateCallback("Active", [this] { return PowerOn(); });
+//       ...
+//     }
+//   };
+//
+//   int main() {
+//     Gripper gripper;
+//     if (!gripper.MachineActuatorInit() || !gripper.ActuatorStart()) return 1;
+//     return gripper.Wait();
+//   }
+//
+// Threads: the calls below come from your threads, one at a time. State callbacks run one at a time
+// on a worker thread of this actuator; meanwhile the process goes on answering "how is it going". A
+// callback may block for as long as its time in the config says; past that it is asked to stop
+// (StopRequested()) and the machine goes on without it. A loop thread of the process does the
+// talking.
+//
+// A callback that fails leaves the actuator in the state it was in, and the controller may then run
+// the callback of that state again to clear up what was half done: callbacks must bear to be run
+// twice.
+//
+// Errors: the bool calls say what was wrong on stderr; the Result calls give it to you.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/lifecycle/result.hpp"
+#include "musher/lifecycle/state.hpp"
+#include "musher/transport/node_thread.hpp"
+
+namespace musher {
+
+class MachineActuator {
+ public:
+  // The name as in [controller].actuators of the config.
+  explicit MachineActuator(const std::string& actuator_name);
+  // Waits for a running callback; then the actuator is gone from the machine. A derived class whose
+  // callbacks use its members calls Shutdown() in its own destructor, before they die.
+  virtual ~MachineActuator();
+  MachineActuator(const MachineActuator&) = delete;
+  MachineActuator& operator=(const MachineActuator&) = delete;
+
+  // Reads and judges the state config. `config_file` empty: $MUSHER_CONFIG, which a controller sets
+  // for the processes it starts. `node`: to share one participant among the actuators of a process;
+  // null: one of its own.
+  bool MachineActuatorInit(const std::string& config_file = "",
+                           std::shared_ptr<transport::NodeThread> node = nullptr);
+  Result<> Init(const std::string& config_file = "",
+                std::shared_ptr<transport::NodeThread> node = nullptr);
+
+  // What to do for `state`; before ActuatorStart(). Returns CyberDog's code, 0 = done.
+  void RegisterStateCallback(const std::string& state, std::function<std::int32_t()> callback);
+  // The same with a reason for people; an Error's code must not be 0. An exception counts as
+  // Failed.
+  void RegisterStateCallback(const std::string& state, std::function<Result<>()> callback);
+
+  // Runs SetUp and becomes visible to the controller. Fails, saying which, when a state of the
+  // config has no callback or a callback no state; when SetUp fails, with its code; when an
+  // actuator of this name runs on this host already. After a failure the program should end.
+  bool ActuatorStart();
+  Result<> Start();
+
+  // Blocks until TearDown is done, or Shutdown() is called; gives the program's exit code.
+  int Wait();
+
+  // Ends without TearDown: waits for a running callback, then leaves the machine. Idempotent.
+  void Shutdown();
+
+  // Inside a long callback: whether the controller does not wait for it any more. Give up when it
+  // suits.
+  bool StopRequested() const;
+
+  // The state this actuator is in, from any thread. The config's default state before SetUp is
+  // done.
+  State CurrentState() const;
+
+  const std::string& name() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace musher

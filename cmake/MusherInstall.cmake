@@ -1,0 +1,30 @@
+# find_package(musher) for robot projects: libraries, headers, programs, configs.
+include(CMakePackageConfigHelpers)
+
+get_property(targets GLOBAL PROPERTY MUSHER_INSTALLED_TARGETS)
+install(TARGETS ${targets} EXPORT musherTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(EXPORT musherTargets NAMESPACE musher:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
+
+# What a robot's project includes; what only Musher's own sources include stays here.
+foreach(folder lifecycle messages transport actuator controller)
+  install(DIRECTORY ${CMAKE_SOURCE_DIR}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/${folder}
+          FILES_MATCHING PATTERN "*.hpp"
+          PATTERN "lifecycle/decision.hpp" EXCLUDE
+          PATTERN "lifecycle/toml" EXCLUDE
+          PATTERN "transport/dds" EXCLUDE
+          PATTERN "controller/cli" EXCLUDE
+          PATTERN "idl" EXCLUDE)
+endforeach()
+install(FILES ${CMAKE_SOURCE_DIR}/transport/dds/dds_node.hpp
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/transport/dds)
+
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/messages/idl DESTINATION ${CMAKE_INSTALL_DATADIR}/musher)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/config DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
+        USE_SOURCE_PERMISSIONS)
+install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/musherConfig.cmake.in musherConfig.cmake
+  INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
+write_basic_package_version_file(musherConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/musherConfig.cmake ${CMAKE_BINARY_DIR}/musherConfigVersion.cmake
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)

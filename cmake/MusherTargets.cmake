@@ -1,0 +1,82 @@
+# How every library and program of Musher is built: one target a folder, an alias, the same warnings.
+
+# Sources are included as "musher/<folder>/<file>.hpp", in this tree as in an installed one: the
+# build tree has a folder "musher" of links to the source folders.
+set(MUSHER_INCLUDE_DIR ${CMAKE_BINARY_DIR}/include)
+file(MAKE_DIRECTORY ${MUSHER_INCLUDE_DIR}/musher)
+foreach(folder lifecycle messages transport actuator controller behavior modules test)
+  if(IS_DIRECTORY ${CMAKE_SOURCE_DIR}/${folder})
+    file(CREATE_LINK ${CMAKE_SOURCE_DIR}/${folder} ${MUSHER_INCLUDE_DIR}/musher/${folder} SYMBOLIC)
+  endif()
+endforeach()
+
+if(MUSHER_LINT)
+  find_program(CLANG_TIDY clang-tidy REQUIRED)
+endif()
+find_program(CCACHE ccache)
+if(CCACHE AND NOT MUSHER_LINT)
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+# Two warnings of GCC 12 are false alarms when it optimises strings and variants (bugs 105651, 105562).
+function(musher_warnings target)
+  target_compile_options(${target} PRIVATE
+    -Wall -Wextra -Wpedantic -Wshadow=local -Wconversion -Wno-sign-conversion
+    $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual>
+    $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-restrict -Wno-maybe-uninitialized>
+    $<$<BOOL:${MUSHER_WERROR}>:-Werror>)
+  if(MUSHER_LINT)
+    set_target_properties(${target} PROPERTIES CXX_CLANG_TIDY "${CLANG_TIDY};--quiet;--extra-arg=-Wno-unknown-warning-option")
+  endif()
+endfunction()
+
+# musher_library(<name> SOURCES <cpp>... DEPENDS <public target>... PRIVATE <private target>...)
+# makes musher_<name> with the alias musher::<name>, installed and exported.
+function(musher_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE" ${ARGN})
+  set(target musher_${name})
+  if(ARG_SOURCES)
+    add_library(${target} STATIC ${ARG_SOURCES})
+    set(scope PUBLIC)
+    musher_warnings(${target})
+    target_link_libraries(${target} PRIVATE ${ARG_PRIVATE})
+  else()
+    add_library(${target} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  add_library(musher::${name} ALIAS ${target})
+  target_compile_features(${target} ${scope} cxx_std_20)
+  target_include_directories(${target} ${scope}
+    $<BUILD_INTERFACE:${MUSHER_INCLUDE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(${target} ${scope} ${ARG_DEPENDS})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  set_property(GLOBAL APPEND PROPERTY MUSHER_INSTALLED_TARGETS ${target})
+endfunction()
+
+# musher_program(<name> SOURCES <cpp>... DEPENDS <target>...) makes an installed program.
+function(musher_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  musher_warnings(${name})
+  target_link_libraries(${name} PRIVATE ${ARG_DEPENDS})
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endfunction()
+
+# musher_test(<name> SOURCES <cpp>... DEPENDS <target>... [LABELS ...] [TIMEOUT s]) makes a GoogleTest
+# program and gives each of its tests to ctest.
+function(musher_test name)
+  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  musher_warnings(${name})
+  target_include_directories(${name} PRIVATE ${MUSHER_INCLUDE_DIR})
+  target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} GTest::gmock_main)
+  target_compile_definitions(${name} PRIVATE
+    MUSHER_SOURCE_DIR="${CMAKE_SOURCE_DIR}" MUSHER_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 60)
+  endif()
+  set(properties TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+  include(GoogleTest)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES ${properties})
+endfunction()

@@ -1,0 +1,21 @@
+#pragma once
+// The commands of `musher`, one file each: <command>.cpp. Each does its work, says what came of it
+// on the console, and gives the exit code.
+
+#include "musher/controller/cli/console.hpp"
+#include "musher/controller/cli/exit_code.hpp"
+#include "musher/controller/cli/options.hpp"
+
+namespace musher::cli {
+
+ExitCode Check(const CheckOptions& options, Console& console);
+ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& console);
+ExitCode Down(const GlobalOptions& global, Console& console);
+ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Console& console);
+ExitCode Set(const SetOptions& options, const GlobalOptions& global, Console& console);
+ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& console);
+ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console);
+ExitCode Graph(const GraphOptions& options, Console& console);
+ExitCode Completion(const CompletionOptions& options, Console& console);
+
+}  // namespace musher::cli

@@ -1,0 +1,56 @@
+# bash completion for musher: commands, options, states, files.
+
+_musher() {
+  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
+  local commands="check up down status set plan history graph completion"
+  local options="--help --json --namespace --domain --transport --timeout --color"
+  local states="SelfCheck Active DeActive Protected LowPower OTA Error TearDown"
+  COMPREPLY=()
+
+  case $prev in
+    --transport) COMPREPLY=($(compgen -W "local lan" -- "$cur")); return ;;
+    --color) COMPREPLY=($(compgen -W "auto always never" -- "$cur")); return ;;
+    --format) COMPREPLY=($(compgen -W "dot mermaid svg" -- "$cur")); return ;;
+    --what) COMPREPLY=($(compgen -W "flow actuators" -- "$cur")); return ;;
+    --output | -o | --journal) COMPREPLY=($(compgen -f -- "$cur")); return ;;
+    --namespace | --domain | --timeout | --since | --limit) return ;;
+  esac
+
+  local command="" word
+  for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
+    if [[ " $commands " == *" $word "* ]]; then
+      command=$word
+      break
+    fi
+  done
+
+  case $command in
+    "") options+=" --version" ;;
+    up) options+=" --detach" ;;
+    status) options+=" --watch" ;;
+    history) options+=" --since --limit --journal" ;;
+    graph) options+=" --what --format --output" ;;
+  esac
+  if [[ $cur == -* ]]; then
+    COMPREPLY=($(compgen -W "$options" -- "$cur"))
+    return
+  fi
+
+  case $command in
+    "") COMPREPLY=($(compgen -W "$commands" -- "$cur")) ;;
+    check | up | graph) COMPREPLY=($(compgen -f -X '!*.toml' -- "$cur") $(compgen -d -S / -- "$cur")) ;;
+    set | plan) COMPREPLY=($(compgen -W "$states" -- "$cur")) ;;
+    completion) COMPREPLY=($(compgen -W "bash zsh" -- "$cur")) ;;
+  esac
+}
+
+complete -o nospace -o bashdefault -F _musher_with_space musher
+
+# Words end in a space, folders do not.
+_musher_with_space() {
+  _musher
+  local i
+  for i in "${!COMPREPLY[@]}"; do
+    [[ ${COMPREPLY[i]} == */ ]] || COMPREPLY[i]+=" "
+  done
+}

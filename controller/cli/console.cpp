@@ -1,0 +1,75 @@
+#include "musher/controller/cli/console.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "musher/controller/cli/render/json.hpp"
+
+namespace musher::cli {
+namespace {
+
+const char* EscapeOf(Style style) {
+  switch (style) {
+    case Style::kBold:
+      return "\x1b[1m";
+    case Style::kDim:
+      return "\x1b[2m";
+    case Style::kGood:
+      return "\x1b[32m";
+    case Style::kBusy:
+      return "\x1b[33m";
+    case Style::kBad:
+      return "\x1b[31m";
+    case Style::kPlain:
+      break;
+  }
+  return "";
+}
+
+std::string_view Variable(const char* name) {
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
+  return value != nullptr ? value : "";
+}
+
+}  // namespace
+
+std::string Paint(std::string_view text, Style style, bool colour) {
+  if (!colour || style == Style::kPlain || text.empty()) return std::string(text);
+  return EscapeOf(style) + std::string(text) + "\x1b[0m";
+}
+
+bool WantsColour(ColourWhen when, bool terminal) {
+  if (when != ColourWhen::kAuto) return when == ColourWhen::kAlways;
+  return terminal && Variable("NO_COLOR").empty() && Variable("TERM") != "dumb";
+}
+
+std::string Printable(std::string_view text) {
+  std::string printable(text);
+  std::replace_if(
+      printable.begin(), printable.end(),
+      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
+  return printable;
+}
+
+void Console::Print(std::string_view text) {
+  out_ << text;
+  if (!text.empty() && text.back() != '\n') out_ << '\n';
+  out_.flush();
+}
+
+void Console::Note(std::string_view text) {
+  err_ << Printable(text) << '\n';
+  err_.flush();
+}
+
+void Console::Complain(std::string_view text) {
+  Note("musher: " + std::string(text));
+}
+
+ExitCode Console::Fail(const Failure& failure) {
+  if (mode_.json) Print(FailureJson(failure));
+  Complain(failure.error.message);
+  return failure.exit;
+}
+
+}  // namespace musher::cli

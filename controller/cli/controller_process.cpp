@@ -1,0 +1,126 @@
+#include "musher/controller/cli/controller_process.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "musher/controller/cli/exit_code.hpp"
+#include "musher/controller/cli/signals.hpp"
+#include "musher/controller/cli/wall_time.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+
+namespace musher::cli {
+namespace {
+
+constexpr Duration kLastWords = Milliseconds(2000);  // for the journal, at the end
+
+void LeaveTerminal() {
+  setsid();
+  const transport::UniqueFd nothing(open("/dev/null", O_RDWR | O_CLOEXEC));
+  for (const int fd : {STDIN_FILENO, STDOUT_FILENO}) dup2(nothing.get(), fd);
+}
+
+// Programs that come with this one, such as musher-exec, are found wherever it is installed.
+void PutOwnFolderFirstInPath() {
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) return;
+  const char* path = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
+  const std::string folder = self.parent_path();
+  setenv("PATH", (path == nullptr ? folder : folder + ":" + path).c_str(), 1);
+}
+
+}  // namespace
+
+ControllerProcess::ControllerProcess(const MachineConfig& config, transport::UniqueFd progress,
+                                     pid_t front)
+    : config_(config),
+      front_(front),
+      signals_(TakeEndSignals()),
+      progress_(loop_, std::move(progress)),
+      log_(config.log.empty() ? config.state_dir + "/controller.log" : config.log) {}
+
+int ControllerProcess::Run() {
+  if (front_ != 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != front_) return static_cast<int>(ExitCode::kInterrupted);  // died before
+  }
+  LeaveTerminal();
+  PutOwnFolderFirstInPath();
+  if (const auto begun = Begin(); !begun) {
+    Tell(Progress::kNotStarted, begun.error().message, begun.error().code);
+    return static_cast<int>(ExitCode::kUsage);
+  }
+  loop_.Run();
+  controller_->FlushJournal(kLastWords);
+  loop_.RunUntil([] { return false; }, loop_.Now());  // what the journal had to say about that
+  Tell(Progress::kStopped, config_.name + " is stopped");
+  return static_cast<int>(ExitCode::kDone);
+}
+
+Result<> ControllerProcess::Begin() {
+  const auto domain_id = transport::DomainId({});
+  if (!domain_id) return domain_id.error();
+  transport::DdsOptions options;
+  options.profile = config_.transport;
+  auto node = transport::MakeDdsNode(loop_, options);
+  if (!node) return node.error();
+  node_ = std::move(node).value();
+  auto controller = Controller::Make(*node_, domain_id.value(), config_, Options());
+  if (!controller) return controller.error();
+  controller_ = std::move(controller).value();
+  signal_watch_ = loop_.WhenReadable(signals_.get(), [this] {
+    if (NextSignal(signals_) != 0) TakeDown();
+  });
+  return Ok();
+}
+
+ControllerOptions ControllerProcess::Options() {
+  ControllerOptions options;
+  options.hooks.on_record = [this](const action::Record& record) { OnRecord(record); };
+  options.hooks.on_start_up_ended = [this](const action::StartUpEnded& e) { OnStartUpEnded(e); };
+  options.hooks.on_stopped = [this] { loop_.Stop(); };
+  options.on_trouble = [this](const std::string& message) {  // from any thread
+    loop_.Post([this, message] { OnTrouble(message); });
+  };
+  return options;
+}
+
+void ControllerProcess::OnRecord(const action::Record& record) {
+  Progress progress;
+  progress.wall_ns = WallNow();
+  progress.kind = record.kind;
+  if (record.actuator) progress.actuator = config_.actuators[*record.actuator].name;
+  progress.switch_number = record.switch_number;
+  progress.code = record.code;
+  progress.message = record.message;
+  progress_.Send(progress);
+  log_.Write(record.message, record.code);
+}
+
+void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
+  // The front leaves after a failed start, and the machine stays up for inspection.
+  if (!ended.usable) prctl(PR_SET_PDEATHSIG, 0);
+  Tell(Progress::kStartUp, ended.message, ended.usable ? kCodeOk : kCodeFailed);
+}
+
+void ControllerProcess::OnTrouble(const std::string& message) {
+  Tell(Progress::kTrouble, message, kCodeFailed);
+  log_.Write(message, kCodeFailed);
+}
+
+// A request that comes while the machine is taken down already is refused, and that is all right.
+void ControllerProcess::TakeDown() {
+  controller_->shell().SetState(State(kTearDown), std::nullopt, [](const SwitchResult&) {});
+}
+
+void ControllerProcess::Tell(const std::string& kind, const std::string& message,
+                             std::int32_t code) {
+  progress_.Send({WallNow(), kind, "", 0, code, message});
+}
+
+}  // namespace musher::cli

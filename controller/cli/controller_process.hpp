@@ -1,0 +1,53 @@
+#pragma once
+// The process that leads a machine, as `musher up` starts it. In a session of its own: Ctrl-C in
+// the terminal is for the front, which asks with SIGTERM; the machine is then taken down within its
+// shutdown budget, and the process ends.
+//
+//   Run(): join the domain ─▶ take the machine over ─▶ lead it until it is stopped ─▶ exit code 0
+//                 └──────────────────┴─▶ "not-started" to the front ─▶ exit code 2
+//
+// Threads: the loop's; the journal and Cyclone have their own.
+
+#include <sys/types.h>
+
+#include <memory>
+#include <string>
+
+#include "musher/controller/cli/controller_log.hpp"
+#include "musher/controller/cli/progress.hpp"
+#include "musher/controller/controller.hpp"
+#include "musher/lifecycle/config.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::cli {
+
+class ControllerProcess {
+ public:
+  // `front`: the process that must not outlive us in the foreground - if it dies, so do we, until
+  // start-up has failed; 0: nobody.
+  ControllerProcess(const MachineConfig& config, transport::UniqueFd progress, pid_t front);
+
+  // In a new process, before it has threads. Gives its exit code.
+  int Run();
+
+ private:
+  Result<> Begin();
+  ControllerOptions Options();
+  void OnRecord(const action::Record& record);
+  void OnStartUpEnded(const action::StartUpEnded& ended);
+  void OnTrouble(const std::string& message);
+  void TakeDown();
+  void Tell(const std::string& kind, const std::string& message, std::int32_t code = kCodeOk);
+
+  const MachineConfig& config_;
+  const pid_t front_;
+  transport::UniqueFd signals_;
+  transport::LinuxEventLoop loop_;
+  ProgressSender progress_;
+  ControllerLog log_;
+  std::unique_ptr<transport::Node> node_;
+  std::unique_ptr<Controller> controller_;
+  transport::LoopHandlePtr signal_watch_;
+};
+
+}  // namespace musher::cli

@@ -1,0 +1,129 @@
+#include "musher/controller/cli/link.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/host.hpp"
+
+namespace musher::cli {
+
+Link::Link(const GlobalOptions& global) : global_(global), signals_(TakeEndSignals()) {
+  signal_watch_ = loop_.WhenReadable(signals_.get(), [this] {
+    if (NextSignal(signals_) != 0) interrupted_ = true;
+  });
+}
+
+Result<std::unique_ptr<Link>> Link::Open(const GlobalOptions& global) {
+  std::unique_ptr<Link> link(new Link(global));
+  if (auto joined = link->Join(); !joined) return joined.error();
+  return link;
+}
+
+Result<> Link::Join() {
+  auto node = transport::MakeDdsNode(loop_);
+  if (!node) return node.error();
+  node_ = std::move(node).value();
+  transport::SubscriptionEvents events;
+  events.on_writer_lost = [this](transport::PeerId writer) { machines_.erase(writer); };
+  auto infos = transport::MakeSubscription<msg::MachineInfo>(
+      *node_, std::string(transport::kMachinesTopic),
+      [this](const msg::MachineInfo& machine, const transport::SampleInfo& info) {
+        machines_[info.writer] = machine;
+      },
+      transport::kLatchedFromManyQos, std::move(events));
+  if (!infos) return infos.error();
+  machine_infos_ = std::move(infos).value();
+  return Ok();
+}
+
+Result<> Link::FollowStatus(OnStatus on_change) {
+  on_status_ = std::move(on_change);
+  const auto tell = [this](std::optional<msg::MachineStatus> status) {
+    status_ = std::move(status);
+    if (on_status_) on_status_(status_);
+  };
+  transport::SubscriptionEvents events;
+  events.on_writer_lost = [tell](transport::PeerId) { tell(std::nullopt); };
+  auto subscription = transport::MakeSubscription<msg::MachineStatus>(
+      *node_, transport::MachineStatusTopic(global_.name_space),
+      [tell](const msg::MachineStatus& status, const transport::SampleInfo&) { tell(status); },
+      transport::kLatchedQos, std::move(events));
+  if (!subscription) return subscription.error();
+  machine_status_ = std::move(subscription).value();
+  return Ok();
+}
+
+std::optional<Failure> Link::AwaitStatus() {
+  const auto told = [this] { return status_.has_value(); };
+  return Await(told, told, global_.timeout.value_or(kDiscovery));
+}
+
+void Link::AwaitEndOf(const msg::MachineStatus& controller, Duration timeout) {
+  const Time deadline = loop_.Now() + timeout;
+  if (controller.host.empty() || controller.host != transport::HostId()) {
+    loop_.RunUntil([this] { return !status_ || interrupted_; }, deadline);
+    return;
+  }
+  const auto process = transport::OpenPidfd(controller.pid);
+  if (!process) return;
+  bool ended = false;
+  const auto watch = loop_.WhenReadable(process.value().get(), [&ended] { ended = true; });
+  loop_.RunUntil([&] { return ended || interrupted_; }, deadline);
+}
+
+void Link::RunUntilInterrupted() {
+  while (!interrupted_) {
+    loop_.RunUntil([this] { return interrupted_; }, loop_.Now() + std::chrono::hours(24));
+  }
+}
+
+std::optional<Failure> Link::Await(const std::function<bool()>& answered,
+                                   const std::function<bool()>& found, Duration timeout) {
+  const Time begin = loop_.Now();
+  const auto ended = [&] { return answered() || interrupted_; };
+  loop_.RunUntil([&] { return ended() || found(); }, begin + std::min(kDiscovery, timeout));
+  if (!ended() && !found() && !HasMachine()) return NoController();
+  loop_.RunUntil(ended, begin + timeout);
+  if (answered()) return std::nullopt;
+  if (interrupted_) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
+  return NoAnswer(timeout);
+}
+
+bool Link::HasMachine() const {
+  return std::any_of(machines_.begin(), machines_.end(), [this](const auto& machine) {
+    return machine.second.name_space == global_.name_space;
+  });
+}
+
+Failure Link::NoController() const {
+  std::string message = "no controller in namespace '" + global_.name_space + "'";
+  if (machines_.empty()) {
+    message += fmt::format(
+        " of DDS domain {}; `musher up FILE` starts one, and --transport lan looks on other hosts",
+        transport::DomainId({}).value());
+  } else {
+    std::string found;
+    for (const auto& [writer, machine] : machines_) {
+      found += fmt::format("{}'{}' ({})", found.empty() ? "" : ", ", machine.name_space,
+                           machine.machine);
+    }
+    const std::string& first = machines_.begin()->second.name_space;
+    message += fmt::format("; found {} - use --namespace {}", found, first.empty() ? "''" : first);
+  }
+  return {ExitCode::kNoController, {kCodeNetError, message}};
+}
+
+Failure Link::NoAnswer(Duration timeout) const {
+  std::string who = "the controller";
+  for (const auto& [writer, machine] : machines_) {
+    if (machine.name_space != global_.name_space) continue;
+    who = fmt::format("the controller of {} (process {})", machine.machine, machine.pid);
+  }
+  return {ExitCode::kNoAnswer,
+          {kCodeTimeout, fmt::format("{} did not answer within {:g} s", who,
+                                     std::chrono::duration<double>(timeout).count())}};
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,67 @@
+#pragma once
+// What a person can ask of `musher`, as values. command_line.hpp makes them from argv.
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "musher/lifecycle/time.hpp"
+
+namespace musher::cli {
+
+enum class ColourWhen { kAuto, kAlways, kNever };
+
+struct GlobalOptions {
+  bool json = false;
+  std::string name_space;                // without outer '/'
+  bool name_space_given = false;         // by --namespace, not by the environment
+  std::optional<int> domain;             // none: ROS_DOMAIN_ID, else 0
+  std::optional<std::string> transport;  // "local" or "lan"; none: MUSHER_TRANSPORT, else local
+  std::optional<Duration> timeout;       // for the controller's answer; none: the command's own
+  ColourWhen colour = ColourWhen::kAuto;
+};
+
+struct CheckOptions {
+  std::vector<std::string> files;
+};
+struct UpOptions {
+  std::string file;
+  bool detach = false;
+};
+struct DownOptions {};
+struct StatusOptions {
+  bool watch = false;
+};
+struct SetOptions {
+  std::string state;
+  std::string actuator;  // empty: the whole machine
+};
+struct PlanOptions {
+  std::string state;
+  std::string actuator;
+};
+struct HistoryOptions {
+  std::string since;    // empty: all
+  std::string journal;  // empty: ask the controller
+  unsigned limit = 1000;
+};
+struct GraphOptions {
+  std::string file;
+  std::string what = "flow";  // or "actuators"
+  std::string format;         // "dot", "mermaid" or "svg"
+  std::string output;         // empty: standard output
+};
+struct CompletionOptions {
+  std::string shell;  // "bash" or "zsh"
+};
+
+using CommandOptions = std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions,
+                                    PlanOptions, HistoryOptions, GraphOptions, CompletionOptions>;
+
+struct CommandLine {
+  GlobalOptions global;
+  CommandOptions command;
+};
+
+}  // namespace musher::cli

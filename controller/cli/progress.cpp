@@ -1,0 +1,76 @@
+#include "musher/controller/cli/progress.hpp"
+
+#include <sys/socket.h>
+
+#include <array>
+#include <cerrno>
+#include <system_error>
+
+namespace musher::cli {
+namespace {
+
+constexpr std::size_t kLargestMessage = 128 * 1024;  // bytes
+constexpr std::size_t kMostWaiting = 10'000;
+constexpr Duration kRetryPeriod = Milliseconds(100);
+
+}  // namespace
+
+std::pair<transport::UniqueFd, transport::UniqueFd> MakeProgressPair() {
+  std::array<int, 2> ends{};
+  if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    throw std::system_error(errno, std::generic_category(), "socketpair");
+  }
+  return {transport::UniqueFd(ends[0]), transport::UniqueFd(ends[1])};
+}
+
+void ProgressSender::Send(const Progress& progress) {
+  if (front_gone_) return;
+  msg::Bytes bytes = msg::Encode(progress);
+  if (bytes.size() > kLargestMessage) return;
+  // A front that takes nothing for long loses the oldest lines, never the newest.
+  if (waiting_.size() == kMostWaiting) waiting_.pop_front();
+  waiting_.push_back(std::move(bytes));
+  Flush();
+}
+
+void ProgressSender::Flush() {
+  while (!waiting_.empty()) {
+    const msg::Bytes& bytes = waiting_.front();
+    const ssize_t sent =
+        send(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent < 0 && (errno == EAGAIN || errno == ENOBUFS)) {
+      retry_ = loop_.At(loop_.Now() + kRetryPeriod, [this] { Flush(); });
+      return;
+    }
+    if (sent < 0) {
+      front_gone_ = true;
+      waiting_.clear();
+      return;
+    }
+    waiting_.pop_front();
+  }
+}
+
+ProgressReceiver::ProgressReceiver(transport::EventLoop& loop, transport::UniqueFd socket,
+                                   std::function<void(const Progress&)> on_progress,
+                                   std::function<void()> on_end)
+    : socket_(std::move(socket)),
+      on_progress_(std::move(on_progress)),
+      on_end_(std::move(on_end)),
+      watch_(loop.WhenReadable(socket_.get(), [this] { Receive(); })) {}
+
+void ProgressReceiver::Receive() {
+  msg::Bytes bytes(kLargestMessage);
+  const ssize_t size = recv(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+  if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
+  if (size <= 0) {
+    watch_ = nullptr;
+    on_end_();
+    return;
+  }
+  bytes.resize(size);
+  if (const auto progress = msg::Decode<Progress>(bytes)) on_progress_(*progress);
+}
+
+}  // namespace musher::cli

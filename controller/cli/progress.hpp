@@ -1,0 +1,75 @@
+#pragma once
+// What the controller process tells the `musher up` that started it, over a socket pair: what
+// happens, and how the start ended.
+//
+// Threads: loop thread only.
+
+#include <deque>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "musher/messages/cdr.hpp"
+#include "musher/transport/event_loop.hpp"
+#include "musher/transport/unique_fd.hpp"
+
+namespace musher::cli {
+
+struct Progress {
+  static constexpr const char* kStartUp = "start-up";        // it has ended; code 0: usable
+  static constexpr const char* kNotStarted = "not-started";  // there is no controller, and why
+  static constexpr const char* kTrouble = "trouble";         // the robot goes on in spite of it
+  static constexpr const char* kStopped = "stopped";         // the machine is stopped
+
+  std::int64_t wall_ns = 0;
+  std::string kind;  // one of the above, or a journal entry's
+  std::string actuator;
+  std::uint64_t switch_number = 0;
+  std::int32_t code = 0;
+  std::string message;
+
+  template <class Self>
+  static auto Fields(Self& m) {
+    return std::tie(m.wall_ns, m.kind, m.actuator, m.switch_number, m.code, m.message);
+  }
+  friend bool operator==(const Progress&, const Progress&) = default;
+};
+
+// The two ends of a connection; each message arrives whole.
+std::pair<transport::UniqueFd, transport::UniqueFd> MakeProgressPair();
+
+// The controller's end. Never blocks: what a front that is stopped does not take waits here, and
+// once the front has gone nothing is sent any more.
+class ProgressSender {
+ public:
+  ProgressSender(transport::EventLoop& loop, transport::UniqueFd socket)
+      : loop_(loop), socket_(std::move(socket)) {}
+
+  void Send(const Progress& progress);
+
+ private:
+  void Flush();
+
+  transport::EventLoop& loop_;
+  transport::UniqueFd socket_;
+  bool front_gone_ = false;
+  std::deque<msg::Bytes> waiting_;
+  transport::LoopHandlePtr retry_;
+};
+
+// The front's end: gives what comes, then says once that the controller process has let go.
+class ProgressReceiver {
+ public:
+  ProgressReceiver(transport::EventLoop& loop, transport::UniqueFd socket,
+                   std::function<void(const Progress&)> on_progress, std::function<void()> on_end);
+
+ private:
+  void Receive();
+
+  transport::UniqueFd socket_;
+  std::function<void(const Progress&)> on_progress_;
+  std::function<void()> on_end_;
+  transport::LoopHandlePtr watch_;
+};
+
+}  // namespace musher::cli

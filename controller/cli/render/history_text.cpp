@@ -1,0 +1,42 @@
+#include <fmt/format.h>
+
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/wall_time.hpp"
+#include "musher/lifecycle/code.hpp"
+
+namespace musher::cli {
+namespace {
+
+std::string Sentence(const std::string& message, std::int32_t code, bool colour) {
+  if (code == kCodeOk) return Printable(message);
+  return Paint(Printable(message) + " (" + CodeText(code) + ")", Style::kBad, colour);
+}
+
+std::string Count(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+std::string HistoryText(const std::vector<msg::HistoryEntry>& entries, bool colour) {
+  std::string text;
+  for (const msg::HistoryEntry& e : entries) {
+    text += Paint(LocalText(e.wall_ns), Style::kDim, colour) + fmt::format("  {:<9}", e.kind) +
+            Sentence(e.message, e.code, colour) + '\n';
+  }
+  return text;
+}
+
+std::string ProgressText(const Progress& progress, bool colour) {
+  return Paint(LocalTime(progress.wall_ns), Style::kDim, colour) + "  " +
+         Sentence(progress.message, progress.code, colour) + '\n';
+}
+
+std::string ConfigSummary(const MachineConfig& config) {
+  int stages = 1;
+  for (const ActuatorConfig& a : config.actuators) stages = std::max(stages, a.stage);
+  return Count(config.actuators.size(), "actuator") + ", " + Count(config.states.size(), "state") +
+         ", " + Count(stages, "stage");
+}
+
+}  // namespace musher::cli

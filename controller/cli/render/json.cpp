@@ -1,0 +1,145 @@
+#include "musher/controller/cli/render/json.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "musher/controller/cli/wall_time.hpp"
+
+namespace musher::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;  // keys in the order they are written here
+
+// On one line; bytes that are not UTF-8 become U+FFFD.
+std::string Text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json Of(const Diagnostic& d) {
+  return {{"file", d.file},
+          {"line", d.line},
+          {"column", d.column},
+          {"severity", SeverityName(d.severity)},
+          {"message", d.message}};
+}
+
+Json Of(const std::vector<Diagnostic>& diagnostics) {
+  Json list = Json::array();
+  for (const Diagnostic& d : diagnostics) list.push_back(Of(d));
+  return list;
+}
+
+Json Of(const msg::ActuatorInfo& a) {
+  return {{"state", a.state},       {"pid", a.pid},           {"target", a.target},
+          {"presence", a.presence}, {"stage", a.stage},       {"critical", a.critical},
+          {"held", a.held},         {"degraded", a.degraded}, {"code", a.code},
+          {"message", a.message},   {"host", a.host}};
+}
+
+}  // namespace
+
+std::string StatusJson(const msg::MachineStatus& status) {
+  Json actuators = Json::object();
+  for (const msg::ActuatorInfo& a : status.actuators) actuators[a.name] = Of(a);
+  return Text({{"machine", status.machine},
+               {"pid", status.pid},
+               {"state", status.state},
+               {"degraded", status.degraded},
+               {"actuators", actuators},
+               {"phase", status.phase},
+               {"target", status.target},
+               {"epoch", status.epoch},
+               {"switch", status.switch_number},
+               {"namespace", status.name_space},
+               {"config", status.config_file},
+               {"config_hash", status.config_hash},
+               {"host", status.host}});
+}
+
+std::string SwitchJson(const msg::SetState::Response& result) {
+  Json actuators = Json::object();
+  for (const msg::ActuatorOutcome& a : result.actuators) {
+    actuators[a.name] = {{"outcome", a.outcome},
+                         {"code", a.code},
+                         {"message", a.message},
+                         {"duration_ms", a.duration_ms},
+                         {"state", a.state}};
+  }
+  return Text({{"switch", result.switch_number},
+               {"target", result.target},
+               {"actuator", result.actuator},
+               {"outcome", result.outcome},
+               {"code", result.code},
+               {"reason", result.reason},
+               {"state", result.state},
+               {"degraded", result.degraded},
+               {"actuators", actuators}});
+}
+
+std::string PlanJson(const msg::GetPlan::Response& plan) {
+  Json steps = Json::array();
+  for (const msg::PlanStep& s : plan.steps) {
+    steps.push_back({{"actuator", s.name},
+                     {"wave", s.wave},
+                     {"from", s.from},
+                     {"to", s.to},
+                     {"deadline_ms", s.deadline_ms},
+                     {"note", s.note}});
+  }
+  return Text({{"target", plan.target},
+               {"actuator", plan.actuator},
+               {"allowed", plan.allowed},
+               {"code", plan.code},
+               {"reason", plan.reason},
+               {"direction", plan.direction},
+               {"state", plan.state},
+               {"steps", steps}});
+}
+
+std::string HistoryJson(const std::vector<msg::HistoryEntry>& entries) {
+  Json list = Json::array();
+  for (const msg::HistoryEntry& e : entries) {
+    list.push_back({{"time", UtcText(e.wall_ns)},
+                    {"epoch", e.epoch},
+                    {"switch", e.switch_number},
+                    {"kind", e.kind},
+                    {"actuator", e.actuator},
+                    {"code", e.code},
+                    {"message", e.message}});
+  }
+  return Text({{"entries", list}});
+}
+
+std::string CheckJson(const std::vector<Diagnostic>& diagnostics) {
+  return Text({{"valid", !HasError(diagnostics)}, {"diagnostics", Of(diagnostics)}});
+}
+
+std::string BadConfigJson(const std::string& file, const std::vector<Diagnostic>& diagnostics) {
+  return Text({{"error", file + " is not a valid state config"},
+               {"code", kCodeParametersInvalid},
+               {"diagnostics", Of(diagnostics)}});
+}
+
+std::string GraphJson(const std::string& format, const std::string& drawing) {
+  return Text({{"format", format}, {"graph", drawing}});
+}
+
+std::string GraphFileJson(const std::string& format, const std::string& file) {
+  return Text({{"format", format}, {"output", file}});
+}
+
+std::string ProgressJson(const Progress& progress) {
+  return Text({{"time", UtcText(progress.wall_ns)},
+               {"kind", progress.kind},
+               {"actuator", progress.actuator},
+               {"switch", progress.switch_number},
+               {"code", progress.code},
+               {"message", progress.message}});
+}
+
+std::string FailureJson(const Failure& failure) {
+  Json json = {{"error", failure.error.message}, {"code", failure.error.code}};
+  if (failure.switch_number != 0) json["switch"] = failure.switch_number;
+  return Text(json);
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,27 @@
+#pragma once
+// The JSON documents of `--json`, each on one line. Their keys are a contract: keys may be added,
+// none is renamed or removed.
+
+#include <string>
+#include <vector>
+
+#include "musher/controller/cli/exit_code.hpp"
+#include "musher/controller/cli/progress.hpp"
+#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
+
+namespace musher::cli {
+
+std::string StatusJson(const msg::MachineStatus& status);
+std::string SwitchJson(const msg::SetState::Response& result);
+std::string PlanJson(const msg::GetPlan::Response& plan);
+std::string HistoryJson(const std::vector<msg::HistoryEntry>& entries);
+std::string CheckJson(const std::vector<Diagnostic>& diagnostics);
+// What a command says that cannot go on with a config.
+std::string BadConfigJson(const std::string& file, const std::vector<Diagnostic>& diagnostics);
+std::string GraphJson(const std::string& format, const std::string& drawing);
+std::string GraphFileJson(const std::string& format, const std::string& file);
+std::string ProgressJson(const Progress& progress);  // a line of `up --json`
+std::string FailureJson(const Failure& failure);
+
+}  // namespace musher::cli

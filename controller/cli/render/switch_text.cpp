@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <climits>
+
+#include "musher/controller/cli/render/table.hpp"
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/lifecycle/code.hpp"
+
+namespace musher::cli {
+namespace {
+
+Style StyleOfOutcome(std::string_view outcome) {
+  if (outcome == "done") return Style::kGood;
+  if (outcome == "skipped" || outcome == "undone" || outcome == "unsupported") return Style::kBusy;
+  return Style::kBad;
+}
+
+std::string WithCode(const std::string& message, std::int32_t code) {
+  if (code == kCodeOk) return Printable(message);
+  return Printable(message) + (message.empty() ? "" : " ") + "(" + CodeText(code) + ")";
+}
+
+}  // namespace
+
+std::string SwitchText(const msg::SetState::Response& result, bool colour) {
+  std::string text = Paint(result.outcome, StyleOfOutcome(result.outcome), colour) + ": " +
+                     (result.actuator.empty() ? "the machine" : result.actuator) + " is in " +
+                     result.state;
+  if (result.switch_number != 0) text += fmt::format(" (switch {})", result.switch_number);
+  text += '\n';
+  if (result.actuators.empty()) return text;
+  Table table({"ACTUATOR", "OUTCOME", "TOOK", "STATE", "NOTE"});
+  for (const msg::ActuatorOutcome& a : result.actuators) {
+    table.Add({{a.name},
+               {a.outcome, StyleOfOutcome(a.outcome)},
+               {a.duration_ms > 0 ? fmt::format("{:.1f} ms", a.duration_ms) : "-"},
+               {a.state, StyleOfState(a.state)},
+               {WithCode(a.message, a.code), Style::kDim}});
+  }
+  return text + table.Text(colour);
+}
+
+std::string SwitchComplaint(const msg::SetState::Response& result) {
+  const std::string target =
+      (result.actuator.empty() ? "" : result.actuator + " to ") + result.target;
+  return target + " is " + result.outcome + ": " +
+         (result.reason.empty() ? CodeText(result.code) : result.reason);
+}
+
+std::string PlanText(const msg::GetPlan::Response& plan, bool colour) {
+  std::string text = plan.state + " \u2192 " + plan.target;
+  if (!plan.actuator.empty()) text = plan.actuator + ": " + text;
+  if (!plan.allowed) {
+    text += "  " + Paint("would be refused", Style::kBad, colour) + ": " +
+            WithCode(plan.reason, plan.code) + '\n';
+  } else {
+    text += "  (" + plan.direction + ")\n";
+  }
+  if (plan.steps.empty()) return text;
+  Table table({"WAVE", "ACTUATOR", "FROM", "TO", "DEADLINE", "NOTE"});
+  std::vector<msg::PlanStep> steps = plan.steps;
+  std::stable_sort(steps.begin(), steps.end(), [](const auto& a, const auto& b) {
+    return (a.wave > 0 ? a.wave : INT_MAX) < (b.wave > 0 ? b.wave : INT_MAX);
+  });
+  for (const msg::PlanStep& s : steps) {
+    const bool driven = s.wave > 0;
+    table.Add({{driven ? std::to_string(s.wave) : "-"},
+               {s.name},
+               {s.from, StyleOfState(s.from)},
+               {driven ? s.to : "", StyleOfState(s.to)},
+               {driven ? fmt::format("{} ms", s.deadline_ms) : ""},
+               {Printable(s.note), Style::kDim}});
+  }
+  return text + table.Text(colour);
+}
+
+}  // namespace musher::cli

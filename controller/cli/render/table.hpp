@@ -1,0 +1,33 @@
+#pragma once
+// Rows of cells, aligned in columns.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/controller/cli/console.hpp"
+
+namespace musher::cli {
+
+// How many columns of a terminal a UTF-8 text takes, a character each.
+std::size_t Width(std::string_view text);
+
+class Table {
+ public:
+  struct Cell {
+    std::string text;
+    Style style = Style::kPlain;
+  };
+
+  explicit Table(std::vector<std::string> header);
+
+  void Add(std::vector<Cell> row) { rows_.push_back(std::move(row)); }
+
+  // Lines with two spaces between columns and none at their ends.
+  std::string Text(bool colour) const;
+
+ private:
+  std::vector<std::vector<Cell>> rows_;
+};
+
+}  // namespace musher::cli

@@ -1,0 +1,32 @@
+#pragma once
+// What people see: the same messages that json.hpp gives to programs, as lines and tables.
+
+#include <string>
+#include <vector>
+
+#include "musher/controller/cli/console.hpp"
+#include "musher/controller/cli/progress.hpp"
+#include "musher/lifecycle/config.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
+
+namespace musher::cli {
+
+// The style that says how good it is to be in a state.
+Style StyleOfState(std::string_view state);
+
+std::string StatusText(const msg::MachineStatus& status, bool colour);
+// The same on one line, for output that is not a terminal.
+std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns);
+
+std::string SwitchText(const msg::SetState::Response& result, bool colour);
+// Why a switch is not done, as one sentence.
+std::string SwitchComplaint(const msg::SetState::Response& result);
+
+std::string PlanText(const msg::GetPlan::Response& plan, bool colour);
+std::string HistoryText(const std::vector<msg::HistoryEntry>& entries, bool colour);
+std::string ProgressText(const Progress& progress, bool colour);
+
+// "7 actuators, 9 states, 2 stages"
+std::string ConfigSummary(const MachineConfig& config);
+
+}  // namespace musher::cli

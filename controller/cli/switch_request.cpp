@@ -1,0 +1,58 @@
+#include "musher/controller/cli/switch_request.hpp"
+
+#include <fmt/format.h>
+
+#include "musher/controller/cli/link.hpp"
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/lifecycle/state.hpp"
+
+namespace musher::cli {
+namespace {
+
+constexpr Duration kTimeout = std::chrono::seconds(60);
+constexpr Duration kControllerEnd = std::chrono::seconds(3);
+
+// A switch does not end because nobody waits for it any more: says which one goes on.
+Failure WithSwitch(Failure failure, const std::optional<msg::MachineStatus>& status,
+                   const std::string& target) {
+  if (failure.exit != ExitCode::kNoAnswer && failure.exit != ExitCode::kInterrupted) return failure;
+  if (status && status->target == target) {
+    failure.switch_number = status->switch_number;
+    failure.error.message +=
+        fmt::format("; switch {} to {} goes on, `musher status` shows how it ends",
+                    status->switch_number, target);
+  } else if (status) {
+    failure.error.message += fmt::format(
+        "; a switch that was begun goes on, its number is above {} (`musher history` tells)",
+        status->switch_number);
+  }
+  return failure;
+}
+
+}  // namespace
+
+ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
+                       const GlobalOptions& global, Console& console) {
+  const auto link = Link::Open(global);
+  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  if (const auto r = link.value()->FollowStatus({}); !r) {
+    return console.Fail({ExitCode::kUsage, r.error()});
+  }
+  const auto answer = link.value()->Ask<msg::SetState>("set_state", {target, actuator}, kTimeout);
+  if (const auto* failure = std::get_if<Failure>(&answer)) {
+    return console.Fail(WithSwitch(*failure, link.value()->status(), target));
+  }
+  const auto& result = std::get<msg::SetState::Response>(answer);
+  // A controller ends with its machine. Once we return, the next one may start.
+  if (target == kTearDown && result.state == kTearDown && link.value()->status()) {
+    link.value()->AwaitEndOf(*link.value()->status(), kControllerEnd);
+  }
+  console.Print(console.mode().json ? SwitchJson(result)
+                                    : SwitchText(result, console.mode().colour));
+  if (result.outcome == "done") return ExitCode::kDone;
+  console.Complain(SwitchComplaint(result));
+  return ExitCode::kNotDone;
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,55 @@
+// musher up FILE: starts a machine. The controller gets a process of its own, forked before there
+// is a thread or a socket of DDS; this one stays in the foreground and shows what happens.
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+
+#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/config_file.hpp"
+#include "musher/controller/cli/controller_process.hpp"
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/signals.hpp"
+#include "musher/controller/cli/up_front.hpp"
+#include "musher/transport/host.hpp"
+
+namespace musher::cli {
+
+ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& console) {
+  auto config = LoadConfig(options.file, console);
+  if (!config) return ExitCode::kUsage;
+  config->file = std::filesystem::absolute(config->file);  // for actuators that run elsewhere
+  if (global.name_space_given && global.name_space != config->name_space) {
+    return console.Fail(
+        {ExitCode::kUsage,
+         {kCodeParametersInvalid,
+          "the namespace of a machine is in its config, since its actuators read it "
+          "there: " +
+              options.file + " says '" + config->name_space + "'"}});
+  }
+  if (!console.mode().json) console.Print(config->name + ": " + ConfigSummary(*config));
+
+  transport::UniqueFd signals = TakeEndSignals();  // before: none may come in between
+  auto [ours, theirs] = MakeProgressPair();
+  const pid_t front = getpid();
+  const pid_t controller = fork();
+  if (controller < 0) return console.Fail({ExitCode::kUsage, transport::SystemError("fork")});
+  if (controller == 0) {
+    signals = {};
+    ours = {};
+    int exit_code = 0;
+    {
+      ControllerProcess process(*config, std::move(theirs), options.detach ? 0 : front);
+      exit_code = process.Run();
+    }
+    std::exit(exit_code);  // NOLINT(concurrency-mt-unsafe)
+  }
+  theirs = {};
+  return UpFront(console, config->name, controller, std::move(ours), std::move(signals),
+                 options.detach)
+      .Run();
+}
+
+}  // namespace musher::cli

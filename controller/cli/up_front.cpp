@@ -1,0 +1,108 @@
+#include "musher/controller/cli/up_front.hpp"
+
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/signals.hpp"
+
+namespace musher::cli {
+namespace {
+
+// "killed by signal 9 (Killed)" or "exit code 1"
+std::string HowItEnded(pid_t pid) {
+  int status = 0;
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (!WIFSIGNALED(status)) return "exit code " + std::to_string(WEXITSTATUS(status));
+  return "killed by signal " + std::to_string(WTERMSIG(status)) + " (" +
+         strsignal(WTERMSIG(status)) + ")";  // NOLINT(concurrency-mt-unsafe)
+}
+
+}  // namespace
+
+UpFront::UpFront(Console& console, std::string machine, pid_t controller,
+                 transport::UniqueFd progress, transport::UniqueFd signals, bool detach)
+    : console_(console),
+      machine_(std::move(machine)),
+      controller_(controller),
+      detach_(detach),
+      signals_(std::move(signals)),
+      signal_watch_(loop_.WhenReadable(signals_.get(), [this] { OnSignal(); })),
+      progress_(
+          loop_, std::move(progress), [this](const Progress& p) { OnProgress(p); },
+          [this] { OnEnd(); }) {}
+
+ExitCode UpFront::Run() {
+  loop_.Run();
+  return exit_;
+}
+
+void UpFront::OnProgress(const Progress& progress) {
+  if (progress.kind == Progress::kNotStarted) {
+    failed_to_start_ = true;
+    exit_ = console_.Fail({ExitCode::kUsage, {progress.code, progress.message}});
+    return;  // its end follows
+  }
+  const bool said_already = progress.kind == Progress::kStartUp;  // as a record of the machine
+  if (console_.mode().json) {
+    console_.Print(ProgressJson(progress));
+  } else if (progress.kind == Progress::kTrouble) {
+    console_.Complain(progress.message);
+  } else if (!said_already) {
+    console_.Print(ProgressText(progress, console_.mode().colour));
+  }
+  if (progress.kind == Progress::kStopped) stopped_ = true;
+  if (progress.kind == Progress::kStartUp) OnStartUp(progress);
+}
+
+void UpFront::OnStartUp(const Progress& progress) {
+  const std::string controller = "the controller, process " + std::to_string(controller_);
+  if (progress.code == kCodeOk) {
+    came_up_ = true;
+    if (stop_asked_ || !detach_) return;
+    if (!console_.mode().json) {
+      console_.Print(machine_ + " is up; " + controller + ", stays: `musher down` ends it");
+    }
+    return Leave(ExitCode::kDone);
+  }
+  console_.Complain(progress.message);
+  if (stop_asked_) return;
+  console_.Complain(controller +
+                    ", and the actuators stay up for inspection: `musher status` shows "
+                    "them, `musher down` ends them");
+  Leave(ExitCode::kNotDone);
+}
+
+void UpFront::OnEnd() {
+  const std::string how = HowItEnded(controller_);
+  if (stopped_) {
+    if (!came_up_) console_.Complain(machine_ + " was stopped before it was up");
+    return Leave(came_up_ ? ExitCode::kDone : ExitCode::kNotDone);
+  }
+  if (failed_to_start_) return Leave(exit_);
+  Leave(
+      console_.Fail({ExitCode::kNotDone,
+                     {kCodeFailed, "the controller of " + machine_ + " has died (" + how +
+                                       "); actuators go on without it, and `musher up` takes them "
+                                       "over again"}}));
+}
+
+void UpFront::OnSignal() {
+  if (NextSignal(signals_) == 0) return;
+  if (stop_asked_) return console_.Complain(machine_ + " is being taken down already");
+  stop_asked_ = true;
+  console_.Complain("taking " + machine_ + " down");
+  kill(controller_, SIGTERM);
+}
+
+void UpFront::Leave(ExitCode exit) {
+  exit_ = exit;
+  loop_.Stop();
+}
+
+}  // namespace musher::cli

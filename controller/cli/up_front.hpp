@@ -1,0 +1,53 @@
+#pragma once
+// What the terminal sees of `musher up`: the process in the foreground, which shows what the
+// controller process tells and hands signals on to it.
+//
+//                       ┌ detached: leaves with 0
+//   starting ─ usable ──┴▶ stays ─ stopped ─▶ 0
+//      ├─ failed ─▶ leaves with 1; the controller and the actuators stay up for inspection
+//      ├─ not started ─▶ 2
+//      └─ stopped by a signal before it was usable ─▶ 1
+//
+// Threads: one. Has no DDS.
+
+#include <sys/types.h>
+
+#include <string>
+
+#include "musher/controller/cli/console.hpp"
+#include "musher/controller/cli/progress.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::cli {
+
+class UpFront {
+ public:
+  // `signals`: TakeEndSignals().
+  UpFront(Console& console, std::string machine, pid_t controller, transport::UniqueFd progress,
+          transport::UniqueFd signals, bool detach);
+
+  ExitCode Run();
+
+ private:
+  void OnProgress(const Progress& progress);
+  void OnStartUp(const Progress& progress);
+  void OnEnd();
+  void OnSignal();
+  void Leave(ExitCode exit);
+
+  Console& console_;
+  const std::string machine_;
+  const pid_t controller_;
+  const bool detach_;
+  bool came_up_ = false;
+  bool stopped_ = false;
+  bool stop_asked_ = false;
+  bool failed_to_start_ = false;
+  ExitCode exit_ = ExitCode::kNotDone;
+  transport::UniqueFd signals_;
+  transport::LinuxEventLoop loop_;
+  transport::LoopHandlePtr signal_watch_;
+  ProgressReceiver progress_;
+};
+
+}  // namespace musher::cli

@@ -1,0 +1,58 @@
+#pragma once
+// A controller with everything it needs: folder, lock, epoch, journal, processes, services. What
+// the `musher up` program and MachineController have in common.
+//
+// Threads: loop thread only.
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "musher/controller/controller_services.hpp"
+#include "musher/controller/controller_shell.hpp"
+#include "musher/controller/journal.hpp"
+#include "musher/controller/process_supervisor.hpp"
+#include "musher/controller/state_store.hpp"
+
+namespace musher {
+
+struct ControllerOptions {
+  bool by_hand = false;  // the start-up is driven by requests instead of by the controller itself
+  ControllerShell::Hooks hooks;
+  // Told about trouble that does not stop the robot (a full disk, say), once each. From any thread.
+  std::function<void(const std::string&)> on_trouble;
+};
+
+class Controller {
+ public:
+  // Takes the machine over and begins. Fails with kCodeTargetBusy when a living controller has it.
+  // The node, whose domain is `domain_id`, and the config must outlive the controller.
+  static Result<std::unique_ptr<Controller>> Make(transport::Node& node, int domain_id,
+                                                  const MachineConfig& config,
+                                                  ControllerOptions options);
+  // Leaves all processes running.
+  ~Controller();
+
+  ControllerShell& shell() { return *shell_; }
+  // Waits until what was recorded is on disk, at most `timeout`.
+  void FlushJournal(Duration timeout);
+
+ private:
+  Controller(transport::Node& node, const MachineConfig& config, ControllerOptions options);
+  Result<> Open(int domain_id);
+  std::uint64_t LoadEpoch();
+  void SaveEpoch(std::uint64_t epoch);
+  void Trouble(const std::string& message);
+
+  transport::Node& node_;
+  const MachineConfig& config_;
+  ControllerOptions options_;
+  std::optional<StateStore> store_;  // none when the disk does not let us
+  std::unique_ptr<JournalSink> journal_;
+  Journal* file_journal_ = nullptr;  // the same, when there is a store
+  ProcessSupervisor processes_;
+  std::unique_ptr<ControllerShell> shell_;
+  std::unique_ptr<ControllerServices> services_;
+};
+
+}  // namespace musher

@@ -1,0 +1,134 @@
+#include "musher/controller/controller_services.hpp"
+
+#include <utility>
+
+#include "musher/controller/journal.hpp"
+#include "musher/controller/wire.hpp"
+#include "musher/lifecycle/plan.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher {
+namespace {
+
+// Longer than any name in a valid config; a request with a longer one is refused unread.
+constexpr std::size_t kLongestName = 256;
+constexpr std::uint32_t kMostEntries = 1000;
+
+std::optional<Error> JudgeLengths(const msg::SetState::Request& request) {
+  if (request.target.size() <= kLongestName && request.actuator.size() <= kLongestName) {
+    return std::nullopt;
+  }
+  return Error{kCodeParametersInvalid,
+               "a name of more than " + std::to_string(kLongestName) + " bytes is not one of ours"};
+}
+
+msg::GetHistory::Response History(const std::string& file, std::int64_t since_wall_ns,
+                                  std::uint32_t limit) {
+  msg::GetHistory::Response response;
+  const auto entries = ReadJournal(file, since_wall_ns, limit == 0 ? kMostEntries : limit);
+  if (!entries) {
+    response.error = entries.error().message;
+    return response;
+  }
+  std::int64_t id = 0;
+  for (const JournalEntry& entry : entries.value()) {
+    response.entries.push_back({++id, entry.wall_ns, entry.epoch, entry.switch_number, entry.kind,
+                                entry.actuator, entry.code, entry.message});
+  }
+  return response;
+}
+
+}  // namespace
+
+ControllerServices::ControllerServices(transport::Node& node, ControllerShell& shell,
+                                       std::string journal_file)
+    : node_(node), shell_(shell), journal_file_(std::move(journal_file)) {}
+
+Result<std::unique_ptr<ControllerServices>> ControllerServices::Make(transport::Node& node,
+                                                                     ControllerShell& shell,
+                                                                     std::string journal_file) {
+  std::unique_ptr<ControllerServices> services(
+      new ControllerServices(node, shell, std::move(journal_file)));
+  if (auto opened = services->Open(); !opened) return opened.error();
+  return services;
+}
+
+Result<> ControllerServices::Open() {
+  const std::string& name_space = shell_.config().name_space;
+  const auto open = [&]<class S>(std::unique_ptr<transport::Server<S>>& server, const char* name,
+                                 typename transport::Server<S>::Handler handler) -> Result<> {
+    auto made = transport::MakeServer<S>(node_, transport::MachineService(name_space, name),
+                                         std::move(handler));
+    if (!made) return made.error();
+    server = std::move(made).value();
+    return Ok();
+  };
+  if (auto r = open(set_state_, "set_state",
+                    [this](const auto& request, auto reply) { OnSetState(request, reply); });
+      !r) {
+    return r;
+  }
+  if (auto r = open(get_status_, "get_status",
+                    [this](const auto&, auto reply) { reply({shell_.Status()}); });
+      !r) {
+    return r;
+  }
+  if (auto r = open(get_plan_, "get_plan",
+                    [this](const auto& request, auto reply) { reply(OnGetPlan(request)); });
+      !r) {
+    return r;
+  }
+  return open(get_history_, "get_history",
+              [this](const auto& request, auto reply) { OnGetHistory(request, std::move(reply)); });
+}
+
+void ControllerServices::OnSetState(const msg::SetState::Request& request,
+                                    const transport::Server<msg::SetState>::Reply& reply) {
+  if (const auto error = JudgeLengths(request)) {
+    SwitchResult refusal;
+    refusal.outcome = SwitchOutcome::kRefused;
+    refusal.code = error->code;
+    refusal.reason = error->message;
+    refusal.state = shell_.machine().state;
+    return reply(ToMessage(refusal));
+  }
+  std::optional<std::string> actuator;
+  if (!request.actuator.empty()) actuator = request.actuator;
+  shell_.SetState(request.target, actuator,
+                  [reply](const SwitchResult& result) { reply(ToMessage(result)); });
+}
+
+msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request& request) const {
+  const MachineConfig& config = shell_.config();
+  const auto only = config.IndexOf(request.actuator);
+  auto error = JudgeLengths(request);
+  if (!error && !request.actuator.empty() && !only) {
+    error = Error{kCodeParametersInvalid, "unknown actuator '" + request.actuator + "'"};
+  }
+  if (!error) return ToMessage(config, MakePlan(config, shell_.machine(), request.target, only));
+  msg::GetPlan::Response response;
+  response.code = error->code;
+  response.reason = error->message;
+  response.state = shell_.machine().state;
+  return response;
+}
+
+void ControllerServices::OnGetHistory(const msg::GetHistory::Request& request, HistoryReply reply) {
+  msg::GetHistory::Response refusal;
+  if (journal_file_.empty())
+    refusal.error = "this controller has no journal: its folder is not usable";
+  if (reading_history_) refusal.error = "somebody else is being told the history; ask again";
+  if (!refusal.error.empty()) return reply(refusal);
+  reading_history_ = true;
+  history_reader_ = std::jthread([this, request, reply = std::move(reply),
+                                  alive = std::weak_ptr<bool>(alive_), &loop = node_.loop()] {
+    auto response = History(journal_file_, request.since_wall_ns, request.limit);
+    loop.Post([this, alive, reply, response = std::move(response)] {
+      if (alive.expired()) return;
+      reading_history_ = false;
+      reply(response);
+    });
+  });
+}
+
+}  // namespace musher

@@ -1,0 +1,46 @@
+#pragma once
+// What a controller answers: set_state, get_status, get_plan and get_history under
+// <namespace>/musher/, for the CLI and for any ROS 2 node.
+//
+// Threads: loop thread only; history is read from the disk on a thread of its own.
+
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "musher/controller/controller_shell.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher {
+
+class ControllerServices {
+ public:
+  // `journal_file` empty: there is no history. The shell must outlive the services.
+  static Result<std::unique_ptr<ControllerServices>> Make(transport::Node& node,
+                                                          ControllerShell& shell,
+                                                          std::string journal_file);
+
+ private:
+  ControllerServices(transport::Node& node, ControllerShell& shell, std::string journal_file);
+  Result<> Open();
+
+  using HistoryReply = transport::Server<msg::GetHistory>::Reply;
+  void OnSetState(const msg::SetState::Request& request,
+                  const transport::Server<msg::SetState>::Reply& reply);
+  msg::GetPlan::Response OnGetPlan(const msg::GetPlan::Request& request) const;
+  void OnGetHistory(const msg::GetHistory::Request& request, HistoryReply reply);
+
+  transport::Node& node_;
+  ControllerShell& shell_;
+  const std::string journal_file_;
+  bool reading_history_ = false;
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
+  std::jthread history_reader_;
+  std::unique_ptr<transport::Server<msg::SetState>> set_state_;
+  std::unique_ptr<transport::Server<msg::GetStatus>> get_status_;
+  std::unique_ptr<transport::Server<msg::GetPlan>> get_plan_;
+  std::unique_ptr<transport::Server<msg::GetHistory>> get_history_;
+};
+
+}  // namespace musher

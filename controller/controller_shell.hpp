@@ -1,0 +1,127 @@
+#pragma once
+// The IO around the controller's decision code (lifecycle/coordinator.hpp): samples, process exits
+// and requests become events; actions become commands, processes, answers and journal entries.
+//
+// Threads: loop thread only. Runs on any transport; the simulation runs this very class.
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "musher/controller/journal.hpp"
+#include "musher/controller/process_runner.hpp"
+#include "musher/lifecycle/coordinator.hpp"
+#include "musher/messages/musher_msgs/actuator_command.hpp"
+#include "musher/messages/musher_msgs/machine_status.hpp"
+#include "musher/transport/node.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher {
+
+class ControllerShell {
+ public:
+  // What the shell works with; all must outlive it.
+  struct World {
+    transport::Node* node = nullptr;
+    ProcessRunner* processes = nullptr;
+    JournalSink* journal = nullptr;
+    std::function<void(std::uint64_t)> save_epoch;
+    std::function<std::string(const std::string&)> log_file;  // of an actuator's process
+    std::function<std::int64_t()> wall_ns;                    // since 1970
+    std::string host;                                         // transport::HostId()
+    std::int32_t pid = 0;
+  };
+  // What it tells; each may be empty.
+  struct Hooks {
+    std::function<void(const action::Record&)> on_record;
+    std::function<void(const action::StartUpEnded&)> on_start_up_ended;
+    std::function<void()> on_stopped;
+  };
+
+  static Result<std::unique_ptr<ControllerShell>> Make(World world, const MachineConfig& config,
+                                                       Hooks hooks);
+  ~ControllerShell();
+
+  // Starts the machine. `epoch`: the last one on disk; `running[i]`: actuator i's process runs
+  // already.
+  void Begin(bool by_hand, std::uint64_t epoch, std::vector<bool> running);
+
+  using OnResult = std::function<void(const SwitchResult&)>;
+  using OnSetUp = std::function<void(const Result<>&)>;
+  // Switches the machine, or one actuator. `done` runs exactly once, also for a refusal, maybe at
+  // once.
+  void SetState(const State& target, const std::optional<std::string>& actuator, OnResult done);
+  void AwaitSetUp(OnSetUp done);
+
+  const Machine& machine() const { return machine_; }
+  const MachineConfig& config() const { return config_; }
+  msg::MachineStatus Status() const;
+
+ private:
+  // What is kept for each actuator beside the machine's own record.
+  struct Link {
+    std::unique_ptr<transport::Client<msg::ActuatorCommand>> client;
+    std::uint64_t watched = 0;  // incarnation whose foreign process is watched
+    bool hash_told = false;     // that its config differs
+  };
+
+  ControllerShell(World world, const MachineConfig& config, Hooks hooks);
+  Result<> Open();
+
+  void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
+  void OnWriterLost(transport::PeerId writer);
+  void OnReply(std::size_t actuator, std::uint64_t number, bool ask,
+               const Result<msg::ActuatorCommand::Response>& reply);
+  void WatchForeign(std::size_t actuator, const ActuatorReport& report);
+  void CompareHash(std::size_t actuator, const std::string& hash);
+
+  void Handle(const Event& event);
+  void HandleQueued();
+  void ArmTimer();
+  void PublishSoon();
+  void Publish();
+  void Send(std::size_t actuator, msg::ActuatorCommand::Request request);
+  void Do(const action::SendSwitch& a);
+  void Do(const action::SendAsk& a);
+  void Do(const action::StartProcess& a);
+  void Do(const action::SignalProcess& a);
+  void Do(const action::AnswerSetState& a);
+  void Do(const action::AnswerSetUp& a);
+  void Do(const action::SaveEpoch& a);
+  void Do(const action::Record& a);
+  void Do(const action::StartUpEnded& a);
+  void Do(const action::Stopped& a);
+
+  World world_;
+  const MachineConfig& config_;
+  Hooks hooks_;
+  Machine machine_;
+  std::unordered_map<std::string, std::size_t> index_;
+  struct Speaker {
+    std::size_t actuator = 0;
+    std::uint64_t incarnation = 0;
+  };
+  std::unordered_map<transport::PeerId, Speaker> speakers_;  // who is behind a status writer
+  std::vector<Link> links_;
+  std::deque<Event> queue_;  // events that came while one was handled
+  bool handling_ = false;
+  RequestId next_request_ = 1;
+  std::map<RequestId, OnResult> waiting_for_result_;
+  std::map<RequestId, OnSetUp> waiting_for_set_up_;
+  msg::MachineStatus published_;
+  Time published_at_{};
+  transport::LoopHandlePtr publish_later_;
+  std::unique_ptr<transport::Publisher<msg::MachineStatus>> status_;
+  std::unique_ptr<transport::Publisher<msg::MachineInfo>> info_;
+  std::optional<Time> armed_for_;
+  transport::LoopHandlePtr timer_;
+  std::unique_ptr<transport::Subscription>
+      actuator_status_;  // last: its callbacks use all of the above
+};
+
+}  // namespace musher

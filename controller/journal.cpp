@@ -1,0 +1,207 @@
+#include "musher/controller/journal.hpp"
+
+#include <pthread.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <deque>
+#include <iterator>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "musher/controller/journal_file.hpp"
+
+namespace musher {
+
+// The queue and the thread that empties it. Everything below `mutex_` is guarded by it; `file_`,
+// `in_trouble_` and `options_` belong to the thread.
+class Journal::Writer {
+ public:
+  Writer(std::string path, JournalOptions options);
+  ~Writer();
+
+  void Append(JournalEntry entry) noexcept;
+  bool Flush(Duration timeout);
+
+ private:
+  using Lock = std::unique_lock<std::mutex>;
+
+  void Run();
+  void WaitForWork(Lock& lock);
+  bool Write(const std::deque<JournalEntry>& batch);
+  void Say(const std::string& text) const;
+  void PutBack(std::deque<JournalEntry> batch);
+  void DropOldest();
+
+  const JournalOptions options_;
+  JournalFile file_;
+  bool in_trouble_ = false;
+
+  std::mutex mutex_;
+  std::condition_variable work_;       // the writer waits on it
+  std::condition_variable attempted_;  // Flush() waits on it
+  std::deque<JournalEntry> waiting_;
+  std::uint64_t lost_ = 0;
+  std::uint64_t attempts_begun_ = 0;
+  std::uint64_t attempts_ended_ = 0;
+  bool last_attempt_worked_ = true;
+  bool hurry_ = false;  // try now, whatever the retry period says
+  bool stop_ = false;
+  bool gathering_ = false;  // the writer need not be told of more entries
+
+  std::thread thread_;  // last: it uses all of the above
+};
+
+namespace {
+
+// How long entries gather before they are written: a switch has as good as ended by then, and all
+// it left goes into one transaction.
+constexpr Duration kGatherTime = Milliseconds(5);
+
+JournalEntry LostEntry(std::uint64_t lost) {
+  const auto wall = std::chrono::system_clock::now().time_since_epoch();
+  const auto steady = std::chrono::steady_clock::now().time_since_epoch();
+  JournalEntry entry;
+  entry.wall_ns = std::chrono::nanoseconds(wall).count();
+  entry.steady_ns = std::chrono::nanoseconds(steady).count();
+  entry.kind = "journal";
+  entry.code = kCodeFailed;
+  entry.message = "entries lost before this one, for want of room: " + std::to_string(lost);
+  entry.data = "{\"lost\":" + std::to_string(lost) + "}";
+  return entry;
+}
+
+// Starts a thread that no signal is delivered to.
+template <typename Work>
+std::thread StartQuietThread(Work work) {
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  std::thread thread(std::move(work));
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return thread;
+}
+
+}  // namespace
+
+Journal::Writer::Writer(std::string path, JournalOptions options)
+    : options_(std::move(options)),
+      file_(std::move(path), options_.max_bytes, [this](const auto& text) { Say(text); }),
+      thread_(StartQuietThread([this] { Run(); })) {}
+
+Journal::Writer::~Writer() {
+  {
+    const Lock lock(mutex_);
+    stop_ = true;
+  }
+  work_.notify_one();
+  thread_.join();
+}
+
+void Journal::Writer::Append(JournalEntry entry) noexcept {
+  const Lock lock(mutex_);
+  try {
+    waiting_.push_back(std::move(entry));
+    DropOldest();
+  } catch (const std::bad_alloc&) {
+    ++lost_;
+  }
+  if (!gathering_) work_.notify_one();
+}
+
+bool Journal::Writer::Flush(Duration timeout) {
+  Lock lock(mutex_);
+  if (waiting_.empty() && attempts_begun_ == attempts_ended_) return last_attempt_worked_;
+  // An attempt under way has taken its entries already; what was appended since is for the next.
+  const std::uint64_t enough = attempts_begun_ + (waiting_.empty() ? 0 : 1);
+  hurry_ = true;
+  work_.notify_one();
+  const bool in_time =
+      attempted_.wait_for(lock, timeout, [&] { return attempts_ended_ >= enough; });
+  return in_time && last_attempt_worked_;
+}
+
+void Journal::Writer::Run() {
+  Lock lock(mutex_);
+  while (true) {
+    WaitForWork(lock);
+    if (waiting_.empty() && lost_ == 0) return;  // stopped, and nothing to do
+    auto batch = std::exchange(waiting_, {});
+    const auto lost = std::exchange(lost_, 0);
+    hurry_ = false;
+    ++attempts_begun_;
+    lock.unlock();
+    if (lost > 0) batch.push_front(LostEntry(lost));
+    const bool worked = Write(batch);
+    if (lost > 0) batch.pop_front();
+    lock.lock();
+    if (!worked) {
+      lost_ += lost;
+      PutBack(std::move(batch));
+    }
+    last_attempt_worked_ = worked;
+    ++attempts_ended_;
+    attempted_.notify_all();
+    if (stop_ && (!worked || waiting_.empty())) return;
+  }
+}
+
+// Returns when there is something to write and it is time to try, or to stop.
+void Journal::Writer::WaitForWork(Lock& lock) {
+  if (in_trouble_) {
+    work_.wait_for(lock, options_.retry_period, [&] { return stop_ || hurry_; });
+  }
+  work_.wait(lock, [&] { return stop_ || !waiting_.empty(); });
+  gathering_ = true;
+  work_.wait_for(lock, kGatherTime, [&] { return stop_ || hurry_; });
+  gathering_ = false;
+}
+
+// Without the lock.
+bool Journal::Writer::Write(const std::deque<JournalEntry>& batch) {
+  try {
+    file_.Write(batch);
+    in_trouble_ = false;
+    return true;
+  } catch (const std::exception& trouble) {
+    if (!in_trouble_) Say(std::string("nothing is written for now: ") + trouble.what());
+    in_trouble_ = true;
+    return false;
+  }
+}
+
+void Journal::Writer::Say(const std::string& text) const {
+  if (options_.on_trouble) options_.on_trouble("journal: " + text);
+}
+
+void Journal::Writer::PutBack(std::deque<JournalEntry> batch) {
+  batch.insert(batch.end(), std::make_move_iterator(waiting_.begin()),
+               std::make_move_iterator(waiting_.end()));
+  waiting_ = std::move(batch);
+  DropOldest();
+}
+
+void Journal::Writer::DropOldest() {
+  while (waiting_.size() > options_.max_waiting) {
+    waiting_.pop_front();
+    ++lost_;
+  }
+}
+
+Journal::Journal(std::string path, JournalOptions options)
+    : writer_(std::make_unique<Writer>(std::move(path), std::move(options))) {}
+
+Journal::~Journal() = default;
+
+void Journal::Append(JournalEntry entry) noexcept {
+  writer_->Append(std::move(entry));
+}
+
+bool Journal::Flush(Duration timeout) {
+  return writer_->Flush(timeout);
+}
+
+}  // namespace musher

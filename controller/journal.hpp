@@ -1,0 +1,87 @@
+#pragma once
+// What happened on the robot and why, in a file that survives kill -9 and power loss.
+//
+// The loop hands entries over and goes on; a writer thread puts them into a SQLite database (WAL),
+// one transaction for all that have gathered. An entry is on disk some milliseconds after Append():
+// kill -9 can lose those that were still in the queue, a power cut the last transactions; neither
+// damages the file.
+//
+// Nothing that goes wrong with the disk reaches the robot. It is said once for each spell of
+// trouble; entries wait in a bounded queue, from which the oldest are dropped and counted; writing
+// is tried again now and then, and when it works the number of lost entries becomes an entry. A
+// damaged file, or one that is not a journal, is moved aside as <path>.damaged-<n> and a new one is
+// begun.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/lifecycle/time.hpp"
+
+namespace musher {
+
+struct JournalEntry {
+  std::int64_t wall_ns = 0;         // since 1970, UTC
+  std::int64_t steady_ns = 0;       // of the controller's steady clock; orders entries of one boot
+  std::uint64_t epoch = 0;          // of the controller
+  std::uint64_t switch_number = 0;  // 0 = not part of a switch
+  std::string kind;      // "switch", "command", "exit", ...; "journal" is the journal's own
+  std::string actuator;  // empty = the machine
+  std::int32_t code = 0;
+  std::string message;  // a sentence
+  std::string data;     // more, as JSON; may be empty
+
+  friend bool operator==(const JournalEntry&, const JournalEntry&) = default;
+};
+
+class JournalSink {
+ public:
+  virtual ~JournalSink() = default;
+
+  // Never blocks on the disk, never fails.
+  virtual void Append(JournalEntry entry) noexcept = 0;
+};
+
+struct JournalOptions {
+  std::int64_t max_bytes = 64 << 20;  // beyond it the oldest tenth of the entries goes
+  std::size_t max_waiting = 10000;    // entries
+  Duration retry_period = Milliseconds(10000);
+  // Told what is wrong, and what became of it. Runs on the writer thread, with no lock held; it may
+  // Append(), but must not throw or Flush().
+  std::function<void(const std::string&)> on_trouble;
+};
+
+class Journal : public JournalSink {
+ public:
+  // Opens nothing itself: the file is opened and created, if need be with its folder, by the writer
+  // thread.
+  Journal(std::string path, JournalOptions options);
+  // Tries once more to write what waits.
+  ~Journal() override;
+
+  Journal(const Journal&) = delete;
+  Journal& operator=(const Journal&) = delete;
+
+  // From any thread.
+  void Append(JournalEntry entry) noexcept override;
+
+  // Waits until everything appended before is written, at most `timeout`; says whether it is. In
+  // trouble it makes the writer try again at once and ends with that attempt. For shutdown and
+  // tests: the loop must not wait for a disk while the robot runs. From any thread.
+  bool Flush(Duration timeout);
+
+ private:
+  class Writer;
+  std::unique_ptr<Writer> writer_;
+};
+
+// The newest `limit` entries with wall_ns >= since_wall_ns, oldest first. Changes nothing in the
+// file and may run in another process while the controller writes, or after it crashed.
+Result<std::vector<JournalEntry>> ReadJournal(const std::string& path, std::int64_t since_wall_ns,
+                                              std::size_t limit);
+
+}  // namespace musher

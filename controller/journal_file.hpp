@@ -1,0 +1,49 @@
+#pragma once
+// The journal's database: its tables, its size, and what to do with a damaged one. journal.hpp says
+// what it is for; only the journal's writer thread uses this.
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "musher/controller/journal.hpp"
+
+namespace SQLite {
+class Database;
+}
+
+namespace musher {
+
+class JournalFile {
+ public:
+  // Why the file could not be opened or written, in words.
+  struct Trouble : std::runtime_error {
+    using std::runtime_error::runtime_error;
+  };
+
+  // `on_moved` hears when a file that is not (or no longer) a journal was moved aside.
+  JournalFile(std::string path, std::int64_t max_bytes,
+              std::function<void(const std::string&)> on_moved);
+  ~JournalFile();
+
+  // Writes the entries in one transaction: all or none. Opens or creates the file if it is not
+  // open. Throws Trouble; the next call then begins with opening.
+  void Write(const std::deque<JournalEntry>& entries);
+
+ private:
+  void TryWrite(const std::deque<JournalEntry>& entries);
+  void Open();
+  void Insert(const std::deque<JournalEntry>& entries);
+  void Trim();
+  void MoveAside(const std::string& why);
+
+  const std::string path_;
+  const std::int64_t max_bytes_;
+  const std::function<void(const std::string&)> on_moved_;
+  std::unique_ptr<SQLite::Database> database_;
+};
+
+}  // namespace musher

@@ -1,0 +1,153 @@
+#include "musher/controller/machine_controller.hpp"
+
+#include <cstdlib>
+#include <future>
+#include <iostream>
+#include <optional>
+#include <utility>
+
+#include "musher/controller/controller.hpp"
+#include "musher/lifecycle/config_toml.hpp"
+
+namespace musher {
+
+class MachineController::Impl {
+ public:
+  ~Impl() {
+    if (node_) node_->RunOnLoop([this] { controller_.reset(); });
+  }
+
+  Result<> Init(const std::string& config_file, std::shared_ptr<transport::NodeThread> node) {
+    if (controller_) return Error{kCodeStateInvalid, "the controller is initialised already"};
+    auto config = ReadValidConfig(config_file);
+    if (!config) return config.error();
+    config_ = std::move(config).value();
+    transport::DdsOptions options;
+    options.profile = config_->transport;
+    const auto domain = transport::DomainId(options);
+    if (!domain) return domain.error();
+    node_ = std::move(node);
+    if (!node_) {
+      auto started = transport::NodeThread::Start(options);
+      if (!started) return started.error();
+      node_ = std::move(started).value();
+    }
+    Result<> result;
+    node_->RunOnLoop([&] { result = Begin(domain.value()); });
+    return result;
+  }
+
+  Result<> AwaitSetUp() {
+    if (!controller_) return Error{kCodeUninitialized, "MachineControllerInit has not succeeded"};
+    std::promise<Result<>> promise;
+    node_->loop().Post([&] {
+      controller_->shell().AwaitSetUp([&](const Result<>& result) { promise.set_value(result); });
+    });
+    return promise.get_future().get();
+  }
+
+  SwitchResult Switch(const std::optional<std::string>& actuator, const State& target) {
+    if (!controller_) {
+      SwitchResult refusal;
+      refusal.target = target;
+      refusal.outcome = SwitchOutcome::kRefused;
+      refusal.code = kCodeUninitialized;
+      refusal.reason = "MachineControllerInit has not succeeded";
+      return refusal;
+    }
+    std::promise<SwitchResult> promise;
+    node_->loop().Post([&] {
+      controller_->shell().SetState(target, actuator,
+                                    [&](const SwitchResult& result) { promise.set_value(result); });
+    });
+    return promise.get_future().get();
+  }
+
+  // A copy of what is known now; of a machine without actuators before Init.
+  Machine Snapshot() const {
+    Machine machine;
+    if (controller_) node_->RunOnLoop([&] { machine = controller_->shell().machine(); });
+    return machine;
+  }
+
+  const std::optional<MachineConfig>& config() const { return config_; }
+
+ private:
+  Result<> Begin(int domain_id) {
+    ControllerOptions options;
+    options.by_hand = true;
+    options.on_trouble = [](const std::string& message) { std::cerr << message << std::endl; };
+    auto controller = Controller::Make(node_->node(), domain_id, *config_, std::move(options));
+    if (!controller) return controller.error();
+    controller_ = std::move(controller).value();
+    return Ok();
+  }
+
+  std::optional<MachineConfig> config_;
+  std::shared_ptr<transport::NodeThread> node_;
+  std::unique_ptr<Controller> controller_;
+};
+
+MachineController::MachineController() : impl_(std::make_unique<Impl>()) {}
+MachineController::~MachineController() = default;
+
+Result<> MachineController::Init(const std::string& config_file,
+                                 std::shared_ptr<transport::NodeThread> node) {
+  return impl_->Init(config_file, std::move(node));
+}
+
+bool MachineController::MachineControllerInit(const std::string& config_file,
+                                              std::shared_ptr<transport::NodeThread> node) {
+  const Result<> result = Init(config_file, std::move(node));
+  if (!result) std::cerr << result.error().message << std::endl;
+  return result.ok();
+}
+
+Result<> MachineController::AwaitSetUp() {
+  return impl_->AwaitSetUp();
+}
+
+bool MachineController::WaitActuatorsSetUp() {
+  return AwaitSetUp().ok();
+}
+
+void MachineController::GetStateMap(std::map<std::string, std::string>& state_map) const {
+  state_map.clear();
+  const Machine machine = impl_->Snapshot();
+  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    state_map[impl_->config()->actuators[i].name] = machine.actuators[i].state();
+  }
+}
+
+bool MachineController::GetState(const std::string& target_actuator, std::string& state) const {
+  std::map<std::string, std::string> states;
+  GetStateMap(states);
+  const auto found = states.find(target_actuator);
+  if (found == states.end()) return false;
+  state = found->second;
+  return true;
+}
+
+State MachineController::GetMachineState() const {
+  return impl_->Snapshot().state;
+}
+
+SwitchResult MachineController::Switch(const std::string& target_actuator,
+                                       const std::string& target_state) {
+  return impl_->Switch(target_actuator, target_state);
+}
+
+SwitchResult MachineController::Switch(const std::string& target_state) {
+  return impl_->Switch(std::nullopt, target_state);
+}
+
+bool MachineController::SetState(const std::string& target_actuator,
+                                 const std::string& target_state) {
+  return Switch(target_actuator, target_state).done();
+}
+
+bool MachineController::SetState(const std::string& target_state) {
+  return Switch(target_state).done();
+}
+
+}  // namespace musher

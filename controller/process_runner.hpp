@@ -1,0 +1,69 @@
+#pragma once
+// Starting, watching and signalling the processes of actuators, as the controller sees it. The real
+// one is ProcessSupervisor; the simulation has its own.
+//
+// Threads: loop thread only, callbacks too.
+
+#include <sys/types.h>
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/result.hpp"
+
+namespace musher {
+
+struct ProcessSpec {
+  std::string name;                        // whose process it is
+  std::vector<std::string> argv;           // without '/': looked up in PATH; relative: from cwd
+  std::string cwd;                         // empty = ours
+  std::map<std::string, std::string> env;  // on top of ours
+  std::string log_file;                    // gets stdout and stderr, appended; empty = ours
+};
+
+// How a process ended.
+struct ProcessExit {
+  enum class Kind {
+    kExited,   // number = its exit code
+    kKilled,   // number = the signal
+    kUnknown,  // it was not our child: only that it ended is known
+  };
+
+  Kind kind = Kind::kUnknown;
+  int number = 0;
+
+  // Whether the process ended by itself and was content.
+  bool clean() const { return kind == Kind::kExited && number == 0; }
+
+  // "exit code 3", "killed by SIGKILL", "ended (exit code unknown)".
+  std::string Text() const;
+
+  friend bool operator==(const ProcessExit&, const ProcessExit&) = default;
+};
+
+class ProcessRunner {
+ public:
+  using OnExit = std::function<void(const ProcessExit&)>;
+
+  // Leaves the processes running and unwatched.
+  virtual ~ProcessRunner() = default;
+
+  // Starts a process as the leader of its own group and watches it. Whatever keeps the program from
+  // running (not found, no such cwd, log file not writable) is an Error here and now; after success
+  // `on_exit` runs exactly once, never inside Start(). Start() waits for the program to be loaded,
+  // about a millisecond.
+  virtual Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) = 0;
+
+  // Watches a living process that was started by somebody else, e.g. by the controller before us.
+  // Fails when there is no such process. The caller knows that the pid is one of this host
+  // (HostId).
+  virtual Result<> Watch(pid_t pid, OnExit on_exit) = 0;
+
+  // Sends a signal to a started or watched process: to its whole group if it leads one. Fails when
+  // the process is neither or has ended, so that it never hits a stranger with a reused pid.
+  virtual Result<> Signal(pid_t pid, int signal) = 0;
+};
+
+}  // namespace musher

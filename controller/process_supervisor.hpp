@@ -1,0 +1,47 @@
+#pragma once
+// Runs processes for real. The kernel tells of an exit through a pidfd on the loop, so a crash is
+// known in well under a millisecond and nothing is polled.
+//
+// A child gets its own session and process group (Ctrl-C in our terminal is not for it, and it has
+// no terminal), /dev/null as stdin, the log file as stdout and stderr, no other descriptor of ours,
+// and default signal handling. It outlives us: nothing is sent to it when we go or die.
+//
+// When a child has ended, what is left of its group is killed: the next start must not meet the
+// remains of the one before. Of a process that is only watched nothing is killed.
+//
+// Needs Linux 5.3. Nobody else in the process may wait for all children or ignore SIGCHLD; if so,
+// the exit is still seen, but its code is unknown.
+
+#include <map>
+
+#include "musher/controller/process_runner.hpp"
+#include "musher/transport/event_loop.hpp"
+#include "musher/transport/unique_fd.hpp"
+
+namespace musher {
+
+class ProcessSupervisor : public ProcessRunner {
+ public:
+  // The loop must outlive the supervisor.
+  explicit ProcessSupervisor(transport::EventLoop& loop) : loop_(loop) {}
+
+  Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) override;
+  Result<> Watch(pid_t pid, OnExit on_exit) override;
+  Result<> Signal(pid_t pid, int signal) override;
+
+ private:
+  struct Process {
+    bool is_child = false;
+    OnExit on_exit;
+    transport::UniqueFd pidfd;
+    transport::LoopHandlePtr watch;  // last: its callback ends before what it uses
+  };
+
+  Result<> Add(pid_t pid, bool is_child, OnExit on_exit);
+  void Ended(pid_t pid);
+
+  transport::EventLoop& loop_;
+  std::map<pid_t, Process> processes_;
+};
+
+}  // namespace musher

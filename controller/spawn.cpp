@@ -1,0 +1,204 @@
+// Between fork and exec another thread may have left any lock of the process taken, so the child
+// only makes async-signal-safe calls on memory that was prepared before. It reports through a pipe
+// that exec closes: end of file means that the program runs.
+
+#include "musher/controller/spawn.hpp"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/transport/host.hpp"
+#include "musher/transport/unique_fd.hpp"
+
+namespace musher {
+namespace {
+
+using transport::SystemError;
+using transport::UniqueFd;
+
+constexpr int kReportFd = 3;  // in the child, beside 0, 1 and 2
+
+// What the child could not do.
+struct Failure {
+  enum Step : int { kRedirect, kChangeDirectory, kExecute };
+  Step step;
+  int error_number;
+};
+
+// Everything the child needs, prepared before the fork.
+struct Plan {
+  std::vector<std::string> programs;  // to be tried in this order
+  std::vector<std::string> environment;
+  std::vector<char*> argv;
+  std::vector<char*> envp;
+  std::string cwd;
+  UniqueFd input;
+  UniqueFd log;  // invalid = our own stdout and stderr
+  rlim_t max_fds = 0;
+};
+
+std::vector<char*> Pointers(const std::vector<std::string>& strings) {
+  std::vector<char*> result;
+  result.reserve(strings.size() + 1);
+  for (const auto& text : strings) result.push_back(const_cast<char*>(text.c_str()));
+  result.push_back(nullptr);
+  return result;
+}
+
+std::vector<std::string> MergedEnvironment(const std::map<std::string, std::string>& extra) {
+  std::vector<std::string> result;
+  for (char** entry = environ; *entry; ++entry) {
+    const std::string_view text = *entry;
+    if (!extra.contains(std::string(text.substr(0, text.find('='))))) result.emplace_back(text);
+  }
+  for (const auto& [name, value] : extra) result.emplace_back(name).append("=").append(value);
+  return result;
+}
+
+std::vector<std::string> Candidates(const ProcessSpec& spec) {
+  const std::string& program = spec.argv.front();
+  if (program.find('/') != std::string::npos) return {program};
+  const auto own = spec.env.find("PATH");
+  const char* inherited = std::getenv("PATH");
+  std::string_view path = own != spec.env.end() ? std::string_view(own->second)
+                          : inherited           ? std::string_view(inherited)
+                                                : "/usr/local/bin:/usr/bin:/bin";
+  std::vector<std::string> result;
+  while (true) {
+    const auto end = path.find(':');
+    const std::string_view folder = path.substr(0, end);
+    result.push_back((folder.empty() ? "." : std::string(folder)) + "/" + program);
+    if (end == std::string_view::npos) return result;
+    path.remove_prefix(end + 1);
+  }
+}
+
+Result<Plan> Prepare(const ProcessSpec& spec) {
+  if (spec.argv.empty() || spec.argv.front().empty()) {
+    return Error{kCodeParametersInvalid, "no command"};
+  }
+  Plan plan;
+  plan.programs = Candidates(spec);
+  plan.environment = MergedEnvironment(spec.env);
+  plan.argv = Pointers(spec.argv);
+  plan.envp = Pointers(plan.environment);
+  plan.cwd = spec.cwd;
+  plan.input = UniqueFd(open("/dev/null", O_RDONLY | O_CLOEXEC));
+  if (!plan.input.valid()) return SystemError("can't open /dev/null");
+  if (!spec.log_file.empty()) {
+    plan.log =
+        UniqueFd(open(spec.log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
+    if (!plan.log.valid()) return SystemError("can't write the log file " + spec.log_file);
+  }
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  plan.max_fds = std::min<rlim_t>(limit.rlim_cur, 65536);
+  return plan;
+}
+
+// From here to RunChild(): in the child.
+
+[[noreturn]] void GiveUp(int report_fd, Failure::Step step) {
+  const Failure failure{step, errno};
+  // Nobody is left to tell if this fails; the parent then sees the exit code.
+  [[maybe_unused]] const ssize_t written = write(report_fd, &failure, sizeof(failure));
+  _exit(127);
+}
+
+void ResetSignals() {
+  struct sigaction standard {};
+  standard.sa_handler = SIG_DFL;
+  for (int signal = 1; signal < NSIG; ++signal) sigaction(signal, &standard, nullptr);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+}
+
+// Closes everything above the report pipe. DDS opens sockets without close-on-exec.
+void CloseOthers(rlim_t max_fds) {
+  if (syscall(SYS_close_range, kReportFd + 1, ~0U, 0) == 0) return;
+  for (rlim_t fd = kReportFd + 1; fd < max_fds; ++fd) close(static_cast<int>(fd));  // before 5.9
+}
+
+[[noreturn]] void RunChild(const Plan& plan, int report_fd) {
+  setsid();
+  // Moved out of the way first, so that no dup2 below overwrites what is still needed.
+  const int report = fcntl(report_fd, F_DUPFD_CLOEXEC, 16);
+  const int input = fcntl(plan.input.get(), F_DUPFD_CLOEXEC, 16);
+  const int log = plan.log.valid() ? fcntl(plan.log.get(), F_DUPFD_CLOEXEC, 16) : -1;
+  if (report < 0 || input < 0) GiveUp(report_fd, Failure::kRedirect);
+  if (dup2(input, 0) < 0) GiveUp(report, Failure::kRedirect);
+  if (plan.log.valid() && (dup2(log, 1) < 0 || dup2(log, 2) < 0)) {
+    GiveUp(report, Failure::kRedirect);
+  }
+  if (dup3(report, kReportFd, O_CLOEXEC) < 0) GiveUp(report, Failure::kRedirect);
+  CloseOthers(plan.max_fds);
+  if (!plan.cwd.empty() && chdir(plan.cwd.c_str()) != 0) {
+    GiveUp(kReportFd, Failure::kChangeDirectory);
+  }
+  ResetSignals();
+  int reason = ENOENT;
+  for (const auto& program : plan.programs) {
+    execve(program.c_str(), plan.argv.data(), plan.envp.data());
+    if (errno != ENOENT && errno != ENOTDIR) reason = errno;  // e.g. found, but not executable
+  }
+  errno = reason;
+  GiveUp(kReportFd, Failure::kExecute);
+}
+
+Error Explain(const ProcessSpec& spec, const Failure& failure) {
+  switch (failure.step) {
+    case Failure::kRedirect:
+      return SystemError("can't set up its files", failure.error_number);
+    case Failure::kChangeDirectory:
+      return SystemError("can't enter " + spec.cwd, failure.error_number);
+    case Failure::kExecute:
+      break;
+  }
+  return SystemError("can't run " + spec.argv.front(), failure.error_number);
+}
+
+}  // namespace
+
+Result<pid_t> Spawn(const ProcessSpec& spec) {
+  const auto plan = Prepare(spec);
+  if (!plan) return plan.error();
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return SystemError("can't make a pipe");
+  const UniqueFd report(ends[0]);
+  UniqueFd report_writer(ends[1]);
+
+  // A signal that comes between fork and exec must not run one of our handlers in the child.
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  const pid_t pid = fork();
+  const int fork_error = errno;
+  if (pid == 0) RunChild(plan.value(), report_writer.get());
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  if (pid < 0) return SystemError("can't fork", fork_error);
+
+  report_writer = UniqueFd();
+  Failure failure{};
+  ssize_t got = 0;
+  do {
+    got = read(report.get(), &failure, sizeof(failure));
+  } while (got < 0 && errno == EINTR);
+  if (got != sizeof(failure)) return pid;  // the program runs
+  waitpid(pid, nullptr, 0);
+  return Explain(spec, failure);
+}
+
+}  // namespace musher

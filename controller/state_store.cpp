@@ -1,0 +1,129 @@
+#include "musher/controller/state_store.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "musher/transport/host.hpp"
+
+namespace musher {
+namespace {
+
+namespace fs = std::filesystem;
+using transport::SystemError;
+using transport::UniqueFd;
+
+constexpr std::size_t kMaxFileSize = 256;  // of the small files here
+
+// Makes a folder and those above it, each only for its owner; those that exist stay as they are.
+Result<> MakePrivateFolder(const fs::path& path) {
+  fs::path so_far;
+  for (const auto& part : path) {
+    so_far /= part;
+    if (so_far.empty() || part == "." || part == "..") continue;
+    if (mkdir(so_far.c_str(), 0700) == 0) continue;
+    const int error_number = errno;
+    std::error_code unknown;
+    if (!fs::is_directory(so_far, unknown)) {
+      return SystemError("can't make the folder " + so_far.string(),
+                         error_number == EEXIST ? ENOTDIR : error_number);
+    }
+  }
+  return Ok();
+}
+
+std::string ReadSmall(int fd) {
+  std::array<char, kMaxFileSize> buffer{};
+  const ssize_t size = pread(fd, buffer.data(), buffer.size(), 0);
+  return size > 0 ? std::string(buffer.data(), static_cast<std::size_t>(size)) : std::string();
+}
+
+bool WriteAll(int fd, std::string_view text) {
+  const ssize_t written = write(fd, text.data(), text.size());
+  if (written >= 0 && written != static_cast<ssize_t>(text.size())) errno = ENOSPC;
+  return written == static_cast<ssize_t>(text.size());
+}
+
+// The name of a file is on disk once its folder is.
+bool SyncFolder(const std::string& dir) {
+  const UniqueFd folder(open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return folder.valid() && fsync(folder.get()) == 0;
+}
+
+}  // namespace
+
+std::string DefaultStateDir(std::string_view controller_name) {
+  const auto variable = [](const char* name) -> std::string {
+    const char* value = std::getenv(name);
+    return value && value[0] == '/' ? value : "";
+  };
+  std::string base = variable("XDG_STATE_HOME");
+  if (base.empty()) {
+    const std::string home = variable("HOME");
+    base = home.empty() ? "/var/lib" : home + "/.local/state";
+  }
+  return base + "/musher/" + std::string(controller_name);
+}
+
+Result<StateStore> StateStore::Open(const std::string& dir, std::string_view controller_name) {
+  if (auto made = MakePrivateFolder(fs::path(dir) / "logs"); !made) return made.error();
+  const std::string path = dir + "/controller.lock";
+  UniqueFd lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  if (!lock.valid()) return SystemError("can't open " + path);
+  if (flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) return SystemError("can't lock " + path);
+    std::string owner = ReadSmall(lock.get());
+    owner = owner.substr(0, owner.find('\n'));
+    return Error{kCodeTargetBusy, "a controller runs with " + dir + " already: process " +
+                                      (owner.empty() ? "unknown" : owner)};
+  }
+  // The lock counts, not what is in the file: on a full disk it may stay empty.
+  const std::string owner = std::to_string(getpid()) + " " + std::string(controller_name) + "\n";
+  if (ftruncate(lock.get(), 0) == 0) WriteAll(lock.get(), owner);
+  return StateStore(dir, std::move(lock));
+}
+
+Result<std::uint64_t> StateStore::LoadEpoch() const {
+  const UniqueFd file(open(EpochFile().c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid()) {
+    if (errno == ENOENT) return std::uint64_t{0};
+    return SystemError("can't read " + EpochFile());
+  }
+  const std::string text = ReadSmall(file.get());
+  std::uint64_t epoch = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), epoch);
+  if (error != std::errc() || std::string_view(end, text.data() + text.size()) != "\n") {
+    return Error{kCodeFailed, EpochFile() + " is damaged: it does not hold one number"};
+  }
+  return epoch;
+}
+
+Result<> StateStore::SaveEpoch(std::uint64_t epoch) {
+  const std::string next = EpochFile() + ".new";
+  const auto failed = [&] {
+    Error error = SystemError("can't save the epoch as " + EpochFile());
+    unlink(next.c_str());
+    return error;
+  };
+  const UniqueFd file(open(next.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  if (!file.valid()) return failed();
+  if (!WriteAll(file.get(), std::to_string(epoch) + "\n") || fsync(file.get()) != 0) {
+    return failed();
+  }
+  if (std::rename(next.c_str(), EpochFile().c_str()) != 0 || !SyncFolder(dir_)) return failed();
+  return Ok();
+}
+
+std::string StateStore::LogFile(std::string_view actuator) const {
+  return dir_ + "/logs/" + std::string(actuator) + ".log";
+}
+
+}  // namespace musher

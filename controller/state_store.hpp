@@ -1,0 +1,57 @@
+#pragma once
+// The controller's folder, and the lock that says that it has a living owner:
+//
+//   controller.lock     held while the controller lives; says who: "4711 robot"
+//   epoch               the last epoch that was begun, as a decimal number
+//   journal.sqlite      see journal.hpp
+//   logs/<actuator>.log what the actuator's process prints
+//
+// Threads: the loop thread; SaveEpoch() waits for the disk and is called once at start-up.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/transport/unique_fd.hpp"
+
+namespace musher {
+
+// Where a controller of this name keeps its state unless the config says otherwise:
+// $XDG_STATE_HOME/musher/<name>, else ~/.local/state/musher/<name>, else /var/lib/musher/<name>.
+std::string DefaultStateDir(std::string_view controller_name);
+
+class StateStore {
+ public:
+  // Makes the folder (only for its owner) and takes the lock. Fails
+  //   - with kCodeTargetBusy when a living controller has it, naming that one: do not go on;
+  //   - with kCodeFailed when the disk does not let us: a controller may go on without a store,
+  //   with
+  //     the epoch from what the actuators have seen.
+  // The kernel drops the lock when the process ends in whatever way.
+  static Result<StateStore> Open(const std::string& dir, std::string_view controller_name);
+
+  // The saved epoch; 0 when there is none yet. An unreadable or damaged one is an Error to report
+  // and go on with as if it were 0: what the actuators have seen counts as well.
+  Result<std::uint64_t> LoadEpoch() const;
+
+  // Replaces the saved epoch: after a power cut there is the old one or the new one, never half of
+  // it. An Error is to be reported and gone on with: the epoch then lives in memory and in the
+  // actuators.
+  Result<> SaveEpoch(std::uint64_t epoch);
+
+  std::string JournalFile() const { return dir_ + "/journal.sqlite"; }
+  std::string LogFile(std::string_view actuator) const;
+
+ private:
+  StateStore(std::string dir, transport::UniqueFd lock)
+      : dir_(std::move(dir)), lock_(std::move(lock)) {}
+
+  std::string EpochFile() const { return dir_ + "/epoch"; }
+
+  std::string dir_;
+  transport::UniqueFd lock_;
+};
+
+}  // namespace musher

@@ -1,0 +1,222 @@
+#include "musher/lifecycle/actuator_core.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/lifecycle/code.hpp"
+
+namespace musher {
+namespace {
+
+using namespace actuator_action;  // NOLINT(google-build-using-namespace)
+namespace event = actuator_event;
+
+struct Refusal {
+  std::int32_t code;
+  std::string message;
+};
+
+std::string Quantity(Duration d) {
+  return std::to_string(ToMilliseconds(d)) + " ms";
+}
+
+// One event's decision: the arguments of Step() and the actions so far.
+class Deciding {
+ public:
+  Deciding(const ActuatorConfig& config, ActuatorCore& core, Time now)
+      : config_(config), core_(core), report_(core.report), now_(now) {}
+
+  void On(const event::Started&) {
+    report_.target = State(kSetUp);
+    Do(RunCallback{report_.target});
+    Do(PublishStatus{});
+  }
+
+  void On(const event::SwitchArrived& arrived) {
+    const SwitchCommand& command = arrived.command;
+    if (auto refusal = Authority(command.epoch)) return Refuse({arrived.token}, *refusal);
+    if (Repeated(arrived)) return;
+    if (auto refusal = Judge(command)) return Refuse({arrived.token}, *refusal);
+    report_.number = command.number;
+    if (report_.busy()) {
+      DropWaiting(
+          {kCodeTargetBusy, "command " + std::to_string(command.number) + " took its place"});
+      core_.waiting = {command, {arrived.token}};
+      return Do(PublishStatus{});
+    }
+    Begin(command, {arrived.token});
+  }
+
+  void On(const event::AskArrived& arrived) {
+    if (auto refusal = Authority(arrived.command.epoch)) return Refuse({arrived.token}, *refusal);
+    const std::uint64_t number = arrived.command.number;
+    report_.number = std::max(report_.number, number);
+    if (core_.waiting && core_.waiting->command.number <= number) {
+      DropWaiting({kCodeTimeout, "it had not begun when it was asked for"});
+    }
+    if (arrived.command.stop && report_.busy()) Do(RequestStop{});
+    Do(Answer{arrived.token, Verdict::kDone, kCodeOk, ""});
+    Do(PublishStatus{});
+  }
+
+  void On(const event::CallbackEnded& ended) {
+    const State target = std::exchange(report_.target, "");
+    const auto tokens = std::exchange(core_.running_for, {});
+    if (target == kSetUp) return EndSetUp(ended);
+    EndCommand(std::exchange(report_.busy_number, 0), target, ended.code, ended.message);
+    for (const RequestToken token : tokens) {
+      Do(Answer{token, ended.code == kCodeOk ? Verdict::kDone : Verdict::kFailed, ended.code,
+                ended.message});
+    }
+    if (target == kTearDown && ended.code == kCodeOk) {
+      DropWaiting({kCodeStateInvalid, "the actuator is torn down"});
+      Do(PublishStatus{});
+      return Do(Finish{});
+    }
+    if (core_.waiting) {
+      const auto next = *std::exchange(core_.waiting, std::nullopt);
+      if (auto refusal = TooOld(next.command)) {
+        Refuse(next.tokens, *refusal);
+      } else {
+        return Begin(next.command, next.tokens);
+      }
+    }
+    Do(PublishStatus{});
+  }
+
+  std::vector<ActuatorAction> Take() && { return std::move(actions_); }
+
+ private:
+  void Do(ActuatorAction action) { actions_.push_back(std::move(action)); }
+
+  void Refuse(const std::vector<RequestToken>& tokens, const Refusal& refusal) {
+    for (const RequestToken token : tokens) {
+      Do(Answer{token, Verdict::kRefused, refusal.code, refusal.message});
+    }
+  }
+
+  void DropWaiting(const Refusal& why) {
+    if (const auto dropped = std::exchange(core_.waiting, std::nullopt)) {
+      Refuse(dropped->tokens, why);
+    }
+  }
+
+  // The highest epoch seen is the one obeyed.
+  std::optional<Refusal> Authority(std::uint64_t epoch) {
+    if (epoch < report_.epoch) {
+      return Refusal{kCodePermissionDenied, "epoch " + std::to_string(epoch) +
+                                                " is over; this actuator follows epoch " +
+                                                std::to_string(report_.epoch)};
+    }
+    report_.epoch = epoch;
+    return std::nullopt;
+  }
+
+  // A command that came before gets the same answer again, or the answer of its run.
+  bool Repeated(const event::SwitchArrived& arrived) {
+    const std::uint64_t number = arrived.command.number;
+    if (number == 0) return false;
+    if (report_.busy() && number == report_.busy_number) {
+      core_.running_for.push_back(arrived.token);
+    } else if (core_.waiting && number == core_.waiting->command.number) {
+      core_.waiting->tokens.push_back(arrived.token);
+    } else if (number == report_.outcome_number) {
+      const bool done = report_.outcome_code == kCodeOk;
+      Do(Answer{arrived.token, done ? Verdict::kDone : Verdict::kFailed, report_.outcome_code,
+                report_.outcome_message});
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  std::optional<Refusal> Judge(const SwitchCommand& command) const {
+    if (command.incarnation != report_.incarnation) {
+      return Refusal{kCodePermissionDenied,
+                     "the command is meant for another process of this name"};
+    }
+    if (command.number <= report_.number) {
+      return Refusal{kCodeStatusError, "command " + std::to_string(command.number) +
+                                           " is from the past; " + std::to_string(report_.number) +
+                                           " was seen already"};
+    }
+    if (report_.state == kTearDown) {
+      return Refusal{kCodeStateInvalid,
+                     "the actuator is torn down; only a new start brings it back"};
+    }
+    if (command.target == kSetUp || command.target == kUninitialized) {
+      return Refusal{kCodeStateInvalid,
+                     command.target + " cannot be commanded: it is a process's start"};
+    }
+    if (!config_.Lists(command.target)) {
+      return Refusal{kCodeUnSupport, config_.name + " has no state '" + command.target + "'"};
+    }
+    return TooOld(command);
+  }
+
+  std::optional<Refusal> TooOld(const SwitchCommand& command) const {
+    const Duration age = now_ - command.status_stamp - command.since_status;
+    if (age <= command.budget) return std::nullopt;
+    return Refusal{kCodeTimeout, "the command is " + Quantity(age) + " old and was good for " +
+                                     Quantity(command.budget)};
+  }
+
+  void Begin(const SwitchCommand& command, const std::vector<RequestToken>& tokens) {
+    const bool there = command.target == report_.state && command.target != kSelfCheck;
+    if (there && !core_.unsettled) {
+      EndCommand(command.number, command.target, kCodeOk, "");
+      for (const RequestToken token : tokens) Do(Answer{token, Verdict::kDone, kCodeOk, ""});
+      return Do(PublishStatus{});
+    }
+    report_.target = command.target;
+    report_.busy_number = command.number;
+    core_.running_for = tokens;
+    Do(RunCallback{command.target});
+    Do(PublishStatus{});
+  }
+
+  void EndSetUp(const event::CallbackEnded& ended) {
+    report_.outcome_code = ended.code;
+    report_.outcome_message = ended.message;
+    if (ended.code == kCodeOk) {
+      report_.state = State(kSetUp);
+      Do(BecomeVisible{});
+      return Do(PublishStatus{});
+    }
+    Do(PublishStatus{});
+    Do(Finish{ended.code, ended.message});
+  }
+
+  void EndCommand(std::uint64_t number, const State& target, std::int32_t code,
+                  const std::string& message) {
+    report_.outcome_number = number;
+    report_.outcome_code = code;
+    report_.outcome_message = message;
+    if (target == kSelfCheck) {
+      // In the run phase a check changes nothing; on the way up it is a step.
+      const bool a_step =
+          report_.state == kSetUp || report_.state == kSelfCheck || report_.state == kError;
+      if (code == kCodeOk && a_step) report_.state = target;
+      return;
+    }
+    core_.unsettled = code != kCodeOk;
+    if (code == kCodeOk) report_.state = target;
+  }
+
+  const ActuatorConfig& config_;
+  ActuatorCore& core_;
+  ActuatorReport& report_;
+  Time now_;
+  std::vector<ActuatorAction> actions_;
+};
+
+}  // namespace
+
+std::vector<ActuatorAction> Step(const ActuatorConfig& config, ActuatorCore& core,
+                                 const ActuatorEvent& event, Time now) {
+  Deciding deciding(config, core, now);
+  std::visit([&](const auto& e) { deciding.On(e); }, event);
+  return std::move(deciding).Take();
+}
+
+}  // namespace musher

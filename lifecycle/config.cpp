@@ -1,0 +1,68 @@
+#include "musher/lifecycle/config.hpp"
+
+#include <algorithm>
+
+namespace musher {
+
+bool ActuatorConfig::Lists(std::string_view state) const {
+  return std::find(states.begin(), states.end(), state) != states.end();
+}
+
+std::optional<Duration> ActuatorConfig::TimeFor(std::string_view state) const {
+  const auto found = std::find(states.begin(), states.end(), state);
+  if (found == states.end()) return std::nullopt;
+  return times[found - states.begin()];
+}
+
+std::optional<std::size_t> MachineConfig::IndexOf(std::string_view actuator) const {
+  const auto found = std::find_if(actuators.begin(), actuators.end(),
+                                  [&](const ActuatorConfig& a) { return a.name == actuator; });
+  if (found == actuators.end()) return std::nullopt;
+  return found - actuators.begin();
+}
+
+std::optional<Rank> MachineConfig::RankOf(std::string_view state) const {
+  const auto found = ranks.find(State(state));
+  if (found == ranks.end()) return std::nullopt;
+  return found->second;
+}
+
+bool MachineConfig::HasState(std::string_view state) const {
+  return std::find(states.begin(), states.end(), state) != states.end();
+}
+
+Duration MachineConfig::TimeFor(std::size_t actuator, std::string_view state) const {
+  return actuators[actuator].TimeFor(state).value_or(default_time);
+}
+
+std::vector<FlowEdge> DefaultFlow(const std::vector<State>& states) {
+  std::vector<State> resting;  // all but the steps of a start, Error and TearDown
+  const auto listed = [&](std::string_view s) {
+    return std::find(states.begin(), states.end(), s) != states.end();
+  };
+  for (const State& s : states) {
+    if (s != kUninitialized && s != kSetUp && s != kSelfCheck && s != kError && s != kTearDown) {
+      resting.push_back(s);
+    }
+  }
+  std::vector<FlowEdge> flow;
+  const auto add = [&](std::string_view from, std::string_view to) {
+    if (listed(from) && listed(to)) flow.push_back({State(from), State(to)});
+  };
+  for (const State& from : resting) {
+    for (const State& to : resting) {
+      if (from != to) add(from, to);
+    }
+    add(from, kError);
+    add(from, kTearDown);
+  }
+  add(kError, kSelfCheck);
+  add(kError, kTearDown);
+  add(kSelfCheck, kDeActive);
+  add(kSelfCheck, kActive);
+  add(kSelfCheck, kError);
+  add(kSelfCheck, kTearDown);
+  return flow;
+}
+
+}  // namespace musher

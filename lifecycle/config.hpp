@@ -1,0 +1,112 @@
+#pragma once
+// The state config as one validated, immutable value. A MachineConfig that exists is consistent:
+// the readers that make one (config_toml.hpp) report every fault and then give none. Nothing reads
+// the file again after that.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/state.hpp"
+#include "musher/lifecycle/time.hpp"
+
+namespace musher {
+
+// How an actuator is driven.
+enum class Protocol {
+  kMusher,         // Musher's own contract, with fencing and certain outcomes
+  kCyberdog,       // CyberDog's FsMachine service and heartbeats
+  kRos2Lifecycle,  // an unmodified ROS 2 managed node
+};
+
+enum class RestartPolicy { kNo, kOnFailure, kAlways };
+
+enum class TransportProfile {
+  kLocal,  // one host, loopback, many processes
+  kLan,    // several hosts, links that lose packets
+};
+
+struct RestartConfig {
+  RestartPolicy policy = RestartPolicy::kNo;
+  Duration delay = Milliseconds(100);
+  double growth = 2.0;
+  Duration max_delay = Milliseconds(10'000);
+  int limit = 5;                                // restarts in a row before the actuator is given up
+  Duration reset_after = Milliseconds(60'000);  // healthy this long: counting starts anew
+
+  friend bool operator==(const RestartConfig&, const RestartConfig&) = default;
+};
+
+struct ActuatorConfig {
+  std::string name;
+  std::vector<State> states;               // those it can be switched to, as the file lists them
+  std::vector<Duration> times;             // what each may take, same order
+  std::vector<std::string> command;        // argv; empty: started by somebody else
+  std::string cwd;                         // absolute; empty: the controller's own
+  std::map<std::string, std::string> env;  // added to the controller's environment
+  Protocol protocol = Protocol::kMusher;
+  int stage = 1;
+  std::vector<std::string> after;     // actuators that must be up first
+  std::vector<std::string> binds_to;  // actuators whose restart takes this one down and up again
+  bool critical = false;
+  RestartConfig restart;
+  std::optional<Duration> checkpoint;       // longest silence of the work thread
+  std::optional<Duration> controller_lost;  // without a controller this long: on_controller_lost
+  State on_controller_lost;                 // empty: the highest listed state up to Protected
+  State on_lost;  // the machine's state once this one is given up; may be empty
+
+  bool Lists(std::string_view state) const;
+  // What a switch to `state` may take; nullopt where the state is not listed.
+  std::optional<Duration> TimeFor(std::string_view state) const;
+
+  friend bool operator==(const ActuatorConfig&, const ActuatorConfig&) = default;
+};
+
+// A way of the run phase: the machine may go from one state to another.
+struct FlowEdge {
+  State from;
+  State to;
+
+  friend bool operator==(const FlowEdge&, const FlowEdge&) = default;
+};
+
+struct MachineConfig {
+  std::string name;        // of the machine; the file's stem unless the file gives one
+  std::string file;        // where it was read from, for messages only
+  std::string hash;        // 16 hex digits of the file's bytes, to notice different copies
+  std::string name_space;  // of all topics and services: "" or "dog1" or "fleet/dog1", no outer '/'
+  std::string state_dir;   // absolute; the controller's lock, epoch, journal and logs
+
+  std::vector<State> states;  // of the machine, as the file lists them
+  Duration default_time{};
+  State default_state{kUninitialized};
+  Duration shutdown_budget = Milliseconds(10'000);
+  std::string log;  // file of the controller's log; empty: state_dir/controller.log
+  std::int64_t journal_size_bytes = 64ll << 20;  // the journal is trimmed beyond this
+
+  std::map<State, Rank> ranks;  // built-in ranks and those of [[state]]
+  std::vector<FlowEdge> flow;   // the default flow, or the file's [[transition]]
+  TransportProfile transport = TransportProfile::kLocal;
+
+  std::vector<ActuatorConfig> actuators;  // in the order of [controller].actuators
+
+  // Index into `actuators`, nullopt for an unknown name.
+  std::optional<std::size_t> IndexOf(std::string_view actuator) const;
+  // The rank of a state of this machine; nullopt for SetUp, SelfCheck, Uninitialized and strangers.
+  std::optional<Rank> RankOf(std::string_view state) const;
+  bool HasState(std::string_view state) const;
+  // The time an actuator may take for `state`: its own, else default_time.
+  Duration TimeFor(std::size_t actuator, std::string_view state) const;
+
+  friend bool operator==(const MachineConfig&, const MachineConfig&) = default;
+};
+
+// The flow where a config brings none: among Active, Protected, DeActive, LowPower and OTA every
+// way, from each of them and from Error to Error and TearDown, from Error to SelfCheck, and from a
+// SelfCheck that followed Error to DeActive and Active. Only states that `states` lists take part.
+std::vector<FlowEdge> DefaultFlow(const std::vector<State>& states);
+
+}  // namespace musher

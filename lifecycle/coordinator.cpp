@@ -1,0 +1,83 @@
+#include "musher/lifecycle/coordinator.hpp"
+
+#include <algorithm>
+
+#include "musher/lifecycle/decision.hpp"
+
+namespace musher {
+
+void Decision::Settle() {
+  CheckOrders();
+  CheckSetUpDeadlines();
+  // Each can make the next possible; it ends when all of them wait for an event.
+  bool changed = true;
+  while (changed) {
+    changed = AdvanceSwitch();
+    if (machine_.phase == Phase::kStopping) {
+      AdvanceStopping();
+    } else if (machine_.phase != Phase::kIdle && machine_.phase != Phase::kStopped) {
+      changed |= StartProcesses();
+      changed |= AdvanceStart();
+      changed |= DriveLateOnes();
+      changed |= BeginFallback();
+    }
+  }
+}
+
+void Decision::RecordMachine(std::int32_t code, const std::string& message) {
+  Do(action::Record{"machine", std::nullopt, 0, code, message});
+}
+
+void Decision::RecordSwitch(const Switch& s, std::int32_t code, const std::string& message) {
+  Do(action::Record{"switch", s.only, s.number, code, message});
+}
+
+void Decision::RecordActuator(std::size_t i, std::int32_t code, const std::string& message) {
+  Do(action::Record{"actuator", i, Of(i).order ? Of(i).order->number : 0, code, message});
+}
+
+void Decision::RecordProcess(std::size_t i, std::int32_t code, const std::string& message) {
+  Do(action::Record{"process", i, 0, code, message});
+}
+
+void Decision::Degrade(std::size_t i, std::int32_t code, const std::string& message) {
+  const Error fault{code, message};
+  if (Of(i).fault == fault) return;
+  Of(i).fault = fault;
+  RecordActuator(i, code, ConfigOf(i).name + " is degraded: " + message);
+}
+
+std::vector<Action> Step(const MachineConfig& config, Machine& machine, const Event& event,
+                         Time now) {
+  Decision decision(config, machine, now);
+  std::visit([&](const auto& e) { decision.On(e); }, event);
+  decision.Settle();
+  return std::move(decision).Take();
+}
+
+std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
+  std::optional<Time> next;
+  const auto consider = [&](Time when) { next = next ? std::min(*next, when) : when; };
+  if (record.order) consider(record.order->deadline);
+  if (record.claim_again) consider(*record.claim_again);
+  if (record.set_up_by && record.presence != Presence::kPresent && !record.fault) {
+    consider(*record.set_up_by);
+  }
+  return next;
+}
+
+std::optional<Time> NextDeadline(const MachineConfig&, const Machine& machine) {
+  std::optional<Time> next;
+  const auto consider = [&](std::optional<Time> when) {
+    if (when) next = next ? std::min(*next, *when) : *when;
+  };
+  for (const ActuatorRecord& record : machine.actuators) consider(NextDeadlineOf(record));
+  if (machine.phase == Phase::kStopping && machine.stopping) {
+    const Stopping& stopping = *machine.stopping;
+    if (!stopping.terminated) consider(stopping.terminate_at);
+    consider(stopping.killed ? stopping.give_up_at : stopping.kill_at);
+  }
+  return next;
+}
+
+}  // namespace musher

@@ -1,0 +1,165 @@
+#pragma once
+// The controller's decision code: Step(config, machine, event, now) changes the machine and gives
+// the actions. Pure and deterministic - no clock, no thread, no IO; the shell (controller/) and the
+// simulation turn the world into events and actions into the world.
+//
+// In layers, each in its own file:
+//   orders.cpp     one command to one actuator, with a certain outcome
+//   switching.cpp  a switch: legs in the order of the plan, rollback
+//   switch_end.cpp what a switch leaves behind, and its result
+//   starting.cpp   processes, the first stage, adoption, later stages
+//   joining.cpp    one actuator on its own to where the machine is
+//   stopping.cpp   TearDown, SIGTERM, SIGKILL within the budget
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "musher/lifecycle/machine.hpp"
+
+namespace musher {
+
+// Somebody who waits for an answer; chosen by the shell.
+using RequestId = std::uint64_t;
+
+namespace event {
+
+// Starts the machine: with `by_hand` only SetUp, the rest comes as requests. `running[i]` says that
+// a process of actuator i runs on this host already. `epoch` is the last one on disk.
+struct Begin {
+  bool by_hand = false;
+  std::uint64_t epoch = 0;
+  std::vector<bool> running;
+};
+// An actuator's latched status came.
+struct StatusSeen {
+  std::size_t actuator = 0;
+  ActuatorReport report;
+};
+// An actuator answered command `number`, or the question about it (`ask`).
+struct Replied {
+  std::size_t actuator = 0;
+  std::uint64_t number = 0;
+  bool ask = false;
+  Verdict verdict = Verdict::kDone;
+  std::int32_t code = kCodeOk;
+  std::string message;
+  ActuatorReport report;
+};
+// The actuator of this incarnation is gone: its process ended or its writer was lost.
+struct Vanished {
+  std::size_t actuator = 0;
+  std::uint64_t incarnation = 0;
+  bool for_good = false;  // its process has ended; otherwise it may be heard of again
+  std::string how;        // "its process 4711 ended", "it is out of reach"
+};
+struct ProcessStarted {
+  std::size_t actuator = 0;
+  std::int32_t pid = 0;
+};
+struct ProcessNotStarted {
+  std::size_t actuator = 0;
+  std::string why;
+};
+// A process that we started ended.
+struct ProcessEnded {
+  std::size_t actuator = 0;
+  std::int32_t pid = 0;
+  bool clean = false;  // exit code 0
+  std::string how;     // "exit code 3", "killed by SIGKILL"
+};
+struct SetStateRequested {
+  RequestId request = 0;
+  State target;
+  std::optional<std::string> actuator;
+};
+// Tell when all actuators are set up, or when that has failed.
+struct SetUpAwaited {
+  RequestId request = 0;
+};
+// Nothing happened but time.
+struct TimePassed {};
+
+}  // namespace event
+
+using Event = std::variant<event::Begin, event::StatusSeen, event::Replied, event::Vanished,
+                           event::ProcessStarted, event::ProcessNotStarted, event::ProcessEnded,
+                           event::SetStateRequested, event::SetUpAwaited, event::TimePassed>;
+
+namespace action {
+
+struct SendSwitch {
+  std::size_t actuator = 0;
+  std::uint64_t number = 0;
+  State target;
+  Duration budget{};
+  friend bool operator==(const SendSwitch&, const SendSwitch&) = default;
+};
+struct SendAsk {
+  std::size_t actuator = 0;
+  std::uint64_t number = 0;
+  bool stop = false;
+  friend bool operator==(const SendAsk&, const SendAsk&) = default;
+};
+struct StartProcess {
+  std::size_t actuator = 0;
+  friend bool operator==(const StartProcess&, const StartProcess&) = default;
+};
+struct SignalProcess {
+  std::size_t actuator = 0;
+  std::int32_t pid = 0;
+  bool kill = false;  // SIGKILL instead of SIGTERM
+  friend bool operator==(const SignalProcess&, const SignalProcess&) = default;
+};
+struct AnswerSetState {
+  RequestId request = 0;
+  SwitchResult result;
+  friend bool operator==(const AnswerSetState&, const AnswerSetState&) = default;
+};
+struct AnswerSetUp {
+  RequestId request = 0;
+  Result<> result;
+};
+// The epoch has to be on disk before the next command is sent.
+struct SaveEpoch {
+  std::uint64_t epoch = 0;
+  friend bool operator==(const SaveEpoch&, const SaveEpoch&) = default;
+};
+// For the journal and the log.
+struct Record {
+  std::string kind;  // "machine", "switch", "actuator", "process"
+  std::optional<std::size_t> actuator;
+  std::uint64_t switch_number = 0;
+  std::int32_t code = kCodeOk;
+  std::string message;
+  friend bool operator==(const Record&, const Record&) = default;
+};
+// Start-up is over: the machine is usable, or it failed.
+struct StartUpEnded {
+  bool usable = false;
+  std::string message;
+  friend bool operator==(const StartUpEnded&, const StartUpEnded&) = default;
+};
+// The machine is stopped; the controller may end.
+struct Stopped {
+  friend bool operator==(const Stopped&, const Stopped&) = default;
+};
+
+}  // namespace action
+
+using Action =
+    std::variant<action::SendSwitch, action::SendAsk, action::StartProcess, action::SignalProcess,
+                 action::AnswerSetState, action::AnswerSetUp, action::SaveEpoch, action::Record,
+                 action::StartUpEnded, action::Stopped>;
+
+// One step of the decision. Events about what is not expected any more (a late reply, an exit that
+// was seen already) change no more than what is known about the actuator.
+std::vector<Action> Step(const MachineConfig& config, Machine& machine, const Event& event,
+                         Time now);
+
+// When to step next with TimePassed, unless something else happens before; nullopt: never.
+std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& machine);
+
+}  // namespace musher

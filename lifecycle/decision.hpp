@@ -1,0 +1,136 @@
+#pragma once
+// Inside of the coordinator: one event's decision. Not for users of the library.
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/lifecycle/coordinator.hpp"
+
+namespace musher {
+
+// How long an actuator has to say how a command stands, and how often it is asked: an actuator
+// answers this from its loop, whatever its callback does, so silence for 3 × 300 ms means it is out
+// of reach.
+inline constexpr Duration kAskTimeout = Milliseconds(300);
+inline constexpr int kAskAttempts = 3;
+// How often an actuator that was heard of but has not answered is asked to follow.
+inline constexpr Duration kClaimPeriod = Milliseconds(500);
+// Two clocks that are 100 ppm apart differ by 6 ms after this.
+inline constexpr Duration kClockGoodFor = std::chrono::seconds(60);
+
+// How one order ended.
+struct OrderEnd {
+  ActuatorOutcome outcome = ActuatorOutcome::kDone;
+  std::int32_t code = kCodeOk;
+  std::string message;
+  bool ran = false;  // the callback ran, or may have
+};
+
+class Decision {
+ public:
+  Decision(const MachineConfig& config, Machine& machine, Time now)
+      : config_(config), machine_(machine), now_(now) {}
+
+  void On(const event::Begin& begin);
+  void On(const event::StatusSeen& seen);
+  void On(const event::Replied& replied);
+  void On(const event::Vanished& vanished);
+  void On(const event::ProcessStarted& started);
+  void On(const event::ProcessNotStarted& failed);
+  void On(const event::ProcessEnded& ended);
+  void On(const event::SetStateRequested& requested);
+  void On(const event::SetUpAwaited& awaited);
+  void On(const event::TimePassed&) {}
+
+  // Deadlines, then whatever has become possible. Ends every step.
+  void Settle();
+
+  std::vector<Action> Take() && { return std::move(actions_); }
+
+ private:
+  // orders.cpp
+  void Claim(std::size_t i);
+  void RaiseEpoch(std::uint64_t epoch, std::size_t because_of);
+  void Accept(std::size_t i, const ActuatorReport& report);
+  void Follow(std::size_t i);
+  void Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget);
+  void EndOrder(std::size_t i, const OrderEnd& end);
+  void AskOrLose(std::size_t i);
+  OrderEnd JudgeReport(std::size_t i, const Order& order) const;
+  void Lose(std::size_t i, const std::string& how);
+  void CheckOrders();
+
+  // switching.cpp, switch_end.cpp
+  bool JoinOrRefuse(const event::SetStateRequested& requested, std::optional<std::size_t> only);
+  void Supersede(std::uint64_t by, const State& target);
+  std::uint64_t Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests);
+  void AddLeg(Switch& s, const PlanStep& step);
+  bool AdvanceSwitch();
+  bool StartLegs(std::vector<Leg>& legs);
+  bool Hindered(const Leg& leg, const std::vector<Leg>& legs) const;
+  bool Failed(const Switch& s) const;
+  void BeginRollback(Switch& s);
+  State WayBack(const Leg& leg) const;
+  void EndLeg(Leg& leg, const OrderEnd& end);
+  void EndSwitch();
+  void Apply(const Switch& s, bool undone);
+  void LeaveNobodyBehind(const Switch& s);
+  void SettleBack(const Switch& s);
+  SwitchResult Conclude(const Switch& s, bool undone) const;
+  std::vector<ActuatorResult> Results(const Switch& s) const;
+  void Answer(const std::vector<RequestId>& requests, const SwitchResult& result);
+
+  // starting.cpp
+  void StartStage(int stage);
+  bool StartProcesses();
+  bool NeedsMet(std::size_t i, std::string& hindrance) const;
+  bool StageSetUp(int stage) const;
+  bool StageSettled(int stage) const;
+  bool AdvanceStart();
+  void EndFirstStage();
+  void AdoptFrom(const State& lowest);
+  void AfterStartUpCheck();
+  void Activate();
+  void FailStartUp(const std::string& why);
+  void BecomeRunning(const std::string& message);
+  void CheckSetUpDeadlines();
+
+  // joining.cpp
+  bool DriveLateOnes();
+  bool MayJoin(std::size_t i, std::string& hindrance) const;
+  void Join(std::size_t i);
+  void EndJoin(std::size_t i, const Order& order, const OrderEnd& end);
+  void Fall(std::size_t i);
+  bool BeginFallback();
+
+  // stopping.cpp
+  void Stop(const Plan& plan, std::vector<RequestId> requests);
+  void AfterTearDown(SwitchResult result);
+  void AdvanceStopping();
+  bool ProcessesLeft() const;
+  void SignalProcesses(bool kill);
+  void EndUnfinished();
+
+  // coordinator.cpp
+  ActuatorRecord& Of(std::size_t i) { return machine_.actuators[i]; }
+  const ActuatorRecord& Of(std::size_t i) const { return machine_.actuators[i]; }
+  const ActuatorConfig& ConfigOf(std::size_t i) const { return config_.actuators[i]; }
+  void Do(Action action) { actions_.push_back(std::move(action)); }
+  void RecordMachine(std::int32_t code, const std::string& message);
+  void RecordSwitch(const Switch& s, std::int32_t code, const std::string& message);
+  void RecordActuator(std::size_t i, std::int32_t code, const std::string& message);
+  void RecordProcess(std::size_t i, std::int32_t code, const std::string& message);
+  void Degrade(std::size_t i, std::int32_t code, const std::string& message);
+  bool Critical(std::size_t i) const { return ConfigOf(i).critical; }
+
+  const MachineConfig& config_;
+  Machine& machine_;
+  Time now_;
+  std::vector<Action> actions_;
+};
+
+// When the orders, claims and set-ups of one actuator fall due.
+std::optional<Time> NextDeadlineOf(const ActuatorRecord& record);
+
+}  // namespace musher

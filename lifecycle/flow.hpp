@@ -1,0 +1,19 @@
+#pragma once
+// Which states follow which. The order is the machine's, not the core's (seed 003): data of the
+// config, plus what no config can take away - TearDown is reachable from everywhere, a self-check
+// may be run in every state of the run phase, and a start goes SetUp → SelfCheck → Active.
+
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/config.hpp"
+
+namespace musher {
+
+// Whether something in `from` may be switched to `to`. The same state again is allowed.
+bool FlowAllows(const MachineConfig& config, std::string_view from, std::string_view to);
+
+// The states that may follow `from`, in the config's order, without `from` itself.
+std::vector<State> Reachable(const MachineConfig& config, std::string_view from);
+
+}  // namespace musher

@@ -1,0 +1,104 @@
+// One actuator on its own to where the machine is: late stages, those that were started again,
+// those that had been overdue. Switches go first; joining waits for them.
+
+#include <algorithm>
+
+#include "musher/lifecycle/decision.hpp"
+
+namespace musher {
+
+bool Decision::DriveLateOnes() {
+  if (machine_.phase != Phase::kRunning || machine_.current) return false;
+  bool changed = false;
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    const ActuatorRecord& record = Of(i);
+    const bool free =
+        record.presence == Presence::kPresent && !record.order && !record.report.busy();
+    const bool unchecked = !record.checked && !record.join_tried && !config_.RankOf(record.state());
+    if (!free || record.held || (!record.due && !unchecked)) continue;
+    std::string hindrance;
+    if (!MayJoin(i, hindrance)) {
+      if (hindrance.empty()) continue;
+      Of(i).due = false;
+      Of(i).join_tried = true;
+      Degrade(i, kCodeStatusError, hindrance);
+    } else {
+      Join(i);
+    }
+    changed = true;
+  }
+  return changed;
+}
+
+// Whether those that it comes after are there, for a self-check, or up, for going up itself.
+bool Decision::MayJoin(std::size_t i, std::string& hindrance) const {
+  const ActuatorRecord& record = Of(i);
+  const auto own = config_.RankOf(record.state());
+  const auto target = config_.RankOf(machine_.state);
+  const bool goes_up = record.due && target && (!own || *own < *target);
+  if (record.due && !goes_up) return true;
+  if (!NeedsMet(i, hindrance)) return false;
+  return !goes_up || std::all_of(ConfigOf(i).after.begin(), ConfigOf(i).after.end(),
+                                 [this](const std::string& name) {
+                                   const ActuatorRecord& needed = Of(*config_.IndexOf(name));
+                                   return needed.held || needed.state() == machine_.state;
+                                 });
+}
+
+void Decision::Join(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  if (!record.due) {
+    record.join_tried = true;
+    return Issue(i, machine_.number + 1, State(kSelfCheck), config_.TimeFor(i, kSelfCheck));
+  }
+  record.due = false;
+  if (record.state() == machine_.state) {
+    if (record.checked) record.fault.reset();
+  } else if (!config_.RankOf(machine_.state)) {
+    return;  // the machine is between states; whoever takes it on takes this one along
+  } else if (!ConfigOf(i).Lists(machine_.state)) {
+    Degrade(i, kCodeUnSupport, "has no state '" + machine_.state + "'");
+  } else {
+    Issue(i, machine_.number + 1, machine_.state, config_.TimeFor(i, machine_.state));
+  }
+}
+
+// The end of an order that was not part of a switch.
+void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
+  ActuatorRecord& record = Of(i);
+  if (end.outcome == ActuatorOutcome::kDone) {
+    record.due = order.target == kSelfCheck || record.state() != machine_.state;
+    return;
+  }
+  Degrade(i, end.code,
+          order.target + " " + std::string(OutcomeName(end.outcome)) + ": " + end.message);
+  Fall(i);
+}
+
+// A critical actuator is not to be had: the machine goes down to its on_lost, as soon as no switch
+// is under way. Of several the least active counts.
+void Decision::Fall(std::size_t i) {
+  const State& on_lost = ConfigOf(i).on_lost;
+  if (!Critical(i) || on_lost.empty() || machine_.phase != Phase::kRunning) return;
+  if (!machine_.fallback || *config_.RankOf(on_lost) < *config_.RankOf(*machine_.fallback)) {
+    machine_.fallback = on_lost;
+  }
+}
+
+bool Decision::BeginFallback() {
+  if (!machine_.fallback || machine_.current || machine_.phase != Phase::kRunning) return false;
+  const State target = *std::exchange(machine_.fallback, std::nullopt);
+  const auto rank = config_.RankOf(machine_.state);
+  if (!rank || *config_.RankOf(target) >= *rank) return false;  // it is as safe as that already
+  const Plan plan = MakePlan(config_, machine_, target);
+  if (plan.refusal) {
+    RecordMachine(plan.refusal->code,
+                  "cannot fall back to " + target + ": " + plan.refusal->message);
+    return false;
+  }
+  RecordMachine(kCodeOk, "a critical actuator is lost; falling back to " + target);
+  Begin(plan, Purpose::kFallback, {});
+  return true;
+}
+
+}  // namespace musher

@@ -1,0 +1,53 @@
+#include "musher/lifecycle/machine.hpp"
+
+namespace musher {
+
+std::string_view PhaseName(Phase phase) {
+  switch (phase) {
+    case Phase::kIdle:
+      return "idle";
+    case Phase::kStarting:
+      return "starting";
+    case Phase::kRunning:
+      return "running";
+    case Phase::kFailed:
+      return "failed";
+    case Phase::kStopping:
+      return "stopping";
+    case Phase::kStopped:
+      break;
+  }
+  return "stopped";
+}
+
+std::string_view PresenceName(Presence presence) {
+  switch (presence) {
+    case Presence::kAbsent:
+      return "absent";
+    case Presence::kStarting:
+      return "starting";
+    case Presence::kPresent:
+      return "present";
+    case Presence::kLost:
+      break;
+  }
+  return "lost";
+}
+
+Machine MakeMachine(const MachineConfig& config) {
+  Machine machine;
+  machine.state = config.default_state;
+  machine.actuators.resize(config.actuators.size());
+  for (ActuatorRecord& record : machine.actuators) record.report.state = config.default_state;
+  return machine;
+}
+
+std::vector<std::string> Degraded(const MachineConfig& config, const Machine& machine) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    if (machine.actuators[i].fault) names.push_back(config.actuators[i].name);
+  }
+  return names;
+}
+
+}  // namespace musher

@@ -1,0 +1,165 @@
+#pragma once
+// What the controller knows: the machine, its actuators and the switch under way. Plain values that
+// can be copied and compared; the coordinator (coordinator.hpp) is the only one that changes them.
+//
+//   Phase:   idle ──▶ starting ──▶ running ──▶ stopping ──▶ stopped
+//                         │  ▲         ▲            ▲
+//                         ▼  └ by hand ┘            │
+//                       failed ─────────────────────┘
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/plan.hpp"
+#include "musher/lifecycle/report.hpp"
+#include "musher/lifecycle/result.hpp"
+#include "musher/lifecycle/switch_result.hpp"
+
+namespace musher {
+
+enum class Phase {
+  kIdle,      // nothing asked for yet
+  kStarting,  // the first stage comes up
+  kRunning,   // the machine is usable; later stages may still be loading
+  kFailed,    // start-up ended before Active; processes stay for inspection
+  kStopping,  // TearDown, then SIGTERM, then SIGKILL
+  kStopped,
+};
+std::string_view PhaseName(Phase phase);  // "idle", "starting", …
+
+enum class Presence {
+  kAbsent,    // not there, and not expected yet
+  kStarting,  // its process runs, or it has been heard of, but it has not answered yet
+  kPresent,   // it follows this controller
+  kLost,      // it was there
+};
+std::string_view PresenceName(Presence presence);
+
+// One command on its way to one actuator. It ends with a certain outcome: a reply, or, past the
+// deadline, the answer to the question how it stands, or nothing at all (lost).
+struct Order {
+  std::uint64_t number = 0;
+  State target;
+  Time sent{};
+  Time deadline{};  // of the reply; once asked, of the answer
+  int asked = 0;    // how often the question was put
+
+  friend bool operator==(const Order&, const Order&) = default;
+};
+
+struct ActuatorRecord {
+  Presence presence = Presence::kAbsent;
+  ActuatorReport report;  // the last one
+  // The same moment by the actuator's clock and by ours, from the report that took least time to
+  // come: by it the actuator can tell how old a command is.
+  Time clock_theirs{};
+  Time clock_ours{};
+  std::int32_t process = 0;    // pid of the process we started, while it lives; 0: none
+  std::uint64_t dead = 0;      // the incarnation whose process is known to have ended
+  bool found_running = false;  // a process of this name runs already: wait for it, do not start one
+  std::optional<Time> set_up_by;    // not present by then: given up for now
+  std::uint64_t claimed = 0;        // the incarnation that was asked to follow this controller
+  std::optional<Time> claim_again;  // it has not answered yet; ask again at this time
+  bool checked = false;             // passed its self-check since its process started
+  bool join_tried = false;          // the self-check of a late one was commanded
+  bool held = false;                // set apart by SetState(actuator, state)
+  bool due = false;                 // to be driven to where the machine is, as soon as it is free
+  std::optional<Error> fault;       // why it is degraded
+  std::optional<Order> order;       // the command on its way
+
+  const State& state() const { return report.state; }
+
+  friend bool operator==(const ActuatorRecord&, const ActuatorRecord&) = default;
+};
+
+// One actuator's part in the switch under way.
+struct Leg {
+  enum class Progress { kWaiting, kUnderWay, kEnded };
+
+  std::size_t actuator = 0;
+  State from;
+  State target;
+  std::vector<std::size_t> needs;  // actuators whose legs must have ended before
+  Progress progress = Progress::kWaiting;
+  ActuatorOutcome outcome = ActuatorOutcome::kSkipped;
+  bool ran = false;       // its callback may have run, so that it has to be brought back
+  bool may_fail = false;  // was degraded before: a failure of it does not undo the others
+  std::int32_t code = kCodeOk;
+  std::string message;
+  Time started{};
+  Duration duration{};
+
+  bool failed() const { return progress == Progress::kEnded && outcome != ActuatorOutcome::kDone; }
+
+  friend bool operator==(const Leg&, const Leg&) = default;
+};
+
+enum class Purpose {
+  kRequested,        // by a person or an application
+  kStartUpCheck,     // the self-check of the first stage
+  kStartUpActivate,  // the first stage to Active
+  kFallback,         // to on_lost of a critical actuator
+  kStop,             // TearDown
+};
+
+struct Switch {
+  std::uint64_t number = 0;
+  State from;
+  State target;
+  std::optional<std::size_t> only;  // one actuator instead of the machine
+  Direction direction = Direction::kLevel;
+  Purpose purpose = Purpose::kRequested;
+  std::vector<std::uint64_t> requests;  // who is told
+  std::vector<Leg> legs;
+  std::vector<ActuatorResult> others;  // those not driven and why
+  bool rolling_back = false;
+  std::uint64_t back_number = 0;  // of the commands of the rollback
+  std::vector<Leg> back;          // the legs of the rollback
+
+  friend bool operator==(const Switch&, const Switch&) = default;
+};
+
+// The end of the machine: when to get harder.
+struct Stopping {
+  Time begun{};
+  Time tear_down_by{};               // TearDown has to be over
+  std::optional<Time> terminate_at;  // SIGTERM to what is left
+  Time kill_at{};                    // SIGKILL
+  Time give_up_at{};                 // the budget is over
+  bool terminated = false;
+  bool killed = false;
+  std::optional<SwitchResult> result;  // of TearDown, told when the processes are gone
+  std::vector<std::uint64_t> requests;
+
+  friend bool operator==(const Stopping&, const Stopping&) = default;
+};
+
+struct Machine {
+  Phase phase = Phase::kIdle;
+  bool by_hand = false;  // a program drives the start-up itself (MachineController's calls)
+  State state{kUninitialized};
+  std::uint64_t epoch = 0;
+  std::uint64_t number = 0;       // of the last switch or command
+  std::uint64_t last_switch = 0;  // of the last switch alone
+  bool set_up = false;            // those waited for at the start have come, or are given up
+  int stage = 0;                  // up to which actuators are started
+  std::vector<ActuatorRecord> actuators;  // in the order of the config
+  std::optional<Switch> current;
+  std::optional<State> fallback;  // on_lost of a critical actuator, when there is time for it
+  std::optional<Stopping> stopping;
+  std::vector<std::uint64_t> set_up_requests;  // who waits for all actuators to be set up
+
+  friend bool operator==(const Machine&, const Machine&) = default;
+};
+
+// A machine of which nothing is known yet.
+Machine MakeMachine(const MachineConfig& config);
+
+// The names of those that are not where the machine is, with a reason on record.
+std::vector<std::string> Degraded(const MachineConfig& config, const Machine& machine);
+
+}  // namespace musher

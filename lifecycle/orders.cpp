@@ -1,0 +1,224 @@
+// One command to one actuator, with a certain outcome.
+
+#include <algorithm>
+
+#include "musher/lifecycle/decision.hpp"
+
+namespace musher {
+
+// Asks an actuator that has shown itself to follow this controller. The answer gives its status and
+// a fresh stamp, by which it can later tell how old a command is.
+void Decision::Claim(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  const std::uint64_t seen = record.report.epoch;
+  const bool ours = record.claimed == record.report.incarnation;
+  if (seen > machine_.epoch || (seen == machine_.epoch && !ours)) RaiseEpoch(seen + 1, i);
+  record.claimed = record.report.incarnation;
+  record.claim_again = now_ + kClaimPeriod;
+  Do(action::SendAsk{i, record.report.number, false});
+}
+
+// An earlier controller has been here. Whoever follows already hears of the new epoch at once.
+void Decision::RaiseEpoch(std::uint64_t epoch, std::size_t because_of) {
+  machine_.epoch = epoch;
+  Do(action::SaveEpoch{epoch});
+  RecordMachine(kCodeOk, "epoch " + std::to_string(epoch) + ": " + ConfigOf(because_of).name +
+                             " had followed epoch " + std::to_string(epoch - 1));
+  for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
+    if (other == because_of || Of(other).presence != Presence::kPresent) continue;
+    Do(action::SendAsk{other, Of(other).report.number, false});
+  }
+}
+
+// Takes a newer report over. What ended without an order of ours (one that was overdue, one of the
+// controller before) may have led anywhere.
+void Decision::Accept(std::size_t i, const ActuatorReport& report) {
+  ActuatorRecord& record = Of(i);
+  const bool came_free = record.report.busy() && !report.busy() && !record.order;
+  if (came_free && record.checked && !record.held) record.due = true;
+  // A report that was held up on the way would make commands look older than they are. Once in a
+  // while a new one counts all the same: clocks drift.
+  const bool other_process = record.report.incarnation != report.incarnation;
+  const bool came_faster = report.stamp - now_ >= record.clock_theirs - record.clock_ours;
+  if (other_process || came_faster || now_ - record.clock_ours > kClockGoodFor) {
+    record.clock_theirs = report.stamp;
+    record.clock_ours = now_;
+  }
+  record.report = report;
+  machine_.number = std::max(machine_.number, report.number);
+}
+
+// The actuator has answered its claim: it is present.
+void Decision::Follow(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  record.claim_again.reset();
+  if (record.presence == Presence::kPresent) return;
+  const bool late = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
+  record.presence = Presence::kPresent;
+  record.set_up_by.reset();
+  record.fault.reset();
+  record.checked = (config_.RankOf(record.state()) && record.state() != kError) ||
+                   !ConfigOf(i).Lists(kSelfCheck);
+  record.join_tried = false;
+  record.held = false;
+  record.due = late && record.checked;
+  RecordActuator(i, kCodeOk,
+                 ConfigOf(i).name + " is present in " + record.state() + ", process " +
+                     std::to_string(record.report.pid));
+}
+
+void Decision::On(const event::StatusSeen& seen) {
+  ActuatorRecord& record = Of(seen.actuator);
+  const ActuatorReport& report = seen.report;
+  const bool same = report.incarnation == record.report.incarnation;
+  if (same && (record.presence == Presence::kPresent || record.claim_again)) {
+    if (report.stamp < record.report.stamp) return;
+    Accept(seen.actuator, report);
+    // The latch tells an outcome as well as the reply, and stays when the reply is lost.
+    if (record.order && report.outcome_number == record.order->number) {
+      EndOrder(seen.actuator, JudgeReport(seen.actuator, *record.order));
+    }
+    return;
+  }
+  if (machine_.phase == Phase::kIdle || report.state == kTearDown) return;
+  const bool not_set_up = report.state == config_.default_state;
+  if (not_set_up && !report.busy() && report.outcome_code != kCodeOk) {
+    return Degrade(seen.actuator, report.outcome_code,
+                   "SetUp failed with " + CodeText(report.outcome_code) +
+                       (report.outcome_message.empty() ? "" : ": " + report.outcome_message));
+  }
+  if (report.incarnation == record.dead) return;
+  if (!same && record.presence == Presence::kPresent) Lose(seen.actuator, "it was started anew");
+  Accept(seen.actuator, report);
+  record.presence = Presence::kStarting;
+  // Its services appear when it is set up; until then there is nobody to ask.
+  if (not_set_up) return;
+  if (machine_.phase != Phase::kStopping && machine_.phase != Phase::kStopped) Claim(seen.actuator);
+}
+
+void Decision::On(const event::Replied& replied) {
+  ActuatorRecord& record = Of(replied.actuator);
+  if (replied.report.incarnation != record.report.incarnation) return;
+  if (replied.report.stamp >= record.report.stamp) Accept(replied.actuator, replied.report);
+  if (replied.ask && replied.verdict == Verdict::kRefused &&
+      replied.code == kCodePermissionDenied && replied.report.epoch > machine_.epoch) {
+    return Claim(replied.actuator);
+  }
+  if (replied.ask && replied.verdict == Verdict::kDone) Follow(replied.actuator);
+  if (!record.order || record.order->number != replied.number) return;
+  if (replied.ask && record.order->asked == 0) return;  // a claim, not the question
+  if (replied.ask) return EndOrder(replied.actuator, JudgeReport(replied.actuator, *record.order));
+  switch (replied.verdict) {
+    case Verdict::kDone:
+      return EndOrder(replied.actuator, {ActuatorOutcome::kDone, kCodeOk, replied.message, true});
+    case Verdict::kRefused:
+      return EndOrder(replied.actuator, {record.order->asked > 0 ? ActuatorOutcome::kOverdue
+                                                                 : ActuatorOutcome::kRefused,
+                                         replied.code, replied.message, false});
+    case Verdict::kFailed:
+      return EndOrder(replied.actuator,
+                      {ActuatorOutcome::kFailed, replied.code, replied.message, true});
+  }
+}
+
+void Decision::Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget) {
+  machine_.number = std::max(machine_.number, number);
+  Of(i).order = Order{number, target, now_, now_ + budget, 0};
+  Do(action::SendSwitch{i, number, target, budget});
+}
+
+// What the latched status of an asked actuator says about the order.
+OrderEnd Decision::JudgeReport(std::size_t i, const Order& order) const {
+  const ActuatorReport& report = Of(i).report;
+  const std::string time = std::to_string(ToMilliseconds(now_ - order.sent)) + " ms";
+  if (report.outcome_number == order.number) {
+    if (report.outcome_code == kCodeOk) {
+      return {ActuatorOutcome::kDone, kCodeOk, "", true};
+    }
+    return {ActuatorOutcome::kFailed, report.outcome_code, report.outcome_message, true};
+  }
+  if (report.busy_number == order.number) {
+    return {ActuatorOutcome::kOverdue, kCodeTimeout,
+            "still busy with " + order.target + " after " + time, true};
+  }
+  return {ActuatorOutcome::kOverdue, kCodeTimeout,
+          "had not begun " + order.target + " after " + time, false};
+}
+
+void Decision::AskOrLose(std::size_t i) {
+  Order& order = *Of(i).order;
+  if (order.asked >= kAskAttempts) {
+    return Lose(i, "it does not answer, not even when asked how " + order.target + " stands");
+  }
+  if (order.asked == 0) {
+    RecordActuator(i, kCodeTimeout,
+                   ConfigOf(i).name + " did not answer within " +
+                       std::to_string(ToMilliseconds(order.deadline - order.sent)) +
+                       " ms; it is asked how " + order.target + " stands");
+  }
+  ++order.asked;
+  order.deadline = now_ + kAskTimeout;
+  Do(action::SendAsk{i, order.number, true});
+}
+
+void Decision::CheckOrders() {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    if (record.order && record.order->deadline <= now_) AskOrLose(i);
+    if (record.claim_again && *record.claim_again <= now_) Claim(i);
+  }
+}
+
+void Decision::EndOrder(std::size_t i, const OrderEnd& end) {
+  const Order order = *Of(i).order;
+  const std::string took = std::to_string(ToMilliseconds(now_ - order.sent)) + " ms";
+  RecordActuator(i, end.code,
+                 ConfigOf(i).name + ": " + order.target + " " +
+                     std::string(OutcomeName(end.outcome)) + " after " + took +
+                     (end.message.empty() ? "" : ": " + end.message));
+  Of(i).order.reset();
+  if (end.outcome == ActuatorOutcome::kDone) {
+    if (order.target == kSelfCheck) Of(i).checked = true;
+    if (Of(i).checked) Of(i).fault.reset();  // a check that failed stays on record until one passes
+  }
+  if (end.outcome == ActuatorOutcome::kOverdue) Of(i).due = true;  // driven on once it is free
+  if (machine_.current) {
+    Switch& s = *machine_.current;
+    for (Leg& leg : s.rolling_back ? s.back : s.legs) {
+      if (leg.actuator == i && leg.progress == Leg::Progress::kUnderWay) return EndLeg(leg, end);
+    }
+  }
+  EndJoin(i, order, end);
+}
+
+void Decision::Lose(std::size_t i, const std::string& how) {
+  ActuatorRecord& record = Of(i);
+  const bool torn_down = record.state() == kTearDown || machine_.phase == Phase::kStopping;
+  const bool had_answered = record.presence == Presence::kPresent;
+  if (record.order) EndOrder(i, {ActuatorOutcome::kLost, kCodeNetError, how, true});
+  record.presence = Presence::kLost;
+  record.claim_again.reset();
+  record.checked = false;
+  record.held = false;
+  record.due = false;
+  record.report.target.clear();
+  record.report.busy_number = 0;
+  if (torn_down) return;
+  // Why its SetUp failed says more than that its process is gone.
+  if (!record.fault || had_answered) Degrade(i, kCodeNetError, how);
+  Fall(i);
+}
+
+void Decision::On(const event::Vanished& vanished) {
+  ActuatorRecord& record = Of(vanished.actuator);
+  if (record.report.incarnation != vanished.incarnation) return;
+  if (record.presence != Presence::kPresent && record.presence != Presence::kStarting) return;
+  if (vanished.for_good) {
+    record.dead = vanished.incarnation;
+    const bool torn_down = record.order && record.order->target == kTearDown;
+    if (torn_down) EndOrder(vanished.actuator, {ActuatorOutcome::kDone, kCodeOk, "", true});
+  }
+  Lose(vanished.actuator, vanished.how);
+}
+
+}  // namespace musher

@@ -1,0 +1,258 @@
+#include "musher/lifecycle/plan.hpp"
+
+#include <algorithm>
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/lifecycle/flow.hpp"
+#include "musher/lifecycle/machine.hpp"
+#include "musher/lifecycle/suggest.hpp"
+
+namespace musher {
+namespace {
+
+std::string List(const std::vector<State>& names) {
+  std::string text;
+  for (const State& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+// SetUp, SelfCheck and Uninitialized count as less active than any state one can stay in, except
+// the two that end things.
+Direction DirectionOf(const MachineConfig& config, const State& from, const State& to) {
+  if (to == kSelfCheck) return Direction::kCheck;
+  if (from == to) return Direction::kLevel;
+  const auto from_rank = config.RankOf(from);
+  const auto to_rank = config.RankOf(to);
+  if (!from_rank) {
+    return to == kError || to == kTearDown ? Direction::kDown : Direction::kUp;
+  }
+  if (!to_rank || *to_rank == *from_rank) return Direction::kLevel;
+  return *to_rank > *from_rank ? Direction::kUp : Direction::kDown;
+}
+
+class Planning {
+ public:
+  Planning(const MachineConfig& config, const Machine& machine, const State& target,
+           std::optional<std::size_t> only)
+      : config_(config), machine_(machine) {
+    plan_.target = target;
+    plan_.only = only;
+    plan_.from = only ? machine.actuators[*only].state() : machine.state;
+    plan_.direction = DirectionOf(config, plan_.from, target);
+  }
+
+  Plan Make() && {
+    plan_.refusal = JudgeTarget();
+    if (plan_.refusal) return std::move(plan_);
+    if (plan_.only) {
+      AddSingle(*plan_.only);
+    } else {
+      for (std::size_t i = 0; i < config_.actuators.size(); ++i) AddStep(i);
+    }
+    if (!plan_.refusal) OrderSteps();
+    return std::move(plan_);
+  }
+
+ private:
+  std::optional<Error> JudgeTarget() const {
+    const State& target = plan_.target;
+    if (!config_.HasState(target)) {
+      const std::string near = Nearest(target, config_.states);
+      return Error{kCodeParametersInvalid,
+                   "unknown state '" + target.substr(0, 64) + "'; " +
+                       (near.empty() ? "" : "did you mean '" + near + "'? ") + "the states are " +
+                       List(config_.states)};
+    }
+    const std::string who = plan_.only ? config_.actuators[*plan_.only].name : "the machine";
+    if (machine_.phase == Phase::kIdle || (!machine_.set_up && target != kTearDown)) {
+      return Error{kCodeStatusError, "the machine is not set up yet"};
+    }
+    if (machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped) {
+      return Error{kCodeStateInvalid, "the machine is torn down; only a new start brings it back"};
+    }
+    if (!FlowAllows(config_, plan_.from, target)) {
+      return Error{kCodeStateInvalid, who + " cannot go from " + plan_.from + " to " + target +
+                                          "; from here it can go to " +
+                                          List(Reachable(config_, plan_.from))};
+    }
+    return std::nullopt;
+  }
+
+  // The first reason found stays.
+  void RefuseWith(std::int32_t code, const std::string& message) {
+    if (!plan_.refusal) plan_.refusal = Error{code, message};
+  }
+
+  PlanStep Blank(std::size_t i) const {
+    PlanStep step;
+    step.actuator = i;
+    step.from = machine_.actuators[i].state();
+    step.to = plan_.target;
+    step.deadline = config_.TimeFor(i, plan_.target);
+    return step;
+  }
+
+  void AddSingle(std::size_t i) {
+    const ActuatorConfig& actuator = config_.actuators[i];
+    const ActuatorRecord& record = machine_.actuators[i];
+    const auto rank = config_.RankOf(plan_.target);
+    const auto machine_rank = config_.RankOf(machine_.state);
+    if (record.presence != Presence::kPresent) {
+      RefuseWith(kCodeStatusError,
+                 actuator.name + " is " + std::string(PresenceName(record.presence)));
+    } else if (!actuator.Lists(plan_.target)) {
+      RefuseWith(kCodeUnSupport, actuator.name + " has no state '" + plan_.target + "'; it has " +
+                                     List(actuator.states));
+    } else if (record.report.busy() || record.order) {
+      RefuseWith(kCodeTargetBusy, actuator.name + " is busy with " + BusyWith(record));
+    } else if (rank && plan_.target != kTearDown && (!machine_rank || *rank > *machine_rank)) {
+      RefuseWith(kCodeStateInvalid, actuator.name +
+                                        " may not be more active than the machine, which is in " +
+                                        machine_.state);
+    } else if (rank && plan_.direction == Direction::kUp && !record.checked) {
+      RefuseWith(kCodeSelfCheckFailed, actuator.name + " has not passed its self-check");
+    }
+    PlanStep step = Blank(i);
+    if (plan_.target != kSelfCheck && record.state() == plan_.target && !record.fault) {
+      step.part = PlanStep::Part::kThere;
+    }
+    plan_.steps.push_back(step);
+  }
+
+  static State BusyWith(const ActuatorRecord& record) {
+    return record.order ? record.order->target : record.report.target;
+  }
+
+  void AddStep(std::size_t i) {
+    const ActuatorConfig& actuator = config_.actuators[i];
+    const ActuatorRecord& record = machine_.actuators[i];
+    const bool up = plan_.direction == Direction::kUp;
+    const bool checking = plan_.direction == Direction::kCheck;
+    PlanStep step = Blank(i);
+    const auto leave_out = [&](const std::string& why, std::int32_t code, bool hinders) {
+      step.part = PlanStep::Part::kLeftOut;
+      step.note = why;
+      if (hinders && up && actuator.critical)
+        RefuseWith(code, "critical " + actuator.name + " " + why);
+    };
+    if (record.presence != Presence::kPresent) {
+      const bool loading =
+          record.presence == Presence::kStarting || actuator.stage > machine_.stage;
+      leave_out(loading ? "is still starting" : "is not there", kCodeStatusError, !loading);
+    } else if (Joining(record)) {
+      leave_out("is still joining", kCodeTargetBusy, false);
+    } else if (!actuator.Lists(plan_.target)) {
+      step.part = PlanStep::Part::kUnsupported;
+      step.note = "has no state '" + plan_.target + "'";
+      if (up) RefuseWith(kCodeUnSupport, actuator.name + " " + step.note);
+    } else if (!checking && plan_.target != kTearDown && !record.checked &&
+               (up || !AtRest(record))) {
+      leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
+    } else if (!checking && record.state() == plan_.target && !record.fault &&
+               !record.report.busy() && !record.order) {
+      step.part = record.held ? PlanStep::Part::kHeldThere : PlanStep::Part::kThere;
+    } else if (up && !machine_.current && (record.report.busy() || record.order)) {
+      RefuseWith(kCodeTargetBusy, actuator.name + " is still busy with " + BusyWith(record));
+    }
+    plan_.steps.push_back(step);
+  }
+
+  // A late one in its first self-check keeps to itself, unless the machine is ended.
+  bool Joining(const ActuatorRecord& record) const {
+    return record.order && record.order->target == kSelfCheck && !machine_.current &&
+           plan_.target != kTearDown && plan_.target != kError;
+  }
+
+  // In a state to stay in, as against a step of a start or Error.
+  bool AtRest(const ActuatorRecord& record) const {
+    return config_.RankOf(record.state()) && record.state() != kError;
+  }
+
+  const PlanStep* DrivenStep(std::size_t actuator) const {
+    const auto found = std::find_if(plan_.steps.begin(), plan_.steps.end(), [&](const PlanStep& s) {
+      return s.actuator == actuator && s.driven();
+    });
+    return found == plan_.steps.end() ? nullptr : &*found;
+  }
+
+  // The driven actuators that `i` waits for on the way up: its `after`, or through one that is not
+  // driven, what that one waits for. `seen` keeps a diamond from being walked twice.
+  void CollectNeeds(std::size_t i, std::vector<bool>& seen, std::vector<std::size_t>& needs) const {
+    for (const std::string& name : config_.actuators[i].after) {
+      const std::size_t other = *config_.IndexOf(name);
+      if (seen[other]) continue;
+      seen[other] = true;
+      if (DrivenStep(other) != nullptr) {
+        needs.push_back(other);
+      } else {
+        CollectNeeds(other, seen, needs);
+      }
+    }
+  }
+
+  void OrderSteps() {
+    std::vector<std::vector<std::size_t>> needs(config_.actuators.size());
+    const bool any_after = std::any_of(config_.actuators.begin(), config_.actuators.end(),
+                                       [](const ActuatorConfig& a) { return !a.after.empty(); });
+    if (any_after) {
+      for (const PlanStep& step : plan_.steps) {
+        if (!step.driven()) continue;
+        std::vector<bool> seen(config_.actuators.size(), false);
+        std::vector<std::size_t> found;
+        CollectNeeds(step.actuator, seen, found);
+        for (const std::size_t other : found) {
+          if (plan_.direction == Direction::kDown) {
+            needs[other].push_back(step.actuator);
+          } else {
+            needs[step.actuator].push_back(other);
+          }
+        }
+      }
+    }
+    std::vector<int> wave(config_.actuators.size(), 0);
+    for (PlanStep& step : plan_.steps) {
+      if (!step.driven()) continue;
+      std::sort(needs[step.actuator].begin(), needs[step.actuator].end());
+      step.needs = needs[step.actuator];
+      step.wave = WaveOf(step.actuator, needs, wave);
+    }
+  }
+
+  static int WaveOf(std::size_t i, const std::vector<std::vector<std::size_t>>& needs,
+                    std::vector<int>& wave) {
+    if (wave[i] == 0) {
+      int deepest = 0;
+      for (const std::size_t other : needs[i])
+        deepest = std::max(deepest, WaveOf(other, needs, wave));
+      wave[i] = deepest + 1;
+    }
+    return wave[i];
+  }
+
+  const MachineConfig& config_;
+  const Machine& machine_;
+  Plan plan_;
+};
+
+}  // namespace
+
+std::string_view DirectionName(Direction direction) {
+  switch (direction) {
+    case Direction::kUp:
+      return "up";
+    case Direction::kDown:
+      return "down";
+    case Direction::kLevel:
+      return "level";
+    case Direction::kCheck:
+      break;
+  }
+  return "check";
+}
+
+Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,
+              std::optional<std::size_t> only) {
+  return Planning(config, machine, target, only).Make();
+}
+
+}  // namespace musher

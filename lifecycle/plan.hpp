@@ -1,0 +1,65 @@
+#pragma once
+// What a switch would do, before it is done: who is driven, in which order and until when, who is
+// left out and why, and whether the switch would be refused. A switch executes exactly its plan.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/result.hpp"
+
+namespace musher {
+
+struct Machine;
+
+enum class Direction {
+  kUp,     // more active: all or nobody
+  kDown,   // less active: as many as can
+  kLevel,  // as active as before, or the present state again: as many as can
+  kCheck,  // SelfCheck: everybody is asked
+};
+std::string_view DirectionName(Direction direction);  // "up", "down", "level", "check"
+
+struct PlanStep {
+  enum class Part {
+    kDriven,
+    kThere,        // is in the target state already
+    kHeldThere,    // the same, and no longer held
+    kUnsupported,  // does not list the target
+    kLeftOut,      // not there, not checked, or still joining: `note` says which
+  };
+
+  std::size_t actuator = 0;
+  Part part = Part::kDriven;
+  State from;
+  State to;
+  int wave = 0;                    // depth in `needs`, from 1; 0 when not driven
+  std::vector<std::size_t> needs;  // actuators whose step must have ended before this one begins
+  Duration deadline{};
+  std::string note;
+
+  bool driven() const { return part == Part::kDriven; }
+
+  friend bool operator==(const PlanStep&, const PlanStep&) = default;
+};
+
+struct Plan {
+  State target;
+  std::optional<std::size_t> only;  // one actuator instead of the machine
+  State from;
+  Direction direction = Direction::kLevel;
+  std::optional<Error> refusal;  // set: the switch would be refused, and why
+  std::vector<PlanStep> steps;   // every actuator concerned, in the config's order
+
+  friend bool operator==(const Plan&, const Plan&) = default;
+};
+
+// The plan for taking the machine (or `only`) to `target` from where it is. Judges everything but
+// whether another switch is under way.
+Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,
+              std::optional<std::size_t> only = std::nullopt);
+
+}  // namespace musher

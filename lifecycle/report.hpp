@@ -1,0 +1,39 @@
+#pragma once
+// What an actuator says about itself: the latched status of the wire as a value of the rules.
+
+#include <cstdint>
+#include <string>
+
+#include "musher/lifecycle/state.hpp"
+#include "musher/lifecycle/time.hpp"
+
+namespace musher {
+
+struct ActuatorReport {
+  State state{kUninitialized};
+  State target;                   // its callback is running for this state; empty when it is free
+  std::uint64_t busy_number = 0;  // the command that runs; 0 when free or in its own SetUp
+  std::uint64_t epoch = 0;        // highest controller epoch seen
+  std::uint64_t number = 0;       // highest command number accepted or fenced
+  std::uint64_t outcome_number = 0;  // the last command that ended, its code and message
+  std::int32_t outcome_code = 0;
+  std::string outcome_message;
+  std::uint64_t incarnation = 0;  // differs with every start of its process
+  std::int32_t pid = 0;
+  std::string host;
+  std::string config_hash;
+  Time stamp{};  // by the actuator's own clock
+
+  bool busy() const { return !target.empty(); }
+
+  friend bool operator==(const ActuatorReport&, const ActuatorReport&) = default;
+};
+
+// How an actuator answered a command.
+enum class Verdict {
+  kDone,
+  kRefused,  // nothing ran
+  kFailed,   // the callback ran and gave a code
+};
+
+}  // namespace musher

@@ -1,0 +1,229 @@
+// Bringing the machine up: processes in the order of `stage` and `after`, the first stage through
+// SelfCheck to Active, or adoption of what runs already; later stages while the machine is in use.
+
+#include <algorithm>
+
+#include "musher/lifecycle/decision.hpp"
+
+namespace musher {
+namespace {
+
+int LastStage(const MachineConfig& config) {
+  int last = 1;
+  for (const ActuatorConfig& actuator : config.actuators) last = std::max(last, actuator.stage);
+  return last;
+}
+
+}  // namespace
+
+void Decision::On(const event::Begin& begin) {
+  machine_.phase = Phase::kStarting;
+  machine_.by_hand = begin.by_hand;
+  machine_.epoch = begin.epoch + 1;
+  Do(action::SaveEpoch{machine_.epoch});
+  for (std::size_t i = 0; i < begin.running.size(); ++i) Of(i).found_running = begin.running[i];
+  RecordMachine(kCodeOk, "controller epoch " + std::to_string(machine_.epoch) + " begins, " +
+                             std::to_string(machine_.actuators.size()) + " actuators");
+  StartStage(begin.by_hand ? LastStage(config_) : 1);
+}
+
+void Decision::StartStage(int stage) {
+  machine_.stage = stage;
+  if (stage > 1 && !machine_.by_hand) {
+    RecordMachine(kCodeOk, "stage " + std::to_string(stage) + " is being started");
+  }
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    const bool waited_for = ConfigOf(i).command.empty() || record.found_running;
+    if (ConfigOf(i).stage > stage || record.presence == Presence::kPresent || record.set_up_by)
+      continue;
+    if (waited_for) record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
+  }
+}
+
+bool Decision::StartProcesses() {
+  bool changed = false;
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    const ActuatorConfig& actuator = ConfigOf(i);
+    if (actuator.stage > machine_.stage || actuator.command.empty() || record.found_running ||
+        record.presence != Presence::kAbsent || record.set_up_by || record.fault) {
+      continue;
+    }
+    std::string hindrance;
+    if (!NeedsMet(i, hindrance)) {
+      if (hindrance.empty()) continue;
+      Degrade(i, kCodeStatusError, hindrance);
+    } else {
+      record.presence = Presence::kStarting;
+      record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
+      Do(action::StartProcess{i});
+    }
+    changed = true;
+  }
+  return changed;
+}
+
+// Whether all that actuator `i` comes after are there; `hindrance` says so when one never will be.
+bool Decision::NeedsMet(std::size_t i, std::string& hindrance) const {
+  bool met = true;
+  for (const std::string& name : ConfigOf(i).after) {
+    const ActuatorRecord& needed = Of(*config_.IndexOf(name));
+    if (needed.fault) hindrance = "needs " + name + ", which is degraded: " + needed.fault->message;
+    if (needed.presence != Presence::kPresent || needed.fault) met = false;
+  }
+  return met;
+}
+
+void Decision::On(const event::ProcessStarted& started) {
+  Of(started.actuator).process = started.pid;
+  RecordProcess(
+      started.actuator, kCodeOk,
+      ConfigOf(started.actuator).name + " is started as process " + std::to_string(started.pid));
+}
+
+void Decision::On(const event::ProcessNotStarted& failed) {
+  Of(failed.actuator).presence = Presence::kAbsent;
+  Degrade(failed.actuator, kCodeFailed, "its process could not be started: " + failed.why);
+}
+
+void Decision::On(const event::ProcessEnded& ended) {
+  ActuatorRecord& record = Of(ended.actuator);
+  if (record.process != ended.pid) return;
+  record.process = 0;
+  record.dead = record.report.incarnation;
+  const std::string how = "process " + std::to_string(ended.pid) + " ended: " + ended.how;
+  RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
+                ConfigOf(ended.actuator).name + "'s " + how);
+  // Its end can overtake its last word.
+  const bool torn_down = record.order && record.order->target == kTearDown && ended.clean;
+  if (torn_down) EndOrder(ended.actuator, {ActuatorOutcome::kDone, kCodeOk, "", true});
+  if (record.presence == Presence::kStarting || record.presence == Presence::kPresent) {
+    const bool in_set_up = record.presence == Presence::kStarting;
+    Lose(ended.actuator, in_set_up ? "its " + how + " during SetUp" : "its " + how);
+  }
+}
+
+void Decision::On(const event::SetUpAwaited& awaited) {
+  machine_.set_up_requests.push_back(awaited.request);
+}
+
+void Decision::CheckSetUpDeadlines() {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    const ActuatorRecord& record = Of(i);
+    if (!record.set_up_by || *record.set_up_by > now_ || record.fault ||
+        record.presence == Presence::kPresent) {
+      continue;
+    }
+    Degrade(i, kCodeTimeout,
+            "was not set up within " + std::to_string(ToMilliseconds(config_.TimeFor(i, kSetUp))) +
+                " ms");
+  }
+}
+
+bool Decision::StageSetUp(int stage) const {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    if (ConfigOf(i).stage > stage) continue;
+    if (Of(i).presence != Presence::kPresent && !Of(i).fault) return false;
+  }
+  return true;
+}
+
+// Whether each actuator of the stage is where the machine is, or will not come.
+bool Decision::StageSettled(int stage) const {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    const ActuatorRecord& record = Of(i);
+    if (ConfigOf(i).stage > stage || record.fault) continue;
+    const bool joined =
+        record.presence == Presence::kPresent && record.checked && !record.due && !record.order;
+    if (!joined) return false;
+  }
+  return true;
+}
+
+bool Decision::AdvanceStart() {
+  if (!machine_.set_up && machine_.phase == Phase::kStarting) {
+    if (!StageSetUp(machine_.stage)) return false;
+    EndFirstStage();
+    return true;
+  }
+  const bool more = machine_.phase == Phase::kRunning && machine_.stage < LastStage(config_);
+  if (!more || machine_.current || !StageSettled(machine_.stage)) return false;
+  StartStage(machine_.stage + 1);
+  return true;
+}
+
+// Everybody the machine waited for is set up, or given up.
+void Decision::EndFirstStage() {
+  machine_.set_up = true;
+  machine_.state = State(kSetUp);
+  std::vector<std::string> missing;
+  std::optional<State> lowest;  // the least active state of those that run already
+  std::size_t present = 0;
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    const ActuatorRecord& record = Of(i);
+    if (record.fault) missing.push_back(ConfigOf(i).name + " " + record.fault->message);
+    if (record.presence != Presence::kPresent) continue;
+    ++present;
+    const auto rank = config_.RankOf(record.state());
+    if (rank && (!lowest || *rank < *config_.RankOf(*lowest))) lowest = record.state();
+  }
+  Result<> answer;
+  if (!missing.empty()) answer = Error{kCodeTimeout, missing.front()};
+  for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
+    Do(action::AnswerSetUp{request, answer});
+  }
+  RecordMachine(kCodeOk, std::to_string(present) + " actuators are set up");
+  if (lowest) return AdoptFrom(*lowest);
+  if (machine_.by_hand) return;
+  if (present == 0) {
+    return FailStartUp(missing.empty() ? "there is no actuator in stage 1" : missing.front());
+  }
+  if (!config_.HasState(kSelfCheck)) return Activate();
+  Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {});
+}
+
+// An earlier controller left actuators running: the machine is where the least active of them is,
+// so that nothing becomes more active by a restart; the others follow.
+void Decision::AdoptFrom(const State& lowest) {
+  machine_.state = lowest;
+  BecomeRunning("the machine is adopted in " + lowest);
+}
+
+void Decision::AfterStartUpCheck() {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    if (ConfigOf(i).stage > machine_.stage || !Critical(i) || !Of(i).fault) continue;
+    return FailStartUp("critical " + ConfigOf(i).name + ": " + CodeText(Of(i).fault->code) + ", " +
+                       Of(i).fault->message);
+  }
+  Activate();
+}
+
+void Decision::Activate() {
+  if (!config_.HasState(kActive)) return BecomeRunning("the machine is checked; it has no Active");
+  const Plan plan = MakePlan(config_, machine_, State(kActive));
+  if (plan.refusal) return FailStartUp(plan.refusal->message);
+  Begin(plan, Purpose::kStartUpActivate, {});
+}
+
+void Decision::FailStartUp(const std::string& why) {
+  machine_.phase = Phase::kFailed;
+  const std::string message =
+      "start-up failed, the machine stays in " + machine_.state + ": " + why;
+  RecordMachine(kCodeFailed, message);
+  Do(action::StartUpEnded{false, message});
+}
+
+void Decision::BecomeRunning(const std::string& message) {
+  machine_.phase = Phase::kRunning;
+  for (ActuatorRecord& record : machine_.actuators) {
+    if (record.presence == Presence::kPresent && record.checked && !record.held &&
+        record.state() != machine_.state) {
+      record.due = true;
+    }
+  }
+  RecordMachine(kCodeOk, message);
+  Do(action::StartUpEnded{true, message});
+}
+
+}  // namespace musher

@@ -1,0 +1,96 @@
+// The end: TearDown in reverse order, then SIGTERM, then SIGKILL. Of the budget TearDown may use 70
+// %; at 90 % whatever is left is killed; at 100 % the machine is stopped, come what may.
+
+#include <algorithm>
+
+#include "musher/lifecycle/decision.hpp"
+
+namespace musher {
+namespace {
+
+// A process that is torn down ends by itself; this long it is left alone.
+constexpr Duration kExitGrace = Milliseconds(1000);
+
+}  // namespace
+
+void Decision::Stop(const Plan& plan, std::vector<RequestId> requests) {
+  if (machine_.current) Supersede(machine_.number + 1, plan.target);
+  for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
+    Do(action::AnswerSetUp{request, Error{kCodeStateInvalid, "the machine is being torn down"}});
+  }
+  const Duration budget = config_.shutdown_budget;
+  Stopping stopping;
+  stopping.begun = now_;
+  stopping.tear_down_by = now_ + budget * 7 / 10;
+  stopping.kill_at = now_ + budget * 9 / 10;
+  stopping.give_up_at = now_ + budget;
+  stopping.requests = std::move(requests);
+  machine_.stopping = std::move(stopping);
+  machine_.phase = Phase::kStopping;
+  machine_.fallback.reset();
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    record.claim_again.reset();
+    if (record.presence == Presence::kPresent) continue;
+    record.set_up_by.reset();
+    if (record.process != 0) Do(action::SignalProcess{i, record.process, false});
+  }
+  Begin(plan, Purpose::kStop, {});
+}
+
+void Decision::AfterTearDown(SwitchResult result) {
+  Stopping& stopping = *machine_.stopping;
+  stopping.result = std::move(result);
+  const Duration grace = std::min(kExitGrace, config_.shutdown_budget / 10);
+  stopping.terminate_at = std::min(now_ + grace, stopping.kill_at);
+}
+
+bool Decision::ProcessesLeft() const {
+  return std::any_of(machine_.actuators.begin(), machine_.actuators.end(),
+                     [](const ActuatorRecord& record) { return record.process != 0; });
+}
+
+void Decision::SignalProcesses(bool kill) {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    if (Of(i).process == 0) continue;
+    RecordProcess(i, kCodeTimeout,
+                  ConfigOf(i).name + " has not ended; process " + std::to_string(Of(i).process) +
+                      (kill ? " gets SIGKILL" : " gets SIGTERM"));
+    Do(action::SignalProcess{i, Of(i).process, kill});
+  }
+}
+
+void Decision::AdvanceStopping() {
+  Stopping& stopping = *machine_.stopping;
+  if (stopping.terminate_at && now_ >= *stopping.terminate_at && !stopping.terminated) {
+    stopping.terminated = true;
+    SignalProcesses(false);
+  }
+  if (now_ >= stopping.kill_at && !stopping.killed) {
+    stopping.killed = true;
+    SignalProcesses(true);
+  }
+  const bool out_of_time = now_ >= stopping.give_up_at;
+  if (out_of_time && machine_.current) EndUnfinished();
+  if (!stopping.result || (ProcessesLeft() && !out_of_time)) return;
+  machine_.phase = Phase::kStopped;
+  RecordMachine(kCodeOk, "the machine is stopped after " +
+                             std::to_string(ToMilliseconds(now_ - stopping.begun)) + " ms");
+  Answer(stopping.requests, *stopping.result);
+  Do(action::Stopped{});
+}
+
+// The budget is used up while somebody still owes an answer to TearDown.
+void Decision::EndUnfinished() {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    if (Of(i).order)
+      EndOrder(i, {ActuatorOutcome::kLost, kCodeTimeout, "no answer within the budget", true});
+  }
+  for (Leg& leg : machine_.current->legs) {
+    if (leg.progress != Leg::Progress::kWaiting) continue;
+    EndLeg(leg, {ActuatorOutcome::kSkipped, kCodeTimeout, "the budget was used up", false});
+  }
+  EndSwitch();
+}
+
+}  // namespace musher

@@ -1,0 +1,17 @@
+#pragma once
+// "Did you mean ...?": the known word that a mistyped one most likely stands for.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace musher {
+
+// The candidate nearest to `word` by edit distance, where swapped neighbours count as one edit and
+// upper and lower case are the same. Empty when none is near: a third of the word's length is
+// allowed to differ, at least one character and at most three. Of equally near ones the first wins;
+// a candidate equal to `word` is never given. Words over 64 bytes have no nearest one.
+std::string Nearest(std::string_view word, const std::vector<std::string_view>& candidates);
+std::string Nearest(std::string_view word, const std::vector<std::string>& candidates);
+
+}  // namespace musher

@@ -1,0 +1,162 @@
+// The end of a switch: what it means for the machine and for each actuator, and the result.
+
+#include <algorithm>
+
+#include "musher/lifecycle/decision.hpp"
+
+namespace musher {
+namespace {
+
+// How bad an end is: silence counts for more than a failure that was said.
+int Badness(const Leg& leg, bool critical) {
+  if (!leg.failed()) return 0;
+  if (critical) return 4;
+  if (leg.outcome == ActuatorOutcome::kLost || leg.outcome == ActuatorOutcome::kOverdue) return 3;
+  return leg.outcome == ActuatorOutcome::kSkipped ? 1 : 2;
+}
+
+}  // namespace
+
+// What a switch without rollback, or the forward part of one, leaves behind.
+void Decision::Apply(const Switch& s, bool undone) {
+  const bool check = s.direction == Direction::kCheck;
+  for (const Leg& leg : s.legs) {
+    ActuatorRecord& record = Of(leg.actuator);
+    if (leg.outcome == ActuatorOutcome::kDone) {
+      if (!undone && !check) record.held = s.only.has_value() && leg.target != machine_.state;
+      // One that has passed late belongs to where the machine is.
+      if (check && machine_.phase == Phase::kRunning && !record.held &&
+          record.state() != machine_.state) {
+        record.due = true;
+      }
+      continue;
+    }
+    if (check) record.checked = false;
+    if (!undone || (leg.ran && !s.rolling_back)) Degrade(leg.actuator, leg.code, leg.message);
+  }
+  if (undone || check || s.only) return;
+  LeaveNobodyBehind(s);
+  for (const ActuatorResult& other : s.others) {
+    const std::size_t i = *config_.IndexOf(other.name);
+    Of(i).held = false;
+    if (other.outcome == ActuatorOutcome::kUnsupported) Degrade(i, other.code, other.message);
+  }
+}
+
+// Those that were on their own way while the switch ran follow it.
+void Decision::LeaveNobodyBehind(const Switch& s) {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    const bool had_a_leg = std::any_of(s.legs.begin(), s.legs.end(),
+                                       [&](const Leg& leg) { return leg.actuator == i; });
+    if (had_a_leg || record.presence != Presence::kPresent || !record.checked) continue;
+    if (!record.fault && record.state() != machine_.state) record.due = true;
+  }
+}
+
+// What a rollback leaves behind.
+void Decision::SettleBack(const Switch& s) {
+  for (const Leg& leg : s.back) {
+    if (leg.outcome == ActuatorOutcome::kDone) continue;
+    Degrade(leg.actuator, leg.code,
+            "could not be brought back to " + (leg.target.empty() ? "rest" : leg.target) + ": " +
+                leg.message);
+    Fall(leg.actuator);
+  }
+}
+
+std::vector<ActuatorResult> Decision::Results(const Switch& s) const {
+  std::vector<ActuatorResult> results;
+  for (const Leg& leg : s.legs) {
+    ActuatorResult result{
+        ConfigOf(leg.actuator).name, leg.outcome, leg.code, leg.message, leg.duration,
+        Of(leg.actuator).state()};
+    if (leg.progress != Leg::Progress::kEnded) {
+      result.outcome = ActuatorOutcome::kSkipped;
+      result.message =
+          leg.progress == Leg::Progress::kWaiting ? "nothing was sent" : "was under way";
+    }
+    for (const Leg& back : s.back) {
+      if (back.actuator == leg.actuator && back.outcome == ActuatorOutcome::kDone &&
+          leg.outcome == ActuatorOutcome::kDone) {
+        result.outcome = ActuatorOutcome::kUndone;
+        result.message = "is back in " + back.target;
+      }
+    }
+    results.push_back(std::move(result));
+  }
+  for (const ActuatorResult& other : s.others) {
+    results.push_back(other);
+    results.back().state = Of(*config_.IndexOf(other.name)).state();
+  }
+  std::sort(results.begin(), results.end(), [&](const ActuatorResult& a, const ActuatorResult& b) {
+    return config_.IndexOf(a.name) < config_.IndexOf(b.name);
+  });
+  return results;
+}
+
+SwitchResult Decision::Conclude(const Switch& s, bool undone) const {
+  SwitchResult result;
+  result.number = s.number;
+  result.target = s.target;
+  if (s.only) result.actuator = ConfigOf(*s.only).name;
+  result.state = s.only ? Of(*s.only).state() : machine_.state;
+  result.degraded = Degraded(config_, machine_);
+  result.actuators = Results(s);
+  const Leg* worst = nullptr;
+  for (const Leg& leg : s.legs) {
+    if (!leg.failed()) continue;
+    if (worst == nullptr ||
+        Badness(leg, Critical(leg.actuator)) > Badness(*worst, Critical(worst->actuator))) {
+      worst = &leg;
+    }
+  }
+  if (worst != nullptr) {
+    result.code = worst->code;
+    result.reason = ConfigOf(worst->actuator).name + ": " +
+                    std::string(OutcomeName(worst->outcome)) + " with " + CodeText(worst->code) +
+                    (worst->message.empty() ? "" : ", " + worst->message);
+  } else if (!result.degraded.empty() && !s.only) {
+    const std::size_t first = *config_.IndexOf(result.degraded.front());
+    result.code = Of(first).fault->code;
+    result.reason = result.degraded.front() + ": " + Of(first).fault->message;
+  }
+  if (undone) {
+    result.outcome = SwitchOutcome::kUndone;
+  } else if (result.code != kCodeOk) {
+    result.outcome = SwitchOutcome::kDoneDegraded;
+  }
+  return result;
+}
+
+void Decision::EndSwitch() {
+  const Switch s = *machine_.current;
+  machine_.current.reset();
+  // A single actuator that did not switch leaves nothing done.
+  const bool single_failed = s.only && !s.legs.empty() && s.legs.front().failed();
+  const bool undone = s.rolling_back || (single_failed && s.direction != Direction::kCheck);
+  if (!undone && !s.only) {
+    const bool a_step = !config_.RankOf(machine_.state) || machine_.state == kError;
+    if (s.direction != Direction::kCheck || a_step) machine_.state = s.target;
+  }
+  Apply(s, undone);
+  if (undone) SettleBack(s);
+  const SwitchResult result = Conclude(s, undone);
+  RecordSwitch(s, result.code,
+               "switch " + std::to_string(s.number) + " is " +
+                   std::string(OutcomeName(result.outcome)) +
+                   (result.reason.empty() ? "" : ": " + result.reason));
+  if (s.purpose == Purpose::kStop) return AfterTearDown(result);
+  Answer(s.requests, result);
+  if (s.purpose == Purpose::kStartUpCheck) return AfterStartUpCheck();
+  if (s.purpose == Purpose::kStartUpActivate && undone) {
+    return FailStartUp(result.reason);
+  }
+  if (s.only || undone || !config_.RankOf(machine_.state)) return;
+  if (machine_.phase == Phase::kStarting || machine_.phase == Phase::kFailed) {
+    BecomeRunning("the machine is " + machine_.state +
+                  (result.degraded.empty() ? "" : ", degraded: " + result.reason));
+  }
+}
+
+}  // namespace musher

@@ -1,0 +1,280 @@
+// A switch: the legs of its plan, each begun when those it needs have ended; on the way up a
+// rollback when one fails; a result that names what became of everybody.
+
+#include <algorithm>
+
+#include "musher/lifecycle/decision.hpp"
+#include "musher/lifecycle/suggest.hpp"
+
+namespace musher {
+namespace {
+
+// TearDown before Error before the rest.
+int Urgency(const State& target) {
+  if (target == kTearDown) return 2;
+  return target == kError ? 1 : 0;
+}
+
+std::string Describe(const MachineConfig& config, const State& target,
+                     std::optional<std::size_t> only) {
+  return (only ? "of " + config.actuators[*only].name + " to " : "to ") + target;
+}
+
+SwitchResult Refusal(const event::SetStateRequested& requested, const State& state,
+                     const Error& why) {
+  SwitchResult result;
+  result.target = requested.target;
+  result.actuator = requested.actuator.value_or("");
+  result.outcome = SwitchOutcome::kRefused;
+  result.code = why.code;
+  result.reason = why.message;
+  result.state = state;
+  return result;
+}
+
+std::vector<std::string> Names(const MachineConfig& config) {
+  std::vector<std::string> names;
+  for (const ActuatorConfig& actuator : config.actuators) names.push_back(actuator.name);
+  return names;
+}
+
+}  // namespace
+
+void Decision::On(const event::SetStateRequested& requested) {
+  std::optional<std::size_t> only;
+  if (requested.actuator) {
+    only = config_.IndexOf(*requested.actuator);
+    if (!only) {
+      const std::string near = Nearest(*requested.actuator, Names(config_));
+      const Error unknown{kCodeParametersInvalid,
+                          "unknown actuator '" + requested.actuator->substr(0, 64) + "'" +
+                              (near.empty() ? "" : "; did you mean '" + near + "'?")};
+      return Answer({requested.request}, Refusal(requested, machine_.state, unknown));
+    }
+  }
+  if (JoinOrRefuse(requested, only)) return;
+  const Plan plan = MakePlan(config_, machine_, requested.target, only);
+  if (plan.refusal) {
+    SwitchResult result = Refusal(requested, plan.from, *plan.refusal);
+    result.degraded = Degraded(config_, machine_);
+    Do(action::Record{"switch", only, 0, plan.refusal->code,
+                      "a switch " + Describe(config_, requested.target.substr(0, 64), only) +
+                          " is refused: " + plan.refusal->message});
+    return Answer({requested.request}, result);
+  }
+  if (requested.target == kTearDown && !only) return Stop(plan, {requested.request});
+  if (machine_.current) Supersede(machine_.number + 1, requested.target);
+  Begin(plan, Purpose::kRequested, {requested.request});
+}
+
+// One switch at a time: the same again joins the one under way, a more urgent one may go on to take
+// over, anything else is refused. Says whether the request is dealt with.
+bool Decision::JoinOrRefuse(const event::SetStateRequested& requested,
+                            std::optional<std::size_t> only) {
+  if (!machine_.current) {
+    if (machine_.phase != Phase::kStopping || requested.target != kTearDown) return false;
+    machine_.stopping->requests.push_back(requested.request);
+    return true;
+  }
+  Switch& s = *machine_.current;
+  if (s.target == requested.target && s.only == only && !s.rolling_back) {
+    auto& waiting = machine_.stopping ? machine_.stopping->requests : s.requests;
+    waiting.push_back(requested.request);
+    return true;
+  }
+  if (Urgency(requested.target) > Urgency(s.target)) return false;
+  const Error busy{kCodeTargetBusy, "switch " + std::to_string(s.number) + " (" +
+                                        Describe(config_, s.target, s.only) + ") is under way"};
+  Answer({requested.request}, Refusal(requested, machine_.state, busy));
+  return true;
+}
+
+// Ends the switch under way without rollback. Callbacks that run finish; the newest command waits
+// behind them at the actuator.
+void Decision::Supersede(std::uint64_t by, const State& target) {
+  const Switch& s = *machine_.current;
+  SwitchResult result = Conclude(s, false);
+  result.outcome = SwitchOutcome::kSuperseded;
+  result.code = kCodeTargetBusy;
+  result.reason = "switch " + std::to_string(by) + " (to " + target + ") took over";
+  RecordSwitch(s, result.code,
+               "switch " + std::to_string(s.number) + " is superseded: " + result.reason);
+  for (const Leg& leg : s.rolling_back ? s.back : s.legs) {
+    if (leg.progress == Leg::Progress::kUnderWay) Of(leg.actuator).order.reset();
+  }
+  Answer(s.requests, result);
+  machine_.current.reset();
+}
+
+void Decision::AddLeg(Switch& s, const PlanStep& step) {
+  if (step.driven()) {
+    Leg leg;
+    leg.actuator = step.actuator;
+    leg.from = step.from;
+    leg.target = s.target;
+    leg.needs = step.needs;
+    leg.may_fail = Of(step.actuator).fault.has_value() && !Critical(step.actuator);
+    if (s.target == kSelfCheck) Of(step.actuator).join_tried = true;
+    s.legs.push_back(leg);
+    return;
+  }
+  ActuatorResult other{
+      ConfigOf(step.actuator).name, ActuatorOutcome::kDone, kCodeOk, step.note, {}, {}};
+  switch (step.part) {
+    case PlanStep::Part::kUnsupported:
+      other.outcome = ActuatorOutcome::kUnsupported;
+      other.code = kCodeUnSupport;
+      break;
+    case PlanStep::Part::kLeftOut:
+      other.outcome = Of(step.actuator).presence == Presence::kPresent ? ActuatorOutcome::kSkipped
+                                                                       : ActuatorOutcome::kLost;
+      other.code = Of(step.actuator).fault ? Of(step.actuator).fault->code : kCodeStatusError;
+      break;
+    case PlanStep::Part::kHeldThere:
+    case PlanStep::Part::kThere:
+    case PlanStep::Part::kDriven:
+      other.message = "was there already";
+      break;
+  }
+  s.others.push_back(other);
+}
+
+std::uint64_t Decision::Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests) {
+  Switch s;
+  s.number = machine_.last_switch = ++machine_.number;
+  s.from = plan.from;
+  s.target = plan.target;
+  s.only = plan.only;
+  s.direction = plan.direction;
+  s.purpose = purpose;
+  s.requests = std::move(requests);
+  for (const PlanStep& step : plan.steps) AddLeg(s, step);
+  RecordSwitch(s, kCodeOk,
+               "switch " + std::to_string(s.number) +
+                   " begins: " + Describe(config_, s.target, s.only) + " from " + s.from + ", " +
+                   std::to_string(s.legs.size()) + " to be driven");
+  machine_.current = std::move(s);
+  return machine_.current->number;
+}
+
+// Whether the switch has to be undone: on the way up, all or nobody. While starting, only critical
+// ones count.
+bool Decision::Failed(const Switch& s) const {
+  const bool starting = s.purpose == Purpose::kStartUpActivate;
+  if (s.direction != Direction::kUp) return false;
+  return std::any_of(s.legs.begin(), s.legs.end(), [&](const Leg& leg) {
+    return leg.failed() && !leg.may_fail && (!starting || Critical(leg.actuator));
+  });
+}
+
+// Whether something that `leg` needs has ended otherwise than done.
+bool Decision::Hindered(const Leg& leg, const std::vector<Leg>& legs) const {
+  return std::any_of(legs.begin(), legs.end(), [&](const Leg& other) {
+    return other.failed() &&
+           std::find(leg.needs.begin(), leg.needs.end(), other.actuator) != leg.needs.end();
+  });
+}
+
+// Begins the legs whose needs have ended. Says whether anything changed without an event.
+bool Decision::StartLegs(std::vector<Leg>& legs) {
+  Switch& s = *machine_.current;
+  const bool give_up = !s.rolling_back && Failed(s);
+  const bool strict = !s.rolling_back && s.direction == Direction::kUp;
+  bool changed = false;
+  for (Leg& leg : legs) {
+    if (leg.progress != Leg::Progress::kWaiting) continue;
+    if (give_up || (strict && Hindered(leg, legs))) {
+      leg.progress = Leg::Progress::kEnded;
+      leg.outcome = ActuatorOutcome::kSkipped;
+      leg.code = kCodeStatusError;
+      leg.message = give_up ? "another actuator had failed before" : "one that it needs failed";
+      changed = true;
+      continue;
+    }
+    const bool ready = std::all_of(legs.begin(), legs.end(), [&](const Leg& other) {
+      return other.progress == Leg::Progress::kEnded ||
+             std::find(leg.needs.begin(), leg.needs.end(), other.actuator) == leg.needs.end();
+    });
+    if (!ready) continue;
+    Duration budget = config_.TimeFor(leg.actuator, leg.target);
+    if (machine_.stopping) {
+      budget = std::clamp(machine_.stopping->tear_down_by - now_, Duration(1), budget);
+    }
+    leg.progress = Leg::Progress::kUnderWay;
+    leg.started = now_;
+    Issue(leg.actuator, s.rolling_back ? s.back_number : s.number, leg.target, budget);
+  }
+  return changed;
+}
+
+// Says whether something changed that may let others go on.
+bool Decision::AdvanceSwitch() {
+  if (!machine_.current) return false;
+  Switch& s = *machine_.current;
+  std::vector<Leg>& legs = s.rolling_back ? s.back : s.legs;
+  while (StartLegs(legs)) {
+  }
+  const bool ended = std::all_of(legs.begin(), legs.end(), [](const Leg& leg) {
+    return leg.progress == Leg::Progress::kEnded;
+  });
+  if (!ended) return false;
+  if (!s.rolling_back && Failed(s)) {
+    BeginRollback(s);
+  } else {
+    EndSwitch();
+  }
+  return true;
+}
+
+void Decision::EndLeg(Leg& leg, const OrderEnd& end) {
+  leg.progress = Leg::Progress::kEnded;
+  leg.outcome = end.outcome;
+  leg.code = end.code;
+  leg.message = end.message;
+  leg.ran = end.ran;
+  leg.duration = now_ - leg.started;
+}
+
+// Where a leg has to go back to: where it was; from a start, where there is no such state, to the
+// nearest thing to rest. Empty when there is none.
+State Decision::WayBack(const Leg& leg) const {
+  if (config_.RankOf(leg.from)) return leg.from;
+  for (const std::string_view rest : {kDeActive, kLowPower}) {
+    if (ConfigOf(leg.actuator).Lists(rest)) return State(rest);
+  }
+  return {};
+}
+
+void Decision::BeginRollback(Switch& s) {
+  s.rolling_back = true;
+  s.back_number = ++machine_.number;
+  for (const Leg& leg : s.legs) {
+    if (!leg.ran || Of(leg.actuator).presence != Presence::kPresent) continue;
+    Leg back;
+    back.actuator = leg.actuator;
+    back.from = leg.target;
+    back.target = WayBack(leg);
+    if (back.target.empty()) {
+      back.progress = Leg::Progress::kEnded;
+      back.outcome = ActuatorOutcome::kUnsupported;
+      back.code = kCodeUnSupport;
+      back.message = "has no state to go back to";
+    }
+    for (const Leg& other : s.legs) {  // the reverse order
+      if (std::find(other.needs.begin(), other.needs.end(), leg.actuator) == other.needs.end())
+        continue;
+      back.needs.push_back(other.actuator);
+    }
+    s.back.push_back(back);
+  }
+  RecordSwitch(s, kCodeOk,
+               "switch " + std::to_string(s.number) + " is rolled back by command " +
+                   std::to_string(s.back_number) + ", " + std::to_string(s.back.size()) +
+                   " to be brought back");
+}
+
+void Decision::Answer(const std::vector<RequestId>& requests, const SwitchResult& result) {
+  for (const RequestId request : requests) Do(action::AnswerSetState{request, result});
+}
+
+}  // namespace musher

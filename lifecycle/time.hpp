@@ -1,0 +1,22 @@
+#pragma once
+// The time that decision code is given. Nothing in lifecycle/ reads a clock: a point in time is
+// always an argument, so that a test or a simulation can hand in its own.
+
+#include <chrono>
+#include <cstdint>
+
+namespace musher {
+
+using Duration = std::chrono::nanoseconds;
+
+// Steady time of one process. Points of different processes or hosts must not be compared.
+using Time = std::chrono::steady_clock::time_point;
+
+constexpr Duration Milliseconds(std::int64_t ms) {
+  return std::chrono::milliseconds(ms);
+}
+constexpr std::int64_t ToMilliseconds(Duration d) {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(d).count();
+}
+
+}  // namespace musher

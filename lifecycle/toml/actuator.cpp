@@ -1,0 +1,239 @@
+// One [actuator.<name>].
+
+#include <algorithm>
+
+#include "musher/lifecycle/state.hpp"
+#include "musher/lifecycle/toml/draft.hpp"
+#include "musher/lifecycle/toml/names.hpp"
+
+namespace musher::config_toml {
+namespace {
+
+// Keys that are read and judged but change nothing in this version. To make one work is to take it
+// out of this list.
+constexpr std::string_view kNoEffectYet[] = {"restart",
+                                             "restart_delay_ms",
+                                             "restart_growth",
+                                             "restart_max_ms",
+                                             "restart_limit",
+                                             "restart_reset_ms",
+                                             "checkpoint_ms",
+                                             "controller_lost_ms",
+                                             "on_controller_lost",
+                                             "binds_to",
+                                             "protocol"};
+
+constexpr int kLastStage = 9;
+constexpr std::int64_t kMostRestarts = 10'000;
+constexpr double kFastestGrowth = 100.0;
+
+// The states every start goes through and every end should, and what follows if one is missing.
+// SetUp is not among them: without it there is no start.
+constexpr std::pair<std::string_view, std::string_view> kUsualStates[] = {
+    {kSelfCheck, "it is never checked"},
+    {kActive, "the machine's switch to Active is refused"},
+    {kTearDown, "it ends by a signal only"}};
+
+class ActuatorReader {
+ public:
+  ActuatorReader(const Member& member, const Table& table, Draft& draft)
+      : reader_(table, member.value.at, "actuator." + member.key, draft.findings), draft_(draft) {
+    actuator_.config.name = member.key;
+    actuator_.at = member.value.at;
+  }
+
+  ActuatorDraft Read() {
+    ReadStates();
+    ReadProcess();
+    ReadPlace();
+    ReadRestart();
+    ReadLosses();
+    reader_.RefuseOthers();
+    WarnOfNoEffect();
+    return std::move(actuator_);
+  }
+
+ private:
+  void ReadStates() {
+    reader_.Require("states", "an array of strings");
+    reader_.Require("times", "an array of integers (milliseconds), one for each state");
+    const auto states = reader_.Strings("states");
+    const auto times = reader_.Times("times");
+    if (states) {
+      for (const Word& state : *states) {
+        if (!CheckState(state, "states", reader_, draft_)) continue;
+        actuator_.config.states.push_back(state.text);
+      }
+      // A state may be missing because it is misspelt, which has been reported.
+      if (actuator_.config.states.size() == ArraySize("states")) RequireUsualStates();
+    }
+    if (states && times) CompareSizes();
+    actuator_.config.times = times.value_or(std::vector<Duration>{});
+  }
+
+  std::size_t ArraySize(std::string_view key) { return reader_.Get(key)->As<Array>()->size(); }
+
+  void CompareSizes() {
+    const std::size_t states = ArraySize("states");
+    const std::size_t times = ArraySize("times");
+    if (states == times) return;
+    reader_.Fault(reader_.At("times"), "times",
+                  "expected one time for each of the " + std::to_string(states) +
+                      " states, found " + std::to_string(times));
+  }
+
+  void RequireUsualStates() {
+    const ActuatorConfig& config = actuator_.config;
+    const Position at = reader_.At("states");
+    if (!config.Lists(kSetUp)) {
+      reader_.Fault(at, "states", "expected \"SetUp\" among them, which every start begins with");
+    }
+    for (const auto& [state, consequence] : kUsualStates) {
+      if (config.Lists(state) || !draft_.listed_states.contains(std::string(state))) continue;
+      reader_.Warn(at, "states", Quote(state) + " is not listed: " + std::string(consequence));
+    }
+  }
+
+  void ReadProcess() {
+    ReadCommand();
+    if (const auto cwd = reader_.String("cwd")) {
+      if (cwd->text.empty())
+        reader_.Fault(cwd->at, "cwd", "expected a path, found an empty string");
+      actuator_.config.cwd = Absolute(draft_.folder, cwd->text);
+    }
+    ReadEnvironment();
+    if (reader_.Has("command")) return;
+    for (const std::string_view key : {"cwd", "env"}) {
+      if (reader_.Has(key)) reader_.Warn(reader_.At(key), key, "has no effect without a command");
+    }
+  }
+
+  void ReadCommand() {
+    const Value* value = reader_.Get("command");
+    if (value == nullptr) return;
+    if (const auto* line = value->As<std::string>()) {
+      reader_.Fault(value->at, "command",
+                    "expected an array of strings, found a string; write [\"program\", "
+                    "\"argument\"], or [\"sh\", \"-c\", " +
+                        Quote(*line) + "] for a shell line");
+      return;
+    }
+    auto words = reader_.Strings("command", {.may_repeat = true});
+    if (!words || words->empty()) return;
+    std::string& program = words->front().text;
+    if (program.empty()) {
+      reader_.Fault(words->front().at, "command", "expected a program, found an empty string");
+    } else if (program.find('/') != std::string::npos) {
+      program = Absolute(draft_.folder, program);
+    }
+    for (Word& word : *words) actuator_.config.command.push_back(std::move(word.text));
+  }
+
+  void ReadEnvironment() {
+    const Table* table = reader_.SubTable("env");
+    if (table == nullptr) return;
+    TableReader env(*table, reader_.At("env"), reader_.path() + ".env", draft_.findings);
+    for (const Member& member : *table) {
+      if (member.key.empty() ||
+          member.key.find_first_of(std::string_view("=\0", 2)) != std::string::npos) {
+        reader_.Fault(member.at, "env", "expected a name without '=', found " + Quote(member.key));
+      } else if (const auto word = env.String(member.key)) {
+        actuator_.config.env.emplace(member.key, word->text);
+      }
+    }
+  }
+
+  void ReadPlace() {
+    ActuatorConfig& config = actuator_.config;
+    const auto protocol =
+        reader_.Choice<Protocol>("protocol", {{"musher", Protocol::kMusher},
+                                              {"cyberdog", Protocol::kCyberdog},
+                                              {"ros2_lifecycle", Protocol::kRos2Lifecycle}});
+    config.protocol = protocol.value_or(config.protocol);
+    config.stage = static_cast<int>(reader_.Integer("stage", 1, kLastStage).value_or(1));
+    actuator_.after = reader_.Strings("after", {.may_be_empty = true}).value_or(actuator_.after);
+    actuator_.binds_to =
+        reader_.Strings("binds_to", {.may_be_empty = true}).value_or(actuator_.binds_to);
+    for (const Word& word : actuator_.after) config.after.push_back(word.text);
+    for (const Word& word : actuator_.binds_to) config.binds_to.push_back(word.text);
+    config.critical = reader_.Bool("critical").value_or(false);
+  }
+
+  void ReadRestart() {
+    RestartConfig& restart = actuator_.config.restart;
+    const auto policy =
+        reader_.Choice<RestartPolicy>("restart", {{"no", RestartPolicy::kNo},
+                                                  {"on-failure", RestartPolicy::kOnFailure},
+                                                  {"always", RestartPolicy::kAlways}});
+    const bool is_ours = !actuator_.config.command.empty();
+    restart.policy = policy.value_or(is_ours ? RestartPolicy::kOnFailure : RestartPolicy::kNo);
+    const auto delay = reader_.Time("restart_delay_ms", 0);
+    restart.delay = delay.value_or(restart.delay);
+    restart.growth = reader_.Number("restart_growth", 1.0, kFastestGrowth).value_or(restart.growth);
+    const auto max_delay = reader_.Time("restart_max_ms");
+    restart.max_delay = max_delay.value_or(std::max(restart.max_delay, restart.delay));
+    if (restart.max_delay < restart.delay) {
+      reader_.Fault(reader_.At("restart_max_ms"), "restart_max_ms",
+                    "expected no less than restart_delay_ms (" +
+                        std::to_string(ToMilliseconds(restart.delay)) + "), found " +
+                        std::to_string(ToMilliseconds(restart.max_delay)));
+    }
+    const auto limit = reader_.Integer("restart_limit", 0, kMostRestarts);
+    restart.limit = static_cast<int>(limit.value_or(restart.limit));
+    const auto reset_after = reader_.Time("restart_reset_ms");
+    restart.reset_after = reset_after.value_or(restart.reset_after);
+  }
+
+  void ReadLosses() {
+    ActuatorConfig& config = actuator_.config;
+    config.checkpoint = reader_.Time("checkpoint_ms");
+    config.controller_lost = reader_.Time("controller_lost_ms");
+    config.on_controller_lost = HighestUpToProtected();
+    if (const auto state = reader_.String("on_controller_lost")) {
+      if (CheckRankedState(*state, "on_controller_lost", reader_, draft_) &&
+          reader_.Has("states") && !config.Lists(state->text)) {
+        reader_.Fault(state->at, "on_controller_lost",
+                      Quote(state->text) + " is not among its states");
+      }
+      config.on_controller_lost = state->text;
+    }
+    const bool has_protected = draft_.listed_states.contains(std::string(kProtected));
+    if (config.critical && has_protected) config.on_lost = kProtected;
+    if (const auto state = reader_.String("on_lost")) {
+      CheckRankedState(*state, "on_lost", reader_, draft_);
+      config.on_lost = state->text;
+    }
+  }
+
+  State HighestUpToProtected() const {
+    State highest;
+    Rank highest_rank = -1;
+    for (const State& state : actuator_.config.states) {
+      const auto rank = draft_.config.RankOf(state);
+      if (!rank || *rank <= highest_rank || *rank > *BuiltInRank(kProtected)) continue;
+      highest = state;
+      highest_rank = *rank;
+    }
+    return highest;
+  }
+
+  void WarnOfNoEffect() {
+    for (const std::string_view key : kNoEffectYet) {
+      if (!reader_.Has(key)) continue;
+      if (key == "protocol" && actuator_.config.protocol == Protocol::kMusher) continue;
+      reader_.Warn(reader_.At(key), key, "has no effect yet in this version");
+    }
+  }
+
+  TableReader reader_;
+  Draft& draft_;
+  ActuatorDraft actuator_;
+};
+
+}  // namespace
+
+ActuatorDraft ReadActuator(const Member& member, const Table& table, Draft& draft) {
+  return ActuatorReader(member, table, draft).Read();
+}
+
+}  // namespace musher::config_toml

@@ -1,0 +1,93 @@
+// [actuator.*] as a whole: the tables and the names that [controller] lists belong together.
+
+#include <algorithm>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include "musher/lifecycle/suggest.hpp"
+#include "musher/lifecycle/toml/draft.hpp"
+
+namespace musher::config_toml {
+namespace {
+
+using NameSet = std::unordered_set<std::string_view>;
+
+// Tables that no name lists; nothing where the names are not known.
+std::vector<const Member*> FindUnlisted(const Table& tables, const Draft& draft) {
+  std::vector<const Member*> unlisted;
+  if (!draft.actuator_names) return unlisted;
+  NameSet listed;
+  for (const Word& name : *draft.actuator_names) listed.insert(name.text);
+  for (const Member& table : tables) {
+    if (!listed.contains(table.key)) unlisted.push_back(&table);
+  }
+  return unlisted;
+}
+
+// A name that nearly is an unlisted table is one slip, not two: both are reported as one.
+void MatchNamesAndTables(const Table& tables, Draft& draft) {
+  const std::vector<const Member*> unlisted = FindUnlisted(tables, draft);
+  std::vector<std::string_view> candidates;
+  candidates.reserve(unlisted.size());
+  for (const Member* table : unlisted) candidates.push_back(table->key);
+  NameSet known;
+  for (const Member& table : tables) known.insert(table.key);
+  std::unordered_set<std::string> meant;
+  for (const Word& name : draft.actuator_names.value_or(std::vector<Word>{})) {
+    if (known.contains(name.text)) continue;
+    const std::string guess = draft.findings.Guess(name.text, candidates);
+    if (!guess.empty()) meant.insert(Nearest(name.text, candidates));
+    draft.findings.Error(name.at, "controller.actuators: " + Quote(name.text) +
+                                      " has no table [actuator." + name.text + "]" + guess);
+  }
+  for (const Member* table : unlisted) {
+    if (meant.contains(table->key)) continue;
+    draft.findings.Error(table->value.at,
+                         "actuator." + table->key + ": is not listed in controller.actuators");
+  }
+}
+
+// Puts the actuators into the order of controller.actuators.
+void Collect(std::vector<ActuatorDraft> actuators, Draft& draft) {
+  std::unordered_map<std::string, std::size_t> places;
+  for (std::size_t i = 0; i < actuators.size(); ++i) places.emplace(actuators[i].config.name, i);
+  for (const Word& name : draft.actuator_names.value_or(std::vector<Word>{})) {
+    const auto place = places.find(name.text);
+    if (place == places.end()) continue;
+    draft.config.actuators.push_back(std::move(actuators[place->second].config));
+  }
+}
+
+}  // namespace
+
+void ReadActuators(TableReader& root, Draft& draft) {
+  const Table empty;
+  const bool is_table = root.SubTable("actuator") != nullptr;
+  if (root.Has("actuator") && !is_table) return;
+  const Table& tables = is_table ? *root.SubTable("actuator") : empty;
+  MatchNamesAndTables(tables, draft);
+  std::vector<ActuatorDraft> actuators;
+  actuators.reserve(tables.size());
+  TableReader all(tables, root.At("actuator"), "actuator", draft.findings);
+  for (const Member& member : tables) {
+    if (const auto* table = member.value.As<Table>()) {
+      actuators.push_back(ReadActuator(member, *table, draft));
+    } else {
+      all.Fault(member.value.at, member.key,
+                "expected a table, found " + std::string(TypeName(member.value)));
+    }
+  }
+  CheckOrder(actuators, tables, draft.findings);
+  Collect(std::move(actuators), draft);
+  const auto& all_read = draft.config.actuators;
+  const bool any_critical = std::any_of(all_read.begin(), all_read.end(),
+                                        [](const ActuatorConfig& a) { return a.critical; });
+  if (!draft.findings.HasErrors() && !any_critical) {
+    draft.findings.Warning(draft.actuators_at,
+                           "controller.actuators: no actuator is critical: none of them can keep "
+                           "the machine from starting or bring it down when lost");
+  }
+}
+
+}  // namespace musher::config_toml

@@ -1,0 +1,66 @@
+#pragma once
+// A machine's config while it is being read. Sections are read in the order of the functions below,
+// since later ones refer to earlier ones. All faults go into `findings`; reading goes on with what
+// was good, and where a word is plainly a slip, as if it had been right, so that one slip is one
+// error.
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_set>
+#include <vector>
+
+#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/lifecycle/toml/table_reader.hpp"
+
+namespace musher::config_toml {
+
+inline constexpr std::size_t kMostStates = 64;
+inline constexpr std::size_t kMostActuators = 4096;
+
+struct Draft {
+  Findings findings;
+  std::filesystem::path folder;  // that relative paths start from
+  MachineConfig config;
+
+  std::vector<std::string_view> known_states;     // built in or declared by [[state]]
+  std::unordered_set<std::string> listed_states;  // of the machine, slips put right
+  bool states_read = false;  // false: controller.states is missing or faulty as a whole
+
+  std::optional<std::vector<Word>> actuator_names;  // of controller.actuators, nothing if faulty
+  Position actuators_at;
+};
+
+// An actuator whose relations to others are not yet judged.
+struct ActuatorDraft {
+  ActuatorConfig config;
+  Position at;
+  std::vector<Word> after;
+  std::vector<Word> binds_to;
+};
+
+void ReadOwnStates(TableReader& root, Draft& draft);
+void ReadController(TableReader& root, Draft& draft);
+void ReadTransitions(TableReader& root, Draft& draft);
+void ReadTransport(TableReader& root, Draft& draft);
+void ReadActuators(TableReader& root, Draft& draft);
+
+// One [actuator.<name>].
+ActuatorDraft ReadActuator(const Member& member, const Table& table, Draft& draft);
+
+// `after` and `binds_to`: unknown names, the actuator itself, later stages, cycles. `tables` are
+// all [actuator.*], also those that controller.actuators does not list.
+void CheckOrder(const std::vector<ActuatorDraft>& actuators, const Table& tables,
+                Findings& findings);
+
+// Whether the machine has the state; reports it under `key` of `reader` if not. True where the
+// machine's states are not known, as that has been reported already.
+bool CheckState(const Word& state, std::string_view key, TableReader& reader, Draft& draft);
+
+// The same, and that it has a rank, so that one can stay in it.
+bool CheckRankedState(const Word& state, std::string_view key, TableReader& reader, Draft& draft);
+
+}  // namespace musher::config_toml

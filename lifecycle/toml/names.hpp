@@ -1,0 +1,34 @@
+#pragma once
+// What names and paths of a config must look like.
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace musher::config_toml {
+
+inline constexpr std::string_view kNameRule =
+    "a name of letters, digits and '_' that begins with no digit, at most 64 long";
+inline constexpr std::string_view kNamespaceRule =
+    "names separated by '/', as in \"fleet/dog1\", at most 200 long";
+
+// Names of machines, actuators and states: what ROS 2 accepts as a node or topic name.
+bool IsName(std::string_view text);
+
+// Names separated by '/', or nothing.
+bool IsNamespace(std::string_view text);
+
+// The folder of a config file, absolute.
+std::filesystem::path FolderOf(const std::string& file);
+
+// The machine's name where the config gives none: the file's stem, with '_' for what a name cannot
+// have, "machine" where nothing is left.
+std::string NameOf(const std::string& file);
+
+// `path` as seen from `folder`, absolute and without "..".
+std::string Absolute(const std::filesystem::path& folder, const std::string& path);
+
+// $XDG_STATE_HOME or ~/.local/state, then musher/<name>; below /var/lib where there is no home.
+std::string DefaultStateDir(const std::string& name);
+
+}  // namespace musher::config_toml

@@ -1,0 +1,103 @@
+#pragma once
+// Reads the keys of one table and reports what is wrong with their values. The keys asked for are
+// the keys that are known; whatever else the table has is reported by RefuseOthers().
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "musher/lifecycle/time.hpp"
+#include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/findings.hpp"
+
+namespace musher::config_toml {
+
+// A string of the file and where it stands.
+struct Word {
+  std::string text;
+  Position at;
+};
+
+inline constexpr std::int64_t kLongestMs = 3'600'000;  // an hour; anything beyond is a slip
+
+struct ListRule {
+  bool may_be_empty = false;
+  bool may_repeat = false;
+};
+
+// Each reading function gives nothing where the key is missing, which is no fault unless Require()
+// says so, or where its value is faulty, which it reports.
+class TableReader {
+ public:
+  // `path` names the table in messages: "controller", "actuator.audio", "" for the file itself.
+  // `at` is where the table stands. The table and the findings must outlive the reader.
+  TableReader(const Table& table, Position at, std::string path, Findings& findings);
+
+  // Reports `key` as missing unless the table has it.
+  void Require(std::string_view key, std::string_view expected);
+
+  std::optional<Word> String(std::string_view key);
+  std::optional<std::int64_t> Integer(std::string_view key, std::int64_t least, std::int64_t most,
+                                      std::string_view unit = "");
+  std::optional<Duration> Time(std::string_view key, std::int64_t least_ms = 1);
+  std::optional<double> Number(std::string_view key, double least, double most);
+  std::optional<bool> Bool(std::string_view key);
+  // The good elements; faulty and repeated ones are reported and left out.
+  std::optional<std::vector<Word>> Strings(std::string_view key, ListRule rule = {});
+  std::optional<std::vector<Duration>> Times(std::string_view key);
+  const Table* SubTable(std::string_view key);
+  // Those of an array of tables.
+  std::vector<const Value*> Tables(std::string_view key);
+  // A string or an array of strings.
+  std::optional<std::vector<Word>> StringOrStrings(std::string_view key);
+  // One of a few words, each with its meaning.
+  template <typename T>
+  std::optional<T> Choice(std::string_view key,
+                          const std::vector<std::pair<std::string_view, T>>& choices);
+
+  // Reports every key that nobody asked for.
+  void RefuseOthers();
+
+  const Value* Get(std::string_view key);
+  bool Has(std::string_view key) { return Get(key) != nullptr; }
+  // Of the value of `key`, of the table where the key is missing.
+  Position At(std::string_view key);
+  // Puts the table's path and the key before `message`.
+  void Fault(Position at, std::string_view key, std::string_view message);
+  void Warn(Position at, std::string_view key, std::string_view message);
+
+  const std::string& path() const { return path_; }
+  Position at() const { return at_; }
+
+ private:
+  const Member* Ask(std::string_view key);
+  void Mismatch(std::string_view key, std::string_view expected, const Value& found);
+  std::optional<std::string> Text(std::string_view key, const Value& value);
+  std::optional<std::int64_t> InRange(std::string_view key, const Value& value, std::int64_t least,
+                                      std::int64_t most, std::string_view unit);
+  std::optional<std::size_t> OneOf(std::string_view key,
+                                   const std::vector<std::string_view>& words);
+  std::string Path(std::string_view key) const;
+
+  const Table& table_;
+  Position at_;
+  std::string path_;
+  Findings& findings_;
+  std::vector<std::string_view> asked_;
+};
+
+template <typename T>
+std::optional<T> TableReader::Choice(std::string_view key,
+                                     const std::vector<std::pair<std::string_view, T>>& choices) {
+  std::vector<std::string_view> words;
+  words.reserve(choices.size());
+  for (const auto& [word, meaning] : choices) words.push_back(word);
+  const std::optional<std::size_t> index = OneOf(key, words);
+  if (!index) return std::nullopt;
+  return choices[*index].second;
+}
+
+}  // namespace musher::config_toml

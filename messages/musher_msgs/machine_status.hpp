@@ -1,0 +1,72 @@
+#pragma once
+#include "musher/messages/cdr.hpp"
+
+namespace musher::msg {
+
+// musher_msgs/msg/ActuatorInfo: one actuator as the controller sees it.
+struct ActuatorInfo {
+  static constexpr std::string_view kTypeName = "musher_msgs::msg::dds_::ActuatorInfo_";
+  std::string name;
+  std::string state;
+  std::string target;
+  std::string presence;
+  std::int32_t pid = 0;
+  std::string host;
+  std::int32_t stage = 0;
+  bool critical = false;
+  bool held = false;
+  bool degraded = false;
+  std::int32_t code = 0;
+  std::string message;
+
+  template <class Self>
+  static auto Fields(Self& m) {
+    return std::tie(m.name, m.state, m.target, m.presence, m.pid, m.host, m.stage, m.critical,
+                    m.held, m.degraded, m.code, m.message);
+  }
+  friend bool operator==(const ActuatorInfo&, const ActuatorInfo&) = default;
+};
+
+// musher_msgs/msg/MachineStatus: the machine as a whole, latched on
+// `<namespace>/musher/machine_status`. Field comments: messages/idl/musher_msgs.idl.
+struct MachineStatus {
+  static constexpr std::string_view kTypeName = "musher_msgs::msg::dds_::MachineStatus_";
+  std::string machine;
+  std::string name_space;
+  std::string phase;
+  std::string state;
+  std::string target;
+  std::uint64_t epoch = 0;
+  std::uint64_t switch_number = 0;
+  std::int32_t pid = 0;
+  std::string host;
+  std::string config_file;
+  std::string config_hash;
+  std::vector<std::string> degraded;
+  std::vector<ActuatorInfo> actuators;
+
+  template <class Self>
+  static auto Fields(Self& m) {
+    return std::tie(m.machine, m.name_space, m.phase, m.state, m.target, m.epoch, m.switch_number,
+                    m.pid, m.host, m.config_file, m.config_hash, m.degraded, m.actuators);
+  }
+  friend bool operator==(const MachineStatus&, const MachineStatus&) = default;
+};
+
+// musher_msgs/msg/MachineInfo: who leads a machine, on the global topic `musher/machines`
+// (latched), so that a person who named the wrong namespace can be told the right ones.
+struct MachineInfo {
+  static constexpr std::string_view kTypeName = "musher_msgs::msg::dds_::MachineInfo_";
+  std::string machine;
+  std::string name_space;
+  std::string host;
+  std::int32_t pid = 0;
+
+  template <class Self>
+  static auto Fields(Self& m) {
+    return std::tie(m.machine, m.name_space, m.host, m.pid);
+  }
+  friend bool operator==(const MachineInfo&, const MachineInfo&) = default;
+};
+
+}  // namespace musher::msg

@@ -1,0 +1,22 @@
+#pragma once
+#include "musher/messages/cdr.hpp"
+
+namespace musher::msg {
+
+// std_srvs/srv/Trigger
+struct Trigger {
+  static constexpr std::string_view kTypeName = "std_srvs::srv::dds_::Trigger_";
+  using Request = Empty;
+  struct Response {
+    bool success = false;
+    std::string message;
+
+    template <class Self>
+    static auto Fields(Self& m) {
+      return std::tie(m.success, m.message);
+    }
+    friend bool operator==(const Response&, const Response&) = default;
+  };
+};
+
+}  // namespace musher::msg

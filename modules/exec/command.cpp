@@ -1,0 +1,140 @@
+#include "musher/modules/exec/command.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <optional>
+#include <utility>
+
+#include "musher/lifecycle/toml/text.hpp"
+#include "musher/transport/host.hpp"
+
+namespace musher::exec {
+namespace {
+
+constexpr int kAskPeriodMs = 20;
+constexpr std::size_t kLongestLine = 200;  // bytes
+constexpr std::size_t kMostKept = 4 * kLongestLine;
+
+// Writes all of it, or as much as whoever reads our stdout wants.
+void Forward(std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = write(STDOUT_FILENO, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+// One command under way.
+class Running {
+ public:
+  Running(Child child, transport::UniqueFd output, Duration stop_time)
+      : child_(std::move(child)), output_(std::move(output)), stop_time_(stop_time) {}
+
+  CommandEnd Finish(const std::function<Wanted()>& wanted) {
+    while (!child_.Ended()) {
+      Wait();
+      ReadOutput();
+      Heed(wanted());
+    }
+    ReadOutput();
+    const ExitStatus status = child_.Reap();
+    return {status, stopped_, line_.Get()};
+  }
+
+ private:
+  void Wait() {
+    std::array<pollfd, 2> sources{{{child_.pidfd(), POLLIN, 0}, {output_.get(), POLLIN, 0}}};
+    poll(sources.data(), output_.valid() ? 2 : 1, kAskPeriodMs);
+  }
+
+  // What is there now; a command may have left somebody behind who holds the other end open.
+  void ReadOutput() {
+    std::array<char, 4096> buffer;
+    while (output_.valid()) {
+      const ssize_t got = read(output_.get(), buffer.data(), buffer.size());
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0 && errno == EAGAIN) return;
+      if (got <= 0) {
+        output_ = transport::UniqueFd();
+        return;
+      }
+      const std::string_view text(buffer.data(), static_cast<std::size_t>(got));
+      Forward(text);
+      line_.Add(text);
+      if (child_.Ended() && text.size() < buffer.size()) return;
+    }
+  }
+
+  void Heed(Wanted wanted) {
+    if (wanted == Wanted::kYes) return;
+    const Time now = std::chrono::steady_clock::now();
+    if (wanted == Wanted::kGetDone || (kill_at_ && now >= *kill_at_)) {
+      child_.Signal(SIGKILL);
+    } else if (!kill_at_) {
+      child_.Signal(SIGTERM);
+      kill_at_ = now + stop_time_;
+    }
+    stopped_ = true;
+  }
+
+  Child child_;
+  transport::UniqueFd output_;
+  const Duration stop_time_;
+  LastLine line_;
+  std::optional<Time> kill_at_;
+  bool stopped_ = false;
+};
+
+}  // namespace
+
+Result<CommandEnd> RunCommand(const ChildSpec& spec, const Keeper& keeper, Duration stop_time,
+                              const std::function<Wanted()>& wanted) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return transport::SystemError("can't make a pipe");
+  transport::UniqueFd reader(ends[0]);
+  transport::UniqueFd writer(ends[1]);
+  fcntl(reader.get(), F_SETFL, O_NONBLOCK);
+  auto child = Child::Start(spec, keeper, writer.get());
+  if (!child) return child.error();
+  writer = transport::UniqueFd();  // so that the command's end of it is the only one
+  return Running(std::move(child).value(), std::move(reader), stop_time).Finish(wanted);
+}
+
+void LastLine::Add(std::string_view text) {
+  for (const char c : text) {
+    if (c == '\n') {
+      if (current_.find_first_not_of(" \t\r") != std::string::npos) last_ = current_;
+      current_.clear();
+    } else if (current_.size() < kMostKept) {
+      current_ += c;
+    }
+  }
+}
+
+std::string LastLine::Get() const {
+  const bool unfinished = current_.find_first_not_of(" \t\r") != std::string::npos;
+  std::string_view line = unfinished ? current_ : last_;
+  std::string clean;
+  while (!line.empty()) {
+    const std::size_t size = std::max<std::size_t>(config_toml::CharacterSize(line), 1);
+    const auto byte = static_cast<unsigned char>(line.front());
+    if (clean.size() + size > kLongestLine) break;
+    if (config_toml::CharacterSize(line) == 0) {
+      clean += '?';
+    } else if (byte >= 0x20 && byte != 0x7F) {
+      clean += line.substr(0, size);
+    }
+    line.remove_prefix(size);
+  }
+  return clean;
+}
+
+}  // namespace musher::exec

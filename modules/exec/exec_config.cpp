@@ -1,0 +1,154 @@
+#include "musher/modules/exec/exec_config.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+#include "musher/lifecycle/state.hpp"
+#include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/lifecycle/toml/names.hpp"
+#include "musher/lifecycle/toml/table_reader.hpp"
+
+namespace musher::exec {
+namespace {
+
+using config_toml::Findings;
+using config_toml::Member;
+using config_toml::Quote;
+using config_toml::Table;
+using config_toml::TableReader;
+using config_toml::Word;
+
+constexpr std::int64_t kHighestModule = 100'000;
+constexpr std::uintmax_t kLargestFile = 1U << 20;
+
+class Reader {
+ public:
+  Reader(const std::string& path, const ActuatorConfig& actuator, Findings& findings)
+      : folder_(config_toml::FolderOf(path)), actuator_(actuator), findings_(findings) {}
+
+  ExecConfig Read(const Table& table) {
+    TableReader root(table, {1, 1}, "", findings_);
+    const auto module = root.Integer("module", 0, kHighestModule);
+    config_.module = static_cast<std::int32_t>(module.value_or(config_.module));
+    config_.stop_time = root.Time("stop_ms").value_or(config_.stop_time);
+    if (const auto cwd = root.String("cwd")) {
+      config_.cwd = config_toml::Absolute(folder_, cwd->text);
+    }
+    root.Require("state", "a table [state.<name>] for each state in which something is to be done");
+    if (const Table* states = root.SubTable("state")) {
+      for (const Member& member : *states) ReadState(member);
+    }
+    root.RefuseOthers();
+    return std::move(config_);
+  }
+
+ private:
+  void ReadState(const Member& member) {
+    const std::string path = "state." + member.key;
+    if (!actuator_.Lists(member.key)) {
+      const std::vector<std::string_view> listed(actuator_.states.begin(), actuator_.states.end());
+      const std::string guess = findings_.Guess(member.key, listed);
+      findings_.Error(member.at, path + ": the state config does not list this state for " +
+                                     actuator_.name + "; it lists " + config_toml::Listing(listed) +
+                                     guess);
+    }
+    const auto* table = member.value.As<Table>();
+    if (table == nullptr) {
+      return findings_.Error(member.value.at, path + ": expected a table, found " +
+                                                  std::string(TypeName(member.value)));
+    }
+    TableReader reader(*table, member.value.at, path, findings_);
+    StateActions actions;
+    actions.start = ReadCommand(reader, "start");
+    actions.run = ReadCommand(reader, "run");
+    if (const auto line = reader.String("shell")) {
+      if (reader.Has("run")) {
+        reader.Fault(line->at, "shell", "expected either run or shell, found both");
+      }
+      actions.run = {"/bin/sh", "-c", line->text};
+    }
+    if (reader.Has("start") && member.key != kSetUp) {
+      reader.Fault(reader.At("start"), "start",
+                   "a program that keeps running is started in SetUp; here only run and shell are "
+                   "possible");
+    }
+    reader.RefuseOthers();
+    config_.states.emplace(member.key, std::move(actions));
+  }
+
+  std::vector<std::string> ReadCommand(TableReader& reader, std::string_view key) {
+    const config_toml::Value* value = reader.Get(key);
+    if (value == nullptr) return {};
+    if (const auto* line = value->As<std::string>()) {
+      reader.Fault(value->at, key,
+                   "expected an array of strings, found a string; write [\"program\", "
+                   "\"argument\"], or shell = " +
+                       Quote(*line) + " for a shell line");
+      return {};
+    }
+    const auto words = reader.Strings(key, {.may_repeat = true});
+    if (!words || words->empty()) return {};
+    std::vector<std::string> argv;
+    for (const Word& word : *words) argv.push_back(word.text);
+    if (argv.front().empty()) {
+      reader.Fault(words->front().at, key, "expected a program, found an empty string");
+    } else if (argv.front().find('/') != std::string::npos) {
+      argv.front() = config_toml::Absolute(folder_, argv.front());
+    }
+    return argv;
+  }
+
+  const std::filesystem::path folder_;
+  const ActuatorConfig& actuator_;
+  Findings& findings_;
+  ExecConfig config_;
+};
+
+ExecReading Unreadable(const std::string& path, const std::string& reason) {
+  return {std::nullopt, {{path, 0, 0, Severity::kError, "the file cannot be read: " + reason}}};
+}
+
+}  // namespace
+
+ExecReading ReadExecText(std::string_view text, const std::string& path,
+                         const ActuatorConfig& actuator) {
+  Findings findings;
+  ExecReading reading;
+  const auto document = config_toml::ParseDocument(text);
+  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
+    findings.Error(fault->at, fault->message);
+  } else {
+    ExecConfig config = Reader(path, actuator, findings).Read(std::get<Table>(document));
+    if (!findings.HasErrors()) reading.config = std::move(config);
+  }
+  reading.diagnostics = std::move(findings).Take(path, text);
+  return reading;
+}
+
+ExecReading ReadExecFile(const std::string& path, const ActuatorConfig& actuator) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return Unreadable(path, "it is a folder");
+  if (std::filesystem::file_size(path, error) > kLargestFile && !error) {
+    return Unreadable(path, "it is larger than 1 MiB");
+  }
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Unreadable(path, errno != 0 ? std::strerror(errno) : "it cannot be opened");
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  return ReadExecText(text, path, actuator);
+}
+
+ExecConfig ConfigForProgram(std::vector<std::string> program) {
+  ExecConfig config;
+  config.states[State(kSetUp)].start = std::move(program);
+  return config;
+}
+
+}  // namespace musher::exec

@@ -1,0 +1,64 @@
+#pragma once
+// What musher-exec does in which state, read from a TOML file (README.md shows one):
+//
+//   module = 3000     # exit code n of a command (1 to 99) becomes CyberDog's code 3000 + n
+//   stop_ms = 2000    # from SIGTERM to SIGKILL, in milliseconds
+//   cwd = "."         # where the programs run, relative to this file
+//
+//   [state.SetUp]
+//   start = ["server", "--port", "80"]   # runs until TearDown, and is watched
+//   run = ["wait-for-port", "80"]        # a command; its exit code is the answer
+//
+//   [state.LowPower]
+//   shell = "echo 1 > /sys/power/save"   # the same as run, but a line for /bin/sh
+//
+// A state that the file leaves out does nothing and succeeds.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/lifecycle/time.hpp"
+
+namespace musher::exec {
+
+// What is done for one state: argv each, a program without '/' is looked up in PATH.
+struct StateActions {
+  std::vector<std::string> start;  // SetUp only; empty: no program that keeps running
+  std::vector<std::string> run;    // empty: nothing to do
+
+  friend bool operator==(const StateActions&, const StateActions&) = default;
+};
+
+struct ExecConfig {
+  std::int32_t module = static_cast<std::int32_t>(ModuleCode::kRobot);
+  Duration stop_time = Milliseconds(2000);  // from SIGTERM to SIGKILL
+  std::string cwd;                          // absolute; empty: ours
+  std::map<State, StateActions> states;
+
+  friend bool operator==(const ExecConfig&, const ExecConfig&) = default;
+};
+
+struct ExecReading {
+  std::optional<ExecConfig> config;     // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;  // by line
+};
+
+// Reads and judges the file at `path` for `actuator`, which must list every state of the file.
+// Never throws; an unreadable file is a diagnostic.
+ExecReading ReadExecFile(const std::string& path, const ActuatorConfig& actuator);
+
+// The same for a text; `path` is what diagnostics and relative paths refer to.
+ExecReading ReadExecText(std::string_view text, const std::string& path,
+                         const ActuatorConfig& actuator);
+
+// The config without a file: `program` runs from SetUp to TearDown, nothing else is done.
+ExecConfig ConfigForProgram(std::vector<std::string> program);
+
+}  // namespace musher::exec

@@ -1,0 +1,103 @@
+#include "musher/modules/exec/exec_process.hpp"
+
+#include <poll.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <functional>
+#include <iostream>
+#include <thread>
+#include <utility>
+
+namespace musher::exec {
+namespace {
+
+transport::UniqueFd TakeSignals() {
+  static_cast<void>(std::signal(SIGPIPE, SIG_IGN));
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return transport::UniqueFd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
+}
+
+bool IsReadable(int fd) {
+  pollfd source{fd, POLLIN, 0};
+  return poll(&source, 1, 0) > 0;
+}
+
+}  // namespace
+
+ExecProcess::ExecProcess(const ActuatorConfig& actuator, ExecConfig config, const Keeper& keeper)
+    : runner_(actuator.name, std::move(config), keeper),
+      signals_(TakeSignals()),
+      actuator_(actuator.name) {
+  for (const State& state : actuator.states) {
+    actuator_.RegisterStateCallback(state, std::function<Result<>()>([this, state] {
+                                      auto result = runner_.Run(
+                                          state, [this] { return actuator_.StopRequested(); });
+                                      loop_.Post([this] { JudgeProgram(); });
+                                      return result;
+                                    }));
+  }
+}
+
+int ExecProcess::Run(const std::string& state_config) {
+  if (!actuator_.MachineActuatorInit(state_config)) return 1;
+  signal_watch_ = loop_.WhenReadable(signals_.get(), [this] { OnSignal(); });
+  std::thread life([this] { Live(); });
+  loop_.Run();
+  actuator_.Shutdown();
+  life.join();
+  if (program_lost_) {
+    std::cerr << actuator_.name()
+              << ": its program ended by itself: " << runner_.AwaitProgram()->Text() << std::endl;
+  }
+  runner_.StopProgram();
+  return *exit_code_;
+}
+
+void ExecProcess::Live() {
+  const bool ok = actuator_.ActuatorStart();
+  loop_.Post([this, ok] { OnSetUp(ok); });
+  if (!ok) return;
+  const int exit_code = actuator_.Wait();
+  loop_.Post([this, exit_code] { End(exit_code, Wanted::kNo); });
+}
+
+void ExecProcess::OnSetUp(bool ok) {
+  set_up_ended_ = true;
+  if (!ok) End(1, Wanted::kNo);
+  if (exit_code_) return loop_.Stop();
+  if (const int watch = runner_.program_watch(); watch >= 0) {
+    program_watch_ = loop_.WhenReadable(watch, [this] {
+      program_watch_.reset();
+      JudgeProgram();
+    });
+  }
+}
+
+void ExecProcess::OnSignal() {
+  signalfd_siginfo signal{};
+  if (read(signals_.get(), &signal, sizeof(signal)) == sizeof(signal)) End(0, Wanted::kNo);
+}
+
+// Called when the program has ended and after each callback: what looked like the beginning of its
+// end may have been a TearDown that failed.
+void ExecProcess::JudgeProgram() {
+  const int watch = runner_.program_watch();
+  if (!set_up_ended_ || exit_code_ || watch < 0 || runner_.tearing_down()) return;
+  if (!IsReadable(watch)) return;
+  program_lost_ = true;
+  End(1, Wanted::kGetDone);
+}
+
+// The first reason to end counts. While SetUp runs its end is waited for: it stops as well.
+void ExecProcess::End(int exit_code, Wanted wanted) {
+  if (exit_code_) return;
+  exit_code_ = exit_code;
+  runner_.Hurry(wanted);
+  if (set_up_ended_) loop_.Stop();
+}
+
+}  // namespace musher::exec

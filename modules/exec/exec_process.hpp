@@ -1,0 +1,49 @@
+#pragma once
+// A musher-exec process: an actuator whose callbacks run commands, the watch over its program, and
+// the signals that end it.
+//
+// Threads: Run() is the main thread's, with a loop for signals and the program's end. A second
+// thread starts the actuator and waits for its end, since both block. Commands run on the
+// actuator's worker.
+
+#include <csignal>
+#include <optional>
+#include <string>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/lifecycle/config.hpp"
+#include "musher/modules/exec/state_runner.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+#include "musher/transport/unique_fd.hpp"
+
+namespace musher::exec {
+
+class ExecProcess {
+ public:
+  // Blocks SIGTERM, SIGINT and SIGHUP, which it takes from a descriptor: to be made before any
+  // thread is. The keeper must outlive the process.
+  ExecProcess(const ActuatorConfig& actuator, ExecConfig config, const Keeper& keeper);
+
+  // From SetUp to the end; gives the exit code: 0 after TearDown or a signal, 1 when SetUp failed
+  // or the program ended by itself, which is said on stderr.
+  int Run(const std::string& state_config);
+
+ private:
+  void Live();  // on the second thread
+  void OnSetUp(bool ok);
+  void OnSignal();
+  void JudgeProgram();
+  void End(int exit_code, Wanted wanted);
+
+  transport::LinuxEventLoop loop_;
+  StateRunner runner_;
+  transport::UniqueFd signals_;
+  MachineActuator actuator_;
+  transport::LoopHandlePtr signal_watch_;
+  transport::LoopHandlePtr program_watch_;
+  bool set_up_ended_ = false;     // Start() has returned
+  std::optional<int> exit_code_;  // the process is ending
+  bool program_lost_ = false;
+};
+
+}  // namespace musher::exec

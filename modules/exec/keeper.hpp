@@ -1,0 +1,40 @@
+#pragma once
+// Sees to it that nothing we started outlives us, even when we are killed with SIGKILL: a small
+// process beside us that is told of every process group we start, and kills those that are left as
+// soon as we are gone, in whatever way. (PR_SET_PDEATHSIG would reach a child, but not its
+// children, and it fires when the thread ends that made the child.)
+//
+// Threads: Start() while the process has one thread; the rest from any.
+
+#include <sys/types.h>
+
+#include <utility>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/transport/unique_fd.hpp"
+
+namespace musher::exec {
+
+class Keeper {
+ public:
+  // Forks.
+  static Result<Keeper> Start();
+  // Lets it kill what is left, and waits until it has.
+  ~Keeper();
+  Keeper(Keeper&& other) noexcept
+      : pid_(std::exchange(other.pid_, 0)), pipe_(std::move(other.pipe_)) {}
+  Keeper& operator=(Keeper&&) = delete;
+
+  // `group` runs; it has ended. The second must come before the group's leader is reaped, so that
+  // its number cannot mean another group yet.
+  void Add(pid_t group) const;
+  void Remove(pid_t group) const;
+
+ private:
+  Keeper(pid_t pid, transport::UniqueFd pipe) : pid_(pid), pipe_(std::move(pipe)) {}
+
+  pid_t pid_;
+  transport::UniqueFd pipe_;
+};
+
+}  // namespace musher::exec

@@ -1,0 +1,114 @@
+// musher-exec: an actuator that wraps any program without a line of C++. See README.md beside this.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/config_toml.hpp"
+#include "musher/modules/exec/exec_process.hpp"
+
+namespace {
+
+constexpr int kUsageError = 2;
+
+constexpr const char* kDescription =
+    "An actuator that wraps any program: commands for its states, their exit codes the answers.\n"
+    "\n  musher-exec [OPTIONS] FILE\n  musher-exec [OPTIONS] -- PROGRAM [ARGUMENT]...";
+constexpr const char* kFooter = R"(
+After -- stands a program that runs from SetUp to TearDown, where no FILE is needed.
+
+FILE, for example:
+  module = 3000                       # exit code 9 becomes CyberDog's code 3009; default 100
+  stop_ms = 2000                      # from SIGTERM to SIGKILL
+  cwd = "."                           # where programs run, relative to FILE; default: as musher-exec
+  [state.SetUp]
+  start = ["./server", "--port", "80"] # runs until TearDown; if it ends before, so does musher-exec
+  run = ["./wait-for-port", "80"]     # a command; exit code 0: done
+  [state.SelfCheck]
+  shell = "test -e /dev/ttyS0"        # the same as run, but a line for /bin/sh
+A state that FILE leaves out does nothing and succeeds.
+
+Exit codes: 0 torn down, or ended by a signal; 1 SetUp failed or the program ended by itself;
+2 usage or config.)";
+
+struct Options {
+  std::string file;
+  std::string actuator;
+  std::string state_config;
+  std::vector<std::string> program;  // what stood after --
+};
+
+// Nothing: the program is to end with `exit_code`.
+std::optional<Options> ReadOptions(int argc, char** argv, int& exit_code) {
+  Options options;
+  char** const end = argv + argc;
+  char** const dashes = std::find(argv, end, std::string_view("--"));
+  if (dashes != end) options.program.assign(dashes + 1, end);
+
+  CLI::App app(kDescription, "musher-exec");
+  app.footer(kFooter);
+  app.add_option("FILE", options.file, "What to do in which state (TOML)");
+  app.add_option("--actuator", options.actuator, "Which actuator of the state config this is")
+      ->envname("MUSHER_ACTUATOR")
+      ->required();
+  app.add_option("--config", options.state_config, "The state config (TOML)")
+      ->envname("MUSHER_CONFIG")
+      ->required();
+  try {
+    app.parse(static_cast<int>(dashes - argv), argv);
+    if (options.file.empty() == options.program.empty()) {
+      throw CLI::ValidationError("expected either FILE or -- PROGRAM");
+    }
+    return options;
+  } catch (const CLI::ParseError& error) {
+    exit_code = app.exit(error) == 0 ? 0 : kUsageError;
+    return std::nullopt;
+  }
+}
+
+void Print(const std::vector<musher::Diagnostic>& diagnostics) {
+  for (const musher::Diagnostic& diagnostic : diagnostics) {
+    if (diagnostic.severity != musher::Severity::kError) continue;
+    std::cerr << musher::FormatDiagnostic(diagnostic) << std::endl;
+  }
+}
+
+int Run(const Options& options) {
+  const musher::ConfigReading machine = musher::ReadConfigFile(options.state_config);
+  Print(machine.diagnostics);
+  if (!machine.config) return kUsageError;
+  const auto index = machine.config->IndexOf(options.actuator);
+  if (!index) {
+    std::cerr << options.state_config << ": there is no actuator '" << options.actuator << "'"
+              << std::endl;
+    return kUsageError;
+  }
+  const musher::ActuatorConfig& actuator = machine.config->actuators[*index];
+  std::optional<musher::exec::ExecConfig> config;
+  if (options.file.empty()) {
+    config = musher::exec::ConfigForProgram(options.program);
+  } else {
+    musher::exec::ExecReading reading = musher::exec::ReadExecFile(options.file, actuator);
+    Print(reading.diagnostics);
+    config = std::move(reading.config);
+  }
+  if (!config) return kUsageError;
+  const auto keeper = musher::exec::Keeper::Start();
+  if (!keeper) {
+    std::cerr << actuator.name << ": " << keeper.error().message << std::endl;
+    return 1;
+  }
+  return musher::exec::ExecProcess(actuator, *std::move(config), keeper.value())
+      .Run(options.state_config);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int exit_code = 0;
+  const std::optional<Options> options = ReadOptions(argc, argv, exit_code);
+  return options ? Run(*options) : exit_code;
+}

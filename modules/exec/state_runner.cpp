@@ -1,0 +1,97 @@
+#include "musher/modules/exec/state_runner.hpp"
+
+#include <fcntl.h>
+
+#include <utility>
+
+namespace musher::exec {
+namespace {
+
+// Exit codes up to here are keys of CyberDog's codes; above are those of shells.
+constexpr int kHighestKey = 99;
+
+}  // namespace
+
+StateRunner::StateRunner(std::string actuator, ExecConfig config, const Keeper& keeper)
+    : actuator_(std::move(actuator)), config_(std::move(config)), keeper_(keeper) {}
+
+Result<> StateRunner::Run(const State& state, const StopRequested& stop_requested) {
+  const auto found = config_.states.find(state);
+  const StateActions actions = found == config_.states.end() ? StateActions() : found->second;
+  if (state == kSetUp) return SetUp(actions, stop_requested);
+  if (state == kTearDown) return TearDown(actions, stop_requested);
+  return RunOne(state, actions, stop_requested);
+}
+
+std::optional<ExitStatus> StateRunner::AwaitProgram() {
+  if (!program_) return std::nullopt;
+  return program_->Reap();
+}
+
+void StateRunner::StopProgram() {
+  if (program_) program_->Stop(config_.stop_time);
+}
+
+Result<> StateRunner::SetUp(const StateActions& actions, const StopRequested& stop_requested) {
+  if (!actions.start.empty()) {
+    auto program = Child::Start(Spec(State(kSetUp), actions.start), keeper_);
+    if (!program) return Failure(KeyCode::kFailed, program.error().message);
+    program_.emplace(std::move(program).value());
+    program_watch_ = transport::UniqueFd(fcntl(program_->pidfd(), F_DUPFD_CLOEXEC, 0));
+  }
+  const auto ended = [this] { return program_ && program_->Ended(); };
+  auto result = RunOne(State(kSetUp), actions, [&] { return stop_requested() || ended(); });
+  if (ended()) {
+    return Failure(KeyCode::kFailed,
+                   actions.start.front() + " ended during SetUp: " + program_->Reap().Text());
+  }
+  if (!result) StopProgram();
+  return result;
+}
+
+Result<> StateRunner::TearDown(const StateActions& actions, const StopRequested& stop_requested) {
+  tearing_down_ = true;
+  auto result = RunOne(State(kTearDown), actions, stop_requested);
+  if (result) StopProgram();
+  tearing_down_ = result.ok();
+  return result;
+}
+
+Result<> StateRunner::RunOne(const State& state, const StateActions& actions,
+                             const StopRequested& stop_requested) {
+  if (actions.run.empty()) return Ok();
+  if (wanted_ != Wanted::kYes) return Failure(KeyCode::kStatusError, "the actuator is ending");
+  const auto end = RunCommand(Spec(state, actions.run), keeper_, config_.stop_time, [&] {
+    const Wanted wanted = wanted_;
+    return wanted == Wanted::kYes && stop_requested() ? Wanted::kNo : wanted;
+  });
+  if (!end) return Failure(KeyCode::kFailed, end.error().message);
+  return Judge(end.value());
+}
+
+// One that was stopped and yet ended well had just got done.
+Result<> StateRunner::Judge(const CommandEnd& end) const {
+  const ExitStatus& status = end.status;
+  if (status.ok()) return Ok();
+  const std::string said = end.last_line.empty() ? "" : ": " + end.last_line;
+  if (end.stopped) {
+    return Failure(KeyCode::kTimeout, "stopped as it was not waited for any more" + said);
+  }
+  if (status.killed || status.number > kHighestKey) {
+    return Failure(KeyCode::kFailed, status.Text() + said);
+  }
+  return Failure(static_cast<KeyCode>(status.number),
+                 end.last_line.empty() ? status.Text() : end.last_line);
+}
+
+ChildSpec StateRunner::Spec(const State& state, const std::vector<std::string>& argv) const {
+  ChildSpec spec{argv, config_.cwd, {{"MUSHER_STATE", state}, {"MUSHER_ACTUATOR", actuator_}}};
+  if (program_) spec.env["MUSHER_PROGRAM_PID"] = std::to_string(program_->pid());
+  return spec;
+}
+
+Error StateRunner::Failure(KeyCode key, const std::string& message) const {
+  return {config_.module + static_cast<std::int32_t>(key), message};
+}
+
+}  // namespace musher::exec

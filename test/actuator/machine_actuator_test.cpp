@@ -1,0 +1,146 @@
+#include "musher/actuator/machine_actuator.hpp"
+
+#include <gmock/gmock.h>
+
+#include <future>
+#include <stdexcept>
+#include <thread>
+
+#include "musher/test/actuator/robot_file.hpp"
+
+namespace musher {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::kAllStates;
+using testing::RobotFile;
+
+void RegisterAll(MachineActuator& actuator, const std::vector<std::string>& states) {
+  for (const std::string& state : states) {
+    actuator.RegisterStateCallback(state, [] { return kCodeOk; });
+  }
+}
+
+TEST(MachineActuator, IsInSetUpOnceItHasStarted) {
+  const RobotFile file({"arm"}, kAllStates);
+  MachineActuator arm("arm");
+  RegisterAll(arm, kAllStates);
+  EXPECT_EQ(arm.CurrentState(), "Uninitialized");
+  ASSERT_TRUE(arm.MachineActuatorInit(file.path()));
+  ASSERT_TRUE(arm.ActuatorStart());
+  EXPECT_EQ(arm.CurrentState(), "SetUp");
+}
+
+TEST(MachineActuator, SaysWhichStateHasNoCallback) {
+  const RobotFile file({"arm"}, kAllStates);
+  MachineActuator arm("arm");
+  RegisterAll(arm, {"SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "Protected", "LowPower",
+                    "Error"});
+  ASSERT_TRUE(arm.Init(file.path()).ok());
+  const Result<> started = arm.Start();
+  ASSERT_FALSE(started.ok());
+  EXPECT_EQ(started.error().code, kCodeParametersInvalid);
+  EXPECT_THAT(started.error().message, HasSubstr("state 'OTA'"));
+}
+
+TEST(MachineActuator, SaysWhichCallbackHasNoState) {
+  const RobotFile file({"arm"}, {"SetUp", "TearDown", "SelfCheck", "Active"});
+  MachineActuator arm("arm");
+  RegisterAll(arm, {"SetUp", "TearDown", "SelfCheck", "Active", "LowPower"});
+  ASSERT_TRUE(arm.Init(file.path()).ok());
+  const Result<> started = arm.Start();
+  ASSERT_FALSE(started.ok());
+  EXPECT_THAT(started.error().message, HasSubstr("state 'LowPower'"));
+}
+
+TEST(MachineActuator, SaysThatAStateHasTwoCallbacks) {
+  const RobotFile file({"arm"}, kAllStates);
+  MachineActuator arm("arm");
+  RegisterAll(arm, kAllStates);
+  RegisterAll(arm, {"Active"});
+  ASSERT_TRUE(arm.Init(file.path()).ok());
+  EXPECT_THAT(arm.Start().error().message, HasSubstr("two callbacks for state 'Active'"));
+}
+
+TEST(MachineActuator, SaysWhatIsWrongWithTheConfigAndWhere) {
+  const RobotFile file({"arm"}, kAllStates, {{"SetUp", -5}});
+  MachineActuator arm("arm");
+  const Result<> initialised = arm.Init(file.path());
+  ASSERT_FALSE(initialised.ok());
+  EXPECT_THAT(initialised.error().message, HasSubstr("robot.toml:10:10: error:"));
+}
+
+TEST(MachineActuator, SaysThatTheConfigHasNoActuatorOfItsName) {
+  const RobotFile file({"arm"}, kAllStates);
+  MachineActuator leg("leg");
+  EXPECT_THAT(leg.Init(file.path()).error().message, HasSubstr("no actuator 'leg'"));
+}
+
+TEST(MachineActuator, DoesNotStartWithoutInit) {
+  MachineActuator arm("arm");
+  EXPECT_EQ(arm.Start().error().code, kCodeUninitialized);
+}
+
+TEST(MachineActuator, GivesTheCodeAndMessageOfASetUpThatFailed) {
+  const RobotFile file({"arm"}, {"SetUp"});
+  MachineActuator arm("arm");
+  arm.RegisterStateCallback("SetUp", []() -> Result<> { return Error{3012, "no motor"}; });
+  ASSERT_TRUE(arm.Init(file.path()).ok());
+  const Result<> started = arm.Start();
+  ASSERT_FALSE(started.ok());
+  EXPECT_EQ(started.error(), (Error{3012, "no motor"}));
+}
+
+TEST(MachineActuator, TakesAnExceptionForAFailureAndTellsWhatItSaid) {
+  const RobotFile file({"arm"}, {"SetUp"});
+  MachineActuator arm("arm");
+  arm.RegisterStateCallback("SetUp", []() -> Result<> { throw std::runtime_error("cable loose"); });
+  ASSERT_TRUE(arm.Init(file.path()).ok());
+  const Result<> started = arm.Start();
+  EXPECT_EQ(started.error().code, kCodeFailed);
+  EXPECT_THAT(started.error().message, HasSubstr("cable loose"));
+}
+
+TEST(MachineActuator, RunsOnceOnAHost) {
+  const RobotFile file({"arm"}, {"SetUp"});
+  MachineActuator first("arm");
+  RegisterAll(first, {"SetUp"});
+  ASSERT_TRUE(first.Init(file.path()).ok());
+  ASSERT_TRUE(first.Start().ok());
+  MachineActuator second("arm");
+  RegisterAll(second, {"SetUp"});
+  ASSERT_TRUE(second.Init(file.path()).ok());
+  EXPECT_EQ(second.Start().error().code, kCodeTargetBusy);
+  first.Shutdown();
+  MachineActuator third("arm");
+  RegisterAll(third, {"SetUp"});
+  ASSERT_TRUE(third.Init(file.path()).ok());
+  EXPECT_TRUE(third.Start().ok()) << "the name is free again";
+}
+
+TEST(MachineActuator, SharesANodeWithOthersOfItsProcess) {
+  const RobotFile file({"arm", "leg"}, {"SetUp"});
+  const auto node = transport::NodeThread::Start();
+  ASSERT_TRUE(node.ok());
+  MachineActuator arm("arm");
+  MachineActuator leg("leg");
+  for (MachineActuator* actuator : {&arm, &leg}) {
+    RegisterAll(*actuator, {"SetUp"});
+    ASSERT_TRUE(actuator->Init(file.path(), node.value()).ok());
+    ASSERT_TRUE(actuator->Start().ok());
+  }
+}
+
+TEST(MachineActuator, EndsItsWaitWhenItIsShutDown) {
+  const RobotFile file({"arm"}, {"SetUp"});
+  MachineActuator arm("arm");
+  RegisterAll(arm, {"SetUp"});
+  ASSERT_TRUE(arm.Init(file.path()).ok());
+  ASSERT_TRUE(arm.Start().ok());
+  std::thread ender([&] { arm.Shutdown(); });
+  EXPECT_EQ(arm.Wait(), 0);
+  ender.join();
+}
+
+}  // namespace
+}  // namespace musher

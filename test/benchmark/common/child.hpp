@@ -1,0 +1,53 @@
+#pragma once
+// Processes of a benchmark. A child dies with the thread that started it, whatever that one dies
+// of.
+
+#include <sys/types.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace musher::benchmark {
+
+class Child {
+ public:
+  using Environment = std::map<std::string, std::string>;
+
+  enum class Output { kOurs, kNowhere, kPiped };  // kNowhere: errors too
+
+  // Starts the program argv[0] with `env` on top of ours. Ends the benchmark with a message when
+  // that fails.
+  explicit Child(const std::vector<std::string>& argv, const Environment& env = {},
+                 Output output = Output::kOurs);
+  // SIGKILL, and waits for its end.
+  ~Child();
+  Child(Child&& other) noexcept;
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  pid_t pid() const { return pid_; }
+  // Waits for its end and gives its exit code; 128 + the signal that killed it.
+  int Wait();
+  // Waits until a piped child says something, or ends the benchmark when it dies without.
+  void AwaitOutput() const;
+
+ private:
+  pid_t pid_ = 0;
+  int pipe_ = -1;
+};
+
+// A program of the folder that the running program is in.
+std::string Program(const std::string& name);
+
+// Ends the benchmark with a message.
+[[noreturn]] void Fail(const std::string& why);
+
+// Makes a process that somebody else starts for us (a controller) end with its starter.
+void DieWithParent();
+
+// A DDS domain for this run: processes of an earlier run, killed, are still known in theirs.
+// `number` tells several domains of a run apart.
+int Domain(int number = 0);
+
+}  // namespace musher::benchmark

@@ -1,0 +1,19 @@
+#pragma once
+// What a process costs, as /proc tells.
+
+#include <sys/types.h>
+
+#include "musher/lifecycle/time.hpp"
+
+namespace musher::benchmark {
+
+struct Cost {
+  double resident_mb = 0;      // RSS
+  double proportional_mb = 0;  // PSS: shared pages counted by share
+  int threads = 0;
+  Duration cpu{};  // used since its start
+};
+
+Cost CostOf(pid_t pid);
+
+}  // namespace musher::benchmark

@@ -1,0 +1,58 @@
+#include "musher/test/benchmark/common/statistics.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace musher::benchmark {
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[at];
+}
+
+double Median(const std::vector<double>& values) {
+  return Quantile(values, 0.5);
+}
+
+double Microseconds(Duration duration) {
+  return std::chrono::duration<double, std::micro>(duration).count();
+}
+
+double Seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+Table::Table(const std::string& title) {
+  std::printf("\n### %s\n\n", title.c_str());
+  std::printf("| what | median | quartiles | p99 | n | target |\n|---|---|---|---|---|---|\n");
+  std::fflush(stdout);
+}
+
+void Table::Row(const std::string& what, const std::vector<double>& values, const std::string& unit,
+                double limit) const {
+  const double median = Median(values);
+  const int digits = median < 10 ? 2 : median < 1000 ? 1 : 0;
+  std::printf("| %s | %.*f %s | %.*f – %.*f | %.*f | %zu | ", what.c_str(), digits, median,
+              unit.c_str(), digits, Quantile(values, 0.25), digits, Quantile(values, 0.75), digits,
+              Quantile(values, 0.99), values.size());
+  if (limit > 0) std::printf("≤ %g: %s ", limit, median <= limit ? "met" : "**missed**");
+  std::printf("|\n");
+  std::fflush(stdout);
+}
+
+void Table::Text(const std::string& what, const std::string& text) const {
+  std::printf("| %s | %s | | | | |\n", what.c_str(), text.c_str());
+  std::fflush(stdout);
+}
+
+std::vector<double> Ratios(const std::vector<double>& above, const std::vector<double>& below) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < std::min(above.size(), below.size()); ++i) {
+    ratios.push_back(above[i] / below[i]);
+  }
+  return ratios;
+}
+
+}  // namespace musher::benchmark

@@ -1,0 +1,28 @@
+// Actuators whose callbacks do nothing:
+//
+//   benchmark_actuator NAME...
+//
+// Several names are actuators that share the process and its participant.
+
+#include <memory>
+#include <vector>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/test/benchmark/common/child.hpp"
+#include "musher/transport/node_thread.hpp"
+
+int main(int argc, char** argv) {
+  using musher::MachineActuator;
+  musher::benchmark::DieWithParent();
+  std::shared_ptr<musher::transport::NodeThread> node;
+  if (argc > 2) node = musher::transport::NodeThread::Start().value();
+  std::vector<std::unique_ptr<MachineActuator>> actuators;
+  for (int i = 1; i < argc; ++i) {
+    MachineActuator& actuator = *actuators.emplace_back(std::make_unique<MachineActuator>(argv[i]));
+    for (const char* state : {"SetUp", "SelfCheck", "Active", "DeActive", "TearDown"}) {
+      actuator.RegisterStateCallback(state, [] { return 0; });
+    }
+    if (!actuator.MachineActuatorInit("", node) || !actuator.ActuatorStart()) return 1;
+  }
+  for (const auto& actuator : actuators) actuator->Wait();
+}

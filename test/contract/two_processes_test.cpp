@@ -1,0 +1,119 @@
+// What only a second process can show: discovery, fragments and loss over the real network stack.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+#include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/test/contract/domain.hpp"
+#include "musher/test/contract/world.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::transport {
+namespace {
+
+constexpr int kLeaseMs = 1000;
+
+// A child that runs contract_peer; killed, if nothing else has, at the end.
+class PeerProcess {
+ public:
+  explicit PeerProcess(const std::string& name) {
+    std::string program = MUSHER_BIN_DIR "/contract_peer";
+    std::string domain = std::to_string(TestDomain()), lease = std::to_string(kLeaseMs), arg = name;
+    char* argv[] = {program.data(), domain.data(), lease.data(), arg.data(), nullptr};
+    EXPECT_EQ(posix_spawn(&pid_, program.c_str(), nullptr, nullptr, argv, environ), 0);
+  }
+  PeerProcess(const PeerProcess&) = delete;
+  PeerProcess& operator=(const PeerProcess&) = delete;
+  ~PeerProcess() { Kill(); }
+
+  void Kill() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+    pid_ = 0;
+  }
+
+ private:
+  pid_t pid_ = 0;
+};
+
+class TwoProcesses : public testing::TestWithParam<const char*> {
+ protected:
+  TwoProcesses() {
+    setenv("MUSHER_TRANSPORT", GetParam(), 1);
+    DdsOptions options;
+    options.domain_id = TestDomain();
+    options.lease = Milliseconds(kLeaseMs);
+    node_ = Must(MakeDdsNode(loop_, options));
+  }
+  bool RunUntil(const std::function<bool()>& done) {
+    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(20));
+  }
+  Node& node() { return *node_; }
+  LinuxEventLoop& loop() { return loop_; }
+  const std::string name_ = "two_processes_" + std::to_string(getpid());
+
+ private:
+  LinuxEventLoop loop_;
+  std::unique_ptr<Node> node_;
+};
+INSTANTIATE_TEST_SUITE_P(, TwoProcesses, testing::Values("local", "lan"),
+                         [](const auto& profile) { return std::string(profile.param); });
+
+TEST_P(TwoProcesses, AnswerACallMadeBeforeTheyKnowEachOther) {
+  const auto client = Must(MakeClient<msg::SetState>(node(), name_ + "/set_state"));
+  std::optional<Result<msg::SetState::Response>> answer;
+  client->Call({"Active", ""}, std::chrono::seconds(15),
+               [&](Result<msg::SetState::Response> response) { answer = std::move(response); });
+  PeerProcess peer(name_);
+  ASSERT_TRUE(RunUntil([&] { return answer.has_value(); }));
+  ASSERT_TRUE(*answer) << answer->error().message;
+  EXPECT_EQ(answer->value().outcome, "Active");
+}
+
+TEST_P(TwoProcesses, CarrySamplesOfMoreThanOnePacket) {
+  PeerProcess peer(name_);
+  std::string heard;
+  const auto back = Must(MakeSubscription<msg::String>(
+      node(), name_ + "/image_back",
+      [&](const msg::String& message, const SampleInfo&) { heard = message.data; }));
+  const auto image = Must(MakePublisher<msg::String>(node(), name_ + "/image"));
+  ASSERT_TRUE(
+      RunUntil([&] { return image->MatchedReaders() == 1 && back->MatchedWriters() == 1; }));
+  std::string large(1 << 20, ' ');
+  for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<char>('a' + i * 7 % 26);
+  ASSERT_TRUE(image->Publish({large}));
+  ASSERT_TRUE(RunUntil([&] { return !heard.empty(); }));
+  EXPECT_TRUE(heard == large);
+}
+
+TEST_P(TwoProcesses, NoticeThatTheOtherWasKilled) {
+  PeerProcess peer(name_);
+  PeerId writer = 0, lost = 0;
+  SubscriptionEvents events;
+  events.on_writer_lost = [&](PeerId who) { lost = who; };
+  const auto status = Must(MakeSubscription<msg::String>(
+      node(), name_ + "/status",
+      [&](const msg::String&, const SampleInfo& info) { writer = info.writer; }, kLatchedQos,
+      std::move(events)));
+  const auto client = Must(MakeClient<msg::SetState>(node(), name_ + "/set_state"));
+  ASSERT_TRUE(RunUntil([&] { return writer != 0 && client->Ready(); }));
+  const Time killed = loop().Now();
+  peer.Kill();
+  ASSERT_TRUE(RunUntil([&] { return lost != 0 && !client->Ready(); }));
+  EXPECT_EQ(lost, writer);
+  EXPECT_LT(loop().Now() - killed, Milliseconds(4 * kLeaseMs));
+}
+
+}  // namespace
+}  // namespace musher::transport

@@ -1,0 +1,210 @@
+#pragma once
+// Field by field, by name: that a sample of a plain C program (idlc's struct) and one of ours are
+// the same. A field that is missing here is still caught when it makes the round trip.
+
+#include <gtest/gtest.h>
+#include <musher_msgs.h>
+#include <std_msgs.h>
+
+#include <string>
+#include <vector>
+
+#include "musher/messages/musher_msgs/actuator_command.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
+
+namespace musher::msg {  // that of the messages, so that SameItems() finds them all
+
+template <class C, class M>
+void Same(const C& c, const M& m, const char* field) {
+  EXPECT_EQ(c, m) << field;
+}
+inline void Same(const char* c, const std::string& m, const char* field) {
+  EXPECT_EQ(c, m) << field;
+}
+template <class C, class M>
+void SameItems(const C& c, const std::vector<M>& m, const char* field) {
+  ASSERT_EQ(c._length, m.size()) << field;
+  for (std::size_t i = 0; i < m.size(); ++i) Same(c._buffer[i], m[i], field);
+}
+
+// NOLINTBEGIN(cppcoreguidelines-macro-usage): the field's name is wanted twice
+#define SAME(field) Same(c.field, m.field, #field)
+#define SAME_ITEMS(field) SameItems(c.field, m.field, #field)
+#define MUSHER_SAME(CType, MType) \
+  inline void Same(const CType& c, const MType& m, const char* /*field*/ = "")
+
+MUSHER_SAME(std_msgs_msg_dds__String_, String) {
+  SAME(data);
+}
+
+MUSHER_SAME(std_srvs_srv_dds__Trigger_Request_, Trigger::Request) {
+  SAME(structure_needs_at_least_one_member);
+}
+
+MUSHER_SAME(std_srvs_srv_dds__Trigger_Response_, Trigger::Response) {
+  SAME(success);
+  SAME(message);
+}
+
+MUSHER_SAME(musher_msgs_msg_dds__ActuatorStatus_, ActuatorStatus) {
+  SAME(name);
+  SAME(state);
+  SAME(target);
+  SAME(busy_number);
+  SAME(epoch);
+  SAME(number);
+  SAME(outcome_number);
+  SAME(outcome_code);
+  SAME(outcome_message);
+  SAME(incarnation);
+  SAME(pid);
+  SAME(host);
+  SAME(config_hash);
+  SAME(stamp_ns);
+}
+
+MUSHER_SAME(musher_msgs_msg_dds__ActuatorInfo_, ActuatorInfo) {
+  SAME(name);
+  SAME(state);
+  SAME(target);
+  SAME(presence);
+  SAME(pid);
+  SAME(host);
+  SAME(stage);
+  SAME(critical);
+  SAME(held);
+  SAME(degraded);
+  SAME(code);
+  SAME(message);
+}
+
+MUSHER_SAME(musher_msgs_msg_dds__MachineStatus_, MachineStatus) {
+  SAME(machine);
+  SAME(name_space);
+  SAME(phase);
+  SAME(state);
+  SAME(target);
+  SAME(epoch);
+  SAME(switch_number);
+  SAME(pid);
+  SAME(host);
+  SAME(config_file);
+  SAME(config_hash);
+  SAME_ITEMS(degraded);
+  SAME_ITEMS(actuators);
+}
+
+MUSHER_SAME(musher_msgs_msg_dds__MachineInfo_, MachineInfo) {
+  SAME(machine);
+  SAME(name_space);
+  SAME(host);
+  SAME(pid);
+}
+
+MUSHER_SAME(musher_msgs_msg_dds__ActuatorOutcome_, ActuatorOutcome) {
+  SAME(name);
+  SAME(outcome);
+  SAME(code);
+  SAME(message);
+  SAME(duration_ms);
+  SAME(state);
+}
+
+MUSHER_SAME(musher_msgs_msg_dds__PlanStep_, PlanStep) {
+  SAME(name);
+  SAME(wave);
+  SAME(from);
+  SAME(to);
+  SAME(deadline_ms);
+  SAME(note);
+}
+
+MUSHER_SAME(musher_msgs_msg_dds__HistoryEntry_, HistoryEntry) {
+  SAME(id);
+  SAME(wall_ns);
+  SAME(epoch);
+  SAME(switch_number);
+  SAME(kind);
+  SAME(actuator);
+  SAME(code);
+  SAME(message);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__ActuatorCommand_Request_, ActuatorCommand::Request) {
+  SAME(kind);
+  SAME(epoch);
+  SAME(number);
+  SAME(target);
+  SAME(budget_ns);
+  SAME(status_stamp_ns);
+  SAME(since_status_ns);
+  SAME(incarnation);
+  SAME(stop);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__ActuatorCommand_Response_, ActuatorCommand::Response) {
+  SAME(verdict);
+  SAME(code);
+  SAME(message);
+  SAME(status);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__SetState_Request_, SetState::Request) {
+  SAME(target);
+  SAME(actuator);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__SetState_Response_, SetState::Response) {
+  SAME(switch_number);
+  SAME(target);
+  SAME(actuator);
+  SAME(outcome);
+  SAME(code);
+  SAME(reason);
+  SAME(state);
+  SAME_ITEMS(degraded);
+  SAME_ITEMS(actuators);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__GetStatus_Request_, GetStatus::Request) {
+  SAME(structure_needs_at_least_one_member);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__GetStatus_Response_, GetStatus::Response) {
+  SAME(status);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__GetPlan_Request_, GetPlan::Request) {
+  SAME(target);
+  SAME(actuator);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__GetPlan_Response_, GetPlan::Response) {
+  SAME(target);
+  SAME(actuator);
+  SAME(allowed);
+  SAME(code);
+  SAME(reason);
+  SAME(direction);
+  SAME(state);
+  SAME_ITEMS(steps);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__GetHistory_Request_, GetHistory::Request) {
+  SAME(since_wall_ns);
+  SAME(limit);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__GetHistory_Response_, GetHistory::Response) {
+  SAME(error);
+  SAME_ITEMS(entries);
+}
+
+#undef SAME
+#undef SAME_ITEMS
+#undef MUSHER_SAME
+// NOLINTEND(cppcoreguidelines-macro-usage)
+
+}  // namespace musher::msg

@@ -1,0 +1,84 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "musher/test/controller/cli/program.hpp"
+#include "musher/test/controller/cli/robot.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+
+namespace musher::cli {
+namespace {
+
+using testing::HasSubstr;
+
+class CheckCommand : public testing::Test {
+ protected:
+  std::string Write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+
+  const TempFolder folder_;
+};
+
+TEST_F(CheckCommand, SaysWhatAGoodConfigHas) {
+  const Ran ran = RunProgram({"check", Write("dog.toml", kRobotToml)});
+  EXPECT_EQ(ran.exit, 0);
+  EXPECT_EQ(ran.out, "ok: 2 actuators, 6 states, 2 stages\n");
+  EXPECT_EQ(ran.err, "");
+}
+
+TEST_F(CheckCommand, ReportsEveryFaultWithItsPosition) {
+  const std::string file = Write("bad.toml",
+                                 "[controller]\nactuators = [\"a\"]\nstates = [\"Actve\"]\n"
+                                 "default_time = -1\ndefault_state = \"Uninitialized\"\n");
+  const Ran ran = RunProgram({"check", file});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.out, HasSubstr(file + ":2:14: error: "));
+  EXPECT_THAT(ran.out, HasSubstr(file + ":3:11: error: "));
+  EXPECT_THAT(ran.out, HasSubstr(file + ":4:16: error: "));
+  EXPECT_THAT(ran.out, Not(HasSubstr("ok")));
+}
+
+TEST_F(CheckCommand, LetsWarningsPass) {
+  std::string text = kRobotToml;
+  text.replace(text.find("critical = true"), 15, "critical = false");
+  const Ran ran = RunProgram({"check", Write("dog.toml", text)});
+  EXPECT_EQ(ran.exit, 0);
+  EXPECT_THAT(ran.out, HasSubstr("warning: "));
+  EXPECT_THAT(ran.out, HasSubstr("\nok: "));
+}
+
+TEST_F(CheckCommand, JudgesAllOfSeveralFiles) {
+  const std::string good = Write("good.toml", kRobotToml);
+  const std::string bad = Write("bad.toml", "x = 1\n");
+  const Ran ran = RunProgram({"check", bad, good});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.out, HasSubstr(bad + ":1:1: error: "));
+  EXPECT_THAT(ran.out, HasSubstr(good + ": ok: 2 actuators"));
+  EXPECT_EQ(RunProgram({"check", good, good}).exit, 0);
+}
+
+TEST_F(CheckCommand, IsOneJsonDocumentWhateverTheInput) {
+  const std::string bad = Write("bad.toml", "x = \xff\n");
+  const Ran ran = RunProgram({"check", bad, folder_ / "none.toml", "--json"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.out, testing::StartsWith(R"({"valid":false,"diagnostics":[{"file":")"));
+  EXPECT_THAT(ran.out, HasSubstr("none.toml"));
+  EXPECT_EQ(std::count(ran.out.begin(), ran.out.end(), '\n'), 1);
+  const Ran good = RunProgram({"check", "--json", Write("dog.toml", kRobotToml)});
+  EXPECT_EQ(good.exit, 0);
+  EXPECT_EQ(good.out, "{\"valid\":true,\"diagnostics\":[]}\n");
+}
+
+TEST_F(CheckCommand, FaultsAFolderAndAMissingFile) {
+  EXPECT_EQ(RunProgram({"check", folder_.path()}).exit, 2);
+  const Ran missing = RunProgram({"check", folder_ / "none.toml"});
+  EXPECT_EQ(missing.exit, 2);
+  EXPECT_THAT(missing.out, HasSubstr("none.toml: error: "));
+}
+
+}  // namespace
+}  // namespace musher::cli

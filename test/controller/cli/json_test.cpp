@@ -1,0 +1,97 @@
+// The exact documents of --json: programs depend on them.
+
+#include "musher/controller/cli/render/json.hpp"
+
+#include <gtest/gtest.h>
+
+#include "musher/test/controller/cli/robot.hpp"
+
+namespace musher::cli {
+namespace {
+
+TEST(Json, TellsTheStatusOfAMachine) {
+  EXPECT_EQ(
+      StatusJson(RobotStatus()),
+      R"({"machine":"dog","pid":100,"state":"Active","degraded":["eyes"],"actuators":{)"
+      R"("legs":{"state":"Active","pid":101,"target":"LowPower","presence":"present","stage":1,)"
+      R"("critical":true,"held":false,"degraded":false,"code":0,"message":"","host":"here"},)"
+      R"("eyes":{"state":"SetUp","pid":0,"target":"","presence":"lost","stage":2,"critical":false,)"
+      R"("held":true,"degraded":true,"code":107,"message":"gone\n","host":"here"}},)"
+      R"("phase":"running","target":"LowPower","epoch":3,"switch":12,"namespace":"pack",)"
+      R"("config":"dog.toml","config_hash":"cafe","host":"here"})");
+}
+
+TEST(Json, TellsOfAMachineWithoutActuatorsWithTheSameKeys) {
+  msg::MachineStatus status;
+  EXPECT_NE(StatusJson(status).find(R"("degraded":[],"actuators":{})"), std::string::npos);
+}
+
+TEST(Json, TellsHowASwitchEnded) {
+  msg::SetState::Response result{12,
+                                 "LowPower",
+                                 "",
+                                 "done-degraded",
+                                 107,
+                                 "eyes: …",
+                                 "Active",
+                                 {"eyes"},
+                                 {{"eyes", "lost", 107, "silent", 1.5, "SetUp"}}};
+  EXPECT_EQ(SwitchJson(result),
+            R"({"switch":12,"target":"LowPower","actuator":"","outcome":"done-degraded",)"
+            R"("code":107,"reason":"eyes: …","state":"Active","degraded":["eyes"],"actuators":{)"
+            R"("eyes":{"outcome":"lost","code":107,"message":"silent","duration_ms":1.5,)"
+            R"("state":"SetUp"}}})");
+}
+
+TEST(Json, TellsOfARefusalWithTheSameKeys) {
+  msg::SetState::Response refusal;
+  refusal.target = "Actve";
+  refusal.outcome = "refused";
+  refusal.code = 110;
+  refusal.reason = "unknown state";
+  refusal.state = "Active";
+  EXPECT_EQ(SwitchJson(refusal),
+            R"({"switch":0,"target":"Actve","actuator":"","outcome":"refused","code":110,)"
+            R"("reason":"unknown state","state":"Active","degraded":[],"actuators":{}})");
+}
+
+TEST(Json, TellsAPlan) {
+  msg::GetPlan::Response plan{
+      "LowPower", "", true, 0, "", "down", "Active", {{"legs", 1, "Active", "LowPower", 5, ""}}};
+  EXPECT_EQ(PlanJson(plan),
+            R"({"target":"LowPower","actuator":"","allowed":true,"code":0,"reason":"",)"
+            R"("direction":"down","state":"Active","steps":[{"actuator":"legs","wave":1,)"
+            R"("from":"Active","to":"LowPower","deadline_ms":5,"note":""}]})");
+}
+
+TEST(Json, TellsAHistory) {
+  EXPECT_EQ(HistoryJson({{1, 1'500'000'000, 3, 12, "switch", "eyes", 107, "silent"}}),
+            R"({"entries":[{"time":"1970-01-01T00:00:01.500Z","epoch":3,"switch":12,)"
+            R"("kind":"switch","actuator":"eyes","code":107,"message":"silent"}]})");
+  EXPECT_EQ(HistoryJson({}), R"({"entries":[]})");
+}
+
+TEST(Json, TellsFindings) {
+  const Diagnostic warning{"dog.toml", 2, 7, Severity::kWarning, "hm"};
+  EXPECT_EQ(CheckJson({}), R"({"valid":true,"diagnostics":[]})");
+  EXPECT_EQ(CheckJson({warning}),
+            R"({"valid":true,"diagnostics":[{"file":"dog.toml","line":2,"column":7,)"
+            R"("severity":"warning","message":"hm"}]})");
+  EXPECT_EQ(CheckJson({{"dog.toml", 0, 0, Severity::kError, "no"}}),
+            R"({"valid":false,"diagnostics":[{"file":"dog.toml","line":0,"column":0,)"
+            R"("severity":"error","message":"no"}]})");
+}
+
+TEST(Json, TellsWhatHappensDuringUp) {
+  EXPECT_EQ(ProgressJson({2'000'000'000, "process", "legs", 0, 0, "started"}),
+            R"({"time":"1970-01-01T00:00:02.000Z","kind":"process","actuator":"legs",)"
+            R"("switch":0,"code":0,"message":"started"})");
+}
+
+TEST(Json, StaysJsonWhateverBytesAMessageHas) {
+  EXPECT_EQ(FailureJson({ExitCode::kNotDone, {101, "bad \xff \"byte\"\n"}}),
+            "{\"error\":\"bad \xEF\xBF\xBD \\\"byte\\\"\\n\",\"code\":101}");
+}
+
+}  // namespace
+}  // namespace musher::cli

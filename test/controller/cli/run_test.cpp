@@ -1,0 +1,96 @@
+// The program from its command line to its exit code, where no controller is needed.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "musher/controller/journal.hpp"
+#include "musher/test/controller/cli/program.hpp"
+#include "musher/test/controller/cli/robot.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+
+namespace musher::cli {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Program, EndsWithTwoAndAReasonWhenItIsUsedWrongly) {
+  const Ran ran = RunProgram({"fly"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_EQ(ran.out, "");
+  EXPECT_EQ(ran.err, "musher: there is no command 'fly'; see musher --help\n");
+}
+
+TEST(Program, AnswersWrongUseInJsonToo) {
+  const Ran ran = RunProgram({"set", "--json"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.out, testing::StartsWith(R"({"error":"STATE is required)"));
+  EXPECT_THAT(ran.out, HasSubstr(R"("code":110})"));
+  EXPECT_NE(ran.err, "");
+}
+
+TEST(Program, PrintsHelpAndVersionOnStandardOutput) {
+  const Ran help = RunProgram({"--help"});
+  EXPECT_EQ(help.exit, 0);
+  EXPECT_THAT(help.out, HasSubstr("Usage: musher [OPTIONS] COMMAND"));
+  EXPECT_EQ(help.err, "");
+  EXPECT_EQ(RunProgram({"--version"}).exit, 0);
+}
+
+TEST(Program, RefusesToStartABadConfig) {
+  const TempFolder folder;
+  std::ofstream(folder / "bad.toml") << "[controller]\n";
+  const Ran ran = RunProgram({"up", folder / "bad.toml"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr("bad.toml:1:"));
+  const Ran json = RunProgram({"up", folder / "bad.toml", "--json"});
+  EXPECT_EQ(json.exit, 2);
+  EXPECT_THAT(json.out, HasSubstr(R"("diagnostics":[{)"));
+}
+
+TEST(Program, RefusesToStartAMachineInANamespaceThatIsNotItsOwn) {
+  const TempFolder folder;
+  std::ofstream(folder / "dog.toml") << kRobotToml;
+  const Ran ran = RunProgram({"up", folder / "dog.toml", "--namespace", "pack"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr("the namespace of a machine is in its config"));
+}
+
+TEST(Program, ReadsTheJournalOfAControllerThatHasGone) {
+  const TempFolder folder;
+  const std::string file = folder / "journal.sqlite";
+  {
+    Journal journal(file, {});
+    journal.Append({1'000'000'000, 1, 3, 12, "switch", "legs", 107, "too late", ""});
+    journal.Append({5'000'000'000, 2, 3, 13, "switch", "", 0, "done", ""});
+  }
+  const Ran all = RunProgram({"history", "--journal", file, "--json"});
+  EXPECT_EQ(all.exit, 0);
+  EXPECT_EQ(all.out, R"({"entries":[{"time":"1970-01-01T00:00:01.000Z","epoch":3,"switch":12,)"
+                     R"("kind":"switch","actuator":"legs","code":107,"message":"too late"},)"
+                     R"({"time":"1970-01-01T00:00:05.000Z","epoch":3,"switch":13,"kind":"switch",)"
+                     R"("actuator":"","code":0,"message":"done"}]})"
+                     "\n");
+  const Ran since = RunProgram({"history", "--journal", file, "--since", "1970-01-01T00:00:02Z"});
+  EXPECT_THAT(since.out, Not(HasSubstr("too late")));
+  EXPECT_THAT(since.out, HasSubstr("switch   done"));
+  const Ran newest = RunProgram({"history", "--journal", file, "--limit", "1"});
+  EXPECT_THAT(newest.out, Not(HasSubstr("too late")));
+}
+
+TEST(Program, SaysThatAJournalCannotBeRead) {
+  const Ran ran = RunProgram({"history", "--journal", "/no/such/journal", "--json"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.out, HasSubstr(R"({"error":)"));
+  EXPECT_THAT(ran.err, HasSubstr("/no/such/journal"));
+}
+
+TEST(Program, SaysWhichTimesHistoryUnderstands) {
+  const Ran ran = RunProgram({"history", "--since", "soon"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr("--since 'soon' is no time"));
+}
+
+}  // namespace
+}  // namespace musher::cli

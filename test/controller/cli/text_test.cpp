@@ -1,0 +1,123 @@
+// What people see, to the letter.
+
+#include "musher/controller/cli/render/text.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <ctime>
+
+#include "musher/test/controller/cli/robot.hpp"
+
+namespace musher::cli {
+namespace {
+
+class Text : public testing::Test {
+ protected:
+  Text() {
+    setenv("TZ", "UTC", 1);
+    tzset();
+  }
+};
+
+TEST_F(Text, ShowsTheStatusAsATable) {
+  EXPECT_EQ(
+      StatusText(RobotStatus(), false),
+      "dog  Active → LowPower  (running)  namespace pack  controller 100, epoch 3, switch 12\n"
+      "degraded: eyes\n"
+      "ACTUATOR  STATE   STAGE  PID  NOTE\n"
+      "legs*     Active  1      101  → LowPower\n"
+      "eyes      SetUp   2      -    held; lost; degraded: gone  (107 (Robot: Timeout))\n");
+}
+
+TEST_F(Text, ColoursStates) {
+  const std::string text = StatusText(RobotStatus(), true);
+  EXPECT_NE(text.find("\x1b[32mActive\x1b[0m"), std::string::npos) << text;
+  EXPECT_NE(text.find("\x1b[31mdegraded: eyes\x1b[0m"), std::string::npos) << text;
+}
+
+TEST_F(Text, ShowsTheStatusOnALineForLogs) {
+  EXPECT_EQ(StatusLine(RobotStatus(), 0),
+            "00:00:00.000  dog  Active → LowPower  (running, switch 12)  busy: legs: LowPower  "
+            "degraded: eyes");
+}
+
+TEST_F(Text, ShowsASwitchAndWhyItIsNotDone) {
+  msg::SetState::Response result{12,
+                                 "Active",
+                                 "",
+                                 "undone",
+                                 107,
+                                 "eyes: no",
+                                 "LowPower",
+                                 {},
+                                 {{"legs", "undone", 0, "is back in LowPower", 12.34, "LowPower"},
+                                  {"eyes", "refused", 3003, "", 0, "LowPower"}}};
+  EXPECT_EQ(SwitchText(result, false),
+            "undone: the machine is in LowPower (switch 12)\n"
+            "ACTUATOR  OUTCOME  TOOK     STATE     NOTE\n"
+            "legs      undone   12.3 ms  LowPower  is back in LowPower\n"
+            "eyes      refused  -        LowPower  (3003 (MotionManager: StateInvalid))\n");
+  EXPECT_EQ(SwitchComplaint(result), "Active is undone: eyes: no");
+}
+
+TEST_F(Text, ShowsARefusedSwitchOfOneActuator) {
+  msg::SetState::Response refusal;
+  refusal.target = "Active";
+  refusal.actuator = "eyes";
+  refusal.outcome = "refused";
+  refusal.code = 111;
+  refusal.state = "SetUp";
+  EXPECT_EQ(SwitchText(refusal, false), "refused: eyes is in SetUp\n");
+  EXPECT_EQ(SwitchComplaint(refusal), "eyes to Active is refused: 111 (Robot: TargetBusy)");
+}
+
+TEST_F(Text, ShowsAPlanInTheOrderOfItsWaves) {
+  msg::GetPlan::Response plan{"LowPower",
+                              "",
+                              true,
+                              0,
+                              "",
+                              "down",
+                              "Active",
+                              {{"voice", 0, "Active", "", 0, "does not list it"},
+                               {"legs", 2, "Active", "LowPower", 500, ""},
+                               {"eyes", 1, "Active", "LowPower", 50, ""}}};
+  EXPECT_EQ(PlanText(plan, false),
+            "Active → LowPower  (down)\n"
+            "WAVE  ACTUATOR  FROM    TO        DEADLINE  NOTE\n"
+            "1     eyes      Active  LowPower  50 ms\n"
+            "2     legs      Active  LowPower  500 ms\n"
+            "-     voice     Active                      does not list it\n");
+}
+
+TEST_F(Text, ShowsWhyAPlanWouldBeRefused) {
+  msg::GetPlan::Response plan;
+  plan.target = "OTA";
+  plan.actuator = "eyes";
+  plan.code = 103;
+  plan.reason = "no way";
+  plan.state = "Error";
+  EXPECT_EQ(PlanText(plan, false),
+            "eyes: Error → OTA  would be refused: no way (103 (Robot: StateInvalid))\n");
+}
+
+TEST_F(Text, ShowsHistoryAndProgressALineEach) {
+  EXPECT_EQ(HistoryText({{1, 1'000'000, 3, 0, "machine", "", 0, "begins"},
+                         {2, 2'000'000, 3, 1, "switch", "", 107, "ends\n"}},
+                        false),
+            "1970-01-01 00:00:00.001  machine  begins\n"
+            "1970-01-01 00:00:00.002  switch   ends  (107 (Robot: Timeout))\n");
+  EXPECT_EQ(ProgressText({3'000'000, "process", "legs", 0, 0, "started"}, false),
+            "00:00:00.003  started\n");
+}
+
+TEST_F(Text, CountsWhatAConfigHas) {
+  EXPECT_EQ(ConfigSummary(RobotConfig()), "2 actuators, 6 states, 2 stages");
+  MachineConfig one = RobotConfig();
+  one.actuators.resize(1);
+  EXPECT_EQ(ConfigSummary(one), "1 actuator, 6 states, 1 stage");
+}
+
+}  // namespace
+}  // namespace musher::cli

@@ -1,0 +1,69 @@
+#pragma once
+// A journal in a folder of its own, and what it said about trouble.
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/controller/journal.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+
+namespace musher {
+
+inline constexpr Duration kFlushTimeout = Milliseconds(20000);
+inline constexpr std::size_t kAll = 1000000;
+
+class JournalTest : public testing::Test {
+ protected:
+  static JournalEntry Entry(std::int64_t wall_ns, std::string message = "") {
+    JournalEntry entry;
+    entry.wall_ns = wall_ns;
+    entry.kind = "switch";
+    entry.message = std::move(message);
+    return entry;
+  }
+
+  // Retries only when flushed, so that a test decides when.
+  JournalOptions Options() {
+    JournalOptions options;
+    options.retry_period = Milliseconds(3600000);
+    options.on_trouble = [this](const std::string& text) {
+      const std::lock_guard lock(mutex_);
+      troubles_.push_back(text);
+    };
+    return options;
+  }
+
+  std::vector<std::string> Troubles() {
+    const std::lock_guard lock(mutex_);
+    return troubles_;
+  }
+
+  std::vector<JournalEntry> Read(std::int64_t since_wall_ns = 0, std::size_t limit = kAll) const {
+    auto entries = ReadJournal(path_, since_wall_ns, limit);
+    if (entries) return std::move(entries).value();
+    ADD_FAILURE() << entries.error().message;
+    return {};
+  }
+
+  static std::vector<std::int64_t> Times(const std::vector<JournalEntry>& entries) {
+    std::vector<std::int64_t> times;
+    times.reserve(entries.size());
+    for (const auto& entry : entries) times.push_back(entry.wall_ns);
+    return times;
+  }
+
+  TempFolder folder_;
+  const std::string path_ = folder_ / "journal.sqlite";
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::string> troubles_;
+};
+
+}  // namespace musher

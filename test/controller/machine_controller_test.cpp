@@ -1,0 +1,165 @@
+// The controller as a member of a program, against real actuators over DDS.
+
+#include "musher/controller/machine_controller.hpp"
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <future>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/test/actuator/robot_file.hpp"
+
+namespace musher {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::kAllStates;
+using ::testing::Pair;
+using testing::RobotFile;
+
+// An actuator whose callbacks can be told to fail or to wait.
+class Puppet : public MachineActuator {
+ public:
+  Puppet(const std::string& name, const RobotFile& file,
+         std::shared_ptr<transport::NodeThread> node)
+      : MachineActuator(name) {
+    for (const std::string& state : kAllStates) {
+      RegisterStateCallback(state, [this, state]() -> Result<> {
+        if (state == blocks_in) {
+          entered.set_value();
+          gate.get_future().wait();
+        }
+        if (state == fails_in) return Error{5001, "told to"};
+        return Ok();
+      });
+    }
+    started = Init(file.path(), std::move(node)).ok() && Start().ok();
+  }
+  ~Puppet() override { Shutdown(); }
+
+  bool started = false;
+  std::string fails_in;
+  std::string blocks_in;
+  std::promise<void> entered;  // the blocking callback has begun …
+  std::promise<void> gate;     // … and may end
+};
+
+class Controlling : public ::testing::Test {
+ protected:
+  explicit Controlling(const std::map<std::string, int>& times_ms = {})
+      : file_({"arm", "leg"}, kAllStates, times_ms),
+        node_(transport::NodeThread::Start().value()),
+        arm_("arm", file_, node_),
+        leg_("leg", file_, node_) {
+    EXPECT_TRUE(arm_.started);
+    EXPECT_TRUE(leg_.started);
+  }
+
+  void BringUp() {
+    ASSERT_TRUE(controller_.MachineControllerInit(file_.path()));
+    ASSERT_TRUE(controller_.WaitActuatorsSetUp());
+    ASSERT_TRUE(controller_.SetState("SelfCheck"));
+    ASSERT_TRUE(controller_.SetState("Active"));
+  }
+
+  RobotFile file_;
+  std::shared_ptr<transport::NodeThread> node_;
+  Puppet arm_;
+  Puppet leg_;
+  MachineController controller_;
+};
+
+TEST_F(Controlling, BringsActuatorsUpAndTellsTheirStates) {
+  BringUp();
+  std::map<std::string, std::string> states;
+  controller_.GetStateMap(states);
+  EXPECT_THAT(states, ElementsAre(Pair("arm", "Active"), Pair("leg", "Active")));
+  EXPECT_EQ(controller_.GetMachineState(), "Active");
+  EXPECT_EQ(arm_.CurrentState(), "Active");
+}
+
+TEST_F(Controlling, SwitchesOneActuatorOnly) {
+  BringUp();
+  EXPECT_TRUE(controller_.SetState("arm", "Protected"));
+  std::string state;
+  EXPECT_TRUE(controller_.GetState("arm", state));
+  EXPECT_EQ(state, "Protected");
+  EXPECT_TRUE(controller_.GetState("leg", state));
+  EXPECT_EQ(state, "Active");
+  EXPECT_FALSE(controller_.GetState("tail", state));
+}
+
+TEST_F(Controlling, GivesTheCodeAndMessageOfTheOneThatFailedAndUndoesTheRest) {
+  BringUp();
+  ASSERT_TRUE(controller_.SetState("LowPower"));
+  leg_.fails_in = "Active";
+  const SwitchResult result = controller_.Switch("Active");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
+  EXPECT_EQ(result.code, 5001);
+  EXPECT_THAT(result.reason, HasSubstr("told to"));
+  EXPECT_EQ(arm_.CurrentState(), "LowPower");
+  EXPECT_FALSE(controller_.SetState("Active"));
+}
+
+TEST_F(Controlling, IsAnsweredByAnActuatorWhoseCallbackBlocks) {
+  BringUp();
+  leg_.blocks_in = "LowPower";
+  auto low_power = std::async(std::launch::async, [&] { return controller_.Switch("LowPower"); });
+  leg_.entered.get_future().wait();
+  const SwitchResult busy = controller_.Switch("Protected");
+  EXPECT_EQ(busy.outcome, SwitchOutcome::kRefused);
+  leg_.gate.set_value();
+  EXPECT_TRUE(low_power.get().done());
+}
+
+TEST_F(Controlling, TearsDownAndTheActuatorsProgramsEnd) {
+  BringUp();
+  EXPECT_TRUE(controller_.SetState("TearDown"));
+  EXPECT_EQ(arm_.Wait(), 0);
+  EXPECT_EQ(leg_.Wait(), 0);
+}
+
+TEST_F(Controlling, RefusesASecondControllerBesideALivingOne) {
+  BringUp();
+  MachineController second;
+  const Result<> result = second.Init(file_.path());
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.error().code, kCodeTargetBusy);
+  EXPECT_THAT(result.error().message, HasSubstr(std::to_string(getpid())));
+}
+
+class ControllingInAHurry : public Controlling {
+ protected:
+  ControllingInAHurry() : Controlling({{"LowPower", 100}}) {}
+};
+
+TEST_F(ControllingInAHurry, AsksAnActuatorThatIsOverdue) {
+  BringUp();
+  leg_.blocks_in = "LowPower";
+  const SwitchResult result = controller_.Switch("LowPower");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(result.code, kCodeTimeout);
+  EXPECT_THAT(result.reason, HasSubstr("leg: overdue"));
+  EXPECT_THAT(result.degraded, ElementsAre("leg"));
+  leg_.gate.set_value();
+}
+
+TEST(MachineController, IsOfNoUseBeforeInit) {
+  MachineController controller;
+  EXPECT_FALSE(controller.WaitActuatorsSetUp());
+  EXPECT_FALSE(controller.SetState("Active"));
+}
+
+TEST(MachineController, SaysThatAnActuatorDidNotComeInItsTime) {
+  const RobotFile file({"arm"}, kAllStates, {{"SetUp", 100}});
+  MachineController controller;
+  ASSERT_TRUE(controller.MachineControllerInit(file.path()));
+  const Result<> result = controller.AwaitSetUp();
+  ASSERT_FALSE(result.ok());
+  EXPECT_THAT(result.error().message, HasSubstr("arm was not set up within 100 ms"));
+}
+
+}  // namespace
+}  // namespace musher

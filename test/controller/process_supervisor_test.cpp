@@ -1,0 +1,333 @@
+// Real processes. A child tells that it runs by writing into a named pipe, so no test waits for a
+// time.
+
+#include "musher/controller/process_supervisor.hpp"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include "musher/test/controller/temp_folder.hpp"
+#include "musher/transport/host.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string ReadFile(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+class Supervisor : public testing::Test {
+ protected:
+  Supervisor() {
+    mkfifo(pipe_path_.c_str(), 0600);
+    pipe_ = transport::UniqueFd(open(pipe_path_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
+  }
+
+  ~Supervisor() override {
+    supervisor_.reset();
+    for (const pid_t pid : started_) {
+      kill(-pid, SIGKILL);
+      kill(pid, SIGKILL);
+      waitpid(pid, nullptr, 0);
+    }
+  }
+
+  // A shell script; $PIPE is the test's named pipe.
+  ProcessSpec Script(const std::string& text) const {
+    return {"dog", {"sh", "-c", text}, "", {{"PIPE", pipe_path_}}, log_};
+  }
+
+  pid_t MustStart(const ProcessSpec& spec) {
+    const auto pid = supervisor_->Start(spec, [this](const ProcessExit& exit) { exit_ = exit; });
+    if (!pid) {
+      ADD_FAILURE() << pid.error().message;
+      return 0;
+    }
+    started_.insert(pid.value());
+    return pid.value();
+  }
+
+  std::optional<ProcessExit> WaitForExit() {
+    loop_.RunUntil([&] { return exit_.has_value(); }, Deadline());
+    return exit_;
+  }
+
+  // The next line that a child writes into the pipe.
+  std::string WaitForLine() {
+    const auto watch = loop_.WhenReadable(pipe_.get(), [&] {
+      std::array<char, 512> buffer{};
+      const ssize_t size = read(pipe_.get(), buffer.data(), buffer.size());
+      if (size > 0) heard_.append(buffer.data(), static_cast<std::size_t>(size));
+    });
+    loop_.RunUntil([&] { return heard_.find('\n') != std::string::npos; }, Deadline());
+    const auto end = heard_.find('\n');
+    EXPECT_NE(end, std::string::npos) << "no child has written a line";
+    std::string line = heard_.substr(0, end);
+    heard_.erase(0, end == std::string::npos ? end : end + 1);
+    return line;
+  }
+
+  // Whether a process that need not be a child ends after `action`.
+  bool EndsAfter(pid_t pid, const std::function<void()>& action) {
+    const auto pidfd = transport::OpenPidfd(pid);
+    if (!pidfd) return false;
+    bool ended = false;
+    const auto watch = loop_.WhenReadable(pidfd.value().get(), [&] { ended = true; });
+    action();
+    return loop_.RunUntil([&] { return ended; }, Deadline());
+  }
+
+  Time Deadline() const { return loop_.Now() + std::chrono::seconds(20); }
+
+  TempFolder folder_;
+  const std::string log_ = folder_ / "dog.log";
+  const std::string pipe_path_ = folder_ / "pipe";
+  transport::UniqueFd pipe_;
+  std::string heard_;
+  transport::LinuxEventLoop loop_;
+  std::optional<ProcessExit> exit_;
+  std::set<pid_t> started_;
+  std::unique_ptr<ProcessSupervisor> supervisor_ = std::make_unique<ProcessSupervisor>(loop_);
+};
+
+TEST_F(Supervisor, TellsTheExitCode) {
+  MustStart(Script("exit 3"));
+  EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kExited, 3}));
+  EXPECT_EQ(exit_->Text(), "exit code 3");
+  EXPECT_FALSE(exit_->clean());
+}
+
+TEST_F(Supervisor, CallsExitCodeZeroClean) {
+  MustStart(Script("exit 0"));
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_TRUE(exit_->clean());
+}
+
+TEST_F(Supervisor, TellsTheSignalThatKilledAProcess) {
+  const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
+  WaitForLine();
+  kill(pid, SIGKILL);
+  EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kKilled, SIGKILL}));
+  EXPECT_EQ(exit_->Text(), "killed by SIGKILL");
+}
+
+TEST_F(Supervisor, LeavesNoZombie) {
+  const pid_t pid = MustStart(Script("exit 0"));
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(waitpid(pid, nullptr, WNOHANG), -1);
+  EXPECT_EQ(errno, ECHILD);
+}
+
+TEST_F(Supervisor, WatchesManyProcessesAtOnce) {
+  std::multiset<int> codes;
+  for (int code = 0; code < 20; ++code) {
+    const auto pid =
+        supervisor_->Start(Script("exit " + std::to_string(code)),
+                           [&](const ProcessExit& exit) { codes.insert(exit.number); });
+    ASSERT_TRUE(pid);
+  }
+  EXPECT_TRUE(loop_.RunUntil([&] { return codes.size() == 20; }, Deadline()));
+  EXPECT_EQ(*codes.begin(), 0);
+  EXPECT_EQ(*codes.rbegin(), 19);
+}
+
+TEST_F(Supervisor, MayStartTheNextProcessFromTheExitOfTheLast) {
+  const auto pid = supervisor_->Start(Script("exit 1"),
+                                      [&](const ProcessExit&) { MustStart(Script("exit 2")); });
+  ASSERT_TRUE(pid);
+  EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kExited, 2}));
+}
+
+TEST_F(Supervisor, AppendsOutputAndErrorsToTheLogFile) {
+  std::ofstream(log_) << "before\n";
+  MustStart(Script("echo out; echo err >&2"));
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(ReadFile(log_), "before\nout\nerr\n");
+}
+
+TEST_F(Supervisor, GivesTheProcessItsFolderAndEnvironmentOnTopOfOurs) {
+  setenv("MUSHER_TEST_OURS", "kept", 1);
+  setenv("MUSHER_TEST_BOTH", "ours", 1);
+  ProcessSpec spec = Script("pwd; echo $MUSHER_TEST_OURS $MUSHER_TEST_BOTH");
+  spec.env["MUSHER_TEST_BOTH"] = "its own";
+  spec.cwd = std::filesystem::canonical(folder_.path()).string();
+  MustStart(spec);
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(ReadFile(log_), spec.cwd + "\nkept its own\n");
+}
+
+TEST_F(Supervisor, FindsAProgramThroughThePathOfItsEnvironment) {
+  std::ofstream(folder_ / "bark") << "#!/bin/sh\necho woof\n";
+  chmod((folder_ / "bark").c_str(), 0700);
+  MustStart({"dog", {"bark"}, "", {{"PATH", "/nowhere:" + folder_.path()}}, log_});
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(ReadFile(log_), "woof\n");
+}
+
+TEST_F(Supervisor, StartsTheProcessWithoutOurDescriptorsAndWithAnEmptyStdin) {
+  const transport::UniqueFd leaky(open("/dev/null", O_RDONLY));  // like DDS: not close-on-exec
+  ASSERT_TRUE(leaky.valid());
+  const transport::UniqueFd stdin_before(dup(0));
+  dup2(pipe_.get(), 0);
+  MustStart(Script("ls /proc/$$/fd; readlink /proc/$$/fd/0"));
+  dup2(stdin_before.get(), 0);
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(ReadFile(log_), "0\n1\n2\n/dev/null\n");
+}
+
+TEST_F(Supervisor, StartsTheProcessWithDefaultSignalHandling) {
+  sigset_t blocked;
+  sigemptyset(&blocked);
+  sigaddset(&blocked, SIGTERM);
+  sigset_t before;
+  pthread_sigmask(SIG_BLOCK, &blocked, &before);
+  const auto pipe_before = signal(SIGPIPE, SIG_IGN);
+  MustStart({"dog", {"grep", "-E", "Sig(Blk|Ign)", "/proc/self/status"}, "", {}, log_});
+  EXPECT_TRUE(WaitForExit());
+  sigset_t now;
+  pthread_sigmask(SIG_SETMASK, &before, &now);
+  signal(SIGPIPE, pipe_before);
+  EXPECT_EQ(ReadFile(log_), "SigBlk:\t0000000000000000\nSigIgn:\t0000000000000000\n");
+  EXPECT_TRUE(sigismember(&now, SIGTERM) && !sigismember(&now, SIGUSR1))
+      << "our own mask must stay as it was";
+}
+
+TEST_F(Supervisor, GivesTheProcessItsOwnGroupSoThatCtrlCIsNotForIt) {
+  const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
+  WaitForLine();
+  EXPECT_EQ(getpgid(pid), pid);
+  EXPECT_NE(getsid(pid), getsid(0));
+}
+
+TEST_F(Supervisor, SaysBeforeStartReturnsThatThereIsNoSuchProgram) {
+  const auto pid = supervisor_->Start({"dog", {"no-such-program"}, "", {}, log_}, nullptr);
+  ASSERT_FALSE(pid);
+  EXPECT_EQ(pid.error().message, "can't run no-such-program: No such file or directory");
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "the failed child is still there";
+}
+
+TEST_F(Supervisor, SaysThatAProgramMayNotBeRun) {
+  std::ofstream(folder_ / "text") << "not a program\n";
+  const auto pid = supervisor_->Start({"dog", {folder_ / "text"}, "", {}, log_}, nullptr);
+  ASSERT_FALSE(pid);
+  EXPECT_THAT(pid.error().message, AllOf(HasSubstr("text"), HasSubstr("Permission denied")));
+}
+
+TEST_F(Supervisor, SaysThatTheFolderOfAProcessIsMissing) {
+  ProcessSpec spec = Script("exit 0");
+  spec.cwd = folder_ / "missing";
+  const auto pid = supervisor_->Start(spec, nullptr);
+  ASSERT_FALSE(pid);
+  EXPECT_EQ(pid.error().message, "can't enter " + spec.cwd + ": No such file or directory");
+}
+
+TEST_F(Supervisor, SaysThatTheLogFileCannotBeWritten) {
+  ProcessSpec spec = Script("exit 0");
+  spec.log_file = folder_.path();
+  const auto pid = supervisor_->Start(spec, nullptr);
+  ASSERT_FALSE(pid);
+  EXPECT_THAT(pid.error().message, HasSubstr("Is a directory"));
+}
+
+TEST_F(Supervisor, RefusesAnEmptyCommand) {
+  const auto pid = supervisor_->Start({"dog", {}, "", {}, log_}, nullptr);
+  ASSERT_FALSE(pid);
+  EXPECT_EQ(pid.error().code, kCodeParametersInvalid);
+}
+
+TEST_F(Supervisor, SignalsTheWholeGroup) {
+  const pid_t pid = MustStart(
+      Script("trap : TERM;"
+             "(trap 'echo helper got it > $PIPE; exit' TERM; echo up > $PIPE; sleep 1000 & wait) &"
+             "wait; wait"));
+  WaitForLine();
+  ASSERT_TRUE(supervisor_->Signal(pid, SIGTERM));
+  EXPECT_EQ(WaitForLine(), "helper got it");
+}
+
+TEST_F(Supervisor, KillsWhatIsLeftOfTheGroupWhenItsLeaderHasEnded) {
+  const pid_t leader = MustStart(
+      Script("sh -c 'trap \"\" TERM HUP; echo $$ > $PIPE; while :; do sleep 1000; done' & wait"));
+  const pid_t helper = std::stoi(WaitForLine());
+  EXPECT_TRUE(EndsAfter(helper, [&] { kill(leader, SIGTERM); }));
+}
+
+TEST_F(Supervisor, DoesNotSignalAProcessThatHasEnded) {
+  const pid_t pid = MustStart(Script("exit 0"));
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_FALSE(supervisor_->Signal(pid, SIGTERM));
+}
+
+TEST_F(Supervisor, DoesNotSignalAStranger) {
+  EXPECT_FALSE(supervisor_->Signal(getppid(), 0));
+}
+
+TEST_F(Supervisor, LeavesTheProcessesRunningWhenItGoes) {
+  const std::string order = folder_ / "order";
+  ASSERT_EQ(mkfifo(order.c_str(), 0600), 0);
+  ProcessSpec spec = Script("echo up > $PIPE; read line < $ORDER && echo $line > $PIPE");
+  spec.env["ORDER"] = order;
+  MustStart(spec);
+  WaitForLine();
+  supervisor_.reset();
+  std::fstream order_pipe(order);  // to read and write: does not wait for the child to open its end
+  order_pipe << "go\n" << std::flush;
+  EXPECT_EQ(WaitForLine(), "go");
+}
+
+TEST_F(Supervisor, WatchesAndSignalsAProcessOfTheControllerBeforeIt) {
+  const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
+  WaitForLine();
+  supervisor_ = std::make_unique<ProcessSupervisor>(loop_);
+  ASSERT_TRUE(supervisor_->Watch(pid, [this](const ProcessExit& exit) { exit_ = exit; }));
+  ASSERT_TRUE(supervisor_->Signal(pid, SIGTERM));
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(exit_->Text(), "ended (exit code unknown)");
+  EXPECT_FALSE(exit_->clean());
+}
+
+TEST_F(Supervisor, DoesNotWatchAProcessThatIsGone) {
+  const pid_t pid = MustStart(Script("exit 0"));
+  ASSERT_TRUE(WaitForExit());
+  const auto watched = supervisor_->Watch(pid, nullptr);
+  ASSERT_FALSE(watched);
+  EXPECT_THAT(watched.error().message, HasSubstr("No such process"));
+}
+
+TEST_F(Supervisor, StartsProcessesWhileOtherThreadsAllocateAndStartThreads) {
+  std::atomic<bool> stop = false;
+  std::jthread busy([&] {
+    while (!stop) std::jthread([] { std::string(4096, 'x').shrink_to_fit(); });
+  });
+  for (int i = 0; i < 30; ++i) {
+    exit_.reset();
+    MustStart(Script("exit 7"));
+    EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kExited, 7}));
+  }
+  stop = true;
+}
+
+}  // namespace
+}  // namespace musher

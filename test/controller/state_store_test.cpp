@@ -1,0 +1,135 @@
+#include "musher/controller/state_store.hpp"
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include "musher/test/controller/temp_folder.hpp"
+
+namespace musher {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::EndsWith;
+using testing::HasSubstr;
+
+class Store : public testing::Test {
+ protected:
+  StateStore MustOpen() {
+    auto store = StateStore::Open(dir_, "robot");
+    if (!store) throw std::runtime_error(store.error().message);
+    return std::move(store).value();
+  }
+
+  TempFolder folder_;
+  const std::string dir_ = folder_ / "state/musher/robot";
+};
+
+TEST_F(Store, MakesItsFolderForItsOwnerOnly) {
+  const StateStore store = MustOpen();
+  struct stat info {};
+  ASSERT_EQ(stat(dir_.c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777, 0700U);
+  EXPECT_TRUE(fs::is_directory(fs::path(store.LogFile("motion")).parent_path()));
+  EXPECT_THAT(store.LogFile("motion"), EndsWith("/logs/motion.log"));
+}
+
+TEST_F(Store, RefusesASecondControllerAndNamesTheFirst) {
+  const StateStore first = MustOpen();
+  const auto second = StateStore::Open(dir_, "robot");
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, kCodeTargetBusy);
+  EXPECT_THAT(second.error().message, HasSubstr("process " + std::to_string(getpid()) + " robot"));
+}
+
+TEST_F(Store, IsFreeAgainWhenItsOwnerIsGone) {
+  { const StateStore first = MustOpen(); }
+  EXPECT_TRUE(StateStore::Open(dir_, "robot"));
+}
+
+TEST_F(Store, IsFreeAgainAfterItsOwnerWasKilled) {
+  int ready[2];
+  ASSERT_EQ(pipe(ready), 0);
+  const pid_t owner = fork();
+  if (owner == 0) {
+    const auto store = StateStore::Open(dir_, "robot");
+    const char answer = store ? 'y' : 'n';
+    if (write(ready[1], &answer, 1) == 1) pause();
+    _exit(1);
+  }
+  char answer = 0;
+  ASSERT_EQ(read(ready[0], &answer, 1), 1);
+  EXPECT_EQ(answer, 'y');
+  EXPECT_THAT(StateStore::Open(dir_, "robot").error().message, HasSubstr(std::to_string(owner)));
+  kill(owner, SIGKILL);
+  waitpid(owner, nullptr, 0);
+  EXPECT_TRUE(StateStore::Open(dir_, "robot"));
+}
+
+TEST_F(Store, SaysThatTheDiskDoesNotLetItMakeAFolder) {
+  std::ofstream(folder_ / "file") << "in the way";
+  const auto store = StateStore::Open(folder_ / "file/robot", "robot");
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, kCodeFailed);
+  EXPECT_THAT(store.error().message, EndsWith("Not a directory"));
+}
+
+TEST_F(Store, HasEpochZeroAtFirst) {
+  EXPECT_EQ(MustOpen().LoadEpoch().value(), 0U);
+}
+
+TEST_F(Store, RemembersTheEpochForTheNextController) {
+  for (const std::uint64_t epoch : {std::uint64_t{41}, ~std::uint64_t{0}, std::uint64_t{7}}) {
+    ASSERT_TRUE(MustOpen().SaveEpoch(epoch));
+    EXPECT_EQ(MustOpen().LoadEpoch().value(), epoch);
+  }
+}
+
+TEST_F(Store, SaysThatTheEpochIsDamagedAndCanReplaceIt) {
+  StateStore store = MustOpen();
+  for (const char* text : {"", "4", "four\n", "4 \n", "-4\n", "99999999999999999999\n"}) {
+    std::ofstream(dir_ + "/epoch") << text;
+    const auto epoch = store.LoadEpoch();
+    ASSERT_FALSE(epoch) << text;
+    EXPECT_THAT(epoch.error().message, HasSubstr("damaged"));
+  }
+  EXPECT_TRUE(store.SaveEpoch(5));
+  EXPECT_EQ(store.LoadEpoch().value(), 5U);
+}
+
+TEST_F(Store, KeepsTheOldEpochWhenTheDiskIsFull) {
+  StateStore store = MustOpen();
+  ASSERT_TRUE(store.SaveEpoch(5));
+  const auto handler = signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit full{0, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &full);
+  const auto saved = store.SaveEpoch(6);
+  setrlimit(RLIMIT_FSIZE, &before);
+  signal(SIGXFSZ, handler);
+  ASSERT_FALSE(saved);
+  EXPECT_THAT(saved.error().message, HasSubstr("can't save the epoch"));
+  EXPECT_EQ(store.LoadEpoch().value(), 5U);
+  EXPECT_FALSE(fs::exists(dir_ + "/epoch.new"));
+}
+
+TEST(DefaultStateDir, IsInTheUsersStateFolder) {
+  setenv("XDG_STATE_HOME", "/states", 1);
+  EXPECT_EQ(DefaultStateDir("robot"), "/states/musher/robot");
+  unsetenv("XDG_STATE_HOME");
+  setenv("HOME", "/home/dog", 1);
+  EXPECT_EQ(DefaultStateDir("robot"), "/home/dog/.local/state/musher/robot");
+  unsetenv("HOME");
+  EXPECT_EQ(DefaultStateDir("robot"), "/var/lib/musher/robot");
+}
+
+}  // namespace
+}  // namespace musher

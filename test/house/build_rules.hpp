@@ -1,0 +1,12 @@
+#pragma once
+// Files that no target builds are dead; a test that no target builds is worse.
+
+#include "musher/test/house/source_tree.hpp"
+
+namespace musher::house {
+
+// The .cpp files of `tree` that no CMakeLists.txt names. A CMakeLists.txt names files relative to
+// its own folder.
+std::vector<std::string> DeadFiles(const std::vector<SourceFile>& tree);
+
+}  // namespace musher::house

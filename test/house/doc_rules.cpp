@@ -1,0 +1,140 @@
+#include "musher/test/house/doc_rules.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <regex>
+#include <set>
+
+namespace musher::house {
+namespace {
+
+bool IsMarker(const std::string& line) {
+  static const std::regex marker(R"(^\s*(//|#) \[\w+( end)?\]$)");
+  return std::regex_match(line, marker);
+}
+
+// `lines` as far to the left as they go.
+std::string Unindented(const std::vector<std::string>& lines) {
+  std::size_t indent = std::string::npos;
+  for (const std::string& line : lines) {
+    if (!line.empty()) indent = std::min(indent, line.find_first_not_of(' '));
+  }
+  std::string text;
+  for (const std::string& line : lines) text += (line.empty() ? "" : line.substr(indent)) + "\n";
+  return text;
+}
+
+// The lines of a region ("" for all), without markers; nothing where there is no such region.
+std::optional<std::string> Region(const SourceFile& file, const std::string& name) {
+  std::vector<std::string> lines;
+  bool inside = name.empty();
+  bool found = inside;
+  for (const Line& line : Lines(file.text)) {
+    if (IsMarker(line.text)) {
+      if (line.text.ends_with(" [" + name + "]")) found = inside = true;
+      if (line.text.ends_with(" [" + name + " end]")) inside = false;
+    } else if (inside) {
+      lines.push_back(line.text);
+    }
+  }
+  if (!found) return std::nullopt;
+  return Unindented(lines);
+}
+
+const SourceFile* Find(const std::vector<SourceFile>& tree, const std::string& path) {
+  const auto found = std::find_if(tree.begin(), tree.end(),
+                                  [&](const SourceFile& file) { return file.path == path; });
+  return found == tree.end() ? nullptr : &*found;
+}
+
+struct Snippet {
+  int line = 0;
+  std::string source;  // empty: none was named
+  std::string region;
+  std::string text;
+};
+
+std::vector<Snippet> Snippets(const SourceFile& document) {
+  static const std::regex origin(R"(^<!-- (\S+?)(?: \[(\w+)\])? -->$)");
+  static const std::regex code("^```(cpp|cmake|toml)$");
+  std::vector<Snippet> snippets;
+  std::smatch from;
+  std::string last;
+  bool inside = false;
+  for (const Line& line : Lines(document.text)) {
+    if (inside && line.text == "```") {
+      inside = false;
+    } else if (inside) {
+      snippets.back().text += line.text + "\n";
+    } else if (std::regex_match(line.text, code)) {
+      inside = true;
+      const bool named = std::regex_match(last, from, origin);
+      snippets.push_back({line.number, named ? from[1].str() : "", named ? from[2].str() : "", ""});
+    }
+    last = line.text;
+  }
+  return snippets;
+}
+
+}  // namespace
+
+std::vector<std::string> StaleSnippets(const SourceFile& document,
+                                       const std::vector<SourceFile>& tree) {
+  std::vector<std::string> complaints;
+  for (const Snippet& snippet : Snippets(document)) {
+    const auto complain = [&](const std::string& complaint) {
+      complaints.push_back(At(document, snippet.line, complaint));
+    };
+    const std::string name =
+        snippet.source + (snippet.region.empty() ? "" : " [" + snippet.region + "]");
+    const SourceFile* source = Find(tree, snippet.source);
+    if (snippet.source.empty()) {
+      complain("code that says not where it is from");
+    } else if (source == nullptr) {
+      complain("there is no " + snippet.source);
+    } else if (const auto region = Region(*source, snippet.region); !region) {
+      complain("there is no " + name);
+    } else if (*region != snippet.text) {
+      complain("differs from " + name + ", which is now:\n" + *region);
+    }
+  }
+  return complaints;
+}
+
+std::vector<std::string> Unexplained(const SourceFile& document, const SourceFile& source) {
+  static const std::regex toml_key(R"(^([a-z]\w*) = )");
+  static const std::regex idl_field(R"(^    (?:[\w:]+)(?:<.*>)? (\w+);)");
+  const std::regex& pattern = source.Is(".toml") ? toml_key : idl_field;
+  std::set<std::string> names;
+  for (const Line& line : Lines(source.text)) {
+    std::smatch match;
+    if (std::regex_search(line.text, match, pattern)) names.insert(match[1]);
+  }
+  std::vector<std::string> complaints;
+  for (const std::string& name : names) {
+    if (document.text.find("`" + name + "`") != std::string::npos) continue;
+    complaints.push_back(document.path + ": does not explain `" + name + "` of " + source.path);
+  }
+  return complaints;
+}
+
+std::vector<std::string> DeadLinks(const SourceFile& document,
+                                   const std::vector<SourceFile>& tree) {
+  static const std::regex link(R"(\]\(([^)#:]+)(#[^)]*)?\))");
+  std::vector<std::string> complaints;
+  const auto folder = std::filesystem::path(document.path).parent_path();
+  for (const Line& line : Lines(document.text)) {
+    for (std::sregex_iterator i(line.text.begin(), line.text.end(), link), end; i != end; ++i) {
+      std::string target = (folder / (*i)[1].str()).lexically_normal().string();
+      if (target.ends_with('/')) target.pop_back();
+      const bool exists = std::any_of(tree.begin(), tree.end(), [&](const SourceFile& file) {
+        return file.path == target || file.In(target + "/");
+      });
+      if (!exists) complaints.push_back(At(document, line.number, "there is no " + target));
+    }
+  }
+  return complaints;
+}
+
+}  // namespace musher::house

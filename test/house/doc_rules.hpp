@@ -1,0 +1,25 @@
+#pragma once
+// Documents that cannot rot: their code is cut from files that are compiled and run, and their
+// links lead somewhere.
+//
+// Code in a document stands below a line that says where it comes from:
+//
+//   <!-- examples/first_module/robot.toml -->            the whole file
+//   <!-- examples/first_module/gripper.cpp [class] -->   the lines between "// [class]" and
+//                                                        "// [class end]", moved to the left
+
+#include "musher/test/house/source_tree.hpp"
+
+namespace musher::house {
+
+// C++, CMake and TOML in `document` that differ from their file in `tree`, or name none.
+std::vector<std::string> StaleSnippets(const SourceFile& document,
+                                       const std::vector<SourceFile>& tree);
+
+// Keys of a TOML file, or fields of an IDL file, that `document` does not name as `code`.
+std::vector<std::string> Unexplained(const SourceFile& document, const SourceFile& source);
+
+// Relative links of `document` to files that are not in `tree`.
+std::vector<std::string> DeadLinks(const SourceFile& document, const std::vector<SourceFile>& tree);
+
+}  // namespace musher::house

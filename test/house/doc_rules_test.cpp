@@ -1,0 +1,73 @@
+#include "musher/test/house/doc_rules.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace musher::house {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+const std::vector<SourceFile> kTree = {
+    {"a/robot.toml", "x = 1\n"},
+    {"a/main.cpp", "int a;\n  // [part]\n  int b;\n    int c;\n  // [part end]\nint d;\n"}};
+
+SourceFile Document(const std::string& text) {
+  return {"docs/guide.md", text};
+}
+
+TEST(DocRules, AcceptCodeThatEqualsItsFile) {
+  const auto document = Document("<!-- a/robot.toml -->\n```toml\nx = 1\n```\n");
+  EXPECT_THAT(StaleSnippets(document, kTree), IsEmpty());
+}
+
+TEST(DocRules, AcceptCodeThatEqualsItsPartMovedToTheLeft) {
+  const auto document = Document("<!-- a/main.cpp [part] -->\n```cpp\nint b;\n  int c;\n```\n");
+  EXPECT_THAT(StaleSnippets(document, kTree), IsEmpty());
+}
+
+TEST(DocRules, LeaveMarkersOutOfAWholeFile) {
+  const auto document =
+      Document("<!-- a/main.cpp -->\n```cpp\nint a;\n  int b;\n    int c;\nint d;\n```\n");
+  EXPECT_THAT(StaleSnippets(document, kTree), IsEmpty());
+}
+
+TEST(DocRules, FindCodeThatDiffersAndTellWhatItShouldBe) {
+  const auto document = Document("<!-- a/robot.toml -->\n```toml\nx = 2\n```\n");
+  EXPECT_THAT(StaleSnippets(document, kTree),
+              ElementsAre("docs/guide.md:2: differs from a/robot.toml, which is now:\nx = 1\n"));
+}
+
+TEST(DocRules, FindCodeOfUnknownOrigin) {
+  EXPECT_THAT(StaleSnippets(Document("text\n```cpp\nint b;\n```\n"), kTree),
+              ElementsAre(HasSubstr("says not where it is from")));
+  EXPECT_THAT(StaleSnippets(Document("<!-- a/b.cpp -->\n```cpp\n```\n"), kTree),
+              ElementsAre(HasSubstr("there is no a/b.cpp")));
+  EXPECT_THAT(StaleSnippets(Document("<!-- a/main.cpp [gone] -->\n```cpp\n```\n"), kTree),
+              ElementsAre(HasSubstr("there is no a/main.cpp [gone]")));
+}
+
+TEST(DocRules, LeaveCommandsAndTheirOutputAlone) {
+  EXPECT_THAT(StaleSnippets(Document("```sh\nmusher status\n```\n"), kTree), IsEmpty());
+}
+
+TEST(DocRules, FindLinksThatLeadNowhere) {
+  EXPECT_THAT(
+      DeadLinks(Document("[a](../a/robot.toml) [b](../a) [c](https://x.org) [d](#e)"), kTree),
+      IsEmpty());
+  EXPECT_THAT(DeadLinks(Document("\n[a](gone.md#there)"), kTree),
+              ElementsAre("docs/guide.md:2: there is no docs/gone.md"));
+}
+
+TEST(DocRules, FindWhatADocumentDoesNotExplain) {
+  EXPECT_THAT(Unexplained(Document("`x` is a number"), kTree[0]), IsEmpty());
+  EXPECT_THAT(Unexplained(Document("x is a number"), kTree[0]), SizeIs(1));
+  const SourceFile idl = {"m.idl", "    sequence<string> names;  // all\n"};
+  EXPECT_THAT(Unexplained(Document("`name`"), idl), SizeIs(1));
+}
+
+}  // namespace
+}  // namespace musher::house

@@ -1,0 +1,129 @@
+// The rules of the house, held against the whole tree.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "musher/test/house/build_rules.hpp"
+#include "musher/test/house/doc_rules.hpp"
+#include "musher/test/house/include_rules.hpp"
+#include "musher/test/house/text_rules.hpp"
+
+namespace musher::house {
+namespace {
+
+using testing::IsEmpty;
+
+const std::vector<SourceFile>& Tree() {
+  static const std::vector<SourceFile> tree = ReadTree(MUSHER_SOURCE_DIR);
+  return tree;
+}
+
+using Rule = std::function<std::vector<std::string>(const SourceFile&)>;
+using Filter = std::function<bool(const SourceFile&)>;
+
+// All complaints of `rule`, one on each line; fails when the rule had nothing to judge.
+std::string Complaints(const Filter& concerned, const Rule& rule) {
+  std::string text;
+  bool judged = false;
+  for (const SourceFile& file : Tree()) {
+    if (!concerned(file)) continue;
+    judged = true;
+    for (const std::string& complaint : rule(file)) text += complaint + "\n";
+  }
+  EXPECT_TRUE(judged) << "the rule concerns no file";
+  return text;
+}
+
+bool IsCpp(const SourceFile& file) {
+  return file.IsCpp();
+}
+bool IsHeader(const SourceFile& file) {
+  return file.Is(".hpp");
+}
+bool IsPure(const SourceFile& file) {
+  return file.IsCpp() && (file.In("lifecycle/") || file.In("behavior/"));
+}
+bool IsDocument(const SourceFile& file) {
+  return file.Is(".md");
+}
+bool IsGuide(const SourceFile& file) {
+  return file.path == "README.md" || (file.In("docs/") && file.Is(".md"));
+}
+bool IsAny(const SourceFile&) {
+  return true;
+}
+
+// The benchmark of an idle process has to let time go by, and a plain C peer has no event to wait
+// for.
+bool MustNotSleep(const SourceFile& file) {
+  return file.IsCpp() && file.In("test/") && !file.In("test/benchmark/") && !file.In("test/house/");
+}
+
+// An empty one where there is none.
+SourceFile File(const std::string& path) {
+  for (const SourceFile& file : Tree()) {
+    if (file.path == path) return file;
+  }
+  ADD_FAILURE() << "there is no " << path;
+  return {path, "", false};
+}
+
+TEST(House, FoldersIncludeOnlyWhatIsBelowThem) {
+  EXPECT_THAT(Complaints(IsCpp, ForbiddenIncludes), IsEmpty());
+}
+
+TEST(House, PureFoldersKnowNoClockNoThreadAndNoSocket) {
+  EXPECT_THAT(Complaints(IsPure, Impurities), IsEmpty());
+}
+
+TEST(House, TestsWaitForEventsAndNeverSleep) {
+  EXPECT_THAT(Complaints(MustNotSleep, Sleeps), IsEmpty());
+}
+
+TEST(House, NothingIsLeftForLaterInTheCode) {
+  EXPECT_THAT(Complaints(IsAny, Leftovers), IsEmpty());
+}
+
+TEST(House, NoFileIsTooLongToRead) {
+  EXPECT_THAT(Complaints(IsCpp, Oversize), IsEmpty());
+}
+
+TEST(House, EveryHeaderMayBeIncludedTwice) {
+  EXPECT_THAT(Complaints(IsHeader, MissingPragmaOnce), IsEmpty());
+}
+
+TEST(House, EveryScriptIsExecutable) {
+  EXPECT_THAT(Complaints(IsAny, NotExecutable), IsEmpty());
+}
+
+TEST(House, EverySourceAndEveryTestIsBuilt) {
+  EXPECT_THAT(DeadFiles(Tree()), IsEmpty());
+}
+
+TEST(House, CodeInDocumentsIsCodeThatIsCompiledAndRun) {
+  EXPECT_THAT(Complaints(IsGuide, [](const auto& f) { return StaleSnippets(f, Tree()); }),
+              IsEmpty());
+}
+
+TEST(House, LinksInDocumentsLeadSomewhere) {
+  EXPECT_THAT(Complaints(IsDocument, [](const auto& f) { return DeadLinks(f, Tree()); }),
+              IsEmpty());
+}
+
+TEST(House, TheReferenceExplainsEveryConfigKey) {
+  for (const char* file : {"every_key.toml", "no_effect_yet.toml"}) {
+    EXPECT_THAT(Unexplained(File("docs/reference.md"),
+                            File("test/golden/configs/good/" + std::string(file))),
+                IsEmpty());
+  }
+}
+
+TEST(House, TheReferenceExplainsEveryFieldOfTheWire) {
+  EXPECT_THAT(Unexplained(File("docs/reference.md"), File("messages/idl/musher_msgs.idl")),
+              IsEmpty());
+}
+
+}  // namespace
+}  // namespace musher::house

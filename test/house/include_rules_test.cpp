@@ -1,0 +1,58 @@
+#include "musher/test/house/include_rules.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace musher::house {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+SourceFile Including(const std::string& path, const std::string& header) {
+  return {path, "#pragma once\n#include " + header + "\n"};
+}
+
+TEST(IncludeRules, ComplainWithFileAndLineWhenAFolderReachesUp) {
+  EXPECT_THAT(ForbiddenIncludes(Including("lifecycle/a.cpp", "\"musher/transport/node.hpp\"")),
+              ElementsAre("lifecycle/a.cpp:2: lifecycle may not include transport"));
+}
+
+TEST(IncludeRules, KeepControllerAndActuatorApart) {
+  const std::string actuator = "\"musher/actuator/worker.hpp\"";
+  const std::string controller = "\"musher/controller/journal.hpp\"";
+  EXPECT_THAT(ForbiddenIncludes(Including("controller/a.hpp", actuator)), SizeIs(1));
+  EXPECT_THAT(ForbiddenIncludes(Including("actuator/a.hpp", controller)), SizeIs(1));
+}
+
+TEST(IncludeRules, LetAFolderIncludeWhatIsBelowIt) {
+  for (const char* folder : {"lifecycle", "messages", "transport", "actuator"}) {
+    const std::string header = "\"musher/" + std::string(folder) + "/a.hpp\"";
+    EXPECT_THAT(ForbiddenIncludes(Including("modules/exec/a.cpp", header)), IsEmpty());
+  }
+}
+
+TEST(IncludeRules, KeepModulesApartFromEachOther) {
+  const std::string header = "\"musher/modules/world/body.hpp\"";
+  EXPECT_THAT(ForbiddenIncludes(Including("modules/exec/a.cpp", header)), SizeIs(1));
+  EXPECT_THAT(ForbiddenIncludes(Including("modules/world/a.cpp", header)), IsEmpty());
+}
+
+TEST(IncludeRules, LeaveDdsToItsFolder) {
+  EXPECT_THAT(ForbiddenIncludes(Including("transport/node.hpp", "<dds/dds.h>")), SizeIs(1));
+  EXPECT_THAT(ForbiddenIncludes(Including("transport/dds/a.cpp", "<dds/dds.h>")), IsEmpty());
+}
+
+TEST(IncludeRules, KeepHeavyLibrariesOutOfHeaders) {
+  EXPECT_THAT(ForbiddenIncludes(Including("controller/a.hpp", "<nlohmann/json.hpp>")), SizeIs(1));
+  EXPECT_THAT(ForbiddenIncludes(Including("controller/a.cpp", "<nlohmann/json.hpp>")), IsEmpty());
+}
+
+TEST(IncludeRules, LetTestsIncludeEverythingOfOurs) {
+  const std::string header = "\"musher/controller/journal.hpp\"";
+  EXPECT_THAT(ForbiddenIncludes(Including("test/lifecycle/a.cpp", header)), IsEmpty());
+}
+
+}  // namespace
+}  // namespace musher::house

@@ -1,0 +1,65 @@
+#include "musher/test/house/text_rules.hpp"
+
+#include <regex>
+
+namespace musher::house {
+namespace {
+
+constexpr std::size_t kMostLines = 400;
+
+std::vector<std::string> Find(const SourceFile& file, const std::string& text,
+                              const std::regex& pattern, const std::string& complaint) {
+  std::vector<std::string> complaints;
+  for (const Line& line : Lines(text)) {
+    std::smatch match;
+    if (std::regex_search(line.text, match, pattern)) {
+      complaints.push_back(At(file, line.number, match.str() + " " + complaint));
+    }
+  }
+  return complaints;
+}
+
+}  // namespace
+
+std::vector<std::string> Impurities(const SourceFile& file) {
+  static const std::regex impure(
+      R"(::now\(|std::(jthread|thread|async|mutex|condition_variable|atomic)\b|\bsocket\()"
+      R"(|#\s*include\s*<(thread|mutex|condition_variable|atomic|future|sys/socket\.h|dds/.*)>)");
+  return Find(file, WithoutComments(file.text), impure, "has no place in pure code");
+}
+
+std::vector<std::string> Sleeps(const SourceFile& file) {
+  static const std::regex sleep(R"(\b(sleep_for|sleep_until|usleep|nanosleep)\b|[^_.\w"]sleep\()");
+  return Find(file, WithoutComments(file.text), sleep, "waits for a time instead of an event");
+}
+
+std::vector<std::string> Leftovers(const SourceFile& file) {
+  // In two parts, so that this file does not find itself.
+  static const std::regex leftover(
+      "\\b(TO"
+      "DO|FIX"
+      "ME|XX"
+      "X)\\b");
+  return Find(file, file.text, leftover, "is left over");
+}
+
+std::vector<std::string> Oversize(const SourceFile& file) {
+  const std::size_t lines = Lines(file.text).size();
+  if (lines <= kMostLines) return {};
+  return {file.path + ": " + std::to_string(lines) + " lines; more than " +
+          std::to_string(kMostLines) + " ask to be split"};
+}
+
+std::vector<std::string> MissingPragmaOnce(const SourceFile& file) {
+  for (const Line& line : Lines(file.text)) {
+    if (line.text == "#pragma once") return {};
+  }
+  return {file.path + ": has no #pragma once"};
+}
+
+std::vector<std::string> NotExecutable(const SourceFile& file) {
+  if (!file.text.starts_with("#!") || file.executable) return {};
+  return {file.path + ": is a script but not executable"};
+}
+
+}  // namespace musher::house

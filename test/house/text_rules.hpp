@@ -1,0 +1,21 @@
+#pragma once
+// What may not stand in a file, wherever it is included.
+
+#include "musher/test/house/source_tree.hpp"
+
+namespace musher::house {
+
+// Clocks, threads and sockets, of which pure folders know nothing.
+std::vector<std::string> Impurities(const SourceFile& file);
+// Calls that wait for a time instead of an event.
+std::vector<std::string> Sleeps(const SourceFile& file);
+// Notes that something is not done.
+std::vector<std::string> Leftovers(const SourceFile& file);
+// A file that asks to be split.
+std::vector<std::string> Oversize(const SourceFile& file);
+// A header that may be included twice.
+std::vector<std::string> MissingPragmaOnce(const SourceFile& file);
+// A script that cannot be run as it is.
+std::vector<std::string> NotExecutable(const SourceFile& file);
+
+}  // namespace musher::house

@@ -1,0 +1,79 @@
+#include "musher/test/house/text_rules.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "musher/test/house/build_rules.hpp"
+
+namespace musher::house {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+SourceFile Cpp(const std::string& text) {
+  return {"a.cpp", text};
+}
+
+TEST(TextRules, FindClocksThreadsAndSockets) {
+  for (const char* text : {"auto t = std::chrono::steady_clock::now();", "std::thread t;",
+                           "#include <mutex>", "int fd = socket(AF_UNIX, 0, 0);"}) {
+    EXPECT_THAT(Impurities(Cpp(text)), SizeIs(1)) << text;
+  }
+}
+
+TEST(TextRules, LetCommentsSpeakOfClocks) {
+  EXPECT_THAT(Impurities(Cpp("// not ::now()\nint a;  // std::thread\n/* #include\n<mutex> */")),
+              IsEmpty());
+}
+
+TEST(TextRules, FindSleeps) {
+  EXPECT_THAT(Sleeps(Cpp("\nstd::this_thread::sleep_for(d);")),
+              ElementsAre("a.cpp:2: sleep_for waits for a time instead of an event"));
+  EXPECT_THAT(Sleeps(Cpp("  usleep(1000);")), SizeIs(1));
+  EXPECT_THAT(Sleeps(Cpp("run({\"sleep\", \"5\"});")), IsEmpty());
+}
+
+TEST(TextRules, FindLeftovers) {
+  EXPECT_THAT(Leftovers(Cpp(std::string("// TO") + "DO: later")), SizeIs(1));
+  EXPECT_THAT(Leftovers(Cpp("int to_do = 1;")), IsEmpty());
+}
+
+TEST(TextRules, FindFilesOfMoreThanFourHundredLines) {
+  std::string text;
+  for (int i = 0; i < 400; ++i) text += "\n";
+  EXPECT_THAT(Oversize(Cpp(text)), IsEmpty());
+  EXPECT_THAT(Oversize(Cpp(text + "\n")), SizeIs(1));
+}
+
+TEST(TextRules, FindHeadersWithoutPragmaOnce) {
+  EXPECT_THAT(MissingPragmaOnce({"a.hpp", "#pragma once\n"}), IsEmpty());
+  EXPECT_THAT(MissingPragmaOnce({"a.hpp", "// #pragma once\n"}), SizeIs(1));
+}
+
+TEST(TextRules, FindScriptsThatCannotBeRun) {
+  EXPECT_THAT(NotExecutable({"scripts/a", "#!/bin/sh\n", false}), SizeIs(1));
+  EXPECT_THAT(NotExecutable({"scripts/a", "#!/bin/sh\n", true}), IsEmpty());
+  EXPECT_THAT(NotExecutable({"README.md", "text", false}), IsEmpty());
+}
+
+TEST(TextRules, KeepStringsAndLineNumbersWhenCommentsGo) {
+  EXPECT_EQ(WithoutComments("a /* b\n c */ d // e\nf"), "a \n d \nf");
+  EXPECT_EQ(WithoutComments("url = \"http://x\"; // y"), "url = \"http://x\"; ");
+  EXPECT_EQ(WithoutComments("n = 1'000; // y"), "n = 1'000; ");
+}
+
+TEST(BuildRules, FindFilesThatNoTargetBuilds) {
+  const std::vector<SourceFile> tree = {
+      {"a/CMakeLists.txt", "add_library(a one.cpp b/two.cpp)  # three.cpp\n"},
+      {"a/b/two.cpp", ""},
+      {"a/one.cpp", ""},
+      {"a/three.cpp", ""},
+      {"test/CMakeLists.txt", "musher_test(t SOURCES t_test.cpp ../a/one.cpp)"},
+      {"test/t_test.cpp", ""}};
+  EXPECT_THAT(DeadFiles(tree), ElementsAre("a/three.cpp: is in no CMake target"));
+}
+
+}  // namespace
+}  // namespace musher::house

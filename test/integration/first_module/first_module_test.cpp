@@ -1,0 +1,102 @@
+// The guide's first module, as a reader has it: its folder, its config, its processes. What the
+// guide promises is tried here.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "musher/controller/machine_controller.hpp"
+#include "musher/test/contract/domain.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+
+namespace musher {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class FirstModule : public testing::Test {
+ protected:
+  // [robot]
+  FirstModule() {
+    setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
+    setenv("XDG_STATE_HOME", (folder_ / "state").c_str(), 1);
+    const std::string path = std::getenv("PATH");
+    setenv("PATH", (MUSHER_BIN_DIR ":" + path).c_str(), 1);
+    fs::copy(MUSHER_SOURCE_DIR "/examples/first_module", robot_);
+    fs::create_directory(robot_ + "/build");
+    fs::create_symlink(MUSHER_BIN_DIR "/gripper", robot_ + "/build/gripper");
+  }
+  // [robot end]
+  ~FirstModule() override { controller_.SetState("TearDown"); }
+
+  // [start]
+  void Start() {
+    ASSERT_TRUE(controller_.MachineControllerInit(robot_ + "/robot.toml"));
+    const Result<> set_up = controller_.AwaitSetUp();
+    ASSERT_TRUE(set_up) << set_up.error().message;
+  }
+  // [start end]
+
+  std::string Read(const std::string& file) const {
+    std::ifstream stream(file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  std::string Lamp() const { return Read(robot_ + "/lamp"); }
+  std::string GripperLog() const { return Read(folder_ / "state/musher/robot/logs/gripper.log"); }
+
+  const TempFolder folder_;
+  const std::string robot_ = folder_ / "robot";
+  MachineController controller_;
+};
+
+std::string Told(const SwitchResult& result) {
+  return std::string(OutcomeName(result.outcome)) + " " + result.reason;
+}
+
+TEST_F(FirstModule, GoesToActiveToLowPowerAndToTearDown) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  for (const char* state : {"SelfCheck", "Active"}) {
+    const SwitchResult result = controller_.Switch(state);
+    ASSERT_TRUE(result.done()) << state << ": " << Told(result);
+  }
+  EXPECT_EQ(Lamp(), "on\n");
+  EXPECT_THAT(GripperLog(), HasSubstr("power on"));
+
+  const SwitchResult low_power = controller_.Switch("LowPower");
+  ASSERT_TRUE(low_power.done()) << Told(low_power);
+  EXPECT_EQ(Lamp(), "off\n");
+  EXPECT_THAT(GripperLog(), HasSubstr("power off"));
+
+  const SwitchResult tear_down = controller_.Switch("TearDown");
+  ASSERT_TRUE(tear_down.done()) << Told(tear_down);
+  EXPECT_FALSE(fs::exists(robot_ + "/lamp"));
+}
+
+// [test]
+TEST_F(FirstModule, SaysWithItsCodeThatItsSelfCheckFailed) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  std::ofstream(robot_ + "/temperature") << "91\n";
+  const SwitchResult result = controller_.Switch("SelfCheck");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(result.code, 6109);
+  EXPECT_THAT(result.reason, HasSubstr("gripper"));
+  EXPECT_THAT(result.reason, HasSubstr("the motor has 91 °C"));
+}
+// [test end]
+
+TEST_F(FirstModule, DoesNotBecomeActiveAfterAFailedSelfCheck) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  std::ofstream(robot_ + "/temperature") << "91\n";
+  controller_.SetState("SelfCheck");
+  const SwitchResult result = controller_.Switch("Active");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kRefused) << Told(result);
+  EXPECT_EQ(controller_.GetMachineState(), "SelfCheck");
+}
+
+}  // namespace
+}  // namespace musher

@@ -1,0 +1,266 @@
+#include "musher/lifecycle/actuator_core.hpp"
+
+#include <gmock/gmock.h>
+
+#include "musher/lifecycle/code.hpp"
+
+namespace musher {
+namespace {
+
+using namespace actuator_action;  // NOLINT(google-build-using-namespace)
+using actuator_event::AskArrived;
+using actuator_event::CallbackEnded;
+using actuator_event::Started;
+using actuator_event::SwitchArrived;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::VariantWith;
+
+using Actions = std::vector<ActuatorAction>;
+
+class Actuator : public ::testing::Test {
+ protected:
+  Actuator() {
+    config_.name = "audio";
+    for (const char* state : {"SetUp", "SelfCheck", "Active", "DeActive", "LowPower", "TearDown"}) {
+      config_.states.emplace_back(state);
+      config_.times.push_back(Milliseconds(100));
+    }
+    core_.report.incarnation = 77;
+  }
+
+  Actions Do(const ActuatorEvent& event) { return Step(config_, core_, event, now_); }
+
+  void SetUpIt() {
+    Do(Started{});
+    Do(CallbackEnded{});
+  }
+
+  // A command of the present, number n.
+  SwitchArrived Command(std::uint64_t n, const State& target, std::uint64_t epoch = 1) {
+    return {++token_, {epoch, n, target, Milliseconds(100), now_, {}, 77}};
+  }
+
+  // Takes it to `state` by command n.
+  void Switch(std::uint64_t n, const State& target) {
+    Do(Command(n, target));
+    Do(CallbackEnded{});
+    EXPECT_EQ(core_.report.state, target);
+  }
+
+  static const Answer& AnswerIn(const Actions& actions) {
+    for (const ActuatorAction& action : actions) {
+      if (const auto* answer = std::get_if<Answer>(&action)) return *answer;
+    }
+    static const Answer none{0, Verdict::kFailed, -1, "no answer"};
+    ADD_FAILURE() << "no answer among the actions";
+    return none;
+  }
+
+  ActuatorConfig config_;
+  ActuatorCore core_;
+  Time now_ = Time(std::chrono::hours(1));
+  RequestToken token_ = 0;
+};
+
+TEST_F(Actuator, RunsSetUpByItselfAndTellsThatItIsBusyFromTheFirstMoment) {
+  EXPECT_THAT(Do(Started{}), ElementsAre(VariantWith<RunCallback>(RunCallback{"SetUp"}),
+                                         VariantWith<PublishStatus>(PublishStatus{})));
+  EXPECT_EQ(core_.report.target, "SetUp");
+  EXPECT_THAT(Do(CallbackEnded{}), ElementsAre(VariantWith<BecomeVisible>(BecomeVisible{}),
+                                               VariantWith<PublishStatus>(PublishStatus{})));
+  EXPECT_EQ(core_.report.state, "SetUp");
+}
+
+TEST_F(Actuator, IsFinishedWithTheCodeOfASetUpThatFailed) {
+  Do(Started{});
+  const Actions actions = Do(CallbackEnded{5012, "no sound card"});
+  EXPECT_THAT(actions, Contains(VariantWith<Finish>(Finish{5012, "no sound card"})));
+  EXPECT_THAT(actions, Not(Contains(VariantWith<BecomeVisible>(BecomeVisible{}))));
+  EXPECT_EQ(core_.report.outcome_code, 5012);
+}
+
+TEST_F(Actuator, AnswersWhenTheCallbackHasEnded) {
+  SetUpIt();
+  EXPECT_THAT(Do(Command(1, "Active")), Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
+  EXPECT_EQ(core_.report.busy_number, 1U);
+  EXPECT_EQ(AnswerIn(Do(CallbackEnded{})).verdict, Verdict::kDone);
+  EXPECT_EQ(core_.report.state, "Active");
+  EXPECT_FALSE(core_.report.busy());
+}
+
+TEST_F(Actuator, KeepsItsStateWhenTheCallbackFails) {
+  SetUpIt();
+  Do(Command(1, "Active"));
+  const Answer answer = AnswerIn(Do(CallbackEnded{5001, "amplifier"}));
+  EXPECT_EQ(answer.verdict, Verdict::kFailed);
+  EXPECT_EQ(answer.code, 5001);
+  EXPECT_EQ(core_.report.state, "SetUp");
+}
+
+TEST_F(Actuator, DoesNothingForTheStateItIsIn) {
+  SetUpIt();
+  Switch(1, "Active");
+  const Actions actions = Do(Command(2, "Active"));
+  EXPECT_EQ(AnswerIn(actions).verdict, Verdict::kDone);
+  EXPECT_THAT(actions, Not(Contains(VariantWith<RunCallback>(RunCallback{"Active"}))));
+}
+
+TEST_F(Actuator, RunsTheCallbackOfItsOwnStateAgainAfterAFailureToLeaveIt) {
+  SetUpIt();
+  Switch(1, "Active");
+  Do(Command(2, "LowPower"));
+  Do(CallbackEnded{5001, ""});
+  EXPECT_THAT(Do(Command(3, "Active")), Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
+}
+
+TEST_F(Actuator, RefusesAnEpochThatIsOver) {
+  SetUpIt();
+  Do(Command(1, "Active", 5));
+  Do(CallbackEnded{});
+  const Answer answer = AnswerIn(Do(Command(2, "DeActive", 4)));
+  EXPECT_EQ(answer.verdict, Verdict::kRefused);
+  EXPECT_EQ(answer.code, kCodePermissionDenied);
+  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {4, 2, true}})).code, kCodePermissionDenied);
+  EXPECT_EQ(core_.report.state, "Active");
+}
+
+TEST_F(Actuator, RefusesANumberFromThePast) {
+  SetUpIt();
+  Switch(5, "Active");
+  const Answer answer = AnswerIn(Do(Command(4, "DeActive")));
+  EXPECT_EQ(answer.verdict, Verdict::kRefused);
+  EXPECT_EQ(answer.code, kCodeStatusError);
+}
+
+TEST_F(Actuator, RefusesANumberFromThePastAlsoInANewEpoch) {
+  SetUpIt();
+  Switch(5, "Active");
+  EXPECT_EQ(AnswerIn(Do(Command(4, "DeActive", 2))).verdict, Verdict::kRefused);
+}
+
+TEST_F(Actuator, GivesARepeatedCommandTheSameAnswerAndRunsItOnce) {
+  SetUpIt();
+  Do(Command(1, "Active"));
+  EXPECT_THAT(Do(Command(1, "Active")), ElementsAre());  // the reply to the first was lost
+  const Actions ended = Do(CallbackEnded{5001, "amplifier"});
+  EXPECT_EQ(std::count_if(ended.begin(), ended.end(),
+                          [](const auto& a) { return std::holds_alternative<Answer>(a); }),
+            2);
+  const Answer again = AnswerIn(Do(Command(1, "Active")));
+  EXPECT_EQ(again.verdict, Verdict::kFailed);
+  EXPECT_EQ(again.code, 5001);
+}
+
+TEST_F(Actuator, RefusesAStateItDoesNotList) {
+  SetUpIt();
+  const Answer answer = AnswerIn(Do(Command(1, "OTA")));
+  EXPECT_EQ(answer.code, kCodeUnSupport);
+  EXPECT_THAT(answer.message, HasSubstr("audio has no state 'OTA'"));
+}
+
+TEST_F(Actuator, RefusesToBeSetUpByCommand) {
+  SetUpIt();
+  EXPECT_EQ(AnswerIn(Do(Command(1, "SetUp"))).code, kCodeStateInvalid);
+}
+
+TEST_F(Actuator, RefusesACommandMeantForAnEarlierProcessOfItsName) {
+  SetUpIt();
+  SwitchArrived command = Command(1, "Active");
+  command.command.incarnation = 76;
+  EXPECT_EQ(AnswerIn(Do(command)).code, kCodePermissionDenied);
+}
+
+TEST_F(Actuator, RefusesACommandThatIsOlderThanItsBudgetByItsOwnClock) {
+  SetUpIt();
+  SwitchArrived command = Command(1, "Active");
+  now_ += Milliseconds(101);  // it was held up on the way, say by a link that was down
+  const Answer answer = AnswerIn(Do(command));
+  EXPECT_EQ(answer.code, kCodeTimeout);
+  EXPECT_THAT(answer.message, HasSubstr("101 ms old"));
+}
+
+TEST_F(Actuator, DoesNotTakeAnOldStatusStampForAnOldCommand) {
+  SetUpIt();
+  SwitchArrived command = Command(1, "Active");
+  now_ += std::chrono::hours(1);  // nothing has happened for an hour, as the sender knows
+  command.command.since_status = std::chrono::hours(1);
+  EXPECT_THAT(Do(command), Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
+}
+
+TEST_F(Actuator, ACommandThatHadNotBegunWhenAskedForNeverBegins) {
+  SetUpIt();
+  const SwitchArrived late = Command(7, "Active");
+  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 7, true}})).verdict, Verdict::kDone);
+  EXPECT_EQ(AnswerIn(Do(late)).verdict, Verdict::kRefused);
+  EXPECT_EQ(core_.report.state, "SetUp");
+}
+
+TEST_F(Actuator, AWaitingCommandThatIsAskedForNeverBegins) {
+  SetUpIt();
+  Do(Command(1, "Active"));
+  Do(Command(2, "LowPower"));
+  const Actions asked = Do(AskArrived{9, {1, 2, false}});
+  EXPECT_EQ(AnswerIn(asked).verdict, Verdict::kRefused);  // of the waiting one
+  EXPECT_THAT(Do(CallbackEnded{}),
+              Not(Contains(VariantWith<RunCallback>(RunCallback{"LowPower"}))));
+}
+
+TEST_F(Actuator, AsksARunningCallbackToStopOnlyWhenTold) {
+  SetUpIt();
+  Do(Command(1, "Active"));
+  EXPECT_THAT(Do(AskArrived{8, {1, 1, false}}),
+              Not(Contains(VariantWith<RequestStop>(RequestStop{}))));
+  EXPECT_THAT(Do(AskArrived{9, {1, 1, true}}), Contains(VariantWith<RequestStop>(RequestStop{})));
+  EXPECT_EQ(core_.report.busy_number, 1U) << "it runs on until it gives up by itself";
+}
+
+TEST_F(Actuator, TheNewestCommandWaitsBehindARunningCallback) {
+  SetUpIt();
+  Do(Command(1, "Active"));
+  Do(Command(2, "LowPower"));
+  const Answer dropped = AnswerIn(Do(Command(3, "DeActive")));
+  EXPECT_EQ(dropped.token, 2U);
+  EXPECT_EQ(dropped.code, kCodeTargetBusy);
+  EXPECT_THAT(Do(CallbackEnded{}), Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
+}
+
+TEST_F(Actuator, AWaitingCommandThatGrewTooOldIsRefused) {
+  SetUpIt();
+  Do(Command(1, "Active"));
+  Do(Command(2, "LowPower"));
+  now_ += Milliseconds(150);
+  const Actions ended = Do(CallbackEnded{});
+  EXPECT_THAT(ended, Not(Contains(VariantWith<RunCallback>(RunCallback{"LowPower"}))));
+  EXPECT_EQ(core_.report.state, "Active");
+}
+
+TEST_F(Actuator, SelfCheckIsAStepOfAStartAndACheckLater) {
+  SetUpIt();
+  Switch(1, "SelfCheck");
+  Switch(2, "Active");
+  Do(Command(3, "SelfCheck"));
+  Do(CallbackEnded{});
+  EXPECT_EQ(core_.report.state, "Active");
+  Do(Command(4, "SelfCheck"));
+  EXPECT_EQ(AnswerIn(Do(CallbackEnded{1409, ""})).code, 1409);
+  EXPECT_FALSE(core_.unsettled) << "a check leaves nothing half done";
+}
+
+TEST_F(Actuator, IsFinishedAfterTearDownAndRefusesEverythingFromThenOn) {
+  SetUpIt();
+  Do(Command(1, "TearDown"));
+  EXPECT_THAT(Do(CallbackEnded{}), Contains(VariantWith<Finish>(Finish{})));
+  EXPECT_EQ(AnswerIn(Do(Command(2, "Active"))).code, kCodeStateInvalid);
+}
+
+TEST_F(Actuator, StaysWhenTearDownFails) {
+  SetUpIt();
+  Do(Command(1, "TearDown"));
+  EXPECT_THAT(Do(CallbackEnded{5001, ""}), Not(Contains(VariantWith<Finish>(Finish{}))));
+}
+
+}  // namespace
+}  // namespace musher

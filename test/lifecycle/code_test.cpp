@@ -1,0 +1,39 @@
+#include "musher/lifecycle/code.hpp"
+
+#include <gtest/gtest.h>
+
+namespace musher {
+namespace {
+
+TEST(Code, IsModuleBasePlusKey) {
+  EXPECT_EQ(MakeCode(ModuleCode::kMotionManager, KeyCode::kSelfCheckFailed), 3009);
+  EXPECT_EQ(RobotCode(KeyCode::kTimeout), 107);
+}
+
+TEST(Code, IsZeroForSuccessWhateverTheModule) {
+  EXPECT_EQ(MakeCode(ModuleCode::kMotionManager, KeyCode::kOk), 0);
+  EXPECT_EQ(kCodeOk, 0);
+}
+
+TEST(CodeText, NamesModuleAndKey) {
+  EXPECT_EQ(CodeText(3009), "3009 (MotionManager: SelfCheckFailed)");
+  EXPECT_EQ(CodeText(kCodeStateInvalid), "103 (Robot: StateInvalid)");
+}
+
+TEST(CodeText, NamesKeysWithoutModule) {
+  EXPECT_EQ(CodeText(0), "0 (ok)");
+  EXPECT_EQ(CodeText(8), "8 (UnSupport)");
+}
+
+TEST(CodeText, NamesTheModuleAloneWhereTheKeyIsTheModulesOwn) {
+  EXPECT_EQ(CodeText(3040), "3040 (MotionManager)");
+}
+
+TEST(CodeText, GivesTheBareNumberWhereNothingIsKnown) {
+  EXPECT_EQ(CodeText(-1), "-1");
+  EXPECT_EQ(CodeText(50), "50");
+  EXPECT_EQ(CodeText(4711 + 100'000), "104711");
+}
+
+}  // namespace
+}  // namespace musher

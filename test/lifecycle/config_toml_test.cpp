@@ -1,0 +1,279 @@
+// What a good state config becomes. What is said of bad ones is in test/golden.
+
+#include "musher/lifecycle/config_toml.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace musher {
+namespace {
+
+const std::string kController = R"(
+[controller]
+actuators = ["wheels", "voice"]
+states = ["SetUp", "TearDown", "SelfCheck", "Active", "Protected", "LowPower", "Error"]
+default_time = 250
+default_state = "Uninitialized"
+)";
+
+const std::string kWheels = R"(
+[actuator.wheels]
+states = ["SetUp", "TearDown", "SelfCheck", "Active", "Protected", "LowPower", "Error"]
+times = [8000, 4000, 3000, 2000, 1000, 900, 800]
+)";
+
+const std::string kVoice = R"(
+[actuator.voice]
+states = ["SetUp", "TearDown", "SelfCheck", "Active"]
+times = [1, 2, 3, 4]
+)";
+
+// Reads a config that must be good.
+MachineConfig Read(const std::string& text, const std::string& path = "/robots/sled.toml") {
+  ConfigReading reading = ReadConfigText(text, path);
+  for (const Diagnostic& diagnostic : reading.diagnostics) {
+    EXPECT_NE(diagnostic.severity, Severity::kError) << FormatDiagnostic(diagnostic);
+  }
+  return reading.config.value_or(MachineConfig{});
+}
+
+MachineConfig ReadWith(const std::string& wheels_keys) {
+  return Read(kController + kVoice + kWheels + wheels_keys);
+}
+
+// Sets an environment variable for the length of a test.
+class ScopedEnvironment {
+ public:
+  ScopedEnvironment(const char* name, const char* value) : name_(name) {
+    if (const char* old = std::getenv(name)) old_ = old;
+    Set(value);
+  }
+  ~ScopedEnvironment() { Set(old_ ? old_->c_str() : nullptr); }
+  ScopedEnvironment(const ScopedEnvironment&) = delete;
+  ScopedEnvironment& operator=(const ScopedEnvironment&) = delete;
+
+ private:
+  void Set(const char* value) { value != nullptr ? setenv(name_, value, 1) : unsetenv(name_); }
+
+  const char* name_;
+  std::optional<std::string> old_;
+};
+
+TEST(ConfigToml, ReadsTheKeysThatCyberDogHas) {
+  const MachineConfig config = Read(kController + kVoice + kWheels);
+  EXPECT_EQ(config.states.size(), 7U);
+  EXPECT_EQ(config.default_time, Milliseconds(250));
+  EXPECT_EQ(config.default_state, "Uninitialized");
+  ASSERT_EQ(config.actuators.size(), 2U);
+  EXPECT_EQ(config.actuators[1].states,
+            (std::vector<State>{"SetUp", "TearDown", "SelfCheck", "Active"}));
+  EXPECT_EQ(config.TimeFor(0, "LowPower"), Milliseconds(900));
+  EXPECT_EQ(config.TimeFor(1, "LowPower"), Milliseconds(250));
+}
+
+TEST(ConfigToml, KeepsTheOrderOfTheControllersList) {
+  const MachineConfig config = Read(kController + kVoice + kWheels);
+  EXPECT_EQ(config.actuators[0].name, "wheels");
+  EXPECT_EQ(config.actuators[1].name, "voice");
+}
+
+TEST(ConfigToml, GivesTheDocumentedDefaults) {
+  const MachineConfig config = Read(kController + kVoice + kWheels);
+  EXPECT_EQ(config.name, "sled");
+  EXPECT_EQ(config.file, "/robots/sled.toml");
+  EXPECT_EQ(config.name_space, "");
+  EXPECT_EQ(config.shutdown_budget, Milliseconds(10'000));
+  EXPECT_EQ(config.log, "");
+  EXPECT_EQ(config.transport, TransportProfile::kLocal);
+  EXPECT_EQ(config.flow, DefaultFlow(config.states));
+  const ActuatorConfig& wheels = config.actuators[0];
+  EXPECT_TRUE(wheels.command.empty());
+  EXPECT_EQ(wheels.protocol, Protocol::kMusher);
+  EXPECT_EQ(wheels.stage, 1);
+  EXPECT_FALSE(wheels.critical);
+  EXPECT_EQ(wheels.restart, RestartConfig{});
+  EXPECT_EQ(wheels.checkpoint, std::nullopt);
+  EXPECT_EQ(wheels.on_lost, "");
+}
+
+TEST(ConfigToml, RestartsOnFailureWhatItStartsItself) {
+  EXPECT_EQ(ReadWith("command = [\"wheels\"]").actuators[0].restart.policy,
+            RestartPolicy::kOnFailure);
+  EXPECT_EQ(ReadWith("").actuators[0].restart.policy, RestartPolicy::kNo);
+  EXPECT_EQ(ReadWith("command = [\"wheels\"]\nrestart = \"no\"").actuators[0].restart.policy,
+            RestartPolicy::kNo);
+}
+
+TEST(ConfigToml, ProtectsTheMachineWhenACriticalActuatorIsLost) {
+  EXPECT_EQ(ReadWith("critical = true").actuators[0].on_lost, "Protected");
+  EXPECT_EQ(ReadWith("critical = true\non_lost = \"Error\"").actuators[0].on_lost, "Error");
+}
+
+TEST(ConfigToml, FallsToTheHighestListedStateUpToProtectedWithoutAController) {
+  const MachineConfig config = Read(kController + kVoice + kWheels);
+  EXPECT_EQ(config.actuators[0].on_controller_lost, "Protected");
+  EXPECT_EQ(config.actuators[1].on_controller_lost, "TearDown");
+}
+
+TEST(ConfigToml, SeesPathsFromTheConfigsFolder) {
+  const MachineConfig config =
+      ReadWith("command = [\"../bin/wheels\", \"a/b\"]\ncwd = \"run\"\nenv = { A = \"x/y\" }");
+  const ActuatorConfig& wheels = config.actuators[0];
+  EXPECT_EQ(wheels.command, (std::vector<std::string>{"/bin/wheels", "a/b"}));
+  EXPECT_EQ(wheels.cwd, "/robots/run");
+  EXPECT_EQ(wheels.env.at("A"), "x/y");
+}
+
+TEST(ConfigToml, LeavesBareAndAbsoluteProgramsAlone) {
+  EXPECT_EQ(ReadWith("command = [\"wheels\"]").actuators[0].command[0], "wheels");
+  EXPECT_EQ(ReadWith("command = [\"/opt/wheels\"]").actuators[0].command[0], "/opt/wheels");
+}
+
+TEST(ConfigToml, KeepsRepeatedAndEmptyArguments) {
+  EXPECT_EQ(ReadWith("command = [\"w\", \"-v\", \"-v\", \"\"]").actuators[0].command,
+            (std::vector<std::string>{"w", "-v", "-v", ""}));
+}
+
+TEST(ConfigToml, PutsStateBelowTheUsersStateFolder) {
+  const ScopedEnvironment xdg("XDG_STATE_HOME", "/var/state");
+  EXPECT_EQ(Read(kController + kVoice + kWheels).state_dir, "/var/state/musher/sled");
+}
+
+TEST(ConfigToml, PutsStateBelowTheHomeWhereTheEnvironmentNamesNoStateFolder) {
+  const ScopedEnvironment home("HOME", "/home/driver");
+  const ScopedEnvironment xdg("XDG_STATE_HOME", "relative/is/ignored");
+  EXPECT_EQ(Read(kController + kVoice + kWheels).state_dir,
+            "/home/driver/.local/state/musher/sled");
+}
+
+TEST(ConfigToml, PutsStateBelowVarLibWhereThereIsNoHome) {
+  const ScopedEnvironment home("HOME", nullptr);
+  const ScopedEnvironment xdg("XDG_STATE_HOME", nullptr);
+  EXPECT_EQ(Read(kController + kVoice + kWheels).state_dir, "/var/lib/musher/sled");
+}
+
+TEST(ConfigToml, ReadsTheMachinesOwnKeys) {
+  const MachineConfig config = Read(kController + R"(name = "sled_3"
+namespace = "/fleet/sled_3"
+state_dir = "state/."
+log = "logs/sled.log"
+shutdown_budget_ms = 1
+journal_size_mb = 2
+)" + kVoice + kWheels + "[transport]\nprofile = \"lan\"");
+  EXPECT_EQ(config.name, "sled_3");
+  EXPECT_EQ(config.name_space, "fleet/sled_3");
+  EXPECT_EQ(config.state_dir, "/robots/state");
+  EXPECT_EQ(config.log, "/robots/logs/sled.log");
+  EXPECT_EQ(config.shutdown_budget, Milliseconds(1));
+  EXPECT_EQ(config.journal_size_bytes, 2 << 20);
+  EXPECT_EQ(config.transport, TransportProfile::kLan);
+}
+
+TEST(ConfigToml, MakesANameOfTheFilesStem) {
+  const std::string text = kController + kVoice + kWheels;
+  EXPECT_EQ(Read(text, "/a/my-sled.v2.toml").name, "my_sled_v2");
+  EXPECT_EQ(Read(text, "3dogs.toml").name, "_3dogs");
+}
+
+TEST(ConfigToml, RanksOwnStates) {
+  const MachineConfig config = Read(R"(
+state = [{ name = "Parked", rank = 3 }]
+[controller]
+actuators = ["a"]
+states = ["SetUp", "Active", "Parked"]
+default_time = 250
+default_state = "Parked"
+[actuator.a]
+states = ["SetUp", "Parked"]
+times = [1, 2]
+)");
+  EXPECT_EQ(config.RankOf("Parked"), 3);
+  EXPECT_EQ(config.RankOf("Active"), 6);
+  EXPECT_EQ(config.RankOf("SetUp"), std::nullopt);
+  EXPECT_EQ(config.default_state, "Parked");
+  EXPECT_EQ(config.actuators[0].on_controller_lost, "Parked");
+  EXPECT_EQ(config.flow, DefaultFlow(config.states));
+}
+
+TEST(ConfigToml, ReplacesTheFlowByTheFilesTransitions) {
+  const MachineConfig config = Read(kController + kVoice + kWheels + R"(
+[[transition]]
+from = "Active"
+to = ["LowPower", "Protected"]
+[[transition]]
+from = "Error"
+to = "SelfCheck"
+)");
+  const std::vector<FlowEdge> expected = {
+      {"Active", "Protected"}, {"Active", "LowPower"}, {"Error", "SelfCheck"}};
+  EXPECT_EQ(config.flow, expected);
+}
+
+TEST(ConfigToml, TakesAStarForEveryStateOneCanStayInAndLeave) {
+  const MachineConfig config =
+      Read(kController + kVoice + kWheels + "[[transition]]\nfrom = \"*\"\nto = \"Error\"");
+  const std::vector<FlowEdge> expected = {
+      {"Active", "Error"}, {"Protected", "Error"}, {"LowPower", "Error"}};
+  EXPECT_EQ(config.flow, expected);
+}
+
+TEST(ConfigToml, HashesTheBytesOfTheFile) {
+  const std::string text = kController + kVoice + kWheels;
+  const std::string hash = Read(text).hash;
+  EXPECT_EQ(hash.size(), 16U);
+  EXPECT_EQ(Read(text, "/elsewhere/x.toml").hash, hash);
+  EXPECT_NE(Read(text + "#").hash, hash);
+}
+
+TEST(ConfigToml, AcceptsAByteOrderMarkAndCarriageReturns) {
+  const std::string plain = kController + kVoice + kWheels;
+  std::string text = "\xEF\xBB\xBF";
+  for (const char c : plain) {
+    if (c == '\n') text += '\r';
+    text += c;
+  }
+  EXPECT_EQ(Read(text).actuators.size(), 2U);
+}
+
+TEST(ConfigToml, ReadsFromAFileWhatItReadsFromItsText) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "sled.toml";
+  std::ofstream(path) << kController + kVoice + kWheels;
+  const ConfigReading reading = ReadConfigFile(path);
+  std::filesystem::remove(path);
+  ASSERT_TRUE(reading.config);
+  EXPECT_EQ(*reading.config, Read(kController + kVoice + kWheels, path));
+}
+
+TEST(ReadValidConfig, TakesTheFileThatTheEnvironmentNamesWhereNoneIsGiven) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "valid.toml";
+  std::ofstream(path) << kController + kVoice + kWheels;
+  const ScopedEnvironment environment("MUSHER_CONFIG", path.c_str());
+  const Result<MachineConfig> config = ReadValidConfig("");
+  std::filesystem::remove(path);
+  ASSERT_TRUE(config.ok()) << config.error().message;
+  EXPECT_EQ(config.value().name, "valid");
+}
+
+TEST(ReadValidConfig, IsAnErrorWhereNoFileIsNamedAtAll) {
+  const ScopedEnvironment environment("MUSHER_CONFIG", nullptr);
+  EXPECT_EQ(ReadValidConfig("").error().code, kCodeParametersInvalid);
+}
+
+TEST(ReadValidConfig, TellsAllErrorsAndNoWarnings) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "faulty.toml";
+  std::ofstream(path) << kController + kVoice + kWheels + "restart = \"no\"\nstage = 0\nx = 1\n";
+  const Result<MachineConfig> config = ReadValidConfig(path);
+  std::filesystem::remove(path);
+  ASSERT_FALSE(config.ok());
+  const std::string& message = config.error().message;
+  EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 1);
+  EXPECT_NE(message.find(":16:9: error: actuator.wheels.stage"), std::string::npos) << message;
+  EXPECT_EQ(message.find("warning"), std::string::npos) << message;
+}
+
+}  // namespace
+}  // namespace musher

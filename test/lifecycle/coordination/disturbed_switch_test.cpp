@@ -1,0 +1,238 @@
+// A switch and everything that crosses it: time, silence, other switches, losses.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// Time
+
+TEST_F(Switching, AnActuatorThatIsOverdueIsAskedAndNotGuessed) {
+  Theatre& t = In("Active");
+  t.On("b", "LowPower").takes = Milliseconds(200);  // of 100
+  const SwitchResult result = t.Set("LowPower");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kOverdue);
+  EXPECT_EQ(Of(result, "b").code, kCodeTimeout);
+  EXPECT_THAT(Of(result, "b").message, HasSubstr("still busy with LowPower"));
+}
+
+TEST_F(Switching, ALateResultNeverChangesTheSwitchButTheActuatorIsNoLongerDegraded) {
+  Theatre& t = In("Active");
+  t.On("b", "LowPower").takes = Milliseconds(200);
+  EXPECT_THAT(t.Set("LowPower").degraded, ElementsAre("b"));
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(Switching, AnOverdueActuatorIsBroughtBackWithTheOthersOnTheWayUp) {
+  Theatre& t = In("Protected");
+  t.On("b", "Active").takes = Milliseconds(150);
+  const SwitchResult result = t.Set("Active");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
+  EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kOverdue);
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Protected");
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(Switching, AnOverdueCallbackIsAskedToStop) {
+  Theatre& t = In("Protected");
+  t.On("b", "Active").ends_when_asked = true;
+  EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kUndone);
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Protected");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(Switching, ALostReplyIsNotTakenForAFailureBecauseTheLatchSaysDone) {
+  Theatre& t = In("Active");
+  t.Ask("LowPower");
+  t.RunFor(Milliseconds(5));
+  t.Mute("b", false, true);  // neither its reply nor its latch gets through …
+  t.RunFor(Milliseconds(90));
+  t.Mute("b", false, false);  // … until it is asked
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "LowPower");
+  EXPECT_EQ(t.answers.begin()->second.outcome, SwitchOutcome::kDone);
+}
+
+TEST_F(Switching, AnActuatorThatDoesNotEvenAnswerTheQuestionIsLost) {
+  Theatre& t = In("Active");
+  t.Mute("b", true, true);
+  const SwitchResult result = t.Set("LowPower");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kLost);
+  EXPECT_EQ(t.RecordOf("b").presence, Presence::kLost);
+}
+
+TEST_F(Switching, AHungActuatorKeepsTheSwitchNoLongerThanItsTimeAndTheQuestion) {
+  Theatre& t = In("Active");
+  t.On("b", "LowPower").hangs = true;
+  const Time begun = t.now();
+  t.Set("LowPower");
+  EXPECT_LT(t.now() - begun, Milliseconds(110));
+}
+
+TEST_F(Switching, AnActuatorThatDiesDuringTheSwitchIsKnownAtOnce) {
+  Theatre& t = In("Protected");
+  t.On("b", "Active").hangs = true;
+  const RequestId request = t.Ask("Active");
+  t.RunFor(Milliseconds(20));
+  t.Crash("b");
+  t.RunUntil([&] { return t.answers.count(request) > 0; });
+  const SwitchResult& result = t.answers.at(request);
+  EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
+  EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kLost);
+  EXPECT_EQ(t.StateOf("a"), "Protected");
+}
+
+TEST_F(Switching, AReportThatWasHeldUpOnTheWayDoesNotMakeLaterCommandsLookOld) {
+  Theatre& t = In("Active");
+  t.DelayReports("b", std::chrono::seconds(2));  // longer than any command is good for
+  t.Set("Protected", "b");
+  t.Rest();
+  t.DelayReports("b", {});
+  EXPECT_TRUE(t.Set("LowPower").done());
+}
+
+// SelfCheck
+
+TEST_F(Switching, SelfCheckInTheRunPhaseRunsTheCallbacksAndLeavesTheState) {
+  Theatre& t = In("Protected");
+  const SwitchResult result = t.Set("SelfCheck");
+  EXPECT_TRUE(result.done());
+  EXPECT_EQ(result.state, "Protected");
+  EXPECT_EQ(t.StateOf("a"), "Protected");
+  EXPECT_THAT(t.log(), ElementsAre("a:SelfCheck", "b:SelfCheck", "c:SelfCheck"));
+}
+
+TEST_F(Switching, SelfCheckAsksEverybodyThoughTheFirstFails) {
+  Theatre& t = In("Active", Chain());
+  t.On("c", "SelfCheck").code = 1409;
+  const SwitchResult result = t.Set("SelfCheck");
+  EXPECT_THAT(t.log(), ElementsAre("c:SelfCheck", "b:SelfCheck", "a:SelfCheck"));
+  EXPECT_EQ(result.code, 1409) << "a later success does not hide an early failure";
+}
+
+TEST_F(Switching, SelfCheckTakesSilenceForAFailureAndGivesTheWorst) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "c").critical = true;
+  Theatre& t = In("Active", config);
+  t.On("a", "SelfCheck").code = 1409;
+  t.On("b", "SelfCheck").hangs = true;
+  SwitchResult result = t.Set("SelfCheck");
+  EXPECT_EQ(result.code, kCodeTimeout);
+  EXPECT_EQ(Of(result, "a").code, 1409);
+  t.On("c", "SelfCheck").code = 3009;
+  result = t.Set("SelfCheck");
+  EXPECT_EQ(result.code, 3009);
+}
+
+TEST_F(Switching, AFailedCheckStaysOnRecordUntilOnePasses) {
+  Theatre& t = In("Active");
+  t.On("b", "SelfCheck").code = 1409;
+  EXPECT_THAT(t.Set("SelfCheck").degraded, ElementsAre("b"));
+  EXPECT_THAT(t.Set("Protected").degraded, ElementsAre("b"));
+  t.On("b", "SelfCheck").code = kCodeOk;
+  EXPECT_THAT(t.Set("SelfCheck").degraded, ElementsAre());
+}
+
+// One at a time
+
+TEST_F(Switching, RefusesAnotherSwitchWhileOneIsUnderWay) {
+  Theatre& t = In("Active");
+  const RequestId first = t.Ask("LowPower");
+  const SwitchResult second = t.Set("Protected");
+  EXPECT_EQ(second.outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(second.code, kCodeTargetBusy);
+  t.Rest();
+  EXPECT_TRUE(t.answers.at(first).done());
+}
+
+TEST_F(Switching, TheSameRequestTwiceIsOneSwitch) {
+  Theatre& t = In("Active");
+  const RequestId first = t.Ask("LowPower");
+  const RequestId again = t.Ask("LowPower");
+  t.Rest();
+  EXPECT_TRUE(t.answers.at(first).done());
+  EXPECT_EQ(t.answers.at(first).number, t.answers.at(again).number);
+  EXPECT_THAT(t.log(), ElementsAre("a:LowPower", "b:LowPower", "c:LowPower"));
+}
+
+TEST_F(Switching, AMoreUrgentOneSupersedesAtOnceAndTheNewestCommandWaits) {
+  Theatre& t = In("Protected");
+  t.On("b", "Active").takes = Milliseconds(50);
+  const RequestId first = t.Ask("Active");
+  t.RunFor(Milliseconds(20));
+  const SwitchResult error = t.Set("Error");
+  EXPECT_EQ(t.answers.at(first).outcome, SwitchOutcome::kSuperseded);
+  EXPECT_TRUE(error.done());
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Error");
+}
+
+// One actuator
+
+TEST_F(Switching, OneActuatorIsHeldUntilTheNextGlobalSwitch) {
+  Theatre& t = In("Active");
+  EXPECT_TRUE(t.Set("Protected", "b").done());
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_EQ(t.StateOf("b"), "Protected");
+  EXPECT_TRUE(t.RecordOf("b").held);
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Protected") << "nobody drives it back behind the person's back";
+  EXPECT_TRUE(t.Set("LowPower").done());
+  EXPECT_FALSE(t.RecordOf("b").held);
+}
+
+TEST_F(Switching, OneActuatorMayNotBeMoreActiveThanTheMachine) {
+  Theatre& t = In("Protected");
+  const SwitchResult result = t.Set("Active", "b");
+  EXPECT_EQ(result.code, kCodeStateInvalid);
+  EXPECT_THAT(result.reason, HasSubstr("may not be more active"));
+}
+
+TEST_F(Switching, OneActuatorThatFailsStaysWhereItWas) {
+  Theatre& t = In("Active");
+  ASSERT_TRUE(t.Set("DeActive", "b").done());
+  t.On("b", "Protected").code = 5001;
+  const SwitchResult result = t.Set("Protected", "b");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
+  EXPECT_EQ(result.state, "DeActive");
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
+}
+
+// Loss
+
+TEST_F(Switching, ALostCriticalActuatorTakesTheMachineDownToItsOnLost) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "b").critical = true;
+  ActuatorNamed(config, "b").on_lost = "Protected";
+  Theatre& t = In("Active", config);
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Protected");
+  EXPECT_EQ(t.StateOf("a"), "Protected");
+  const SwitchResult result = t.Set("Active");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);
+  EXPECT_THAT(result.reason, HasSubstr("critical b"));
+}
+
+TEST_F(Switching, ALostActuatorThatIsNotCriticalLeavesTheMachineDegraded) {
+  Theatre& t = In("Active");
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+  EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
+}
+
+}  // namespace
+}  // namespace musher::testing

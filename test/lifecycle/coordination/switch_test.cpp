@@ -1,0 +1,199 @@
+// A switch on its way up and down: order, failure, rollback.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST_F(Switching, IsDoneWhenEverybodyIsThere) {
+  Theatre& t = In("Active");
+  const SwitchResult result = t.Set("LowPower");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDone);
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(result.state, "LowPower");
+  EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kDone);
+  EXPECT_GE(Of(result, "b").duration, Milliseconds(10));
+  EXPECT_EQ(Of(result, "b").state, "LowPower");
+}
+
+TEST_F(Switching, RunsAllAtOnceWhereNothingComesAfterAnything) {
+  Theatre& t = In("Active");
+  const Time begun = t.now();
+  t.Set("Protected");
+  EXPECT_LT(t.now() - begun, Milliseconds(15));
+}
+
+TEST_F(Switching, GoesUpInTheOrderOfAfterAndDownInReverse) {
+  Theatre& t = In("Protected", Chain());
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_THAT(t.log(), ElementsAre("c:Active", "b:Active", "a:Active"));
+  t.ClearLog();
+  EXPECT_TRUE(t.Set("LowPower").done());
+  EXPECT_THAT(t.log(), ElementsAre("a:LowPower", "b:LowPower", "c:LowPower"));
+}
+
+TEST_F(Switching, ToThePresentStateDrivesOnlyThoseThatAreNotThere) {
+  Theatre& t = In("Active");
+  EXPECT_TRUE(t.Set("DeActive", "b").done());
+  t.ClearLog();
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_THAT(t.log(), ElementsAre("b:Active"));
+}
+
+TEST_F(Switching, GivesNumbersThatOnlyGrow) {
+  Theatre& t = In("Active");
+  const auto first = t.Set("Protected").number;
+  const auto second = t.Set("Active").number;
+  EXPECT_LT(first, second);
+}
+
+TEST_F(Switching, OutsideTheFlowIsRefusedWithWhatIsReachable) {
+  Theatre& t = In("Active");
+  ASSERT_TRUE(t.Set("Error").done());
+  const SwitchResult result = t.Set("LowPower");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(result.code, kCodeStateInvalid);
+  EXPECT_THAT(result.reason, HasSubstr("TearDown, SelfCheck"));
+  EXPECT_EQ(t.machine().state, "Error");
+}
+
+TEST_F(Switching, LeavesErrorThroughASelfCheckByHand) {
+  Theatre& t = In("Active");
+  ASSERT_TRUE(t.Set("Error").done());
+  ASSERT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_EQ(t.machine().state, "SelfCheck");
+  EXPECT_TRUE(t.Set("DeActive").done());
+  EXPECT_TRUE(t.Set("Active").done());
+}
+
+TEST_F(Switching, ToAnUnknownStateIsRefusedAndNamesTheNearest) {
+  Theatre& t = In("Active");
+  const SwitchResult result = t.Set("Actve");
+  EXPECT_EQ(result.code, kCodeParametersInvalid);
+  EXPECT_THAT(result.reason, HasSubstr("did you mean 'Active'"));
+  EXPECT_EQ(t.Set("Active", "d").code, kCodeParametersInvalid);
+}
+
+// On the way up
+
+TEST_F(Switching, UpIsUndoneWhenOneFails) {
+  Theatre& t = In("Protected");
+  t.On("b", "Active").code = 5001;
+  t.On("b", "Active").message = "amplifier";
+  const SwitchResult result = t.Set("Active");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
+  EXPECT_EQ(result.code, 5001);
+  EXPECT_THAT(result.reason, HasSubstr("b: failed with 5001"));
+  EXPECT_THAT(result.reason, HasSubstr("amplifier"));
+  EXPECT_EQ(Of(result, "a").outcome, ActuatorOutcome::kUndone);
+  EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kFailed);
+  EXPECT_EQ(t.machine().state, "Protected");
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected");
+  EXPECT_THAT(result.degraded, ElementsAre());
+}
+
+TEST_F(Switching, UpRunsTheOldCallbackOfTheOneThatFailedToClearUpWhatWasHalfDone) {
+  Theatre& t = In("Protected");
+  t.On("b", "Active").code = 5001;
+  t.Set("Active");
+  EXPECT_THAT(t.log(), ::testing::Contains("b:Protected"));
+}
+
+TEST_F(Switching, UpSendsNothingMoreOnceOneHasFailedAndGoesBackInReverse) {
+  Theatre& t = In("Protected", Chain());
+  t.On("b", "Active").code = 5001;
+  const SwitchResult result = t.Set("Active");
+  EXPECT_THAT(t.log(), ElementsAre("c:Active", "b:Active", "b:Protected", "c:Protected"));
+  EXPECT_EQ(Of(result, "a").outcome, ActuatorOutcome::kSkipped);
+}
+
+TEST_F(Switching, UpIsRefusedBeforeAnythingIsSentWhenOneDoesNotListTheTarget) {
+  MachineConfig config = MachineOf(3);
+  config.states.push_back("Turbo");
+  config.ranks["Turbo"] = 7;
+  config.flow = DefaultFlow(config.states);
+  for (const char* name : {"a", "c"}) {
+    ActuatorNamed(config, name).states.push_back("Turbo");
+    ActuatorNamed(config, name).times.push_back(Milliseconds(100));
+  }
+  Theatre& t = In("Active", config);
+  const SwitchResult result = t.Set("Turbo");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(result.code, kCodeUnSupport);
+  EXPECT_THAT(result.reason, HasSubstr("b has no state 'Turbo'"));
+  EXPECT_THAT(t.log(), ElementsAre());
+}
+
+TEST_F(Switching, NothingBecomesMoreActiveThroughARollback) {
+  Theatre& t = In("LowPower");
+  t.On("b", "Active").code = 5001;
+  t.Set("Active");
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "LowPower");
+}
+
+TEST_F(Switching, AnActuatorThatCannotBeBroughtBackIsDegraded) {
+  Theatre& t = In("Protected");
+  t.On("b", "Active").code = 5001;
+  t.On("a", "Protected").code = 3001;
+  const SwitchResult result = t.Set("Active");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
+  EXPECT_THAT(result.degraded, ElementsAre("a"));
+  EXPECT_EQ(t.machine().state, "Protected");
+}
+
+TEST_F(Switching, ACriticalActuatorThatCannotBeBroughtBackTakesTheMachineDownToItsOnLost) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "a").critical = true;
+  ActuatorNamed(config, "a").on_lost = "LowPower";
+  Theatre& t = In("Protected", config);
+  t.On("b", "Active").code = 5001;
+  t.On("a", "Protected").code = 3001;
+  t.Set("Active");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "LowPower");
+}
+
+TEST_F(Switching, UpDoesNotFailBecauseOfOneThatWasDegradedBefore) {
+  Theatre& t = In("Active");
+  t.On("b", "Protected").code = 5001;
+  EXPECT_EQ(t.Set("Protected").outcome, SwitchOutcome::kDoneDegraded);
+  t.On("b", "Active").code = 5001;
+  const SwitchResult result = t.Set("Active");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_EQ(t.StateOf("a"), "Active");
+}
+
+// On the way down
+
+TEST_F(Switching, DownGoesOnWhenOneFailsAndListsIt) {
+  Theatre& t = In("Active", Chain());
+  t.On("b", "LowPower").code = 5001;
+  const SwitchResult result = t.Set("LowPower");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(result.code, 5001);
+  EXPECT_THAT(result.degraded, ElementsAre("b"));
+  EXPECT_EQ(t.machine().state, "LowPower");
+  EXPECT_EQ(t.StateOf("a"), "LowPower");
+  EXPECT_EQ(t.StateOf("c"), "LowPower");
+}
+
+TEST_F(Switching, DownGoesOnWithoutOneThatDoesNotListTheTarget) {
+  MachineConfig config = MachineOf(2);
+  ActuatorNamed(config, "b").states = {"SetUp", "SelfCheck", "Active", "TearDown"};
+  ActuatorNamed(config, "b").times.assign(4, Milliseconds(100));
+  Theatre& t = In("Active", config);
+  const SwitchResult result = t.Set("LowPower");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kUnsupported);
+  EXPECT_THAT(result.degraded, ElementsAre("b"));
+  EXPECT_TRUE(t.Set("Active").done()) << "back where it has stayed all the time";
+}
+
+}  // namespace
+}  // namespace musher::testing

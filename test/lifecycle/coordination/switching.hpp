@@ -1,0 +1,48 @@
+#pragma once
+// What the tests of switches have in common: a machine in some state, its log empty.
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+
+#include "musher/test/lifecycle/coordination/theatre.hpp"
+
+namespace musher::testing {
+
+class Switching : public ::testing::Test {
+ protected:
+  // A machine in `state`, its log empty.
+  Theatre& In(const State& state, MachineConfig config = MachineOf(3)) {
+    theatre_.emplace(std::move(config));
+    theatre_->Begin();
+    theatre_->Rest();
+    EXPECT_EQ(theatre_->machine().state, "Active");
+    if (state != "Active") {
+      EXPECT_TRUE(theatre_->Set(state).done());
+    }
+    theatre_->ClearLog();
+    return *theatre_;
+  }
+
+  static const ActuatorResult& Of(const SwitchResult& result, const std::string& name) {
+    for (const ActuatorResult& actuator : result.actuators) {
+      if (actuator.name == name) return actuator;
+    }
+    static const ActuatorResult none{"none of that name", ActuatorOutcome::kLost, -1, "", {}, ""};
+    ADD_FAILURE() << "no result for " << name;
+    return none;
+  }
+
+ private:
+  std::optional<Theatre> theatre_;
+};
+
+inline MachineConfig Chain() {  // a comes after b comes after c
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "a").after = {"b"};
+  ActuatorNamed(config, "b").after = {"c"};
+  return config;
+}
+
+}  // namespace musher::testing

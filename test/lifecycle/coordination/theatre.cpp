@@ -1,0 +1,284 @@
+#include "musher/test/lifecycle/coordination/theatre.hpp"
+
+#include <utility>
+
+namespace musher::testing {
+namespace {
+
+constexpr Duration kWire = std::chrono::microseconds(100);
+
+}  // namespace
+
+MachineConfig MachineOf(int actuators) {
+  MachineConfig config;
+  config.name = "test";
+  for (const std::string_view state : BuiltInStates()) {
+    if (state != kUninitialized) config.states.emplace_back(state);
+    if (const auto rank = BuiltInRank(state)) config.ranks[State(state)] = *rank;
+  }
+  config.flow = DefaultFlow(config.states);
+  config.default_time = Milliseconds(100);
+  for (int i = 0; i < actuators; ++i) {
+    ActuatorConfig actuator;
+    actuator.name = std::string(1, static_cast<char>('a' + i));
+    actuator.states = config.states;
+    actuator.times.assign(config.states.size(), Milliseconds(100));
+    config.actuators.push_back(actuator);
+  }
+  return config;
+}
+
+ActuatorConfig& ActuatorNamed(MachineConfig& config, const std::string& name) {
+  return config.actuators[*config.IndexOf(name)];
+}
+
+Theatre::Theatre(MachineConfig config)
+    : config_(std::move(config)),
+      machine_(MakeMachine(config_)),
+      actors_(config_.actuators.size()),
+      now_(std::chrono::hours(1)) {}
+
+Behaviour& Theatre::On(const std::string& actuator, const std::string& state) {
+  return actors_[Index(actuator)].script[state];
+}
+
+void Theatre::After(Duration delay, std::function<void()> what) {
+  later_.emplace(now_ + delay, std::move(what));
+}
+
+bool Theatre::StepTime(Time limit) {
+  const auto deadline = NextDeadline(config_, machine_);
+  const bool timer_first = deadline && (later_.empty() || *deadline < later_.begin()->first);
+  if (!timer_first && later_.empty()) return false;
+  const Time next = timer_first ? *deadline : later_.begin()->first;
+  if (next > limit) return false;
+  now_ = std::max(now_, next);
+  if (timer_first) {
+    Tell(event::TimePassed{});
+  } else {
+    const auto what = std::move(later_.begin()->second);
+    later_.erase(later_.begin());
+    what();
+  }
+  return true;
+}
+
+void Theatre::RunFor(Duration duration) {
+  const Time end = now_ + duration;
+  while (StepTime(end)) {
+  }
+  now_ = end;
+}
+
+void Theatre::Rest(Duration limit) {
+  const Time end = now_ + limit;
+  while (StepTime(end)) {
+  }
+}
+
+bool Theatre::RunUntil(const std::function<bool()>& done) {
+  const Time end = now_ + std::chrono::hours(1);
+  while (!done()) {
+    if (!StepTime(end)) return done();
+  }
+  return true;
+}
+
+void Theatre::Tell(const Event& event) {
+  for (const Action& action : Step(config_, machine_, event, now_)) Do(action);
+}
+
+void Theatre::Begin(bool by_hand, std::uint64_t epoch) {
+  std::vector<bool> running;
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    if (config_.actuators[i].command.empty() && !actors_[i].alive) {
+      StartActuator(config_.actuators[i].name);
+    }
+    running.push_back(actors_[i].alive);
+  }
+  Tell(event::Begin{by_hand, epoch, running});
+}
+
+void Theatre::RestartController() {
+  ++generation_;
+  machine_ = MakeMachine(config_);
+  start_up_.reset();
+  Begin();
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    if (!actors_[i].alive) continue;
+    After(kWire, [this, i] { Tell(event::StatusSeen{i, ReportOf(i)}); });  // the latch
+  }
+}
+
+void Theatre::StartActuator(const std::string& name) {
+  Actor& actor = actors_[Index(name)];
+  auto script = actor.script;
+  actor = Actor{};
+  actor.script = std::move(script);
+  actor.alive = true;
+  actor.pid = next_pid_++;
+  actor.core.report.incarnation = static_cast<std::uint64_t>(actor.pid);
+  actor.core.report.pid = actor.pid;
+  After(kWire, [this, i = Index(name), pid = actor.pid] {
+    if (actors_[i].pid == pid) Perform(i, actuator_event::Started{});
+  });
+}
+
+void Theatre::Crash(const std::string& name) {
+  EndProcess(Index(name), false, "killed by SIGKILL");
+}
+
+void Theatre::EndProcess(std::size_t i, bool clean, const std::string& how) {
+  Actor& actor = actors_[i];
+  if (!actor.alive) return;
+  actor.alive = false;
+  const bool ours = machine_.actuators[i].process == actor.pid;
+  After(kWire, [=, this, pid = actor.pid] {
+    if (ours) return Tell(event::ProcessEnded{i, pid, clean, how});
+    Tell(event::Vanished{i, static_cast<std::uint64_t>(pid), true, "its process ended"});
+  });
+}
+
+void Theatre::Mute(const std::string& name, bool to_actuator, bool from_actuator) {
+  actors_[Index(name)].deaf = to_actuator;
+  actors_[Index(name)].dumb = from_actuator;
+}
+
+RequestId Theatre::Ask(const State& target, std::optional<std::string> actuator) {
+  const RequestId request = next_request_++;
+  Tell(event::SetStateRequested{request, target, std::move(actuator)});
+  return request;
+}
+
+SwitchResult Theatre::Set(const State& target, std::optional<std::string> actuator) {
+  const RequestId request = Ask(target, std::move(actuator));
+  RunUntil([&] { return answers.count(request) > 0; });
+  return answers.at(request);
+}
+
+State Theatre::StateOf(const std::string& actuator) const {
+  return actors_[Index(actuator)].core.report.state;
+}
+
+const ActuatorRecord& Theatre::RecordOf(const std::string& actuator) const {
+  return machine_.actuators[Index(actuator)];
+}
+
+ActuatorReport Theatre::ReportOf(std::size_t i) const {
+  ActuatorReport report = actors_[i].core.report;
+  report.stamp = now_;
+  return report;
+}
+
+std::vector<ActuatorAction> Theatre::Inject(const std::string& actuator,
+                                            const ActuatorEvent& event) {
+  const std::size_t i = Index(actuator);
+  auto actions = Step(config_.actuators[i], actors_[i].core, event, now_);
+  for (const ActuatorAction& action : actions) Do(i, action);
+  return actions;
+}
+
+void Theatre::Perform(std::size_t i, const ActuatorEvent& event) {
+  if (!actors_[i].alive) return;
+  for (const ActuatorAction& action : Step(config_.actuators[i], actors_[i].core, event, now_)) {
+    Do(i, action);
+  }
+}
+
+void Theatre::Do(std::size_t i, const ActuatorAction& action) {
+  Actor& actor = actors_[i];
+  const std::string& name = config_.actuators[i].name;
+  const auto end_callback = [this, i](std::int32_t code, const std::string& message) {
+    return [=, this, run = actors_[i].run, pid = actors_[i].pid] {
+      if (actors_[i].run != run || actors_[i].pid != pid) return;
+      ++actors_[i].run;
+      Perform(i, actuator_event::CallbackEnded{code, message});
+    };
+  };
+  if (const auto* run = std::get_if<actuator_action::RunCallback>(&action)) {
+    log_.push_back(name + ":" + run->target);
+    const auto own = actor.script.find(run->target);
+    const auto common = actor.script.find("");
+    const Behaviour behaviour = own != actor.script.end()      ? own->second
+                                : common != actor.script.end() ? common->second
+                                                               : Behaviour{};
+    ++actor.run;
+    actor.hanging = behaviour.ends_when_asked;
+    if (!behaviour.hangs && !behaviour.ends_when_asked) {
+      After(behaviour.takes, end_callback(behaviour.code, behaviour.message));
+    }
+  } else if (std::holds_alternative<actuator_action::RequestStop>(action)) {
+    if (actor.hanging) After(kWire, end_callback(kCodeFailed, "stopped on request"));
+    actor.hanging = false;
+  } else if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
+    const auto request = actor.requests.extract(answer->token);
+    if (request.empty() || actor.dumb) return;
+    After(kWire + actor.delay, [this, i, answer = *answer, number = request.mapped().first,
+                                ask = request.mapped().second, report = ReportOf(i),
+                                generation = generation_] {
+      if (generation != generation_) return;
+      Tell(event::Replied{i, number, ask, answer.verdict, answer.code, answer.message, report});
+    });
+  } else if (std::holds_alternative<actuator_action::PublishStatus>(action)) {
+    if (actor.dumb) return;
+    After(kWire + actor.delay, [this, i, report = ReportOf(i)] {
+      Tell(event::StatusSeen{i, report});
+    });
+  } else if (std::holds_alternative<actuator_action::BecomeVisible>(action)) {
+    actor.visible = true;
+  } else if (const auto* finish = std::get_if<actuator_action::Finish>(&action)) {
+    const bool clean = finish->code == kCodeOk;
+    After(kWire * 3,
+          [this, i, clean] { EndProcess(i, clean, clean ? "exit code 0" : "exit code 1"); });
+  }
+}
+
+void Theatre::Do(const Action& action) {
+  const auto deliver = [this](std::size_t i, std::uint64_t number, bool ask, auto make_event) {
+    const RequestToken token = next_token_++;
+    After(kWire, [=, this] {
+      Actor& actor = actors_[i];
+      if (!actor.alive || !actor.visible || actor.deaf) return;
+      actor.requests[token] = {number, ask};
+      Perform(i, make_event(token));
+    });
+  };
+  if (const auto* send = std::get_if<action::SendSwitch>(&action)) {
+    const ActuatorRecord& record = machine_.actuators[send->actuator];
+    const SwitchCommand command{machine_.epoch,
+                                send->number,
+                                send->target,
+                                send->budget,
+                                record.clock_theirs,
+                                now_ - record.clock_ours,
+                                record.report.incarnation};
+    deliver(send->actuator, send->number, false, [command](RequestToken token) {
+      return ActuatorEvent{actuator_event::SwitchArrived{token, command}};
+    });
+  } else if (const auto* ask = std::get_if<action::SendAsk>(&action)) {
+    const AskCommand command{machine_.epoch, ask->number, ask->stop};
+    deliver(ask->actuator, ask->number, true, [command](RequestToken token) {
+      return ActuatorEvent{actuator_event::AskArrived{token, command}};
+    });
+  } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
+    StartActuator(config_.actuators[start->actuator].name);
+    Tell(event::ProcessStarted{start->actuator, actors_[start->actuator].pid});
+  } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
+    signals.push_back(config_.actuators[signal->actuator].name +
+                      (signal->kill ? ":KILL" : ":TERM"));
+    const bool obeys = signal->kill || !actors_[signal->actuator].script["TERM"].hangs;
+    if (obeys) {
+      EndProcess(signal->actuator, false, signal->kill ? "killed by SIGKILL" : "killed by SIGTERM");
+    }
+  } else if (const auto* answer = std::get_if<action::AnswerSetState>(&action)) {
+    answers[answer->request] = answer->result;
+  } else if (const auto* record = std::get_if<action::Record>(&action)) {
+    records.push_back(record->message);
+  } else if (const auto* ended = std::get_if<action::StartUpEnded>(&action)) {
+    start_up_ = *ended;
+  } else if (std::holds_alternative<action::Stopped>(action)) {
+    stopped_ = true;
+  }
+}
+
+}  // namespace musher::testing

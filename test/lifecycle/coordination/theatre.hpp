@@ -1,0 +1,117 @@
+#pragma once
+// A whole machine in one test: the real coordinator and real actuator cores, with messages handed
+// over in virtual time. Each actuator's callbacks are scripted.
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/actuator_core.hpp"
+#include "musher/lifecycle/coordinator.hpp"
+
+namespace musher::testing {
+
+// What an actuator's callback does.
+struct Behaviour {
+  Duration takes = Milliseconds(10);
+  std::int32_t code = kCodeOk;
+  std::string message;
+  bool hangs = false;
+  bool ends_when_asked = false;  // a long callback that honours RequestStop, ending with Failed
+};
+
+class Theatre {
+ public:
+  explicit Theatre(MachineConfig config);
+
+  // The script; to be changed at any time. State "" is for all states without their own.
+  Behaviour& On(const std::string& actuator, const std::string& state);
+
+  // Starts the machine; hand-started actuators (no command) start at once.
+  void Begin(bool by_hand = false, std::uint64_t epoch = 0);
+  // Starts an actuator's process, as a person would.
+  void StartActuator(const std::string& name);
+  // kill -9.
+  void Crash(const std::string& name);
+  // No message passes between controller and actuator any more, in that direction or both.
+  void Mute(const std::string& name, bool to_actuator, bool from_actuator);
+  // What the actuator says takes so much longer to come.
+  void DelayReports(const std::string& name, Duration delay) { actors_[Index(name)].delay = delay; }
+  // A new controller takes over; the old one is forgotten in the middle of whatever it did.
+  void RestartController();
+
+  // Asks for a switch and returns at once; the answer comes into `answers`.
+  RequestId Ask(const State& target, std::optional<std::string> actuator = std::nullopt);
+  // Asks and lets time pass until the answer is there.
+  SwitchResult Set(const State& target, std::optional<std::string> actuator = std::nullopt);
+
+  // Lets time pass until nothing but far deadlines is left, or `limit` is over.
+  void Rest(Duration limit = std::chrono::seconds(60));
+  void RunFor(Duration duration);
+  // Lets time pass until `done` holds; false when it did not within a simulated hour.
+  bool RunUntil(const std::function<bool()>& done);
+
+  const Machine& machine() const { return machine_; }
+  const MachineConfig& config() const { return config_; }
+  State StateOf(const std::string& actuator) const;
+  const ActuatorRecord& RecordOf(const std::string& actuator) const;
+  // The callbacks that were begun: "audio:Active".
+  const std::vector<std::string>& log() const { return log_; }
+  void ClearLog() { log_.clear(); }
+  bool usable() const { return start_up_ && start_up_->usable; }
+  const std::optional<action::StartUpEnded>& start_up() const { return start_up_; }
+  bool stopped() const { return stopped_; }
+  std::map<RequestId, SwitchResult> answers;
+  std::vector<std::string> records;
+  std::vector<std::string> signals;  // "audio:TERM"
+  Time now() const { return now_; }
+  // Commands written by the test itself, as a stranger might.
+  std::vector<ActuatorAction> Inject(const std::string& actuator, const ActuatorEvent& event);
+
+ private:
+  struct Actor {
+    bool alive = false;
+    bool visible = false;
+    bool deaf = false;
+    bool dumb = false;
+    Duration delay{};
+    std::int32_t pid = 0;
+    int run = 0;  // counts callbacks, so that the end of an old one is not taken for a new one's
+    bool hanging = false;
+    ActuatorCore core;
+    std::map<RequestToken, std::pair<std::uint64_t, bool>> requests;  // number, ask
+    std::map<std::string, Behaviour> script;
+  };
+
+  void After(Duration delay, std::function<void()> what);
+  bool StepTime(Time limit);
+  void Tell(const Event& event);
+  void Perform(std::size_t i, const ActuatorEvent& event);
+  void Do(std::size_t i, const ActuatorAction& action);
+  void Do(const Action& action);
+  void EndProcess(std::size_t i, bool clean, const std::string& how);
+  ActuatorReport ReportOf(std::size_t i) const;
+  std::size_t Index(const std::string& name) const { return *config_.IndexOf(name); }
+
+  MachineConfig config_;
+  Machine machine_;
+  int generation_ = 0;  // of the controller
+  std::vector<Actor> actors_;
+  Time now_{};
+  std::multimap<Time, std::function<void()>> later_;
+  std::vector<std::string> log_;
+  std::optional<action::StartUpEnded> start_up_;
+  bool stopped_ = false;
+  RequestId next_request_ = 1;
+  RequestToken next_token_ = 1;
+  std::int32_t next_pid_ = 1000;
+};
+
+// A machine of actuators "a", "b", "c", …, all states of CyberDog, 100 ms each.
+MachineConfig MachineOf(int actuators);
+ActuatorConfig& ActuatorNamed(MachineConfig& config, const std::string& name);
+
+}  // namespace musher::testing

@@ -1,0 +1,58 @@
+#include "musher/lifecycle/suggest.hpp"
+
+#include <gtest/gtest.h>
+
+#include "musher/lifecycle/state.hpp"
+
+namespace musher {
+namespace {
+
+TEST(Nearest, FindsAWordWithALetterMissingAddedOrWrong) {
+  EXPECT_EQ(Nearest("Protcted", BuiltInStates()), "Protected");
+  EXPECT_EQ(Nearest("Protectted", BuiltInStates()), "Protected");
+  EXPECT_EQ(Nearest("Brotected", BuiltInStates()), "Protected");
+}
+
+TEST(Nearest, CountsSwappedNeighboursAsOneEdit) {
+  EXPECT_EQ(Nearest("eno", std::vector<std::string>{"one"}), "");
+  EXPECT_EQ(Nearest("oen", std::vector<std::string>{"one"}), "one");
+}
+
+TEST(Nearest, TakesNoNoticeOfCase) {
+  EXPECT_EQ(Nearest("ACTIVE", BuiltInStates()), "Active");
+  EXPECT_EQ(Nearest("deactive", BuiltInStates()), "DeActive");
+}
+
+TEST(Nearest, GivesTheNearestOfSeveral) {
+  EXPECT_EQ(Nearest("motor_left", std::vector<std::string>{"motor_right", "motor_lift", "motor"}),
+            "motor_lift");
+}
+
+TEST(Nearest, GivesTheFirstOfEquallyNearOnes) {
+  EXPECT_EQ(Nearest("arm3", std::vector<std::string>{"arm2", "arm1"}), "arm2");
+}
+
+TEST(Nearest, GivesNothingWhereNothingIsNear) {
+  EXPECT_EQ(Nearest("Dancing", BuiltInStates()), "");
+  EXPECT_EQ(Nearest("ab", std::vector<std::string>{"xy"}), "");
+  EXPECT_EQ(Nearest("", std::vector<std::string>{"a"}), "");
+  EXPECT_EQ(Nearest("a", std::vector<std::string>{}), "");
+}
+
+TEST(Nearest, AllowsMoreSlipsInLongerWordsUpToThree) {
+  EXPECT_EQ(Nearest("controller_lots_sm", std::vector<std::string>{"controller_lost_ms"}),
+            "controller_lost_ms");
+  EXPECT_EQ(Nearest("kontroler_lots_sm", std::vector<std::string>{"controller_lost_ms"}), "");
+}
+
+TEST(Nearest, NeverGivesTheWordItself) {
+  EXPECT_EQ(Nearest("Active", std::vector<std::string>{"Active"}), "");
+}
+
+TEST(Nearest, LeavesVeryLongWordsAlone) {
+  const std::string word(65, 'a');
+  EXPECT_EQ(Nearest(word, std::vector<std::string>{word + "b"}), "");
+}
+
+}  // namespace
+}  // namespace musher

@@ -1,0 +1,138 @@
+#include "musher/modules/exec/exec_config.hpp"
+
+#include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/config_toml.hpp"
+
+namespace musher::exec {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+ActuatorConfig Audio() {
+  ActuatorConfig audio;
+  audio.name = "audio";
+  audio.states = {"SetUp", "TearDown", "SelfCheck", "Active"};
+  return audio;
+}
+
+ExecReading Read(const std::string& text) {
+  return ReadExecText(text, "/robot/audio.toml", Audio());
+}
+
+// All that is said about `text`, as an editor shows it.
+std::vector<std::string> Faults(const std::string& text) {
+  const ExecReading reading = Read(text);
+  EXPECT_FALSE(reading.config);
+  std::vector<std::string> faults;
+  for (const Diagnostic& diagnostic : reading.diagnostics) {
+    faults.push_back(FormatDiagnostic(diagnostic));
+  }
+  return faults;
+}
+
+TEST(ExecConfig, HasWhatTheFileSays) {
+  const ExecReading reading = Read(R"(
+module = 5000
+stop_ms = 700
+cwd = "work"
+[state.SetUp]
+start = ["server", "--port", "80"]
+run = ["./wait", "80", "80"]
+[state.SelfCheck]
+shell = "test -e /dev/snd && true"
+)");
+  ASSERT_TRUE(reading.config);
+  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  EXPECT_EQ(reading.config->module, 5000);
+  EXPECT_EQ(reading.config->stop_time, Milliseconds(700));
+  EXPECT_EQ(reading.config->cwd, "/robot/work");
+  ASSERT_EQ(reading.config->states.size(), 2U);
+  EXPECT_THAT(reading.config->states.at("SetUp").start, ElementsAre("server", "--port", "80"));
+  EXPECT_THAT(reading.config->states.at("SetUp").run, ElementsAre("/robot/wait", "80", "80"));
+  EXPECT_THAT(reading.config->states.at("SelfCheck").run,
+              ElementsAre("/bin/sh", "-c", "test -e /dev/snd && true"));
+}
+
+TEST(ExecConfig, NeedsNoMoreThanOneState) {
+  const ExecReading reading = Read("[state.SetUp]\nstart = [\"server\"]\n");
+  ASSERT_TRUE(reading.config);
+  EXPECT_EQ(*reading.config, ConfigForProgram({"server"}));
+}
+
+TEST(ExecConfig, NamesAStateThatTheStateConfigDoesNotList) {
+  EXPECT_THAT(Faults("[state.Activ]\nrun = [\"true\"]\n"),
+              ElementsAre("/robot/audio.toml:1:8: error: state.Activ: the state config does not "
+                          "list this state for audio; it lists SetUp, TearDown, SelfCheck and "
+                          "Active; did you mean \"Active\"?"));
+}
+
+TEST(ExecConfig, TakesNoShellLineWhereItWantsArguments) {
+  EXPECT_THAT(Faults("[state.Active]\nrun = \"echo hello\"\n"),
+              ElementsAre("/robot/audio.toml:2:7: error: state.Active.run: expected an array of "
+                          "strings, found a string; write [\"program\", \"argument\"], or shell = "
+                          "\"echo hello\" for a shell line"));
+}
+
+TEST(ExecConfig, StartsProgramsInSetUpOnly) {
+  EXPECT_THAT(Faults("[state.Active]\nstart = [\"server\"]\n"),
+              ElementsAre(HasSubstr("2:9: error: state.Active.start: a program that keeps running "
+                                    "is started in SetUp")));
+}
+
+TEST(ExecConfig, WantsEitherRunOrShell) {
+  EXPECT_THAT(Faults("[state.Active]\nrun = [\"true\"]\nshell = \"true\"\n"),
+              ElementsAre(HasSubstr("3:9: error: state.Active.shell: expected either run or "
+                                    "shell, found both")));
+}
+
+TEST(ExecConfig, ReportsAllFaultsAtOnce) {
+  EXPECT_THAT(Faults("modul = 1\nstop_ms = 0\n[state.Active]\nrun = []\nruns = [\"\"]\n"
+                     "[state.SetUp]\nrun = [\"\"]\n"),
+              ElementsAre(HasSubstr(":1:1: error: unknown key \"modul\"; did you mean \"module\"?"),
+                          HasSubstr(":2:11: error: stop_ms: expected an integer from 1"),
+                          HasSubstr(":4:7: error: state.Active.run: expected at least one string"),
+                          HasSubstr(":5:1: error: state.Active: unknown key \"runs\""),
+                          HasSubstr(":7:8: error: state.SetUp.run: expected a program")));
+}
+
+TEST(ExecConfig, WantsAtLeastAStateTable) {
+  EXPECT_THAT(Faults("module = 100\n"), ElementsAre(HasSubstr("the key \"state\" is missing")));
+  EXPECT_THAT(Faults("state = 3\n"), ElementsAre(HasSubstr("expected a table, found an integer")));
+  EXPECT_THAT(Faults("[state]\nActive = 3\n"),
+              ElementsAre(HasSubstr("2:10: error: state.Active: expected a table, found")));
+}
+
+TEST(ExecConfig, LocatesWhatIsNotToml) {
+  EXPECT_THAT(Faults("module = \n"), ElementsAre(HasSubstr("/robot/audio.toml:1:")));
+}
+
+TEST(ExecConfig, SaysWhyAFileCannotBeRead) {
+  const ExecReading missing = ReadExecFile("/nowhere/at/all.toml", Audio());
+  ASSERT_EQ(missing.diagnostics.size(), 1U);
+  EXPECT_THAT(missing.diagnostics.front().message, HasSubstr("No such file"));
+  const ExecReading folder = ReadExecFile("/", Audio());
+  ASSERT_EQ(folder.diagnostics.size(), 1U);
+  EXPECT_THAT(folder.diagnostics.front().message, HasSubstr("it is a folder"));
+}
+
+TEST(CyberdogConfig, HasAGoodExecFileForEachActuator) {
+  const std::string folder = std::string(MUSHER_SOURCE_DIR) + "/config/";
+  const ConfigReading machine = ReadConfigFile(folder + "cyberdog.toml");
+  ASSERT_TRUE(machine.config);
+  EXPECT_THAT(machine.diagnostics, IsEmpty());
+  ASSERT_EQ(machine.config->actuators.size(), 7U);
+  for (const ActuatorConfig& actuator : machine.config->actuators) {
+    const ExecReading reading = ReadExecFile(folder + "exec/" + actuator.name + ".toml", actuator);
+    EXPECT_TRUE(reading.config) << actuator.name;
+    EXPECT_THAT(actuator.command, ElementsAre("musher-exec", actuator.name + ".toml"));
+  }
+}
+
+}  // namespace
+}  // namespace musher::exec

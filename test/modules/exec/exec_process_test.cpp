@@ -1,0 +1,214 @@
+// musher-exec as a controller meets it: the real program over DDS.
+
+#include <gmock/gmock.h>
+
+#include <unistd.h>
+
+#include <csignal>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "musher/test/modules/exec/exec_peer.hpp"
+#include "musher/test/modules/exec/processes.hpp"
+
+namespace musher::exec {
+namespace {
+
+using testing::HasSubstr;
+
+// A program that says its pid in the test's folder and runs until it is stopped.
+constexpr const char* kProgram = R"(
+stop_ms = 20000
+module = 3000
+[state.SetUp]
+start = ["sh", "-c", "echo $$ > $MUSHER_TEST/program; exec sleep infinity"]
+)";
+
+TEST(MusherExec, IsSetUpRunsItsStatesAndIsTornDown) {
+  ExecPeer peer;
+  peer.Start(std::string(kProgram) + "[state.Active]\nshell = \"echo on > $MUSHER_TEST/active\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  EXPECT_EQ(peer.report().pid, peer.pid());
+  const pid_t program = ReadPid(peer.folder() / "program");
+  ASSERT_GT(program, 0);
+
+  const auto active = peer.Switch("Active");
+  ASSERT_TRUE(active);
+  EXPECT_EQ(active.value().verdict, msg::ActuatorCommand::kVerdictDone);
+  EXPECT_EQ(active.value().status.state, "Active");
+  EXPECT_EQ(access((peer.folder() / "active").c_str(), F_OK), 0);
+
+  const auto torn_down = peer.Switch("TearDown");
+  ASSERT_TRUE(torn_down);
+  EXPECT_EQ(torn_down.value().verdict, msg::ActuatorCommand::kVerdictDone);
+  EXPECT_EQ(peer.AwaitExit(), 0) << peer.Output();
+  EXPECT_TRUE(Gone(program));
+}
+
+TEST(MusherExec, AnswersWithTheCodeAndTheReasonOfAFailingCommand) {
+  ExecPeer peer;
+  peer.Start(std::string(kProgram) +
+             "[state.SelfCheck]\nshell = \"echo motor 7 is hot; exit 9\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  const auto reply = peer.Switch("SelfCheck");
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply.value().verdict, msg::ActuatorCommand::kVerdictFailed);
+  EXPECT_EQ(reply.value().code, 3009);
+  EXPECT_EQ(reply.value().message, "motor 7 is hot");
+  EXPECT_EQ(reply.value().status.state, "SetUp");
+  EXPECT_THAT(peer.Output(), HasSubstr("motor 7 is hot"));
+}
+
+TEST(MusherExec, EndsWithTheReasonWhenSetUpFails) {
+  ExecPeer peer;
+  peer.Start("module = 3000\n[state.SetUp]\nshell = \"echo no port; exit 12\"\n");
+  EXPECT_EQ(peer.AwaitExit(), 1);
+  EXPECT_THAT(peer.Output(), HasSubstr("3012"));
+  EXPECT_THAT(peer.Output(), HasSubstr("no port"));
+}
+
+TEST(MusherExec, IsBusyWithASlowCommandAndStopsItWhenAsked) {
+  ExecPeer peer;
+  peer.Start(std::string(kProgram) +
+             "[state.Active]\nshell = \"echo $$ > $MUSHER_TEST/slow; exec sleep infinity\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  peer.Send("Active");
+  const pid_t slow = ReadPid(peer.folder() / "slow");
+  ASSERT_GT(slow, 0);
+  EXPECT_FALSE(peer.reply());
+
+  const auto answer = peer.Ask();
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer.value().status.target, "Active");
+  ASSERT_TRUE(peer.AwaitReply());
+  ASSERT_TRUE(*peer.reply());
+  EXPECT_EQ(peer.reply()->value().code, 3007);
+  EXPECT_TRUE(Gone(slow));
+  EXPECT_EQ(peer.Switch("LowPower").value().status.state, "LowPower");
+}
+
+TEST(MusherExec, EndsAtOnceAndSaysSoWhenItsProgramCrashes) {
+  ExecPeer peer;
+  peer.Start(std::string(kProgram) +
+             "[state.Active]\nshell = \"trap '' TERM; echo $$ > $MUSHER_TEST/slow; "
+             "while :; do sleep 1; done\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  peer.Send("Active");
+  const pid_t slow = ReadPid(peer.folder() / "slow");
+  ASSERT_GT(slow, 0);
+  kill(ReadPid(peer.folder() / "program"), SIGSEGV);
+  EXPECT_EQ(peer.AwaitExit(), 1);
+  EXPECT_THAT(peer.Output(), HasSubstr("motion: its program ended by itself: killed by SIGSEGV"));
+  EXPECT_TRUE(Gone(slow));
+}
+
+TEST(MusherExec, LeavesNothingBehindWhenItIsKilled) {
+  ExecPeer peer;
+  peer.Start(R"([state.SetUp]
+start = ["sh", "-c", "sleep infinity & echo $! > $MUSHER_TEST/child; echo $$ > $MUSHER_TEST/program; wait"]
+)");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  const pid_t program = ReadPid(peer.folder() / "program");
+  const pid_t child = ReadPid(peer.folder() / "child");
+  ASSERT_GT(program, 0);
+  ASSERT_GT(child, 0);
+  peer.Signal(SIGKILL);
+  EXPECT_EQ(peer.AwaitExit(), -SIGKILL);
+  EXPECT_TRUE(Gone(program));
+  EXPECT_TRUE(Gone(child));
+}
+
+TEST(MusherExec, StopsItsProgramAndEndsOnSigterm) {
+  ExecPeer peer;
+  peer.Start(kProgram);
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  const pid_t program = ReadPid(peer.folder() / "program");
+  peer.Signal(SIGTERM);
+  EXPECT_EQ(peer.AwaitExit(), 0);
+  EXPECT_TRUE(Gone(program));
+}
+
+TEST(MusherExec, EndsOnSigtermWhileItIsBeingSetUp) {
+  ExecPeer peer;
+  peer.Start(std::string(kProgram) +
+             "shell = \"echo $$ > $MUSHER_TEST/slow; exec sleep infinity\"\n");
+  const pid_t slow = ReadPid(peer.folder() / "slow");
+  ASSERT_GT(slow, 0);
+  peer.Signal(SIGTERM);
+  EXPECT_EQ(peer.AwaitExit(), 0);
+  EXPECT_TRUE(Gone(slow));
+  EXPECT_TRUE(Gone(ReadPid(peer.folder() / "program")));
+}
+
+TEST(MusherExec, EndsWhenTearDownFailsAndItsProgramIsGone) {
+  ExecPeer peer;
+  peer.Start(std::string(kProgram) +
+             "[state.TearDown]\nshell = \"kill -TERM $MUSHER_PROGRAM_PID; echo stuck; exit 5\"\n");
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  peer.Send("TearDown");
+  EXPECT_EQ(peer.AwaitExit(), 1);
+  EXPECT_THAT(peer.Output(), HasSubstr("its program ended by itself: killed by SIGTERM"));
+}
+
+TEST(MusherExec, WrapsAProgramWithoutAFile) {
+  ExecPeer peer;
+  peer.StartWith({"--actuator", "motion", "--config", peer.folder() / "machine.toml", "--", "sh",
+                  "-c", "echo $$ > $MUSHER_TEST/program; exec sleep infinity"});
+  ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
+  EXPECT_EQ(peer.Switch("Active").value().status.state, "Active");
+  kill(ReadPid(peer.folder() / "program"), SIGKILL);
+  EXPECT_EQ(peer.AwaitExit(), 1);
+}
+
+// What a person got wrong.
+struct Slip {
+  const char* name;
+  std::vector<std::string> arguments;
+  const char* said;
+};
+
+void PrintTo(const Slip& slip, std::ostream* out) {
+  *out << slip.name;
+}
+
+class MusherExecUsage : public testing::TestWithParam<Slip> {};
+
+TEST_P(MusherExecUsage, IsExplainedAndEndsWithTwo) {
+  ExecPeer peer;
+  peer.StartWith(GetParam().arguments);
+  EXPECT_EQ(peer.AwaitExit(), 2);
+  EXPECT_THAT(peer.Output(), HasSubstr(GetParam().said));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Slips, MusherExecUsage,
+    testing::Values(
+        Slip{"NoActuator", {"--config", "machine.toml", "x.toml"}, "--actuator is required"},
+        Slip{"NoConfig", {"--actuator", "motion", "x.toml"}, "--config is required"},
+        Slip{"NothingToDo",
+             {"--actuator", "motion", "--config", "machine.toml"},
+             "expected either FILE or -- PROGRAM"},
+        Slip{"UnknownActuator",
+             {"--actuator", "moton", "--config", "machine.toml", "x.toml"},
+             "machine.toml: there is no actuator 'moton'"},
+        Slip{"MissingConfig",
+             {"--actuator", "motion", "--config", "none.toml", "x.toml"},
+             "none.toml: error: the file cannot be read"},
+        Slip{"MissingFile",
+             {"--actuator", "motion", "--config", "machine.toml", "none.toml"},
+             "none.toml: error: the file cannot be read"},
+        Slip{"BothFileAndProgram",
+             {"--actuator", "motion", "--config", "machine.toml", "x.toml", "--", "true"},
+             "expected either FILE or -- PROGRAM"}),
+    [](const auto& slip) { return slip.param.name; });
+
+TEST(MusherExec, ExplainsItself) {
+  ExecPeer peer;
+  peer.StartWith({"--help"});
+  EXPECT_EQ(peer.AwaitExit(), 0);
+  EXPECT_THAT(peer.Output(), HasSubstr("[state.SetUp]"));
+}
+
+}  // namespace
+}  // namespace musher::exec

@@ -1,0 +1,40 @@
+#pragma once
+// Waiting for what processes do, without sleeping for a guessed time.
+
+#include <dirent.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <string>
+
+#include "musher/transport/host.hpp"
+
+namespace musher::exec {
+
+// Far longer than anything here takes; what is waited for ends the wait.
+inline Time Soon() {
+  return std::chrono::steady_clock::now() + std::chrono::seconds(20);
+}
+
+// Whether process `pid` is over, at the latest Soon(). One that nobody has reaped counts as over.
+inline bool Gone(pid_t pid) {
+  const auto pidfd = transport::OpenPidfd(pid);
+  if (!pidfd) return true;
+  pollfd ended{pidfd.value().get(), POLLIN, 0};
+  return poll(&ended, 1, 20'000) == 1;
+}
+
+// The number in `file` once it is there with the line's end, 0 if it does not come.
+inline pid_t ReadPid(const std::string& file) {
+  for (const Time deadline = Soon(); std::chrono::steady_clock::now() < deadline;) {
+    std::ifstream stream(file);
+    std::string line;
+    if (std::getline(stream, line) && !stream.eof()) return std::stoi(line);
+    poll(nullptr, 0, 5);
+  }
+  return 0;
+}
+
+}  // namespace musher::exec

@@ -1,0 +1,189 @@
+#include "musher/modules/exec/state_runner.hpp"
+
+#include <gmock/gmock.h>
+#include <poll.h>
+
+#include <csignal>
+#include <fstream>
+#include <string>
+
+#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/modules/exec/processes.hpp"
+
+namespace musher::exec {
+namespace {
+
+using testing::HasSubstr;
+
+class StateRunnerTest : public testing::Test {
+ protected:
+  StateRunnerTest() {
+    config_.module = 3000;
+    config_.stop_time = std::chrono::seconds(20);
+  }
+
+  void On(const State& state, const std::string& line) {
+    config_.states[state].run = {"sh", "-c", line};
+  }
+  void Start(const std::string& line) { config_.states["SetUp"].start = {"sh", "-c", line}; }
+
+  Result<> Run(StateRunner& runner, const State& state) {
+    return runner.Run(state, [] { return false; });
+  }
+  Result<> Run(const State& state) {
+    StateRunner runner("motion", config_, keeper_.value());
+    return Run(runner, state);
+  }
+
+  std::string Content(const std::string& file) const {
+    std::ifstream stream(folder_ / file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+
+  const TempFolder folder_;
+  const Result<Keeper> keeper_ = Keeper::Start();
+  ExecConfig config_;
+};
+
+TEST_F(StateRunnerTest, SucceedsWhereThereIsNothingToDo) {
+  EXPECT_TRUE(Run("SetUp"));
+  EXPECT_TRUE(Run("Active"));
+  EXPECT_TRUE(Run("TearDown"));
+}
+
+TEST_F(StateRunnerTest, TakesExitCodeZeroForDone) {
+  On("Active", "exit 0");
+  EXPECT_TRUE(Run("Active"));
+}
+
+TEST_F(StateRunnerTest, MakesAnExitCodeCyberdogsCodeAndTheLastLineTheReason) {
+  On("SelfCheck", "echo the motor board does not answer; exit 9");
+  const auto result = Run("SelfCheck");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error(), (Error{3009, "the motor board does not answer"}));
+}
+
+TEST_F(StateRunnerTest, SaysTheExitCodeOfASilentCommand) {
+  On("SelfCheck", "exit 9");
+  EXPECT_EQ(Run("SelfCheck").error(), (Error{3009, "exit code 9"}));
+}
+
+TEST_F(StateRunnerTest, CallsAnExitCodeThatIsNoKeyFailed) {
+  On("Active", "no-such-program");
+  const auto result = Run("Active");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, 3001);
+  EXPECT_THAT(result.error().message, HasSubstr("exit code 127: "));
+}
+
+TEST_F(StateRunnerTest, CallsACrashFailed) {
+  On("Active", "echo hot; kill -SEGV $$");
+  EXPECT_EQ(Run("Active").error(), (Error{3001, "killed by SIGSEGV: hot"}));
+}
+
+TEST_F(StateRunnerTest, TellsACommandItsStateActuatorAndProgram) {
+  Start("exec sleep infinity");
+  On("Active",
+     "echo $MUSHER_STATE $MUSHER_ACTUATOR > " + folder_ / "told" + "; kill -0 $MUSHER_PROGRAM_PID");
+  StateRunner runner("motion", config_, keeper_.value());
+  ASSERT_TRUE(Run(runner, "SetUp"));
+  EXPECT_TRUE(Run(runner, "Active"));
+  EXPECT_EQ(Content("told"), "Active motion\n");
+}
+
+TEST_F(StateRunnerTest, StopsACommandThatIsNotWaitedForAnyMore) {
+  On("Active", "echo $$ > " + folder_ / "ready" + "; exec sleep infinity");
+  StateRunner runner("motion", config_, keeper_.value());
+  const auto result = runner.Run("Active", [this] { return ReadPid(folder_ / "ready") > 0; });
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error(), (Error{3007, "stopped as it was not waited for any more"}));
+}
+
+TEST_F(StateRunnerTest, TakesAnEndInTimeForDoneEvenWhenStopped) {
+  On("Active",
+     "trap 'exit 0' TERM; echo $$ > " + folder_ / "ready" + "; while :; do sleep 0.01; done");
+  StateRunner runner("motion", config_, keeper_.value());
+  EXPECT_TRUE(runner.Run("Active", [this] { return ReadPid(folder_ / "ready") > 0; }));
+}
+
+TEST_F(StateRunnerTest, BeginsNothingOnceItIsHurried) {
+  On("Active", "touch " + folder_ / "begun");
+  StateRunner runner("motion", config_, keeper_.value());
+  runner.Hurry(Wanted::kNo);
+  EXPECT_EQ(Run(runner, "Active").error().code, 3004);
+  EXPECT_EQ(Content("begun"), "");
+}
+
+TEST_F(StateRunnerTest, KeepsTheProgramRunningUntilTearDown) {
+  Start("echo $$ > " + folder_ / "program" + "; exec sleep infinity");
+  StateRunner runner("motion", config_, keeper_.value());
+  ASSERT_TRUE(Run(runner, "SetUp"));
+  const pid_t program = ReadPid(folder_ / "program");
+  ASSERT_TRUE(Run(runner, "Active"));
+  EXPECT_EQ(kill(program, 0), 0);
+  ASSERT_TRUE(Run(runner, "TearDown"));
+  EXPECT_TRUE(Gone(program));
+  EXPECT_TRUE(runner.tearing_down());
+}
+
+TEST_F(StateRunnerTest, KillsAProgramThatIsDeafToSigterm) {
+  config_.stop_time = Milliseconds(50);
+  Start("trap '' TERM; echo $$ > " + folder_ / "program" + "; while :; do sleep 1; done");
+  StateRunner runner("motion", config_, keeper_.value());
+  ASSERT_TRUE(Run(runner, "SetUp"));
+  const pid_t program = ReadPid(folder_ / "program");
+  ASSERT_GT(program, 0);
+  EXPECT_TRUE(Run(runner, "TearDown"));
+  EXPECT_EQ(runner.AwaitProgram()->Text(), "killed by SIGKILL");
+  EXPECT_TRUE(Gone(program));
+}
+
+TEST_F(StateRunnerTest, FailsSetUpWhenTheProgramCannotBeRun) {
+  config_.states["SetUp"].start = {"/no/such/server"};
+  const auto result = Run("SetUp");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, 3001);
+  EXPECT_THAT(result.error().message, HasSubstr("can't run /no/such/server"));
+}
+
+TEST_F(StateRunnerTest, FailsSetUpAndEndsItsCommandWhenTheProgramEnds) {
+  Start("exit 4");
+  On("SetUp", "exec sleep infinity");
+  const auto result = Run("SetUp");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error(), (Error{3001, "sh ended during SetUp: exit code 4"}));
+}
+
+TEST_F(StateRunnerTest, StopsTheProgramWhenSetUpFails) {
+  Start("echo $$ > " + folder_ / "program" + "; exec sleep infinity");
+  On("SetUp", "while [ ! -s " + folder_ / "program" + " ]; do sleep 0.01; done; exit 5");
+  StateRunner runner("motion", config_, keeper_.value());
+  EXPECT_EQ(Run(runner, "SetUp").error().code, 3005);
+  EXPECT_TRUE(Gone(ReadPid(folder_ / "program")));
+}
+
+TEST_F(StateRunnerTest, KeepsTheProgramWhenTearDownFails) {
+  Start("echo $$ > " + folder_ / "program" + "; exec sleep infinity");
+  On("TearDown", "exit 5");
+  StateRunner runner("motion", config_, keeper_.value());
+  ASSERT_TRUE(Run(runner, "SetUp"));
+  EXPECT_EQ(Run(runner, "TearDown").error().code, 3005);
+  EXPECT_FALSE(runner.tearing_down());
+  EXPECT_EQ(kill(ReadPid(folder_ / "program"), 0), 0);
+}
+
+TEST_F(StateRunnerTest, SeesThatTheProgramHasEnded) {
+  Start("exec sleep infinity");
+  On("Active", "kill -KILL $MUSHER_PROGRAM_PID");
+  StateRunner runner("motion", config_, keeper_.value());
+  EXPECT_EQ(runner.program_watch(), -1);
+  ASSERT_TRUE(Run(runner, "SetUp"));
+  pollfd watch{runner.program_watch(), POLLIN, 0};
+  EXPECT_EQ(poll(&watch, 1, 0), 0);
+  ASSERT_TRUE(Run(runner, "Active"));
+  EXPECT_EQ(poll(&watch, 1, 20'000), 1);
+  EXPECT_EQ(runner.AwaitProgram()->Text(), "killed by SIGKILL");
+}
+
+}  // namespace
+}  // namespace musher::exec

@@ -1,0 +1,89 @@
+#include "musher/test/simulation/sim_robot.hpp"
+
+#include <gmock/gmock.h>
+
+#include "musher/test/lifecycle/coordination/theatre.hpp"
+
+namespace musher::testing {
+namespace {
+
+using transport::sim::LinkFaults;
+
+MachineConfig Robot(int actuators) {
+  MachineConfig config = MachineOf(actuators);
+  for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
+  return config;
+}
+
+bool IsUp(const SimRobot& robot) {
+  return robot.machine().phase == Phase::kRunning;
+}
+
+TEST(SimRobot, ComesUpAndSwitches) {
+  SimRobot robot(1, Robot(7));
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  EXPECT_EQ(robot.machine().state, "Active");
+  EXPECT_TRUE(robot.Set("LowPower")->done());
+  EXPECT_TRUE(robot.Set("OTA")->done());
+  EXPECT_TRUE(robot.Set("Active")->done());
+  EXPECT_EQ(robot.ReportOf("c")->state, "Active");
+}
+
+TEST(SimRobot, IsTornDownAndItsProcessesEnd) {
+  SimRobot robot(1, Robot(3));
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  EXPECT_TRUE(robot.Set("TearDown")->done());
+  EXPECT_EQ(robot.machine().phase, Phase::kStopped);
+  for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(robot.IsAlive(name));
+}
+
+TEST(SimRobot, IsTheSameTwiceFromTheSameSeed) {
+  const auto run = [](std::uint64_t seed) {
+    SimRobot robot(seed, Robot(5));
+    LinkFaults faults;
+    faults.loss = 0.1;
+    faults.delay_max = Milliseconds(20);
+    robot.network().SetFaults(faults);
+    robot.StartController();
+    robot.RunUntil([&] { return IsUp(robot); });
+    robot.Set("LowPower");
+    return robot.journal();
+  };
+  EXPECT_EQ(run(7), run(7));
+}
+
+TEST(SimRobot, AControllerThatDiesInASwitchIsFollowedByOneThatBringsTheMachineTogether) {
+  SimRobot robot(3, Robot(5));
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  EXPECT_FALSE(robot.Set("LowPower", std::nullopt, Milliseconds(1)).has_value());
+  robot.CrashController();
+  robot.RunFor(std::chrono::seconds(1));
+  for (const char* name : {"a", "b", "c", "d", "e"}) EXPECT_TRUE(robot.IsAlive(name));
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  robot.RunFor(std::chrono::seconds(1));
+  for (const char* name : {"a", "b", "c", "d", "e"}) {
+    EXPECT_EQ(robot.ReportOf(name)->state, robot.machine().state) << name;
+  }
+}
+
+TEST(SimRobot, AStaleStatusOfADeadProcessDoesNotTakeItsSuccessorDown) {
+  SimRobot robot(5, MachineOf(1));
+  robot.StartActuator("a");
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  robot.network().Block("a", "controller");
+  robot.Set("Protected", std::nullopt, Milliseconds(20));  // its status is held up on the way
+  robot.CrashActuator("a");
+  robot.StartActuator("a");
+  robot.network().Free("a", "controller");
+  robot.RunFor(std::chrono::seconds(30));  // also past the lease of the dead process
+  EXPECT_EQ(robot.machine().actuators[0].presence, Presence::kPresent);
+  EXPECT_EQ(robot.ReportOf("a")->state, robot.machine().state);
+}
+
+}  // namespace
+}  // namespace musher::testing

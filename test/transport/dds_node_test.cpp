@@ -1,0 +1,116 @@
+// How a node on Cyclone finds its domain and its configuration.
+
+#include "musher/transport/dds/dds_node.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "musher/transport/dds/settings.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::transport {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class DdsNodes : public testing::Test {
+ protected:
+  DdsNodes() {
+    for (const char* name : {"ROS_DOMAIN_ID", "CYCLONEDDS_URI", "MUSHER_TRANSPORT"}) unsetenv(name);
+  }
+
+  std::string Failure(const DdsOptions& options) {
+    const auto node = MakeDdsNode(loop_, options);
+    return node ? "" : node.error().message;
+  }
+
+  LinuxEventLoop loop_;
+  const DdsOptions test_domain_{.domain_id = 1 + getpid() % 100};
+};
+
+TEST_F(DdsNodes, UseTheDomainOfTheEnvironmentUnlessTheyAreGivenOne) {
+  EXPECT_EQ(DomainId({}).value(), 0);
+  setenv("ROS_DOMAIN_ID", "42", 1);
+  EXPECT_EQ(DomainId({}).value(), 42);
+  EXPECT_EQ(DomainId({.domain_id = 7}).value(), 7);
+}
+
+TEST_F(DdsNodes, RefuseADomainThatDoesNotExist) {
+  for (const char* domain : {"233", "-1", "dog", "4 2"}) {
+    setenv("ROS_DOMAIN_ID", domain, 1);
+    EXPECT_THAT(Failure({}), AllOf(HasSubstr("0 to 232"), HasSubstr(domain)));
+  }
+}
+
+TEST_F(DdsNodes, RefuseAProfileThatDoesNotExist) {
+  setenv("MUSHER_TRANSPORT", "moon", 1);
+  EXPECT_THAT(Failure(test_domain_), AllOf(HasSubstr("MUSHER_TRANSPORT"), HasSubstr("moon")));
+}
+
+TEST_F(DdsNodes, SayWhatIsWrongWithTheUsersConfiguration) {
+  setenv("CYCLONEDDS_URI",
+         "<CycloneDDS><Domain><General><Wheels>4</Wheels></General></Domain></CycloneDDS>", 1);
+  EXPECT_THAT(Failure(test_domain_),
+              AllOf(HasSubstr("cannot join DDS domain"), HasSubstr("Wheels")));
+}
+
+TEST_F(DdsNodes, UseTheUsersConfigurationInsteadOfTheProfile) {
+  setenv("MUSHER_TRANSPORT", "local", 1);
+  setenv("CYCLONEDDS_URI",
+         "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"no_such_interface\"/>"
+         "</Interfaces></General></Domain></CycloneDDS>",
+         1);
+  EXPECT_THAT(Failure(test_domain_), HasSubstr("no_such_interface"));
+}
+
+TEST_F(DdsNodes, ShareTheDomainOfTheProcessAndOpenItAgain) {
+  for (int i = 0; i < 2; ++i) {
+    const auto one = MakeDdsNode(loop_, test_domain_);
+    const auto two = MakeDdsNode(loop_, test_domain_);
+    EXPECT_TRUE(one && two);
+  }
+}
+
+TEST_F(DdsNodes, RefuseASampleWithoutItsHeader) {
+  const auto node = MakeDdsNode(loop_, test_domain_);
+  const auto writer = node.value()->MakeRawWriter("rt/short", "a::msg::dds_::B_", {}, {});
+  const msg::Bytes bytes(3);
+  EXPECT_FALSE(writer.value()->Write(bytes));
+}
+
+TEST_F(DdsNodes, RefuseATopicWithANameThatDdsCannotHave) {
+  const auto node = MakeDdsNode(loop_, test_domain_);
+  EXPECT_FALSE(node.value()->MakeRawWriter("", "a::msg::dds_::B_", {}, {}));
+}
+
+TEST(Settings, TakeTheProfileOfTheEnvironmentBeforeTheConfigs) {
+  unsetenv("MUSHER_TRANSPORT");
+  EXPECT_EQ(dds::ChosenProfile(TransportProfile::kLan).value(), TransportProfile::kLan);
+  setenv("MUSHER_TRANSPORT", "local", 1);
+  EXPECT_EQ(dds::ChosenProfile(TransportProfile::kLan).value(), TransportProfile::kLocal);
+  setenv("MUSHER_TRANSPORT", "lan", 1);
+  EXPECT_EQ(dds::ChosenProfile(TransportProfile::kLocal).value(), TransportProfile::kLan);
+}
+
+TEST(Settings, KeepOneHostOnLoopbackAndLetItsProcessesBeMany) {
+  const std::string local = dds::SettingsXml(TransportProfile::kLocal, {});
+  const std::string lan = dds::SettingsXml(TransportProfile::kLan, {});
+  EXPECT_THAT(local, HasSubstr("name=\"lo\""));
+  EXPECT_THAT(lan, Not(HasSubstr("name=\"lo\"")));
+  for (const auto& xml : {local, lan}) {
+    EXPECT_THAT(xml, HasSubstr("<ParticipantIndex>none</ParticipantIndex>"));
+  }
+}
+
+TEST(Settings, TakeTheLeaseThatIsAskedFor) {
+  const std::string xml = dds::SettingsXml(TransportProfile::kLocal, Milliseconds(800));
+  EXPECT_THAT(xml, HasSubstr("<LeaseDuration>800ms</LeaseDuration>"));
+  EXPECT_THAT(xml, HasSubstr("<SPDPInterval>200ms</SPDPInterval>"));
+}
+
+}  // namespace
+}  // namespace musher::transport

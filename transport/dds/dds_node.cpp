@@ -1,0 +1,89 @@
+#include "musher/transport/dds/dds_node.hpp"
+
+#include <charconv>
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+
+#include "musher/transport/dds/dds_reader.hpp"
+#include "musher/transport/dds/dds_writer.hpp"
+#include "musher/transport/dds/participant.hpp"
+#include "musher/transport/dds/raw_type.hpp"
+#include "musher/transport/dds/service_tags.hpp"
+#include "musher/transport/dds/settings.hpp"
+
+namespace musher::transport {
+
+namespace {
+
+class DdsNode : public Node {
+ public:
+  DdsNode(EventLoop& loop, dds::Participant participant)
+      : loop_(loop), participant_(std::move(participant)), tags_(participant_.entity.get()) {}
+
+  EventLoop& loop() override { return loop_; }
+
+  Result<std::unique_ptr<RawWriter>> MakeRawWriter(const std::string& topic,
+                                                   const std::string& type, const Qos& qos,
+                                                   WriterCallbacks callbacks) override {
+    const auto core = std::make_shared<dds::WriterCore>(loop_, topic, std::move(callbacks));
+    const Result<> opened = Open(*core, topic, type, qos, tags_.ForWriter(topic));
+    if (!opened) return opened.error();
+    return std::unique_ptr<RawWriter>(std::make_unique<dds::DdsWriter>(core));
+  }
+
+  Result<std::unique_ptr<RawReader>> MakeRawReader(const std::string& topic,
+                                                   const std::string& type, const Qos& qos,
+                                                   ReaderCallbacks callbacks) override {
+    const auto core = std::make_shared<dds::ReaderCore>(loop_, std::move(callbacks));
+    const Result<> opened = Open(*core, topic, type, qos, tags_.ForReader(topic));
+    if (!opened) return opened.error();
+    return std::unique_ptr<RawReader>(std::make_unique<dds::DdsReader>(core));
+  }
+
+ private:
+  template <class Core>
+  Result<> Open(Core& core, const std::string& topic_name, const std::string& type, const Qos& qos,
+                const std::string& user_data) {
+    const dds_entity_t participant = participant_.entity.get();
+    const dds_entity_t topic = dds::CreateRawTopic(participant, topic_name, type);
+    if (topic < 0) return dds::DdsError(topic_name + " (" + type + "): no topic", topic);
+    return core.Open(participant, dds::Entity(topic), dds::MakeQos(qos, user_data));
+  }
+
+  EventLoop& loop_;
+  dds::Participant participant_;
+  dds::ServiceTags tags_;
+};
+
+}  // namespace
+
+Result<int> DomainId(const DdsOptions& options) {
+  constexpr int kHighest = 232;  // the ports of higher ones do not exist
+  int id = options.domain_id.value_or(0);
+  std::string_view text;
+  if (const char* variable = std::getenv("ROS_DOMAIN_ID")) text = variable;
+  if (!options.domain_id && !text.empty()) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+    if (error != std::errc() || end != text.data() + text.size()) id = -1;
+  }
+  if (id < 0 || id > kHighest) {
+    return Error{kCodeParametersInvalid,
+                 "the DDS domain must be 0 to 232, but it is " +
+                     (options.domain_id ? std::to_string(id) : "\"" + std::string(text) + "\"")};
+  }
+  return id;
+}
+
+Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& options) {
+  const Result<int> domain_id = DomainId(options);
+  if (!domain_id) return domain_id.error();
+  const Result<TransportProfile> profile = dds::ChosenProfile(options.profile);
+  if (!profile) return profile.error();
+  auto participant =
+      dds::OpenParticipant(domain_id.value(), dds::SettingsXml(profile.value(), options.lease));
+  if (!participant) return participant.error();
+  return std::unique_ptr<Node>(std::make_unique<DdsNode>(loop, std::move(participant).value()));
+}
+
+}  // namespace musher::transport

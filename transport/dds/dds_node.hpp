@@ -1,0 +1,30 @@
+#pragma once
+// A node on Cyclone DDS: speaks ROS 2's wire. Nothing of Cyclone is needed to include this.
+//
+// The nodes of a process that are in the same domain share its configuration, that of the first.
+
+#include <memory>
+#include <optional>
+
+#include "musher/lifecycle/config.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher::transport {
+
+struct DdsOptions {
+  // Of the domain; none: that of ROS_DOMAIN_ID, else 0.
+  std::optional<int> domain_id = std::nullopt;
+  // MUSHER_TRANSPORT=local|lan overrides it, and the user's own CYCLONEDDS_URI overrides both.
+  TransportProfile profile = TransportProfile::kLocal;
+  // After how long a silent process is taken for lost; none: the profile's.
+  std::optional<Duration> lease = std::nullopt;
+};
+
+// The domain that `options` and the environment give; an Error when it is not one of 0 to 232.
+Result<int> DomainId(const DdsOptions& options);
+
+// Joins the domain. Fails when the configuration is bad or the network can't be used, with
+// Cyclone's reason. The loop must outlive the node.
+Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& options = {});
+
+}  // namespace musher::transport

@@ -1,0 +1,102 @@
+#include "musher/transport/dds/dds_reader.hpp"
+
+#include <dds/ddsi/ddsi_serdata.h>
+
+#include <algorithm>
+#include <array>
+
+#include "musher/transport/dds/matched.hpp"
+#include "musher/transport/dds/raw_type.hpp"
+
+namespace musher::transport::dds {
+
+namespace {
+
+constexpr int kSamplesPerVisit = 32;
+
+}  // namespace
+
+Result<> ReaderCore::Open(dds_entity_t participant, Entity topic, const QosPtr& qos) {
+  topic_ = std::move(topic);
+  const ListenerPtr listener(dds_create_listener(this));
+  dds_lset_data_available(listener.get(), OnDataAvailable);
+  dds_lset_subscription_matched(listener.get(), OnMatched);
+  const dds_entity_t reader =
+      dds_create_reader(participant, topic_.get(), qos.get(), listener.get());
+  if (reader < 0) return DdsError("dds_create_reader", reader);
+  reader_ = Entity(reader);
+  return Ok();
+}
+
+void ReaderCore::Close() {
+  closed_ = true;
+  reader_.Delete();
+  topic_.Delete();
+}
+
+void ReaderCore::OnDataAvailable(dds_entity_t, void* self) {
+  static_cast<ReaderCore*>(self)->Notify();
+}
+
+void ReaderCore::OnMatched(dds_entity_t, dds_subscription_matched_status_t, void* self) {
+  auto* core = static_cast<ReaderCore*>(self);
+  core->match_changed_ = true;
+  core->Notify();
+}
+
+// New writers are learnt before their samples are delivered, lost ones are told after their last.
+void ReaderCore::Visit() {
+  if (closed_) return;
+  const bool match_changed = match_changed_.exchange(false);
+  std::vector<PeerId> lost;
+  if (match_changed) lost = LearnWriters();
+  const bool more = Take();
+  if (closed_) return;
+  if (more) {
+    if (match_changed) match_changed_ = true;
+    Notify();
+    return;
+  }
+  for (const PeerId writer : lost) {
+    writers_.Remove(writer);
+    if (callbacks_.on_writer_lost) callbacks_.on_writer_lost(writer);
+    if (closed_) return;
+  }
+  if (match_changed && callbacks_.on_match_changed) callbacks_.on_match_changed();
+}
+
+// Delivers what has come, up to a limit; says whether there may be more.
+bool ReaderCore::Take() {
+  std::array<ddsi_serdata*, kSamplesPerVisit> samples{};
+  std::array<dds_sample_info_t, kSamplesPerVisit> infos{};
+  const int count =
+      dds_takecdr(reader_.get(), samples.data(), kSamplesPerVisit, infos.data(), DDS_ANY_STATE);
+  for (int i = 0; i < count; ++i) {
+    if (!closed_ && infos[i].valid_data && callbacks_.on_sample) {
+      const auto writer = infos[i].publication_handle;
+      callbacks_.on_sample(BytesOf(samples[i]), {writer, ParticipantOf(writer)});
+    }
+    ddsi_serdata_unref(samples[i]);
+  }
+  return count == kSamplesPerVisit;
+}
+
+// Adds the writers that are matched by now; returns those that no longer are.
+std::vector<PeerId> ReaderCore::LearnWriters() {
+  const std::vector<PeerId> matched = MatchedHandles(reader_.get(), dds_get_matched_publications);
+  for (const PeerId writer : matched) {
+    if (!writers_.Contains(writer)) writers_.Add(writer, ParticipantOf(writer));
+  }
+  std::vector<PeerId> lost = writers_.Endpoints();
+  std::erase_if(lost, [&](PeerId writer) {
+    return std::find(matched.begin(), matched.end(), writer) != matched.end();
+  });
+  return lost;
+}
+
+PeerId ReaderCore::ParticipantOf(dds_instance_handle_t writer) const {
+  if (const PeerId known = writers_.ParticipantOf(writer)) return known;
+  return ParticipantIn(dds_get_matched_publication_data(reader_.get(), writer));
+}
+
+}  // namespace musher::transport::dds

@@ -1,0 +1,66 @@
+#pragma once
+// A RawReader on Cyclone.
+
+#include <dds/dds.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/transport/dds/entity.hpp"
+#include "musher/transport/dds/notifier.hpp"
+#include "musher/transport/dds/qos.hpp"
+#include "musher/transport/endpoint.hpp"
+#include "musher/transport/peer_table.hpp"
+
+namespace musher::transport::dds {
+
+// What a reader's callbacks use. Shared with a visit that runs, so that a callback may drop the
+// reader.
+class ReaderCore : public Notifier {
+ public:
+  ReaderCore(EventLoop& loop, ReaderCallbacks callbacks)
+      : Notifier(loop), callbacks_(std::move(callbacks)) {}
+
+  Result<> Open(dds_entity_t participant, Entity topic, const QosPtr& qos);
+  // No callback runs after it, also when a callback calls it.
+  void Close();
+
+  const PeerTable& writers() const { return writers_; }
+
+ private:
+  static void OnDataAvailable(dds_entity_t reader, void* self);
+  static void OnMatched(dds_entity_t reader, dds_subscription_matched_status_t status, void* self);
+
+  void Visit() override;
+  bool Take();
+  std::vector<PeerId> LearnWriters();
+  PeerId ParticipantOf(dds_instance_handle_t writer) const;
+
+  ReaderCallbacks callbacks_;
+  std::atomic<bool> match_changed_ = false;
+  bool closed_ = false;
+  PeerTable writers_;
+  Entity topic_;
+  Entity reader_;
+};
+
+class DdsReader : public RawReader {
+ public:
+  explicit DdsReader(std::shared_ptr<ReaderCore> core) : core_(std::move(core)) {}
+  DdsReader(const DdsReader&) = delete;
+  DdsReader& operator=(const DdsReader&) = delete;
+  ~DdsReader() override { core_->Close(); }
+
+  int MatchedWriters() const override { return core_->writers().size(); }
+  int WritersOf(PeerId participant) const override { return core_->writers().CountOf(participant); }
+  std::vector<PeerId> WriterParticipants() const override {
+    return core_->writers().Participants();
+  }
+
+ private:
+  std::shared_ptr<ReaderCore> core_;
+};
+
+}  // namespace musher::transport::dds

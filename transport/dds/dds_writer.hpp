@@ -1,0 +1,62 @@
+#pragma once
+// A RawWriter on Cyclone.
+
+#include <dds/dds.h>
+
+#include <memory>
+#include <string>
+
+#include "musher/transport/dds/entity.hpp"
+#include "musher/transport/dds/notifier.hpp"
+#include "musher/transport/dds/qos.hpp"
+#include "musher/transport/endpoint.hpp"
+#include "musher/transport/peer_table.hpp"
+
+namespace musher::transport::dds {
+
+// What a writer's callback uses. Shared with a visit that runs, so that the callback may drop the
+// writer.
+class WriterCore : public Notifier {
+ public:
+  WriterCore(EventLoop& loop, std::string topic_name, WriterCallbacks callbacks)
+      : Notifier(loop), topic_name_(std::move(topic_name)), callbacks_(std::move(callbacks)) {}
+
+  Result<> Open(dds_entity_t participant, Entity topic, const QosPtr& qos);
+  // No callback runs after it, also when a callback calls it.
+  void Close();
+
+  Result<> Write(std::span<const std::byte> bytes);
+  const PeerTable& readers() const { return readers_; }
+  std::uint64_t id() const { return id_; }
+
+ private:
+  static void OnMatched(dds_entity_t writer, dds_publication_matched_status_t status, void* self);
+
+  void Visit() override;
+
+  std::string topic_name_;
+  WriterCallbacks callbacks_;
+  bool closed_ = false;
+  PeerTable readers_;
+  dds_instance_handle_t id_ = 0;
+  Entity topic_;
+  Entity writer_;
+};
+
+class DdsWriter : public RawWriter {
+ public:
+  explicit DdsWriter(std::shared_ptr<WriterCore> core) : core_(std::move(core)) {}
+  DdsWriter(const DdsWriter&) = delete;
+  DdsWriter& operator=(const DdsWriter&) = delete;
+  ~DdsWriter() override { core_->Close(); }
+
+  Result<> Write(std::span<const std::byte> bytes) override { return core_->Write(bytes); }
+  int MatchedReaders() const override { return core_->readers().size(); }
+  int ReadersOf(PeerId participant) const override { return core_->readers().CountOf(participant); }
+  std::uint64_t UniqueId() const override { return core_->id(); }
+
+ private:
+  std::shared_ptr<WriterCore> core_;
+};
+
+}  // namespace musher::transport::dds

@@ -1,0 +1,25 @@
+#pragma once
+// What Cyclone knows of the endpoints that one of ours is matched with.
+
+#include <dds/dds.h>
+
+#include <memory>
+#include <vector>
+
+#include "musher/transport/endpoint.hpp"
+
+namespace musher::transport::dds {
+
+struct ListenerDeleter {
+  void operator()(dds_listener_t* listener) const { dds_delete_listener(listener); }
+};
+using ListenerPtr = std::unique_ptr<dds_listener_t, ListenerDeleter>;
+
+// `get` is dds_get_matched_subscriptions or dds_get_matched_publications.
+using GetMatched = dds_return_t (*)(dds_entity_t, dds_instance_handle_t*, std::size_t);
+std::vector<PeerId> MatchedHandles(dds_entity_t entity, GetMatched get);
+
+// The participant of an endpoint that was asked for, which is freed; 0 when it has gone meanwhile.
+PeerId ParticipantIn(dds_builtintopic_endpoint_t* endpoint);
+
+}  // namespace musher::transport::dds

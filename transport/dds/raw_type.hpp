@@ -1,0 +1,31 @@
+#pragma once
+// A DDS type whose samples are plain bytes: the encapsulation header and the CDR that follows it,
+// as they are on the wire. Keyless, XCDR version 1. Cyclone only ever sees its name.
+//
+// Threads: any; samples are immutable and counted by Cyclone.
+
+#include <dds/dds.h>
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+struct ddsi_serdata;
+struct ddsi_sertype;
+
+namespace musher::transport::dds {
+
+// Makes the topic `name` of type `type_name` on the participant: a dds_entity_t, negative on
+// failure.
+dds_entity_t CreateRawTopic(dds_entity_t participant, const std::string& name,
+                            const std::string& type_name);
+
+// What dds_write() takes for a raw topic.
+struct RawSample {
+  std::span<const std::byte> bytes;
+};
+
+// The bytes in a sample that dds_takecdr() has given, for as long as the sample is held.
+std::span<const std::byte> BytesOf(const ddsi_serdata* sample);
+
+}  // namespace musher::transport::dds

@@ -1,0 +1,73 @@
+#include "musher/transport/dds/settings.hpp"
+
+#include <cstdlib>
+
+namespace musher::transport::dds {
+
+namespace {
+
+std::string Element(const std::string& name, const std::string& value) {
+  return "<" + name + ">" + value + "</" + name + ">";
+}
+
+std::string Millis(Duration duration) {
+  return std::to_string(ToMilliseconds(duration)) + "ms";
+}
+
+// A process says that it lives several times in each lease.
+std::string Discovery(Duration lease) {
+  // "none": each process takes any free port, so that there is no limit to their number.
+  return Element("Discovery", Element("ParticipantIndex", "none") +
+                                  Element("LeaseDuration", Millis(lease)) +
+                                  Element("SPDPInterval", Millis(lease / 4)));
+}
+
+// Shared by both. The receive buffer is a wish: the kernel gives what it allows. A writer that goes
+// waits only shortly for readers that do not answer.
+std::string Buffers() {
+  return "<SocketReceiveBufferSize max=\"4MB\"/>" + Element("WriterLingerDuration", "200ms");
+}
+
+// Loopback loses nothing but what overflows a buffer. When a hundred processes start at once,
+// answers that come slowly and together are what lets discovery settle.
+std::string LocalXml(Duration lease) {
+  return Element("General",
+                 Element("Interfaces", "<NetworkInterface name=\"lo\" multicast=\"true\"/>") +
+                     Element("MaxMessageSize", "65500B")) +
+         Discovery(lease) +
+         Element("Internal",
+                 "<HeartbeatInterval min=\"100ms\" minsched=\"200ms\" max=\"8s\">1s"
+                 "</HeartbeatInterval>" +
+                     Element("NackDelay", "200ms") + Element("AckDelay", "100ms") + Buffers());
+}
+
+// Links that lose packets: losses are noticed and repaired within tens of milliseconds.
+std::string LanXml(Duration lease) {
+  return Discovery(lease) +
+         Element("Internal",
+                 "<HeartbeatInterval min=\"2ms\" minsched=\"5ms\" max=\"8s\">10ms"
+                 "</HeartbeatInterval>" +
+                     Element("NackDelay", "10ms") + Element("AutoReschedNackDelay", "100ms") +
+                     Buffers());
+}
+
+}  // namespace
+
+Result<TransportProfile> ChosenProfile(TransportProfile configured) {
+  const char* chosen = std::getenv("MUSHER_TRANSPORT");
+  if (chosen == nullptr || *chosen == '\0') return configured;
+  const std::string profile = chosen;
+  if (profile == "local") return TransportProfile::kLocal;
+  if (profile == "lan") return TransportProfile::kLan;
+  return Error{kCodeParametersInvalid,
+               "MUSHER_TRANSPORT is \"" + profile + "\": expected \"local\" or \"lan\""};
+}
+
+std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease) {
+  const std::string domain = profile == TransportProfile::kLocal
+                                 ? LocalXml(lease.value_or(std::chrono::seconds(10)))
+                                 : LanXml(lease.value_or(std::chrono::seconds(2)));
+  return Element("CycloneDDS", Element("Domain", domain));
+}
+
+}  // namespace musher::transport::dds

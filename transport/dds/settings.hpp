@@ -1,0 +1,18 @@
+#pragma once
+// Cyclone's configuration for the two kinds of network that robots have.
+
+#include <optional>
+#include <string>
+
+#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/result.hpp"
+
+namespace musher::transport::dds {
+
+// The profile that is to be used: MUSHER_TRANSPORT's, else `configured`.
+Result<TransportProfile> ChosenProfile(TransportProfile configured);
+
+// The XML for a profile. `lease` is how long a silent process lives; none: 10 s local, 2 s lan.
+std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease);
+
+}  // namespace musher::transport::dds

@@ -1,0 +1,86 @@
+#pragma once
+// What a transport has to offer: untyped writers and readers of samples. Typed publishers,
+// subscriptions, clients and servers are built on these in node.hpp, once for every transport.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/lifecycle/time.hpp"
+
+namespace musher::transport {
+
+struct Qos {
+  enum class Reliability { kReliable, kBestEffort };
+  enum class Durability { kVolatile, kTransientLocal };
+
+  Reliability reliability = Reliability::kReliable;
+  Durability durability = Durability::kVolatile;
+  int depth = 10;  // keep last so many; 0 = keep all
+
+  friend bool operator==(const Qos&, const Qos&) = default;
+};
+
+// ROS 2's profiles by their usual names (rmw_qos_profile_*).
+inline constexpr Qos kDefaultQos{};  // topics and services
+inline constexpr Qos kSensorDataQos{Qos::Reliability::kBestEffort, Qos::Durability::kVolatile, 5};
+inline constexpr Qos kSystemDefaultQos{Qos::Reliability::kReliable, Qos::Durability::kVolatile, 1};
+inline constexpr Qos kLatchedQos{Qos::Reliability::kReliable, Qos::Durability::kTransientLocal, 1};
+// The reader's side of a latched topic with many writers: keyless topics have one history for all.
+inline constexpr Qos kLatchedFromManyQos{Qos::Reliability::kReliable,
+                                         Qos::Durability::kTransientLocal, 0};
+
+// A writer or reader of another participant, or that participant itself. 0 is nobody.
+using PeerId = std::uint64_t;
+
+struct SampleInfo {
+  PeerId writer = 0;       // of the sample
+  PeerId participant = 0;  // that the writer belongs to
+};
+
+class RawWriter {
+ public:
+  virtual ~RawWriter() = default;
+
+  // Sends one encoded sample. Fails when the transport refuses it (oversized, history full).
+  virtual Result<> Write(std::span<const std::byte> bytes) = 0;
+
+  // How many readers are matched, and how many of them belong to `participant`.
+  virtual int MatchedReaders() const = 0;
+  virtual int ReadersOf(PeerId participant) const = 0;
+  bool HasReaderOf(PeerId participant) const { return ReadersOf(participant) > 0; }
+
+  // A number for this writer that no other in the domain has.
+  virtual std::uint64_t UniqueId() const = 0;
+};
+
+class RawReader {
+ public:
+  virtual ~RawReader() = default;
+
+  // How many writers are matched, and how many of them belong to `participant`.
+  virtual int MatchedWriters() const = 0;
+  virtual int WritersOf(PeerId participant) const = 0;
+  bool HasWriterOf(PeerId participant) const { return WritersOf(participant) > 0; }
+
+  // The participants of the matched writers, each once.
+  virtual std::vector<PeerId> WriterParticipants() const = 0;
+};
+
+// All run on the loop. A reader's callbacks never run after the reader is gone.
+struct ReaderCallbacks {
+  std::function<void(std::span<const std::byte>, const SampleInfo&)> on_sample;
+  // A writer has gone (deleted, its process died, its host is unreachable). It was matched before.
+  std::function<void(PeerId writer)> on_writer_lost;
+  std::function<void()> on_match_changed;
+};
+
+struct WriterCallbacks {
+  std::function<void()> on_match_changed;
+};
+
+}  // namespace musher::transport

@@ -1,0 +1,86 @@
+#include "musher/transport/host.hpp"
+
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/un.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <fstream>
+#include <optional>
+#include <system_error>
+
+namespace musher::transport {
+namespace {
+
+// An abstract address: its path starts with a zero byte and counts to its very last byte.
+struct AbstractAddress {
+  sockaddr_un address{};
+  socklen_t size = 0;
+
+  const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&address); }
+};
+
+std::optional<AbstractAddress> AddressOf(std::string_view name) {
+  const std::string path = std::string(1, '\0') + "musher/" + std::string(name);
+  AbstractAddress result;
+  if (path.size() > sizeof(result.address.sun_path)) return std::nullopt;
+  result.address.sun_family = AF_UNIX;
+  std::copy(path.begin(), path.end(), result.address.sun_path);
+  result.size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
+  return result;
+}
+
+// Datagram: a bound socket can be connected to without anybody listening.
+UniqueFd MakeSocket() {
+  return UniqueFd(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+}
+
+}  // namespace
+
+Error SystemError(std::string_view what, int error_number) {
+  return {kCodeFailed, std::string(what) + ": " + std::generic_category().message(error_number)};
+}
+
+std::string HostId() {
+  std::ifstream file("/proc/sys/kernel/random/boot_id");
+  std::string boot;
+  struct stat pid_namespace {};
+  if (!(file >> boot) || stat("/proc/self/ns/pid", &pid_namespace) != 0) return {};
+  return boot + "/" + std::to_string(pid_namespace.st_ino);
+}
+
+Result<UniqueFd> OpenPidfd(pid_t pid) {
+  UniqueFd fd(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));  // close-on-exec by itself
+  if (!fd.valid()) return SystemError("can't watch process " + std::to_string(pid));
+  return fd;
+}
+
+std::string NameLock::NameOf(int domain_id, std::string_view name_space,
+                             std::string_view actuator) {
+  return std::to_string(domain_id) + "/" + std::string(name_space) + "/" + std::string(actuator);
+}
+
+Result<NameLock> NameLock::Acquire(std::string_view name) {
+  const auto address = AddressOf(name);
+  if (!address) return Error{kCodeParametersInvalid, "too long: " + std::string(name)};
+  UniqueFd socket = MakeSocket();
+  if (!socket.valid()) return SystemError("can't make a socket");
+  if (bind(socket.get(), address->get(), address->size) == 0) return NameLock(std::move(socket));
+  Error error = SystemError("can't take the name " + std::string(name));
+  if (errno == EADDRINUSE) {
+    error = {kCodeTargetBusy,
+             "a process named " + std::string(name) + " runs on this host already"};
+  }
+  return error;
+}
+
+bool NameLock::IsHeld(std::string_view name) {
+  const auto address = AddressOf(name);
+  if (!address) return false;
+  const UniqueFd socket = MakeSocket();
+  return socket.valid() && connect(socket.get(), address->get(), address->size) == 0;
+}
+
+}  // namespace musher::transport

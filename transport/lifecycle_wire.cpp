@@ -1,0 +1,81 @@
+#include "musher/transport/lifecycle_wire.hpp"
+
+#include "musher/transport/node.hpp"
+
+namespace musher::transport {
+
+std::string CommandService(std::string_view name_space, std::string_view actuator) {
+  return ResolveName(name_space, std::string(actuator) + "/musher_command");
+}
+std::string ActuatorStatusTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/actuator_status");
+}
+std::string MachineStatusTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/machine_status");
+}
+std::string MachineService(std::string_view name_space, std::string_view name) {
+  return ResolveName(name_space, "musher/" + std::string(name));
+}
+
+std::int64_t ToNanoseconds(Time time) {
+  return Duration(time.time_since_epoch()).count();
+}
+Time FromNanoseconds(std::int64_t ns) {
+  return Time(Duration(ns));
+}
+
+msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& report) {
+  msg::ActuatorStatus status;
+  status.name = name;
+  status.state = report.state;
+  status.target = report.target;
+  status.busy_number = report.busy_number;
+  status.epoch = report.epoch;
+  status.number = report.number;
+  status.outcome_number = report.outcome_number;
+  status.outcome_code = report.outcome_code;
+  status.outcome_message = report.outcome_message;
+  status.incarnation = report.incarnation;
+  status.pid = report.pid;
+  status.host = report.host;
+  status.config_hash = report.config_hash;
+  status.stamp_ns = ToNanoseconds(report.stamp);
+  return status;
+}
+
+ActuatorReport FromMessage(const msg::ActuatorStatus& status) {
+  ActuatorReport report;
+  report.state = status.state;
+  report.target = status.target;
+  report.busy_number = status.busy_number;
+  report.epoch = status.epoch;
+  report.number = status.number;
+  report.outcome_number = status.outcome_number;
+  report.outcome_code = status.outcome_code;
+  report.outcome_message = status.outcome_message;
+  report.incarnation = status.incarnation;
+  report.pid = status.pid;
+  report.host = status.host;
+  report.config_hash = status.config_hash;
+  report.stamp = FromNanoseconds(status.stamp_ns);
+  return report;
+}
+
+std::uint8_t ToMessage(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kDone:
+      return msg::ActuatorCommand::kVerdictDone;
+    case Verdict::kRefused:
+      return msg::ActuatorCommand::kVerdictRefused;
+    case Verdict::kFailed:
+      break;
+  }
+  return msg::ActuatorCommand::kVerdictFailed;
+}
+
+Verdict VerdictFrom(std::uint8_t verdict) {
+  if (verdict == msg::ActuatorCommand::kVerdictDone) return Verdict::kDone;
+  return verdict == msg::ActuatorCommand::kVerdictFailed ? Verdict::kFailed : Verdict::kRefused;
+}
+
+}  // namespace musher::transport

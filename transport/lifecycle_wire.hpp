@@ -1,0 +1,32 @@
+#pragma once
+// The rules' values as messages and back, and the names under which a machine speaks.
+
+#include <string>
+#include <string_view>
+
+#include "musher/lifecycle/actuator_core.hpp"
+#include "musher/lifecycle/report.hpp"
+#include "musher/messages/musher_msgs/actuator_command.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+
+namespace musher::transport {
+
+// Names of topics and services, resolved in the machine's namespace.
+std::string CommandService(std::string_view name_space, std::string_view actuator);
+std::string ActuatorStatusTopic(std::string_view name_space);
+std::string MachineStatusTopic(std::string_view name_space);
+// `name` is "set_state", "get_status", "get_plan" or "get_history".
+std::string MachineService(std::string_view name_space, std::string_view name);
+inline constexpr std::string_view kMachinesTopic = "musher/machines";
+
+// A steady clock's time as it crosses the wire. Means something only to the process it came from.
+std::int64_t ToNanoseconds(Time time);
+Time FromNanoseconds(std::int64_t ns);
+
+msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& report);
+ActuatorReport FromMessage(const msg::ActuatorStatus& status);
+
+std::uint8_t ToMessage(Verdict verdict);
+Verdict VerdictFrom(std::uint8_t verdict);  // an unknown one counts as refused
+
+}  // namespace musher::transport

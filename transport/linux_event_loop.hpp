@@ -1,0 +1,78 @@
+#pragma once
+// The event loop of a real process: epoll for file descriptors, an eventfd for work from other
+// threads, one timerfd armed for the next timer. An idle loop does not wake up.
+//
+// A turn of the loop runs the timers that are due, then the work posted before the turn, then what
+// is readable, so that none of the three can starve the others.
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "musher/transport/event_loop.hpp"
+#include "musher/transport/timer_queue.hpp"
+#include "musher/transport/unique_fd.hpp"
+
+namespace musher::transport {
+
+class LinuxEventLoop : public EventLoop {
+ public:
+  // Throws std::system_error when the process has no file descriptors left.
+  LinuxEventLoop();
+  LinuxEventLoop(const LinuxEventLoop&) = delete;
+  LinuxEventLoop& operator=(const LinuxEventLoop&) = delete;
+
+  Time Now() const override { return std::chrono::steady_clock::now(); }
+  void Post(std::function<void()> work) override;
+  LoopHandlePtr At(Time when, std::function<void()> callback) override;
+  LoopHandlePtr Every(Duration period, std::function<void()> callback) override;
+  LoopHandlePtr WhenReadable(int fd, std::function<void()> callback) override;
+  void Run() override;
+  bool RunUntil(const std::function<bool()>& done, Time deadline) override;
+  void Stop() override;
+
+ private:
+  struct Watch {
+    int fd;
+    std::function<void()> callback;
+  };
+  class WatchHandle;
+  using Done = std::function<bool()>;
+
+  // Waits for something to do and does it; says whether `done` held after one of the things.
+  bool Turn(const Done& done);
+  bool RunDueTimers(const Done& done);
+  bool RunPosted(const Done& done);
+  bool RunReadable(const Done& done);
+
+  int Poll();
+  bool MayBlock();
+  void ArmTimer(std::optional<Time> when);
+  void Wake();
+
+  UniqueFd epoll_;
+  UniqueFd wake_;
+  UniqueFd timer_;
+  std::optional<Time> armed_for_;
+
+  TimerQueue timers_;
+  std::map<std::uint64_t, std::shared_ptr<Watch>> watches_;
+  std::uint64_t next_watch_;
+  static constexpr int kMaxReady = 16;
+  std::array<std::uint64_t, kMaxReady> ready_{};  // watches that the last poll found readable
+  int ready_count_ = 0;
+
+  std::deque<std::function<void()>> batch_;  // posted work that this turn runs
+  std::atomic<bool> stop_ = false;
+  std::mutex mutex_;                          // guards what follows
+  std::deque<std::function<void()>> posted_;  // work for the next turn
+  bool asleep_ = false;                       // the loop waits: whoever posts must wake it
+};
+
+}  // namespace musher::transport

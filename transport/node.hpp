@@ -1,0 +1,115 @@
+#pragma once
+// A participant of the robot's domain with its loop, and what is made from it: publishers,
+// subscriptions, service clients and servers. Topic and service names are ROS 2's, without "rt/",
+// "rq/" or "rr/" and without a leading '/': "chat" is ROS 2's /chat.
+//
+//   auto chat = MakePublisher<msg::String>(node, "chat");
+//   auto heard = MakeSubscription<msg::String>(node, "chat", [](const msg::String& m) {...});
+//   auto server = MakeServer<msg::Trigger>(node, "reset", [](auto& request, auto reply) {...});
+//   auto client = MakeClient<msg::Trigger>(node, "reset");
+//   client->Call({}, Milliseconds(100), [](Result<msg::Trigger::Response> answer) {...});
+//
+// Threads: all of it on the node's loop thread, except where EventLoop says otherwise. Everything
+// made from a node must be gone before the node is. Several actuators of a process share one node.
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "musher/messages/cdr.hpp"
+#include "musher/transport/endpoint.hpp"
+#include "musher/transport/event_loop.hpp"
+
+namespace musher::transport {
+
+class Node {
+ public:
+  virtual ~Node() = default;
+
+  virtual EventLoop& loop() = 0;
+
+  // DDS topic and type names, mangled: "rt/chat", "std_msgs::msg::dds_::String_".
+  virtual Result<std::unique_ptr<RawWriter>> MakeRawWriter(const std::string& topic,
+                                                           const std::string& type, const Qos& qos,
+                                                           WriterCallbacks callbacks) = 0;
+  virtual Result<std::unique_ptr<RawReader>> MakeRawReader(const std::string& topic,
+                                                           const std::string& type, const Qos& qos,
+                                                           ReaderCallbacks callbacks) = 0;
+};
+
+// Joins a namespace ("" or "dog1") and a relative name as ROS 2 resolves it.
+inline std::string ResolveName(std::string_view name_space, std::string_view name) {
+  return name_space.empty() ? std::string(name) : std::string(name_space) + "/" + std::string(name);
+}
+
+template <msg::Message M>
+class Publisher {
+ public:
+  explicit Publisher(std::unique_ptr<RawWriter> writer) : writer_(std::move(writer)) {}
+
+  Result<> Publish(const M& message) { return writer_->Write(msg::Encode(message)); }
+  int MatchedReaders() const { return writer_->MatchedReaders(); }
+
+ private:
+  std::unique_ptr<RawWriter> writer_;
+};
+
+// Delivers samples until it is dropped. Samples that do not decode are counted and dropped.
+class Subscription {
+ public:
+  Subscription(std::unique_ptr<RawReader> reader, std::shared_ptr<std::uint64_t> malformed)
+      : malformed_(std::move(malformed)), reader_(std::move(reader)) {}
+
+  int MatchedWriters() const { return reader_->MatchedWriters(); }
+  std::uint64_t malformed() const { return *malformed_; }
+
+ private:
+  std::shared_ptr<std::uint64_t> malformed_;
+  std::unique_ptr<RawReader> reader_;  // last: its callbacks end before what they use
+};
+
+// What a subscription tells beside its samples; both optional.
+struct SubscriptionEvents {
+  std::function<void(PeerId writer)> on_writer_lost;
+  std::function<void()> on_match_changed;
+};
+
+template <msg::Message M>
+Result<std::unique_ptr<Publisher<M>>> MakePublisher(Node& node, const std::string& topic,
+                                                    const Qos& qos = kDefaultQos,
+                                                    WriterCallbacks callbacks = {}) {
+  auto writer =
+      node.MakeRawWriter("rt/" + topic, std::string(M::kTypeName), qos, std::move(callbacks));
+  if (!writer) return writer.error();
+  return std::make_unique<Publisher<M>>(std::move(writer).value());
+}
+
+template <msg::Message M>
+Result<std::unique_ptr<Subscription>> MakeSubscription(
+    Node& node, const std::string& topic,
+    std::function<void(const M&, const SampleInfo&)> on_message, const Qos& qos = kDefaultQos,
+    SubscriptionEvents events = {}) {
+  auto malformed = std::make_shared<std::uint64_t>(0);
+  ReaderCallbacks callbacks;
+  callbacks.on_sample = [malformed, on_message = std::move(on_message)](
+                            std::span<const std::byte> bytes, const SampleInfo& info) {
+    if (const auto message = msg::Decode<M>(bytes)) {
+      on_message(*message, info);
+    } else {
+      ++*malformed;
+    }
+  };
+  callbacks.on_writer_lost = std::move(events.on_writer_lost);
+  callbacks.on_match_changed = std::move(events.on_match_changed);
+  auto reader =
+      node.MakeRawReader("rt/" + topic, std::string(M::kTypeName), qos, std::move(callbacks));
+  if (!reader) return reader.error();
+  return std::make_unique<Subscription>(std::move(reader).value(), std::move(malformed));
+}
+
+}  // namespace musher::transport

@@ -1,0 +1,38 @@
+#pragma once
+// A node on DDS with its loop on a thread of its own, for programs whose main thread does something
+// else. Actuators of one process that share a NodeThread share one participant, which is what keeps
+// a robot with hundreds of actuators discoverable.
+
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::transport {
+
+class NodeThread {
+ public:
+  static Result<std::shared_ptr<NodeThread>> Start(const DdsOptions& options = {});
+  // Everything made from the node must be gone before. From any thread but the loop's.
+  ~NodeThread();
+  NodeThread(const NodeThread&) = delete;
+  NodeThread& operator=(const NodeThread&) = delete;
+
+  // Runs `work` on the loop and waits for it. From any thread but the loop's.
+  void RunOnLoop(const std::function<void()>& work);
+
+  // To be used on the loop only, except for Post().
+  Node& node() { return *node_; }
+  EventLoop& loop() { return loop_; }
+
+ private:
+  NodeThread() = default;
+
+  LinuxEventLoop loop_;
+  std::unique_ptr<Node> node_;
+  std::thread thread_;
+};
+
+}  // namespace musher::transport

@@ -1,0 +1,91 @@
+#include "musher/transport/raw_client.hpp"
+
+#include <algorithm>
+
+#include "musher/transport/service_names.hpp"
+
+namespace musher::transport {
+
+Result<std::unique_ptr<RawClient>> RawClient::Make(Node& node, const std::string& service,
+                                                   const std::string& type,
+                                                   std::function<void()> on_match_changed) {
+  std::unique_ptr<RawClient> client(new RawClient(node, service, std::move(on_match_changed)));
+  RawClient* self = client.get();
+
+  // The reader first: whoever discovers the writer has then been told of the reader, too.
+  ReaderCallbacks reader_callbacks;
+  reader_callbacks.on_sample = [self](std::span<const std::byte> bytes, const SampleInfo&) {
+    self->TakeReply(bytes);
+  };
+  reader_callbacks.on_match_changed = [self] { self->OnMatchChanged(); };
+  auto replies = node.MakeRawReader(ReplyTopic(service), ResponseType(type), kServiceReaderQos,
+                                    std::move(reader_callbacks));
+  if (!replies) return replies.error();
+  client->replies_ = std::move(replies).value();
+
+  WriterCallbacks writer_callbacks;
+  writer_callbacks.on_match_changed = [self] { self->OnMatchChanged(); };
+  auto requests = node.MakeRawWriter(RequestTopic(service), RequestType(type), kDefaultQos,
+                                     std::move(writer_callbacks));
+  if (!requests) return requests.error();
+  client->requests_ = std::move(requests).value();
+  return client;
+}
+
+bool RawClient::Ready() const {
+  if (!requests_) return false;
+  const auto servers = replies_->WriterParticipants();
+  return std::any_of(servers.begin(), servers.end(),
+                     [this](PeerId server) { return requests_->HasReaderOf(server); });
+}
+
+msg::RequestId RawClient::NextId() {
+  return {requests_->UniqueId(), next_sequence_++};
+}
+
+void RawClient::Call(const msg::RequestId& id, msg::Bytes request, Duration timeout,
+                     OnReply on_reply) {
+  const std::int64_t sequence = id.sequence;
+  Pending& call = calls_[sequence];
+  call.unsent = std::move(request);
+  call.on_reply = std::move(on_reply);
+  call.end = loop_.At(loop_.Now() + timeout, [this, sequence] {
+    const bool sent = calls_.at(sequence).unsent.empty();
+    End(sequence, Error{kCodeTimeout, service_ + (sent ? ": no reply in time"
+                                                       : ": no server has appeared in time")});
+  });
+  if (Ready()) Send(sequence, call);
+}
+
+void RawClient::OnMatchChanged() {
+  if (Ready()) {
+    for (auto& [sequence, call] : calls_) {
+      if (!call.unsent.empty()) Send(sequence, call);
+    }
+  }
+  if (on_match_changed_) on_match_changed_();
+}
+
+void RawClient::Send(std::int64_t sequence, Pending& call) {
+  const Result<> written = requests_->Write(call.unsent);
+  call.unsent.clear();
+  if (written) return;
+  call.end =
+      loop_.At(loop_.Now(), [this, sequence, error = written.error()] { End(sequence, error); });
+}
+
+void RawClient::TakeReply(std::span<const std::byte> bytes) {
+  msg::CdrReader reader(bytes);
+  msg::RequestId id;
+  reader.Get(id);
+  if (!reader.ok() || !requests_ || id.client != requests_->UniqueId()) return;
+  End(id.sequence, bytes);
+}
+
+void RawClient::End(std::int64_t sequence, const Result<std::span<const std::byte>>& outcome) {
+  auto call = calls_.extract(sequence);  // a second reply or one too late finds nothing
+  if (call.empty()) return;
+  call.mapped().on_reply(outcome);  // last: it may drop the client
+}
+
+}  // namespace musher::transport

@@ -1,0 +1,67 @@
+#pragma once
+// The untyped half of a service client: numbers requests, holds them until a server is there, finds
+// the call that a reply belongs to, and ends every call by its deadline.
+//
+//   called --server matched--> sent --reply--> ended with the reply
+//      \                        \---deadline-> ended with kCodeTimeout
+//       \---write refused or deadline--------> ended with the reason
+//
+// Threads: loop thread only.
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "musher/messages/cdr.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher::transport {
+
+class RawClient {
+ public:
+  // The bytes are those of the whole sample, request id included, and last as long as the call.
+  using OnReply = std::function<void(Result<std::span<const std::byte>>)>;
+
+  // `type` is the service's, "std_srvs::srv::dds_::Trigger_".
+  static Result<std::unique_ptr<RawClient>> Make(Node& node, const std::string& service,
+                                                 const std::string& type,
+                                                 std::function<void()> on_match_changed);
+
+  bool Ready() const;
+
+  // The id that the next request must be encoded with.
+  msg::RequestId NextId();
+
+  // Takes the encoded request with `id`; see Client::Call() for how it ends.
+  void Call(const msg::RequestId& id, msg::Bytes request, Duration timeout, OnReply on_reply);
+
+ private:
+  struct Pending {
+    msg::Bytes unsent;  // empty once it is sent
+    OnReply on_reply;
+    LoopHandlePtr end;  // ends the call at its deadline, or at once when it cannot be sent
+  };
+
+  RawClient(Node& node, std::string service, std::function<void()> on_match_changed)
+      : loop_(node.loop()),
+        service_(std::move(service)),
+        on_match_changed_(std::move(on_match_changed)) {}
+
+  void OnMatchChanged();
+  void Send(std::int64_t sequence, Pending& call);
+  void TakeReply(std::span<const std::byte> bytes);
+  void End(std::int64_t sequence, const Result<std::span<const std::byte>>& outcome);
+
+  EventLoop& loop_;
+  std::string service_;
+  std::function<void()> on_match_changed_;
+  std::int64_t next_sequence_ = 1;
+  std::map<std::int64_t, Pending> calls_;
+  std::unique_ptr<RawReader> replies_;
+  std::unique_ptr<RawWriter> requests_;
+};
+
+}  // namespace musher::transport

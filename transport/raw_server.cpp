@@ -1,0 +1,90 @@
+#include "musher/transport/raw_server.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include "musher/transport/service_names.hpp"
+
+namespace musher::transport {
+
+namespace {
+
+constexpr Duration kLongestHold = std::chrono::seconds(5);
+
+}  // namespace
+
+Result<std::unique_ptr<RawServer>> RawServer::Make(Node& node, const std::string& service,
+                                                   const std::string& type, OnRequest on_request) {
+  std::unique_ptr<RawServer> server(new RawServer(node, std::move(on_request)));
+  RawServer* self = server.get();
+
+  // The writer first, so that it exists when the first request comes.
+  WriterCallbacks writer_callbacks;
+  writer_callbacks.on_match_changed = [self] { self->SendHeld(); };
+  auto replies = node.MakeRawWriter(ReplyTopic(service), ResponseType(type), kDefaultQos,
+                                    std::move(writer_callbacks));
+  if (!replies) return replies.error();
+  server->replies_ = std::move(replies).value();
+
+  ReaderCallbacks reader_callbacks;
+  reader_callbacks.on_sample = [self](std::span<const std::byte> bytes, const SampleInfo& info) {
+    self->TakeRequest(bytes, info);
+  };
+  reader_callbacks.on_match_changed = [self] { self->SendHeld(); };
+  auto requests = node.MakeRawReader(RequestTopic(service), RequestType(type), kServiceReaderQos,
+                                     std::move(reader_callbacks));
+  if (!requests) return requests.error();
+  server->requests_ = std::move(requests).value();
+  return server;
+}
+
+void RawServer::SendOrHold(PeerId participant, msg::Bytes reply) {
+  if (ReachesClientsOf(participant)) {
+    Send(reply);
+    return;
+  }
+  held_.push_back({participant, std::move(reply), nullptr});
+  const auto held = std::prev(held_.end());
+  held->expiry = loop_.At(loop_.Now() + kLongestHold, [this, held] {
+    ++dropped_;
+    held_.erase(held);
+  });
+}
+
+void RawServer::TakeRequest(std::span<const std::byte> bytes, const SampleInfo& info) {
+  msg::CdrReader reader(bytes);
+  msg::RequestId id;
+  reader.Get(id);
+  if (!reader.ok()) {
+    ++malformed_;
+    return;
+  }
+  Reply reply = [weak = std::weak_ptr(self_), participant = info.participant,
+                 open = std::make_shared<bool>(true)](msg::Bytes encoded) {
+    const auto self = weak.lock();
+    if (self && std::exchange(*open, false)) (*self)->SendOrHold(participant, std::move(encoded));
+  };
+  // The handler may drop the server, so nothing is touched after a request it understood.
+  if (!on_request_(id, bytes, std::move(reply))) ++malformed_;
+}
+
+bool RawServer::ReachesClientsOf(PeerId participant) const {
+  return replies_->ReadersOf(participant) >= std::max(requests_->WritersOf(participant), 1);
+}
+
+void RawServer::SendHeld() {
+  for (auto held = held_.begin(); held != held_.end();) {
+    const auto next = std::next(held);
+    if (ReachesClientsOf(held->participant)) {
+      Send(held->reply);
+      held_.erase(held);
+    }
+    held = next;
+  }
+}
+
+void RawServer::Send(const msg::Bytes& reply) {
+  if (!replies_->Write(reply)) ++dropped_;
+}
+
+}  // namespace musher::transport

@@ -1,0 +1,63 @@
+#pragma once
+// The untyped half of a service server. A reply is held until the readers of the participant that
+// asked are matched, so that it cannot get lost between two halves of discovery: a participant has
+// one reply reader for each of its clients, hence as many as it has request writers. A reply that
+// has waited for 5 s is dropped; its client has gone or gives up by its own deadline.
+//
+// Threads: loop thread only.
+
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "musher/messages/cdr.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher::transport {
+
+class RawServer {
+ public:
+  // Takes an encoded reply and sends it, now or when the client's reader is matched. A second call
+  // and a call after the server has gone do nothing.
+  using Reply = std::function<void(msg::Bytes)>;
+  // Gets a whole request sample; false when it does not decode.
+  using OnRequest = std::function<bool(const msg::RequestId&, std::span<const std::byte>, Reply)>;
+
+  // `type` is the service's, "std_srvs::srv::dds_::Trigger_".
+  static Result<std::unique_ptr<RawServer>> Make(Node& node, const std::string& service,
+                                                 const std::string& type, OnRequest on_request);
+
+  std::uint64_t malformed() const { return malformed_; }
+  std::uint64_t dropped() const { return dropped_; }
+
+ private:
+  struct Held {
+    PeerId participant;
+    msg::Bytes reply;
+    LoopHandlePtr expiry;
+  };
+
+  RawServer(Node& node, OnRequest on_request)
+      : loop_(node.loop()), on_request_(std::move(on_request)) {}
+
+  void TakeRequest(std::span<const std::byte> bytes, const SampleInfo& info);
+  void SendOrHold(PeerId participant, msg::Bytes reply);
+  bool ReachesClientsOf(PeerId participant) const;
+  void SendHeld();
+  void Send(const msg::Bytes& reply);
+
+  EventLoop& loop_;
+  OnRequest on_request_;
+  std::shared_ptr<RawServer*> self_ =
+      std::make_shared<RawServer*>(this);  // lets replies outlive us
+  std::uint64_t malformed_ = 0;
+  std::uint64_t dropped_ = 0;
+  std::list<Held> held_;
+  std::unique_ptr<RawWriter> replies_;
+  std::unique_ptr<RawReader> requests_;
+};
+
+}  // namespace musher::transport

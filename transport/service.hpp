@@ -1,0 +1,125 @@
+#pragma once
+// Request-reply as ROS 2 maps it on DDS: a request topic "rq/<name>Request" and a reply topic
+// "rr/<name>Reply", whose samples start with the client's id and a sequence number.
+//
+// Two traps of the ROS 2 stack are closed here:
+//   - A reply is held until the reader of the client that asked has been matched, so that it cannot
+//     be lost between two halves of discovery. (ROS 2 waits 100 ms and then drops it.)
+//   - Every call ends: with the reply, or with Timeout at the deadline it was given.
+//
+// These are the typed faces of RawClient and RawServer. Threads: loop thread only.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "musher/transport/node.hpp"
+#include "musher/transport/raw_client.hpp"
+#include "musher/transport/raw_server.hpp"
+
+namespace musher::transport {
+
+namespace internal {
+
+template <class Body>
+msg::Bytes EncodeEnvelope(const msg::RequestId& id, const Body& body) {
+  msg::CdrWriter writer;
+  writer.Put(id);
+  writer.Put(body);
+  return std::move(writer).Take();
+}
+
+// False when the bytes are not an id and a body.
+template <class Body>
+bool DecodeEnvelope(std::span<const std::byte> bytes, Body& body) {
+  msg::CdrReader reader(bytes);
+  msg::RequestId id;
+  reader.Get(id);
+  reader.Get(body);
+  return reader.ok();
+}
+
+}  // namespace internal
+
+template <msg::Service S>
+class Client {
+ public:
+  using Request = typename S::Request;
+  using Response = typename S::Response;
+  using OnReply = std::function<void(Result<Response>)>;
+
+  explicit Client(std::unique_ptr<RawClient> raw) : raw_(std::move(raw)) {}
+
+  // Whether a server is matched in both directions, so that a call sent now arrives.
+  bool Ready() const { return raw_->Ready(); }
+
+  // Sends the request, at once when a server is matched, else as soon as one is. `on_reply` runs
+  // exactly once on the loop: with the reply, or with kCodeTimeout after `timeout`, or with the
+  // reason why it could not be sent. It never runs inside Call(). Dropping the client drops the
+  // calls under way: their `on_reply` does not run.
+  void Call(const Request& request, Duration timeout, OnReply on_reply) {
+    const msg::RequestId id = raw_->NextId();
+    raw_->Call(id, internal::EncodeEnvelope(id, request), timeout,
+               [on_reply = std::move(on_reply)](Result<std::span<const std::byte>> reply) {
+                 if (!reply) return on_reply(reply.error());
+                 Response response{};
+                 if (!internal::DecodeEnvelope(reply.value(), response)) {
+                   return on_reply(Error{kCodeNetError, "the reply is malformed"});
+                 }
+                 on_reply(std::move(response));
+               });
+  }
+
+ private:
+  std::unique_ptr<RawClient> raw_;
+};
+
+template <msg::Service S>
+class Server {
+ public:
+  using Request = typename S::Request;
+  using Response = typename S::Response;
+  // Answers one request, now or later, on the loop; a second call and a call after the server has
+  // gone do nothing.
+  using Reply = std::function<void(const Response&)>;
+  using Handler = std::function<void(const Request&, Reply)>;
+
+  explicit Server(std::unique_ptr<RawServer> raw) : raw_(std::move(raw)) {}
+
+  // Requests that did not decode; replies that reached nobody within 5 s or could not be sent.
+  std::uint64_t malformed() const { return raw_->malformed(); }
+  std::uint64_t dropped() const { return raw_->dropped(); }
+
+ private:
+  std::unique_ptr<RawServer> raw_;
+};
+
+template <msg::Service S>
+Result<std::unique_ptr<Client<S>>> MakeClient(Node& node, const std::string& service,
+                                              std::function<void()> on_match_changed = {}) {
+  auto raw = RawClient::Make(node, service, std::string(S::kTypeName), std::move(on_match_changed));
+  if (!raw) return raw.error();
+  return std::make_unique<Client<S>>(std::move(raw).value());
+}
+
+template <msg::Service S>
+Result<std::unique_ptr<Server<S>>> MakeServer(Node& node, const std::string& service,
+                                              typename Server<S>::Handler handler) {
+  auto on_request = [handler = std::move(handler)](const msg::RequestId& id,
+                                                   std::span<const std::byte> bytes,
+                                                   RawServer::Reply reply) {
+    typename S::Request request{};
+    if (!internal::DecodeEnvelope(bytes, request)) return false;
+    handler(request, [id, reply = std::move(reply)](const typename S::Response& response) {
+      reply(internal::EncodeEnvelope(id, response));
+    });
+    return true;
+  };
+  auto raw = RawServer::Make(node, service, std::string(S::kTypeName), std::move(on_request));
+  if (!raw) return raw.error();
+  return std::make_unique<Server<S>>(std::move(raw).value());
+}
+
+}  // namespace musher::transport

@@ -1,0 +1,77 @@
+#pragma once
+// Who knows whom: matches writers with readers and tells each side of each match, of its loss, and
+// of what a blocked link does to both.
+//
+//   a side:  unaware --learns after its own delay--> aware --lease over, crash, deletion--> unaware
+//                ^-- a blocked link keeps it unaware until the link is free again --^
+
+#include <map>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "musher/transport/sim/channel.hpp"
+#include "musher/transport/sim/links.hpp"
+#include "musher/transport/sim/random.hpp"
+#include "musher/transport/sim/scheduler.hpp"
+
+namespace musher::transport::sim {
+
+class Delivery;
+
+class Discovery {
+ public:
+  Discovery(Scheduler& scheduler, Links& links, Random& random, Delivery& delivery)
+      : scheduler_(scheduler), links_(links), random_(random), delivery_(delivery) {}
+
+  // How long a side takes to learn of the other, and a silent participant to be taken for lost.
+  void SetDelay(Duration least, Duration most);
+  void SetLease(Duration lease) { lease_ = lease; }
+
+  void Add(const std::string& topic, const std::string& type,
+           const std::shared_ptr<WriterEnd>& writer);
+  void Add(const std::string& topic, const std::string& type,
+           const std::shared_ptr<ReaderEnd>& reader);
+  // Drops an end and tells the others.
+  void Close(End& end) { Close(end, {}, false); }
+  // Drops all ends of a process; the others find out by the lease.
+  void Crash(ProcessId process);
+
+  // After a link was blocked or freed.
+  void LinkChanged(HostId from, HostId to);
+
+ private:
+  struct Topic {
+    std::vector<std::shared_ptr<WriterEnd>> writers;
+    std::vector<std::shared_ptr<ReaderEnd>> readers;
+  };
+
+  void Match(const std::shared_ptr<WriterEnd>& writer, const std::shared_ptr<ReaderEnd>& reader);
+  void Discover(const std::shared_ptr<Channel>& channel, Side side);
+  void Learn(const std::shared_ptr<Channel>& channel, Side side);
+  void ForgetAt(Time when, const std::shared_ptr<Channel>& channel, Side side, bool silent);
+  void Forget(const std::shared_ptr<Channel>& channel, Side side);
+  void ExpireLeases(HostId from, HostId to);
+  void Remove(const std::shared_ptr<Channel>& channel);
+  // Whether what `side` learns of the other comes over the link.
+  static bool Hears(const Channel& channel, Side side, HostId from, HostId to);
+  bool Blocked(const Channel& channel, Side side) const;
+  void Close(End& end, Time crash_noticed, bool crashed);
+
+  Scheduler& scheduler_;
+  Links& links_;
+  Random& random_;
+  Delivery& delivery_;
+  Duration delay_min_ = Milliseconds(1);
+  Duration delay_max_ = Milliseconds(5);
+  Duration lease_ = std::chrono::seconds(10);
+
+  std::map<std::pair<std::string, std::string>, Topic> topics_;
+  std::vector<std::shared_ptr<Channel>> channels_;
+  // Announcements from a process to another come in order, those of writers and of readers apart.
+  std::map<std::tuple<ProcessId, ProcessId, Side>, Time> last_announcement_;
+};
+
+}  // namespace musher::transport::sim

@@ -1,0 +1,62 @@
+#pragma once
+// The hosts of a simulation and what happens to samples between them.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/time.hpp"
+#include "musher/transport/sim/random.hpp"
+
+namespace musher::transport::sim {
+
+using HostId = std::uint32_t;
+
+// What one direction between two hosts does, a host and itself included. Inside a process nothing
+// is ever delayed or lost.
+struct LinkFaults {
+  Duration delay_min = std::chrono::microseconds(20);
+  Duration delay_max = std::chrono::microseconds(100);
+  double loss = 0;  // a best-effort sample is gone, a reliable one is late
+  Duration retransmission = Milliseconds(10);   // how late, for each time it is lost
+  double duplication = 0;                       // a sample comes twice
+  double reordering = 0;                        // a sample may be overtaken by later ones …
+  Duration reordering_delay = Milliseconds(5);  // … that come up to so much sooner
+  double reliable_loss = 0;                     // a reliable sample is gone in spite of everything
+};
+
+class Links {
+ public:
+  // The host of that name, a new one when there is none.
+  HostId Host(const std::string& name);
+  std::size_t hosts() const { return names_.size(); }
+
+  void SetFaults(const LinkFaults& faults);  // everywhere, also for hosts to come
+  void SetFaults(HostId from, HostId to, const LinkFaults& faults) { At(from, to).faults = faults; }
+  const LinkFaults& Faults(HostId from, HostId to) const { return At(from, to).faults; }
+
+  void SetBlocked(HostId from, HostId to, bool blocked);
+  bool Blocked(HostId from, HostId to) const { return At(from, to).blocked; }
+  // Grows with every change of SetBlocked().
+  std::uint64_t Changes(HostId from, HostId to) const { return At(from, to).changes; }
+
+  void SetClockOffset(HostId host, Duration offset) { offsets_[host] = offset; }
+  Duration ClockOffset(HostId host) const { return offsets_[host]; }
+
+ private:
+  struct Link {
+    LinkFaults faults;
+    bool blocked = false;
+    std::uint64_t changes = 0;
+  };
+
+  Link& At(HostId from, HostId to) { return links_[from][to]; }
+  const Link& At(HostId from, HostId to) const { return links_[from][to]; }
+
+  std::vector<std::string> names_;
+  std::vector<Duration> offsets_;
+  std::vector<std::vector<Link>> links_;  // from, to
+  LinkFaults default_faults_;
+};
+
+}  // namespace musher::transport::sim

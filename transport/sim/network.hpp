@@ -1,0 +1,87 @@
+#pragma once
+// A robot's network in memory and virtual time, for tests: the same decision code, the same Node,
+// but delays, losses and crashes on order, and the same run from the same seed on every machine.
+//
+//   sim::Network network(seed);
+//   auto dog = network.MakeNode("dog");
+//   auto desk = network.MakeNode("desk");
+//   network.Partition("dog", "desk");
+//   network.RunFor(Milliseconds(500));
+//
+// What it keeps of DDS: each half of a match is learnt at its own time; late joiners get a latched
+// history; a reliable sample is late rather than lost and arrives after a partition, however stale;
+// a silent process is taken for lost after its lease.
+//
+// Threads: one. Nodes must be gone before their network.
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "musher/transport/node.hpp"
+#include "musher/transport/sim/delivery.hpp"
+#include "musher/transport/sim/discovery.hpp"
+#include "musher/transport/sim/links.hpp"
+#include "musher/transport/sim/random.hpp"
+#include "musher/transport/sim/scheduler.hpp"
+
+namespace musher::transport::sim {
+
+class Network {
+ public:
+  explicit Network(std::uint64_t seed)
+      : random_(seed),
+        delivery_(scheduler_, links_, random_),
+        discovery_(scheduler_, links_, random_, delivery_) {}
+  Network(const Network&) = delete;
+  Network& operator=(const Network&) = delete;
+
+  // A process of its own on that host, which is made when there is none.
+  std::unique_ptr<Node> MakeNode(const std::string& host);
+
+  // Faults, at any time; they concern what is sent from now on.
+  void SetFaults(const LinkFaults& faults) { links_.SetFaults(faults); }
+  void SetFaults(const std::string& from, const std::string& to, const LinkFaults& faults);
+  // Nothing gets from one host to the other, or both ways, until it is freed or healed.
+  void Block(const std::string& from, const std::string& to) { SetBlocked(from, to, true); }
+  void Free(const std::string& from, const std::string& to) { SetBlocked(from, to, false); }
+  void Partition(const std::string& a, const std::string& b);
+  void Heal(const std::string& a, const std::string& b);
+  // How long a process takes to learn of a new writer or reader.
+  void SetDiscoveryDelay(Duration least, Duration most) { discovery_.SetDelay(least, most); }
+  // A silent process is taken for lost after half of it to all of it.
+  void SetLease(Duration lease) { discovery_.SetLease(lease); }
+  // How far the steady clocks of a host's processes are ahead of the network's.
+  void SetClockOffset(const std::string& host, Duration offset);
+
+  // The process of a node ends in mid-sentence: none of its callbacks runs any more. The node and
+  // what was made from it can still be dropped, and do nothing else.
+  void Crash(Node& node);
+  // The process stands still (SIGSTOP): what is due for it waits until it is resumed.
+  void Pause(Node& node);
+  void Resume(Node& node);
+
+  Time now() const { return scheduler_.now(); }
+  std::uint64_t steps() const { return scheduler_.steps(); }  // events run so far
+  Random& random() { return random_; }
+
+  // Runs the next event; false when there is none.
+  bool Step() { return scheduler_.Step(Time::max()); }
+  void RunFor(Duration duration);
+  // Until `done` holds (checked after every event) or the deadline is over; says whether it held.
+  bool RunUntil(const std::function<bool()>& done, Time deadline);
+
+ private:
+  friend class SimNode;
+
+  void SetBlocked(const std::string& from, const std::string& to, bool blocked);
+
+  Scheduler scheduler_;
+  Links links_;
+  Random random_;
+  Delivery delivery_;
+  Discovery discovery_;
+  PeerId next_peer_ = 1;
+};
+
+}  // namespace musher::transport::sim

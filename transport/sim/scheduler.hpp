@@ -1,0 +1,76 @@
+#pragma once
+// Virtual time: all events of a simulation in the order of their time, those of the same time in
+// the order they were added. Each belongs to a process; a crashed one's are dropped, a paused one's
+// wait.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "musher/lifecycle/time.hpp"
+
+namespace musher::transport::sim {
+
+using Work = std::function<void()>;
+using ProcessId = std::uint32_t;  // an index; 0 is the network itself
+
+struct EventId {
+  std::uint32_t slot = 0;
+  std::uint32_t generation = 0;  // 0: no event
+};
+
+class Scheduler {
+ public:
+  Scheduler();
+
+  Time now() const { return now_; }
+  std::uint64_t steps() const { return steps_; }
+
+  ProcessId AddProcess();
+  void Kill(ProcessId process);  // for good
+  void Pause(ProcessId process) { processes_[process].paused = true; }
+  void Resume(ProcessId process);
+  bool Alive(ProcessId process) const { return processes_[process].alive; }
+
+  // Adds `work` at `when`, or now when that is past; nothing for a process that is not alive.
+  EventId Add(ProcessId process, Time when, Work work);
+  // Nothing happens when it has run.
+  void Cancel(EventId event);
+
+  // Runs the next event, if it is due by `limit`; says whether one ran.
+  bool Step(Time limit);
+  // Lets time pass to `when`; there must be no event before it.
+  void AdvanceTo(Time when);
+
+ private:
+  struct Entry {
+    Time when;
+    std::uint64_t number;
+    EventId event;
+  };
+  struct Slot {
+    Work work;
+    ProcessId process = 0;
+    std::uint32_t generation = 1;  // of the event in it; grows when that has run or been cancelled
+  };
+  struct Process {
+    bool alive = true;
+    bool paused = false;
+    std::vector<EventId> waiting;  // became due while it was paused
+  };
+
+  static bool Later(const Entry& a, const Entry& b);
+  void Push(Time when, EventId event);
+  void Free(std::uint32_t slot);
+
+  Time now_;
+  std::uint64_t steps_ = 0;
+  std::uint64_t next_number_ = 0;
+  std::vector<Entry> heap_;  // the earliest in front
+  std::vector<Slot> slots_;
+  std::vector<std::uint32_t> free_slots_;
+  std::vector<Process> processes_;
+};
+
+}  // namespace musher::transport::sim

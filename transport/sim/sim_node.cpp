@@ -1,0 +1,89 @@
+#include "musher/transport/sim/sim_node.hpp"
+
+#include <utility>
+
+namespace musher::transport::sim {
+
+namespace {
+
+class SimWriter : public RawWriter {
+ public:
+  SimWriter(Discovery& discovery, Delivery& delivery, std::shared_ptr<WriterEnd> end)
+      : discovery_(discovery), delivery_(delivery), end_(std::move(end)) {}
+  SimWriter(const SimWriter&) = delete;
+  SimWriter& operator=(const SimWriter&) = delete;
+  ~SimWriter() override { discovery_.Close(*end_); }
+
+  Result<> Write(std::span<const std::byte> bytes) override {
+    if (!end_->open) return Error{kCodeNetError, "the process has crashed"};
+    delivery_.Write(*end_, std::make_shared<const msg::Bytes>(bytes.begin(), bytes.end()));
+    return Ok();
+  }
+  int MatchedReaders() const override { return end_->peers.size(); }
+  int ReadersOf(PeerId participant) const override { return end_->peers.CountOf(participant); }
+  std::uint64_t UniqueId() const override { return end_->id; }
+
+ private:
+  Discovery& discovery_;
+  Delivery& delivery_;
+  std::shared_ptr<WriterEnd> end_;
+};
+
+class SimReader : public RawReader {
+ public:
+  SimReader(Discovery& discovery, std::shared_ptr<ReaderEnd> end)
+      : discovery_(discovery), end_(std::move(end)) {}
+  SimReader(const SimReader&) = delete;
+  SimReader& operator=(const SimReader&) = delete;
+  ~SimReader() override { discovery_.Close(*end_); }
+
+  int MatchedWriters() const override { return end_->peers.size(); }
+  int WritersOf(PeerId participant) const override { return end_->peers.CountOf(participant); }
+  std::vector<PeerId> WriterParticipants() const override { return end_->peers.Participants(); }
+
+ private:
+  Discovery& discovery_;
+  std::shared_ptr<ReaderEnd> end_;
+};
+
+}  // namespace
+
+SimNode::SimNode(Network& network, HostId host)
+    : network_(network),
+      host_(host),
+      process_(network.scheduler_.AddProcess()),
+      participant_(network.next_peer_++),
+      loop_(network.scheduler_, process_, network.links_, host) {}
+
+Result<std::unique_ptr<RawWriter>> SimNode::MakeRawWriter(const std::string& topic,
+                                                          const std::string& type, const Qos& qos,
+                                                          WriterCallbacks callbacks) {
+  auto end = std::make_shared<WriterEnd>();
+  FillIn(*end, qos);
+  end->callbacks = std::move(callbacks);
+  if (end->open) network_.discovery_.Add(topic, type, end);
+  return std::unique_ptr<RawWriter>(
+      std::make_unique<SimWriter>(network_.discovery_, network_.delivery_, std::move(end)));
+}
+
+Result<std::unique_ptr<RawReader>> SimNode::MakeRawReader(const std::string& topic,
+                                                          const std::string& type, const Qos& qos,
+                                                          ReaderCallbacks callbacks) {
+  auto end = std::make_shared<ReaderEnd>();
+  FillIn(*end, qos);
+  end->callbacks = std::move(callbacks);
+  if (end->open) network_.discovery_.Add(topic, type, end);
+  return std::unique_ptr<RawReader>(
+      std::make_unique<SimReader>(network_.discovery_, std::move(end)));
+}
+
+void SimNode::FillIn(End& end, const Qos& qos) const {
+  end.id = network_.next_peer_++;
+  end.participant = participant_;
+  end.process = process_;
+  end.host = host_;
+  end.qos = qos;
+  end.open = network_.scheduler_.Alive(process_);
+}
+
+}  // namespace musher::transport::sim
