@@ -1,5 +1,6 @@
 #include "musher/actuator/actuator_shell.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/transport/lifecycle_wire.hpp"
@@ -132,9 +133,11 @@ void ActuatorShell::Do(const actuator_action::Finish& action) {
   hooks_.on_finished(Error{action.code, action.message});
 }
 
-msg::ActuatorStatus ActuatorShell::Status() const {
+// Stamps only grow: of two reports of the same moment the later one counts.
+msg::ActuatorStatus ActuatorShell::Status() {
+  last_stamp_ = std::max(node_.loop().Now(), last_stamp_ + Duration(1));
   ActuatorReport report = core_.report;
-  report.stamp = node_.loop().Now();
+  report.stamp = last_stamp_;
   return transport::ToMessage(actuator_.name, report);
 }
 

@@ -60,7 +60,7 @@ class ActuatorShell {
   void Do(const actuator_action::BecomeVisible& action);
   void Do(const actuator_action::Finish& action);
   void Publish();
-  msg::ActuatorStatus Status() const;
+  msg::ActuatorStatus Status();
 
   transport::Node& node_;
   Worker& worker_;
@@ -69,6 +69,7 @@ class ActuatorShell {
   Hooks hooks_;
   ActuatorCore core_;
   RequestToken next_token_ = 1;
+  Time last_stamp_{};
   std::map<RequestToken, Reply> replies_;
   std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> status_;
   transport::LoopHandlePtr publish_later_;

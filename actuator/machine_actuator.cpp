@@ -4,14 +4,13 @@
 
 #include <atomic>
 #include <condition_variable>
-#include <cstdlib>
+#include <ctime>
 #include <exception>
 #include <future>
 #include <iostream>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <random>
 #include <utility>
 
 #include "musher/actuator/actuator_shell.hpp"
@@ -23,10 +22,12 @@ namespace {
 
 using Callback = std::function<Result<>()>;
 
+// Grows with every start on this host, whatever becomes of the wall clock.
 std::uint64_t NewIncarnation() {
-  std::random_device random;
-  const std::uint64_t number = (std::uint64_t{random()} << 32) | random();
-  return number == 0 ? 1 : number;
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000U +
+         static_cast<std::uint64_t>(now.tv_nsec);
 }
 
 // The callback's own word, or what became of it.

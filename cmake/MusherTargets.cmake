@@ -19,7 +19,8 @@ if(CCACHE AND NOT MUSHER_LINT)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
 endif()
 
-# Two warnings of GCC 12 are false alarms when it optimises strings and variants (bugs 105651, 105562).
+# Two warnings of GCC 12 are false alarms when it optimises strings and variants (its bugs 105651 and
+# 105562).
 function(musher_warnings target)
   target_compile_options(${target} PRIVATE
     -Wall -Wextra -Wpedantic -Wshadow=local -Wconversion -Wno-sign-conversion

@@ -16,6 +16,9 @@ struct Refusal {
   std::string message;
 };
 
+// No process of a robot has run for longer.
+constexpr Duration kLongestRun = std::chrono::hours(24 * 365 * 10);
+
 std::string Quantity(Duration d) {
   return std::to_string(ToMilliseconds(d)) + " ms";
 }
@@ -155,6 +158,14 @@ class Deciding {
   }
 
   std::optional<Refusal> TooOld(const SwitchCommand& command) const {
+    // A stranger's times may be anything: what cannot be is not computed with.
+    const bool possible = command.status_stamp <= now_ &&
+                          command.status_stamp >= now_ - kLongestRun &&
+                          command.since_status >= Duration::zero() &&
+                          command.since_status <= kLongestRun;
+    if (!possible) {
+      return Refusal{kCodeParametersInvalid, "the command does not say how old it is"};
+    }
     const Duration age = now_ - command.status_stamp - command.since_status;
     if (age <= command.budget) return std::nullopt;
     return Refusal{kCodeTimeout, "the command is " + Quantity(age) + " old and was good for " +

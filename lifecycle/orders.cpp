@@ -80,9 +80,14 @@ void Decision::On(const event::StatusSeen& seen) {
     }
     return;
   }
-  if (machine_.phase == Phase::kIdle || report.state == kTearDown) return;
+  // What a process said before it died can come after its successor has spoken.
+  const bool of_the_past =
+      report.host == record.report.host && report.incarnation < record.report.incarnation;
+  if (of_the_past || machine_.phase == Phase::kIdle || report.state == kTearDown) return;
   const bool not_set_up = report.state == config_.default_state;
+  const bool stopping = machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped;
   if (not_set_up && !report.busy() && report.outcome_code != kCodeOk) {
+    if (stopping) return;
     return Degrade(seen.actuator, report.outcome_code,
                    "SetUp failed with " + CodeText(report.outcome_code) +
                        (report.outcome_message.empty() ? "" : ": " + report.outcome_message));
@@ -93,7 +98,7 @@ void Decision::On(const event::StatusSeen& seen) {
   record.presence = Presence::kStarting;
   // Its services appear when it is set up; until then there is nobody to ask.
   if (not_set_up) return;
-  if (machine_.phase != Phase::kStopping && machine_.phase != Phase::kStopped) Claim(seen.actuator);
+  if (!stopping) Claim(seen.actuator);
 }
 
 void Decision::On(const event::Replied& replied) {
@@ -212,13 +217,14 @@ void Decision::Lose(std::size_t i, const std::string& how) {
 void Decision::On(const event::Vanished& vanished) {
   ActuatorRecord& record = Of(vanished.actuator);
   if (record.report.incarnation != vanished.incarnation) return;
-  if (record.presence != Presence::kPresent && record.presence != Presence::kStarting) return;
   if (vanished.for_good) {
     record.dead = vanished.incarnation;
     const bool torn_down = record.order && record.order->target == kTearDown;
     if (torn_down) EndOrder(vanished.actuator, {ActuatorOutcome::kDone, kCodeOk, "", true});
   }
-  Lose(vanished.actuator, vanished.how);
+  if (record.presence == Presence::kPresent || record.presence == Presence::kStarting) {
+    Lose(vanished.actuator, vanished.how);
+  }
 }
 
 }  // namespace musher

@@ -136,8 +136,7 @@ class Planning {
         RefuseWith(code, "critical " + actuator.name + " " + why);
     };
     if (record.presence != Presence::kPresent) {
-      const bool loading =
-          record.presence == Presence::kStarting || actuator.stage > machine_.stage;
+      const bool loading = !record.fault && record.presence != Presence::kLost;
       leave_out(loading ? "is still starting" : "is not there", kCodeStatusError, !loading);
     } else if (Joining(record)) {
       leave_out("is still joining", kCodeTargetBusy, false);

@@ -18,7 +18,7 @@ struct ActuatorReport {
   std::uint64_t outcome_number = 0;  // the last command that ended, its code and message
   std::int32_t outcome_code = 0;
   std::string outcome_message;
-  std::uint64_t incarnation = 0;  // differs with every start of its process
+  std::uint64_t incarnation = 0;  // of its process: grows with every start on a host
   std::int32_t pid = 0;
   std::string host;
   std::string config_hash;

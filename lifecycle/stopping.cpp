@@ -32,6 +32,7 @@ void Decision::Stop(const Plan& plan, std::vector<RequestId> requests) {
     ActuatorRecord& record = Of(i);
     record.claim_again.reset();
     if (record.presence == Presence::kPresent) continue;
+    record.fault.reset();  // what is not there cannot be left behind
     record.set_up_by.reset();
     if (record.process != 0) Do(action::SignalProcess{i, record.process, false});
   }

@@ -126,9 +126,9 @@ void Decision::AddLeg(Switch& s, const PlanStep& step) {
       other.code = kCodeUnSupport;
       break;
     case PlanStep::Part::kLeftOut:
-      other.outcome = Of(step.actuator).presence == Presence::kPresent ? ActuatorOutcome::kSkipped
-                                                                       : ActuatorOutcome::kLost;
-      other.code = Of(step.actuator).fault ? Of(step.actuator).fault->code : kCodeStatusError;
+      other.outcome = Of(step.actuator).presence == Presence::kLost ? ActuatorOutcome::kLost
+                                                                    : ActuatorOutcome::kSkipped;
+      if (Of(step.actuator).fault) other.code = Of(step.actuator).fault->code;
       break;
     case PlanStep::Part::kHeldThere:
     case PlanStep::Part::kThere:

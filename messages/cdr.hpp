@@ -48,7 +48,10 @@ concept Fielded = requires(T& m) {
 class CdrWriter {
  public:
   // Starts with the encapsulation header of little-endian CDR.
-  CdrWriter() : bytes_{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}} {}
+  CdrWriter() {
+    bytes_.reserve(kUsualSize);
+    bytes_ = {std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
+  }
 
   template <class T>
   requires(std::is_arithmetic_v<T>) void Put(T value) {
@@ -58,16 +61,13 @@ class CdrWriter {
       static_assert(std::endian::native == std::endian::little,
                     "big-endian hosts are not supported");
       Align(sizeof(T));
-      const std::size_t at = bytes_.size();
-      bytes_.resize(at + sizeof(T));
-      std::memcpy(bytes_.data() + at, &value, sizeof(T));
+      Append(&value, sizeof(T));
     }
   }
   void Put(const std::string& text) {
-    Put(static_cast<std::uint32_t>(text.size() + 1));
-    const std::size_t at = bytes_.size();
-    bytes_.resize(at + text.size() + 1);  // the added byte is the terminating zero
-    std::memcpy(bytes_.data() + at, text.data(), text.size());
+    const std::size_t size = text.size() + 1;  // with its terminating zero
+    Put(static_cast<std::uint32_t>(size));
+    Append(text.c_str(), size);
   }
   template <class T>
   void Put(const std::vector<T>& items) {
@@ -91,7 +91,13 @@ class CdrWriter {
     bytes_.resize(bytes_.size() + (size - offset % size) % size);
   }
 
+  void Append(const void* data, std::size_t size) {
+    const auto* begin = static_cast<const std::byte*>(data);
+    bytes_.insert(bytes_.end(), begin, begin + size);
+  }
+
   static constexpr std::size_t kHeaderSize = 4;
+  static constexpr std::size_t kUsualSize = 256;  // of what is reserved at once
   Bytes bytes_;
 };
 

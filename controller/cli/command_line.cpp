@@ -32,6 +32,17 @@ Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, CYCLONEDDS_URI, 
 constexpr const char* kCommandFooter =
     "\nOptions of every command (--json, --namespace, --domain, ...): musher --help";
 
+// Not CLI::Range, for which "nan" is in every range.
+CLI::Validator InSeconds() {
+  return {[](const std::string& text) {
+            double seconds = 0;
+            const bool good =
+                CLI::detail::lexical_cast(text, seconds) && seconds >= 0.001 && seconds <= 1e6;
+            return good ? std::string() : text + " is not between 0.001 and 1000000 seconds";
+          },
+          ""};
+}
+
 bool IsNamespace(const std::string& text) {
   if (text.empty()) return true;
   bool at_begin = true;  // of a part between slashes
@@ -102,7 +113,7 @@ class Grammar {
     timeout_ = app_.add_option("--timeout", timeout_s_,
                                "How long to wait for the controller's answer;\n"
                                "default 60 for set and down, else 5")
-                   ->check(CLI::Range(0.001, 1e6).description(""))
+                   ->check(InSeconds())
                    ->type_name("SECONDS");
     app_.add_option("--color", colour_,
                     "When to colour; auto: on a terminal, unless NO_COLOR is set")

@@ -190,6 +190,19 @@ TEST_F(Actuator, DoesNotTakeAnOldStatusStampForAnOldCommand) {
   EXPECT_THAT(Do(command), Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
 }
 
+TEST_F(Actuator, RefusesACommandWhoseTimesCannotBe) {
+  SetUpIt();
+  for (const auto& [stamp, since] : {std::pair(Time::max(), Duration::zero()),
+                                     std::pair(Time::min(), Duration::zero()),
+                                     std::pair(now_, Duration::min()),
+                                     std::pair(now_, Duration::max())}) {
+    SwitchArrived command = Command(1, "Active");
+    command.command.status_stamp = stamp;
+    command.command.since_status = since;
+    EXPECT_EQ(AnswerIn(Do(command)).code, kCodeParametersInvalid);
+  }
+}
+
 TEST_F(Actuator, ACommandThatHadNotBegunWhenAskedForNeverBegins) {
   SetUpIt();
   const SwitchArrived late = Command(7, "Active");

@@ -94,7 +94,8 @@ class Story {
     for (const ActuatorRecord& record : robot_.machine().actuators) {
       const bool joining = !record.checked || record.due || record.order;
       if (!joining) {
-        EXPECT_EQ(record.state(), target);
+        EXPECT_EQ(record.state(), target)
+            << "of process " << record.report.pid << ", " << PresenceName(record.presence);
       }
     }
   }

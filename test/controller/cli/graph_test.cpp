@@ -65,8 +65,14 @@ TEST(Graph, DrawsTheFlowInMermaid) {
             "  TearDown --> [*]\n");
 }
 
+MachineConfig WithBoundEyes() {
+  MachineConfig config = RobotConfig();
+  config.actuators[1].binds_to = {"legs"};
+  return config;
+}
+
 TEST(Graph, DrawsActuatorsByStageInDot) {
-  EXPECT_EQ(ActuatorsDot(RobotConfig()),
+  EXPECT_EQ(ActuatorsDot(WithBoundEyes()),
             "digraph \"dog\" {\n"
             "  rankdir=LR;\n"
             "  node [shape=box, fontname=\"sans-serif\"];\n"
@@ -84,7 +90,7 @@ TEST(Graph, DrawsActuatorsByStageInDot) {
 }
 
 TEST(Graph, DrawsActuatorsByStageInMermaid) {
-  EXPECT_EQ(ActuatorsMermaid(RobotConfig()),
+  EXPECT_EQ(ActuatorsMermaid(WithBoundEyes()),
             "flowchart LR\n"
             "  subgraph stage_1 [\"stage 1\"]\n"
             "    a_legs[\"legs<br/>critical\"]\n"

@@ -28,7 +28,6 @@ states = ["SetUp", "TearDown", "SelfCheck", "Active"]
 times = [1, 2, 3, 4]
 stage = 2
 after = ["legs"]
-binds_to = ["legs"]
 )";
 
 inline MachineConfig RobotConfig() {
@@ -54,7 +53,8 @@ inline msg::MachineStatus RobotStatus() {
   status.config_file = "dog.toml";
   status.config_hash = "cafe";
   status.degraded = {"eyes"};
-  msg::ActuatorInfo legs{"legs", "Active", "LowPower", "present", 101, "here", 1, true};
+  msg::ActuatorInfo legs{"legs", "Active", "LowPower", "present", 101, "here",
+                         1,      true,     false,      false,     0,   ""};
   msg::ActuatorInfo eyes{"eyes", "SetUp", "",   "lost", 0,   "here",
                          2,      false,   true, true,   107, "gone\n"};
   status.actuators = {legs, eyes};

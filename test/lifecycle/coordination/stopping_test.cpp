@@ -95,7 +95,7 @@ TEST(StoppingEarly, EndsProcessesThatAreStillSettingUp) {
   t.On("b", "SetUp").hangs = true;
   t.Begin();
   t.RunFor(Milliseconds(500));
-  t.Set("TearDown");
+  EXPECT_TRUE(t.Set("TearDown").done()) << "what never was there is not left behind";
   EXPECT_TRUE(t.stopped());
   EXPECT_THAT(t.signals, UnorderedElementsAre("b:TERM"));
 }

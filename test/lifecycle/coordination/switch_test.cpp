@@ -114,11 +114,11 @@ TEST_F(Switching, UpSendsNothingMoreOnceOneHasFailedAndGoesBackInReverse) {
 
 TEST_F(Switching, UpIsRefusedBeforeAnythingIsSentWhenOneDoesNotListTheTarget) {
   MachineConfig config = MachineOf(3);
-  config.states.push_back("Turbo");
+  config.states.emplace_back("Turbo");
   config.ranks["Turbo"] = 7;
   config.flow = DefaultFlow(config.states);
   for (const char* name : {"a", "c"}) {
-    ActuatorNamed(config, name).states.push_back("Turbo");
+    ActuatorNamed(config, name).states.emplace_back("Turbo");
     ActuatorNamed(config, name).times.push_back(Milliseconds(100));
   }
   Theatre& t = In("Active", config);

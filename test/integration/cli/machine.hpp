@@ -1,0 +1,79 @@
+#pragma once
+// A machine of three musher-exec actuators in a domain and a namespace of its own, led through the
+// real `musher` program.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "musher/test/contract/domain.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/integration/cli/process.hpp"
+
+namespace musher::testing {
+
+class MachineByCli : public ::testing::Test {
+ protected:
+  MachineByCli() {
+    AdoptOrphans();
+    setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
+    setenv("MUSHER_NAMESPACE", name_space_.c_str(), 1);
+    Write();
+  }
+  // Nothing that a test started outlives it.
+  ~MachineByCli() override { KillChildren(); }
+
+  // What an actuator does in its states, as musher-exec reads it: "[state.Active]\nrun = [...]".
+  void Does(const std::string& actuator, const std::string& toml) const {
+    std::ofstream(folder_ / (actuator + ".toml")) << toml;
+  }
+
+  static std::vector<std::string> Command(std::vector<std::string> words) {
+    words.insert(words.begin(), MUSHER_BIN_DIR "/musher");
+    return words;
+  }
+  static Ended Musher(std::vector<std::string> words) {
+    return RunToEnd(Command(std::move(words)));
+  }
+  Ended UpDetached() const { return Musher({"up", config_, "--detach"}); }
+
+  static nlohmann::json Json(const std::string& text) {
+    auto json = nlohmann::json::parse(text, nullptr, false);
+    EXPECT_FALSE(json.is_discarded()) << text;
+    return json;
+  }
+  // The machine's status; null when there is no controller.
+  static nlohmann::json Status() {
+    const Ended status = Musher({"status", "--json"});
+    return status.exit == 0 ? Json(status.out) : nlohmann::json();
+  }
+
+  const TempFolder folder_;
+  const std::string name_space_ = "test_" + std::to_string(getpid());
+  const std::string config_ = folder_ / "robot.toml";
+
+ private:
+  void Write() const {
+    const std::string states = R"(["SetUp", "TearDown", "SelfCheck", "Active", "LowPower", "OTA"])";
+    std::ofstream file(config_);
+    file << "[controller]\nname = \"robot\"\nactuators = [\"legs\", \"voice\", \"eyes\"]\nstates = "
+         << states << "\ndefault_time = 2000\ndefault_state = \"Uninitialized\"\nnamespace = \""
+         << name_space_ << "\"\nstate_dir = \"state\"\n";
+    for (const char* actuator : {"legs", "voice", "eyes"}) {
+      file << "[actuator." << actuator << "]\nstates = " << states
+           << "\ntimes = [10000, 5000, 5000, 5000, 5000, 5000]\ncommand = [\"musher-exec\", \""
+           << (folder_ / actuator) << ".toml\"]\n";
+      Does(actuator, "[state.OTA]\nrun = [\"true\"]\n");
+      if (actuator == std::string("legs")) file << "critical = true\n";
+      if (actuator == std::string("eyes")) file << "stage = 2\nafter = [\"legs\"]\n";
+    }
+  }
+};
+
+}  // namespace musher::testing

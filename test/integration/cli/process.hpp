@@ -1,0 +1,56 @@
+#pragma once
+// A program that a test runs and talks to: its output line by line, its signals, its end.
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+namespace musher::testing {
+
+struct Ended {
+  int exit = -1;    // -1: ended by a signal, or not at all
+  std::string out;  // all of it
+  std::string err;
+};
+
+class Process {
+ public:
+  // Runs argv[0], looked up in PATH.
+  explicit Process(const std::vector<std::string>& argv);
+  // Kills it if it still runs.
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  pid_t pid() const { return pid_; }
+  void Signal(int signal) const;
+
+  // The next line of its output that contains `text`; "" when its output ends, or half a minute is
+  // over, before there is one.
+  std::string LineWith(const std::string& text);
+  // Waits until its output ends, then for its end. To be called once.
+  Ended Wait();
+
+ private:
+  // Waits for more output; false: there will be none.
+  bool ReadMore();
+
+  pid_t pid_ = 0;
+  int out_ = -1;
+  int err_ = -1;  // a file in memory
+  std::string read_;
+  std::size_t seen_ = 0;  // of `read_`, by LineWith()
+};
+
+// Runs a program to its end.
+Ended RunToEnd(const std::vector<std::string>& argv);
+
+// From now on this process is the parent of whatever its children leave behind.
+void AdoptOrphans();
+// The processes that this one is the parent of.
+std::vector<pid_t> Children();
+// Kills all children, and theirs, until none is left.
+void KillChildren();
+
+}  // namespace musher::testing

@@ -1,0 +1,155 @@
+// Switching a machine from the command line: outcomes, exit codes, and what --json says.
+
+#include <signal.h>
+
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Set : public MachineByCli {
+ protected:
+  // Starts the machine and waits until its second stage is there, too.
+  void Start() {
+    up_ = std::make_unique<Process>(Command({"up", config_}));
+    ASSERT_NE(up_->LineWith("eyes: Active done"), "");
+  }
+  std::unique_ptr<Process> up_;
+};
+
+TEST_F(Set, SwitchesTheMachineAndTellsEachActuatorsPart) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const Ended set = Musher({"set", "LowPower", "--json"});
+  EXPECT_EQ(set.exit, 0) << set.err;
+  EXPECT_EQ(set.err, "");
+  const auto result = Json(set.out);
+  EXPECT_EQ(result["target"], "LowPower");
+  EXPECT_EQ(result["outcome"], "done");
+  EXPECT_EQ(result["code"], 0);
+  EXPECT_EQ(result["state"], "LowPower");
+  EXPECT_GT(result["switch"], 0);
+  for (const char* actuator : {"legs", "voice", "eyes"}) {
+    EXPECT_EQ(result["actuators"][actuator]["outcome"], "done") << actuator;
+    EXPECT_EQ(result["actuators"][actuator]["state"], "LowPower") << actuator;
+    EXPECT_GT(result["actuators"][actuator]["duration_ms"], 0) << actuator;
+  }
+}
+
+TEST_F(Set, SwitchesOneActuatorWhichThenIsHeld) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const Ended set = Musher({"set", "LowPower", "voice"});
+  EXPECT_EQ(set.exit, 0) << set.err;
+  EXPECT_THAT(set.out, HasSubstr("done: voice is in LowPower"));
+  const auto status = Status();
+  EXPECT_EQ(status["state"], "Active");
+  EXPECT_EQ(status["actuators"]["voice"]["held"], true);
+  EXPECT_THAT(Musher({"status"}).out, HasSubstr("held"));
+}
+
+TEST_F(Set, EndsWithOneAndAReasonWhenItIsRefused) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const Ended set = Musher({"set", "LowPwer", "--json"});
+  EXPECT_EQ(set.exit, 1);
+  EXPECT_THAT(set.err, HasSubstr("did you mean 'LowPower'?"));
+  const auto result = Json(set.out);
+  EXPECT_EQ(result["outcome"], "refused");
+  EXPECT_NE(result["code"], 0);
+  EXPECT_EQ(result["state"], "Active");
+  EXPECT_EQ(Musher({"set", "Active", "tail"}).exit, 1);
+  EXPECT_EQ(Musher({"set", std::string(100'000, 'x')}).exit, 1);
+  EXPECT_EQ(Status()["state"], "Active");
+}
+
+TEST_F(Set, EndsWithOneWhenItIsUndone) {
+  Does("voice", "module = 5000\n[state.Active]\nshell = \"test ! -e " + (folder_ / "mute") +
+                    " || exit 1\"\n");
+  ASSERT_NO_FATAL_FAILURE(Start());
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  std::ofstream(folder_ / "mute") << "yes";
+  const Ended set = Musher({"set", "Active", "--json"});
+  EXPECT_EQ(set.exit, 1);
+  EXPECT_THAT(set.err, HasSubstr("Active is undone: voice: failed with 5001"));
+  const auto result = Json(set.out);
+  EXPECT_EQ(result["outcome"], "undone");
+  EXPECT_EQ(result["code"], 5001);
+  EXPECT_EQ(result["state"], "LowPower");
+  EXPECT_EQ(result["actuators"]["legs"]["state"], "LowPower");
+}
+
+TEST_F(Set, EndsWithOneWhenItIsDoneWithoutSome) {
+  Does("voice", "[state.LowPower]\nrun = [\"false\"]\n");
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const Ended set = Musher({"set", "LowPower", "--json"});
+  EXPECT_EQ(set.exit, 1);
+  const auto result = Json(set.out);
+  EXPECT_EQ(result["outcome"], "done-degraded");
+  EXPECT_EQ(result["state"], "LowPower");
+  EXPECT_EQ(result["degraded"], nlohmann::json::array({"voice"}));
+  EXPECT_THAT(Musher({"status"}).out, HasSubstr("degraded: voice"));
+}
+
+TEST_F(Set, EndsWithFourAndTheNumberOfTheSwitchThatGoesOn) {
+  Does("legs", "[state.LowPower]\nshell = \"sleep 1.5\"\n");
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const Ended set = Musher({"set", "LowPower", "--timeout", "0.5", "--json"});
+  EXPECT_EQ(set.exit, 4);
+  EXPECT_THAT(set.err, HasSubstr("did not answer within 0.5 s; switch "));
+  const auto failure = Json(set.out);
+  EXPECT_THAT(failure["error"].get<std::string>(), HasSubstr("goes on"));
+  EXPECT_EQ(failure["code"], 107);
+  const std::string number = std::to_string(failure["switch"].get<int>());
+  EXPECT_NE(up_->LineWith("switch " + number + " is done"), "");
+  EXPECT_EQ(Status()["state"], "LowPower");
+}
+
+TEST_F(Set, LetsTheSwitchGoOnAfterCtrlC) {
+  Does("legs", "[state.LowPower]\nshell = \"sleep 1\"\n");
+  ASSERT_NO_FATAL_FAILURE(Start());
+  Process watch(Command({"status", "--watch", "--json"}));
+  ASSERT_NE(watch.LineWith(R"("state":"Active")"), "");
+  Process set(Command({"set", "LowPower"}));
+  ASSERT_NE(watch.LineWith(R"("target":"LowPower")"), "");
+  set.Signal(SIGINT);
+  const Ended ended = set.Wait();
+  EXPECT_EQ(ended.exit, 130);
+  EXPECT_THAT(ended.err, HasSubstr("interrupted"));
+  EXPECT_THAT(ended.err, HasSubstr("goes on"));
+  EXPECT_NE(watch.LineWith(R"("state":"LowPower","degraded":[])"), "");
+}
+
+TEST_F(Set, IsPlannedWithoutBeingDone) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const auto before = Status();
+  const Ended plan = Musher({"plan", "LowPower", "--json"});
+  EXPECT_EQ(plan.exit, 0);
+  const auto steps = Json(plan.out)["steps"];
+  ASSERT_EQ(steps.size(), 3U);
+  EXPECT_EQ(steps[0]["actuator"], "legs");
+  EXPECT_EQ(steps[0]["wave"], 2);  // the eyes come after the legs, so they go down before
+  EXPECT_EQ(steps[2]["wave"], 1);
+  EXPECT_EQ(steps[0]["deadline_ms"], 5000);
+  const Ended refused = Musher({"plan", "Dancing"});
+  EXPECT_EQ(refused.exit, 1);
+  EXPECT_THAT(refused.err, HasSubstr("Dancing would be refused: unknown state"));
+  EXPECT_EQ(Status(), before);
+}
+
+TEST_F(Set, IsToldInTheHistory) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  ASSERT_EQ(Musher({"set", "OTA"}).exit, 0);
+  // The journal is written behind the switch.
+  std::string text;
+  for (int i = 0; i < 100 && text.find("legs: OTA done") == std::string::npos; ++i) {
+    const Ended history = Musher({"history", "--since", "10m"});
+    ASSERT_EQ(history.exit, 0) << history.err;
+    text = history.out;
+  }
+  EXPECT_THAT(text, HasSubstr("legs: OTA done"));
+  EXPECT_EQ(Musher({"history", "--since", "2100-01-01"}).out, "");
+  EXPECT_EQ(Json(Musher({"history", "--limit", "2", "--json"}).out)["entries"].size(), 2U);
+}
+
+}  // namespace
+}  // namespace musher::testing

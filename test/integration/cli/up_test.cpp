@@ -1,0 +1,160 @@
+// A machine's start and end as a person sees them in a terminal.
+
+#include <signal.h>
+
+#include <algorithm>
+
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Up : public MachineByCli {};
+
+TEST_F(Up, StaysInTheForegroundAndTakesTheMachineDownOnCtrlC) {
+  Process up(Command({"up", config_}));
+  EXPECT_NE(up.LineWith("robot: 3 actuators, 6 states, 2 stages"), "");
+  EXPECT_NE(up.LineWith("legs is started as process"), "");
+  EXPECT_NE(up.LineWith("the machine is Active"), "");
+  EXPECT_NE(up.LineWith("eyes: Active done"), "");  // stage 2 comes while the machine is in use
+  up.Signal(SIGINT);
+  const Ended ended = up.Wait();
+  EXPECT_EQ(ended.exit, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("the machine is stopped after"));
+  EXPECT_EQ(ended.err, "musher: taking robot down\n");
+  EXPECT_EQ(Children(), std::vector<pid_t>{});
+}
+
+TEST_F(Up, SaysThatItIsStoppingAlreadyOnASecondCtrlC) {
+  Does("legs", "[state.TearDown]\nshell = \"sleep 0.5\"\n");
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("the machine is Active"), "");
+  up.Signal(SIGTERM);
+  ASSERT_NE(up.LineWith("TearDown from Active"), "");
+  up.Signal(SIGINT);
+  const Ended ended = up.Wait();
+  EXPECT_EQ(ended.exit, 0);
+  EXPECT_EQ(ended.err, "musher: taking robot down\nmusher: robot is being taken down already\n");
+}
+
+TEST_F(Up, TakesTheMachineDownWhenItsTerminalCloses) {
+  Process up(Command({"up", config_, "--json"}));
+  ASSERT_NE(up.LineWith("start-up"), "");
+  up.Signal(SIGHUP);
+  EXPECT_EQ(up.Wait().exit, 0);
+  EXPECT_EQ(Children(), std::vector<pid_t>{});
+}
+
+TEST_F(Up, PrintsALineOfJsonForEachEvent) {
+  Process up(Command({"up", config_, "--json"}));
+  const auto start_up = Json(up.LineWith(R"("kind":"start-up")"));
+  EXPECT_EQ(start_up["code"], 0);
+  up.Signal(SIGINT);
+  const Ended ended = up.Wait();
+  std::istringstream lines(ended.out);
+  std::string last_kind;
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) last_kind = Json(line)["kind"];
+  EXPECT_GT(count, 10);
+  EXPECT_EQ(last_kind, "stopped");
+}
+
+TEST_F(Up, LeavesTheMachineUpWhenItIsDetached) {
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 0) << up.err;
+  EXPECT_THAT(up.out, HasSubstr("robot is up; the controller, process "));
+  EXPECT_EQ(Status()["state"], "Active");
+  const Ended down = Musher({"down"});
+  EXPECT_EQ(down.exit, 0) << down.err;
+  EXPECT_THAT(down.out, HasSubstr("done: the machine is in TearDown"));
+  EXPECT_EQ(Musher({"status"}).exit, 3);
+}
+
+TEST_F(Up, CanFollowDownAtOnce) {
+  for (int i = 0; i < 3; ++i) {
+    const Ended up = UpDetached();
+    ASSERT_EQ(up.exit, 0) << up.err;
+    ASSERT_EQ(Musher({"down"}).exit, 0);
+  }
+}
+
+TEST_F(Up, LeavesAFailedStartForInspection) {
+  Does("legs", "module = 3000\n[state.SelfCheck]\nrun = [\"sh\", \"-c\", \"exit 9\"]\n");
+  const Ended up = Musher({"up", config_});
+  EXPECT_EQ(up.exit, 1);
+  EXPECT_THAT(up.err, HasSubstr("critical legs: 3009 (MotionManager: SelfCheckFailed)"));
+  EXPECT_THAT(up.err, HasSubstr("stay up for inspection"));
+  const auto status = Status();
+  EXPECT_EQ(status["phase"], "failed");
+  EXPECT_EQ(status["state"], "SelfCheck");
+  EXPECT_EQ(status["actuators"]["legs"]["code"], 3009);
+  EXPECT_EQ(status["actuators"]["voice"]["presence"], "present");
+  EXPECT_NE(Musher({"down"}).exit, 3);
+  EXPECT_EQ(Musher({"status"}).exit, 3);
+}
+
+TEST_F(Up, EndsWithOneWhenItIsStoppedBeforeTheMachineIsUp) {
+  Does("legs", "[state.SetUp]\nshell = \"sleep 5\"\n");
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("legs is started as process"), "");
+  up.Signal(SIGINT);
+  const Ended ended = up.Wait();
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_THAT(ended.err, HasSubstr("stopped before it was up"));
+}
+
+TEST_F(Up, RefusesAMachineThatHasAControllerAndNamesIt) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  const auto before = Status();
+  const Ended second = Musher({"up", config_});
+  EXPECT_EQ(second.exit, 2);
+  EXPECT_THAT(second.err, HasSubstr("process " + std::to_string(before["pid"].get<int>())));
+  const Ended json = Musher({"up", config_, "--json"});
+  EXPECT_EQ(json.exit, 2);
+  EXPECT_EQ(Json(json.out)["code"], 111);
+  EXPECT_EQ(Status()["epoch"], before["epoch"]);  // it was not disturbed
+}
+
+TEST_F(Up, LosesItsControllerWithItsFrontButKeepsTheActuators) {
+  pid_t legs = 0;
+  {
+    Process up(Command({"up", config_}));
+    ASSERT_NE(up.LineWith("eyes: Active done"), "");
+    legs = Status()["actuators"]["legs"]["pid"];
+    up.Signal(SIGKILL);
+    EXPECT_EQ(up.Wait().exit, -1);
+  }
+  Process again(Command({"up", config_}));
+  EXPECT_NE(again.LineWith("the machine is adopted in Active"), "");
+  EXPECT_EQ(Status()["actuators"]["legs"]["pid"], legs);
+  again.Signal(SIGINT);
+  EXPECT_EQ(again.Wait().exit, 0);
+}
+
+TEST_F(Up, SaysThatItsControllerHasDied) {
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("the machine is Active"), "");
+  kill(Status()["pid"].get<pid_t>(), SIGKILL);
+  const Ended ended = up.Wait();
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_THAT(ended.err, HasSubstr("the controller of robot has died (killed by signal 9"));
+}
+
+TEST_F(Up, FindsProgramsBesideItself) {
+  setenv("PATH", "/usr/bin:/bin", 1);  // without musher-exec
+  EXPECT_EQ(UpDetached().exit, 0);
+}
+
+TEST_F(Up, WritesALogBesideTheJournal) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  std::ifstream file(folder_ / "state/controller.log");
+  const std::string log{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_THAT(log, HasSubstr(" info: legs is started as process "));
+  EXPECT_THAT(log, HasSubstr(" info: the machine is stopped after "));
+}
+
+}  // namespace
+}  // namespace musher::testing
