@@ -159,10 +159,9 @@ class Deciding {
 
   std::optional<Refusal> TooOld(const SwitchCommand& command) const {
     // A stranger's times may be anything: what cannot be is not computed with.
-    const bool possible = command.status_stamp <= now_ &&
-                          command.status_stamp >= now_ - kLongestRun &&
-                          command.since_status >= Duration::zero() &&
-                          command.since_status <= kLongestRun;
+    const bool possible =
+        command.status_stamp <= now_ && command.status_stamp >= now_ - kLongestRun &&
+        command.since_status >= Duration::zero() && command.since_status <= kLongestRun;
     if (!possible) {
       return Refusal{kCodeParametersInvalid, "the command does not say how old it is"};
     }

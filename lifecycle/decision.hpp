@@ -59,6 +59,7 @@ class Decision {
   void AskOrLose(std::size_t i);
   OrderEnd JudgeReport(std::size_t i, const Order& order) const;
   void Lose(std::size_t i, const std::string& how);
+  void TakeForTornDown(std::size_t i);
   void CheckOrders();
 
   // switching.cpp, switch_end.cpp
@@ -68,7 +69,8 @@ class Decision {
   void AddLeg(Switch& s, const PlanStep& step);
   bool AdvanceSwitch();
   bool StartLegs(std::vector<Leg>& legs);
-  bool Hindered(const Leg& leg, const std::vector<Leg>& legs) const;
+  const Leg* Hindrance(const Leg& leg, const std::vector<Leg>& legs) const;
+  void SkipLeg(Leg& leg, const Leg* hindrance);
   bool Failed(const Switch& s) const;
   void BeginRollback(Switch& s);
   State WayBack(const Leg& leg) const;

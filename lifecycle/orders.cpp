@@ -198,7 +198,7 @@ void Decision::EndOrder(std::size_t i, const OrderEnd& end) {
 
 void Decision::Lose(std::size_t i, const std::string& how) {
   ActuatorRecord& record = Of(i);
-  const bool torn_down = record.state() == kTearDown || machine_.phase == Phase::kStopping;
+  const bool torn_down = record.state() == kTearDown;
   const bool had_answered = record.presence == Presence::kPresent;
   if (record.order) EndOrder(i, {ActuatorOutcome::kLost, kCodeNetError, how, true});
   record.presence = Presence::kLost;
@@ -208,10 +208,20 @@ void Decision::Lose(std::size_t i, const std::string& how) {
   record.due = false;
   record.report.target.clear();
   record.report.busy_number = 0;
-  if (torn_down) return;
+  if (machine_.phase == Phase::kStopping) return;
+  if (torn_down) {
+    return Degrade(i, kCodeStateInvalid, "is torn down; only a new start brings it back");
+  }
   // Why its SetUp failed says more than that its process is gone.
   if (!record.fault || had_answered) Degrade(i, kCodeNetError, how);
   Fall(i);
+}
+
+// The end of a process can overtake its last word.
+void Decision::TakeForTornDown(std::size_t i) {
+  if (!Of(i).order || Of(i).order->target != kTearDown) return;
+  Of(i).report.state = State(kTearDown);
+  EndOrder(i, {ActuatorOutcome::kDone, kCodeOk, "", true});
 }
 
 void Decision::On(const event::Vanished& vanished) {
@@ -219,8 +229,7 @@ void Decision::On(const event::Vanished& vanished) {
   if (record.report.incarnation != vanished.incarnation) return;
   if (vanished.for_good) {
     record.dead = vanished.incarnation;
-    const bool torn_down = record.order && record.order->target == kTearDown;
-    if (torn_down) EndOrder(vanished.actuator, {ActuatorOutcome::kDone, kCodeOk, "", true});
+    TakeForTornDown(vanished.actuator);
   }
   if (record.presence == Presence::kPresent || record.presence == Presence::kStarting) {
     Lose(vanished.actuator, vanished.how);

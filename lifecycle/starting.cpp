@@ -95,9 +95,7 @@ void Decision::On(const event::ProcessEnded& ended) {
   const std::string how = "process " + std::to_string(ended.pid) + " ended: " + ended.how;
   RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
                 ConfigOf(ended.actuator).name + "'s " + how);
-  // Its end can overtake its last word.
-  const bool torn_down = record.order && record.order->target == kTearDown && ended.clean;
-  if (torn_down) EndOrder(ended.actuator, {ActuatorOutcome::kDone, kCodeOk, "", true});
+  if (ended.clean) TakeForTornDown(ended.actuator);
   if (record.presence == Presence::kStarting || record.presence == Presence::kPresent) {
     const bool in_set_up = record.presence == Presence::kStarting;
     Lose(ended.actuator, in_set_up ? "its " + how + " during SetUp" : "its " + how);

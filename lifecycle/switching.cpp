@@ -167,12 +167,24 @@ bool Decision::Failed(const Switch& s) const {
   });
 }
 
-// Whether something that `leg` needs has ended otherwise than done.
-bool Decision::Hindered(const Leg& leg, const std::vector<Leg>& legs) const {
-  return std::any_of(legs.begin(), legs.end(), [&](const Leg& other) {
+// Something that `leg` needs and that has ended otherwise than done; null when there is none.
+const Leg* Decision::Hindrance(const Leg& leg, const std::vector<Leg>& legs) const {
+  const auto found = std::find_if(legs.begin(), legs.end(), [&](const Leg& other) {
     return other.failed() &&
            std::find(leg.needs.begin(), leg.needs.end(), other.actuator) != leg.needs.end();
   });
+  return found == legs.end() ? nullptr : &*found;
+}
+
+// Nothing is sent for `leg`. What is only behind one that may fail may fail like it.
+void Decision::SkipLeg(Leg& leg, const Leg* hindrance) {
+  leg.progress = Leg::Progress::kEnded;
+  leg.outcome = ActuatorOutcome::kSkipped;
+  leg.code = kCodeStatusError;
+  leg.message = hindrance == nullptr
+                    ? "another actuator had failed before"
+                    : "needs " + ConfigOf(hindrance->actuator).name + ", which failed";
+  if (hindrance != nullptr && hindrance->may_fail && !Critical(leg.actuator)) leg.may_fail = true;
 }
 
 // Begins the legs whose needs have ended. Says whether anything changed without an event.
@@ -183,11 +195,9 @@ bool Decision::StartLegs(std::vector<Leg>& legs) {
   bool changed = false;
   for (Leg& leg : legs) {
     if (leg.progress != Leg::Progress::kWaiting) continue;
-    if (give_up || (strict && Hindered(leg, legs))) {
-      leg.progress = Leg::Progress::kEnded;
-      leg.outcome = ActuatorOutcome::kSkipped;
-      leg.code = kCodeStatusError;
-      leg.message = give_up ? "another actuator had failed before" : "one that it needs failed";
+    const Leg* hindrance = strict ? Hindrance(leg, legs) : nullptr;
+    if (give_up || hindrance != nullptr) {
+      SkipLeg(leg, hindrance);
       changed = true;
       continue;
     }

@@ -35,9 +35,9 @@ void Main(const std::string& config, int rounds) {
   const Fleet fleet(8, false);
   std::vector<std::unique_ptr<Child>> actuators;
   for (const std::string& name : fleet.names()) {
-    actuators.push_back(std::make_unique<Child>(
-        std::vector<std::string>{Program("benchmark_actuator"), name},
-        Child::Environment{{"MUSHER_CONFIG", fleet.config_file()}}));
+    actuators.push_back(
+        std::make_unique<Child>(std::vector<std::string>{Program("benchmark_actuator"), name},
+                                Child::Environment{{"MUSHER_CONFIG", fleet.config_file()}}));
   }
   const Child controller({Program("benchmark_controller"), fleet.config_file()}, {},
                          Child::Output::kPiped);

@@ -28,17 +28,16 @@ PlainEnd::PlainEnd(const PlainParticipant& participant, const std::string& name,
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 10);
-  const dds_entity_t requests = dds_create_topic(
-      participant.get(), &musher_msgs_srv_dds__ActuatorCommand_Request__desc,
-      ("rq/plain/" + name + "Request").c_str(), nullptr, nullptr);
-  const dds_entity_t replies = dds_create_topic(
-      participant.get(), &musher_msgs_srv_dds__ActuatorCommand_Response__desc,
-      ("rr/plain/" + name + "Reply").c_str(), nullptr, nullptr);
+  const dds_entity_t requests =
+      dds_create_topic(participant.get(), &musher_msgs_srv_dds__ActuatorCommand_Request__desc,
+                       ("rq/plain/" + name + "Request").c_str(), nullptr, nullptr);
+  const dds_entity_t replies =
+      dds_create_topic(participant.get(), &musher_msgs_srv_dds__ActuatorCommand_Response__desc,
+                       ("rr/plain/" + name + "Reply").c_str(), nullptr, nullptr);
   dds_listener_t* listener = dds_create_listener(this);
   if (on_data_) {
-    dds_lset_data_available(listener, [](dds_entity_t, void* self) {
-      static_cast<PlainEnd*>(self)->on_data_();
-    });
+    dds_lset_data_available(
+        listener, [](dds_entity_t, void* self) { static_cast<PlainEnd*>(self)->on_data_(); });
   }
   const bool client = role == Role::kClient;
   writer_ = dds_create_writer(participant.get(), client ? requests : replies, qos, nullptr);
@@ -95,9 +94,8 @@ std::int64_t PlainEnd::Take() const {
   std::int64_t sequence = -1;
   while (sequence < 0 && dds_take(reader_, &loan, &info, 1, 1) == 1) {
     if (info.valid_data) {
-      sequence = role_ == Role::kClient
-                     ? static_cast<const PlainResponse*>(loan)->sequence_number
-                     : static_cast<const PlainRequest*>(loan)->sequence_number;
+      sequence = role_ == Role::kClient ? static_cast<const PlainResponse*>(loan)->sequence_number
+                                        : static_cast<const PlainRequest*>(loan)->sequence_number;
     }
     dds_return_loan(reader_, &loan, 1);
   }

@@ -32,8 +32,7 @@ class PlainFleet {
     for (const std::string& name : names) {
       servers_.push_back(std::make_unique<Child>(std::vector<std::string>{
           Program("benchmark_plain_server"), name, std::to_string(domain), ""}));
-      ends_.push_back(
-          std::make_unique<PlainEnd>(participant_, name, PlainEnd::Role::kClient));
+      ends_.push_back(std::make_unique<PlainEnd>(participant_, name, PlainEnd::Role::kClient));
       waitset_.Attach(*ends_.back(), ends_.size() - 1);
     }
     for (const auto& end : ends_) end->AskUntil([&] { return end->Take() == 0; });

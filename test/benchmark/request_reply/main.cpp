@@ -133,8 +133,8 @@ void Trial(int number, int calls, std::array<Measured, 3>& measured) {
   HandedOff handed_off(participant);
   Switched switched;
 
-  const std::function<void()> calls_of[] = {
-      [&] { raw.Call(); }, [&] { handed_off.Call(); }, [&] { switched.Call(); }};
+  const std::function<void()> calls_of[] = {[&] { raw.Call(); }, [&] { handed_off.Call(); },
+                                            [&] { switched.Call(); }};
   for (const auto& call : calls_of) {
     for (int i = 0; i < 200; ++i) call();  // warm
   }

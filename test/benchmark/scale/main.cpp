@@ -31,8 +31,8 @@ Processes StartByHand(const Fleet& fleet, int count) {
     for (std::size_t i = first; i < std::min(first + share, fleet.names().size()); ++i) {
       argv.push_back(fleet.names()[i]);
     }
-    processes.push_back(std::make_unique<Child>(
-        argv, Child::Environment{{"MUSHER_CONFIG", fleet.config_file()}}));
+    processes.push_back(
+        std::make_unique<Child>(argv, Child::Environment{{"MUSHER_CONFIG", fleet.config_file()}}));
   }
   return processes;
 }

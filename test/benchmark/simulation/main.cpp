@@ -1,5 +1,5 @@
-// How many ten-minute runs of a robot of twelve actuators are simulated in a second: a start, then a
-// switch every five simulated seconds, with the real controller and the real actuators.
+// How many ten-minute runs of a robot of twelve actuators are simulated in a second: a start, then
+// a switch every five simulated seconds, with the real controller and the real actuators.
 
 #include <benchmark/benchmark.h>
 
@@ -22,8 +22,8 @@ bool RunTenMinutes(std::uint64_t seed, const transport::sim::LinkFaults& faults)
   robot.network().SetFaults(faults);
   robot.StartController();
   if (!robot.RunUntil([&] { return robot.machine().phase == Phase::kRunning; })) return false;
-  const State targets[] = {State("LowPower"), State("Active"), State("DeActive"), State("Protected"),
-                           State("OTA"),      State("Active")};
+  const State targets[] = {State("LowPower"),  State("Active"), State("DeActive"),
+                           State("Protected"), State("OTA"),    State("Active")};
   const Time end = robot.network().now() + std::chrono::minutes(10);
   for (std::size_t i = 0; robot.network().now() < end; ++i) {
     if (!robot.Set(targets[i % std::size(targets)])) return false;

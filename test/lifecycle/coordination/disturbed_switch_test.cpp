@@ -211,6 +211,17 @@ TEST_F(Switching, OneActuatorThatFailsStaysWhereItWas) {
 
 // Loss
 
+TEST_F(Switching, OneActuatorThatIsTornDownIsDegradedUntilItIsStartedAgain) {
+  Theatre& t = In("Active");
+  EXPECT_TRUE(t.Set("TearDown", "b").done());
+  t.Rest();
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+  EXPECT_THAT(t.Set("LowPower").reason, HasSubstr("only a new start"));
+  t.StartActuator("b");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+}
+
 TEST_F(Switching, ALostCriticalActuatorTakesTheMachineDownToItsOnLost) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "b").critical = true;

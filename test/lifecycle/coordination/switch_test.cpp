@@ -169,6 +169,17 @@ TEST_F(Switching, UpDoesNotFailBecauseOfOneThatWasDegradedBefore) {
   EXPECT_EQ(t.StateOf("a"), "Active");
 }
 
+TEST_F(Switching, UpDoesNotFailBecauseOfOneThatIsBehindADegradedOne) {
+  Theatre& t = In("Active", Chain());
+  t.On("c", "Protected").code = 5001;
+  EXPECT_EQ(t.Set("Protected").outcome, SwitchOutcome::kDoneDegraded);
+  t.On("c", "Active").code = 5001;
+  const SwitchResult result = t.Set("Active");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(Of(result, "a").outcome, ActuatorOutcome::kSkipped);
+  EXPECT_THAT(result.degraded, ElementsAre("a", "b", "c"));
+}
+
 // On the way down
 
 TEST_F(Switching, DownGoesOnWhenOneFailsAndListsIt) {
