@@ -59,10 +59,15 @@ LinuxEventLoop::LinuxEventLoop()
   AddToEpoll(epoll_.get(), timer_.get(), EPOLLIN | EPOLLET, kTimerKey);
 }
 
+// The loop is woken without the lock, which it takes at once.
 void LinuxEventLoop::Post(std::function<void()> work) {
-  const std::lock_guard lock(mutex_);
-  posted_.push_back(std::move(work));
-  Wake();
+  {
+    const std::lock_guard lock(mutex_);
+    posted_.push_back(std::move(work));
+    if (!std::exchange(asleep_, false)) return;
+  }
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = write(wake_.get(), &one, sizeof(one));
 }
 
 LoopHandlePtr LinuxEventLoop::At(Time when, std::function<void()> callback) {
@@ -180,14 +185,6 @@ void LinuxEventLoop::ArmTimer(std::optional<Time> when) {
     spec.it_value.tv_nsec = (since_boot - seconds).count();
   }
   timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &spec, nullptr);
-}
-
-// Needs mutex_.
-void LinuxEventLoop::Wake() {
-  if (!asleep_) return;
-  asleep_ = false;
-  const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t written = write(wake_.get(), &one, sizeof(one));
 }
 
 }  // namespace musher::transport

@@ -54,7 +54,6 @@ class LinuxEventLoop : public EventLoop {
   int Poll();
   bool MayBlock();
   void ArmTimer(std::optional<Time> when);
-  void Wake();
 
   UniqueFd epoll_;
   UniqueFd wake_;

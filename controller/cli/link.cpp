@@ -22,7 +22,9 @@ Result<std::unique_ptr<Link>> Link::Open(const GlobalOptions& global) {
 }
 
 Result<> Link::Join() {
-  auto node = transport::MakeDdsNode(loop_);
+  transport::DdsOptions options;
+  options.visitor = true;
+  auto node = transport::MakeDdsNode(loop_, options);
   if (!node) return node.error();
   node_ = std::move(node).value();
   transport::SubscriptionEvents events;
@@ -53,6 +55,11 @@ Result<> Link::FollowStatus(OnStatus on_change) {
   if (!subscription) return subscription.error();
   machine_status_ = std::move(subscription).value();
   return Ok();
+}
+
+const std::optional<msg::MachineStatus>& Link::StatusTowards(const std::string& target) {
+  loop_.RunUntil([&] { return status_ && status_->target == target; }, loop_.Now() + kDiscovery);
+  return status_;
 }
 
 std::optional<Failure> Link::AwaitStatus() {

@@ -46,6 +46,9 @@ class Link {
   Result<> FollowStatus(OnStatus on_change);
   const std::optional<msg::MachineStatus>& status() const { return status_; }
 
+  // The machine's latest status; runs the loop until it is on its way to `target`, but not for
+  // long: after that, what is known.
+  const std::optional<msg::MachineStatus>& StatusTowards(const std::string& target);
   // Runs the loop until a status is there; says nullopt, or why there is none.
   std::optional<Failure> AwaitStatus();
   // Runs the loop until this controller is gone, at most `timeout`: its process, where we can see

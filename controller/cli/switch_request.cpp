@@ -14,9 +14,9 @@ constexpr Duration kTimeout = std::chrono::seconds(60);
 constexpr Duration kControllerEnd = std::chrono::seconds(3);
 
 // A switch does not end because nobody waits for it any more: says which one goes on.
-Failure WithSwitch(Failure failure, const std::optional<msg::MachineStatus>& status,
-                   const std::string& target) {
+Failure WithSwitch(Failure failure, Link& link, const std::string& target) {
   if (failure.exit != ExitCode::kNoAnswer && failure.exit != ExitCode::kInterrupted) return failure;
+  const auto& status = link.StatusTowards(target);
   if (status && status->target == target) {
     failure.switch_number = status->switch_number;
     failure.error.message +=
@@ -41,7 +41,7 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   }
   const auto answer = link.value()->Ask<msg::SetState>("set_state", {target, actuator}, kTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) {
-    return console.Fail(WithSwitch(*failure, link.value()->status(), target));
+    return console.Fail(WithSwitch(*failure, *link.value(), target));
   }
   const auto& result = std::get<msg::SetState::Response>(answer);
   // A controller ends with its machine. Once we return, the next one may start.

@@ -192,10 +192,9 @@ TEST_F(Actuator, DoesNotTakeAnOldStatusStampForAnOldCommand) {
 
 TEST_F(Actuator, RefusesACommandWhoseTimesCannotBe) {
   SetUpIt();
-  for (const auto& [stamp, since] : {std::pair(Time::max(), Duration::zero()),
-                                     std::pair(Time::min(), Duration::zero()),
-                                     std::pair(now_, Duration::min()),
-                                     std::pair(now_, Duration::max())}) {
+  for (const auto& [stamp, since] :
+       {std::pair(Time::max(), Duration::zero()), std::pair(Time::min(), Duration::zero()),
+        std::pair(now_, Duration::min()), std::pair(now_, Duration::max())}) {
     SwitchArrived command = Command(1, "Active");
     command.command.status_stamp = stamp;
     command.command.since_status = since;

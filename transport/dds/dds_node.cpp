@@ -80,8 +80,8 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
   if (!domain_id) return domain_id.error();
   const Result<TransportProfile> profile = dds::ChosenProfile(options.profile);
   if (!profile) return profile.error();
-  auto participant =
-      dds::OpenParticipant(domain_id.value(), dds::SettingsXml(profile.value(), options.lease));
+  auto participant = dds::OpenParticipant(
+      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, options.visitor));
   if (!participant) return participant.error();
   return std::unique_ptr<Node>(std::make_unique<DdsNode>(loop, std::move(participant).value()));
 }

@@ -18,6 +18,9 @@ struct DdsOptions {
   TransportProfile profile = TransportProfile::kLocal;
   // After how long a silent process is taken for lost; none: the profile's.
   std::optional<Duration> lease = std::nullopt;
+  // A program that joins, asks and leaves: it is in a hurry to be known. Not for the processes of a
+  // robot, which may be a hundred.
+  bool visitor = false;
 };
 
 // The domain that `options` and the environment give; an Error when it is not one of 0 to 232.

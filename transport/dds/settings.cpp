@@ -22,8 +22,8 @@ std::string Discovery(Duration lease) {
                                   Element("SPDPInterval", Millis(lease / 4)));
 }
 
-// The receive buffer is a wish: the kernel gives what it allows. A writer that goes waits only so long
-// for readers that have not acknowledged everything.
+// The receive buffer is a wish: the kernel gives what it allows. A writer that goes waits only so
+// long for readers that have not acknowledged everything.
 std::string Buffers(const std::string& linger) {
   return "<SocketReceiveBufferSize max=\"4MB\"/>" + Element("WriterLingerDuration", linger);
 }
@@ -32,15 +32,20 @@ std::string Buffers(const std::string& linger) {
 // answers that come slowly and together are what lets discovery settle. The first repetition comes
 // after 400 ms: what was lost between two processes that have just met delays a start by that much;
 // with 200 ms a start of a hundred takes half as long again.
-std::string LocalXml(Duration lease) {
+constexpr const char* kPatientTiming =
+    "<HeartbeatInterval min=\"100ms\" minsched=\"200ms\" max=\"8s\">400ms</HeartbeatInterval>"
+    "<NackDelay>200ms</NackDelay><AckDelay>100ms</AckDelay>";
+// A visitor is alone in being new and in a hurry.
+constexpr const char* kVisitorTiming =
+    "<HeartbeatInterval min=\"0ms\" minsched=\"5ms\" max=\"8s\">10ms</HeartbeatInterval>"
+    "<NackDelay>0ms</NackDelay><AckDelay>0ms</AckDelay>";
+
+std::string LocalXml(Duration lease, bool visitor) {
   return Element("General",
                  Element("Interfaces", "<NetworkInterface name=\"lo\" multicast=\"true\"/>") +
                      Element("MaxMessageSize", "65500B")) +
          Discovery(lease) +
-         Element("Internal",
-                 "<HeartbeatInterval min=\"100ms\" minsched=\"200ms\" max=\"8s\">400ms"
-                 "</HeartbeatInterval>" +
-                     Element("NackDelay", "200ms") + Element("AckDelay", "100ms") + Buffers("20ms"));
+         Element("Internal", (visitor ? kVisitorTiming : kPatientTiming) + Buffers("20ms"));
 }
 
 // Links that lose packets: losses are noticed and repaired within tens of milliseconds.
@@ -65,9 +70,9 @@ Result<TransportProfile> ChosenProfile(TransportProfile configured) {
                "MUSHER_TRANSPORT is \"" + profile + "\": expected \"local\" or \"lan\""};
 }
 
-std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease) {
+std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease, bool visitor) {
   const std::string domain = profile == TransportProfile::kLocal
-                                 ? LocalXml(lease.value_or(std::chrono::seconds(10)))
+                                 ? LocalXml(lease.value_or(std::chrono::seconds(10)), visitor)
                                  : LanXml(lease.value_or(std::chrono::seconds(2)));
   return Element("CycloneDDS", Element("Domain", domain));
 }

@@ -114,8 +114,8 @@ TEST_F(Set, LetsTheSwitchGoOnAfterCtrlC) {
   set.Signal(SIGINT);
   const Ended ended = set.Wait();
   EXPECT_EQ(ended.exit, 130);
-  EXPECT_THAT(ended.err, HasSubstr("interrupted"));
-  EXPECT_THAT(ended.err, HasSubstr("goes on"));
+  EXPECT_THAT(ended.err, HasSubstr("interrupted; switch "));
+  EXPECT_THAT(ended.err, HasSubstr(" to LowPower goes on"));
   EXPECT_NE(watch.LineWith(R"("state":"LowPower","degraded":[])"), "");
 }
 
