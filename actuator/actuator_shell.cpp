@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kLongestName = 256;
 // How long the latch may be behind: every reply carries the status too, so a quick callback need
 // not be told of twice, and a switch does not wait for the telling.
-constexpr Duration kStatusDelay = Milliseconds(10);
+constexpr Duration kStatusDelay = Milliseconds(50);
 
 SwitchCommand SwitchFrom(const msg::ActuatorCommand::Request& request) {
   SwitchCommand command;

@@ -31,14 +31,18 @@ std::string Buffers(const std::string& linger) {
 // Loopback loses nothing but what overflows a buffer. When a hundred processes start at once,
 // answers that come slowly and together are what lets discovery settle. The first repetition comes
 // after 400 ms: what was lost between two processes that have just met delays a start by that much;
-// with 200 ms a start of a hundred takes half as long again.
+// with 200 ms a start of a hundred takes half as long again. A repetition that was asked for too
+// early is not sent (Cyclone's writer does not count its sample as sent yet), so it is asked for
+// again.
 constexpr const char* kPatientTiming =
     "<HeartbeatInterval min=\"100ms\" minsched=\"200ms\" max=\"8s\">400ms</HeartbeatInterval>"
-    "<NackDelay>200ms</NackDelay><AckDelay>100ms</AckDelay>";
+    "<NackDelay>200ms</NackDelay><AutoReschedNackDelay>200ms</AutoReschedNackDelay>"
+    "<AckDelay>100ms</AckDelay>";
 // A visitor is alone in being new and in a hurry.
 constexpr const char* kVisitorTiming =
     "<HeartbeatInterval min=\"0ms\" minsched=\"5ms\" max=\"8s\">10ms</HeartbeatInterval>"
-    "<NackDelay>0ms</NackDelay><AckDelay>0ms</AckDelay>";
+    "<NackDelay>5ms</NackDelay><AutoReschedNackDelay>10ms</AutoReschedNackDelay>"
+    "<AckDelay>0ms</AckDelay>";
 
 std::string LocalXml(Duration lease, bool visitor) {
   return Element("General",

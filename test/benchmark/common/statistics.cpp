@@ -33,17 +33,12 @@ Table::Table(const std::string& title) {
 void Table::Row(const std::string& what, const std::vector<double>& values, const std::string& unit,
                 double limit) const {
   const double median = Median(values);
-  const int digits = median < 10 ? 2 : median < 1000 ? 1 : 0;
+  const int digits = unit.empty() || median >= 1000 ? 0 : median < 10 ? 2 : 1;
   std::printf("| %s | %.*f %s | %.*f – %.*f | %.*f | %zu | ", what.c_str(), digits, median,
               unit.c_str(), digits, Quantile(values, 0.25), digits, Quantile(values, 0.75), digits,
               Quantile(values, 0.99), values.size());
-  if (limit > 0) std::printf("≤ %g: %s ", limit, median <= limit ? "met" : "**missed**");
+  if (limit > 0) std::printf("≤ %.3g: %s ", limit, median <= limit ? "met" : "**missed**");
   std::printf("|\n");
-  std::fflush(stdout);
-}
-
-void Table::Text(const std::string& what, const std::string& text) const {
-  std::printf("| %s | %s | | | | |\n", what.c_str(), text.c_str());
   std::fflush(stdout);
 }
 

@@ -22,13 +22,13 @@ class Table {
  public:
   explicit Table(const std::string& title);
 
-  // `limit`: the median may not be above it; 0: there is no target.
+  // `unit` empty: the values are whole. `limit`: the median may not be above it; 0: there is no
+  // target.
   void Row(const std::string& what, const std::vector<double>& values, const std::string& unit,
            double limit = 0) const;
-  void Text(const std::string& what, const std::string& text) const;
 };
 
-// The median ratio of the values measured in turns: the n-th of `above` by the n-th of `below`.
+// Of values measured in turns: the n-th of `above` by the n-th of `below`.
 std::vector<double> Ratios(const std::vector<double>& above, const std::vector<double>& below);
 
 }  // namespace musher::benchmark
