@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/test/contract/domain.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 
 namespace musher::testing {
@@ -19,7 +20,7 @@ class RobotFile {
   // `states` with 5 s each, for every actuator, but for those in `times_ms`.
   RobotFile(const std::vector<std::string>& actuators, const std::vector<std::string>& states,
             const std::map<std::string, int>& times_ms = {}) {
-    setenv("ROS_DOMAIN_ID", std::to_string(1 + getpid() % 100).c_str(), 1);
+    setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
     std::ofstream file(path());
     file << "[controller]\nactuators = " << List(actuators) << "\nstates = " << List(states)
          << "\ndefault_time = 1000\ndefault_state = \"Uninitialized\"\nnamespace = \"test_"

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "musher/test/contract/domain.hpp"
 #include "musher/transport/dds/settings.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
@@ -29,7 +30,7 @@ class DdsNodes : public testing::Test {
   }
 
   LinuxEventLoop loop_;
-  const DdsOptions test_domain_{.domain_id = 1 + getpid() % 100};
+  const DdsOptions test_domain_{.domain_id = TestDomain()};
 };
 
 TEST_F(DdsNodes, UseTheDomainOfTheEnvironmentUnlessTheyAreGivenOne) {

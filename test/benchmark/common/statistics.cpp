@@ -1,13 +1,14 @@
 #include "musher/test/benchmark/common/statistics.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace musher::benchmark {
 
 double Quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  const auto at = std::lround(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + at, values.end());
   return values[at];
 }

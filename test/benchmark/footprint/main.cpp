@@ -82,6 +82,7 @@ void Main(int seconds, int actuators) {
   std::this_thread::sleep_for(std::chrono::seconds(2));  // until all are at rest
 
   std::vector<std::pair<pid_t, Costs*>> watched;
+  watched.reserve(kBare + actuators + 2);
   Costs bare{"bare participant"};
   Costs single{"actuator, alone with its controller"};
   Costs one_of_many{"actuator among " + std::to_string(actuators)};
@@ -92,6 +93,7 @@ void Main(int seconds, int actuators) {
   watched.emplace_back(many.controller(), &controller);
 
   std::vector<Duration> before;
+  before.reserve(watched.size());
   for (const auto& [pid, costs] : watched) before.push_back(CostOf(pid).cpu);
   std::this_thread::sleep_for(std::chrono::seconds(seconds));
   for (std::size_t i = 0; i < watched.size(); ++i) {
