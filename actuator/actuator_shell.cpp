@@ -76,6 +76,7 @@ void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Repl
 
 void ActuatorShell::Handle(const ActuatorEvent& event) {
   const std::vector<ActuatorAction> actions = Step(actuator_, core_, event, node_.loop().Now());
+  if (hooks_.on_report) hooks_.on_report(core_.report);  // before anybody is answered
   for (const ActuatorAction& action : actions) {
     std::visit([this](const auto& a) { Do(a); }, action);
   }
@@ -105,7 +106,6 @@ void ActuatorShell::Do(const actuator_action::Answer& action) {
 }
 
 void ActuatorShell::Do(const actuator_action::PublishStatus&) {
-  if (hooks_.on_report) hooks_.on_report(core_.report);
   if (core_.report.epoch == 0) return Publish();  // no controller has spoken to it yet
   if (publish_later_) return;
   publish_later_ = node_.loop().At(node_.loop().Now() + kStatusDelay, [this] { Publish(); });

@@ -30,7 +30,7 @@ class ActuatorShell {
   struct Hooks {
     std::function<Result<>(const State&)> run_callback;  // on the worker
     std::function<void(bool)> set_stop_requested;  // false as a callback begins, true to end it
-    std::function<void(const ActuatorReport&)> on_report;  // the status has changed; may be empty
+    std::function<void(const ActuatorReport&)> on_report;  // after each step; may be empty
     std::function<void()> on_set_up;         // SetUp is done and the services are there
     std::function<void(Error)> on_finished;  // torn down (code 0), or SetUp failed
   };

@@ -135,11 +135,11 @@ class MachineActuator::Impl {
     ActuatorShell::Hooks hooks;
     hooks.run_callback = [this](const State& state) { return RunGuarded(callbacks_.at(state)); };
     hooks.set_stop_requested = [this](bool requested) { stop_requested_ = requested; };
-    hooks.on_report = [this](const ActuatorReport& report) { SetState(report.state); };
-    hooks.on_set_up = [this] {
-      SetState(State(kSetUp));  // before Start() returns, not with the next report
-      TellSetUp(Ok());
+    hooks.on_report = [this](const ActuatorReport& report) {
+      const std::lock_guard lock(mutex_);
+      state_ = report.state;
     };
+    hooks.on_set_up = [this] { TellSetUp(Ok()); };
     hooks.on_finished = [this](const Error& end) {
       if (end.code != kCodeOk) TellSetUp(end);
       Finish(end.code == kCodeOk ? 0 : 1);
@@ -150,11 +150,6 @@ class MachineActuator::Impl {
     if (!shell) return TellSetUp(shell.error());
     shell_ = std::move(shell).value();
     shell_->Start();
-  }
-
-  void SetState(const State& state) {
-    const std::lock_guard lock(mutex_);
-    state_ = state;
   }
 
   void TellSetUp(Result<> result) {
