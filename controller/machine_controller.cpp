@@ -24,6 +24,7 @@ class MachineController::Impl {
     config_ = std::move(config).value();
     transport::DdsOptions options;
     options.profile = config_->transport;
+    options.impatient = true;
     const auto domain = transport::DomainId(options);
     if (!domain) return domain.error();
     node_ = std::move(node);

@@ -67,6 +67,7 @@ Result<> ControllerProcess::Begin() {
   if (!domain_id) return domain_id.error();
   transport::DdsOptions options;
   options.profile = config_.transport;
+  options.impatient = true;
   auto node = transport::MakeDdsNode(loop_, options);
   if (!node) return node.error();
   node_ = std::move(node).value();

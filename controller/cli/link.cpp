@@ -23,7 +23,7 @@ Result<std::unique_ptr<Link>> Link::Open(const GlobalOptions& global) {
 
 Result<> Link::Join() {
   transport::DdsOptions options;
-  options.visitor = true;
+  options.impatient = true;
   auto node = transport::MakeDdsNode(loop_, options);
   if (!node) return node.error();
   node_ = std::move(node).value();

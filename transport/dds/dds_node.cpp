@@ -81,7 +81,7 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
   const Result<TransportProfile> profile = dds::ChosenProfile(options.profile);
   if (!profile) return profile.error();
   auto participant = dds::OpenParticipant(
-      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, options.visitor));
+      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, options.impatient));
   if (!participant) return participant.error();
   return std::unique_ptr<Node>(std::make_unique<DdsNode>(loop, std::move(participant).value()));
 }

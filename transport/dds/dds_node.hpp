@@ -18,9 +18,10 @@ struct DdsOptions {
   TransportProfile profile = TransportProfile::kLocal;
   // After how long a silent process is taken for lost; none: the profile's.
   std::optional<Duration> lease = std::nullopt;
-  // A program that joins, asks and leaves: it is in a hurry to be known. Not for the processes of a
-  // robot, which may be a hundred.
-  bool visitor = false;
+  // Repeats at once what a process that it has just met may have missed. For those of which a robot
+  // has few, controllers and command lines; a hundred actuators that start together settle sooner
+  // when they are patient.
+  bool impatient = false;
 };
 
 // The domain that `options` and the environment give; an Error when it is not one of 0 to 232.

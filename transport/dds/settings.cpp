@@ -38,18 +38,18 @@ constexpr const char* kPatientTiming =
     "<HeartbeatInterval min=\"100ms\" minsched=\"200ms\" max=\"8s\">400ms</HeartbeatInterval>"
     "<NackDelay>200ms</NackDelay><AutoReschedNackDelay>200ms</AutoReschedNackDelay>"
     "<AckDelay>100ms</AckDelay>";
-// A visitor is alone in being new and in a hurry.
-constexpr const char* kVisitorTiming =
+// Of a few processes that must not wait for a repetition.
+constexpr const char* kImpatientTiming =
     "<HeartbeatInterval min=\"0ms\" minsched=\"5ms\" max=\"8s\">10ms</HeartbeatInterval>"
     "<NackDelay>5ms</NackDelay><AutoReschedNackDelay>10ms</AutoReschedNackDelay>"
     "<AckDelay>0ms</AckDelay>";
 
-std::string LocalXml(Duration lease, bool visitor) {
+std::string LocalXml(Duration lease, bool impatient) {
   return Element("General",
                  Element("Interfaces", "<NetworkInterface name=\"lo\" multicast=\"true\"/>") +
                      Element("MaxMessageSize", "65500B")) +
          Discovery(lease) +
-         Element("Internal", (visitor ? kVisitorTiming : kPatientTiming) + Buffers("20ms"));
+         Element("Internal", (impatient ? kImpatientTiming : kPatientTiming) + Buffers("20ms"));
 }
 
 // Links that lose packets: losses are noticed and repaired within tens of milliseconds.
@@ -74,9 +74,9 @@ Result<TransportProfile> ChosenProfile(TransportProfile configured) {
                "MUSHER_TRANSPORT is \"" + profile + "\": expected \"local\" or \"lan\""};
 }
 
-std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease, bool visitor) {
+std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease, bool impatient) {
   const std::string domain = profile == TransportProfile::kLocal
-                                 ? LocalXml(lease.value_or(std::chrono::seconds(10)), visitor)
+                                 ? LocalXml(lease.value_or(std::chrono::seconds(10)), impatient)
                                  : LanXml(lease.value_or(std::chrono::seconds(2)));
   return Element("CycloneDDS", Element("Domain", domain));
 }

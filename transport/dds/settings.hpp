@@ -12,9 +12,9 @@ namespace musher::transport::dds {
 // The profile that is to be used: MUSHER_TRANSPORT's, else `configured`.
 Result<TransportProfile> ChosenProfile(TransportProfile configured);
 
-// The XML for a profile. `lease` is how long a silent process lives; none: 10 s local, 2 s lan. A
-// `visitor` joins, asks and leaves: it repeats at once what may have been missed.
+// The XML for a profile. `lease` is how long a silent process lives; none: 10 s local, 2 s lan. For
+// `impatient` see DdsOptions.
 std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease,
-                        bool visitor = false);
+                        bool impatient = false);
 
 }  // namespace musher::transport::dds
