@@ -20,7 +20,7 @@
 namespace musher {
 
 struct ActuatorIdentity {
-  std::uint64_t incarnation = 0;  // not 0, new with every start
+  std::uint64_t incarnation = 0;  // not 0, grows with every start on a host
   std::int32_t pid = 0;
   std::string host;
 };

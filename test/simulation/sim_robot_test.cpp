@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
 
 namespace musher::testing {
 namespace {
@@ -68,6 +69,29 @@ TEST(SimRobot, AControllerThatDiesInASwitchIsFollowedByOneThatBringsTheMachineTo
   for (const char* name : {"a", "b", "c", "d", "e"}) {
     EXPECT_EQ(robot.ReportOf(name)->state, robot.machine().state) << name;
   }
+}
+
+TEST(SimRobot, TwoReportsOfOneInstantCanBeToldApart) {
+  SimRobot robot(1, MachineOf(1));
+  LinkFaults faults;
+  faults.delay_max = faults.delay_min;  // what is asked at once arrives at once
+  robot.network().SetFaults(faults);
+  robot.StartActuator("a");
+  const auto node = robot.network().MakeNode("asker");
+  const auto client =
+      transport::MakeClient<msg::ActuatorCommand>(*node, transport::CommandService("", "a"))
+          .value();
+  std::vector<std::int64_t> stamps;
+  for (int i = 0; i < 2; ++i) {
+    msg::ActuatorCommand::Request ask;
+    ask.kind = msg::ActuatorCommand::kKindAsk;
+    client->Call(ask, std::chrono::seconds(1), [&](Result<msg::ActuatorCommand::Response> reply) {
+      ASSERT_TRUE(reply.ok());
+      stamps.push_back(reply.value().status.stamp_ns);
+    });
+  }
+  ASSERT_TRUE(robot.RunUntil([&] { return stamps.size() == 2; }));
+  EXPECT_LT(stamps[0], stamps[1]);
 }
 
 TEST(SimRobot, AStaleStatusOfADeadProcessDoesNotTakeItsSuccessorDown) {

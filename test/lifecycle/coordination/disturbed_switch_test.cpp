@@ -211,6 +211,26 @@ TEST_F(Switching, OneActuatorThatFailsStaysWhereItWas) {
 
 // Loss
 
+TEST_F(Switching, NumbersNeverFallBehindWhatAnActuatorHasSeen) {
+  Theatre& t = In("Active");
+  t.Inject("b", actuator_event::AskArrived{999'999, {t.machine().epoch, 500, false}});
+  t.Rest();
+  const SwitchResult result = t.Set("LowPower");
+  EXPECT_TRUE(result.done()) << result.reason;
+  EXPECT_GT(result.number, 500U);
+}
+
+TEST_F(Switching, UpIsRefusedWhileOneIsStillOnItsWayElsewhere) {
+  Theatre& t = In("Active");
+  t.On("b", "LowPower").takes = Milliseconds(300);
+  ASSERT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
+  const SwitchResult result = t.Set("Active");
+  EXPECT_EQ(result.code, kCodeTargetBusy);
+  EXPECT_THAT(result.reason, HasSubstr("b is still busy with LowPower"));
+  t.Rest();
+  EXPECT_TRUE(t.Set("Active").done());
+}
+
 TEST_F(Switching, OneActuatorThatIsTornDownIsDegradedUntilItIsStartedAgain) {
   Theatre& t = In("Active");
   EXPECT_TRUE(t.Set("TearDown", "b").done());
