@@ -11,8 +11,6 @@
 namespace musher {
 namespace {
 
-// Long past every deadline of the decision code, which does its own waiting: ends a forgotten call.
-constexpr Duration kCallTimeout = std::chrono::hours(2);
 constexpr Duration kPublishPeriod = Milliseconds(20);
 
 }  // namespace
@@ -22,7 +20,7 @@ ControllerShell::ControllerShell(World world, const MachineConfig& config, Hooks
       config_(config),
       hooks_(std::move(hooks)),
       machine_(MakeMachine(config)),
-      links_(config.actuators.size()) {
+      peers_(config.actuators.size()) {
   for (std::size_t i = 0; i < config.actuators.size(); ++i) index_[config.actuators[i].name] = i;
 }
 
@@ -47,11 +45,10 @@ Result<> ControllerShell::Open() {
       node, std::string(transport::kMachinesTopic), transport::kLatchedQos);
   if (!info) return info.error();
   info_ = std::move(info).value();
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    auto client = transport::MakeClient<msg::ActuatorCommand>(
-        node, transport::CommandService(config_.name_space, config_.actuators[i].name));
-    if (!client) return client.error();
-    links_[i].client = std::move(client).value();
+  for (std::size_t i = 0; i < peers_.size(); ++i) {
+    auto link = MakeLink(node, config_, i, [this](const Event& event) { Handle(event); });
+    if (!link) return link.error();
+    peers_[i].link = std::move(link).value();
   }
   auto subscription = transport::MakeSubscription<msg::ActuatorStatus>(
       node, transport::ActuatorStatusTopic(config_.name_space),
@@ -103,9 +100,9 @@ void ControllerShell::OnWriterLost(transport::PeerId writer) {
 // A process of this host that we did not start: its end is seen as fast as a child's, only the exit
 // code is not.
 void ControllerShell::WatchForeign(std::size_t actuator, const ActuatorReport& report) {
-  Link& link = links_[actuator];
-  if (link.watched == report.incarnation) return;
-  link.watched = report.incarnation;
+  Peer& peer = peers_[actuator];
+  if (peer.watched == report.incarnation) return;
+  peer.watched = report.incarnation;
   if (report.host != world_.host || report.host.empty() ||
       report.pid == machine_.actuators[actuator].process || report.pid == world_.pid) {
     return;
@@ -121,21 +118,12 @@ void ControllerShell::WatchForeign(std::size_t actuator, const ActuatorReport& r
 }
 
 void ControllerShell::CompareHash(std::size_t actuator, const std::string& hash) {
-  Link& link = links_[actuator];
-  if (hash == config_.hash || link.hash_told) return;
-  link.hash_told = true;
+  Peer& peer = peers_[actuator];
+  if (hash == config_.hash || peer.hash_told) return;
+  peer.hash_told = true;
   Do(action::Record{"actuator", actuator, 0, kCodeParametersInvalid,
                     config_.actuators[actuator].name + " has read another config (" + hash +
                         ") than " + config_.file + " (" + config_.hash + ")"});
-}
-
-void ControllerShell::OnReply(std::size_t actuator, std::uint64_t number, bool ask,
-                              const Result<msg::ActuatorCommand::Response>& reply) {
-  if (!reply) return;  // the decision code has its own deadline for it
-  const msg::ActuatorCommand::Response& response = reply.value();
-  if (response.status.name != config_.actuators[actuator].name) return;
-  Handle(event::Replied{actuator, number, ask, transport::VerdictFrom(response.verdict),
-                        response.code, response.message, transport::FromMessage(response.status)});
 }
 
 // Events are handled one after the other: an answer given to somebody may come back as a request.
@@ -191,35 +179,15 @@ void ControllerShell::Publish() {
   published_at_ = world_.node->loop().Now();
 }
 
-void ControllerShell::Send(std::size_t actuator, msg::ActuatorCommand::Request request) {
-  const ActuatorRecord& record = machine_.actuators[actuator];
-  const bool ask = request.kind == msg::ActuatorCommand::kKindAsk;
-  request.epoch = machine_.epoch;
-  request.incarnation = record.report.incarnation;
-  request.status_stamp_ns = transport::ToNanoseconds(record.clock_theirs);
-  request.since_status_ns = Duration(world_.node->loop().Now() - record.clock_ours).count();
-  links_[actuator].client->Call(request, kCallTimeout,
-                                [this, actuator, number = request.number,
-                                 ask](const Result<msg::ActuatorCommand::Response>& reply) {
-                                  OnReply(actuator, number, ask, reply);
-                                });
-}
-
 void ControllerShell::Do(const action::SendSwitch& a) {
-  msg::ActuatorCommand::Request request;
-  request.kind = msg::ActuatorCommand::kKindSwitch;
-  request.number = a.number;
-  request.target = a.target;
-  request.budget_ns = a.budget.count();
-  Send(a.actuator, std::move(request));
+  const ActuatorRecord& record = machine_.actuators[a.actuator];
+  peers_[a.actuator].link->Switch(
+      {machine_.epoch, a.number, a.target, a.budget, record.clock_theirs,
+       world_.node->loop().Now() - record.clock_ours, record.report.incarnation});
 }
 
 void ControllerShell::Do(const action::SendAsk& a) {
-  msg::ActuatorCommand::Request request;
-  request.kind = msg::ActuatorCommand::kKindAsk;
-  request.number = a.number;
-  request.stop = a.stop;
-  Send(a.actuator, std::move(request));
+  peers_[a.actuator].link->Ask({machine_.epoch, a.number, a.stop});
 }
 
 void ControllerShell::Do(const action::StartProcess& a) {

@@ -14,12 +14,12 @@
 #include <vector>
 
 #include "musher/controller/journal.hpp"
+#include "musher/controller/link/actuator_link.hpp"
 #include "musher/controller/process_runner.hpp"
 #include "musher/lifecycle/coordinator.hpp"
-#include "musher/messages/musher_msgs/actuator_command.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/transport/node.hpp"
-#include "musher/transport/service.hpp"
 
 namespace musher {
 
@@ -64,8 +64,8 @@ class ControllerShell {
 
  private:
   // What is kept for each actuator beside the machine's own record.
-  struct Link {
-    std::unique_ptr<transport::Client<msg::ActuatorCommand>> client;
+  struct Peer {
+    std::unique_ptr<ActuatorLink> link;
     std::uint64_t watched = 0;  // incarnation whose foreign process is watched
     bool hash_told = false;     // that its config differs
   };
@@ -75,8 +75,6 @@ class ControllerShell {
 
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   void OnWriterLost(transport::PeerId writer);
-  void OnReply(std::size_t actuator, std::uint64_t number, bool ask,
-               const Result<msg::ActuatorCommand::Response>& reply);
   void WatchForeign(std::size_t actuator, const ActuatorReport& report);
   void CompareHash(std::size_t actuator, const std::string& hash);
 
@@ -85,7 +83,6 @@ class ControllerShell {
   void ArmTimer();
   void PublishSoon();
   void Publish();
-  void Send(std::size_t actuator, msg::ActuatorCommand::Request request);
   void Do(const action::SendSwitch& a);
   void Do(const action::SendAsk& a);
   void Do(const action::StartProcess& a);
@@ -107,7 +104,7 @@ class ControllerShell {
     std::uint64_t incarnation = 0;
   };
   std::unordered_map<transport::PeerId, Speaker> speakers_;  // who is behind a status writer
-  std::vector<Link> links_;
+  std::vector<Peer> peers_;
   std::deque<Event> queue_;  // events that came while one was handled
   bool handling_ = false;
   RequestId next_request_ = 1;

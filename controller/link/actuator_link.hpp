@@ -1,0 +1,40 @@
+#pragma once
+// How the controller speaks with one actuator. There is one kind of link for each `protocol` of the
+// config; to the decision code all of them look the same: commands go in, events come out. A
+// protocol that cannot tell something (a state, a clock, what became of a command) has a link that
+// says what it knows as an ActuatorReport of its own making.
+//
+// Threads: loop thread only. `emit` may be called at any time but from inside Switch() and Ask().
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "musher/lifecycle/actuator_core.hpp"
+#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/coordinator.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher {
+
+class ActuatorLink {
+ public:
+  using Emit = std::function<void(Event)>;
+
+  virtual ~ActuatorLink() = default;
+
+  // Sends the command. Its answer becomes event::Replied; there may be none, the decision code has
+  // its own deadline.
+  virtual void Switch(const SwitchCommand& command) = 0;
+  // Asks how a command stands, and fences it where the protocol can.
+  virtual void Ask(const AskCommand& command) = 0;
+  // The process that the controller has started for this actuator; 0 when it has ended.
+  virtual void OnProcess(std::int32_t /*pid*/) {}
+};
+
+// The link that `config.actuators[actuator].protocol` asks for. `node` and `config` must outlive
+// it.
+Result<std::unique_ptr<ActuatorLink>> MakeLink(transport::Node& node, const MachineConfig& config,
+                                               std::size_t actuator, ActuatorLink::Emit emit);
+
+}  // namespace musher

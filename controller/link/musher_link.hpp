@@ -1,0 +1,37 @@
+#pragma once
+// The link to an actuator of Musher's own protocol: the command service. Its latched status comes
+// over a topic that all actuators share, which the shell listens to.
+//
+// Threads: loop thread only.
+
+#include <memory>
+#include <string>
+
+#include "musher/controller/link/actuator_link.hpp"
+#include "musher/messages/musher_msgs/actuator_command.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher {
+
+class MusherLink : public ActuatorLink {
+ public:
+  static Result<std::unique_ptr<ActuatorLink>> Make(transport::Node& node,
+                                                    const MachineConfig& config,
+                                                    std::size_t actuator, Emit emit);
+
+  void Switch(const SwitchCommand& command) override;
+  void Ask(const AskCommand& command) override;
+
+ private:
+  MusherLink(std::string name, std::size_t actuator, Emit emit)
+      : name_(std::move(name)), actuator_(actuator), emit_(std::move(emit)) {}
+
+  void Call(const msg::ActuatorCommand::Request& request);
+
+  const std::string name_;
+  const std::size_t actuator_;
+  const Emit emit_;
+  std::unique_ptr<transport::Client<msg::ActuatorCommand>> client_;  // last: it uses the others
+};
+
+}  // namespace musher
