@@ -126,7 +126,7 @@ Result<> BacktraceTaker::Begin(const std::shared_ptr<Job>& job, Duration timeout
     return Error{kCodeTargetBusy,
                  "a backtrace of process " + std::to_string(job->pid) + " is being taken already"};
   }
-  if (const auto started = StartTool(job); !started) return started;
+  if (const auto started = StartTool(job); !started) return started.error();
   job->watch = loop_.WhenReadable(job->output.get(), [job = job.get()] { job->Collect(); });
   job->timer = loop_.At(loop_.Now() + timeout, [this, id = next_id_, timeout] {
     const Job& late = *jobs_.at(id);

@@ -65,7 +65,13 @@ class HungProcess {
 class Backtrace : public testing::Test {
  protected:
   Backtrace() { setenv("PATH", folder_.path().c_str(), 1); }
-  ~Backtrace() override { setenv("PATH", path_before_.c_str(), 1); }
+  ~Backtrace() override {
+    setenv("PATH", path_before_.c_str(), 1);
+    taker_ = nullptr;
+    hung_.Kill();
+    while (waitpid(-1, nullptr, 0) > 0) {  // tools that were killed
+    }
+  }
 
   bool HasTool(const std::string& name) {
     const std::string program = "/usr/bin/" + name;
