@@ -21,6 +21,7 @@ namespace {
 using transport::UniqueFd;
 
 constexpr std::size_t kMostText = 64 * 1024;  // bytes
+constexpr int kMostReads = 32;                // of 4 KiB at a time; a full pipe has 16
 
 // The best first. gdb gets a limit of frames, so that an endless recursion of one thread leaves
 // room for the others; eu-stack has one of its own.
@@ -69,11 +70,14 @@ struct BacktraceTaker::Job {
   transport::LoopHandlePtr timer;
   transport::LoopHandlePtr watch;  // last: its callback ends before what it uses
 
-  // Takes what the tool has written so far. What is too much is read, too, so that the tool ends.
+  // Takes what the tool has written so far, but not for ever. What is too much is read, too, so
+  // that the tool ends.
   void Collect() {
     std::array<char, 4096> part{};
     ssize_t size = 0;
-    while ((size = read(output.get(), part.data(), part.size())) > 0) {
+    for (int i = 0; i < kMostReads; ++i) {
+      size = read(output.get(), part.data(), part.size());
+      if (size <= 0) break;
       const std::size_t taken = std::min<std::size_t>(size, kMostText - text.size());
       text.append(part.data(), taken);
       cut = cut || taken < static_cast<std::size_t>(size);
@@ -111,9 +115,8 @@ void BacktraceTaker::Take(pid_t pid, Duration timeout, Done done) {
   job->pid = pid;
   job->done = std::move(done);
   if (const auto begun = Begin(job, timeout); !begun) {
-    job->timer = loop_.At(loop_.Now(), [this, id = next_id_, error = begun.error()] {  //
-      End(id, error);
-    });
+    job->timer =
+        loop_.At(loop_.Now(), [this, id = next_id_, error = begun.error()] { End(id, error); });
   }
   jobs_.emplace(next_id_++, job);
 }
