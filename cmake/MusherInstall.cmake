@@ -23,6 +23,13 @@ install(DIRECTORY ${CMAKE_SOURCE_DIR}/config DESTINATION ${CMAKE_INSTALL_DATADIR
         USE_SOURCE_PERMISSIONS)
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
+# The unit names the installed program, wherever that is by then.
+install(CODE "
+  get_filename_component(MUSHER_BIN \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\" ABSOLUTE)
+  configure_file(\"${CMAKE_SOURCE_DIR}/scripts/systemd/musher@.service.in\"
+                 \"${CMAKE_BINARY_DIR}/musher@.service\" @ONLY)")
+install(FILES ${CMAKE_BINARY_DIR}/musher@.service DESTINATION lib/systemd/system)
+
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/musherConfig.cmake.in musherConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
 write_basic_package_version_file(musherConfigVersion.cmake COMPATIBILITY SameMinorVersion)

@@ -19,7 +19,7 @@ struct ProcessSpec {
   std::string name;                        // whose process it is
   std::vector<std::string> argv;           // without '/': looked up in PATH; relative: from cwd
   std::string cwd;                         // empty = ours
-  std::map<std::string, std::string> env;  // on top of ours
+  std::map<std::string, std::string> env;  // on top of ours, without what systemd gave to us
   std::string log_file;                    // gets stdout and stderr, appended; empty = ours
 };
 

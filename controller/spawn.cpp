@@ -56,11 +56,18 @@ std::vector<char*> Pointers(const std::vector<std::string>& strings) {
   return result;
 }
 
+// What systemd gave to us alone. An actuator that has it would speak for the whole robot, and one
+// that knows systemd does so unasked.
+bool IsForUsOnly(std::string_view variable) {
+  return variable == "NOTIFY_SOCKET" || variable == "WATCHDOG_USEC" || variable == "WATCHDOG_PID";
+}
+
 std::vector<std::string> MergedEnvironment(const std::map<std::string, std::string>& extra) {
   std::vector<std::string> result;
   for (char** entry = environ; *entry; ++entry) {
     const std::string_view text = *entry;
-    if (!extra.contains(std::string(text.substr(0, text.find('='))))) result.emplace_back(text);
+    const std::string_view name = text.substr(0, text.find('='));
+    if (!IsForUsOnly(name) && !extra.contains(std::string(name))) result.emplace_back(text);
   }
   for (const auto& [name, value] : extra) result.emplace_back(name).append("=").append(value);
   return result;

@@ -42,7 +42,8 @@ ControllerProcess::ControllerProcess(const MachineConfig& config, transport::Uni
       front_(front),
       signals_(TakeEndSignals()),
       progress_(loop_, std::move(progress)),
-      log_(config.log.empty() ? config.state_dir + "/controller.log" : config.log) {}
+      log_(config.log.empty() ? config.state_dir + "/controller.log" : config.log),
+      service_manager_(loop_, config) {}
 
 int ControllerProcess::Run() {
   if (front_ != 0) {
@@ -101,11 +102,13 @@ void ControllerProcess::OnRecord(const action::Record& record) {
   progress.message = record.message;
   progress_.Send(progress);
   log_.Write(record.message, record.code);
+  if (controller_) service_manager_.Follow(controller_->shell().machine());
 }
 
 void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
   // The front leaves after a failed start, and the machine stays up for inspection.
   if (!ended.usable) prctl(PR_SET_PDEATHSIG, 0);
+  service_manager_.StartUpEnded(ended);
   Tell(Progress::kStartUp, ended.message, ended.usable ? kCodeOk : kCodeFailed);
 }
 

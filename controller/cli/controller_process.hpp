@@ -15,6 +15,7 @@
 
 #include "musher/controller/cli/controller_log.hpp"
 #include "musher/controller/cli/progress.hpp"
+#include "musher/controller/cli/service_manager.hpp"
 #include "musher/controller/controller.hpp"
 #include "musher/lifecycle/config.hpp"
 #include "musher/transport/linux_event_loop.hpp"
@@ -45,6 +46,7 @@ class ControllerProcess {
   transport::LinuxEventLoop loop_;
   ProgressSender progress_;
   ControllerLog log_;
+  ServiceManager service_manager_;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<Controller> controller_;
   transport::LoopHandlePtr signal_watch_;

@@ -8,14 +8,18 @@
 
 namespace musher::cli {
 
-transport::UniqueFd TakeEndSignals() {
+transport::UniqueFd TakeSignals(std::initializer_list<int> signals) {
   sigset_t set;
   sigemptyset(&set);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set, signal);
+  for (const int signal : signals) sigaddset(&set, signal);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
-  transport::UniqueFd signals(signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
-  if (!signals.valid()) throw std::system_error(errno, std::generic_category(), "signalfd");
-  return signals;
+  transport::UniqueFd fd(signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK));
+  if (!fd.valid()) throw std::system_error(errno, std::generic_category(), "signalfd");
+  return fd;
+}
+
+transport::UniqueFd TakeEndSignals() {
+  return TakeSignals({SIGINT, SIGTERM, SIGHUP});
 }
 
 int NextSignal(const transport::UniqueFd& signals) {

@@ -1,12 +1,17 @@
 #pragma once
-// The signals that ask a program to end, as a file descriptor.
+// Signals, such as those that ask a program to end, as a file descriptor.
+
+#include <initializer_list>
 
 #include "musher/transport/unique_fd.hpp"
 
 namespace musher::cli {
 
-// Blocks SIGINT, SIGTERM and SIGHUP for this thread and those it makes from now on; the descriptor
-// becomes readable when one has come. Throws std::system_error when there are no descriptors left.
+// Blocks the signals for this thread and those it makes from now on; the descriptor becomes
+// readable when one has come. Throws std::system_error when there are no descriptors left.
+transport::UniqueFd TakeSignals(std::initializer_list<int> signals);
+
+// SIGINT, SIGTERM and SIGHUP.
 transport::UniqueFd TakeEndSignals();
 
 // The signal that made the descriptor readable, taken; 0 when there is none.

@@ -32,7 +32,9 @@ UpFront::UpFront(Console& console, std::string machine, pid_t controller,
       controller_(controller),
       detach_(detach),
       signals_(std::move(signals)),
+      abort_(TakeSignals({SIGABRT})),
       signal_watch_(loop_.WhenReadable(signals_.get(), [this] { OnSignal(); })),
+      abort_watch_(loop_.WhenReadable(abort_.get(), [this] { OnAbort(); })),
       progress_(
           loop_, std::move(progress), [this](const Progress& p) { OnProgress(p); },
           [this] { OnEnd(); }) {}
@@ -98,6 +100,13 @@ void UpFront::OnSignal() {
   stop_asked_ = true;
   console_.Complain("taking " + machine_ + " down");
   kill(controller_, SIGTERM);
+}
+
+void UpFront::OnAbort() {
+  if (NextSignal(abort_) == 0) return;
+  console_.Complain("SIGABRT: ending the controller, process " + std::to_string(controller_));
+  kill(controller_, SIGABRT);
+  kill(controller_, SIGCONT);  // a stopped process gets no other signal
 }
 
 void UpFront::Leave(ExitCode exit) {

@@ -8,6 +8,9 @@
 //      ├─ not started ─▶ 2
 //      └─ stopped by a signal before it was usable ─▶ 1
 //
+// SIGABRT, which systemd's watchdog sends to its main process, this one, is handed on too, so that
+// it is the controller that ends and leaves a core dump.
+//
 // Threads: one. Has no DDS.
 
 #include <sys/types.h>
@@ -33,6 +36,7 @@ class UpFront {
   void OnStartUp(const Progress& progress);
   void OnEnd();
   void OnSignal();
+  void OnAbort();
   void Leave(ExitCode exit);
 
   Console& console_;
@@ -45,8 +49,10 @@ class UpFront {
   bool failed_to_start_ = false;
   ExitCode exit_ = ExitCode::kNotDone;
   transport::UniqueFd signals_;
+  transport::UniqueFd abort_;
   transport::LinuxEventLoop loop_;
   transport::LoopHandlePtr signal_watch_;
+  transport::LoopHandlePtr abort_watch_;
   ProgressReceiver progress_;
 };
 

@@ -178,6 +178,16 @@ TEST_F(Supervisor, GivesTheProcessItsFolderAndEnvironmentOnTopOfOurs) {
   EXPECT_EQ(ReadFile(log_), spec.cwd + "\nkept its own\n");
 }
 
+TEST_F(Supervisor, KeepsWhatSystemdGaveToUsFromTheProcess) {
+  for (const char* name : {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"}) setenv(name, "1", 1);
+  ProcessSpec spec = Script("echo $NOTIFY_SOCKET $WATCHDOG_USEC $WATCHDOG_PID");
+  spec.env["WATCHDOG_USEC"] = "its own";
+  MustStart(spec);
+  for (const char* name : {"NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"}) unsetenv(name);
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(ReadFile(log_), "its own\n");
+}
+
 TEST_F(Supervisor, FindsAProgramThroughThePathOfItsEnvironment) {
   std::ofstream(folder_ / "bark") << "#!/bin/sh\necho woof\n";
   chmod((folder_ / "bark").c_str(), 0700);

@@ -36,6 +36,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"nlohmann/", {"controller/", "modules/", "test/"}},
       {"spdlog/", {"controller/", "modules/"}},
       {"fmt/", {"controller/", "modules/", "test/"}},
+      {"systemd/", {"controller/cli/"}},
       {"opencv2/", {"modules/"}},
       {"Eigen/", {"modules/"}},
   };

@@ -1,0 +1,58 @@
+#pragma once
+// Backtraces of processes of this host, for the journal: where does one that hangs hang? The work
+// is done by eu-stack (elfutils) or, where that is not installed, gdb, as a process of its own; the
+// loop goes on meanwhile.
+//
+// The process is stopped while the tool looks at it, for some tens of milliseconds to seconds. A
+// tool that had to be killed may leave it stopped; then it is let go on, unless it was stopped
+// before.
+//
+// Both tools need the right to trace: the same user with kernel.yama.ptrace_scope = 0, or
+// CAP_SYS_PTRACE. Without symbols a frame is only an address.
+//
+// Threads: loop thread only, callbacks too.
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "musher/controller/process_runner.hpp"
+#include "musher/transport/event_loop.hpp"
+
+namespace musher {
+
+class BacktraceTaker {
+ public:
+  using Done = std::function<void(Result<std::string>)>;
+
+  // Both must outlive the taker; `processes` runs the tools.
+  BacktraceTaker(transport::EventLoop& loop, ProcessRunner& processes);
+  // Kills the tools under way; their `done` does not run any more.
+  ~BacktraceTaker();
+  BacktraceTaker(const BacktraceTaker&) = delete;
+  BacktraceTaker& operator=(const BacktraceTaker&) = delete;
+
+  // Gives the stacks of all threads as the tool prints them, at most 64 KiB and a note that the
+  // rest was cut, or why there are none: no tool, no such process, not permitted, not within
+  // `timeout`, a backtrace of it is being taken already. `done` runs exactly once, never inside
+  // Take(), and may drop the taker.
+  void Take(pid_t pid, Duration timeout, Done done);
+
+ private:
+  struct Job;
+
+  Result<> Begin(const std::shared_ptr<Job>& job, Duration timeout);
+  Result<> StartTool(const std::shared_ptr<Job>& job);
+  void End(std::uint64_t id, const Result<std::string>& result);
+
+  transport::EventLoop& loop_;
+  ProcessRunner& processes_;
+  std::uint64_t next_id_ = 1;  // of a job
+  std::map<std::uint64_t, std::shared_ptr<Job>> jobs_;
+};
+
+}  // namespace musher

@@ -1,0 +1,141 @@
+#include "musher/controller/cli/service_manager.hpp"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/test/controller/cli/notify_socket.hpp"
+#include "musher/test/controller/cli/robot.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+#include "musher/transport/sim/network.hpp"
+
+namespace musher::cli {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+class Service : public testing::Test {
+ protected:
+  Service() {
+    machine_.phase = Phase::kRunning;
+    machine_.state = kActive;
+    for (ActuatorRecord& actuator : machine_.actuators) actuator.presence = Presence::kPresent;
+  }
+
+  void Listen() { socket_ = std::make_unique<NotifySocket>(folder_ / "notify"); }
+  // What is told within a second in which nothing happens but time.
+  std::vector<std::string> ToldInASecond() {
+    const ServiceManager manager(loop_, config_);
+    network_.RunFor(std::chrono::seconds(1));
+    return socket_->Take();
+  }
+
+  const TempFolder folder_;
+  const MachineConfig config_ = RobotConfig();
+  Machine machine_ = MakeMachine(config_);
+  transport::sim::Network network_{1};
+  const std::unique_ptr<transport::Node> node_ = network_.MakeNode("robot");
+  transport::EventLoop& loop_ = node_->loop();
+  std::unique_ptr<NotifySocket> socket_;
+};
+
+TEST_F(Service, IsReadyOnceTheMachineIsUsable) {
+  Listen();
+  ServiceManager manager(loop_, config_);
+  EXPECT_THAT(socket_->Take(), IsEmpty());
+  manager.StartUpEnded({true, "the machine is Active"});
+  EXPECT_THAT(socket_->Take(), ElementsAre("READY=1"));
+}
+
+TEST_F(Service, SaysWhyTheStartFailedAndIsNotReady) {
+  Listen();
+  ServiceManager manager(loop_, config_);
+  machine_.phase = Phase::kFailed;
+  manager.Follow(machine_);
+  manager.StartUpEnded({false, "start-up failed: legs\nare gone"});
+  manager.Follow(machine_);
+  EXPECT_THAT(socket_->Take(), ElementsAre("STATUS=start-up failed: legs are gone"));
+}
+
+TEST_F(Service, TellsTheStateInWordsWheneverTheyChange) {
+  Listen();
+  ServiceManager manager(loop_, config_);
+  manager.Follow(machine_);
+  manager.Follow(machine_);
+  EXPECT_THAT(socket_->Take(), ElementsAre("STATUS=Active, 2 actuators"));
+  machine_.state = kLowPower;
+  manager.Follow(machine_);
+  EXPECT_THAT(socket_->Take(), ElementsAre("STATUS=LowPower, 2 actuators"));
+}
+
+TEST_F(Service, TellsOnceThatTheMachineIsTakenDownAndHowLongThatMayTake) {
+  Listen();
+  ServiceManager manager(loop_, config_);
+  machine_.phase = Phase::kStopping;
+  manager.Follow(machine_);
+  machine_.phase = Phase::kStopped;
+  manager.Follow(machine_);
+  EXPECT_THAT(socket_->Take(), ElementsAre("STOPPING=1\nEXTEND_TIMEOUT_USEC=15000000",
+                                           "STATUS=stopping, Active, 2 actuators",
+                                           "STATUS=stopped, Active, 2 actuators"));
+}
+
+TEST_F(Service, ServesItsWatchdogThreeTimesInAPeriod) {
+  Listen();
+  setenv("WATCHDOG_USEC", "900000", 1);
+  EXPECT_THAT(ToldInASecond(), ElementsAre("WATCHDOG=1", "WATCHDOG=1", "WATCHDOG=1"));
+  setenv("WATCHDOG_PID", std::to_string(getpid()).c_str(), 1);
+  EXPECT_EQ(ToldInASecond().size(), 3U);
+}
+
+TEST_F(Service, ServesTheWatchdogOfTheFrontItsParent) {
+  Listen();
+  setenv("WATCHDOG_USEC", "900000", 1);
+  setenv("WATCHDOG_PID", std::to_string(getppid()).c_str(), 1);
+  EXPECT_EQ(ToldInASecond().size(), 3U);
+}
+
+TEST_F(Service, LeavesTheWatchdogOfAStrangerAlone) {
+  Listen();
+  setenv("WATCHDOG_USEC", "900000", 1);
+  setenv("WATCHDOG_PID", std::to_string(getpid() + 1).c_str(), 1);
+  EXPECT_THAT(ToldInASecond(), IsEmpty());
+}
+
+TEST_F(Service, HasNoWatchdogUnlessTheUnitHas) {
+  Listen();
+  EXPECT_THAT(ToldInASecond(), IsEmpty());
+}
+
+TEST_F(Service, DoesNothingWithoutAServiceManager) {
+  unsetenv("NOTIFY_SOCKET");
+  setenv("WATCHDOG_USEC", "900000", 1);
+  setenv("WATCHDOG_PID", std::to_string(getppid()).c_str(), 1);
+  ServiceManager manager(loop_, config_);
+  EXPECT_EQ(std::getenv("WATCHDOG_PID"), std::to_string(getppid()));
+  Listen();  // too late
+  manager.StartUpEnded({true, ""});
+  manager.Follow(machine_);
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(socket_->Take(), IsEmpty());
+}
+
+TEST_F(Service, CallsAMachineByItsPhaseItsStateAndWhoIsMissing) {
+  EXPECT_EQ(StatusWords(config_, machine_), "Active, 2 actuators");
+  machine_.actuators[1].presence = Presence::kStarting;
+  EXPECT_EQ(StatusWords(config_, machine_), "Active, 1 of 2 actuators");
+  machine_.phase = Phase::kStarting;
+  machine_.state = kSelfCheck;
+  EXPECT_EQ(StatusWords(config_, machine_), "starting, SelfCheck, 1 of 2 actuators");
+  machine_.phase = Phase::kRunning;
+  machine_.state = kProtected;
+  for (ActuatorRecord& actuator : machine_.actuators) actuator.fault = Error{kCodeNetError, "gone"};
+  EXPECT_EQ(StatusWords(config_, machine_), "Protected, degraded: legs, eyes");
+}
+
+}  // namespace
+}  // namespace musher::cli

@@ -1,0 +1,88 @@
+// `musher up` as a service of systemd, whose part the test plays.
+
+#include <signal.h>
+
+#include <fstream>
+
+#include "musher/test/controller/cli/notify_socket.hpp"
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class UpAsAService : public MachineByCli {
+ protected:
+  UpAsAService() { setenv("WATCHDOG_USEC", "300000", 1); }
+
+  // The front is the main process, so it is the one that systemd names.
+  std::vector<std::string> Unit() const {
+    return {"sh", "-c", "export WATCHDOG_PID=$$; exec " MUSHER_BIN_DIR "/musher up " + config_};
+  }
+
+  NotifySocket systemd_{folder_ / "notify"};
+};
+
+TEST_F(UpAsAService, TellsItsStateShowsLifeAndStopsInOrder) {
+  Process up(Unit());
+  EXPECT_TRUE(systemd_.WaitFor("STATUS=Active, 2 of 3 actuators"));  // stage 1
+  EXPECT_TRUE(systemd_.WaitFor("READY=1"));
+  EXPECT_TRUE(systemd_.WaitFor("STATUS=Active, 3 actuators"));
+  EXPECT_TRUE(systemd_.WaitFor("WATCHDOG=1"));
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  EXPECT_TRUE(systemd_.WaitFor("STATUS=LowPower, 3 actuators"));
+  EXPECT_TRUE(systemd_.WaitFor("WATCHDOG=1"));
+  up.Signal(SIGTERM);
+  EXPECT_TRUE(systemd_.WaitFor("STOPPING=1"));
+  EXPECT_EQ(up.Wait().exit, 0);
+  EXPECT_EQ(Children(), std::vector<pid_t>{});
+}
+
+TEST_F(UpAsAService, IsNotReadyWhenTheStartFails) {
+  Does("legs", "[state.SelfCheck]\nrun = [\"false\"]\n");
+  const Ended up = RunToEnd(Unit());
+  EXPECT_EQ(up.exit, 1);
+  std::string told;
+  for (const std::string& message : systemd_.Take()) told += message + "\n";
+  EXPECT_THAT(told, HasSubstr("STATUS=start-up failed, the machine stays in SelfCheck"));
+  EXPECT_THAT(told, Not(HasSubstr("READY=1")));
+}
+
+TEST_F(UpAsAService, TellsNoActuatorWhereSystemdListens) {
+  const std::string seen = folder_ / "seen";
+  Does("legs", "[state.Active]\nshell = \"env > " + seen + "\"\n");
+  Process up(Unit());
+  ASSERT_TRUE(systemd_.WaitFor("READY=1"));
+  std::ifstream file(seen);
+  const std::string env{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_THAT(env, HasSubstr("MUSHER_ACTUATOR=legs"));
+  EXPECT_THAT(env, Not(HasSubstr("NOTIFY_SOCKET")));
+  EXPECT_THAT(env, Not(HasSubstr("WATCHDOG_")));
+}
+
+// The watchdog sends SIGABRT to the main process, the front. What follows is as after any death of
+// the controller: systemd starts `musher up` again.
+TEST_F(UpAsAService, EndsItsControllerWhenItsWatchdogRanOutAndIsTakenOverByTheNext) {
+  pid_t legs = 0;
+  {
+    Process up(Unit());
+    ASSERT_TRUE(systemd_.WaitFor("STATUS=Active, 3 actuators"));
+    const auto status = Status();
+    legs = status["actuators"]["legs"]["pid"];
+    kill(status["pid"].get<pid_t>(), SIGSTOP);
+    up.Signal(SIGABRT);
+    const Ended ended = up.Wait();
+    EXPECT_EQ(ended.exit, 1);
+    EXPECT_THAT(ended.err, HasSubstr("the controller of robot has died (killed by signal 6"));
+  }
+  Process again(Unit());
+  EXPECT_TRUE(systemd_.WaitFor("READY=1"));
+  EXPECT_EQ(Status()["actuators"]["legs"]["pid"], legs);
+  again.Signal(SIGTERM);
+  EXPECT_EQ(again.Wait().exit, 0);
+}
+
+}  // namespace
+}  // namespace musher::testing

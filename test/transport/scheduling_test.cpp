@@ -1,0 +1,205 @@
+#include "musher/transport/scheduling.hpp"
+
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <functional>
+#include <thread>
+#include <vector>
+
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::transport {
+namespace {
+
+// A child that does `work`, and nothing after it until it is killed.
+class Child {
+ public:
+  explicit Child(const std::function<void()>& work) : pid_(fork()) {
+    if (pid_ != 0) return;
+    work();
+    while (true) pause();
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child() {
+    Kill();
+    waitpid(pid_, nullptr, 0);
+  }
+
+  void Kill() const { kill(pid_, SIGKILL); }
+  pid_t pid() const { return pid_; }
+
+ private:
+  pid_t pid_;
+};
+
+[[noreturn]] void ComputeForEver() {
+  volatile unsigned long sum = 0;
+  while (true) sum = sum + 1;
+}
+
+class Scheduling : public testing::Test {
+ protected:
+  // Whether it comes to hold.
+  bool Eventually(const std::function<bool()>& condition) {
+    const LoopHandlePtr tick = loop_.Every(Milliseconds(2), [] {});
+    return loop_.RunUntil(condition, loop_.Now() + std::chrono::seconds(20));
+  }
+  bool BecomesState(pid_t pid, ProcessRunState state) {
+    return Eventually([&] { return RunStateOf(pid) == state; });
+  }
+  ProcessSample Look(pid_t pid) {
+    const auto sample = SampleProcess(pid, loop_.Now());
+    EXPECT_TRUE(sample);
+    return sample.value_or(ProcessSample{});
+  }
+
+  LinuxEventLoop loop_;
+};
+
+Time At(int ms) {
+  return Time() + Milliseconds(ms);
+}
+ThreadSample Thread(int ran_ms, int waited_ms, bool runnable) {
+  return {{Milliseconds(ran_ms), Milliseconds(waited_ms)}, runnable};
+}
+
+TEST_F(Scheduling, TellsAStoppedProcessFromARunningOne) {
+  const Child child([] {});
+  EXPECT_TRUE(BecomesState(child.pid(), ProcessRunState::kRunning));
+  kill(child.pid(), SIGSTOP);
+  EXPECT_TRUE(BecomesState(child.pid(), ProcessRunState::kStopped));
+  kill(child.pid(), SIGCONT);
+  EXPECT_TRUE(BecomesState(child.pid(), ProcessRunState::kRunning));
+}
+
+TEST_F(Scheduling, TellsAProcessWithManyThreadsStoppedWhenAllAre) {
+  const Child child([] {
+    for (int i = 0; i < 3; ++i) std::thread(pause).detach();
+  });
+  ASSERT_TRUE(Eventually([&] {
+    const auto sample = SampleProcess(child.pid(), loop_.Now());
+    return sample && sample->threads.size() >= 4;
+  }));
+  EXPECT_EQ(RunStateOf(child.pid()), ProcessRunState::kRunning);
+  kill(child.pid(), SIGSTOP);
+  EXPECT_TRUE(BecomesState(child.pid(), ProcessRunState::kStopped));
+}
+
+TEST_F(Scheduling, ReadsTheStateBehindAnyName) {
+  const Child child([] {
+    prctl(PR_SET_NAME, "a) T (b) Z ");
+    raise(SIGSTOP);
+    ComputeForEver();
+  });
+  ASSERT_TRUE(BecomesState(child.pid(), ProcessRunState::kStopped));
+  kill(child.pid(), SIGCONT);
+  EXPECT_TRUE(BecomesState(child.pid(), ProcessRunState::kRunning));
+}
+
+TEST_F(Scheduling, CallsAProcessGoneBeforeAndAfterItIsReaped) {
+  pid_t pid = 0;
+  {
+    const Child child([] {});
+    pid = child.pid();
+    child.Kill();
+    EXPECT_TRUE(BecomesState(pid, ProcessRunState::kGone));
+    EXPECT_EQ(SampleProcess(pid, loop_.Now()), std::nullopt);
+  }
+  EXPECT_EQ(RunStateOf(pid), ProcessRunState::kGone);
+  EXPECT_EQ(SampleProcess(pid, loop_.Now()), std::nullopt);
+  EXPECT_EQ(ThreadCpuTime(pid, pid), std::nullopt);
+}
+
+TEST_F(Scheduling, KnowsNoThreadThatIsAnotherProcesss) {
+  const Child child([] {});
+  EXPECT_TRUE(ThreadCpuTime(child.pid(), child.pid()));
+  EXPECT_EQ(ThreadCpuTime(child.pid(), getpid()), std::nullopt);
+}
+
+TEST_F(Scheduling, CountsTheTimeAThreadRan) {
+  const Child busy(ComputeForEver);
+  const Child idle([] {});
+  EXPECT_TRUE(Eventually([&] {
+    const auto cpu = ThreadCpuTime(busy.pid(), busy.pid());
+    return cpu && cpu->ran > Milliseconds(50);
+  }));
+  const auto cpu = ThreadCpuTime(idle.pid(), idle.pid());
+  ASSERT_TRUE(cpu);
+  EXPECT_LT(cpu->ran, Milliseconds(50));
+}
+
+// Four share one CPU, so each waits three quarters of the time; a fifth has nothing to do.
+TEST_F(Scheduling, TellsAStarvedProcessFromOneThatHangs) {
+  const auto pinned = [cpu = sched_getcpu()] {
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(cpu, &one);
+    sched_setaffinity(0, sizeof(one), &one);
+  };
+  const auto compete = [&] {
+    pinned();
+    ComputeForEver();
+  };
+  const Child starved(compete);
+  const std::array<Child, 3> others{Child(compete), Child(compete), Child(compete)};
+  const Child hung(pinned);
+  ASSERT_TRUE(Eventually([&] {
+    return !Look(hung.pid()).threads.at(hung.pid()).runnable &&
+           std::all_of(others.begin(), others.end(), [](const Child& other) {
+             const auto cpu = ThreadCpuTime(other.pid(), other.pid());
+             return cpu && cpu->ran > Milliseconds(20);
+           });
+  }));
+  const ProcessSample starved_before = Look(starved.pid());
+  const ProcessSample hung_before = Look(hung.pid());
+  ASSERT_TRUE(Eventually([&] { return loop_.Now() - starved_before.at > Milliseconds(300); }));
+  const ProcessSample starved_after = Look(starved.pid());
+  const Duration between = starved_after.at - starved_before.at;
+  EXPECT_GT(LongestWait(starved_before, starved_after), between / 3);
+  EXPECT_LE(LongestWait(starved_before, starved_after), between);
+  EXPECT_LT(LongestWait(hung_before, Look(hung.pid())), between / 10);
+}
+
+TEST(Waiting, IsTheDifferenceOfTwoLooks) {
+  const ProcessSample before{At(0), {{7, Thread(10, 100, false)}}};
+  const ProcessSample after{At(1000), {{7, Thread(20, 400, false)}}};
+  EXPECT_EQ(ThreadWait(before, after, 7), Milliseconds(300));
+  EXPECT_EQ(ThreadWait(before, after, 8), std::nullopt);
+}
+
+TEST(Waiting, IsAllOfTheTimeForAThreadThatWasReadyAndDidNotRun) {
+  const ProcessSample before{At(0), {{7, Thread(10, 100, true)}}};
+  const ProcessSample after{At(1000), {{7, Thread(10, 100, true)}}};
+  EXPECT_EQ(ThreadWait(before, after, 7), Milliseconds(1000));
+}
+
+TEST(Waiting, IsNothingForAThreadThatSleeps) {
+  const ProcessSample before{At(0), {{7, Thread(10, 100, false)}}};
+  const ProcessSample after{At(1000), {{7, Thread(10, 100, false)}}};
+  EXPECT_EQ(ThreadWait(before, after, 7), Duration::zero());
+}
+
+TEST(Waiting, IsNotLongerThanTheTimeBetweenTheLooks) {
+  const ProcessSample before{At(0), {{7, Thread(10, 100, true)}}};
+  const ProcessSample after{At(1000), {{7, Thread(11, 6100, true)}}};
+  EXPECT_EQ(ThreadWait(before, after, 7), Milliseconds(1000)) << "the rest was before";
+}
+
+TEST(Waiting, IsThatOfTheWorstOffThread) {
+  const ProcessSample before{At(0), {{7, Thread(0, 0, false)}, {8, Thread(0, 0, false)}}};
+  const ProcessSample after{
+      At(1000), {{7, Thread(1, 200, false)}, {8, Thread(5, 700, true)}, {9, Thread(1, 300, true)}}};
+  EXPECT_EQ(LongestWait(before, after), Milliseconds(700));
+  EXPECT_EQ(LongestWait(before, {At(1000), {}}), Duration::zero());
+}
+
+}  // namespace
+}  // namespace musher::transport

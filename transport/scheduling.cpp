@@ -1,0 +1,149 @@
+#include "musher/transport/scheduling.hpp"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string_view>
+
+#include "musher/transport/unique_fd.hpp"
+
+namespace musher::transport {
+namespace {
+
+struct CloseFolder {
+  void operator()(DIR* folder) const { closedir(folder); }
+};
+using Folder = std::unique_ptr<DIR, CloseFolder>;
+
+Folder TasksOf(pid_t pid) {
+  std::array<char, 32> path{};
+  std::snprintf(path.data(), path.size(), "/proc/%d/task", pid);
+  return Folder(opendir(path.data()));
+}
+
+// The next thread of the folder; 0 when there is none any more.
+pid_t NextTask(DIR* tasks) {
+  while (const dirent* entry =
+             readdir(tasks)) {  // NOLINT(concurrency-mt-unsafe): the folder is ours
+    const pid_t tid = std::atoi(entry->d_name);
+    if (tid > 0) return tid;  // not "." and ".."
+  }
+  return 0;
+}
+
+// A small file of /proc, as far as it fits.
+class SmallFile {
+ public:
+  SmallFile(int folder, pid_t tid, const char* name) {
+    std::array<char, 64> path{};
+    std::snprintf(path.data(), path.size(), "%d/%s", tid, name);
+    const UniqueFd file(openat(folder, path.data(), O_RDONLY | O_CLOEXEC));
+    if (!file.valid()) return;
+    const ssize_t size = read(file.get(), buffer_.data(), buffer_.size());
+    text_ = std::string_view(buffer_.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+  }
+  SmallFile(const SmallFile&) = delete;
+  SmallFile& operator=(const SmallFile&) = delete;
+
+  std::string_view text() const { return text_; }
+
+ private:
+  std::array<char, 512> buffer_;
+  std::string_view text_;
+};
+
+// "<ran ns> <waited ns> <slices>"
+std::optional<CpuTime> ReadCpuTime(int tasks, pid_t tid) {
+  const SmallFile file(tasks, tid, "schedstat");
+  const char* const end = file.text().data() + file.text().size();
+  std::int64_t ran = 0;
+  std::int64_t waited = 0;
+  const auto first = std::from_chars(file.text().data(), end, ran);
+  if (first.ec != std::errc() || first.ptr == end) return std::nullopt;
+  const auto second = std::from_chars(first.ptr + 1, end, waited);
+  if (second.ec != std::errc()) return std::nullopt;
+  return CpuTime{Duration(ran), Duration(waited)};
+}
+
+// "<tid> (<name>) <state> ...": R, S, D, T and so on; 0 when the thread is not there. A name may
+// hold spaces and parentheses, what follows it does not.
+char ReadState(int tasks, pid_t tid) {
+  const SmallFile file(tasks, tid, "stat");
+  const std::size_t name_end = file.text().rfind(") ");
+  if (name_end == std::string_view::npos || name_end + 2 >= file.text().size()) return 0;
+  return file.text()[name_end + 2];
+}
+
+bool HasEnded(char state) {
+  return state == 0 || state == 'Z' || state == 'X';
+}
+
+}  // namespace
+
+std::optional<CpuTime> ThreadCpuTime(pid_t pid, pid_t tid) {
+  const Folder tasks = TasksOf(pid);
+  if (!tasks) return std::nullopt;
+  return ReadCpuTime(dirfd(tasks.get()), tid);
+}
+
+std::optional<ProcessSample> SampleProcess(pid_t pid, Time now) {
+  const Folder tasks = TasksOf(pid);
+  if (!tasks) return std::nullopt;
+  ProcessSample sample{now, {}};
+  while (const pid_t tid = NextTask(tasks.get())) {
+    // The state before the time: a thread that got its CPU in between then shows that it ran.
+    const char state = ReadState(dirfd(tasks.get()), tid);
+    const auto cpu = ReadCpuTime(dirfd(tasks.get()), tid);
+    if (cpu && !HasEnded(state)) sample.threads[tid] = {*cpu, state == 'R'};
+  }
+  if (sample.threads.empty()) return std::nullopt;
+  return sample;
+}
+
+std::optional<Duration> ThreadWait(const ProcessSample& before, const ProcessSample& after,
+                                   pid_t tid) {
+  const auto now = after.threads.find(tid);
+  if (now == after.threads.end()) return std::nullopt;
+  const Duration between = after.at - before.at;
+  const auto found = before.threads.find(tid);
+  const ThreadSample then = found == before.threads.end() ? ThreadSample{} : found->second;
+  if (now->second.runnable && now->second == then) return between;
+  return std::clamp(now->second.cpu.waited - then.cpu.waited, Duration::zero(), between);
+}
+
+Duration LongestWait(const ProcessSample& before, const ProcessSample& after) {
+  Duration longest{};
+  for (const auto& [tid, thread] : after.threads) {
+    longest = std::max(longest, ThreadWait(before, after, tid).value_or(Duration::zero()));
+  }
+  return longest;
+}
+
+std::optional<ProcessRunState> RunStateOf(pid_t pid) {
+  const Folder tasks = TasksOf(pid);
+  if (!tasks) {
+    if (kill(pid, 0) != 0 && errno == ESRCH) return ProcessRunState::kGone;
+    return std::nullopt;
+  }
+  bool lives = false;
+  bool traced = false;
+  while (const pid_t tid = NextTask(tasks.get())) {
+    const char state = ReadState(dirfd(tasks.get()), tid);
+    if (HasEnded(state)) continue;
+    if (state != 'T' && state != 't') return ProcessRunState::kRunning;
+    lives = true;
+    traced = traced || state == 't';
+  }
+  if (!lives) return ProcessRunState::kGone;
+  return traced ? ProcessRunState::kTraced : ProcessRunState::kStopped;
+}
+
+}  // namespace musher::transport
