@@ -1,8 +1,11 @@
 #include "musher/actuator/actuator_shell.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <utility>
 
+#include "musher/lifecycle/health_monitor.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
 namespace musher {
@@ -14,6 +17,14 @@ constexpr std::size_t kLongestName = 256;
 // not be told of twice, and a switch does not wait for the telling.
 constexpr Duration kStatusDelay = Milliseconds(50);
 
+// Of our own process, if that means anything here: a simulated one has none.
+Checkpoints::Sample SampleOf(pid_t pid) {
+  return [pid](Time now) -> std::optional<transport::ProcessSample> {
+    if (pid != getpid()) return std::nullopt;
+    return transport::SampleProcess(pid, now);
+  };
+}
+
 SwitchCommand SwitchFrom(const msg::ActuatorCommand::Request& request) {
   SwitchCommand command;
   command.epoch = request.epoch;
@@ -23,6 +34,7 @@ SwitchCommand SwitchFrom(const msg::ActuatorCommand::Request& request) {
   command.status_stamp = transport::FromNanoseconds(request.status_stamp_ns);
   command.since_status = Duration(request.since_status_ns);
   command.incarnation = request.incarnation;
+  command.apart = request.apart;
   return command;
 }
 
@@ -33,8 +45,10 @@ ActuatorShell::ActuatorShell(transport::Node& node, Worker& worker, const Machin
     : node_(node),
       worker_(worker),
       config_(config),
+      index_(index),
       actuator_(config.actuators[index]),
-      hooks_(std::move(hooks)) {
+      hooks_(std::move(hooks)),
+      checkpoints_(actuator_, SampleOf(identity.pid)) {
   core_.report.state = config.default_state;
   core_.report.incarnation = identity.incarnation;
   core_.report.pid = identity.pid;
@@ -48,26 +62,54 @@ Result<std::unique_ptr<ActuatorShell>> ActuatorShell::Make(transport::Node& node
                                                            ActuatorIdentity identity, Hooks hooks) {
   std::unique_ptr<ActuatorShell> shell(
       new ActuatorShell(node, worker, config, index, std::move(identity), std::move(hooks)));
-  auto status = transport::MakePublisher<msg::ActuatorStatus>(
-      node, transport::ActuatorStatusTopic(config.name_space), transport::kLatchedQos);
-  if (!status) return status.error();
-  shell->status_ = std::move(status).value();
+  if (auto opened = shell->Open(); !opened) return opened.error();
   return shell;
+}
+
+Result<> ActuatorShell::Open() {
+  const std::string& name_space = config_.name_space;
+  auto status = transport::MakePublisher<msg::ActuatorStatus>(
+      node_, transport::ActuatorStatusTopic(name_space), transport::kLatchedQos);
+  if (!status) return status.error();
+  status_ = std::move(status).value();
+  auto beats = transport::MakePublisher<msg::ActuatorBeat>(
+      node_, transport::ActuatorBeatTopic(name_space), transport::kBeatQos);
+  if (!beats) return beats.error();
+  beats_ = std::move(beats).value();
+  auto controllers = transport::MakeSubscription<msg::ControllerBeat>(
+      node_, transport::ControllerBeatTopic(name_space),
+      [this](const msg::ControllerBeat& beat, const transport::SampleInfo& info) {
+        Handle(actuator_event::ControllerHeard{info.participant, beat.epoch});
+      },
+      transport::kLatchedFromManyQos);
+  if (!controllers) return controllers.error();
+  controllers_ = std::move(controllers).value();
+  auto stops = transport::MakeSubscription<msg::EmergencyStop>(
+      node_, transport::EmergencyStopTopic(name_space),
+      [this](const msg::EmergencyStop& stop, const transport::SampleInfo& info) {
+        Handle(actuator_event::EmergencyStopHeard{stop.id, stop.engaged, info.participant});
+      },
+      transport::kLatchedFromManyQos);
+  if (!stops) return stops.error();
+  emergency_stops_ = std::move(stops).value();
+  return Ok();
 }
 
 void ActuatorShell::Start() {
   Handle(actuator_event::Started{});
+  LookAtWork();
 }
 
-void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Reply reply) {
+void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
+                              transport::PeerId sender) {
   const RequestToken token = next_token_++;
   replies_[token] = std::move(reply);
   switch (request.kind) {
     case msg::ActuatorCommand::kKindSwitch:
-      return Handle(actuator_event::SwitchArrived{token, SwitchFrom(request)});
+      return Handle(actuator_event::SwitchArrived{token, SwitchFrom(request), sender});
     case msg::ActuatorCommand::kKindAsk:
       return Handle(
-          actuator_event::AskArrived{token, {request.epoch, request.number, request.stop}});
+          actuator_event::AskArrived{token, {request.epoch, request.number, request.stop}, sender});
     default:
       return Do(actuator_action::Answer{token, Verdict::kRefused, kCodeParametersInvalid,
                                         "unknown kind of command " + std::to_string(request.kind)});
@@ -75,20 +117,68 @@ void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Repl
 }
 
 void ActuatorShell::Handle(const ActuatorEvent& event) {
-  const std::vector<ActuatorAction> actions = Step(actuator_, core_, event, node_.loop().Now());
+  const std::vector<ActuatorAction> actions =
+      Step(config_, index_, core_, event, node_.loop().Now());
   if (hooks_.on_report) hooks_.on_report(core_.report);  // before anybody is answered
   for (const ActuatorAction& action : actions) {
     std::visit([this](const auto& a) { Do(a); }, action);
   }
+  ArmTimer();
+}
+
+void ActuatorShell::ArmTimer() {
+  const std::optional<Time> next = NextDeadline(config_, index_, core_);
+  if (next == armed_for_) return;
+  armed_for_ = next;
+  timer_ = nullptr;
+  if (!next) return;
+  timer_ = node_.loop().At(*next, [this] {
+    armed_for_.reset();
+    Handle(actuator_event::TimePassed{});
+  });
+}
+
+// Beats so often as is promised, and at once when the work thread hangs or gets on again.
+void ActuatorShell::LookAtWork() {
+  const Time now = node_.loop().Now();
+  const Duration period = BeatPeriod(config_, index_);
+  const Checkpoints::Look look = checkpoints_.Judge(now);
+  if (look.work != told_work_ || now - beat_at_ >= period) Beat(look);
+  const Duration next = std::min(checkpoints_.Period().value_or(period), beat_at_ + period - now);
+  look_ = node_.loop().At(now + next, [this] { LookAtWork(); });
+}
+
+// One that is lost is followed by the next.
+void ActuatorShell::Beat(const Checkpoints::Look& look) {
+  beat_at_ = node_.loop().Now();
+  told_work_ = look.work;
+  msg::ActuatorBeat beat;
+  beat.name = actuator_.name;
+  beat.incarnation = core_.report.incarnation;
+  beat.period_ns = BeatPeriod(config_, index_).count();
+  beat.work = transport::ToMessage(look.work);
+  if (look.work != Health::kWell) {
+    beat.during = look.during;
+    beat.silent_ns = look.silent.count();
+    beat.waited_ns = look.waited.count();
+  }
+  static_cast<void>(beats_->Publish(beat));
+}
+
+void ActuatorShell::Do(const actuator_action::RunEmergencyStop&) {
+  if (hooks_.on_emergency_stop) hooks_.on_emergency_stop();
 }
 
 void ActuatorShell::Do(const actuator_action::RunCallback& action) {
+  checkpoints_.Begin(action.target, node_.loop().Now());
+  if (checkpoints_.Period()) look_ = node_.loop().At(node_.loop().Now(), [this] { LookAtWork(); });
   if (hooks_.set_stop_requested) hooks_.set_stop_requested(false);
   worker_.Run(
       [run = hooks_.run_callback, target = action.target] { return run(target); },
       [this, alive = std::weak_ptr<bool>(alive_), &loop = node_.loop()](Result<> result) {
         loop.Post([this, alive, result = std::move(result)] {
           if (alive.expired()) return;
+          checkpoints_.End();
           Handle(actuator_event::CallbackEnded{result ? kCodeOk : result.error().code,
                                                result ? std::string() : result.error().message});
         });
@@ -120,8 +210,8 @@ void ActuatorShell::Publish() {
 void ActuatorShell::Do(const actuator_action::BecomeVisible&) {
   auto server = transport::MakeServer<msg::ActuatorCommand>(
       node_, transport::CommandService(config_.name_space, actuator_.name),
-      [this](const msg::ActuatorCommand::Request& request, Reply reply) {
-        OnRequest(request, std::move(reply));
+      [this](const msg::ActuatorCommand::Request& request, Reply reply, transport::PeerId sender) {
+        OnRequest(request, std::move(reply), sender);
       });
   if (!server) return hooks_.on_finished(server.error());
   server_ = std::move(server).value();

@@ -9,11 +9,13 @@
 #include <memory>
 #include <string>
 
+#include "musher/actuator/checkpoints.hpp"
 #include "musher/actuator/worker.hpp"
 #include "musher/lifecycle/actuator_core.hpp"
 #include "musher/lifecycle/config.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/messages/musher_msgs/beats.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
 
@@ -30,6 +32,7 @@ class ActuatorShell {
   struct Hooks {
     std::function<Result<>(const State&)> run_callback;  // on the worker
     std::function<void(bool)> set_stop_requested;  // false as a callback begins, true to end it
+    std::function<void()> on_emergency_stop;       // at once, on the loop; may be empty
     std::function<void(const ActuatorReport&)> on_report;  // after each step; may be empty
     std::function<void()> on_set_up;         // SetUp is done and the services are there
     std::function<void(Error)> on_finished;  // torn down (code 0), or SetUp failed
@@ -44,6 +47,8 @@ class ActuatorShell {
   void Start();
 
   const ActuatorReport& report() const { return core_.report; }
+  // For the threads of the module; lives as long as the shell.
+  Checkpoints& checkpoints() { return checkpoints_; }
 
  private:
   ActuatorShell(transport::Node& node, Worker& worker, const MachineConfig& config,
@@ -51,27 +56,43 @@ class ActuatorShell {
 
   using Reply = transport::Server<msg::ActuatorCommand>::Reply;
 
-  void OnRequest(const msg::ActuatorCommand::Request& request, Reply reply);
+  Result<> Open();
+  void OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
+                 transport::PeerId sender);
   void Handle(const ActuatorEvent& event);
   void Do(const actuator_action::RunCallback& action);
   void Do(const actuator_action::RequestStop& action);
+  void Do(const actuator_action::RunEmergencyStop& action);
   void Do(const actuator_action::Answer& action);
   void Do(const actuator_action::PublishStatus& action);
   void Do(const actuator_action::BecomeVisible& action);
   void Do(const actuator_action::Finish& action);
   void Publish();
+  void ArmTimer();
+  void LookAtWork();
+  void Beat(const Checkpoints::Look& look);
   msg::ActuatorStatus Status();
 
   transport::Node& node_;
   Worker& worker_;
   const MachineConfig& config_;
+  const std::size_t index_;
   const ActuatorConfig& actuator_;
   Hooks hooks_;
   ActuatorCore core_;
   RequestToken next_token_ = 1;
   Time last_stamp_{};
   std::map<RequestToken, Reply> replies_;
+  Checkpoints checkpoints_;
+  Health told_work_ = Health::kWell;  // with the last beat
+  Time beat_at_{};                    // when it was
+  std::optional<Time> armed_for_;
   std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> status_;
+  std::unique_ptr<transport::Publisher<msg::ActuatorBeat>> beats_;
+  transport::LoopHandlePtr look_;
+  transport::LoopHandlePtr timer_;
+  std::unique_ptr<transport::Subscription> controllers_;
+  std::unique_ptr<transport::Subscription> emergency_stops_;
   transport::LoopHandlePtr publish_later_;
   std::unique_ptr<transport::Server<msg::ActuatorCommand>> server_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for results that come after us

@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <condition_variable>
-#include <ctime>
 #include <exception>
 #include <future>
 #include <iostream>
@@ -22,14 +21,6 @@ namespace {
 
 using Callback = std::function<Result<>()>;
 
-// Grows with every start on this host, whatever becomes of the wall clock.
-std::uint64_t NewIncarnation() {
-  timespec now{};
-  clock_gettime(CLOCK_BOOTTIME, &now);
-  return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000U +
-         static_cast<std::uint64_t>(now.tv_nsec);
-}
-
 // The callback's own word, or what became of it.
 Result<> RunGuarded(const Callback& callback) {
   try {
@@ -45,7 +36,8 @@ Result<> RunGuarded(const Callback& callback) {
 
 class MachineActuator::Impl {
  public:
-  explicit Impl(std::string name) : name_(std::move(name)) {}
+  Impl(std::string name, std::function<void()> on_emergency_stop)
+      : name_(std::move(name)), on_emergency_stop_(std::move(on_emergency_stop)) {}
   ~Impl() { Shutdown(); }
 
   const std::string& name() const { return name_; }
@@ -98,10 +90,20 @@ class MachineActuator::Impl {
       stop_requested_ = true;
       worker_.reset();  // waits for a callback that runs
     }
+    {
+      const std::lock_guard lock(mutex_);
+      checkpoints_ = nullptr;
+    }
     if (node_) node_->RunOnLoop([this] { shell_.reset(); });
     node_.reset();
     name_lock_.reset();
     Finish(0);
+  }
+
+  void Checkpoint(Duration allowance) {
+    const std::lock_guard lock(mutex_);
+    if (checkpoints_ == nullptr) return;  // not started yet, or over
+    checkpoints_->Mark(gettid(), allowance, std::chrono::steady_clock::now());
   }
 
   bool stop_requested() const { return stop_requested_; }
@@ -133,7 +135,19 @@ class MachineActuator::Impl {
 
   void StartShell() {
     ActuatorShell::Hooks hooks;
-    hooks.run_callback = [this](const State& state) { return RunGuarded(callbacks_.at(state)); };
+    hooks.run_callback = [this](const State& state) {
+      shell_->checkpoints().OnWorker(gettid());
+      return RunGuarded(callbacks_.at(state));
+    };
+    hooks.on_emergency_stop = [this] {
+      const Result<> result = RunGuarded([this]() -> Result<> {
+        on_emergency_stop_();
+        return Ok();
+      });
+      if (!result) {
+        std::cerr << name_ << ": OnEmergencyStop: " << result.error().message << std::endl;
+      }
+    };
     hooks.set_stop_requested = [this](bool requested) { stop_requested_ = requested; };
     hooks.on_report = [this](const ActuatorReport& report) {
       const std::lock_guard lock(mutex_);
@@ -144,11 +158,15 @@ class MachineActuator::Impl {
       if (end.code != kCodeOk) TellSetUp(end);
       Finish(end.code == kCodeOk ? 0 : 1);
     };
-    auto shell =
-        ActuatorShell::Make(node_->node(), *worker_, *config_, *index_,
-                            {NewIncarnation(), getpid(), transport::HostId()}, std::move(hooks));
+    auto shell = ActuatorShell::Make(node_->node(), *worker_, *config_, *index_,
+                                     {transport::NewIncarnation(), getpid(), transport::HostId()},
+                                     std::move(hooks));
     if (!shell) return TellSetUp(shell.error());
     shell_ = std::move(shell).value();
+    {
+      const std::lock_guard lock(mutex_);
+      checkpoints_ = &shell_->checkpoints();
+    }
     shell_->Start();
   }
 
@@ -164,6 +182,7 @@ class MachineActuator::Impl {
   }
 
   const std::string name_;
+  const std::function<void()> on_emergency_stop_;
   std::optional<MachineConfig> config_;
   std::optional<std::size_t> index_;
   std::map<State, Callback> callbacks_;
@@ -172,8 +191,9 @@ class MachineActuator::Impl {
   std::atomic<bool> stop_requested_ = false;
   std::promise<Result<>> set_up_;
   bool set_up_told_ = false;
-  mutable std::mutex mutex_;  // guards the two below
+  mutable std::mutex mutex_;  // guards the three below
   std::optional<int> finished_;
+  Checkpoints* checkpoints_ = nullptr;
   State state_{kUninitialized};
   std::condition_variable ended_;
   std::shared_ptr<transport::NodeThread> node_;
@@ -182,7 +202,7 @@ class MachineActuator::Impl {
 };
 
 MachineActuator::MachineActuator(const std::string& actuator_name)
-    : impl_(std::make_unique<Impl>(actuator_name)) {}
+    : impl_(std::make_unique<Impl>(actuator_name, [this] { OnEmergencyStop(); })) {}
 MachineActuator::~MachineActuator() = default;
 
 Result<> MachineActuator::Init(const std::string& config_file,
@@ -232,6 +252,9 @@ void MachineActuator::Shutdown() {
 }
 bool MachineActuator::StopRequested() const {
   return impl_->stop_requested();
+}
+void MachineActuator::Checkpoint(std::chrono::nanoseconds allowance) {
+  impl_->Checkpoint(allowance);
 }
 State MachineActuator::CurrentState() const {
   return impl_->current_state();

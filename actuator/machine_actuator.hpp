@@ -28,6 +28,7 @@
 //
 // Errors: the bool calls say what was wrong on stderr; the Result calls give it to you.
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -80,11 +81,29 @@ class MachineActuator {
   // suits.
   bool StopRequested() const;
 
+  // A sign of life of the thread that calls it: it gets on, and will say so again within
+  // `allowance` (zero: checkpoint_ms of the config; without that nothing is watched). A thread that
+  // is silent for longer although it could have run is *hung*: the process is restarted by its
+  // policy.
+  //   - In a state callback: watched from its beginning, until its end.
+  //   - In a thread of your own, say the cycle that moves the robot: watched from its first
+  //     checkpoint until the next state callback begins, or Checkpoint(kNoMore).
+  // From any thread; costs less than a microsecond.
+  static constexpr std::chrono::nanoseconds kNoMore = std::chrono::nanoseconds::max();
+  void Checkpoint(std::chrono::nanoseconds allowance = std::chrono::nanoseconds(0));
+
   // The state this actuator is in, from any thread. The config's default state before SetUp is
   // done.
   State CurrentState() const;
 
   const std::string& name() const;
+
+ protected:
+  // An emergency stop is engaged: stop whatever moves, now. Runs on the process's loop thread,
+  // beside a state callback that may be running; it must come back at once (set a flag, write a
+  // zero) and must not block. Exceptions are caught. Until a person releases the stop, nothing
+  // takes this actuator to a more active state. Once for each stop.
+  virtual void OnEmergencyStop() {}
 
  private:
   class Impl;

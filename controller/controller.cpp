@@ -1,7 +1,12 @@
 #include "musher/controller/controller.hpp"
 
+#include <poll.h>
+#include <signal.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <utility>
 
@@ -21,6 +26,26 @@ std::int64_t WallNanoseconds() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
+// Long enough to hear a living controller of another host, which is discovered within 500 ms.
+constexpr Duration kLookAround = Milliseconds(1000);
+constexpr int kEndTimeoutMs = 5000;
+
+// Ends the controller before this one, as death would: its actuators go on. It may hang, so it is
+// not asked.
+Result<> EndProcess(pid_t pid) {
+  auto process = transport::OpenPidfd(pid);
+  if (!process) return Ok();  // it has ended meanwhile
+  const int fd = process.value().get();
+  if (syscall(SYS_pidfd_send_signal, fd, SIGKILL, nullptr, 0) != 0 && errno != ESRCH) {
+    return transport::SystemError("can't end the controller before, process " +
+                                  std::to_string(pid));
+  }
+  pollfd ended{fd, POLLIN, 0};
+  if (poll(&ended, 1, kEndTimeoutMs) == 1) return Ok();
+  return Error{kCodeTimeout, "the controller before, process " + std::to_string(pid) +
+                                 ", does not end, not even killed"};
+}
+
 // Which actuators' processes run on this host already, left by an earlier controller or by hand.
 std::vector<bool> FindRunning(const MachineConfig& config, int domain_id) {
   std::vector<bool> running;
@@ -35,7 +60,11 @@ std::vector<bool> FindRunning(const MachineConfig& config, int domain_id) {
 
 Controller::Controller(transport::Node& node, const MachineConfig& config,
                        ControllerOptions options)
-    : node_(node), config_(config), options_(std::move(options)), processes_(node.loop()) {}
+    : node_(node),
+      config_(config),
+      options_(std::move(options)),
+      processes_(node.loop()),
+      witness_(node.loop(), processes_) {}
 
 Controller::~Controller() = default;
 
@@ -48,14 +77,8 @@ Result<std::unique_ptr<Controller>> Controller::Make(transport::Node& node, int 
 }
 
 Result<> Controller::Open(int domain_id) {
-  auto store = StateStore::Open(config_.state_dir, config_.name);
-  if (store) {
-    store_.emplace(std::move(store).value());
-  } else if (store.error().code == kCodeTargetBusy) {
-    return store.error();
-  } else {
-    Trouble("no journal, no saved epoch: " + store.error().message);
-  }
+  if (auto opened = OpenStore(); !opened) return opened;
+  if (auto taken = TakeName(domain_id); !taken) return taken;
   if (store_) {
     JournalOptions options;
     options.max_bytes = config_.journal_size_bytes;
@@ -66,15 +89,69 @@ Result<> Controller::Open(int domain_id) {
   } else {
     journal_ = std::make_unique<NoJournal>();
   }
+  if (auto opened = OpenShell(); !opened) return opened;
+  look_around_ |= config_.transport == TransportProfile::kLan;
+  if (!look_around_) {
+    Begin(domain_id);
+  } else {
+    begin_later_ =
+        node_.loop().At(node_.loop().Now() + kLookAround, [this, domain_id] { Begin(domain_id); });
+  }
+  return Ok();
+}
+
+Result<> Controller::OpenStore() {
+  auto store = StateStore::Open(config_.state_dir, config_.name);
+  if (!store && store.error().code == kCodeTargetBusy && options_.takeover) {
+    if (auto ended = EndProcess(StateStore::OwnerOf(config_.state_dir)); !ended) return ended;
+    store = StateStore::Open(config_.state_dir, config_.name);
+  }
+  if (store) {
+    store_.emplace(std::move(store).value());
+  } else if (store.error().code == kCodeTargetBusy) {
+    return Error{kCodeTargetBusy, store.error().message + "; --takeover ends that one"};
+  } else {
+    Trouble("no journal, no saved epoch: " + store.error().message);
+  }
+  return Ok();
+}
+
+// One controller leads the actuators of a namespace, whatever its folder is.
+Result<> Controller::TakeName(int domain_id) {
+  auto name = transport::NameLock::Acquire(
+      transport::NameLock::NameOf(domain_id, config_.name_space, "musher/controller"));
+  if (name) {
+    name_.emplace(std::move(name).value());
+  } else if (name.error().code != kCodeTargetBusy) {
+    return name.error();
+  } else if (!options_.takeover) {
+    return Error{kCodeTargetBusy,
+                 "a controller on this host leads the actuators of " +
+                     (config_.name_space.empty() ? std::string("the empty namespace")
+                                                 : "namespace '" + config_.name_space + "'") +
+                     " already; `musher status` shows it, --takeover ends its leadership"};
+  } else {
+    look_around_ = true;
+  }
+  return Ok();
+}
+
+Result<> Controller::OpenShell() {
   ControllerShell::World world;
   world.node = &node_;
   world.processes = &processes_;
+  world.witness = &witness_;
   world.journal = journal_.get();
   world.save_epoch = [this](std::uint64_t epoch) { SaveEpoch(epoch); };
+  world.save_emergency_stop = [this](const std::optional<EmergencyStop>& stop) {
+    if (!store_) return;
+    if (const auto saved = store_->SaveEmergencyStop(stop); !saved) Trouble(saved.error().message);
+  };
   world.log_file = [this](const std::string& name) { return store_ ? store_->LogFile(name) : ""; };
   world.wall_ns = WallNanoseconds;
   world.host = transport::HostId();
   world.pid = getpid();
+  world.incarnation = transport::NewIncarnation();
   auto shell = ControllerShell::Make(std::move(world), config_, options_.hooks);
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
@@ -82,8 +159,23 @@ Result<> Controller::Open(int domain_id) {
       ControllerServices::Make(node_, *shell_, store_ ? store_->JournalFile() : std::string());
   if (!services) return services.error();
   services_ = std::move(services).value();
-  shell_->Begin(options_.by_hand, LoadEpoch(), FindRunning(config_, domain_id));
   return Ok();
+}
+
+void Controller::Begin(int domain_id) {
+  event::Begin begin;
+  begin.by_hand = options_.by_hand;
+  begin.epoch = LoadEpoch();
+  if (const auto& rival = shell_->rival()) {
+    if (!options_.takeover) {
+      return shell_->Refuse({kCodeTargetBusy, "a controller leads this machine already: " +
+                                                  rival->who + "; --takeover ends its leadership"});
+    }
+    begin.epoch = std::max(begin.epoch, rival->epoch);
+  }
+  begin.running = FindRunning(config_, domain_id);
+  if (store_) begin.emergency_stop = store_->LoadEmergencyStop();
+  shell_->Begin(std::move(begin));
 }
 
 std::uint64_t Controller::LoadEpoch() {

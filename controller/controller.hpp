@@ -12,12 +12,15 @@
 #include "musher/controller/controller_shell.hpp"
 #include "musher/controller/journal.hpp"
 #include "musher/controller/process_supervisor.hpp"
+#include "musher/controller/process_witness.hpp"
 #include "musher/controller/state_store.hpp"
+#include "musher/transport/host.hpp"
 
 namespace musher {
 
 struct ControllerOptions {
-  bool by_hand = false;  // the start-up is driven by requests instead of by the controller itself
+  bool takeover = false;  // a living controller of this machine is ended instead of refused by
+  bool by_hand = false;   // the start-up is driven by requests instead of by the controller itself
   ControllerShell::Hooks hooks;
   // Told about trouble that does not stop the robot (a full disk, say), once each. From any thread.
   std::function<void(const std::string&)> on_trouble;
@@ -25,7 +28,9 @@ struct ControllerOptions {
 
 class Controller {
  public:
-  // Takes the machine over and begins. Fails with kCodeTargetBusy when a living controller has it.
+  // Takes the machine over and begins. Fails with kCodeTargetBusy when a living controller of this
+  // host has it. Where hosts are several it listens for others for a moment first, and begins, or
+  // calls hooks.on_fenced, after that.
   // The node, whose domain is `domain_id`, and the config must outlive the controller.
   static Result<std::unique_ptr<Controller>> Make(transport::Node& node, int domain_id,
                                                   const MachineConfig& config,
@@ -40,6 +45,10 @@ class Controller {
  private:
   Controller(transport::Node& node, const MachineConfig& config, ControllerOptions options);
   Result<> Open(int domain_id);
+  Result<> OpenStore();
+  Result<> TakeName(int domain_id);
+  Result<> OpenShell();
+  void Begin(int domain_id);
   std::uint64_t LoadEpoch();
   void SaveEpoch(std::uint64_t epoch);
   void Trouble(const std::string& message);
@@ -49,10 +58,14 @@ class Controller {
   ControllerOptions options_;
   std::optional<StateStore> store_;  // none when the disk does not let us
   std::unique_ptr<JournalSink> journal_;
-  Journal* file_journal_ = nullptr;  // the same, when there is a store
+  Journal* file_journal_ = nullptr;          // the same, when there is a store
+  std::optional<transport::NameLock> name_;  // of the leader of this namespace on this host
+  bool look_around_ = false;                 // another controller may lead already
   ProcessSupervisor processes_;
+  KernelWitness witness_;
   std::unique_ptr<ControllerShell> shell_;
   std::unique_ptr<ControllerServices> services_;
+  transport::LoopHandlePtr begin_later_;
 };
 
 }  // namespace musher

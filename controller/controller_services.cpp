@@ -14,6 +14,12 @@ namespace {
 constexpr std::size_t kLongestName = 256;
 constexpr std::uint32_t kMostEntries = 1000;
 
+template <class S>
+typename S::Response AnswerTo(const Result<>& result) {
+  if (result) return {};
+  return {result.error().code, result.error().message};
+}
+
 std::optional<Error> JudgeLengths(const msg::SetState::Request& request) {
   if (request.target.size() <= kLongestName && request.actuator.size() <= kLongestName) {
     return std::nullopt;
@@ -65,6 +71,25 @@ Result<> ControllerServices::Open() {
   };
   if (auto r = open(set_state_, "set_state",
                     [this](const auto& request, auto reply) { OnSetState(request, reply); });
+      !r) {
+    return r;
+  }
+  if (auto r = open(restart_actuator_, "restart_actuator",
+                    [this](const auto& request, auto reply) {
+                      shell_.Restart(request.actuator, [reply](const Result<>& result) {
+                        reply(AnswerTo<msg::RestartActuator>(result));
+                      });
+                    });
+      !r) {
+    return r;
+  }
+  if (auto r = open(release_emergency_stop_, "release_emergency_stop",
+                    [this](const auto& request, auto reply) {
+                      shell_.ReleaseEmergencyStop(
+                          request.by.substr(0, kLongestName), [reply](const Result<>& result) {
+                            reply(AnswerTo<msg::ReleaseEmergencyStop>(result));
+                          });
+                    });
       !r) {
     return r;
   }

@@ -1,6 +1,6 @@
 #pragma once
-// What a controller answers: set_state, get_status, get_plan and get_history under
-// <namespace>/musher/, for the CLI and for any ROS 2 node.
+// What a controller answers under <namespace>/musher/: set_state, restart_actuator,
+// release_emergency_stop, get_status, get_plan and get_history, for the CLI and for any ROS 2 node.
 //
 // Threads: loop thread only; history is read from the disk on a thread of its own.
 
@@ -38,6 +38,8 @@ class ControllerServices {
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   std::jthread history_reader_;
   std::unique_ptr<transport::Server<msg::SetState>> set_state_;
+  std::unique_ptr<transport::Server<msg::RestartActuator>> restart_actuator_;
+  std::unique_ptr<transport::Server<msg::ReleaseEmergencyStop>> release_emergency_stop_;
   std::unique_ptr<transport::Server<msg::GetStatus>> get_status_;
   std::unique_ptr<transport::Server<msg::GetPlan>> get_plan_;
   std::unique_ptr<transport::Server<msg::GetHistory>> get_history_;

@@ -6,12 +6,14 @@
 #include <filesystem>
 #include <utility>
 
+#include "musher/controller/wire.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
 namespace musher {
 namespace {
 
 constexpr Duration kPublishPeriod = Milliseconds(20);
+constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // less than a hung process has left
 
 }  // namespace
 
@@ -46,10 +48,22 @@ Result<> ControllerShell::Open() {
   if (!info) return info.error();
   info_ = std::move(info).value();
   for (std::size_t i = 0; i < peers_.size(); ++i) {
-    auto link = MakeLink(node, config_, i, [this](const Event& event) { Handle(event); });
+    auto link = MakeLink(node, config_, i, [this](const Event& event) { OnLinkEvent(event); });
     if (!link) return link.error();
     peers_[i].link = std::move(link).value();
   }
+  auto presence =
+      ControllerPresence::Make(node, config_, {world_.incarnation, world_.pid, world_.host},
+                               [this](const Event& event) { Handle(event); });
+  if (!presence) return presence.error();
+  presence_ = std::move(presence).value();
+  auto health = HealthWatch::Make(
+      node, config_, *world_.witness, world_.host, [this](const Event& event) { Handle(event); },
+      [this](std::size_t i) {
+        peers_[i].link->Ask({machine_.epoch, machine_.actuators[i].report.number, false});
+      });
+  if (!health) return health.error();
+  health_ = std::move(health).value();
   auto subscription = transport::MakeSubscription<msg::ActuatorStatus>(
       node, transport::ActuatorStatusTopic(config_.name_space),
       [this](const msg::ActuatorStatus& s, const transport::SampleInfo& i) { OnStatus(s, i); },
@@ -60,8 +74,15 @@ Result<> ControllerShell::Open() {
   return info_->Publish({config_.name, config_.name_space, world_.host, world_.pid});
 }
 
-void ControllerShell::Begin(bool by_hand, std::uint64_t epoch, std::vector<bool> running) {
-  Handle(event::Begin{by_hand, epoch, std::move(running)});
+void ControllerShell::Begin(event::Begin begin) {
+  begin.host = world_.host;
+  Handle(begin);
+}
+
+void ControllerShell::Refuse(const Error& why) {
+  refused_ = why;
+  for (auto& [request, done] : std::exchange(waiting_for_answer_, {})) done(why);
+  if (hooks_.on_fenced) hooks_.on_fenced(why.message);
 }
 
 void ControllerShell::SetState(const State& target, const std::optional<std::string>& actuator,
@@ -71,11 +92,24 @@ void ControllerShell::SetState(const State& target, const std::optional<std::str
   Handle(event::SetStateRequested{request, target, actuator});
 }
 
-void ControllerShell::AwaitSetUp(OnSetUp done) {
+void ControllerShell::AwaitSetUp(OnAnswer done) {
   if (machine_.set_up) return done(Ok());
   const RequestId request = next_request_++;
-  waiting_for_set_up_[request] = std::move(done);
+  if (refused_) return done(*refused_);
+  waiting_for_answer_[request] = std::move(done);
   Handle(event::SetUpAwaited{request});
+}
+
+void ControllerShell::Restart(const std::string& actuator, OnAnswer done) {
+  const RequestId request = next_request_++;
+  waiting_for_answer_[request] = std::move(done);
+  Handle(event::RestartRequested{request, actuator});
+}
+
+void ControllerShell::ReleaseEmergencyStop(const std::string& by, OnAnswer done) {
+  const RequestId request = next_request_++;
+  waiting_for_answer_[request] = std::move(done);
+  Handle(event::ReleaseRequested{request, by});
 }
 
 void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
@@ -88,6 +122,19 @@ void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
   WatchForeign(i, report);
   CompareHash(i, status.config_hash);
   Handle(event::StatusSeen{i, report});
+  const ActuatorReport& taken = machine_.actuators[i].report;
+  if (taken.incarnation == report.incarnation) health_->OnReport(i, report);
+}
+
+// Whoever answers lives.
+void ControllerShell::OnLinkEvent(const Event& event) {
+  Handle(event);
+  const auto* replied = std::get_if<event::Replied>(&event);
+  if (replied == nullptr) return;
+  const ActuatorReport& taken = machine_.actuators[replied->actuator].report;
+  if (taken.incarnation == replied->report.incarnation) {
+    health_->OnReport(replied->actuator, taken);
+  }
 }
 
 void ControllerShell::OnWriterLost(transport::PeerId writer) {
@@ -110,6 +157,7 @@ void ControllerShell::WatchForeign(std::size_t actuator, const ActuatorReport& r
   const auto watched = world_.processes->Watch(
       report.pid,
       [this, actuator, incarnation = report.incarnation, pid = report.pid](const ProcessExit&) {
+        health_->Forget(actuator);
         Handle(event::Vanished{actuator, incarnation, true,
                                "its process " + std::to_string(pid) + " ended"});
       });
@@ -183,7 +231,7 @@ void ControllerShell::Do(const action::SendSwitch& a) {
   const ActuatorRecord& record = machine_.actuators[a.actuator];
   peers_[a.actuator].link->Switch(
       {machine_.epoch, a.number, a.target, a.budget, record.clock_theirs,
-       world_.node->loop().Now() - record.clock_ours, record.report.incarnation});
+       world_.node->loop().Now() - record.clock_ours, record.report.incarnation, a.apart});
 }
 
 void ControllerShell::Do(const action::SendAsk& a) {
@@ -205,10 +253,13 @@ void ControllerShell::Do(const action::StartProcess& a) {
   auto pid = std::make_shared<pid_t>(0);
   const auto started =
       world_.processes->Start(spec, [this, i = a.actuator, pid](const ProcessExit& exit) {
+        health_->Forget(i);
+        peers_[i].link->OnProcess(0);
         Handle(event::ProcessEnded{i, *pid, exit.clean(), exit.Text()});
       });
   if (!started) return Handle(event::ProcessNotStarted{a.actuator, started.error().message});
   *pid = started.value();
+  peers_[a.actuator].link->OnProcess(started.value());
   Handle(event::ProcessStarted{a.actuator, started.value()});
 }
 
@@ -222,13 +273,35 @@ void ControllerShell::Do(const action::AnswerSetState& a) {
   if (!waiting.empty() && waiting.mapped()) waiting.mapped()(a.result);
 }
 
-void ControllerShell::Do(const action::AnswerSetUp& a) {
-  const auto waiting = waiting_for_set_up_.extract(a.request);
+void ControllerShell::Do(const action::AnswerCall& a) {
+  const auto waiting = waiting_for_answer_.extract(a.request);
   if (!waiting.empty()) waiting.mapped()(a.result);
+}
+
+void ControllerShell::Do(const action::TakeBacktrace& a) {
+  world_.witness->TakeBacktrace(a.pid, kBacktraceTimeout, [this, a](Result<std::string> stacks) {
+    Handle(event::BacktraceTaken{
+        a.actuator, a.pid, stacks ? stacks.value() : "no backtrace: " + stacks.error().message});
+  });
+}
+
+void ControllerShell::Do(const action::TellEmergencyStop& a) {
+  presence_->Tell(a.stop, a.engaged);
+}
+
+void ControllerShell::Do(const action::SaveEmergencyStop& a) {
+  world_.save_emergency_stop(a.stop);
 }
 
 void ControllerShell::Do(const action::SaveEpoch& a) {
   world_.save_epoch(a.epoch);
+  presence_->Announce(a.epoch);
+}
+
+void ControllerShell::Do(const action::Fenced& a) {
+  presence_->FallSilent();
+  Publish();
+  if (hooks_.on_fenced) hooks_.on_fenced(a.message);
 }
 
 void ControllerShell::Do(const action::Record& a) {
@@ -241,6 +314,7 @@ void ControllerShell::Do(const action::Record& a) {
   if (a.actuator) entry.actuator = config_.actuators[*a.actuator].name;
   entry.code = a.code;
   entry.message = a.message;
+  entry.data = a.data;
   world_.journal->Append(std::move(entry));
   if (hooks_.on_record) hooks_.on_record(a);
 }
@@ -255,41 +329,9 @@ void ControllerShell::Do(const action::Stopped&) {
 }
 
 msg::MachineStatus ControllerShell::Status() const {
-  msg::MachineStatus status;
-  status.machine = config_.name;
-  status.name_space = config_.name_space;
-  status.phase = PhaseName(machine_.phase);
-  status.state = machine_.state;
-  status.epoch = machine_.epoch;
-  if (machine_.current) status.target = machine_.current->target;
-  status.switch_number = machine_.last_switch;
+  msg::MachineStatus status = ToMessage(config_, machine_);
   status.pid = world_.pid;
   status.host = world_.host;
-  status.config_file = config_.file;
-  status.config_hash = config_.hash;
-  status.degraded = Degraded(config_, machine_);
-  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
-    const ActuatorRecord& record = machine_.actuators[i];
-    msg::ActuatorInfo info;
-    info.name = config_.actuators[i].name;
-    info.state = record.state();
-    info.target = record.order ? record.order->target : record.report.target;
-    info.presence = PresenceName(record.presence);
-    info.pid = record.process != 0 ? record.process
-               : record.presence == Presence::kPresent || record.presence == Presence::kStarting
-                   ? record.report.pid
-                   : 0;
-    info.host = record.report.host;
-    info.stage = config_.actuators[i].stage;
-    info.critical = config_.actuators[i].critical;
-    info.held = record.held;
-    info.degraded = record.fault.has_value();
-    if (record.fault) {
-      info.code = record.fault->code;
-      info.message = record.fault->message;
-    }
-    status.actuators.push_back(std::move(info));
-  }
   return status;
 }
 

@@ -13,9 +13,12 @@
 #include <unordered_map>
 #include <vector>
 
+#include "musher/controller/controller_presence.hpp"
+#include "musher/controller/health_watch.hpp"
 #include "musher/controller/journal.hpp"
 #include "musher/controller/link/actuator_link.hpp"
 #include "musher/controller/process_runner.hpp"
+#include "musher/controller/process_witness.hpp"
 #include "musher/lifecycle/coordinator.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
@@ -29,34 +32,44 @@ class ControllerShell {
   struct World {
     transport::Node* node = nullptr;
     ProcessRunner* processes = nullptr;
+    ProcessWitness* witness = nullptr;
     JournalSink* journal = nullptr;
     std::function<void(std::uint64_t)> save_epoch;
+    std::function<void(const std::optional<EmergencyStop>&)> save_emergency_stop;
     std::function<std::string(const std::string&)> log_file;  // of an actuator's process
     std::function<std::int64_t()> wall_ns;                    // since 1970
     std::string host;                                         // transport::HostId()
     std::int32_t pid = 0;
+    std::uint64_t incarnation = 0;  // of this controller
   };
   // What it tells; each may be empty.
   struct Hooks {
     std::function<void(const action::Record&)> on_record;
     std::function<void(const action::StartUpEnded&)> on_start_up_ended;
     std::function<void()> on_stopped;
+    std::function<void(const std::string&)> on_fenced;  // another controller has taken over
   };
 
   static Result<std::unique_ptr<ControllerShell>> Make(World world, const MachineConfig& config,
                                                        Hooks hooks);
   ~ControllerShell();
 
-  // Starts the machine. `epoch`: the last one on disk; `running[i]`: actuator i's process runs
-  // already.
-  void Begin(bool by_hand, std::uint64_t epoch, std::vector<bool> running);
+  // Starts the machine; what this shell knows itself (the host) need not be in `begin`.
+  void Begin(event::Begin begin);
+  // Another controller of this machine that was heard, if any.
+  const std::optional<ControllerPresence::Rival>& rival() const { return presence_->rival(); }
+  // Instead of beginning: whoever waits or asks is told why, and on_fenced is called.
+  void Refuse(const Error& why);
 
   using OnResult = std::function<void(const SwitchResult&)>;
-  using OnSetUp = std::function<void(const Result<>&)>;
+  using OnAnswer = std::function<void(const Result<>&)>;
   // Switches the machine, or one actuator. `done` runs exactly once, also for a refusal, maybe at
   // once.
   void SetState(const State& target, const std::optional<std::string>& actuator, OnResult done);
-  void AwaitSetUp(OnSetUp done);
+  void AwaitSetUp(OnAnswer done);
+  // Starts an actuator's process again; `done` when it is back, or why it is not.
+  void Restart(const std::string& actuator, OnAnswer done);
+  void ReleaseEmergencyStop(const std::string& by, OnAnswer done);
 
   const Machine& machine() const { return machine_; }
   const MachineConfig& config() const { return config_; }
@@ -74,6 +87,7 @@ class ControllerShell {
   Result<> Open();
 
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
+  void OnLinkEvent(const Event& event);
   void OnWriterLost(transport::PeerId writer);
   void WatchForeign(std::size_t actuator, const ActuatorReport& report);
   void CompareHash(std::size_t actuator, const std::string& hash);
@@ -88,7 +102,11 @@ class ControllerShell {
   void Do(const action::StartProcess& a);
   void Do(const action::SignalProcess& a);
   void Do(const action::AnswerSetState& a);
-  void Do(const action::AnswerSetUp& a);
+  void Do(const action::AnswerCall& a);
+  void Do(const action::TakeBacktrace& a);
+  void Do(const action::TellEmergencyStop& a);
+  void Do(const action::SaveEmergencyStop& a);
+  void Do(const action::Fenced& a);
   void Do(const action::SaveEpoch& a);
   void Do(const action::Record& a);
   void Do(const action::StartUpEnded& a);
@@ -109,12 +127,15 @@ class ControllerShell {
   bool handling_ = false;
   RequestId next_request_ = 1;
   std::map<RequestId, OnResult> waiting_for_result_;
-  std::map<RequestId, OnSetUp> waiting_for_set_up_;
+  std::map<RequestId, OnAnswer> waiting_for_answer_;
+  std::optional<Error> refused_;
   msg::MachineStatus published_;
   Time published_at_{};
   transport::LoopHandlePtr publish_later_;
   std::unique_ptr<transport::Publisher<msg::MachineStatus>> status_;
   std::unique_ptr<transport::Publisher<msg::MachineInfo>> info_;
+  std::unique_ptr<ControllerPresence> presence_;
+  std::unique_ptr<HealthWatch> health_;
   std::optional<Time> armed_for_;
   transport::LoopHandlePtr timer_;
   std::unique_ptr<transport::Subscription>

@@ -5,12 +5,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <sstream>
 
 #include "musher/transport/host.hpp"
 
@@ -21,7 +23,7 @@ namespace fs = std::filesystem;
 using transport::SystemError;
 using transport::UniqueFd;
 
-constexpr std::size_t kMaxFileSize = 256;  // of the small files here
+constexpr std::size_t kMaxFileSize = 1024;  // of the small files here
 
 // Makes a folder and those above it, each only for its owner; those that exist stay as they are.
 Result<> MakePrivateFolder(const fs::path& path) {
@@ -107,19 +109,54 @@ Result<std::uint64_t> StateStore::LoadEpoch() const {
 }
 
 Result<> StateStore::SaveEpoch(std::uint64_t epoch) {
-  const std::string next = EpochFile() + ".new";
+  return Replace(EpochFile(), std::to_string(epoch) + "\n");
+}
+
+// Either the old content or the new is there, whatever happens meanwhile.
+Result<> StateStore::Replace(const std::string& path, const std::string& content) const {
+  const std::string next = path + ".new";
   const auto failed = [&] {
-    Error error = SystemError("can't save the epoch as " + EpochFile());
+    Error error = SystemError("can't save " + path);
     unlink(next.c_str());
     return error;
   };
   const UniqueFd file(open(next.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
   if (!file.valid()) return failed();
-  if (!WriteAll(file.get(), std::to_string(epoch) + "\n") || fsync(file.get()) != 0) {
-    return failed();
-  }
-  if (std::rename(next.c_str(), EpochFile().c_str()) != 0 || !SyncFolder(dir_)) return failed();
+  if (!WriteAll(file.get(), content) || fsync(file.get()) != 0) return failed();
+  if (std::rename(next.c_str(), path.c_str()) != 0 || !SyncFolder(dir_)) return failed();
   return Ok();
+}
+
+Result<> StateStore::SaveEmergencyStop(const std::optional<EmergencyStop>& stop) {
+  if (!stop) {
+    const bool gone = unlink(EmergencyStopFile().c_str()) == 0 || errno == ENOENT;
+    if (!gone || !SyncFolder(dir_)) return SystemError("can't remove " + EmergencyStopFile());
+    return Ok();
+  }
+  const auto line = [](std::string text) {
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return text.substr(0, kMaxFileSize / 3) + "\n";
+  };
+  return Replace(EmergencyStopFile(),
+                 std::to_string(stop->id) + "\n" + line(stop->by) + line(stop->reason));
+}
+
+// A file that cannot be read is taken for a stop that is engaged: that is the safe side.
+std::optional<EmergencyStop> StateStore::LoadEmergencyStop() const {
+  const UniqueFd file(open(EmergencyStopFile().c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid() && errno == ENOENT) return std::nullopt;
+  EmergencyStop stop;
+  std::istringstream text(file.valid() ? ReadSmall(file.get()) : "");
+  if (!(text >> stop.id) || stop.id == 0) return EmergencyStop{1, "", "its file was damaged"};
+  text.ignore();
+  std::getline(text, stop.by);
+  std::getline(text, stop.reason);
+  return stop;
+}
+
+pid_t StateStore::OwnerOf(const std::string& dir) {
+  const UniqueFd lock(open((dir + "/controller.lock").c_str(), O_RDONLY | O_CLOEXEC));
+  return lock.valid() ? static_cast<pid_t>(std::atoi(ReadSmall(lock.get()).c_str())) : 0;
 }
 
 std::string StateStore::LogFile(std::string_view actuator) const {

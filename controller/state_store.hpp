@@ -3,16 +3,21 @@
 //
 //   controller.lock     held while the controller lives; says who: "4711 robot"
 //   epoch               the last epoch that was begun, as a decimal number
+//   emergency_stop      there while one is engaged: its number, by whom, why
 //   journal.sqlite      see journal.hpp
 //   logs/<actuator>.log what the actuator's process prints
 //
 // Threads: the loop thread; SaveEpoch() waits for the disk and is called once at start-up.
 
+#include <sys/types.h>
+
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "musher/lifecycle/machine.hpp"
 #include "musher/lifecycle/result.hpp"
 #include "musher/transport/unique_fd.hpp"
 
@@ -41,6 +46,13 @@ class StateStore {
   // actuators.
   Result<> SaveEpoch(std::uint64_t epoch);
 
+  // The emergency stop that is engaged; none when it has been released, or there never was one.
+  Result<> SaveEmergencyStop(const std::optional<EmergencyStop>& stop);
+  std::optional<EmergencyStop> LoadEmergencyStop() const;
+
+  // The process that says it holds the lock of a folder; 0 when nobody says so.
+  static pid_t OwnerOf(const std::string& dir);
+
   std::string JournalFile() const { return dir_ + "/journal.sqlite"; }
   std::string LogFile(std::string_view actuator) const;
 
@@ -49,6 +61,8 @@ class StateStore {
       : dir_(std::move(dir)), lock_(std::move(lock)) {}
 
   std::string EpochFile() const { return dir_ + "/epoch"; }
+  std::string EmergencyStopFile() const { return dir_ + "/emergency_stop"; }
+  Result<> Replace(const std::string& path, const std::string& content) const;
 
   std::string dir_;
   transport::UniqueFd lock_;

@@ -43,4 +43,50 @@ msg::GetPlan::Response ToMessage(const MachineConfig& config, const Plan& plan) 
   return response;
 }
 
+msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine) {
+  msg::MachineStatus status;
+  status.machine = config.name;
+  status.name_space = config.name_space;
+  status.phase = PhaseName(machine.phase);
+  status.state = machine.state;
+  status.epoch = machine.epoch;
+  if (machine.current) status.target = machine.current->target;
+  status.switch_number = machine.last_switch;
+  status.config_file = config.file;
+  status.config_hash = config.hash;
+  status.emergency_stop = machine.emergency_stop.has_value();
+  if (machine.emergency_stop) {
+    status.emergency_stop_by = machine.emergency_stop->by;
+    status.emergency_stop_reason = machine.emergency_stop->reason;
+  }
+  status.degraded = Degraded(config, machine);
+  for (std::size_t i = 0; i < config.actuators.size(); ++i) {
+    const ActuatorRecord& record = machine.actuators[i];
+    msg::ActuatorInfo info;
+    info.name = config.actuators[i].name;
+    info.state = record.state();
+    info.target = record.order ? record.order->target : record.report.target;
+    info.presence = PresenceName(record.presence);
+    info.pid = record.process != 0 ? record.process
+               : record.presence == Presence::kPresent || record.presence == Presence::kStarting
+                   ? record.report.pid
+                   : 0;
+    info.host = record.report.host;
+    info.stage = config.actuators[i].stage;
+    info.critical = config.actuators[i].critical;
+    info.held = record.held;
+    info.degraded = record.fault.has_value();
+    if (record.fault) {
+      info.code = record.fault->code;
+      info.message = record.fault->message;
+    }
+    info.health = HealthName(record.health);
+    info.restarts = record.restarts;
+    info.restarting = record.restart_at || record.restart_asked ||
+                      (record.restarts > 0 && record.presence == Presence::kStarting);
+    status.actuators.push_back(std::move(info));
+  }
+  return status;
+}
+
 }  // namespace musher

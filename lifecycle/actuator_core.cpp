@@ -23,11 +23,29 @@ std::string Quantity(Duration d) {
   return std::to_string(ToMilliseconds(d)) + " ms";
 }
 
+// So many emergency stops that are over are remembered: messages of one do not outlive the next.
+constexpr std::size_t kReleasedKept = 16;
+
+// Where an actuator that has lost its controller goes, if that is down from where it is.
+std::optional<State> SafeState(const MachineConfig& config, std::size_t index,
+                               const ActuatorCore& core) {
+  const State& safe = config.actuators[index].on_controller_lost;
+  const auto own = config.RankOf(core.report.state);
+  const auto rank = config.RankOf(safe);
+  if (!own || !rank || *rank >= *own) return std::nullopt;
+  return safe;
+}
+
 // One event's decision: the arguments of Step() and the actions so far.
 class Deciding {
  public:
-  Deciding(const ActuatorConfig& config, ActuatorCore& core, Time now)
-      : config_(config), core_(core), report_(core.report), now_(now) {}
+  Deciding(const MachineConfig& config, std::size_t index, ActuatorCore& core, Time now)
+      : machine_(config),
+        config_(config.actuators[index]),
+        index_(index),
+        core_(core),
+        report_(core.report),
+        now_(now) {}
 
   void On(const event::Started&) {
     report_.target = State(kSetUp);
@@ -37,7 +55,8 @@ class Deciding {
 
   void On(const event::SwitchArrived& arrived) {
     const SwitchCommand& command = arrived.command;
-    if (auto refusal = Authority(command.epoch)) return Refuse({arrived.token}, *refusal);
+    if (auto refusal = Authority(arrived.sender, command.epoch))
+      return Refuse({arrived.token}, *refusal);
     if (Repeated(arrived)) return;
     if (auto refusal = Judge(command)) return Refuse({arrived.token}, *refusal);
     report_.number = command.number;
@@ -51,7 +70,9 @@ class Deciding {
   }
 
   void On(const event::AskArrived& arrived) {
-    if (auto refusal = Authority(arrived.command.epoch)) return Refuse({arrived.token}, *refusal);
+    if (auto refusal = Authority(arrived.sender, arrived.command.epoch)) {
+      return Refuse({arrived.token}, *refusal);
+    }
     const std::uint64_t number = arrived.command.number;
     report_.number = std::max(report_.number, number);
     if (core_.waiting && core_.waiting->command.number <= number) {
@@ -67,6 +88,8 @@ class Deciding {
     const auto tokens = std::exchange(core_.running_for, {});
     if (target == kSetUp) return EndSetUp(ended);
     EndCommand(std::exchange(report_.busy_number, 0), target, ended.code, ended.message);
+    if (target != kSelfCheck && ended.code == kCodeOk)
+      report_.apart = std::exchange(core_.running_apart, false);
     for (const RequestToken token : tokens) {
       Do(Answer{token, ended.code == kCodeOk ? Verdict::kDone : Verdict::kFailed, ended.code,
                 ended.message});
@@ -78,12 +101,41 @@ class Deciding {
     }
     if (core_.waiting) {
       const auto next = *std::exchange(core_.waiting, std::nullopt);
-      if (auto refusal = TooOld(next.command)) {
+      if (auto refusal = MayBegin(next.command)) {
         Refuse(next.tokens, *refusal);
       } else {
         return Begin(next.command, next.tokens);
       }
     }
+    Do(PublishStatus{});
+  }
+
+  void On(const event::ControllerHeard& heard) {
+    if (heard.sender == core_.controller) core_.controller_heard = now_;
+    if (heard.epoch > kLastEpoch || heard.epoch < core_.announced_epoch) return;
+    core_.announced = heard.sender;
+    core_.announced_epoch = heard.epoch;
+  }
+
+  void On(const event::EmergencyStopHeard& heard) {
+    if (heard.engaged) return Engage(heard.id);
+    const bool entitled = heard.sender == core_.controller && core_.controller != 0;
+    if (!entitled) return;
+    core_.released.push_back(heard.id);
+    if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
+    if (report_.emergency_stop != heard.id) return;
+    report_.emergency_stop = 0;
+    Do(PublishStatus{});
+  }
+
+  // Goes to the safe state when nothing has been heard of the controller for too long.
+  void On(const event::TimePassed&) {
+    const auto deadline = NextDeadline(machine_, index_, core_);
+    if (!deadline || *deadline > now_) return;
+    core_.controller_heard = now_;  // should it fail, it is tried again as much later
+    report_.target = *SafeState(machine_, index_, core_);
+    report_.busy_number = 0;
+    Do(RunCallback{report_.target});
     Do(PublishStatus{});
   }
 
@@ -104,15 +156,54 @@ class Deciding {
     }
   }
 
-  // The highest epoch seen is the one obeyed.
-  std::optional<Refusal> Authority(std::uint64_t epoch) {
+  // One controller is obeyed: the one that came with the highest epoch, having announced itself.
+  std::optional<Refusal> Authority(Sender sender, std::uint64_t epoch) {
+    const std::string number = std::to_string(epoch);
+    if (epoch > kLastEpoch) {
+      return Refusal{kCodeParametersInvalid, "epoch " + number + " cannot be a controller's"};
+    }
     if (epoch < report_.epoch) {
-      return Refusal{kCodePermissionDenied, "epoch " + std::to_string(epoch) +
+      return Refusal{kCodePermissionDenied, "epoch " + number +
                                                 " is over; this actuator follows epoch " +
                                                 std::to_string(report_.epoch)};
     }
+    if (sender != core_.controller) {
+      if (epoch == report_.epoch) {
+        return Refusal{kCodePermissionDenied, "epoch " + number + " is another controller's"};
+      }
+      if (sender != core_.announced || epoch != core_.announced_epoch) {
+        return Refusal{kCodePermissionDenied,
+                       "no controller of epoch " + number + " has announced itself"};
+      }
+      core_.controller = sender;
+    }
     report_.epoch = epoch;
+    core_.controller_heard = now_;
     return std::nullopt;
+  }
+
+  void Engage(std::uint64_t id) {
+    const bool over =
+        std::find(core_.released.begin(), core_.released.end(), id) != core_.released.end();
+    if (id == 0 || over || report_.emergency_stop != 0) return;
+    report_.emergency_stop = id;
+    Do(RunEmergencyStop{});
+    if (report_.busy() && GoesUp(report_.target)) Do(RequestStop{});
+    if (core_.waiting && GoesUp(core_.waiting->command.target)) DropWaiting(Stopped());
+    Do(PublishStatus{});
+  }
+
+  static Refusal Stopped() {
+    return {kCodeProtectedError,
+            "an emergency stop is engaged; until it is released nothing goes up"};
+  }
+
+  // Whether `target` is more active than where it is. A step of the start counts as at rest.
+  bool GoesUp(const State& target) const {
+    const auto rank = machine_.RankOf(target);
+    if (!rank || target == kTearDown || target == kError) return false;
+    const auto own = machine_.RankOf(report_.state);
+    return !own || *rank > *own;
   }
 
   // A command that came before gets the same answer again, or the answer of its run.
@@ -154,6 +245,11 @@ class Deciding {
     if (!config_.Lists(command.target)) {
       return Refusal{kCodeUnSupport, config_.name + " has no state '" + command.target + "'"};
     }
+    return MayBegin(command);
+  }
+
+  std::optional<Refusal> MayBegin(const SwitchCommand& command) const {
+    if (report_.emergency_stop != 0 && GoesUp(command.target)) return Stopped();
     return TooOld(command);
   }
 
@@ -175,12 +271,14 @@ class Deciding {
     const bool there = command.target == report_.state && command.target != kSelfCheck;
     if (there && !core_.unsettled) {
       EndCommand(command.number, command.target, kCodeOk, "");
+      report_.apart = command.apart;
       for (const RequestToken token : tokens) Do(Answer{token, Verdict::kDone, kCodeOk, ""});
       return Do(PublishStatus{});
     }
     report_.target = command.target;
     report_.busy_number = command.number;
     core_.running_for = tokens;
+    core_.running_apart = command.apart;
     Do(RunCallback{command.target});
     Do(PublishStatus{});
   }
@@ -213,7 +311,9 @@ class Deciding {
     if (code == kCodeOk) report_.state = target;
   }
 
+  const MachineConfig& machine_;
   const ActuatorConfig& config_;
+  const std::size_t index_;
   ActuatorCore& core_;
   ActuatorReport& report_;
   Time now_;
@@ -222,11 +322,19 @@ class Deciding {
 
 }  // namespace
 
-std::vector<ActuatorAction> Step(const ActuatorConfig& config, ActuatorCore& core,
+std::vector<ActuatorAction> Step(const MachineConfig& config, std::size_t index, ActuatorCore& core,
                                  const ActuatorEvent& event, Time now) {
-  Deciding deciding(config, core, now);
+  Deciding deciding(config, index, core, now);
   std::visit([&](const auto& e) { deciding.On(e); }, event);
   return std::move(deciding).Take();
+}
+
+std::optional<Time> NextDeadline(const MachineConfig& config, std::size_t index,
+                                 const ActuatorCore& core) {
+  const auto patience = config.actuators[index].controller_lost;
+  if (!patience || core.controller == 0 || core.report.busy()) return std::nullopt;
+  if (!SafeState(config, index, core)) return std::nullopt;
+  return core.controller_heard + *patience;
 }
 
 }  // namespace musher

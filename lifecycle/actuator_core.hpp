@@ -1,20 +1,22 @@
 #pragma once
 // The actuator's decision code: which command may run, which is refused and why, and what the
-// latched status says. Pure: Step(config, state, event, now) changes the state and gives the
+// latched status says. Pure: Step(config, index, core, event, now) changes the core and gives the
 // actions; the shell around it (actuator/) turns DDS samples and the worker thread into events.
 //
-//            Started                       CallbackEnded ok
-//   (new) ────────────▶ busy in SetUp ────────────────────────▶ free ◀───────────────┐
-//                            │ failed                            │ command            │
-//                            CallbackEnded ▼                                   ▼ │
-//                        Finish{code}                          busy ──────────────────┘
+//           Started                       CallbackEnded ok
+//   (new) ───────────▶ busy in SetUp ─────────────────────────▶ free ◀─────────────────┐
+//                           │ CallbackEnded                      │ a command, or its   │
+//                           ▼ failed                             ▼ controller is lost  │
+//                           CallbackEnded
+//                      Finish{code}                             busy ──────────────────┘
 //                                                                │ a newer command waits: one
-//                                                                place, │ the newest keeps it ▼
+//                                                                ▼ place, the newest keeps it
 //                                              TearDown ended ok: Finish{0}
 //
-// Rules: the epoch never falls; a number is accepted once and never below one accepted or fenced; a
-// command older than its budget by this actuator's clock cannot begin; a callback that runs is
-// never interrupted, only asked to stop.
+// Rules: one controller is followed, and it must have announced itself; the epoch never falls; a
+// number is accepted once and never below one accepted or fenced; a command older than its budget
+// by this actuator's clock cannot begin; a callback that runs is never interrupted, only asked to
+// stop; while an emergency stop is latched nothing goes up.
 
 #include <cstdint>
 #include <optional>
@@ -30,6 +32,12 @@ namespace musher {
 // A request that came over the wire and must be answered exactly once; the shell knows to whom.
 using RequestToken = std::uint64_t;
 
+// Who sent something: the participant that it came from, as the transport tells. 0 is nobody.
+using Sender = std::uint64_t;
+
+// Epochs grow by one with every controller; one beyond this is no controller's.
+inline constexpr std::uint64_t kLastEpoch = std::uint64_t{1} << 62;
+
 // "Run the callback of `target`."
 struct SwitchCommand {
   std::uint64_t epoch = 0;
@@ -39,6 +47,7 @@ struct SwitchCommand {
   Time status_stamp{};      // the stamp of the last status its sender had of this actuator,
   Duration since_status{};  // and how long ago the sender had got it: together the command's age
   std::uint64_t incarnation = 0;  // of the process it is meant for
+  bool apart = false;             // for this actuator alone, not to where the machine is
 
   friend bool operator==(const SwitchCommand&, const SwitchCommand&) = default;
 };
@@ -58,19 +67,36 @@ struct Started {};
 struct SwitchArrived {
   RequestToken token = 0;
   SwitchCommand command;
+  Sender sender = 0;
 };
 struct AskArrived {
   RequestToken token = 0;
   AskCommand command;
+  Sender sender = 0;
 };
 struct CallbackEnded {
   std::int32_t code = 0;
   std::string message;
 };
+// A controller says that it lives.
+struct ControllerHeard {
+  Sender sender = 0;
+  std::uint64_t epoch = 0;
+};
+// Somebody engages an emergency stop, or the controller releases it.
+struct EmergencyStopHeard {
+  std::uint64_t id = 0;
+  bool engaged = false;
+  Sender sender = 0;
+};
+// Nothing happened but time.
+struct TimePassed {};
 }  // namespace actuator_event
 
-using ActuatorEvent = std::variant<actuator_event::Started, actuator_event::SwitchArrived,
-                                   actuator_event::AskArrived, actuator_event::CallbackEnded>;
+using ActuatorEvent =
+    std::variant<actuator_event::Started, actuator_event::SwitchArrived, actuator_event::AskArrived,
+                 actuator_event::CallbackEnded, actuator_event::ControllerHeard,
+                 actuator_event::EmergencyStopHeard, actuator_event::TimePassed>;
 
 namespace actuator_action {
 // Run the callback of `target` on the worker; its end comes back as CallbackEnded.
@@ -81,6 +107,10 @@ struct RunCallback {
 // Ask the running callback to stop.
 struct RequestStop {
   friend bool operator==(const RequestStop&, const RequestStop&) = default;
+};
+// Stop whatever moves, now, whatever else runs.
+struct RunEmergencyStop {
+  friend bool operator==(const RunEmergencyStop&, const RunEmergencyStop&) = default;
 };
 // Answer a request, with the status as it is after this step.
 struct Answer {
@@ -107,13 +137,15 @@ struct Finish {
 }  // namespace actuator_action
 
 using ActuatorAction = std::variant<actuator_action::RunCallback, actuator_action::RequestStop,
-                                    actuator_action::Answer, actuator_action::PublishStatus,
-                                    actuator_action::BecomeVisible, actuator_action::Finish>;
+                                    actuator_action::RunEmergencyStop, actuator_action::Answer,
+                                    actuator_action::PublishStatus, actuator_action::BecomeVisible,
+                                    actuator_action::Finish>;
 
 // The state of one actuator: a plain value.
 struct ActuatorCore {
   ActuatorReport report;                  // all but `stamp`, which the shell puts in when it sends
   std::vector<RequestToken> running_for;  // who is told when the running callback ends
+  bool running_apart = false;             // its command was for this actuator alone
   struct Waiting {
     SwitchCommand command;
     std::vector<RequestToken> tokens;
@@ -121,12 +153,21 @@ struct ActuatorCore {
   };
   std::optional<Waiting> waiting;  // the newest command, behind the running callback
   bool unsettled = false;          // the last callback failed: it may have left a state half way
+  Sender controller = 0;           // the controller that is followed
+  Time controller_heard{};         // its last sign of life
+  Sender announced = 0;            // who announced itself with the highest epoch
+  std::uint64_t announced_epoch = 0;
+  std::vector<std::uint64_t> released;  // emergency stops that are over: they come too late
 
   friend bool operator==(const ActuatorCore&, const ActuatorCore&) = default;
 };
 
-// One step of the decision; `config` is the actuator's own table.
-std::vector<ActuatorAction> Step(const ActuatorConfig& config, ActuatorCore& core,
+// One step of the decision for `config.actuators[index]`.
+std::vector<ActuatorAction> Step(const MachineConfig& config, std::size_t index, ActuatorCore& core,
                                  const ActuatorEvent& event, Time now);
+
+// When to step next with TimePassed, unless something else happens before; nullopt: never.
+std::optional<Time> NextDeadline(const MachineConfig& config, std::size_t index,
+                                 const ActuatorCore& core);
 
 }  // namespace musher

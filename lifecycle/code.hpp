@@ -85,6 +85,7 @@ inline constexpr std::int32_t kCodeUnSupport = RobotCode(KeyCode::kUnSupport);
 inline constexpr std::int32_t kCodeSelfCheckFailed = RobotCode(KeyCode::kSelfCheckFailed);
 inline constexpr std::int32_t kCodeParametersInvalid = RobotCode(KeyCode::kParametersInvalid);
 inline constexpr std::int32_t kCodeTargetBusy = RobotCode(KeyCode::kTargetBusy);
+inline constexpr std::int32_t kCodeProtectedError = RobotCode(KeyCode::kProtectedError);
 
 // A code in words: "0 (ok)", "3009 (MotionManager: SelfCheckFailed)", "7 (Timeout)", "4711".
 std::string CodeText(std::int32_t code);

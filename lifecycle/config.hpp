@@ -54,6 +54,7 @@ struct ActuatorConfig {
   bool critical = false;
   RestartConfig restart;
   std::optional<Duration> checkpoint;       // longest silence of the work thread
+  std::map<State, Duration> checkpoint_in;  // the same while the callback of a state runs
   std::optional<Duration> controller_lost;  // without a controller this long: on_controller_lost
   State on_controller_lost;                 // empty: the highest listed state up to Protected
   State on_lost;  // the machine's state once this one is given up; may be empty

@@ -7,8 +7,10 @@
 namespace musher {
 
 void Decision::Settle() {
+  if (machine_.phase == Phase::kFenced) return;
   CheckOrders();
   CheckSetUpDeadlines();
+  CheckRestarts();
   // Each can make the next possible; it ends when all of them wait for an event.
   bool changed = true;
   while (changed) {
@@ -18,6 +20,7 @@ void Decision::Settle() {
     } else if (machine_.phase != Phase::kIdle && machine_.phase != Phase::kStopped) {
       changed |= StartProcesses();
       changed |= AdvanceStart();
+      changed |= ParkAndUnpark();
       changed |= DriveLateOnes();
       changed |= BeginFallback();
     }
@@ -60,14 +63,16 @@ std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
   const auto consider = [&](Time when) { next = next ? std::min(*next, when) : when; };
   if (record.order) consider(record.order->deadline);
   if (record.claim_again) consider(*record.claim_again);
-  if (record.set_up_by && record.presence != Presence::kPresent && !record.fault) {
-    consider(*record.set_up_by);
+  if (record.set_up_by && record.presence != Presence::kPresent) consider(*record.set_up_by);
+  for (const auto& when : {record.restart_at, record.healthy_at, record.kill_at}) {
+    if (when) consider(*when);
   }
   return next;
 }
 
 std::optional<Time> NextDeadline(const MachineConfig&, const Machine& machine) {
   std::optional<Time> next;
+  if (machine.phase == Phase::kFenced || machine.phase == Phase::kStopped) return next;
   const auto consider = [&](std::optional<Time> when) {
     if (when) next = next ? std::min(*next, *when) : *when;
   };

@@ -9,6 +9,9 @@
 //   switch_end.cpp what a switch leaves behind, and its result
 //   starting.cpp   processes, the first stage, adoption, later stages
 //   joining.cpp    one actuator on its own to where the machine is
+//   recovery.cpp   what has died, hangs or is out of reach; restarts
+//   binding.cpp    actuators that go down and up with others (binds_to)
+//   authority.cpp  other controllers, the emergency stop
 //   stopping.cpp   TearDown, SIGTERM, SIGKILL within the budget
 
 #include <cstdint>
@@ -32,6 +35,8 @@ struct Begin {
   bool by_hand = false;
   std::uint64_t epoch = 0;
   std::vector<bool> running;
+  std::string host = {};                             // of the controller
+  std::optional<EmergencyStop> emergency_stop = {};  // the one on disk
 };
 // An actuator's latched status came.
 struct StatusSeen {
@@ -70,6 +75,39 @@ struct ProcessEnded {
   bool clean = false;  // exit code 0
   std::string how;     // "exit code 3", "killed by SIGKILL"
 };
+// The health monitor's verdict on a living process.
+struct HealthChanged {
+  std::size_t actuator = 0;
+  std::uint64_t incarnation = 0;
+  Health health = Health::kWell;
+  bool silent = false;  // it does not even answer
+  std::string how;
+};
+// What a hung process was doing, or why that is not known.
+struct BacktraceTaken {
+  std::size_t actuator = 0;
+  std::int32_t pid = 0;
+  std::string text;
+};
+// A person wants an actuator's process to be started again.
+struct RestartRequested {
+  RequestId request = 0;
+  std::string actuator;
+};
+// Another controller of this machine has been heard.
+struct RivalHeard {
+  std::uint64_t epoch = 0;
+  std::string who;              // "process 4711 on this host"
+  bool has_precedence = false;  // of two with the same epoch
+};
+// Somebody engages an emergency stop.
+struct EmergencyStopSeen {
+  EmergencyStop stop;
+};
+struct ReleaseRequested {
+  RequestId request = 0;
+  std::string by;
+};
 struct SetStateRequested {
   RequestId request = 0;
   State target;
@@ -86,6 +124,8 @@ struct TimePassed {};
 
 using Event = std::variant<event::Begin, event::StatusSeen, event::Replied, event::Vanished,
                            event::ProcessStarted, event::ProcessNotStarted, event::ProcessEnded,
+                           event::HealthChanged, event::BacktraceTaken, event::RestartRequested,
+                           event::RivalHeard, event::EmergencyStopSeen, event::ReleaseRequested,
                            event::SetStateRequested, event::SetUpAwaited, event::TimePassed>;
 
 namespace action {
@@ -95,6 +135,7 @@ struct SendSwitch {
   std::uint64_t number = 0;
   State target;
   Duration budget{};
+  bool apart = false;  // for this actuator alone
   friend bool operator==(const SendSwitch&, const SendSwitch&) = default;
 };
 struct SendAsk {
@@ -118,9 +159,27 @@ struct AnswerSetState {
   SwitchResult result;
   friend bool operator==(const AnswerSetState&, const AnswerSetState&) = default;
 };
-struct AnswerSetUp {
+// To whoever waits for something else than a switch.
+struct AnswerCall {
   RequestId request = 0;
   Result<> result;
+};
+// Find out what a process is doing; its end comes back as BacktraceTaken.
+struct TakeBacktrace {
+  std::size_t actuator = 0;
+  std::int32_t pid = 0;
+  friend bool operator==(const TakeBacktrace&, const TakeBacktrace&) = default;
+};
+// Tell all actuators, also those that come later.
+struct TellEmergencyStop {
+  EmergencyStop stop;
+  bool engaged = false;
+  friend bool operator==(const TellEmergencyStop&, const TellEmergencyStop&) = default;
+};
+// The latch has to survive this controller.
+struct SaveEmergencyStop {
+  std::optional<EmergencyStop> stop;
+  friend bool operator==(const SaveEmergencyStop&, const SaveEmergencyStop&) = default;
 };
 // The epoch has to be on disk before the next command is sent.
 struct SaveEpoch {
@@ -134,6 +193,7 @@ struct Record {
   std::uint64_t switch_number = 0;
   std::int32_t code = kCodeOk;
   std::string message;
+  std::string data = {};  // more than fits a line: a backtrace
   friend bool operator==(const Record&, const Record&) = default;
 };
 // Start-up is over: the machine is usable, or it failed.
@@ -141,6 +201,11 @@ struct StartUpEnded {
   bool usable = false;
   std::string message;
   friend bool operator==(const StartUpEnded&, const StartUpEnded&) = default;
+};
+// Another controller has taken over; this one has to end and to touch nothing.
+struct Fenced {
+  std::string message;
+  friend bool operator==(const Fenced&, const Fenced&) = default;
 };
 // The machine is stopped; the controller may end.
 struct Stopped {
@@ -151,8 +216,9 @@ struct Stopped {
 
 using Action =
     std::variant<action::SendSwitch, action::SendAsk, action::StartProcess, action::SignalProcess,
-                 action::AnswerSetState, action::AnswerSetUp, action::SaveEpoch, action::Record,
-                 action::StartUpEnded, action::Stopped>;
+                 action::AnswerSetState, action::AnswerCall, action::TakeBacktrace,
+                 action::TellEmergencyStop, action::SaveEmergencyStop, action::SaveEpoch,
+                 action::Record, action::StartUpEnded, action::Fenced, action::Stopped>;
 
 // One step of the decision. Events about what is not expected any more (a late reply, an exit that
 // was seen already) change no more than what is known about the actuator.

@@ -16,6 +16,14 @@ inline constexpr Duration kAskTimeout = Milliseconds(300);
 inline constexpr int kAskAttempts = 3;
 // How often an actuator that was heard of but has not answered is asked to follow.
 inline constexpr Duration kClaimPeriod = Milliseconds(500);
+// After which it is asked again when it had not heard yet who we are.
+inline constexpr Duration kIntroductionPeriod = Milliseconds(20);
+// How long an actuator that follows a higher epoch is left alone: a controller that leads with it
+// says so at least twice in this time.
+inline constexpr Duration kRivalPatience = Milliseconds(1200);
+// How long a hung process lives on for its backtrace, and one that was asked to end for its end.
+inline constexpr Duration kBacktraceTime = Milliseconds(5000);
+inline constexpr Duration kEndTime = Milliseconds(2000);
 // Two clocks that are 100 ppm apart differ by 6 ms after this.
 inline constexpr Duration kClockGoodFor = std::chrono::seconds(60);
 
@@ -39,6 +47,12 @@ class Decision {
   void On(const event::ProcessStarted& started);
   void On(const event::ProcessNotStarted& failed);
   void On(const event::ProcessEnded& ended);
+  void On(const event::HealthChanged& changed);
+  void On(const event::BacktraceTaken& taken);
+  void On(const event::RestartRequested& requested);
+  void On(const event::RivalHeard& rival);
+  void On(const event::EmergencyStopSeen& seen);
+  void On(const event::ReleaseRequested& requested);
   void On(const event::SetStateRequested& requested);
   void On(const event::SetUpAwaited& awaited);
   void On(const event::TimePassed&) {}
@@ -54,7 +68,11 @@ class Decision {
   void RaiseEpoch(std::uint64_t epoch, std::size_t because_of);
   void Accept(std::size_t i, const ActuatorReport& report);
   void Follow(std::size_t i);
-  void Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget);
+  void Drifted(std::size_t i);
+  bool IsImpostor(std::size_t i, const ActuatorReport& report);
+  std::optional<OrderEnd> FindLie(std::size_t i) const;
+  void Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
+             bool apart = false);
   void EndOrder(std::size_t i, const OrderEnd& end);
   void AskOrLose(std::size_t i);
   OrderEnd JudgeReport(std::size_t i, const Order& order) const;
@@ -97,6 +115,8 @@ class Decision {
   void FailStartUp(const std::string& why);
   void BecomeRunning(const std::string& message);
   void CheckSetUpDeadlines();
+  std::optional<State> LowestFound() const;
+  std::string HalfWay() const;
 
   // joining.cpp
   bool DriveLateOnes();
@@ -105,6 +125,34 @@ class Decision {
   void EndJoin(std::size_t i, const Order& order, const OrderEnd& end);
   void Fall(std::size_t i);
   bool BeginFallback();
+
+  // recovery.cpp
+  bool Coming(std::size_t i) const;
+  bool MayRestart(std::size_t i) const;
+  std::int32_t ProcessOf(std::size_t i) const;
+  void Recovered(std::size_t i, const std::string& how);
+  void Hang(std::size_t i, bool silent, const std::string& how);
+  void Doom(std::size_t i, std::int32_t pid, Duration grace);
+  void Kill(std::size_t i);
+  void Recover(std::size_t i, bool clean);
+  void GiveUp(std::size_t i);
+  void CountArrival(std::size_t i);
+  void CheckRestarts();
+  void StartAgain(std::size_t i);
+  void EndForRestart(std::size_t i);
+  void AnswerRestarts(std::size_t i);
+
+  // binding.cpp
+  bool IsUp(std::size_t i) const;
+  const std::string* MissingFor(std::size_t i) const;
+  bool ParkAndUnpark();
+  void Park(std::size_t i, const std::string& missing);
+
+  // authority.cpp
+  void HoldTo(const ActuatorReport& report, std::size_t i);
+  void Engage(const EmergencyStop& stop);
+  void EngageToo(std::uint64_t id);
+  void Release(std::uint64_t id);
 
   // stopping.cpp
   void Stop(const Plan& plan, std::vector<RequestId> requests);

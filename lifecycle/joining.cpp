@@ -12,8 +12,9 @@ bool Decision::DriveLateOnes() {
   bool changed = false;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const ActuatorRecord& record = Of(i);
-    const bool free =
-        record.presence == Presence::kPresent && !record.order && !record.report.busy();
+    const bool free = record.presence == Presence::kPresent && !record.order &&
+                      !record.report.busy() && record.health != Health::kHung && !record.given_up &&
+                      !record.restart_asked;
     const bool unchecked = !record.checked && !record.join_tried && !config_.RankOf(record.state());
     if (!free || record.held || (!record.due && !unchecked)) continue;
     std::string hindrance;
@@ -37,6 +38,7 @@ bool Decision::MayJoin(std::size_t i, std::string& hindrance) const {
   const auto target = config_.RankOf(machine_.state);
   const bool goes_up = record.due && target && (!own || *own < *target);
   if (record.due && !goes_up) return true;
+  if (goes_up && (machine_.emergency_stop || record.parked)) return false;
   if (!NeedsMet(i, hindrance)) return false;
   return !goes_up || std::all_of(ConfigOf(i).after.begin(), ConfigOf(i).after.end(),
                                  [this](const std::string& name) {
@@ -66,6 +68,20 @@ void Decision::Join(std::size_t i) {
 // The end of an order that was not part of a switch.
 void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
   ActuatorRecord& record = Of(i);
+  if (record.restart_asked) {
+    Doom(i, ProcessOf(i), kEndTime);
+    if (end.outcome != ActuatorOutcome::kDone && record.doomed != 0) {
+      Do(action::SignalProcess{i, record.doomed, false});
+    }
+    return;
+  }
+  if (record.parked && end.outcome == ActuatorOutcome::kDone) {
+    const std::string* missing = MissingFor(i);
+    if (missing != nullptr) {
+      Degrade(i, kCodeStatusError, "it rests: " + *missing + ", which it is bound to, is not up");
+    }
+    return;
+  }
   if (end.outcome == ActuatorOutcome::kDone) {
     record.due = order.target == kSelfCheck || record.state() != machine_.state;
     return;
@@ -75,11 +91,11 @@ void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
   Fall(i);
 }
 
-// A critical actuator is not to be had: the machine goes down to its on_lost, as soon as no switch
-// is under way. Of several the least active counts.
+// An actuator is not to be had: the machine goes down to its on_lost, if it has one, as soon as no
+// switch is under way. Of several the least active counts.
 void Decision::Fall(std::size_t i) {
   const State& on_lost = ConfigOf(i).on_lost;
-  if (!Critical(i) || on_lost.empty() || machine_.phase != Phase::kRunning) return;
+  if (on_lost.empty() || machine_.phase != Phase::kRunning) return;
   if (!machine_.fallback || *config_.RankOf(on_lost) < *config_.RankOf(*machine_.fallback)) {
     machine_.fallback = on_lost;
   }
@@ -96,7 +112,7 @@ bool Decision::BeginFallback() {
                   "cannot fall back to " + target + ": " + plan.refusal->message);
     return false;
   }
-  RecordMachine(kCodeOk, "a critical actuator is lost; falling back to " + target);
+  RecordMachine(kCodeOk, "an actuator is lost; falling back to " + target);
   Begin(plan, Purpose::kFallback, {});
   return true;
 }

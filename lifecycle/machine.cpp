@@ -14,6 +14,8 @@ std::string_view PhaseName(Phase phase) {
       return "failed";
     case Phase::kStopping:
       return "stopping";
+    case Phase::kFenced:
+      return "fenced";
     case Phase::kStopped:
       break;
   }

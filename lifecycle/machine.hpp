@@ -6,6 +6,8 @@
 //                         │  ▲         ▲            ▲
 //                         ▼  └ by hand ┘            │
 //                       failed ─────────────────────┘
+//
+// From any of them to fenced, when another controller has taken the machine over.
 
 #include <cstdint>
 #include <optional>
@@ -14,6 +16,7 @@
 #include <vector>
 
 #include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/health.hpp"
 #include "musher/lifecycle/plan.hpp"
 #include "musher/lifecycle/report.hpp"
 #include "musher/lifecycle/result.hpp"
@@ -28,6 +31,7 @@ enum class Phase {
   kFailed,    // start-up ended before Active; processes stay for inspection
   kStopping,  // TearDown, then SIGTERM, then SIGKILL
   kStopped,
+  kFenced,  // another controller leads the machine now; this one keeps still
 };
 std::string_view PhaseName(Phase phase);  // "idle", "starting", …
 
@@ -70,6 +74,19 @@ struct ActuatorRecord {
   bool due = false;                 // to be driven to where the machine is, as soon as it is free
   std::optional<Error> fault;       // why it is degraded
   std::optional<Order> order;       // the command on its way
+
+  Health health = Health::kWell;
+  int restarts = 0;                // of its process, in a row
+  std::optional<Time> restart_at;  // the next one
+  std::optional<Time> healthy_at;  // there for so long by then that counting starts anew
+  bool given_up = false;           // it was restarted too often
+  bool restart_asked = false;      // by a person: its process has to end, then it is started again
+  std::vector<std::uint64_t> restart_requests;  // who is told when it is back
+  std::int32_t doomed = 0;                      // the process that is about to be killed …
+  std::optional<Time> kill_at;                  // … at the latest then
+  bool parked = false;                          // taken to rest: one that it is bound to is not up
+  std::optional<Time>
+      outbid_at;  // it follows a higher epoch; claimed then, if nobody leads with it
 
   const State& state() const { return report.state; }
 
@@ -116,6 +133,7 @@ struct Switch {
   std::vector<std::uint64_t> requests;  // who is told
   std::vector<Leg> legs;
   std::vector<ActuatorResult> others;  // those not driven and why
+  bool stopped = false;                // by an emergency stop: on the way up it has failed
   bool rolling_back = false;
   std::uint64_t back_number = 0;  // of the commands of the rollback
   std::vector<Leg> back;          // the legs of the rollback
@@ -138,10 +156,20 @@ struct Stopping {
   friend bool operator==(const Stopping&, const Stopping&) = default;
 };
 
+// What stops the robot until a person says otherwise. Several engaged at once count as one.
+struct EmergencyStop {
+  std::uint64_t id = 0;  // drawn by whoever engaged it
+  std::string by;
+  std::string reason;
+
+  friend bool operator==(const EmergencyStop&, const EmergencyStop&) = default;
+};
+
 struct Machine {
   Phase phase = Phase::kIdle;
   bool by_hand = false;  // a program drives the start-up itself (MachineController's calls)
   State state{kUninitialized};
+  std::string host;  // of the controller: processes of this host can be watched and signalled
   std::uint64_t epoch = 0;
   std::uint64_t number = 0;       // of the last switch or command
   std::uint64_t last_switch = 0;  // of the last switch alone
@@ -151,6 +179,9 @@ struct Machine {
   std::optional<Switch> current;
   std::optional<State> fallback;  // on_lost of a critical actuator, when there is time for it
   std::optional<Stopping> stopping;
+  std::optional<EmergencyStop> emergency_stop;
+  std::vector<std::uint64_t> other_stops;      // engaged beside it, released with it
+  std::vector<std::uint64_t> released_stops;   // the last ones that were released
   std::vector<std::uint64_t> set_up_requests;  // who waits for all actuators to be set up
 
   friend bool operator==(const Machine&, const Machine&) = default;

@@ -12,7 +12,18 @@ void Decision::Claim(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const std::uint64_t seen = record.report.epoch;
   const bool ours = record.claimed == record.report.incarnation;
-  if (seen > machine_.epoch || (seen == machine_.epoch && !ours)) RaiseEpoch(seen + 1, i);
+  if (seen > machine_.epoch || (seen == machine_.epoch && !ours)) {
+    // Perhaps a living controller leads with it; then it says so, and this one lets go.
+    if (!record.outbid_at) record.outbid_at = now_ + kRivalPatience;
+    if (now_ < *record.outbid_at) {
+      record.claim_again = record.outbid_at;
+      if (record.set_up_by)
+        record.set_up_by = std::max(*record.set_up_by, *record.outbid_at + kClaimPeriod);
+      return;
+    }
+    RaiseEpoch(seen + 1, i);
+  }
+  record.outbid_at.reset();
   record.claimed = record.report.incarnation;
   record.claim_again = now_ + kClaimPeriod;
   Do(action::SendAsk{i, record.report.number, false});
@@ -44,7 +55,11 @@ void Decision::Accept(std::size_t i, const ActuatorReport& report) {
     record.clock_theirs = report.stamp;
     record.clock_ours = now_;
   }
+  const bool moved = !other_process && report.state != record.report.state && !record.order &&
+                     report.outcome_number == record.report.outcome_number;
   record.report = report;
+  if (moved) Drifted(i);
+  HoldTo(report, i);
   machine_.number = std::max(machine_.number, report.number);
 }
 
@@ -60,11 +75,24 @@ void Decision::Follow(std::size_t i) {
   record.checked = (config_.RankOf(record.state()) && record.state() != kError) ||
                    !ConfigOf(i).Lists(kSelfCheck);
   record.join_tried = false;
-  record.held = false;
-  record.due = late && record.checked;
+  record.held = record.report.apart;
+  record.parked = false;
+  record.health = Health::kWell;
+  record.due = late && record.checked && !record.held;
   RecordActuator(i, kCodeOk,
                  ConfigOf(i).name + " is present in " + record.state() + ", process " +
                      std::to_string(record.report.pid));
+  CountArrival(i);
+}
+
+// It is somewhere else than where it was sent, without having been told to.
+void Decision::Drifted(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  const bool told = record.report.outcome_code == kCodeOk;
+  RecordActuator(i, kCodeStatusError,
+                 ConfigOf(i).name + " has gone to " + record.state() + " by itself" +
+                     (told ? "" : ": " + record.report.outcome_message));
+  if (record.presence == Presence::kPresent && record.checked && !record.held) record.due = true;
 }
 
 void Decision::On(const event::StatusSeen& seen) {
@@ -80,6 +108,7 @@ void Decision::On(const event::StatusSeen& seen) {
     }
     return;
   }
+  if (same && record.doomed != 0) return;  // its end has been decided
   // What a process said before it died can come after its successor has spoken.
   const bool of_the_past =
       report.host == record.report.host && report.incarnation < record.report.incarnation;
@@ -93,7 +122,10 @@ void Decision::On(const event::StatusSeen& seen) {
                        (report.outcome_message.empty() ? "" : ": " + report.outcome_message));
   }
   if (report.incarnation == record.dead) return;
-  if (!same && record.presence == Presence::kPresent) Lose(seen.actuator, "it was started anew");
+  if (!same && record.presence == Presence::kPresent) {
+    if (IsImpostor(seen.actuator, report)) return;
+    Lose(seen.actuator, "it was started anew");
+  }
   Accept(seen.actuator, report);
   record.presence = Presence::kStarting;
   // Its services appear when it is set up; until then there is nobody to ask.
@@ -101,20 +133,37 @@ void Decision::On(const event::StatusSeen& seen) {
   if (!stopping) Claim(seen.actuator);
 }
 
+// Another host has an actuator of this name while the one that is here answers.
+bool Decision::IsImpostor(std::size_t i, const ActuatorReport& report) {
+  const ActuatorRecord& record = Of(i);
+  if (report.host == record.report.host) return false;
+  RecordActuator(i, kCodePermissionDenied,
+                 "another process says that it is " + ConfigOf(i).name + ": process " +
+                     std::to_string(report.pid) + " of host " + report.host.substr(0, 64) +
+                     "; it is ignored while process " + std::to_string(record.report.pid) +
+                     " answers");
+  return true;
+}
+
 void Decision::On(const event::Replied& replied) {
   ActuatorRecord& record = Of(replied.actuator);
   if (replied.report.incarnation != record.report.incarnation) return;
   if (replied.report.stamp >= record.report.stamp) Accept(replied.actuator, replied.report);
-  if (replied.ask && replied.verdict == Verdict::kRefused &&
-      replied.code == kCodePermissionDenied && replied.report.epoch > machine_.epoch) {
+  const bool denied = replied.verdict == Verdict::kRefused && replied.code == kCodePermissionDenied;
+  if (replied.ask && denied && replied.report.epoch > machine_.epoch)
     return Claim(replied.actuator);
+  if (replied.ask && denied && record.claim_again) {
+    record.claim_again = now_ + kIntroductionPeriod;  // it has not heard yet who we are
   }
-  if (replied.ask && replied.verdict == Verdict::kDone) Follow(replied.actuator);
+  if (replied.ask && replied.verdict == Verdict::kDone && record.claim_again) {
+    Follow(replied.actuator);
+  }
   if (!record.order || record.order->number != replied.number) return;
   if (replied.ask && record.order->asked == 0) return;  // a claim, not the question
   if (replied.ask) return EndOrder(replied.actuator, JudgeReport(replied.actuator, *record.order));
   switch (replied.verdict) {
     case Verdict::kDone:
+      if (const auto lie = FindLie(replied.actuator)) return EndOrder(replied.actuator, *lie);
       return EndOrder(replied.actuator, {ActuatorOutcome::kDone, kCodeOk, replied.message, true});
     case Verdict::kRefused:
       return EndOrder(replied.actuator, {record.order->asked > 0 ? ActuatorOutcome::kOverdue
@@ -126,10 +175,21 @@ void Decision::On(const event::Replied& replied) {
   }
 }
 
-void Decision::Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget) {
+// An answer that its own status contradicts.
+std::optional<OrderEnd> Decision::FindLie(std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  const State& target = record.order->target;
+  if (target == kSelfCheck || record.state() == target) return std::nullopt;
+  return OrderEnd{ActuatorOutcome::kFailed, kCodeStatusError,
+                  "it says that it is done, and also that it is in " + record.state().substr(0, 64),
+                  true};
+}
+
+void Decision::Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
+                     bool apart) {
   machine_.number = std::max(machine_.number, number);
   Of(i).order = Order{number, target, now_, now_ + budget, 0};
-  Do(action::SendSwitch{i, number, target, budget});
+  Do(action::SendSwitch{i, number, target, budget, apart});
 }
 
 // What the latched status of an asked actuator says about the order.
@@ -153,7 +213,10 @@ OrderEnd Decision::JudgeReport(std::size_t i, const Order& order) const {
 void Decision::AskOrLose(std::size_t i) {
   Order& order = *Of(i).order;
   if (order.asked >= kAskAttempts) {
-    return Lose(i, "it does not answer, not even when asked how " + order.target + " stands");
+    Lose(i, "it does not answer, not even when asked how " + order.target + " stands");
+    // A process of ours that hangs will be found out and restarted.
+    if (!MayRestart(i) || ProcessOf(i) == 0) Fall(i);
+    return;
   }
   if (order.asked == 0) {
     RecordActuator(i, kCodeTimeout,
@@ -214,7 +277,6 @@ void Decision::Lose(std::size_t i, const std::string& how) {
   }
   // Why its SetUp failed says more than that its process is gone.
   if (!record.fault || had_answered) Degrade(i, kCodeNetError, how);
-  Fall(i);
 }
 
 // The end of a process can overtake its last word.
@@ -227,13 +289,19 @@ void Decision::TakeForTornDown(std::size_t i) {
 void Decision::On(const event::Vanished& vanished) {
   ActuatorRecord& record = Of(vanished.actuator);
   if (record.report.incarnation != vanished.incarnation) return;
-  if (vanished.for_good) {
-    record.dead = vanished.incarnation;
-    TakeForTornDown(vanished.actuator);
-  }
-  if (record.presence == Presence::kPresent || record.presence == Presence::kStarting) {
+  const bool was_there =
+      record.presence == Presence::kPresent || record.presence == Presence::kStarting;
+  if (!vanished.for_good) {
+    if (!was_there) return;
     Lose(vanished.actuator, vanished.how);
+    return Fall(vanished.actuator);
   }
+  if (record.dead == vanished.incarnation) return;
+  record.dead = vanished.incarnation;
+  TakeForTornDown(vanished.actuator);
+  if (record.health != Health::kHung) record.health = Health::kCrashed;
+  if (was_there) Lose(vanished.actuator, "crashed: " + vanished.how);
+  Recover(vanished.actuator, false);
 }
 
 }  // namespace musher

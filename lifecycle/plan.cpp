@@ -49,6 +49,7 @@ class Planning {
     } else {
       for (std::size_t i = 0; i < config_.actuators.size(); ++i) AddStep(i);
     }
+    RefuseWhileStopped();
     if (!plan_.refusal) OrderSteps();
     return std::move(plan_);
   }
@@ -67,6 +68,9 @@ class Planning {
     if (machine_.phase == Phase::kIdle || (!machine_.set_up && target != kTearDown)) {
       return Error{kCodeStatusError, "the machine is not set up yet"};
     }
+    if (machine_.phase == Phase::kFenced) {
+      return Error{kCodePermissionDenied, "another controller leads this machine"};
+    }
     if (machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped) {
       return Error{kCodeStateInvalid, "the machine is torn down; only a new start brings it back"};
     }
@@ -81,6 +85,22 @@ class Planning {
   // The first reason found stays.
   void RefuseWith(std::int32_t code, const std::string& message) {
     if (!plan_.refusal) plan_.refusal = Error{code, message};
+  }
+
+  // An emergency stop lets nobody become more active. On the way down those that would have to
+  // come up for it are left to say so themselves.
+  void RefuseWhileStopped() {
+    const auto target = config_.RankOf(plan_.target);
+    if (!machine_.emergency_stop || !target || plan_.direction == Direction::kDown) return;
+    for (const PlanStep& step : plan_.steps) {
+      const auto from = config_.RankOf(step.from);
+      if (!step.driven() || (from && *from >= *target)) continue;
+      const EmergencyStop& stop = *machine_.emergency_stop;
+      return RefuseWith(kCodeProtectedError,
+                        "an emergency stop is engaged" + (stop.by.empty() ? "" : " by " + stop.by) +
+                            (stop.reason.empty() ? "" : " (" + stop.reason + ")") +
+                            "; until it is released nothing goes up");
+    }
   }
 
   PlanStep Blank(std::size_t i) const {
@@ -147,6 +167,8 @@ class Planning {
     } else if (!checking && plan_.target != kTearDown && !record.checked &&
                (up || !AtRest(record))) {
       leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
+    } else if (up && record.parked) {
+      leave_out("rests until those that it is bound to are up", kCodeStatusError, false);
     } else if (!checking && record.state() == plan_.target && !record.fault &&
                !record.report.busy() && !record.order) {
       step.part = record.held ? PlanStep::Part::kHeldThere : PlanStep::Part::kThere;

@@ -22,7 +22,9 @@ struct ActuatorReport {
   std::int32_t pid = 0;
   std::string host;
   std::string config_hash;
-  Time stamp{};  // by the actuator's own clock
+  bool apart = false;  // its state was set for it alone, so it says nothing about the machine's
+  std::uint64_t emergency_stop = 0;  // the one that it has latched; 0: none
+  Time stamp{};                      // by the actuator's own clock
 
   bool busy() const { return !target.empty(); }
 

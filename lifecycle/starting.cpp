@@ -19,11 +19,13 @@ int LastStage(const MachineConfig& config) {
 void Decision::On(const event::Begin& begin) {
   machine_.phase = Phase::kStarting;
   machine_.by_hand = begin.by_hand;
+  machine_.host = begin.host;
   machine_.epoch = begin.epoch + 1;
   Do(action::SaveEpoch{machine_.epoch});
   for (std::size_t i = 0; i < begin.running.size(); ++i) Of(i).found_running = begin.running[i];
   RecordMachine(kCodeOk, "controller epoch " + std::to_string(machine_.epoch) + " begins, " +
                              std::to_string(machine_.actuators.size()) + " actuators");
+  if (begin.emergency_stop) Engage(*begin.emergency_stop);
   StartStage(begin.by_hand ? LastStage(config_) : 1);
 }
 
@@ -69,7 +71,8 @@ bool Decision::NeedsMet(std::size_t i, std::string& hindrance) const {
   bool met = true;
   for (const std::string& name : ConfigOf(i).after) {
     const ActuatorRecord& needed = Of(*config_.IndexOf(name));
-    if (needed.fault) hindrance = "needs " + name + ", which is degraded: " + needed.fault->message;
+    if (needed.fault && !Coming(*config_.IndexOf(name)))
+      hindrance = "needs " + name + ", which is degraded: " + needed.fault->message;
     if (needed.presence != Presence::kPresent || needed.fault) met = false;
   }
   return met;
@@ -85,21 +88,24 @@ void Decision::On(const event::ProcessStarted& started) {
 void Decision::On(const event::ProcessNotStarted& failed) {
   Of(failed.actuator).presence = Presence::kAbsent;
   Degrade(failed.actuator, kCodeFailed, "its process could not be started: " + failed.why);
+  Recover(failed.actuator, false);
 }
 
 void Decision::On(const event::ProcessEnded& ended) {
   ActuatorRecord& record = Of(ended.actuator);
   if (record.process != ended.pid) return;
   record.process = 0;
-  record.dead = record.report.incarnation;
+  if (record.report.pid == ended.pid) record.dead = record.report.incarnation;
   const std::string how = "process " + std::to_string(ended.pid) + " ended: " + ended.how;
   RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
                 ConfigOf(ended.actuator).name + "'s " + how);
   if (ended.clean) TakeForTornDown(ended.actuator);
+  if (record.health != Health::kHung) record.health = Health::kCrashed;
   if (record.presence == Presence::kStarting || record.presence == Presence::kPresent) {
     const bool in_set_up = record.presence == Presence::kStarting;
-    Lose(ended.actuator, in_set_up ? "its " + how + " during SetUp" : "its " + how);
+    Lose(ended.actuator, "crashed: its " + how + (in_set_up ? " during SetUp" : ""));
   }
+  Recover(ended.actuator, ended.clean);
 }
 
 void Decision::On(const event::SetUpAwaited& awaited) {
@@ -108,11 +114,13 @@ void Decision::On(const event::SetUpAwaited& awaited) {
 
 void Decision::CheckSetUpDeadlines() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    const ActuatorRecord& record = Of(i);
-    if (!record.set_up_by || *record.set_up_by > now_ || record.fault ||
-        record.presence == Presence::kPresent) {
+    ActuatorRecord& record = Of(i);
+    if (!record.set_up_by || *record.set_up_by > now_ || record.presence == Presence::kPresent) {
       continue;
     }
+    record.set_up_by.reset();
+    if (record.fault && record.presence != Presence::kStarting)
+      continue;  // what is known says more
     Degrade(i, kCodeTimeout,
             "was not set up within " + std::to_string(ToMilliseconds(config_.TimeFor(i, kSetUp))) +
                 " ms");
@@ -122,7 +130,7 @@ void Decision::CheckSetUpDeadlines() {
 bool Decision::StageSetUp(int stage) const {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     if (ConfigOf(i).stage > stage) continue;
-    if (Of(i).presence != Presence::kPresent && !Of(i).fault) return false;
+    if (Of(i).presence != Presence::kPresent && (!Of(i).fault || Coming(i))) return false;
   }
   return true;
 }
@@ -156,35 +164,74 @@ void Decision::EndFirstStage() {
   machine_.set_up = true;
   machine_.state = State(kSetUp);
   std::vector<std::string> missing;
-  std::optional<State> lowest;  // the least active state of those that run already
   std::size_t present = 0;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const ActuatorRecord& record = Of(i);
     if (record.fault) missing.push_back(ConfigOf(i).name + " " + record.fault->message);
-    if (record.presence != Presence::kPresent) continue;
-    ++present;
-    const auto rank = config_.RankOf(record.state());
-    if (rank && (!lowest || *rank < *config_.RankOf(*lowest))) lowest = record.state();
+    if (record.presence == Presence::kPresent) ++present;
   }
   Result<> answer;
   if (!missing.empty()) answer = Error{kCodeTimeout, missing.front()};
   for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
-    Do(action::AnswerSetUp{request, answer});
+    Do(action::AnswerCall{request, answer});
   }
   RecordMachine(kCodeOk, std::to_string(present) + " actuators are set up");
-  if (lowest) return AdoptFrom(*lowest);
+  if (const auto lowest = LowestFound()) return AdoptFrom(*lowest);
   if (machine_.by_hand) return;
   if (present == 0) {
     return FailStartUp(missing.empty() ? "there is no actuator in stage 1" : missing.front());
+  }
+  if (machine_.emergency_stop) {
+    return FailStartUp(
+        "an emergency stop is engaged; `musher estop --release`, then SelfCheck and "
+        "Active by hand");
   }
   if (!config_.HasState(kSelfCheck)) return Activate();
   Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {});
 }
 
-// An earlier controller left actuators running: the machine is where the least active of them is,
-// so that nothing becomes more active by a restart; the others follow.
+// The least active state of those that run already, or are on their way to: by going on from there
+// a switch that the controller before died in is finished on the way down and undone on the way up.
+// One that was set apart says nothing about the machine, unless all are.
+std::optional<State> Decision::LowestFound() const {
+  const bool all_apart = std::all_of(
+      machine_.actuators.begin(), machine_.actuators.end(), [](const ActuatorRecord& record) {
+        return record.presence != Presence::kPresent || record.report.apart;
+      });
+  std::optional<State> lowest;
+  const auto consider = [&](const State& state) {
+    const auto rank = config_.RankOf(state);
+    if (rank && (!lowest || *rank < *config_.RankOf(*lowest))) lowest = state;
+  };
+  for (const ActuatorRecord& record : machine_.actuators) {
+    if (record.presence != Presence::kPresent || (record.report.apart && !all_apart)) continue;
+    consider(record.state());
+    if (config_.RankOf(record.state())) consider(record.report.target);
+  }
+  return lowest;
+}
+
+// Who is elsewhere than where the machine is, or on the way: what the controller before died in.
+std::string Decision::HalfWay() const {
+  std::string text;
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    const ActuatorRecord& record = Of(i);
+    const bool there = record.state() == machine_.state && !record.report.busy();
+    if (record.presence != Presence::kPresent || record.held || there) continue;
+    text += (text.empty() ? "" : ", ") + ConfigOf(i).name + " in " + record.state() +
+            (record.report.busy() ? " on its way to " + record.report.target : "");
+  }
+  return text;
+}
+
+// An earlier controller left actuators running: the machine goes on from the least active state, so
+// that nothing becomes more active by a restart; the others follow.
 void Decision::AdoptFrom(const State& lowest) {
   machine_.state = lowest;
+  if (const std::string half_way = HalfWay(); !half_way.empty()) {
+    RecordMachine(kCodeOk, "an earlier controller left a switch half way (" + half_way +
+                               "); it is ended in " + lowest);
+  }
   BecomeRunning("the machine is adopted in " + lowest);
 }
 

@@ -16,7 +16,7 @@ constexpr Duration kExitGrace = Milliseconds(1000);
 void Decision::Stop(const Plan& plan, std::vector<RequestId> requests) {
   if (machine_.current) Supersede(machine_.number + 1, plan.target);
   for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
-    Do(action::AnswerSetUp{request, Error{kCodeStateInvalid, "the machine is being torn down"}});
+    Do(action::AnswerCall{request, Error{kCodeStateInvalid, "the machine is being torn down"}});
   }
   const Duration budget = config_.shutdown_budget;
   Stopping stopping;
@@ -31,6 +31,8 @@ void Decision::Stop(const Plan& plan, std::vector<RequestId> requests) {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
     record.claim_again.reset();
+    record.restart_at.reset();
+    record.restart_asked = false;
     if (record.presence == Presence::kPresent) continue;
     record.fault.reset();  // what is not there cannot be left behind
     record.set_up_by.reset();

@@ -162,6 +162,7 @@ std::uint64_t Decision::Begin(const Plan& plan, Purpose purpose, std::vector<Req
 bool Decision::Failed(const Switch& s) const {
   const bool starting = s.purpose == Purpose::kStartUpActivate;
   if (s.direction != Direction::kUp) return false;
+  if (s.stopped) return true;
   return std::any_of(s.legs.begin(), s.legs.end(), [&](const Leg& leg) {
     return leg.failed() && !leg.may_fail && (!starting || Critical(leg.actuator));
   });
@@ -212,7 +213,8 @@ bool Decision::StartLegs(std::vector<Leg>& legs) {
     }
     leg.progress = Leg::Progress::kUnderWay;
     leg.started = now_;
-    Issue(leg.actuator, s.rolling_back ? s.back_number : s.number, leg.target, budget);
+    const bool apart = s.only.has_value() && !s.rolling_back && leg.target != machine_.state;
+    Issue(leg.actuator, s.rolling_back ? s.back_number : s.number, leg.target, budget, apart);
   }
   return changed;
 }

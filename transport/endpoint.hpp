@@ -34,6 +34,9 @@ inline constexpr Qos kLatchedQos{Qos::Reliability::kReliable, Qos::Durability::k
 inline constexpr Qos kLatchedFromManyQos{Qos::Reliability::kReliable,
                                          Qos::Durability::kTransientLocal, 0};
 
+// Signs of life from many: one that is lost is followed by the next.
+inline constexpr Qos kBeatQos{Qos::Reliability::kBestEffort, Qos::Durability::kVolatile, 0};
+
 // A writer or reader of another participant, or that participant itself. 0 is nobody.
 using PeerId = std::uint64_t;
 

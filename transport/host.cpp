@@ -51,6 +51,13 @@ std::string HostId() {
   return boot + "/" + std::to_string(pid_namespace.st_ino);
 }
 
+std::uint64_t NewIncarnation() {
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000U +
+         static_cast<std::uint64_t>(now.tv_nsec);
+}
+
 Result<UniqueFd> OpenPidfd(pid_t pid) {
   UniqueFd fd(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));  // close-on-exec by itself
   if (!fd.valid()) return SystemError("can't watch process " + std::to_string(pid));

@@ -8,6 +8,7 @@
 #include <sys/types.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,6 +25,10 @@ Error SystemError(std::string_view what, int error_number = errno);
 // processes with the same HostId may compare pids and watch each other. Empty when /proc is
 // missing: then nothing is known, and it must not be taken for equal.
 std::string HostId();
+
+// Nanoseconds since the host was booted: a number for a process that starts now, higher than that
+// of any that started before, whatever becomes of the wall clock.
+std::uint64_t NewIncarnation();
 
 // A descriptor of the process, readable as soon as the process has ended, and never of another one
 // that gets its pid later. Fails when no such process lives.

@@ -1,5 +1,6 @@
 #include "musher/transport/lifecycle_wire.hpp"
 
+#include "musher/messages/musher_msgs/beats.hpp"
 #include "musher/transport/node.hpp"
 
 namespace musher::transport {
@@ -12,6 +13,15 @@ std::string ActuatorStatusTopic(std::string_view name_space) {
 }
 std::string MachineStatusTopic(std::string_view name_space) {
   return ResolveName(name_space, "musher/machine_status");
+}
+std::string ActuatorBeatTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/actuator_beat");
+}
+std::string ControllerBeatTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/controller_beat");
+}
+std::string EmergencyStopTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/emergency_stop");
 }
 std::string MachineService(std::string_view name_space, std::string_view name) {
   return ResolveName(name_space, "musher/" + std::string(name));
@@ -39,6 +49,8 @@ msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& rep
   status.pid = report.pid;
   status.host = report.host;
   status.config_hash = report.config_hash;
+  status.apart = report.apart;
+  status.emergency_stop = report.emergency_stop;
   status.stamp_ns = ToNanoseconds(report.stamp);
   return status;
 }
@@ -57,6 +69,8 @@ ActuatorReport FromMessage(const msg::ActuatorStatus& status) {
   report.pid = status.pid;
   report.host = status.host;
   report.config_hash = status.config_hash;
+  report.apart = status.apart;
+  report.emergency_stop = status.emergency_stop;
   report.stamp = FromNanoseconds(status.stamp_ns);
   return report;
 }
@@ -76,6 +90,16 @@ std::uint8_t ToMessage(Verdict verdict) {
 Verdict VerdictFrom(std::uint8_t verdict) {
   if (verdict == msg::ActuatorCommand::kVerdictDone) return Verdict::kDone;
   return verdict == msg::ActuatorCommand::kVerdictFailed ? Verdict::kFailed : Verdict::kRefused;
+}
+
+std::uint8_t ToMessage(Health work) {
+  if (work == Health::kHung) return msg::ActuatorBeat::kWorkHung;
+  return work == Health::kStarved ? msg::ActuatorBeat::kWorkStarved : msg::ActuatorBeat::kWorkWell;
+}
+
+Health WorkFrom(std::uint8_t work) {
+  if (work == msg::ActuatorBeat::kWorkHung) return Health::kHung;
+  return work == msg::ActuatorBeat::kWorkStarved ? Health::kStarved : Health::kWell;
 }
 
 }  // namespace musher::transport

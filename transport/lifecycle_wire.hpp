@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "musher/lifecycle/actuator_core.hpp"
+#include "musher/lifecycle/health.hpp"
 #include "musher/lifecycle/report.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
@@ -15,7 +16,11 @@ namespace musher::transport {
 std::string CommandService(std::string_view name_space, std::string_view actuator);
 std::string ActuatorStatusTopic(std::string_view name_space);
 std::string MachineStatusTopic(std::string_view name_space);
-// `name` is "set_state", "get_status", "get_plan" or "get_history".
+std::string ActuatorBeatTopic(std::string_view name_space);
+std::string ControllerBeatTopic(std::string_view name_space);
+std::string EmergencyStopTopic(std::string_view name_space);
+// `name` is "set_state", "restart_actuator", "release_emergency_stop", "get_status", "get_plan" or
+// "get_history".
 std::string MachineService(std::string_view name_space, std::string_view name);
 inline constexpr std::string_view kMachinesTopic = "musher/machines";
 
@@ -27,6 +32,10 @@ msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& rep
 ActuatorReport FromMessage(const msg::ActuatorStatus& status);
 
 std::uint8_t ToMessage(Verdict verdict);
+// Of a work thread: well, starved or hung.
+std::uint8_t ToMessage(Health work);
+Health WorkFrom(std::uint8_t work);  // an unknown one counts as well
+
 Verdict VerdictFrom(std::uint8_t verdict);  // an unknown one counts as refused
 
 }  // namespace musher::transport

@@ -65,7 +65,7 @@ void RawServer::TakeRequest(std::span<const std::byte> bytes, const SampleInfo& 
     if (self && std::exchange(*open, false)) (*self)->SendOrHold(participant, std::move(encoded));
   };
   // The handler may drop the server, so nothing is touched after a request it understood.
-  if (!on_request_(id, bytes, std::move(reply))) ++malformed_;
+  if (!on_request_(id, bytes, std::move(reply), info.participant)) ++malformed_;
 }
 
 bool RawServer::ReachesClientsOf(PeerId participant) const {

@@ -23,8 +23,9 @@ class RawServer {
   // Takes an encoded reply and sends it, now or when the client's reader is matched. A second call
   // and a call after the server has gone do nothing.
   using Reply = std::function<void(msg::Bytes)>;
-  // Gets a whole request sample; false when it does not decode.
-  using OnRequest = std::function<bool(const msg::RequestId&, std::span<const std::byte>, Reply)>;
+  // Gets a whole request sample and the participant it came from; false when it does not decode.
+  using OnRequest =
+      std::function<bool(const msg::RequestId&, std::span<const std::byte>, Reply, PeerId)>;
 
   // `type` is the service's, "std_srvs::srv::dds_::Trigger_".
   static Result<std::unique_ptr<RawServer>> Make(Node& node, const std::string& service,

@@ -85,6 +85,8 @@ class Server {
   // gone do nothing.
   using Reply = std::function<void(const Response&)>;
   using Handler = std::function<void(const Request&, Reply)>;
+  // The same, told the participant that asks.
+  using HandlerOfCaller = std::function<void(const Request&, Reply, PeerId caller)>;
 
   explicit Server(std::unique_ptr<RawServer> raw) : raw_(std::move(raw)) {}
 
@@ -106,20 +108,35 @@ Result<std::unique_ptr<Client<S>>> MakeClient(Node& node, const std::string& ser
 
 template <msg::Service S>
 Result<std::unique_ptr<Server<S>>> MakeServer(Node& node, const std::string& service,
-                                              typename Server<S>::Handler handler) {
+                                              typename Server<S>::HandlerOfCaller handler) {
   auto on_request = [handler = std::move(handler)](const msg::RequestId& id,
                                                    std::span<const std::byte> bytes,
-                                                   RawServer::Reply reply) {
+                                                   RawServer::Reply reply, PeerId caller) {
     typename S::Request request{};
     if (!internal::DecodeEnvelope(bytes, request)) return false;
-    handler(request, [id, reply = std::move(reply)](const typename S::Response& response) {
-      reply(internal::EncodeEnvelope(id, response));
-    });
+    handler(
+        request,
+        [id, reply = std::move(reply)](const typename S::Response& response) {
+          reply(internal::EncodeEnvelope(id, response));
+        },
+        caller);
     return true;
   };
   auto raw = RawServer::Make(node, service, std::string(S::kTypeName), std::move(on_request));
   if (!raw) return raw.error();
   return std::make_unique<Server<S>>(std::move(raw).value());
+}
+
+template <msg::Service S>
+Result<std::unique_ptr<Server<S>>> MakeServer(Node& node, const std::string& service,
+                                              typename Server<S>::Handler handler) {
+  return MakeServer<S>(node, service,
+                       typename Server<S>::HandlerOfCaller(
+                           [handler = std::move(handler)](const typename S::Request& request,
+                                                          typename Server<S>::Reply reply,
+                                                          PeerId) {
+                             handler(request, std::move(reply));
+                           }));
 }
 
 }  // namespace musher::transport

@@ -34,6 +34,7 @@ void MusherLink::Switch(const SwitchCommand& command) {
   request.status_stamp_ns = transport::ToNanoseconds(command.status_stamp);
   request.since_status_ns = command.since_status.count();
   request.incarnation = command.incarnation;
+  request.apart = command.apart;
   Call(request);
 }
 

@@ -20,11 +20,12 @@ struct ActuatorCommand {
     std::int64_t since_status_ns = 0;
     std::uint64_t incarnation = 0;
     bool stop = false;
+    bool apart = false;
 
     template <class Self>
     static auto Fields(Self& m) {
       return std::tie(m.kind, m.epoch, m.number, m.target, m.budget_ns, m.status_stamp_ns,
-                      m.since_status_ns, m.incarnation, m.stop);
+                      m.since_status_ns, m.incarnation, m.stop, m.apart);
     }
     friend bool operator==(const Request&, const Request&) = default;
   };

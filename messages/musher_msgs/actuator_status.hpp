@@ -21,12 +21,14 @@ struct ActuatorStatus {
   std::int32_t pid = 0;
   std::string host;
   std::string config_hash;
+  bool apart = false;
+  std::uint64_t emergency_stop = 0;
   std::int64_t stamp_ns = 0;
 
   template <class Self>
   static auto Fields(Self& m) {
     return std::tie(m.name, m.state, m.target, m.busy_number, m.epoch, m.number, m.outcome_number,
-                    m.outcome_code, m.outcome_message, m.incarnation, m.pid, m.host, m.config_hash,
+                    m.outcome_code, m.outcome_message, m.incarnation, m.pid, m.host, m.config_hash, m.apart, m.emergency_stop,
                     m.stamp_ns);
   }
   friend bool operator==(const ActuatorStatus&, const ActuatorStatus&) = default;

@@ -56,6 +56,54 @@ struct SetState {
   };
 };
 
+// musher_msgs/srv/RestartActuator: service `musher/restart_actuator`.
+struct RestartActuator {
+  static constexpr std::string_view kTypeName = "musher_msgs::srv::dds_::RestartActuator_";
+  struct Request {
+    std::string actuator;
+
+    template <class Self>
+    static auto Fields(Self& m) {
+      return std::tie(m.actuator);
+    }
+    friend bool operator==(const Request&, const Request&) = default;
+  };
+  struct Response {
+    std::int32_t code = 0;
+    std::string reason;
+
+    template <class Self>
+    static auto Fields(Self& m) {
+      return std::tie(m.code, m.reason);
+    }
+    friend bool operator==(const Response&, const Response&) = default;
+  };
+};
+
+// musher_msgs/srv/ReleaseEmergencyStop: service `musher/release_emergency_stop`.
+struct ReleaseEmergencyStop {
+  static constexpr std::string_view kTypeName = "musher_msgs::srv::dds_::ReleaseEmergencyStop_";
+  struct Request {
+    std::string by;
+
+    template <class Self>
+    static auto Fields(Self& m) {
+      return std::tie(m.by);
+    }
+    friend bool operator==(const Request&, const Request&) = default;
+  };
+  struct Response {
+    std::int32_t code = 0;
+    std::string reason;
+
+    template <class Self>
+    static auto Fields(Self& m) {
+      return std::tie(m.code, m.reason);
+    }
+    friend bool operator==(const Response&, const Response&) = default;
+  };
+};
+
 // musher_msgs/srv/GetStatus: service `musher/get_status`.
 struct GetStatus {
   static constexpr std::string_view kTypeName = "musher_msgs::srv::dds_::GetStatus_";

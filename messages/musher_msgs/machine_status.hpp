@@ -18,11 +18,14 @@ struct ActuatorInfo {
   bool degraded = false;
   std::int32_t code = 0;
   std::string message;
+  std::string health;
+  std::int32_t restarts = 0;
+  bool restarting = false;
 
   template <class Self>
   static auto Fields(Self& m) {
     return std::tie(m.name, m.state, m.target, m.presence, m.pid, m.host, m.stage, m.critical,
-                    m.held, m.degraded, m.code, m.message);
+                    m.held, m.degraded, m.code, m.message, m.health, m.restarts, m.restarting);
   }
   friend bool operator==(const ActuatorInfo&, const ActuatorInfo&) = default;
 };
@@ -42,13 +45,16 @@ struct MachineStatus {
   std::string host;
   std::string config_file;
   std::string config_hash;
+  bool emergency_stop = false;
+  std::string emergency_stop_by;
+  std::string emergency_stop_reason;
   std::vector<std::string> degraded;
   std::vector<ActuatorInfo> actuators;
 
   template <class Self>
   static auto Fields(Self& m) {
     return std::tie(m.machine, m.name_space, m.phase, m.state, m.target, m.epoch, m.switch_number,
-                    m.pid, m.host, m.config_file, m.config_hash, m.degraded, m.actuators);
+                    m.pid, m.host, m.config_file, m.config_hash, m.emergency_stop, m.emergency_stop_by, m.emergency_stop_reason, m.degraded, m.actuators);
   }
   friend bool operator==(const MachineStatus&, const MachineStatus&) = default;
 };

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "musher/messages/musher_msgs/actuator_command.hpp"
+#include "musher/messages/musher_msgs/beats.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
@@ -62,6 +63,8 @@ MUSHER_SAME(musher_msgs_msg_dds__ActuatorStatus_, ActuatorStatus) {
   SAME(pid);
   SAME(host);
   SAME(config_hash);
+  SAME(apart);
+  SAME(emergency_stop);
   SAME(stamp_ns);
 }
 
@@ -78,6 +81,35 @@ MUSHER_SAME(musher_msgs_msg_dds__ActuatorInfo_, ActuatorInfo) {
   SAME(degraded);
   SAME(code);
   SAME(message);
+  SAME(health);
+  SAME(restarts);
+  SAME(restarting);
+}
+
+MUSHER_SAME(musher_msgs_msg_dds__ActuatorBeat_, ActuatorBeat) {
+  SAME(name);
+  SAME(incarnation);
+  SAME(period_ns);
+  SAME(work);
+  SAME(during);
+  SAME(silent_ns);
+  SAME(waited_ns);
+}
+
+MUSHER_SAME(musher_msgs_msg_dds__ControllerBeat_, ControllerBeat) {
+  SAME(machine);
+  SAME(epoch);
+  SAME(incarnation);
+  SAME(host);
+  SAME(pid);
+  SAME(period_ns);
+}
+
+MUSHER_SAME(musher_msgs_msg_dds__EmergencyStop_, EmergencyStop) {
+  SAME(id);
+  SAME(engaged);
+  SAME(by);
+  SAME(reason);
 }
 
 MUSHER_SAME(musher_msgs_msg_dds__MachineStatus_, MachineStatus) {
@@ -92,6 +124,9 @@ MUSHER_SAME(musher_msgs_msg_dds__MachineStatus_, MachineStatus) {
   SAME(host);
   SAME(config_file);
   SAME(config_hash);
+  SAME(emergency_stop);
+  SAME(emergency_stop_by);
+  SAME(emergency_stop_reason);
   SAME_ITEMS(degraded);
   SAME_ITEMS(actuators);
 }
@@ -142,6 +177,7 @@ MUSHER_SAME(musher_msgs_srv_dds__ActuatorCommand_Request_, ActuatorCommand::Requ
   SAME(since_status_ns);
   SAME(incarnation);
   SAME(stop);
+  SAME(apart);
 }
 
 MUSHER_SAME(musher_msgs_srv_dds__ActuatorCommand_Response_, ActuatorCommand::Response) {
@@ -166,6 +202,24 @@ MUSHER_SAME(musher_msgs_srv_dds__SetState_Response_, SetState::Response) {
   SAME(state);
   SAME_ITEMS(degraded);
   SAME_ITEMS(actuators);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__RestartActuator_Request_, RestartActuator::Request) {
+  SAME(actuator);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__RestartActuator_Response_, RestartActuator::Response) {
+  SAME(code);
+  SAME(reason);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__ReleaseEmergencyStop_Request_, ReleaseEmergencyStop::Request) {
+  SAME(by);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__ReleaseEmergencyStop_Response_, ReleaseEmergencyStop::Response) {
+  SAME(code);
+  SAME(reason);
 }
 
 MUSHER_SAME(musher_msgs_srv_dds__GetStatus_Request_, GetStatus::Request) {

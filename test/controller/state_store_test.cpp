@@ -116,7 +116,7 @@ TEST_F(Store, KeepsTheOldEpochWhenTheDiskIsFull) {
   setrlimit(RLIMIT_FSIZE, &before);
   signal(SIGXFSZ, handler);
   ASSERT_FALSE(saved);
-  EXPECT_THAT(saved.error().message, HasSubstr("can't save the epoch"));
+  EXPECT_THAT(saved.error().message, HasSubstr("can't save " + dir_ + "/epoch"));
   EXPECT_EQ(store.LoadEpoch().value(), 5U);
   EXPECT_FALSE(fs::exists(dir_ + "/epoch.new"));
 }

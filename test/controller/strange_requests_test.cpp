@@ -32,7 +32,7 @@ class StrangeRequests : public ::testing::Test {
     }
     EXPECT_TRUE(arm_.Init(file_.path(), node_).ok());
     EXPECT_TRUE(arm_.Start().ok());
-    EXPECT_TRUE(controller_.Init(file_.path()).ok());
+    EXPECT_TRUE(controller_.Init(file_.path(), node_).ok());
     EXPECT_TRUE(controller_.AwaitSetUp().ok());
     EXPECT_TRUE(controller_.SetState("SelfCheck"));
     EXPECT_TRUE(controller_.SetState("Active"));
@@ -44,19 +44,22 @@ class StrangeRequests : public ::testing::Test {
 
   std::string NameSpace() const { return "test_" + std::to_string(getpid()); }
 
-  // Calls a service as any program of the domain could.
+  // Calls a service as any program of the domain could; from the controller's own participant
+  // unless another one is given.
   template <class S>
-  typename S::Response Call(const std::string& service, const typename S::Request& request) {
+  typename S::Response Call(const std::string& service, const typename S::Request& request,
+                            std::shared_ptr<transport::NodeThread> from = nullptr) {
+    const std::shared_ptr<transport::NodeThread> node = from ? from : node_;
     std::unique_ptr<transport::Client<S>> client;
     std::promise<Result<typename S::Response>> promise;
-    node_->RunOnLoop([&] {
-      client = transport::MakeClient<S>(node_->node(), service).value();
+    node->RunOnLoop([&] {
+      client = transport::MakeClient<S>(node->node(), service).value();
       client->Call(request, std::chrono::seconds(20), [&](Result<typename S::Response> reply) {
         promise.set_value(std::move(reply));
       });
     });
     const auto reply = promise.get_future().get();
-    node_->RunOnLoop([&] { client.reset(); });
+    node->RunOnLoop([&] { client.reset(); });
     EXPECT_TRUE(reply.ok());
     return reply.ok() ? reply.value() : typename S::Response{};
   }
@@ -66,7 +69,8 @@ class StrangeRequests : public ::testing::Test {
   }
 
   // A command as the controller would send it now, but for what the test changes.
-  ActuatorCommand::Response Command(std::function<void(ActuatorCommand::Request&)> change) {
+  ActuatorCommand::Response Command(std::function<void(ActuatorCommand::Request&)> change,
+                                    std::shared_ptr<transport::NodeThread> from = nullptr) {
     const std::string service = transport::CommandService(NameSpace(), "arm");
     ActuatorCommand::Request ask;
     ask.kind = ActuatorCommand::kKindAsk;
@@ -81,7 +85,7 @@ class StrangeRequests : public ::testing::Test {
     request.status_stamp_ns = status.stamp_ns;
     request.incarnation = status.incarnation;
     change(request);
-    return Call<ActuatorCommand>(service, request);
+    return Call<ActuatorCommand>(service, request, from);
   }
 
   RobotFile file_;
@@ -126,6 +130,22 @@ TEST_F(StrangeRequests, ACommandOfAnOldNumberIsRefusedByTheActuator) {
   const auto response = Command([](auto& request) { request.number = 1; });
   EXPECT_EQ(response.verdict, ActuatorCommand::kVerdictRefused);
   EXPECT_EQ(response.code, kCodeStatusError);
+}
+
+TEST_F(StrangeRequests, ACommandOfAStrangerIsRefusedHoweverWellItIsMade) {
+  const std::shared_ptr<transport::NodeThread> stranger = transport::NodeThread::Start().value();
+  for (const std::uint64_t ahead : {0, 1, 1000}) {
+    const auto response = Command([&](auto& request) { request.epoch += ahead; }, stranger);
+    EXPECT_EQ(response.verdict, ActuatorCommand::kVerdictRefused);
+    EXPECT_EQ(response.code, kCodePermissionDenied);
+  }
+}
+
+TEST_F(StrangeRequests, AnEpochThatNoOtherCouldExceedIsRefused) {
+  const std::shared_ptr<transport::NodeThread> stranger = transport::NodeThread::Start().value();
+  const auto response = Command([](auto& request) { request.epoch = UINT64_MAX; }, stranger);
+  EXPECT_EQ(response.code, kCodeParametersInvalid);
+  EXPECT_LT(response.status.epoch, 100U);
 }
 
 TEST_F(StrangeRequests, ACommandForAnotherProcessIsRefusedByTheActuator) {

@@ -10,6 +10,7 @@ namespace {
 using namespace actuator_action;  // NOLINT(google-build-using-namespace)
 using actuator_event::AskArrived;
 using actuator_event::CallbackEnded;
+using actuator_event::ControllerHeard;
 using actuator_event::Started;
 using actuator_event::SwitchArrived;
 using ::testing::Contains;
@@ -23,15 +24,22 @@ using Actions = std::vector<ActuatorAction>;
 class Actuator : public ::testing::Test {
  protected:
   Actuator() {
-    config_.name = "audio";
+    ActuatorConfig audio;
+    audio.name = "audio";
     for (const char* state : {"SetUp", "SelfCheck", "Active", "DeActive", "LowPower", "TearDown"}) {
-      config_.states.emplace_back(state);
-      config_.times.push_back(Milliseconds(100));
+      audio.states.emplace_back(state);
+      audio.times.push_back(Milliseconds(100));
+      if (const auto rank = BuiltInRank(state)) config_.ranks[state] = *rank;
     }
+    config_.actuators.push_back(audio);
     core_.report.incarnation = 77;
+    Announce(1);
   }
 
-  Actions Do(const ActuatorEvent& event) { return Step(config_, core_, event, now_); }
+  Actions Do(const ActuatorEvent& event) { return Step(config_, 0, core_, event, now_); }
+
+  // The controller of an epoch, as whom Command() sends, says that it lives.
+  void Announce(std::uint64_t epoch) { Do(ControllerHeard{epoch, epoch}); }
 
   void SetUpIt() {
     Do(Started{});
@@ -40,7 +48,7 @@ class Actuator : public ::testing::Test {
 
   // A command of the present, number n.
   SwitchArrived Command(std::uint64_t n, const State& target, std::uint64_t epoch = 1) {
-    return {++token_, {epoch, n, target, Milliseconds(100), now_, {}, 77}};
+    return {++token_, {epoch, n, target, Milliseconds(100), now_, {}, 77}, epoch};
   }
 
   // Takes it to `state` by command n.
@@ -59,7 +67,7 @@ class Actuator : public ::testing::Test {
     return none;
   }
 
-  ActuatorConfig config_;
+  MachineConfig config_;
   ActuatorCore core_;
   Time now_ = Time(std::chrono::hours(1));
   RequestToken token_ = 0;
@@ -118,12 +126,13 @@ TEST_F(Actuator, RunsTheCallbackOfItsOwnStateAgainAfterAFailureToLeaveIt) {
 
 TEST_F(Actuator, RefusesAnEpochThatIsOver) {
   SetUpIt();
+  Announce(5);
   Do(Command(1, "Active", 5));
   Do(CallbackEnded{});
   const Answer answer = AnswerIn(Do(Command(2, "DeActive", 4)));
   EXPECT_EQ(answer.verdict, Verdict::kRefused);
   EXPECT_EQ(answer.code, kCodePermissionDenied);
-  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {4, 2, true}})).code, kCodePermissionDenied);
+  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {4, 2, true}, 4})).code, kCodePermissionDenied);
   EXPECT_EQ(core_.report.state, "Active");
 }
 
@@ -205,7 +214,7 @@ TEST_F(Actuator, RefusesACommandWhoseTimesCannotBe) {
 TEST_F(Actuator, ACommandThatHadNotBegunWhenAskedForNeverBegins) {
   SetUpIt();
   const SwitchArrived late = Command(7, "Active");
-  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 7, true}})).verdict, Verdict::kDone);
+  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 7, true}, 1})).verdict, Verdict::kDone);
   EXPECT_EQ(AnswerIn(Do(late)).verdict, Verdict::kRefused);
   EXPECT_EQ(core_.report.state, "SetUp");
 }
@@ -214,7 +223,7 @@ TEST_F(Actuator, AWaitingCommandThatIsAskedForNeverBegins) {
   SetUpIt();
   Do(Command(1, "Active"));
   Do(Command(2, "LowPower"));
-  const Actions asked = Do(AskArrived{9, {1, 2, false}});
+  const Actions asked = Do(AskArrived{9, {1, 2, false}, 1});
   EXPECT_EQ(AnswerIn(asked).verdict, Verdict::kRefused);  // of the waiting one
   EXPECT_THAT(Do(CallbackEnded{}),
               Not(Contains(VariantWith<RunCallback>(RunCallback{"LowPower"}))));
@@ -223,9 +232,9 @@ TEST_F(Actuator, AWaitingCommandThatIsAskedForNeverBegins) {
 TEST_F(Actuator, AsksARunningCallbackToStopOnlyWhenTold) {
   SetUpIt();
   Do(Command(1, "Active"));
-  EXPECT_THAT(Do(AskArrived{8, {1, 1, false}}),
+  EXPECT_THAT(Do(AskArrived{8, {1, 1, false}, 1}),
               Not(Contains(VariantWith<RequestStop>(RequestStop{}))));
-  EXPECT_THAT(Do(AskArrived{9, {1, 1, true}}), Contains(VariantWith<RequestStop>(RequestStop{})));
+  EXPECT_THAT(Do(AskArrived{9, {1, 1, true}, 1}), Contains(VariantWith<RequestStop>(RequestStop{})));
   EXPECT_EQ(core_.report.busy_number, 1U) << "it runs on until it gives up by itself";
 }
 

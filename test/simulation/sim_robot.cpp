@@ -40,18 +40,22 @@ void SimRobot::StartController() {
   ControllerShell::World world;
   world.node = controller_->node.get();
   world.processes = this;
+  world.witness = this;
   world.journal = this;
   world.save_epoch = [this](std::uint64_t epoch) { epoch_on_disk_ = epoch; };
+  world.save_emergency_stop = [this](const auto& stop) { emergency_stop_on_disk_ = stop; };
   world.log_file = [](const std::string&) { return std::string(); };
   world.wall_ns = [this] { return Duration(network_.now().time_since_epoch()).count(); };
   world.host = "sim";
   world.pid = next_pid_++;
+  world.incarnation = static_cast<std::uint64_t>(world.pid);
   auto shell = ControllerShell::Make(std::move(world), config_, {});
   controller_->shell = std::move(shell).value();
   std::vector<bool> running;
   for (const ActuatorConfig& actuator : config_.actuators)
     running.push_back(IsAlive(actuator.name));
-  controller_->shell->Begin(false, epoch_on_disk_, std::move(running));
+  controller_->shell->Begin(
+      {false, epoch_on_disk_, std::move(running), "", emergency_stop_on_disk_});
 }
 
 void SimRobot::CrashController() {
@@ -134,6 +138,32 @@ Result<> SimRobot::Signal(pid_t pid, int signal) {
     return Ok();
   }
   return Error{kCodeFailed, "no such process"};
+}
+
+void SimRobot::FreezeActuator(const std::string& name) {
+  ActuatorProcess& process = actuators_.at(name);
+  process.frozen = true;
+  network_.Pause(*process.node);
+}
+
+void SimRobot::ThawActuator(const std::string& name) {
+  ActuatorProcess& process = actuators_.at(name);
+  process.frozen = false;
+  network_.Resume(*process.node);
+}
+
+void SimRobot::Mark(pid_t, Time) {}
+
+Examination SimRobot::Examine(pid_t pid, Time) {
+  for (const auto& [name, process] : actuators_) {
+    if (process.pid != pid) continue;
+    return {process.frozen ? Examination::Process::kStopped : Examination::Process::kRunning, {}};
+  }
+  return {Examination::Process::kGone, {}};
+}
+
+void SimRobot::TakeBacktrace(pid_t, Duration, std::function<void(Result<std::string>)> done) {
+  controller_->node->loop().Post([done = std::move(done)] { done(std::string("main()")); });
 }
 
 void SimRobot::Append(JournalEntry entry) noexcept {

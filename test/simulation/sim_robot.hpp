@@ -24,7 +24,7 @@ struct Act {
 };
 using Script = std::function<Act(const std::string& actuator, const State& state)>;
 
-class SimRobot : private ProcessRunner, private JournalSink {
+class SimRobot : private ProcessRunner, private ProcessWitness, private JournalSink {
  public:
   SimRobot(std::uint64_t seed, MachineConfig config, Script script = {});
   ~SimRobot() override;
@@ -35,6 +35,8 @@ class SimRobot : private ProcessRunner, private JournalSink {
   void CrashController();
   void StartActuator(const std::string& name);  // as a person would
   void CrashActuator(const std::string& name);
+  void FreezeActuator(const std::string& name);  // SIGSTOP
+  void ThawActuator(const std::string& name);    // SIGCONT
   bool IsAlive(const std::string& name) const { return actuators_.count(name) > 0; }
 
   bool RunUntil(const std::function<bool()>& done, Duration limit = std::chrono::minutes(10));
@@ -63,11 +65,16 @@ class SimRobot : private ProcessRunner, private JournalSink {
     std::unique_ptr<transport::Node> node;
     std::unique_ptr<Worker> worker;
     std::unique_ptr<ActuatorShell> shell;
+    bool frozen = false;
   };
 
   Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) override;
   Result<> Watch(pid_t pid, OnExit on_exit) override;
   Result<> Signal(pid_t pid, int signal) override;
+  void Mark(pid_t pid, Time now) override;
+  Examination Examine(pid_t pid, Time now) override;
+  void TakeBacktrace(pid_t pid, Duration timeout,
+                     std::function<void(Result<std::string>)> done) override;
   void Append(JournalEntry entry) noexcept override;
 
   std::int32_t Launch(const std::string& name);
@@ -84,6 +91,7 @@ class SimRobot : private ProcessRunner, private JournalSink {
   std::map<pid_t, OnExit> watchers_;  // of the living controller
   std::int32_t next_pid_ = 1000;
   std::uint64_t epoch_on_disk_ = 0;
+  std::optional<EmergencyStop> emergency_stop_on_disk_;
   std::vector<std::string> journal_;
 };
 

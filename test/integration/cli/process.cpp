@@ -13,6 +13,7 @@
 #include <chrono>
 #include <fstream>
 #include <stdexcept>
+#include <thread>
 
 namespace musher::testing {
 namespace {
@@ -111,6 +112,17 @@ std::vector<pid_t> Children() {
   std::vector<pid_t> children;
   for (pid_t pid = 0; file >> pid;) children.push_back(pid);
   return children;
+}
+
+bool AwaitNoChildren() {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  for (auto children = Children(); !children.empty(); children = Children()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    for (const pid_t child : children)
+      waitpid(child, nullptr, WNOHANG);  // orphans that are ours now
+    std::this_thread::yield();
+  }
+  return true;
 }
 
 void KillChildren() {

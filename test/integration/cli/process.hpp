@@ -50,6 +50,8 @@ Ended RunToEnd(const std::vector<std::string>& argv);
 void AdoptOrphans();
 // The processes that this one is the parent of.
 std::vector<pid_t> Children();
+// What ends on its own is given a moment.
+bool AwaitNoChildren();
 // Kills all children, and theirs, until none is left.
 void KillChildren();
 

@@ -37,7 +37,7 @@ TEST_F(UpAsAService, TellsItsStateShowsLifeAndStopsInOrder) {
   up.Signal(SIGTERM);
   EXPECT_TRUE(systemd_.WaitFor("STOPPING=1"));
   EXPECT_EQ(up.Wait().exit, 0);
-  EXPECT_EQ(Children(), std::vector<pid_t>{});
+  EXPECT_TRUE(AwaitNoChildren());
 }
 
 TEST_F(UpAsAService, IsNotReadyWhenTheStartFails) {

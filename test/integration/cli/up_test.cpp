@@ -24,7 +24,7 @@ TEST_F(Up, StaysInTheForegroundAndTakesTheMachineDownOnCtrlC) {
   EXPECT_EQ(ended.exit, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("the machine is stopped after"));
   EXPECT_EQ(ended.err, "musher: taking robot down\n");
-  EXPECT_EQ(Children(), std::vector<pid_t>{});
+  EXPECT_TRUE(AwaitNoChildren());
 }
 
 TEST_F(Up, SaysThatItIsStoppingAlreadyOnASecondCtrlC) {
@@ -44,7 +44,7 @@ TEST_F(Up, TakesTheMachineDownWhenItsTerminalCloses) {
   ASSERT_NE(up.LineWith("start-up"), "");
   up.Signal(SIGHUP);
   EXPECT_EQ(up.Wait().exit, 0);
-  EXPECT_EQ(Children(), std::vector<pid_t>{});
+  EXPECT_TRUE(AwaitNoChildren());
 }
 
 TEST_F(Up, PrintsALineOfJsonForEachEvent) {

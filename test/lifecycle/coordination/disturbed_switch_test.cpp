@@ -213,7 +213,7 @@ TEST_F(Switching, OneActuatorThatFailsStaysWhereItWas) {
 
 TEST_F(Switching, NumbersNeverFallBehindWhatAnActuatorHasSeen) {
   Theatre& t = In("Active");
-  t.Inject("b", actuator_event::AskArrived{999'999, {t.machine().epoch, 500, false}});
+  t.Inject("b", actuator_event::AskArrived{999'999, {t.machine().epoch, 500, false}, 1});
   t.Rest();
   const SwitchResult result = t.Set("LowPower");
   EXPECT_TRUE(result.done()) << result.reason;

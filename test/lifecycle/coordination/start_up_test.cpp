@@ -273,7 +273,7 @@ TEST(Adoption, TakesAHigherEpochThanTheActuatorsHaveSeen) {
   t.Begin(false, 41);  // the disk said so
   t.Rest();
   EXPECT_EQ(t.machine().epoch, 42U);
-  t.RestartController();  // the disk is lost: it begins with 1
+  t.RestartController(true);  // the disk is lost: it begins with 1
   t.Rest();
   EXPECT_EQ(t.machine().epoch, 43U);
   EXPECT_TRUE(t.Set("Protected").done());

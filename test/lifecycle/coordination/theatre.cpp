@@ -96,14 +96,14 @@ void Theatre::Begin(bool by_hand, std::uint64_t epoch) {
     }
     running.push_back(actors_[i].alive);
   }
-  Tell(event::Begin{by_hand, epoch, running});
+  Tell(event::Begin{by_hand, epoch, running, "here", emergency_stop_on_disk});
 }
 
-void Theatre::RestartController() {
+void Theatre::RestartController(bool lost_disk) {
   ++generation_;
   machine_ = MakeMachine(config_);
   start_up_.reset();
-  Begin();
+  Begin(false, lost_disk ? 0 : epoch_on_disk_);
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     if (!actors_[i].alive) continue;
     After(kWire, [this, i] { Tell(event::StatusSeen{i, ReportOf(i)}); });  // the latch
@@ -119,6 +119,7 @@ void Theatre::StartActuator(const std::string& name) {
   actor.pid = next_pid_++;
   actor.core.report.incarnation = static_cast<std::uint64_t>(actor.pid);
   actor.core.report.pid = actor.pid;
+  actor.core.report.host = "here";
   After(kWire, [this, i = Index(name), pid = actor.pid] {
     if (actors_[i].pid == pid) Perform(i, actuator_event::Started{});
   });
@@ -137,6 +138,44 @@ void Theatre::EndProcess(std::size_t i, bool clean, const std::string& how) {
     if (ours) return Tell(event::ProcessEnded{i, pid, clean, how});
     Tell(event::Vanished{i, static_cast<std::uint64_t>(pid), true, "its process ended"});
   });
+}
+
+// Its last sign of life was a while ago, or it says itself that its work thread is stuck.
+void Theatre::Find(const std::string& name, Health health, bool silent) {
+  const std::size_t i = Index(name);
+  Tell(event::HealthChanged{i, actors_[i].core.report.incarnation, health, silent,
+                            "as the test says"});
+}
+
+void Theatre::StopAll(std::uint64_t id, const std::string& by) {
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    After(kWire, [this, i, id] { Perform(i, actuator_event::EmergencyStopHeard{id, true, 0}); });
+  }
+  After(kWire, [this, id, by] { Tell(event::EmergencyStopSeen{{id, by, ""}}); });
+}
+
+void Theatre::TellActuators(const action::TellEmergencyStop& stop) {
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    After(kWire, [=, this, sender = ControllerId()] {
+      Perform(i, actuator_event::EmergencyStopHeard{stop.stop.id, stop.engaged, sender});
+    });
+  }
+}
+
+RequestId Theatre::Restart(const std::string& name) {
+  const RequestId request = next_request_++;
+  Tell(event::RestartRequested{request, name});
+  return request;
+}
+
+RequestId Theatre::Release() {
+  const RequestId request = next_request_++;
+  Tell(event::ReleaseRequested{request, "the test"});
+  return request;
+}
+
+void Theatre::HearRival(std::uint64_t epoch) {
+  Tell(event::RivalHeard{epoch, "process 1 elsewhere", false});
 }
 
 void Theatre::Mute(const std::string& name, bool to_actuator, bool from_actuator) {
@@ -173,14 +212,14 @@ ActuatorReport Theatre::ReportOf(std::size_t i) const {
 std::vector<ActuatorAction> Theatre::Inject(const std::string& actuator,
                                             const ActuatorEvent& event) {
   const std::size_t i = Index(actuator);
-  auto actions = Step(config_.actuators[i], actors_[i].core, event, now_);
+  auto actions = Step(config_, i, actors_[i].core, event, now_);
   for (const ActuatorAction& action : actions) Do(i, action);
   return actions;
 }
 
 void Theatre::Perform(std::size_t i, const ActuatorEvent& event) {
   if (!actors_[i].alive) return;
-  for (const ActuatorAction& action : Step(config_.actuators[i], actors_[i].core, event, now_)) {
+  for (const ActuatorAction& action : Step(config_, i, actors_[i].core, event, now_)) {
     Do(i, action);
   }
 }
@@ -236,13 +275,15 @@ void Theatre::Do(std::size_t i, const ActuatorAction& action) {
 void Theatre::Do(const Action& action) {
   const auto deliver = [this](std::size_t i, std::uint64_t number, bool ask, auto make_event) {
     const RequestToken token = next_token_++;
-    After(kWire, [=, this] {
+    After(kWire, [=, this, sender = ControllerId(), epoch = machine_.epoch] {
       Actor& actor = actors_[i];
       if (!actor.alive || !actor.visible || actor.deaf) return;
       actor.requests[token] = {number, ask};
+      Perform(i, actuator_event::ControllerHeard{sender, epoch});
       Perform(i, make_event(token));
     });
   };
+  const Sender sender = ControllerId();
   if (const auto* send = std::get_if<action::SendSwitch>(&action)) {
     const ActuatorRecord& record = machine_.actuators[send->actuator];
     const SwitchCommand command{machine_.epoch,
@@ -251,14 +292,15 @@ void Theatre::Do(const Action& action) {
                                 send->budget,
                                 record.clock_theirs,
                                 now_ - record.clock_ours,
-                                record.report.incarnation};
-    deliver(send->actuator, send->number, false, [command](RequestToken token) {
-      return ActuatorEvent{actuator_event::SwitchArrived{token, command}};
+                                record.report.incarnation,
+                                send->apart};
+    deliver(send->actuator, send->number, false, [command, sender](RequestToken token) {
+      return ActuatorEvent{actuator_event::SwitchArrived{token, command, sender}};
     });
   } else if (const auto* ask = std::get_if<action::SendAsk>(&action)) {
     const AskCommand command{machine_.epoch, ask->number, ask->stop};
-    deliver(ask->actuator, ask->number, true, [command](RequestToken token) {
-      return ActuatorEvent{actuator_event::AskArrived{token, command}};
+    deliver(ask->actuator, ask->number, true, [command, sender](RequestToken token) {
+      return ActuatorEvent{actuator_event::AskArrived{token, command, sender}};
     });
   } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
     StartActuator(config_.actuators[start->actuator].name);
@@ -272,6 +314,20 @@ void Theatre::Do(const Action& action) {
     }
   } else if (const auto* answer = std::get_if<action::AnswerSetState>(&action)) {
     answers[answer->request] = answer->result;
+  } else if (const auto* call = std::get_if<action::AnswerCall>(&action)) {
+    calls.emplace(call->request, call->result);
+  } else if (const auto* take = std::get_if<action::TakeBacktrace>(&action)) {
+    After(Milliseconds(50), [this, take = *take] {
+      Tell(event::BacktraceTaken{take.actuator, take.pid, "in its main loop"});
+    });
+  } else if (const auto* stop = std::get_if<action::TellEmergencyStop>(&action)) {
+    TellActuators(*stop);
+  } else if (const auto* save = std::get_if<action::SaveEmergencyStop>(&action)) {
+    emergency_stop_on_disk = save->stop;
+  } else if (const auto* epoch = std::get_if<action::SaveEpoch>(&action)) {
+    epoch_on_disk_ = epoch->epoch;
+  } else if (const auto* end = std::get_if<action::Fenced>(&action)) {
+    fenced = end->message;
   } else if (const auto* record = std::get_if<action::Record>(&action)) {
     records.push_back(record->message);
   } else if (const auto* ended = std::get_if<action::StartUpEnded>(&action)) {

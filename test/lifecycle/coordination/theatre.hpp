@@ -40,8 +40,18 @@ class Theatre {
   void Mute(const std::string& name, bool to_actuator, bool from_actuator);
   // What the actuator says takes so much longer to come.
   void DelayReports(const std::string& name, Duration delay) { actors_[Index(name)].delay = delay; }
+  // The health monitor's verdict.
+  void Find(const std::string& name, Health health, bool silent = false);
+  // Somebody engages an emergency stop; all hear it.
+  void StopAll(std::uint64_t id, const std::string& by = "the test");
+  RequestId Release();
+  // Another controller is heard.
+  void HearRival(std::uint64_t epoch);
+  // A person restarts an actuator; the answer comes into `calls`.
+  RequestId Restart(const std::string& name);
   // A new controller takes over; the old one is forgotten in the middle of whatever it did.
-  void RestartController();
+  // `lost_disk`: it does not know the epochs before it.
+  void RestartController(bool lost_disk = false);
 
   // Asks for a switch and returns at once; the answer comes into `answers`.
   RequestId Ask(const State& target, std::optional<std::string> actuator = std::nullopt);
@@ -65,7 +75,10 @@ class Theatre {
   const std::optional<action::StartUpEnded>& start_up() const { return start_up_; }
   bool stopped() const { return stopped_; }
   std::map<RequestId, SwitchResult> answers;
+  std::map<RequestId, Result<>> calls;
   std::vector<std::string> records;
+  std::optional<EmergencyStop> emergency_stop_on_disk;
+  std::optional<std::string> fenced;
   std::vector<std::string> signals;  // "audio:TERM"
   Time now() const { return now_; }
   // Commands written by the test itself, as a stranger might.
@@ -92,6 +105,8 @@ class Theatre {
   void Perform(std::size_t i, const ActuatorEvent& event);
   void Do(std::size_t i, const ActuatorAction& action);
   void Do(const Action& action);
+  void TellActuators(const action::TellEmergencyStop& stop);
+  Sender ControllerId() const { return static_cast<Sender>(generation_) + 1; }
   void EndProcess(std::size_t i, bool clean, const std::string& how);
   ActuatorReport ReportOf(std::size_t i) const;
   std::size_t Index(const std::string& name) const { return *config_.IndexOf(name); }
@@ -108,6 +123,7 @@ class Theatre {
   RequestId next_request_ = 1;
   RequestToken next_token_ = 1;
   std::int32_t next_pid_ = 1000;
+  std::uint64_t epoch_on_disk_ = 0;
 };
 
 // A machine of actuators "a", "b", "c", …, all states of CyberDog, 100 ms each.

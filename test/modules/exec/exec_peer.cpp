@@ -42,6 +42,10 @@ ExecPeer::ExecPeer() : keeper_(Keeper::Start().value()) {
                 },
                 transport::kLatchedFromManyQos)
                 .value();
+  beats_ = transport::MakePublisher<msg::ControllerBeat>(*node_, transport::ControllerBeatTopic(""),
+                                                         transport::kLatchedQos)
+               .value();
+  static_cast<void>(beats_->Publish({"robot", 1, 1, "", getpid(), 0}));
   client_ =
       transport::MakeClient<msg::ActuatorCommand>(*node_, transport::CommandService("", "motion"))
           .value();
@@ -62,8 +66,19 @@ void ExecPeer::StartWith(std::vector<std::string> arguments) {
 }
 
 bool ExecPeer::AwaitVisible() {
-  return AwaitStatus(
+  const bool there = AwaitStatus(
       [this](const ActuatorReport& report) { return report.state == kSetUp && client_->Ready(); });
+  return there && AwaitObedience();
+}
+
+// It obeys once it has heard that this is a controller.
+bool ExecPeer::AwaitObedience() {
+  const Time deadline = loop_.Now() + std::chrono::seconds(20);
+  while (loop_.Now() < deadline) {
+    const Reply reply = Ask();
+    if (reply && reply.value().verdict == msg::ActuatorCommand::kVerdictDone) return true;
+  }
+  return false;
 }
 
 bool ExecPeer::AwaitStatus(const std::function<bool(const ActuatorReport&)>& holds) {

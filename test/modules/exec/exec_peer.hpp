@@ -11,6 +11,7 @@
 
 #include "musher/lifecycle/report.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
+#include "musher/messages/musher_msgs/beats.hpp"
 #include "musher/modules/exec/child.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/transport/dds/dds_node.hpp"
@@ -56,6 +57,7 @@ class ExecPeer {
   const TempFolder& folder() const { return folder_; }
 
  private:
+  bool AwaitObedience();
   bool Until(const std::function<bool()>& holds);
   msg::ActuatorCommand::Request Request(std::uint8_t kind) const;
 
@@ -70,6 +72,7 @@ class ExecPeer {
   std::optional<Reply> reply_;
   std::optional<Reply> answer_;  // to the question
   std::unique_ptr<transport::Subscription> status_;
+  std::unique_ptr<transport::Publisher<msg::ControllerBeat>> beats_;
   std::unique_ptr<transport::Client<msg::ActuatorCommand>> client_;
   std::optional<Child> process_;
 };

@@ -1,0 +1,87 @@
+#include "musher/controller/controller_presence.hpp"
+
+#include <tuple>
+#include <utility>
+
+#include "musher/lifecycle/actuator_core.hpp"
+#include "musher/lifecycle/health_monitor.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher {
+
+ControllerPresence::ControllerPresence(transport::Node& node, const MachineConfig& config,
+                                       Identity identity, Emit emit)
+    : node_(node), config_(config), identity_(std::move(identity)), emit_(std::move(emit)) {}
+
+Result<std::unique_ptr<ControllerPresence>> ControllerPresence::Make(transport::Node& node,
+                                                                     const MachineConfig& config,
+                                                                     Identity identity, Emit emit) {
+  std::unique_ptr<ControllerPresence> presence(
+      new ControllerPresence(node, config, std::move(identity), std::move(emit)));
+  if (auto opened = presence->Open(); !opened) return opened.error();
+  return presence;
+}
+
+Result<> ControllerPresence::Open() {
+  const std::string& name_space = config_.name_space;
+  auto beats = transport::MakePublisher<msg::ControllerBeat>(
+      node_, transport::ControllerBeatTopic(name_space), transport::kLatchedQos);
+  if (!beats) return beats.error();
+  beats_ = std::move(beats).value();
+  auto stops = transport::MakePublisher<msg::EmergencyStop>(
+      node_, transport::EmergencyStopTopic(name_space), transport::kLatchedQos);
+  if (!stops) return stops.error();
+  stops_ = std::move(stops).value();
+  auto rivals = transport::MakeSubscription<msg::ControllerBeat>(
+      node_, transport::ControllerBeatTopic(name_space),
+      [this](const msg::ControllerBeat& beat, const transport::SampleInfo&) { OnBeat(beat); },
+      transport::kLatchedFromManyQos);
+  if (!rivals) return rivals.error();
+  rivals_ = std::move(rivals).value();
+  auto heard = transport::MakeSubscription<msg::EmergencyStop>(
+      node_, transport::EmergencyStopTopic(name_space),
+      [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
+        if (stop.engaged) emit_(event::EmergencyStopSeen{{stop.id, stop.by, stop.reason}});
+      },
+      transport::kLatchedFromManyQos);
+  if (!heard) return heard.error();
+  stops_heard_ = std::move(heard).value();
+  return Ok();
+}
+
+// A beat that cannot be sent is followed by the next.
+void ControllerPresence::Announce(std::uint64_t epoch) {
+  epoch_ = epoch;
+  const Duration period = ControllerBeatPeriod(config_);
+  const auto beat = [this, period] {
+    static_cast<void>(beats_->Publish({config_.name, epoch_, identity_.incarnation, identity_.host,
+                                       identity_.pid, period.count()}));
+  };
+  beat();
+  timer_ = node_.loop().Every(period, beat);
+}
+
+void ControllerPresence::FallSilent() {
+  timer_ = nullptr;
+}
+
+void ControllerPresence::OnBeat(const msg::ControllerBeat& beat) {
+  const auto order = [](std::uint64_t incarnation, const std::string& host, std::int32_t pid) {
+    return std::tuple(incarnation, host, pid);
+  };
+  const auto theirs = order(beat.incarnation, beat.host, beat.pid);
+  const auto ours = order(identity_.incarnation, identity_.host, identity_.pid);
+  if (theirs == ours) return;
+  if (beat.epoch > kLastEpoch) return;  // no controller's
+  rival_ = {
+      "process " + std::to_string(beat.pid) +
+          (beat.host == identity_.host ? " of this host" : " of host " + beat.host.substr(0, 64)),
+      beat.epoch};
+  emit_(event::RivalHeard{beat.epoch, rival_->who, theirs < ours});
+}
+
+void ControllerPresence::Tell(const EmergencyStop& stop, bool engaged) {
+  static_cast<void>(stops_->Publish({stop.id, engaged, stop.by, stop.reason}));
+}
+
+}  // namespace musher

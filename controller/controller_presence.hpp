@@ -1,0 +1,64 @@
+#pragma once
+// Tells everybody that this controller lives and with which epoch, hears other controllers of the
+// same machine, and passes emergency stops on.
+//
+// Threads: loop thread only.
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/coordinator.hpp"
+#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher {
+
+class ControllerPresence {
+ public:
+  using Emit = std::function<void(Event)>;
+  struct Identity {
+    std::uint64_t incarnation = 0;
+    std::int32_t pid = 0;
+    std::string host;
+  };
+
+  // `node` and `config` must outlive it.
+  static Result<std::unique_ptr<ControllerPresence>> Make(transport::Node& node,
+                                                          const MachineConfig& config,
+                                                          Identity identity, Emit emit);
+
+  // Says so at once, and again and again from now on.
+  void Announce(std::uint64_t epoch);
+  // Another controller that was heard, if any.
+  struct Rival {
+    std::string who;  // "process 4711 of this host"
+    std::uint64_t epoch = 0;
+  };
+  const std::optional<Rival>& rival() const { return rival_; }
+  // Not any more: somebody else leads.
+  void FallSilent();
+
+  void Tell(const EmergencyStop& stop, bool engaged);
+
+ private:
+  ControllerPresence(transport::Node& node, const MachineConfig& config, Identity identity,
+                     Emit emit);
+  Result<> Open();
+  void OnBeat(const msg::ControllerBeat& beat);
+
+  transport::Node& node_;
+  const MachineConfig& config_;
+  const Identity identity_;
+  const Emit emit_;
+  std::uint64_t epoch_ = 0;
+  std::optional<Rival> rival_;
+  std::unique_ptr<transport::Publisher<msg::ControllerBeat>> beats_;
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;
+  transport::LoopHandlePtr timer_;
+  std::unique_ptr<transport::Subscription> rivals_;
+  std::unique_ptr<transport::Subscription> stops_heard_;
+};
+
+}  // namespace musher

@@ -1,0 +1,92 @@
+#include "musher/controller/health_watch.hpp"
+
+#include <utility>
+
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher {
+
+HealthWatch::HealthWatch(transport::Node& node, const MachineConfig& config,
+                         ProcessWitness& witness, std::string host, Emit emit, Probe probe)
+    : node_(node),
+      witness_(witness),
+      host_(std::move(host)),
+      emit_(std::move(emit)),
+      probe_(std::move(probe)),
+      monitor_(config),
+      pids_(config.actuators.size()) {
+  for (std::size_t i = 0; i < config.actuators.size(); ++i) index_[config.actuators[i].name] = i;
+}
+
+Result<std::unique_ptr<HealthWatch>> HealthWatch::Make(transport::Node& node,
+                                                       const MachineConfig& config,
+                                                       ProcessWitness& witness, std::string host,
+                                                       Emit emit, Probe probe) {
+  std::unique_ptr<HealthWatch> watch(
+      new HealthWatch(node, config, witness, std::move(host), std::move(emit), std::move(probe)));
+  auto beats = transport::MakeSubscription<msg::ActuatorBeat>(
+      node, transport::ActuatorBeatTopic(config.name_space),
+      [self = watch.get()](const msg::ActuatorBeat& beat, const transport::SampleInfo&) {
+        self->OnBeat(beat);
+      },
+      transport::kBeatQos);
+  if (!beats) return beats.error();
+  watch->beats_ = std::move(beats).value();
+  return watch;
+}
+
+void HealthWatch::OnReport(std::size_t actuator, const ActuatorReport& report) {
+  const Time now = node_.loop().Now();
+  const bool local = !host_.empty() && report.host == host_;
+  pids_[actuator] = report.pid;
+  monitor_.Watch(actuator, report.incarnation, report.host, local, now);
+  Act(monitor_.Heard(actuator, report.incarnation, now));
+}
+
+void HealthWatch::Forget(std::size_t actuator) {
+  monitor_.Forget(actuator);
+  ArmTimer();
+}
+
+void HealthWatch::OnBeat(const msg::ActuatorBeat& beat) {
+  const auto found = index_.find(beat.name);
+  if (found == index_.end()) return;
+  const Beat heard{Duration(beat.period_ns), transport::WorkFrom(beat.work), beat.during,
+                   Duration(beat.silent_ns), Duration(beat.waited_ns)};
+  Act(monitor_.Heard(found->second, beat.incarnation, heard, node_.loop().Now()));
+}
+
+void HealthWatch::Act(const std::vector<Finding>& findings) {
+  for (const Finding& f : findings) {
+    std::visit([this](const auto& one) { Do(one); }, f);
+  }
+  ArmTimer();
+}
+
+void HealthWatch::Do(const finding::Probe& f) {
+  probe_(f.actuator);
+}
+
+void HealthWatch::Do(const finding::Examine& f) {
+  const pid_t pid = pids_[f.actuator];
+  const Time now = node_.loop().Now();
+  if (f.mark) return witness_.Mark(pid, now);
+  Act(monitor_.Examined(f.actuator, witness_.Examine(pid, now), now));
+}
+
+void HealthWatch::Do(const finding::Changed& f) {
+  emit_(event::HealthChanged{f.actuator, f.incarnation, f.health, f.silent, f.how});
+}
+
+void HealthWatch::ArmTimer() {
+  const std::optional<Time> next = monitor_.NextDeadline();
+  // An earlier timer than needed looks, finds nothing and is armed again: beats need not move it.
+  if (!next || (armed_for_ && *armed_for_ <= *next)) return;
+  armed_for_ = next;
+  timer_ = node_.loop().At(*next, [this] {
+    armed_for_.reset();
+    Act(monitor_.TimePassed(node_.loop().Now()));
+  });
+}
+
+}  // namespace musher

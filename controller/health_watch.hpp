@@ -1,0 +1,61 @@
+#pragma once
+// The IO around the health monitor (lifecycle/health_monitor.hpp): listens to the actuators' beats,
+// has processes looked at, and emits the verdicts as event::HealthChanged.
+//
+// Threads: loop thread only.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "musher/controller/process_witness.hpp"
+#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/health_monitor.hpp"
+#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher {
+
+class HealthWatch {
+ public:
+  using Emit = std::function<void(Event)>;
+  using Probe = std::function<void(std::size_t actuator)>;  // asks it anything
+
+  // All must outlive the watch. `host`: of this controller.
+  static Result<std::unique_ptr<HealthWatch>> Make(transport::Node& node,
+                                                   const MachineConfig& config,
+                                                   ProcessWitness& witness, std::string host,
+                                                   Emit emit, Probe probe);
+
+  // The process with this report is the one that counts, and was heard just now.
+  void OnReport(std::size_t actuator, const ActuatorReport& report);
+  // Its process has ended.
+  void Forget(std::size_t actuator);
+
+ private:
+  HealthWatch(transport::Node& node, const MachineConfig& config, ProcessWitness& witness,
+              std::string host, Emit emit, Probe probe);
+
+  void OnBeat(const msg::ActuatorBeat& beat);
+  void Act(const std::vector<Finding>& findings);
+  void Do(const finding::Probe& f);
+  void Do(const finding::Examine& f);
+  void Do(const finding::Changed& f);
+  void ArmTimer();
+
+  transport::Node& node_;
+  ProcessWitness& witness_;
+  const std::string host_;
+  const Emit emit_;
+  const Probe probe_;
+  HealthMonitor monitor_;
+  std::unordered_map<std::string, std::size_t> index_;
+  std::vector<pid_t> pids_;
+  std::optional<Time> armed_for_;
+  transport::LoopHandlePtr timer_;
+  std::unique_ptr<transport::Subscription> beats_;  // last: its callbacks use all of the above
+};
+
+}  // namespace musher

@@ -1,0 +1,108 @@
+// Who has the say: other controllers of the same machine, and the emergency stop.
+
+#include <algorithm>
+
+#include "musher/lifecycle/decision.hpp"
+
+namespace musher {
+namespace {
+
+constexpr std::size_t kReleasedKept = 16;
+
+}  // namespace
+
+// The controller with the higher epoch leads. The other lets go at once and touches nothing.
+void Decision::On(const event::RivalHeard& rival) {
+  const bool leads =
+      rival.epoch > machine_.epoch || (rival.epoch == machine_.epoch && rival.has_precedence);
+  const bool at_work = machine_.phase != Phase::kIdle && machine_.phase != Phase::kStopped &&
+                       machine_.phase != Phase::kFenced;
+  if (!leads || !at_work) return;
+  const std::string why = "another controller, " + rival.who + ", leads this machine with epoch " +
+                          std::to_string(rival.epoch);
+  const Error fenced{kCodePermissionDenied, why};
+  RecordMachine(fenced.code,
+                "this controller of epoch " + std::to_string(machine_.epoch) + " lets go: " + why);
+  if (machine_.current) {
+    SwitchResult result = Conclude(*machine_.current, false);
+    result.outcome = SwitchOutcome::kSuperseded;
+    result.code = fenced.code;
+    result.reason = fenced.message;
+    Answer(machine_.current->requests, result);
+    if (machine_.stopping) Answer(machine_.stopping->requests, result);
+    machine_.current.reset();
+  }
+  for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
+    Do(action::AnswerCall{request, fenced});
+  }
+  for (ActuatorRecord& record : machine_.actuators) {
+    for (const RequestId request : std::exchange(record.restart_requests, {})) {
+      Do(action::AnswerCall{request, fenced});
+    }
+  }
+  machine_.phase = Phase::kFenced;
+  Do(action::Fenced{why});
+}
+
+void Decision::On(const event::EmergencyStopSeen& seen) {
+  const auto& released = machine_.released_stops;
+  const bool over = std::find(released.begin(), released.end(), seen.stop.id) != released.end();
+  if (seen.stop.id == 0 || over) return;
+  if (machine_.emergency_stop) return EngageToo(seen.stop.id);
+  Engage(seen.stop);
+}
+
+void Decision::EngageToo(std::uint64_t id) {
+  auto& others = machine_.other_stops;
+  const bool known = machine_.emergency_stop->id == id ||
+                     std::find(others.begin(), others.end(), id) != others.end();
+  if (!known) others.push_back(id);
+}
+
+// The actuators have latched it themselves by now, or do so when they hear of it from us.
+void Decision::Engage(const EmergencyStop& stop) {
+  machine_.emergency_stop = stop;
+  Do(action::TellEmergencyStop{stop, true});
+  Do(action::SaveEmergencyStop{stop});
+  RecordMachine(kCodeProtectedError, "emergency stop, engaged by " +
+                                         (stop.by.empty() ? "somebody" : stop.by) +
+                                         (stop.reason.empty() ? "" : ": " + stop.reason));
+  if (machine_.current) machine_.current->stopped = true;
+}
+
+void Decision::On(const event::ReleaseRequested& requested) {
+  if (!machine_.emergency_stop) {
+    return Do(action::AnswerCall{requested.request,
+                                 Error{kCodeStateInvalid, "no emergency stop is engaged"}});
+  }
+  const EmergencyStop stop = *std::exchange(machine_.emergency_stop, std::nullopt);
+  Do(action::SaveEmergencyStop{});
+  Release(stop.id);
+  for (const std::uint64_t id : std::exchange(machine_.other_stops, {})) Release(id);
+  RecordMachine(kCodeOk, "the emergency stop is released by " +
+                             (requested.by.empty() ? "somebody" : requested.by) +
+                             "; no state is changed by that");
+  Do(action::AnswerCall{requested.request, Ok()});
+}
+
+void Decision::Release(std::uint64_t id) {
+  auto& released = machine_.released_stops;
+  released.push_back(id);
+  if (released.size() > kReleasedKept) released.erase(released.begin());
+  Do(action::TellEmergencyStop{{id, "", ""}, false});
+}
+
+// An actuator may have latched one that we missed, or missed the release of one: we follow the
+// first and repeat the second.
+void Decision::HoldTo(const ActuatorReport& report, std::size_t i) {
+  const std::uint64_t id = report.emergency_stop;
+  if (id == 0) return;
+  if (machine_.emergency_stop) return EngageToo(id);
+  const auto& released = machine_.released_stops;
+  if (std::find(released.begin(), released.end(), id) != released.end()) {
+    return Do(action::TellEmergencyStop{{id, "", ""}, false});
+  }
+  Engage({id, ConfigOf(i).name, "it was latched there when this controller came"});
+}
+
+}  // namespace musher

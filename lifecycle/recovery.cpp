@@ -1,0 +1,262 @@
+// What has died, hangs or is out of reach: a verdict, then a restart by policy, then back to where
+// the machine is; and what follows when there are no restarts left.
+
+#include <algorithm>
+#include <cmath>
+
+#include "musher/lifecycle/decision.hpp"
+#include "musher/lifecycle/suggest.hpp"
+
+namespace musher {
+namespace {
+
+// Before restart n, counted from 0.
+Duration DelayOf(const RestartConfig& restart, int n) {
+  const double factor = std::pow(restart.growth, n);
+  const double longest = static_cast<double>(restart.max_delay.count());
+  const double delay = static_cast<double>(restart.delay.count()) * factor;
+  return Duration(static_cast<Duration::rep>(std::min(delay, longest)));
+}
+
+}  // namespace
+
+// Whether it is on its way, though it is not there yet.
+bool Decision::Coming(std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  return record.restart_at || record.restart_asked ||
+         (record.presence == Presence::kStarting && record.set_up_by);
+}
+
+bool Decision::MayRestart(std::size_t i) const {
+  return !ConfigOf(i).command.empty() && ConfigOf(i).restart.policy != RestartPolicy::kNo;
+}
+
+// The process that can be signalled: one that we started, or one of this host that says it is it.
+std::int32_t Decision::ProcessOf(std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  if (record.process != 0) return record.process;
+  const ActuatorReport& report = record.report;
+  const bool here = !report.host.empty() && report.host == machine_.host;
+  return here && report.incarnation != record.dead ? report.pid : 0;
+}
+
+void Decision::On(const event::HealthChanged& changed) {
+  const std::size_t i = changed.actuator;
+  ActuatorRecord& record = Of(i);
+  if (changed.incarnation != record.report.incarnation || changed.incarnation == record.dead ||
+      machine_.phase == Phase::kStopping) {
+    return;
+  }
+  if (changed.health == Health::kWell) return Recovered(i, changed.how);
+  record.health = changed.health;
+  const std::string what = std::string(HealthName(changed.health)) + ": " + changed.how;
+  switch (changed.health) {
+    case Health::kHung:
+      return Hang(i, changed.silent, what);
+    case Health::kCrashed:
+    case Health::kPartitioned:
+      if (record.presence == Presence::kPresent || record.presence == Presence::kStarting) {
+        Lose(i, what);
+        Fall(i);
+      }
+      return;
+    case Health::kStarved:
+    case Health::kWell:
+      return RecordActuator(i, kCodeTimeout, ConfigOf(i).name + " is " + what);
+  }
+}
+
+void Decision::Recovered(std::size_t i, const std::string& how) {
+  ActuatorRecord& record = Of(i);
+  record.health = Health::kWell;
+  RecordActuator(i, kCodeOk, ConfigOf(i).name + " is well again: " + how);
+  if (!record.restart_asked) record.doomed = 0;
+  record.kill_at.reset();
+  if (record.presence == Presence::kLost) {
+    record.presence = Presence::kStarting;
+    return Claim(i);
+  }
+  if (record.presence == Presence::kPresent && record.fault && record.checked && !record.held) {
+    record.due = true;
+  }
+}
+
+// One that hangs is killed if it may be started again, once it is known what it was doing. What is
+// not ours to restart is left as it is: it may come to itself.
+void Decision::Hang(std::size_t i, bool silent, const std::string& how) {
+  const std::int32_t pid = ProcessOf(i);
+  const bool killable = MayRestart(i) && pid != 0;
+  if (killable || silent) {
+    Lose(i, how);
+  } else {
+    Degrade(i, kCodeTimeout, how);
+  }
+  if (!killable) return Fall(i);
+  RecordProcess(i, kCodeTimeout,
+                "what " + ConfigOf(i).name + " is doing is looked at; then process " +
+                    std::to_string(pid) + " gets SIGKILL");
+  Doom(i, pid, kBacktraceTime);
+  Do(action::TakeBacktrace{i, pid});
+}
+
+void Decision::Doom(std::size_t i, std::int32_t pid, Duration grace) {
+  Of(i).doomed = pid;
+  Of(i).kill_at = now_ + grace;
+}
+
+void Decision::On(const event::BacktraceTaken& taken) {
+  ActuatorRecord& record = Of(taken.actuator);
+  if (record.doomed != taken.pid || !record.kill_at) return;  // it came to itself, or has ended
+  action::Record backtrace{"process", taken.actuator, 0, kCodeOk, "", taken.text};
+  backtrace.message = "what " + ConfigOf(taken.actuator).name + " was doing:";
+  Do(backtrace);
+  Kill(taken.actuator);
+}
+
+void Decision::Kill(std::size_t i) {
+  Of(i).kill_at.reset();
+  Do(action::SignalProcess{i, Of(i).doomed, true});
+}
+
+// Its process has ended, or could not be started: what now?
+void Decision::Recover(std::size_t i, bool clean) {
+  ActuatorRecord& record = Of(i);
+  const ActuatorConfig& config = ConfigOf(i);
+  record.doomed = 0;
+  record.kill_at.reset();
+  record.healthy_at.reset();
+  const bool wanted = machine_.phase == Phase::kStarting || machine_.phase == Phase::kRunning ||
+                      machine_.phase == Phase::kFailed;
+  if (!wanted) return;
+  if (std::exchange(record.restart_asked, false)) {
+    record.restart_at = now_;
+    return;
+  }
+  if (record.state() == kTearDown) return;
+  const bool content = clean && config.restart.policy == RestartPolicy::kOnFailure;
+  if (!MayRestart(i) || content) return Fall(i);
+  if (record.restarts >= config.restart.limit) return GiveUp(i);
+  const Duration delay = DelayOf(config.restart, record.restarts);
+  ++record.restarts;
+  record.restart_at = now_ + delay;
+  RecordProcess(i, kCodeOk,
+                config.name + " is started again in " + std::to_string(ToMilliseconds(delay)) +
+                    " ms, restart " + std::to_string(record.restarts) + " of " +
+                    std::to_string(config.restart.limit));
+}
+
+void Decision::GiveUp(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  record.given_up = true;
+  const std::string last = record.fault ? record.fault->message : "its process ended";
+  Degrade(i, kCodeFailed,
+          "given up after " + std::to_string(record.restarts) + " restarts; " + last);
+  Fall(i);
+}
+
+// One that somebody else starts again and again is counted as well.
+void Decision::CountArrival(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  const RestartConfig& restart = ConfigOf(i).restart;
+  if (record.process == 0 && record.dead != 0) ++record.restarts;
+  record.given_up = record.restarts > restart.limit;
+  if (record.restarts > 0) record.healthy_at = now_ + restart.reset_after;
+  if (!record.given_up) return;
+  Degrade(i, kCodeFailed,
+          "it was started " + std::to_string(record.restarts) +
+              " times in a row; left alone until it has lived for " +
+              std::to_string(ToMilliseconds(restart.reset_after)) + " ms");
+  Fall(i);
+}
+
+void Decision::CheckRestarts() {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    if (record.kill_at && *record.kill_at <= now_) Kill(i);
+    if (record.healthy_at && *record.healthy_at <= now_) {
+      record.healthy_at.reset();
+      record.restarts = 0;
+      if (std::exchange(record.given_up, false)) record.due = record.checked;
+    }
+    if (record.restart_at && *record.restart_at <= now_) StartAgain(i);
+    if (!record.restart_requests.empty()) AnswerRestarts(i);
+  }
+}
+
+void Decision::StartAgain(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  record.restart_at.reset();
+  record.found_running = false;
+  record.presence = Presence::kStarting;
+  record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
+  Do(action::StartProcess{i});
+}
+
+void Decision::On(const event::RestartRequested& requested) {
+  const auto refuse = [&](std::int32_t code, const std::string& why) {
+    Do(action::AnswerCall{requested.request, Error{code, why}});
+  };
+  const auto i = config_.IndexOf(requested.actuator);
+  if (!i) {
+    std::vector<std::string> names;
+    for (const ActuatorConfig& actuator : config_.actuators) names.push_back(actuator.name);
+    const std::string near = Nearest(requested.actuator, names);
+    return refuse(kCodeParametersInvalid,
+                  "unknown actuator '" + requested.actuator.substr(0, 64) + "'" +
+                      (near.empty() ? "" : "; did you mean '" + near + "'?"));
+  }
+  if (ConfigOf(*i).command.empty()) {
+    return refuse(kCodeUnSupport,
+                  requested.actuator + " has no command in the config: whoever started it has to");
+  }
+  const bool in_use = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
+  if (!in_use) {
+    return refuse(kCodeStatusError,
+                  "the machine is " + std::string(PhaseName(machine_.phase)) + "; not now");
+  }
+  ActuatorRecord& record = Of(*i);
+  record.restart_requests.push_back(requested.request);
+  if (record.restart_asked) return;
+  record.restart_asked = true;
+  record.restarts = 0;
+  record.given_up = false;
+  RecordProcess(*i, kCodeOk, requested.actuator + " is restarted by hand");
+  EndForRestart(*i);
+}
+
+// TearDown if it can be told, else SIGTERM, and SIGKILL when that does not help.
+void Decision::EndForRestart(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  const std::int32_t pid = ProcessOf(i);
+  if (pid == 0) return Recover(i, false);
+  const bool can_be_told = record.presence == Presence::kPresent && !record.order &&
+                           !record.report.busy() && !machine_.current &&
+                           record.health != Health::kHung && ConfigOf(i).Lists(kTearDown) &&
+                           record.state() != kTearDown;
+  if (can_be_told) {
+    return Issue(i, machine_.number + 1, State(kTearDown), config_.TimeFor(i, kTearDown));
+  }
+  Doom(i, pid, kEndTime);
+  Do(action::SignalProcess{i, pid, false});
+}
+
+// Those who asked for a restart hear when it is back, or that it will not come.
+void Decision::AnswerRestarts(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  if (Coming(i)) return;
+  const bool ended = machine_.phase != Phase::kRunning && machine_.phase != Phase::kFailed;
+  const bool there = record.presence == Presence::kPresent && !record.order && !record.due &&
+                     (record.checked || record.join_tried || machine_.phase == Phase::kFailed);
+  if (!ended && !there && !record.fault) return;
+  Result<> answer;
+  if (record.fault) {
+    answer = *record.fault;
+  } else if (!there) {
+    answer = Error{kCodeStateInvalid, "the machine is being torn down"};
+  }
+  for (const RequestId request : std::exchange(record.restart_requests, {})) {
+    Do(action::AnswerCall{request, answer});
+  }
+}
+
+}  // namespace musher
