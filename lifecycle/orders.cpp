@@ -55,7 +55,8 @@ void Decision::Accept(std::size_t i, const ActuatorReport& report) {
     record.clock_theirs = report.stamp;
     record.clock_ours = now_;
   }
-  const bool moved = !other_process && report.state != record.report.state && !record.order &&
+  const bool moved = !other_process && record.presence == Presence::kPresent &&
+                     report.state != record.report.state && !record.order &&
                      report.outcome_number == record.report.outcome_number;
   record.report = report;
   if (moved) Drifted(i);
