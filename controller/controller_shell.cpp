@@ -205,10 +205,12 @@ void ControllerShell::Do(const action::StartProcess& a) {
   auto pid = std::make_shared<pid_t>(0);
   const auto started =
       world_.processes->Start(spec, [this, i = a.actuator, pid](const ProcessExit& exit) {
+        peers_[i].link->OnProcess(0);
         Handle(event::ProcessEnded{i, *pid, exit.clean(), exit.Text()});
       });
   if (!started) return Handle(event::ProcessNotStarted{a.actuator, started.error().message});
   *pid = started.value();
+  peers_[a.actuator].link->OnProcess(*pid);
   Handle(event::ProcessStarted{a.actuator, started.value()});
 }
 

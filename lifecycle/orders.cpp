@@ -62,9 +62,10 @@ void Decision::Follow(std::size_t i) {
   record.join_tried = false;
   record.held = false;
   record.due = late && record.checked;
-  RecordActuator(i, kCodeOk,
-                 ConfigOf(i).name + " is present in " + record.state() + ", process " +
-                     std::to_string(record.report.pid));
+  RecordActuator(
+      i, kCodeOk,
+      ConfigOf(i).name + " is present in " + record.state() +
+          (record.report.pid == 0 ? "" : ", process " + std::to_string(record.report.pid)));
 }
 
 void Decision::On(const event::StatusSeen& seen) {

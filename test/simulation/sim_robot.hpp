@@ -31,6 +31,12 @@ class SimRobot : private ProcessRunner, private JournalSink {
 
   transport::sim::Network& network() { return network_; }
 
+  // A program that is no actuator of ours runs behind that name; made anew with each process.
+  using Program = std::function<std::shared_ptr<void>(transport::Node& node)>;
+  void UseProgram(const std::string& name, Program program) {
+    programs_[name] = std::move(program);
+  }
+
   void StartController();
   void CrashController();
   void StartActuator(const std::string& name);  // as a person would
@@ -63,6 +69,7 @@ class SimRobot : private ProcessRunner, private JournalSink {
     std::unique_ptr<transport::Node> node;
     std::unique_ptr<Worker> worker;
     std::unique_ptr<ActuatorShell> shell;
+    std::shared_ptr<void> program;  // instead of the shell
   };
 
   Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) override;
@@ -77,6 +84,7 @@ class SimRobot : private ProcessRunner, private JournalSink {
 
   MachineConfig config_;
   Script script_;
+  std::map<std::string, Program> programs_;
   transport::sim::Network network_;
   std::unique_ptr<transport::Node> keeper_;  // whose loop runs what belongs to no process
   std::unique_ptr<ControllerProcess> controller_;
