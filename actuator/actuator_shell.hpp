@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "musher/actuator/fs_machine.hpp"
 #include "musher/actuator/worker.hpp"
 #include "musher/lifecycle/actuator_core.hpp"
 #include "musher/lifecycle/config.hpp"
@@ -52,6 +53,7 @@ class ActuatorShell {
   using Reply = transport::Server<msg::ActuatorCommand>::Reply;
 
   void OnRequest(const msg::ActuatorCommand::Request& request, Reply reply);
+  void OnManager(const State& target, FsMachine::Reply reply);
   void Handle(const ActuatorEvent& event);
   void Do(const actuator_action::RunCallback& action);
   void Do(const actuator_action::RequestStop& action);
@@ -70,10 +72,11 @@ class ActuatorShell {
   ActuatorCore core_;
   RequestToken next_token_ = 1;
   Time last_stamp_{};
-  std::map<RequestToken, Reply> replies_;
+  std::map<RequestToken, std::function<void(const actuator_action::Answer&)>> replies_;
   std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> status_;
   transport::LoopHandlePtr publish_later_;
   std::unique_ptr<transport::Server<msg::ActuatorCommand>> server_;
+  std::unique_ptr<FsMachine> fs_machine_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for results that come after us
 };
 

@@ -62,6 +62,13 @@ class Deciding {
     Do(PublishStatus{});
   }
 
+  void On(const event::ManagerCommand& arrived) {
+    if (auto refusal = JudgeManager(arrived.target)) return Refuse({arrived.token}, *refusal);
+    SwitchCommand command;  // of number 0, which no controller gives
+    command.target = arrived.target;
+    Begin(command, {arrived.token});
+  }
+
   void On(const event::CallbackEnded& ended) {
     const State target = std::exchange(report_.target, "");
     const auto tokens = std::exchange(core_.running_for, {});
@@ -143,18 +150,31 @@ class Deciding {
                                            " is from the past; " + std::to_string(report_.number) +
                                            " was seen already"};
     }
+    if (auto refusal = JudgeTarget(command.target)) return refusal;
+    return TooOld(command);
+  }
+
+  std::optional<Refusal> JudgeManager(const State& target) const {
+    if (report_.epoch != 0) {
+      return Refusal{kCodePermissionDenied,
+                     "a controller holds it, epoch " + std::to_string(report_.epoch)};
+    }
+    if (report_.busy()) return Refusal{kCodeTargetBusy, "it is busy with " + report_.target};
+    return JudgeTarget(target);
+  }
+
+  std::optional<Refusal> JudgeTarget(const State& target) const {
     if (report_.state == kTearDown) {
       return Refusal{kCodeStateInvalid,
                      "the actuator is torn down; only a new start brings it back"};
     }
-    if (command.target == kSetUp || command.target == kUninitialized) {
-      return Refusal{kCodeStateInvalid,
-                     command.target + " cannot be commanded: it is a process's start"};
+    if (target == kSetUp || target == kUninitialized) {
+      return Refusal{kCodeStateInvalid, target + " cannot be commanded: it is a process's start"};
     }
-    if (!config_.Lists(command.target)) {
-      return Refusal{kCodeUnSupport, config_.name + " has no state '" + command.target + "'"};
+    if (!config_.Lists(target)) {
+      return Refusal{kCodeUnSupport, config_.name + " has no state '" + target + "'"};
     }
-    return TooOld(command);
+    return std::nullopt;
   }
 
   std::optional<Refusal> TooOld(const SwitchCommand& command) const {

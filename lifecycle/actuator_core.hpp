@@ -14,7 +14,8 @@
 //
 // Rules: the epoch never falls; a number is accepted once and never below one accepted or fenced; a
 // command older than its budget by this actuator's clock cannot begin; a callback that runs is
-// never interrupted, only asked to stop.
+// never interrupted, only asked to stop; a manager without epochs may command as long as no
+// controller has spoken, and its command never waits.
 
 #include <cstdint>
 #include <optional>
@@ -63,14 +64,20 @@ struct AskArrived {
   RequestToken token = 0;
   AskCommand command;
 };
+// A manager that knows no epochs and numbers (CyberDog's FsMachine) wants this state.
+struct ManagerCommand {
+  RequestToken token = 0;
+  State target;
+};
 struct CallbackEnded {
   std::int32_t code = 0;
   std::string message;
 };
 }  // namespace actuator_event
 
-using ActuatorEvent = std::variant<actuator_event::Started, actuator_event::SwitchArrived,
-                                   actuator_event::AskArrived, actuator_event::CallbackEnded>;
+using ActuatorEvent =
+    std::variant<actuator_event::Started, actuator_event::SwitchArrived, actuator_event::AskArrived,
+                 actuator_event::ManagerCommand, actuator_event::CallbackEnded>;
 
 namespace actuator_action {
 // Run the callback of `target` on the worker; its end comes back as CallbackEnded.
