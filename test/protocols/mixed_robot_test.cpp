@@ -75,6 +75,9 @@ class AMixedRobot : public ::testing::Test {
 TEST_F(AMixedRobot, ComesUpSwitchesAndIsTornDown) {
   BringUp();
   ExpectAllIn("Active");
+  for (const ActuatorRecord& record : robot_.machine().actuators) {
+    EXPECT_EQ(record.report.pid, record.process);
+  }
   EXPECT_TRUE(Set("LowPower").done());
   ExpectAllIn("LowPower");
   EXPECT_TRUE(Set("Active").done());

@@ -224,6 +224,27 @@ TEST_F(DrivingARos2Node, IsNotTakenForActiveBecauseAnEventWasLost) {
   EXPECT_EQ(ros_->state(), Ros2State::kActive);
 }
 
+TEST_F(DrivingARos2Node, AnAnswerFromBeforeAnOrderSaysNothingAboutWhatCameAfter) {
+  BringUp();
+  ros_->holds_looks = true;
+  link_->Ask({1, number_, false});
+  network_.RunFor(Milliseconds(50));
+  ASSERT_EQ(Do("LowPower").verdict, Verdict::kDone);
+  statuses_ = 0;
+  ros_->Release();
+  network_.RunFor(Milliseconds(50));
+  EXPECT_EQ(statuses_, 0) << "it has not become active again";
+}
+
+TEST_F(DrivingARos2Node, NobodyAnswersForAProcessOfOursThatHasEnded) {
+  link_->OnProcess(4711);
+  network_.Crash(*process_);
+  link_->OnProcess(0);
+  Switch("Active");
+  EXPECT_FALSE(Ask());
+  EXPECT_FALSE(reply_);
+}
+
 TEST_F(DrivingARos2Node, ADeathIsNoticedAndItsSuccessorIsSetUpAnew) {
   const std::uint64_t first = status_.incarnation;
   EndNode();

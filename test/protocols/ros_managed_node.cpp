@@ -40,7 +40,10 @@ RosManagedNode::RosManagedNode(transport::Node& node, const std::string& name) :
              [this](const msg::GetState::Request&, auto reply) {
                Handle([this, reply] {
                  if (lost_get_replies-- > 0) return;
-                 reply({{static_cast<std::uint8_t>(state_), std::string(Ros2StateName(state_))}});
+                 const msg::State now{static_cast<std::uint8_t>(state_),
+                                      std::string(Ros2StateName(state_))};
+                 if (!holds_looks) return reply({now});
+                 held_looks_.push_back([reply, now] { reply({now}); });
                });
              })
              .value();
@@ -68,7 +71,8 @@ void RosManagedNode::Change(const std::string& transition) {
 }
 
 void RosManagedNode::Release() {
-  holds_changes = false;
+  holds_changes = holds_looks = false;
+  for (auto& answer : std::exchange(held_looks_, {})) answer();
   for (auto& work : std::exchange(held_, {})) Handle(std::move(work));
 }
 

@@ -34,6 +34,7 @@ class RosManagedNode {
   int lost_get_replies = 0;                // that has not been matched
   bool tells_events = true;
   bool holds_changes = false;  // requests for a change are still on their way, see Release()
+  bool holds_looks = false;    // answers to get_state are still on their way, see Release()
   bool frozen = false;  // nothing is taken any more, as by a callback of its own that never ends
 
   Ros2State state() const { return state_; }
@@ -41,7 +42,7 @@ class RosManagedNode {
 
   // Somebody else moves it, or it does so itself.
   void Change(const std::string& transition);
-  // The requests that were on their way arrive.
+  // The requests and answers that were on their way arrive.
   void Release();
 
  private:
@@ -58,6 +59,7 @@ class RosManagedNode {
   bool busy_ = false;
   std::deque<std::function<void()>> queue_;
   std::vector<std::function<void()>> held_;
+  std::vector<std::function<void()>> held_looks_;
   std::vector<std::string> log_;
   transport::LoopHandlePtr end_;
   std::unique_ptr<transport::Publisher<msg::TransitionEvent>> events_;
