@@ -105,8 +105,8 @@ void ForeignLink::Begin(const SwitchCommand& command) {
   Drive();
 }
 
-void ForeignLink::BeginSetUp() {
-  order_ = Order{0, State(kSetUp), Time::max(), false, false};
+void ForeignLink::BeginSetUp(Duration budget) {
+  order_ = Order{0, State(kSetUp), Now() + budget, false, false};
   report_.target = State(kSetUp);
   report_.busy_number = 0;
   Drive();

@@ -55,7 +55,7 @@ class ForeignLink : public ActuatorLink {
 
   // For a protocol to call. The participants that serve now, whenever that may have changed.
   void OnServers(std::vector<transport::PeerId> servers);
-  void BeginSetUp();
+  void BeginSetUp(Duration budget);
   // The order has ended. Begins the command that waits.
   void End(Verdict verdict, std::int32_t code = kCodeOk, const std::string& message = "");
   // The order had not begun and nobody waits for it any more.
@@ -68,6 +68,7 @@ class ForeignLink : public ActuatorLink {
   bool ours() const { return process_ != 0; }  // this controller has started its process
   transport::PeerId server() const { return server_; }
   std::optional<Order>& order() { return order_; }
+  const std::optional<Order>& order() const { return order_; }
   bool has_waiting() const { return waiting_.has_value(); }
   ActuatorReport& report() { return report_; }
   const ActuatorReport& report() const { return report_; }

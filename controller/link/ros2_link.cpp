@@ -16,6 +16,8 @@ constexpr Duration kLookPeriod = Milliseconds(500);
 constexpr Duration kLookTimeout = std::chrono::seconds(10);
 // The event of a transition's end comes before the reply; so long the reply may take to follow.
 constexpr Duration kReplyGrace = Milliseconds(50);
+// A node that says for so long that it is unconfigured has not got the request to configure.
+constexpr Duration kSetUpPatience = std::chrono::seconds(2);
 // Less than the coordinator waits for the answer to a question.
 constexpr Duration kAskPatience = Milliseconds(200);
 
@@ -137,7 +139,7 @@ void Ros2Link::OnLooked(Ros2State state) {
 void Ros2Link::OnFirstLook() {
   const bool may_be_adopted = !ours() && known_ != Ros2State::kUnconfigured;
   const auto adopted = may_be_adopted ? AdoptedState(known_) : std::nullopt;
-  if (!adopted) return BeginSetUp();
+  if (!adopted) return BeginSetUp(kSetUpPatience);
   set_up_ = true;
   report().target.clear();
   report().state = *adopted;
@@ -157,7 +159,10 @@ void Ros2Link::OnLookedWhileDriving() {
     return Finish(Verdict::kFailed, kCodeFailed,
                   std::string(step.name) + " failed; " + Is(known_) + " now");
   }
-  if (!order()->asked) return LookAt(Now() + kLookPeriod);  // it may not have begun yet
+  // It may not have begun yet. Nobody asks about an order that was superseded.
+  const bool over = order()->asked || order()->stopped || Now() >= order()->deadline;
+  if (!over) return LookAt(Now() + kLookPeriod);
+  if (order()->number == 0) return BeginSetUp(kSetUpPatience);
   stray_ = true;
   if (steps_done_ > 0) {
     return Finish(Verdict::kFailed, kCodeTimeout,
@@ -180,7 +185,7 @@ void Ros2Link::OnLookedWhileFree(Ros2State before, bool revived) {
   }
   if (revived && report().state == machine().default_state) {
     set_up_ = false;
-    return BeginSetUp();
+    return BeginSetUp(kSetUpPatience);
   }
   if (strayed) {
     stray_ = strayed_ = false;
@@ -205,14 +210,7 @@ void Ros2Link::OnEvent(const msg::TransitionEvent& event, const transport::Sampl
 }
 
 void Ros2Link::Proceed() {
-  const State target = order()->target;
-  const bool may_stay = known_ == Ros2State::kInactive || known_ == Ros2State::kActive ||
-                        known_ == GoalOf(report().state);
-  if (target == kSelfCheck) {
-    if (may_stay) return Finish(Verdict::kDone);
-    return Finish(Verdict::kFailed, kCodeSelfCheckFailed, Is(known_));
-  }
-  const Ros2State goal = GoalOf(target);
+  const Ros2State goal = GoalNow();
   if (known_ == goal) return Finish(Verdict::kDone);
   if (order()->stopped || has_waiting()) {
     return Finish(Verdict::kFailed, kCodeTimeout, "stopped on its way; " + Is(known_));
@@ -223,6 +221,15 @@ void Ros2Link::Proceed() {
                   Is(known_) + "; only a new start brings it back");
   }
   Transit(*step);
+}
+
+// Of the order. A check leaves the node where it is, unless it has fallen out of its configuration.
+Ros2State Ros2Link::GoalNow() const {
+  if (order()->target != kSelfCheck) return GoalOf(order()->target);
+  const State& at = report().state;
+  const bool may_stay = known_ == Ros2State::kInactive || known_ == Ros2State::kActive ||
+                        (at != machine().default_state && known_ == GoalOf(at));
+  return may_stay ? known_ : Ros2State::kInactive;
 }
 
 void Ros2Link::Transit(const Ros2Transition& step) {
@@ -260,6 +267,7 @@ void Ros2Link::Finish(Verdict verdict, std::int32_t code, const std::string& mes
   look_ = nullptr;
   if (verdict == Verdict::kDone) {
     set_up_ = true;
+    if (report().state == machine().default_state) report().state = State(kSetUp);
   } else {
     report().state = StateIn(known_);
   }

@@ -64,6 +64,7 @@ class Ros2Link : public ForeignLink {
 
   State StateIn(Ros2State state) const;
   std::optional<State> AdoptedState(Ros2State state) const;
+  Ros2State GoalNow() const;
   Ros2State GoalOf(const State& state) const { return Ros2GoalOf(actuator().ros2_states, state); }
 
   struct PendingAsk {

@@ -171,6 +171,18 @@ TEST_F(DrivingARos2Node, ARequestThatNeverArrivedHadNotBegunAndWhenItDoesTheNode
   EXPECT_GE(statuses_, before + 2) << "busy and free once, so that the coordinator takes note";
 }
 
+TEST_F(DrivingARos2Node, AnOrderThatNobodyAsksAboutEndsAsWell) {
+  ros_->holds_changes = true;
+  Switch("Active");
+  const std::uint64_t next = Switch("Error");
+  network_.RunFor(Milliseconds(50));
+  ros_->holds_changes = false;  // the first request is lost for good
+  network_.RunFor(std::chrono::seconds(2));
+  EXPECT_EQ(reply_->number, next);
+  EXPECT_EQ(reply_->code, kCodeTimeout) << "it had to wait for too long";
+  EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
+}
+
 TEST_F(DrivingARos2Node, ARequestThatArrivesAfterAPartitionEndsAsItEnds) {
   network_.Partition("controller", "robot");
   Switch("Active");
@@ -198,13 +210,22 @@ TEST_F(DrivingARos2Node, ANodeThatWasSilentIsHeardOfAgain) {
 }
 
 TEST_F(DrivingARos2Node, ASelfCheckAsksWhetherItIsThereAndMovesNothing) {
+  BringUp();
   EXPECT_EQ(Do("SelfCheck").verdict, Verdict::kDone);
-  ros_->Change("cleanup");
-  ASSERT_TRUE(Until([&] { return ros_->state() == Ros2State::kUnconfigured; }));
-  const event::Replied reply = Do("SelfCheck");
-  EXPECT_EQ(reply.code, kCodeSelfCheckFailed);
-  EXPECT_EQ(reply.message, "the node is unconfigured");
-  EXPECT_THAT(ros_->log(), ElementsAre("configure", "cleanup"));
+  EXPECT_EQ(reply_->report.state, "Active");
+  EXPECT_THAT(ros_->log(), ElementsAre("configure", "activate"));
+}
+
+TEST_F(DrivingARos2Node, ASelfCheckConfiguresANodeThatHasFallenOutOfItsConfiguration) {
+  BringUp();
+  ros_->script["deactivate"].outcome = Outcome::kError;
+  EXPECT_EQ(Do("LowPower").report.state, "Uninitialized");
+  ros_->script["configure"].outcome = Outcome::kFailure;
+  EXPECT_EQ(Do("SelfCheck").message, "configure failed; the node is unconfigured now");
+  ros_->script["configure"].outcome = Outcome::kSuccess;
+  EXPECT_EQ(Do("SelfCheck").verdict, Verdict::kDone);
+  EXPECT_EQ(reply_->report.state, "SelfCheck");
+  EXPECT_EQ(ros_->state(), Ros2State::kInactive);
 }
 
 TEST_F(DrivingARos2Node, WhoeverElseMovesItIsReportedAndNotCorrected) {
@@ -319,6 +340,15 @@ TEST_F(FindingARos2Node, OneThatCannotBeConfiguredHasAFailedSetUpUntilSomebodyDo
   ros_->script["configure"].outcome = Outcome::kSuccess;
   ros_->Change("configure");
   EXPECT_TRUE(Until([&] { return IsIn("SetUp"); }));
+}
+
+TEST_F(FindingARos2Node, OneThatDidNotGetTheRequestToConfigureGetsAnother) {
+  ros_->holds_changes = true;
+  ASSERT_TRUE(Until([&] { return status_.target == "SetUp"; }));
+  network_.RunFor(std::chrono::seconds(1));
+  ros_->holds_changes = false;
+  EXPECT_TRUE(Until([&] { return IsIn("SetUp"); }));
+  EXPECT_THAT(ros_->log(), ElementsAre("configure"));
 }
 
 TEST_F(FindingARos2Node, OneThatLoadsForLongIsBusyInSetUpMeanwhile) {
