@@ -259,7 +259,7 @@ void ControllerShell::Do(const action::StartProcess& a) {
       });
   if (!started) return Handle(event::ProcessNotStarted{a.actuator, started.error().message});
   *pid = started.value();
-  peers_[a.actuator].link->OnProcess(started.value());
+  peers_[a.actuator].link->OnProcess(*pid);
   Handle(event::ProcessStarted{a.actuator, started.value()});
 }
 
