@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 
 class AMixedRobot : public ::testing::Test {
  protected:
-  AMixedRobot() : robot_(1, Config()) {
+  explicit AMixedRobot(bool critical = false) : robot_(1, Config(critical)) {
     robot_.UseProgram("b", [this](transport::Node& node) {
       auto module = std::make_shared<CyberdogModule>(node, "", "b", "b");
       module->script = module_script_;
@@ -34,11 +34,12 @@ class AMixedRobot : public ::testing::Test {
     });
   }
 
-  static MachineConfig Config() {
+  static MachineConfig Config(bool critical) {
     MachineConfig config = MachineOf(3);
     for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
     config.actuators[1].protocol = Protocol::kCyberdog;
     config.actuators[1].heartbeat_name = "b";
+    config.actuators[1].critical = critical;
     config.actuators[2].protocol = Protocol::kRos2Lifecycle;
     return config;
   }
@@ -143,11 +144,33 @@ TEST_F(AMixedRobot, AModulesLostReplyLeavesItUnknownAndSwitchesGoOnWithoutIt) {
   EXPECT_EQ(Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
   robot_.RunFor(std::chrono::minutes(1));
   EXPECT_THAT(robot_.Degraded(), ElementsAre("b"));
-  const SwitchResult onward = Set("OTA");
-  EXPECT_EQ(onward.outcome, SwitchOutcome::kDoneDegraded) << onward.reason;
+  for (const char* target : {"Active", "OTA"}) {
+    const Time begun = robot_.network().now();
+    const SwitchResult result = Set(target);
+    EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded) << result.reason;
+    EXPECT_LT(robot_.network().now() - begun, Milliseconds(50)) << "nobody waits for it";
+    EXPECT_EQ(robot_.machine().actuators[2].state(), target);
+  }
   EXPECT_THAT(module_->log(), ElementsAre("SelfCheck", "Active", "LowPower"))
       << "nothing more is sent until it answers";
-  EXPECT_EQ(robot_.machine().actuators[2].state(), "OTA");
+  robot_.CrashActuator("b");
+  robot_.StartActuator("b");
+  robot_.RunFor(std::chrono::seconds(1));
+  ExpectAllIn("OTA");
+}
+
+class AMixedRobotWithACriticalModule : public AMixedRobot {
+ protected:
+  AMixedRobotWithACriticalModule() : AMixedRobot(true) {}
+};
+
+TEST_F(AMixedRobotWithACriticalModule, GoesNoFurtherUpWhileItIsUnknown) {
+  BringUp();
+  module_->lost_replies = 1;
+  Set("LowPower");
+  const SwitchResult result = Set("Active");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(result.reason, "critical b has not answered LowPower and cannot be asked");
 }
 
 TEST_F(AMixedRobot, NoticesTheEndOfAProcessAtOnceAndDrivesTheNextOne) {
