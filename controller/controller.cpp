@@ -3,8 +3,11 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
+#include "musher/lifecycle/config_toml.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher {
@@ -13,8 +16,15 @@ namespace {
 // Where entries go when there is no folder for a journal.
 class NoJournal : public JournalSink {
  public:
-  void Append(JournalEntry) noexcept override {}
+  void Append(JournalItem) noexcept override {}
 };
+
+// What the config was read from; empty when its file says something else by now.
+std::string TextOf(const MachineConfig& config) {
+  std::ifstream file(config.file, std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  return ReadConfigText(text, config.file).config == config ? text : std::string();
+}
 
 std::int64_t WallNanoseconds() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -73,6 +83,7 @@ Result<> Controller::Open(int domain_id) {
   world.save_epoch = [this](std::uint64_t epoch) { SaveEpoch(epoch); };
   world.log_file = [this](const std::string& name) { return store_ ? store_->LogFile(name) : ""; };
   world.wall_ns = WallNanoseconds;
+  world.config_text = TextOf(config_);
   world.host = transport::HostId();
   world.pid = getpid();
   auto shell = ControllerShell::Make(std::move(world), config_, options_.hooks);

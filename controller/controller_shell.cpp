@@ -22,6 +22,7 @@ ControllerShell::ControllerShell(World world, const MachineConfig& config, Hooks
       config_(config),
       hooks_(std::move(hooks)),
       machine_(MakeMachine(config)),
+      recorder_(*world_.journal, config),
       links_(config.actuators.size()) {
   for (std::size_t i = 0; i < config.actuators.size(); ++i) index_[config.actuators[i].name] = i;
 }
@@ -64,6 +65,7 @@ Result<> ControllerShell::Open() {
 }
 
 void ControllerShell::Begin(bool by_hand, std::uint64_t epoch, std::vector<bool> running) {
+  recorder_.Begin(world_.wall_ns(), world_.config_text);
   Handle(event::Begin{by_hand, epoch, std::move(running)});
 }
 
@@ -153,7 +155,9 @@ void ControllerShell::HandleQueued() {
   while (!queue_.empty()) {
     const Event event = std::move(queue_.front());
     queue_.pop_front();
-    const std::vector<Action> actions = Step(config_, machine_, event, world_.node->loop().Now());
+    const Time now = world_.node->loop().Now();
+    recorder_.Note(world_.wall_ns(), machine_, event, now);
+    const std::vector<Action> actions = Step(config_, machine_, event, now);
     for (const Action& action : actions) {
       std::visit([this](const auto& a) { Do(a); }, action);
     }
@@ -273,6 +277,9 @@ void ControllerShell::Do(const action::Record& a) {
   if (a.actuator) entry.actuator = config_.actuators[*a.actuator].name;
   entry.code = a.code;
   entry.message = a.message;
+  entry.id = a.id;
+  entry.cause = a.cause;
+  entry.state = a.state;
   world_.journal->Append(std::move(entry));
   if (hooks_.on_record) hooks_.on_record(a);
 }

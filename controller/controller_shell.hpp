@@ -15,6 +15,7 @@
 
 #include "musher/controller/journal.hpp"
 #include "musher/controller/process_runner.hpp"
+#include "musher/controller/recording/recorder.hpp"
 #include "musher/lifecycle/coordinator.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
@@ -33,7 +34,8 @@ class ControllerShell {
     std::function<void(std::uint64_t)> save_epoch;
     std::function<std::string(const std::string&)> log_file;  // of an actuator's process
     std::function<std::int64_t()> wall_ns;                    // since 1970
-    std::string host;                                         // transport::HostId()
+    std::string config_text;  // what the config was read from, for the journal; may be empty
+    std::string host;         // transport::HostId()
     std::int32_t pid = 0;
   };
   // What it tells; each may be empty.
@@ -101,6 +103,7 @@ class ControllerShell {
   const MachineConfig& config_;
   Hooks hooks_;
   Machine machine_;
+  recording::Recorder recorder_;
   std::unordered_map<std::string, std::size_t> index_;
   struct Speaker {
     std::size_t actuator = 0;

@@ -43,4 +43,9 @@ msg::GetPlan::Response ToMessage(const MachineConfig& config, const Plan& plan) 
   return response;
 }
 
+msg::HistoryEntry ToMessage(const JournalEntry& entry) {
+  return {entry.id,       entry.wall_ns, entry.epoch,   entry.switch_number, entry.kind,
+          entry.actuator, entry.code,    entry.message, entry.cause,         entry.state};
+}
+
 }  // namespace musher

@@ -11,6 +11,7 @@
 #include <utility>
 #include <variant>
 
+#include "musher/lifecycle/checksum.hpp"
 #include "musher/lifecycle/suggest.hpp"
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/draft.hpp"
@@ -39,12 +40,10 @@ ConfigReading RefuseSize(const std::string& path) {
   return Refuse(path, "the file is too large: expected a state config of at most 8 MiB");
 }
 
-// FNV-1a, 64 bits, as 16 hex digits: tells copies of a file apart, protects against nobody.
+// 16 hex digits that tell copies of a file apart.
 std::string Hash(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
   char hex[17];
-  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(hash));
+  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(Fnv1a(text)));
   return hex;
 }
 

@@ -32,11 +32,13 @@ struct Begin {
   bool by_hand = false;
   std::uint64_t epoch = 0;
   std::vector<bool> running;
+  friend bool operator==(const Begin&, const Begin&) = default;
 };
 // An actuator's latched status came.
 struct StatusSeen {
   std::size_t actuator = 0;
   ActuatorReport report;
+  friend bool operator==(const StatusSeen&, const StatusSeen&) = default;
 };
 // An actuator answered command `number`, or the question about it (`ask`).
 struct Replied {
@@ -47,6 +49,7 @@ struct Replied {
   std::int32_t code = kCodeOk;
   std::string message;
   ActuatorReport report;
+  friend bool operator==(const Replied&, const Replied&) = default;
 };
 // The actuator of this incarnation is gone: its process ended or its writer was lost.
 struct Vanished {
@@ -54,14 +57,17 @@ struct Vanished {
   std::uint64_t incarnation = 0;
   bool for_good = false;  // its process has ended; otherwise it may be heard of again
   std::string how;        // "its process 4711 ended", "it is out of reach"
+  friend bool operator==(const Vanished&, const Vanished&) = default;
 };
 struct ProcessStarted {
   std::size_t actuator = 0;
   std::int32_t pid = 0;
+  friend bool operator==(const ProcessStarted&, const ProcessStarted&) = default;
 };
 struct ProcessNotStarted {
   std::size_t actuator = 0;
   std::string why;
+  friend bool operator==(const ProcessNotStarted&, const ProcessNotStarted&) = default;
 };
 // A process that we started ended.
 struct ProcessEnded {
@@ -69,18 +75,23 @@ struct ProcessEnded {
   std::int32_t pid = 0;
   bool clean = false;  // exit code 0
   std::string how;     // "exit code 3", "killed by SIGKILL"
+  friend bool operator==(const ProcessEnded&, const ProcessEnded&) = default;
 };
 struct SetStateRequested {
   RequestId request = 0;
   State target;
   std::optional<std::string> actuator;
+  friend bool operator==(const SetStateRequested&, const SetStateRequested&) = default;
 };
 // Tell when all actuators are set up, or when that has failed.
 struct SetUpAwaited {
   RequestId request = 0;
+  friend bool operator==(const SetUpAwaited&, const SetUpAwaited&) = default;
 };
 // Nothing happened but time.
-struct TimePassed {};
+struct TimePassed {
+  friend bool operator==(const TimePassed&, const TimePassed&) = default;
+};
 
 }  // namespace event
 
@@ -127,13 +138,17 @@ struct SaveEpoch {
   std::uint64_t epoch = 0;
   friend bool operator==(const SaveEpoch&, const SaveEpoch&) = default;
 };
-// For the journal and the log.
+// For the journal and the log. Its `cause` is the record that it follows from, so that a chain of
+// them explains what was done.
 struct Record {
   std::string kind;  // "machine", "switch", "actuator", "process"
   std::optional<std::size_t> actuator;
   std::uint64_t switch_number = 0;
   std::int32_t code = kCodeOk;
   std::string message;
+  std::uint64_t id = 0;     // grows from 1 within a Machine; 0: not by the decision code
+  std::uint64_t cause = 0;  // id of the record it follows from; 0: none
+  State state{};            // the machine's, where this record tells that it has changed
   friend bool operator==(const Record&, const Record&) = default;
 };
 // Start-up is over: the machine is usable, or it failed.

@@ -70,6 +70,7 @@ struct ActuatorRecord {
   bool due = false;                 // to be driven to where the machine is, as soon as it is free
   std::optional<Error> fault;       // why it is degraded
   std::optional<Order> order;       // the command on its way
+  std::uint64_t cause = 0;          // the record that says why it is degraded, gone or back
 
   const State& state() const { return report.state; }
 
@@ -119,6 +120,7 @@ struct Switch {
   bool rolling_back = false;
   std::uint64_t back_number = 0;  // of the commands of the rollback
   std::vector<Leg> back;          // the legs of the rollback
+  std::uint64_t cause = 0;        // the record that says why there is this switch
 
   friend bool operator==(const Switch&, const Switch&) = default;
 };
@@ -149,9 +151,12 @@ struct Machine {
   int stage = 0;                  // up to which actuators are started
   std::vector<ActuatorRecord> actuators;  // in the order of the config
   std::optional<Switch> current;
-  std::optional<State> fallback;  // on_lost of a critical actuator, when there is time for it
+  std::optional<State> fallback;     // on_lost of a critical actuator, when there is time for it
+  std::uint64_t fallback_cause = 0;  // the record that says why
   std::optional<Stopping> stopping;
   std::vector<std::uint64_t> set_up_requests;  // who waits for all actuators to be set up
+  std::uint64_t last_record = 0;               // id of the last record
+  State told_state;                            // the last one that a record told
 
   friend bool operator==(const Machine&, const Machine&) = default;
 };

@@ -13,6 +13,7 @@
 
 #include "musher/actuator/actuator_shell.hpp"
 #include "musher/controller/controller_shell.hpp"
+#include "musher/controller/journal_reader.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::testing {
@@ -50,7 +51,8 @@ class SimRobot : private ProcessRunner, private JournalSink {
   const MachineConfig& config() const { return config_; }
   // What the actuator itself says; nothing when its process does not live.
   std::optional<ActuatorReport> ReportOf(const std::string& name) const;
-  const std::vector<std::string>& journal() const { return journal_; }
+  std::vector<std::string> journal() const;  // the messages of its entries
+  const std::vector<JournalRow>& recording() const { return recording_; }
 
  private:
   class SimWorker;
@@ -68,7 +70,7 @@ class SimRobot : private ProcessRunner, private JournalSink {
   Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) override;
   Result<> Watch(pid_t pid, OnExit on_exit) override;
   Result<> Signal(pid_t pid, int signal) override;
-  void Append(JournalEntry entry) noexcept override;
+  void Append(JournalItem item) noexcept override;
 
   std::int32_t Launch(const std::string& name);
   void End(const std::string& name, const ProcessExit& exit);
@@ -84,7 +86,7 @@ class SimRobot : private ProcessRunner, private JournalSink {
   std::map<pid_t, OnExit> watchers_;  // of the living controller
   std::int32_t next_pid_ = 1000;
   std::uint64_t epoch_on_disk_ = 0;
-  std::vector<std::string> journal_;
+  std::vector<JournalRow> recording_;
 };
 
 }  // namespace musher::testing

@@ -95,18 +95,21 @@ std::string PlanJson(const msg::GetPlan::Response& plan) {
                {"steps", steps}});
 }
 
-std::string HistoryJson(const std::vector<msg::HistoryEntry>& entries) {
+std::string HistoryJson(const msg::GetHistory::Response& history) {
   Json list = Json::array();
-  for (const msg::HistoryEntry& e : entries) {
+  for (const msg::HistoryEntry& e : history.entries) {
     list.push_back({{"time", UtcText(e.wall_ns)},
                     {"epoch", e.epoch},
                     {"switch", e.switch_number},
                     {"kind", e.kind},
                     {"actuator", e.actuator},
                     {"code", e.code},
-                    {"message", e.message}});
+                    {"message", e.message},
+                    {"id", e.id},
+                    {"cause", e.cause},
+                    {"new_state", e.state}});
   }
-  return Text({{"entries", list}});
+  return Text({{"entries", list}, {"damage", history.error}});
 }
 
 std::string CheckJson(const std::vector<Diagnostic>& diagnostics) {

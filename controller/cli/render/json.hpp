@@ -15,7 +15,7 @@ namespace musher::cli {
 std::string StatusJson(const msg::MachineStatus& status);
 std::string SwitchJson(const msg::SetState::Response& result);
 std::string PlanJson(const msg::GetPlan::Response& plan);
-std::string HistoryJson(const std::vector<msg::HistoryEntry>& entries);
+std::string HistoryJson(const msg::GetHistory::Response& history);
 std::string CheckJson(const std::vector<Diagnostic>& diagnostics);
 // What a command says that cannot go on with a config.
 std::string BadConfigJson(const std::string& file, const std::vector<Diagnostic>& diagnostics);

@@ -1,0 +1,34 @@
+#include "musher/controller/recording/recorder.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace musher::recording {
+namespace {
+
+// A snapshot is about as long as some inputs for each actuator; so it takes a small part.
+constexpr std::size_t kInputsForSnapshot = 1000;
+constexpr std::size_t kInputsForActuator = 30;
+
+}  // namespace
+
+Recorder::Recorder(JournalSink& sink, const MachineConfig& config) : sink_(sink), config_(config) {}
+
+void Recorder::Begin(std::int64_t wall_ns, std::string config_text) {
+  sink_.Append(
+      JournalInput{wall_ns, ConfigText{config_.file, config_.hash, std::move(config_text)}});
+}
+
+void Recorder::Note(std::int64_t wall_ns, const Machine& before, const Event& event, Time now) {
+  const auto enough = std::max(kInputsForSnapshot, kInputsForActuator * before.actuators.size());
+  const bool wanted = sink_.WantsSnapshot() && before.phase != Phase::kIdle;
+  if (wanted || since_snapshot_ >= enough) {
+    sink_.Append(
+        JournalInput{wall_ns, std::make_shared<const Snapshot>(Snapshot{config_.hash, before})});
+    since_snapshot_ = 0;
+  }
+  sink_.Append(JournalInput{wall_ns, TimedEvent{event, now}});
+  ++since_snapshot_;
+}
+
+}  // namespace musher::recording
