@@ -71,6 +71,7 @@ class SimRobot : private ProcessRunner, private JournalSink {
   Result<> Watch(pid_t pid, OnExit on_exit) override;
   Result<> Signal(pid_t pid, int signal) override;
   void Append(JournalItem item) noexcept override;
+  bool WantsSnapshot() noexcept override { return ++inputs_ % 97 == 0; }
 
   std::int32_t Launch(const std::string& name);
   void End(const std::string& name, const ProcessExit& exit);
@@ -87,6 +88,7 @@ class SimRobot : private ProcessRunner, private JournalSink {
   std::int32_t next_pid_ = 1000;
   std::uint64_t epoch_on_disk_ = 0;
   std::vector<JournalRow> recording_;
+  std::size_t inputs_ = 0;
 };
 
 }  // namespace musher::testing
