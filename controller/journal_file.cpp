@@ -9,8 +9,8 @@
 #include <utility>
 #include <variant>
 
+#include "musher/controller/journal_checksum.hpp"
 #include "musher/controller/journal_schema.hpp"
-#include "musher/lifecycle/checksum.hpp"
 
 namespace musher {
 namespace {
@@ -73,14 +73,14 @@ class Inserter {
     SQLite::bind(entry_, id, e.wall_ns, e.steady_ns, static_cast<std::int64_t>(e.epoch),
                  static_cast<std::int64_t>(e.switch_number), e.kind, e.actuator, e.code, e.message,
                  e.data, static_cast<std::int64_t>(e.id), static_cast<std::int64_t>(e.cause),
-                 e.state);
+                 e.state, ChecksumOf(id, e));
     entry_.exec();
     entry_.reset();
   }
 
   void Insert(std::int64_t id, const JournalInput& input) {
     const auto [kind, data] = std::visit(Encode{}, input.what);
-    SQLite::bind(input_, id, input.wall_ns, kind, data, static_cast<std::int64_t>(Fnv1a(data)));
+    SQLite::bind(input_, id, input.wall_ns, kind, data, ChecksumOf(id, input.wall_ns, kind, data));
     input_.exec();
     input_.reset();
   }

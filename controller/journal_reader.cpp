@@ -7,16 +7,18 @@
 #include <map>
 #include <utility>
 
+#include "musher/controller/journal_checksum.hpp"
 #include "musher/controller/journal_schema.hpp"
-#include "musher/lifecycle/checksum.hpp"
 
 namespace musher {
 namespace {
 
 constexpr int kBusyTimeoutMs = 1000;
 
-// What was said about damage, the first time.
+// What was said about damage, the first time; empty: there is none.
 using Damage = std::string;
+
+constexpr const char* kNotAsWritten = ": it is not as it was written";
 
 struct Open {
   SQLite::Database database;
@@ -42,8 +44,12 @@ std::uint64_t Unsigned(SQLite::Statement& row, int column) {
   return static_cast<std::uint64_t>(row.getColumn(column).getInt64());
 }
 
-JournalEntry EntryOf(SQLite::Statement& row) {
+// An entry, or why it can't be believed.
+Result<JournalEntry> EntryOf(SQLite::Statement& row) {
   JournalEntry entry;
+  const auto id = row.getColumn(0).getInt64();
+  const Error damaged{kCodeFailed, "entry " + std::to_string(id) + kNotAsWritten};
+  if (row.getColumn(5).isNull()) return damaged;
   entry.wall_ns = row.getColumn(1).getInt64();
   entry.steady_ns = row.getColumn(2).getInt64();
   entry.epoch = Unsigned(row, 3);
@@ -57,23 +63,28 @@ JournalEntry EntryOf(SQLite::Statement& row) {
   entry.id = Unsigned(row, 10);
   entry.cause = Unsigned(row, 11);
   entry.state = row.getColumn(12).getString();
+  const auto checksum = row.getColumn(13);  // none: written by version 1
+  if (!checksum.isNull() && checksum.getInt64() != ChecksumOf(id, entry)) return damaged;
   return entry;
 }
 
-// What a row of inputs holds, or why not.
+// An input, or why it can't be believed.
 Result<JournalInput> InputOf(SQLite::Statement& row) {
   JournalInput input;
+  const auto id = row.getColumn(0).getInt64();
   input.wall_ns = row.getColumn(1).getInt64();
   const std::string kind = row.getColumn(2).getString();
   const std::string data = row.getColumn(3).getString();
-  const std::string where = "input " + std::to_string(row.getColumn(0).getInt64()) + ": ";
+  const std::string where = "input " + std::to_string(id);
+  if (ChecksumOf(id, input.wall_ns, kind, data) != row.getColumn(4).getInt64()) {
+    return Error{kCodeFailed, where + kNotAsWritten};
+  }
   const auto take = [&](auto decoded, auto make) -> Result<JournalInput> {
-    if (!decoded) return Error{decoded.error().code, where + decoded.error().message};
+    if (!decoded) return Error{decoded.error().code, where + ": " + decoded.error().message};
     input.what = make(std::move(decoded).value());
     return input;
   };
   const auto as_it_is = [](auto value) { return value; };
-  if (Fnv1a(data) != Unsigned(row, 4)) return Error{kCodeFailed, where + "its checksum is wrong"};
   if (kind == "config") return take(recording::DecodeConfig(data), as_it_is);
   if (kind == "event") return take(recording::DecodeEvent(data), as_it_is);
   if (kind == "machine") {
@@ -81,52 +92,59 @@ Result<JournalInput> InputOf(SQLite::Statement& row) {
       return std::make_shared<const recording::Snapshot>(std::move(snapshot));
     });
   }
-  return Error{kCodeFailed, where + "its kind '" + kind + "' is not known"};
+  return Error{kCodeFailed, where + ": its kind '" + kind + "' is not known"};
 }
 
-// A table, read by id from its end or from its beginning until there is damage.
+// A table, read by id from its end, and from its beginning when there is damage.
 class TableReader {
  public:
-  // `take` is told of each row; it may throw SQLite::Exception.
   TableReader(const SQLite::Database& database, std::string columns, std::string table)
       : database_(database), columns_(std::move(columns)), table_(std::move(table)) {}
 
-  // Of rows with wall_ns >= since the newest `limit`, more or less where there is damage.
+  // Of rows with wall_ns >= since the newest `limit`, more or less where there is damage. `take`
+  // is told of each and says what is wrong with it.
   template <class Take>
-  Damage Read(std::int64_t since, std::int64_t limit, const Take& take) {
-    const Damage damage = ReadFrom("DESC", since, limit, take);
-    if (!damage.empty()) static_cast<void>(ReadFrom("ASC", since, limit, take));
-    return damage;
+  Damage Read(std::int64_t since, std::size_t limit, const Take& take) {
+    if (!ReadFrom("DESC", since, limit, take)) ReadFrom("ASC", since, limit, take);
+    return damage_;
   }
 
  private:
+  // Says whether it came to the end.
   template <class Take>
-  Damage ReadFrom(const std::string& direction, std::int64_t since, std::int64_t limit,
-                  const Take& take) {
-    SQLite::Statement select(database_, "SELECT " + columns_ + " FROM " + table_ +
-                                            " WHERE wall_ns >= ? ORDER BY id " + direction +
-                                            " LIMIT ?");
-    select.bind(1, since);
-    select.bind(2, limit);
+  bool ReadFrom(const std::string& direction, std::int64_t since, std::size_t limit,
+                const Take& take) {
+    SQLite::Statement select(
+        database_, "SELECT " + columns_ + " FROM " + table_ + " ORDER BY id " + direction);
     const bool upwards = direction == "ASC";
     try {
-      for (bool first = true; select.executeStep(); first = false) {
+      for (bool first = true; limit > 0 && select.executeStep(); first = false) {
         const auto id = select.getColumn(0).getInt64();
-        if (!first && (upwards ? id <= last_ : id >= last_)) return "its rows are out of order";
-        if (upwards && id >= lowest_) break;  // those have been read from the end
+        if (upwards && id >= lowest_) return true;  // those have been read from the end
+        const bool in_order = first || (upwards ? id > last_ : id < last_);
+        if (!in_order) throw SQLite::Exception("its rows are out of order");
         last_ = id;
-        take(id, select);
         if (!upwards) lowest_ = id;
+        const auto wall_ns = select.getColumn(1);  // there is always one, in a whole row
+        if (!wall_ns.isNull() && wall_ns.getInt64() < since) continue;
+        Note(take(id, select));
+        --limit;
       }
-      return {};
+      return true;
     } catch (const SQLite::Exception& e) {
-      return e.what();
+      Note(e.what());
+      return false;
     }
+  }
+
+  void Note(const Damage& damage) {
+    if (damage_.empty()) damage_ = damage;
   }
 
   const SQLite::Database& database_;
   const std::string columns_;
   const std::string table_;
+  Damage damage_;
   std::int64_t last_ = 0;
   std::int64_t lowest_ = INT64_MAX;  // that was read from the end
 };
@@ -151,9 +169,13 @@ Result<JournalReading> ReadJournal(const std::string& path, std::int64_t since_w
   const Open journal(path);
   std::map<std::int64_t, JournalEntry> entries;
   TableReader reader(journal.database, EntryColumns(journal.version), "entry");
-  const Damage damage =
-      reader.Read(since_wall_ns, static_cast<std::int64_t>(limit),
-                  [&](std::int64_t id, SQLite::Statement& row) { entries[id] = EntryOf(row); });
+  const auto take = [&](std::int64_t id, SQLite::Statement& row) -> Damage {
+    auto entry = EntryOf(row);
+    if (!entry) return entry.error().message;
+    entries[id] = std::move(entry).value();
+    return {};
+  };
+  const Damage damage = reader.Read(since_wall_ns, limit, take);
   JournalReading reading;
   reading.damage = Tell(entries.size(), "entries", damage);
   while (entries.size() > limit) entries.erase(entries.begin());
@@ -169,22 +191,18 @@ Result<Recording> ReadRecording(const std::string& path) try {
     return Unreadable(path, "its version is 1, which did not record what went into the decisions");
   }
   std::map<std::int64_t, JournalItem> items;
-  Damage damage;
-  const auto note = [&damage](const Damage& more) {
-    if (damage.empty()) damage = more;
+  const auto read = [&](const char* columns, const char* table, const auto& make) {
+    TableReader reader(journal.database, columns, table);
+    return reader.Read(INT64_MIN, SIZE_MAX, [&](std::int64_t id, SQLite::Statement& row) -> Damage {
+      auto item = make(row);
+      if (!item) return item.error().message;
+      items[id] = std::move(item).value();
+      return {};
+    });
   };
-  TableReader inputs(journal.database, journal_schema::kInputColumns, "input");
-  note(inputs.Read(INT64_MIN, -1, [&](std::int64_t id, SQLite::Statement& row) {
-    auto input = InputOf(row);
-    if (input) {
-      items[id] = std::move(input).value();
-    } else {
-      note(input.error().message);
-    }
-  }));
-  TableReader entries(journal.database, EntryColumns(journal.version), "entry");
-  note(entries.Read(INT64_MIN, -1,
-                    [&](std::int64_t id, SQLite::Statement& row) { items[id] = EntryOf(row); }));
+  const Damage of_inputs = read(journal_schema::kInputColumns, "input", InputOf);
+  const Damage of_entries = read(EntryColumns(journal.version), "entry", EntryOf);
+  const Damage damage = of_inputs.empty() ? of_entries : of_inputs;
   Recording recording;
   recording.damage = Tell(items.size(), "entries and inputs", damage);
   for (auto& [id, item] : items) recording.rows.push_back({id, std::move(item)});

@@ -29,18 +29,19 @@ inline constexpr char kUpgradeTo2[] = R"(
   ALTER TABLE entry ADD COLUMN record INTEGER NOT NULL DEFAULT 0;  -- id of the decision's record
   ALTER TABLE entry ADD COLUMN cause INTEGER NOT NULL DEFAULT 0;   -- `record` it follows from
   ALTER TABLE entry ADD COLUMN state TEXT NOT NULL DEFAULT '';     -- the machine's new state
+  ALTER TABLE entry ADD COLUMN checksum INTEGER;  -- none: written by version 1
   CREATE TABLE input (
     id       INTEGER PRIMARY KEY,
     wall_ns  INTEGER NOT NULL,
     kind     TEXT NOT NULL,    -- "config", "event", "machine"
     data     TEXT NOT NULL,    -- JSON
-    checksum INTEGER NOT NULL  -- of data: FNV-1a, 64 bits
+    checksum INTEGER NOT NULL
   ))";
 
 inline constexpr char kInsertEntry[] = R"(
   INSERT INTO entry (id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message,
-                     data, record, cause, state)
-  VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))";
+                     data, record, cause, state, checksum)
+  VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))";
 inline constexpr char kInsertInput[] =
     "INSERT INTO input (id, wall_ns, kind, data, checksum) VALUES (?, ?, ?, ?, ?)";
 
@@ -66,7 +67,7 @@ inline constexpr char kEntryColumnsVersion1[] =
     "id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message, data";
 inline constexpr char kEntryColumns[] =
     "id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message, data, record, "
-    "cause, state";
+    "cause, state, checksum";
 inline constexpr char kInputColumns[] = "id, wall_ns, kind, data, checksum";
 
 }  // namespace musher::journal_schema
