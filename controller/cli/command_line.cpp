@@ -22,7 +22,8 @@ A first tour:
   musher plan LowPower             what a switch would do, without doing it
   musher set LowPower              switch the machine
   musher set Active audio          switch one actuator
-  musher history --since 10m       what happened, and why
+  musher history --since 10m       what happened
+  musher history --why             why the machine is in its state
   musher replay journal.sqlite     the same decisions once more, without a robot
   musher down                      take the machine down
 
@@ -189,6 +190,12 @@ class Grammar {
     command
         ->add_option("--journal", history->journal, "Read this file instead of asking a controller")
         ->type_name("FILE");
+    command
+        ->add_option("--why", history->why,
+                     "Why the machine is in its state, or went\n"
+                     "to STATE last: the chain of causes")
+        ->expected(0, 1)
+        ->type_name("[STATE]");
 
     auto replay = std::make_shared<ReplayOptions>();
     command = AddCommand("replay", "Decide once more what a journal recorded; compare", replay);

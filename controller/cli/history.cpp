@@ -1,11 +1,12 @@
-// musher history: what happened, told by the controller, or read from the journal of one that has
-// gone.
+// musher history: what happened and why, told by the controller, or read from the journal of one
+// that has gone.
 
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/wall_time.hpp"
+#include "musher/controller/cli/why.hpp"
 #include "musher/controller/journal_reader.hpp"
 #include "musher/controller/wire.hpp"
 
@@ -46,6 +47,15 @@ std::variant<Told, Failure> FromController(const GlobalOptions& global, std::int
   return response;
 }
 
+ExitCode Explain(const std::vector<msg::HistoryEntry>& entries, const State& state,
+                 Console& console) {
+  const auto why = FindWhy(entries, state);
+  if (!why) return console.Fail({ExitCode::kNotDone, why.error()});
+  console.Print(console.mode().json ? WhyJson(why.value())
+                                    : WhyText(why.value(), console.mode().colour));
+  return ExitCode::kDone;
+}
+
 }  // namespace
 
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console) {
@@ -60,6 +70,7 @@ ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Con
   if (const auto* failure = std::get_if<Failure>(&told)) return console.Fail(*failure);
   const auto& history = std::get<Told>(told);
   if (!history.error.empty()) console.Complain(history.error);
+  if (options.why) return Explain(history.entries, *options.why, console);
   console.Print(console.mode().json ? HistoryJson(history)
                                     : HistoryText(history.entries, console.mode().colour));
   return ExitCode::kDone;

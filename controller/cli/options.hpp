@@ -46,6 +46,7 @@ struct HistoryOptions {
   std::string since;    // empty: all
   std::string journal;  // empty: ask the controller
   unsigned limit = 1000;
+  std::optional<std::string> why;  // explain this state instead; empty: the present one
 };
 struct ReplayOptions {
   std::string journal;

@@ -12,6 +12,7 @@ _musher() {
     --color) COMPREPLY=($(compgen -W "auto always never" -- "$cur")); return ;;
     --format) COMPREPLY=($(compgen -W "dot mermaid svg" -- "$cur")); return ;;
     --what) COMPREPLY=($(compgen -W "flow actuators" -- "$cur")); return ;;
+    --why) COMPREPLY=($(compgen -W "$states" -- "$cur")); return ;;
     --output | -o | --journal | --config) COMPREPLY=($(compgen -f -- "$cur")); return ;;
     --namespace | --domain | --timeout | --since | --limit | --epoch) return ;;
   esac
@@ -28,7 +29,7 @@ _musher() {
     "") options+=" --version" ;;
     up) options+=" --detach" ;;
     status) options+=" --watch" ;;
-    history) options+=" --since --limit --journal" ;;
+    history) options+=" --since --limit --journal --why" ;;
     replay) options+=" --config --since --epoch" ;;
     graph) options+=" --what --format --output" ;;
   esac

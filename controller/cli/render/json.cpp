@@ -123,6 +123,12 @@ std::string HistoryJson(const msg::GetHistory::Response& history) {
   return Text({{"entries", list}, {"damage", history.error}});
 }
 
+std::string WhyJson(const Why& why) {
+  Json chain = Json::array();
+  for (const msg::HistoryEntry& e : why.chain) chain.push_back(OfEntry(e));
+  return Text({{"state", why.state}, {"chain", chain}, {"complete", why.complete}});
+}
+
 std::string ReplayJson(const recording::ReplayReport& report, const std::string& damage) {
   Json lines = Json::array();
   for (const recording::ReplayLine& line : report.lines) {

@@ -7,6 +7,7 @@
 
 #include "musher/controller/cli/exit_code.hpp"
 #include "musher/controller/cli/progress.hpp"
+#include "musher/controller/cli/why.hpp"
 #include "musher/controller/recording/replay.hpp"
 #include "musher/lifecycle/diagnostic.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
@@ -17,6 +18,7 @@ std::string StatusJson(const msg::MachineStatus& status);
 std::string SwitchJson(const msg::SetState::Response& result);
 std::string PlanJson(const msg::GetPlan::Response& plan);
 std::string HistoryJson(const msg::GetHistory::Response& history);
+std::string WhyJson(const Why& why);
 std::string ReplayJson(const recording::ReplayReport& report, const std::string& damage);
 std::string CheckJson(const std::vector<Diagnostic>& diagnostics);
 // What a command says that cannot go on with a config.
