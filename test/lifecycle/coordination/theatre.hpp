@@ -66,6 +66,7 @@ class Theatre {
   bool stopped() const { return stopped_; }
   std::map<RequestId, SwitchResult> answers;
   std::vector<std::string> records;
+  std::vector<action::Record> told;  // the same, whole, of the present controller
   std::vector<std::string> signals;  // "audio:TERM"
   Time now() const { return now_; }
   // Commands written by the test itself, as a stranger might.
