@@ -40,13 +40,6 @@ ConfigReading RefuseSize(const std::string& path) {
   return Refuse(path, "the file is too large: expected a state config of at most 8 MiB");
 }
 
-// 16 hex digits that tell copies of a file apart.
-std::string Hash(std::string_view text) {
-  char hex[17];
-  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(Fnv1a(text)));
-  return hex;
-}
-
 // What the file has in place of a [controller] table.
 SyntaxFault NotAStateConfig(const Table& root) {
   const std::string message = "not a state config: expected a [controller] table, found ";
@@ -79,11 +72,17 @@ void ReadSections(const Table& table, Draft& draft) {
 
 }  // namespace
 
+std::string ConfigHash(std::string_view text) {
+  char hex[17];
+  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(Fnv1a(text)));
+  return hex;
+}
+
 ConfigReading ReadConfigText(std::string_view text, const std::string& path) {
   if (text.size() > kLargestFile) return RefuseSize(path);
   Draft draft;
   draft.config.file = path;
-  draft.config.hash = Hash(text);
+  draft.config.hash = ConfigHash(text);
   draft.folder = config_toml::FolderOf(path);
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
 
