@@ -28,7 +28,7 @@ class Replayer {
     if (report_.inputs == 0 && report_.notes.empty()) {
       report_.notes.emplace_back("there is no controller's beginning and no snapshot in it");
     }
-    if (report_.sessions == 0) return Error{kCodeFailed, "nothing to replay: " + report_.notes[0]};
+    if (report_.starts == 0) return Error{kCodeFailed, "nothing to replay: " + report_.notes[0]};
     if (machine_) report_.replayed_state = machine_->state;
     return std::move(report_);
   }
@@ -55,9 +55,11 @@ class Replayer {
     EndStep(true);
     begins_ = false;
     if (!machine_) return;
-    report_.notes.push_back(std::to_string(next_id - last_id_ - 1) +
-                            " entries or inputs are missing after number " +
-                            std::to_string(last_id_));
+    const std::string first = std::to_string(last_id_ + 1);
+    const std::string last = std::to_string(next_id - 1);
+    report_.notes.push_back(first == last ? "number " + first + " of the journal is missing"
+                                          : "numbers " + first + " to " + last +
+                                                " of the journal are missing");
     machine_.reset();
   }
 
@@ -124,7 +126,7 @@ class Replayer {
       return Ok();
     }
     machine_ = snapshot->machine;
-    BeginSession();
+    CountStart();
     return Ok();
   }
 
@@ -135,15 +137,15 @@ class Replayer {
            (!machine.fallback || config_->RankOf(*machine.fallback));
   }
 
-  void BeginSession() {
-    ++report_.sessions;
+  void CountStart() {
+    ++report_.starts;
     report_.recorded_state = machine_->state;
   }
 
   Result<> On(const TimedEvent& timed) {
     if (begins_ && config_ && std::holds_alternative<event::Begin>(timed.event)) {
       machine_ = MakeMachine(*config_);
-      BeginSession();
+      CountStart();
     }
     if (!machine_) {
       ++report_.not_replayed;

@@ -44,7 +44,7 @@ struct ReplayLine {
 struct ReplayReport {
   std::vector<ReplayLine> lines;
   bool other_config = false;     // it was replayed with another config than the recorded one
-  std::size_t sessions = 0;      // of controllers
+  std::size_t starts = 0;        // beginnings of controllers and snapshots after a gap
   std::size_t inputs = 0;        // that were replayed
   std::size_t not_replayed = 0;  // inputs without a start before them
   std::size_t decisions = 0;     // made now

@@ -131,8 +131,9 @@ TEST_F(JournalDamage, InAnInputIsNoticedByItsChecksum) {
   const auto report = recording::Replay(recording.value().rows, {});
   ASSERT_TRUE(report);
   EXPECT_EQ(report.value().differences, 0U) << "nothing is made up for what is missing";
-  EXPECT_THAT(report.value().notes,
-              testing::ElementsAre(testing::StartsWith("1 entries or inputs are missing")));
+  EXPECT_THAT(
+      report.value().notes,
+      testing::ElementsAre(testing::ContainsRegex("number [0-9]+ of the journal is missing")));
 }
 
 TEST_F(JournalDamage, AnEmptyFileIsNoJournal) {

@@ -67,7 +67,7 @@ TEST_F(JournalRecording, GivesBackWhatWentIntoTheDecisionsInItsOrder) {
   }
   const ReplayReport report = Replayed(recording);
   EXPECT_EQ(report.differences, 0U);
-  EXPECT_EQ(report.sessions, 2U);
+  EXPECT_EQ(report.starts, 2U);
   EXPECT_EQ(report.not_replayed, 0U);
   EXPECT_THAT(report.notes, IsEmpty());
   EXPECT_EQ(report.replayed_state, "Protected");
@@ -143,7 +143,7 @@ TEST_F(JournalRecording, OfVersionOneIsReadAndBroughtUpToDate) {
   EXPECT_EQ(Read(0, kAll).front().message, "too late");
   const ReplayReport report = Replayed(ReadAll());
   EXPECT_EQ(report.differences, 0U);
-  EXPECT_EQ(report.sessions, 2U);
+  EXPECT_EQ(report.starts, 2U);
 }
 
 TEST_F(JournalRecording, OfANewerVersionIsNotReadAtAll) {

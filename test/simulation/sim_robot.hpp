@@ -71,7 +71,7 @@ class SimRobot : private ProcessRunner, private JournalSink {
   Result<> Watch(pid_t pid, OnExit on_exit) override;
   Result<> Signal(pid_t pid, int signal) override;
   void Append(JournalItem item) noexcept override;
-  bool WantsSnapshot() noexcept override { return ++inputs_ % 97 == 0; }
+  bool WantsSnapshot() noexcept override { return ++inputs_ % 41 == 0; }
 
   std::int32_t Launch(const std::string& name);
   void End(const std::string& name, const ProcessExit& exit);
