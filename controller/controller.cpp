@@ -19,11 +19,13 @@ class NoJournal : public JournalSink {
   void Append(JournalItem) noexcept override {}
 };
 
-// What the config was read from; empty when its file says something else by now.
+// What the config was read from; empty when its file says something else by now, or is too large
+// for the journal.
 std::string TextOf(const MachineConfig& config) {
   std::ifstream file(config.file, std::ios::binary);
   std::string text(std::istreambuf_iterator<char>(file), {});
-  return ConfigHash(text) == config.hash ? text : std::string();
+  const bool fits = static_cast<std::int64_t>(text.size()) < config.journal_size_bytes / 8;
+  return fits && ConfigHash(text) == config.hash ? text : std::string();
 }
 
 std::int64_t WallNanoseconds() {

@@ -33,7 +33,7 @@ inline constexpr char kUpgradeTo2[] = R"(
   CREATE TABLE input (
     id       INTEGER PRIMARY KEY,
     wall_ns  INTEGER NOT NULL,
-    kind     TEXT NOT NULL,    -- "config", "event", "machine"
+    kind     TEXT NOT NULL,    -- "config", "event", "machine" (a snapshot)
     data     TEXT NOT NULL,    -- JSON
     checksum INTEGER NOT NULL
   ))";

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include "musher/controller/journal.hpp"
 
@@ -22,8 +23,11 @@ class Recorder {
   void Note(std::int64_t wall_ns, const Machine& before, const Event& event, Time now);
 
  private:
+  void TakeSnapshot(std::int64_t wall_ns, const Machine& machine);
+
   JournalSink& sink_;
   const MachineConfig& config_;
+  std::string config_text_;
   std::size_t since_snapshot_ = 0;  // inputs
 };
 

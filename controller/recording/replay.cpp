@@ -63,8 +63,9 @@ class Replayer {
     machine_.reset();
   }
 
-  // A controller begins.
+  // A controller begins, or its config is told once more.
   Result<> On(const ConfigText& text) {
+    if (config_ && text.hash == recorded_hash_) return Ok();
     machine_.reset();
     config_.reset();
     recorded_hash_ = text.hash;

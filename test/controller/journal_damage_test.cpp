@@ -136,10 +136,14 @@ TEST_F(JournalDamage, InAnInputIsNoticedByItsChecksum) {
       testing::ElementsAre(testing::ContainsRegex("number [0-9]+ of the journal is missing")));
 }
 
-TEST_F(JournalDamage, AnEmptyFileIsNoJournal) {
-  Put("");
-  EXPECT_FALSE(ReadJournal(path_, 0, kAll));
-  EXPECT_FALSE(ReadRecording(path_));
+TEST_F(JournalDamage, WhatIsNoJournalIsRefused) {
+  std::string stranger = whole_;
+  stranger[68] = 'X';  // of the number that tells a journal from other databases
+  for (const std::string& bytes : {std::string(), std::string("Dear diary"), stranger}) {
+    Put(bytes);
+    EXPECT_FALSE(ReadJournal(path_, 0, kAll));
+    EXPECT_FALSE(ReadRecording(path_));
+  }
 }
 
 // What kill -9 in the middle of a write leaves: all in the WAL, cut anywhere.
