@@ -10,7 +10,7 @@
 namespace musher {
 
 inline std::int64_t ChecksumOf(std::int64_t id, const JournalEntry& e) {
-  const char kEnd = '\0';  // of a text, so that none runs into the next
+  constexpr char kEnd = '\0';  // of a text, so that none runs into the next
   std::string all;
   for (const std::int64_t number :
        {id, e.wall_ns, e.steady_ns, std::int64_t(e.epoch), std::int64_t(e.switch_number),

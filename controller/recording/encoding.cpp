@@ -79,9 +79,9 @@ class Writer {
   template <Struct T>
   void AddFields(Json& json, const T& value) const {
     static_assert(kIsComplete<T>, "fields.hpp has to name every member");
-    [[maybe_unused]] static const T kDefault{};
+    [[maybe_unused]] static const T otherwise{};
     const auto add = [&](const auto& field) {
-      if (value.*field.member == kDefault.*field.member) return;
+      if (value.*field.member == otherwise.*field.member) return;
       json[field.name] = Of(value.*field.member);
     };
     std::apply([&](const auto&... fields) { (add(fields), ...); }, kFields<T>);

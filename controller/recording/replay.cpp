@@ -45,7 +45,7 @@ class Replayer {
     const bool is_config = std::holds_alternative<ConfigText>(input.what);
     EndStep(is_config);
     wall_ns_ = input.wall_ns;
-    const auto taken = std::visit([&](const auto& what) { return On(what); }, input.what);
+    auto taken = std::visit([&](const auto& what) { return On(what); }, input.what);
     begins_ = is_config;
     return taken;
   }
