@@ -15,6 +15,7 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
 ExitCode Set(const SetOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& console);
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console);
+ExitCode Replay(const ReplayOptions& options, Console& console);
 ExitCode Graph(const GraphOptions& options, Console& console);
 ExitCode Completion(const CompletionOptions& options, Console& console);
 

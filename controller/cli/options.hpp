@@ -1,6 +1,7 @@
 #pragma once
 // What a person can ask of `musher`, as values. command_line.hpp makes them from argv.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
@@ -45,6 +46,13 @@ struct HistoryOptions {
   std::string since;    // empty: all
   std::string journal;  // empty: ask the controller
   unsigned limit = 1000;
+  std::optional<std::string> why;  // explain this state instead; empty: the present one
+};
+struct ReplayOptions {
+  std::string journal;
+  std::string config;  // empty: the one that was recorded
+  std::string since;   // empty: all
+  std::optional<std::uint64_t> epoch;
 };
 struct GraphOptions {
   std::string file;
@@ -56,8 +64,9 @@ struct CompletionOptions {
   std::string shell;  // "bash" or "zsh"
 };
 
-using CommandOptions = std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions,
-                                    PlanOptions, HistoryOptions, GraphOptions, CompletionOptions>;
+using CommandOptions =
+    std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions, PlanOptions,
+                 HistoryOptions, ReplayOptions, GraphOptions, CompletionOptions>;
 
 struct CommandLine {
   GlobalOptions global;
