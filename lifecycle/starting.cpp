@@ -75,7 +75,7 @@ bool Decision::NeedsMet(std::size_t i, std::string& hindrance) const {
   bool met = true;
   for (const std::string& name : ConfigOf(i).after) {
     const ActuatorRecord& needed = Of(*config_.IndexOf(name));
-    if (needed.fault && !Coming(*config_.IndexOf(name)))
+    if (needed.fault && !needed.parked && !Coming(*config_.IndexOf(name)))
       hindrance = "needs " + name + ", which is degraded: " + needed.fault->message;
     if (needed.presence != Presence::kPresent || needed.fault) met = false;
   }
