@@ -28,6 +28,7 @@ struct CheckOptions {
 struct UpOptions {
   std::string file;
   bool detach = false;
+  bool takeover = false;  // from a living controller
 };
 struct DownOptions {};
 struct StatusOptions {
@@ -36,6 +37,13 @@ struct StatusOptions {
 struct SetOptions {
   std::string state;
   std::string actuator;  // empty: the whole machine
+};
+struct RestartOptions {
+  std::string actuator;
+};
+struct EstopOptions {
+  std::vector<std::string> reason;  // words
+  bool release = false;
 };
 struct PlanOptions {
   std::string state;
@@ -56,8 +64,9 @@ struct CompletionOptions {
   std::string shell;  // "bash" or "zsh"
 };
 
-using CommandOptions = std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions,
-                                    PlanOptions, HistoryOptions, GraphOptions, CompletionOptions>;
+using CommandOptions =
+    std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions, RestartOptions,
+                 EstopOptions, PlanOptions, HistoryOptions, GraphOptions, CompletionOptions>;
 
 struct CommandLine {
   GlobalOptions global;

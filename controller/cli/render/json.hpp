@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "musher/controller/cli/exit_code.hpp"
+#include "musher/controller/cli/latching.hpp"
 #include "musher/controller/cli/progress.hpp"
 #include "musher/lifecycle/diagnostic.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
@@ -14,6 +15,9 @@ namespace musher::cli {
 
 std::string StatusJson(const msg::MachineStatus& status);
 std::string SwitchJson(const msg::SetState::Response& result);
+std::string EstopJson(const EstopReport& report);
+std::string ReleaseJson(const msg::MachineStatus& machine);
+std::string RestartJson(const msg::ActuatorInfo& actuator);
 std::string PlanJson(const msg::GetPlan::Response& plan);
 std::string HistoryJson(const std::vector<msg::HistoryEntry>& entries);
 std::string CheckJson(const std::vector<Diagnostic>& diagnostics);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "musher/controller/cli/console.hpp"
+#include "musher/controller/cli/latching.hpp"
 #include "musher/controller/cli/progress.hpp"
 #include "musher/lifecycle/config.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
@@ -21,6 +22,13 @@ std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns);
 std::string SwitchText(const msg::SetState::Response& result, bool colour);
 // Why a switch is not done, as one sentence.
 std::string SwitchComplaint(const msg::SetState::Response& result);
+
+std::string EstopText(const EstopReport& report, bool colour);
+// Who has not stopped, as one sentence.
+std::string EstopComplaint(const EstopReport& report);
+// How a machine stands after the release of an emergency stop.
+std::string ReleaseText(const msg::MachineStatus& machine, bool colour);
+std::string RestartText(const msg::ActuatorInfo& actuator, bool colour);
 
 std::string PlanText(const msg::GetPlan::Response& plan, bool colour);
 std::string HistoryText(const std::vector<msg::HistoryEntry>& entries, bool colour);
