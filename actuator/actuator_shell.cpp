@@ -103,7 +103,9 @@ void ActuatorShell::Start() {
 void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
                               transport::PeerId sender) {
   const RequestToken token = next_token_++;
-  replies_[token] = std::move(reply);
+  replies_[token] = [this, reply = std::move(reply)](const actuator_action::Answer& answer) {
+    reply({transport::ToMessage(answer.verdict), answer.code, answer.message, Status()});
+  };
   switch (request.kind) {
     case msg::ActuatorCommand::kKindSwitch:
       return Handle(actuator_event::SwitchArrived{token, SwitchFrom(request), sender});
@@ -114,6 +116,14 @@ void ActuatorShell::OnRequest(const msg::ActuatorCommand::Request& request, Repl
       return Do(actuator_action::Answer{token, Verdict::kRefused, kCodeParametersInvalid,
                                         "unknown kind of command " + std::to_string(request.kind)});
   }
+}
+
+void ActuatorShell::OnManager(const State& target, FsMachine::Reply reply) {
+  const RequestToken token = next_token_++;
+  replies_[token] = [this, reply = std::move(reply)](const actuator_action::Answer& answer) {
+    reply(core_.report.state, answer.code);
+  };
+  Handle(actuator_event::ManagerCommand{token, target.substr(0, kLongestName)});
 }
 
 void ActuatorShell::Handle(const ActuatorEvent& event) {
@@ -192,8 +202,7 @@ void ActuatorShell::Do(const actuator_action::RequestStop&) {
 
 void ActuatorShell::Do(const actuator_action::Answer& action) {
   const auto node = replies_.extract(action.token);
-  if (node.empty()) return;
-  node.mapped()({transport::ToMessage(action.verdict), action.code, action.message, Status()});
+  if (!node.empty()) node.mapped()(action);
 }
 
 void ActuatorShell::Do(const actuator_action::PublishStatus&) {
@@ -216,6 +225,11 @@ void ActuatorShell::Do(const actuator_action::BecomeVisible&) {
       });
   if (!server) return hooks_.on_finished(server.error());
   server_ = std::move(server).value();
+  auto fs_machine = FsMachine::Make(
+      node_, config_.name_space, actuator_.name,
+      [this](const State& target, FsMachine::Reply reply) { OnManager(target, std::move(reply)); });
+  if (!fs_machine) return hooks_.on_finished(fs_machine.error());
+  fs_machine_ = std::move(fs_machine).value();
   if (hooks_.on_set_up) hooks_.on_set_up();
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "musher/actuator/checkpoints.hpp"
+#include "musher/actuator/fs_machine.hpp"
 #include "musher/actuator/worker.hpp"
 #include "musher/lifecycle/actuator_core.hpp"
 #include "musher/lifecycle/config.hpp"
@@ -59,6 +60,7 @@ class ActuatorShell {
   Result<> Open();
   void OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
                  transport::PeerId sender);
+  void OnManager(const State& target, FsMachine::Reply reply);
   void Handle(const ActuatorEvent& event);
   void Do(const actuator_action::RunCallback& action);
   void Do(const actuator_action::RequestStop& action);
@@ -82,7 +84,7 @@ class ActuatorShell {
   ActuatorCore core_;
   RequestToken next_token_ = 1;
   Time last_stamp_{};
-  std::map<RequestToken, Reply> replies_;
+  std::map<RequestToken, std::function<void(const actuator_action::Answer&)>> replies_;
   Checkpoints checkpoints_;
   Health told_work_ = Health::kWell;  // with the last beat
   Time beat_at_{};                    // when it was
@@ -95,6 +97,7 @@ class ActuatorShell {
   std::unique_ptr<transport::Subscription> emergency_stops_;
   transport::LoopHandlePtr publish_later_;
   std::unique_ptr<transport::Server<msg::ActuatorCommand>> server_;
+  std::unique_ptr<FsMachine> fs_machine_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for results that come after us
 };
 

@@ -12,6 +12,7 @@
 namespace musher {
 namespace {
 
+constexpr std::size_t kProcessesKept = 4;  // of one actuator, those that spoke last
 constexpr Duration kPublishPeriod = Milliseconds(20);
 constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // less than a hung process has left
 
@@ -60,7 +61,7 @@ Result<> ControllerShell::Open() {
   auto health = HealthWatch::Make(
       node, config_, *world_.witness, world_.host, [this](const Event& event) { Handle(event); },
       [this](std::size_t i) {
-        peers_[i].link->Ask({machine_.epoch, machine_.actuators[i].report.number, false});
+        LinkTo(i).Ask({machine_.epoch, machine_.actuators[i].report.number, false});
       });
   if (!health) return health.error();
   health_ = std::move(health).value();
@@ -126,6 +127,9 @@ void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
   const std::size_t i = found->second;
   const ActuatorReport report = transport::FromMessage(status);
   speakers_[info.writer] = {i, report.incarnation};
+  auto& participants = peers_[i].participants;
+  participants[report.incarnation] = info.participant;
+  if (participants.size() > kProcessesKept) participants.erase(participants.begin());
   WatchForeign(i, report);
   CompareHash(i, status.config_hash);
   Handle(event::StatusSeen{i, report});
@@ -234,15 +238,23 @@ void ControllerShell::Publish() {
   published_at_ = world_.node->loop().Now();
 }
 
+// To the process whose report is taken for true; the one before may still be matched.
+ActuatorLink& ControllerShell::LinkTo(std::size_t actuator) {
+  Peer& peer = peers_[actuator];
+  const auto found = peer.participants.find(machine_.actuators[actuator].report.incarnation);
+  if (found != peer.participants.end()) peer.link->OnPeer(found->second);
+  return *peer.link;
+}
+
 void ControllerShell::Do(const action::SendSwitch& a) {
   const ActuatorRecord& record = machine_.actuators[a.actuator];
-  peers_[a.actuator].link->Switch(
-      {machine_.epoch, a.number, a.target, a.budget, record.clock_theirs,
-       world_.node->loop().Now() - record.clock_ours, record.report.incarnation, a.apart});
+  LinkTo(a.actuator)
+      .Switch({machine_.epoch, a.number, a.target, a.budget, record.clock_theirs,
+               world_.node->loop().Now() - record.clock_ours, record.report.incarnation, a.apart});
 }
 
 void ControllerShell::Do(const action::SendAsk& a) {
-  peers_[a.actuator].link->Ask({machine_.epoch, a.number, a.stop});
+  LinkTo(a.actuator).Ask({machine_.epoch, a.number, a.stop});
 }
 
 void ControllerShell::Do(const action::StartProcess& a) {
@@ -266,7 +278,7 @@ void ControllerShell::Do(const action::StartProcess& a) {
       });
   if (!started) return Handle(event::ProcessNotStarted{a.actuator, started.error().message});
   *pid = started.value();
-  peers_[a.actuator].link->OnProcess(started.value());
+  peers_[a.actuator].link->OnProcess(*pid);
   Handle(event::ProcessStarted{a.actuator, started.value()});
 }
 

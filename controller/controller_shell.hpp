@@ -82,6 +82,7 @@ class ControllerShell {
   // What is kept for each actuator beside the machine's own record.
   struct Peer {
     std::unique_ptr<ActuatorLink> link;
+    std::map<std::uint64_t, transport::PeerId> participants;  // by incarnation
     std::uint64_t watched = 0;  // incarnation whose foreign process is watched
     bool hash_told = false;     // that its config differs
   };
@@ -90,6 +91,7 @@ class ControllerShell {
   Result<> Open();
 
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
+  ActuatorLink& LinkTo(std::size_t actuator);
   void OnLinkEvent(const Event& event);
   void OnWriterLost(transport::PeerId writer);
   void WatchForeign(std::size_t actuator, const ActuatorReport& report);

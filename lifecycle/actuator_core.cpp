@@ -16,6 +16,9 @@ struct Refusal {
   std::string message;
 };
 
+// So many who say that they are controllers are remembered, those that were heard last.
+constexpr std::size_t kAnnouncedKept = 8;
+
 // No process of a robot has run for longer.
 constexpr Duration kLongestRun = std::chrono::hours(24 * 365 * 10);
 
@@ -83,6 +86,13 @@ class Deciding {
     Do(PublishStatus{});
   }
 
+  void On(const event::ManagerCommand& arrived) {
+    if (auto refusal = JudgeManager(arrived.target)) return Refuse({arrived.token}, *refusal);
+    SwitchCommand command;  // of number 0, which no controller gives
+    command.target = arrived.target;
+    Begin(command, {arrived.token});
+  }
+
   void On(const event::CallbackEnded& ended) {
     const State target = std::exchange(report_.target, "");
     const auto tokens = std::exchange(core_.running_for, {});
@@ -112,9 +122,10 @@ class Deciding {
 
   void On(const event::ControllerHeard& heard) {
     if (heard.sender == core_.controller) core_.controller_heard = now_;
-    if (heard.epoch > kLastEpoch || heard.epoch < core_.announced_epoch) return;
-    core_.announced = heard.sender;
-    core_.announced_epoch = heard.epoch;
+    auto& announced = core_.announced;
+    std::erase_if(announced, [&](const auto& one) { return one.sender == heard.sender; });
+    announced.push_back(heard);
+    if (announced.size() > kAnnouncedKept) announced.erase(announced.begin());
   }
 
   void On(const event::EmergencyStopHeard& heard) {
@@ -171,7 +182,9 @@ class Deciding {
       if (epoch == report_.epoch) {
         return Refusal{kCodePermissionDenied, "epoch " + number + " is another controller's"};
       }
-      if (sender != core_.announced || epoch != core_.announced_epoch) {
+      const event::ControllerHeard announced{sender, epoch};
+      if (std::find(core_.announced.begin(), core_.announced.end(), announced) ==
+          core_.announced.end()) {
         return Refusal{kCodePermissionDenied,
                        "no controller of epoch " + number + " has announced itself"};
       }
@@ -234,18 +247,32 @@ class Deciding {
                                            " is from the past; " + std::to_string(report_.number) +
                                            " was seen already"};
     }
+    if (auto refusal = JudgeTarget(command.target)) return refusal;
+    return TooOld(command);
+  }
+
+  std::optional<Refusal> JudgeManager(const State& target) const {
+    if (report_.epoch != 0) {
+      return Refusal{kCodePermissionDenied,
+                     "a controller holds it, epoch " + std::to_string(report_.epoch)};
+    }
+    if (report_.busy()) return Refusal{kCodeTargetBusy, "it is busy with " + report_.target};
+    if (report_.emergency_stop != 0 && GoesUp(target)) return Stopped();
+    return JudgeTarget(target);
+  }
+
+  std::optional<Refusal> JudgeTarget(const State& target) const {
     if (report_.state == kTearDown) {
       return Refusal{kCodeStateInvalid,
                      "the actuator is torn down; only a new start brings it back"};
     }
-    if (command.target == kSetUp || command.target == kUninitialized) {
-      return Refusal{kCodeStateInvalid,
-                     command.target + " cannot be commanded: it is a process's start"};
+    if (target == kSetUp || target == kUninitialized) {
+      return Refusal{kCodeStateInvalid, target + " cannot be commanded: it is a process's start"};
     }
-    if (!config_.Lists(command.target)) {
-      return Refusal{kCodeUnSupport, config_.name + " has no state '" + command.target + "'"};
+    if (!config_.Lists(target)) {
+      return Refusal{kCodeUnSupport, config_.name + " has no state '" + target + "'"};
     }
-    return MayBegin(command);
+    return std::nullopt;
   }
 
   std::optional<Refusal> MayBegin(const SwitchCommand& command) const {

@@ -3,20 +3,22 @@
 // latched status says. Pure: Step(config, index, core, event, now) changes the core and gives the
 // actions; the shell around it (actuator/) turns DDS samples and the worker thread into events.
 //
+// clang-format off
 //           Started                       CallbackEnded ok
 //   (new) ───────────▶ busy in SetUp ─────────────────────────▶ free ◀─────────────────┐
-//                           │ CallbackEnded                      │ a command, or its   │
+//                           │ CallbackEnded                      │ a command, or its   │ CallbackEnded
 //                           ▼ failed                             ▼ controller is lost  │
-//                           CallbackEnded
 //                      Finish{code}                             busy ──────────────────┘
 //                                                                │ a newer command waits: one
 //                                                                ▼ place, the newest keeps it
 //                                              TearDown ended ok: Finish{0}
+// clang-format on
 //
 // Rules: one controller is followed, and it must have announced itself; the epoch never falls; a
 // number is accepted once and never below one accepted or fenced; a command older than its budget
 // by this actuator's clock cannot begin; a callback that runs is never interrupted, only asked to
-// stop; while an emergency stop is latched nothing goes up.
+// stop; while an emergency stop is latched nothing goes up; a manager without epochs may command as
+// long as no controller has spoken, and its command never waits.
 
 #include <cstdint>
 #include <optional>
@@ -74,6 +76,11 @@ struct AskArrived {
   AskCommand command;
   Sender sender = 0;
 };
+// A manager that knows no epochs and numbers (CyberDog's FsMachine) wants this state.
+struct ManagerCommand {
+  RequestToken token = 0;
+  State target;
+};
 struct CallbackEnded {
   std::int32_t code = 0;
   std::string message;
@@ -82,6 +89,7 @@ struct CallbackEnded {
 struct ControllerHeard {
   Sender sender = 0;
   std::uint64_t epoch = 0;
+  friend bool operator==(const ControllerHeard&, const ControllerHeard&) = default;
 };
 // Somebody engages an emergency stop, or the controller releases it.
 struct EmergencyStopHeard {
@@ -93,10 +101,10 @@ struct EmergencyStopHeard {
 struct TimePassed {};
 }  // namespace actuator_event
 
-using ActuatorEvent =
-    std::variant<actuator_event::Started, actuator_event::SwitchArrived, actuator_event::AskArrived,
-                 actuator_event::CallbackEnded, actuator_event::ControllerHeard,
-                 actuator_event::EmergencyStopHeard, actuator_event::TimePassed>;
+using ActuatorEvent = std::variant<actuator_event::Started, actuator_event::SwitchArrived,
+                                   actuator_event::AskArrived, actuator_event::ManagerCommand,
+                                   actuator_event::CallbackEnded, actuator_event::ControllerHeard,
+                                   actuator_event::EmergencyStopHeard, actuator_event::TimePassed>;
 
 namespace actuator_action {
 // Run the callback of `target` on the worker; its end comes back as CallbackEnded.
@@ -155,8 +163,7 @@ struct ActuatorCore {
   bool unsettled = false;          // the last callback failed: it may have left a state half way
   Sender controller = 0;           // the controller that is followed
   Time controller_heard{};         // its last sign of life
-  Sender announced = 0;            // who announced itself with the highest epoch
-  std::uint64_t announced_epoch = 0;
+  std::vector<actuator_event::ControllerHeard> announced;  // who says that it is a controller
   std::vector<std::uint64_t> released;  // emergency stops that are over: they come too late
 
   friend bool operator==(const ActuatorCore&, const ActuatorCore&) = default;

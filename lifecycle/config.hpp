@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "musher/lifecycle/ros2_states.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/lifecycle/time.hpp"
 
@@ -48,6 +49,8 @@ struct ActuatorConfig {
   std::string cwd;                         // absolute; empty: the controller's own
   std::map<std::string, std::string> env;  // added to the controller's environment
   Protocol protocol = Protocol::kMusher;
+  std::string heartbeat_name;              // of protocol cyberdog: whose `manager_heartbeats`
+  std::map<State, Ros2State> ros2_states;  // of ros2_lifecycle: where it differs from Ros2GoalOf()
   int stage = 1;
   std::vector<std::string> after;     // actuators that must be up first
   std::vector<std::string> binds_to;  // actuators whose restart takes this one down and up again

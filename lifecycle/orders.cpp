@@ -80,9 +80,10 @@ void Decision::Follow(std::size_t i) {
   record.parked = false;
   record.health = Health::kWell;
   record.due = late && record.checked && !record.held;
-  RecordActuator(i, kCodeOk,
-                 ConfigOf(i).name + " is present in " + record.state() + ", process " +
-                     std::to_string(record.report.pid));
+  RecordActuator(
+      i, kCodeOk,
+      ConfigOf(i).name + " is present in " + record.state() +
+          (record.report.pid == 0 ? "" : ", process " + std::to_string(record.report.pid)));
   CountArrival(i);
 }
 

@@ -172,6 +172,9 @@ class Planning {
     } else if (!checking && record.state() == plan_.target && !record.fault &&
                !record.report.busy() && !record.order) {
       step.part = record.held ? PlanStep::Part::kHeldThere : PlanStep::Part::kThere;
+    } else if (!checking && Unknown(actuator, record)) {
+      leave_out("has not answered " + record.report.target + " and cannot be asked",
+                kCodeTargetBusy, true);
     } else if (up && !machine_.current && (record.report.busy() || record.order)) {
       RefuseWith(kCodeTargetBusy, actuator.name + " is still busy with " + BusyWith(record));
     }
@@ -182,6 +185,12 @@ class Planning {
   bool Joining(const ActuatorRecord& record) const {
     return record.order && record.order->target == kSelfCheck && !machine_.current &&
            plan_.target != kTearDown && plan_.target != kError;
+  }
+
+  // Overdue by a protocol that has no question: nothing more is sent to it until it answers.
+  static bool Unknown(const ActuatorConfig& actuator, const ActuatorRecord& record) {
+    return actuator.protocol == Protocol::kCyberdog && record.fault && record.report.busy() &&
+           !record.order;
   }
 
   // In a state to stay in, as against a step of a start or Error.

@@ -1,7 +1,5 @@
 #include "musher/transport/raw_client.hpp"
 
-#include <algorithm>
-
 #include "musher/transport/service_names.hpp"
 
 namespace musher::transport {
@@ -32,11 +30,11 @@ Result<std::unique_ptr<RawClient>> RawClient::Make(Node& node, const std::string
   return client;
 }
 
-bool RawClient::Ready() const {
-  if (!requests_) return false;
-  const auto servers = replies_->WriterParticipants();
-  return std::any_of(servers.begin(), servers.end(),
-                     [this](PeerId server) { return requests_->HasReaderOf(server); });
+std::vector<PeerId> RawClient::Servers() const {
+  if (!requests_) return {};
+  std::vector<PeerId> servers = replies_->WriterParticipants();
+  std::erase_if(servers, [this](PeerId server) { return !requests_->HasReaderOf(server); });
+  return servers;
 }
 
 msg::RequestId RawClient::NextId() {

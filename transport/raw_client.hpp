@@ -14,6 +14,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "musher/messages/cdr.hpp"
 #include "musher/transport/node.hpp"
@@ -30,7 +31,10 @@ class RawClient {
                                                  const std::string& type,
                                                  std::function<void()> on_match_changed);
 
-  bool Ready() const;
+  bool Ready() const { return !Servers().empty(); }
+
+  // The participants whose server is matched in both directions.
+  std::vector<PeerId> Servers() const;
 
   // The id that the next request must be encoded with.
   msg::RequestId NextId();

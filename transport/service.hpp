@@ -14,6 +14,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "musher/transport/node.hpp"
 #include "musher/transport/raw_client.hpp"
@@ -54,6 +55,10 @@ class Client {
 
   // Whether a server is matched in both directions, so that a call sent now arrives.
   bool Ready() const { return raw_->Ready(); }
+
+  // The participants of those servers. One that died is among them until its lease is over; its
+  // successor is another.
+  std::vector<PeerId> Servers() const { return raw_->Servers(); }
 
   // Sends the request, at once when a server is matched, else as soon as one is. `on_reply` runs
   // exactly once on the loop: with the reply, or with kCodeTimeout after `timeout`, or with the

@@ -28,6 +28,8 @@ class ActuatorLink {
   virtual void Switch(const SwitchCommand& command) = 0;
   // Asks how a command stands, and fences it where the protocol can.
   virtual void Ask(const AskCommand& command) = 0;
+  // The participant that the actuator's status comes from now.
+  virtual void OnPeer(transport::PeerId /*participant*/) {}
   // The process that the controller has started for this actuator; 0 when it has ended.
   virtual void OnProcess(std::int32_t /*pid*/) {}
 };

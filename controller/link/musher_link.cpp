@@ -1,5 +1,6 @@
 #include "musher/controller/link/musher_link.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/transport/lifecycle_wire.hpp"
@@ -16,10 +17,11 @@ Result<std::unique_ptr<ActuatorLink>> MusherLink::Make(transport::Node& node,
                                                        const MachineConfig& config,
                                                        std::size_t actuator, Emit emit) {
   const std::string& name = config.actuators[actuator].name;
-  auto client = transport::MakeClient<msg::ActuatorCommand>(
-      node, transport::CommandService(config.name_space, name));
-  if (!client) return client.error();
   std::unique_ptr<MusherLink> link(new MusherLink(name, actuator, std::move(emit)));
+  auto client = transport::MakeClient<msg::ActuatorCommand>(
+      node, transport::CommandService(config.name_space, name),
+      [self = link.get()] { self->SendHeld(); });
+  if (!client) return client.error();
   link->client_ = std::move(client).value();
   return std::unique_ptr<ActuatorLink>(std::move(link));
 }
@@ -35,7 +37,7 @@ void MusherLink::Switch(const SwitchCommand& command) {
   request.since_status_ns = command.since_status.count();
   request.incarnation = command.incarnation;
   request.apart = command.apart;
-  Call(request);
+  SendOrHold(request);
 }
 
 void MusherLink::Ask(const AskCommand& command) {
@@ -44,7 +46,29 @@ void MusherLink::Ask(const AskCommand& command) {
   request.epoch = command.epoch;
   request.number = command.number;
   request.stop = command.stop;
-  Call(request);
+  SendOrHold(request);
+}
+
+void MusherLink::OnPeer(transport::PeerId participant) {
+  if (participant == peer_) return;
+  peer_ = participant;
+  held_.clear();  // it was meant for the one before
+}
+
+void MusherLink::SendOrHold(const msg::ActuatorCommand::Request& request) {
+  if (PeerIsMatched()) return Call(request);
+  held_.push_back(request);
+}
+
+bool MusherLink::PeerIsMatched() const {
+  if (peer_ == 0) return true;
+  const std::vector<transport::PeerId> servers = client_->Servers();
+  return std::find(servers.begin(), servers.end(), peer_) != servers.end();
+}
+
+void MusherLink::SendHeld() {
+  if (!client_ || held_.empty() || !PeerIsMatched()) return;
+  for (const auto& request : std::exchange(held_, {})) Call(request);
 }
 
 void MusherLink::Call(const msg::ActuatorCommand::Request& request) {

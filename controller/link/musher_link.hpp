@@ -2,10 +2,14 @@
 // The link to an actuator of Musher's own protocol: the command service. Its latched status comes
 // over a topic that all actuators share, which the shell listens to.
 //
+// A process that was killed stays matched until its lease is over, and what is sent to it alone
+// reaches nobody. So a command waits until the process that the status comes from is matched.
+//
 // Threads: loop thread only.
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "musher/controller/link/actuator_link.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
@@ -21,16 +25,22 @@ class MusherLink : public ActuatorLink {
 
   void Switch(const SwitchCommand& command) override;
   void Ask(const AskCommand& command) override;
+  void OnPeer(transport::PeerId participant) override;
 
  private:
   MusherLink(std::string name, std::size_t actuator, Emit emit)
       : name_(std::move(name)), actuator_(actuator), emit_(std::move(emit)) {}
 
+  void SendOrHold(const msg::ActuatorCommand::Request& request);
+  bool PeerIsMatched() const;
+  void SendHeld();
   void Call(const msg::ActuatorCommand::Request& request);
 
   const std::string name_;
   const std::size_t actuator_;
   const Emit emit_;
+  transport::PeerId peer_ = 0;  // 0: any
+  std::vector<msg::ActuatorCommand::Request> held_;
   std::unique_ptr<transport::Client<msg::ActuatorCommand>> client_;  // last: it uses the others
 };
 

@@ -11,17 +11,11 @@ namespace {
 
 // Keys that are read and judged but change nothing in this version. To make one work is to take it
 // out of this list.
-constexpr std::string_view kNoEffectYet[] = {"restart",
-                                             "restart_delay_ms",
-                                             "restart_growth",
-                                             "restart_max_ms",
-                                             "restart_limit",
-                                             "restart_reset_ms",
-                                             "checkpoint_ms",
-                                             "controller_lost_ms",
-                                             "on_controller_lost",
-                                             "binds_to",
-                                             "protocol"};
+constexpr std::string_view kNoEffectYet[] = {
+    "restart",        "restart_delay_ms",   "restart_growth",
+    "restart_max_ms", "restart_limit",      "restart_reset_ms",
+    "checkpoint_ms",  "controller_lost_ms", "on_controller_lost",
+    "binds_to"};
 
 constexpr int kLastStage = 9;
 constexpr std::int64_t kMostRestarts = 10'000;
@@ -145,11 +139,7 @@ class ActuatorReader {
 
   void ReadPlace() {
     ActuatorConfig& config = actuator_.config;
-    const auto protocol =
-        reader_.Choice<Protocol>("protocol", {{"musher", Protocol::kMusher},
-                                              {"cyberdog", Protocol::kCyberdog},
-                                              {"ros2_lifecycle", Protocol::kRos2Lifecycle}});
-    config.protocol = protocol.value_or(config.protocol);
+    ReadProtocol(reader_, config, draft_);
     config.stage = static_cast<int>(reader_.Integer("stage", 1, kLastStage).value_or(1));
     actuator_.after = reader_.Strings("after", {.may_be_empty = true}).value_or(actuator_.after);
     actuator_.binds_to =
@@ -219,9 +209,7 @@ class ActuatorReader {
 
   void WarnOfNoEffect() {
     for (const std::string_view key : kNoEffectYet) {
-      if (!reader_.Has(key)) continue;
-      if (key == "protocol" && actuator_.config.protocol == Protocol::kMusher) continue;
-      reader_.Warn(reader_.At(key), key, "has no effect yet in this version");
+      if (reader_.Has(key)) reader_.Warn(reader_.At(key), key, "has no effect yet in this version");
     }
   }
 

@@ -51,6 +51,9 @@ void ReadActuators(TableReader& root, Draft& draft);
 // One [actuator.<name>].
 ActuatorDraft ReadActuator(const Member& member, const Table& table, Draft& draft);
 
+// Its `protocol` and what belongs to it; name and states have been read.
+void ReadProtocol(TableReader& reader, ActuatorConfig& config, Draft& draft);
+
 // `after` and `binds_to`: unknown names, the actuator itself, later stages, cycles. `tables` are
 // all [actuator.*], also those that controller.actuators does not list.
 void CheckOrder(const std::vector<ActuatorDraft>& actuators, const Table& tables,

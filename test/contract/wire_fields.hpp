@@ -3,15 +3,21 @@
 // the same. A field that is missing here is still caught when it makes the round trip.
 
 #include <gtest/gtest.h>
+#include <lifecycle_msgs.h>
 #include <musher_msgs.h>
+#include <protocol.h>
 #include <std_msgs.h>
 
 #include <string>
 #include <vector>
 
+#include "musher/messages/lifecycle_msgs/services.hpp"
+#include "musher/messages/lifecycle_msgs/transition_event.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/beats.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/messages/protocol/fs_machine.hpp"
+#include "musher/messages/protocol/heartbeats.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 
@@ -47,6 +53,55 @@ MUSHER_SAME(std_srvs_srv_dds__Trigger_Request_, Trigger::Request) {
 MUSHER_SAME(std_srvs_srv_dds__Trigger_Response_, Trigger::Response) {
   SAME(success);
   SAME(message);
+}
+
+MUSHER_SAME(protocol_msg_dds__Heartbeats_, Heartbeats) {
+  SAME(name);
+  SAME(state);
+  SAME(timestamp);
+  SAME(params);
+}
+
+MUSHER_SAME(protocol_srv_dds__FsMachine_Request_, FsMachine::Request) {
+  SAME(target_state);
+}
+
+MUSHER_SAME(protocol_srv_dds__FsMachine_Response_, FsMachine::Response) {
+  SAME(current_state);
+  SAME(code);
+}
+
+MUSHER_SAME(lifecycle_msgs_msg_dds__State_, State) {
+  SAME(id);
+  SAME(label);
+}
+
+MUSHER_SAME(lifecycle_msgs_msg_dds__Transition_, Transition) {
+  SAME(id);
+  SAME(label);
+}
+
+MUSHER_SAME(lifecycle_msgs_msg_dds__TransitionEvent_, TransitionEvent) {
+  SAME(timestamp);
+  SAME(transition);
+  SAME(start_state);
+  SAME(goal_state);
+}
+
+MUSHER_SAME(lifecycle_msgs_srv_dds__ChangeState_Request_, ChangeState::Request) {
+  SAME(transition);
+}
+
+MUSHER_SAME(lifecycle_msgs_srv_dds__ChangeState_Response_, ChangeState::Response) {
+  SAME(success);
+}
+
+MUSHER_SAME(lifecycle_msgs_srv_dds__GetState_Request_, GetState::Request) {
+  SAME(structure_needs_at_least_one_member);
+}
+
+MUSHER_SAME(lifecycle_msgs_srv_dds__GetState_Response_, GetState::Response) {
+  SAME(current_state);
 }
 
 MUSHER_SAME(musher_msgs_msg_dds__ActuatorStatus_, ActuatorStatus) {

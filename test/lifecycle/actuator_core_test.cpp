@@ -11,6 +11,7 @@ using namespace actuator_action;  // NOLINT(google-build-using-namespace)
 using actuator_event::AskArrived;
 using actuator_event::CallbackEnded;
 using actuator_event::ControllerHeard;
+using actuator_event::ManagerCommand;
 using actuator_event::Started;
 using actuator_event::SwitchArrived;
 using ::testing::Contains;
@@ -281,6 +282,48 @@ TEST_F(Actuator, StaysWhenTearDownFails) {
   SetUpIt();
   Do(Command(1, "TearDown"));
   EXPECT_THAT(Do(CallbackEnded{5001, ""}), Not(Contains(VariantWith<Finish>(Finish{}))));
+}
+
+TEST_F(Actuator, IsDrivenByAManagerWithoutEpochsAsLongAsNoControllerHasSpoken) {
+  SetUpIt();
+  EXPECT_THAT(Do(ManagerCommand{7, "Active"}),
+              Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
+  EXPECT_THAT(Do(CallbackEnded{}),
+              Contains(VariantWith<Answer>(Answer{7, Verdict::kDone, kCodeOk, ""})));
+  EXPECT_EQ(core_.report.state, "Active");
+  Do(Command(1, "DeActive"));
+  Do(CallbackEnded{});
+  EXPECT_EQ(AnswerIn(Do(ManagerCommand{8, "Active"})).code, kCodePermissionDenied);
+}
+
+TEST_F(Actuator, BelongsToTheControllerThatHasAskedItToFollow) {
+  SetUpIt();
+  Do(AskArrived{1, {3, 0, false}});
+  EXPECT_EQ(AnswerIn(Do(ManagerCommand{2, "Active"})).code, kCodePermissionDenied);
+}
+
+TEST_F(Actuator, RunsOneCallbackAtATimeAndAManagersCommandDoesNotWait) {
+  Do(Started{});
+  EXPECT_EQ(AnswerIn(Do(ManagerCommand{1, "Active"})).code, kCodeTargetBusy);
+  Do(CallbackEnded{});
+  Do(ManagerCommand{2, "Active"});
+  EXPECT_EQ(AnswerIn(Do(ManagerCommand{3, "LowPower"})).code, kCodeTargetBusy);
+}
+
+TEST_F(Actuator, AControllersCommandWaitsForTheCallbackOfAManager) {
+  SetUpIt();
+  Do(ManagerCommand{1, "Active"});
+  EXPECT_THAT(Do(Command(1, "LowPower")), Not(Contains(VariantWith<RunCallback>(::testing::_))));
+  EXPECT_THAT(Do(CallbackEnded{}), Contains(VariantWith<RunCallback>(RunCallback{"LowPower"})));
+}
+
+TEST_F(Actuator, RefusesAManagerWhatItRefusesAController) {
+  SetUpIt();
+  EXPECT_EQ(AnswerIn(Do(ManagerCommand{1, "OTA"})).code, kCodeUnSupport);
+  EXPECT_EQ(AnswerIn(Do(ManagerCommand{2, "SetUp"})).code, kCodeStateInvalid);
+  Do(ManagerCommand{3, "Active"});
+  EXPECT_EQ(AnswerIn(Do(CallbackEnded{5001, "no"})).code, 5001);
+  EXPECT_EQ(core_.report.state, "SetUp");
 }
 
 }  // namespace

@@ -64,6 +64,14 @@ ActuatorConfig AnyActuator(std::size_t number, const MachineConfig& machine) {
   if (AnyBool()) actuator.env = {{"A", AnyText()}, {"b c", AnyText()}};
   actuator.protocol =
       Any<Protocol>({Protocol::kMusher, Protocol::kCyberdog, Protocol::kRos2Lifecycle});
+  if (actuator.protocol == Protocol::kCyberdog) {
+    actuator.heartbeat_name = Any<std::string>({actuator.name, "device"});
+  }
+  if (actuator.protocol == Protocol::kRos2Lifecycle && AnyBool()) {
+    actuator.ros2_states = {
+        {"TearDown", Any<Ros2State>({Ros2State::kUnconfigured, Ros2State::kInactive,
+                                     Ros2State::kActive, Ros2State::kFinalized})}};
+  }
   actuator.critical = AnyBool();
   actuator.restart = AnyRestart();
   if (AnyBool()) actuator.checkpoint = AnyTime();
@@ -127,6 +135,12 @@ void WriteActuator(const ActuatorConfig& actuator, std::ostream& out) {
       << "\ncritical = " << (actuator.critical ? "true" : "false")
       << "\non_lost = " << Quoted(actuator.on_lost)
       << "\non_controller_lost = " << Quoted(actuator.on_controller_lost);
+  if (!actuator.heartbeat_name.empty()) {
+    out << "\nheartbeat_name = " << Quoted(actuator.heartbeat_name);
+  }
+  for (const auto& [state, goal] : actuator.ros2_states) {
+    out << "\nros2_states." << state << " = \"" << Ros2StateName(goal) << "\"";
+  }
   if (!actuator.command.empty()) out << "\ncommand = " << List(actuator.command);
   if (!actuator.cwd.empty()) out << "\ncwd = " << Quoted(actuator.cwd);
   if (actuator.checkpoint) out << "\ncheckpoint_ms = " << ToMilliseconds(*actuator.checkpoint);

@@ -75,6 +75,10 @@ std::int32_t SimRobot::Launch(const std::string& name) {
   ActuatorProcess& process = actuators_[name];
   process.pid = pid;
   process.node = network_.MakeNode(name);
+  if (const auto program = programs_.find(name); program != programs_.end()) {
+    process.program = program->second(*process.node);
+    return pid;
+  }
   auto takes = std::make_shared<Duration>();
   process.worker = std::make_unique<SimWorker>(process.node->loop(), [takes] { return *takes; });
   ActuatorShell::Hooks hooks;
@@ -111,6 +115,7 @@ void SimRobot::End(const std::string& name, const ProcessExit& exit) {
   const auto watcher = watchers_.extract(process->second.pid);
   process->second.shell.reset();
   process->second.worker.reset();
+  process->second.program.reset();
   actuators_.erase(process);
   if (watcher.empty() || !controller_) return;
   controller_->node->loop().Post([on_exit = watcher.mapped(), exit] { on_exit(exit); });
@@ -187,7 +192,7 @@ std::optional<SwitchResult> SimRobot::Set(const State& target,
 
 std::optional<ActuatorReport> SimRobot::ReportOf(const std::string& name) const {
   const auto process = actuators_.find(name);
-  if (process == actuators_.end()) return std::nullopt;
+  if (process == actuators_.end() || !process->second.shell) return std::nullopt;
   return process->second.shell->report();
 }
 

@@ -31,6 +31,12 @@ class SimRobot : private ProcessRunner, private ProcessWitness, private JournalS
 
   transport::sim::Network& network() { return network_; }
 
+  // A program that is no actuator of ours runs behind that name; made anew with each process.
+  using Program = std::function<std::shared_ptr<void>(transport::Node& node)>;
+  void UseProgram(const std::string& name, Program program) {
+    programs_[name] = std::move(program);
+  }
+
   void StartController();
   void CrashController();
   void StartActuator(const std::string& name);  // as a person would
@@ -66,6 +72,7 @@ class SimRobot : private ProcessRunner, private ProcessWitness, private JournalS
     std::unique_ptr<Worker> worker;
     std::unique_ptr<ActuatorShell> shell;
     bool frozen = false;
+    std::shared_ptr<void> program;  // instead of the shell
   };
 
   Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) override;
@@ -84,6 +91,7 @@ class SimRobot : private ProcessRunner, private ProcessWitness, private JournalS
 
   MachineConfig config_;
   Script script_;
+  std::map<std::string, Program> programs_;
   transport::sim::Network network_;
   std::unique_ptr<transport::Node> keeper_;  // whose loop runs what belongs to no process
   std::unique_ptr<ControllerProcess> controller_;

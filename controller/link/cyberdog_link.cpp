@@ -1,0 +1,110 @@
+#include "musher/controller/link/cyberdog_link.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/lifecycle/code.hpp"
+
+namespace musher {
+namespace {
+
+// Long past every deadline of the decision code, which does its own waiting: ends a forgotten call.
+constexpr Duration kCallTimeout = std::chrono::hours(2);
+// CyberDog's own figures: a beat every 500 ms, lost after 5 without.
+constexpr Duration kSilence = 5 * Milliseconds(500);
+// What a module says to a state it does not have: the key alone, without its module's code.
+constexpr auto kNoSuchState = static_cast<std::int32_t>(KeyCode::kUnSupport);
+// Matches writers of either reliability. One history for all who beat, so it must not be short.
+constexpr transport::Qos kBeatsQos{transport::Qos::Reliability::kBestEffort,
+                                   transport::Qos::Durability::kVolatile, 0};
+
+}  // namespace
+
+Result<std::unique_ptr<ActuatorLink>> CyberdogLink::Make(transport::Node& node,
+                                                         const MachineConfig& config,
+                                                         std::size_t actuator, Emit emit) {
+  const ActuatorConfig& own = config.actuators[actuator];
+  std::unique_ptr<CyberdogLink> link(new CyberdogLink(node, config, actuator, std::move(emit)));
+  CyberdogLink* self = link.get();
+  auto client = transport::MakeClient<msg::FsMachine>(
+      node, transport::ResolveName(config.name_space, own.name + "machine_service"), [self] {
+        if (self->client_) self->OnServers(self->client_->Servers());
+      });
+  if (!client) return client.error();
+  link->client_ = std::move(client).value();
+  auto beats = transport::MakeSubscription<msg::Heartbeats>(
+      node, transport::ResolveName(config.name_space, "manager_heartbeats"),
+      [self, name = own.heartbeat_name](const msg::Heartbeats& beat, const transport::SampleInfo&) {
+        if (beat.name == name) self->OnBeat();
+      },
+      kBeatsQos);
+  if (!beats) return beats.error();
+  link->beats_ = std::move(beats).value();
+  return std::unique_ptr<ActuatorLink>(std::move(link));
+}
+
+void CyberdogLink::OnAppeared() {
+  report().state = State(kSetUp);
+  TellStatus();
+}
+
+void CyberdogLink::OnGone() {
+  ++call_;
+  silent_ = false;
+  watch_ = nullptr;
+}
+
+void CyberdogLink::Drive() {
+  client_->Call({order()->target}, kCallTimeout,
+                [this, call = ++call_](const Result<msg::FsMachine::Response>& reply) {
+                  if (call == call_) OnReply(reply);
+                });
+}
+
+void CyberdogLink::Inquire(const AskCommand& ask) {
+  AnswerAsk(ask.number);
+}
+
+void CyberdogLink::OnReply(const Result<msg::FsMachine::Response>& reply) {
+  const bool was_lost = silent_;
+  SignOfLife();
+  if (!reply) {
+    End(Verdict::kFailed, reply.error().code, reply.error().message);
+  } else if (reply.value().code == kCodeOk) {
+    End(Verdict::kDone);
+  } else if (reply.value().code == kNoSuchState) {
+    End(Verdict::kRefused, kNoSuchState, "it has no such state");
+  } else {
+    End(Verdict::kFailed, reply.value().code);
+  }
+  if (was_lost) TellStatus();
+}
+
+void CyberdogLink::OnBeat() {
+  if (!there()) return;
+  const bool was_lost = silent_;
+  SignOfLife();
+  if (!watch_) Watch(last_sign_ + kSilence);
+  if (was_lost) TellStatus();
+}
+
+void CyberdogLink::SignOfLife() {
+  last_sign_ = Now();
+  if (std::exchange(silent_, false)) Watch(last_sign_ + kSilence);
+}
+
+void CyberdogLink::Watch(Time until) {
+  watch_ = node().loop().At(until, [this] { OnSilence(); });
+}
+
+// By the clock, not by counting: beats only note the time, so that the watch looks again once.
+void CyberdogLink::OnSilence() {
+  Time until = last_sign_ + kSilence;
+  if (order()) until = std::max(until, order()->deadline);
+  if (Now() < until) return Watch(until);
+  watch_ = nullptr;
+  silent_ = true;
+  TellVanished("its heartbeats have ceased");
+}
+
+}  // namespace musher

@@ -1,0 +1,175 @@
+#include "musher/controller/link/foreign_link.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/lifecycle/code.hpp"
+
+namespace musher {
+namespace {
+
+bool Contains(const std::vector<transport::PeerId>& servers, transport::PeerId server) {
+  return std::find(servers.begin(), servers.end(), server) != servers.end();
+}
+
+}  // namespace
+
+ForeignLink::ForeignLink(transport::Node& node, const MachineConfig& config, std::size_t actuator,
+                         Emit emit)
+    : node_(node), config_(config), actuator_(actuator), emit_(std::move(emit)) {}
+
+void ForeignLink::Switch(const SwitchCommand& command) {
+  Post([this, command] { Take(command); });
+}
+
+void ForeignLink::Ask(const AskCommand& command) {
+  Post([this, command] { Take(command); });
+}
+
+void ForeignLink::Post(std::function<void()> work) {
+  node_.loop().Post([alive = std::weak_ptr<bool>(alive_), work = std::move(work)] {
+    if (!alive.expired()) work();
+  });
+}
+
+// The end of a process that we started is known before its server is missed.
+void ForeignLink::OnProcess(std::int32_t pid) {
+  process_ = pid;
+  if (pid == 0 && there()) Forget();
+}
+
+void ForeignLink::OnServers(std::vector<transport::PeerId> servers) {
+  const std::vector<transport::PeerId> before = std::exchange(servers_, std::move(servers));
+  const auto newcomer = std::find_if(servers_.begin(), servers_.end(),
+                                     [&](transport::PeerId s) { return !Contains(before, s); });
+  if (newcomer != servers_.end()) return Appear(*newcomer);
+  if (!there() || Contains(servers_, server_)) return;
+  if (!servers_.empty()) return Appear(servers_.back());
+  TellVanished("it serves no more");
+  Forget();
+}
+
+void ForeignLink::Appear(transport::PeerId server) {
+  if (there()) Forget();
+  server_ = server;
+  const auto now = static_cast<std::uint64_t>(Duration(Now().time_since_epoch()).count());
+  const std::uint64_t incarnation = std::max(report_.incarnation + 1, now);
+  report_ = {};
+  report_.state = config_.default_state;
+  report_.incarnation = incarnation;
+  report_.pid = process_;
+  OnAppeared();
+}
+
+void ForeignLink::Forget() {
+  server_ = 0;
+  order_.reset();
+  waiting_.reset();
+  OnGone();
+}
+
+void ForeignLink::Take(const SwitchCommand& command) {
+  if (!there() || command.incarnation != report_.incarnation) return;  // it was lost meanwhile
+  report_.epoch = std::max(report_.epoch, command.epoch);
+  report_.number = std::max(report_.number, command.number);
+  if (!actuator().Lists(command.target) || command.target == kSetUp) {
+    return Refuse(command.number, kCodeUnSupport,
+                  actuator().name + " has no state '" + command.target + "' to be switched to");
+  }
+  if (!order_) return Begin(command);
+  if (const auto older = std::exchange(waiting_, Waiting{command, Now()})) {
+    Refuse(older->command.number, kCodeTargetBusy,
+           "command " + std::to_string(command.number) + " took its place");
+  }
+}
+
+void ForeignLink::Take(const AskCommand& command) {
+  if (!there()) return;
+  report_.epoch = std::max(report_.epoch, command.epoch);
+  report_.number = std::max(report_.number, command.number);
+  if (waiting_ && waiting_->command.number <= command.number) {
+    const auto fenced = *std::exchange(waiting_, std::nullopt);
+    Refuse(fenced.command.number, kCodeTimeout, "it had not begun when it was asked for");
+  }
+  if (order_ && command.stop) {
+    order_->stopped = true;
+    if (order_->number == command.number) order_->asked = true;
+  }
+  Inquire(command);
+}
+
+void ForeignLink::Begin(const SwitchCommand& command) {
+  order_ = Order{command.number, command.target, Now() + command.budget, false, false};
+  report_.target = command.target;
+  report_.busy_number = command.number;
+  Drive();
+}
+
+void ForeignLink::BeginSetUp(Duration budget) {
+  order_ = Order{0, State(kSetUp), Now() + budget, false, false};
+  report_.target = State(kSetUp);
+  report_.busy_number = 0;
+  Drive();
+}
+
+void ForeignLink::BeginWaiting() {
+  const auto next = std::exchange(waiting_, std::nullopt);
+  if (!next) return;
+  if (Now() - next->since > next->command.budget) {
+    return Refuse(next->command.number, kCodeTimeout, "it had to wait for too long");
+  }
+  Begin(next->command);
+}
+
+void ForeignLink::DropOrder() {
+  order_.reset();
+  report_.target.clear();
+  report_.busy_number = 0;
+  TellStatus();
+  BeginWaiting();
+}
+
+void ForeignLink::End(Verdict verdict, std::int32_t code, const std::string& message) {
+  const Order ended = *std::exchange(order_, std::nullopt);
+  report_.target.clear();
+  report_.busy_number = 0;
+  if (verdict != Verdict::kRefused) {
+    report_.outcome_number = ended.number;
+    report_.outcome_code = code;
+    report_.outcome_message = message;
+  }
+  if (verdict == Verdict::kDone) Arrive(ended.target);
+  if (ended.number != 0) Reply(ended.number, false, verdict, code, message);
+  // Nobody waits for the reply of an order that took too long; that it is free again counts.
+  if (ended.number == 0 || ended.asked) TellStatus();
+  BeginWaiting();
+}
+
+// As an actuator of Musher's own counts it: in the run phase a check changes nothing, on the way up
+// it is a step.
+void ForeignLink::Arrive(const State& target) {
+  const State& at = report_.state;
+  if (target == kSelfCheck && at != kSetUp && at != kSelfCheck && at != kError) return;
+  report_.state = target;
+}
+
+void ForeignLink::Reply(std::uint64_t number, bool ask, Verdict verdict, std::int32_t code,
+                        const std::string& message) {
+  emit_(event::Replied{actuator_, number, ask, verdict, code, message, Stamped()});
+}
+
+void ForeignLink::TellStatus() {
+  emit_(event::StatusSeen{actuator_, Stamped()});
+}
+
+void ForeignLink::TellVanished(const std::string& how) {
+  emit_(event::Vanished{actuator_, report_.incarnation, false, how});
+}
+
+// Stamps only grow: of two reports of the same moment the later one counts.
+ActuatorReport ForeignLink::Stamped() {
+  report_.stamp = std::max(Now(), report_.stamp + Duration(1));
+  return report_;
+}
+
+}  // namespace musher

@@ -1,0 +1,304 @@
+#include "musher/controller/link/ros2_link.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/lifecycle/code.hpp"
+
+namespace musher {
+namespace {
+
+// Long past every deadline of the decision code, which does its own waiting: ends a forgotten call.
+constexpr Duration kCallTimeout = std::chrono::hours(2);
+// How often a node is looked at until it says how it is, and when such an answer is of no use any
+// more.
+constexpr Duration kLookPeriod = Milliseconds(500);
+constexpr Duration kLookTimeout = std::chrono::seconds(10);
+// The event of a transition's end comes before the reply; so long the reply may take to follow.
+constexpr Duration kReplyGrace = Milliseconds(50);
+// A node that says for so long that it is unconfigured has not got the request to configure.
+constexpr Duration kSetUpPatience = std::chrono::seconds(2);
+// Less than the coordinator waits for the answer to a question.
+constexpr Duration kAskPatience = Milliseconds(200);
+
+std::string Is(Ros2State state) {
+  return "the node is " + std::string(Ros2StateName(state));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ActuatorLink>> Ros2Link::Make(transport::Node& node,
+                                                     const MachineConfig& config,
+                                                     std::size_t actuator, Emit emit) {
+  std::unique_ptr<Ros2Link> link(new Ros2Link(node, config, actuator, std::move(emit)));
+  if (auto opened = link->Open(); !opened) return opened.error();
+  return std::unique_ptr<ActuatorLink>(std::move(link));
+}
+
+Result<> Ros2Link::Open() {
+  const std::string name = transport::ResolveName(machine().name_space, actuator().name);
+  auto change = transport::MakeClient<msg::ChangeState>(node(), name + "/change_state",
+                                                        [this] { OnMatchChanged(); });
+  if (!change) return change.error();
+  change_ = std::move(change).value();
+  auto get = transport::MakeClient<msg::GetState>(node(), name + "/get_state",
+                                                  [this] { OnMatchChanged(); });
+  if (!get) return get.error();
+  get_ = std::move(get).value();
+  auto events = transport::MakeSubscription<msg::TransitionEvent>(
+      node(), name + "/transition_event",
+      [this](const msg::TransitionEvent& event, const transport::SampleInfo& info) {
+        OnEvent(event, info);
+      });
+  if (!events) return events.error();
+  events_ = std::move(events).value();
+  return Ok();
+}
+
+// There is a node where both services are.
+void Ros2Link::OnMatchChanged() {
+  if (!change_ || !get_) return;
+  std::vector<transport::PeerId> servers = change_->Servers();
+  const std::vector<transport::PeerId> others = get_->Servers();
+  std::erase_if(servers, [&](transport::PeerId server) {
+    return std::find(others.begin(), others.end(), server) == others.end();
+  });
+  OnServers(std::move(servers));
+}
+
+void Ros2Link::OnAppeared() {
+  report().target = State(kSetUp);
+  TellStatus();
+  Look();
+}
+
+void Ros2Link::OnGone() {
+  ++era_;
+  known_ = Ros2State::kUnknown;
+  set_up_ = step_over_ = stray_ = strayed_ = mute_ = false;
+  step_.reset();
+  asks_.clear();
+  look_ = nullptr;
+}
+
+void Ros2Link::Drive() {
+  steps_done_ = 0;
+  // What nobody has to move for is not believed without looking.
+  if (order()->target == kSelfCheck || known_ == GoalOf(order()->target)) return Look();
+  Proceed();
+}
+
+void Ros2Link::Inquire(const AskCommand& ask) {
+  asks_.push_back({ask.number, node().loop().At(Now() + kAskPatience, [this, number = ask.number] {
+                     OnAskUnanswered(number);
+                   })});
+  Look();
+}
+
+void Ros2Link::OnAskUnanswered(std::uint64_t number) {
+  std::erase_if(asks_, [number](const PendingAsk& ask) { return ask.number == number; });
+  if (step_) return AnswerAsk(number);  // its only thread may be in the callback
+  mute_ = true;
+}
+
+void Ros2Link::AnswerAsks() {
+  for (const PendingAsk& ask : std::exchange(asks_, {})) AnswerAsk(ask.number);
+}
+
+void Ros2Link::LookAt(Time when) {
+  look_ = node().loop().At(when, [this] { Look(); });
+}
+
+void Ros2Link::Look() {
+  LookAt(Now() + kLookPeriod);
+  get_->Call({}, kLookTimeout, [this, era = era_](const Result<msg::GetState::Response>& reply) {
+    if (reply && era == era_) OnLooked(static_cast<Ros2State>(reply.value().current_state.id));
+  });
+}
+
+void Ros2Link::OnLooked(Ros2State state) {
+  const bool revived = std::exchange(mute_, false);
+  look_ = nullptr;
+  if (!IsPrimary(state)) {
+    LookAt(Now() + kLookPeriod);
+    if (revived) TellStatus();
+    return AnswerAsks();
+  }
+  const Ros2State before = std::exchange(known_, state);
+  if (order()) {
+    OnLookedWhileDriving();
+    if (revived) TellStatus();
+  } else if (before == Ros2State::kUnknown) {
+    OnFirstLook();
+  } else {
+    OnLookedWhileFree(before, revived);
+  }
+  AnswerAsks();
+}
+
+void Ros2Link::OnFirstLook() {
+  const bool may_be_adopted = !ours() && known_ != Ros2State::kUnconfigured;
+  const auto adopted = may_be_adopted ? AdoptedState(known_) : std::nullopt;
+  if (!adopted) return BeginSetUp(kSetUpPatience);
+  set_up_ = true;
+  report().target.clear();
+  report().state = *adopted;
+  TellStatus();
+}
+
+void Ros2Link::OnLookedWhileDriving() {
+  if (!step_) return Proceed();
+  const Ros2Transition step = *step_;
+  if (known_ == step.to) {
+    step_.reset();
+    ++steps_done_;
+    ++era_;
+    return Proceed();
+  }
+  if (known_ != step.from || step_over_) {
+    return Finish(Verdict::kFailed, kCodeFailed,
+                  std::string(step.name) + " failed; " + Is(known_) + " now");
+  }
+  // It may not have begun yet. Nobody asks about an order that was superseded.
+  const bool over = order()->asked || order()->stopped || Now() >= order()->deadline;
+  if (!over) return LookAt(Now() + kLookPeriod);
+  if (order()->number == 0) return BeginSetUp(kSetUpPatience);
+  stray_ = true;
+  if (steps_done_ > 0) {
+    return Finish(Verdict::kFailed, kCodeTimeout,
+                  std::string(step.name) + " has not begun; " + Is(known_));
+  }
+  step_.reset();
+  ++era_;
+  look_ = nullptr;
+  DropOrder();
+}
+
+void Ros2Link::OnLookedWhileFree(Ros2State before, bool revived) {
+  const bool strayed = stray_ && (known_ != before || strayed_);
+  if (known_ == before && !strayed && !revived) return;
+  if (!set_up_ && known_ == Ros2State::kInactive) {  // somebody else has configured it
+    set_up_ = true;
+    report().state = State(kSetUp);
+  } else {
+    report().state = StateIn(known_);
+  }
+  if (revived && report().state == machine().default_state) {
+    set_up_ = false;
+    return BeginSetUp(kSetUpPatience);
+  }
+  if (strayed) {
+    stray_ = strayed_ = false;
+    report().target = report().state;
+    TellStatus();
+    report().target.clear();
+  }
+  TellStatus();
+}
+
+void Ros2Link::OnEvent(const msg::TransitionEvent& event, const transport::SampleInfo& info) {
+  const auto from = static_cast<Ros2State>(event.start_state.id);
+  const auto to = static_cast<Ros2State>(event.goal_state.id);
+  if (!there() || info.participant != server() || !IsPrimary(to)) return;
+  if (step_) {
+    if (from != step_->by && from != Ros2State::kErrorProcessing) return;  // of an earlier step
+    step_over_ = true;
+    LookAt(Now() + kReplyGrace);
+  } else if (!order() && known_ != Ros2State::kUnknown && to != known_) {
+    Look();
+  }
+}
+
+void Ros2Link::Proceed() {
+  const Ros2State goal = GoalNow();
+  if (known_ == goal) return Finish(Verdict::kDone);
+  if (order()->stopped || has_waiting()) {
+    return Finish(Verdict::kFailed, kCodeTimeout, "stopped on its way; " + Is(known_));
+  }
+  const auto step = NextTransition(known_, goal);
+  if (!step) {
+    return Finish(Verdict::kFailed, kCodeStateInvalid,
+                  Is(known_) + "; only a new start brings it back");
+  }
+  Transit(*step);
+}
+
+// Of the order. A check leaves the node where it is, unless it has fallen out of its configuration.
+Ros2State Ros2Link::GoalNow() const {
+  if (order()->target != kSelfCheck) return GoalOf(order()->target);
+  const State& at = report().state;
+  const bool may_stay = known_ == Ros2State::kInactive || known_ == Ros2State::kActive ||
+                        (at != machine().default_state && known_ == GoalOf(at));
+  return may_stay ? known_ : Ros2State::kInactive;
+}
+
+void Ros2Link::Transit(const Ros2Transition& step) {
+  step_ = step;
+  step_over_ = false;
+  ++era_;
+  LookAt(Now() + kLookPeriod);
+  change_->Call({{step.id, ""}}, kCallTimeout,
+                [this, era = era_](const Result<msg::ChangeState::Response>& reply) {
+                  if (era == era_) return OnChanged(reply);
+                  if (!stray_) return;
+                  strayed_ = true;
+                  if (!order()) Look();
+                });
+}
+
+void Ros2Link::OnChanged(const Result<msg::ChangeState::Response>& reply) {
+  if (reply && reply.value().success) {
+    known_ = step_->to;
+    step_.reset();
+    ++steps_done_;
+    ++era_;
+    look_ = nullptr;
+    return Proceed();
+  }
+  // It may have failed, or have been there already; the node knows.
+  step_over_ = true;
+  Look();
+}
+
+void Ros2Link::Finish(Verdict verdict, std::int32_t code, const std::string& message) {
+  step_.reset();
+  step_over_ = false;
+  ++era_;
+  look_ = nullptr;
+  if (verdict == Verdict::kDone) {
+    set_up_ = true;
+    if (report().state == machine().default_state) report().state = State(kSetUp);
+  } else {
+    report().state = StateIn(known_);
+  }
+  auto asks = std::exchange(asks_, {});
+  End(verdict, code, message);
+  for (const PendingAsk& ask : asks) AnswerAsk(ask.number);
+}
+
+// The state of the machine that a node in a primary state is in: the one it was in, if that agrees.
+State Ros2Link::StateIn(Ros2State state) const {
+  if (state == Ros2State::kFinalized) return State(kTearDown);
+  const State& last = report().state;
+  if (!set_up_) return machine().default_state;
+  if (last != machine().default_state && GoalOf(last) == state) return last;
+  return AdoptedState(state).value_or(machine().default_state);
+}
+
+// Of the states that a primary state may stand for: DeActive, else the least active, so that
+// nothing becomes more active because it was found and not led there. Not Error, which is nobody's
+// guess.
+std::optional<State> Ros2Link::AdoptedState(Ros2State state) const {
+  std::optional<State> least;
+  for (const State& candidate : actuator().states) {
+    const auto rank = machine().RankOf(candidate);
+    if (!rank || candidate == kError || candidate == kTearDown || GoalOf(candidate) != state) {
+      continue;
+    }
+    if (candidate == kDeActive) return candidate;
+    if (!least || *rank < *machine().RankOf(*least)) least = candidate;
+  }
+  return least;
+}
+
+}  // namespace musher

@@ -1,0 +1,60 @@
+#include "musher/lifecycle/ros2_states.hpp"
+
+#include <gmock/gmock.h>
+
+#include <vector>
+
+namespace musher {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using S = Ros2State;
+
+// The names of the transitions from one primary state to another.
+std::vector<std::string_view> Way(S from, S goal) {
+  std::vector<std::string_view> names;
+  while (const auto step = NextTransition(from, goal)) {
+    EXPECT_EQ(step->from, from);
+    names.push_back(step->name);
+    from = step->to;
+  }
+  return names;
+}
+
+TEST(Ros2States, ActiveIsReachedByWayOfInactive) {
+  EXPECT_THAT(Way(S::kUnconfigured, S::kActive), ElementsAre("configure", "activate"));
+  EXPECT_THAT(Way(S::kInactive, S::kActive), ElementsAre("activate"));
+  EXPECT_THAT(Way(S::kActive, S::kActive), IsEmpty());
+}
+
+TEST(Ros2States, TheEndIsReachedByCleanupAndShutdown) {
+  EXPECT_THAT(Way(S::kActive, S::kFinalized), ElementsAre("deactivate", "cleanup", "shutdown"));
+  EXPECT_THAT(Way(S::kUnconfigured, S::kFinalized), ElementsAre("shutdown"));
+}
+
+TEST(Ros2States, UnconfiguredIsReachedFromAboveOnly) {
+  EXPECT_THAT(Way(S::kActive, S::kUnconfigured), ElementsAre("deactivate", "cleanup"));
+}
+
+TEST(Ros2States, ThereIsNoWayFromTheEndNorFromTheMiddleOfATransition) {
+  for (const S goal : {S::kUnconfigured, S::kInactive, S::kActive}) {
+    EXPECT_THAT(Way(S::kFinalized, goal), IsEmpty());
+    EXPECT_THAT(Way(S::kActivating, goal), IsEmpty());
+    EXPECT_THAT(Way(S::kUnknown, goal), IsEmpty());
+  }
+}
+
+TEST(Ros2States, AStateOfTheMachineHasItsPlaceUnlessTheConfigGivesAnother) {
+  const std::map<State, S> configured = {{"LowPower", S::kUnconfigured}};
+  EXPECT_EQ(Ros2GoalOf(configured, "SetUp"), S::kInactive);
+  EXPECT_EQ(Ros2GoalOf(configured, "Active"), S::kActive);
+  EXPECT_EQ(Ros2GoalOf(configured, "TearDown"), S::kFinalized);
+  EXPECT_EQ(Ros2GoalOf(configured, "LowPower"), S::kUnconfigured);
+  for (const char* state : {"DeActive", "Protected", "OTA", "Error", "Parked"}) {
+    EXPECT_EQ(Ros2GoalOf(configured, state), S::kInactive) << state;
+  }
+}
+
+}  // namespace
+}  // namespace musher

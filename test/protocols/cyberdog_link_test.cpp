@@ -1,0 +1,199 @@
+#include <gmock/gmock.h>
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/test/protocols/cyberdog_module.hpp"
+#include "musher/test/protocols/link_stage.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class DrivingACyberdogModule : public LinkStage {
+ protected:
+  DrivingACyberdogModule() : LinkStage(Protocol::kCyberdog) {
+    OpenLink();
+    StartModule("a");
+  }
+
+  void StartModule(const std::string& beats_as, Duration set_up_takes = Milliseconds(5)) {
+    process_ = network_.MakeNode("robot");
+    module_ = std::make_unique<CyberdogModule>(*process_, "", "a", beats_as, set_up_takes);
+  }
+  void EndModule() {
+    module_ = nullptr;
+    process_ = nullptr;
+  }
+  void SetUp() override {
+    ASSERT_TRUE(Until([&] { return IsIn("SetUp"); }));
+  }
+
+  std::unique_ptr<transport::Node> process_;
+  std::unique_ptr<CyberdogModule> module_;
+};
+
+TEST_F(DrivingACyberdogModule, AServiceThatIsVisibleIsAModuleThatIsSetUp) {
+  EndModule();
+  ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
+  const std::uint64_t first = status_.incarnation;
+  StartModule("a", std::chrono::seconds(3));
+  network_.RunFor(std::chrono::seconds(2));
+  EXPECT_EQ(status_.incarnation, first);
+  EXPECT_TRUE(Until([&] { return status_.incarnation != first && IsIn("SetUp"); }));
+}
+
+TEST_F(DrivingACyberdogModule, TheCodeTellsTheOutcomeAndCurrentStateIsNotBelieved) {
+  EXPECT_EQ(Do("SelfCheck").report.state, "SelfCheck");
+  EXPECT_EQ(Do("Active").report.state, "Active");
+  EXPECT_EQ(Do("LowPower").report.state, "LowPower");
+  EXPECT_THAT(module_->log(), ElementsAre("SelfCheck", "Active", "LowPower"));
+}
+
+TEST_F(DrivingACyberdogModule, ACallbacksCodeIsAFailureAndTheModuleIsWhereItWas) {
+  module_->script["Active"].code = 5001;
+  const event::Replied reply = Do("Active");
+  EXPECT_EQ(reply.verdict, Verdict::kFailed);
+  EXPECT_EQ(reply.code, 5001);
+  EXPECT_EQ(reply.report.state, "SetUp");
+}
+
+TEST_F(DrivingACyberdogModule, ANakedEightIsARefusal) {
+  module_->unknown_states = {"OTA"};
+  const event::Replied reply = Do("OTA");
+  EXPECT_EQ(reply.verdict, Verdict::kRefused);
+  EXPECT_EQ(reply.code, 8);
+  EXPECT_NE(reply.report.outcome_number, number_) << "nothing ran";
+}
+
+TEST_F(DrivingACyberdogModule, AskedItIsBusyAsLongAsItOwesAnAnswerAndNothingMoreIsSent) {
+  module_->script["Active"].takes = std::chrono::seconds(1);
+  const std::uint64_t active = Switch("Active");
+  network_.RunFor(Milliseconds(100));
+  ASSERT_TRUE(Ask());
+  EXPECT_EQ(answer_->report.busy_number, active);
+  Switch("LowPower");
+  network_.RunFor(Milliseconds(100));
+  ASSERT_TRUE(Ask());
+  EXPECT_EQ(reply_->verdict, Verdict::kRefused) << "fenced before it had begun";
+  ASSERT_TRUE(Until([&] { return !status_.busy() && status_.outcome_number == active; }));
+  EXPECT_EQ(status_.state, "Active");
+  EXPECT_THAT(module_->log(), ElementsAre("Active"));
+}
+
+TEST_F(DrivingACyberdogModule, ALateFailureIsToldAsOne) {
+  module_->script["Active"] = {std::chrono::seconds(1), 5001};
+  Switch("Active");
+  network_.RunFor(Milliseconds(100));
+  ASSERT_TRUE(Ask());
+  ASSERT_TRUE(Until([&] { return !status_.busy() && status_.outcome_number == number_; }));
+  EXPECT_EQ(status_.outcome_code, 5001);
+  EXPECT_EQ(status_.state, "SetUp");
+}
+
+TEST_F(DrivingACyberdogModule, TheNewestCommandWaitsBehindTheOneThatRuns) {
+  module_->script["Active"].takes = Milliseconds(50);
+  Switch("Active");
+  Switch("LowPower");
+  const std::uint64_t error = Switch("Error");
+  ASSERT_TRUE(Until([&] { return reply_ && reply_->number == error; }));
+  EXPECT_EQ(reply_->verdict, Verdict::kDone);
+  EXPECT_THAT(module_->log(), ElementsAre("Active", "Error"));
+}
+
+TEST_F(DrivingACyberdogModule, AfterALostReplyItStaysUnknownUntilItIsStartedAnew) {
+  module_->lost_replies = 1;
+  Switch("Active");
+  network_.RunFor(std::chrono::minutes(1));
+  ASSERT_TRUE(Ask());
+  EXPECT_EQ(answer_->report.busy_number, number_);
+  const std::uint64_t first = status_.incarnation;
+  EndModule();
+  StartModule("a");
+  ASSERT_TRUE(Until([&] { return status_.incarnation != first; }));
+  EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
+}
+
+TEST_F(DrivingACyberdogModule, ASuccessorIsDrivenBeforeTheLeaseOfTheDeadOneIsOver) {
+  const std::uint64_t first = status_.incarnation;
+  network_.Crash(*process_);
+  EndModule();
+  StartModule("a");
+  ASSERT_TRUE(Until([&] { return IsIn("SetUp") && status_.incarnation != first; },
+                    std::chrono::seconds(1)));
+  EXPECT_EQ(Do("Active").verdict, Verdict::kDone);
+  network_.RunFor(std::chrono::seconds(20));
+  EXPECT_THAT(losses_, IsEmpty());
+}
+
+class Beating : public DrivingACyberdogModule {
+ protected:
+  void HearABeat() { network_.RunFor(std::chrono::seconds(1)); }
+};
+
+TEST_F(Beating, OneThatNeverBeatsIsNotMissed) {
+  EndModule();
+  ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
+  losses_.clear();
+  StartModule("");
+  network_.RunFor(std::chrono::minutes(5));
+  EXPECT_THAT(losses_, IsEmpty());
+}
+
+TEST_F(Beating, OneThatBeatsUnderAnotherNameIsHeardUnderIt) {
+  config_.actuators[0].heartbeat_name = "device";
+  EndModule();
+  OpenLink();
+  StartModule("device");
+  HearABeat();
+  module_->beats = false;
+  EXPECT_TRUE(Until([&] { return !losses_.empty(); }));
+}
+
+TEST_F(Beating, OneThatCeasesToIsLostAfterFivePeriodsOnceAndForAsLongAsItIsSilent) {
+  HearABeat();
+  module_->beats = false;
+  const Time ceased = network_.now();
+  ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
+  EXPECT_THAT(losses_, ElementsAre("its heartbeats have ceased"));
+  EXPECT_LE(network_.now() - ceased, Milliseconds(2600));
+  EXPECT_GE(network_.now() - ceased, Milliseconds(1900));
+  const int before = statuses_;
+  network_.RunFor(std::chrono::minutes(10));
+  EXPECT_THAT(losses_, SizeIs(1));
+  EXPECT_EQ(statuses_, before) << "a dead module does not read alive now and then";
+}
+
+TEST_F(Beating, OneThatBeatsAgainIsTheSameAgain) {
+  HearABeat();
+  const std::uint64_t incarnation = status_.incarnation;
+  module_->beats = false;
+  ASSERT_TRUE(Until([&] { return !losses_.empty(); }));
+  const int before = statuses_;
+  module_->beats = true;
+  ASSERT_TRUE(Until([&] { return statuses_ > before; }));
+  EXPECT_EQ(status_.incarnation, incarnation);
+  module_->beats = false;
+  EXPECT_TRUE(Until([&] { return losses_.size() == 2; })) << "it is watched again";
+}
+
+TEST_F(Beating, OneThatLoadsWithinItsTimeNeedNotBeat) {
+  HearABeat();
+  module_->script["Active"].takes = std::chrono::seconds(22);
+  Switch("Active", std::chrono::seconds(30));
+  EXPECT_EQ(Outcome(std::chrono::seconds(25)).verdict, Verdict::kDone);
+  network_.RunFor(std::chrono::seconds(10));
+  EXPECT_THAT(losses_, IsEmpty());
+}
+
+TEST_F(Beating, OneThatIsSilentBeyondItsTimeIsLostAndItsLateAnswerBringsItBack) {
+  HearABeat();
+  module_->script["Active"].takes = std::chrono::seconds(22);
+  Switch("Active", std::chrono::seconds(10));
+  ASSERT_TRUE(Until([&] { return !losses_.empty(); }, std::chrono::seconds(11)));
+  EXPECT_TRUE(Until([&] { return IsIn("Active"); }, std::chrono::seconds(13)));
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,58 @@
+#pragma once
+// A module as CyberDog's machine library makes one: SetUp first, then the service; callbacks run on
+// the thread that answers and beats; `current_state` is never filled. Its faults are on order.
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/messages/protocol/fs_machine.hpp"
+#include "musher/messages/protocol/heartbeats.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::testing {
+
+class CyberdogModule {
+ public:
+  struct Callback {
+    Duration takes = Milliseconds(5);
+    std::int32_t code = 0;
+  };
+
+  // `beats_as` empty: it does not beat.
+  CyberdogModule(transport::Node& node, std::string name_space, std::string name,
+                 std::string beats_as, Duration set_up_takes = Milliseconds(5));
+
+  std::map<std::string, Callback> script;
+  std::vector<std::string> unknown_states;  // those not in its table
+  int lost_replies = 0;                     // so many of the next are not sent
+  bool beats = true;
+  bool beats_while_busy = false;
+
+  const std::vector<std::string>& log() const { return log_; }  // the callbacks that were begun
+
+ private:
+  using Reply = transport::Server<msg::FsMachine>::Reply;
+
+  void Open();
+  void Next();
+  void Run(const std::string& state, const Reply& reply);
+  void Beat();
+
+  transport::Node& node_;
+  const std::string name_space_;
+  const std::string name_;
+  const std::string beats_as_;
+  bool busy_ = false;
+  std::deque<std::pair<std::string, Reply>> queue_;
+  std::vector<std::string> log_;
+  std::unique_ptr<transport::Publisher<msg::Heartbeats>> heartbeats_;
+  std::unique_ptr<transport::Server<msg::FsMachine>> server_;
+  transport::LoopHandlePtr beat_;
+  transport::LoopHandlePtr end_;
+};
+
+}  // namespace musher::testing

@@ -1,0 +1,176 @@
+// The same on real DDS, with peers that are processes of their own.
+
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <fstream>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/controller/link/actuator_link.hpp"
+#include "musher/controller/machine_controller.hpp"
+#include "musher/test/actuator/robot_file.hpp"
+#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/protocols/cyberdog_manager.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::testing {
+namespace {
+
+const std::string kPeer = MUSHER_BIN_DIR "/protocol_peer";
+constexpr const char* kLeaseMs = "1000";
+
+std::string NameSpace() {
+  return "protocols_" + std::to_string(getpid());
+}
+
+class PeerProcess {
+ public:
+  PeerProcess(std::string kind, std::string name) {
+    std::string program = kPeer, name_space = NameSpace(), lease = kLeaseMs;
+    char* argv[] = {program.data(), kind.data(),  name_space.data(),
+                    name.data(),    lease.data(), nullptr};
+    EXPECT_EQ(posix_spawn(&pid_, program.c_str(), nullptr, nullptr, argv, environ), 0);
+  }
+  PeerProcess(const PeerProcess&) = delete;
+  PeerProcess& operator=(const PeerProcess&) = delete;
+  ~PeerProcess() {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+
+ private:
+  pid_t pid_ = 0;
+};
+
+// One link against one process.
+class ARealPeer : public ::testing::TestWithParam<const char*> {
+ protected:
+  ARealPeer() : config_(MachineOf(1)) {
+    setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
+    config_.name_space = NameSpace();
+    const bool ros2 = std::string(GetParam()) == "ros2";
+    config_.actuators[0].protocol = ros2 ? Protocol::kRos2Lifecycle : Protocol::kCyberdog;
+    config_.actuators[0].heartbeat_name = "a";
+    node_ = transport::MakeDdsNode(loop_).value();
+    link_ = MakeLink(*node_, config_, 0, [this](const Event& event) { Note(event); }).value();
+    peer_.emplace(GetParam(), "a");
+  }
+  bool Until(const std::function<bool()>& done) {
+    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(20));
+  }
+  Verdict Do(const State& target) {
+    reply_.reset();
+    link_->Switch({1, ++number_, target, std::chrono::seconds(5), {}, {}, status_.incarnation});
+    EXPECT_TRUE(Until([&] { return reply_.has_value(); }));
+    return reply_.value_or(event::Replied{}).verdict;
+  }
+  void Note(const Event& event) {
+    if (const auto* seen = std::get_if<event::StatusSeen>(&event)) status_ = seen->report;
+    if (const auto* replied = std::get_if<event::Replied>(&event)) reply_ = *replied;
+    if (std::holds_alternative<event::Vanished>(event)) lost_ = true;
+  }
+
+  MachineConfig config_;
+  transport::LinuxEventLoop loop_;
+  std::unique_ptr<transport::Node> node_;
+  std::unique_ptr<ActuatorLink> link_;
+  std::optional<PeerProcess> peer_;
+  ActuatorReport status_;
+  std::optional<event::Replied> reply_;
+  bool lost_ = false;
+  std::uint64_t number_ = 0;
+};
+INSTANTIATE_TEST_SUITE_P(, ARealPeer, ::testing::Values("ros2", "cyberdog"),
+                         [](const auto& kind) { return std::string(kind.param); });
+
+TEST_P(ARealPeer, IsDriven) {
+  ASSERT_TRUE(Until([&] { return status_.state == "SetUp"; }));
+  EXPECT_EQ(Do("SelfCheck"), Verdict::kDone);
+  EXPECT_EQ(Do("Active"), Verdict::kDone);
+  EXPECT_EQ(Do("LowPower"), Verdict::kDone);
+  EXPECT_EQ(Do("TearDown"), Verdict::kDone);
+}
+
+TEST_P(ARealPeer, IsMissedWhenItIsKilledAndItsSuccessorIsDriven) {
+  ASSERT_TRUE(Until([&] { return status_.state == "SetUp"; }));
+  ASSERT_EQ(Do("Active"), Verdict::kDone);
+  const std::uint64_t first = status_.incarnation;
+  peer_.reset();
+  EXPECT_TRUE(Until([&] { return lost_; }));
+  peer_.emplace(GetParam(), "a");
+  ASSERT_TRUE(Until([&] { return status_.state == "SetUp" && status_.incarnation != first; }));
+  EXPECT_EQ(Do("Active"), Verdict::kDone);
+}
+
+TEST_P(ARealPeer, HasASuccessorThatIsDrivenBeforeTheDeadOneIsMissed) {
+  ASSERT_TRUE(Until([&] { return status_.state == "SetUp"; }));
+  const std::uint64_t first = status_.incarnation;
+  peer_.reset();
+  peer_.emplace(GetParam(), "a");
+  ASSERT_TRUE(Until([&] { return status_.state == "SetUp" && status_.incarnation != first; }));
+  EXPECT_EQ(Do("Active"), Verdict::kDone);
+}
+
+// A whole machine: the controller starts the processes.
+class AMachineOfRealPeers : public ::testing::Test {
+ protected:
+  AMachineOfRealPeers() : file_({"dog", "planner"}, kAllStates) {
+    std::ofstream file(file_.path(), std::ios::app);
+    file << "protocol = \"ros2_lifecycle\"\n" << Command("ros2", "planner");
+  }
+  std::string Command(const std::string& kind, const std::string& name) {
+    return "command = [\"" + kPeer + "\", \"" + kind + "\", \"test_" + std::to_string(getpid()) +
+           "\", \"" + name + "\", \"" + kLeaseMs + "\", \"faulty\"]\n";
+  }
+  RobotFile file_;
+};
+
+TEST_F(AMachineOfRealPeers, ComesUpSwitchesAndEndsThoughFirstRepliesAreLost) {
+  MachineActuator dog("dog");
+  for (const std::string& state : kAllStates) {
+    dog.RegisterStateCallback(state, [] { return std::int32_t{0}; });
+  }
+  ASSERT_TRUE(dog.Init(file_.path()));
+  ASSERT_TRUE(dog.Start());
+  MachineController controller;
+  ASSERT_TRUE(controller.MachineControllerInit(file_.path()));
+  ASSERT_TRUE(controller.WaitActuatorsSetUp());
+  EXPECT_TRUE(controller.SetState("SelfCheck"));
+  EXPECT_TRUE(controller.SetState("Active"));
+  EXPECT_TRUE(controller.SetState("LowPower"));
+  std::map<std::string, std::string> states;
+  controller.GetStateMap(states);
+  EXPECT_THAT(states, ::testing::ElementsAre(::testing::Pair("dog", "LowPower"),
+                                             ::testing::Pair("planner", "LowPower")));
+  EXPECT_TRUE(controller.SetState("TearDown"));
+}
+
+TEST(OurActuatorOnDds, IsSwitchedByACyberdogManagerAndBeatsForIt) {
+  const RobotFile file({"arm"}, kAllStates);
+  MachineActuator arm("arm");
+  for (const std::string& state : kAllStates) {
+    arm.RegisterStateCallback(state, [] { return std::int32_t{0}; });
+  }
+  ASSERT_TRUE(arm.Init(file.path()));
+  ASSERT_TRUE(arm.Start());
+  transport::LinuxEventLoop loop;
+  const auto node = transport::MakeDdsNode(loop).value();
+  CyberdogManager manager(*node, "test_" + std::to_string(getpid()), {"arm"},
+                          std::chrono::seconds(5));
+  const auto until = [&](const std::function<bool()>& done) {
+    return loop.RunUntil(done, loop.Now() + std::chrono::seconds(20));
+  };
+  ASSERT_TRUE(until([&] { return manager.Ready() && manager.heard["arm"] >= 2; }));
+  std::vector<CyberdogManager::Result> results;
+  manager.SetState("Active", [&](auto r) { results = std::move(r); });
+  ASSERT_TRUE(until([&] { return !results.empty(); }));
+  EXPECT_EQ(results[0].code, 0);
+  EXPECT_EQ(results[0].current_state, 4);
+  EXPECT_EQ(arm.CurrentState(), "Active");
+}
+
+}  // namespace
+}  // namespace musher::testing

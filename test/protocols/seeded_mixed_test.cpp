@@ -1,0 +1,186 @@
+// Schedules of faults drawn from seeds against a machine of three CyberDog modules and three ROS 2
+// nodes beside one actuator of ours; then quiet, and all of them are in one state. MUSHER_SEED=n
+// runs one seed and tells its story; MUSHER_SEEDS=n runs that many.
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <iostream>
+
+#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/protocols/cyberdog_module.hpp"
+#include "musher/test/protocols/ros_managed_node.hpp"
+#include "musher/test/simulation/sim_robot.hpp"
+
+namespace musher::testing {
+namespace {
+
+using transport::sim::LinkFaults;
+using transport::sim::Random;
+using Outcome = RosManagedNode::Outcome;
+
+class MixedStory {
+ public:
+  explicit MixedStory(std::uint64_t seed) : dice_(seed), robot_(seed, Config()) {
+    for (const ActuatorConfig& actuator : robot_.config().actuators) {
+      const std::string name = actuator.name;
+      if (actuator.protocol == Protocol::kCyberdog) {
+        robot_.UseProgram(name, [this, name](transport::Node& node) {
+          auto module = std::make_shared<CyberdogModule>(node, "", name, name);
+          modules_[name] = module.get();
+          return module;
+        });
+      } else if (actuator.protocol == Protocol::kRos2Lifecycle) {
+        robot_.UseProgram(name, [this, name](transport::Node& node) {
+          auto ros = std::make_shared<RosManagedNode>(node, name);
+          nodes_[name] = ros.get();
+          return ros;
+        });
+      }
+    }
+  }
+
+  void Run() {
+    LinkFaults faults;
+    faults.loss = 0.05;
+    faults.duplication = 0.05;
+    faults.reordering = 0.05;
+    faults.delay_max = Milliseconds(5);
+    robot_.network().SetFaults(faults);
+    robot_.StartController();
+    ASSERT_TRUE(robot_.RunUntil([this] { return robot_.machine().phase != Phase::kStarting; }));
+    for (int i = 0; i < 10 && !::testing::Test::HasFailure(); ++i) TakeATurn();
+    EndFaults();
+    Judge();
+  }
+
+  void Tell() const {
+    for (const std::string& line : robot_.journal()) std::cout << line << "\n";
+  }
+
+ private:
+  static MachineConfig Config() {
+    MachineConfig config = MachineOf(7);
+    for (std::size_t i = 0; i < 7; ++i) {
+      ActuatorConfig& actuator = config.actuators[i];
+      actuator.command = {"run"};
+      if (i == 0) continue;
+      actuator.protocol = i < 4 ? Protocol::kCyberdog : Protocol::kRos2Lifecycle;
+      if (i < 4) actuator.heartbeat_name = actuator.name;
+    }
+    config.actuators[6].ros2_states = {{"LowPower", Ros2State::kUnconfigured},
+                                       {"Protected", Ros2State::kActive}};
+    return config;
+  }
+
+  void DrawFaults() {
+    for (const auto& [name, module] : modules_) {
+      if (!robot_.IsAlive(name)) continue;
+      for (const char* state : {"Active", "LowPower", "Protected", "DeActive", "OTA"}) {
+        CyberdogModule::Callback& callback = module->script[state];
+        callback.takes = Draw(0.1) ? Milliseconds(300) : Milliseconds(5);
+        callback.code = Draw(0.1) ? 5001 : 0;
+      }
+    }
+    for (const auto& [name, ros] : nodes_) {
+      if (!robot_.IsAlive(name)) continue;
+      for (const char* transition : {"configure", "activate", "deactivate", "cleanup"}) {
+        RosManagedNode::Callback& callback = ros->script[transition];
+        callback.takes = Draw(0.1) ? Milliseconds(700) : Milliseconds(5);
+        callback.outcome = Draw(0.1)   ? Outcome::kError
+                           : Draw(0.1) ? Outcome::kFailure
+                                       : Outcome::kSuccess;
+      }
+      ros->lost_change_replies = Draw(0.2) ? 1 : 0;
+      ros->lost_get_replies = Draw(0.2) ? 2 : 0;
+      ros->tells_events = !Draw(0.2);
+    }
+  }
+  bool Draw(double chance) { return faulty_ && dice_.Chance(chance); }
+
+  void TakeATurn() {
+    DrawFaults();
+    static const std::vector<State> kTargets = {"Active", "Protected", "LowPower", "DeActive",
+                                                "OTA"};
+    const State target = kTargets[dice_.Next() % kTargets.size()];
+    const std::string& victim = robot_.config().actuators[dice_.Next() % 7].name;
+    if (dice_.Chance(0.1)) robot_.network().Partition("controller", victim);
+    if (dice_.Chance(0.15)) robot_.CrashActuator(victim);
+    if (dice_.Chance(0.1)) {
+      robot_.CrashController();
+      robot_.RunFor(Milliseconds(50));
+      robot_.StartController();
+      robot_.RunUntil([this] { return robot_.machine().phase != Phase::kStarting; });
+    }
+    ASSERT_TRUE(robot_.Set(target)) << "every switch has an end";
+    if (dice_.Chance(0.5)) HealAll();
+  }
+
+  void HealAll() {
+    for (const ActuatorConfig& actuator : robot_.config().actuators) {
+      robot_.network().Heal("controller", actuator.name);
+    }
+  }
+
+  // What nobody can repair from afar is started anew: a node that is finalized or could not be
+  // configured.
+  void EndFaults() {
+    faulty_ = false;
+    HealAll();
+    robot_.network().SetFaults(LinkFaults{});
+    robot_.RunFor(std::chrono::seconds(15));  // past every lease
+    DrawFaults();
+    for (const auto& [name, ros] : nodes_) {
+      if (!robot_.IsAlive(name)) continue;
+      const bool not_set_up =
+          robot_.machine().actuators[*robot_.config().IndexOf(name)].presence != Presence::kPresent;
+      if (ros->state() == Ros2State::kFinalized || not_set_up) robot_.CrashActuator(name);
+    }
+    for (const ActuatorConfig& actuator : robot_.config().actuators) {
+      if (!robot_.IsAlive(actuator.name)) robot_.StartActuator(actuator.name);
+    }
+    robot_.RunFor(std::chrono::seconds(20));
+    DrawFaults();
+  }
+
+  void Judge() {
+    robot_.Set(State(kSelfCheck));
+    robot_.RunFor(std::chrono::seconds(2));
+    for (const char* target : {"DeActive", "Active", "LowPower", "DeActive"}) {
+      ASSERT_TRUE(robot_.Set(target));
+      robot_.RunFor(std::chrono::seconds(2));
+    }
+    EXPECT_EQ(robot_.machine().state, kDeActive);
+    EXPECT_THAT(Degraded(robot_.config(), robot_.machine()), ::testing::IsEmpty());
+    for (const ActuatorRecord& record : robot_.machine().actuators) {
+      EXPECT_EQ(record.state(), kDeActive);
+    }
+    for (const auto& [name, module] : modules_) EXPECT_EQ(module->log().back(), kDeActive) << name;
+    for (const auto& [name, ros] : nodes_) EXPECT_EQ(ros->state(), Ros2State::kInactive) << name;
+  }
+
+  Random dice_;
+  bool faulty_ = true;
+  std::map<std::string, CyberdogModule*> modules_;
+  std::map<std::string, RosManagedNode*> nodes_;
+  SimRobot robot_;
+};
+
+std::uint64_t Environment(const char* name, std::uint64_t otherwise) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? otherwise : std::strtoull(value, nullptr, 10);
+}
+
+TEST(SeededFaultsAmongProtocols, LeaveTheMachineInOneStateOnceTheyHaveCeased) {
+  const std::uint64_t only = Environment("MUSHER_SEED", 0);
+  const std::uint64_t last = only != 0 ? only : Environment("MUSHER_SEEDS", 500);
+  for (std::uint64_t seed = only != 0 ? only : 1; seed <= last; ++seed) {
+    MixedStory story(seed);
+    story.Run();
+    if (only != 0 || HasFailure()) story.Tell();
+    ASSERT_FALSE(HasFailure()) << "again with: MUSHER_SEED=" << seed << " protocol_test";
+  }
+}
+
+}  // namespace
+}  // namespace musher::testing
