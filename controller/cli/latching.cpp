@@ -81,7 +81,7 @@ EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller
   for (const auto& [name, heard] : heard_) {
     if (!listed(name)) Take(report, name, "");
   }
-  const bool other = controller && controller->emergency_stop &&
+  const bool other = controller && !controller->emergency_stop_by.empty() &&
                      (controller->emergency_stop_by != stop_.by ||
                       controller->emergency_stop_reason != stop_.reason);
   const bool before = std::any_of(report.actuators.begin(), report.actuators.end(),
