@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
+#include "musher/lifecycle/config_toml.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher {
@@ -17,8 +20,17 @@ namespace {
 // Where entries go when there is no folder for a journal.
 class NoJournal : public JournalSink {
  public:
-  void Append(JournalEntry) noexcept override {}
+  void Append(JournalItem) noexcept override {}
 };
+
+// What the config was read from; empty when its file says something else by now, or is too large
+// for the journal.
+std::string TextOf(const MachineConfig& config) {
+  std::ifstream file(config.file, std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  const bool fits = static_cast<std::int64_t>(text.size()) < config.journal_size_bytes / 8;
+  return fits && ConfigHash(text) == config.hash ? text : std::string();
+}
 
 std::int64_t WallNanoseconds() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -157,6 +169,7 @@ Result<> Controller::OpenShell() {
   };
   world.log_file = [this](const std::string& name) { return store_ ? store_->LogFile(name) : ""; };
   world.wall_ns = WallNanoseconds;
+  world.config_text = TextOf(config_);
   world.host = transport::HostId();
   world.pid = getpid();
   world.incarnation = transport::NewIncarnation();

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "musher/controller/journal.hpp"
+#include "musher/controller/journal_reader.hpp"
 #include "musher/controller/wire.hpp"
 #include "musher/lifecycle/plan.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
@@ -31,15 +31,14 @@ std::optional<Error> JudgeLengths(const msg::SetState::Request& request) {
 msg::GetHistory::Response History(const std::string& file, std::int64_t since_wall_ns,
                                   std::uint32_t limit) {
   msg::GetHistory::Response response;
-  const auto entries = ReadJournal(file, since_wall_ns, limit == 0 ? kMostEntries : limit);
-  if (!entries) {
-    response.error = entries.error().message;
+  const auto reading = ReadJournal(file, since_wall_ns, limit == 0 ? kMostEntries : limit);
+  if (!reading) {
+    response.error = reading.error().message;
     return response;
   }
-  std::int64_t id = 0;
-  for (const JournalEntry& entry : entries.value()) {
-    response.entries.push_back({++id, entry.wall_ns, entry.epoch, entry.switch_number, entry.kind,
-                                entry.actuator, entry.code, entry.message});
+  response.error = reading.value().damage;
+  for (const JournalEntry& entry : reading.value().entries) {
+    response.entries.push_back(ToMessage(entry));
   }
   return response;
 }

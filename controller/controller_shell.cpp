@@ -23,6 +23,7 @@ ControllerShell::ControllerShell(World world, const MachineConfig& config, Hooks
       config_(config),
       hooks_(std::move(hooks)),
       machine_(MakeMachine(config)),
+      recorder_(*world_.journal, config),
       peers_(config.actuators.size()) {
   for (std::size_t i = 0; i < config.actuators.size(); ++i) index_[config.actuators[i].name] = i;
 }
@@ -76,6 +77,7 @@ Result<> ControllerShell::Open() {
 }
 
 void ControllerShell::Begin(event::Begin begin) {
+  recorder_.Begin(world_.wall_ns(), world_.config_text);
   begin.host = world_.host;
   Handle(begin);
 }
@@ -200,7 +202,9 @@ void ControllerShell::HandleQueued() {
   while (!queue_.empty()) {
     const Event event = std::move(queue_.front());
     queue_.pop_front();
-    const std::vector<Action> actions = Step(config_, machine_, event, world_.node->loop().Now());
+    const Time now = world_.node->loop().Now();
+    recorder_.Note(world_.wall_ns(), machine_, event, now);
+    const std::vector<Action> actions = Step(config_, machine_, event, now);
     for (const Action& action : actions) {
       std::visit([this](const auto& a) { Do(a); }, action);
     }
@@ -334,6 +338,9 @@ void ControllerShell::Do(const action::Record& a) {
   entry.code = a.code;
   entry.message = a.message;
   entry.data = a.data;
+  entry.id = a.id;
+  entry.cause = a.cause;
+  entry.state = a.state;
   world_.journal->Append(std::move(entry));
   if (hooks_.on_record) hooks_.on_record(a);
 }

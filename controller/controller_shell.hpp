@@ -19,6 +19,7 @@
 #include "musher/controller/link/actuator_link.hpp"
 #include "musher/controller/process_runner.hpp"
 #include "musher/controller/process_witness.hpp"
+#include "musher/controller/recording/recorder.hpp"
 #include "musher/lifecycle/coordinator.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
@@ -38,7 +39,8 @@ class ControllerShell {
     std::function<void(const std::optional<EmergencyStop>&)> save_emergency_stop;
     std::function<std::string(const std::string&)> log_file;  // of an actuator's process
     std::function<std::int64_t()> wall_ns;                    // since 1970
-    std::string host;                                         // transport::HostId()
+    std::string config_text;  // what the config was read from, for the journal; may be empty
+    std::string host;         // transport::HostId()
     std::int32_t pid = 0;
     std::uint64_t incarnation = 0;  // of this controller
   };
@@ -121,6 +123,7 @@ class ControllerShell {
   const MachineConfig& config_;
   Hooks hooks_;
   Machine machine_;
+  recording::Recorder recorder_;
   std::unordered_map<std::string, std::size_t> index_;
   struct Speaker {
     std::size_t actuator = 0;

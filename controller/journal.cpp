@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
@@ -22,7 +23,8 @@ class Journal::Writer {
   Writer(std::string path, JournalOptions options);
   ~Writer();
 
-  void Append(JournalEntry entry) noexcept;
+  void Append(JournalItem item) noexcept;
+  bool WantsSnapshot() noexcept { return wants_snapshot_.exchange(false); }
   bool Flush(Duration timeout);
 
  private:
@@ -30,19 +32,20 @@ class Journal::Writer {
 
   void Run();
   void WaitForWork(Lock& lock);
-  bool Write(const std::deque<JournalEntry>& batch);
+  bool Write(const std::deque<JournalItem>& batch, std::uint64_t lost);
   void Say(const std::string& text) const;
-  void PutBack(std::deque<JournalEntry> batch);
+  void PutBack(std::deque<JournalItem> batch);
   void DropOldest();
 
   const JournalOptions options_;
   JournalFile file_;
   bool in_trouble_ = false;
+  std::atomic<bool> wants_snapshot_ = false;
 
   std::mutex mutex_;
   std::condition_variable work_;       // the writer waits on it
   std::condition_variable attempted_;  // Flush() waits on it
-  std::deque<JournalEntry> waiting_;
+  std::deque<JournalItem> waiting_;
   std::uint64_t lost_ = 0;
   std::uint64_t attempts_begun_ = 0;
   std::uint64_t attempts_ended_ = 0;
@@ -68,7 +71,8 @@ JournalEntry LostEntry(std::uint64_t lost) {
   entry.steady_ns = std::chrono::nanoseconds(steady).count();
   entry.kind = "journal";
   entry.code = kCodeFailed;
-  entry.message = "entries lost before this one, for want of room: " + std::to_string(lost);
+  entry.message =
+      "entries and inputs lost before this one, for want of room: " + std::to_string(lost);
   entry.data = "{\"lost\":" + std::to_string(lost) + "}";
   return entry;
 }
@@ -101,10 +105,10 @@ Journal::Writer::~Writer() {
   thread_.join();
 }
 
-void Journal::Writer::Append(JournalEntry entry) noexcept {
+void Journal::Writer::Append(JournalItem item) noexcept {
   const Lock lock(mutex_);
   try {
-    waiting_.push_back(std::move(entry));
+    waiting_.push_back(std::move(item));
     DropOldest();
   } catch (const std::bad_alloc&) {
     ++lost_;
@@ -135,7 +139,7 @@ void Journal::Writer::Run() {
     ++attempts_begun_;
     lock.unlock();
     if (lost > 0) batch.push_front(LostEntry(lost));
-    const bool worked = Write(batch);
+    const bool worked = Write(batch, lost);
     if (lost > 0) batch.pop_front();
     lock.lock();
     if (!worked) {
@@ -161,9 +165,10 @@ void Journal::Writer::WaitForWork(Lock& lock) {
 }
 
 // Without the lock.
-bool Journal::Writer::Write(const std::deque<JournalEntry>& batch) {
+bool Journal::Writer::Write(const std::deque<JournalItem>& batch, std::uint64_t lost) {
   try {
-    file_.Write(batch);
+    const auto written = file_.Write(batch, lost);
+    if (lost > 0 || written == JournalFile::Written::kNoSnapshotLeft) wants_snapshot_ = true;
     in_trouble_ = false;
     return true;
   } catch (const std::exception& trouble) {
@@ -177,7 +182,7 @@ void Journal::Writer::Say(const std::string& text) const {
   if (options_.on_trouble) options_.on_trouble("journal: " + text);
 }
 
-void Journal::Writer::PutBack(std::deque<JournalEntry> batch) {
+void Journal::Writer::PutBack(std::deque<JournalItem> batch) {
   batch.insert(batch.end(), std::make_move_iterator(waiting_.begin()),
                std::make_move_iterator(waiting_.end()));
   waiting_ = std::move(batch);
@@ -196,8 +201,12 @@ Journal::Journal(std::string path, JournalOptions options)
 
 Journal::~Journal() = default;
 
-void Journal::Append(JournalEntry entry) noexcept {
-  writer_->Append(std::move(entry));
+void Journal::Append(JournalItem item) noexcept {
+  writer_->Append(std::move(item));
+}
+
+bool Journal::WantsSnapshot() noexcept {
+  return writer_->WantsSnapshot();
 }
 
 bool Journal::Flush(Duration timeout) {

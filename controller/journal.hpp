@@ -1,10 +1,11 @@
 #pragma once
-// What happened on the robot and why, in a file that survives kill -9 and power loss.
+// What happened on the robot and why, in a file that survives kill -9 and power loss: entries for
+// people, and all that went into the decision code, so that it can be run again (replay).
 //
-// The loop hands entries over and goes on; a writer thread puts them into a SQLite database (WAL),
-// one transaction for all that have gathered. An entry is on disk some milliseconds after Append():
-// kill -9 can lose those that were still in the queue, a power cut the last transactions; neither
-// damages the file.
+// The loop hands both over and goes on; a writer thread puts them into a SQLite database (WAL),
+// one transaction for all that have gathered. What is appended is on disk some milliseconds after
+// Append(): kill -9 can lose those that were still in the queue, a power cut the last transactions;
+// neither damages the file.
 //
 // Nothing that goes wrong with the disk reaches the robot. It is said once for each spell of
 // trouble; entries wait in a bounded queue, from which the oldest are dropped and counted; writing
@@ -17,10 +18,9 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <vector>
+#include <variant>
 
-#include "musher/lifecycle/result.hpp"
-#include "musher/lifecycle/time.hpp"
+#include "musher/controller/recording/encoding.hpp"
 
 namespace musher {
 
@@ -32,23 +32,39 @@ struct JournalEntry {
   std::string kind;      // "switch", "command", "exit", ...; "journal" is the journal's own
   std::string actuator;  // empty = the machine
   std::int32_t code = 0;
-  std::string message;  // a sentence
-  std::string data;     // more, as JSON; may be empty
+  std::string message;      // a sentence
+  std::string data;         // more, as JSON; may be empty
+  std::uint64_t id = 0;     // of the decision's record, grows from 1 in a controller; 0: none
+  std::uint64_t cause = 0;  // id of the record that it follows from; 0: none
+  State state{};            // the machine's, where this entry tells that it has changed
 
   friend bool operator==(const JournalEntry&, const JournalEntry&) = default;
 };
+
+// Something that goes into the decision code. It comes before the entries that it leads to.
+struct JournalInput {
+  std::int64_t wall_ns = 0;
+  std::variant<recording::ConfigText,   // a machine begins
+               recording::TimedEvent,   // a step
+               recording::SnapshotPtr>  // from here on it can be run again without what was before
+      what;
+};
+
+using JournalItem = std::variant<JournalEntry, JournalInput>;
 
 class JournalSink {
  public:
   virtual ~JournalSink() = default;
 
   // Never blocks on the disk, never fails.
-  virtual void Append(JournalEntry entry) noexcept = 0;
+  virtual void Append(JournalItem item) noexcept = 0;
+  // Whether a snapshot should come next, because what was before it is lost. Asked once each time.
+  virtual bool WantsSnapshot() noexcept { return false; }
 };
 
 struct JournalOptions {
-  std::int64_t max_bytes = 64 << 20;  // beyond it the oldest tenth of the entries goes
-  std::size_t max_waiting = 10000;    // entries
+  std::int64_t max_bytes = 64 << 20;  // beyond it the oldest tenth goes, up to a snapshot
+  std::size_t max_waiting = 10000;    // entries and inputs
   Duration retry_period = Milliseconds(10000);
   // Told what is wrong, and what became of it. Runs on the writer thread, with no lock held; it may
   // Append(), but must not throw or Flush().
@@ -67,7 +83,8 @@ class Journal : public JournalSink {
   Journal& operator=(const Journal&) = delete;
 
   // From any thread.
-  void Append(JournalEntry entry) noexcept override;
+  void Append(JournalItem item) noexcept override;
+  bool WantsSnapshot() noexcept override;
 
   // Waits until everything appended before is written, at most `timeout`; says whether it is. In
   // trouble it makes the writer try again at once and ends with that attempt. For shutdown and
@@ -78,10 +95,5 @@ class Journal : public JournalSink {
   class Writer;
   std::unique_ptr<Writer> writer_;
 };
-
-// The newest `limit` entries with wall_ns >= since_wall_ns, oldest first. Changes nothing in the
-// file and may run in another process while the controller writes, or after it crashed.
-Result<std::vector<JournalEntry>> ReadJournal(const std::string& path, std::int64_t since_wall_ns,
-                                              std::size_t limit);
 
 }  // namespace musher

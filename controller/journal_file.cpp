@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <utility>
+#include <variant>
 
+#include "musher/controller/journal_checksum.hpp"
 #include "musher/controller/journal_schema.hpp"
 
 namespace musher {
@@ -39,25 +41,67 @@ std::int64_t Ask(SQLite::Database& database, const char* query) {
   return database.execAndGet(query).getInt64();
 }
 
-// Makes an empty database a journal; throws Damaged if it is something else.
+// Makes an empty database a journal and an older one a present one; throws Damaged if it is
+// something else.
 void EnsureSchema(SQLite::Database& database) {
-  if (Ask(database, "SELECT COUNT(*) FROM sqlite_master") == 0) {
-    SQLite::Transaction transaction(database);
-    database.exec(journal_schema::kCreate);
-    database.exec("PRAGMA application_id = " + std::to_string(journal_schema::kApplicationId));
-    database.exec("PRAGMA user_version = " + std::to_string(journal_schema::kVersion));
-    transaction.commit();
-    return;
-  }
-  if (Ask(database, "PRAGMA application_id") != journal_schema::kApplicationId) {
+  const bool empty = Ask(database, "SELECT COUNT(*) FROM sqlite_master") == 0;
+  if (!empty && Ask(database, "PRAGMA application_id") != journal_schema::kApplicationId) {
     throw Damaged("it is not a journal");
   }
-  const auto version = Ask(database, "PRAGMA user_version");
-  if (version != journal_schema::kVersion) {
+  const auto version = empty ? 0 : Ask(database, "PRAGMA user_version");
+  if (version == journal_schema::kVersion) return;
+  if (!empty && version != 1) {
     throw Damaged("its version is " + std::to_string(version) + ", not " +
                   std::to_string(journal_schema::kVersion));
   }
+  SQLite::Transaction transaction(database);
+  if (empty) database.exec(journal_schema::kCreateVersion1);
+  database.exec(journal_schema::kUpgradeTo2);
+  database.exec("PRAGMA application_id = " + std::to_string(journal_schema::kApplicationId));
+  database.exec("PRAGMA user_version = " + std::to_string(journal_schema::kVersion));
+  transaction.commit();
 }
+
+// One row of either table.
+class Inserter {
+ public:
+  explicit Inserter(SQLite::Database& database)
+      : entry_(database, journal_schema::kInsertEntry),
+        input_(database, journal_schema::kInsertInput) {}
+
+  void Insert(std::int64_t id, const JournalEntry& e) {
+    SQLite::bind(entry_, id, e.wall_ns, e.steady_ns, static_cast<std::int64_t>(e.epoch),
+                 static_cast<std::int64_t>(e.switch_number), e.kind, e.actuator, e.code, e.message,
+                 e.data, static_cast<std::int64_t>(e.id), static_cast<std::int64_t>(e.cause),
+                 e.state, ChecksumOf(id, e));
+    entry_.exec();
+    entry_.reset();
+  }
+
+  void Insert(std::int64_t id, const JournalInput& input) {
+    const auto [kind, data] = std::visit(Encode{}, input.what);
+    SQLite::bind(input_, id, input.wall_ns, kind, data, ChecksumOf(id, input.wall_ns, kind, data));
+    input_.exec();
+    input_.reset();
+  }
+
+ private:
+  struct Encode {
+    using Row = std::pair<std::string, std::string>;
+    Row operator()(const recording::ConfigText& config) const {
+      return {"config", recording::EncodeConfig(config)};
+    }
+    Row operator()(const recording::TimedEvent& event) const {
+      return {"event", recording::EncodeEvent(event.event, event.now)};
+    }
+    Row operator()(const recording::SnapshotPtr& snapshot) const {
+      return {"machine", recording::EncodeSnapshot(*snapshot)};
+    }
+  };
+
+  SQLite::Statement entry_;
+  SQLite::Statement input_;
+};
 
 }  // namespace
 
@@ -67,21 +111,25 @@ JournalFile::JournalFile(std::string path, std::int64_t max_bytes,
 
 JournalFile::~JournalFile() = default;
 
-void JournalFile::Write(const std::deque<JournalEntry>& entries) {
+JournalFile::Written JournalFile::Write(const std::deque<JournalItem>& items, std::uint64_t lost) {
   try {
-    TryWrite(entries);
+    return TryWrite(items, lost);
   } catch (const Damaged& damaged) {
     MoveAside(damaged.what());
-    TryWrite(entries);
+    TryWrite(items, lost);
+    return Written::kNoSnapshotLeft;
   }
 }
 
-void JournalFile::TryWrite(const std::deque<JournalEntry>& entries) {
+JournalFile::Written JournalFile::TryWrite(const std::deque<JournalItem>& items,
+                                           std::uint64_t lost) {
   try {
+    auto written = Written::kAll;
     Sorted([&] {
       Open();
-      Insert(entries);
+      written = Insert(items, lost);
     });
+    return written;
   } catch (...) {
     database_.reset();
     throw;
@@ -98,39 +146,50 @@ void JournalFile::Open() {
   database->exec("PRAGMA journal_mode = WAL");
   database->exec("PRAGMA synchronous = NORMAL");
   database->exec("PRAGMA journal_size_limit = 4194304");  // of the WAL beside it
+  next_id_ = Ask(*database, journal_schema::kNewest) + 1;
   database_ = std::move(database);
 }
 
-void JournalFile::Insert(const std::deque<JournalEntry>& entries) {
+JournalFile::Written JournalFile::Insert(const std::deque<JournalItem>& items, std::uint64_t lost) {
   SQLite::Transaction transaction(*database_);
-  SQLite::Statement insert(*database_, journal_schema::kInsert);
-  for (const auto& entry : entries) {
-    SQLite::bind(insert, entry.wall_ns, entry.steady_ns, static_cast<std::int64_t>(entry.epoch),
-                 static_cast<std::int64_t>(entry.switch_number), entry.kind, entry.actuator,
-                 entry.code, entry.message, entry.data);
-    insert.exec();
-    insert.reset();
+  Inserter inserter(*database_);
+  next_id_ += static_cast<std::int64_t>(lost);
+  for (const JournalItem& item : items) {
+    std::visit([&](const auto& it) { inserter.Insert(next_id_++, it); }, item);
   }
-  Trim();
+  const Written written = Trim();
   transaction.commit();
+  return written;
 }
 
-// Freed pages are used again, so the file stays near its limit without ever being compacted.
-void JournalFile::Trim() {
+// Freed pages are used again, so the file stays near its limit without ever being compacted. What
+// is left begins with a snapshot, where there is one in the older half.
+JournalFile::Written JournalFile::Trim() {
   const auto page_size = Ask(*database_, "PRAGMA page_size");
   const auto used = [&] {
     const auto pages = Ask(*database_, "PRAGMA page_count");
     return page_size * (pages - Ask(*database_, "PRAGMA freelist_count"));
   };
+  Written written = Written::kAll;
   while (used() > max_bytes_) {
-    const auto first = Ask(*database_, "SELECT COALESCE(MIN(id), 0) FROM entry");
-    const auto last = Ask(*database_, "SELECT COALESCE(MAX(id), 0) FROM entry");
-    if (first == last) return;  // one entry always stays
-    const auto until = first + std::max<std::int64_t>(1, (last - first) / 10);
-    SQLite::Statement remove(*database_, "DELETE FROM entry WHERE id < ?");
-    remove.bind(1, until);
-    remove.exec();
+    const auto first = Ask(*database_, journal_schema::kOldest);
+    const auto last = Ask(*database_, journal_schema::kNewest);
+    if (first >= last) return written;  // one always stays
+    auto until = first + std::max<std::int64_t>(1, (last - first) / 10);
+    SQLite::Statement next_start(*database_, journal_schema::kNextStart);
+    next_start.bind(1, until);
+    next_start.executeStep();
+    const auto start = next_start.getColumn(0).getInt64();
+    next_start.reset();
+    written = start == 0 ? Written::kNoSnapshotLeft : Written::kAll;
+    if (start != 0 && start - first <= (last - first) / 2) until = start;
+    for (const char* query : {journal_schema::kTrimEntry, journal_schema::kTrimInput}) {
+      SQLite::Statement remove(*database_, query);
+      remove.bind(1, until);
+      remove.exec();
+    }
   }
+  return written;
 }
 
 void JournalFile::MoveAside(const std::string& why) {

@@ -29,21 +29,28 @@ class JournalFile {
               std::function<void(const std::string&)> on_moved);
   ~JournalFile();
 
-  // Writes the entries in one transaction: all or none. Opens or creates the file if it is not
-  // open. Throws Trouble; the next call then begins with opening.
-  void Write(const std::deque<JournalEntry>& entries);
+  enum class Written {
+    kAll,
+    kNoSnapshotLeft,  // the file was trimmed, and no replay can start in what is left
+  };
+
+  // Writes the items in one transaction: all or none. `lost` of them are missing before the first.
+  // Opens or creates the file if it is not open. Throws Trouble; the next call then begins with
+  // opening.
+  Written Write(const std::deque<JournalItem>& items, std::uint64_t lost);
 
  private:
-  void TryWrite(const std::deque<JournalEntry>& entries);
+  Written TryWrite(const std::deque<JournalItem>& items, std::uint64_t lost);
   void Open();
-  void Insert(const std::deque<JournalEntry>& entries);
-  void Trim();
+  Written Insert(const std::deque<JournalItem>& items, std::uint64_t lost);
+  Written Trim();
   void MoveAside(const std::string& why);
 
   const std::string path_;
   const std::int64_t max_bytes_;
   const std::function<void(const std::string&)> on_moved_;
   std::unique_ptr<SQLite::Database> database_;
+  std::int64_t next_id_ = 1;  // of an entry or an input, while the file is open
 };
 
 }  // namespace musher

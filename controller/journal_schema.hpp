@@ -1,15 +1,19 @@
 #pragma once
-// The journal's table. Another layout gets another version; a file of another version is moved
-// aside when the controller starts.
+// The journal's tables. Another layout gets another version; a file of a newer version is moved
+// aside when the controller starts, one of version 1 is brought up to date.
+//
+// Both tables are numbered together, in the order of Append(): a number that neither has is
+// something that was lost.
 
 namespace musher::journal_schema {
 
 inline constexpr int kApplicationId = 0x4d757368;  // "Mush", in the file's header
-inline constexpr int kVersion = 1;
+inline constexpr int kVersion = 2;
 
-inline constexpr char kCreate[] = R"(
+// Version 1 had only `entry`, up to `data`.
+inline constexpr char kCreateVersion1[] = R"(
   CREATE TABLE entry (
-    id            INTEGER PRIMARY KEY,  -- in the order of Append()
+    id            INTEGER PRIMARY KEY,
     wall_ns       INTEGER NOT NULL,
     steady_ns     INTEGER NOT NULL,
     epoch         INTEGER NOT NULL,
@@ -21,13 +25,49 @@ inline constexpr char kCreate[] = R"(
     data          TEXT NOT NULL
   ))";
 
-inline constexpr char kInsert[] = R"(
-  INSERT INTO entry (wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message, data)
-  VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?))";
+inline constexpr char kUpgradeTo2[] = R"(
+  ALTER TABLE entry ADD COLUMN record INTEGER NOT NULL DEFAULT 0;  -- id of the decision's record
+  ALTER TABLE entry ADD COLUMN cause INTEGER NOT NULL DEFAULT 0;   -- `record` it follows from
+  ALTER TABLE entry ADD COLUMN state TEXT NOT NULL DEFAULT '';     -- the machine's new state
+  ALTER TABLE entry ADD COLUMN checksum INTEGER;  -- none: written by version 1
+  CREATE TABLE input (
+    id       INTEGER PRIMARY KEY,
+    wall_ns  INTEGER NOT NULL,
+    kind     TEXT NOT NULL,    -- "config", "event", "machine" (a snapshot)
+    data     TEXT NOT NULL,    -- JSON
+    checksum INTEGER NOT NULL
+  ))";
 
-// Newest first.
-inline constexpr char kSelect[] = R"(
-  SELECT wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message, data
-  FROM entry WHERE wall_ns >= ? ORDER BY id DESC LIMIT ?)";
+inline constexpr char kInsertEntry[] = R"(
+  INSERT INTO entry (id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message,
+                     data, record, cause, state, checksum)
+  VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))";
+inline constexpr char kInsertInput[] =
+    "INSERT INTO input (id, wall_ns, kind, data, checksum) VALUES (?, ?, ?, ?, ?)";
+
+// From which a replay can start, from an id on.
+inline constexpr char kNextStart[] =
+    "SELECT COALESCE(MIN(id), 0) FROM input WHERE id >= ? AND kind IN ('config', 'machine')";
+
+// With the newest config before the id, which is that of the snapshot behind it.
+inline constexpr char kTrimInput[] =
+    "DELETE FROM input WHERE id < ?1 AND id <> "
+    "(SELECT COALESCE(MAX(id), 0) FROM input WHERE kind = 'config' AND id <= ?1)";
+inline constexpr char kTrimEntry[] = "DELETE FROM entry WHERE id < ?";
+
+// The oldest id that trimming can take, and the newest.
+inline constexpr char kOldest[] =
+    "SELECT COALESCE(MIN(id), 0) FROM (SELECT MIN(id) AS id FROM entry UNION ALL "
+    "SELECT MIN(id) FROM input WHERE kind <> 'config')";
+inline constexpr char kNewest[] =
+    "SELECT COALESCE(MAX(id), 0) FROM (SELECT MAX(id) AS id FROM entry UNION ALL "
+    "SELECT MAX(id) FROM input)";
+
+inline constexpr char kEntryColumnsVersion1[] =
+    "id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message, data";
+inline constexpr char kEntryColumns[] =
+    "id, wall_ns, steady_ns, epoch, switch_number, kind, actuator, code, message, data, record, "
+    "cause, state, checksum";
+inline constexpr char kInputColumns[] = "id, wall_ns, kind, data, checksum";
 
 }  // namespace musher::journal_schema

@@ -89,4 +89,9 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
   return status;
 }
 
+msg::HistoryEntry ToMessage(const JournalEntry& entry) {
+  return {entry.id,       entry.wall_ns, entry.epoch,   entry.switch_number, entry.kind,
+          entry.actuator, entry.code,    entry.message, entry.cause,         entry.state};
+}
+
 }  // namespace musher

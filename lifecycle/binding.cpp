@@ -49,7 +49,8 @@ void Decision::Park(std::size_t i, const std::string& missing) {
   ActuatorRecord& record = Of(i);
   record.parked = true;
   record.due = false;
-  Degrade(i, kCodeStatusError, "it rests: " + missing + ", which it is bound to, is not up");
+  Degrade(i, kCodeStatusError, "it rests: " + missing + ", which it is bound to, is not up",
+          Of(*config_.IndexOf(missing)).cause);
   const auto own = config_.RankOf(record.state());
   for (const std::string_view rest : {kDeActive, kLowPower}) {
     const auto rank = config_.RankOf(rest);

@@ -11,6 +11,7 @@
 #include <utility>
 #include <variant>
 
+#include "musher/lifecycle/checksum.hpp"
 #include "musher/lifecycle/suggest.hpp"
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/draft.hpp"
@@ -37,15 +38,6 @@ ConfigReading Refuse(const std::string& path, const std::string& message) {
 
 ConfigReading RefuseSize(const std::string& path) {
   return Refuse(path, "the file is too large: expected a state config of at most 8 MiB");
-}
-
-// FNV-1a, 64 bits, as 16 hex digits: tells copies of a file apart, protects against nobody.
-std::string Hash(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  char hex[17];
-  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(hash));
-  return hex;
 }
 
 // What the file has in place of a [controller] table.
@@ -80,11 +72,17 @@ void ReadSections(const Table& table, Draft& draft) {
 
 }  // namespace
 
+std::string ConfigHash(std::string_view text) {
+  char hex[17];
+  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(Fnv1a(text)));
+  return hex;
+}
+
 ConfigReading ReadConfigText(std::string_view text, const std::string& path) {
   if (text.size() > kLargestFile) return RefuseSize(path);
   Draft draft;
   draft.config.file = path;
-  draft.config.hash = Hash(text);
+  draft.config.hash = ConfigHash(text);
   draft.folder = config_toml::FolderOf(path);
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
 

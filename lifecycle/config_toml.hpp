@@ -25,6 +25,9 @@ ConfigReading ReadConfigFile(const std::string& path);
 // The same for a text; `path` is what diagnostics and relative paths refer to.
 ConfigReading ReadConfigText(std::string_view text, const std::string& path);
 
+// MachineConfig::hash of a text: 16 hex digits.
+std::string ConfigHash(std::string_view text);
+
 // For programs: the config at `path` (empty: the one MUSHER_CONFIG names), or all its faults as one
 // message of several lines. Warnings are not told.
 Result<MachineConfig> ReadValidConfig(std::string path);

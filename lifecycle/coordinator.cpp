@@ -27,27 +27,44 @@ void Decision::Settle() {
   }
 }
 
-void Decision::RecordMachine(std::int32_t code, const std::string& message) {
-  Do(action::Record{"machine", std::nullopt, 0, code, message});
+// Gives the record its number. A record about the machine tells that its state has changed.
+std::uint64_t Decision::Record(action::Record record) {
+  record.id = ++machine_.last_record;
+  const bool of_machine = record.kind == "machine" || (record.kind == "switch" && !record.actuator);
+  if (of_machine && machine_.state != machine_.told_state) {
+    record.state = machine_.told_state = machine_.state;
+  }
+  Do(record);
+  return record.id;
 }
 
-void Decision::RecordSwitch(const Switch& s, std::int32_t code, const std::string& message) {
-  Do(action::Record{"switch", s.only, s.number, code, message});
+std::uint64_t Decision::RecordMachine(std::int32_t code, const std::string& message,
+                                      std::uint64_t cause) {
+  return Record({"machine", std::nullopt, 0, code, message, 0, cause, {}});
 }
 
-void Decision::RecordActuator(std::size_t i, std::int32_t code, const std::string& message) {
-  Do(action::Record{"actuator", i, Of(i).order ? Of(i).order->number : 0, code, message});
+std::uint64_t Decision::RecordSwitch(const Switch& s, std::int32_t code, const std::string& message,
+                                     std::uint64_t cause) {
+  return Record({"switch", s.only, s.number, code, message, 0, cause, {}});
 }
 
-void Decision::RecordProcess(std::size_t i, std::int32_t code, const std::string& message) {
-  Do(action::Record{"process", i, 0, code, message});
+std::uint64_t Decision::RecordActuator(std::size_t i, std::int32_t code, const std::string& message,
+                                       std::uint64_t cause) {
+  const std::uint64_t number = Of(i).order ? Of(i).order->number : 0;
+  return Record({"actuator", i, number, code, message, 0, cause, {}});
 }
 
-void Decision::Degrade(std::size_t i, std::int32_t code, const std::string& message) {
+std::uint64_t Decision::RecordProcess(std::size_t i, std::int32_t code, const std::string& message,
+                                      std::uint64_t cause) {
+  return Record({"process", i, 0, code, message, 0, cause, {}});
+}
+
+void Decision::Degrade(std::size_t i, std::int32_t code, const std::string& message,
+                       std::uint64_t cause) {
   const Error fault{code, message};
   if (Of(i).fault == fault) return;
   Of(i).fault = fault;
-  RecordActuator(i, code, ConfigOf(i).name + " is degraded: " + message);
+  Of(i).cause = RecordActuator(i, code, ConfigOf(i).name + " is degraded: " + message, cause);
 }
 
 std::vector<Action> Step(const MachineConfig& config, Machine& machine, const Event& event,

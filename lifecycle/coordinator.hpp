@@ -37,11 +37,13 @@ struct Begin {
   std::vector<bool> running;
   std::string host = {};                             // of the controller
   std::optional<EmergencyStop> emergency_stop = {};  // the one on disk
+  friend bool operator==(const Begin&, const Begin&) = default;
 };
 // An actuator's latched status came.
 struct StatusSeen {
   std::size_t actuator = 0;
   ActuatorReport report;
+  friend bool operator==(const StatusSeen&, const StatusSeen&) = default;
 };
 // An actuator answered command `number`, or the question about it (`ask`).
 struct Replied {
@@ -52,6 +54,7 @@ struct Replied {
   std::int32_t code = kCodeOk;
   std::string message;
   ActuatorReport report;
+  friend bool operator==(const Replied&, const Replied&) = default;
 };
 // The actuator of this incarnation is gone: its process ended or its writer was lost.
 struct Vanished {
@@ -59,14 +62,17 @@ struct Vanished {
   std::uint64_t incarnation = 0;
   bool for_good = false;  // its process has ended; otherwise it may be heard of again
   std::string how;        // "its process 4711 ended", "it is out of reach"
+  friend bool operator==(const Vanished&, const Vanished&) = default;
 };
 struct ProcessStarted {
   std::size_t actuator = 0;
   std::int32_t pid = 0;
+  friend bool operator==(const ProcessStarted&, const ProcessStarted&) = default;
 };
 struct ProcessNotStarted {
   std::size_t actuator = 0;
   std::string why;
+  friend bool operator==(const ProcessNotStarted&, const ProcessNotStarted&) = default;
 };
 // A process that we started ended.
 struct ProcessEnded {
@@ -74,6 +80,7 @@ struct ProcessEnded {
   std::int32_t pid = 0;
   bool clean = false;  // exit code 0
   std::string how;     // "exit code 3", "killed by SIGKILL"
+  friend bool operator==(const ProcessEnded&, const ProcessEnded&) = default;
 };
 // The health monitor's verdict on a living process.
 struct HealthChanged {
@@ -82,43 +89,53 @@ struct HealthChanged {
   Health health = Health::kWell;
   bool silent = false;  // it does not even answer
   std::string how;
+  friend bool operator==(const HealthChanged&, const HealthChanged&) = default;
 };
 // What a hung process was doing, or why that is not known.
 struct BacktraceTaken {
   std::size_t actuator = 0;
   std::int32_t pid = 0;
   std::string text;
+  friend bool operator==(const BacktraceTaken&, const BacktraceTaken&) = default;
 };
 // A person wants an actuator's process to be started again.
 struct RestartRequested {
   RequestId request = 0;
   std::string actuator;
+  friend bool operator==(const RestartRequested&, const RestartRequested&) = default;
 };
 // Another controller of this machine has been heard.
 struct RivalHeard {
   std::uint64_t epoch = 0;
   std::string who;              // "process 4711 on this host"
   bool has_precedence = false;  // of two with the same epoch
+  friend bool operator==(const RivalHeard&, const RivalHeard&) = default;
 };
 // Somebody engages an emergency stop.
 struct EmergencyStopSeen {
   EmergencyStop stop;
+  friend bool operator==(const EmergencyStopSeen&, const EmergencyStopSeen&) = default;
 };
 struct ReleaseRequested {
   RequestId request = 0;
   std::string by;
+  friend bool operator==(const ReleaseRequested&, const ReleaseRequested&) = default;
 };
 struct SetStateRequested {
   RequestId request = 0;
   State target;
   std::optional<std::string> actuator;
+  friend bool operator==(const SetStateRequested&, const SetStateRequested&) = default;
 };
 // Tell when all actuators are set up, or when that has failed.
 struct SetUpAwaited {
   RequestId request = 0;
+  friend bool operator==(const SetUpAwaited&, const SetUpAwaited&) = default;
 };
 // Nothing happened but time.
-struct TimePassed {};
+struct TimePassed {
+  friend bool operator==(const TimePassed&, const TimePassed&) = default;
+};
 
 }  // namespace event
 
@@ -186,14 +203,18 @@ struct SaveEpoch {
   std::uint64_t epoch = 0;
   friend bool operator==(const SaveEpoch&, const SaveEpoch&) = default;
 };
-// For the journal and the log.
+// For the journal and the log. Its `cause` is the record that it follows from, so that a chain of
+// them explains what was done.
 struct Record {
   std::string kind;  // "machine", "switch", "actuator", "process"
   std::optional<std::size_t> actuator;
   std::uint64_t switch_number = 0;
   std::int32_t code = kCodeOk;
   std::string message;
-  std::string data = {};  // more than fits a line: a backtrace
+  std::uint64_t id = 0;     // grows from 1 within a Machine; 0: not by the decision code
+  std::uint64_t cause = 0;  // id of the record it follows from; 0: none
+  State state{};            // the machine's, where this record tells that it has changed
+  std::string data = {};    // more than fits a line: a backtrace
   friend bool operator==(const Record&, const Record&) = default;
 };
 // Start-up is over: the machine is usable, or it failed.

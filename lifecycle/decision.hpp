@@ -32,7 +32,8 @@ struct OrderEnd {
   ActuatorOutcome outcome = ActuatorOutcome::kDone;
   std::int32_t code = kCodeOk;
   std::string message;
-  bool ran = false;  // the callback ran, or may have
+  bool ran = false;         // the callback ran, or may have
+  std::uint64_t cause = 0;  // the record that says why; 0: the switch it was part of
 };
 
 class Decision {
@@ -76,20 +77,25 @@ class Decision {
   void EndOrder(std::size_t i, const OrderEnd& end);
   void AskOrLose(std::size_t i);
   OrderEnd JudgeReport(std::size_t i, const Order& order) const;
-  void Lose(std::size_t i, const std::string& how);
+  void Lose(std::size_t i, const std::string& how, std::uint64_t cause = 0);
   void TakeForTornDown(std::size_t i);
   void CheckOrders();
 
   // switching.cpp, switch_end.cpp
-  bool JoinOrRefuse(const event::SetStateRequested& requested, std::optional<std::size_t> only);
-  void Supersede(std::uint64_t by, const State& target);
-  std::uint64_t Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests);
+  bool JoinOrRefuse(const event::SetStateRequested& requested, std::optional<std::size_t> only,
+                    std::uint64_t asked);
+  void Refuse(const event::SetStateRequested& requested, std::optional<std::size_t> only,
+              const State& state, const Error& why, std::uint64_t asked);
+  void Supersede(std::uint64_t by, const State& target, std::uint64_t cause);
+  std::uint64_t Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
+                      std::uint64_t cause);
   void AddLeg(Switch& s, const PlanStep& step);
   bool AdvanceSwitch();
   bool StartLegs(std::vector<Leg>& legs);
   const Leg* Hindrance(const Leg& leg, const std::vector<Leg>& legs) const;
   void SkipLeg(Leg& leg, const Leg* hindrance);
   bool Failed(const Switch& s) const;
+  const Leg* WorstLeg(const Switch& s) const;
   void BeginRollback(Switch& s);
   State WayBack(const Leg& leg) const;
   void EndLeg(Leg& leg, const OrderEnd& end);
@@ -102,18 +108,19 @@ class Decision {
   void Answer(const std::vector<RequestId>& requests, const SwitchResult& result);
 
   // starting.cpp
-  void StartStage(int stage);
+  void StartStage(int stage, std::uint64_t cause);
   bool StartProcesses();
   bool NeedsMet(std::size_t i, std::string& hindrance) const;
+  std::uint64_t CauseOfHindrance(std::size_t i) const;
   bool StageSetUp(int stage) const;
   bool StageSettled(int stage) const;
   bool AdvanceStart();
   void EndFirstStage();
-  void AdoptFrom(const State& lowest);
-  void AfterStartUpCheck();
-  void Activate();
-  void FailStartUp(const std::string& why);
-  void BecomeRunning(const std::string& message);
+  void AdoptFrom(const State& lowest, std::uint64_t cause);
+  void AfterStartUpCheck(std::uint64_t checked);
+  void Activate(std::uint64_t cause);
+  void FailStartUp(const std::string& why, std::uint64_t cause);
+  void BecomeRunning(const std::string& message, std::uint64_t cause);
   void CheckSetUpDeadlines();
   std::optional<State> LowestFound() const;
   std::string HalfWay() const;
@@ -155,7 +162,7 @@ class Decision {
   void Release(std::uint64_t id);
 
   // stopping.cpp
-  void Stop(const Plan& plan, std::vector<RequestId> requests);
+  void Stop(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause);
   void AfterTearDown(SwitchResult result);
   void AdvanceStopping();
   bool ProcessesLeft() const;
@@ -167,11 +174,21 @@ class Decision {
   const ActuatorRecord& Of(std::size_t i) const { return machine_.actuators[i]; }
   const ActuatorConfig& ConfigOf(std::size_t i) const { return config_.actuators[i]; }
   void Do(Action action) { actions_.push_back(std::move(action)); }
-  void RecordMachine(std::int32_t code, const std::string& message);
-  void RecordSwitch(const Switch& s, std::int32_t code, const std::string& message);
-  void RecordActuator(std::size_t i, std::int32_t code, const std::string& message);
-  void RecordProcess(std::size_t i, std::int32_t code, const std::string& message);
-  void Degrade(std::size_t i, std::int32_t code, const std::string& message);
+  // Each gives the id of its record. `cause`: the id of the record that it follows from, where one
+  // is known. Whoever decides something that has effects later keeps the id for those: in
+  // ActuatorRecord, Switch or Machine.
+  std::uint64_t Record(action::Record record);
+  std::uint64_t RecordMachine(std::int32_t code, const std::string& message,
+                              std::uint64_t cause = 0);
+  std::uint64_t RecordSwitch(const Switch& s, std::int32_t code, const std::string& message,
+                             std::uint64_t cause);
+  std::uint64_t RecordActuator(std::size_t i, std::int32_t code, const std::string& message,
+                               std::uint64_t cause = 0);
+  std::uint64_t RecordProcess(std::size_t i, std::int32_t code, const std::string& message,
+                              std::uint64_t cause = 0);
+  // Puts its fault on record, once; the record becomes the cause of what follows from the fault.
+  void Degrade(std::size_t i, std::int32_t code, const std::string& message,
+               std::uint64_t cause = 0);
   bool Critical(std::size_t i) const { return ConfigOf(i).critical; }
 
   const MachineConfig& config_;

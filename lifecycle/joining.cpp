@@ -22,7 +22,7 @@ bool Decision::DriveLateOnes() {
       if (hindrance.empty()) continue;
       Of(i).due = false;
       Of(i).join_tried = true;
-      Degrade(i, kCodeStatusError, hindrance);
+      Degrade(i, kCodeStatusError, hindrance, CauseOfHindrance(i));
     } else {
       Join(i);
     }
@@ -59,7 +59,7 @@ void Decision::Join(std::size_t i) {
   } else if (!config_.RankOf(machine_.state)) {
     return;  // the machine is between states; whoever takes it on takes this one along
   } else if (!ConfigOf(i).Lists(machine_.state)) {
-    Degrade(i, kCodeUnSupport, "has no state '" + machine_.state + "'");
+    Degrade(i, kCodeUnSupport, "has no state '" + machine_.state + "'", record.cause);
   } else {
     Issue(i, machine_.number + 1, machine_.state, config_.TimeFor(i, machine_.state));
   }
@@ -78,7 +78,8 @@ void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
   if (record.parked && end.outcome == ActuatorOutcome::kDone) {
     const std::string* missing = MissingFor(i);
     if (missing != nullptr) {
-      Degrade(i, kCodeStatusError, "it rests: " + *missing + ", which it is bound to, is not up");
+      Degrade(i, kCodeStatusError, "it rests: " + *missing + ", which it is bound to, is not up",
+              Of(*config_.IndexOf(*missing)).cause);
     }
     return;
   }
@@ -87,7 +88,8 @@ void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
     return;
   }
   Degrade(i, end.code,
-          order.target + " " + std::string(OutcomeName(end.outcome)) + ": " + end.message);
+          order.target + " " + std::string(OutcomeName(end.outcome)) + ": " + end.message,
+          record.cause);
   Fall(i);
 }
 
@@ -98,6 +100,7 @@ void Decision::Fall(std::size_t i) {
   if (on_lost.empty() || machine_.phase != Phase::kRunning) return;
   if (!machine_.fallback || *config_.RankOf(on_lost) < *config_.RankOf(*machine_.fallback)) {
     machine_.fallback = on_lost;
+    machine_.fallback_cause = Of(i).cause;
   }
 }
 
@@ -109,11 +112,13 @@ bool Decision::BeginFallback() {
   const Plan plan = MakePlan(config_, machine_, target);
   if (plan.refusal) {
     RecordMachine(plan.refusal->code,
-                  "cannot fall back to " + target + ": " + plan.refusal->message);
+                  "cannot fall back to " + target + ": " + plan.refusal->message,
+                  machine_.fallback_cause);
     return false;
   }
-  RecordMachine(kCodeOk, "an actuator is lost; falling back to " + target);
-  Begin(plan, Purpose::kFallback, {});
+  const std::uint64_t told = RecordMachine(
+      kCodeOk, "an actuator is lost; falling back to " + target, machine_.fallback_cause);
+  Begin(plan, Purpose::kFallback, {}, told);
   return true;
 }
 

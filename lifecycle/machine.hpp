@@ -74,6 +74,7 @@ struct ActuatorRecord {
   bool due = false;                 // to be driven to where the machine is, as soon as it is free
   std::optional<Error> fault;       // why it is degraded
   std::optional<Order> order;       // the command on its way
+  std::uint64_t cause = 0;          // the record that says why it is degraded, gone or back
 
   Health health = Health::kWell;
   int restarts = 0;                // of its process, in a row
@@ -137,6 +138,7 @@ struct Switch {
   bool rolling_back = false;
   std::uint64_t back_number = 0;  // of the commands of the rollback
   std::vector<Leg> back;          // the legs of the rollback
+  std::uint64_t cause = 0;        // the record that says why there is this switch
 
   friend bool operator==(const Switch&, const Switch&) = default;
 };
@@ -177,12 +179,15 @@ struct Machine {
   int stage = 0;                  // up to which actuators are started
   std::vector<ActuatorRecord> actuators;  // in the order of the config
   std::optional<Switch> current;
-  std::optional<State> fallback;  // on_lost of a critical actuator, when there is time for it
+  std::optional<State> fallback;     // on_lost of a critical actuator, when there is time for it
+  std::uint64_t fallback_cause = 0;  // the record that says why
   std::optional<Stopping> stopping;
   std::optional<EmergencyStop> emergency_stop;
   std::vector<std::uint64_t> other_stops;      // engaged beside it, released with it
   std::vector<std::uint64_t> released_stops;   // the last ones that were released
   std::vector<std::uint64_t> set_up_requests;  // who waits for all actuators to be set up
+  std::uint64_t last_record = 0;               // id of the last record
+  State told_state;                            // the last one that a record told
 
   friend bool operator==(const Machine&, const Machine&) = default;
 };

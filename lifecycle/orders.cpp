@@ -80,10 +80,11 @@ void Decision::Follow(std::size_t i) {
   record.parked = false;
   record.health = Health::kWell;
   record.due = late && record.checked && !record.held;
-  RecordActuator(
+  record.cause = RecordActuator(
       i, kCodeOk,
       ConfigOf(i).name + " is present in " + record.state() +
-          (record.report.pid == 0 ? "" : ", process " + std::to_string(record.report.pid)));
+          (record.report.pid == 0 ? "" : ", process " + std::to_string(record.report.pid)),
+      record.cause);
   CountArrival(i);
 }
 
@@ -91,9 +92,9 @@ void Decision::Follow(std::size_t i) {
 void Decision::Drifted(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const bool told = record.report.outcome_code == kCodeOk;
-  RecordActuator(i, kCodeStatusError,
-                 ConfigOf(i).name + " has gone to " + record.state() + " by itself" +
-                     (told ? "" : ": " + record.report.outcome_message));
+  record.cause = RecordActuator(i, kCodeStatusError,
+                                ConfigOf(i).name + " has gone to " + record.state() + " by itself" +
+                                    (told ? "" : ": " + record.report.outcome_message));
   if (record.presence == Presence::kPresent && record.checked && !record.held) record.due = true;
 }
 
@@ -121,12 +122,13 @@ void Decision::On(const event::StatusSeen& seen) {
     if (stopping) return;
     return Degrade(seen.actuator, report.outcome_code,
                    "SetUp failed with " + CodeText(report.outcome_code) +
-                       (report.outcome_message.empty() ? "" : ": " + report.outcome_message));
+                       (report.outcome_message.empty() ? "" : ": " + report.outcome_message),
+                   record.cause);
   }
   if (report.incarnation == record.dead) return;
   if (!same && record.presence == Presence::kPresent) {
     if (IsImpostor(seen.actuator, report)) return;
-    Lose(seen.actuator, "it was started anew");
+    Lose(seen.actuator, "it was started anew", record.cause);
   }
   Accept(seen.actuator, report);
   record.presence = Presence::kStarting;
@@ -215,16 +217,17 @@ OrderEnd Decision::JudgeReport(std::size_t i, const Order& order) const {
 void Decision::AskOrLose(std::size_t i) {
   Order& order = *Of(i).order;
   if (order.asked >= kAskAttempts) {
-    Lose(i, "it does not answer, not even when asked how " + order.target + " stands");
+    Lose(i, "it does not answer, not even when asked how " + order.target + " stands", Of(i).cause);
     // A process of ours that hangs will be found out and restarted.
     if (!MayRestart(i) || ProcessOf(i) == 0) Fall(i);
     return;
   }
   if (order.asked == 0) {
-    RecordActuator(i, kCodeTimeout,
-                   ConfigOf(i).name + " did not answer within " +
-                       std::to_string(ToMilliseconds(order.deadline - order.sent)) +
-                       " ms; it is asked how " + order.target + " stands");
+    Of(i).cause = RecordActuator(i, kCodeTimeout,
+                                 ConfigOf(i).name + " did not answer within " +
+                                     std::to_string(ToMilliseconds(order.deadline - order.sent)) +
+                                     " ms; it is asked how " + order.target + " stands",
+                                 machine_.current ? machine_.current->cause : Of(i).cause);
   }
   ++order.asked;
   order.deadline = now_ + kAskTimeout;
@@ -242,10 +245,15 @@ void Decision::CheckOrders() {
 void Decision::EndOrder(std::size_t i, const OrderEnd& end) {
   const Order order = *Of(i).order;
   const std::string took = std::to_string(ToMilliseconds(now_ - order.sent)) + " ms";
-  RecordActuator(i, end.code,
-                 ConfigOf(i).name + ": " + order.target + " " +
-                     std::string(OutcomeName(end.outcome)) + " after " + took +
-                     (end.message.empty() ? "" : ": " + end.message));
+  const std::uint64_t cause = end.cause != 0                         ? end.cause
+                              : machine_.current && order.asked == 0 ? machine_.current->cause
+                                                                     : Of(i).cause;
+  const std::uint64_t told = RecordActuator(
+      i, end.code,
+      ConfigOf(i).name + ": " + order.target + " " + std::string(OutcomeName(end.outcome)) +
+          " after " + took + (end.message.empty() ? "" : ": " + end.message),
+      cause);
+  if (end.outcome != ActuatorOutcome::kDone) Of(i).cause = told;
   Of(i).order.reset();
   if (end.outcome == ActuatorOutcome::kDone) {
     if (order.target == kSelfCheck) Of(i).checked = true;
@@ -261,11 +269,11 @@ void Decision::EndOrder(std::size_t i, const OrderEnd& end) {
   EndJoin(i, order, end);
 }
 
-void Decision::Lose(std::size_t i, const std::string& how) {
+void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause) {
   ActuatorRecord& record = Of(i);
   const bool torn_down = record.state() == kTearDown;
   const bool had_answered = record.presence == Presence::kPresent;
-  if (record.order) EndOrder(i, {ActuatorOutcome::kLost, kCodeNetError, how, true});
+  if (record.order) EndOrder(i, {ActuatorOutcome::kLost, kCodeNetError, how, true, cause});
   record.presence = Presence::kLost;
   record.claim_again.reset();
   record.checked = false;
@@ -275,10 +283,10 @@ void Decision::Lose(std::size_t i, const std::string& how) {
   record.report.busy_number = 0;
   if (machine_.phase == Phase::kStopping) return;
   if (torn_down) {
-    return Degrade(i, kCodeStateInvalid, "is torn down; only a new start brings it back");
+    return Degrade(i, kCodeStateInvalid, "is torn down; only a new start brings it back", cause);
   }
   // Why its SetUp failed says more than that its process is gone.
-  if (!record.fault || had_answered) Degrade(i, kCodeNetError, how);
+  if (!record.fault || had_answered) Degrade(i, kCodeNetError, how, cause);
 }
 
 // The end of a process can overtake its last word.

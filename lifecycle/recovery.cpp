@@ -62,14 +62,16 @@ void Decision::On(const event::HealthChanged& changed) {
       return;
     case Health::kStarved:
     case Health::kWell:
-      return RecordActuator(i, kCodeTimeout, ConfigOf(i).name + " is " + what);
+      RecordActuator(i, kCodeTimeout, ConfigOf(i).name + " is " + what);
+      return;
   }
 }
 
 void Decision::Recovered(std::size_t i, const std::string& how) {
   ActuatorRecord& record = Of(i);
   record.health = Health::kWell;
-  RecordActuator(i, kCodeOk, ConfigOf(i).name + " is well again: " + how);
+  record.cause =
+      RecordActuator(i, kCodeOk, ConfigOf(i).name + " is well again: " + how, record.cause);
   if (!record.restart_asked) record.doomed = 0;
   record.kill_at.reset();
   if (record.presence == Presence::kLost) {
@@ -92,9 +94,10 @@ void Decision::Hang(std::size_t i, bool silent, const std::string& how) {
     Degrade(i, kCodeTimeout, how);
   }
   if (!killable) return Fall(i);
-  RecordProcess(i, kCodeTimeout,
-                "what " + ConfigOf(i).name + " is doing is looked at; then process " +
-                    std::to_string(pid) + " gets SIGKILL");
+  Of(i).cause = RecordProcess(i, kCodeTimeout,
+                              "what " + ConfigOf(i).name + " is doing is looked at; then process " +
+                                  std::to_string(pid) + " gets SIGKILL",
+                              Of(i).cause);
   Doom(i, pid, kBacktraceTime);
   Do(action::TakeBacktrace{i, pid});
 }
@@ -107,9 +110,13 @@ void Decision::Doom(std::size_t i, std::int32_t pid, Duration grace) {
 void Decision::On(const event::BacktraceTaken& taken) {
   ActuatorRecord& record = Of(taken.actuator);
   if (record.doomed != taken.pid || !record.kill_at) return;  // it came to itself, or has ended
-  action::Record backtrace{"process", taken.actuator, 0, kCodeOk, "", taken.text};
+  action::Record backtrace;
+  backtrace.kind = "process";
+  backtrace.actuator = taken.actuator;
   backtrace.message = "what " + ConfigOf(taken.actuator).name + " was doing:";
-  Do(backtrace);
+  backtrace.cause = record.cause;
+  backtrace.data = taken.text;
+  Record(backtrace);
   Kill(taken.actuator);
 }
 
@@ -139,10 +146,12 @@ void Decision::Recover(std::size_t i, bool clean) {
   const Duration delay = DelayOf(config.restart, record.restarts);
   ++record.restarts;
   record.restart_at = now_ + delay;
-  RecordProcess(i, kCodeOk,
-                config.name + " is started again in " + std::to_string(ToMilliseconds(delay)) +
-                    " ms, restart " + std::to_string(record.restarts) + " of " +
-                    std::to_string(config.restart.limit));
+  record.cause =
+      RecordProcess(i, kCodeOk,
+                    config.name + " is started again in " + std::to_string(ToMilliseconds(delay)) +
+                        " ms, restart " + std::to_string(record.restarts) + " of " +
+                        std::to_string(config.restart.limit),
+                    record.cause);
 }
 
 void Decision::GiveUp(std::size_t i) {
@@ -150,7 +159,7 @@ void Decision::GiveUp(std::size_t i) {
   record.given_up = true;
   const std::string last = record.fault ? record.fault->message : "its process ended";
   Degrade(i, kCodeFailed,
-          "given up after " + std::to_string(record.restarts) + " restarts; " + last);
+          "given up after " + std::to_string(record.restarts) + " restarts; " + last, record.cause);
   Fall(i);
 }
 
@@ -165,7 +174,8 @@ void Decision::CountArrival(std::size_t i) {
   Degrade(i, kCodeFailed,
           "it was started " + std::to_string(record.restarts) +
               " times in a row; left alone until it has lived for " +
-              std::to_string(ToMilliseconds(restart.reset_after)) + " ms");
+              std::to_string(ToMilliseconds(restart.reset_after)) + " ms",
+          record.cause);
   Fall(i);
 }
 
@@ -220,7 +230,7 @@ void Decision::On(const event::RestartRequested& requested) {
   record.restart_asked = true;
   record.restarts = 0;
   record.given_up = false;
-  RecordProcess(*i, kCodeOk, requested.actuator + " is restarted by hand");
+  record.cause = RecordProcess(*i, kCodeOk, requested.actuator + " is restarted by hand");
   EndForRestart(*i);
 }
 

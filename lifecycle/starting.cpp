@@ -8,6 +8,9 @@
 namespace musher {
 namespace {
 
+// The record that Begin makes is the first one.
+constexpr std::uint64_t kBegun = 1;
+
 int LastStage(const MachineConfig& config) {
   int last = 1;
   for (const ActuatorConfig& actuator : config.actuators) last = std::max(last, actuator.stage);
@@ -25,20 +28,21 @@ void Decision::On(const event::Begin& begin) {
   for (std::size_t i = 0; i < begin.running.size(); ++i) Of(i).found_running = begin.running[i];
   RecordMachine(kCodeOk, "controller epoch " + std::to_string(machine_.epoch) + " begins, " +
                              std::to_string(machine_.actuators.size()) + " actuators");
+  StartStage(begin.by_hand ? LastStage(config_) : 1, kBegun);
   if (begin.emergency_stop) Engage(*begin.emergency_stop);
-  StartStage(begin.by_hand ? LastStage(config_) : 1);
 }
 
-void Decision::StartStage(int stage) {
+void Decision::StartStage(int stage, std::uint64_t cause) {
   machine_.stage = stage;
   if (stage > 1 && !machine_.by_hand) {
-    RecordMachine(kCodeOk, "stage " + std::to_string(stage) + " is being started");
+    cause = RecordMachine(kCodeOk, "stage " + std::to_string(stage) + " is being started", cause);
   }
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
     const bool waited_for = ConfigOf(i).command.empty() || record.found_running;
     if (ConfigOf(i).stage > stage || record.presence == Presence::kPresent || record.set_up_by)
       continue;
+    record.cause = cause;
     if (waited_for) record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
   }
 }
@@ -55,7 +59,7 @@ bool Decision::StartProcesses() {
     std::string hindrance;
     if (!NeedsMet(i, hindrance)) {
       if (hindrance.empty()) continue;
-      Degrade(i, kCodeStatusError, hindrance);
+      Degrade(i, kCodeStatusError, hindrance, CauseOfHindrance(i));
     } else {
       record.presence = Presence::kStarting;
       record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
@@ -78,16 +82,27 @@ bool Decision::NeedsMet(std::size_t i, std::string& hindrance) const {
   return met;
 }
 
+std::uint64_t Decision::CauseOfHindrance(std::size_t i) const {
+  for (const std::string& name : ConfigOf(i).after) {
+    const ActuatorRecord& needed = Of(*config_.IndexOf(name));
+    if (needed.fault) return needed.cause;
+  }
+  return 0;
+}
+
 void Decision::On(const event::ProcessStarted& started) {
-  Of(started.actuator).process = started.pid;
-  RecordProcess(
+  ActuatorRecord& record = Of(started.actuator);
+  record.process = started.pid;
+  record.cause = RecordProcess(
       started.actuator, kCodeOk,
-      ConfigOf(started.actuator).name + " is started as process " + std::to_string(started.pid));
+      ConfigOf(started.actuator).name + " is started as process " + std::to_string(started.pid),
+      record.cause);
 }
 
 void Decision::On(const event::ProcessNotStarted& failed) {
   Of(failed.actuator).presence = Presence::kAbsent;
-  Degrade(failed.actuator, kCodeFailed, "its process could not be started: " + failed.why);
+  Degrade(failed.actuator, kCodeFailed, "its process could not be started: " + failed.why,
+          Of(failed.actuator).cause);
   Recover(failed.actuator, false);
 }
 
@@ -97,13 +112,14 @@ void Decision::On(const event::ProcessEnded& ended) {
   record.process = 0;
   if (record.report.pid == ended.pid) record.dead = record.report.incarnation;
   const std::string how = "process " + std::to_string(ended.pid) + " ended: " + ended.how;
-  RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
-                ConfigOf(ended.actuator).name + "'s " + how);
+  record.cause = RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
+                               ConfigOf(ended.actuator).name + "'s " + how,
+                               record.fault ? record.cause : 0);
   if (ended.clean) TakeForTornDown(ended.actuator);
   if (record.health != Health::kHung) record.health = Health::kCrashed;
   if (record.presence == Presence::kStarting || record.presence == Presence::kPresent) {
     const bool in_set_up = record.presence == Presence::kStarting;
-    Lose(ended.actuator, "crashed: its " + how + (in_set_up ? " during SetUp" : ""));
+    Lose(ended.actuator, "crashed: its " + how + (in_set_up ? " during SetUp" : ""), record.cause);
   }
   Recover(ended.actuator, ended.clean);
 }
@@ -123,7 +139,8 @@ void Decision::CheckSetUpDeadlines() {
       continue;  // what is known says more
     Degrade(i, kCodeTimeout,
             "was not set up within " + std::to_string(ToMilliseconds(config_.TimeFor(i, kSetUp))) +
-                " ms");
+                " ms",
+            record.cause);
   }
 }
 
@@ -155,7 +172,7 @@ bool Decision::AdvanceStart() {
   }
   const bool more = machine_.phase == Phase::kRunning && machine_.stage < LastStage(config_);
   if (!more || machine_.current || !StageSettled(machine_.stage)) return false;
-  StartStage(machine_.stage + 1);
+  StartStage(machine_.stage + 1, kBegun);
   return true;
 }
 
@@ -175,19 +192,21 @@ void Decision::EndFirstStage() {
   for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
     Do(action::AnswerCall{request, answer});
   }
-  RecordMachine(kCodeOk, std::to_string(present) + " actuators are set up");
-  if (const auto lowest = LowestFound()) return AdoptFrom(*lowest);
+  const std::uint64_t told =
+      RecordMachine(kCodeOk, std::to_string(present) + " actuators are set up", kBegun);
+  if (const auto lowest = LowestFound()) return AdoptFrom(*lowest, told);
   if (machine_.by_hand) return;
   if (present == 0) {
-    return FailStartUp(missing.empty() ? "there is no actuator in stage 1" : missing.front());
+    return FailStartUp(missing.empty() ? "there is no actuator in stage 1" : missing.front(), told);
   }
   if (machine_.emergency_stop) {
     return FailStartUp(
         "an emergency stop is engaged; `musher estop --release`, then SelfCheck and "
-        "Active by hand");
+        "Active by hand",
+        told);
   }
-  if (!config_.HasState(kSelfCheck)) return Activate();
-  Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {});
+  if (!config_.HasState(kSelfCheck)) return Activate(told);
+  Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {}, told);
 }
 
 // The least active state of those that run already, or are on their way to: by going on from there
@@ -226,40 +245,45 @@ std::string Decision::HalfWay() const {
 
 // An earlier controller left actuators running: the machine goes on from the least active state, so
 // that nothing becomes more active by a restart; the others follow.
-void Decision::AdoptFrom(const State& lowest) {
+void Decision::AdoptFrom(const State& lowest, std::uint64_t cause) {
   machine_.state = lowest;
   if (const std::string half_way = HalfWay(); !half_way.empty()) {
-    RecordMachine(kCodeOk, "an earlier controller left a switch half way (" + half_way +
-                               "); it is ended in " + lowest);
+    cause = RecordMachine(
+        kCodeOk,
+        "an earlier controller left a switch half way (" + half_way + "); it is ended in " + lowest,
+        cause);
   }
-  BecomeRunning("the machine is adopted in " + lowest);
+  BecomeRunning("the machine is adopted in " + lowest, cause);
 }
 
-void Decision::AfterStartUpCheck() {
+void Decision::AfterStartUpCheck(std::uint64_t checked) {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     if (ConfigOf(i).stage > machine_.stage || !Critical(i) || !Of(i).fault) continue;
     return FailStartUp("critical " + ConfigOf(i).name + ": " + CodeText(Of(i).fault->code) + ", " +
-                       Of(i).fault->message);
+                           Of(i).fault->message,
+                       Of(i).cause);
   }
-  Activate();
+  Activate(checked);
 }
 
-void Decision::Activate() {
-  if (!config_.HasState(kActive)) return BecomeRunning("the machine is checked; it has no Active");
+void Decision::Activate(std::uint64_t cause) {
+  if (!config_.HasState(kActive)) {
+    return BecomeRunning("the machine is checked; it has no Active", cause);
+  }
   const Plan plan = MakePlan(config_, machine_, State(kActive));
-  if (plan.refusal) return FailStartUp(plan.refusal->message);
-  Begin(plan, Purpose::kStartUpActivate, {});
+  if (plan.refusal) return FailStartUp(plan.refusal->message, cause);
+  Begin(plan, Purpose::kStartUpActivate, {}, cause);
 }
 
-void Decision::FailStartUp(const std::string& why) {
+void Decision::FailStartUp(const std::string& why, std::uint64_t cause) {
   machine_.phase = Phase::kFailed;
   const std::string message =
       "start-up failed, the machine stays in " + machine_.state + ": " + why;
-  RecordMachine(kCodeFailed, message);
+  RecordMachine(kCodeFailed, message, cause);
   Do(action::StartUpEnded{false, message});
 }
 
-void Decision::BecomeRunning(const std::string& message) {
+void Decision::BecomeRunning(const std::string& message, std::uint64_t cause) {
   machine_.phase = Phase::kRunning;
   for (ActuatorRecord& record : machine_.actuators) {
     if (record.presence == Presence::kPresent && record.checked && !record.held &&
@@ -267,7 +291,7 @@ void Decision::BecomeRunning(const std::string& message) {
       record.due = true;
     }
   }
-  RecordMachine(kCodeOk, message);
+  RecordMachine(kCodeOk, message, cause);
   Do(action::StartUpEnded{true, message});
 }
 

@@ -13,8 +13,8 @@ constexpr Duration kExitGrace = Milliseconds(1000);
 
 }  // namespace
 
-void Decision::Stop(const Plan& plan, std::vector<RequestId> requests) {
-  if (machine_.current) Supersede(machine_.number + 1, plan.target);
+void Decision::Stop(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause) {
+  if (machine_.current) Supersede(machine_.number + 1, plan.target, cause);
   for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
     Do(action::AnswerCall{request, Error{kCodeStateInvalid, "the machine is being torn down"}});
   }
@@ -38,7 +38,7 @@ void Decision::Stop(const Plan& plan, std::vector<RequestId> requests) {
     record.set_up_by.reset();
     if (record.process != 0) Do(action::SignalProcess{i, record.process, false});
   }
-  Begin(plan, Purpose::kStop, {});
+  Begin(plan, Purpose::kStop, {}, cause);
 }
 
 void Decision::AfterTearDown(SwitchResult result) {

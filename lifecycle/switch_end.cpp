@@ -32,14 +32,18 @@ void Decision::Apply(const Switch& s, bool undone) {
       continue;
     }
     if (check) record.checked = false;
-    if (!undone || (leg.ran && !s.rolling_back)) Degrade(leg.actuator, leg.code, leg.message);
+    if (undone && (!leg.ran || s.rolling_back)) continue;
+    const bool said = leg.outcome != ActuatorOutcome::kSkipped;
+    Degrade(leg.actuator, leg.code, leg.message, said ? record.cause : s.cause);
   }
   if (undone || check || s.only) return;
   LeaveNobodyBehind(s);
   for (const ActuatorResult& other : s.others) {
     const std::size_t i = *config_.IndexOf(other.name);
     Of(i).held = false;
-    if (other.outcome == ActuatorOutcome::kUnsupported) Degrade(i, other.code, other.message);
+    if (other.outcome == ActuatorOutcome::kUnsupported) {
+      Degrade(i, other.code, other.message, s.cause);
+    }
   }
 }
 
@@ -60,7 +64,8 @@ void Decision::SettleBack(const Switch& s) {
     if (leg.outcome == ActuatorOutcome::kDone) continue;
     Degrade(leg.actuator, leg.code,
             "could not be brought back to " + (leg.target.empty() ? "rest" : leg.target) + ": " +
-                leg.message);
+                leg.message,
+            Of(leg.actuator).cause);
     Fall(leg.actuator);
   }
 }
@@ -95,14 +100,8 @@ std::vector<ActuatorResult> Decision::Results(const Switch& s) const {
   return results;
 }
 
-SwitchResult Decision::Conclude(const Switch& s, bool undone) const {
-  SwitchResult result;
-  result.number = s.number;
-  result.target = s.target;
-  if (s.only) result.actuator = ConfigOf(*s.only).name;
-  result.state = s.only ? Of(*s.only).state() : machine_.state;
-  result.degraded = Degraded(config_, machine_);
-  result.actuators = Results(s);
+// The leg whose end counts for the switch; null when none has failed.
+const Leg* Decision::WorstLeg(const Switch& s) const {
   const Leg* worst = nullptr;
   for (const Leg& leg : s.legs) {
     if (!leg.failed()) continue;
@@ -111,7 +110,18 @@ SwitchResult Decision::Conclude(const Switch& s, bool undone) const {
       worst = &leg;
     }
   }
-  if (worst != nullptr) {
+  return worst;
+}
+
+SwitchResult Decision::Conclude(const Switch& s, bool undone) const {
+  SwitchResult result;
+  result.number = s.number;
+  result.target = s.target;
+  if (s.only) result.actuator = ConfigOf(*s.only).name;
+  result.state = s.only ? Of(*s.only).state() : machine_.state;
+  result.degraded = Degraded(config_, machine_);
+  result.actuators = Results(s);
+  if (const Leg* worst = WorstLeg(s)) {
     result.code = worst->code;
     result.reason = ConfigOf(worst->actuator).name + ": " +
                     std::string(OutcomeName(worst->outcome)) + " with " + CodeText(worst->code) +
@@ -142,20 +152,23 @@ void Decision::EndSwitch() {
   Apply(s, undone);
   if (undone) SettleBack(s);
   const SwitchResult result = Conclude(s, undone);
-  RecordSwitch(s, result.code,
-               "switch " + std::to_string(s.number) + " is " +
-                   std::string(OutcomeName(result.outcome)) +
-                   (result.reason.empty() ? "" : ": " + result.reason));
+  const Leg* worst = undone ? WorstLeg(s) : nullptr;
+  const std::uint64_t told = RecordSwitch(s, result.code,
+                                          "switch " + std::to_string(s.number) + " is " +
+                                              std::string(OutcomeName(result.outcome)) +
+                                              (result.reason.empty() ? "" : ": " + result.reason),
+                                          worst ? Of(worst->actuator).cause : s.cause);
   if (s.purpose == Purpose::kStop) return AfterTearDown(result);
   Answer(s.requests, result);
-  if (s.purpose == Purpose::kStartUpCheck) return AfterStartUpCheck();
+  if (s.purpose == Purpose::kStartUpCheck) return AfterStartUpCheck(told);
   if (s.purpose == Purpose::kStartUpActivate && undone) {
-    return FailStartUp(result.reason);
+    return FailStartUp(result.reason, told);
   }
   if (s.only || undone || !config_.RankOf(machine_.state)) return;
   if (machine_.phase == Phase::kStarting || machine_.phase == Phase::kFailed) {
     BecomeRunning("the machine is " + machine_.state +
-                  (result.degraded.empty() ? "" : ", degraded: " + result.reason));
+                      (result.degraded.empty() ? "" : ", degraded: " + result.reason),
+                  told);
   }
 }
 

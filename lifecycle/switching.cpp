@@ -52,25 +52,37 @@ void Decision::On(const event::SetStateRequested& requested) {
       return Answer({requested.request}, Refusal(requested, machine_.state, unknown));
     }
   }
-  if (JoinOrRefuse(requested, only)) return;
+  const std::uint64_t asked = Record(
+      {"switch", only, 0, kCodeOk,
+       "a switch " + Describe(config_, requested.target.substr(0, 64), only) + " is asked for"});
+  if (JoinOrRefuse(requested, only, asked)) return;
   const Plan plan = MakePlan(config_, machine_, requested.target, only);
-  if (plan.refusal) {
-    SwitchResult result = Refusal(requested, plan.from, *plan.refusal);
-    result.degraded = Degraded(config_, machine_);
-    Do(action::Record{"switch", only, 0, plan.refusal->code,
-                      "a switch " + Describe(config_, requested.target.substr(0, 64), only) +
-                          " is refused: " + plan.refusal->message});
-    return Answer({requested.request}, result);
-  }
-  if (requested.target == kTearDown && !only) return Stop(plan, {requested.request});
-  if (machine_.current) Supersede(machine_.number + 1, requested.target);
-  Begin(plan, Purpose::kRequested, {requested.request});
+  if (plan.refusal) return Refuse(requested, only, plan.from, *plan.refusal, asked);
+  if (requested.target == kTearDown && !only) return Stop(plan, {requested.request}, asked);
+  if (machine_.current) Supersede(machine_.number + 1, requested.target, asked);
+  Begin(plan, Purpose::kRequested, {requested.request}, asked);
+}
+
+void Decision::Refuse(const event::SetStateRequested& requested, std::optional<std::size_t> only,
+                      const State& state, const Error& why, std::uint64_t asked) {
+  SwitchResult result = Refusal(requested, state, why);
+  result.degraded = Degraded(config_, machine_);
+  Record({"switch",
+          only,
+          0,
+          why.code,
+          "a switch " + Describe(config_, requested.target.substr(0, 64), only) +
+              " is refused: " + why.message,
+          0,
+          asked,
+          {}});
+  Answer({requested.request}, result);
 }
 
 // One switch at a time: the same again joins the one under way, a more urgent one may go on to take
 // over, anything else is refused. Says whether the request is dealt with.
 bool Decision::JoinOrRefuse(const event::SetStateRequested& requested,
-                            std::optional<std::size_t> only) {
+                            std::optional<std::size_t> only, std::uint64_t asked) {
   if (!machine_.current) {
     if (machine_.phase != Phase::kStopping || requested.target != kTearDown) return false;
     machine_.stopping->requests.push_back(requested.request);
@@ -85,20 +97,20 @@ bool Decision::JoinOrRefuse(const event::SetStateRequested& requested,
   if (Urgency(requested.target) > Urgency(s.target)) return false;
   const Error busy{kCodeTargetBusy, "switch " + std::to_string(s.number) + " (" +
                                         Describe(config_, s.target, s.only) + ") is under way"};
-  Answer({requested.request}, Refusal(requested, machine_.state, busy));
+  Refuse(requested, only, machine_.state, busy, asked);
   return true;
 }
 
 // Ends the switch under way without rollback. Callbacks that run finish; the newest command waits
 // behind them at the actuator.
-void Decision::Supersede(std::uint64_t by, const State& target) {
+void Decision::Supersede(std::uint64_t by, const State& target, std::uint64_t cause) {
   const Switch& s = *machine_.current;
   SwitchResult result = Conclude(s, false);
   result.outcome = SwitchOutcome::kSuperseded;
   result.code = kCodeTargetBusy;
   result.reason = "switch " + std::to_string(by) + " (to " + target + ") took over";
   RecordSwitch(s, result.code,
-               "switch " + std::to_string(s.number) + " is superseded: " + result.reason);
+               "switch " + std::to_string(s.number) + " is superseded: " + result.reason, cause);
   for (const Leg& leg : s.rolling_back ? s.back : s.legs) {
     if (leg.progress == Leg::Progress::kUnderWay) Of(leg.actuator).order.reset();
   }
@@ -139,7 +151,8 @@ void Decision::AddLeg(Switch& s, const PlanStep& step) {
   s.others.push_back(other);
 }
 
-std::uint64_t Decision::Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests) {
+std::uint64_t Decision::Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
+                              std::uint64_t cause) {
   Switch s;
   s.number = machine_.last_switch = ++machine_.number;
   s.from = plan.from;
@@ -148,11 +161,13 @@ std::uint64_t Decision::Begin(const Plan& plan, Purpose purpose, std::vector<Req
   s.direction = plan.direction;
   s.purpose = purpose;
   s.requests = std::move(requests);
+  s.cause = cause;
   for (const PlanStep& step : plan.steps) AddLeg(s, step);
   RecordSwitch(s, kCodeOk,
                "switch " + std::to_string(s.number) +
                    " begins: " + Describe(config_, s.target, s.only) + " from " + s.from + ", " +
-                   std::to_string(s.legs.size()) + " to be driven");
+                   std::to_string(s.legs.size()) + " to be driven",
+               cause);
   machine_.current = std::move(s);
   return machine_.current->number;
 }
@@ -282,7 +297,8 @@ void Decision::BeginRollback(Switch& s) {
   RecordSwitch(s, kCodeOk,
                "switch " + std::to_string(s.number) + " is rolled back by command " +
                    std::to_string(s.back_number) + ", " + std::to_string(s.back.size()) +
-                   " to be brought back");
+                   " to be brought back",
+               Of(WorstLeg(s)->actuator).cause);
 }
 
 void Decision::Answer(const std::vector<RequestId>& requests, const SwitchResult& result) {

@@ -24,7 +24,9 @@ A first tour:
   musher set Active audio          switch one actuator
   musher restart audio             end its process and start it again
   musher estop "smoke"             stop everything that moves, now; --release ends that
-  musher history --since 10m       what happened, and why
+  musher history --since 10m       what happened
+  musher history --why             why the machine is in its state
+  musher replay journal.sqlite     the same decisions once more, without a robot
   musher down                      take the machine down
 
 Exit codes: 0 done; 1 refused, undone or done without some (reason on stderr); 2 wrong usage or
@@ -208,6 +210,24 @@ class Grammar {
     command
         ->add_option("--journal", history->journal, "Read this file instead of asking a controller")
         ->type_name("FILE");
+    command
+        ->add_option("--why", history->why,
+                     "Why the machine is in its state, or went\n"
+                     "to STATE last: the chain of causes")
+        ->expected(0, 1)
+        ->type_name("[STATE]");
+
+    auto replay = std::make_shared<ReplayOptions>();
+    command = AddCommand("replay", "Decide once more what a journal recorded; compare", replay);
+    command->add_option("JOURNAL", replay->journal, "A controller's journal.sqlite")
+        ->required()
+        ->type_name("");
+    command->add_option("--config", replay->config, "Show what this state config would change")
+        ->type_name("FILE");
+    command->add_option("--since", replay->since, "90s, 10m, 2h, 1d ago, or a date and time")
+        ->type_name("TIME");
+    command->add_option("--epoch", replay->epoch, "Only what the controller of this epoch decided")
+        ->type_name("N");
   }
 
   std::string Complaint(const CLI::ParseError& e) const {

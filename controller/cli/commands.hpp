@@ -17,6 +17,7 @@ ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Con
 ExitCode Estop(const EstopOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& console);
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console);
+ExitCode Replay(const ReplayOptions& options, Console& console);
 ExitCode Graph(const GraphOptions& options, Console& console);
 ExitCode Completion(const CompletionOptions& options, Console& console);
 

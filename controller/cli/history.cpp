@@ -1,32 +1,33 @@
-// musher history: what happened, told by the controller, or read from the journal of one that has
-// gone.
+// musher history: what happened and why, told by the controller, or read from the journal of one
+// that has gone.
 
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/wall_time.hpp"
-#include "musher/controller/journal.hpp"
+#include "musher/controller/cli/why.hpp"
+#include "musher/controller/journal_reader.hpp"
+#include "musher/controller/wire.hpp"
 
 namespace musher::cli {
 namespace {
 
-using Entries = std::vector<msg::HistoryEntry>;
+using Told = msg::GetHistory::Response;
 
-std::variant<Entries, Failure> FromFile(const std::string& path, std::int64_t since,
-                                        unsigned limit) {
+std::variant<Told, Failure> FromFile(const std::string& path, std::int64_t since, unsigned limit) {
   const auto read = ReadJournal(path, since, limit);
   if (!read) return Failure{ExitCode::kUsage, read.error()};
-  Entries entries;
-  for (const JournalEntry& e : read.value()) {
-    entries.push_back({static_cast<std::int64_t>(entries.size()) + 1, e.wall_ns, e.epoch,
-                       e.switch_number, e.kind, e.actuator, e.code, e.message});
+  msg::GetHistory::Response history;
+  history.error = read.value().damage;
+  for (const JournalEntry& entry : read.value().entries) {
+    history.entries.push_back(ToMessage(entry));
   }
-  return entries;
+  return history;
 }
 
-std::variant<Entries, Failure> FromController(const GlobalOptions& global, std::int64_t since,
-                                              unsigned limit) {
+std::variant<Told, Failure> FromController(const GlobalOptions& global, std::int64_t since,
+                                           unsigned limit) {
   const auto link = Link::Open(global);
   if (!link) return Failure{ExitCode::kUsage, link.error()};
   const auto answer =
@@ -40,10 +41,19 @@ std::variant<Entries, Failure> FromController(const GlobalOptions& global, std::
     return with_hint;
   }
   const auto& response = std::get<msg::GetHistory::Response>(answer);
-  if (!response.error.empty()) {
+  if (!response.error.empty() && response.entries.empty()) {
     return Failure{ExitCode::kNotDone, {kCodeFailed, response.error}};
   }
-  return response.entries;
+  return response;
+}
+
+ExitCode Explain(const std::vector<msg::HistoryEntry>& entries, const State& state,
+                 Console& console) {
+  const auto why = FindWhy(entries, state);
+  if (!why) return console.Fail({ExitCode::kNotDone, why.error()});
+  console.Print(console.mode().json ? WhyJson(why.value())
+                                    : WhyText(why.value(), console.mode().colour));
+  return ExitCode::kDone;
 }
 
 }  // namespace
@@ -55,11 +65,14 @@ ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Con
     if (!parsed) return console.Fail({ExitCode::kUsage, parsed.error()});
     since = parsed.value();
   }
-  const auto entries = options.journal.empty() ? FromController(global, since, options.limit)
-                                               : FromFile(options.journal, since, options.limit);
-  if (const auto* failure = std::get_if<Failure>(&entries)) return console.Fail(*failure);
-  const auto& list = std::get<Entries>(entries);
-  console.Print(console.mode().json ? HistoryJson(list) : HistoryText(list, console.mode().colour));
+  const auto told = options.journal.empty() ? FromController(global, since, options.limit)
+                                            : FromFile(options.journal, since, options.limit);
+  if (const auto* failure = std::get_if<Failure>(&told)) return console.Fail(*failure);
+  const auto& history = std::get<Told>(told);
+  if (!history.error.empty()) console.Complain(history.error);
+  if (options.why) return Explain(history.entries, *options.why, console);
+  console.Print(console.mode().json ? HistoryJson(history)
+                                    : HistoryText(history.entries, console.mode().colour));
   return ExitCode::kDone;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // What a person can ask of `musher`, as values. command_line.hpp makes them from argv.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
@@ -53,6 +54,13 @@ struct HistoryOptions {
   std::string since;    // empty: all
   std::string journal;  // empty: ask the controller
   unsigned limit = 1000;
+  std::optional<std::string> why;  // explain this state instead; empty: the present one
+};
+struct ReplayOptions {
+  std::string journal;
+  std::string config;  // empty: the one that was recorded
+  std::string since;   // empty: all
+  std::optional<std::uint64_t> epoch;
 };
 struct GraphOptions {
   std::string file;
@@ -66,7 +74,8 @@ struct CompletionOptions {
 
 using CommandOptions =
     std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions, RestartOptions,
-                 EstopOptions, PlanOptions, HistoryOptions, GraphOptions, CompletionOptions>;
+                 EstopOptions, PlanOptions, HistoryOptions, ReplayOptions, GraphOptions,
+                 CompletionOptions>;
 
 struct CommandLine {
   GlobalOptions global;

@@ -29,6 +29,7 @@ struct Dispatch {
   ExitCode operator()(const EstopOptions& o) const { return Estop(o, global, console); }
   ExitCode operator()(const PlanOptions& o) const { return Plan(o, global, console); }
   ExitCode operator()(const HistoryOptions& o) const { return History(o, global, console); }
+  ExitCode operator()(const ReplayOptions& o) const { return Replay(o, console); }
   ExitCode operator()(const GraphOptions& o) const { return Graph(o, console); }
   ExitCode operator()(const CompletionOptions& o) const { return Completion(o, console); }
 };

@@ -162,7 +162,7 @@ struct GetPlan {
 // musher_msgs/msg/HistoryEntry: a line of the journal.
 struct HistoryEntry {
   static constexpr std::string_view kTypeName = "musher_msgs::msg::dds_::HistoryEntry_";
-  std::int64_t id = 0;
+  std::uint64_t id = 0;
   std::int64_t wall_ns = 0;
   std::uint64_t epoch = 0;
   std::uint64_t switch_number = 0;
@@ -170,11 +170,13 @@ struct HistoryEntry {
   std::string actuator;
   std::int32_t code = 0;
   std::string message;
+  std::uint64_t cause = 0;
+  std::string state{};
 
   template <class Self>
   static auto Fields(Self& m) {
     return std::tie(m.id, m.wall_ns, m.epoch, m.switch_number, m.kind, m.actuator, m.code,
-                    m.message);
+                    m.message, m.cause, m.state);
   }
   friend bool operator==(const HistoryEntry&, const HistoryEntry&) = default;
 };

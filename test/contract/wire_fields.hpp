@@ -220,6 +220,8 @@ MUSHER_SAME(musher_msgs_msg_dds__HistoryEntry_, HistoryEntry) {
   SAME(actuator);
   SAME(code);
   SAME(message);
+  SAME(cause);
+  SAME(state);
 }
 
 MUSHER_SAME(musher_msgs_srv_dds__ActuatorCommand_Request_, ActuatorCommand::Request) {

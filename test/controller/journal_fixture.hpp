@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "musher/controller/journal.hpp"
+#include "musher/controller/journal_reader.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 
 namespace musher {
@@ -45,10 +45,13 @@ class JournalTest : public testing::Test {
   }
 
   std::vector<JournalEntry> Read(std::int64_t since_wall_ns = 0, std::size_t limit = kAll) const {
-    auto entries = ReadJournal(path_, since_wall_ns, limit);
-    if (entries) return std::move(entries).value();
-    ADD_FAILURE() << entries.error().message;
-    return {};
+    auto reading = ReadJournal(path_, since_wall_ns, limit);
+    if (!reading) {
+      ADD_FAILURE() << reading.error().message;
+      return {};
+    }
+    EXPECT_EQ(reading.value().damage, "");
+    return std::move(reading).value().entries;
   }
 
   static std::vector<std::int64_t> Times(const std::vector<JournalEntry>& entries) {

@@ -26,7 +26,10 @@ TEST_F(JournalTest, GivesBackEveryFieldOfAnEntry) {
                            "motion",
                            3009,
                            "a \"sentence\" — 'quoted'",
-                           R"({"target":"Active"})"};
+                           R"({"target":"Active"})",
+                           (std::uint64_t{1} << 63) + 6,
+                           8,
+                           "Active"};
   Journal journal(path_, Options());
   journal.Append(entry);
   ASSERT_TRUE(journal.Flush(kFlushTimeout));

@@ -109,7 +109,8 @@ TEST_F(JournalTrouble, IsRetriedByItself) {
   ClearThePath();
   const auto deadline = std::chrono::steady_clock::now() + kFlushTimeout;
   auto entries = ReadJournal(path_, 0, kAll);
-  while ((!entries || entries.value().empty()) && std::chrono::steady_clock::now() < deadline) {
+  while ((!entries || entries.value().entries.empty()) &&
+         std::chrono::steady_clock::now() < deadline) {
     entries = ReadJournal(path_, 0, kAll);
   }
   EXPECT_THAT(Times(Read()), ElementsAre(1));
@@ -198,7 +199,7 @@ TEST_F(JournalTrouble, OfANewerLayoutMovesTheFileAside) {
             SQLITE_OK);
   sqlite3_close(database);
   { Journal(path_, Options()).Append(Entry(2)); }
-  EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("its version is 99, not 1")));
+  EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("its version is 99, not 2")));
   EXPECT_THAT(Times(Read()), ElementsAre(2));
 }
 

@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/simulation/replay_check.hpp"
 #include "musher/test/simulation/sim_robot.hpp"
 
 namespace musher::testing {
@@ -34,6 +35,8 @@ class Story {
     EndFaults();
     Judge();
   }
+
+  const SimRobot& robot() const { return robot_; }
 
   void Tell() const {
     for (const std::string& line : robot_.journal()) std::cout << line << "\n";
@@ -145,6 +148,7 @@ TEST(SeededFaults, LeaveTheMachineInOneStateOnceTheyHaveCeased) {
   for (std::uint64_t seed = only != 0 ? only : 1; seed <= last; ++seed) {
     Story story(seed);
     story.Run();
+    if (only != 0 || seed % 10 == 0) ExpectReplaysTheSame(story.robot());
     if (only != 0 || HasFailure()) story.Tell();
     ASSERT_FALSE(HasFailure()) << "again with: MUSHER_SEED=" << seed << " simulation_test";
   }

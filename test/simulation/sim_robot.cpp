@@ -171,8 +171,18 @@ void SimRobot::TakeBacktrace(pid_t, Duration, std::function<void(Result<std::str
   controller_->node->loop().Post([done = std::move(done)] { done(std::string("main()")); });
 }
 
-void SimRobot::Append(JournalEntry entry) noexcept {
-  journal_.push_back(std::move(entry.message));
+void SimRobot::Append(JournalItem item) noexcept {
+  recording_.push_back({static_cast<std::int64_t>(recording_.size()) + 1, std::move(item)});
+}
+
+std::vector<std::string> SimRobot::journal() const {
+  std::vector<std::string> messages;
+  for (const JournalRow& row : recording_) {
+    if (const auto* entry = std::get_if<JournalEntry>(&row.item)) {
+      messages.push_back(entry->message);
+    }
+  }
+  return messages;
 }
 
 bool SimRobot::RunUntil(const std::function<bool()>& done, Duration limit) {

@@ -13,6 +13,7 @@
 
 #include "musher/actuator/actuator_shell.hpp"
 #include "musher/controller/controller_shell.hpp"
+#include "musher/controller/journal_reader.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::testing {
@@ -58,7 +59,8 @@ class SimRobot : private ProcessRunner, private ProcessWitness, private JournalS
   const MachineConfig& config() const { return config_; }
   // What the actuator itself says; nothing when its process does not live.
   std::optional<ActuatorReport> ReportOf(const std::string& name) const;
-  const std::vector<std::string>& journal() const { return journal_; }
+  std::vector<std::string> journal() const;  // the messages of its entries
+  const std::vector<JournalRow>& recording() const { return recording_; }
 
  private:
   class SimWorker;
@@ -82,7 +84,8 @@ class SimRobot : private ProcessRunner, private ProcessWitness, private JournalS
   Examination Examine(pid_t pid, Time now) override;
   void TakeBacktrace(pid_t pid, Duration timeout,
                      std::function<void(Result<std::string>)> done) override;
-  void Append(JournalEntry entry) noexcept override;
+  void Append(JournalItem item) noexcept override;
+  bool WantsSnapshot() noexcept override { return ++inputs_ % 41 == 0; }
 
   std::int32_t Launch(const std::string& name);
   void End(const std::string& name, const ProcessExit& exit);
@@ -100,7 +103,8 @@ class SimRobot : private ProcessRunner, private ProcessWitness, private JournalS
   std::int32_t next_pid_ = 1000;
   std::uint64_t epoch_on_disk_ = 0;
   std::optional<EmergencyStop> emergency_stop_on_disk_;
-  std::vector<std::string> journal_;
+  std::vector<JournalRow> recording_;
+  std::size_t inputs_ = 0;
 };
 
 }  // namespace musher::testing

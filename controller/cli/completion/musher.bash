@@ -2,7 +2,7 @@
 
 _musher() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
-  local commands="check up down status set restart estop plan history graph completion"
+  local commands="check up down status set restart estop plan history replay graph completion"
   local options="--help --json --namespace --domain --transport --timeout --color"
   local states="SelfCheck Active DeActive Protected LowPower OTA Error TearDown"
   COMPREPLY=()
@@ -12,8 +12,9 @@ _musher() {
     --color) COMPREPLY=($(compgen -W "auto always never" -- "$cur")); return ;;
     --format) COMPREPLY=($(compgen -W "dot mermaid svg" -- "$cur")); return ;;
     --what) COMPREPLY=($(compgen -W "flow actuators" -- "$cur")); return ;;
-    --output | -o | --journal) COMPREPLY=($(compgen -f -- "$cur")); return ;;
-    --namespace | --domain | --timeout | --since | --limit) return ;;
+    --why) COMPREPLY=($(compgen -W "$states" -- "$cur")); return ;;
+    --output | -o | --journal | --config) COMPREPLY=($(compgen -f -- "$cur")); return ;;
+    --namespace | --domain | --timeout | --since | --limit | --epoch) return ;;
   esac
 
   local command="" word
@@ -29,7 +30,8 @@ _musher() {
     up) options+=" --detach --takeover" ;;
     status) options+=" --watch" ;;
     estop) options+=" --release" ;;
-    history) options+=" --since --limit --journal" ;;
+    history) options+=" --since --limit --journal --why" ;;
+    replay) options+=" --config --since --epoch" ;;
     graph) options+=" --what --format --output" ;;
   esac
   if [[ $cur == -* ]]; then
@@ -40,6 +42,7 @@ _musher() {
   case $command in
     "") COMPREPLY=($(compgen -W "$commands" -- "$cur")) ;;
     check | up | graph) COMPREPLY=($(compgen -f -X '!*.toml' -- "$cur") $(compgen -d -S / -- "$cur")) ;;
+    replay) COMPREPLY=($(compgen -f -- "$cur")) ;;
     set | plan) COMPREPLY=($(compgen -W "$states" -- "$cur")) ;;
     completion) COMPREPLY=($(compgen -W "bash zsh" -- "$cur")) ;;
   esac

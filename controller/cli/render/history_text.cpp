@@ -27,6 +27,22 @@ std::string HistoryText(const std::vector<msg::HistoryEntry>& entries, bool colo
   return text;
 }
 
+std::string WhyText(const Why& why, bool colour) {
+  const msg::HistoryEntry& went = why.chain.front();
+  const std::string number =
+      went.switch_number == 0 ? "" : fmt::format(" (switch {})", went.switch_number);
+  std::string text = Paint(LocalText(went.wall_ns), Style::kDim, colour) +
+                     "  the machine went to " + Paint(why.state, StyleOfState(why.state), colour) +
+                     number + '\n';
+  for (std::size_t i = 1; i < why.chain.size(); ++i) {
+    const msg::HistoryEntry& e = why.chain[i];
+    text += Paint(LocalText(e.wall_ns), Style::kDim, colour) + "    because " +
+            Sentence(e.message, e.code, colour) + '\n';
+  }
+  if (why.complete) return text;
+  return text + std::string(23, ' ') + "    because of something before what is told here\n";
+}
+
 std::string ProgressText(const Progress& progress, bool colour) {
   return Paint(LocalTime(progress.wall_ns), Style::kDim, colour) + "  " +
          Sentence(progress.message, progress.code, colour) + '\n';

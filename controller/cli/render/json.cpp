@@ -38,6 +38,28 @@ Json Of(const msg::ActuatorInfo& a) {
           {"restarts", a.restarts}, {"restarting", a.restarting}};
 }
 
+// An entry of the journal or of the wire.
+template <class Entry>
+Json OfEntry(const Entry& e) {
+  return {{"time", UtcText(e.wall_ns)}, {"epoch", e.epoch},
+          {"switch", e.switch_number},  {"kind", e.kind},
+          {"actuator", e.actuator},     {"code", e.code},
+          {"message", e.message},       {"id", e.id},
+          {"cause", e.cause},           {"new_state", e.state}};
+}
+
+const char* MarkName(recording::ReplayLine::Mark mark) {
+  switch (mark) {
+    case recording::ReplayLine::Mark::kRecorded:
+      return "-";
+    case recording::ReplayLine::Mark::kNew:
+      return "+";
+    case recording::ReplayLine::Mark::kSame:
+      break;
+  }
+  return "=";
+}
+
 }  // namespace
 
 std::string StatusJson(const msg::MachineStatus& status) {
@@ -134,18 +156,36 @@ std::string PlanJson(const msg::GetPlan::Response& plan) {
                {"steps", steps}});
 }
 
-std::string HistoryJson(const std::vector<msg::HistoryEntry>& entries) {
+std::string HistoryJson(const msg::GetHistory::Response& history) {
   Json list = Json::array();
-  for (const msg::HistoryEntry& e : entries) {
-    list.push_back({{"time", UtcText(e.wall_ns)},
-                    {"epoch", e.epoch},
-                    {"switch", e.switch_number},
-                    {"kind", e.kind},
-                    {"actuator", e.actuator},
-                    {"code", e.code},
-                    {"message", e.message}});
+  for (const msg::HistoryEntry& e : history.entries) list.push_back(OfEntry(e));
+  return Text({{"entries", list}, {"damage", history.error}});
+}
+
+std::string WhyJson(const Why& why) {
+  Json chain = Json::array();
+  for (const msg::HistoryEntry& e : why.chain) chain.push_back(OfEntry(e));
+  return Text({{"state", why.state}, {"chain", chain}, {"complete", why.complete}});
+}
+
+std::string ReplayJson(const recording::ReplayReport& report, const std::string& damage) {
+  Json lines = Json::array();
+  for (const recording::ReplayLine& line : report.lines) {
+    Json json = {{"mark", MarkName(line.mark)}};
+    json.update(OfEntry(line.entry));
+    if (!line.input.empty()) json["input"] = Json::parse(line.input);
+    lines.push_back(json);
   }
-  return Text({{"entries", list}});
+  return Text({{"equal", report.equal()},
+               {"inputs", report.inputs},
+               {"decisions", report.decisions},
+               {"differences", report.differences},
+               {"not_replayed", report.not_replayed},
+               {"recorded_state", report.recorded_state},
+               {"replayed_state", report.replayed_state},
+               {"lines", lines},
+               {"notes", report.notes},
+               {"damage", damage}});
 }
 
 std::string CheckJson(const std::vector<Diagnostic>& diagnostics) {

@@ -8,6 +8,8 @@
 #include "musher/controller/cli/exit_code.hpp"
 #include "musher/controller/cli/latching.hpp"
 #include "musher/controller/cli/progress.hpp"
+#include "musher/controller/cli/why.hpp"
+#include "musher/controller/recording/replay.hpp"
 #include "musher/lifecycle/diagnostic.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 
@@ -19,7 +21,9 @@ std::string EstopJson(const EstopReport& report);
 std::string ReleaseJson(const msg::MachineStatus& machine);
 std::string RestartJson(const msg::ActuatorInfo& actuator);
 std::string PlanJson(const msg::GetPlan::Response& plan);
-std::string HistoryJson(const std::vector<msg::HistoryEntry>& entries);
+std::string HistoryJson(const msg::GetHistory::Response& history);
+std::string WhyJson(const Why& why);
+std::string ReplayJson(const recording::ReplayReport& report, const std::string& damage);
 std::string CheckJson(const std::vector<Diagnostic>& diagnostics);
 // What a command says that cannot go on with a config.
 std::string BadConfigJson(const std::string& file, const std::vector<Diagnostic>& diagnostics);

@@ -7,6 +7,8 @@
 #include "musher/controller/cli/console.hpp"
 #include "musher/controller/cli/latching.hpp"
 #include "musher/controller/cli/progress.hpp"
+#include "musher/controller/cli/why.hpp"
+#include "musher/controller/recording/replay.hpp"
 #include "musher/lifecycle/config.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 
@@ -31,7 +33,11 @@ std::string ReleaseText(const msg::MachineStatus& machine, bool colour);
 std::string RestartText(const msg::ActuatorInfo& actuator, bool colour);
 
 std::string PlanText(const msg::GetPlan::Response& plan, bool colour);
+// "the machine went to ...", then a line "because ..." for each cause.
+std::string WhyText(const Why& why, bool colour);
 std::string HistoryText(const std::vector<msg::HistoryEntry>& entries, bool colour);
+// A timeline; "-" before what is no longer decided, "+" before what is new.
+std::string ReplayText(const recording::ReplayReport& report, bool colour);
 std::string ProgressText(const Progress& progress, bool colour);
 
 // "7 actuators, 9 states, 2 stages"

@@ -62,15 +62,19 @@ TEST(Program, ReadsTheJournalOfAControllerThatHasGone) {
   const std::string file = folder / "journal.sqlite";
   {
     Journal journal(file, {});
-    journal.Append({1'000'000'000, 1, 3, 12, "switch", "legs", 107, "too late", ""});
-    journal.Append({5'000'000'000, 2, 3, 13, "switch", "", 0, "done", ""});
+    journal.Append(
+        JournalEntry{1'000'000'000, 1, 3, 12, "switch", "legs", 107, "too late", "", 5, 4, ""});
+    journal.Append(
+        JournalEntry{5'000'000'000, 2, 3, 13, "switch", "", 0, "done", "", 6, 0, "Active"});
   }
   const Ran all = RunProgram({"history", "--journal", file, "--json"});
   EXPECT_EQ(all.exit, 0);
   EXPECT_EQ(all.out, R"({"entries":[{"time":"1970-01-01T00:00:01.000Z","epoch":3,"switch":12,)"
-                     R"("kind":"switch","actuator":"legs","code":107,"message":"too late"},)"
+                     R"("kind":"switch","actuator":"legs","code":107,"message":"too late","id":5,)"
+                     R"("cause":4,"new_state":""},)"
                      R"({"time":"1970-01-01T00:00:05.000Z","epoch":3,"switch":13,"kind":"switch",)"
-                     R"("actuator":"","code":0,"message":"done"}]})"
+                     R"("actuator":"","code":0,"message":"done","id":6,"cause":0,)"
+                     R"("new_state":"Active"}],"damage":""})"
                      "\n");
   const Ran since = RunProgram({"history", "--journal", file, "--since", "1970-01-01T00:00:02Z"});
   EXPECT_THAT(since.out, Not(HasSubstr("too late")));

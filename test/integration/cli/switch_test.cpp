@@ -151,5 +151,20 @@ TEST_F(Set, IsToldInTheHistory) {
   EXPECT_EQ(Json(Musher({"history", "--limit", "2", "--json"}).out)["entries"].size(), 2U);
 }
 
+TEST_F(Set, IsExplainedByItsCauseAndDecidedAgainFromTheJournal) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  ASSERT_EQ(Musher({"set", "OTA"}).exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  const std::string journal = folder_ / "state/journal.sqlite";
+  const Ended why = Musher({"history", "--journal", journal, "--why", "OTA"});
+  EXPECT_EQ(why.exit, 0) << why.err;
+  EXPECT_THAT(why.out, HasSubstr("  the machine went to OTA (switch "));
+  EXPECT_THAT(why.out, HasSubstr("    because a switch to OTA is asked for\n"));
+  const Ended replay = Musher({"replay", journal});
+  EXPECT_EQ(replay.exit, 0) << replay.out << replay.err;
+  EXPECT_EQ(replay.err, "");
+  EXPECT_THAT(replay.out, ::testing::EndsWith(": each as it was recorded\n"));
+}
+
 }  // namespace
 }  // namespace musher::testing

@@ -330,6 +330,8 @@ void Theatre::Do(const Action& action) {
     fenced = end->message;
   } else if (const auto* record = std::get_if<action::Record>(&action)) {
     records.push_back(record->message);
+    if (record->id == 1) told.clear();
+    told.push_back(*record);
   } else if (const auto* ended = std::get_if<action::StartUpEnded>(&action)) {
     start_up_ = *ended;
   } else if (std::holds_alternative<action::Stopped>(action)) {

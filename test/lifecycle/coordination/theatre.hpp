@@ -79,6 +79,7 @@ class Theatre {
   std::vector<std::string> records;
   std::optional<EmergencyStop> emergency_stop_on_disk;
   std::optional<std::string> fenced;
+  std::vector<action::Record> told;  // the same, whole, of the present controller
   std::vector<std::string> signals;  // "audio:TERM"
   Time now() const { return now_; }
   // Commands written by the test itself, as a stranger might.

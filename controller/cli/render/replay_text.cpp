@@ -1,0 +1,56 @@
+#include <fmt/format.h>
+
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/wall_time.hpp"
+#include "musher/lifecycle/code.hpp"
+
+namespace musher::cli {
+namespace {
+
+using Mark = recording::ReplayLine::Mark;
+
+std::string LineText(const recording::ReplayLine& line, bool colour) {
+  const JournalEntry& e = line.entry;
+  const char* mark = line.mark == Mark::kSame ? "  " : line.mark == Mark::kNew ? "+ " : "- ";
+  const Style style = line.mark == Mark::kSame  ? Style::kPlain
+                      : line.mark == Mark::kNew ? Style::kGood
+                                                : Style::kBad;
+  const std::string code = e.code == kCodeOk ? "" : " (" + CodeText(e.code) + ")";
+  return Paint(mark, style, colour) + Paint(LocalText(e.wall_ns), Style::kDim, colour) +
+         fmt::format("  {:<9}", e.kind) + Paint(Printable(e.message) + code, style, colour) + '\n';
+}
+
+std::string Count(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+std::string ReplayText(const recording::ReplayReport& report, bool colour) {
+  std::string text;
+  const std::string* input = nullptr;  // of the differences told last
+  const auto tell_input = [&] {
+    if (input != nullptr) text += Paint("    on " + Printable(*input), Style::kDim, colour) + '\n';
+    input = nullptr;
+  };
+  for (const recording::ReplayLine& line : report.lines) {
+    if (input != nullptr && line.input != *input) tell_input();
+    if (line.mark != Mark::kSame) input = &line.input;
+    if (line.mark == Mark::kSame && report.other_config) continue;
+    text += LineText(line, colour);
+  }
+  tell_input();
+  if (report.other_config) {
+    text += "the machine ended in " + report.recorded_state + ", with the other config in " +
+            report.replayed_state + '\n';
+  }
+  if (report.not_replayed > 0) {
+    text += Count(report.not_replayed, "input") + " before the first snapshot left out\n";
+  }
+  text += Count(report.inputs, "input") + ", " + Count(report.decisions, "decision") + ": ";
+  text +=
+      report.equal() ? "each as it was recorded\n" : Count(report.differences, "difference") + "\n";
+  return text;
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,38 @@
+// musher replay JOURNAL: the decisions that a journal recorded, made once more. Touches no robot.
+
+#include "musher/controller/recording/replay.hpp"
+
+#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/config_file.hpp"
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/wall_time.hpp"
+
+namespace musher::cli {
+
+ExitCode Replay(const ReplayOptions& options, Console& console) {
+  recording::ReplayOptions what;
+  what.epoch = options.epoch;
+  if (!options.since.empty()) {
+    const auto since = ParseSince(options.since, WallNow());
+    if (!since) return console.Fail({ExitCode::kUsage, since.error()});
+    what.since_wall_ns = since.value();
+  }
+  if (!options.config.empty()) {
+    what.config = LoadConfig(options.config, console);
+    if (!what.config) return ExitCode::kUsage;
+  }
+  const auto journal = ReadRecording(options.journal);
+  if (!journal) return console.Fail({ExitCode::kUsage, journal.error()});
+  const std::string& damage = journal.value().damage;
+  if (!damage.empty()) console.Complain(damage);
+  const auto replayed = recording::Replay(journal.value().rows, what);
+  if (!replayed) return console.Fail({ExitCode::kUsage, replayed.error()});
+  const recording::ReplayReport& report = replayed.value();
+  for (const std::string& note : report.notes) console.Complain(note);
+  console.Print(console.mode().json ? ReplayJson(report, damage)
+                                    : ReplayText(report, console.mode().colour));
+  return report.equal() ? ExitCode::kDone : ExitCode::kNotDone;
+}
+
+}  // namespace musher::cli

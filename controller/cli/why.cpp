@@ -1,0 +1,30 @@
+#include "musher/controller/cli/why.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace musher::cli {
+
+Result<Why> FindWhy(const std::vector<msg::HistoryEntry>& entries, const State& state) {
+  const auto newest = std::find_if(entries.rbegin(), entries.rend(), [&](const auto& entry) {
+    return state.empty() ? !entry.state.empty() : entry.state == state;
+  });
+  if (newest == entries.rend()) {
+    return Error{kCodeFailed, state.empty()
+                                  ? "none of these entries tells of a change of the state"
+                                  : "the machine has not gone to " + state + " in these entries"};
+  }
+  Why why{newest->state, {*newest}, true};
+  // A cause is before its effect, in the life of the same controller: numbers only fall.
+  std::uint64_t before = newest->id;
+  for (auto entry = std::next(newest); entry != entries.rend(); ++entry) {
+    if (entry->id == 0) continue;
+    if (entry->id >= before) break;
+    before = entry->id;
+    if (entry->id == why.chain.back().cause) why.chain.push_back(*entry);
+  }
+  why.complete = why.chain.back().cause == 0;
+  return why;
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,56 @@
+#pragma once
+// Events and machines as JSON and back, without loss: a recording can be replayed years later.
+//
+//   {"event":"ProcessEnded","now":81234567890,"actuator":3,"pid":4711,"how":"killed by SIGSEGV"}
+//
+// Keys are the fields' names. Times are nanoseconds of the controller's steady clock, durations
+// nanoseconds. A field that has its default value is left out, and one that is missing keeps its
+// default, so that older recordings can be read; a field that is not known is passed over.
+// Enumerations are words. A text that is not UTF-8 is written as {"hex":"..."}.
+//
+// Errors: kCodeParametersInvalid with the place, as in "report.pid: expected a whole number...".
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "musher/lifecycle/coordinator.hpp"
+
+namespace musher::recording {
+
+// What goes into Step() at a time.
+struct TimedEvent {
+  Event event;
+  Time now{};
+
+  friend bool operator==(const TimedEvent&, const TimedEvent&) = default;
+};
+
+// The config that a machine works with, as it was written.
+struct ConfigText {
+  std::string file;
+  std::string hash;  // MachineConfig::hash
+  std::string text;  // empty: a config that was never written
+
+  friend bool operator==(const ConfigText&, const ConfigText&) = default;
+};
+
+// A machine between two events.
+struct Snapshot {
+  std::string config_hash;  // of the config it works with
+  Machine machine;
+
+  friend bool operator==(const Snapshot&, const Snapshot&) = default;
+};
+using SnapshotPtr = std::shared_ptr<const Snapshot>;
+
+std::string EncodeEvent(const Event& event, Time now);
+Result<TimedEvent> DecodeEvent(std::string_view text);
+
+std::string EncodeSnapshot(const Snapshot& snapshot);
+Result<Snapshot> DecodeSnapshot(std::string_view text);
+
+std::string EncodeConfig(const ConfigText& config);
+Result<ConfigText> DecodeConfig(std::string_view text);
+
+}  // namespace musher::recording

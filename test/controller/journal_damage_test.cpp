@@ -1,0 +1,189 @@
+// A journal that is cut short or has wrong bytes in it is read as far as it goes, and says so:
+// whatever is not told is told to be missing.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "musher/controller/recording/replay.hpp"
+#include "musher/test/controller/journal_fixture.hpp"
+#include "musher/test/controller/recorded_robot.hpp"
+
+namespace musher {
+namespace {
+
+namespace fs = std::filesystem;
+
+class JournalDamage : public JournalTest {
+ protected:
+  // A journal of several pages for each table, closed: one file.
+  JournalDamage() {
+    {
+      Journal journal(path_, Options());
+      const auto life = RecordedLife();
+      for (int i = 0; i < 3; ++i) {
+        for (const JournalItem& item : life) journal.Append(item);
+      }
+    }
+    std::ifstream file(path_, std::ios::binary);
+    whole_.assign(std::istreambuf_iterator<char>(file), {});
+    entries_ = ReadJournal(path_, 0, kAll).value().entries;
+    rows_ = ReadRecording(path_).value().rows;
+  }
+
+  void Put(const std::string& bytes) const {
+    std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
+  }
+
+  // Reads what is there both ways.
+  void ExpectToldOrMissing(const std::string& what) {
+    const auto history = ReadJournal(path_, 0, kAll);
+    if (history) {
+      ++read_;
+      const auto& entries = history.value().entries;
+      if (!history.value().damage.empty()) ++said_;
+      EXPECT_TRUE(entries.size() == entries_.size() || !history.value().damage.empty()) << what;
+      EXPECT_LE(entries.size(), entries_.size()) << what;
+      ExpectPartOf(entries, what);
+    } else {
+      EXPECT_THAT(history.error().message, testing::HasSubstr(path_)) << what;
+    }
+    const auto recording = ReadRecording(path_);
+    if (!recording) return;
+    const auto& rows = recording.value().rows;
+    EXPECT_TRUE(rows.size() == rows_.size() || !recording.value().damage.empty()) << what;
+    const auto report = recording::Replay(rows, {});
+    if (report) {
+      EXPECT_EQ(report.value().differences, 0U) << what;
+    }
+  }
+
+  void ExpectPartOf(const std::vector<JournalEntry>& entries, const std::string& what) const {
+    auto from = entries_.begin();
+    for (const JournalEntry& entry : entries) {
+      from = std::find(from, entries_.end(), entry);
+      ASSERT_NE(from, entries_.end()) << what;
+      ++from;
+    }
+  }
+
+  std::string whole_;
+  std::vector<JournalEntry> entries_;
+  std::vector<JournalRow> rows_;
+  int read_ = 0;  // how often something could be read
+  int said_ = 0;  // how often that something was missing
+};
+
+TEST_F(JournalDamage, CutShortAnywhereIsReadAsFarAsItGoes) {
+  ASSERT_GT(whole_.size(), 100'000U);
+  for (std::size_t size = 0; size < whole_.size(); size += 1531) {
+    Put(whole_.substr(0, size));
+    ExpectToldOrMissing("cut to " + std::to_string(size));
+  }
+  EXPECT_GT(read_, 20);
+  EXPECT_GT(said_, 20);
+}
+
+TEST_F(JournalDamage, WithAPageOfGarbageIsReadFromBothEnds) {
+  constexpr std::size_t kPage = 4096;
+  std::size_t most = 0;
+  for (std::size_t page = 1; page < whole_.size() / kPage; ++page) {
+    std::string bytes = whole_;
+    for (std::size_t i = 0; i < kPage; ++i)
+      bytes[page * kPage + i] = static_cast<char>(i * 37 + page);
+    Put(bytes);
+    ExpectToldOrMissing("page " + std::to_string(page));
+    const auto history = ReadJournal(path_, 0, kAll);
+    if (!history || history.value().damage.empty()) continue;
+    most = std::max(most, history.value().entries.size());
+    EXPECT_THAT(history.value().damage,
+                testing::HasSubstr("read " + std::to_string(history.value().entries.size()) +
+                                   " entries; the rest is damaged: "));
+  }
+  EXPECT_GT(said_, 5);
+  EXPECT_GT(most, entries_.size() / 2);
+}
+
+TEST_F(JournalDamage, WithFlippedBytesIsReadWithoutACrash) {
+  for (std::size_t at = 16; at < whole_.size(); at += 397) {
+    std::string bytes = whole_;
+    bytes[at] = static_cast<char>(bytes[at] ^ 0x55);
+    Put(bytes);
+    ExpectToldOrMissing("flipped " + std::to_string(at));
+  }
+  EXPECT_GT(read_, 100);
+  EXPECT_GT(said_, 3);
+}
+
+TEST_F(JournalDamage, InAnInputIsNoticedByItsChecksum) {
+  std::string bytes = whole_;
+  const auto at = bytes.find(R"({"event":"StatusSeen")");
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 12] = 'X';
+  Put(bytes);
+  const auto recording = ReadRecording(path_);
+  ASSERT_TRUE(recording);
+  EXPECT_EQ(recording.value().rows.size(), rows_.size() - 1);
+  EXPECT_THAT(recording.value().damage, testing::HasSubstr(": it is not as it was written"));
+  const auto report = recording::Replay(recording.value().rows, {});
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report.value().differences, 0U) << "nothing is made up for what is missing";
+  EXPECT_THAT(
+      report.value().notes,
+      testing::ElementsAre(testing::ContainsRegex("number [0-9]+ of the journal is missing")));
+}
+
+TEST_F(JournalDamage, WhatIsNoJournalIsRefused) {
+  std::string stranger = whole_;
+  stranger[68] = 'X';  // of the number that tells a journal from other databases
+  for (const std::string& bytes : {std::string(), std::string("Dear diary"), stranger}) {
+    Put(bytes);
+    EXPECT_FALSE(ReadJournal(path_, 0, kAll));
+    EXPECT_FALSE(ReadRecording(path_));
+  }
+}
+
+// What kill -9 in the middle of a write leaves: all in the WAL, cut anywhere.
+TEST_F(JournalDamage, InHalfAWalIsReadUpToTheLastTransactionThatIsWhole) {
+  const std::string copy = folder_ / "copy.sqlite";
+  {
+    fs::remove(path_);
+    Journal journal(path_, Options());
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      journal.Append(rows_[i].item);
+      if (i % 200 == 0) {
+        ASSERT_TRUE(journal.Flush(kFlushTimeout));
+      }
+    }
+    ASSERT_TRUE(journal.Flush(kFlushTimeout));
+    fs::copy_file(path_, copy);
+    fs::copy_file(path_ + "-wal", copy + "-wal");
+  }
+  const auto size = fs::file_size(copy + "-wal");
+  std::size_t before = 0;
+  for (std::uintmax_t cut = 0; cut <= size; cut += size / 50) {
+    const std::string half = folder_ / "half.sqlite";
+    for (const char* end : {"", "-wal"}) {
+      fs::copy_file(copy + end, half + end, fs::copy_options::overwrite_existing);
+    }
+    fs::remove(half + "-shm");
+    fs::resize_file(half + "-wal", cut);
+    const auto recording = ReadRecording(half);
+    if (!recording) continue;  // not even the tables are there
+    const auto& rows = recording.value().rows;
+    EXPECT_GE(rows.size(), before);
+    before = rows.size();
+    for (std::size_t i = 0; i < rows.size(); ++i) ASSERT_EQ(rows[i].id, rows_[i].id);
+    if (rows.size() < 2) continue;  // a config alone can't be replayed
+    const auto report = recording::Replay(rows, {});
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(report.value().differences, 0U) << cut << " of " << size;
+  }
+  EXPECT_GT(before, rows_.size() / 2);
+}
+
+}  // namespace
+}  // namespace musher

@@ -1,0 +1,160 @@
+// A replay is right, or it says where and why it is not.
+
+#include "musher/controller/recording/replay.hpp"
+
+#include <gmock/gmock.h>
+
+#include "musher/lifecycle/config_toml.hpp"
+#include "musher/test/controller/recorded_robot.hpp"
+
+namespace musher::recording {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Mark = ReplayLine::Mark;
+
+std::vector<JournalRow> Rows() {
+  std::vector<JournalRow> rows;
+  for (JournalItem& item : RecordedLife()) {
+    rows.push_back({static_cast<std::int64_t>(rows.size()) + 1, std::move(item)});
+  }
+  return rows;
+}
+
+ReplayReport Replayed(const std::vector<JournalRow>& rows, const ReplayOptions& options = {}) {
+  auto report = Replay(rows, options);
+  if (report) return std::move(report).value();
+  ADD_FAILURE() << report.error().message;
+  return {};
+}
+
+template <class T>
+T* InputOf(JournalRow& row) {
+  auto* input = std::get_if<JournalInput>(&row.item);
+  return input == nullptr ? nullptr : std::get_if<T>(&input->what);
+}
+
+// The last row that holds an event of this kind.
+template <class E>
+std::size_t LastOf(std::vector<JournalRow>& rows) {
+  for (std::size_t i = rows.size(); i-- > 0;) {
+    auto* timed = InputOf<TimedEvent>(rows[i]);
+    if (timed != nullptr && std::holds_alternative<E>(timed->event)) return i;
+  }
+  ADD_FAILURE() << "there is none";
+  return 0;
+}
+
+TEST(Replay, IsTheSameAsWhatWasRecorded) {
+  const ReplayReport report = Replayed(Rows());
+  EXPECT_TRUE(report.equal());
+  EXPECT_EQ(report.starts, 2U);
+  EXPECT_GT(report.inputs, 80U);
+  EXPECT_EQ(report.lines.size(), report.decisions);
+  EXPECT_THAT(report.notes, IsEmpty());
+}
+
+TEST(Replay, ShowsADecisionThatIsAnotherWithItsInput) {
+  auto rows = Rows();
+  auto* timed = InputOf<TimedEvent>(rows[LastOf<event::SetStateRequested>(rows)]);
+  std::get<event::SetStateRequested>(timed->event).target = "Protected";  // instead of Active
+  const ReplayReport report = Replayed(rows);
+  EXPECT_FALSE(report.equal());
+  const auto first = std::find_if(report.lines.begin(), report.lines.end(),
+                                  [](const auto& line) { return line.mark != Mark::kSame; });
+  ASSERT_NE(first, report.lines.end());
+  EXPECT_EQ(first->mark, Mark::kRecorded);
+  EXPECT_EQ(first->entry.message, "a switch to Active is asked for");
+  EXPECT_THAT(first->input, HasSubstr(R"("target":"Protected")"));
+}
+
+TEST(Replay, ShowsARecordThatIsMissingAsNew) {
+  auto rows = Rows();
+  const auto gone = std::find_if(rows.begin(), rows.end(), [](const JournalRow& row) {
+    const auto* entry = std::get_if<JournalEntry>(&row.item);
+    return entry != nullptr && entry->message == "switch 3 is done";
+  });
+  rows.erase(gone);
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].id = static_cast<std::int64_t>(i) + 1;
+  const ReplayReport report = Replayed(rows);
+  EXPECT_EQ(report.differences, 1U);
+  const auto line = std::find_if(report.lines.begin(), report.lines.end(),
+                                 [](const auto& l) { return l.mark == Mark::kNew; });
+  ASSERT_NE(line, report.lines.end());
+  EXPECT_EQ(line->entry.message, "switch 3 is done");
+}
+
+TEST(Replay, TakesTheEndOfARecordingThatWasCutOffForRecorded) {
+  auto rows = Rows();
+  while (!std::holds_alternative<JournalInput>(rows.back().item)) rows.pop_back();
+  EXPECT_TRUE(Replayed(rows).equal());
+}
+
+TEST(Replay, StopsWhereSomethingIsMissingAndGoesOnWithTheNextSnapshot) {
+  auto rows = Rows();
+  rows.erase(rows.begin() + 20);
+  const ReplayReport report = Replayed(rows);
+  EXPECT_TRUE(report.equal());
+  EXPECT_EQ(report.starts, 3U);
+  EXPECT_GT(report.not_replayed, 5U);
+  EXPECT_THAT(report.notes, ElementsAre("number 21 of the journal is missing"));
+}
+
+TEST(Replay, NoticesASnapshotThatIsNotTheMachine) {
+  auto rows = Rows();
+  bool changed = false;
+  for (JournalRow& row : rows) {
+    auto* snapshot = InputOf<SnapshotPtr>(row);
+    if (snapshot == nullptr || changed) continue;
+    Snapshot other = **snapshot;
+    other.machine.actuators[0].held = !other.machine.actuators[0].held;
+    *snapshot = std::make_shared<const Snapshot>(std::move(other));
+    changed = true;
+  }
+  ASSERT_TRUE(changed);
+  const ReplayReport report = Replayed(rows);
+  EXPECT_FALSE(report.equal());
+  EXPECT_THAT(report.notes,
+              ElementsAre(HasSubstr("the machine is not the one of the snapshot, number ")));
+}
+
+TEST(Replay, NeedsAConfigWhenNoneIsRecorded) {
+  auto rows = Rows();
+  for (JournalRow& row : rows) {
+    if (auto* config = InputOf<ConfigText>(row)) config->text.clear();
+  }
+  const auto without = Replay(rows, {});
+  ASSERT_FALSE(without);
+  EXPECT_EQ(without.error().message, "nothing to replay: its config is not in the journal");
+  ReplayOptions options;
+  options.config = ReadConfigText(RobotToml(), "dog.toml").config;
+  EXPECT_TRUE(Replayed(rows, options).equal());
+}
+
+TEST(Replay, TellsOnlyWhatIsAskedForButKnowsWhatWasBefore) {
+  const ReplayReport all = Replayed(Rows());
+  ReplayOptions options;
+  options.since_wall_ns = all.lines[all.lines.size() / 2].entry.wall_ns;
+  const ReplayReport late = Replayed(Rows(), options);
+  EXPECT_TRUE(late.equal());
+  EXPECT_LT(late.inputs, all.inputs);
+  EXPECT_GT(late.inputs, 0U);
+  EXPECT_EQ(late.replayed_state, all.replayed_state);
+  for (const ReplayLine& line : late.lines) {
+    EXPECT_GE(line.entry.wall_ns, options.since_wall_ns);
+  }
+}
+
+TEST(Replay, RefusesAnEventOfAnActuatorThatIsNotThere) {
+  auto rows = Rows();
+  auto* timed = InputOf<TimedEvent>(rows[LastOf<event::Replied>(rows)]);
+  std::get<event::Replied>(timed->event).actuator = 99;
+  const auto report = Replay(rows, {});
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.error().message, HasSubstr("names an actuator that is not there"));
+}
+
+}  // namespace
+}  // namespace musher::recording

@@ -1,0 +1,150 @@
+// Every record says what it follows from: chains that end where somebody or something began it.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class Causes : public Switching {
+ protected:
+  // The messages from the last record that begins with `message` to its first cause.
+  static std::vector<std::string> Chain(const Theatre& t, const std::string& message) {
+    const auto last = std::find_if(t.told.rbegin(), t.told.rend(), [&](const auto& record) {
+      return record.message.starts_with(message);
+    });
+    std::vector<std::string> chain;
+    if (last == t.told.rend()) return chain;
+    chain.push_back(last->message);
+    for (std::uint64_t cause = last->cause; cause != 0;) {
+      const action::Record& record = t.told[cause - 1];
+      chain.push_back(record.message);
+      EXPECT_LT(record.cause, cause) << "a cause comes first";
+      cause = record.cause;
+    }
+    return chain;
+  }
+};
+
+TEST_F(Causes, RecordsAreNumberedFromOneWithoutGaps) {
+  Theatre& t = In("Active");
+  t.Set("LowPower");
+  ASSERT_GT(t.told.size(), 10U);
+  for (std::size_t i = 0; i < t.told.size(); ++i) EXPECT_EQ(t.told[i].id, i + 1);
+}
+
+TEST_F(Causes, TheEndOfASwitchIsCausedByTheRequest) {
+  Theatre& t = In("Active");
+  t.Set("LowPower");
+  EXPECT_THAT(Chain(t, "switch 3 is done"),
+              ElementsAre("switch 3 is done", "a switch to LowPower is asked for"));
+  EXPECT_EQ(t.told.back().state, "LowPower");
+}
+
+TEST_F(Causes, AStartIsExplainedFromItsBeginning) {
+  Theatre& t = In("Active");
+  EXPECT_THAT(Chain(t, "the machine is Active"),
+              ElementsAre("the machine is Active", "switch 2 is done", "switch 1 is done",
+                          "3 actuators are set up", StartsWith("controller epoch 1 begins")));
+}
+
+TEST_F(Causes, AnUndoneSwitchIsCausedByTheOneThatFailed) {
+  Theatre& t = In("Protected");
+  t.On("b", "Active").code = 3009;
+  t.Set("Active");
+  t.Rest();
+  const std::string failed = "b: Active failed after 10 ms";
+  EXPECT_THAT(Chain(t, "switch 4 is undone"), ElementsAre(StartsWith("switch 4 is undone"), failed,
+                                                          "a switch to Active is asked for"));
+  EXPECT_THAT(Chain(t, "switch 4 is rolled back"),
+              ElementsAre(StartsWith("switch 4 is rolled back"), failed,
+                          "a switch to Active is asked for"));
+}
+
+TEST_F(Causes, ARefusalIsCausedByTheRequestAndSaysWhatIsUnderWay) {
+  Theatre& t = In("Active");
+  t.Ask("LowPower");
+  t.Set("Protected");
+  EXPECT_THAT(Chain(t, "a switch to Protected is refused"),
+              ElementsAre(HasSubstr("switch 3 (to LowPower) is under way"),
+                          "a switch to Protected is asked for"));
+}
+
+TEST_F(Causes, SilenceIsNamedBeforeTheLoss) {
+  Theatre& t = In("Active");
+  t.Ask("LowPower");
+  t.Mute("b", true, true);
+  t.Rest();
+  EXPECT_THAT(Chain(t, "b is degraded"),
+              ElementsAre(StartsWith("b is degraded: it does not answer"),
+                          StartsWith("b did not answer within 100 ms; it is asked"),
+                          "a switch to LowPower is asked for"));
+}
+
+TEST_F(Causes, ASwitchThatTookOverIsNamed) {
+  Theatre& t = In("Active");
+  t.Ask("LowPower");
+  t.Set("Error");
+  EXPECT_THAT(Chain(t, "switch 3 is superseded"),
+              ElementsAre(StartsWith("switch 3 is superseded"), "a switch to Error is asked for"));
+}
+
+// With processes of the controller's own.
+class CausesOfProcesses : public ::testing::Test {
+ protected:
+  static MachineConfig Config() {
+    MachineConfig config = MachineOf(2);
+    for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run"};
+    ActuatorConfig& a = ActuatorNamed(config, "a");
+    a.critical = true;
+    a.on_lost = "Protected";
+    ActuatorNamed(config, "b").after = {"a"};
+    return config;
+  }
+};
+
+TEST_F(CausesOfProcesses, AFallbackIsExplainedDownToTheProcess) {
+  Theatre t(Config());
+  t.Begin();
+  t.Rest();
+  ASSERT_EQ(t.machine().state, "Active");
+  t.Crash("a");
+  t.Rest();
+  ASSERT_EQ(t.machine().state, "Protected");
+  const auto entered = std::find_if(t.told.rbegin(), t.told.rend(),
+                                    [](const auto& record) { return record.state == "Protected"; });
+  ASSERT_NE(entered, t.told.rend());
+  std::vector<std::string> chain;
+  for (std::uint64_t id = entered->id; id != 0; id = t.told[id - 1].cause) {
+    chain.push_back(t.told[id - 1].message);
+  }
+  EXPECT_THAT(chain,
+              ElementsAre(StartsWith("switch 3 is done-degraded"),
+                          "an actuator is lost; falling back to Protected",
+                          StartsWith("a is degraded: crashed: its process "), StartsWith("a's process ")));
+}
+
+TEST_F(CausesOfProcesses, WhatNeedsADegradedOneNamesItsCause) {
+  Theatre t(Config());
+  t.On("a", "SetUp").code = 3001;
+  t.Begin();
+  t.Rest();
+  const auto b = std::find_if(t.told.begin(), t.told.end(), [](const auto& record) {
+    return record.message.starts_with("b is degraded: needs a");
+  });
+  ASSERT_NE(b, t.told.end());
+  ASSERT_NE(b->cause, 0U);
+  const action::Record& ended = t.told[b->cause - 1];
+  EXPECT_THAT(ended.message, StartsWith("a's process "));
+  EXPECT_THAT(t.told[ended.cause - 1].message, StartsWith("a is degraded"));
+}
+
+}  // namespace
+}  // namespace musher::testing
