@@ -72,10 +72,9 @@ struct CompletionOptions {
   std::string shell;  // "bash" or "zsh"
 };
 
-using CommandOptions =
-    std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions, RestartOptions,
-                 EstopOptions, PlanOptions, HistoryOptions, ReplayOptions, GraphOptions,
-                 CompletionOptions>;
+using CommandOptions = std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions,
+                                    RestartOptions, EstopOptions, PlanOptions, HistoryOptions,
+                                    ReplayOptions, GraphOptions, CompletionOptions>;
 
 struct CommandLine {
   GlobalOptions global;

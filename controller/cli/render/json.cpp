@@ -41,11 +41,17 @@ Json Of(const msg::ActuatorInfo& a) {
 // An entry of the journal or of the wire.
 template <class Entry>
 Json OfEntry(const Entry& e) {
-  return {{"time", UtcText(e.wall_ns)}, {"epoch", e.epoch},
-          {"switch", e.switch_number},  {"kind", e.kind},
-          {"actuator", e.actuator},     {"code", e.code},
-          {"message", e.message},       {"id", e.id},
-          {"cause", e.cause},           {"new_state", e.state}};
+  return {{"time", UtcText(e.wall_ns)},
+          {"epoch", e.epoch},
+          {"switch", e.switch_number},
+          {"kind", e.kind},
+          {"actuator", e.actuator},
+          {"code", e.code},
+          {"message", e.message},
+          {"id", e.id},
+          {"cause", e.cause},
+          {"new_state", e.state},
+          {"data", e.data}};
 }
 
 const char* MarkName(recording::ReplayLine::Mark mark) {

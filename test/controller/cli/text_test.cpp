@@ -200,6 +200,17 @@ TEST_F(Text, ShowsWhyAPlanWouldBeRefused) {
             "eyes: Error → OTA  would be refused: no way (103 (Robot: StateInvalid))\n");
 }
 
+TEST_F(Text, ShowsABacktraceBelowItsSentenceAndNoJson) {
+  msg::HistoryEntry hung{1, 0, 3, 0, "process", "legs", 0, "what legs was doing:"};
+  hung.data = "TID 7:\n#0  read\n";
+  EXPECT_EQ(HistoryText({hung}, false),
+            "1970-01-01 00:00:00.000  process  what legs was doing:\n"
+            "    TID 7:\n"
+            "    #0  read\n");
+  hung.data = R"({"lost":1})";
+  EXPECT_EQ(HistoryText({hung}, false), "1970-01-01 00:00:00.000  process  what legs was doing:\n");
+}
+
 TEST_F(Text, ShowsHistoryAndProgressALineEach) {
   EXPECT_EQ(HistoryText({{1, 1'000'000, 3, 0, "machine", "", 0, "begins"},
                          {2, 2'000'000, 3, 1, "switch", "", 107, "ends\n"}},
