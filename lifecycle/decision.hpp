@@ -75,6 +75,7 @@ class Decision {
   void Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
              bool apart = false);
   void EndOrder(std::size_t i, const OrderEnd& end);
+  Leg* LegUnderWay(std::size_t i);
   void AskOrLose(std::size_t i);
   OrderEnd JudgeReport(std::size_t i, const Order& order) const;
   void Lose(std::size_t i, const std::string& how, std::uint64_t cause = 0);

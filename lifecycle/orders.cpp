@@ -260,13 +260,29 @@ void Decision::EndOrder(std::size_t i, const OrderEnd& end) {
     if (Of(i).checked) Of(i).fault.reset();  // a check that failed stays on record until one passes
   }
   if (end.outcome == ActuatorOutcome::kOverdue) Of(i).due = true;  // driven on once it is free
-  if (machine_.current) {
-    Switch& s = *machine_.current;
-    for (Leg& leg : s.rolling_back ? s.back : s.legs) {
-      if (leg.actuator == i && leg.progress == Leg::Progress::kUnderWay) return EndLeg(leg, end);
-    }
+  if (Leg* leg = LegUnderWay(i)) {
+    EndLeg(*leg, end);
+  } else {
+    EndJoin(i, order, end);
   }
-  EndJoin(i, order, end);
+  // Of one that cannot be asked nothing is known any more, but for a new start.
+  const bool unknown = ConfigOf(i).protocol == Protocol::kCyberdog &&
+                       end.outcome == ActuatorOutcome::kOverdue &&
+                       machine_.phase != Phase::kStopping;
+  if (unknown && MayRestart(i) && ProcessOf(i) != 0) {
+    Hang(i, true, "hung: in " + order.target + " for " + took + ", and it cannot be asked");
+  }
+}
+
+// The part of the switch under way that waits for this actuator; null when there is none.
+Leg* Decision::LegUnderWay(std::size_t i) {
+  if (!machine_.current) return nullptr;
+  Switch& s = *machine_.current;
+  std::vector<Leg>& legs = s.rolling_back ? s.back : s.legs;
+  const auto found = std::find_if(legs.begin(), legs.end(), [i](const Leg& leg) {
+    return leg.actuator == i && leg.progress == Leg::Progress::kUnderWay;
+  });
+  return found == legs.end() ? nullptr : &*found;
 }
 
 void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause) {

@@ -9,17 +9,11 @@
 namespace musher::config_toml {
 namespace {
 
-// Keys that are read and judged but change nothing in this version. To make one work is to take it
-// out of this list.
-constexpr std::string_view kNoEffectYet[] = {
-    "restart",        "restart_delay_ms",   "restart_growth",
-    "restart_max_ms", "restart_limit",      "restart_reset_ms",
-    "checkpoint_ms",  "controller_lost_ms", "on_controller_lost",
-    "binds_to"};
-
 constexpr int kLastStage = 9;
 constexpr std::int64_t kMostRestarts = 10'000;
 constexpr double kFastestGrowth = 100.0;
+constexpr std::int64_t kShortestCheckpointMs = 20;        // below, a busy kernel looks like a hang
+constexpr std::int64_t kShortestControllerLostMs = 1000;  // two of a controller's signs of life
 
 // The states every start goes through and every end should, and what follows if one is missing.
 // SetUp is not among them: without it there is no start.
@@ -176,8 +170,9 @@ class ActuatorReader {
 
   void ReadLosses() {
     ActuatorConfig& config = actuator_.config;
-    config.checkpoint = reader_.Time("checkpoint_ms");
-    config.controller_lost = reader_.Time("controller_lost_ms");
+    config.checkpoint = reader_.Time("checkpoint_ms", kShortestCheckpointMs);
+    ReadCheckpointIn();
+    config.controller_lost = reader_.Time("controller_lost_ms", kShortestControllerLostMs);
     config.on_controller_lost = HighestUpToProtected();
     if (const auto state = reader_.String("on_controller_lost")) {
       if (CheckRankedState(*state, "on_controller_lost", reader_, draft_) &&
@@ -195,6 +190,23 @@ class ActuatorReader {
     }
   }
 
+  void ReadCheckpointIn() {
+    const Table* table = reader_.SubTable("checkpoint_ms_in");
+    if (table == nullptr) return;
+    TableReader allowances(*table, reader_.At("checkpoint_ms_in"),
+                           reader_.path() + ".checkpoint_ms_in", draft_.findings);
+    for (const Member& member : *table) {
+      const auto allowance = allowances.Time(member.key, kShortestCheckpointMs);
+      if (!CheckState({member.key, member.at}, "checkpoint_ms_in", reader_, draft_)) continue;
+      if (reader_.Has("states") && !actuator_.config.Lists(member.key)) {
+        reader_.Fault(member.at, "checkpoint_ms_in",
+                      Quote(member.key) + " is not among its states");
+      } else if (allowance) {
+        actuator_.config.checkpoint_in.emplace(member.key, *allowance);
+      }
+    }
+  }
+
   State HighestUpToProtected() const {
     State highest;
     Rank highest_rank = -1;
@@ -207,9 +219,22 @@ class ActuatorReader {
     return highest;
   }
 
+  // Keys that say something that cannot come to pass.
   void WarnOfNoEffect() {
-    for (const std::string_view key : kNoEffectYet) {
-      if (reader_.Has(key)) reader_.Warn(reader_.At(key), key, "has no effect yet in this version");
+    const ActuatorConfig& config = actuator_.config;
+    if (config.restart.policy != RestartPolicy::kNo && config.command.empty()) {
+      reader_.Warn(reader_.At("restart"), "restart", "has no effect without a command");
+    }
+    if (reader_.Has("on_controller_lost") && !config.controller_lost) {
+      reader_.Warn(reader_.At("on_controller_lost"), "on_controller_lost",
+                   "has no effect without controller_lost_ms");
+    }
+    if (config.protocol == Protocol::kMusher) return;
+    for (const std::string_view key : {"checkpoint_ms", "checkpoint_ms_in", "controller_lost_ms"}) {
+      if (reader_.Has(key)) {
+        reader_.Warn(reader_.At(key), key,
+                     "has no effect with this protocol, which knows no such thing");
+      }
     }
   }
 

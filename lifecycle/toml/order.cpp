@@ -24,11 +24,14 @@ class OrderCheck {
   void Run() {
     edges_.resize(actuators_.size());
     for (std::size_t i = 0; i < actuators_.size(); ++i) {
-      CheckNames(i, "binds_to", actuators_[i].binds_to);
       edges_[i] = CheckNames(i, "after", actuators_[i].after);
       for (const Edge& edge : edges_[i]) CheckStage(i, edge);
     }
-    FindCycles();
+    FindCycles("after", "the order is a cycle: ");
+    for (std::size_t i = 0; i < actuators_.size(); ++i) {
+      edges_[i] = CheckNames(i, "binds_to", actuators_[i].binds_to);
+    }
+    FindCycles("binds_to", "who waits for whom is a cycle: ");
   }
 
  private:
@@ -71,7 +74,7 @@ class OrderCheck {
   }
 
   // Depth first without recursion; an edge to a node on the way here closes a cycle.
-  void FindCycles() {
+  void FindCycles(std::string_view key, std::string_view what) {
     std::vector<Mark> marks(actuators_.size(), Mark::kNew);
     for (std::size_t start = 0; start < actuators_.size(); ++start) {
       if (marks[start] != Mark::kNew) continue;
@@ -90,7 +93,7 @@ class OrderCheck {
         }
         const Edge& edge = edges_[node][next_edge.back()++];
         if (marks[edge.to] == Mark::kOpen) {
-          ReportCycle(way, place.at(edge.to), edge.at);
+          ReportCycle(way, place.at(edge.to), edge.at, key, what);
         } else if (marks[edge.to] == Mark::kNew) {
           marks[edge.to] = Mark::kOpen;
           place.emplace(edge.to, way.size());
@@ -101,7 +104,8 @@ class OrderCheck {
     }
   }
 
-  void ReportCycle(const std::vector<std::size_t>& way, std::size_t first, Position at) {
+  void ReportCycle(const std::vector<std::size_t>& way, std::size_t first, Position at,
+                   std::string_view key, std::string_view what) {
     const auto name = [&](std::size_t place) { return actuators_[way[place]].config.name; };
     std::string text;
     const std::size_t length = way.size() - first;
@@ -111,7 +115,7 @@ class OrderCheck {
     if (length > kLongestShownCycle) {
       text += "(" + std::to_string(length - kLongestShownCycle) + " more) -> ";
     }
-    Fault(way.back(), "after", at, "the order is a cycle: " + text + name(first));
+    Fault(way.back(), key, at, std::string(what) + text + name(first));
   }
 
   const std::vector<ActuatorDraft>& actuators_;

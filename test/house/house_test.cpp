@@ -113,7 +113,7 @@ TEST(House, LinksInDocumentsLeadSomewhere) {
 }
 
 TEST(House, TheReferenceExplainsEveryConfigKey) {
-  for (const char* file : {"every_key.toml", "no_effect_yet.toml", "protocols.toml"}) {
+  for (const char* file : {"every_key.toml", "recovery.toml", "protocols.toml"}) {
     EXPECT_THAT(Unexplained(File("docs/reference.md"),
                             File("test/golden/configs/good/" + std::string(file))),
                 IsEmpty());

@@ -84,7 +84,7 @@ TEST(ConfigTomlLimits, GivesNoMoreThanTheFirst200DiagnosticsAndCountsTheRest) {
 TEST(ConfigTomlLimits, DropsWarningsBeforeErrors) {
   const ConfigReading reading = ReadConfigText(
       Controller(Repeat(300, [](auto i) { return "\"a" + i + "\","; })) +
-          Repeat(300, [](auto i) { return Table("a" + i, "restart = \"no\"\n"); }) + "oops = 1",
+          Repeat(300, [](auto i) { return Table("a" + i, "cwd = \"/\"\n"); }) + "oops = 1",
       "f");
   EXPECT_FALSE(reading.config);
   ASSERT_EQ(reading.diagnostics.size(), 201U);

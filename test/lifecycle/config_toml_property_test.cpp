@@ -19,8 +19,8 @@ T Any(std::vector<T> values) {
   return *rc::gen::elementOf(std::move(values));
 }
 
-Duration AnyTime() {
-  return Milliseconds(*rc::gen::inRange(1, 3'600'001));
+Duration AnyTime(int least_ms = 1) {
+  return Milliseconds(*rc::gen::inRange(least_ms, 3'600'001));
 }
 
 bool AnyBool() {
@@ -74,8 +74,9 @@ ActuatorConfig AnyActuator(std::size_t number, const MachineConfig& machine) {
   }
   actuator.critical = AnyBool();
   actuator.restart = AnyRestart();
-  if (AnyBool()) actuator.checkpoint = AnyTime();
-  if (AnyBool()) actuator.controller_lost = AnyTime();
+  if (AnyBool()) actuator.checkpoint = AnyTime(20);
+  if (AnyBool()) actuator.checkpoint_in = {{"SetUp", AnyTime(20)}, {"TearDown", AnyTime(20)}};
+  if (AnyBool()) actuator.controller_lost = AnyTime(1000);
   actuator.on_controller_lost = kTearDown;
   actuator.on_lost = Any<State>({"Protected", "Error", "Parked"});
   // Only to earlier ones of no later stage, so that there is no cycle.
@@ -144,6 +145,9 @@ void WriteActuator(const ActuatorConfig& actuator, std::ostream& out) {
   if (!actuator.command.empty()) out << "\ncommand = " << List(actuator.command);
   if (!actuator.cwd.empty()) out << "\ncwd = " << Quoted(actuator.cwd);
   if (actuator.checkpoint) out << "\ncheckpoint_ms = " << ToMilliseconds(*actuator.checkpoint);
+  for (const auto& [state, allowance] : actuator.checkpoint_in) {
+    out << "\ncheckpoint_ms_in." << state << " = " << ToMilliseconds(allowance);
+  }
   if (actuator.controller_lost) {
     out << "\ncontroller_lost_ms = " << ToMilliseconds(*actuator.controller_lost);
   }
