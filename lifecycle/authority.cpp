@@ -68,9 +68,10 @@ void Decision::Engage(const EmergencyStop& stop) {
   machine_.emergency_stop = stop;
   Do(action::TellEmergencyStop{stop, true});
   Do(action::SaveEmergencyStop{stop});
-  RecordMachine(kCodeProtectedError, "emergency stop, engaged by " +
-                                         (stop.by.empty() ? "somebody" : stop.by) +
-                                         (stop.reason.empty() ? "" : ": " + stop.reason));
+  machine_.stop_cause =
+      RecordMachine(kCodeProtectedError, "emergency stop, engaged by " +
+                                             (stop.by.empty() ? "somebody" : stop.by) +
+                                             (stop.reason.empty() ? "" : ": " + stop.reason));
   if (machine_.current) machine_.current->stopped = true;
 }
 
