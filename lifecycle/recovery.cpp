@@ -72,8 +72,10 @@ void Decision::Recovered(std::size_t i, const std::string& how) {
   record.health = Health::kWell;
   record.cause =
       RecordActuator(i, kCodeOk, ConfigOf(i).name + " is well again: " + how, record.cause);
-  if (!record.restart_asked) record.doomed = 0;
-  record.kill_at.reset();
+  if (!record.restart_asked) {  // else it is to end, well or not
+    record.doomed = 0;
+    record.kill_at.reset();
+  }
   if (record.presence == Presence::kLost) {
     record.presence = Presence::kStarting;
     return Claim(i);
