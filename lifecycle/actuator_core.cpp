@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/lifecycle/code.hpp"
+#include "musher/lifecycle/flow.hpp"
 
 namespace musher {
 namespace {
@@ -211,13 +212,7 @@ class Deciding {
             "an emergency stop is engaged; until it is released nothing goes up"};
   }
 
-  // Whether `target` is more active than where it is. A step of the start counts as at rest.
-  bool GoesUp(const State& target) const {
-    const auto rank = machine_.RankOf(target);
-    if (!rank || target == kTearDown || target == kError) return false;
-    const auto own = machine_.RankOf(report_.state);
-    return !own || *rank > *own;
-  }
+  bool GoesUp(const State& target) const { return Rises(machine_, report_.state, target); }
 
   // A command that came before gets the same answer again, or the answer of its run.
   bool Repeated(const event::SwitchArrived& arrived) {

@@ -14,6 +14,11 @@ bool FlowAllows(const MachineConfig& config, std::string_view from, std::string_
                      [&](const FlowEdge& edge) { return edge.from == from && edge.to == to; });
 }
 
+bool Rises(const MachineConfig& config, std::string_view from, std::string_view to) {
+  const auto rank = config.RankOf(to);
+  return rank && *rank > config.RankOf(from).value_or(*BuiltInRank(kDeActive));
+}
+
 std::vector<State> Reachable(const MachineConfig& config, std::string_view from) {
   std::vector<State> reachable;
   for (const State& to : config.states) {

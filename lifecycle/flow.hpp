@@ -13,6 +13,10 @@ namespace musher {
 // Whether something in `from` may be switched to `to`. The same state again is allowed.
 bool FlowAllows(const MachineConfig& config, std::string_view from, std::string_view to);
 
+// Whether `to` is more active than `from`, which an emergency stop forbids. A step of the start
+// counts as DeActive.
+bool Rises(const MachineConfig& config, std::string_view from, std::string_view to);
+
 // The states that may follow `from`, in the config's order, without `from` itself.
 std::vector<State> Reachable(const MachineConfig& config, std::string_view from);
 

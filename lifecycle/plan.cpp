@@ -90,11 +90,9 @@ class Planning {
   // An emergency stop lets nobody become more active. On the way down those that would have to
   // come up for it are left to say so themselves.
   void RefuseWhileStopped() {
-    const auto target = config_.RankOf(plan_.target);
-    if (!machine_.emergency_stop || !target || plan_.direction == Direction::kDown) return;
+    if (!machine_.emergency_stop || plan_.direction == Direction::kDown) return;
     for (const PlanStep& step : plan_.steps) {
-      const auto from = config_.RankOf(step.from);
-      if (!step.driven() || (from && *from >= *target)) continue;
+      if (!step.driven() || !Rises(config_, step.from, plan_.target)) continue;
       const EmergencyStop& stop = *machine_.emergency_stop;
       return RefuseWith(kCodeProtectedError,
                         "an emergency stop is engaged" + (stop.by.empty() ? "" : " by " + stop.by) +
