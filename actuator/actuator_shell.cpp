@@ -177,6 +177,7 @@ void ActuatorShell::Beat(const Checkpoints::Look& look) {
 
 void ActuatorShell::Do(const actuator_action::RunEmergencyStop&) {
   if (hooks_.on_emergency_stop) hooks_.on_emergency_stop();
+  Publish();  // whoever engaged it waits for this
 }
 
 void ActuatorShell::Do(const actuator_action::RunCallback& action) {

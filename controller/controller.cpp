@@ -1,7 +1,6 @@
 #include "musher/controller/controller.hpp"
 
 #include <poll.h>
-#include <signal.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -40,22 +39,24 @@ std::int64_t WallNanoseconds() {
 
 // Long enough to hear a living controller of another host, which is discovered within 500 ms.
 constexpr Duration kLookAround = Milliseconds(1000);
+constexpr int kLetGoTimeoutMs = 1000;
 constexpr int kEndTimeoutMs = 5000;
 
-// Ends the controller before this one, as death would: its actuators go on. It may hang, so it is
-// not asked.
+// Ends the controller before this one; its actuators go on. It is asked, so that it can say why it
+// ends; one that hangs is killed.
 Result<> EndProcess(pid_t pid) {
+  const std::string who = "the controller before, process " + std::to_string(pid);
   auto process = transport::OpenPidfd(pid);
   if (!process) return Ok();  // it has ended meanwhile
-  const int fd = process.value().get();
-  if (syscall(SYS_pidfd_send_signal, fd, SIGKILL, nullptr, 0) != 0 && errno != ESRCH) {
-    return transport::SystemError("can't end the controller before, process " +
-                                  std::to_string(pid));
-  }
-  pollfd ended{fd, POLLIN, 0};
+  pollfd ended{process.value().get(), POLLIN, 0};
+  const auto send = [&](int signal) {
+    return syscall(SYS_pidfd_send_signal, ended.fd, signal, nullptr, 0) == 0 || errno == ESRCH;
+  };
+  if (!send(kLetGoSignal)) return transport::SystemError("can't end " + who);
+  if (poll(&ended, 1, kLetGoTimeoutMs) == 1) return Ok();
+  if (!send(SIGKILL)) return transport::SystemError("can't end " + who);
   if (poll(&ended, 1, kEndTimeoutMs) == 1) return Ok();
-  return Error{kCodeTimeout, "the controller before, process " + std::to_string(pid) +
-                                 ", does not end, not even killed"};
+  return Error{kCodeTimeout, who + ", does not end, not even killed"};
 }
 
 // Which actuators' processes run on this host already, left by an earlier controller or by hand.
@@ -121,7 +122,8 @@ Result<> Controller::OpenStore() {
   if (store) {
     store_.emplace(std::move(store).value());
   } else if (store.error().code == kCodeTargetBusy) {
-    return Error{kCodeTargetBusy, store.error().message + "; --takeover ends that one"};
+    return Error{kCodeTargetBusy,
+                 store.error().message + "; `musher status` shows it, --takeover ends it"};
   } else {
     Trouble("no journal, no saved epoch: " + store.error().message);
   }
@@ -130,21 +132,27 @@ Result<> Controller::OpenStore() {
 
 // One controller leads the actuators of a namespace, whatever its folder is.
 Result<> Controller::TakeName(int domain_id) {
-  auto name = transport::NameLock::Acquire(
-      transport::NameLock::NameOf(domain_id, config_.name_space, "musher/controller"));
-  if (name) {
-    name_.emplace(std::move(name).value());
-  } else if (name.error().code != kCodeTargetBusy) {
-    return name.error();
-  } else if (!options_.takeover) {
-    return Error{kCodeTargetBusy,
-                 "a controller on this host leads the actuators of " +
-                     (config_.name_space.empty() ? std::string("the empty namespace")
-                                                 : "namespace '" + config_.name_space + "'") +
-                     " already; `musher status` shows it, --takeover ends its leadership"};
-  } else {
-    look_around_ = true;
+  const std::string name =
+      transport::NameLock::NameOf(domain_id, config_.name_space, "musher/controller");
+  auto lock = transport::NameLock::Acquire(name);
+  if (!lock && lock.error().code == kCodeTargetBusy) {
+    const pid_t holder = transport::NameLock::HolderOf(name);
+    if (!options_.takeover) {
+      return Error{kCodeTargetBusy,
+                   (holder == 0 ? "a controller on this host"
+                                : "a controller, process " + std::to_string(holder) + ",") +
+                       " leads the actuators of " +
+                       (config_.name_space.empty() ? "the empty namespace"
+                                                   : "namespace '" + config_.name_space + "'") +
+                       " already; `musher status` shows it, --takeover ends it"};
+    }
+    // One that is not ours to end lets go when it hears of a higher epoch.
+    look_around_ = holder == 0 || !EndProcess(holder);
+    if (look_around_) return Ok();
+    lock = transport::NameLock::Acquire(name);
   }
+  if (!lock) return lock.error();
+  name_.emplace(std::move(lock).value());
   return Ok();
 }
 

@@ -4,6 +4,7 @@
 //
 // Threads: loop thread only.
 
+#include <csignal>
 #include <functional>
 #include <memory>
 #include <string>
@@ -19,12 +20,16 @@
 namespace musher {
 
 struct ControllerOptions {
-  bool takeover = false;  // a living controller of this machine is ended instead of refused by
+  bool takeover = false;  // a living controller of this machine is ended instead of refused by it
   bool by_hand = false;   // the start-up is driven by requests instead of by the controller itself
   ControllerShell::Hooks hooks;
   // Told about trouble that does not stop the robot (a full disk, say), once each. From any thread.
   std::function<void(const std::string&)> on_trouble;
 };
+
+// By this signal a controller is asked to let go of its machine, by the one that takes it over. One
+// that does not end within a second, for it hangs or is a program that cares nothing, is killed.
+inline constexpr int kLetGoSignal = SIGUSR1;
 
 class Controller {
  public:

@@ -93,6 +93,13 @@ void ControllerShell::Refuse(const Error& why) {
   if (hooks_.on_fenced) hooks_.on_fenced(why.message);
 }
 
+void ControllerShell::LetGo(const std::string& who) {
+  if (machine_.phase == Phase::kIdle) {
+    return Refuse({kCodePermissionDenied, "another controller, " + who + ", takes the machine"});
+  }
+  Handle(event::RivalHeard{machine_.epoch + 1, who, true});
+}
+
 void ControllerShell::SetState(const State& target, const std::optional<std::string>& actuator,
                                OnResult done) {
   const RequestId request = next_request_++;

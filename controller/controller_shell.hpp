@@ -62,6 +62,9 @@ class ControllerShell {
   const std::optional<ControllerPresence::Rival>& rival() const { return presence_->rival(); }
   // Instead of beginning: whoever waits or asks is told why, and on_fenced is called.
   void Refuse(const Error& why);
+  // As if `who` ("process 4711 of this host") had been heard to lead: this controller is over, and
+  // on_fenced is called.
+  void LetGo(const std::string& who);
 
   using OnResult = std::function<void(const SwitchResult&)>;
   using OnAnswer = std::function<void(const Result<>&)>;

@@ -90,8 +90,8 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
 }
 
 msg::HistoryEntry ToMessage(const JournalEntry& entry) {
-  return {entry.id,       entry.wall_ns, entry.epoch,   entry.switch_number, entry.kind,
-          entry.actuator, entry.code,    entry.message, entry.cause,         entry.state};
+  return {entry.id,   entry.wall_ns, entry.epoch, entry.switch_number, entry.kind, entry.actuator,
+          entry.code, entry.message, entry.cause, entry.state,         entry.data};
 }
 
 }  // namespace musher

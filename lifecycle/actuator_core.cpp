@@ -98,8 +98,7 @@ class Deciding {
     const auto tokens = std::exchange(core_.running_for, {});
     if (target == kSetUp) return EndSetUp(ended);
     EndCommand(std::exchange(report_.busy_number, 0), target, ended.code, ended.message);
-    if (target != kSelfCheck && ended.code == kCodeOk)
-      report_.apart = std::exchange(core_.running_apart, false);
+    if (target != kSelfCheck && ended.code != kCodeOk) report_.apart = core_.was_apart;
     for (const RequestToken token : tokens) {
       Do(Answer{token, ended.code == kCodeOk ? Verdict::kDone : Verdict::kFailed, ended.code,
                 ended.message});
@@ -144,6 +143,7 @@ class Deciding {
     const auto deadline = NextDeadline(machine_, index_, core_);
     if (!deadline || *deadline > now_) return;
     core_.controller_heard = now_;  // should it fail, it is tried again as much later
+    core_.was_apart = report_.apart;
     report_.target = *SafeState(machine_, index_, core_);
     report_.busy_number = 0;
     Do(RunCallback{report_.target});
@@ -248,7 +248,7 @@ class Deciding {
                                            " was seen already"};
     }
     if (auto refusal = JudgeTarget(command.target)) return refusal;
-    return TooOld(command);
+    return MayBegin(command);
   }
 
   std::optional<Refusal> JudgeManager(const State& target) const {
@@ -305,7 +305,8 @@ class Deciding {
     report_.target = command.target;
     report_.busy_number = command.number;
     core_.running_for = tokens;
-    core_.running_apart = command.apart;
+    core_.was_apart = report_.apart;
+    if (command.target != kSelfCheck) report_.apart = command.apart;
     Do(RunCallback{command.target});
     Do(PublishStatus{});
   }

@@ -153,7 +153,7 @@ using ActuatorAction = std::variant<actuator_action::RunCallback, actuator_actio
 struct ActuatorCore {
   ActuatorReport report;                  // all but `stamp`, which the shell puts in when it sends
   std::vector<RequestToken> running_for;  // who is told when the running callback ends
-  bool running_apart = false;             // its command was for this actuator alone
+  bool was_apart = false;                 // before the running callback, should it fail
   struct Waiting {
     SwitchCommand command;
     std::vector<RequestToken> tokens;

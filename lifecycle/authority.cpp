@@ -48,7 +48,11 @@ void Decision::On(const event::EmergencyStopSeen& seen) {
   const auto& released = machine_.released_stops;
   const bool over = std::find(released.begin(), released.end(), seen.stop.id) != released.end();
   if (seen.stop.id == 0 || over) return;
-  if (machine_.emergency_stop) return EngageToo(seen.stop.id);
+  const auto& engaged = machine_.emergency_stop;
+  // An actuator that had latched it may have spoken before whoever engaged it.
+  const bool explains =
+      engaged && engaged->id == seen.stop.id && engaged->by.empty() && !seen.stop.by.empty();
+  if (engaged && !explains) return EngageToo(seen.stop.id);
   Engage(seen.stop);
 }
 
@@ -64,9 +68,10 @@ void Decision::Engage(const EmergencyStop& stop) {
   machine_.emergency_stop = stop;
   Do(action::TellEmergencyStop{stop, true});
   Do(action::SaveEmergencyStop{stop});
-  RecordMachine(kCodeProtectedError, "emergency stop, engaged by " +
-                                         (stop.by.empty() ? "somebody" : stop.by) +
-                                         (stop.reason.empty() ? "" : ": " + stop.reason));
+  machine_.stop_cause =
+      RecordMachine(kCodeProtectedError, "emergency stop, engaged by " +
+                                             (stop.by.empty() ? "somebody" : stop.by) +
+                                             (stop.reason.empty() ? "" : ": " + stop.reason));
   if (machine_.current) machine_.current->stopped = true;
 }
 
@@ -102,7 +107,7 @@ void Decision::HoldTo(const ActuatorReport& report, std::size_t i) {
   if (std::find(released.begin(), released.end(), id) != released.end()) {
     return Do(action::TellEmergencyStop{{id, "", ""}, false});
   }
-  Engage({id, ConfigOf(i).name, "it was latched there when this controller came"});
+  Engage({id, "", ConfigOf(i).name + " had latched it"});  // by whom is not known, or not yet
 }
 
 }  // namespace musher

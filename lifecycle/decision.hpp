@@ -146,6 +146,7 @@ class Decision {
   void GiveUp(std::size_t i);
   void CountArrival(std::size_t i);
   void CheckRestarts();
+  void CallOffRestart(std::size_t i);
   void StartAgain(std::size_t i);
   void EndForRestart(std::size_t i);
   void AnswerRestarts(std::size_t i);

@@ -44,6 +44,16 @@ void HealthMonitor::Watch(std::size_t actuator, std::uint64_t incarnation, const
   patient.host = host;
   patient.local = local;
   patient.heard = now;
+  // Its first beats may have come before anybody listened.
+  if (config_->actuators[actuator].protocol != Protocol::kMusher) return;
+  Promise(patient, BeatPeriod(*config_, actuator));
+  patient.look = now + patient.limit / 2;
+}
+
+// The next beat is due in a period: how long it may be silent.
+void HealthMonitor::Promise(Patient& patient, Duration period) {
+  const Duration least = patient.local ? Milliseconds(40) : kLeastRemoteLimit;
+  patient.limit = std::clamp(period * kBeatsMissed, least, Milliseconds(60'000));
 }
 
 void HealthMonitor::Forget(std::size_t actuator) {
@@ -64,9 +74,7 @@ std::vector<Finding> HealthMonitor::Heard(std::size_t actuator, std::uint64_t in
   std::vector<Finding> findings;
   Patient& patient = patients_[actuator];
   if (patient.incarnation != incarnation || incarnation == 0) return findings;
-  const Duration least = patient.local ? Duration::zero() : kLeastRemoteLimit;
-  patient.limit = std::clamp(beat.period * kBeatsMissed, std::max(least, Milliseconds(40)),
-                             Milliseconds(60'000));
+  Promise(patient, beat.period);
   Revive(actuator, patient, now, findings);
   JudgeWork(actuator, patient, beat, now, findings);
   return findings;

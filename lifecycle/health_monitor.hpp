@@ -10,8 +10,8 @@
 //          of this host: Examine ──▶ waited for a CPU: starved   stopped, or had its chances: hung
 //          elsewhere:    others of its host are heard ──▶ crashed      nobody is ──▶ partitioned
 //
-// The end of a process is no matter of this: the kernel tells it at once. Who never beats (another
-// protocol) is never judged.
+// The end of a process is no matter of this: the kernel tells it at once. Who speaks another
+// protocol and never beats is never judged.
 
 #include <cstdint>
 #include <optional>
@@ -92,7 +92,7 @@ class HealthMonitor {
     std::uint64_t incarnation = 0;  // 0: nobody is watched
     std::string host;
     bool local = false;
-    Duration limit{};  // of its silence; 0: it has not beaten yet
+    Duration limit{};  // of its silence; 0: no beat is expected
     Time heard{};
     bool probed = false;
     bool forgiven = false;     // the delay was our own, once
@@ -102,6 +102,7 @@ class HealthMonitor {
     Time starved{};  // when that was noticed last
   };
 
+  static void Promise(Patient& patient, Duration period);
   void Revive(std::size_t actuator, Patient& patient, Time now, std::vector<Finding>& findings);
   void JudgeWork(std::size_t actuator, Patient& patient, const Beat& beat, Time now,
                  std::vector<Finding>& findings);

@@ -183,6 +183,7 @@ struct Machine {
   std::uint64_t fallback_cause = 0;  // the record that says why
   std::optional<Stopping> stopping;
   std::optional<EmergencyStop> emergency_stop;
+  std::uint64_t stop_cause = 0;                // the record that tells of it
   std::vector<std::uint64_t> other_stops;      // engaged beside it, released with it
   std::vector<std::uint64_t> released_stops;   // the last ones that were released
   std::vector<std::uint64_t> set_up_requests;  // who waits for all actuators to be set up

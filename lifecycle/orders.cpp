@@ -132,6 +132,7 @@ void Decision::On(const event::StatusSeen& seen) {
   }
   Accept(seen.actuator, report);
   record.presence = Presence::kStarting;
+  if (record.restart_at) CallOffRestart(seen.actuator);
   // Its services appear when it is set up; until then there is nobody to ask.
   if (not_set_up) return;
   if (!stopping) Claim(seen.actuator);
@@ -309,6 +310,7 @@ void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause) 
 void Decision::TakeForTornDown(std::size_t i) {
   if (!Of(i).order || Of(i).order->target != kTearDown) return;
   Of(i).report.state = State(kTearDown);
+  Of(i).report.apart = true;  // while the machine goes on, it was told alone
   EndOrder(i, {ActuatorOutcome::kDone, kCodeOk, "", true});
 }
 

@@ -158,6 +158,8 @@ class Planning {
     if (record.presence != Presence::kPresent) {
       const bool loading = !record.fault && record.presence != Presence::kLost;
       leave_out(loading ? "is still starting" : "is not there", kCodeStatusError, !loading);
+    } else if (record.restart_asked && plan_.target != kTearDown) {
+      leave_out("is being restarted", kCodeTargetBusy, false);
     } else if (Joining(record)) {
       leave_out("is still joining", kCodeTargetBusy, false);
     } else if (!actuator.Lists(plan_.target)) {

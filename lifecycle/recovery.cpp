@@ -72,8 +72,10 @@ void Decision::Recovered(std::size_t i, const std::string& how) {
   record.health = Health::kWell;
   record.cause =
       RecordActuator(i, kCodeOk, ConfigOf(i).name + " is well again: " + how, record.cause);
-  if (!record.restart_asked) record.doomed = 0;
-  record.kill_at.reset();
+  if (!record.restart_asked) {  // else it is to end, well or not
+    record.doomed = 0;
+    record.kill_at.reset();
+  }
   if (record.presence == Presence::kLost) {
     record.presence = Presence::kStarting;
     return Claim(i);
@@ -139,7 +141,8 @@ void Decision::Recover(std::size_t i, bool clean) {
     record.restart_at = now_;
     return;
   }
-  if (record.state() == kTearDown) return;
+  // Who was torn down alone is meant to stay so.
+  if (record.state() == kTearDown && record.report.apart) return;
   const bool content = clean && config.restart.policy == RestartPolicy::kOnFailure;
   if (!MayRestart(i) || content) return Fall(i);
   if (record.restarts >= config.restart.limit) return GiveUp(i);
@@ -193,6 +196,12 @@ void Decision::CheckRestarts() {
   }
 }
 
+// Somebody else was faster.
+void Decision::CallOffRestart(std::size_t i) {
+  Of(i).restart_at.reset();
+  Of(i).set_up_by = now_ + config_.TimeFor(i, kSetUp);
+}
+
 void Decision::StartAgain(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.restart_at.reset();
@@ -244,7 +253,7 @@ void Decision::EndForRestart(std::size_t i) {
                            record.health != Health::kHung && ConfigOf(i).Lists(kTearDown) &&
                            record.state() != kTearDown;
   if (can_be_told) {
-    return Issue(i, machine_.number + 1, State(kTearDown), config_.TimeFor(i, kTearDown));
+    return Issue(i, machine_.number + 1, State(kTearDown), config_.TimeFor(i, kTearDown), true);
   }
   Doom(i, pid, kEndTime);
   Do(action::SignalProcess{i, pid, false});

@@ -22,7 +22,9 @@ struct ActuatorReport {
   std::int32_t pid = 0;
   std::string host;
   std::string config_hash;
-  bool apart = false;  // its state was set for it alone, so it says nothing about the machine's
+  // Its state, or the one that it is on its way to, was set for it alone: that says nothing about
+  // the machine's.
+  bool apart = false;
   std::uint64_t emergency_stop = 0;  // the one that it has latched; 0: none
   Time stamp{};                      // by the actuator's own clock
 

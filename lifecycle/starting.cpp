@@ -75,7 +75,7 @@ bool Decision::NeedsMet(std::size_t i, std::string& hindrance) const {
   bool met = true;
   for (const std::string& name : ConfigOf(i).after) {
     const ActuatorRecord& needed = Of(*config_.IndexOf(name));
-    if (needed.fault && !Coming(*config_.IndexOf(name)))
+    if (needed.fault && !needed.parked && !Coming(*config_.IndexOf(name)))
       hindrance = "needs " + name + ", which is degraded: " + needed.fault->message;
     if (needed.presence != Presence::kPresent || needed.fault) met = false;
   }
@@ -100,6 +100,7 @@ void Decision::On(const event::ProcessStarted& started) {
 }
 
 void Decision::On(const event::ProcessNotStarted& failed) {
+  if (Of(failed.actuator).presence == Presence::kPresent) return;  // somebody else has started it
   Of(failed.actuator).presence = Presence::kAbsent;
   Degrade(failed.actuator, kCodeFailed, "its process could not be started: " + failed.why,
           Of(failed.actuator).cause);
@@ -112,9 +113,12 @@ void Decision::On(const event::ProcessEnded& ended) {
   record.process = 0;
   if (record.report.pid == ended.pid) record.dead = record.report.incarnation;
   const std::string how = "process " + std::to_string(ended.pid) + " ended: " + ended.how;
-  record.cause = RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
-                               ConfigOf(ended.actuator).name + "'s " + how,
-                               record.fault ? record.cause : 0);
+  record.cause =
+      RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
+                    ConfigOf(ended.actuator).name + "'s " + how, record.fault ? record.cause : 0);
+  const bool another_is_there = record.presence == Presence::kPresent &&
+                                record.report.pid != ended.pid && record.report.pid != 0;
+  if (another_is_there) return;
   if (ended.clean) TakeForTornDown(ended.actuator);
   if (record.health != Health::kHung) record.health = Health::kCrashed;
   if (record.presence == Presence::kStarting || record.presence == Presence::kPresent) {
@@ -224,6 +228,8 @@ std::optional<State> Decision::LowestFound() const {
   };
   for (const ActuatorRecord& record : machine_.actuators) {
     if (record.presence != Presence::kPresent || (record.report.apart && !all_apart)) continue;
+    // Who is being torn down will end, and be started again as others that have ended.
+    if (record.state() == kTearDown || record.report.target == kTearDown) continue;
     consider(record.state());
     if (config_.RankOf(record.state())) consider(record.report.target);
   }

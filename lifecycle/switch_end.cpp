@@ -121,7 +121,10 @@ SwitchResult Decision::Conclude(const Switch& s, bool undone) const {
   result.state = s.only ? Of(*s.only).state() : machine_.state;
   result.degraded = Degraded(config_, machine_);
   result.actuators = Results(s);
-  if (const Leg* worst = WorstLeg(s)) {
+  if (s.stopped && undone) {
+    result.code = kCodeProtectedError;
+    result.reason = "an emergency stop came";
+  } else if (const Leg* worst = WorstLeg(s)) {
     result.code = worst->code;
     result.reason = ConfigOf(worst->actuator).name + ": " +
                     std::string(OutcomeName(worst->outcome)) + " with " + CodeText(worst->code) +

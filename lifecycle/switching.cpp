@@ -294,11 +294,12 @@ void Decision::BeginRollback(Switch& s) {
     }
     s.back.push_back(back);
   }
+  const Leg* worst = WorstLeg(s);
   RecordSwitch(s, kCodeOk,
                "switch " + std::to_string(s.number) + " is rolled back by command " +
                    std::to_string(s.back_number) + ", " + std::to_string(s.back.size()) +
                    " to be brought back",
-               Of(WorstLeg(s)->actuator).cause);
+               s.stopped || worst == nullptr ? machine_.stop_cause : Of(worst->actuator).cause);
 }
 
 void Decision::Answer(const std::vector<RequestId>& requests, const SwitchResult& result) {

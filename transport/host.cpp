@@ -7,12 +7,16 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <fstream>
 #include <optional>
+#include <sstream>
 #include <system_error>
 
 namespace musher::transport {
 namespace {
+
+namespace fs = std::filesystem;
 
 // An abstract address: its path starts with a zero byte and counts to its very last byte.
 struct AbstractAddress {
@@ -35,6 +39,29 @@ std::optional<AbstractAddress> AddressOf(std::string_view name) {
 // Datagram: a bound socket can be connected to without anybody listening.
 UniqueFd MakeSocket() {
   return UniqueFd(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+}
+
+// The inode of the socket that is bound to an abstract address, by the kernel's table of them:
+// "ffff8880: 00000002 00000000 00000000 0002 01 41923 @musher/…", with '@' for the zero byte.
+std::string InodeOf(const std::string& address) {
+  std::ifstream table("/proc/net/unix");
+  for (std::string line; std::getline(table, line);) {
+    std::istringstream words(line);
+    std::string skipped;
+    std::string inode;
+    std::string path;
+    for (int i = 0; i < 6; ++i) words >> skipped;
+    if (words >> inode >> path && path == address) return inode;
+  }
+  return {};
+}
+
+bool HasOpen(const fs::path& process, const std::string& target) {
+  std::error_code hidden;
+  for (const auto& fd : fs::directory_iterator(process / "fd", hidden)) {
+    if (fs::read_symlink(fd.path(), hidden) == target) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -88,6 +115,17 @@ bool NameLock::IsHeld(std::string_view name) {
   if (!address) return false;
   const UniqueFd socket = MakeSocket();
   return socket.valid() && connect(socket.get(), address->get(), address->size) == 0;
+}
+
+pid_t NameLock::HolderOf(std::string_view name) {
+  const std::string inode = InodeOf("@musher/" + std::string(name));
+  if (inode.empty()) return 0;
+  std::error_code ended;
+  for (const auto& entry : fs::directory_iterator("/proc", ended)) {
+    const pid_t pid = std::atoi(entry.path().filename().c_str());
+    if (pid != 0 && HasOpen(entry.path(), "socket:[" + inode + "]")) return pid;
+  }
+  return 0;
 }
 
 }  // namespace musher::transport

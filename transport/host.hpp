@@ -50,6 +50,9 @@ class NameLock {
   // Whether a living process holds the name. Never disturbs one that is about to acquire it.
   static bool IsHeld(std::string_view name);
 
+  // The process that holds the name; 0: nobody, or one that we may not look into.
+  static pid_t HolderOf(std::string_view name);
+
  private:
   explicit NameLock(UniqueFd socket) : socket_(std::move(socket)) {}
 

@@ -22,6 +22,8 @@ A first tour:
   musher plan LowPower             what a switch would do, without doing it
   musher set LowPower              switch the machine
   musher set Active audio          switch one actuator
+  musher restart audio             end its process and start it again
+  musher estop "smoke"             stop everything that moves, now; --release ends that
   musher history --since 10m       what happened
   musher history --why             why the machine is in its state
   musher replay journal.sqlite     the same decisions once more, without a robot
@@ -114,7 +116,7 @@ class Grammar {
         ->type_name("local|lan");
     timeout_ = app_.add_option("--timeout", timeout_s_,
                                "How long to wait for the controller's answer;\n"
-                               "default 60 for set and down, else 5")
+                               "default 60 for set, down and restart, else 5")
                    ->check(InSeconds())
                    ->type_name("SECONDS");
     app_.add_option("--color", colour_,
@@ -133,6 +135,9 @@ class Grammar {
     command->add_option("FILE", up->file, "State config (TOML)")->required()->type_name("");
     command->add_flag("-d,--detach", up->detach,
                       "Return when the start has ended; the machine stays up");
+    command->add_flag("--takeover", up->takeover,
+                      "End a controller that leads this machine; its actuators\n"
+                      "go on and are taken over");
 
     auto graph = std::make_shared<GraphOptions>();
     command = AddCommand("graph", "Draw the states of a config, or its actuators", graph);
@@ -173,6 +178,21 @@ class Grammar {
         ->type_name("");
     command->add_option("ACTUATOR", set->actuator, "Only this one; default the whole machine")
         ->type_name("");
+
+    auto restart = std::make_shared<RestartOptions>();
+    command = AddCommand("restart", "End an actuator's process and start it again", restart);
+    command->add_option("ACTUATOR", restart->actuator, "The one to restart")
+        ->required()
+        ->type_name("");
+
+    auto estop = std::make_shared<EstopOptions>();
+    command = AddCommand("estop", "Emergency stop: also without a controller", estop);
+    auto* reason = command->add_option("REASON", estop->reason, "Why; told to everybody who asks")
+                       ->type_name("");
+    command
+        ->add_flag("--release", estop->release,
+                   "Release it; needs the controller, and changes no state")
+        ->excludes(reason);
 
     auto plan = std::make_shared<PlanOptions>();
     command = AddCommand("plan", "Show what a switch would do; changes nothing", plan);

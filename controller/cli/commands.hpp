@@ -13,6 +13,8 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
 ExitCode Down(const GlobalOptions& global, Console& console);
 ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Set(const SetOptions& options, const GlobalOptions& global, Console& console);
+ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console);
+ExitCode Estop(const EstopOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& console);
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Replay(const ReplayOptions& options, Console& console);

@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "musher/controller/cli/exit_code.hpp"
 #include "musher/controller/cli/signals.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 #include "musher/transport/dds/dds_node.hpp"
@@ -37,10 +36,12 @@ void PutOwnFolderFirstInPath() {
 }  // namespace
 
 ControllerProcess::ControllerProcess(const MachineConfig& config, transport::UniqueFd progress,
-                                     pid_t front)
+                                     pid_t front, bool takeover)
     : config_(config),
       front_(front),
+      takeover_(takeover),
       signals_(TakeEndSignals()),
+      let_go_(TakeSignals({kLetGoSignal})),
       progress_(loop_, std::move(progress)),
       log_(config.log.empty() ? config.state_dir + "/controller.log" : config.log),
       service_manager_(loop_, config) {}
@@ -59,8 +60,8 @@ int ControllerProcess::Run() {
   loop_.Run();
   controller_->FlushJournal(kLastWords);
   loop_.RunUntil([] { return false; }, loop_.Now());  // what the journal had to say about that
-  Tell(Progress::kStopped, config_.name + " is stopped");
-  return static_cast<int>(ExitCode::kDone);
+  if (exit_ == ExitCode::kDone) Tell(Progress::kStopped, config_.name + " is stopped");
+  return static_cast<int>(exit_);
 }
 
 Result<> ControllerProcess::Begin() {
@@ -78,14 +79,21 @@ Result<> ControllerProcess::Begin() {
   signal_watch_ = loop_.WhenReadable(signals_.get(), [this] {
     if (NextSignal(signals_) != 0) TakeDown();
   });
+  let_go_watch_ = loop_.WhenReadable(let_go_.get(), [this] {
+    pid_t sender = 0;
+    if (NextSignal(let_go_, &sender) == 0) return;
+    controller_->shell().LetGo("process " + std::to_string(sender) + " of this host");
+  });
   return Ok();
 }
 
 ControllerOptions ControllerProcess::Options() {
   ControllerOptions options;
+  options.takeover = takeover_;
   options.hooks.on_record = [this](const action::Record& record) { OnRecord(record); };
   options.hooks.on_start_up_ended = [this](const action::StartUpEnded& e) { OnStartUpEnded(e); };
   options.hooks.on_stopped = [this] { loop_.Stop(); };
+  options.hooks.on_fenced = [this](const std::string& message) { OnFenced(message); };
   options.on_trouble = [this](const std::string& message) {  // from any thread
     loop_.Post([this, message] { OnTrouble(message); });
   };
@@ -110,6 +118,16 @@ void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
   if (!ended.usable) prctl(PR_SET_PDEATHSIG, 0);
   service_manager_.StartUpEnded(ended);
   Tell(Progress::kStartUp, ended.message, ended.usable ? kCodeOk : kCodeFailed);
+}
+
+// Another controller leads: this one has lost the machine, or was refused before it began.
+void ControllerProcess::OnFenced(const std::string& message) {
+  const bool begun = controller_->shell().machine().phase == Phase::kFenced;
+  exit_ = begun ? ExitCode::kNotDone : ExitCode::kUsage;
+  log_.Write(message, kCodePermissionDenied);
+  service_manager_.Fenced(message);
+  Tell(begun ? Progress::kFenced : Progress::kNotStarted, message, kCodePermissionDenied);
+  loop_.Stop();
 }
 
 void ControllerProcess::OnTrouble(const std::string& message) {

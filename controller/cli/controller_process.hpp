@@ -5,6 +5,9 @@
 //
 //   Run(): join the domain ─▶ take the machine over ─▶ lead it until it is stopped ─▶ exit code 0
 //                 └──────────────────┴─▶ "not-started" to the front ─▶ exit code 2
+//   led by another controller from now on: "fenced" to the front ─▶ exit code 1
+//
+// In every case the actuators' processes go on.
 //
 // Threads: the loop's; the journal and Cyclone have their own.
 
@@ -14,6 +17,7 @@
 #include <string>
 
 #include "musher/controller/cli/controller_log.hpp"
+#include "musher/controller/cli/exit_code.hpp"
 #include "musher/controller/cli/progress.hpp"
 #include "musher/controller/cli/service_manager.hpp"
 #include "musher/controller/controller.hpp"
@@ -26,7 +30,8 @@ class ControllerProcess {
  public:
   // `front`: the process that must not outlive us in the foreground - if it dies, so do we, until
   // start-up has failed; 0: nobody.
-  ControllerProcess(const MachineConfig& config, transport::UniqueFd progress, pid_t front);
+  ControllerProcess(const MachineConfig& config, transport::UniqueFd progress, pid_t front,
+                    bool takeover);
 
   // In a new process, before it has threads. Gives its exit code.
   int Run();
@@ -36,13 +41,17 @@ class ControllerProcess {
   ControllerOptions Options();
   void OnRecord(const action::Record& record);
   void OnStartUpEnded(const action::StartUpEnded& ended);
+  void OnFenced(const std::string& message);
   void OnTrouble(const std::string& message);
   void TakeDown();
   void Tell(const std::string& kind, const std::string& message, std::int32_t code = kCodeOk);
 
   const MachineConfig& config_;
   const pid_t front_;
+  const bool takeover_;
+  ExitCode exit_ = ExitCode::kDone;
   transport::UniqueFd signals_;
+  transport::UniqueFd let_go_;
   transport::LinuxEventLoop loop_;
   ProgressSender progress_;
   ControllerLog log_;
@@ -50,6 +59,7 @@ class ControllerProcess {
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<Controller> controller_;
   transport::LoopHandlePtr signal_watch_;
+  transport::LoopHandlePtr let_go_watch_;
 };
 
 }  // namespace musher::cli

@@ -80,6 +80,11 @@ void Link::AwaitEndOf(const msg::MachineStatus& controller, Duration timeout) {
   loop_.RunUntil([&] { return ended || interrupted_; }, deadline);
 }
 
+bool Link::RunUntil(const std::function<bool()>& done, Duration timeout) {
+  loop_.RunUntil([&] { return done() || interrupted_; }, loop_.Now() + timeout);
+  return done();
+}
+
 void Link::RunUntilInterrupted() {
   while (!interrupted_) {
     loop_.RunUntil([this] { return interrupted_; }, loop_.Now() + std::chrono::hours(24));
@@ -91,7 +96,7 @@ std::optional<Failure> Link::Await(const std::function<bool()>& answered,
   const Time begin = loop_.Now();
   const auto ended = [&] { return answered() || interrupted_; };
   loop_.RunUntil([&] { return ended() || found(); }, begin + std::min(kDiscovery, timeout));
-  if (!ended() && !found() && !HasMachine()) return NoController();
+  if (!ended() && !found() && !HasMachine()) return Nobody("controller");
   loop_.RunUntil(ended, begin + timeout);
   if (answered()) return std::nullopt;
   if (interrupted_) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
@@ -104,8 +109,8 @@ bool Link::HasMachine() const {
   });
 }
 
-Failure Link::NoController() const {
-  std::string message = "no controller in namespace '" + global_.name_space + "'";
+Failure Link::Nobody(const std::string& what) const {
+  std::string message = "no " + what + " in namespace '" + global_.name_space + "'";
   if (machines_.empty()) {
     message += fmt::format(
         " of DDS domain {}; `musher up FILE` starts one, and --transport lan looks on other hosts",

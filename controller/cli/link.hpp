@@ -54,6 +54,16 @@ class Link {
   // Runs the loop until this controller is gone, at most `timeout`: its process, where we can see
   // it, else its status, which FollowStatus() must have begun to follow.
   void AwaitEndOf(const msg::MachineStatus& controller, Duration timeout);
+  // For commands that speak with others than the controller.
+  transport::Node& node() { return *node_; }
+  transport::EventLoop& loop() { return loop_; }
+  // Runs the loop until `done` holds, at most `timeout`, or until Ctrl-C; says whether it held.
+  bool RunUntil(const std::function<bool()>& done, Duration timeout);
+  bool interrupted() const { return interrupted_; }
+  bool HasMachine() const;  // a controller in our namespace has been heard of
+  // That nobody is there: "no <what> in namespace …".
+  Failure Nobody(const std::string& what) const;
+
   // Runs the loop until Ctrl-C.
   void RunUntilInterrupted();
 
@@ -64,8 +74,6 @@ class Link {
   // Runs the loop until the answer is there, or there is a reason to stop waiting for it.
   std::optional<Failure> Await(const std::function<bool()>& answered,
                                const std::function<bool()>& found, Duration timeout);
-  bool HasMachine() const;  // a controller in our namespace has been heard of
-  Failure NoController() const;
   Failure NoAnswer(Duration timeout) const;
 
   const GlobalOptions& global_;

@@ -29,6 +29,7 @@ struct CheckOptions {
 struct UpOptions {
   std::string file;
   bool detach = false;
+  bool takeover = false;  // from a living controller
 };
 struct DownOptions {};
 struct StatusOptions {
@@ -37,6 +38,13 @@ struct StatusOptions {
 struct SetOptions {
   std::string state;
   std::string actuator;  // empty: the whole machine
+};
+struct RestartOptions {
+  std::string actuator;
+};
+struct EstopOptions {
+  std::vector<std::string> reason;  // words
+  bool release = false;
 };
 struct PlanOptions {
   std::string state;
@@ -64,9 +72,9 @@ struct CompletionOptions {
   std::string shell;  // "bash" or "zsh"
 };
 
-using CommandOptions =
-    std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions, PlanOptions,
-                 HistoryOptions, ReplayOptions, GraphOptions, CompletionOptions>;
+using CommandOptions = std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions,
+                                    RestartOptions, EstopOptions, PlanOptions, HistoryOptions,
+                                    ReplayOptions, GraphOptions, CompletionOptions>;
 
 struct CommandLine {
   GlobalOptions global;

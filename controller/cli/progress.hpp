@@ -19,6 +19,7 @@ struct Progress {
   static constexpr const char* kStartUp = "start-up";        // it has ended; code 0: usable
   static constexpr const char* kNotStarted = "not-started";  // there is no controller, and why
   static constexpr const char* kTrouble = "trouble";         // the robot goes on in spite of it
+  static constexpr const char* kFenced = "fenced";           // another controller leads it now
   static constexpr const char* kStopped = "stopped";         // the machine is stopped
 
   std::int64_t wall_ns = 0;

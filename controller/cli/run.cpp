@@ -25,6 +25,8 @@ struct Dispatch {
   ExitCode operator()(const DownOptions&) const { return Down(global, console); }
   ExitCode operator()(const StatusOptions& o) const { return Status(o, global, console); }
   ExitCode operator()(const SetOptions& o) const { return Set(o, global, console); }
+  ExitCode operator()(const RestartOptions& o) const { return Restart(o, global, console); }
+  ExitCode operator()(const EstopOptions& o) const { return Estop(o, global, console); }
   ExitCode operator()(const PlanOptions& o) const { return Plan(o, global, console); }
   ExitCode operator()(const HistoryOptions& o) const { return History(o, global, console); }
   ExitCode operator()(const ReplayOptions& o) const { return Replay(o, console); }

@@ -63,6 +63,13 @@ void ServiceManager::Follow(const Machine& machine) {
   if (machine.phase != Phase::kFailed) Status(StatusWords(config_, machine));
 }
 
+void ServiceManager::Fenced(const std::string& why) {
+  if (!enabled_) return;
+  stopping_ = true;
+  Notify("STOPPING=1");
+  Status(why);
+}
+
 void ServiceManager::Status(const std::string& words) {
   if (words == told_) return;
   told_ = words;

@@ -1,7 +1,7 @@
 #pragma once
 // What systemd is told when it runs `musher up` as a service of Type=notify: that the machine is
-// usable, its state in words, that the loop still turns, and that the machine is being taken down.
-// Without NOTIFY_SOCKET in the environment nothing is done at all.
+// usable, its state in words, that the loop still turns, and that the machine is being taken down
+// or led by another. Without NOTIFY_SOCKET in the environment nothing is done at all.
 //
 // It is the controller process that tells, while systemd's main process is the front, its parent:
 // so the unit needs NotifyAccess=all. The watchdog of the front is served from here, too; whatever
@@ -26,6 +26,8 @@ class ServiceManager {
   void StartUpEnded(const action::StartUpEnded& ended);
   // STATUS= whenever the words change, STOPPING=1 as soon as the machine is taken down.
   void Follow(const Machine& machine);
+  // STOPPING=1, and STATUS= with why: another controller leads the machine.
+  void Fenced(const std::string& why);
 
  private:
   void Status(const std::string& words);

@@ -22,9 +22,10 @@ transport::UniqueFd TakeEndSignals() {
   return TakeSignals({SIGINT, SIGTERM, SIGHUP});
 }
 
-int NextSignal(const transport::UniqueFd& signals) {
+int NextSignal(const transport::UniqueFd& signals, pid_t* sender) {
   signalfd_siginfo info{};
   if (read(signals.get(), &info, sizeof(info)) != sizeof(info)) return 0;
+  if (sender != nullptr) *sender = static_cast<pid_t>(info.ssi_pid);
   return static_cast<int>(info.ssi_signo);
 }
 

@@ -41,7 +41,8 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
     ours = {};
     int exit_code = 0;
     {
-      ControllerProcess process(*config, std::move(theirs), options.detach ? 0 : front);
+      ControllerProcess process(*config, std::move(theirs), options.detach ? 0 : front,
+                                options.takeover);
       exit_code = process.Run();
     }
     std::exit(exit_code);  // NOLINT(concurrency-mt-unsafe)

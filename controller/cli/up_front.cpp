@@ -50,6 +50,11 @@ void UpFront::OnProgress(const Progress& progress) {
     exit_ = console_.Fail({ExitCode::kUsage, {progress.code, progress.message}});
     return;  // its end follows
   }
+  if (progress.kind == Progress::kFenced) {
+    fenced_ = true;
+    if (console_.mode().json) console_.Print(ProgressJson(progress));
+    return console_.Complain(progress.message + "; this controller ends, the actuators go on");
+  }
   const bool said_already = progress.kind == Progress::kStartUp;  // as a record of the machine
   if (console_.mode().json) {
     console_.Print(ProgressJson(progress));
@@ -87,6 +92,7 @@ void UpFront::OnEnd() {
     return Leave(came_up_ ? ExitCode::kDone : ExitCode::kNotDone);
   }
   if (failed_to_start_) return Leave(exit_);
+  if (fenced_) return Leave(ExitCode::kNotDone);
   Leave(
       console_.Fail({ExitCode::kNotDone,
                      {kCodeFailed, "the controller of " + machine_ + " has died (" + how +

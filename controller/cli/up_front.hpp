@@ -6,6 +6,7 @@
 //   starting ─ usable ──┴▶ stays ─ stopped ─▶ 0
 //      ├─ failed ─▶ leaves with 1; the controller and the actuators stay up for inspection
 //      ├─ not started ─▶ 2
+//      ├─ taken over by another controller, now or later ─▶ 1
 //      └─ stopped by a signal before it was usable ─▶ 1
 //
 // SIGABRT, which systemd's watchdog sends to its main process, this one, is handed on too, so that
@@ -47,6 +48,7 @@ class UpFront {
   bool stopped_ = false;
   bool stop_asked_ = false;
   bool failed_to_start_ = false;
+  bool fenced_ = false;
   ExitCode exit_ = ExitCode::kNotDone;
   transport::UniqueFd signals_;
   transport::UniqueFd abort_;

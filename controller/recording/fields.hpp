@@ -358,6 +358,7 @@ inline constexpr std::tuple kFields<Machine> = {
     Field{"fallback_cause", &Machine::fallback_cause},
     Field{"stopping", &Machine::stopping},
     Field{"emergency_stop", &Machine::emergency_stop},
+    Field{"stop_cause", &Machine::stop_cause},
     Field{"other_stops", &Machine::other_stops},
     Field{"released_stops", &Machine::released_stops},
     Field{"set_up_requests", &Machine::set_up_requests},

@@ -242,8 +242,13 @@ std::optional<std::size_t> TableReader::OneOf(std::string_view key,
   return std::nullopt;
 }
 
+// A key that TOML would have in quotes is shown in quotes: it may hold anything, line ends too.
 std::string TableReader::Path(std::string_view key) const {
-  return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
+  constexpr std::string_view kBare =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+  const bool bare = !key.empty() && key.find_first_not_of(kBare) == std::string_view::npos;
+  const std::string shown = bare ? std::string(key) : Quote(key);
+  return path_.empty() ? shown : path_ + "." + shown;
 }
 
 }  // namespace musher::config_toml

@@ -172,11 +172,12 @@ struct HistoryEntry {
   std::string message;
   std::uint64_t cause = 0;
   std::string state{};
+  std::string data{};
 
   template <class Self>
   static auto Fields(Self& m) {
     return std::tie(m.id, m.wall_ns, m.epoch, m.switch_number, m.kind, m.actuator, m.code,
-                    m.message, m.cause, m.state);
+                    m.message, m.cause, m.state, m.data);
   }
   friend bool operator==(const HistoryEntry&, const HistoryEntry&) = default;
 };

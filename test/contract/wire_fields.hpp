@@ -222,6 +222,7 @@ MUSHER_SAME(musher_msgs_msg_dds__HistoryEntry_, HistoryEntry) {
   SAME(message);
   SAME(cause);
   SAME(state);
+  SAME(data);
 }
 
 MUSHER_SAME(musher_msgs_srv_dds__ActuatorCommand_Request_, ActuatorCommand::Request) {

@@ -48,8 +48,27 @@ class Story {
     for (std::size_t i = 0; i < config.actuators.size(); ++i) {
       config.actuators[i].command = {"run"};
       if (i > 0 && dice_.Chance(0.3)) config.actuators[i].after = {config.actuators[i - 1].name};
+      if (i > 0 && dice_.Chance(0.2)) config.actuators[i].binds_to = {config.actuators[0].name};
+      config.actuators[i].critical = dice_.Chance(0.2);
+      if (config.actuators[i].critical) config.actuators[i].on_lost = kProtected;
+      config.actuators[i].restart = DrawRestart();
+      if (dice_.Chance(0.3)) config.actuators[i].checkpoint = Milliseconds(200);
+      if (dice_.Chance(0.2)) {
+        config.actuators[i].controller_lost = std::chrono::seconds(1);
+        config.actuators[i].on_controller_lost = kProtected;
+      }
     }
     return config;
+  }
+
+  RestartConfig DrawRestart() {
+    RestartConfig restart;
+    static constexpr RestartPolicy kPolicies[] = {RestartPolicy::kNo, RestartPolicy::kOnFailure,
+                                                  RestartPolicy::kAlways};
+    restart.policy = kPolicies[dice_.Next() % 3];
+    restart.limit = static_cast<int>(dice_.Next() % 4);
+    restart.reset_after = std::chrono::seconds(2);
+    return restart;
   }
 
   Act DrawAct(const State& state) {
@@ -59,6 +78,7 @@ class Story {
     if (dice_.Chance(0.05))
       act.takes = Milliseconds(150 + static_cast<std::int64_t>(dice_.Next() % 400));
     if (dice_.Chance(0.05)) act.error = {5001, "drawn"};
+    if (dice_.Chance(0.01)) act.takes = std::chrono::hours(24);  // it hangs
     return act;
   }
 
@@ -81,13 +101,20 @@ class Story {
     const std::size_t drawn = dice_.Next() % robot_.config().actuators.size();
     const std::string& victim = robot_.config().actuators[drawn].name;
     if (dice_.Chance(0.1)) robot_.network().Partition("controller", victim);
+    if (dice_.Chance(0.05) && robot_.IsAlive(victim)) robot_.FreezeActuator(victim);
+    if (dice_.Chance(0.03)) robot_.Restart(victim);
+    if (dice_.Chance(0.05)) robot_.EngageEmergencyStop(dice_.Next() | 1);
     if (dice_.Chance(0.1)) {
       robot_.CrashActuator(victim);
     } else if (!robot_.IsAlive(victim)) {
       robot_.StartActuator(victim);
     }
+    const bool stopped = robot_.machine().emergency_stop.has_value();
+    const auto before = StoppedRanks();
     const auto result = robot_.Set(target);
     ASSERT_TRUE(result) << "every switch has an end";
+    if (stopped) ExpectNobodyWentUp(before);
+    if (dice_.Chance(0.3)) robot_.ReleaseEmergencyStop();
     if (result->done() && target != kSelfCheck) ExpectAllIn(target);
     if (dice_.Chance(0.5)) HealAll();
   }
@@ -95,7 +122,7 @@ class Story {
   // "Done" means that all are there, but for late ones that are still joining.
   void ExpectAllIn(const State& target) {
     for (const ActuatorRecord& record : robot_.machine().actuators) {
-      const bool joining = !record.checked || record.due || record.order;
+      const bool joining = !record.checked || record.due || record.order || record.parked;
       if (!joining) {
         EXPECT_EQ(record.state(), target)
             << "of process " << record.report.pid << ", " << PresenceName(record.presence);
@@ -103,9 +130,31 @@ class Story {
     }
   }
 
+  // The ranks of those that have latched an emergency stop, by their own word. A callback that runs
+  // when the stop comes finishes: who is busy is not held to it.
+  std::map<std::pair<std::string, std::uint64_t>, Rank> StoppedRanks() const {
+    std::map<std::pair<std::string, std::uint64_t>, Rank> ranks;
+    for (const ActuatorConfig& actuator : robot_.config().actuators) {
+      const auto report = robot_.ReportOf(actuator.name);
+      if (!report || report->emergency_stop == 0 || report->busy()) continue;
+      const auto rank = robot_.config().RankOf(report->state);
+      if (rank) ranks[{actuator.name, report->emergency_stop}] = *rank;
+    }
+    return ranks;
+  }
+
+  void ExpectNobodyWentUp(const std::map<std::pair<std::string, std::uint64_t>, Rank>& before) {
+    for (const auto& [stopped, rank] : StoppedRanks()) {
+      const auto then = before.find(stopped);
+      if (then == before.end()) continue;
+      EXPECT_LE(rank, then->second) << stopped.first << " during an emergency stop";
+    }
+  }
+
   void HealAll() {
     for (const ActuatorConfig& actuator : robot_.config().actuators) {
       robot_.network().Heal("controller", actuator.name);
+      if (robot_.IsAlive(actuator.name)) robot_.ThawActuator(actuator.name);
     }
   }
 
@@ -113,8 +162,16 @@ class Story {
     faulty_ = false;
     HealAll();
     robot_.network().SetFaults(LinkFaults{});
+    robot_.RunFor(std::chrono::seconds(20));  // restarts take their time, hung ones are killed
+    robot_.ReleaseEmergencyStop();
     for (const ActuatorConfig& actuator : robot_.config().actuators) {
-      if (!robot_.IsAlive(actuator.name)) robot_.StartActuator(actuator.name);
+      if (!robot_.IsAlive(actuator.name)) {
+        robot_.StartActuator(actuator.name);
+      } else if (robot_.ReportOf(actuator.name)->busy()) {
+        robot_.CrashActuator(actuator.name);  // it hangs, and nobody is to restart it but a person
+        robot_.RunFor(std::chrono::seconds(1));
+        if (!robot_.IsAlive(actuator.name)) robot_.StartActuator(actuator.name);
+      }
     }
     robot_.RunFor(std::chrono::seconds(5));
   }

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "musher/transport/lifecycle_wire.hpp"
+
 namespace musher::testing {
 
 // Runs the callback at once and says so as much later as the script wants.
@@ -27,7 +29,10 @@ SimRobot::SimRobot(std::uint64_t seed, MachineConfig config, Script script)
     : config_(std::move(config)),
       script_(script ? std::move(script) : [](const std::string&, const State&) { return Act{}; }),
       network_(seed),
-      keeper_(network_.MakeNode("keeper")) {}
+      keeper_(network_.MakeNode("keeper")),
+      button_(transport::MakePublisher<msg::EmergencyStop>(
+                  *keeper_, transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                  .value()) {}
 
 SimRobot::~SimRobot() {
   CrashController();
@@ -123,6 +128,7 @@ void SimRobot::End(const std::string& name, const ProcessExit& exit) {
 }
 
 Result<pid_t> SimRobot::Start(const ProcessSpec& spec, OnExit on_exit) {
+  if (IsAlive(spec.name)) return Error{kCodeTargetBusy, "it runs already"};
   const std::int32_t pid = Launch(spec.name);
   watchers_[pid] = std::move(on_exit);
   return pid;
@@ -140,10 +146,23 @@ Result<> SimRobot::Watch(pid_t pid, OnExit on_exit) {
 Result<> SimRobot::Signal(pid_t pid, int signal) {
   for (const auto& [name, process] : actuators_) {
     if (process.pid != pid) continue;
+    if (process.frozen && signal != SIGKILL) return Ok();  // it would come when it goes on
     EndLater(name, pid, {ProcessExit::Kind::kKilled, signal});
     return Ok();
   }
   return Error{kCodeFailed, "no such process"};
+}
+
+void SimRobot::EngageEmergencyStop(std::uint64_t id) {
+  static_cast<void>(button_->Publish({id, true, "a person", ""}));
+}
+
+void SimRobot::ReleaseEmergencyStop() {
+  if (controller_) controller_->shell->ReleaseEmergencyStop("a person", [](const Result<>&) {});
+}
+
+void SimRobot::Restart(const std::string& name) {
+  if (controller_) controller_->shell->Restart(name, [](const Result<>&) {});
 }
 
 void SimRobot::FreezeActuator(const std::string& name) {

@@ -45,6 +45,11 @@ class SimRobot : private ProcessRunner, private ProcessWitness, private JournalS
   void CrashActuator(const std::string& name);
   void FreezeActuator(const std::string& name);  // SIGSTOP
   void ThawActuator(const std::string& name);    // SIGCONT
+  // Somebody engages an emergency stop, from a host of his own.
+  void EngageEmergencyStop(std::uint64_t id);
+  void ReleaseEmergencyStop();  // by the controller, for a person
+  // A person restarts an actuator and does not wait for it.
+  void Restart(const std::string& name);
   bool IsAlive(const std::string& name) const { return actuators_.count(name) > 0; }
 
   bool RunUntil(const std::function<bool()>& done, Duration limit = std::chrono::minutes(10));
@@ -98,6 +103,7 @@ class SimRobot : private ProcessRunner, private ProcessWitness, private JournalS
   std::map<std::string, Program> programs_;
   transport::sim::Network network_;
   std::unique_ptr<transport::Node> keeper_;  // whose loop runs what belongs to no process
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button_;
   std::unique_ptr<ControllerProcess> controller_;
   std::map<std::string, ActuatorProcess> actuators_;
   std::map<pid_t, OnExit> watchers_;  // of the living controller

@@ -127,6 +127,17 @@ TEST(NameLock, IsFreedByTheKernelWhenItsHolderIsKilled) {
   EXPECT_TRUE(NameLock::Acquire(name));
 }
 
+TEST(NameLock, TellsWhichProcessHoldsTheName) {
+  const std::string name = UniqueName("legs");
+  EXPECT_EQ(NameLock::HolderOf(name), 0);
+  Child holder([&] { return NameLock::Acquire(name); });
+  ASSERT_TRUE(holder.ready());
+  EXPECT_EQ(NameLock::HolderOf(name), holder.pid());
+  EXPECT_EQ(NameLock::HolderOf(name + "2"), 0);
+  holder.Kill();
+  EXPECT_EQ(NameLock::HolderOf(name), 0);
+}
+
 TEST(NameLock, RefusesANameThatIsTooLong) {
   EXPECT_TRUE(NameLock::Acquire(std::string(100, 'n')));
   const auto lock = NameLock::Acquire(std::string(101, 'n'));

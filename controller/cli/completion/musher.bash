@@ -2,7 +2,7 @@
 
 _musher() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
-  local commands="check up down status set plan history replay graph completion"
+  local commands="check up down status set restart estop plan history replay graph completion"
   local options="--help --json --namespace --domain --transport --timeout --color"
   local states="SelfCheck Active DeActive Protected LowPower OTA Error TearDown"
   COMPREPLY=()
@@ -27,8 +27,9 @@ _musher() {
 
   case $command in
     "") options+=" --version" ;;
-    up) options+=" --detach" ;;
+    up) options+=" --detach --takeover" ;;
     status) options+=" --watch" ;;
+    estop) options+=" --release" ;;
     history) options+=" --since --limit --journal --why" ;;
     replay) options+=" --config --since --epoch" ;;
     graph) options+=" --what --format --output" ;;

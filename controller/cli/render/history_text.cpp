@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <sstream>
+
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 #include "musher/lifecycle/code.hpp"
@@ -16,13 +18,22 @@ std::string Count(std::size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
+// A backtrace below its sentence. JSON is for programs.
+std::string Below(const std::string& data) {
+  if (data.starts_with('{')) return "";
+  std::istringstream lines(data);
+  std::string text;
+  for (std::string line; std::getline(lines, line);) text += "    " + Printable(line) + '\n';
+  return text;
+}
+
 }  // namespace
 
 std::string HistoryText(const std::vector<msg::HistoryEntry>& entries, bool colour) {
   std::string text;
   for (const msg::HistoryEntry& e : entries) {
     text += Paint(LocalText(e.wall_ns), Style::kDim, colour) + fmt::format("  {:<9}", e.kind) +
-            Sentence(e.message, e.code, colour) + '\n';
+            Sentence(e.message, e.code, colour) + '\n' + Below(e.data);
   }
   return text;
 }

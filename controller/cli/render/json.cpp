@@ -29,20 +29,29 @@ Json Of(const std::vector<Diagnostic>& diagnostics) {
 }
 
 Json Of(const msg::ActuatorInfo& a) {
-  return {{"state", a.state},       {"pid", a.pid},           {"target", a.target},
-          {"presence", a.presence}, {"stage", a.stage},       {"critical", a.critical},
-          {"held", a.held},         {"degraded", a.degraded}, {"code", a.code},
-          {"message", a.message},   {"host", a.host}};
+  return {{"state", a.state},       {"pid", a.pid},
+          {"target", a.target},     {"presence", a.presence},
+          {"stage", a.stage},       {"critical", a.critical},
+          {"held", a.held},         {"degraded", a.degraded},
+          {"code", a.code},         {"message", a.message},
+          {"host", a.host},         {"health", a.health},
+          {"restarts", a.restarts}, {"restarting", a.restarting}};
 }
 
 // An entry of the journal or of the wire.
 template <class Entry>
 Json OfEntry(const Entry& e) {
-  return {{"time", UtcText(e.wall_ns)}, {"epoch", e.epoch},
-          {"switch", e.switch_number},  {"kind", e.kind},
-          {"actuator", e.actuator},     {"code", e.code},
-          {"message", e.message},       {"id", e.id},
-          {"cause", e.cause},           {"new_state", e.state}};
+  return {{"time", UtcText(e.wall_ns)},
+          {"epoch", e.epoch},
+          {"switch", e.switch_number},
+          {"kind", e.kind},
+          {"actuator", e.actuator},
+          {"code", e.code},
+          {"message", e.message},
+          {"id", e.id},
+          {"cause", e.cause},
+          {"new_state", e.state},
+          {"data", e.data}};
 }
 
 const char* MarkName(recording::ReplayLine::Mark mark) {
@@ -74,7 +83,11 @@ std::string StatusJson(const msg::MachineStatus& status) {
                {"namespace", status.name_space},
                {"config", status.config_file},
                {"config_hash", status.config_hash},
-               {"host", status.host}});
+               {"host", status.host},
+               {"emergency_stop",
+                {{"engaged", status.emergency_stop},
+                 {"by", status.emergency_stop_by},
+                 {"reason", status.emergency_stop_reason}}}});
 }
 
 std::string SwitchJson(const msg::SetState::Response& result) {
@@ -95,6 +108,38 @@ std::string SwitchJson(const msg::SetState::Response& result) {
                {"state", result.state},
                {"degraded", result.degraded},
                {"actuators", actuators}});
+}
+
+std::string EstopJson(const EstopReport& report) {
+  Json actuators = Json::object();
+  for (const EstopReport::Actuator& a : report.actuators) {
+    actuators[a.name] = {{"stopped", a.stopped},
+                         {"before", a.before},
+                         {"after_ms", std::chrono::duration<double, std::milli>(a.after).count()},
+                         {"trouble", a.trouble}};
+  }
+  Json earlier;  // null
+  if (report.earlier) earlier = {{"by", report.earlier->by}, {"reason", report.earlier->reason}};
+  return Text({{"engaged", true},
+               {"by", report.by},
+               {"reason", report.reason},
+               {"complete", report.complete()},
+               {"controller", report.controller},
+               {"earlier", earlier},
+               {"actuators", actuators}});
+}
+
+std::string ReleaseJson(const msg::MachineStatus& machine) {
+  return Text({{"engaged", machine.emergency_stop},
+               {"machine", machine.machine},
+               {"state", machine.state},
+               {"phase", machine.phase}});
+}
+
+std::string RestartJson(const msg::ActuatorInfo& actuator) {
+  Json json = {{"actuator", actuator.name}};
+  json.update(Of(actuator));
+  return Text(json);
 }
 
 std::string PlanJson(const msg::GetPlan::Response& plan) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "musher/controller/cli/exit_code.hpp"
+#include "musher/controller/cli/latching.hpp"
 #include "musher/controller/cli/progress.hpp"
 #include "musher/controller/cli/why.hpp"
 #include "musher/controller/recording/replay.hpp"
@@ -16,6 +17,9 @@ namespace musher::cli {
 
 std::string StatusJson(const msg::MachineStatus& status);
 std::string SwitchJson(const msg::SetState::Response& result);
+std::string EstopJson(const EstopReport& report);
+std::string ReleaseJson(const msg::MachineStatus& machine);
+std::string RestartJson(const msg::ActuatorInfo& actuator);
 std::string PlanJson(const msg::GetPlan::Response& plan);
 std::string HistoryJson(const msg::GetHistory::Response& history);
 std::string WhyJson(const Why& why);

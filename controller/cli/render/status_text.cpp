@@ -4,32 +4,75 @@
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 #include "musher/lifecycle/code.hpp"
+#include "musher/lifecycle/health.hpp"
 #include "musher/lifecycle/state.hpp"
 
 namespace musher::cli {
 namespace {
 
+std::string Ordinal(int n) {
+  const int last = n % 10;
+  const bool teen = n % 100 / 10 == 1;
+  const char* ending = teen || last == 0 || last > 3 ? "th"
+                       : last == 1                   ? "st"
+                       : last == 2                   ? "nd"
+                                                     : "rd";
+  return std::to_string(n) + ending;
+}
+
+bool IsWell(const msg::ActuatorInfo& a) {
+  return a.health == HealthName(Health::kWell);
+}
+
+// "restarting, 2nd time", or how often it was.
+std::string RestartsOf(const msg::ActuatorInfo& a) {
+  if (a.restarting)
+    return "restarting" + (a.restarts > 1 ? ", " + Ordinal(a.restarts) + " time" : "");
+  if (a.restarts == 0) return "";
+  return a.restarts == 1 ? "1 restart" : std::to_string(a.restarts) + " restarts";
+}
+
+// What is wrong with it, beginning with its health.
+std::string TroubleOf(const msg::ActuatorInfo& a) {
+  if (!a.degraded) return IsWell(a) ? Printable(a.message) : a.health;
+  const std::string why = Printable(a.message) + " (" + CodeText(a.code) + ")";
+  if (IsWell(a)) return "degraded: " + why;
+  return a.message.starts_with(a.health) ? why : a.health + ": " + why;
+}
+
 // What is to be said about an actuator beside its state.
 Table::Cell NoteOf(const msg::ActuatorInfo& a) {
   std::string note;
-  const auto add = [&note](const std::string& text) { note += (note.empty() ? "" : "; ") + text; };
-  Style style = Style::kDim;
-  if (!a.target.empty() && a.target != a.state) {
-    add("\u2192 " + a.target);
-    style = Style::kBusy;
-  } else if (!a.target.empty()) {
-    add("busy with " + a.target);
-    style = Style::kBusy;
-  }
+  const auto add = [&note](const std::string& text) {
+    if (!text.empty()) note += (note.empty() ? "" : "; ") + text;
+  };
+  if (!a.target.empty()) add(a.target != a.state ? "\u2192 " + a.target : "busy with " + a.target);
   if (a.held) add("held");
-  if (a.presence != "present") add(a.presence);
-  if (a.degraded) {
-    add("degraded: " + Printable(a.message) + " (" + CodeText(a.code) + ")");
-    style = Style::kBad;
-  } else if (!a.message.empty()) {
-    add(Printable(a.message));
+  // The health of one that is gone says more, as does that it will be back.
+  if (a.presence != "present" && IsWell(a) && !a.restarting) add(a.presence);
+  add(RestartsOf(a));
+  add(TroubleOf(a));
+  if (a.degraded) return {note, Style::kBad};
+  const bool changing = !a.target.empty() || a.restarting || !IsWell(a);
+  return {note, changing ? Style::kBusy : Style::kDim};
+}
+
+// The degraded ones, each with its health where that says why.
+std::vector<std::string> DegradedOf(const msg::MachineStatus& status) {
+  std::vector<std::string> degraded;
+  for (const msg::ActuatorInfo& a : status.actuators) {
+    if (!a.degraded && IsWell(a)) continue;
+    const std::string word = a.restarting ? "restarting" : IsWell(a) ? "" : a.health;
+    degraded.push_back(a.name + (word.empty() ? "" : " (" + word + ")"));
   }
-  return {note, style};
+  return degraded;
+}
+
+std::string EmergencyStopOf(const msg::MachineStatus& status) {
+  std::string text = "EMERGENCY STOP";
+  if (!status.emergency_stop_by.empty()) text += " by " + Printable(status.emergency_stop_by);
+  if (!status.emergency_stop_reason.empty()) text += ": " + Printable(status.emergency_stop_reason);
+  return text;
 }
 
 std::string Join(const std::vector<std::string>& names) {
@@ -55,6 +98,11 @@ std::string StatusText(const msg::MachineStatus& status, bool colour) {
                             status.switch_number),
                 Style::kDim, colour);
   text += '\n';
+  if (status.emergency_stop) {
+    text += Paint(EmergencyStopOf(status) + "; nothing goes up until `musher estop --release`",
+                  Style::kBad, colour) +
+            '\n';
+  }
   if (!status.degraded.empty()) {
     text += Paint("degraded: " + Join(status.degraded), Style::kBad, colour) + '\n';
   }
@@ -78,7 +126,10 @@ std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns) {
     if (!a.target.empty()) busy.push_back(a.name + ": " + a.target);
   }
   if (!busy.empty()) line += "  busy: " + Join(busy);
-  if (!status.degraded.empty()) line += "  degraded: " + Join(status.degraded);
+  if (const auto degraded = DegradedOf(status); !degraded.empty()) {
+    line += "  degraded: " + Join(degraded);
+  }
+  if (status.emergency_stop) line += "  " + EmergencyStopOf(status);
   return line;
 }
 

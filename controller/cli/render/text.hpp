@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "musher/controller/cli/console.hpp"
+#include "musher/controller/cli/latching.hpp"
 #include "musher/controller/cli/progress.hpp"
 #include "musher/controller/cli/why.hpp"
 #include "musher/controller/recording/replay.hpp"
@@ -23,6 +24,13 @@ std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns);
 std::string SwitchText(const msg::SetState::Response& result, bool colour);
 // Why a switch is not done, as one sentence.
 std::string SwitchComplaint(const msg::SetState::Response& result);
+
+std::string EstopText(const EstopReport& report, bool colour);
+// Who has not stopped, as one sentence.
+std::string EstopComplaint(const EstopReport& report);
+// How a machine stands after the release of an emergency stop.
+std::string ReleaseText(const msg::MachineStatus& machine, bool colour);
+std::string RestartText(const msg::ActuatorInfo& actuator, bool colour);
 
 std::string PlanText(const msg::GetPlan::Response& plan, bool colour);
 // "the machine went to ...", then a line "because ..." for each cause.

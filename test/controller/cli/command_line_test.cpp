@@ -41,6 +41,9 @@ TEST(CommandLine, GivesTheWordsOfACommand) {
   EXPECT_EQ(std::get<CheckOptions>(Parsed({"check", "a", "b"}).command).files,
             (std::vector<std::string>{"a", "b"}));
   EXPECT_TRUE(std::get<UpOptions>(Parsed({"up", "a", "--detach"}).command).detach);
+  EXPECT_FALSE(std::get<UpOptions>(Parsed({"up", "a"}).command).takeover);
+  EXPECT_TRUE(std::get<UpOptions>(Parsed({"up", "--takeover", "a"}).command).takeover);
+  EXPECT_EQ(std::get<RestartOptions>(Parsed({"restart", "audio"}).command).actuator, "audio");
   EXPECT_TRUE(std::get<StatusOptions>(Parsed({"status", "-w"}).command).watch);
   const auto history =
       std::get<HistoryOptions>(Parsed({"history", "--since", "1h", "--limit", "7"}).command);
@@ -51,6 +54,15 @@ TEST(CommandLine, GivesTheWordsOfACommand) {
   EXPECT_EQ(graph.what, "actuators");
   EXPECT_EQ(graph.format, "svg");
   EXPECT_EQ(graph.output, "x");
+}
+
+TEST(CommandLine, EngagesAnEmergencyStopWithAReasonOfAnyWordsOrReleasesIt) {
+  EXPECT_TRUE(std::get<EstopOptions>(Parsed({"estop"}).command).reason.empty());
+  const auto estop = std::get<EstopOptions>(Parsed({"estop", "it", "smokes"}).command);
+  EXPECT_EQ(estop.reason, (std::vector<std::string>{"it", "smokes"}));
+  EXPECT_FALSE(estop.release);
+  EXPECT_TRUE(std::get<EstopOptions>(Parsed({"estop", "--release"}).command).release);
+  EXPECT_THAT(Wrong({"estop", "--release", "why"}), HasSubstr("excludes"));
 }
 
 TEST(CommandLine, TakesGlobalOptionsBeforeAndAfterTheCommand) {

@@ -14,8 +14,9 @@
 namespace musher::cli {
 namespace {
 
-const std::vector<std::string> kCommands = {"check", "up",      "down",  "status",    "set",
-                                            "plan",  "history", "graph", "completion"};
+const std::vector<std::string> kCommands = {"check",      "up",      "down",    "status",
+                                            "set",        "plan",    "history", "graph",
+                                            "completion", "restart", "estop"};
 
 // Every long option that the help of the program and of its commands tells.
 std::set<std::string> AllOptions() {

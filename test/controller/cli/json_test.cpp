@@ -14,11 +14,34 @@ TEST(Json, TellsTheStatusOfAMachine) {
       StatusJson(RobotStatus()),
       R"({"machine":"dog","pid":100,"state":"Active","degraded":["eyes"],"actuators":{)"
       R"("legs":{"state":"Active","pid":101,"target":"LowPower","presence":"present","stage":1,)"
-      R"("critical":true,"held":false,"degraded":false,"code":0,"message":"","host":"here"},)"
+      R"("critical":true,"held":false,"degraded":false,"code":0,"message":"","host":"here",)"
+      R"("health":"well","restarts":0,"restarting":false},)"
       R"("eyes":{"state":"SetUp","pid":0,"target":"","presence":"lost","stage":2,"critical":false,)"
-      R"("held":true,"degraded":true,"code":107,"message":"gone\n","host":"here"}},)"
+      R"("held":true,"degraded":true,"code":107,"message":"gone\n","host":"here",)"
+      R"("health":"crashed","restarts":2,"restarting":true}},)"
       R"("phase":"running","target":"LowPower","epoch":3,"switch":12,"namespace":"pack",)"
-      R"("config":"dog.toml","config_hash":"cafe","host":"here"})");
+      R"("config":"dog.toml","config_hash":"cafe","host":"here",)"
+      R"("emergency_stop":{"engaged":false,"by":"","reason":""}})");
+}
+
+TEST(Json, TellsOfAnEmergencyStopAndItsRelease) {
+  msg::MachineStatus status = RobotStatus();
+  EXPECT_EQ(ReleaseJson(status),
+            R"({"engaged":false,"machine":"dog","state":"Active","phase":"running"})");
+  status.emergency_stop = true;
+  status.emergency_stop_by = "alice";
+  status.emergency_stop_reason = "smoke";
+  EXPECT_NE(
+      StatusJson(status).find(R"("emergency_stop":{"engaged":true,"by":"alice","reason":"smoke"})"),
+      std::string::npos);
+}
+
+TEST(Json, TellsOfAnActuatorThatIsBackByItsNameAndAllElse) {
+  EXPECT_EQ(RestartJson(RobotStatus().actuators[0]),
+            R"({"actuator":"legs","state":"Active","pid":101,"target":"LowPower",)"
+            R"("presence":"present","stage":1,"critical":true,"held":false,"degraded":false,)"
+            R"("code":0,"message":"","host":"here","health":"well","restarts":0,)"
+            R"("restarting":false})");
 }
 
 TEST(Json, TellsOfAMachineWithoutActuatorsWithTheSameKeys) {
@@ -68,7 +91,7 @@ TEST(Json, TellsAHistory) {
   EXPECT_EQ(HistoryJson({"", {{9, 1'500'000'000, 3, 12, "switch", "", 0, "done", 7, "Active"}}}),
             R"({"entries":[{"time":"1970-01-01T00:00:01.500Z","epoch":3,"switch":12,)"
             R"("kind":"switch","actuator":"","code":0,"message":"done","id":9,"cause":7,)"
-            R"("new_state":"Active"}],"damage":""})");
+            R"("new_state":"Active","data":""}],"damage":""})");
   EXPECT_EQ(HistoryJson({"torn", {}}), R"({"entries":[],"damage":"torn"})");
 }
 

@@ -71,10 +71,10 @@ TEST(Program, ReadsTheJournalOfAControllerThatHasGone) {
   EXPECT_EQ(all.exit, 0);
   EXPECT_EQ(all.out, R"({"entries":[{"time":"1970-01-01T00:00:01.000Z","epoch":3,"switch":12,)"
                      R"("kind":"switch","actuator":"legs","code":107,"message":"too late","id":5,)"
-                     R"("cause":4,"new_state":""},)"
+                     R"("cause":4,"new_state":"","data":""},)"
                      R"({"time":"1970-01-01T00:00:05.000Z","epoch":3,"switch":13,"kind":"switch",)"
                      R"("actuator":"","code":0,"message":"done","id":6,"cause":0,)"
-                     R"("new_state":"Active"}],"damage":""})"
+                     R"("new_state":"Active","data":""}],"damage":""})"
                      "\n");
   const Ran since = RunProgram({"history", "--journal", file, "--since", "1970-01-01T00:00:02Z"});
   EXPECT_THAT(since.out, Not(HasSubstr("too late")));

@@ -84,6 +84,13 @@ TEST_F(Service, TellsOnceThatTheMachineIsTakenDownAndHowLongThatMayTake) {
                                            "STATUS=stopped, Active, 2 actuators"));
 }
 
+TEST_F(Service, TellsThatAnotherControllerLeadsTheMachineNow) {
+  Listen();
+  ServiceManager manager(loop_, config_);
+  manager.Fenced("process 7 leads");
+  EXPECT_THAT(socket_->Take(), ElementsAre("STOPPING=1", "STATUS=process 7 leads"));
+}
+
 TEST_F(Service, ServesItsWatchdogThreeTimesInAPeriod) {
   Listen();
   setenv("WATCHDOG_USEC", "900000", 1);

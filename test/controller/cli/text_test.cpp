@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <ctime>
+#include <functional>
 
 #include "musher/test/controller/cli/robot.hpp"
 
@@ -27,7 +28,104 @@ TEST_F(Text, ShowsTheStatusAsATable) {
       "degraded: eyes\n"
       "ACTUATOR  STATE   STAGE  PID  NOTE\n"
       "legs*     Active  1      101  → LowPower\n"
-      "eyes      SetUp   2      -    held; lost; degraded: gone  (107 (Robot: Timeout))\n");
+      "eyes      SetUp   2      -    held; restarting, 2nd time; crashed: gone  "
+      "(107 (Robot: Timeout))\n");
+}
+
+TEST_F(Text, IsCalmAboutAMachineThatIsWell) {
+  msg::MachineStatus status = RobotStatus();
+  status.target.clear();
+  status.degraded.clear();
+  status.actuators.pop_back();
+  status.actuators[0].target.clear();
+  EXPECT_EQ(StatusText(status, false),
+            "dog  Active  (running)  namespace pack  controller 100, epoch 3, switch 12\n"
+            "ACTUATOR  STATE   STAGE  PID  NOTE\n"
+            "legs*     Active  1      101\n");
+}
+
+class Note : public Text {
+ protected:
+  // What is said about the legs, if they are so.
+  static std::string Of(const std::function<void(msg::ActuatorInfo&)>& change) {
+    msg::MachineStatus status;
+    msg::ActuatorInfo legs = RobotStatus().actuators[0];
+    legs.target.clear();
+    change(legs);
+    status.actuators = {legs};
+    const std::string text = StatusText(status, false);
+    const std::string line = text.substr(text.find("\nlegs") + 1);
+    return line.substr(line.find("101") + 3);
+  }
+};
+
+TEST_F(Note, BeginsWithTheHealthOfOneThatIsNotWell) {
+  EXPECT_EQ(Of([](auto& legs) { legs.health = "starved"; }), "  starved\n");
+  EXPECT_EQ(Of([](auto& legs) {
+              legs.health = "hung";
+              legs.presence = "lost";
+              legs.degraded = true;
+              legs.code = 105;
+              legs.message = "hung: it is silent";
+            }),
+            "  hung: it is silent (105 (Robot: NetError))\n");
+  EXPECT_EQ(Of([](auto& legs) {
+              legs.degraded = true;
+              legs.code = 105;
+              legs.message = "no";
+            }),
+            "  degraded: no (105 (Robot: NetError))\n");
+}
+
+TEST_F(Note, CountsRestarts) {
+  EXPECT_EQ(Of([](auto& legs) { legs.restarts = 1; }), "  1 restart\n");
+  EXPECT_EQ(Of([](auto& legs) { legs.restarts = 12; }), "  12 restarts\n");
+  const auto restarting = [](int times) {
+    return Of([times](auto& legs) {
+      legs.restarting = true;
+      legs.presence = "starting";
+      legs.restarts = times;
+    });
+  };
+  EXPECT_EQ(restarting(0), "  restarting\n");
+  EXPECT_EQ(restarting(1), "  restarting\n");
+  EXPECT_EQ(restarting(2), "  restarting, 2nd time\n");
+  EXPECT_EQ(restarting(3), "  restarting, 3rd time\n");
+  EXPECT_EQ(restarting(11), "  restarting, 11th time\n");
+  EXPECT_EQ(restarting(21), "  restarting, 21st time\n");
+}
+
+TEST_F(Text, PutsAnEmergencyStopBeforeEverythingElse) {
+  msg::MachineStatus status = RobotStatus();
+  status.emergency_stop = true;
+  status.emergency_stop_by = "alice@desk";
+  status.emergency_stop_reason = "smoke\n";
+  EXPECT_NE(StatusText(status, false)
+                .find("switch 12\nEMERGENCY STOP by alice@desk: smoke ; nothing goes up until "
+                      "`musher estop --release`\ndegraded: eyes\n"),
+            std::string::npos);
+  EXPECT_NE(StatusLine(status, 0).find("  EMERGENCY STOP by alice@desk: smoke "),
+            std::string::npos);
+}
+
+TEST_F(Text, SaysAfterAReleaseWhereTheMachineIsAndHowToGoOn) {
+  msg::MachineStatus status = RobotStatus();
+  status.degraded.clear();
+  EXPECT_EQ(ReleaseText(status, false),
+            "the emergency stop is released; no state was changed by that\n"
+            "dog is in Active (running); `musher set STATE` moves it on\n");
+  status.degraded = {"eyes"};
+  EXPECT_NE(
+      ReleaseText(status, false).find("`musher set Active` drives those there that are not: eyes"),
+      std::string::npos);
+  status.phase = "failed";
+  EXPECT_NE(ReleaseText(status, false).find("`musher set SelfCheck`, then `musher set Active`"),
+            std::string::npos);
+}
+
+TEST_F(Text, SaysThatAnActuatorIsBack) {
+  EXPECT_EQ(RestartText(RobotStatus().actuators[0], false),
+            "legs is back in Active, process 101\n");
 }
 
 TEST_F(Text, ColoursStates) {
@@ -39,7 +137,7 @@ TEST_F(Text, ColoursStates) {
 TEST_F(Text, ShowsTheStatusOnALineForLogs) {
   EXPECT_EQ(StatusLine(RobotStatus(), 0),
             "00:00:00.000  dog  Active → LowPower  (running, switch 12)  busy: legs: LowPower  "
-            "degraded: eyes");
+            "degraded: eyes (restarting)");
 }
 
 TEST_F(Text, ShowsASwitchAndWhyItIsNotDone) {
@@ -100,6 +198,17 @@ TEST_F(Text, ShowsWhyAPlanWouldBeRefused) {
   plan.state = "Error";
   EXPECT_EQ(PlanText(plan, false),
             "eyes: Error → OTA  would be refused: no way (103 (Robot: StateInvalid))\n");
+}
+
+TEST_F(Text, ShowsABacktraceBelowItsSentenceAndNoJson) {
+  msg::HistoryEntry hung{1, 0, 3, 0, "process", "legs", 0, "what legs was doing:"};
+  hung.data = "TID 7:\n#0  read\n";
+  EXPECT_EQ(HistoryText({hung}, false),
+            "1970-01-01 00:00:00.000  process  what legs was doing:\n"
+            "    TID 7:\n"
+            "    #0  read\n");
+  hung.data = R"({"lost":1})";
+  EXPECT_EQ(HistoryText({hung}, false), "1970-01-01 00:00:00.000  process  what legs was doing:\n");
 }
 
 TEST_F(Text, ShowsHistoryAndProgressALineEach) {

@@ -62,6 +62,14 @@ TEST_F(UpAsAService, TellsNoActuatorWhereSystemdListens) {
   EXPECT_THAT(env, Not(HasSubstr("WATCHDOG_")));
 }
 
+TEST_F(UpAsAService, StopsWhenAnotherControllerTakesTheMachineOver) {
+  Process up(Unit());
+  ASSERT_TRUE(systemd_.WaitFor("STATUS=Active, 3 actuators"));
+  ASSERT_EQ(Musher({"up", config_, "--takeover", "--detach"}).exit, 0);
+  EXPECT_TRUE(systemd_.WaitFor("STOPPING=1"));
+  EXPECT_EQ(up.Wait().exit, 1);
+}
+
 // The watchdog sends SIGABRT to the main process, the front. What follows is as after any death of
 // the controller: systemd starts `musher up` again.
 TEST_F(UpAsAService, EndsItsControllerWhenItsWatchdogRanOutAndIsTakenOverByTheNext) {

@@ -1,0 +1,108 @@
+// musher estop [REASON...]: stops everything that moves, with or without a controller, and says who
+// has stopped. musher estop --release: ends that; nothing moves by it.
+
+#include <fmt/format.h>
+#include <pwd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <random>
+
+#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/latching.hpp"
+#include "musher/controller/cli/link.hpp"
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/text.hpp"
+
+namespace musher::cli {
+namespace {
+
+constexpr Duration kTimeout = std::chrono::seconds(5);
+constexpr std::size_t kLongestReason = 256;  // bytes
+
+// "alice@dog1"
+std::string Me() {
+  const passwd* user = getpwuid(getuid());  // NOLINT(concurrency-mt-unsafe)
+  std::array<char, 256> host{};
+  gethostname(host.data(), host.size() - 1);
+  return (user != nullptr ? user->pw_name : std::to_string(getuid())) + std::string("@") +
+         host.data();
+}
+
+std::uint64_t RandomId() {
+  std::random_device random;
+  return (std::uint64_t{random()} << 32U) | random() | 1U;  // not 0
+}
+
+msg::EmergencyStop NewStop(const std::vector<std::string>& reason) {
+  const std::string words = fmt::format("{}", fmt::join(reason, " "));
+  return {RandomId(), true, Me(), words.substr(0, kLongestReason)};
+}
+
+// A controller knows who is there. Without one everybody has as long to show up as discovery takes.
+EstopReport AwaitEverybody(Link& link, const Latching& latching, Duration timeout) {
+  const Time begin = link.loop().Now();
+  const auto report = [&] { return latching.Report(link.status()); };
+  const auto led = [&] { return report().controller && report().complete(); };
+  if (!link.RunUntil(led, std::min(Link::kDiscovery, timeout))) {
+    const bool nobody = report().actuators.empty() && !report().controller;
+    const auto complete = [&] { return report().complete(); };
+    if (!nobody || link.HasMachine()) {
+      link.RunUntil(complete, begin + timeout - link.loop().Now());
+    }
+  }
+  return report();
+}
+
+ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Console& console) {
+  const auto link = Link::Open(global);
+  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  const auto latching =
+      Latching::Begin(link.value()->node(), global.name_space, NewStop(options.reason));
+  if (!latching) return console.Fail({ExitCode::kUsage, latching.error()});
+  if (const auto followed = link.value()->FollowStatus({}); !followed) {
+    return console.Fail({ExitCode::kUsage, followed.error()});
+  }
+  const EstopReport report =
+      AwaitEverybody(*link.value(), *latching.value(), global.timeout.value_or(kTimeout));
+  if (!report.controller && report.actuators.empty()) {
+    return console.Fail(link.value()->Nobody("controller and no actuator"));
+  }
+  console.Print(console.mode().json ? EstopJson(report) : EstopText(report, console.mode().colour));
+  if (report.complete()) return ExitCode::kDone;
+  console.Complain(EstopComplaint(report));
+  return link.value()->interrupted() ? ExitCode::kInterrupted : ExitCode::kNotDone;
+}
+
+ExitCode Release(const GlobalOptions& global, Console& console) {
+  const auto link = Link::Open(global);
+  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  const auto answer =
+      link.value()->Ask<msg::ReleaseEmergencyStop>("release_emergency_stop", {Me()}, kTimeout);
+  if (const auto* failure = std::get_if<Failure>(&answer)) {
+    Failure with_hint = *failure;
+    if (failure->exit == ExitCode::kNoController) {
+      with_hint.error.message += "; only a controller can release an emergency stop";
+    }
+    return console.Fail(with_hint);
+  }
+  const auto& released = std::get<msg::ReleaseEmergencyStop::Response>(answer);
+  if (released.code != kCodeOk) {
+    return console.Fail({ExitCode::kNotDone, {released.code, released.reason}});
+  }
+  const auto status = link.value()->Ask<msg::GetStatus>("get_status", {}, kTimeout);
+  if (const auto* failure = std::get_if<Failure>(&status)) return console.Fail(*failure);
+  const msg::MachineStatus& machine = std::get<msg::GetStatus::Response>(status).status;
+  console.Print(console.mode().json ? ReleaseJson(machine)
+                                    : ReleaseText(machine, console.mode().colour));
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+ExitCode Estop(const EstopOptions& options, const GlobalOptions& global, Console& console) {
+  return options.release ? Release(global, console) : Engage(options, global, console);
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,52 @@
+// musher restart ACTUATOR: its process is ended and started again, and it is driven back to where
+// the machine is.
+
+#include <algorithm>
+
+#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/link.hpp"
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/text.hpp"
+
+namespace musher::cli {
+namespace {
+
+constexpr Duration kTimeout = std::chrono::seconds(60);
+
+Failure WithHint(Failure failure, const std::string& actuator) {
+  if (failure.exit == ExitCode::kNoAnswer || failure.exit == ExitCode::kInterrupted) {
+    failure.error.message +=
+        "; the restart of " + actuator + " goes on, `musher status` shows how it ends";
+  }
+  return failure;
+}
+
+}  // namespace
+
+ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console) {
+  const auto link = Link::Open(global);
+  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  const auto answer =
+      link.value()->Ask<msg::RestartActuator>("restart_actuator", {options.actuator}, kTimeout);
+  if (const auto* failure = std::get_if<Failure>(&answer)) {
+    return console.Fail(WithHint(*failure, options.actuator));
+  }
+  const auto& restarted = std::get<msg::RestartActuator::Response>(answer);
+  if (restarted.code != kCodeOk) {
+    return console.Fail(
+        {ExitCode::kNotDone,
+         {restarted.code, "restart " + options.actuator + ": " + restarted.reason}});
+  }
+  const auto status = link.value()->Ask<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
+  if (const auto* failure = std::get_if<Failure>(&status)) return console.Fail(*failure);
+  const auto& actuators = std::get<msg::GetStatus::Response>(status).status.actuators;
+  const auto back = std::find_if(actuators.begin(), actuators.end(), [&](const auto& actuator) {
+    return actuator.name == options.actuator;
+  });
+  if (back == actuators.end()) return ExitCode::kDone;  // another machine leads by now
+  console.Print(console.mode().json ? RestartJson(*back)
+                                    : RestartText(*back, console.mode().colour));
+  return ExitCode::kDone;
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,183 @@
+// Who has latched an emergency stop, told from what the actuators and their controller say.
+
+#include "musher/controller/cli/latching.hpp"
+
+#include <gmock/gmock.h>
+
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/test/controller/cli/robot.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/transport/sim/network.hpp"
+
+namespace musher::cli {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// An actuator as far as emergency stops go.
+class Listener {
+ public:
+  Listener(transport::Node& node, std::string name) {
+    status_.name = std::move(name);
+    publisher_ = transport::MakePublisher<msg::ActuatorStatus>(
+                     node, transport::ActuatorStatusTopic("pack"), transport::kLatchedQos)
+                     .value();
+    static_cast<void>(publisher_->Publish(status_));
+    stops_ = transport::MakeSubscription<msg::EmergencyStop>(
+                 node, transport::EmergencyStopTopic("pack"),
+                 [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
+                   if (status_.emergency_stop == 0 && !deaf_) Latch(stop.id);
+                 },
+                 transport::kLatchedFromManyQos)
+                 .value();
+  }
+
+  void Latch(std::uint64_t id) {
+    status_.emergency_stop = id;
+    static_cast<void>(publisher_->Publish(status_));
+  }
+  void TurnDeaf() { deaf_ = true; }
+
+ private:
+  bool deaf_ = false;
+  msg::ActuatorStatus status_;
+  std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> publisher_;
+  std::unique_ptr<transport::Subscription> stops_;
+};
+
+class Stop : public testing::Test {
+ protected:
+  void Engage() {
+    latching_ = Latching::Begin(*desk_, "pack", {7, true, "alice@desk", "smoke"}).value();
+  }
+  EstopReport AfterASecond(const std::optional<msg::MachineStatus>& controller = {}) {
+    network_.RunFor(std::chrono::seconds(1));
+    return latching_->Report(controller);
+  }
+  // A controller that has both actuators and has taken the stop.
+  static msg::MachineStatus Controller() {
+    msg::MachineStatus status = RobotStatus();
+    for (msg::ActuatorInfo& actuator : status.actuators) {
+      actuator.presence = "present";
+      actuator.health = "well";
+    }
+    status.emergency_stop = true;
+    status.emergency_stop_by = "alice@desk";
+    status.emergency_stop_reason = "smoke";
+    return status;
+  }
+
+  transport::sim::Network network_{1};
+  const std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
+  const std::unique_ptr<transport::Node> dog_ = network_.MakeNode("dog");
+  std::optional<Listener> eyes_{std::in_place, *dog_, "eyes"};
+  std::optional<Listener> legs_{std::in_place, *dog_, "legs"};
+  std::unique_ptr<Latching> latching_;
+};
+
+TEST_F(Stop, ReachesEverybodyWithoutAController) {
+  Engage();
+  const EstopReport report = AfterASecond();
+  EXPECT_TRUE(report.complete());
+  EXPECT_FALSE(report.controller);
+  EXPECT_FALSE(report.earlier);
+  ASSERT_EQ(report.actuators.size(), 2U);
+  EXPECT_TRUE(report.actuators[0].stopped && report.actuators[1].stopped);
+  EXPECT_GT(report.actuators[0].after, Duration::zero());
+  EXPECT_THAT(EstopText(report, false),
+              HasSubstr("2 actuators are stopped; no controller leads here: `musher up FILE`"));
+}
+
+TEST_F(Stop, ReachesOneThatComesLater) {
+  legs_.reset();
+  Engage();
+  EXPECT_EQ(AfterASecond().actuators.size(), 1U);
+  legs_.emplace(*dog_, "legs");
+  const EstopReport report = AfterASecond();
+  EXPECT_EQ(report.actuators.size(), 2U);
+  EXPECT_TRUE(report.complete());
+}
+
+TEST_F(Stop, NamesThoseThatDoNotLatchIt) {
+  eyes_->TurnDeaf();
+  Engage();
+  const EstopReport report = AfterASecond(Controller());
+  EXPECT_FALSE(report.complete());
+  EXPECT_THAT(report.Missing(), ElementsAre("eyes"));
+  EXPECT_THAT(EstopText(report, false), HasSubstr("eyes  does not say that it has stopped\n"));
+  EXPECT_EQ(EstopComplaint(report), "not known to be stopped: eyes");
+}
+
+TEST_F(Stop, IsNotCompleteWithoutOneThatOnlyTheControllerKnows) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.actuators[0].presence = "lost";
+  controller.actuators[0].health = "hung";
+  const EstopReport report = AfterASecond(controller);
+  EXPECT_THAT(report.Missing(), ElementsAre("legs"));
+  EXPECT_THAT(EstopText(report, false), HasSubstr("legs  hung\n"));
+}
+
+TEST_F(Stop, DoesNotWaitForOneThatHasCrashed) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.actuators[0].presence = "lost";
+  controller.actuators[0].health = "crashed";
+  EXPECT_TRUE(AfterASecond(controller).complete());
+}
+
+TEST_F(Stop, ForgetsOneThatHasGone) {
+  legs_->TurnDeaf();
+  Engage();
+  EXPECT_THAT(AfterASecond().Missing(), ElementsAre("legs"));
+  legs_.reset();
+  EXPECT_TRUE(AfterASecond().complete());
+}
+
+TEST_F(Stop, IsNotCompleteBeforeTheControllerHasTakenIt) {
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.emergency_stop = false;
+  const EstopReport report = AfterASecond(controller);
+  EXPECT_THAT(report.Missing(), IsEmpty());
+  EXPECT_FALSE(report.complete());
+  EXPECT_THAT(EstopComplaint(report), HasSubstr("the controller has not taken the stop"));
+}
+
+TEST_F(Stop, SaysWhoHadEngagedOneBefore) {
+  legs_->Latch(3);
+  Engage();
+  EstopReport report = AfterASecond();
+  ASSERT_TRUE(report.earlier);
+  EXPECT_THAT(EstopText(report, false), HasSubstr("an emergency stop was engaged already\n"));
+  msg::MachineStatus controller = Controller();
+  controller.emergency_stop_by = "bob@dog";
+  controller.emergency_stop_reason = "a child";
+  report = AfterASecond(controller);
+  EXPECT_EQ(EstopText(report, false),
+            "an emergency stop was engaged already by bob@dog: a child\n"
+            "legs  stopped before\n"
+            "eyes  stopped after " +
+                std::to_string(ToMilliseconds(report.actuators[1].after)) +
+                " ms\n"
+                "2 actuators are stopped; nothing goes up until `musher estop --release`\n");
+}
+
+TEST_F(Stop, IsToldInJson) {
+  legs_->Latch(3);
+  eyes_.reset();
+  Engage();
+  EXPECT_EQ(EstopJson(AfterASecond(Controller())),
+            R"({"engaged":true,"by":"alice@desk","reason":"smoke","complete":false,)"
+            R"("controller":true,"earlier":{"by":"alice@desk","reason":"smoke"},"actuators":{)"
+            R"("legs":{"stopped":true,"before":true,"after_ms":0.0,"trouble":""},)"
+            R"("eyes":{"stopped":false,"before":false,"after_ms":0.0,"trouble":""}}})");
+}
+
+}  // namespace
+}  // namespace musher::cli

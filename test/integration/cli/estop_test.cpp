@@ -1,0 +1,149 @@
+// Emergency stops by hand, with a controller and without one.
+
+#include <signal.h>
+
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class EmergencyStop : public MachineByCli {
+ protected:
+  void Start() {
+    up_ = std::make_unique<Process>(Command({"up", config_}));
+    ASSERT_NE(up_->LineWith("eyes: Active done"), "");
+    ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  }
+  // The controller dies, its actuators go on.
+  void LoseController() {
+    kill(Status()["pid"].get<pid_t>(), SIGKILL);
+    EXPECT_EQ(up_->Wait().exit, 1);
+  }
+  static nlohmann::json Estop() {
+    const Ended estop = Musher({"estop", "it", "smokes", "--json"});
+    EXPECT_EQ(estop.exit, 0) << estop.err;
+    return Json(estop.out);
+  }
+  static void ExpectNothingGoesUp() {
+    const Ended set = Musher({"set", "Active", "--json"});
+    EXPECT_EQ(set.exit, 1);
+    EXPECT_EQ(Json(set.out)["code"], 113);  // ProtectedError
+    EXPECT_THAT(set.err, HasSubstr("an emergency stop is engaged"));
+  }
+
+  std::unique_ptr<Process> up_;
+};
+
+TEST_F(EmergencyStop, IsLatchedByEveryActuatorAndLetsNothingGoUp) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const auto report = Estop();
+  EXPECT_EQ(report["complete"], true);
+  EXPECT_EQ(report["earlier"], nullptr);
+  for (const char* actuator : {"legs", "voice", "eyes"}) {
+    EXPECT_EQ(report["actuators"][actuator]["stopped"], true) << actuator;
+    EXPECT_EQ(report["actuators"][actuator]["before"], false) << actuator;
+  }
+  ExpectNothingGoesUp();
+  const Ended refused = Musher({"set", "Active"});
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("engaged by " + report["by"].get<std::string>()),
+                                 HasSubstr("(it smokes)")));
+  EXPECT_EQ(Musher({"set", "OTA"}).exit, 0);  // down is allowed
+  EXPECT_EQ(Status()["emergency_stop"]["reason"], "it smokes");
+  EXPECT_THAT(Musher({"status"}).out, HasSubstr("EMERGENCY STOP by "));
+}
+
+TEST_F(EmergencyStop, TellsWhoHadEngagedItBefore) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const auto first = Estop();
+  const Ended second = Musher({"estop", "once more"});
+  EXPECT_EQ(second.exit, 0) << second.err;
+  EXPECT_THAT(second.out, HasSubstr("an emergency stop was engaged already by " +
+                                    first["by"].get<std::string>() + ": it smokes\n"));
+  EXPECT_THAT(second.out, HasSubstr("legs   stopped before\n"));
+}
+
+TEST_F(EmergencyStop, IsReleasedByHandWhichChangesNoState) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  Estop();
+  const Ended release = Musher({"estop", "--release"});
+  EXPECT_EQ(release.exit, 0) << release.err;
+  EXPECT_THAT(release.out, AllOf(HasSubstr("no state was changed"),
+                                 HasSubstr("robot is in LowPower (running)")));
+  EXPECT_EQ(Status()["emergency_stop"]["engaged"], false);
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
+  const Ended again = Musher({"estop", "--release"});
+  EXPECT_EQ(again.exit, 1);
+  EXPECT_EQ(again.err, "musher: no emergency stop is engaged\n");
+}
+
+TEST_F(EmergencyStop, SurvivesTheDeathOfTheController) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const auto report = Estop();
+  LoseController();
+  ASSERT_EQ(UpDetached().exit, 0);
+  EXPECT_EQ(Status()["emergency_stop"]["by"], report["by"]);
+  ExpectNothingGoesUp();
+  EXPECT_EQ(Musher({"estop", "--release"}).exit, 0);
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
+}
+
+TEST_F(EmergencyStop, IsLatchedByAnActuatorThatIsRestartedMeanwhile) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  Estop();
+  kill(Status()["actuators"]["voice"]["pid"].get<pid_t>(), SIGKILL);
+  ASSERT_NE(up_->LineWith("voice: SelfCheck done"), "");
+  const auto second = Estop();
+  EXPECT_EQ(second["actuators"]["voice"]["before"], true) << second;
+  EXPECT_EQ(Status()["actuators"]["voice"]["state"], "SelfCheck");  // it does not come up
+}
+
+TEST_F(EmergencyStop, ReachesTheActuatorsWithoutAController) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  LoseController();
+  const auto report = Estop();
+  EXPECT_EQ(report["controller"], false);
+  EXPECT_EQ(report["complete"], true);
+  EXPECT_EQ(report["actuators"].size(), 3U);
+  const Ended release = Musher({"estop", "--release", "--timeout", "0.5"});
+  EXPECT_EQ(release.exit, 3);
+  EXPECT_THAT(release.err, HasSubstr("only a controller can release an emergency stop"));
+  ASSERT_EQ(UpDetached().exit, 0);
+  EXPECT_EQ(Status()["emergency_stop"]["engaged"], true);
+  ExpectNothingGoesUp();
+}
+
+TEST_F(EmergencyStop, NamesAnActuatorThatDoesNotSayThatItHasStopped) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const pid_t eyes = Status()["actuators"]["eyes"]["pid"];
+  kill(eyes, SIGSTOP);
+  const Ended estop = Musher({"estop", "--timeout", "1"});
+  EXPECT_EQ(estop.exit, 1);
+  EXPECT_THAT(estop.err, HasSubstr("not known to be stopped: eyes"));
+  EXPECT_THAT(estop.out, HasSubstr("legs   stopped after "));
+}
+
+TEST_F(EmergencyStop, KeepsANextStartFromGoingUpUntilItIsReleased) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  Estop();
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 1);
+  EXPECT_THAT(up.err, HasSubstr("an emergency stop is engaged; `musher estop --release`"));
+  const Ended release = Musher({"estop", "--release"});
+  EXPECT_THAT(release.out, HasSubstr("`musher set SelfCheck`, then `musher set Active`"));
+  EXPECT_EQ(Musher({"set", "SelfCheck"}).exit, 0);
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
+}
+
+TEST_F(EmergencyStop, EndsWithThreeWhereNobodyIsAtAll) {
+  const Ended estop = Musher({"estop", "--timeout", "0.2"});
+  EXPECT_EQ(estop.exit, 3);
+  EXPECT_THAT(estop.err,
+              HasSubstr("no controller and no actuator in namespace '" + name_space_ + "'"));
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,88 @@
+// Actuators whose processes are ended: by hand, by death, because they hang. They come back to
+// where the machine is.
+
+#include <signal.h>
+
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Restart : public MachineByCli {
+ protected:
+  void Start() {
+    up_ = std::make_unique<Process>(Command({"up", config_}));
+    ASSERT_NE(up_->LineWith("eyes: Active done"), "");
+    voice_ = Voice()["pid"];
+  }
+  static nlohmann::json Voice() { return Status()["actuators"]["voice"]; }
+  // It has a new process, and is as well as all others.
+  void ExpectVoiceIsBack() const {
+    const auto voice = Voice();
+    EXPECT_NE(voice["pid"], voice_);
+    EXPECT_EQ(voice["state"], "Active");
+    EXPECT_EQ(voice["health"], "well");
+    EXPECT_EQ(voice["degraded"], false) << voice;
+    EXPECT_EQ(voice["restarting"], false);
+  }
+
+  std::unique_ptr<Process> up_;
+  pid_t voice_ = 0;
+};
+
+TEST_F(Restart, ByHandEndsWhenTheActuatorIsBack) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const Ended restart = Musher({"restart", "voice"});
+  EXPECT_EQ(restart.exit, 0) << restart.err;
+  ExpectVoiceIsBack();
+  EXPECT_EQ(restart.out,
+            "voice is back in Active, process " + std::to_string(Voice()["pid"].get<int>()) + "\n");
+  EXPECT_EQ(Voice()["restarts"], 0);  // those by hand do not count
+}
+
+TEST_F(Restart, ByHandEndsWithOneAndTheReasonWhenItDoesNotComeBack) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  Does("voice", "[state.SelfCheck]\nshell = \"echo no sound; exit 7\"\n");
+  const Ended restart = Musher({"restart", "voice", "--json"});
+  EXPECT_EQ(restart.exit, 1);
+  EXPECT_THAT(restart.err, HasSubstr("restart voice: "));
+  EXPECT_THAT(Json(restart.out)["error"].get<std::string>(), HasSubstr("SelfCheck failed"));
+  EXPECT_EQ(Status()["state"], "Active");
+}
+
+TEST_F(Restart, ByHandSaysWhichNameWasMeant) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const Ended restart = Musher({"restart", "vioce"});
+  EXPECT_EQ(restart.exit, 1);
+  EXPECT_THAT(restart.err, HasSubstr("unknown actuator 'vioce'; did you mean 'voice'?"));
+  EXPECT_EQ(Voice()["pid"], voice_);
+}
+
+TEST_F(Restart, FollowsTheDeathOfAProcess) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  kill(voice_, SIGKILL);
+  ASSERT_NE(up_->LineWith("voice is degraded: crashed: "), "");
+  ASSERT_NE(up_->LineWith("voice is started again in 100 ms, restart 1 of 5"), "");
+  ASSERT_NE(up_->LineWith("voice: Active done"), "");
+  ExpectVoiceIsBack();
+  EXPECT_EQ(Voice()["restarts"], 1);
+  EXPECT_THAT(Musher({"status"}).out, HasSubstr("  1 restart\n"));
+}
+
+TEST_F(Restart, FollowsAHangOnceItIsKnownWhatTheProcessWasDoing) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  kill(voice_, SIGSTOP);
+  ASSERT_NE(up_->LineWith("voice is degraded: hung: its process is stopped"), "");
+  ASSERT_NE(up_->LineWith("what voice was doing:"), "");
+  ASSERT_NE(up_->LineWith("killed by SIGKILL"), "");
+  ASSERT_NE(up_->LineWith("voice: Active done"), "");
+  ExpectVoiceIsBack();
+  if (std::system("command -v eu-stack >/dev/null || command -v gdb >/dev/null") != 0)
+    GTEST_SKIP() << "nobody to ask";
+  EXPECT_THAT(Musher({"history"}).out, HasSubstr("epoll_wait"));
+}
+
+}  // namespace
+}  // namespace musher::testing

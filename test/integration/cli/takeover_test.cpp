@@ -1,0 +1,112 @@
+// A second controller beside a living one: refused, or in its place.
+
+#include <signal.h>
+
+#include <sstream>
+
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class Takeover : public MachineByCli {
+ protected:
+  void Start() {
+    first_ = std::make_unique<Process>(Command({"up", config_}));
+    ASSERT_NE(first_->LineWith("eyes: Active done"), "");
+    before_ = Status();
+    leader_ = "process " + std::to_string(before_["pid"].get<int>());
+  }
+  // The same machine, led from another folder.
+  std::string OtherFolder() const {
+    std::ifstream file(config_);
+    std::string toml{std::istreambuf_iterator<char>(file), {}};
+    const std::string state_dir = "state_dir = \"state\"";
+    toml.replace(toml.find(state_dir), state_dir.size(), "state_dir = \"other\"");
+    std::ofstream(folder_ / "other.toml") << toml;
+    return folder_ / "other.toml";
+  }
+  static Ended TakeOver(const std::string& config) {
+    return Musher({"up", config, "--takeover", "--detach"});
+  }
+  // Another controller leads the same processes in the same states.
+  void ExpectAdopted() const {
+    const auto after = Status();
+    EXPECT_NE(after["pid"], before_["pid"]);
+    EXPECT_GT(after["epoch"], before_["epoch"]);
+    for (const char* actuator : {"legs", "voice", "eyes"}) {
+      EXPECT_EQ(after["actuators"][actuator]["pid"], before_["actuators"][actuator]["pid"]);
+      EXPECT_EQ(after["actuators"][actuator]["state"], "Active");
+    }
+  }
+
+  std::unique_ptr<Process> first_;
+  nlohmann::json before_;
+  std::string leader_;
+};
+
+TEST_F(Takeover, IsTheWayOutOfARefusalThatNamesTheLivingController) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  for (const std::string& config : {config_, OtherFolder()}) {
+    const Ended second = Musher({"up", config});
+    EXPECT_EQ(second.exit, 2);
+    EXPECT_THAT(second.err, AllOf(HasSubstr(leader_), HasSubstr("--takeover ends it")));
+  }
+  EXPECT_EQ(Status(), before_);  // it was not disturbed
+}
+
+TEST_F(Takeover, EndsTheFirstWhichSaysWhyAndKeepsItsActuators) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  Process second(Command({"up", config_, "--takeover"}));
+  EXPECT_NE(second.LineWith("the machine is adopted in Active"), "");
+  const Ended first = first_->Wait();
+  EXPECT_EQ(first.exit, 1);
+  const std::string who = "process " + std::to_string(Status()["pid"].get<int>());
+  EXPECT_THAT(first.err, HasSubstr("another controller, " + who + " of this host, leads"));
+  EXPECT_THAT(first.err, HasSubstr("this controller ends, the actuators go on\n"));
+  EXPECT_THAT(first.out, HasSubstr("this controller of epoch 1 lets go"));
+  ExpectAdopted();
+  second.Signal(SIGINT);
+  EXPECT_EQ(second.Wait().exit, 0);
+  EXPECT_TRUE(AwaitNoChildren());
+}
+
+TEST_F(Takeover, EndsOneThatLeadsFromAnotherFolder) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const Ended second = TakeOver(OtherFolder());
+  EXPECT_EQ(second.exit, 0) << second.err;
+  EXPECT_EQ(first_->Wait().exit, 1);
+  ExpectAdopted();
+  EXPECT_EQ(Musher({"up", config_}).exit, 2);  // the name is the second's now
+}
+
+TEST_F(Takeover, EndsOneThatIsStopped) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  kill(before_["pid"].get<pid_t>(), SIGSTOP);
+  const Ended second = TakeOver(config_);
+  EXPECT_EQ(second.exit, 0) << second.err;
+  const Ended first = first_->Wait();
+  EXPECT_EQ(first.exit, 1);
+  EXPECT_THAT(first.err, HasSubstr("the controller of robot has died (killed by signal 9"));
+  ExpectAdopted();
+}
+
+TEST_F(Takeover, IsToldInJson) {
+  Process first(Command({"up", config_, "--json"}));
+  ASSERT_NE(first.LineWith(R"("kind":"start-up")"), "");
+  ASSERT_EQ(TakeOver(config_).exit, 0);
+  const auto fenced = Json(first.LineWith(R"("kind":"fenced")"));
+  EXPECT_EQ(fenced["code"], 106);
+  EXPECT_EQ(first.Wait().exit, 1);
+}
+
+TEST_F(Takeover, OfAMachineThatNobodyLeadsIsAnOrdinaryStart) {
+  EXPECT_EQ(TakeOver(config_).exit, 0);
+  EXPECT_EQ(Status()["state"], "Active");
+}
+
+}  // namespace
+}  // namespace musher::testing

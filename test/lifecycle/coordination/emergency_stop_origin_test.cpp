@@ -1,0 +1,56 @@
+// Who engaged an emergency stop is told to people, even when the controller hears of the stop from
+// an actuator first.
+
+#include <algorithm>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+class EmergencyStopOrigin : public Switching {
+ protected:
+  EmergencyStopOrigin() : machine_(In("Active").machine()) {}
+
+  std::vector<Action> Tell(const Event& event) {
+    return Step(config_, machine_, event, machine_.actuators[1].report.stamp + Milliseconds(1));
+  }
+  std::vector<Action> TellThatBHasLatched(std::uint64_t id) {
+    ActuatorReport report = machine_.actuators[1].report;
+    report.emergency_stop = id;
+    report.stamp += Milliseconds(1);
+    return Tell(event::StatusSeen{1, report});
+  }
+
+  const MachineConfig config_ = MachineOf(3);
+  Machine machine_;
+};
+
+TEST_F(EmergencyStopOrigin, IsUnknownWhileOnlyAnActuatorHasSpoken) {
+  TellThatBHasLatched(7);
+  EXPECT_EQ(machine_.emergency_stop, (EmergencyStop{7, "", "b had latched it"}));
+}
+
+TEST_F(EmergencyStopOrigin, IsTakenFromWhoEngagedItWheneverThatOneSpeaks) {
+  TellThatBHasLatched(7);
+  const EmergencyStop stop{7, "alice", "smoke"};
+  const auto actions = Tell(event::EmergencyStopSeen{stop});
+  EXPECT_EQ(machine_.emergency_stop, stop);
+  EXPECT_TRUE(std::any_of(actions.begin(), actions.end(), [&](const Action& action) {
+    const auto* save = std::get_if<action::SaveEmergencyStop>(&action);
+    return save != nullptr && save->stop == stop;
+  }));
+  EXPECT_TRUE(machine_.other_stops.empty());
+}
+
+TEST_F(EmergencyStopOrigin, StaysThatOfTheFirstWhenAnotherIsEngaged) {
+  TellThatBHasLatched(7);
+  Tell(event::EmergencyStopSeen{{7, "alice", "smoke"}});
+  Tell(event::EmergencyStopSeen{{8, "bob", "fire"}});
+  Tell(event::EmergencyStopSeen{{7, "carol", ""}});
+  EXPECT_EQ(machine_.emergency_stop->by, "alice");
+  EXPECT_EQ(machine_.other_stops, (std::vector<std::uint64_t>{8}));
+}
+
+}  // namespace
+}  // namespace musher::testing
