@@ -80,6 +80,11 @@ void ControllerShell::Begin(event::Begin begin) {
   recorder_.Begin(world_.wall_ns(), world_.config_text);
   begin.host = world_.host;
   Handle(begin);
+  for (const auto& [actuator, seen] : std::exchange(before_begin_, {})) {
+    Handle(seen);
+    const ActuatorReport& taken = machine_.actuators[actuator].report;
+    if (taken.incarnation == seen.report.incarnation) health_->OnReport(actuator, taken);
+  }
 }
 
 void ControllerShell::Refuse(const Error& why) {
@@ -187,8 +192,27 @@ void ControllerShell::CompareHash(std::size_t actuator, const std::string& hash)
                         ") than " + config_.file + " (" + config_.hash + ")"});
 }
 
+// An actuator latches its status once; one that is heard before this controller begins would not be
+// heard again.
+bool ControllerShell::KeepForBegin(const Event& event) {
+  if (machine_.phase != Phase::kIdle) return false;
+  if (const auto* seen = std::get_if<event::StatusSeen>(&event)) {
+    before_begin_[seen->actuator] = *seen;
+    return true;
+  }
+  if (const auto* vanished = std::get_if<event::Vanished>(&event)) {
+    const auto kept = before_begin_.find(vanished->actuator);
+    if (kept != before_begin_.end() && kept->second.report.incarnation == vanished->incarnation) {
+      before_begin_.erase(kept);
+    }
+    return true;
+  }
+  return false;
+}
+
 // Events are handled one after the other: an answer given to somebody may come back as a request.
 void ControllerShell::Handle(const Event& event) {
+  if (KeepForBegin(event)) return;
   queue_.push_back(event);
   if (handling_) return;
   handling_ = true;

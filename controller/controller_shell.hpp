@@ -99,6 +99,7 @@ class ControllerShell {
   void WatchForeign(std::size_t actuator, const ActuatorReport& report);
   void CompareHash(std::size_t actuator, const std::string& hash);
 
+  bool KeepForBegin(const Event& event);
   void Handle(const Event& event);
   void HandleQueued();
   void ArmTimer();
@@ -131,7 +132,8 @@ class ControllerShell {
   };
   std::unordered_map<transport::PeerId, Speaker> speakers_;  // who is behind a status writer
   std::vector<Peer> peers_;
-  std::deque<Event> queue_;  // events that came while one was handled
+  std::map<std::size_t, event::StatusSeen> before_begin_;  // the last one of each actuator
+  std::deque<Event> queue_;                                // events that came while one was handled
   bool handling_ = false;
   RequestId next_request_ = 1;
   std::map<RequestId, OnResult> waiting_for_result_;

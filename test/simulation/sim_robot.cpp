@@ -39,7 +39,7 @@ SimRobot::~SimRobot() {
   while (!actuators_.empty()) CrashActuator(actuators_.begin()->first);
 }
 
-void SimRobot::StartController() {
+void SimRobot::StartController(Duration listens) {
   controller_ = std::make_unique<ControllerProcess>();
   controller_->node = network_.MakeNode("controller");
   ControllerShell::World world;
@@ -56,6 +56,7 @@ void SimRobot::StartController() {
   world.incarnation = static_cast<std::uint64_t>(world.pid);
   auto shell = ControllerShell::Make(std::move(world), config_, {});
   controller_->shell = std::move(shell).value();
+  RunFor(listens);
   std::vector<bool> running;
   for (const ActuatorConfig& actuator : config_.actuators)
     running.push_back(IsAlive(actuator.name));

@@ -38,7 +38,8 @@ class SimRobot : private ProcessRunner, private ProcessWitness, private JournalS
     programs_[name] = std::move(program);
   }
 
-  void StartController();
+  // `listens`: so long it only listens, as one that may have rivals on other hosts does.
+  void StartController(Duration listens = {});
   void CrashController();
   void StartActuator(const std::string& name);  // as a person would
   void CrashActuator(const std::string& name);

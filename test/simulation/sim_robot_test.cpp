@@ -71,6 +71,17 @@ TEST(SimRobot, AControllerThatDiesInASwitchIsFollowedByOneThatBringsTheMachineTo
   }
 }
 
+TEST(SimRobot, AControllerThatListensFirstTakesOverWhomItHeardMeanwhile) {
+  SimRobot robot(1, MachineOf(3));
+  for (const char* name : {"a", "b", "c"}) robot.StartActuator(name);
+  robot.RunFor(std::chrono::seconds(1));
+  robot.StartController(std::chrono::seconds(1));
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }, std::chrono::seconds(2)));
+  for (const ActuatorRecord& record : robot.machine().actuators) {
+    EXPECT_EQ(record.presence, Presence::kPresent);
+  }
+}
+
 TEST(SimRobot, TwoReportsOfOneInstantCanBeToldApart) {
   SimRobot robot(1, MachineOf(1));
   LinkFaults faults;

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -60,6 +61,7 @@ Child::Child(const std::vector<std::string>& argv, const Environment& env, Outpu
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
   }
+  syscall(SYS_close_range, STDERR_FILENO + 1, ~0U, 0);  // DDS leaves its sockets open for us
   execve(argument_pointers[0], argument_pointers.data(), variable_pointers.data());
   _exit(127);
 }

@@ -21,6 +21,13 @@ std::string NewFolder() {
 }  // namespace
 
 Fleet::Fleet(int count, bool started)
+    : Fleet(
+          [started](const Fleet&, const std::string& name) {
+            return started ? CommandKey({Program("benchmark_actuator"), name}) : std::string();
+          },
+          count) {}
+
+Fleet::Fleet(const Keys& keys, int count, const std::string& more_tables)
     : folder_(NewFolder()), config_file_(folder_ + "/fleet.toml") {
   std::string list;
   std::string tables;
@@ -29,20 +36,30 @@ Fleet::Fleet(int count, bool started)
     names_.push_back(name);
     list += '"' + name + "\", ";
     tables += "[actuator." + name + "]\nstates = " + kStates +
-              "\ntimes = [60000, 60000, 60000, 60000, 60000]\ncritical = true\n";
-    if (started) {
-      tables += "command = [\"" + Program("benchmark_actuator") + "\", \"" + name + "\"]\n";
-    }
+              "\ntimes = [60000, 60000, 60000, 60000, 60000]\ncritical = true\n" +
+              keys(*this, name);
   }
   std::ofstream(config_file_) << "[controller]\nactuators = [" << list << "]\nstates = " << kStates
                               << "\ndefault_time = 60000\ndefault_state = \"Uninitialized\"\n"
                               << "state_dir = \"" << folder_ << "/state\"\n"
-                              << tables;
+                              << tables << more_tables;
 }
 
 Fleet::~Fleet() {
   std::error_code ignored;
   std::filesystem::remove_all(folder_, ignored);
+}
+
+std::vector<std::string> Fleet::Module(const std::string& name, int hz) const {
+  return {Program("benchmark_module"), name, BoardFile(name), std::to_string(hz)};
+}
+
+std::string CommandKey(const std::vector<std::string>& argv) {
+  std::string key;
+  for (const std::string& argument : argv) {
+    key += (key.empty() ? "command = [\"" : ", \"") + argument + "\"";
+  }
+  return key + "]\n";
 }
 
 void MustBeDone(const SwitchResult& result) {

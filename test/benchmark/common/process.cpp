@@ -17,16 +17,17 @@ double Field(const std::string& file, const std::string& key) {
   return 0;
 }
 
-// Of all threads, in nanoseconds; unlike utime and stime it does not count in ticks.
-Duration CpuOf(const std::string& process) {
-  std::int64_t sum = 0;
+// Of all threads, the CPU in nanoseconds; unlike utime and stime it does not count in ticks.
+void AddThreads(const std::string& process, Cost& cost) {
   std::error_code ended;
   for (const auto& task : std::filesystem::directory_iterator(process + "/task", ended)) {
     std::int64_t on_cpu = 0;
     std::ifstream(task.path() / "schedstat") >> on_cpu;
-    sum += on_cpu;
+    cost.cpu += Duration(on_cpu);
+    for (const char* kind : {"voluntary_ctxt_switches", "nonvoluntary_ctxt_switches"}) {
+      cost.context_switches += static_cast<std::int64_t>(Field(task.path() / "status", kind));
+    }
   }
-  return Duration(sum);
 }
 
 }  // namespace
@@ -37,7 +38,7 @@ Cost CostOf(pid_t pid) {
   cost.resident_mb = Field(process + "/smaps_rollup", "Rss") / 1024;
   cost.proportional_mb = Field(process + "/smaps_rollup", "Pss") / 1024;
   cost.threads = static_cast<int>(Field(process + "/status", "Threads"));
-  cost.cpu = CpuOf(process);
+  AddThreads(process, cost);
   return cost;
 }
 

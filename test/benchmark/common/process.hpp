@@ -3,6 +3,8 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
+
 #include "musher/lifecycle/time.hpp"
 
 namespace musher::benchmark {
@@ -12,6 +14,7 @@ struct Cost {
   double proportional_mb = 0;  // PSS: shared pages counted by share
   int threads = 0;
   Duration cpu{};  // used since its start
+  std::int64_t context_switches = 0;
 };
 
 Cost CostOf(pid_t pid);

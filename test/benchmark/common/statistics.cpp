@@ -27,7 +27,8 @@ double Seconds(Duration duration) {
 
 Table::Table(const std::string& title) {
   std::printf("\n### %s\n\n", title.c_str());
-  std::printf("| what | median | quartiles | p99 | n | target |\n|---|---|---|---|---|---|\n");
+  std::printf(
+      "| what | median | quartiles | p99 | max | n | target |\n|---|---|---|---|---|---|---|\n");
   std::fflush(stdout);
 }
 
@@ -35,9 +36,9 @@ void Table::Row(const std::string& what, const std::vector<double>& values, cons
                 double limit) const {
   const double median = Median(values);
   const int digits = unit.empty() || median >= 1000 ? 0 : median < 10 ? 2 : 1;
-  std::printf("| %s | %.*f %s | %.*f – %.*f | %.*f | %zu | ", what.c_str(), digits, median,
+  std::printf("| %s | %.*f %s | %.*f – %.*f | %.*f | %.*f | %zu | ", what.c_str(), digits, median,
               unit.c_str(), digits, Quantile(values, 0.25), digits, Quantile(values, 0.75), digits,
-              Quantile(values, 0.99), values.size());
+              Quantile(values, 0.99), digits, Quantile(values, 1), values.size());
   if (limit > 0) std::printf("≤ %.3g: %s ", limit, median <= limit ? "met" : "**missed**");
   std::printf("|\n");
   std::fflush(stdout);

@@ -16,8 +16,8 @@ double Median(const std::vector<double>& values);
 double Microseconds(Duration duration);
 double Seconds(Duration duration);
 
-// Columns: what, median, quartiles, 99th percentile, number of values, target and whether it is
-// met.
+// Columns: what, median, quartiles, 99th percentile, the highest, number of values, target and
+// whether it is met.
 class Table {
  public:
   explicit Table(const std::string& title);

@@ -1,0 +1,47 @@
+#pragma once
+// The actuators of a fleet, modules started by the benchmark and not by a controller.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/test/benchmark/common/board.hpp"
+#include "musher/test/benchmark/common/child.hpp"
+#include "musher/test/benchmark/common/fleet.hpp"
+
+namespace musher::benchmark {
+
+class HandStarted {
+ public:
+  // `hz`: of their cycles, 0: they have none.
+  explicit HandStarted(const Fleet& fleet, int hz = 0) : fleet_(fleet), hz_(hz) {
+    for (const std::string& name : fleet.names()) {
+      boards_.push_back(&OpenBoard(fleet.BoardFile(name)));
+    }
+    children_.resize(boards_.size());
+    for (std::size_t i = 0; i < boards_.size(); ++i) Start(i);
+  }
+
+  // Once more; the one before is killed if it lives.
+  void Start(std::size_t i) {
+    children_[i] = nullptr;
+    children_[i] =
+        std::make_unique<Child>(fleet_.Module(fleet_.names()[i], hz_),
+                                Child::Environment{{"MUSHER_CONFIG", fleet_.config_file()}});
+  }
+
+  std::size_t size() const { return children_.size(); }
+  pid_t pid(std::size_t i) const { return children_[i]->pid(); }
+  Board& board(std::size_t i) const { return *boards_[i]; }
+
+ private:
+  const Fleet& fleet_;
+  const int hz_;
+  std::vector<Board*> boards_;
+  std::vector<std::unique_ptr<Child>> children_;
+};
+
+// For actuators that are killed again and again: nobody is given up.
+inline constexpr const char* kPatientKeys = "restart_limit = 10000\nrestart_reset_ms = 1\n";
+
+}  // namespace musher::benchmark

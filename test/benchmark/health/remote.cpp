@@ -1,0 +1,130 @@
+#include <signal.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include "musher/test/benchmark/common/child.hpp"
+#include "musher/test/benchmark/common/fleet.hpp"
+#include "musher/test/benchmark/common/observed_controller.hpp"
+#include "musher/test/benchmark/common/statistics.hpp"
+#include "musher/test/benchmark/health/hand_started.hpp"
+#include "musher/test/benchmark/health/parts.hpp"
+
+namespace musher::benchmark {
+namespace {
+
+constexpr int kVictims = 8;
+
+// A pid namespace counts as a host of its own: pids of one mean nothing in the other, so nothing
+// but messages tells of an end. Its init is the program that is given.
+std::vector<std::string> OnOtherHost(std::vector<std::string> argv) {
+  std::vector<std::string> whole = {"/usr/bin/unshare", "--pid", "--fork", "--mount-proc",
+                                    "--kill-child"};
+  if (geteuid() != 0) whole.insert(whole.end(), {"--user", "--map-root-user"});
+  whole.insert(whole.end(), argv.begin(), argv.end());
+  return whole;
+}
+
+// Actuators of the fleet on a host of their own, for as long as this lives.
+class Host {
+ public:
+  Host(const Fleet& fleet, const std::vector<std::size_t>& actuators)
+      : child_(OnOtherHost({"/bin/sh", "-c", Script(fleet, actuators)}),
+               {{"MUSHER_CONFIG", fleet.config_file()}}) {}
+
+ private:
+  static std::string Script(const Fleet& fleet, const std::vector<std::size_t>& actuators) {
+    std::string script;
+    for (const std::size_t actuator : actuators) {
+      for (const std::string& word : fleet.Module(fleet.names()[actuator], 0)) {
+        script += "'" + word + "' ";
+      }
+      script += "& ";
+    }
+    return script + "wait";
+  }
+
+  Child child_;
+};
+
+// Pids of this namespace, by the board files of the modules.
+std::map<std::string, pid_t> FindModules() {
+  std::map<std::string, pid_t> found;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::ifstream file(entry.path() / "cmdline");
+    std::string program;
+    std::string name;
+    std::string board;
+    std::getline(file, program, '\0');
+    std::getline(file, name, '\0');
+    std::getline(file, board, '\0');
+    if (program == Program("benchmark_module")) {
+      found[board] = std::atoi(entry.path().filename().c_str());
+    }
+  }
+  return found;
+}
+
+struct Verdicts {
+  std::vector<double> times;  // milliseconds
+  double wrong = 0;
+};
+
+// Kills the victims one after the other; they are known as crashed when others of their host live.
+void KillAll(ObservedController& controller, const Fleet& fleet, Health expected,
+             Verdicts& verdicts) {
+  const std::map<std::string, pid_t> pids = FindModules();
+  for (std::size_t i = 0; i < kVictims; ++i) {
+    auto known = controller.Next([i](const action::Record& record, const Machine& machine) {
+      return record.actuator == i && machine.actuators[i].presence == Presence::kLost;
+    });
+    const Time killed = std::chrono::steady_clock::now();
+    kill(pids.at(fleet.BoardFile(fleet.names()[i])), SIGKILL);
+    verdicts.times.push_back(Seconds(MomentOf(known, "a remote crash") - killed) * 1000);
+    if (controller.Snapshot().actuators[i].health != expected) ++verdicts.wrong;
+  }
+}
+
+void Print(const Table& table, const std::string& what, const Verdicts& verdicts) {
+  table.Row(what, verdicts.times, "ms", 500);
+  table.Row(what + ", p99", {Quantile(verdicts.times, 0.99)}, "ms", 1000);
+  table.Row(what + ": other verdicts", {verdicts.wrong}, "");
+}
+
+}  // namespace
+
+void Remote(int rounds) {
+  if (Child(OnOtherHost({"/bin/true"}), {}, Child::Output::kNowhere).Wait() != 0) {
+    std::printf("\nremote: skipped, this user may not make a pid namespace (unshare)\n");
+    return;
+  }
+  // The last one survives.
+  const Fleet fleet([](const Fleet&, const std::string&) { return kPatientKeys; }, kVictims + 1,
+                    "[transport]\nprofile = \"lan\"\n");
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i <= kVictims; ++i) all.push_back(i);
+  ObservedController controller(fleet.config_file());
+  Verdicts crashed;
+  Verdicts partitioned;
+  for (int round = 0; round < rounds; ++round) {
+    {
+      const Host host(fleet, all);
+      controller.AwaitAllThere();
+      KillAll(controller, fleet, Health::kCrashed, crashed);
+    }
+    std::vector<std::unique_ptr<Host>> hosts;
+    for (const std::size_t actuator : all) {
+      hosts.push_back(std::make_unique<Host>(fleet, std::vector<std::size_t>{actuator}));
+    }
+    controller.AwaitAllThere();
+    KillAll(controller, fleet, Health::kPartitioned, partitioned);
+  }
+  const Table table("kill -9 → on record, on another host");
+  Print(table, "with others on its host (crashed)", crashed);
+  Print(table, "alone on its host (partitioned)", partitioned);
+}
+
+}  // namespace musher::benchmark
