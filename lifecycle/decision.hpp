@@ -60,6 +60,9 @@ class Decision {
   // Deadlines, then whatever has become possible. Ends every step.
   void Settle();
 
+  // All that one does who has been fenced: whoever asks is told.
+  void Decline(const Event& event);
+
   std::vector<Action> Take() && { return std::move(actions_); }
 
  private:
@@ -70,13 +73,14 @@ class Decision {
   void Follow(std::size_t i);
   void Drifted(std::size_t i);
   bool IsImpostor(std::size_t i, const ActuatorReport& report);
-  std::optional<OrderEnd> FindLie(std::size_t i) const;
+  OrderEnd DoneUnlessLie(std::size_t i, const std::string& message) const;
   void Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
              bool apart = false);
   void EndOrder(std::size_t i, const OrderEnd& end);
   void AskOrLose(std::size_t i);
   OrderEnd JudgeReport(std::size_t i, const Order& order) const;
   void Lose(std::size_t i, const std::string& how);
+  void LoseSight(std::size_t i, const std::string& how);
   void TakeForTornDown(std::size_t i);
   void CheckOrders();
 
@@ -88,6 +92,7 @@ class Decision {
   bool AdvanceSwitch();
   bool StartLegs(std::vector<Leg>& legs);
   const Leg* Hindrance(const Leg& leg, const std::vector<Leg>& legs) const;
+  std::optional<OrderEnd> FindUnfit(const Leg& leg) const;
   void SkipLeg(Leg& leg, const Leg* hindrance);
   bool Failed(const Switch& s) const;
   void BeginRollback(Switch& s);
@@ -120,6 +125,8 @@ class Decision {
 
   // joining.cpp
   bool DriveLateOnes();
+  bool Fits(std::size_t i) const;
+  void TellOfError(std::size_t i);
   bool MayJoin(std::size_t i, std::string& hindrance) const;
   void Join(std::size_t i);
   void EndJoin(std::size_t i, const Order& order, const OrderEnd& end);
@@ -136,7 +143,7 @@ class Decision {
   void Kill(std::size_t i);
   void Recover(std::size_t i, bool clean);
   void GiveUp(std::size_t i);
-  void CountArrival(std::size_t i);
+  void JudgeArrival(std::size_t i);
   void CheckRestarts();
   void StartAgain(std::size_t i);
   void EndForRestart(std::size_t i);
@@ -144,9 +151,10 @@ class Decision {
 
   // binding.cpp
   bool IsUp(std::size_t i) const;
-  const std::string* MissingFor(std::size_t i) const;
+  const std::string* MissingFor(std::size_t i, std::vector<bool>& seen) const;
   bool ParkAndUnpark();
   void Park(std::size_t i, const std::string& missing);
+  State PlaceOf(std::size_t i) const;
 
   // authority.cpp
   void HoldTo(const ActuatorReport& report, std::size_t i);
@@ -158,6 +166,7 @@ class Decision {
   void Stop(const Plan& plan, std::vector<RequestId> requests);
   void AfterTearDown(SwitchResult result);
   void AdvanceStopping();
+  std::int32_t OwnProcess(std::size_t i) const;
   bool ProcessesLeft() const;
   void SignalProcesses(bool kill);
   void EndUnfinished();

@@ -16,29 +16,43 @@ bool Decision::DriveLateOnes() {
                       !record.report.busy() && record.health != Health::kHung && !record.given_up &&
                       !record.restart_asked;
     const bool unchecked = !record.checked && !record.join_tried && !config_.RankOf(record.state());
-    if (!free || record.held || (!record.due && !unchecked)) continue;
+    if (!free || record.held) continue;
+    if (!record.due && !unchecked) {
+      TellOfError(i);
+      continue;
+    }
     std::string hindrance;
     if (!MayJoin(i, hindrance)) {
-      if (hindrance.empty()) continue;
-      Of(i).due = false;
-      Of(i).join_tried = true;
-      Degrade(i, kCodeStatusError, hindrance);
-    } else {
-      Join(i);
+      if (!hindrance.empty()) Degrade(i, kCodeStatusError, hindrance);
+      continue;
     }
+    Join(i);
     changed = true;
   }
   return changed;
+}
+
+// Whether it may be where the machine is: it has passed its check, or is there without, in Error.
+bool Decision::Fits(std::size_t i) const {
+  return Of(i).checked || Of(i).state() == machine_.state;
+}
+
+// One that was found in Error is not driven out of it behind a person's back.
+void Decision::TellOfError(std::size_t i) {
+  const ActuatorRecord& record = Of(i);
+  const bool alone = record.state() == kError && machine_.state != kError;
+  if (!alone || record.checked || record.fault) return;
+  Degrade(i, kCodeStatusError, "it is in Error; a SelfCheck by hand leads out of it");
 }
 
 // Whether those that it comes after are there, for a self-check, or up, for going up itself.
 bool Decision::MayJoin(std::size_t i, std::string& hindrance) const {
   const ActuatorRecord& record = Of(i);
   const auto own = config_.RankOf(record.state());
-  const auto target = config_.RankOf(machine_.state);
+  const auto target = config_.RankOf(PlaceOf(i));
   const bool goes_up = record.due && target && (!own || *own < *target);
   if (record.due && !goes_up) return true;
-  if (goes_up && (machine_.emergency_stop || record.parked)) return false;
+  if (goes_up && machine_.emergency_stop && machine_.state != kError) return false;
   if (!NeedsMet(i, hindrance)) return false;
   return !goes_up || std::all_of(ConfigOf(i).after.begin(), ConfigOf(i).after.end(),
                                  [this](const std::string& name) {
@@ -50,18 +64,18 @@ bool Decision::MayJoin(std::size_t i, std::string& hindrance) const {
 void Decision::Join(std::size_t i) {
   ActuatorRecord& record = Of(i);
   if (!record.due) {
-    record.join_tried = true;
     return Issue(i, machine_.number + 1, State(kSelfCheck), config_.TimeFor(i, kSelfCheck));
   }
   record.due = false;
-  if (record.state() == machine_.state) {
-    if (record.checked) record.fault.reset();
-  } else if (!config_.RankOf(machine_.state)) {
+  const State place = PlaceOf(i);
+  if (record.state() == place) {
+    if (record.checked && !record.parked) record.fault.reset();
+  } else if (!config_.RankOf(place)) {
     return;  // the machine is between states; whoever takes it on takes this one along
-  } else if (!ConfigOf(i).Lists(machine_.state)) {
-    Degrade(i, kCodeUnSupport, "has no state '" + machine_.state + "'");
+  } else if (!ConfigOf(i).Lists(place)) {
+    Degrade(i, kCodeUnSupport, "has no state '" + place + "'");
   } else {
-    Issue(i, machine_.number + 1, machine_.state, config_.TimeFor(i, machine_.state));
+    Issue(i, machine_.number + 1, place, config_.TimeFor(i, place));
   }
 }
 
@@ -75,17 +89,11 @@ void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
     }
     return;
   }
-  if (record.parked && end.outcome == ActuatorOutcome::kDone) {
-    const std::string* missing = MissingFor(i);
-    if (missing != nullptr) {
-      Degrade(i, kCodeStatusError, "it rests: " + *missing + ", which it is bound to, is not up");
-    }
-    return;
-  }
   if (end.outcome == ActuatorOutcome::kDone) {
-    record.due = order.target == kSelfCheck || record.state() != machine_.state;
+    record.due = order.target == kSelfCheck || record.state() != PlaceOf(i);
     return;
   }
+  if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
   Degrade(i, end.code,
           order.target + " " + std::string(OutcomeName(end.outcome)) + ": " + end.message);
   Fall(i);

@@ -92,15 +92,18 @@ class Planning {
   void RefuseWhileStopped() {
     const auto target = config_.RankOf(plan_.target);
     if (!machine_.emergency_stop || !target || plan_.direction == Direction::kDown) return;
-    for (const PlanStep& step : plan_.steps) {
-      const auto from = config_.RankOf(step.from);
-      if (!step.driven() || (from && *from >= *target)) continue;
-      const EmergencyStop& stop = *machine_.emergency_stop;
-      return RefuseWith(kCodeProtectedError,
-                        "an emergency stop is engaged" + (stop.by.empty() ? "" : " by " + stop.by) +
-                            (stop.reason.empty() ? "" : " (" + stop.reason + ")") +
-                            "; until it is released nothing goes up");
-    }
+    const bool rises =
+        plan_.direction == Direction::kUp ||
+        std::any_of(plan_.steps.begin(), plan_.steps.end(), [&](const PlanStep& step) {
+          const auto from = config_.RankOf(step.from);
+          return step.driven() && (!from || *from < *target);
+        });
+    if (!rises) return;
+    const EmergencyStop& stop = *machine_.emergency_stop;
+    RefuseWith(kCodeProtectedError, "an emergency stop is engaged" +
+                                        (stop.by.empty() ? "" : " by " + stop.by) +
+                                        (stop.reason.empty() ? "" : " (" + stop.reason + ")") +
+                                        "; until it is released nothing goes up");
   }
 
   PlanStep Blank(std::size_t i) const {
@@ -123,6 +126,8 @@ class Planning {
     } else if (!actuator.Lists(plan_.target)) {
       RefuseWith(kCodeUnSupport, actuator.name + " has no state '" + plan_.target + "'; it has " +
                                      List(actuator.states));
+    } else if (record.restart_asked) {
+      RefuseWith(kCodeTargetBusy, actuator.name + " is being restarted");
     } else if (record.report.busy() || record.order) {
       RefuseWith(kCodeTargetBusy, actuator.name + " is busy with " + BusyWith(record));
     } else if (rank && plan_.target != kTearDown && (!machine_rank || *rank > *machine_rank)) {
@@ -131,6 +136,8 @@ class Planning {
                                         machine_.state);
     } else if (rank && plan_.direction == Direction::kUp && !record.checked) {
       RefuseWith(kCodeSelfCheckFailed, actuator.name + " has not passed its self-check");
+    } else if (plan_.direction == Direction::kUp && record.parked) {
+      RefuseWith(kCodeStatusError, actuator.name + " rests until those that it is bound to are up");
     }
     PlanStep step = Blank(i);
     if (plan_.target != kSelfCheck && record.state() == plan_.target && !record.fault) {
@@ -158,6 +165,8 @@ class Planning {
     if (record.presence != Presence::kPresent) {
       const bool loading = !record.fault && record.presence != Presence::kLost;
       leave_out(loading ? "is still starting" : "is not there", kCodeStatusError, !loading);
+    } else if (record.restart_asked && plan_.target != kTearDown) {
+      leave_out("is being restarted", kCodeTargetBusy, false);
     } else if (Joining(record)) {
       leave_out("is still joining", kCodeTargetBusy, false);
     } else if (!actuator.Lists(plan_.target)) {

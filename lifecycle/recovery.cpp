@@ -23,8 +23,9 @@ Duration DelayOf(const RestartConfig& restart, int n) {
 // Whether it is on its way, though it is not there yet.
 bool Decision::Coming(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
+  const bool about_to_end = record.doomed != 0;  // which is what it is restarted after
   return record.restart_at || record.restart_asked ||
-         (record.presence == Presence::kStarting && record.set_up_by);
+         (record.set_up_by && (record.presence == Presence::kStarting || about_to_end));
 }
 
 bool Decision::MayRestart(std::size_t i) const {
@@ -56,8 +57,7 @@ void Decision::On(const event::HealthChanged& changed) {
     case Health::kCrashed:
     case Health::kPartitioned:
       if (record.presence == Presence::kPresent || record.presence == Presence::kStarting) {
-        Lose(i, what);
-        Fall(i);
+        LoseSight(i, what);
       }
       return;
     case Health::kStarved:
@@ -70,8 +70,10 @@ void Decision::Recovered(std::size_t i, const std::string& how) {
   ActuatorRecord& record = Of(i);
   record.health = Health::kWell;
   RecordActuator(i, kCodeOk, ConfigOf(i).name + " is well again: " + how);
-  if (!record.restart_asked) record.doomed = 0;
-  record.kill_at.reset();
+  if (!record.restart_asked) {
+    record.doomed = 0;
+    record.kill_at.reset();
+  }
   if (record.presence == Presence::kLost) {
     record.presence = Presence::kStarting;
     return Claim(i);
@@ -100,8 +102,10 @@ void Decision::Hang(std::size_t i, bool silent, const std::string& how) {
 }
 
 void Decision::Doom(std::size_t i, std::int32_t pid, Duration grace) {
-  Of(i).doomed = pid;
-  Of(i).kill_at = now_ + grace;
+  ActuatorRecord& record = Of(i);
+  record.doomed = pid;
+  record.kill_at = now_ + grace;
+  if (record.set_up_by) record.set_up_by = std::max(*record.set_up_by, now_ + grace + kEndTime);
 }
 
 void Decision::On(const event::BacktraceTaken& taken) {
@@ -154,11 +158,10 @@ void Decision::GiveUp(std::size_t i) {
   Fall(i);
 }
 
-// One that somebody else starts again and again is counted as well.
-void Decision::CountArrival(std::size_t i) {
+// It is there; its starts are counted until it has lived for a while.
+void Decision::JudgeArrival(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const RestartConfig& restart = ConfigOf(i).restart;
-  if (record.process == 0 && record.dead != 0) ++record.restarts;
   record.given_up = record.restarts > restart.limit;
   if (record.restarts > 0) record.healthy_at = now_ + restart.reset_after;
   if (!record.given_up) return;
@@ -187,6 +190,7 @@ void Decision::StartAgain(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.restart_at.reset();
   record.found_running = false;
+  record.report.state = config_.default_state;  // how the last one ended is no matter any more
   record.presence = Presence::kStarting;
   record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
   Do(action::StartProcess{i});
@@ -245,8 +249,10 @@ void Decision::AnswerRestarts(std::size_t i) {
   ActuatorRecord& record = Of(i);
   if (Coming(i)) return;
   const bool ended = machine_.phase != Phase::kRunning && machine_.phase != Phase::kFailed;
-  const bool there = record.presence == Presence::kPresent && !record.order && !record.due &&
-                     (record.checked || record.join_tried || machine_.phase == Phase::kFailed);
+  const bool may_go_on = record.due && !machine_.emergency_stop;
+  const bool driven =
+      ((Fits(i) || record.join_tried) && !may_go_on) || machine_.phase == Phase::kFailed;
+  const bool there = record.presence == Presence::kPresent && !record.order && driven;
   if (!ended && !there && !record.fault) return;
   Result<> answer;
   if (record.fault) {

@@ -124,6 +124,7 @@ void Decision::CheckSetUpDeadlines() {
     Degrade(i, kCodeTimeout,
             "was not set up within " + std::to_string(ToMilliseconds(config_.TimeFor(i, kSetUp))) +
                 " ms");
+    Fall(i);
   }
 }
 
@@ -139,9 +140,9 @@ bool Decision::StageSetUp(int stage) const {
 bool Decision::StageSettled(int stage) const {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const ActuatorRecord& record = Of(i);
-    if (ConfigOf(i).stage > stage || record.fault) continue;
+    if (ConfigOf(i).stage > stage || record.fault || record.held) continue;
     const bool joined =
-        record.presence == Presence::kPresent && record.checked && !record.due && !record.order;
+        record.presence == Presence::kPresent && Fits(i) && !record.due && !record.order;
     if (!joined) return false;
   }
   return true;
@@ -227,6 +228,13 @@ std::string Decision::HalfWay() const {
 // An earlier controller left actuators running: the machine goes on from the least active state, so
 // that nothing becomes more active by a restart; the others follow.
 void Decision::AdoptFrom(const State& lowest) {
+  if (lowest == kTearDown) {
+    const std::string message =
+        "an earlier controller left the machine in the middle of TearDown; that is ended";
+    RecordMachine(kCodeOk, message);
+    Do(action::StartUpEnded{false, message});
+    return Stop(MakePlan(config_, machine_, lowest), {});
+  }
   machine_.state = lowest;
   if (const std::string half_way = HalfWay(); !half_way.empty()) {
     RecordMachine(kCodeOk, "an earlier controller left a switch half way (" + half_way +
@@ -261,11 +269,13 @@ void Decision::FailStartUp(const std::string& why) {
 
 void Decision::BecomeRunning(const std::string& message) {
   machine_.phase = Phase::kRunning;
-  for (ActuatorRecord& record : machine_.actuators) {
-    if (record.presence == Presence::kPresent && record.checked && !record.held &&
-        record.state() != machine_.state) {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    const bool there = record.presence == Presence::kPresent;
+    if (there && record.checked && !record.held && record.state() != machine_.state) {
       record.due = true;
     }
+    if (!there && record.fault && !Coming(i)) Fall(i);
   }
   RecordMachine(kCodeOk, message);
   Do(action::StartUpEnded{true, message});
