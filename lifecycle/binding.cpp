@@ -64,7 +64,8 @@ State Decision::PlaceOf(std::size_t i) const {
   const auto machine = config_.RankOf(machine_.state);
   for (const std::string_view rest : {kDeActive, kLowPower}) {
     const auto rank = config_.RankOf(rest);
-    if (!ConfigOf(i).Lists(rest) || !own || !rank || *rank >= *own) continue;
+    if (!ConfigOf(i).Lists(rest) || !rank) continue;
+    if (!own || *own <= *rank) break;
     return machine && *machine < *rank ? machine_.state : State(rest);
   }
   return record.state();

@@ -258,8 +258,9 @@ void Decision::EndOrder(std::size_t i, const OrderEnd& end) {
   Of(i).order.reset();
   if (end.outcome == ActuatorOutcome::kDone) {
     if (order.target == kSelfCheck) Of(i).checked = true;
-    // A check that failed stays on record until one passes.
-    if (Of(i).checked && !Of(i).parked) Of(i).fault.reset();
+    // A check that failed stays on record until one passes, a hang until it ends.
+    const bool well = Of(i).checked && Of(i).health != Health::kHung;
+    if (well && !Of(i).parked) Of(i).fault.reset();
   }
   // Driven on once it is free, unless it is a check that is still out.
   if (end.outcome == ActuatorOutcome::kOverdue && order.target != kSelfCheck) Of(i).due = true;

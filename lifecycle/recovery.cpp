@@ -12,6 +12,7 @@ namespace {
 
 // Before restart n, counted from 0.
 Duration DelayOf(const RestartConfig& restart, int n) {
+  if (restart.delay == Duration::zero()) return {};  // growth without bounds is no number
   const double factor = std::pow(restart.growth, n);
   const double longest = static_cast<double>(restart.max_delay.count());
   const double delay = static_cast<double>(restart.delay.count()) * factor;
