@@ -126,7 +126,8 @@ class Decision {
   // joining.cpp
   bool DriveLateOnes();
   bool Fits(std::size_t i) const;
-  void TellOfError(std::size_t i);
+  bool MayFollow(std::size_t i) const;
+  void TellUnchecked(std::size_t i);
   bool MayJoin(std::size_t i, std::string& hindrance) const;
   void Join(std::size_t i);
   void EndJoin(std::size_t i, const Order& order, const OrderEnd& end);
@@ -141,6 +142,7 @@ class Decision {
   void Hang(std::size_t i, bool silent, const std::string& how);
   void Doom(std::size_t i, std::int32_t pid, Duration grace);
   void Kill(std::size_t i);
+  void TakeForEnded(std::size_t i);
   void Recover(std::size_t i, bool clean);
   void GiveUp(std::size_t i);
   void JudgeArrival(std::size_t i);

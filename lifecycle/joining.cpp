@@ -18,7 +18,7 @@ bool Decision::DriveLateOnes() {
     const bool unchecked = !record.checked && !record.join_tried && !config_.RankOf(record.state());
     if (!free || record.held) continue;
     if (!record.due && !unchecked) {
-      TellOfError(i);
+      TellUnchecked(i);
       continue;
     }
     std::string hindrance;
@@ -37,12 +37,22 @@ bool Decision::Fits(std::size_t i) const {
   return Of(i).checked || Of(i).state() == machine_.state;
 }
 
-// One that was found in Error is not driven out of it behind a person's back.
-void Decision::TellOfError(std::size_t i) {
+// Whether it may be driven to where the machine is: down always, up only after its check.
+bool Decision::MayFollow(std::size_t i) const {
+  const auto own = config_.RankOf(Of(i).state());
+  const auto machine = config_.RankOf(machine_.state);
+  return Of(i).checked || (own && machine && *own > *machine);
+}
+
+// One that was found in Error, or came to where it is otherwise without a check, is not driven up
+// behind a person's back.
+void Decision::TellUnchecked(std::size_t i) {
   const ActuatorRecord& record = Of(i);
-  const bool alone = record.state() == kError && machine_.state != kError;
-  if (!alone || record.checked || record.fault) return;
-  Degrade(i, kCodeStatusError, "it is in Error; a SelfCheck by hand leads out of it");
+  const bool stays = config_.RankOf(record.state()) && record.state() != machine_.state;
+  if (!stays || record.checked || record.fault) return;
+  Degrade(i, kCodeStatusError,
+          "it is in " + record.state() +
+              " and has not passed its self-check; a SelfCheck by hand leads out of it");
 }
 
 // Whether those that it comes after are there, for a self-check, or up, for going up itself.

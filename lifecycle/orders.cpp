@@ -105,7 +105,7 @@ void Decision::Drifted(std::size_t i) {
   RecordActuator(i, kCodeStatusError,
                  ConfigOf(i).name + " has gone to " + record.state() + " by itself" +
                      (told ? "" : ": " + record.report.outcome_message));
-  if (record.checked && !record.held) record.due = true;
+  if (!record.held && MayFollow(i)) record.due = true;
 }
 
 void Decision::On(const event::StatusSeen& seen) {
@@ -143,6 +143,10 @@ void Decision::On(const event::StatusSeen& seen) {
   if (!same && record.report.incarnation != 0 && record.process == 0) ++record.restarts;
   Accept(seen.actuator, report);
   record.presence = Presence::kStarting;
+  // One that shows itself and never answers is given up like one that never comes.
+  if (!record.set_up_by && !record.fault && !stopping) {
+    record.set_up_by = now_ + config_.TimeFor(seen.actuator, kSetUp);
+  }
   // Its services appear when it is set up; until then there is nobody to ask.
   if (not_set_up) return;
   if (!stopping) Claim(seen.actuator);

@@ -73,6 +73,7 @@ void Decision::Recovered(std::size_t i, const std::string& how) {
   RecordActuator(i, kCodeOk, ConfigOf(i).name + " is well again: " + how);
   if (!record.restart_asked) {
     record.doomed = 0;
+    record.killed = false;
     record.kill_at.reset();
   }
   if (record.presence == Presence::kLost) {
@@ -105,13 +106,14 @@ void Decision::Hang(std::size_t i, bool silent, const std::string& how) {
 void Decision::Doom(std::size_t i, std::int32_t pid, Duration grace) {
   ActuatorRecord& record = Of(i);
   record.doomed = pid;
+  record.killed = false;
   record.kill_at = now_ + grace;
   if (record.set_up_by) record.set_up_by = std::max(*record.set_up_by, now_ + grace + kEndTime);
 }
 
 void Decision::On(const event::BacktraceTaken& taken) {
   ActuatorRecord& record = Of(taken.actuator);
-  if (record.doomed != taken.pid || !record.kill_at) return;  // it came to itself, or has ended
+  if (record.doomed != taken.pid || record.killed) return;  // it came to itself, or has ended
   action::Record backtrace{"process", taken.actuator, 0, kCodeOk, "", taken.text};
   backtrace.message = "what " + ConfigOf(taken.actuator).name + " was doing:";
   Do(backtrace);
@@ -119,8 +121,21 @@ void Decision::On(const event::BacktraceTaken& taken) {
 }
 
 void Decision::Kill(std::size_t i) {
-  Of(i).kill_at.reset();
+  Of(i).killed = true;
+  Of(i).kill_at = now_ + kEndTime;
   Do(action::SignalProcess{i, Of(i).doomed, true});
+}
+
+// Its end was not seen, or the kernel holds it. Should it live on, its successor will say so.
+void Decision::TakeForEnded(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  RecordProcess(i, kCodeTimeout,
+                "nothing is heard of the end of process " + std::to_string(record.doomed) +
+                    ", which was killed; it is taken for ended");
+  if (record.process == record.doomed) record.process = 0;
+  record.dead = record.report.incarnation;
+  if (record.presence == Presence::kPresent) Lose(i, "it was killed");
+  Recover(i, false);
 }
 
 // Its process has ended, or could not be started: what now?
@@ -129,6 +144,7 @@ void Decision::Recover(std::size_t i, bool clean) {
   const ActuatorConfig& config = ConfigOf(i);
   record.doomed = 0;
   record.kill_at.reset();
+  record.killed = false;
   record.healthy_at.reset();
   const bool wanted = machine_.phase == Phase::kStarting || machine_.phase == Phase::kRunning ||
                       machine_.phase == Phase::kFailed;
@@ -176,7 +192,7 @@ void Decision::JudgeArrival(std::size_t i) {
 void Decision::CheckRestarts() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
-    if (record.kill_at && *record.kill_at <= now_) Kill(i);
+    if (record.kill_at && *record.kill_at <= now_) record.killed ? TakeForEnded(i) : Kill(i);
     if (record.healthy_at && *record.healthy_at <= now_) {
       record.healthy_at.reset();
       record.restarts = 0;

@@ -272,7 +272,7 @@ void Decision::BecomeRunning(const std::string& message) {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
     const bool there = record.presence == Presence::kPresent;
-    if (there && record.checked && !record.held && record.state() != machine_.state) {
+    if (there && MayFollow(i) && !record.held && record.state() != machine_.state) {
       record.due = true;
     }
     if (!there && record.fault && !Coming(i)) Fall(i);

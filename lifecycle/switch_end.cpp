@@ -50,7 +50,11 @@ void Decision::LeaveNobodyBehind(const Switch& s) {
     ActuatorRecord& record = Of(i);
     const bool had_a_leg = std::any_of(s.legs.begin(), s.legs.end(),
                                        [&](const Leg& leg) { return leg.actuator == i; });
-    if (had_a_leg || record.presence != Presence::kPresent || !record.checked) continue;
+    if (had_a_leg || record.presence != Presence::kPresent) continue;
+    if (!record.checked) {
+      TellUnchecked(i);
+      continue;
+    }
     if (!record.fault && record.state() != machine_.state) record.due = true;
   }
 }

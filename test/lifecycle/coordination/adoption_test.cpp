@@ -102,6 +102,15 @@ TEST_F(Adopting, StartsOnlyWhatDoesNotRun) {
   EXPECT_EQ(t.machine().state, "Protected");
 }
 
+TEST_F(Adopting, OneThatShowsItselfAndNeverAnswersHoldsNobodyUp) {
+  Theatre& t = In("Protected", Ours(3));
+  t.Mute("b", true, true);
+  Restart(t);
+  EXPECT_EQ(t.machine().phase, Phase::kRunning);
+  EXPECT_EQ(t.machine().state, "Protected");
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("was not set up within"));
+}
+
 TEST_F(Adopting, ACriticalOneThatIsGoneAndDoesNotComeBackTakesTheMachineDown) {
   Theatre& t = In("Active", OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;

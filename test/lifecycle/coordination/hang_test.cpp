@@ -95,6 +95,17 @@ TEST_F(Hang, OfAnAdoptedProcessIsKilledAndRestartedAsWell) {
   EXPECT_NE(t.RecordOf("b").process, 0);
 }
 
+TEST_F(Hang, OfOneThatNotEvenSigkillEndsIsTakenForEndedAfterAWhile) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  t.On("b", "KILL").hangs = true;  // its driver never returns
+  t.On("b", "exec").code = kCodeFailed;
+  t.Find("b", Health::kHung, true);
+  t.Rest();
+  EXPECT_THAT(t.records, Contains(HasSubstr("it is taken for ended")));
+  EXPECT_TRUE(t.RecordOf("b").given_up);
+  EXPECT_EQ(t.machine().state, "Protected") << "and not: waited for in Active for ever";
+}
+
 TEST_F(Hang, InASwitchUpUndoesItAndTheRestartedOneFollows) {
   Theatre& t = In("Protected", Ours(3));
   t.On("b", "Active").hangs = true;

@@ -59,6 +59,10 @@ class Walk {
     Heal();
     t_.Rest(std::chrono::seconds(120));
     if (t_.machine().phase == Phase::kRunning) CheckRest();
+    EXPECT_NE(t_.machine().phase, Phase::kStopping);
+    for (const char* name : {"a", "b", "d"}) {
+      EXPECT_FALSE(t_.stopped() && t_.IsAlive(name)) << name << " outlives the machine";
+    }
     CheckAnswers();
   }
 
@@ -83,7 +87,7 @@ class Walk {
     const char* const states[] = {"Active",   "Protected", "DeActive",
                                   "LowPower", "SelfCheck", "Error"};
     const State state = states[Below(6)];
-    switch (Below(20)) {
+    switch (Below(22)) {
       case 0:
       case 1:
       case 2:
@@ -144,6 +148,18 @@ class Walk {
       case 16:
         Note("set " + name + " " + state);
         requests_.push_back(t_.Ask(state, name));
+        return;
+      case 17: {
+        Note(name + " says that it is in " + state);
+        ActuatorReport report = t_.CoreOf(name).report;
+        report.stamp = t_.now();
+        report.state = state;
+        return t_.Tell(event::StatusSeen{*t_.config().IndexOf(name), report});
+      }
+      case 18:
+        if (Below(4) != 0 || !t_.machine().set_up) return;
+        Note("set TearDown");
+        requests_.push_back(t_.Ask("TearDown"));
         return;
       default:
         Note("set " + state);

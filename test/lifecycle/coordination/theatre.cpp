@@ -322,7 +322,7 @@ void Theatre::Do(const Action& action) {
   } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
     signals.push_back(config_.actuators[signal->actuator].name +
                       (signal->kill ? ":KILL" : ":TERM"));
-    const bool obeys = signal->kill || !actors_[signal->actuator].script["TERM"].hangs;
+    const bool obeys = !actors_[signal->actuator].script[signal->kill ? "KILL" : "TERM"].hangs;
     if (obeys) {
       EndProcess(signal->actuator, false, signal->kill ? "killed by SIGKILL" : "killed by SIGTERM");
     }

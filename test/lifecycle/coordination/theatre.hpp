@@ -29,7 +29,7 @@ class Theatre {
   explicit Theatre(MachineConfig config);
 
   // The script; to be changed at any time. State "" is for all states without their own; "exec" is
-  // the start of the process, "TERM" what it does with SIGTERM.
+  // the start of the process, "TERM" and "KILL" what it does with signals.
   Behaviour& On(const std::string& actuator, const std::string& state);
 
   // Starts the machine; hand-started actuators (no command) start at once.
