@@ -23,24 +23,24 @@ void Checkpoints::Begin(const State& state, Time now) {
   own_ = {};
   during_ = state;
   const auto longer = config_.checkpoint_in.find(state);
-  const Duration allowance = longer != config_.checkpoint_in.end()
-                                 ? longer->second
-                                 : config_.checkpoint.value_or(Duration::zero());
-  callback_ = {allowance != Duration::zero(), 0, now, allowance, std::nullopt};
+  usual_ = longer != config_.checkpoint_in.end() ? longer->second
+                                                 : config_.checkpoint.value_or(Duration::zero());
+  callback_ = {usual_ != Duration::zero(), 0, now, usual_, std::nullopt};
 }
 
 void Checkpoints::End() {
   const std::lock_guard lock(mutex_);
+  during_.clear();
   callback_ = {};
   own_ = {};
 }
 
 void Checkpoints::Mark(pid_t thread, Duration allowance, Time now) {
   const std::lock_guard lock(mutex_);
-  const bool in_callback = callback_.on && thread == worker_;
+  const bool in_callback = !during_.empty() && thread == worker_;
   Watched& watched = in_callback ? callback_ : own_;
   if (allowance == Duration::zero()) {
-    allowance = in_callback ? callback_.allowance : config_.checkpoint.value_or(Duration::zero());
+    allowance = in_callback ? usual_ : config_.checkpoint.value_or(Duration::zero());
   }
   const bool on = allowance != Duration::zero() && allowance != Duration::max();
   watched = {on, thread, now, allowance, std::nullopt};

@@ -64,7 +64,8 @@ class Checkpoints {
   const ActuatorConfig& config_;
   const Sample sample_;
   mutable std::mutex mutex_;  // guards the rest
-  State during_;
+  State during_;              // whose callback runs; empty: none
+  Duration usual_{};          // its allowance by the config; zero: none
   pid_t worker_ = 0;
   Watched callback_;
   Watched own_;

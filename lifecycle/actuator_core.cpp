@@ -320,9 +320,11 @@ class Deciding {
 
   void EndCommand(std::uint64_t number, const State& target, std::int32_t code,
                   const std::string& message) {
-    report_.outcome_number = number;
-    report_.outcome_code = code;
-    report_.outcome_message = message;
+    if (number != 0) {  // what it did by itself is no command's outcome
+      report_.outcome_number = number;
+      report_.outcome_code = code;
+      report_.outcome_message = message;
+    }
     if (target == kSelfCheck) {
       // In the run phase a check changes nothing; on the way up it is a step.
       const bool a_step =

@@ -37,9 +37,6 @@ using RequestToken = std::uint64_t;
 // Who sent something: the participant that it came from, as the transport tells. 0 is nobody.
 using Sender = std::uint64_t;
 
-// Epochs grow by one with every controller; one beyond this is no controller's.
-inline constexpr std::uint64_t kLastEpoch = std::uint64_t{1} << 62;
-
 // "Run the callback of `target`."
 struct SwitchCommand {
   std::uint64_t epoch = 0;

@@ -14,7 +14,8 @@ constexpr std::size_t kReleasedKept = 16;
 // The controller with the higher epoch leads. The other lets go at once and touches nothing.
 void Decision::On(const event::RivalHeard& rival) {
   const bool leads =
-      rival.epoch > machine_.epoch || (rival.epoch == machine_.epoch && rival.has_precedence);
+      rival.epoch <= kLastEpoch &&
+      (rival.epoch > machine_.epoch || (rival.epoch == machine_.epoch && rival.has_precedence));
   const bool at_work = machine_.phase != Phase::kIdle && machine_.phase != Phase::kStopped &&
                        machine_.phase != Phase::kFenced;
   if (!leads || !at_work) return;
@@ -29,9 +30,10 @@ void Decision::On(const event::RivalHeard& rival) {
     result.code = fenced.code;
     result.reason = fenced.message;
     Answer(machine_.current->requests, result);
-    if (machine_.stopping) Answer(machine_.stopping->requests, result);
+    if (machine_.stopping) machine_.stopping->result = result;
     machine_.current.reset();
   }
+  if (machine_.stopping) Answer(machine_.stopping->requests, *machine_.stopping->result);
   for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
     Do(action::AnswerCall{request, fenced});
   }
@@ -42,6 +44,18 @@ void Decision::On(const event::RivalHeard& rival) {
   }
   machine_.phase = Phase::kFenced;
   Do(action::Fenced{why});
+}
+
+void Decision::Decline(const Event& event) {
+  const Error fenced{kCodePermissionDenied, "another controller leads this machine"};
+  if (const auto* requested = std::get_if<event::SetStateRequested>(&event)) return On(*requested);
+  if (const auto* restart = std::get_if<event::RestartRequested>(&event)) {
+    Do(action::AnswerCall{restart->request, fenced});
+  } else if (const auto* release = std::get_if<event::ReleaseRequested>(&event)) {
+    Do(action::AnswerCall{release->request, fenced});
+  } else if (const auto* awaited = std::get_if<event::SetUpAwaited>(&event)) {
+    Do(action::AnswerCall{awaited->request, fenced});
+  }
 }
 
 void Decision::On(const event::EmergencyStopSeen& seen) {

@@ -1,8 +1,6 @@
 // binds_to: an actuator that cannot do without another is taken to rest while that one is not up,
 // and is driven to where the machine is when it is back. What matters is how things stand, not how
-// they came to be so; a chain of bindings comes down and up link by link.
-
-#include <algorithm>
+// they came to be so; in which order they come up again is told by `after`.
 
 #include "musher/lifecycle/decision.hpp"
 
@@ -11,17 +9,21 @@ namespace musher {
 // Whether others can build on it.
 bool Decision::IsUp(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
-  return record.presence == Presence::kPresent && record.checked && !record.parked &&
+  return record.presence == Presence::kPresent && Fits(i) && !record.given_up &&
          record.health != Health::kHung && !record.restart_asked;
 }
 
-// One that `i` is bound to and that is not up; null when all are.
-const std::string* Decision::MissingFor(std::size_t i) const {
-  const std::vector<std::string>& needed = ConfigOf(i).binds_to;
-  const auto missing = std::find_if(needed.begin(), needed.end(), [this](const std::string& name) {
-    return !IsUp(*config_.IndexOf(name));
-  });
-  return missing == needed.end() ? nullptr : &*missing;
+// One that `i` is bound to, or that those are bound to, and that is not up; null when all are. Two
+// that are bound to each other do not keep each other down: `seen` closes the circle.
+const std::string* Decision::MissingFor(std::size_t i, std::vector<bool>& seen) const {
+  for (const std::string& name : ConfigOf(i).binds_to) {
+    const std::size_t needed = *config_.IndexOf(name);
+    if (seen[needed]) continue;
+    seen[needed] = true;
+    if (!IsUp(needed)) return &name;
+    if (const std::string* missing = MissingFor(needed, seen)) return missing;
+  }
+  return nullptr;
 }
 
 bool Decision::ParkAndUnpark() {
@@ -32,7 +34,9 @@ bool Decision::ParkAndUnpark() {
     const bool free =
         record.presence == Presence::kPresent && !record.order && !record.report.busy();
     if (!free || !record.checked) continue;
-    const std::string* missing = MissingFor(i);
+    std::vector<bool> seen(machine_.actuators.size(), false);
+    seen[i] = true;
+    const std::string* missing = MissingFor(i, seen);
     if (missing != nullptr && !record.parked && !record.held) {
       Park(i, *missing);
       changed = true;
@@ -48,15 +52,24 @@ bool Decision::ParkAndUnpark() {
 void Decision::Park(std::size_t i, const std::string& missing) {
   ActuatorRecord& record = Of(i);
   record.parked = true;
-  record.due = false;
+  record.due = true;
   Degrade(i, kCodeStatusError, "it rests: " + missing + ", which it is bound to, is not up",
           Of(*config_.IndexOf(missing)).cause);
+}
+
+// Where it belongs: with the machine; while parked, at rest, and never higher than it is.
+State Decision::PlaceOf(std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  if (!record.parked) return machine_.state;
   const auto own = config_.RankOf(record.state());
+  const auto machine = config_.RankOf(machine_.state);
   for (const std::string_view rest : {kDeActive, kLowPower}) {
     const auto rank = config_.RankOf(rest);
-    if (!ConfigOf(i).Lists(rest) || !own || !rank || *rank >= *own) continue;
-    return Issue(i, machine_.number + 1, State(rest), config_.TimeFor(i, rest));
+    if (!ConfigOf(i).Lists(rest) || !rank) continue;
+    if (!own || *own <= *rank) break;
+    return machine && *machine < *rank ? machine_.state : State(rest);
   }
+  return record.state();
 }
 
 }  // namespace musher

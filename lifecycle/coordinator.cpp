@@ -70,8 +70,12 @@ void Decision::Degrade(std::size_t i, std::int32_t code, const std::string& mess
 std::vector<Action> Step(const MachineConfig& config, Machine& machine, const Event& event,
                          Time now) {
   Decision decision(config, machine, now);
-  std::visit([&](const auto& e) { decision.On(e); }, event);
-  decision.Settle();
+  if (machine.phase == Phase::kFenced) {
+    decision.Decline(event);
+  } else {
+    std::visit([&](const auto& e) { decision.On(e); }, event);
+    decision.Settle();
+  }
   return std::move(decision).Take();
 }
 

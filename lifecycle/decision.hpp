@@ -61,6 +61,9 @@ class Decision {
   // Deadlines, then whatever has become possible. Ends every step.
   void Settle();
 
+  // All that one does who has been fenced: whoever asks is told.
+  void Decline(const Event& event);
+
   std::vector<Action> Take() && { return std::move(actions_); }
 
  private:
@@ -71,7 +74,7 @@ class Decision {
   void Follow(std::size_t i);
   void Drifted(std::size_t i);
   bool IsImpostor(std::size_t i, const ActuatorReport& report);
-  std::optional<OrderEnd> FindLie(std::size_t i) const;
+  OrderEnd DoneUnlessLie(std::size_t i, const std::string& message) const;
   void Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
              bool apart = false);
   void EndOrder(std::size_t i, const OrderEnd& end);
@@ -79,6 +82,7 @@ class Decision {
   void AskOrLose(std::size_t i);
   OrderEnd JudgeReport(std::size_t i, const Order& order) const;
   void Lose(std::size_t i, const std::string& how, std::uint64_t cause = 0);
+  void LoseSight(std::size_t i, const std::string& how, std::uint64_t cause = 0);
   void TakeForTornDown(std::size_t i);
   void CheckOrders();
 
@@ -94,6 +98,7 @@ class Decision {
   bool AdvanceSwitch();
   bool StartLegs(std::vector<Leg>& legs);
   const Leg* Hindrance(const Leg& leg, const std::vector<Leg>& legs) const;
+  std::optional<OrderEnd> FindUnfit(const Leg& leg) const;
   void SkipLeg(Leg& leg, const Leg* hindrance);
   bool Failed(const Switch& s) const;
   const Leg* WorstLeg(const Switch& s) const;
@@ -113,6 +118,7 @@ class Decision {
   bool StartProcesses();
   bool NeedsMet(std::size_t i, std::string& hindrance) const;
   std::uint64_t CauseOfHindrance(std::size_t i) const;
+  bool AnotherIsThere(std::size_t i, std::int32_t pid) const;
   bool StageSetUp(int stage) const;
   bool StageSettled(int stage) const;
   bool AdvanceStart();
@@ -128,6 +134,9 @@ class Decision {
 
   // joining.cpp
   bool DriveLateOnes();
+  bool Fits(std::size_t i) const;
+  bool MayFollow(std::size_t i) const;
+  void TellUnchecked(std::size_t i);
   bool MayJoin(std::size_t i, std::string& hindrance) const;
   void Join(std::size_t i);
   void EndJoin(std::size_t i, const Order& order, const OrderEnd& end);
@@ -142,10 +151,12 @@ class Decision {
   void Hang(std::size_t i, bool silent, const std::string& how);
   void Doom(std::size_t i, std::int32_t pid, Duration grace);
   void Kill(std::size_t i);
+  void TakeForEnded(std::size_t i);
   void Recover(std::size_t i, bool clean);
   void GiveUp(std::size_t i);
-  void CountArrival(std::size_t i);
+  void JudgeArrival(std::size_t i);
   void CheckRestarts();
+  void ForgetEnd(std::size_t i);
   void CallOffRestart(std::size_t i);
   void StartAgain(std::size_t i);
   void EndForRestart(std::size_t i);
@@ -153,9 +164,10 @@ class Decision {
 
   // binding.cpp
   bool IsUp(std::size_t i) const;
-  const std::string* MissingFor(std::size_t i) const;
+  const std::string* MissingFor(std::size_t i, std::vector<bool>& seen) const;
   bool ParkAndUnpark();
   void Park(std::size_t i, const std::string& missing);
+  State PlaceOf(std::size_t i) const;
 
   // authority.cpp
   void HoldTo(const ActuatorReport& report, std::size_t i);
@@ -167,6 +179,7 @@ class Decision {
   void Stop(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause);
   void AfterTearDown(SwitchResult result);
   void AdvanceStopping();
+  std::int32_t OwnProcess(std::size_t i) const;
   bool ProcessesLeft() const;
   void SignalProcesses(bool kill);
   void EndUnfinished();

@@ -128,7 +128,8 @@ std::vector<Finding> HealthMonitor::TimePassed(Time now) {
     }
     if (!patient.probed) {
       patient.probed = true;
-      patient.look = patient.heard + patient.limit;
+      // Silent for longer than the limit, and with time to answer though we were late ourselves.
+      patient.look = std::max(patient.heard + patient.limit + Duration(1), now + patient.limit / 4);
       if (patient.local) findings.emplace_back(finding::Examine{i, true});
       findings.emplace_back(finding::Probe{i});
       continue;

@@ -16,29 +16,53 @@ bool Decision::DriveLateOnes() {
                       !record.report.busy() && record.health != Health::kHung && !record.given_up &&
                       !record.restart_asked;
     const bool unchecked = !record.checked && !record.join_tried && !config_.RankOf(record.state());
-    if (!free || record.held || (!record.due && !unchecked)) continue;
+    if (!free || record.held) continue;
+    if (!record.due && !unchecked) {
+      TellUnchecked(i);
+      continue;
+    }
     std::string hindrance;
     if (!MayJoin(i, hindrance)) {
-      if (hindrance.empty()) continue;
-      Of(i).due = false;
-      Of(i).join_tried = true;
-      Degrade(i, kCodeStatusError, hindrance, CauseOfHindrance(i));
-    } else {
-      Join(i);
+      if (!hindrance.empty()) Degrade(i, kCodeStatusError, hindrance, CauseOfHindrance(i));
+      continue;
     }
+    Join(i);
     changed = true;
   }
   return changed;
+}
+
+// Whether it may be where the machine is: it has passed its check, or is there without, in Error.
+bool Decision::Fits(std::size_t i) const {
+  return Of(i).checked || Of(i).state() == machine_.state;
+}
+
+// Whether it may be driven to where the machine is: down always, up only after its check.
+bool Decision::MayFollow(std::size_t i) const {
+  const auto own = config_.RankOf(Of(i).state());
+  const auto machine = config_.RankOf(machine_.state);
+  return Of(i).checked || (own && machine && *own > *machine);
+}
+
+// One that was found in Error, or came to where it is otherwise without a check, is not driven up
+// behind a person's back.
+void Decision::TellUnchecked(std::size_t i) {
+  const ActuatorRecord& record = Of(i);
+  const bool stays = config_.RankOf(record.state()) && record.state() != machine_.state;
+  if (!stays || record.checked || record.fault) return;
+  Degrade(i, kCodeStatusError,
+          "it is in " + record.state() +
+              " and has not passed its self-check; a SelfCheck by hand leads out of it");
 }
 
 // Whether those that it comes after are there, for a self-check, or up, for going up itself.
 bool Decision::MayJoin(std::size_t i, std::string& hindrance) const {
   const ActuatorRecord& record = Of(i);
   const auto own = config_.RankOf(record.state());
-  const auto target = config_.RankOf(machine_.state);
+  const auto target = config_.RankOf(PlaceOf(i));
   const bool goes_up = record.due && target && (!own || *own < *target);
   if (record.due && !goes_up) return true;
-  if (goes_up && (machine_.emergency_stop || record.parked)) return false;
+  if (goes_up && machine_.emergency_stop && machine_.state != kError) return false;
   if (!NeedsMet(i, hindrance)) return false;
   return !goes_up || std::all_of(ConfigOf(i).after.begin(), ConfigOf(i).after.end(),
                                  [this](const std::string& name) {
@@ -50,18 +74,18 @@ bool Decision::MayJoin(std::size_t i, std::string& hindrance) const {
 void Decision::Join(std::size_t i) {
   ActuatorRecord& record = Of(i);
   if (!record.due) {
-    record.join_tried = true;
     return Issue(i, machine_.number + 1, State(kSelfCheck), config_.TimeFor(i, kSelfCheck));
   }
   record.due = false;
-  if (record.state() == machine_.state) {
-    if (record.checked) record.fault.reset();
-  } else if (!config_.RankOf(machine_.state)) {
+  const State place = PlaceOf(i);
+  if (record.state() == place) {
+    if (record.checked && !record.parked) record.fault.reset();
+  } else if (!config_.RankOf(place)) {
     return;  // the machine is between states; whoever takes it on takes this one along
-  } else if (!ConfigOf(i).Lists(machine_.state)) {
-    Degrade(i, kCodeUnSupport, "has no state '" + machine_.state + "'", record.cause);
+  } else if (!ConfigOf(i).Lists(place)) {
+    Degrade(i, kCodeUnSupport, "has no state '" + place + "'", record.cause);
   } else {
-    Issue(i, machine_.number + 1, machine_.state, config_.TimeFor(i, machine_.state));
+    Issue(i, machine_.number + 1, place, config_.TimeFor(i, place));
   }
 }
 
@@ -75,18 +99,11 @@ void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
     }
     return;
   }
-  if (record.parked && end.outcome == ActuatorOutcome::kDone) {
-    const std::string* missing = MissingFor(i);
-    if (missing != nullptr) {
-      Degrade(i, kCodeStatusError, "it rests: " + *missing + ", which it is bound to, is not up",
-              Of(*config_.IndexOf(*missing)).cause);
-    }
-    return;
-  }
   if (end.outcome == ActuatorOutcome::kDone) {
-    record.due = order.target == kSelfCheck || record.state() != machine_.state;
+    record.due = order.target == kSelfCheck || record.state() != PlaceOf(i);
     return;
   }
+  if (end.outcome == ActuatorOutcome::kLost) return;  // what follows depends on how it was lost
   Degrade(i, end.code,
           order.target + " " + std::string(OutcomeName(end.outcome)) + ": " + end.message,
           record.cause);

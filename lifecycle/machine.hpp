@@ -85,6 +85,7 @@ struct ActuatorRecord {
   std::vector<std::uint64_t> restart_requests;  // who is told when it is back
   std::int32_t doomed = 0;                      // the process that is about to be killed …
   std::optional<Time> kill_at;                  // … at the latest then
+  bool killed = false;                          // it was; by kill_at its end has to be told
   bool parked = false;                          // taken to rest: one that it is bound to is not up
   std::optional<Time>
       outbid_at;  // it follows a higher epoch; claimed then, if nobody leads with it

@@ -12,6 +12,12 @@ void Decision::Claim(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const std::uint64_t seen = record.report.epoch;
   const bool ours = record.claimed == record.report.incarnation;
+  if (seen >= kLastEpoch) {
+    record.claim_again.reset();
+    return Degrade(i, kCodePermissionDenied,
+                   "it says that it follows epoch " + std::to_string(seen) +
+                       ", which cannot be a controller's");
+  }
   if (seen > machine_.epoch || (seen == machine_.epoch && !ours)) {
     // Perhaps a living controller leads with it; then it says so, and this one lets go.
     if (!record.outbid_at) record.outbid_at = now_ + kRivalPatience;
@@ -46,6 +52,8 @@ void Decision::RaiseEpoch(std::uint64_t epoch, std::size_t because_of) {
 void Decision::Accept(std::size_t i, const ActuatorReport& report) {
   ActuatorRecord& record = Of(i);
   const bool came_free = record.report.busy() && !report.busy() && !record.order;
+  const bool passed_late = report.state == kSelfCheck && record.report.state != kSelfCheck;
+  if (came_free && passed_late) record.checked = true;
   if (came_free && record.checked && !record.held) record.due = true;
   // A report that was held up on the way would make commands look older than they are. Once in a
   // while a new one counts all the same: clocks drift.
@@ -55,13 +63,16 @@ void Decision::Accept(std::size_t i, const ActuatorReport& report) {
     record.clock_theirs = report.stamp;
     record.clock_ours = now_;
   }
-  const bool moved = !other_process && record.presence == Presence::kPresent &&
-                     report.state != record.report.state && !record.order &&
+  const bool moved = !other_process && record.presence == Presence::kPresent && !record.order &&
+                     report.state != record.report.state &&
                      report.outcome_number == record.report.outcome_number;
   record.report = report;
   if (moved) Drifted(i);
+  if (came_free && !record.checked && report.outcome_code != kCodeOk) {
+    Degrade(i, report.outcome_code, "it failed late: " + report.outcome_message);
+  }
   HoldTo(report, i);
-  machine_.number = std::max(machine_.number, report.number);
+  if (report.number < kLastNumber) machine_.number = std::max(machine_.number, report.number);
 }
 
 // The actuator has answered its claim: it is present.
@@ -72,9 +83,10 @@ void Decision::Follow(std::size_t i) {
   const bool late = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
   record.presence = Presence::kPresent;
   record.set_up_by.reset();
+  record.restart_at.reset();  // somebody else was faster
   record.fault.reset();
-  record.checked = (config_.RankOf(record.state()) && record.state() != kError) ||
-                   !ConfigOf(i).Lists(kSelfCheck);
+  const bool beyond = record.state() == kSelfCheck || config_.RankOf(record.state());
+  record.checked = (beyond && record.state() != kError) || !ConfigOf(i).Lists(kSelfCheck);
   record.join_tried = false;
   record.held = record.report.apart;
   record.parked = false;
@@ -85,7 +97,7 @@ void Decision::Follow(std::size_t i) {
       ConfigOf(i).name + " is present in " + record.state() +
           (record.report.pid == 0 ? "" : ", process " + std::to_string(record.report.pid)),
       record.cause);
-  CountArrival(i);
+  JudgeArrival(i);
 }
 
 // It is somewhere else than where it was sent, without having been told to.
@@ -95,7 +107,7 @@ void Decision::Drifted(std::size_t i) {
   record.cause = RecordActuator(i, kCodeStatusError,
                                 ConfigOf(i).name + " has gone to " + record.state() + " by itself" +
                                     (told ? "" : ": " + record.report.outcome_message));
-  if (record.presence == Presence::kPresent && record.checked && !record.held) record.due = true;
+  if (!record.held && MayFollow(i)) record.due = true;
 }
 
 void Decision::On(const event::StatusSeen& seen) {
@@ -130,9 +142,16 @@ void Decision::On(const event::StatusSeen& seen) {
     if (IsImpostor(seen.actuator, report)) return;
     Lose(seen.actuator, "it was started anew", record.cause);
   }
+  // One that somebody else starts again and again is counted as well.
+  if (!same && record.report.incarnation != 0 && record.process == 0) ++record.restarts;
+  if (!same) ForgetEnd(seen.actuator);
   Accept(seen.actuator, report);
   record.presence = Presence::kStarting;
   if (record.restart_at) CallOffRestart(seen.actuator);
+  // One that shows itself and never answers is given up like one that never comes.
+  if (!record.set_up_by && !record.fault && !stopping) {
+    record.set_up_by = now_ + config_.TimeFor(seen.actuator, kSetUp);
+  }
   // Its services appear when it is set up; until then there is nobody to ask.
   if (not_set_up) return;
   if (!stopping) Claim(seen.actuator);
@@ -168,8 +187,7 @@ void Decision::On(const event::Replied& replied) {
   if (replied.ask) return EndOrder(replied.actuator, JudgeReport(replied.actuator, *record.order));
   switch (replied.verdict) {
     case Verdict::kDone:
-      if (const auto lie = FindLie(replied.actuator)) return EndOrder(replied.actuator, *lie);
-      return EndOrder(replied.actuator, {ActuatorOutcome::kDone, kCodeOk, replied.message, true});
+      return EndOrder(replied.actuator, DoneUnlessLie(replied.actuator, replied.message));
     case Verdict::kRefused:
       return EndOrder(replied.actuator, {record.order->asked > 0 ? ActuatorOutcome::kOverdue
                                                                  : ActuatorOutcome::kRefused,
@@ -180,20 +198,22 @@ void Decision::On(const event::Replied& replied) {
   }
 }
 
-// An answer that its own status contradicts.
-std::optional<OrderEnd> Decision::FindLie(std::size_t i) const {
+// It says that the order is done; its own status may contradict that.
+OrderEnd Decision::DoneUnlessLie(std::size_t i, const std::string& message) const {
   const ActuatorRecord& record = Of(i);
   const State& target = record.order->target;
-  if (target == kSelfCheck || record.state() == target) return std::nullopt;
-  return OrderEnd{ActuatorOutcome::kFailed, kCodeStatusError,
-                  "it says that it is done, and also that it is in " + record.state().substr(0, 64),
-                  true};
+  if (target == kSelfCheck || record.state() == target) {
+    return {ActuatorOutcome::kDone, kCodeOk, message, true};
+  }
+  return {ActuatorOutcome::kFailed, kCodeStatusError,
+          "it says that it is done, and also that it is in " + record.state().substr(0, 64), true};
 }
 
 void Decision::Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
                      bool apart) {
   machine_.number = std::max(machine_.number, number);
   Of(i).order = Order{number, target, now_, now_ + budget, 0};
+  if (target == kSelfCheck) Of(i).join_tried = true;
   Do(action::SendSwitch{i, number, target, budget, apart});
 }
 
@@ -202,9 +222,7 @@ OrderEnd Decision::JudgeReport(std::size_t i, const Order& order) const {
   const ActuatorReport& report = Of(i).report;
   const std::string time = std::to_string(ToMilliseconds(now_ - order.sent)) + " ms";
   if (report.outcome_number == order.number) {
-    if (report.outcome_code == kCodeOk) {
-      return {ActuatorOutcome::kDone, kCodeOk, "", true};
-    }
+    if (report.outcome_code == kCodeOk) return DoneUnlessLie(i, "");
     return {ActuatorOutcome::kFailed, report.outcome_code, report.outcome_message, true};
   }
   if (report.busy_number == order.number) {
@@ -218,10 +236,8 @@ OrderEnd Decision::JudgeReport(std::size_t i, const Order& order) const {
 void Decision::AskOrLose(std::size_t i) {
   Order& order = *Of(i).order;
   if (order.asked >= kAskAttempts) {
-    Lose(i, "it does not answer, not even when asked how " + order.target + " stands", Of(i).cause);
-    // A process of ours that hangs will be found out and restarted.
-    if (!MayRestart(i) || ProcessOf(i) == 0) Fall(i);
-    return;
+    return LoseSight(i, "it does not answer, not even when asked how " + order.target + " stands",
+                     Of(i).cause);
   }
   if (order.asked == 0) {
     Of(i).cause = RecordActuator(i, kCodeTimeout,
@@ -258,9 +274,12 @@ void Decision::EndOrder(std::size_t i, const OrderEnd& end) {
   Of(i).order.reset();
   if (end.outcome == ActuatorOutcome::kDone) {
     if (order.target == kSelfCheck) Of(i).checked = true;
-    if (Of(i).checked) Of(i).fault.reset();  // a check that failed stays on record until one passes
+    // A check that failed stays on record until one passes, a hang until it ends.
+    const bool well = Of(i).checked && Of(i).health != Health::kHung;
+    if (well && !Of(i).parked) Of(i).fault.reset();
   }
-  if (end.outcome == ActuatorOutcome::kOverdue) Of(i).due = true;  // driven on once it is free
+  // Driven on once it is free, unless it is a check that is still out.
+  if (end.outcome == ActuatorOutcome::kOverdue && order.target != kSelfCheck) Of(i).due = true;
   if (Leg* leg = LegUnderWay(i)) {
     EndLeg(*leg, end);
   } else {
@@ -296,6 +315,8 @@ void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause) 
   record.checked = false;
   record.held = false;
   record.due = false;
+  record.healthy_at.reset();
+  record.outbid_at.reset();
   record.report.target.clear();
   record.report.busy_number = 0;
   if (machine_.phase == Phase::kStopping) return;
@@ -304,6 +325,13 @@ void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause) 
   }
   // Why its SetUp failed says more than that its process is gone.
   if (!record.fault || had_answered) Degrade(i, kCodeNetError, how, cause);
+}
+
+// Nothing reaches it any more. What a process of ours came to will be found out: if it has ended or
+// hangs, it is restarted.
+void Decision::LoseSight(std::size_t i, const std::string& how, std::uint64_t cause) {
+  Lose(i, how, cause);
+  if (!MayRestart(i) || ProcessOf(i) == 0) Fall(i);
 }
 
 // The end of a process can overtake its last word.
@@ -317,18 +345,19 @@ void Decision::TakeForTornDown(std::size_t i) {
 void Decision::On(const event::Vanished& vanished) {
   ActuatorRecord& record = Of(vanished.actuator);
   if (record.report.incarnation != vanished.incarnation) return;
+  if (record.dead == vanished.incarnation) return;  // its successor may be starting already
   const bool was_there =
       record.presence == Presence::kPresent || record.presence == Presence::kStarting;
   if (!vanished.for_good) {
-    if (!was_there) return;
-    Lose(vanished.actuator, vanished.how);
-    return Fall(vanished.actuator);
+    if (was_there) LoseSight(vanished.actuator, vanished.how);
+    return;
   }
-  if (record.dead == vanished.incarnation) return;
   record.dead = vanished.incarnation;
   TakeForTornDown(vanished.actuator);
   if (record.health != Health::kHung) record.health = Health::kCrashed;
   if (was_there) Lose(vanished.actuator, "crashed: " + vanished.how);
+  if (record.restart_at || record.given_up) return;  // what we had started it with ended before
+  if (record.process != 0) return Doom(vanished.actuator, record.process, kEndTime);
   Recover(vanished.actuator, false);
 }
 

@@ -91,14 +91,17 @@ class Planning {
   // come up for it are left to say so themselves.
   void RefuseWhileStopped() {
     if (!machine_.emergency_stop || plan_.direction == Direction::kDown) return;
-    for (const PlanStep& step : plan_.steps) {
-      if (!step.driven() || !Rises(config_, step.from, plan_.target)) continue;
-      const EmergencyStop& stop = *machine_.emergency_stop;
-      return RefuseWith(kCodeProtectedError,
-                        "an emergency stop is engaged" + (stop.by.empty() ? "" : " by " + stop.by) +
-                            (stop.reason.empty() ? "" : " (" + stop.reason + ")") +
-                            "; until it is released nothing goes up");
-    }
+    const bool rises =
+        (plan_.direction == Direction::kUp && Rises(config_, plan_.from, plan_.target)) ||
+        std::any_of(plan_.steps.begin(), plan_.steps.end(), [&](const PlanStep& step) {
+          return step.driven() && Rises(config_, step.from, plan_.target);
+        });
+    if (!rises) return;
+    const EmergencyStop& stop = *machine_.emergency_stop;
+    RefuseWith(kCodeProtectedError, "an emergency stop is engaged" +
+                                        (stop.by.empty() ? "" : " by " + stop.by) +
+                                        (stop.reason.empty() ? "" : " (" + stop.reason + ")") +
+                                        "; until it is released nothing goes up");
   }
 
   PlanStep Blank(std::size_t i) const {
@@ -121,6 +124,8 @@ class Planning {
     } else if (!actuator.Lists(plan_.target)) {
       RefuseWith(kCodeUnSupport, actuator.name + " has no state '" + plan_.target + "'; it has " +
                                      List(actuator.states));
+    } else if (record.restart_asked) {
+      RefuseWith(kCodeTargetBusy, actuator.name + " is being restarted");
     } else if (record.report.busy() || record.order) {
       RefuseWith(kCodeTargetBusy, actuator.name + " is busy with " + BusyWith(record));
     } else if (rank && plan_.target != kTearDown && (!machine_rank || *rank > *machine_rank)) {
@@ -129,6 +134,8 @@ class Planning {
                                         machine_.state);
     } else if (rank && plan_.direction == Direction::kUp && !record.checked) {
       RefuseWith(kCodeSelfCheckFailed, actuator.name + " has not passed its self-check");
+    } else if (plan_.direction == Direction::kUp && record.parked) {
+      RefuseWith(kCodeStatusError, actuator.name + " rests until those that it is bound to are up");
     }
     PlanStep step = Blank(i);
     if (plan_.target != kSelfCheck && record.state() == plan_.target && !record.fault) {

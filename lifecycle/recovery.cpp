@@ -12,6 +12,7 @@ namespace {
 
 // Before restart n, counted from 0.
 Duration DelayOf(const RestartConfig& restart, int n) {
+  if (restart.delay == Duration::zero()) return {};  // growth without bounds is no number
   const double factor = std::pow(restart.growth, n);
   const double longest = static_cast<double>(restart.max_delay.count());
   const double delay = static_cast<double>(restart.delay.count()) * factor;
@@ -23,8 +24,9 @@ Duration DelayOf(const RestartConfig& restart, int n) {
 // Whether it is on its way, though it is not there yet.
 bool Decision::Coming(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
+  const bool about_to_end = record.doomed != 0;  // which is what it is restarted after
   return record.restart_at || record.restart_asked ||
-         (record.presence == Presence::kStarting && record.set_up_by);
+         (record.set_up_by && (record.presence == Presence::kStarting || about_to_end));
 }
 
 bool Decision::MayRestart(std::size_t i) const {
@@ -56,8 +58,7 @@ void Decision::On(const event::HealthChanged& changed) {
     case Health::kCrashed:
     case Health::kPartitioned:
       if (record.presence == Presence::kPresent || record.presence == Presence::kStarting) {
-        Lose(i, what);
-        Fall(i);
+        LoseSight(i, what);
       }
       return;
     case Health::kStarved:
@@ -74,6 +75,7 @@ void Decision::Recovered(std::size_t i, const std::string& how) {
       RecordActuator(i, kCodeOk, ConfigOf(i).name + " is well again: " + how, record.cause);
   if (!record.restart_asked) {  // else it is to end, well or not
     record.doomed = 0;
+    record.killed = false;
     record.kill_at.reset();
   }
   if (record.presence == Presence::kLost) {
@@ -105,13 +107,16 @@ void Decision::Hang(std::size_t i, bool silent, const std::string& how) {
 }
 
 void Decision::Doom(std::size_t i, std::int32_t pid, Duration grace) {
-  Of(i).doomed = pid;
-  Of(i).kill_at = now_ + grace;
+  ActuatorRecord& record = Of(i);
+  record.doomed = pid;
+  record.killed = false;
+  record.kill_at = now_ + grace;
+  if (record.set_up_by) record.set_up_by = std::max(*record.set_up_by, now_ + grace + kEndTime);
 }
 
 void Decision::On(const event::BacktraceTaken& taken) {
   ActuatorRecord& record = Of(taken.actuator);
-  if (record.doomed != taken.pid || !record.kill_at) return;  // it came to itself, or has ended
+  if (record.doomed != taken.pid || record.killed) return;  // it came to itself, or has ended
   action::Record backtrace;
   backtrace.kind = "process";
   backtrace.actuator = taken.actuator;
@@ -123,8 +128,21 @@ void Decision::On(const event::BacktraceTaken& taken) {
 }
 
 void Decision::Kill(std::size_t i) {
-  Of(i).kill_at.reset();
+  Of(i).killed = true;
+  Of(i).kill_at = now_ + kEndTime;
   Do(action::SignalProcess{i, Of(i).doomed, true});
+}
+
+// Its end was not seen, or the kernel holds it. Should it live on, its successor will say so.
+void Decision::TakeForEnded(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  RecordProcess(i, kCodeTimeout,
+                "nothing is heard of the end of process " + std::to_string(record.doomed) +
+                    ", which was killed; it is taken for ended");
+  if (record.process == record.doomed) record.process = 0;
+  record.dead = record.report.incarnation;
+  if (record.presence == Presence::kPresent) Lose(i, "it was killed");
+  Recover(i, false);
 }
 
 // Its process has ended, or could not be started: what now?
@@ -133,6 +151,7 @@ void Decision::Recover(std::size_t i, bool clean) {
   const ActuatorConfig& config = ConfigOf(i);
   record.doomed = 0;
   record.kill_at.reset();
+  record.killed = false;
   record.healthy_at.reset();
   const bool wanted = machine_.phase == Phase::kStarting || machine_.phase == Phase::kRunning ||
                       machine_.phase == Phase::kFailed;
@@ -166,11 +185,10 @@ void Decision::GiveUp(std::size_t i) {
   Fall(i);
 }
 
-// One that somebody else starts again and again is counted as well.
-void Decision::CountArrival(std::size_t i) {
+// It is there; its starts are counted until it has lived for a while.
+void Decision::JudgeArrival(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const RestartConfig& restart = ConfigOf(i).restart;
-  if (record.process == 0 && record.dead != 0) ++record.restarts;
   record.given_up = record.restarts > restart.limit;
   if (record.restarts > 0) record.healthy_at = now_ + restart.reset_after;
   if (!record.given_up) return;
@@ -185,7 +203,7 @@ void Decision::CountArrival(std::size_t i) {
 void Decision::CheckRestarts() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
-    if (record.kill_at && *record.kill_at <= now_) Kill(i);
+    if (record.kill_at && *record.kill_at <= now_) record.killed ? TakeForEnded(i) : Kill(i);
     if (record.healthy_at && *record.healthy_at <= now_) {
       record.healthy_at.reset();
       record.restarts = 0;
@@ -194,6 +212,15 @@ void Decision::CheckRestarts() {
     if (record.restart_at && *record.restart_at <= now_) StartAgain(i);
     if (!record.restart_requests.empty()) AnswerRestarts(i);
   }
+}
+
+// What was to end has, or there would be no successor.
+void Decision::ForgetEnd(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  record.doomed = 0;
+  record.killed = false;
+  record.kill_at.reset();
+  record.restart_asked = false;
 }
 
 // Somebody else was faster.
@@ -206,6 +233,7 @@ void Decision::StartAgain(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.restart_at.reset();
   record.found_running = false;
+  record.report.state = config_.default_state;  // how the last one ended is no matter any more
   record.presence = Presence::kStarting;
   record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
   Do(action::StartProcess{i});
@@ -264,8 +292,10 @@ void Decision::AnswerRestarts(std::size_t i) {
   ActuatorRecord& record = Of(i);
   if (Coming(i)) return;
   const bool ended = machine_.phase != Phase::kRunning && machine_.phase != Phase::kFailed;
-  const bool there = record.presence == Presence::kPresent && !record.order && !record.due &&
-                     (record.checked || record.join_tried || machine_.phase == Phase::kFailed);
+  const bool may_go_on = record.due && !machine_.emergency_stop;
+  const bool driven =
+      ((Fits(i) || record.join_tried) && !may_go_on) || machine_.phase == Phase::kFailed;
+  const bool there = record.presence == Presence::kPresent && !record.order && driven;
   if (!ended && !there && !record.fault) return;
   Result<> answer;
   if (record.fault) {

@@ -9,6 +9,11 @@
 
 namespace musher {
 
+// Epochs grow by one with every controller, numbers with every command; what is beyond these is no
+// controller's.
+inline constexpr std::uint64_t kLastEpoch = std::uint64_t{1} << 62;
+inline constexpr std::uint64_t kLastNumber = std::uint64_t{1} << 62;
+
 struct ActuatorReport {
   State state{kUninitialized};
   State target;                   // its callback is running for this state; empty when it is free

@@ -116,9 +116,7 @@ void Decision::On(const event::ProcessEnded& ended) {
   record.cause =
       RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
                     ConfigOf(ended.actuator).name + "'s " + how, record.fault ? record.cause : 0);
-  const bool another_is_there = record.presence == Presence::kPresent &&
-                                record.report.pid != ended.pid && record.report.pid != 0;
-  if (another_is_there) return;
+  if (AnotherIsThere(ended.actuator, ended.pid)) return;
   if (ended.clean) TakeForTornDown(ended.actuator);
   if (record.health != Health::kHung) record.health = Health::kCrashed;
   if (record.presence == Presence::kStarting || record.presence == Presence::kPresent) {
@@ -126,6 +124,17 @@ void Decision::On(const event::ProcessEnded& ended) {
     Lose(ended.actuator, "crashed: its " + how + (in_set_up ? " during SetUp" : ""), record.cause);
   }
   Recover(ended.actuator, ended.clean);
+}
+
+// Whether a process of this host other than `pid` says that it is this actuator: somebody was
+// faster with starting it, or `pid` was only the program that started it.
+bool Decision::AnotherIsThere(std::size_t i, std::int32_t pid) const {
+  const ActuatorRecord& record = Of(i);
+  const bool speaks =
+      record.presence == Presence::kPresent ||
+      (record.presence == Presence::kStarting && record.report.incarnation != record.dead);
+  const bool here = !record.report.host.empty() && record.report.host == machine_.host;
+  return speaks && here && record.report.pid != 0 && record.report.pid != pid;
 }
 
 void Decision::On(const event::SetUpAwaited& awaited) {
@@ -145,6 +154,7 @@ void Decision::CheckSetUpDeadlines() {
             "was not set up within " + std::to_string(ToMilliseconds(config_.TimeFor(i, kSetUp))) +
                 " ms",
             record.cause);
+    Fall(i);
   }
 }
 
@@ -160,9 +170,9 @@ bool Decision::StageSetUp(int stage) const {
 bool Decision::StageSettled(int stage) const {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const ActuatorRecord& record = Of(i);
-    if (ConfigOf(i).stage > stage || record.fault) continue;
+    if (ConfigOf(i).stage > stage || record.fault || record.held) continue;
     const bool joined =
-        record.presence == Presence::kPresent && record.checked && !record.due && !record.order;
+        record.presence == Presence::kPresent && Fits(i) && !record.due && !record.order;
     if (!joined) return false;
   }
   return true;
@@ -228,8 +238,9 @@ std::optional<State> Decision::LowestFound() const {
   };
   for (const ActuatorRecord& record : machine_.actuators) {
     if (record.presence != Presence::kPresent || (record.report.apart && !all_apart)) continue;
-    // Who is being torn down will end, and be started again as others that have ended.
-    if (record.state() == kTearDown || record.report.target == kTearDown) continue;
+    // Who is being torn down alone will end, and be started again if it should.
+    const bool ends = record.state() == kTearDown || record.report.target == kTearDown;
+    if (ends && record.report.apart) continue;
     consider(record.state());
     if (config_.RankOf(record.state())) consider(record.report.target);
   }
@@ -252,6 +263,13 @@ std::string Decision::HalfWay() const {
 // An earlier controller left actuators running: the machine goes on from the least active state, so
 // that nothing becomes more active by a restart; the others follow.
 void Decision::AdoptFrom(const State& lowest, std::uint64_t cause) {
+  if (lowest == kTearDown) {
+    const std::string message =
+        "an earlier controller left the machine in the middle of TearDown; that is ended";
+    const std::uint64_t told = RecordMachine(kCodeOk, message, cause);
+    Do(action::StartUpEnded{false, message});
+    return Stop(MakePlan(config_, machine_, lowest), {}, told);
+  }
   machine_.state = lowest;
   if (const std::string half_way = HalfWay(); !half_way.empty()) {
     cause = RecordMachine(
@@ -291,11 +309,13 @@ void Decision::FailStartUp(const std::string& why, std::uint64_t cause) {
 
 void Decision::BecomeRunning(const std::string& message, std::uint64_t cause) {
   machine_.phase = Phase::kRunning;
-  for (ActuatorRecord& record : machine_.actuators) {
-    if (record.presence == Presence::kPresent && record.checked && !record.held &&
-        record.state() != machine_.state) {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    const bool there = record.presence == Presence::kPresent;
+    if (there && MayFollow(i) && !record.held && record.state() != machine_.state) {
       record.due = true;
     }
+    if (!there && record.fault && !Coming(i)) Fall(i);
   }
   RecordMachine(kCodeOk, message, cause);
   Do(action::StartUpEnded{true, message});

@@ -36,7 +36,7 @@ void Decision::Stop(const Plan& plan, std::vector<RequestId> requests, std::uint
     if (record.presence == Presence::kPresent) continue;
     record.fault.reset();  // what is not there cannot be left behind
     record.set_up_by.reset();
-    if (record.process != 0) Do(action::SignalProcess{i, record.process, false});
+    if (const auto pid = OwnProcess(i); pid != 0) Do(action::SignalProcess{i, pid, false});
   }
   Begin(plan, Purpose::kStop, {}, cause);
 }
@@ -48,18 +48,27 @@ void Decision::AfterTearDown(SwitchResult result) {
   stopping.terminate_at = std::min(now_ + grace, stopping.kill_at);
 }
 
+// The process that has to end with the machine: one that we started, or that a controller before us
+// did. What somebody else started is theirs to end.
+std::int32_t Decision::OwnProcess(std::size_t i) const {
+  return ConfigOf(i).command.empty() ? 0 : ProcessOf(i);
+}
+
 bool Decision::ProcessesLeft() const {
-  return std::any_of(machine_.actuators.begin(), machine_.actuators.end(),
-                     [](const ActuatorRecord& record) { return record.process != 0; });
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    if (OwnProcess(i) != 0) return true;
+  }
+  return false;
 }
 
 void Decision::SignalProcesses(bool kill) {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    if (Of(i).process == 0) continue;
+    const std::int32_t pid = OwnProcess(i);
+    if (pid == 0) continue;
     RecordProcess(i, kCodeTimeout,
-                  ConfigOf(i).name + " has not ended; process " + std::to_string(Of(i).process) +
+                  ConfigOf(i).name + " has not ended; process " + std::to_string(pid) +
                       (kill ? " gets SIGKILL" : " gets SIGTERM"));
-    Do(action::SignalProcess{i, Of(i).process, kill});
+    Do(action::SignalProcess{i, pid, kill});
   }
 }
 

@@ -25,7 +25,8 @@ void Decision::Apply(const Switch& s, bool undone) {
     if (leg.outcome == ActuatorOutcome::kDone) {
       if (!undone && !check) record.held = s.only.has_value() && leg.target != machine_.state;
       // One that has passed late belongs to where the machine is.
-      if (check && machine_.phase == Phase::kRunning && !record.held &&
+      const bool passed = check && record.checked;  // by the process that is there now
+      if (passed && machine_.phase == Phase::kRunning && !record.held &&
           record.state() != machine_.state) {
         record.due = true;
       }
@@ -53,7 +54,11 @@ void Decision::LeaveNobodyBehind(const Switch& s) {
     ActuatorRecord& record = Of(i);
     const bool had_a_leg = std::any_of(s.legs.begin(), s.legs.end(),
                                        [&](const Leg& leg) { return leg.actuator == i; });
-    if (had_a_leg || record.presence != Presence::kPresent || !record.checked) continue;
+    if (had_a_leg || record.presence != Presence::kPresent) continue;
+    if (!record.checked) {
+      TellUnchecked(i);
+      continue;
+    }
     if (!record.fault && record.state() != machine_.state) record.due = true;
   }
 }
@@ -61,12 +66,19 @@ void Decision::LeaveNobodyBehind(const Switch& s) {
 // What a rollback leaves behind.
 void Decision::SettleBack(const Switch& s) {
   for (const Leg& leg : s.back) {
-    if (leg.outcome == ActuatorOutcome::kDone) continue;
+    ActuatorRecord& record = Of(leg.actuator);
+    if (leg.outcome == ActuatorOutcome::kDone) {
+      // One that was degraded before is where it was, and still not where the machine is.
+      if (!s.only && !record.held && record.state() != machine_.state) record.due = true;
+      continue;
+    }
+    const bool anew = record.presence == Presence::kPresent && !config_.RankOf(record.state());
+    if (anew && leg.outcome == ActuatorOutcome::kSkipped) continue;  // it joins by itself
     Degrade(leg.actuator, leg.code,
             "could not be brought back to " + (leg.target.empty() ? "rest" : leg.target) + ": " +
                 leg.message,
             Of(leg.actuator).cause);
-    Fall(leg.actuator);
+    if (!Coming(leg.actuator)) Fall(leg.actuator);
   }
 }
 

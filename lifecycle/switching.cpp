@@ -80,7 +80,8 @@ void Decision::Refuse(const event::SetStateRequested& requested, std::optional<s
 }
 
 // One switch at a time: the same again joins the one under way, a more urgent one may go on to take
-// over, anything else is refused. Says whether the request is dealt with.
+// over, unless it is of one actuator and would leave the others half way; anything else is refused.
+// Says whether the request is dealt with.
 bool Decision::JoinOrRefuse(const event::SetStateRequested& requested,
                             std::optional<std::size_t> only, std::uint64_t asked) {
   if (!machine_.current) {
@@ -94,7 +95,8 @@ bool Decision::JoinOrRefuse(const event::SetStateRequested& requested,
     waiting.push_back(requested.request);
     return true;
   }
-  if (Urgency(requested.target) > Urgency(s.target)) return false;
+  const bool concerns_all = !only || s.only;
+  if (concerns_all && Urgency(requested.target) > Urgency(s.target)) return false;
   const Error busy{kCodeTargetBusy, "switch " + std::to_string(s.number) + " (" +
                                         Describe(config_, s.target, s.only) + ") is under way"};
   Refuse(requested, only, machine_.state, busy, asked);
@@ -126,7 +128,6 @@ void Decision::AddLeg(Switch& s, const PlanStep& step) {
     leg.target = s.target;
     leg.needs = step.needs;
     leg.may_fail = Of(step.actuator).fault.has_value() && !Critical(step.actuator);
-    if (s.target == kSelfCheck) Of(step.actuator).join_tried = true;
     s.legs.push_back(leg);
     return;
   }
@@ -203,6 +204,19 @@ void Decision::SkipLeg(Leg& leg, const Leg* hindrance) {
   if (hindrance != nullptr && hindrance->may_fail && !Critical(leg.actuator)) leg.may_fail = true;
 }
 
+// Why nothing can be sent for `leg` any more: it was there when the switch was planned, and has
+// gone or was started anew meanwhile.
+std::optional<OrderEnd> Decision::FindUnfit(const Leg& leg) const {
+  const ActuatorRecord& record = Of(leg.actuator);
+  if (record.presence != Presence::kPresent) {
+    return OrderEnd{ActuatorOutcome::kLost, kCodeNetError, "is not there any more", false};
+  }
+  const bool a_step = leg.target == kSelfCheck || leg.target == kTearDown;
+  if (a_step || record.checked || config_.RankOf(record.state())) return std::nullopt;
+  return OrderEnd{ActuatorOutcome::kSkipped, kCodeSelfCheckFailed,
+                  "has been started anew and has not passed its self-check", false};
+}
+
 // Begins the legs whose needs have ended. Says whether anything changed without an event.
 bool Decision::StartLegs(std::vector<Leg>& legs) {
   Switch& s = *machine_.current;
@@ -211,6 +225,12 @@ bool Decision::StartLegs(std::vector<Leg>& legs) {
   bool changed = false;
   for (Leg& leg : legs) {
     if (leg.progress != Leg::Progress::kWaiting) continue;
+    if (const auto unfit = FindUnfit(leg)) {
+      EndLeg(leg, *unfit);
+      leg.duration = {};
+      changed = true;
+      continue;
+    }
     const Leg* hindrance = strict ? Hindrance(leg, legs) : nullptr;
     if (give_up || hindrance != nullptr) {
       SkipLeg(leg, hindrance);
@@ -262,10 +282,12 @@ void Decision::EndLeg(Leg& leg, const OrderEnd& end) {
   leg.duration = now_ - leg.started;
 }
 
-// Where a leg has to go back to: where it was; from a start, where there is no such state, to the
-// nearest thing to rest. Empty when there is none.
+// Where a leg has to go back to: where it was; from a step of a start, where one cannot stay, to
+// where the machine is, or the nearest thing to rest. Empty when there is none.
 State Decision::WayBack(const Leg& leg) const {
   if (config_.RankOf(leg.from)) return leg.from;
+  const bool to_machine = config_.RankOf(machine_.state) && machine_.state != kError;
+  if (to_machine && ConfigOf(leg.actuator).Lists(machine_.state)) return machine_.state;
   for (const std::string_view rest : {kDeActive, kLowPower}) {
     if (ConfigOf(leg.actuator).Lists(rest)) return State(rest);
   }

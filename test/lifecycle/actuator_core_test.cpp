@@ -1,8 +1,6 @@
-#include "musher/lifecycle/actuator_core.hpp"
-
 #include <gmock/gmock.h>
 
-#include "musher/lifecycle/code.hpp"
+#include "musher/test/lifecycle/one_actuator.hpp"
 
 namespace musher {
 namespace {
@@ -10,69 +8,17 @@ namespace {
 using namespace actuator_action;  // NOLINT(google-build-using-namespace)
 using actuator_event::AskArrived;
 using actuator_event::CallbackEnded;
-using actuator_event::ControllerHeard;
 using actuator_event::ManagerCommand;
 using actuator_event::Started;
 using actuator_event::SwitchArrived;
+using testing::Actions;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::VariantWith;
 
-using Actions = std::vector<ActuatorAction>;
-
-class Actuator : public ::testing::Test {
- protected:
-  Actuator() {
-    ActuatorConfig audio;
-    audio.name = "audio";
-    for (const char* state : {"SetUp", "SelfCheck", "Active", "DeActive", "LowPower", "TearDown"}) {
-      audio.states.emplace_back(state);
-      audio.times.push_back(Milliseconds(100));
-      if (const auto rank = BuiltInRank(state)) config_.ranks[state] = *rank;
-    }
-    config_.actuators.push_back(audio);
-    core_.report.incarnation = 77;
-    Announce(1);
-  }
-
-  Actions Do(const ActuatorEvent& event) { return Step(config_, 0, core_, event, now_); }
-
-  // The controller of an epoch, as whom Command() sends, says that it lives.
-  void Announce(std::uint64_t epoch) { Do(ControllerHeard{epoch, epoch}); }
-
-  void SetUpIt() {
-    Do(Started{});
-    Do(CallbackEnded{});
-  }
-
-  // A command of the present, number n.
-  SwitchArrived Command(std::uint64_t n, const State& target, std::uint64_t epoch = 1) {
-    return {++token_, {epoch, n, target, Milliseconds(100), now_, {}, 77}, epoch};
-  }
-
-  // Takes it to `state` by command n.
-  void Switch(std::uint64_t n, const State& target) {
-    Do(Command(n, target));
-    Do(CallbackEnded{});
-    EXPECT_EQ(core_.report.state, target);
-  }
-
-  static const Answer& AnswerIn(const Actions& actions) {
-    for (const ActuatorAction& action : actions) {
-      if (const auto* answer = std::get_if<Answer>(&action)) return *answer;
-    }
-    static const Answer none{0, Verdict::kFailed, -1, "no answer"};
-    ADD_FAILURE() << "no answer among the actions";
-    return none;
-  }
-
-  MachineConfig config_;
-  ActuatorCore core_;
-  Time now_ = Time(std::chrono::hours(1));
-  RequestToken token_ = 0;
-};
+class Actuator : public testing::OneActuator {};
 
 TEST_F(Actuator, RunsSetUpByItselfAndTellsThatItIsBusyFromTheFirstMoment) {
   EXPECT_THAT(Do(Started{}), ElementsAre(VariantWith<RunCallback>(RunCallback{"SetUp"}),
@@ -235,7 +181,8 @@ TEST_F(Actuator, AsksARunningCallbackToStopOnlyWhenTold) {
   Do(Command(1, "Active"));
   EXPECT_THAT(Do(AskArrived{8, {1, 1, false}, 1}),
               Not(Contains(VariantWith<RequestStop>(RequestStop{}))));
-  EXPECT_THAT(Do(AskArrived{9, {1, 1, true}, 1}), Contains(VariantWith<RequestStop>(RequestStop{})));
+  EXPECT_THAT(Do(AskArrived{9, {1, 1, true}, 1}),
+              Contains(VariantWith<RequestStop>(RequestStop{})));
   EXPECT_EQ(core_.report.busy_number, 1U) << "it runs on until it gives up by itself";
 }
 

@@ -38,6 +38,26 @@ class Switching : public ::testing::Test {
   std::optional<Theatre> theatre_;
 };
 
+// Processes that we start, and start again after 100, 200, 400 ms.
+inline MachineConfig Ours(int actuators) {
+  MachineConfig config = MachineOf(actuators);
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.command = {"run", actuator.name};
+    actuator.restart.policy = RestartPolicy::kOnFailure;
+    actuator.restart.limit = 3;
+    actuator.restart.reset_after = std::chrono::seconds(5);
+  }
+  return config;
+}
+
+// The same, b critical.
+inline MachineConfig OursWithCriticalB(int actuators = 3) {
+  MachineConfig config = Ours(actuators);
+  ActuatorNamed(config, "b").critical = true;
+  ActuatorNamed(config, "b").on_lost = "Protected";
+  return config;
+}
+
 inline MachineConfig Chain() {  // a comes after b comes after c
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "a").after = {"b"};

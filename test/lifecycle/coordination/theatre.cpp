@@ -86,6 +86,7 @@ bool Theatre::RunUntil(const std::function<bool()>& done) {
 
 void Theatre::Tell(const Event& event) {
   for (const Action& action : Step(config_, machine_, event, now_)) Do(action);
+  if (after_step) after_step();
 }
 
 void Theatre::Begin(bool by_hand, std::uint64_t epoch) {
@@ -121,7 +122,11 @@ void Theatre::StartActuator(const std::string& name) {
   actor.core.report.pid = actor.pid;
   actor.core.report.host = "here";
   After(kWire, [this, i = Index(name), pid = actor.pid] {
-    if (actors_[i].pid == pid) Perform(i, actuator_event::Started{});
+    if (actors_[i].pid != pid) return;
+    Perform(i, actuator_event::Started{});
+    for (const std::uint64_t stop : latched_stops_) {
+      Perform(i, actuator_event::EmergencyStopHeard{stop, true, 0});
+    }
   });
 }
 
@@ -133,8 +138,8 @@ void Theatre::EndProcess(std::size_t i, bool clean, const std::string& how) {
   Actor& actor = actors_[i];
   if (!actor.alive) return;
   actor.alive = false;
-  const bool ours = machine_.actuators[i].process == actor.pid;
   After(kWire, [=, this, pid = actor.pid] {
+    const bool ours = machine_.actuators[i].process == pid;
     if (ours) return Tell(event::ProcessEnded{i, pid, clean, how});
     Tell(event::Vanished{i, static_cast<std::uint64_t>(pid), true, "its process ended"});
   });
@@ -148,6 +153,7 @@ void Theatre::Find(const std::string& name, Health health, bool silent) {
 }
 
 void Theatre::StopAll(std::uint64_t id, const std::string& by) {
+  latched_stops_.insert(id);
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     After(kWire, [this, i, id] { Perform(i, actuator_event::EmergencyStopHeard{id, true, 0}); });
   }
@@ -155,6 +161,8 @@ void Theatre::StopAll(std::uint64_t id, const std::string& by) {
 }
 
 void Theatre::TellActuators(const action::TellEmergencyStop& stop) {
+  if (stop.engaged) latched_stops_.insert(stop.stop.id);
+  if (!stop.engaged) latched_stops_.erase(stop.stop.id);
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     After(kWire, [=, this, sender = ControllerId()] {
       Perform(i, actuator_event::EmergencyStopHeard{stop.stop.id, stop.engaged, sender});
@@ -201,6 +209,10 @@ State Theatre::StateOf(const std::string& actuator) const {
 
 const ActuatorRecord& Theatre::RecordOf(const std::string& actuator) const {
   return machine_.actuators[Index(actuator)];
+}
+
+const ActuatorCore& Theatre::CoreOf(const std::string& actuator) const {
+  return actors_[Index(actuator)].core;
 }
 
 ActuatorReport Theatre::ReportOf(std::size_t i) const {
@@ -303,12 +315,14 @@ void Theatre::Do(const Action& action) {
       return ActuatorEvent{actuator_event::AskArrived{token, command, sender}};
     });
   } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
+    Behaviour& exec = actors_[start->actuator].script["exec"];
+    if (exec.code != kCodeOk) return Tell(event::ProcessNotStarted{start->actuator, exec.message});
     StartActuator(config_.actuators[start->actuator].name);
     Tell(event::ProcessStarted{start->actuator, actors_[start->actuator].pid});
   } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
     signals.push_back(config_.actuators[signal->actuator].name +
                       (signal->kill ? ":KILL" : ":TERM"));
-    const bool obeys = signal->kill || !actors_[signal->actuator].script["TERM"].hangs;
+    const bool obeys = !actors_[signal->actuator].script[signal->kill ? "KILL" : "TERM"].hangs;
     if (obeys) {
       EndProcess(signal->actuator, false, signal->kill ? "killed by SIGKILL" : "killed by SIGTERM");
     }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,8 @@ class Theatre {
  public:
   explicit Theatre(MachineConfig config);
 
-  // The script; to be changed at any time. State "" is for all states without their own.
+  // The script; to be changed at any time. State "" is for all states without their own; "exec" is
+  // the start of the process, "TERM" and "KILL" what it does with signals.
   Behaviour& On(const std::string& actuator, const std::string& state);
 
   // Starts the machine; hand-started actuators (no command) start at once.
@@ -47,6 +49,8 @@ class Theatre {
   RequestId Release();
   // Another controller is heard.
   void HearRival(std::uint64_t epoch);
+  // Anything else that the controller may hear.
+  void Tell(const Event& event);
   // A person restarts an actuator; the answer comes into `calls`.
   RequestId Restart(const std::string& name);
   // A new controller takes over; the old one is forgotten in the middle of whatever it did.
@@ -68,6 +72,8 @@ class Theatre {
   const MachineConfig& config() const { return config_; }
   State StateOf(const std::string& actuator) const;
   const ActuatorRecord& RecordOf(const std::string& actuator) const;
+  const ActuatorCore& CoreOf(const std::string& actuator) const;
+  bool IsAlive(const std::string& actuator) const { return actors_[Index(actuator)].alive; }
   // The callbacks that were begun: "audio:Active".
   const std::vector<std::string>& log() const { return log_; }
   void ClearLog() { log_.clear(); }
@@ -81,6 +87,7 @@ class Theatre {
   std::optional<std::string> fenced;
   std::vector<action::Record> told;  // the same, whole, of the present controller
   std::vector<std::string> signals;  // "audio:TERM"
+  std::function<void()> after_step;  // what holds after every step of the controller
   Time now() const { return now_; }
   // Commands written by the test itself, as a stranger might.
   std::vector<ActuatorAction> Inject(const std::string& actuator, const ActuatorEvent& event);
@@ -102,7 +109,6 @@ class Theatre {
 
   void After(Duration delay, std::function<void()> what);
   bool StepTime(Time limit);
-  void Tell(const Event& event);
   void Perform(std::size_t i, const ActuatorEvent& event);
   void Do(std::size_t i, const ActuatorAction& action);
   void Do(const Action& action);
@@ -118,6 +124,7 @@ class Theatre {
   std::vector<Actor> actors_;
   Time now_{};
   std::multimap<Time, std::function<void()>> later_;
+  std::set<std::uint64_t> latched_stops_;  // the topic keeps them for those that come later
   std::vector<std::string> log_;
   std::optional<action::StartUpEnded> start_up_;
   bool stopped_ = false;

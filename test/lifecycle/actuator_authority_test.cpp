@@ -1,0 +1,207 @@
+// Whom an actuator obeys, and what it does when nobody leads it any more.
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+#include "musher/test/lifecycle/one_actuator.hpp"
+
+namespace musher {
+namespace {
+
+using namespace actuator_action;  // NOLINT(google-build-using-namespace)
+using actuator_event::AskArrived;
+using actuator_event::CallbackEnded;
+using actuator_event::ControllerHeard;
+using actuator_event::SwitchArrived;
+using actuator_event::TimePassed;
+using testing::Actions;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::VariantWith;
+
+constexpr Sender kStranger = 999;
+
+class Obeying : public testing::OneActuator {
+ protected:
+  Obeying() {
+    SetUpIt();
+    Do(AskArrived{0, {1, 0, false}, 1});  // the controller of epoch 1 has claimed it
+  }
+};
+
+TEST_F(Obeying, ASenderThatHasNotAnnouncedItselfIsRefused) {
+  SwitchArrived command = Command(1, "Active", 2);
+  const Answer answer = AnswerIn(Do(command));
+  EXPECT_EQ(answer.code, kCodePermissionDenied);
+  EXPECT_THAT(answer.message, HasSubstr("no controller of epoch 2 has announced itself"));
+  EXPECT_EQ(core_.report.epoch, 1U);
+}
+
+TEST_F(Obeying, OneThatAnnouncedItselfIsFollowedAndTheOneBeforeNoLonger) {
+  Announce(2);
+  EXPECT_THAT(Do(Command(1, "Active", 2)),
+              Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
+  EXPECT_EQ(core_.report.epoch, 2U);
+  EXPECT_EQ(AnswerIn(Do(Command(2, "DeActive", 1))).code, kCodePermissionDenied);
+}
+
+TEST_F(Obeying, AnAnnouncementAloneChangesNothing) {
+  Announce(2);
+  EXPECT_THAT(Do(Command(1, "Active", 1)),
+              Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
+}
+
+TEST_F(Obeying, TheSameEpochFromAnotherSenderIsRefused) {
+  SwitchArrived command = Command(1, "Active", 1);
+  command.sender = kStranger;
+  Do(ControllerHeard{kStranger, 1});
+  const Answer answer = AnswerIn(Do(command));
+  EXPECT_EQ(answer.code, kCodePermissionDenied);
+  EXPECT_THAT(answer.message, HasSubstr("another controller's"));
+  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 5, true}, kStranger})).code, kCodePermissionDenied);
+  EXPECT_EQ(core_.report.number, 0U) << "its question fences nothing";
+}
+
+TEST_F(Obeying, OneCannotCommandInTheNameOfAnotherThatAnnouncedItself) {
+  Announce(2);
+  SwitchArrived command = Command(1, "Active", 2);
+  command.sender = kStranger;
+  EXPECT_EQ(AnswerIn(Do(command)).code, kCodePermissionDenied);
+}
+
+TEST_F(Obeying, AnEpochThatCannotBeIsRefusedEvenIfItIsAnnounced) {
+  for (const std::uint64_t epoch : {kLastEpoch + 1, std::numeric_limits<std::uint64_t>::max()}) {
+    Do(ControllerHeard{kStranger, epoch});
+    SwitchArrived command = Command(1, "Active", epoch);
+    command.sender = kStranger;
+    EXPECT_EQ(AnswerIn(Do(command)).code, kCodeParametersInvalid);
+  }
+  EXPECT_EQ(core_.report.epoch, 1U);
+  Announce(2);
+  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {2, 0, false}, 2})).verdict, Verdict::kDone)
+      << "who can be one is still followed";
+}
+
+TEST_F(Obeying, AnAnnouncementOfALowerEpochDoesNotHideAHigherOne) {
+  Announce(5);
+  Announce(3);
+  EXPECT_THAT(Do(Command(1, "Active", 5)),
+              Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
+  EXPECT_EQ(AnswerIn(Do(Command(2, "LowPower", 3))).code, kCodePermissionDenied);
+}
+
+TEST_F(Obeying, AnnouncementsOfAnImpossibleEpochHideNobody) {
+  Do(ControllerHeard{666, UINT64_MAX});
+  Announce(5);
+  EXPECT_THAT(Do(Command(1, "Active", 5)),
+              Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
+}
+
+// Without a controller
+
+class Alone : public Obeying {
+ protected:
+  Alone() {
+    ActuatorConfig& actuator = config_.actuators[0];
+    actuator.controller_lost = Milliseconds(2000);
+    actuator.on_controller_lost = "DeActive";
+    Switch(1, "Active");
+  }
+  // Time passes without a word; what it does by itself at the end.
+  Actions After(Duration duration) {
+    now_ += duration;
+    return Do(TimePassed{});
+  }
+  std::optional<Time> Deadline() const { return NextDeadline(config_, 0, core_); }
+};
+
+TEST_F(Alone, GoesToItsSafeStateByItselfAfterItsPatience) {
+  EXPECT_EQ(Deadline(), now_ + Milliseconds(2000));
+  EXPECT_THAT(After(Milliseconds(1999)), IsEmpty());
+  EXPECT_THAT(After(Milliseconds(1)), Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
+  EXPECT_TRUE(core_.report.busy());
+  Do(CallbackEnded{});
+  EXPECT_EQ(core_.report.state, "DeActive");
+  EXPECT_FALSE(Deadline()) << "it is safe now";
+}
+
+TEST_F(Alone, AnySignOfItsControllerIsEnoughToStay) {
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_THAT(After(Milliseconds(1900)), IsEmpty());
+    Announce(1);
+  }
+  EXPECT_THAT(After(Milliseconds(1900)), IsEmpty());
+  Do(AskArrived{0, {1, 0, false}, 1});
+  EXPECT_THAT(After(Milliseconds(1900)), IsEmpty());
+}
+
+TEST_F(Alone, SignsOfAnotherControllerDoNotCount) {
+  now_ += Milliseconds(1000);
+  Do(ControllerHeard{kStranger, 9});
+  now_ += Milliseconds(500);
+  Do(SwitchArrived{3, {1, 2, "LowPower", Milliseconds(100), now_, {}, 77}, kStranger});
+  EXPECT_THAT(After(Milliseconds(500)),
+              Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
+}
+
+TEST_F(Alone, NeverGoesUpForIt) {
+  Switch(2, "LowPower");
+  EXPECT_FALSE(Deadline());
+  EXPECT_THAT(After(std::chrono::hours(1)), IsEmpty());
+  EXPECT_EQ(core_.report.state, "LowPower");
+}
+
+TEST_F(Alone, WaitsForACallbackThatRuns) {
+  Do(Command(2, "LowPower"));
+  EXPECT_FALSE(Deadline());
+  EXPECT_THAT(After(std::chrono::hours(1)), IsEmpty());
+  Do(CallbackEnded{kCodeFailed, "stuck"});
+  EXPECT_LE(*Deadline(), now_);
+  EXPECT_THAT(After({}), Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
+}
+
+TEST_F(Alone, ACallbackThatFailsIsTriedAgainAfterTheSamePatienceAndNotAtOnce) {
+  EXPECT_THAT(After(Milliseconds(2000)),
+              Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
+  Do(CallbackEnded{5001, "stuck"});
+  EXPECT_GT(*Deadline(), now_);
+  EXPECT_THAT(After(Milliseconds(1999)), IsEmpty());
+  EXPECT_THAT(After(Milliseconds(1)), Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
+}
+
+TEST_F(Alone, WhatItDidByItselfIsNoCommandsOutcome) {
+  After(Milliseconds(2000));
+  Do(CallbackEnded{5001, "stuck"});
+  EXPECT_EQ(core_.report.outcome_number, 1U);
+  EXPECT_EQ(core_.report.outcome_code, kCodeOk);
+  EXPECT_EQ(AnswerIn(Do(Command(1, "Active"))).verdict, Verdict::kDone) << "asked for again";
+}
+
+TEST_F(Alone, ReturnsAtTheCommandOfItsController) {
+  After(Milliseconds(2000));
+  Do(CallbackEnded{});
+  Switch(2, "Active");
+  EXPECT_EQ(Deadline(), now_ + Milliseconds(2000));
+}
+
+TEST_F(Alone, ACommandOfItsControllerWaitsBehindTheWayToTheSafeState) {
+  After(Milliseconds(2000));
+  Do(Command(2, "LowPower"));
+  EXPECT_THAT(Do(CallbackEnded{}), Contains(VariantWith<RunCallback>(RunCallback{"LowPower"})));
+}
+
+class Unled : public testing::OneActuator {};
+
+TEST_F(Unled, AnActuatorThatNobodyHasClaimedWaitsForEver) {
+  config_.actuators[0].controller_lost = Milliseconds(2000);
+  config_.actuators[0].on_controller_lost = "LowPower";
+  SetUpIt();
+  core_.report.state = "DeActive";
+  EXPECT_FALSE(NextDeadline(config_, 0, core_));
+}
+
+}  // namespace
+}  // namespace musher

@@ -1,0 +1,164 @@
+// An emergency stop as an actuator latches it itself.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/lifecycle/one_actuator.hpp"
+
+namespace musher {
+namespace {
+
+using namespace actuator_action;  // NOLINT(google-build-using-namespace)
+using actuator_event::AskArrived;
+using actuator_event::CallbackEnded;
+using actuator_event::EmergencyStopHeard;
+using testing::Actions;
+using ::testing::Contains;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::VariantWith;
+
+constexpr std::uint64_t kStop = 5;
+const auto kRuns = Contains(VariantWith<RunEmergencyStop>(RunEmergencyStop{}));
+const auto kAsksToStop = Contains(VariantWith<RequestStop>(RequestStop{}));
+
+class Stopped : public testing::OneActuator {
+ protected:
+  Stopped() {
+    SetUpIt();
+    Switch(1, "DeActive");
+  }
+  Actions Engage(std::uint64_t id = kStop) { return Do(EmergencyStopHeard{id, true, 999}); }
+  Actions Release(std::uint64_t id = kStop, Sender sender = 1) {
+    return Do(EmergencyStopHeard{id, false, sender});
+  }
+};
+
+TEST_F(Stopped, StopsAtOnceWhoeverSaysSoAndTells) {
+  const Actions actions = Engage();
+  EXPECT_THAT(actions, kRuns);
+  EXPECT_THAT(actions, Contains(VariantWith<PublishStatus>(PublishStatus{})));
+  EXPECT_EQ(core_.report.emergency_stop, kStop);
+  EXPECT_EQ(core_.report.state, "DeActive");
+}
+
+TEST_F(Stopped, RunsOnceForEach) {
+  Engage();
+  EXPECT_THAT(Engage(), IsEmpty());
+  EXPECT_THAT(Engage(kStop + 1), IsEmpty()) << "it is stopped already";
+}
+
+TEST_F(Stopped, AStopWithoutANumberIsNone) {
+  EXPECT_THAT(Engage(0), IsEmpty());
+}
+
+TEST_F(Stopped, OneThatIsReleasedNeverStopsItAgainAndAnotherDoes) {
+  Engage();
+  Release();
+  EXPECT_EQ(core_.report.emergency_stop, 0U);
+  EXPECT_THAT(Engage(), IsEmpty());
+  EXPECT_THAT(Engage(kStop + 1), kRuns);
+}
+
+TEST_F(Stopped, AReleaseThatOvertakesItsStopCounts) {
+  Release();
+  EXPECT_THAT(Engage(), IsEmpty());
+}
+
+TEST_F(Stopped, OnlyItsControllerReleases) {
+  Engage();
+  EXPECT_THAT(Release(kStop, 999), IsEmpty());
+  EXPECT_EQ(core_.report.emergency_stop, kStop);
+  EXPECT_THAT(Release(kStop + 1), IsEmpty()) << "and this one only";
+  EXPECT_EQ(core_.report.emergency_stop, kStop);
+  Release();
+  EXPECT_EQ(core_.report.emergency_stop, 0U);
+}
+
+TEST_F(Stopped, NobodyReleasesOneThatNobodyLeads) {
+  core_.controller = 0;
+  Engage();
+  Release(kStop, 0);
+  EXPECT_EQ(core_.report.emergency_stop, kStop);
+}
+
+TEST_F(Stopped, RefusesToGoUpAndGoesDown) {
+  Engage();
+  EXPECT_EQ(AnswerIn(Do(Command(2, "Active"))).code, kCodeProtectedError);
+  Switch(3, "LowPower");
+  EXPECT_EQ(AnswerIn(Do(Command(4, "DeActive"))).code, kCodeProtectedError);
+  EXPECT_THAT(Do(Command(5, "SelfCheck")),
+              Contains(VariantWith<RunCallback>(RunCallback{"SelfCheck"})));
+  Do(CallbackEnded{});
+  EXPECT_THAT(Do(Command(6, "TearDown")),
+              Contains(VariantWith<RunCallback>(RunCallback{"TearDown"})));
+}
+
+TEST_F(Stopped, GoesUpAgainOnceItIsReleased) {
+  Engage();
+  Do(Command(2, "Active"));
+  Release();
+  EXPECT_EQ(core_.report.state, "DeActive") << "a release changes no state";
+  Switch(3, "Active");
+}
+
+TEST_F(Stopped, ACallbackOnItsWayUpIsAskedToStop) {
+  Do(Command(2, "Active"));
+  const Actions actions = Engage();
+  EXPECT_THAT(actions, kRuns);
+  EXPECT_THAT(actions, kAsksToStop);
+}
+
+TEST_F(Stopped, ACallbackOnItsWayDownRunsOn) {
+  Do(Command(2, "LowPower"));
+  const Actions actions = Engage();
+  EXPECT_THAT(actions, kRuns);
+  EXPECT_THAT(actions, Not(kAsksToStop));
+  Do(CallbackEnded{});
+  EXPECT_EQ(core_.report.state, "LowPower");
+}
+
+TEST_F(Stopped, AWaitingCommandUpwardIsRefusedAtOnce) {
+  Do(Command(2, "LowPower"));
+  Do(Command(3, "Active"));
+  EXPECT_EQ(AnswerIn(Engage()).code, kCodeProtectedError);
+  EXPECT_THAT(Do(CallbackEnded{}), Not(Contains(VariantWith<RunCallback>(RunCallback{"Active"}))));
+}
+
+TEST_F(Stopped, AWaitingCommandThatHasBecomeUpwardMeanwhileIsRefusedToo) {
+  Do(Command(2, "LowPower"));
+  Do(Command(3, "DeActive"));  // where it still is when the stop comes
+  Engage();
+  EXPECT_EQ(AnswerIn(Do(CallbackEnded{})).verdict, Verdict::kDone);
+  EXPECT_EQ(core_.report.state, "LowPower");
+  EXPECT_FALSE(core_.report.busy());
+}
+
+TEST_F(Stopped, AQuestionIsAnsweredAsEver) {
+  Engage();
+  EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 1, false}, 1})).verdict, Verdict::kDone);
+}
+
+TEST_F(Stopped, TheSafeStateIsReachedAllTheSame) {
+  config_.actuators[0].controller_lost = Milliseconds(2000);
+  config_.actuators[0].on_controller_lost = "LowPower";
+  Engage();
+  now_ += Milliseconds(2000);
+  EXPECT_THAT(Do(actuator_event::TimePassed{}),
+              Contains(VariantWith<RunCallback>(RunCallback{"LowPower"})));
+}
+
+TEST(StopInSetUp, IsLatchedFromTheFirstMoment) {
+  MachineConfig config;
+  ActuatorConfig audio;
+  audio.name = "audio";
+  audio.states = {"SetUp"};
+  config.actuators.push_back(audio);
+  ActuatorCore core;
+  Step(config, 0, core, actuator_event::Started{}, Time());
+  EXPECT_THAT(Step(config, 0, core, EmergencyStopHeard{kStop, true, 3}, Time()), kRuns);
+  Step(config, 0, core, CallbackEnded{}, Time());
+  EXPECT_EQ(core.report.emergency_stop, kStop);
+}
+
+}  // namespace
+}  // namespace musher

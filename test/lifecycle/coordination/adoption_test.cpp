@@ -1,0 +1,186 @@
+// A restarted controller finds actuators that run: it disturbs nobody, and ends what was left half
+// way.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class Adopting : public Switching {
+ protected:
+  static void Restart(Theatre& t, bool lost_disk = false) {
+    t.RestartController(lost_disk);
+    t.Rest();
+  }
+};
+
+TEST_F(Adopting, DisturbsNobodyInWhateverStateTheMachineIs) {
+  for (const char* state : {"Active", "Protected", "DeActive", "LowPower", "OTA", "Error"}) {
+    Theatre& t = In(state, Ours(3));
+    Restart(t);
+    EXPECT_EQ(t.machine().state, state);
+    EXPECT_EQ(t.machine().phase, Phase::kRunning);
+    EXPECT_THAT(t.log(), IsEmpty()) << state;
+    EXPECT_THAT(t.signals, IsEmpty()) << state;
+  }
+}
+
+TEST_F(Adopting, EndsASwitchDownThatTheOneBeforeDiedIn) {
+  MachineConfig config = Ours(3);
+  ActuatorNamed(config, "a").after = {"b"};  // so b goes down after a
+  Theatre& t = In("Active", config);
+  t.On("b", "LowPower").takes = Milliseconds(90);
+  t.Ask("LowPower");
+  t.RunFor(Milliseconds(40));
+  ASSERT_EQ(t.StateOf("a"), "LowPower");
+  ASSERT_EQ(t.StateOf("b"), "Active") << "busy with it";
+  Restart(t);
+  EXPECT_EQ(t.machine().state, "LowPower");
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "LowPower") << name;
+  EXPECT_THAT(t.records, Contains(HasSubstr("left a switch half way")));
+}
+
+TEST_F(Adopting, FollowsOneThatIsOnItsWayDownThoughNobodyIsThereYet) {
+  Theatre& t = In("Active", Ours(3));
+  for (const char* name : {"a", "b", "c"}) t.On(name, "LowPower").takes = Milliseconds(90);
+  t.Ask("LowPower");
+  t.RunFor(Milliseconds(40));
+  Restart(t);
+  EXPECT_EQ(t.machine().state, "LowPower");
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "LowPower") << name;
+}
+
+TEST_F(Adopting, UndoesASwitchUpThatTheOneBeforeDiedIn) {
+  Theatre& t = In("Protected", Ours(3));
+  t.On("b", "Active").takes = Milliseconds(90);
+  t.Ask("Active");
+  t.RunFor(Milliseconds(40));
+  ASSERT_EQ(t.StateOf("a"), "Active");
+  Restart(t);
+  EXPECT_EQ(t.machine().state, "Protected");
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected") << name;
+}
+
+TEST_F(Adopting, OneThatWasOnItsFirstWayUpFollowsTheMachine) {
+  Theatre& t = In("Protected", Ours(3));
+  t.On("b", "Protected").takes = Milliseconds(90);
+  t.Crash("b");
+  ASSERT_TRUE(t.RunUntil([&] { return t.StateOf("b") == "SelfCheck"; }));
+  t.RunFor(Milliseconds(20));  // busy with Protected
+  t.RestartController();
+  t.RunFor(Milliseconds(20));
+  EXPECT_TRUE(t.Set("LowPower").degraded.empty());
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+}
+
+TEST_F(Adopting, KeepsApartWhoWasSetApartAndDoesNotTakeThatForTheMachinesState) {
+  Theatre& t = In("Active", Ours(3));
+  ASSERT_TRUE(t.Set("LowPower", "b").done());
+  t.ClearLog();
+  Restart(t);
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_TRUE(t.RecordOf("b").held);
+  EXPECT_THAT(t.log(), IsEmpty());
+  EXPECT_TRUE(t.Set("Protected").done());
+  EXPECT_FALSE(t.RecordOf("b").held);
+  EXPECT_EQ(t.StateOf("b"), "Protected");
+}
+
+TEST_F(Adopting, StartsOnlyWhatDoesNotRun) {
+  Theatre& t = In("Protected", Ours(3));
+  t.Crash("b");
+  Restart(t);
+  EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SelfCheck", "b:Protected"));
+  EXPECT_EQ(t.machine().state, "Protected");
+}
+
+TEST_F(Adopting, OneThatShowsItselfAndNeverAnswersHoldsNobodyUp) {
+  Theatre& t = In("Protected", Ours(3));
+  t.Mute("b", true, true);
+  Restart(t);
+  EXPECT_EQ(t.machine().phase, Phase::kRunning);
+  EXPECT_EQ(t.machine().state, "Protected");
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("was not set up within"));
+}
+
+TEST_F(Adopting, ACriticalOneThatIsGoneAndDoesNotComeBackTakesTheMachineDown) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  t.On("b", "SetUp").code = 3012;
+  t.Crash("b");
+  Restart(t);
+  EXPECT_EQ(t.machine().state, "Protected");
+}
+
+TEST_F(Adopting, EndsATearDownThatTheOneBeforeDiedIn) {
+  Theatre& t = In("Active", Ours(3));
+  for (const char* name : {"a", "b", "c"}) t.On(name, "TearDown").takes = Milliseconds(90);
+  t.Ask("TearDown");
+  t.RunFor(Milliseconds(40));
+  Restart(t);
+  EXPECT_TRUE(t.stopped());
+  ASSERT_TRUE(t.start_up());
+  EXPECT_FALSE(t.usable());
+  EXPECT_THAT(t.start_up()->message, HasSubstr("in the middle of TearDown"));
+  for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(t.IsAlive(name)) << name;
+}
+
+TEST_F(Adopting, WithALostDiskOutbidsTheEpochThatTheActuatorsFollow) {
+  Theatre& t = In("Protected", Ours(3));
+  for (int i = 0; i < 4; ++i) Restart(t);
+  ASSERT_EQ(t.machine().epoch, 5U);
+  Restart(t, /*lost_disk=*/true);
+  EXPECT_EQ(t.machine().epoch, 6U);
+  EXPECT_EQ(t.machine().state, "Protected");
+  EXPECT_TRUE(t.Set("LowPower").done());
+}
+
+TEST_F(Adopting, OneThatWasSetToErrorByHandIsLedOutThroughSelfCheck) {
+  Theatre& t = In("Active", Ours(3));
+  ASSERT_TRUE(t.Set("Error", "b").done());
+  t.ClearLog();
+  Restart(t);
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_THAT(t.log(), IsEmpty()) << "it was set apart by a person";
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Protected").done());
+  EXPECT_EQ(t.StateOf("b"), "Protected");
+}
+
+TEST_F(Adopting, OneThatIsFoundInErrorLaterIsListedAndNotDrivenBehindAPersonsBack) {
+  Theatre& t = In("Error", MachineOf(2));
+  t.Mute("b", true, true);
+  t.Crash("a");
+  t.RunFor(Milliseconds(1));
+  t.StartActuator("a");
+  Restart(t);  // only a, which is new, is found in time
+  ASSERT_EQ(t.machine().state, "Active");
+  t.Mute("b", false, false);
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Error");
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("a SelfCheck by hand leads out of it"));
+  t.Set("SelfCheck");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), IsEmpty());
+}
+
+TEST_F(Adopting, OfAMachineInErrorIsLedOutThroughSelfCheck) {
+  Theatre& t = In("Error", Ours(3));
+  Restart(t);
+  EXPECT_EQ(t.machine().state, "Error");
+  EXPECT_EQ(t.Set("Active").code, kCodeStateInvalid);
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Active").done());
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Active") << name;
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,232 @@
+// Who leads the machine, and what a controller makes of those that say what cannot be.
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+class Authority : public Switching {
+ protected:
+  // What an actuator says of itself, changed a little.
+  template <typename Change>
+  static void Say(Theatre& t, const std::string& name, Change change) {
+    ActuatorReport report = t.CoreOf(name).report;
+    report.stamp = t.now();
+    change(report);
+    t.Tell(event::StatusSeen{*t.config().IndexOf(name), report});
+  }
+};
+
+// Another controller
+
+TEST_F(Authority, OneWithAHigherEpochIsGivenWayToAtOnce) {
+  Theatre& t = In("Active", Ours(3));
+  t.HearRival(t.machine().epoch + 1);
+  ASSERT_TRUE(t.fenced);
+  EXPECT_THAT(*t.fenced, HasSubstr("process 1 elsewhere"));
+  EXPECT_EQ(t.machine().phase, Phase::kFenced);
+  EXPECT_FALSE(NextDeadline(t.config(), t.machine()));
+}
+
+TEST_F(Authority, OneWithALowerEpochOrOneThatCannotBeIsNotHeeded) {
+  Theatre& t = In("Active");
+  t.RestartController();
+  t.Rest();
+  t.HearRival(t.machine().epoch - 1);
+  t.HearRival(t.machine().epoch);  // without precedence
+  t.HearRival(std::numeric_limits<std::uint64_t>::max());
+  EXPECT_FALSE(t.fenced);
+  t.Tell(event::RivalHeard{t.machine().epoch, "process 2", true});
+  EXPECT_TRUE(t.fenced);
+}
+
+TEST_F(Authority, WhoeverWaitsIsAnsweredWhenTheControllerIsFenced) {
+  Theatre& t = In("Active", Ours(3));
+  t.On("b", "LowPower").takes = Milliseconds(80);
+  const RequestId one = t.Ask("LowPower");
+  const RequestId same = t.Ask("LowPower");
+  t.Crash("c");
+  const RequestId restart = t.Restart("a");
+  t.RunFor(Milliseconds(1));
+  t.HearRival(99);
+  for (const RequestId request : {one, same}) {
+    ASSERT_EQ(t.answers.count(request), 1U);
+    EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kSuperseded);
+    EXPECT_EQ(t.answers.at(request).code, kCodePermissionDenied);
+  }
+  ASSERT_EQ(t.calls.count(restart), 1U);
+  EXPECT_EQ(t.calls.at(restart).error().code, kCodePermissionDenied);
+}
+
+TEST_F(Authority, WhoeverWaitsForTheEndIsAnsweredTooAlsoAfterTheTearDown) {
+  Theatre& t = In("Active", Ours(2));
+  t.On("b", "TearDown").code = 3001;
+  t.On("b", "TERM").hangs = true;
+  const RequestId request = t.Ask("TearDown");
+  t.RunFor(std::chrono::seconds(2));
+  ASSERT_FALSE(t.machine().current);
+  ASSERT_EQ(t.answers.count(request), 0U);
+  t.HearRival(99);
+  EXPECT_EQ(t.answers.count(request), 1U);
+  t.signals.clear();
+  t.Rest();
+  EXPECT_THAT(t.signals, IsEmpty());
+}
+
+TEST_F(Authority, AFencedControllerTouchesNothingAndRefusesEverybody) {
+  Theatre& t = In("Active", Ours(3));
+  t.StopAll(5);
+  t.Find("b", Health::kHung);
+  t.RunFor(Milliseconds(10));
+  t.HearRival(99);
+  const Machine before = t.machine();
+  t.Crash("a");
+  t.StopAll(6);
+  t.StartActuator("c");
+  t.Rest();
+  EXPECT_THAT(t.signals, IsEmpty()) << "the hung one is another's to kill";
+  EXPECT_EQ(t.machine(), before);
+  EXPECT_EQ(t.Set("LowPower").code, kCodePermissionDenied);
+  EXPECT_EQ(t.calls.at(t.Restart("a")).error().code, kCodePermissionDenied);
+  EXPECT_EQ(t.calls.at(t.Release()).error().code, kCodePermissionDenied);
+  t.Tell(event::SetUpAwaited{777});
+  EXPECT_EQ(t.calls.at(777).error().code, kCodePermissionDenied);
+  EXPECT_TRUE(t.emergency_stop_on_disk) << "not released by one that does not lead";
+}
+
+TEST_F(Authority, OneThatIsHeardWhileAHigherEpochIsBeingOutbidLeads) {
+  Theatre& t = In("Active");
+  t.RestartController();
+  t.Rest();
+  t.RestartController(/*lost_disk=*/true);
+  t.RunFor(Milliseconds(1000));
+  EXPECT_EQ(t.machine().epoch, 1U) << "somebody may lead with it";
+  t.HearRival(2);
+  t.Rest();
+  EXPECT_TRUE(t.fenced);
+  EXPECT_EQ(t.CoreOf("a").report.epoch, 2U) << "nobody was told anything";
+}
+
+// Modules that say what cannot be
+
+TEST_F(Authority, OneThatLiesAboutItsStateIsNotBelieved) {
+  Theatre& t = In("Protected");
+  const RequestId request = t.Ask("Active");
+  ActuatorReport report = t.CoreOf("b").report;
+  report.stamp = t.now();
+  t.Tell(event::Replied{1, t.RecordOf("b").order->number, false, Verdict::kDone, 0, "", report});
+  t.Rest();
+  const SwitchResult& result = t.answers.at(request);
+  EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
+  EXPECT_EQ(Of(result, "b").code, kCodeStatusError);
+  EXPECT_THAT(Of(result, "b").message, HasSubstr("says that it is done, and also that it is in"));
+}
+
+TEST_F(Authority, NorIsOneThatLiesInItsStatus) {
+  Theatre& t = In("Protected");
+  const RequestId request = t.Ask("Active");
+  Say(t, "b", [&](ActuatorReport& report) {
+    report.outcome_number = t.RecordOf("b").order->number;
+    report.outcome_code = kCodeOk;
+  });
+  t.Rest();
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kUndone);
+}
+
+TEST_F(Authority, OneThatGoesElsewhereByItselfIsToldOfAndDrivenBack) {
+  Theatre& t = In("Active");
+  Say(t, "b", [](ActuatorReport& report) { report.state = "LowPower"; });
+  EXPECT_THAT(t.records, Contains("b has gone to LowPower by itself"));
+  t.Rest();
+  EXPECT_EQ(t.RecordOf("b").state(), "Active");
+}
+
+TEST(Drift, IsNotSeenInAStart) {
+  Theatre t(Ours(2));
+  t.Begin();
+  t.Rest();
+  EXPECT_THAT(t.records, Not(Contains(HasSubstr("by itself"))));
+}
+
+TEST_F(Authority, AnotherOfItsNameOnAnotherHostIsIgnoredWhileItAnswers) {
+  Theatre& t = In("Active");
+  const ActuatorReport before = t.RecordOf("b").report;
+  Say(t, "b", [](ActuatorReport& report) {
+    report.host = "elsewhere";
+    report.incarnation += 1000;
+    report.state = "LowPower";
+  });
+  EXPECT_EQ(t.RecordOf("b").report, before);
+  EXPECT_THAT(t.records, Contains(HasSubstr("another process says that it is b")));
+  t.Tell(event::Vanished{1, before.incarnation + 1000, false, "it is out of reach"});
+  EXPECT_EQ(t.RecordOf("b").presence, Presence::kPresent);
+  EXPECT_TRUE(t.Set("LowPower").done());
+}
+
+TEST_F(Authority, AnAnswerOfAProcessThatIsNotTheOneMeantIsNotTaken) {
+  Theatre& t = In("Active");
+  const RequestId request = t.Ask("LowPower");
+  ActuatorReport report = t.CoreOf("b").report;
+  report.incarnation += 1;
+  report.state = "LowPower";
+  t.Tell(event::Replied{1, t.RecordOf("b").order->number, false, Verdict::kFailed, 5, "", report});
+  t.Rest();
+  EXPECT_TRUE(t.answers.at(request).done());
+}
+
+TEST_F(Authority, AnEpochThatCannotBeIsNotFollowedByAll) {
+  Theatre& t = In("Active");
+  t.Find("b", Health::kPartitioned, true);
+  const std::uint64_t epoch = t.machine().epoch;
+  for (const std::uint64_t absurd : {kLastEpoch, std::numeric_limits<std::uint64_t>::max()}) {
+    Say(t, "b", [&](ActuatorReport& report) { report.epoch = absurd; });
+    t.RunFor(std::chrono::seconds(10));
+    EXPECT_EQ(t.machine().epoch, epoch);
+    EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("cannot be a controller's"));
+  }
+  EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(t.StateOf("a"), "LowPower");
+}
+
+TEST_F(Authority, ANumberThatCannotBeDoesNotEndAllCounting) {
+  Theatre& t = In("Active");
+  Say(t, "b",
+      [](ActuatorReport& report) { report.number = std::numeric_limits<std::uint64_t>::max(); });
+  const SwitchResult result = t.Set("LowPower");
+  EXPECT_LT(result.number, 1000U);
+  EXPECT_EQ(t.StateOf("a"), "LowPower");
+}
+
+TEST_F(Authority, StatusFromThePastChangesNothing) {
+  Theatre& t = In("Active");
+  const Machine before = t.machine();
+  Say(t, "b", [&](ActuatorReport& report) {
+    report.stamp -= std::chrono::seconds(1);
+    report.state = "LowPower";
+  });
+  Say(t, "b", [&](ActuatorReport& report) { report.incarnation -= 1; });
+  EXPECT_EQ(t.machine(), before);
+}
+
+TEST_F(Authority, AClockOfAnActuatorThatJumpsLosesNobody) {
+  Theatre& t = In("Active");
+  Say(t, "b", [](ActuatorReport& report) { report.stamp += std::chrono::hours(24); });
+  t.RunFor(std::chrono::seconds(1));
+  EXPECT_EQ(t.RecordOf("b").presence, Presence::kPresent);
+  const SwitchResult result = t.Set("LowPower");
+  EXPECT_NE(result.outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(t.StateOf("a"), "LowPower");
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,174 @@
+// binds_to: who cannot do without another rests while that one is not up.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
+
+class Binding : public Switching {
+ protected:
+  // b is bound to a and comes after it; c does not care.
+  static MachineConfig Bound() {
+    MachineConfig config = Ours(3);
+    ActuatorNamed(config, "b").after = {"a"};
+    ActuatorNamed(config, "b").binds_to = {"a"};
+    return config;
+  }
+};
+
+TEST_F(Binding, TakesTheDependentDownAndUpAroundTheRestart) {
+  Theatre& t = In("Active", Bound());
+  t.Crash("a");
+  t.Rest();
+  EXPECT_THAT(t.log(), ElementsAre("b:DeActive", "a:SetUp", "a:SelfCheck", "a:Active", "b:Active"));
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(Binding, LeavesThoseAloneThatDoNotAskForIt) {
+  MachineConfig config = Ours(3);
+  ActuatorNamed(config, "b").after = {"a"};
+  Theatre& t = In("Active", config);
+  t.Crash("a");
+  t.Rest();
+  EXPECT_THAT(t.log(), ElementsAre("a:SetUp", "a:SelfCheck", "a:Active"));
+}
+
+TEST_F(Binding, SaysWhyOneRests) {
+  Theatre& t = In("Active", Bound());
+  t.On("a", "SetUp").code = 3001;
+  t.Crash("a");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
+  EXPECT_EQ(t.RecordOf("b").fault->message, "it rests: a, which it is bound to, is not up");
+  EXPECT_EQ(t.StateOf("c"), "Active");
+}
+
+TEST_F(Binding, IsHandedOnAlongAChain) {
+  MachineConfig config = Bound();
+  ActuatorNamed(config, "c").after = {"b"};
+  ActuatorNamed(config, "c").binds_to = {"b"};
+  Theatre& t = In("Active", config);
+  t.Crash("a");
+  t.RunFor(Milliseconds(50));
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
+  EXPECT_EQ(t.StateOf("c"), "DeActive");
+  t.Rest();
+  EXPECT_THAT(std::vector(t.log().end() - 3, t.log().end()),
+              ElementsAre("a:Active", "b:Active", "c:Active"));
+}
+
+TEST_F(Binding, OfTwoToEachOtherKeepsNobodyDownForEver) {
+  MachineConfig config = Ours(3);
+  ActuatorNamed(config, "a").binds_to = {"b"};
+  ActuatorNamed(config, "b").binds_to = {"a", "c"};
+  Theatre& t = In("Active", config);
+  t.Crash("a");
+  t.RunFor(Milliseconds(50));
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
+  t.Rest();
+  t.Crash("c");
+  t.RunFor(Milliseconds(50));
+  EXPECT_EQ(t.StateOf("a"), "DeActive");
+  t.Rest();
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Active") << name;
+}
+
+TEST_F(Binding, AHungOneTakesItsDependentsDownToo) {
+  MachineConfig config = MachineOf(2);  // not ours to restart
+  ActuatorNamed(config, "b").binds_to = {"a"};
+  Theatre& t = In("Active", config);
+  t.Find("a", Health::kHung);
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
+  t.Find("a", Health::kWell);
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(Binding, ASelfCheckThatFailsAfterTheReturnKeepsTheDependentAtRest) {
+  Theatre& t = In("Active", Bound());
+  t.On("a", "SelfCheck").code = 3009;
+  t.Crash("a");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
+  t.On("a", "SelfCheck").code = kCodeOk;
+  EXPECT_EQ(t.Set("SelfCheck").outcome, SwitchOutcome::kDoneDegraded) << "b still rests";
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(Binding, OneAtRestIsLeftOutOfASwitchUpAndTheResultSaysSo) {
+  Theatre& t = In("Protected", Bound());
+  t.On("a", "SetUp").code = 3001;
+  t.Crash("a");
+  t.Rest();
+  const SwitchResult result = t.Set("Active");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(result.degraded, IsSupersetOf({"a", "b"}));
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
+  EXPECT_THAT(t.Set("Active", "b").reason, HasSubstr("rests until"));
+}
+
+TEST_F(Binding, OneAtRestFollowsTheMachineFurtherDown) {
+  Theatre& t = In("Active", Bound());
+  t.On("a", "SetUp").code = 3001;
+  t.Crash("a");
+  t.Rest();
+  t.Set("LowPower");
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+  t.Set("Protected");
+  EXPECT_EQ(t.StateOf("b"), "LowPower") << "and does not follow up";
+}
+
+TEST_F(Binding, OneThatIsHeldStaysWhereItWasPut) {
+  Theatre& t = In("Active", Bound());
+  ASSERT_TRUE(t.Set("Protected", "b").done());
+  t.ClearLog();
+  t.Crash("a");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Protected");
+  EXPECT_THAT(t.log(), ElementsAre("a:SetUp", "a:SelfCheck", "a:Active"));
+}
+
+TEST_F(Binding, OneThatIsSlowToRestIsTakenToRestAllTheSame) {
+  Theatre& t = In("Active", Bound());
+  t.On("a", "SetUp").code = 3001;
+  t.On("b", "DeActive").takes = Milliseconds(180);  // of 100
+  t.Crash("a");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
+  EXPECT_TRUE(t.RecordOf("b").fault) << "that it was late does not hide why it rests";
+}
+
+TEST_F(Binding, WaitsForASwitchUnderWay) {
+  Theatre& t = In("Active", Bound());
+  t.On("c", "Protected").takes = Milliseconds(80);
+  const RequestId request = t.Ask("Protected");
+  t.RunFor(Milliseconds(30));
+  t.Crash("a");
+  t.Rest();
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kDoneDegraded);
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected") << name;
+}
+
+TEST_F(Binding, HoldsAtAStartToo) {
+  MachineConfig config = Bound();
+  ActuatorNamed(config, "b").after = {};
+  Theatre t(config);
+  t.On("a", "SelfCheck").code = 3009;
+  t.Begin();
+  t.Rest();
+  EXPECT_TRUE(t.usable());
+  EXPECT_NE(t.StateOf("b"), "Active");
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("it rests: a"));
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,267 @@
+// An emergency stop in every phase: latched, above everything that goes up, released by hand only.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+constexpr std::uint64_t kStop = 5;
+
+class EmergencyStopped : public Switching {
+ protected:
+  static void Stop(Theatre& t, std::uint64_t id = kStop) {
+    t.StopAll(id);
+    t.RunFor(Milliseconds(1));
+  }
+};
+
+TEST_F(EmergencyStopped, ReachesEverybodyIsKeptOnDiskAndChangesNoState) {
+  Theatre& t = In("Active");
+  Stop(t);
+  for (const char* name : {"a", "b", "c"}) {
+    EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kStop);
+    EXPECT_EQ(t.StateOf(name), "Active");
+  }
+  ASSERT_TRUE(t.emergency_stop_on_disk);
+  EXPECT_EQ(t.emergency_stop_on_disk->id, kStop);
+  EXPECT_EQ(t.emergency_stop_on_disk->by, "the test");
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_THAT(t.log(), IsEmpty());
+}
+
+TEST_F(EmergencyStopped, RefusesWhatGoesUpAndLetsDownWhatGoesDown) {
+  Theatre& t = In("Protected");
+  Stop(t);
+  const SwitchResult up = t.Set("Active");
+  EXPECT_EQ(up.outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(up.code, kCodeProtectedError);
+  EXPECT_THAT(up.reason, HasSubstr("engaged by the test"));
+  EXPECT_TRUE(t.Set("LowPower").done());
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_EQ(t.Set("Protected").code, kCodeProtectedError);
+  EXPECT_TRUE(t.Set("Error").done());
+}
+
+TEST_F(EmergencyStopped, RefusesASwitchUpAlsoWhenNobodyWouldBeDrivenByIt) {
+  Theatre& t = In("Protected", MachineOf(1));
+  t.Crash("a");
+  t.RunFor(Milliseconds(1));
+  Stop(t);
+  EXPECT_EQ(t.Set("Active").code, kCodeProtectedError);
+  EXPECT_EQ(t.machine().state, "Protected");
+}
+
+TEST_F(EmergencyStopped, RefusesOneActuatorToGoUp) {
+  Theatre& t = In("Active");
+  ASSERT_TRUE(t.Set("LowPower", "b").done());
+  Stop(t);
+  EXPECT_EQ(t.Set("Protected", "b").code, kCodeProtectedError);
+  EXPECT_EQ(t.Set("Active").code, kCodeProtectedError) << "b would have to come up for it";
+  EXPECT_TRUE(t.Set("DeActive", "a").done());
+}
+
+TEST_F(EmergencyStopped, UndoesASwitchUpUnderWay) {
+  Theatre& t = In("Protected", Chain());
+  t.On("b", "Active").ends_when_asked = true;
+  const RequestId request = t.Ask("Active");
+  t.RunFor(Milliseconds(30));
+  ASSERT_EQ(t.StateOf("c"), "Active");
+  const Time begun = t.now();
+  Stop(t);
+  t.RunUntil([&] { return t.answers.count(request) > 0; });
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kUndone);
+  EXPECT_LT(t.now() - begun, Milliseconds(50)) << "running callbacks are asked to stop";
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected");
+  EXPECT_THAT(t.log(), Not(Contains("a:Active")));
+}
+
+TEST_F(EmergencyStopped, UndoesASwitchUpWhoseLastCallbackEndsAllTheSame) {
+  Theatre& t = In("Protected");
+  const RequestId request = t.Ask("Active");
+  t.RunFor(Milliseconds(5));
+  Stop(t);
+  t.Rest();
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kUndone);
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected");
+}
+
+TEST_F(EmergencyStopped, LetsASwitchDownGoOn) {
+  Theatre& t = In("Active", Chain());
+  const RequestId request = t.Ask("LowPower");
+  t.RunFor(Milliseconds(15));
+  Stop(t);
+  t.Rest();
+  EXPECT_TRUE(t.answers.at(request).done());
+  EXPECT_EQ(t.machine().state, "LowPower");
+}
+
+TEST_F(EmergencyStopped, LetsTheMachineFallAndEnd) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  Stop(t);
+  t.On("b", "SetUp").code = 3001;
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Protected");
+  t.Set("TearDown");
+  EXPECT_TRUE(t.stopped());
+}
+
+TEST_F(EmergencyStopped, OneThatIsRestartedIsCheckedAndWaitsForTheRelease) {
+  Theatre& t = In("Active", Ours(2));
+  Stop(t);
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "SelfCheck");
+  EXPECT_EQ(t.CoreOf("b").report.emergency_stop, kStop) << "the latch is told to those that come";
+  EXPECT_THAT(t.log(), Not(Contains("b:Active")));
+  t.Release();
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(EmergencyStopped, AJoinUnderWayEndsAndTheNextStepWaits) {
+  Theatre& t = In("Active", Ours(2));
+  t.On("b", "Active").ends_when_asked = true;
+  t.Crash("b");
+  ASSERT_TRUE(t.RunUntil([&] { return t.CoreOf("b").report.target == "Active"; }));
+  Stop(t);
+  t.RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(t.StateOf("b"), "SelfCheck");
+}
+
+// The start
+
+TEST(EmergencyStopAtTheStart, KeepsTheMachineFromGoingUpAndTellsTheWayOut) {
+  Theatre t(Ours(2));
+  t.emergency_stop_on_disk = EmergencyStop{kStop, "somebody", "smoke"};
+  t.Begin();
+  t.Rest();
+  EXPECT_EQ(t.machine().phase, Phase::kFailed);
+  EXPECT_THAT(t.start_up()->message, HasSubstr("estop --release"));
+  EXPECT_THAT(t.log(), Not(Contains("a:Active")));
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_EQ(t.Set("Active").code, kCodeProtectedError);
+  EXPECT_TRUE(t.calls.at(t.Release()));
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "SelfCheck") << "a release changes no state";
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(t.machine().phase, Phase::kRunning);
+}
+
+TEST(EmergencyStopAtTheStart, EndsAStartInTheMiddleOfItsCheck) {
+  Theatre t(Ours(2));
+  t.Begin();
+  ASSERT_TRUE(t.RunUntil([&] { return t.CoreOf("a").report.target == "SelfCheck"; }));
+  t.StopAll(kStop);
+  t.Rest();
+  EXPECT_EQ(t.machine().phase, Phase::kFailed);
+  EXPECT_THAT(t.log(), Not(Contains("a:Active")));
+}
+
+TEST(EmergencyStopAtTheStart, EndsAStartOnItsWayToActive) {
+  Theatre t(Ours(2));
+  t.On("b", "Active").ends_when_asked = true;
+  t.Begin();
+  ASSERT_TRUE(t.RunUntil([&] { return t.StateOf("a") == "Active"; }));
+  t.StopAll(kStop);
+  t.Rest();
+  EXPECT_EQ(t.machine().phase, Phase::kFailed);
+  EXPECT_EQ(t.StateOf("a"), "DeActive");
+  t.Release();
+  t.On("b", "Active") = {};
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Active").done());
+}
+
+// Several, and their end
+
+TEST_F(EmergencyStopped, TwoAtOnceAreReleasedTogether) {
+  Theatre& t = In("Active");
+  t.Inject("a", actuator_event::EmergencyStopHeard{6, true, 0});  // it heard the second first
+  Stop(t, 5);
+  Stop(t, 6);
+  EXPECT_EQ(t.CoreOf("a").report.emergency_stop, 6U);
+  EXPECT_EQ(t.CoreOf("b").report.emergency_stop, 5U);
+  EXPECT_TRUE(t.calls.at(t.Release()));
+  t.Rest();
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, 0U);
+  EXPECT_FALSE(t.machine().emergency_stop);
+  EXPECT_FALSE(t.emergency_stop_on_disk);
+}
+
+TEST_F(EmergencyStopped, OneThatIsReleasedDoesNotComeBackByALateWord) {
+  Theatre& t = In("Active");
+  Stop(t);
+  t.Release();
+  t.Rest();
+  Stop(t);  // the same, held up on the way
+  EXPECT_FALSE(t.machine().emergency_stop);
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, 0U);
+  Stop(t, kStop + 1);
+  EXPECT_TRUE(t.machine().emergency_stop) << "another one is another one";
+}
+
+TEST_F(EmergencyStopped, ReleasingWhereNoneIsEngagedIsRefused) {
+  Theatre& t = In("Active");
+  EXPECT_EQ(t.calls.at(t.Release()).error().code, kCodeStateInvalid);
+}
+
+TEST_F(EmergencyStopped, OneThatMissedTheReleaseIsToldAgain) {
+  Theatre& t = In("Active", Ours(2));
+  Stop(t);
+  t.Release();
+  t.Crash("b");
+  t.Rest();  // the new one has heard of no release
+  t.Inject("b", actuator_event::EmergencyStopHeard{kStop, true, 0});
+  EXPECT_EQ(t.CoreOf("b").report.emergency_stop, kStop);
+  t.Rest();
+  EXPECT_EQ(t.CoreOf("b").report.emergency_stop, 0U);
+  EXPECT_FALSE(t.machine().emergency_stop);
+}
+
+// Other controllers
+
+TEST_F(EmergencyStopped, SurvivesAControllerByItsDisk) {
+  Theatre& t = In("Active", Ours(2));
+  Stop(t);
+  t.RestartController();
+  t.Rest();
+  ASSERT_TRUE(t.machine().emergency_stop);
+  EXPECT_EQ(t.machine().emergency_stop->id, kStop);
+  EXPECT_EQ(t.machine().emergency_stop->by, "the test");
+  EXPECT_EQ(t.machine().state, "Active") << "adopted as it was";
+  EXPECT_TRUE(t.calls.at(t.Release()));
+  t.Rest();
+  EXPECT_EQ(t.CoreOf("a").report.emergency_stop, 0U);
+}
+
+TEST_F(EmergencyStopped, SurvivesAControllerByItsActuators) {
+  Theatre& t = In("Active", Ours(2));
+  Stop(t);
+  t.emergency_stop_on_disk.reset();
+  t.RestartController(/*lost_disk=*/true);
+  t.Rest();
+  ASSERT_TRUE(t.machine().emergency_stop);
+  EXPECT_EQ(t.machine().emergency_stop->id, kStop);
+  EXPECT_TRUE(t.emergency_stop_on_disk);
+}
+
+TEST_F(EmergencyStopped, EngagedWithoutAControllerIsFoundByTheNext) {
+  Theatre& t = In("Active", Ours(2));
+  for (const char* name : {"a", "b"}) {
+    t.Inject(name, actuator_event::EmergencyStopHeard{kStop, true, 0});
+  }
+  t.RestartController();
+  t.Rest();
+  EXPECT_TRUE(t.machine().emergency_stop);
+}
+
+}  // namespace
+}  // namespace musher::testing

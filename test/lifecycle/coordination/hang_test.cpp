@@ -1,0 +1,172 @@
+// What hangs is looked at, killed and restarted where it is ours, and listed where it is not.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Hang : public Switching {};
+
+TEST_F(Hang, LeavesABacktraceThenTheProcessIsKilledRestartedAndDrivenAgain) {
+  Theatre& t = In("Active", Ours(2));
+  t.Find("b", Health::kHung);
+  EXPECT_EQ(t.RecordOf("b").presence, Presence::kLost);
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("hung: as the test says"));
+  t.RunFor(Milliseconds(49));
+  EXPECT_THAT(t.signals, ElementsAre()) << "it is being looked at";
+  t.Rest();
+  EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
+  EXPECT_THAT(t.records, Contains("what b was doing:"));
+  EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SelfCheck", "b:Active"));
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(Hang, IsKilledThoughNobodyCanTellWhatItWasDoing) {
+  Theatre& t = In("Active", Ours(2));
+  t.Find("b", Health::kHung, true);
+  t.Tell(event::BacktraceTaken{1, 1, "of some other process"});
+  EXPECT_THAT(t.signals, ElementsAre());
+  t.RunFor(std::chrono::seconds(6));
+  EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
+}
+
+TEST_F(Hang, ThatEndsBeforeTheKillIsForgiven) {
+  Theatre& t = In("Active", Ours(2));
+  t.Find("b", Health::kHung, true);
+  t.RunFor(Milliseconds(20));
+  t.Find("b", Health::kWell);
+  t.Rest();
+  EXPECT_THAT(t.signals, ElementsAre());
+  EXPECT_THAT(t.log(), ElementsAre()) << "it is where it was";
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+  EXPECT_EQ(t.RecordOf("b").restarts, 0);
+}
+
+TEST_F(Hang, CountsAsARestartAndEndsAtTheLimit) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(t.machine().state, "Active");
+    t.Find("b", Health::kHung);
+    t.RunFor(std::chrono::seconds(1));
+  }
+  t.Rest();
+  EXPECT_TRUE(t.RecordOf("b").given_up);
+  EXPECT_EQ(t.machine().state, "Protected");
+}
+
+TEST_F(Hang, WithoutARestartPolicyIsListedAndTheProcessLeftAsItIs) {
+  MachineConfig config = OursWithCriticalB();
+  ActuatorNamed(config, "b").restart.policy = RestartPolicy::kNo;
+  Theatre& t = In("Active", config);
+  t.Find("b", Health::kHung);
+  t.RunFor(std::chrono::seconds(10));
+  EXPECT_THAT(t.signals, ElementsAre());
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+  EXPECT_EQ(t.machine().state, "Protected") << "it is critical and nobody will bring it back";
+}
+
+TEST_F(Hang, OfOneThatSomebodyElseStartedIsListedUntilItEnds) {
+  Theatre& t = In("Active");
+  t.Find("b", Health::kHung);
+  t.Rest();
+  EXPECT_THAT(t.signals, ElementsAre());
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+  t.Find("b", Health::kWell);
+  t.Rest();
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(Hang, OfAnAdoptedProcessIsKilledAndRestartedAsWell) {
+  Theatre& t = In("Active", Ours(2));
+  t.RestartController();
+  t.Rest();
+  ASSERT_EQ(t.RecordOf("b").process, 0) << "adopted";
+  t.Find("b", Health::kHung, true);
+  t.Rest();
+  EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_NE(t.RecordOf("b").process, 0);
+}
+
+TEST_F(Hang, OfOneThatNotEvenSigkillEndsIsTakenForEndedAfterAWhile) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  t.On("b", "KILL").hangs = true;  // its driver never returns
+  t.On("b", "exec").code = kCodeFailed;
+  t.Find("b", Health::kHung, true);
+  t.Rest();
+  EXPECT_THAT(t.records, Contains(HasSubstr("it is taken for ended")));
+  EXPECT_TRUE(t.RecordOf("b").given_up);
+  EXPECT_EQ(t.machine().state, "Protected") << "and not: waited for in Active for ever";
+}
+
+TEST_F(Hang, InASwitchUpUndoesItAndTheRestartedOneFollows) {
+  Theatre& t = In("Protected", Ours(3));
+  t.On("b", "Active").hangs = true;
+  const RequestId request = t.Ask("Active");
+  t.RunFor(Milliseconds(30));
+  t.Find("b", Health::kHung);
+  t.Rest();
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kUndone);
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected");
+}
+
+TEST(HangInSetUp, IsRestartedWhileTheStartWaits) {
+  MachineConfig config = OursWithCriticalB(2);
+  config.actuators[1].checkpoint = Milliseconds(50);
+  Theatre t(config);
+  t.On("b", "SetUp").hangs = true;
+  t.Begin();
+  t.RunFor(Milliseconds(60));
+  t.Find("b", Health::kHung);
+  t.On("b", "SetUp").hangs = false;
+  t.Rest();
+  EXPECT_TRUE(t.usable());
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(Hang, AStarvedOneIsToldOfAndLeftAlone) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  t.Find("b", Health::kStarved, true);
+  t.Rest();
+  EXPECT_THAT(t.records, Contains(HasSubstr("b is starved")));
+  EXPECT_THAT(t.signals, ElementsAre());
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+  EXPECT_TRUE(t.Set("LowPower").done());
+}
+
+TEST_F(Hang, OneOfAnotherHostThatIsCutOffTakesACriticalMachineDownAndJoinsWhenItIsBack) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "b").critical = true;
+  ActuatorNamed(config, "b").on_lost = "Protected";
+  Theatre& t = In("Active", config);
+  t.Find("b", Health::kPartitioned, true);
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Protected");
+  EXPECT_EQ(t.StateOf("b"), "Active") << "nobody reaches it";
+  t.Find("b", Health::kWell);
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Protected");
+  EXPECT_TRUE(t.Set("Active").done());
+}
+
+TEST_F(Hang, VerdictsOfAProcessThatIsGoneChangeNothing) {
+  Theatre& t = In("Active", Ours(2));
+  const std::uint64_t gone = t.RecordOf("b").report.incarnation;
+  t.Crash("b");
+  t.Rest();
+  t.signals.clear();
+  t.Tell(event::HealthChanged{1, gone, Health::kHung, true, "late"});
+  t.Rest();
+  EXPECT_THAT(t.signals, ElementsAre());
+  EXPECT_THAT(t.records, Not(Contains(HasSubstr("late"))));
+}
+
+}  // namespace
+}  // namespace musher::testing

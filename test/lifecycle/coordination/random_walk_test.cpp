@@ -1,0 +1,254 @@
+// What holds whatever happens, in whatever order: seeds drive a machine through crashes, hangs,
+// silence, emergency stops, restarts and switches. A failure names its seed and what was done;
+// MUSHER_SEED=n runs one seed and tells its story, MUSHER_SEEDS=n runs that many.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <iostream>
+#include <random>
+
+#include "musher/test/lifecycle/coordination/theatre.hpp"
+
+namespace musher::testing {
+namespace {
+
+constexpr int kDeeds = 40;
+
+// Everything at once: two stages, a critical one, one that is bound, one that is started by hand.
+MachineConfig Everything(std::mt19937_64& random) {
+  MachineConfig config = MachineOf(4);
+  for (const char* name : {"a", "b", "d"}) {
+    ActuatorConfig& actuator = ActuatorNamed(config, name);
+    actuator.command = {"run", name};
+    actuator.restart.policy = RestartPolicy::kOnFailure;
+    actuator.restart.limit = 3;
+    actuator.restart.reset_after = Milliseconds(5000);
+    actuator.restart.delay = Milliseconds(static_cast<int>(random() % 3) * 50);
+  }
+  ActuatorNamed(config, "a").critical = true;
+  ActuatorNamed(config, "a").on_lost = "Protected";
+  ActuatorNamed(config, "b").after = {"a"};
+  ActuatorNamed(config, "b").binds_to = {"a"};
+  ActuatorNamed(config, "b").restart.policy = RestartPolicy::kAlways;
+  if (random() % 2 == 0) ActuatorNamed(config, "d").binds_to = {"b", "c"};
+  if (random() % 4 == 0) ActuatorNamed(config, "b").binds_to = {"d"};
+  ActuatorNamed(config, "d").stage = 2;
+  ActuatorNamed(config, "d").on_lost = "LowPower";
+  return config;
+}
+
+std::uint64_t Environment(const char* name, std::uint64_t otherwise) {
+  const char* value = std::getenv(name);
+  return value != nullptr ? std::strtoull(value, nullptr, 10) : otherwise;
+}
+
+class Walk {
+ public:
+  explicit Walk(std::uint64_t seed) : random_(seed), t_(Everything(random_)) {
+    t_.after_step = [this] { Check(); };
+    t_.Begin();
+    t_.RunFor(Milliseconds(Below(800)));
+  }
+
+  void Run() {
+    for (int i = 0; i < kDeeds && t_.machine().phase != Phase::kStopped; ++i) {
+      DoAnything();
+      t_.RunFor(Below(3) == 0 ? Milliseconds(Below(1500)) : Milliseconds(Below(60)));
+    }
+    Heal();
+    t_.Rest(std::chrono::seconds(120));
+    if (t_.machine().phase == Phase::kRunning) CheckRest();
+    EXPECT_NE(t_.machine().phase, Phase::kStopping);
+    for (const char* name : {"a", "b", "d"}) {
+      EXPECT_FALSE(t_.stopped() && t_.IsAlive(name)) << name << " outlives the machine";
+    }
+    CheckAnswers();
+  }
+
+  // What was done, and the last that the controller told.
+  std::string Story() const {
+    std::string story = story_;
+    const std::size_t told = t_.records.size();
+    for (std::size_t i = told > 40 ? told - 40 : 0; i < told; ++i) story += t_.records[i] + "\n";
+    return story;
+  }
+
+ private:
+  int Below(int n) { return static_cast<int>(random_() % static_cast<unsigned>(n)); }
+  std::string AnyName() { return std::string(1, static_cast<char>('a' + Below(4))); }
+  void Note(const std::string& what) {
+    story_ += "  at " + std::to_string(ToMilliseconds(t_.now().time_since_epoch()) - 3'600'000) +
+              " ms " + what + "\n";
+  }
+
+  void DoAnything() {
+    const std::string name = AnyName();
+    const char* const states[] = {"Active",   "Protected", "DeActive",
+                                  "LowPower", "SelfCheck", "Error"};
+    const State state = states[Below(6)];
+    switch (Below(22)) {
+      case 0:
+      case 1:
+      case 2:
+        Note("crash " + name);
+        return t_.Crash(name);
+      case 3:
+        Note("hung " + name);
+        return t_.Find(name, Health::kHung, Below(2) == 0);
+      case 4:
+        Note("partitioned " + name);
+        return t_.Find(name, Health::kPartitioned, true);
+      case 5:
+      case 6:
+        Note("well " + name);
+        return t_.Find(name, Health::kWell);
+      case 7:
+        Note("stop");
+        return t_.StopAll(static_cast<std::uint64_t>(Below(3)) + 1);
+      case 8:
+      case 9:
+        Note("release");
+        calls_.push_back(t_.Release());
+        return;
+      case 10:
+        Note("restart " + name);
+        calls_.push_back(t_.Restart(name));
+        return;
+      case 11:
+        Note("controller restarts");
+        requests_.clear();
+        calls_.clear();
+        return t_.RestartController(Below(2) == 0);
+      case 12: {
+        Behaviour& behaviour = t_.On(name, Below(2) == 0 ? state : "SetUp");
+        behaviour = {};
+        const int kind = Below(5);
+        behaviour.takes = Milliseconds(Below(200));
+        behaviour.code = kind == 0 ? kCodeFailed : kCodeOk;
+        behaviour.hangs = kind == 1;
+        behaviour.ends_when_asked = kind == 2;
+        Note("behaviour " + std::to_string(kind) + " of " + name);
+        return;
+      }
+      case 13: {
+        const bool to = Below(2) == 0;
+        const bool from = Below(2) == 0;
+        Note("mute " + name + (to ? " deaf" : "") + (from ? " dumb" : ""));
+        return t_.Mute(name, to, from);
+      }
+      case 14:
+        if (t_.IsAlive(name) || name != "c") return;
+        Note("start " + name);
+        return t_.StartActuator(name);
+      case 15:
+        Note("exec of " + name);
+        t_.On(name, "exec").code = Below(2) == 0 ? kCodeFailed : kCodeOk;
+        return;
+      case 16:
+        Note("set " + name + " " + state);
+        requests_.push_back(t_.Ask(state, name));
+        return;
+      case 17: {
+        Note(name + " says that it is in " + state);
+        ActuatorReport report = t_.CoreOf(name).report;
+        report.stamp = t_.now();
+        report.state = state;
+        return t_.Tell(event::StatusSeen{*t_.config().IndexOf(name), report});
+      }
+      case 18:
+        if (Below(4) != 0 || !t_.machine().set_up) return;
+        Note("set TearDown");
+        requests_.push_back(t_.Ask("TearDown"));
+        return;
+      default:
+        Note("set " + state);
+        requests_.push_back(t_.Ask(state));
+    }
+  }
+
+  // The world becomes kind: nothing hangs, all can talk, what is started by hand is started.
+  void Heal() {
+    Note("heal");
+    for (const char* name : {"a", "b", "c", "d"}) {
+      for (const State& state : t_.config().states) t_.On(name, state) = {};
+      t_.On(name, "exec") = {};
+      t_.Mute(name, false, false);
+      if (t_.CoreOf(name).report.busy()) t_.Crash(name);
+    }
+    t_.RunFor(Milliseconds(10));
+    if (!t_.IsAlive("c") && t_.machine().phase != Phase::kStopped) t_.StartActuator("c");
+    t_.RunFor(std::chrono::seconds(10));
+    for (const char* name : {"a", "b", "c", "d"}) t_.Find(name, Health::kWell);
+  }
+
+  void Check() {
+    const Machine& machine = t_.machine();
+    const auto deadline = NextDeadline(t_.config(), machine);
+    ASSERT_TRUE(!deadline || *deadline > t_.now()) << "the loop would spin";
+    const auto rank = t_.config().RankOf(machine.state);
+    if (stopped_ && machine.emergency_stop && rank_ && rank) {
+      ASSERT_LE(*rank, *rank_) << "the machine went up to " << machine.state << " while stopped";
+    }
+    stopped_ = machine.emergency_stop.has_value();
+    rank_ = rank;
+  }
+
+  void CheckRest() const {
+    const Machine& machine = t_.machine();
+    EXPECT_FALSE(machine.current);
+    for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+      const ActuatorRecord& record = machine.actuators[i];
+      const std::string& name = t_.config().actuators[i].name;
+      EXPECT_FALSE(record.order) << name;
+      EXPECT_FALSE(record.restart_asked) << name;
+      EXPECT_FALSE(record.kill_at) << name;
+      EXPECT_EQ(record.doomed, 0) << name;
+      const auto own = t_.config().RankOf(record.state());
+      const auto machines = t_.config().RankOf(machine.state);
+      const bool waits = machine.emergency_stop && (!own || (machines && *own < *machines));
+      const bool in_place =
+          record.presence == Presence::kPresent
+              ? record.state() == machine.state || !machines || waits
+              : record.presence == Presence::kAbsent && machine.emergency_stop;  // a later stage
+      EXPECT_TRUE(in_place || record.held || record.fault)
+          << name << " is " << PresenceName(record.presence) << " in " << record.state()
+          << " while the machine is in " << machine.state;
+      const ActuatorConfig& actuator = t_.config().actuators[i];
+      if (!actuator.critical || record.presence == Presence::kPresent || !machines) continue;
+      EXPECT_LE(*machines, *t_.config().RankOf(actuator.on_lost)) << name << " is not there";
+    }
+  }
+
+  void CheckAnswers() const {
+    for (const RequestId request : requests_) {
+      EXPECT_EQ(t_.answers.count(request), 1U) << "request " << request << " is not answered";
+    }
+    for (const RequestId call : calls_) {
+      EXPECT_EQ(t_.calls.count(call), 1U) << "call " << call << " is not answered";
+    }
+  }
+
+  std::mt19937_64 random_;
+  Theatre t_;
+  std::string story_;
+  std::vector<RequestId> requests_;
+  std::vector<RequestId> calls_;
+  bool stopped_ = false;
+  std::optional<Rank> rank_;
+};
+
+TEST(RandomWalk, LeavesEverybodyWhereTheyBelongAndAnswersEverybody) {
+  const std::uint64_t only = Environment("MUSHER_SEED", 0);
+  const std::uint64_t last = only != 0 ? only : Environment("MUSHER_SEEDS", 1000);
+  for (std::uint64_t seed = only != 0 ? only : 1; seed <= last; ++seed) {
+    Walk walk(seed);
+    walk.Run();
+    if (only != 0) std::cout << walk.Story();
+    ASSERT_FALSE(HasFailure()) << "again with: MUSHER_SEED=" << seed << " coordination_test\n"
+                               << walk.Story();
+  }
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,287 @@
+// What has died is started again by policy and driven to where the machine is; what happens when
+// that does not help.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Recovery : public Switching {
+ protected:
+  // How long after its crash the process is there again.
+  static Duration DelayOfCrash(Theatre& t, const std::string& name) {
+    const Time begun = t.now();
+    t.Crash(name);
+    t.RunFor(Milliseconds(1));
+    EXPECT_TRUE(t.RunUntil([&] { return t.IsAlive(name); }));
+    const Duration delay = t.now() - begun;
+    t.RunFor(Milliseconds(60));  // it is driven again
+    return std::chrono::duration_cast<std::chrono::milliseconds>(delay);
+  }
+};
+
+TEST_F(Recovery, DrivesWhatCrashedThroughSetUpAndSelfCheckWhileTheOthersStay) {
+  Theatre& t = In("Protected", Ours(3));
+  t.Crash("b");
+  t.Rest();
+  EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SelfCheck", "b:Protected"));
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+  EXPECT_EQ(t.machine().state, "Protected");
+  EXPECT_THAT(t.records, Contains(HasSubstr("b is degraded: crashed: its process")));
+}
+
+TEST_F(Recovery, DrivesItToWhereTheMachineHasGoneMeanwhile) {
+  Theatre& t = In("Active", Ours(3));
+  t.Crash("b");
+  t.RunFor(Milliseconds(20));
+  EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+  EXPECT_THAT(t.log(), Not(Contains("b:Active")));
+}
+
+TEST_F(Recovery, WaitsLongerBeforeEachRestartUpToACeiling) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].restart.limit = 10;
+  config.actuators[1].restart.max_delay = Milliseconds(500);
+  Theatre& t = In("Active", config);
+  for (const int delay : {100, 200, 400, 500, 500}) {
+    EXPECT_EQ(DelayOfCrash(t, "b"), Milliseconds(delay));
+  }
+}
+
+TEST_F(Recovery, DelaysThatAreZeroStayZeroHoweverFastTheyGrow) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].restart.limit = 400;
+  config.actuators[1].restart.delay = {};
+  config.actuators[1].restart.growth = 100;
+  Theatre& t = In("Active", config);
+  for (int i = 0; i < 300; ++i) ASSERT_LE(DelayOfCrash(t, "b"), Milliseconds(1));
+}
+
+TEST_F(Recovery, CountsAnewAfterAHealthyTime) {
+  Theatre& t = In("Active", Ours(2));
+  EXPECT_EQ(DelayOfCrash(t, "b"), Milliseconds(100));
+  t.RunFor(Milliseconds(4800));
+  EXPECT_EQ(DelayOfCrash(t, "b"), Milliseconds(200)) << "not yet";
+  t.RunFor(Milliseconds(5200));
+  EXPECT_EQ(DelayOfCrash(t, "b"), Milliseconds(100));
+}
+
+TEST_F(Recovery, TimeOutOfReachIsNoHealthyTime) {
+  Theatre& t = In("Active", Ours(2));
+  DelayOfCrash(t, "b");
+  t.Find("b", Health::kPartitioned, true);
+  t.Rest();
+  EXPECT_EQ(t.RecordOf("b").restarts, 1);
+}
+
+TEST_F(Recovery, GivesUpAtTheLimitAndLeavesTheMachineDegraded) {
+  Theatre& t = In("Active", Ours(2));
+  t.On("b", "SetUp").code = 5012;
+  t.On("b", "SetUp").message = "no sound card";
+  t.Crash("b");
+  t.Rest();
+  EXPECT_TRUE(t.RecordOf("b").given_up);
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("given up after 3 restarts"));
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("no sound card"));
+  EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SetUp", "b:SetUp"));
+  EXPECT_EQ(t.machine().state, "Active");
+}
+
+TEST_F(Recovery, ACriticalOneOutOfRestartsTakesTheMachineToItsOnLostAndNotBefore) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  t.On("b", "SetUp").code = 3012;
+  t.Crash("b");
+  t.RunFor(Milliseconds(500));
+  EXPECT_EQ(t.machine().state, "Active") << "it still has a chance";
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Protected");
+  EXPECT_EQ(t.StateOf("a"), "Protected");
+  EXPECT_THAT(t.Set("Active").reason, HasSubstr("critical b"));
+}
+
+TEST_F(Recovery, ACriticalOneThatCrashesWhileItJoinsIsOnlyRestarted) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  t.Crash("b");
+  ASSERT_TRUE(t.RunUntil([&] { return t.RecordOf("b").order.has_value(); }));
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(Recovery, ACriticalOneThatFailsItsSelfCheckAfterARestartTakesTheMachineDown) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  t.On("b", "SelfCheck").code = 3009;
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Protected");
+  EXPECT_EQ(t.RecordOf("b").fault->code, 3009);
+}
+
+TEST_F(Recovery, ACriticalOneWhoseSecondSetUpNeverEndsTakesTheMachineDown) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  t.On("b", "SetUp").hangs = true;
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Protected");
+}
+
+TEST_F(Recovery, AnExplicitOnLostCountsForOneThatIsNotCritical) {
+  MachineConfig config = MachineOf(2);
+  config.actuators[1].on_lost = "LowPower";
+  Theatre& t = In("Active", config);
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "LowPower");
+  EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kDoneDegraded) << "a person may go on";
+}
+
+TEST_F(Recovery, OfSeveralLostOnesTheLeastActiveOnLostCounts) {
+  MachineConfig config = MachineOf(3);
+  config.actuators[1].on_lost = "Protected";
+  config.actuators[2].on_lost = "LowPower";
+  Theatre& t = In("Active", config);
+  t.Crash("b");
+  t.Crash("c");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "LowPower");
+}
+
+// Policies
+
+TEST_F(Recovery, OnFailureLeavesOneThatEndedWellButAlwaysDoesNot) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].restart.policy = RestartPolicy::kAlways;
+  Theatre& t = In("Active", config);
+  for (const char* name : {"a", "b"}) {
+    t.Tell(
+        event::ProcessEnded{*config.IndexOf(name), t.RecordOf(name).process, true, "exit code 0"});
+  }
+  t.RunFor(Milliseconds(50));
+  EXPECT_FALSE(t.RecordOf("a").restart_at);
+  EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("exit code 0"));
+  EXPECT_TRUE(t.RecordOf("b").restart_at);
+}
+
+TEST_F(Recovery, NoMeansNo) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].restart.policy = RestartPolicy::kNo;
+  Theatre& t = In("Active", config);
+  t.Crash("b");
+  t.Rest();
+  EXPECT_FALSE(t.IsAlive("b"));
+}
+
+TEST_F(Recovery, OneThatIsTornDownByHandStaysSo) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].restart.policy = RestartPolicy::kAlways;
+  Theatre& t = In("Active", config);
+  EXPECT_TRUE(t.Set("TearDown", "b").done());
+  t.Rest();
+  EXPECT_FALSE(t.IsAlive("b"));
+  t.Restart("b");
+  t.RunFor(Milliseconds(1));
+  t.Crash("b");  // before its first word
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active") << "that it was torn down is over since it was started";
+}
+
+TEST_F(Recovery, AProcessThatCannotBeStartedIsTriedAgainByTheSamePolicy) {
+  Theatre& t = In("Active", Ours(2));
+  t.On("b", "exec").code = kCodeFailed;
+  t.On("b", "exec").message = "no such file";
+  t.Crash("b");
+  t.RunFor(Milliseconds(350));
+  EXPECT_EQ(t.RecordOf("b").restarts, 3);
+  t.On("b", "exec").code = kCodeOk;
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(Recovery, OneThatSomebodyElseStartsFasterThanItCanBeCountedIsLeftAloneForAWhile) {
+  MachineConfig config = MachineOf(2);
+  config.actuators[1].restart.limit = 3;
+  config.actuators[1].restart.reset_after = std::chrono::seconds(5);
+  Theatre& t = In("Active", config);
+  for (int i = 0; i < 5; ++i) {
+    t.Crash("b");
+    t.RunFor(Milliseconds(1));
+    t.StartActuator("b");
+    t.RunFor(Milliseconds(20));
+  }
+  t.ClearLog();
+  t.RunFor(std::chrono::seconds(4));
+  EXPECT_THAT(t.log(), ElementsAre()) << "it is not driven";
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("5 times in a row"));
+  t.RunFor(std::chrono::seconds(2));
+  EXPECT_EQ(t.StateOf("b"), "Active") << "it has lived for long enough";
+}
+
+TEST_F(Recovery, OneThatComesAndGoesWithItsLinkIsNotCountedAsStartedAnew) {
+  MachineConfig config = MachineOf(2);
+  config.actuators[1].restart.limit = 3;
+  Theatre& t = In("Active", config);
+  t.Crash("b");
+  t.RunFor(Milliseconds(1));
+  t.StartActuator("b");
+  t.RunFor(Milliseconds(100));
+  for (int i = 0; i < 10; ++i) {
+    t.Find("b", Health::kPartitioned, true);
+    t.RunFor(Milliseconds(50));
+    t.Find("b", Health::kWell);
+    t.RunFor(Milliseconds(50));
+  }
+  EXPECT_FALSE(t.RecordOf("b").given_up);
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+// Words that come late, or twice
+
+TEST_F(Recovery, ALateWordOfALostWriterDoesNotTakeTheSuccessorForLost) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  const std::uint64_t dead = t.RecordOf("b").report.incarnation;
+  t.Crash("b");
+  ASSERT_TRUE(t.RunUntil([&] {
+    return t.RecordOf("b").process != 0 && t.IsAlive("b") &&
+           t.RecordOf("b").presence == Presence::kStarting;
+  }));
+  t.Tell(event::Vanished{1, dead, false, "it is out of reach"});
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(Recovery, AnExitThatIsSeenByItsSilenceFirstDoesNotTakeTheMachineDown) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  t.Tell(event::Vanished{1, t.RecordOf("b").report.incarnation, false, "it is out of reach"});
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(Recovery, TheEndOfAWrapperAndOfItsActuatorIsOneLoss) {
+  Theatre& t = In("Active", Ours(2));
+  ActuatorReport report = t.CoreOf("b").report;
+  report.incarnation += 1'000'000;  // the command is a script; this is what it runs
+  report.pid += 1'000'000;
+  report.stamp = t.now();
+  t.Tell(event::StatusSeen{1, report});
+  const std::int32_t wrapper = t.RecordOf("b").process;
+  ASSERT_NE(wrapper, 0);
+  t.Tell(event::Vanished{1, report.incarnation, true, "its process ended"});
+  t.Tell(event::ProcessEnded{1, wrapper, false, "exit code 1"});
+  EXPECT_EQ(t.RecordOf("b").restarts, 1);
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,292 @@
+// Restarts that cross a start, a switch or the end, and those that a person asks for.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// While the machine starts
+
+TEST(RestartWhileStarting, TheStageWaitsForOneThatIsStartedAgain) {
+  Theatre t(OursWithCriticalB());
+  t.On("b", "SetUp").code = 3012;
+  t.Begin();
+  t.RunFor(Milliseconds(250));
+  EXPECT_FALSE(t.start_up()) << "its second restart is to come";
+  t.On("b", "SetUp").code = kCodeOk;
+  t.Rest();
+  EXPECT_TRUE(t.usable());
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_EQ(t.RecordOf("b").restarts, 0) << "it has lived for long enough since";
+}
+
+TEST(RestartWhileStarting, OneThatComesAfterItWaitsToo) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "a").after = {"b"};
+  Theatre t(config);
+  t.On("b", "SetUp").code = 3012;
+  t.Begin();
+  t.RunFor(Milliseconds(50));
+  t.On("b", "SetUp").code = kCodeOk;
+  t.Rest();
+  EXPECT_THAT(Degraded(t.config(), t.machine()), IsEmpty());
+}
+
+TEST(RestartWhileStarting, ACriticalOneOutOfRestartsFailsTheStart) {
+  Theatre t(OursWithCriticalB());
+  t.On("b", "SetUp").code = 3012;
+  t.Begin();
+  t.Rest();
+  ASSERT_TRUE(t.start_up());
+  EXPECT_FALSE(t.usable());
+  EXPECT_THAT(t.start_up()->message, HasSubstr("critical b"));
+  EXPECT_THAT(t.start_up()->message, HasSubstr("given up after 3 restarts"));
+}
+
+TEST(RestartWhileStarting, AFailedStartIsFinishedByHandOnceTheCriticalOneIsRestarted) {
+  Theatre t(OursWithCriticalB());
+  t.On("b", "SetUp").code = 3012;
+  t.Begin();
+  t.Rest();
+  t.On("b", "SetUp").code = kCodeOk;
+  const RequestId call = t.Restart("b");
+  t.Rest();
+  ASSERT_EQ(t.calls.count(call), 1U);
+  EXPECT_TRUE(t.calls.at(call));
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(t.machine().phase, Phase::kRunning);
+}
+
+TEST(RestartWhileStarting, OneThatCrashesAfterItsCheckIsCheckedAgain) {
+  Theatre t(Ours(3));
+  t.On("a", "SelfCheck").takes = Milliseconds(90);
+  t.Begin();
+  ASSERT_TRUE(t.RunUntil([&] { return t.StateOf("b") == "SelfCheck"; }));
+  t.Crash("b");
+  t.Rest();
+  EXPECT_TRUE(t.usable());
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_EQ(std::count(t.log().begin(), t.log().end(), "b:SelfCheck"), 2);
+}
+
+TEST(RestartWhileStarting, ACriticalOneThatIsGivenUpAfterItsActivationTakesTheMachineDown) {
+  MachineConfig config = OursWithCriticalB();
+  ActuatorNamed(config, "b").restart.limit = 0;
+  Theatre t(config);
+  t.On("a", "Active").takes = Milliseconds(90);
+  t.Begin();
+  ASSERT_TRUE(t.RunUntil([&] { return t.StateOf("b") == "Active"; }));
+  t.RunFor(Milliseconds(1));
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Protected");
+}
+
+// While the machine switches, and when it ends
+
+class RestartAcross : public Switching {};
+
+TEST_F(RestartAcross, ASwitchUpIsUndoneAndTheRestartedOneFollows) {
+  Theatre& t = In("Protected", Ours(3));
+  t.On("b", "Active").takes = Milliseconds(80);
+  const RequestId request = t.Ask("Active");
+  t.RunFor(Milliseconds(30));
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kUndone);
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected");
+}
+
+TEST_F(RestartAcross, ASwitchDownGoesOnAndTheRestartedOneFollows) {
+  Theatre& t = In("Active", Ours(3));
+  t.On("b", "LowPower").takes = Milliseconds(80);
+  const RequestId request = t.Ask("LowPower");
+  t.RunFor(Milliseconds(30));
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kDoneDegraded);
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "LowPower");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), IsEmpty());
+}
+
+TEST_F(RestartAcross, OneThatIsStartedAnewBeforeItsTurnIsNotActivatedUnchecked) {
+  MachineConfig config = Ours(3);
+  ActuatorNamed(config, "b").after = {"a"};
+  ActuatorNamed(config, "b").restart.delay = {};
+  Theatre& t = In("Protected", config);
+  t.On("a", "Active").takes = Milliseconds(90);
+  const RequestId request = t.Ask("Active");
+  t.RunFor(Milliseconds(10));
+  t.Crash("b");
+  t.RunUntil([&] { return t.answers.count(request) > 0; });
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kUndone);
+  t.Rest();
+  EXPECT_THAT(t.log(), ::testing::Not(::testing::Contains("b:Active")));
+  EXPECT_EQ(t.StateOf("b"), "Protected");
+}
+
+TEST_F(RestartAcross, NobodyIsRestartedWhileTheMachineEnds) {
+  Theatre& t = In("Active", Ours(3));
+  t.On("a", "TearDown").takes = Milliseconds(90);
+  t.Crash("c");
+  t.RunFor(Milliseconds(50));
+  const RequestId request = t.Ask("TearDown");
+  t.RunFor(Milliseconds(20));
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.answers.count(request), 1U);
+  EXPECT_TRUE(t.stopped());
+  for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(t.IsAlive(name));
+}
+
+TEST_F(RestartAcross, AdoptedProcessesAreRestartedAndEndWithTheMachine) {
+  Theatre& t = In("Active", Ours(2));
+  t.RestartController();
+  t.Rest();
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  t.On("a", "TearDown").code = 3001;
+  t.Set("TearDown");
+  EXPECT_TRUE(t.stopped());
+  EXPECT_FALSE(t.IsAlive("a")) << "an adopted process is ended like our own";
+}
+
+// By hand
+
+class RestartByHand : public Switching {
+ protected:
+  static Result<> Do(Theatre& t, const std::string& name) {
+    const RequestId call = t.Restart(name);
+    EXPECT_TRUE(t.RunUntil([&] { return t.calls.count(call) > 0; })) << "no answer";
+    return t.calls.at(call);
+  }
+};
+
+TEST_F(RestartByHand, TearsItDownStartsItAndAnswersWhenItIsBack) {
+  Theatre& t = In("Active", Ours(2));
+  EXPECT_TRUE(Do(t, "b"));
+  EXPECT_THAT(t.log(), ElementsAre("b:TearDown", "b:SetUp", "b:SelfCheck", "b:Active"));
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_THAT(t.signals, IsEmpty());
+}
+
+TEST_F(RestartByHand, OfOneThatDoesNotEndGetsHarder) {
+  Theatre& t = In("Active", Ours(2));
+  t.On("b", "TearDown").hangs = true;
+  t.On("b", "TERM").hangs = true;
+  EXPECT_TRUE(Do(t, "b"));
+  EXPECT_THAT(t.signals, ElementsAre("b:TERM", "b:KILL"));
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(RestartByHand, OfOneThatIgnoresSigtermAndIsHeardAgainStillEnds) {
+  Theatre& t = In("Active", Ours(2));
+  t.On("b", "TERM").hangs = true;
+  t.Find("b", Health::kPartitioned, true);
+  const RequestId call = t.Restart("b");
+  t.RunFor(Milliseconds(10));
+  t.Find("b", Health::kWell);
+  t.Rest();
+  EXPECT_THAT(t.signals, ElementsAre("b:TERM", "b:KILL"));
+  EXPECT_TRUE(t.calls.at(call));
+}
+
+TEST_F(RestartByHand, BringsBackOneThatWasGivenUp) {
+  Theatre& t = In("Active", Ours(2));
+  t.On("b", "SetUp").code = 5012;
+  t.Crash("b");
+  t.Rest();
+  ASSERT_TRUE(t.RecordOf("b").given_up);
+  t.On("b", "SetUp").code = kCodeOk;
+  EXPECT_TRUE(Do(t, "b"));
+  EXPECT_FALSE(t.RecordOf("b").given_up);
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(RestartByHand, OfAHungOneDoesNotWaitForItsTearDown) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].restart.policy = RestartPolicy::kNo;
+  Theatre& t = In("Active", config);
+  t.Find("b", Health::kHung);
+  EXPECT_TRUE(Do(t, "b"));
+  EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SelfCheck", "b:Active"));
+}
+
+TEST_F(RestartByHand, SaysWhyItDoesNotComeBack) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].restart.policy = RestartPolicy::kNo;
+  Theatre& t = In("Active", config);
+  t.On("b", "SelfCheck").code = 5009;
+  t.On("b", "SelfCheck").message = "no microphone";
+  const Result<> answer = Do(t, "b");
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, 5009);
+  EXPECT_THAT(answer.error().message, HasSubstr("no microphone"));
+  t.On("b", "exec").code = kCodeFailed;
+  t.On("b", "exec").message = "no such file";
+  EXPECT_THAT(Do(t, "b").error().message, HasSubstr("no such file"));
+}
+
+TEST_F(RestartByHand, AskedForTwiceIsOneRestartAndBothAreAnswered) {
+  Theatre& t = In("Active", Ours(2));
+  const RequestId first = t.Restart("b");
+  const RequestId second = t.Restart("b");
+  t.Rest();
+  EXPECT_TRUE(t.calls.at(first));
+  EXPECT_TRUE(t.calls.at(second));
+  EXPECT_EQ(std::count(t.log().begin(), t.log().end(), "b:SetUp"), 1);
+}
+
+TEST_F(RestartByHand, IsRefusedWhereItCannotBe) {
+  MachineConfig config = Ours(2);
+  config.actuators[1].command.clear();
+  Theatre& t = In("Active", config);
+  EXPECT_THAT(Do(t, "aa").error().message, HasSubstr("did you mean 'a'?"));
+  EXPECT_EQ(Do(t, "b").error().code, kCodeUnSupport);
+  t.Set("TearDown");
+  EXPECT_EQ(Do(t, "a").error().code, kCodeStatusError);
+}
+
+TEST_F(RestartByHand, IsAnsweredAlsoWhenTheMachineEndsMeanwhile) {
+  Theatre& t = In("Active", Ours(2));
+  t.On("b", "TearDown").takes = Milliseconds(80);
+  const RequestId call = t.Restart("b");
+  t.RunFor(Milliseconds(20));
+  t.Set("TearDown");
+  ASSERT_EQ(t.calls.count(call), 1U);
+  EXPECT_THAT(t.calls.at(call).error().message, HasSubstr("torn down"));
+}
+
+TEST_F(RestartByHand, OneThatIsBeingRestartedHindersNoSwitch) {
+  Theatre& t = In("Protected", OursWithCriticalB());
+  t.On("b", "TearDown").takes = Milliseconds(80);
+  const RequestId call = t.Restart("b");
+  t.RunFor(Milliseconds(20));
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(t.Set("LowPower", "b").code, kCodeTargetBusy);
+  t.Rest();
+  EXPECT_TRUE(t.calls.at(call));
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(RestartByHand, IsAnsweredAlsoWhileAnEmergencyStopKeepsItDown) {
+  Theatre& t = In("Active", Ours(2));
+  t.StopAll(5);
+  t.RunFor(Milliseconds(10));
+  EXPECT_TRUE(Do(t, "b"));
+  EXPECT_EQ(t.StateOf("b"), "SelfCheck");
+  t.Release();
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,316 @@
+#include "musher/lifecycle/health_monitor.hpp"
+
+#include <gmock/gmock.h>
+
+#include <functional>
+
+#include "musher/test/lifecycle/coordination/theatre.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Process = Examination::Process;
+
+constexpr Duration kBeat = Milliseconds(100);  // so the limit is 400 ms
+constexpr std::uint64_t kFirst = 7;            // the incarnation of each
+
+// The world of a monitor: who beats, what the kernel says, and all that it found, in words.
+class Monitor : public ::testing::Test {
+ protected:
+  Monitor() : config_(MachineOf(3)), monitor_(config_), now_(std::chrono::hours(1)) {}
+
+  void Watch(std::size_t i, bool local, const std::string& host = "here") {
+    monitor_.Watch(i, kFirst, host, local, now_);
+    local_[i] = local;
+    beats_[i] = true;
+    Take(monitor_.Heard(i, kFirst, Beat{kBeat, Health::kWell, "", {}, {}}, now_));
+  }
+
+  // Time passes; those who beat do, and deadlines are kept, `late` each.
+  void RunFor(Duration duration, Duration late = {}) {
+    const Time end = now_ + duration;
+    while (true) {
+      const auto next = monitor_.NextDeadline();
+      const Time at = std::min(next ? *next + late : Time::max(), next_beat_);
+      if (at > end) break;
+      now_ = std::max(now_, at);
+      if (now_ >= next_beat_) {
+        BeatAll();
+      } else {
+        const Time looked = now_;
+        Take(monitor_.TimePassed(now_));
+        const auto again = monitor_.NextDeadline();
+        ASSERT_TRUE(!again || *again > looked) << "the loop would spin";
+      }
+    }
+    now_ = end;
+  }
+  void BeatAll() {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (beats_[i]) Take(monitor_.Heard(i, kFirst, beat_[i], now_));
+    }
+    next_beat_ = now_ + kBeat;
+  }
+
+  void Take(const std::vector<Finding>& findings) {
+    for (const Finding& finding : findings) {
+      if (const auto* probe = std::get_if<finding::Probe>(&finding)) {
+        found_.push_back("probe " + Name(probe->actuator));
+        if (answers_[probe->actuator]) Take(monitor_.Heard(probe->actuator, kFirst, now_));
+      } else if (const auto* look = std::get_if<finding::Examine>(&finding)) {
+        found_.push_back((look->mark ? "mark " : "examine ") + Name(look->actuator));
+        if (!look->mark) Take(monitor_.Examined(look->actuator, kernel_, now_));
+      } else if (const auto* changed = std::get_if<finding::Changed>(&finding)) {
+        EXPECT_EQ(changed->incarnation, kFirst);
+        found_.push_back(Name(changed->actuator) + " " + std::string(HealthName(changed->health)) +
+                         (changed->silent ? ", silent" : ""));
+        how_ = changed->how;
+      }
+    }
+  }
+  static std::string Name(std::size_t i) { return std::string(1, static_cast<char>('a' + i)); }
+  std::vector<std::string> Found() { return std::exchange(found_, {}); }
+
+  MachineConfig config_;
+  HealthMonitor monitor_;
+  Time now_;
+  Time next_beat_ = Time::min();
+  bool beats_[3] = {};
+  Beat beat_[3] = {{kBeat, Health::kWell, "", {}, {}},
+                   {kBeat, Health::kWell, "", {}, {}},
+                   {kBeat, Health::kWell, "", {}, {}}};
+  bool answers_[3] = {};
+  bool local_[3] = {};
+  Examination kernel_;
+  std::vector<std::string> found_;
+  std::string how_;
+};
+
+TEST_F(Monitor, FindsNothingWhileEverybodyBeats) {
+  Watch(0, true);
+  Watch(1, false, "there");
+  RunFor(std::chrono::hours(1));
+  EXPECT_THAT(Found(), IsEmpty());
+}
+
+TEST_F(Monitor, AsksAndMarksAtHalfTheLimitAndLooksWhenItIsOver) {
+  Watch(0, true);
+  RunFor(Milliseconds(10));
+  beats_[0] = false;
+  RunFor(Milliseconds(195));
+  EXPECT_THAT(Found(), ElementsAre("mark a", "probe a"));
+  RunFor(Milliseconds(200));
+  EXPECT_THAT(Found(), ElementsAre("examine a", "a hung, silent"));
+  EXPECT_THAT(how_, HasSubstr("nothing was heard of it for 400 ms"));
+  RunFor(std::chrono::hours(1));
+  EXPECT_THAT(Found(), IsEmpty()) << "a verdict is told once";
+  EXPECT_FALSE(monitor_.NextDeadline());
+}
+
+TEST_F(Monitor, OneThatAnswersTheProbeLivesThoughItsBeatsAreLost) {
+  Watch(0, true);
+  beats_[0] = false;
+  answers_[0] = true;
+  RunFor(std::chrono::minutes(1));
+  for (const std::string& found : Found())
+    EXPECT_THAT(found, ::testing::AnyOf("mark a", "probe a"));
+}
+
+TEST_F(Monitor, OneThatWaitedForACpuIsStarvedAndLookedAtAgain) {
+  Watch(0, true);
+  beats_[0] = false;
+  kernel_.waited = Milliseconds(200);  // all the time since the mark
+  RunFor(Milliseconds(401));
+  EXPECT_THAT(Found(), ElementsAre("mark a", "probe a", "examine a", "a starved, silent"));
+  kernel_.waited = Milliseconds(900);
+  RunFor(Milliseconds(600));
+  EXPECT_THAT(Found(), ::testing::Each("examine a")) << "it still is";
+  kernel_.waited = Milliseconds(901);  // it has got a CPU since, and is as silent as before
+  RunFor(Milliseconds(700));
+  EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+}
+
+TEST_F(Monitor, OneThatWasStarvedIsCalledSoUntilItHasKeptUpForAWhile) {
+  Watch(0, true);
+  beat_[0].work = Health::kStarved;
+  RunFor(Milliseconds(200));
+  EXPECT_THAT(Found(), ElementsAre("a starved"));
+  beat_[0].work = Health::kWell;
+  RunFor(Milliseconds(1800));
+  EXPECT_THAT(Found(), IsEmpty());
+  RunFor(Milliseconds(400));
+  EXPECT_THAT(Found(), ElementsAre("a well"));
+}
+
+TEST_F(Monitor, AStoppedProcessHangsHoweverLongItWaited) {
+  Watch(0, true);
+  beats_[0] = false;
+  kernel_ = {Process::kStopped, std::chrono::hours(1)};
+  RunFor(Milliseconds(500));
+  EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+  EXPECT_THAT(how_, HasSubstr("stopped"));
+}
+
+TEST_F(Monitor, OneThatADebuggerHoldsIsNotCalledHungForAsLongAsThatTakes) {
+  Watch(0, true);
+  beats_[0] = false;
+  kernel_.process = Process::kTraced;
+  RunFor(std::chrono::minutes(10));
+  EXPECT_THAT(Found(), ::testing::Not(::testing::Contains("a hung, silent")));
+  EXPECT_THAT(how_, HasSubstr("debugger"));
+  kernel_ = {};
+  RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+}
+
+TEST_F(Monitor, OneWhoseProcessIsGoneIsLeftToWhoHearsOfExits) {
+  Watch(0, true);
+  beats_[0] = false;
+  kernel_.process = Process::kGone;
+  RunFor(std::chrono::minutes(1));
+  EXPECT_THAT(Found(), ElementsAre("mark a", "probe a", "examine a"));
+}
+
+TEST_F(Monitor, AHungOneThatIsHeardAgainIsWell) {
+  Watch(0, true);
+  beats_[0] = false;
+  RunFor(Milliseconds(500));
+  Found();
+  beats_[0] = true;
+  RunFor(Milliseconds(200));
+  EXPECT_THAT(Found(), ElementsAre("a well"));
+}
+
+TEST_F(Monitor, OfAnotherHostItCallsOneSilentAmongOthersCrashed) {
+  Watch(0, false, "there");
+  Watch(1, false, "there");
+  beats_[0] = false;
+  RunFor(std::chrono::seconds(2));
+  EXPECT_THAT(Found(), ElementsAre("probe a", "a crashed, silent"));
+}
+
+TEST_F(Monitor, OfAnotherHostItCallsAllThatAreSilentPartitioned) {
+  Watch(0, false, "there");
+  Watch(1, false, "there");
+  Watch(2, true);
+  beats_[0] = beats_[1] = false;
+  RunFor(std::chrono::seconds(2));
+  EXPECT_THAT(Found(),
+              ElementsAre("probe a", "probe b", "a partitioned, silent", "b partitioned, silent"));
+}
+
+TEST_F(Monitor, TheOnlyOneOfItsHostCannotBeToldFromItsHost) {
+  Watch(0, false, "there");
+  Watch(1, false, "elsewhere");
+  beats_[0] = false;
+  RunFor(std::chrono::seconds(2));
+  EXPECT_THAT(Found(), ElementsAre("probe a", "a partitioned, silent"));
+}
+
+TEST_F(Monitor, APartitionThatEndsIsTold) {
+  Watch(0, false, "there");
+  beats_[0] = false;
+  RunFor(std::chrono::seconds(2));
+  Found();
+  beats_[0] = true;
+  RunFor(Milliseconds(200));
+  EXPECT_THAT(Found(), ElementsAre("a well"));
+}
+
+TEST_F(Monitor, ForgivesItsOwnLatenessOnceAndGivesTimeToAnswer) {
+  Watch(0, true);
+  Watch(1, true);
+  beats_[0] = beats_[1] = false;
+  now_ += std::chrono::seconds(10);  // the controller itself was stopped
+  Take(monitor_.TimePassed(now_));
+  EXPECT_THAT(Found(), IsEmpty()) << "what was sent meanwhile may wait behind the timer";
+  Take(monitor_.Heard(1, kFirst, beat_[1], now_ + Milliseconds(1)));
+  RunFor(Milliseconds(30));
+  EXPECT_THAT(Found(), ElementsAre("mark a", "probe a"));
+  RunFor(Milliseconds(60));
+  EXPECT_THAT(Found(), IsEmpty()) << "one that is asked has time to answer";
+  RunFor(Milliseconds(60));
+  EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+}
+
+TEST_F(Monitor, IsNotForeverForgivingWhenItIsAlwaysLate) {
+  Watch(0, true);
+  beats_[0] = false;
+  RunFor(std::chrono::seconds(3), Milliseconds(50));
+  EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+}
+
+TEST_F(Monitor, TellsTheWorkThreadsVerdictAndItsState) {
+  Watch(0, true);
+  beat_[0] = {kBeat, Health::kHung, "Active", Milliseconds(512), {}};
+  RunFor(Milliseconds(200));
+  EXPECT_THAT(Found(), ElementsAre("a hung"));
+  EXPECT_EQ(how_, "in Active it gave no checkpoint for 512 ms");
+  answers_[0] = true;
+  Take(monitor_.Heard(0, kFirst, now_));
+  EXPECT_THAT(Found(), IsEmpty()) << "that it answers says nothing of its work";
+  beat_[0] = {kBeat, Health::kWell, "", {}, {}};
+  RunFor(Milliseconds(200));
+  EXPECT_THAT(Found(), ElementsAre("a well"));
+}
+
+TEST_F(Monitor, NeverJudgesOneOfAProtocolWithoutBeats) {
+  config_.actuators[0].protocol = Protocol::kCyberdog;
+  monitor_.Watch(0, kFirst, "here", true, now_);
+  RunFor(std::chrono::hours(1));
+  Take(monitor_.Heard(0, kFirst, now_));
+  RunFor(std::chrono::hours(1));
+  EXPECT_THAT(Found(), IsEmpty());
+}
+
+TEST_F(Monitor, ForgetsOneWhoseProcessHasEndedAndIgnoresItsLastWords) {
+  Watch(0, true);
+  monitor_.Forget(0);
+  beats_[0] = false;
+  Take(monitor_.Heard(0, kFirst, beat_[0], now_));
+  RunFor(std::chrono::hours(1));
+  EXPECT_THAT(Found(), IsEmpty());
+}
+
+TEST_F(Monitor, StartsAnewWithASuccessor) {
+  Watch(0, true);
+  beats_[0] = false;
+  RunFor(Milliseconds(390));
+  Found();
+  monitor_.Watch(0, kFirst + 1, "here", true, now_);
+  Take(monitor_.Heard(0, kFirst, beat_[0], now_));  // a word of the one before
+  RunFor(Milliseconds(390));
+  EXPECT_THAT(Found(), ::testing::Not(::testing::Contains("a hung, silent")));
+}
+
+TEST_F(Monitor, JudgesOneThatIsSilentFromItsFirstMoment) {
+  monitor_.Watch(0, kFirst, "here", true, now_);
+  RunFor(std::chrono::seconds(3));
+  EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+}
+
+TEST_F(Monitor, IsNeverAskedToWaitForeverByAStrangePeriod) {
+  Watch(0, true);
+  beats_[0] = false;
+  Take(monitor_.Heard(0, kFirst, Beat{std::chrono::hours(1000), Health::kWell, "", {}, {}}, now_));
+  RunFor(std::chrono::seconds(61));
+  EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+}
+
+TEST(BeatPeriod, IsAQuarterOfTheCheckpointWithinBounds) {
+  MachineConfig config = MachineOf(1);
+  EXPECT_EQ(BeatPeriod(config, 0), Milliseconds(500));
+  config.actuators[0].checkpoint = Milliseconds(400);
+  EXPECT_EQ(BeatPeriod(config, 0), Milliseconds(100));
+  config.actuators[0].checkpoint = Milliseconds(1);
+  EXPECT_EQ(BeatPeriod(config, 0), Milliseconds(10));
+  config.actuators[0].checkpoint = std::chrono::hours(1);
+  config.transport = TransportProfile::kLan;
+  EXPECT_EQ(BeatPeriod(config, 0), Milliseconds(125));
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,59 @@
+#include "musher/lifecycle/health.hpp"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+
+namespace musher {
+namespace {
+
+constexpr Duration kAllowed = Milliseconds(100);
+
+TEST(Silence, IsNobodysFaultWithinTheAllowance) {
+  EXPECT_EQ(JudgeSilence(Milliseconds(99), kAllowed, {}), Health::kWell);
+  EXPECT_EQ(JudgeSilence(Milliseconds(100), kAllowed, {}), Health::kWell);
+}
+
+TEST(Silence, BeyondTheAllowanceIsAHangOfOneThatCouldRun) {
+  EXPECT_EQ(JudgeSilence(Milliseconds(101), kAllowed, {}), Health::kHung);
+  EXPECT_EQ(JudgeSilence(Milliseconds(200), kAllowed, Milliseconds(99)), Health::kHung);
+}
+
+TEST(Silence, OfOneThatWaitedForACpuDoesNotCount) {
+  EXPECT_EQ(JudgeSilence(Milliseconds(200), kAllowed, Milliseconds(100)), Health::kStarved);
+  EXPECT_EQ(JudgeSilence(std::chrono::hours(1), kAllowed, std::chrono::hours(1)), Health::kStarved);
+}
+
+TEST(Silence, IsNamedInOneWord) {
+  EXPECT_EQ(HealthName(Health::kWell), "well");
+  EXPECT_EQ(HealthName(Health::kStarved), "starved");
+  EXPECT_EQ(HealthName(Health::kHung), "hung");
+  EXPECT_EQ(HealthName(Health::kCrashed), "crashed");
+  EXPECT_EQ(HealthName(Health::kPartitioned), "partitioned");
+}
+
+Duration AnyDuration() {
+  return Milliseconds(*rc::gen::inRange(0, 100'000));
+}
+
+RC_GTEST_PROP(SilenceProperty, WaitingLongerForACpuNeverMakesTheVerdictWorse, ()) {
+  const Duration silent = AnyDuration();
+  const Duration allowance = AnyDuration();
+  Duration less = AnyDuration();
+  Duration more = AnyDuration();
+  if (less > more) std::swap(less, more);
+  RC_ASSERT(JudgeSilence(silent, allowance, more) <= JudgeSilence(silent, allowance, less));
+}
+
+RC_GTEST_PROP(SilenceProperty, LongerSilenceNeverMakesTheVerdictBetter, ()) {
+  const Duration allowance = AnyDuration();
+  const Duration waited = AnyDuration();
+  Duration less = AnyDuration();
+  Duration more = AnyDuration();
+  if (less > more) std::swap(less, more);
+  RC_ASSERT(JudgeSilence(less, allowance, waited) <= JudgeSilence(more, allowance, waited));
+}
+
+}  // namespace
+}  // namespace musher

@@ -1,0 +1,68 @@
+#pragma once
+// What the tests of an actuator's decisions have in common: one actuator and its one controller.
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "musher/lifecycle/actuator_core.hpp"
+#include "musher/lifecycle/code.hpp"
+
+namespace musher::testing {
+
+using Actions = std::vector<ActuatorAction>;
+
+class OneActuator : public ::testing::Test {
+ protected:
+  OneActuator() {
+    ActuatorConfig audio;
+    audio.name = "audio";
+    for (const char* state : {"SetUp", "SelfCheck", "Active", "DeActive", "LowPower", "TearDown"}) {
+      audio.states.emplace_back(state);
+      audio.times.push_back(Milliseconds(100));
+      if (const auto rank = BuiltInRank(state)) config_.ranks[state] = *rank;
+    }
+    config_.actuators.push_back(audio);
+    core_.report.incarnation = 77;
+    Announce(1);
+  }
+
+  Actions Do(const ActuatorEvent& event) { return Step(config_, 0, core_, event, now_); }
+
+  // The controller of an epoch, as whom Command() sends, says that it lives.
+  void Announce(std::uint64_t epoch) { Do(actuator_event::ControllerHeard{epoch, epoch}); }
+
+  void SetUpIt() {
+    Do(actuator_event::Started{});
+    Do(actuator_event::CallbackEnded{});
+  }
+
+  // A command of the present, number n.
+  actuator_event::SwitchArrived Command(std::uint64_t n, const State& target,
+                                        std::uint64_t epoch = 1) {
+    return {++token_, {epoch, n, target, Milliseconds(100), now_, {}, 77}, epoch};
+  }
+
+  // Takes it to `state` by command n.
+  void Switch(std::uint64_t n, const State& target) {
+    Do(Command(n, target));
+    Do(actuator_event::CallbackEnded{});
+    EXPECT_EQ(core_.report.state, target);
+  }
+
+  static const actuator_action::Answer& AnswerIn(const Actions& actions) {
+    for (const ActuatorAction& action : actions) {
+      if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) return *answer;
+    }
+    static const actuator_action::Answer none{0, Verdict::kFailed, -1, "no answer"};
+    ADD_FAILURE() << "no answer among the actions";
+    return none;
+  }
+
+  MachineConfig config_;
+  ActuatorCore core_;
+  Time now_ = Time(std::chrono::hours(1));
+  RequestToken token_ = 0;
+};
+
+}  // namespace musher::testing
