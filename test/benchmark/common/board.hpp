@@ -26,7 +26,8 @@ struct Board {
 // The board in `file`; a new one is all zeros. Stays mapped until the process ends.
 Board& OpenBoard(const std::string& file);
 
-// Waits until the cycle has given a checkpoint from now on: a callback that ends makes it forgotten.
+// Waits until the cycle has given a checkpoint from now on: a callback that ends makes it
+// forgotten.
 void AwaitCheckpoint(const Board& board);
 
 inline std::int64_t NowOnBoard() {

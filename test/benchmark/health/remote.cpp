@@ -1,10 +1,13 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <memory>
+#include <thread>
 
 #include "musher/test/benchmark/common/child.hpp"
 #include "musher/test/benchmark/common/fleet.hpp"
@@ -28,28 +31,6 @@ std::vector<std::string> OnOtherHost(std::vector<std::string> argv) {
   return whole;
 }
 
-// Actuators of the fleet on a host of their own, for as long as this lives.
-class Host {
- public:
-  Host(const Fleet& fleet, const std::vector<std::size_t>& actuators)
-      : child_(OnOtherHost({"/bin/sh", "-c", Script(fleet, actuators)}),
-               {{"MUSHER_CONFIG", fleet.config_file()}}) {}
-
- private:
-  static std::string Script(const Fleet& fleet, const std::vector<std::size_t>& actuators) {
-    std::string script;
-    for (const std::size_t actuator : actuators) {
-      for (const std::string& word : fleet.Module(fleet.names()[actuator], 0)) {
-        script += "'" + word + "' ";
-      }
-      script += "& ";
-    }
-    return script + "wait";
-  }
-
-  Child child_;
-};
-
 // Pids of this namespace, by the board files of the modules.
 std::map<std::string, pid_t> FindModules() {
   std::map<std::string, pid_t> found;
@@ -67,6 +48,39 @@ std::map<std::string, pid_t> FindModules() {
   }
   return found;
 }
+
+// Actuators of the fleet on a host of their own, for as long as this lives.
+class Host {
+ public:
+  Host(const Fleet& fleet, const std::vector<std::size_t>& actuators) {
+    std::string script;
+    for (const std::size_t actuator : actuators) {
+      const std::string& name = fleet.names()[actuator];
+      for (const std::string& word : fleet.Module(name, 0)) script += "'" + word + "' ";
+      script += "& ";
+      boards_.push_back(fleet.BoardFile(name));
+    }
+    child_ = std::make_unique<Child>(OnOtherHost({"/bin/sh", "-c", script + "wait"}),
+                                     Child::Environment{{"MUSHER_CONFIG", fleet.config_file()}});
+  }
+  // Waits until all are gone: their names are free only then.
+  ~Host() {
+    child_ = nullptr;
+    while (AnyLeft()) std::this_thread::sleep_for(Milliseconds(5));
+  }
+  Host(const Host&) = delete;
+  Host& operator=(const Host&) = delete;
+
+ private:
+  bool AnyLeft() const {
+    const std::map<std::string, pid_t> left = FindModules();
+    return std::any_of(boards_.begin(), boards_.end(),
+                       [&](const std::string& board) { return left.count(board) > 0; });
+  }
+
+  std::vector<std::string> boards_;
+  std::unique_ptr<Child> child_;
+};
 
 struct Verdicts {
   std::vector<double> times;  // milliseconds
