@@ -49,16 +49,16 @@ Result<> ControllerPresence::Open() {
   return Ok();
 }
 
-// A beat that cannot be sent is followed by the next.
 void ControllerPresence::Announce(std::uint64_t epoch) {
   epoch_ = epoch;
-  const Duration period = ControllerBeatPeriod(config_);
-  const auto beat = [this, period] {
-    static_cast<void>(beats_->Publish({config_.name, epoch_, identity_.incarnation, identity_.host,
-                                       identity_.pid, period.count()}));
-  };
-  beat();
-  timer_ = node_.loop().Every(period, beat);
+  Repeat();
+  timer_ = node_.loop().Every(ControllerBeatPeriod(config_), [this] { Repeat(); });
+}
+
+// A beat that cannot be sent is followed by the next.
+void ControllerPresence::Repeat() {
+  static_cast<void>(beats_->Publish({config_.name, epoch_, identity_.incarnation, identity_.host,
+                                     identity_.pid, ControllerBeatPeriod(config_).count()}));
 }
 
 void ControllerPresence::FallSilent() {

@@ -31,6 +31,8 @@ class ControllerPresence {
 
   // Says so at once, and again and again from now on.
   void Announce(std::uint64_t epoch);
+  // Says so once more, for somebody who may not have heard it.
+  void Repeat();
   // Another controller that was heard, if any.
   struct Rival {
     std::string who;  // "process 4711 of this host"

@@ -282,6 +282,8 @@ void ControllerShell::Do(const action::SendSwitch& a) {
 }
 
 void ControllerShell::Do(const action::SendAsk& a) {
+  // A newcomer obeys only whom it has heard of.
+  if (machine_.actuators[a.actuator].presence != Presence::kPresent) presence_->Repeat();
   LinkTo(a.actuator).Ask({machine_.epoch, a.number, a.stop});
 }
 

@@ -8,7 +8,7 @@ namespace {
 constexpr Duration kSlowestBeat = Milliseconds(500);
 constexpr Duration kLanBeat = Milliseconds(125);
 constexpr Duration kControllerBeat = Milliseconds(500);
-constexpr int kBeatsMissed = 4;
+constexpr int kBeatsMissed = 3;
 // Below this a loaded network loses actuators that are well.
 constexpr Duration kLeastRemoteLimit = Milliseconds(500);
 // Past this the loop of the controller was late itself; what was sent may wait behind the timer.
@@ -25,7 +25,7 @@ std::string Ms(Duration duration) {
 Duration BeatPeriod(const MachineConfig& config, std::size_t actuator) {
   const Duration slowest = config.transport == TransportProfile::kLan ? kLanBeat : kSlowestBeat;
   const auto checkpoint = config.actuators[actuator].checkpoint;
-  return checkpoint ? std::clamp(*checkpoint / 4, Milliseconds(10), slowest) : slowest;
+  return checkpoint ? std::clamp(*checkpoint / 2, Milliseconds(10), slowest) : slowest;
 }
 
 Duration ControllerBeatPeriod(const MachineConfig& config) {
@@ -186,8 +186,8 @@ void HealthMonitor::JudgeRemote(std::size_t actuator, Patient& patient, Time now
   }
 }
 
-// Whether another actuator of the host has been heard after this one fell silent: within the last
-// two of its beats, while this one has missed four.
+// Whether another actuator of the host has been heard after this one fell silent: within half of
+// its limit, while this one has used up all of its own.
 bool HealthMonitor::HostIsHeard(const Patient& patient, Time now) const {
   return std::any_of(patients_.begin(), patients_.end(), [&](const Patient& other) {
     return &other != &patient && other.incarnation != 0 && other.host == patient.host &&

@@ -49,6 +49,21 @@ TEST_F(Hang, ThatEndsBeforeTheKillIsForgiven) {
   EXPECT_EQ(t.RecordOf("b").restarts, 0);
 }
 
+// The end of the one before can be seen after its successor has spoken.
+TEST_F(Hang, WhoseSuccessorIsThereAlreadyIsNotTakenForEnded) {
+  Theatre& t = In("Active", Ours(2));
+  t.On("b", "KILL").hangs = true;
+  t.Find("b", Health::kHung, true);
+  t.RunFor(Milliseconds(60));
+  EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
+  t.StartActuator("b");  // by a person, who was faster
+  t.Rest();
+  EXPECT_EQ(t.RecordOf("b").presence, Presence::kPresent);
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_THAT(t.records, Not(Contains(HasSubstr("taken for ended"))));
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
 TEST_F(Hang, CountsAsARestartAndEndsAtTheLimit) {
   Theatre& t = In("Active", OursWithCriticalB());
   for (int i = 0; i < 4; ++i) {
