@@ -87,8 +87,8 @@ class MachineActuator {
   // policy.
   //   - In a state callback: watched from its beginning, until its end.
   //   - In a thread of your own, say the cycle that moves the robot: watched from its first
-  //     checkpoint until the next state callback begins, or Checkpoint(kNoMore). Its first one after
-  //     that callback has ended watches it again: callbacks may end and begin such threads.
+  //     checkpoint until the next state callback begins, or Checkpoint(kNoMore). Its first one
+  //     after that callback has ended watches it again: callbacks may end and begin such threads.
   // From any thread; costs less than a microsecond.
   static constexpr std::chrono::nanoseconds kNoMore = std::chrono::nanoseconds::max();
   void Checkpoint(std::chrono::nanoseconds allowance = std::chrono::nanoseconds(0));

@@ -24,9 +24,9 @@
 
 namespace musher {
 
-// How often an actuator says that it lives: twice in its checkpoint, at most 500 ms apart, and 125 ms
-// where hosts are several, since there nothing else tells of its end. Three that are missed in a row
-// are silence.
+// How often an actuator says that it lives: twice in its checkpoint, at most 500 ms apart, and 125
+// ms where hosts are several, since there nothing else tells of its end. Three that are missed in a
+// row are silence.
 Duration BeatPeriod(const MachineConfig& config, std::size_t actuator);
 // How often a controller does.
 Duration ControllerBeatPeriod(const MachineConfig& config);

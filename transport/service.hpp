@@ -138,8 +138,7 @@ Result<std::unique_ptr<Server<S>>> MakeServer(Node& node, const std::string& ser
   return MakeServer<S>(node, service,
                        typename Server<S>::HandlerOfCaller(
                            [handler = std::move(handler)](const typename S::Request& request,
-                                                          typename Server<S>::Reply reply,
-                                                          PeerId) {
+                                                          typename Server<S>::Reply reply, PeerId) {
                              handler(request, std::move(reply));
                            }));
 }

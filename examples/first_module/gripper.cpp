@@ -1,5 +1,6 @@
 // A robot's module in one file: a gripper, with a file as its thermometer.
 
+#include <atomic>
 #include <fstream>
 #include <iostream>
 #include <string>
@@ -29,6 +30,12 @@ class Gripper : public musher::MachineActuator {
   ~Gripper() override { Shutdown(); }
   // [class end]
 
+ protected:
+  // [estop]
+  // Beside whatever runs, so it only touches what may be touched from any thread.
+  void OnEmergencyStop() override { powered_ = false; }
+  // [estop end]
+
  private:
   // [code]
   // The short form: CyberDog's code, 0 = done.
@@ -57,6 +64,7 @@ class Gripper : public musher::MachineActuator {
         return musher::Error{MakeCode(kGripper, musher::KeyCode::kTimeout), "still not closed"};
       }
       width_mm_ -= 0.5;
+      Checkpoint();  // it gets on: matters where the config has a checkpoint_ms
     }
     return musher::Ok();
   }
@@ -69,7 +77,7 @@ class Gripper : public musher::MachineActuator {
   }
 
   double width_mm_ = 80.0;
-  bool powered_ = false;
+  std::atomic<bool> powered_ = false;
 };
 
 }  // namespace

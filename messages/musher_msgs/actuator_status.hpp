@@ -28,8 +28,8 @@ struct ActuatorStatus {
   template <class Self>
   static auto Fields(Self& m) {
     return std::tie(m.name, m.state, m.target, m.busy_number, m.epoch, m.number, m.outcome_number,
-                    m.outcome_code, m.outcome_message, m.incarnation, m.pid, m.host, m.config_hash, m.apart, m.emergency_stop,
-                    m.stamp_ns);
+                    m.outcome_code, m.outcome_message, m.incarnation, m.pid, m.host, m.config_hash,
+                    m.apart, m.emergency_stop, m.stamp_ns);
   }
   friend bool operator==(const ActuatorStatus&, const ActuatorStatus&) = default;
 };

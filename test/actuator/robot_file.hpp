@@ -17,9 +17,10 @@ namespace musher::testing {
 
 class RobotFile {
  public:
-  // `states` with 5 s each, for every actuator, but for those in `times_ms`.
+  // `states` with 5 s each, for every actuator, but for those in `times_ms`. `more`: lines of each
+  // actuator's table.
   RobotFile(const std::vector<std::string>& actuators, const std::vector<std::string>& states,
-            const std::map<std::string, int>& times_ms = {}) {
+            const std::map<std::string, int>& times_ms = {}, const std::string& more = "") {
     setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
     std::ofstream file(path());
     file << "[controller]\nactuators = " << List(actuators) << "\nstates = " << List(states)
@@ -32,7 +33,7 @@ class RobotFile {
         const auto own = times_ms.find(state);
         file << (own == times_ms.end() ? 5000 : own->second) << ", ";
       }
-      file << "]\n";
+      file << "]\n" << more;
     }
   }
 

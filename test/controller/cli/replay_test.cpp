@@ -49,8 +49,7 @@ TEST_F(Replaying, TellsTheDecisionsAgainAndThatTheyAreTheSame) {
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_EQ(ran.err, "");
   EXPECT_THAT(ran.out, HasSubstr("machine  controller epoch 1 begins, 3 actuators\n"));
-  EXPECT_THAT(ran.out,
-              HasSubstr("machine  an actuator is lost; falling back to Protected"));
+  EXPECT_THAT(ran.out, HasSubstr("machine  an actuator is lost; falling back to Protected"));
   EXPECT_THAT(Lines(ran.out).back(),
               MatchesRegex("[0-9]+ inputs, [0-9]+ decisions: each as it was recorded"));
 }
@@ -145,11 +144,12 @@ std::vector<std::string> Explained(const std::string& out) {
 TEST_F(Replaying, HistoryExplainsWhyTheMachineIsInItsState) {
   const Ran ran = RunProgram({"history", "--journal", file_, "--why"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
-  EXPECT_THAT(Explained(ran.out),
-              ::testing::ElementsAre(
-                  MatchesRegex("the machine went to Protected \\(switch [0-9]+\\)"),
-                  "  because an actuator is lost; falling back to Protected",
-                  MatchesRegex("  because legs is degraded: crashed: its process 1001 ended.*NetError.*")));
+  EXPECT_THAT(
+      Explained(ran.out),
+      ::testing::ElementsAre(
+          MatchesRegex("the machine went to Protected \\(switch [0-9]+\\)"),
+          "  because an actuator is lost; falling back to Protected",
+          MatchesRegex("  because legs is degraded: crashed: its process 1001 ended.*NetError.*")));
 }
 
 TEST_F(Replaying, HistoryExplainsAStateThatWasAskedFor) {

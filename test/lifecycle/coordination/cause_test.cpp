@@ -125,10 +125,10 @@ TEST_F(CausesOfProcesses, AFallbackIsExplainedDownToTheProcess) {
   for (std::uint64_t id = entered->id; id != 0; id = t.told[id - 1].cause) {
     chain.push_back(t.told[id - 1].message);
   }
-  EXPECT_THAT(chain,
-              ElementsAre(StartsWith("switch 3 is done-degraded"),
-                          "an actuator is lost; falling back to Protected",
-                          StartsWith("a is degraded: crashed: its process "), StartsWith("a's process ")));
+  EXPECT_THAT(chain, ElementsAre(StartsWith("switch 3 is done-degraded"),
+                                 "an actuator is lost; falling back to Protected",
+                                 StartsWith("a is degraded: crashed: its process "),
+                                 StartsWith("a's process ")));
 }
 
 TEST_F(CausesOfProcesses, WhatNeedsADegradedOneNamesItsCause) {

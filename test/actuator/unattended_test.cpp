@@ -1,0 +1,169 @@
+// What an actuator does beside the commands it is given, with real threads and DDS: an emergency
+// stop in the middle of a callback, the loss of its controller, a work thread that hangs.
+
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <functional>
+#include <future>
+#include <mutex>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/controller/machine_controller.hpp"
+#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/test/actuator/robot_file.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher {
+namespace {
+
+using testing::RobotFile;
+
+constexpr auto kPatience = std::chrono::seconds(20);
+const std::vector<std::string> kStates = {"SetUp", "SelfCheck", "Active", "Protected", "LowPower"};
+
+class Arm : public MachineActuator {
+ public:
+  explicit Arm(std::function<void(const std::string&)> on_state = {})
+      : MachineActuator("arm"), on_state_(std::move(on_state)) {
+    for (const std::string& state : kStates) {
+      RegisterStateCallback(state, [this, state] {
+        if (on_state_) on_state_(state);
+        return kCodeOk;
+      });
+    }
+  }
+  ~Arm() override { Shutdown(); }
+
+  std::future<void> stopped() { return stopped_.get_future(); }
+
+ private:
+  void OnEmergencyStop() override { stopped_.set_value(); }
+
+  const std::function<void(const std::string&)> on_state_;
+  std::promise<void> stopped_;
+};
+
+// Waits for beats and statuses of the robot.
+class Listener {
+ public:
+  Listener() : node_(transport::NodeThread::Start().value()) {
+    const std::string name_space = "test_" + std::to_string(getpid());
+    node_->RunOnLoop([&] {
+      beats_ = transport::MakeSubscription<msg::ActuatorBeat>(
+                   node_->node(), transport::ActuatorBeatTopic(name_space),
+                   [this](const msg::ActuatorBeat& beat, const transport::SampleInfo&) {
+                     const std::lock_guard lock(mutex_);
+                     beat_ = beat;
+                     changed_.notify_all();
+                   },
+                   transport::kBeatQos)
+                   .value();
+      states_ = transport::MakeSubscription<msg::ActuatorStatus>(
+                    node_->node(), transport::ActuatorStatusTopic(name_space),
+                    [this](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
+                      const std::lock_guard lock(mutex_);
+                      status_ = status;
+                      changed_.notify_all();
+                    },
+                    transport::kLatchedFromManyQos)
+                    .value();
+      button_ =
+          transport::MakePublisher<msg::EmergencyStop>(
+              node_->node(), transport::EmergencyStopTopic(name_space), transport::kLatchedQos)
+              .value();
+    });
+  }
+  ~Listener() {
+    node_->RunOnLoop([this] {
+      beats_.reset();
+      states_.reset();
+      button_.reset();
+    });
+  }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  void PressTheButton() {
+    node_->RunOnLoop([this] { static_cast<void>(button_->Publish({7, true, "a test", ""})); });
+  }
+  bool AwaitBeat(const std::function<bool(const msg::ActuatorBeat&)>& holds) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, kPatience, [&] { return holds(beat_); });
+  }
+  bool AwaitStatus(const std::function<bool(const msg::ActuatorStatus&)>& holds) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, kPatience, [&] { return holds(status_); });
+  }
+
+ private:
+  std::shared_ptr<transport::NodeThread> node_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  msg::ActuatorBeat beat_;
+  msg::ActuatorStatus status_;
+  std::unique_ptr<transport::Subscription> beats_;
+  std::unique_ptr<transport::Subscription> states_;
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button_;
+};
+
+TEST(Unattended, AnEmergencyStopReachesAModuleWhoseCallbackBlocks) {
+  const RobotFile file({"arm"}, kStates);
+  Listener listener;
+  std::promise<void> begun;
+  std::promise<void> release;
+  Arm arm([&](const std::string& state) {
+    if (state != "SelfCheck") return;
+    begun.set_value();
+    release.get_future().wait();
+  });
+  auto stopped = arm.stopped();
+  ASSERT_TRUE(arm.Init(file.path()).ok());
+  ASSERT_TRUE(arm.Start().ok());
+  MachineController controller;
+  ASSERT_TRUE(controller.Init(file.path()).ok());
+  ASSERT_TRUE(controller.AwaitSetUp().ok());
+  auto checked = std::async(std::launch::async, [&] { return controller.SetState("SelfCheck"); });
+  ASSERT_EQ(begun.get_future().wait_for(kPatience), std::future_status::ready);
+  listener.PressTheButton();
+  EXPECT_EQ(stopped.wait_for(kPatience), std::future_status::ready) << "beside the callback";
+  release.set_value();
+  EXPECT_TRUE(checked.get());
+  EXPECT_FALSE(controller.SetState("Active")) << "nothing goes up";
+  EXPECT_TRUE(listener.AwaitStatus([](const auto& status) { return status.emergency_stop == 7; }));
+}
+
+TEST(Unattended, AModuleThatHasLostItsControllerGoesToItsSafeStateByItself) {
+  const RobotFile file({"arm"}, kStates, {}, "controller_lost_ms = 1000\n");
+  Listener listener;
+  Arm arm;
+  ASSERT_TRUE(arm.Init(file.path()).ok());
+  ASSERT_TRUE(arm.Start().ok());
+  {
+    MachineController controller;
+    ASSERT_TRUE(controller.Init(file.path()).ok());
+    ASSERT_TRUE(controller.AwaitSetUp().ok());
+    ASSERT_TRUE(controller.SetState("SelfCheck"));
+    ASSERT_TRUE(controller.SetState("Active"));
+  }  // it is gone without a word
+  EXPECT_EQ(arm.CurrentState(), "Active");
+  EXPECT_TRUE(listener.AwaitStatus([](const auto& status) { return status.state == "Protected"; }));
+}
+
+TEST(Unattended, AWorkThreadThatHangsIsToldThoughItsLoopGoesOn) {
+  const RobotFile file({"arm"}, kStates, {}, "checkpoint_ms = 100\n");
+  Listener listener;
+  Arm arm;
+  ASSERT_TRUE(arm.Init(file.path()).ok());
+  ASSERT_TRUE(arm.Start().ok());
+  arm.Checkpoint();  // and no more
+  EXPECT_TRUE(listener.AwaitBeat(
+      [](const auto& beat) { return beat.work == msg::ActuatorBeat::kWorkHung; }));
+  arm.Checkpoint(MachineActuator::kNoMore);
+  EXPECT_TRUE(listener.AwaitBeat(
+      [](const auto& beat) { return beat.work == msg::ActuatorBeat::kWorkWell; }));
+}
+
+}  // namespace
+}  // namespace musher
