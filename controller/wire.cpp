@@ -80,6 +80,7 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
       info.code = record.fault->code;
       info.message = record.fault->message;
     }
+    info.protocol = ProtocolName(config.actuators[i].protocol);
     info.health = HealthName(record.health);
     info.restarts = record.restarts;
     info.restarting = record.restart_at || record.restart_asked ||

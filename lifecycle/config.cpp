@@ -4,6 +4,18 @@
 
 namespace musher {
 
+std::string_view ProtocolName(Protocol protocol) {
+  switch (protocol) {
+    case Protocol::kCyberdog:
+      return "cyberdog";
+    case Protocol::kRos2Lifecycle:
+      return "ros2_lifecycle";
+    case Protocol::kMusher:
+      break;
+  }
+  return "musher";
+}
+
 bool ActuatorConfig::Lists(std::string_view state) const {
   return std::find(states.begin(), states.end(), state) != states.end();
 }

@@ -23,6 +23,8 @@ enum class Protocol {
   kRos2Lifecycle,  // an unmodified ROS 2 managed node
 };
 
+std::string_view ProtocolName(Protocol protocol);  // as the config writes it
+
 enum class RestartPolicy { kNo, kOnFailure, kAlways };
 
 enum class TransportProfile {

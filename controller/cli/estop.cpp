@@ -44,12 +44,12 @@ msg::EmergencyStop NewStop(const std::vector<std::string>& reason) {
 EstopReport AwaitEverybody(Link& link, const Latching& latching, Duration timeout) {
   const Time begin = link.loop().Now();
   const auto report = [&] { return latching.Report(link.status()); };
-  const auto led = [&] { return report().controller && report().complete(); };
+  const auto led = [&] { return report().controller && report().settled(); };
   if (!link.RunUntil(led, std::min(Link::kDiscovery, timeout))) {
     const bool nobody = report().actuators.empty() && !report().controller;
-    const auto complete = [&] { return report().complete(); };
+    const auto settled = [&] { return report().settled(); };
     if (!nobody || link.HasMachine()) {
-      link.RunUntil(complete, begin + timeout - link.loop().Now());
+      link.RunUntil(settled, begin + timeout - link.loop().Now());
     }
   }
   return report();

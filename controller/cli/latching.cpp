@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/lifecycle/config.hpp"
 #include "musher/lifecycle/health.hpp"
 #include "musher/lifecycle/machine.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
@@ -25,6 +26,12 @@ std::vector<std::string> EstopReport::Missing() const {
     if (!actuator.stopped) missing.push_back(actuator.name);
   }
   return missing;
+}
+
+bool EstopReport::settled() const {
+  return controller == controller_took &&
+         std::all_of(actuators.begin(), actuators.end(),
+                     [](const Actuator& actuator) { return actuator.stopped || actuator.deaf; });
 }
 
 Latching::Latching(transport::Node& node, msg::EmergencyStop stop)
@@ -69,9 +76,10 @@ EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller
     report.controller_took = controller->emergency_stop;
     for (const msg::ActuatorInfo& actuator : controller->actuators) {
       const bool well = actuator.health == HealthName(Health::kWell);
-      if (IsThere(actuator) || heard_.contains(actuator.name)) {
-        Take(report, actuator.name, well ? "" : actuator.health);
-      }
+      if (!IsThere(actuator) && !heard_.contains(actuator.name)) continue;
+      auto& taken = Take(report, actuator.name, well ? "" : actuator.health);
+      taken.deaf = actuator.protocol != ProtocolName(Protocol::kMusher);
+      if (taken.deaf) taken.trouble = "knows no emergency stop (" + actuator.protocol + ")";
     }
   }
   const auto listed = [&report](const std::string& name) {
@@ -93,16 +101,17 @@ EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller
   return report;
 }
 
-void Latching::Take(EstopReport& report, const std::string& name,
-                    const std::string& trouble) const {
+EstopReport::Actuator& Latching::Take(EstopReport& report, const std::string& name,
+                                      const std::string& trouble) const {
   EstopReport::Actuator& actuator = report.actuators.emplace_back();
   actuator.name = name;
   actuator.trouble = trouble;
   const auto heard = heard_.find(name);
-  if (heard == heard_.end() || heard->second.latched == 0) return;
+  if (heard == heard_.end() || heard->second.latched == 0) return actuator;
   actuator.stopped = true;
   actuator.before = heard->second.latched != stop_.id;
   if (!actuator.before) actuator.after = heard->second.after;
+  return actuator;
 }
 
 }  // namespace musher::cli

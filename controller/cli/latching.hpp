@@ -25,6 +25,7 @@ struct EstopReport {
     bool before = false;  // by an earlier emergency stop
     Duration after{};     // since this one was told; 0 when it was stopped before
     std::string trouble;  // what the controller knows of one that is not stopped: "hung"
+    bool deaf = false;    // its protocol knows no emergency stop
   };
   // One that was engaged already. Who and why is known to a controller.
   struct Earlier {
@@ -40,6 +41,8 @@ struct EstopReport {
   std::vector<Actuator> actuators;
 
   std::vector<std::string> Missing() const;  // who is not stopped
+  // Everybody who can take it has it: nothing more is to be waited for.
+  bool settled() const;
   // Everybody who is known has it.
   bool complete() const { return Missing().empty() && controller == controller_took; }
 };
@@ -65,7 +68,8 @@ class Latching {
 
   Latching(transport::Node& node, msg::EmergencyStop stop);
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
-  void Take(EstopReport& report, const std::string& name, const std::string& trouble) const;
+  EstopReport::Actuator& Take(EstopReport& report, const std::string& name,
+                              const std::string& trouble) const;
 
   transport::EventLoop& loop_;
   const msg::EmergencyStop stop_;

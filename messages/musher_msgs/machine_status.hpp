@@ -21,11 +21,12 @@ struct ActuatorInfo {
   std::string health;
   std::int32_t restarts = 0;
   bool restarting = false;
+  std::string protocol;
 
   template <class Self>
   static auto Fields(Self& m) {
     return std::tie(m.name, m.state, m.target, m.presence, m.pid, m.host, m.stage, m.critical,
-                    m.held, m.degraded, m.code, m.message, m.health, m.restarts, m.restarting);
+                    m.held, m.degraded, m.code, m.message, m.health, m.restarts, m.restarting, m.protocol);
   }
   friend bool operator==(const ActuatorInfo&, const ActuatorInfo&) = default;
 };

@@ -139,6 +139,7 @@ MUSHER_SAME(musher_msgs_msg_dds__ActuatorInfo_, ActuatorInfo) {
   SAME(health);
   SAME(restarts);
   SAME(restarting);
+  SAME(protocol);
 }
 
 MUSHER_SAME(musher_msgs_msg_dds__ActuatorBeat_, ActuatorBeat) {

@@ -122,6 +122,17 @@ TEST_F(Stop, IsNotCompleteWithoutOneThatOnlyTheControllerKnows) {
   EXPECT_THAT(EstopText(report, false), HasSubstr("legs  hung\n"));
 }
 
+TEST_F(Stop, NamesOneWhoseProtocolKnowsNoStopAndDoesNotWaitForIt) {
+  legs_.reset();
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.actuators[0].protocol = "cyberdog";
+  const EstopReport report = AfterASecond(controller);
+  EXPECT_TRUE(report.settled());
+  EXPECT_FALSE(report.complete()) << "it may move";
+  EXPECT_THAT(EstopText(report, false), HasSubstr("legs  knows no emergency stop (cyberdog)\n"));
+}
+
 TEST_F(Stop, DoesNotWaitForOneThatHasCrashed) {
   legs_.reset();
   Engage();

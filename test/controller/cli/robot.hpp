@@ -53,10 +53,10 @@ inline msg::MachineStatus RobotStatus() {
   status.config_file = "dog.toml";
   status.config_hash = "cafe";
   status.degraded = {"eyes"};
-  msg::ActuatorInfo legs{"legs", "Active", "LowPower", "present", 101,    "here", 1,    true,
-                         false,  false,    0,          "",        "well", 0,      false};
-  msg::ActuatorInfo eyes{"eyes", "SetUp", "",  "lost",   0,         "here", 2,   false,
-                         true,   true,    107, "gone\n", "crashed", 2,      true};
+  msg::ActuatorInfo legs{"legs", "Active", "LowPower", "present", 101,    "here", 1,     true,
+                         false,  false,    0,          "",        "well", 0,      false, "musher"};
+  msg::ActuatorInfo eyes{"eyes", "SetUp", "",  "lost",   0,         "here", 2,    false,
+                         true,   true,    107, "gone\n", "crashed", 2,      true, "musher"};
   status.actuators = {legs, eyes};
   return status;
 }
