@@ -57,6 +57,8 @@ void MusherLink::OnPeer(transport::PeerId participant) {
 
 void MusherLink::SendOrHold(const msg::ActuatorCommand::Request& request) {
   if (PeerIsMatched()) return Call(request);
+  // The newest of a kind says all that the older ones did.
+  std::erase_if(held_, [&](const auto& held) { return held.kind == request.kind; });
   held_.push_back(request);
 }
 
