@@ -298,6 +298,8 @@ void ControllerShell::Do(const action::StartProcess& a) {
     spec.env.emplace("MUSHER_CONFIG", std::filesystem::absolute(config_.file).string());
   }
   spec.env.emplace("MUSHER_ACTUATOR", actuator.name);
+  const bool alone = machine_.actuators[a.actuator].dead != 0;  // the others are there already
+  if (alone) spec.env.emplace("MUSHER_IMPATIENT", "1");
   spec.log_file = world_.log_file(actuator.name);
   auto pid = std::make_shared<pid_t>(0);
   const auto started =

@@ -10,7 +10,11 @@
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <memory>
+#include <sstream>
+#include <string>
 #include <string_view>
 
 #include "musher/transport/unique_fd.hpp"
@@ -82,6 +86,22 @@ char ReadState(int tasks, pid_t tid) {
   return file.text()[name_end + 2];
 }
 
+std::string ReadAll(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// The number behind `key` in a file of "<key> <number>" lines.
+std::optional<std::int64_t> NumberOf(std::string_view key, const std::string& text) {
+  std::istringstream lines(text);
+  std::string name;
+  std::int64_t number = 0;
+  while (lines >> name >> number) {
+    if (name == key) return number;
+  }
+  return std::nullopt;
+}
+
 bool HasEnded(char state) {
   return state == 0 || state == 'Z' || state == 'X';
 }
@@ -94,10 +114,31 @@ std::optional<CpuTime> ThreadCpuTime(pid_t pid, pid_t tid) {
   return ReadCpuTime(dirfd(tasks.get()), tid);
 }
 
+// Lines of /proc/<pid>/cgroup: "<number>:<controllers>:<path>", for version 2 "0::<path>".
+Duration ThrottledTime(pid_t pid) {
+  std::istringstream lines(ReadAll("/proc/" + std::to_string(pid) + "/cgroup"));
+  Duration throttled{};
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t first = line.find(':');
+    const std::size_t second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    const std::string path = line.substr(second + 1) + "/cpu.stat";
+    if (controllers.empty()) {
+      const auto us = NumberOf("throttled_usec", ReadAll("/sys/fs/cgroup" + path));
+      throttled += std::chrono::microseconds(us.value_or(0));
+    } else if (("," + controllers + ",").find(",cpu,") != std::string::npos) {
+      const auto ns = NumberOf("throttled_time", ReadAll("/sys/fs/cgroup/cpu" + path));
+      throttled += Duration(ns.value_or(0));
+    }
+  }
+  return throttled;
+}
+
 std::optional<ProcessSample> SampleProcess(pid_t pid, Time now) {
   const Folder tasks = TasksOf(pid);
   if (!tasks) return std::nullopt;
-  ProcessSample sample{now, {}};
+  ProcessSample sample{now, {}, ThrottledTime(pid)};
   while (const pid_t tid = NextTask(tasks.get())) {
     // The state before the time: a thread that got its CPU in between then shows that it ran.
     const char state = ReadState(dirfd(tasks.get()), tid);
@@ -116,7 +157,9 @@ std::optional<Duration> ThreadWait(const ProcessSample& before, const ProcessSam
   const auto found = before.threads.find(tid);
   const ThreadSample then = found == before.threads.end() ? ThreadSample{} : found->second;
   if (now->second.runnable && now->second == then) return between;
-  return std::clamp(now->second.cpu.waited - then.cpu.waited, Duration::zero(), between);
+  const Duration waited = now->second.cpu.waited - then.cpu.waited;
+  return std::clamp(std::max(waited, after.throttled - before.throttled), Duration::zero(),
+                    between);
 }
 
 Duration LongestWait(const ProcessSample& before, const ProcessSample& after) {

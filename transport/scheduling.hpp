@@ -37,14 +37,20 @@ struct ThreadSample {
 struct ProcessSample {
   Time at{};
   std::map<pid_t, ThreadSample> threads;  // by tid
+  Duration throttled{};  // that the CPU quota of its cgroup has taken from those in it, so far
 };
+
+// What a cgroup's CPU quota has taken from those in it, over all CPUs; zero where there is no
+// quota, or it is not shown to us.
+Duration ThrottledTime(pid_t pid);
 
 // nullopt when there is no such process, or it has only threads that ended.
 std::optional<ProcessSample> SampleProcess(pid_t pid, Time now);
 
-// How long a thread waited for a CPU between two looks; never more than the time between them. A
-// thread that was ready at both and did not run in between has waited all the time, although the
-// kernel has not counted it yet. nullopt for a thread that is not in `after`.
+// How long a thread waited for a CPU between two looks, or was kept from one by a quota; never more
+// than the time between them. A thread that was ready at both and did not run in between has waited
+// all the time, although the kernel has not counted it yet. nullopt for a thread that is not in
+// `after`.
 std::optional<Duration> ThreadWait(const ProcessSample& before, const ProcessSample& after,
                                    pid_t tid);
 

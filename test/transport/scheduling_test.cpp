@@ -3,13 +3,17 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <fstream>
 #include <functional>
+#include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -166,6 +170,57 @@ TEST_F(Scheduling, TellsAStarvedProcessFromOneThatHangs) {
   EXPECT_GT(LongestWait(starved_before, starved_after), between / 3);
   EXPECT_LE(LongestWait(starved_before, starved_after), between);
   EXPECT_LT(LongestWait(hung_before, Look(hung.pid())), between / 10);
+}
+
+// A cgroup with a hundredth of a CPU, where the kernel and our rights allow one.
+class SmallQuota {
+ public:
+  SmallQuota() {
+    const std::string name = "/musher_test_" + std::to_string(getpid());
+    for (const std::string base : {"/sys/fs/cgroup/cpu", "/sys/fs/cgroup"}) {
+      folder_ = base + name;
+      if (mkdir(folder_.c_str(), 0700) != 0) continue;
+      if (Write("cpu.max", "1000 100000") ||
+          (Write("cpu.cfs_period_us", "100000") && Write("cpu.cfs_quota_us", "1000"))) {
+        return;
+      }
+      rmdir(folder_.c_str());
+    }
+    folder_.clear();
+  }
+  ~SmallQuota() {
+    if (!folder_.empty()) rmdir(folder_.c_str());
+  }
+  SmallQuota(const SmallQuota&) = delete;
+  SmallQuota& operator=(const SmallQuota&) = delete;
+
+  bool Take(pid_t pid) const {
+    return !folder_.empty() && Write("cgroup.procs", std::to_string(pid));
+  }
+
+ private:
+  bool Write(const std::string& file, const std::string& text) const {
+    std::ofstream out(folder_ + "/" + file, std::ios::in);  // it has to be there
+    return static_cast<bool>(out << text << std::flush);
+  }
+
+  std::string folder_;
+};
+
+TEST_F(Scheduling, TellsOneThatItsQuotaKeepsFromRunningFromOneThatHangs) {
+  const SmallQuota quota;
+  std::optional<Child> throttled(ComputeForEver);
+  if (!quota.Take(throttled->pid())) GTEST_SKIP() << "no cgroup with a CPU quota can be made here";
+  const ProcessSample before = Look(throttled->pid());
+  EXPECT_TRUE(
+      Eventually([&] { return LongestWait(before, Look(throttled->pid())) > Milliseconds(300); }));
+  throttled.reset();  // so that its cgroup is empty
+}
+
+TEST(Waiting, IsWhatAQuotaHasTaken) {
+  const ProcessSample before{At(0), {{7, Thread(10, 100, false)}}, Milliseconds(50)};
+  const ProcessSample after{At(1000), {{7, Thread(20, 200, false)}}, Milliseconds(850)};
+  EXPECT_EQ(ThreadWait(before, after, 7), Milliseconds(800));
 }
 
 TEST(Waiting, IsTheDifferenceOfTwoLooks) {

@@ -80,8 +80,9 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
   if (!domain_id) return domain_id.error();
   const Result<TransportProfile> profile = dds::ChosenProfile(options.profile);
   if (!profile) return profile.error();
+  const bool impatient = options.impatient || std::getenv("MUSHER_IMPATIENT") != nullptr;
   auto participant = dds::OpenParticipant(
-      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, options.impatient));
+      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, impatient));
   if (!participant) return participant.error();
   return std::unique_ptr<Node>(std::make_unique<DdsNode>(loop, std::move(participant).value()));
 }

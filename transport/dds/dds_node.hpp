@@ -20,7 +20,8 @@ struct DdsOptions {
   std::optional<Duration> lease = std::nullopt;
   // Repeats at once what a process that it has just met may have missed. For those of which a robot
   // has few, controllers and command lines; a hundred actuators that start together settle sooner
-  // when they are patient.
+  // when they are patient. MUSHER_IMPATIENT in the environment says the same: a controller sets it
+  // for a process that it starts again while the others stay.
   bool impatient = false;
 };
 
