@@ -62,6 +62,9 @@ class MachineActuator::Impl {
     if (auto fit = CheckCallbacks(); !fit) return fit;
     transport::DdsOptions options;
     options.profile = config_->transport;
+    const auto profile = transport::Profile(options);
+    if (!profile) return profile.error();
+    config_->transport = profile.value();  // signs of life go by it, too
     const auto domain = transport::DomainId(options);
     if (!domain) return domain.error();
     auto lock = transport::NameLock::Acquire(

@@ -25,6 +25,9 @@ class MachineController::Impl {
     transport::DdsOptions options;
     options.profile = config_->transport;
     options.impatient = true;
+    const auto profile = transport::Profile(options);
+    if (!profile) return profile.error();
+    config_->transport = profile.value();  // what is made of silence goes by it, too
     const auto domain = transport::DomainId(options);
     if (!domain) return domain.error();
     node_ = std::move(node);

@@ -13,6 +13,7 @@
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/signals.hpp"
 #include "musher/controller/cli/up_front.hpp"
+#include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher::cli {
@@ -21,6 +22,11 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
   auto config = LoadConfig(options.file, console);
   if (!config) return ExitCode::kUsage;
   config->file = std::filesystem::absolute(config->file);  // for actuators that run elsewhere
+  transport::DdsOptions dds;
+  dds.profile = config->transport;
+  const auto profile = transport::Profile(dds);
+  if (!profile) return console.Fail({ExitCode::kUsage, profile.error()});
+  config->transport = profile.value();  // what is made of silence goes by it, too
   if (global.name_space_given && global.name_space != config->name_space) {
     return console.Fail(
         {ExitCode::kUsage,

@@ -75,10 +75,14 @@ Result<int> DomainId(const DdsOptions& options) {
   return id;
 }
 
+Result<TransportProfile> Profile(const DdsOptions& options) {
+  return dds::ChosenProfile(options.profile);
+}
+
 Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& options) {
   const Result<int> domain_id = DomainId(options);
   if (!domain_id) return domain_id.error();
-  const Result<TransportProfile> profile = dds::ChosenProfile(options.profile);
+  const Result<TransportProfile> profile = Profile(options);
   if (!profile) return profile.error();
   const bool impatient = options.impatient || std::getenv("MUSHER_IMPATIENT") != nullptr;
   auto participant = dds::OpenParticipant(

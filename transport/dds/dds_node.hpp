@@ -28,6 +28,9 @@ struct DdsOptions {
 // The domain that `options` and the environment give; an Error when it is not one of 0 to 232.
 Result<int> DomainId(const DdsOptions& options);
 
+// The profile that `options` and the environment give; an Error when the environment's is none.
+Result<TransportProfile> Profile(const DdsOptions& options);
+
 // Joins the domain. Fails when the configuration is bad or the network can't be used, with
 // Cyclone's reason. The loop must outlive the node.
 Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& options = {});
