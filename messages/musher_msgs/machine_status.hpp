@@ -26,7 +26,8 @@ struct ActuatorInfo {
   template <class Self>
   static auto Fields(Self& m) {
     return std::tie(m.name, m.state, m.target, m.presence, m.pid, m.host, m.stage, m.critical,
-                    m.held, m.degraded, m.code, m.message, m.health, m.restarts, m.restarting, m.protocol);
+                    m.held, m.degraded, m.code, m.message, m.health, m.restarts, m.restarting,
+                    m.protocol);
   }
   friend bool operator==(const ActuatorInfo&, const ActuatorInfo&) = default;
 };
