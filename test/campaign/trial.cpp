@@ -28,13 +28,27 @@ void Trial::Begin() {
   state_ = random.Pick(states);
   Drawn("in", state_);
   robot.GoTo(state_);
-  robot.NewLines();
+  const auto rested = [](const msg::MachineStatus& status) {
+    return std::all_of(status.actuators.begin(), status.actuators.end(),
+                       [](const auto& info) { return info.restarts == 0; });
+  };
+  // Or the faults of trials before would count as restarts in a row.
+  Require(observer().Await(rested, kPatience).has_value(), "restarts are counted for ever");
+  robot.ForgetLines();
   observer().Forget();
   const auto status = observer().Latest();
   for (const msg::ActuatorInfo& info : status->actuators) pids_[info.name] = info.pid;
   ceiling_ = RankOf(state_);
   begun_ = Now();
   struck_ = begun_;
+}
+
+void Trial::MoveTo(const std::string& state) {
+  Drawn("then in", state);
+  robot.GoTo(state);
+  state_ = state;
+  ceiling_ = RankOf(state);
+  observer().Forget();
 }
 
 std::string Trial::Victim(const std::vector<std::string>& among) {
@@ -69,6 +83,17 @@ void Trial::Require(bool holds, const std::string& what) {
   if (!holds) throw Over{};
 }
 
+void Trial::ExpectOutcome(const Result<msg::SetState::Response>& answer,
+                          const std::string& expected) {
+  if (!answer) {
+    Expect(false, "the switch has no outcome: " + answer.error().message);
+  } else {
+    const msg::SetState::Response& result = answer.value();
+    Expect(result.outcome == expected, "the switch to " + result.target + " is " + result.outcome +
+                                           ", not " + expected + ": " + result.reason);
+  }
+}
+
 void Trial::Detected(const std::string& what, const Is& is, Duration patience) {
   const auto at = observer().AwaitSince(struck_, is, patience);
   Require(at.has_value(), "the status never tells: " + what);
@@ -77,6 +102,10 @@ void Trial::Detected(const std::string& what, const Is& is, Duration patience) {
 
 void Trial::DetectedNow() {
   outcome.detection_ms = MillisecondsOf(Now() - struck_);
+}
+
+void Trial::RecoveredNow() {
+  outcome.recovery_ms = MillisecondsOf(Now() - struck_);
 }
 
 void Trial::Recovered(const std::string& what, const Is& is, Duration patience) {
@@ -90,6 +119,22 @@ void Trial::RecoveredIn(const std::string& state, const std::set<std::string>& w
   for (const std::string& name : without) except += " without " + name;
   Recovered("settled in " + state + except,
             [&](const msg::MachineStatus& status) { return IsSettled(status, state, without); });
+}
+
+bool Trial::AwaitAdopted(const std::string& state) {
+  pid_t pid = 0;
+  const auto forked = [&] {
+    pid = robot.ControllerPid();
+    return pid != 0 || robot.ControllerHasEnded();
+  };
+  if (!AwaitThat(forked, kPatience) || pid == 0) return false;
+  return observer()
+      .Await(
+          [&](const msg::MachineStatus& status) {
+            return status.pid == pid && IsSettled(status, state.empty() ? status.state : state);
+          },
+          kPatience)
+      .has_value();
 }
 
 void Trial::LetPass(Duration time) {
@@ -141,7 +186,7 @@ void Trial::JudgeSwitches() {
   static const std::regex end(R"(^switch (\d+) is (done|done-degraded|undone|refused|superseded))");
   std::map<std::pair<int, std::string>, int> ends;  // by controller and switch
   int controller = 0;
-  for (const nlohmann::json& line : robot.NewLines()) {
+  for (const nlohmann::json& line : robot.Lines()) {
     const std::string message = line.value("message", "");
     if (message.find("lets go") != std::string::npos) ++controller;
     if (message.find("are set up") != std::string::npos) ++controller;

@@ -49,8 +49,11 @@ class Trial {
   void Drawn(const std::string& what, const std::string& value);
   // A switch to this state is part of the trial: so active the robot may become.
   void MayBecome(const std::string& state);
+  // Before the fault: another state of the machine than the one drawn.
+  void MoveTo(const std::string& state);
   // The controller is killed or replaced in this trial: calls may remain without an answer.
   void ControllerMayDie() { controller_may_die_ = true; }
+  // There is no controller at its end.
   void RobotIsTornDown() { torn_down_ = true; }
   bool controller_may_die() const { return controller_may_die_; }
 
@@ -60,13 +63,18 @@ class Trial {
 
   void Expect(bool holds, const std::string& what);
   void Require(bool holds, const std::string& what);
+  void ExpectOutcome(const Result<msg::SetState::Response>& answer, const std::string& outcome);
   // Waits for a status since the fault that tells of it.
   void Detected(const std::string& what, const Is& is, Duration patience = kPatience);
-  // For verdicts that are no status: it is known now.
+  // For what is known by other means than a status: by now.
   void DetectedNow();
+  void RecoveredNow();
   // Waits until the machine is so: what is promised after the fault.
   void Recovered(const std::string& what, const Is& is, Duration patience = kPatience);
   void RecoveredIn(const std::string& state, const std::set<std::string>& without = {});
+  // Waits until a controller that was just started leads and all is settled in `state` (empty: any
+  // state with a rank).
+  bool AwaitAdopted(const std::string& state);
   // Lets a drawn time go by; the fault does its work meanwhile.
   void LetPass(Duration time);
 

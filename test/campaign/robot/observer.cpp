@@ -169,13 +169,13 @@ std::map<std::string, msg::ActuatorStatus> Observer::LatestOfActuators() {
   return latest_of_actuators_;
 }
 
-std::future<void> Observer::Once(When when, std::function<void()> act) {
-  std::future<void> done;
+std::shared_future<void> Observer::Once(When when, std::function<void()> act) {
+  std::shared_future<void> done;
   node_->RunOnLoop([&] {
     Trigger& trigger = triggers_.emplace_back();
     trigger.when = std::move(when);
     trigger.act = std::move(act);
-    done = trigger.done.get_future();
+    done = trigger.done.get_future().share();
   });
   return done;
 }

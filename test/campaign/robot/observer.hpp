@@ -54,7 +54,7 @@ class Observer {
   std::map<std::string, msg::ActuatorStatus> LatestOfActuators();
   // Runs `act` once, on the loop, as soon as an actuator says something for which `when` holds.
   using When = std::function<bool(const msg::ActuatorStatus&)>;
-  std::future<void> Once(When when, std::function<void()> act);
+  std::shared_future<void> Once(When when, std::function<void()> act);
   void ForgetTriggers();
 
   std::shared_future<Result<msg::SetState::Response>> SetState(const std::string& target,

@@ -4,8 +4,8 @@
 #include <signal.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 
@@ -114,7 +114,7 @@ void Robot::Mend() {
     const bool down = info.presence != "present" && !info.restarting;
     if (down && shape_ == Shape::kHere) (void)observer_->Restart(info.name);
   }
-  if (status.value().state == "Error") GoTo("DeActive");
+  if (status.value().state == "Error") (void)Answer(observer_->SetState("SelfCheck"));
   GoTo("Active");
 }
 
@@ -139,22 +139,43 @@ bool Robot::AwaitControllerEnd(Duration patience) {
   return ended;
 }
 
+int Robot::AwaitEndOfFirst() {
+  benchmark::Child& first = fronts_.front();
+  if (!AwaitThat([&] { return !IsAlive(first.pid()); }, kPatience)) return -1;
+  const int exit_code = first.Wait();
+  fronts_.erase(fronts_.begin());
+  return exit_code;
+}
+
 void Robot::KillController() {
   const pid_t pid = ControllerPid();
   if (pid != 0) kill(pid, SIGKILL);
   if (!AwaitControllerEnd(kPatience)) throw std::runtime_error("the controller is not dead");
 }
 
-std::vector<nlohmann::json> Robot::NewLines() {
+const std::vector<nlohmann::json>& Robot::Lines() {
   std::ifstream file(folder_ / "up.jsonl");
   file.seekg(read_);
-  std::vector<nlohmann::json> lines;
   for (std::string line; std::getline(file, line) && !file.eof();) {
     read_ += static_cast<std::streamoff>(line.size()) + 1;
     auto json = nlohmann::json::parse(line, nullptr, false);
-    if (json.is_object()) lines.push_back(std::move(json));
+    if (json.is_object()) lines_.push_back(std::move(json));
   }
-  return lines;
+  return lines_;
+}
+
+void Robot::ForgetLines() {
+  Lines();
+  lines_.clear();
+}
+
+int Robot::CountLines(const std::string& kind, const std::string& text) {
+  const auto& lines = Lines();
+  return static_cast<int>(
+      std::count_if(lines.begin(), lines.end(), [&](const nlohmann::json& line) {
+        return line.value("kind", "") == kind &&
+               line.value("message", "").find(text) != std::string::npos;
+      }));
 }
 
 std::vector<pid_t> Robot::OwnChildren() const {

@@ -8,12 +8,13 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <list>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
 #include "musher/test/benchmark/common/child.hpp"
 #include "musher/test/campaign/robot/board.hpp"
@@ -54,10 +55,15 @@ class Robot {
   // Whether the front of the present controller has ended.
   bool ControllerHasEnded() const;
   bool AwaitControllerEnd(Duration patience);
+  // The front of the one before the present one; -1: it still runs.
+  int AwaitEndOfFirst();
   void KillController();
 
-  // Lines that controllers printed since they were read last: documents of `up --json`.
-  std::vector<nlohmann::json> NewLines();
+  // What controllers have printed since ForgetLines(): documents of `up --json`.
+  const std::vector<nlohmann::json>& Lines();
+  void ForgetLines();
+  // How many of them are of this kind, with this text in their message.
+  int CountLines(const std::string& kind, const std::string& text = "");
 
   const std::filesystem::path& folder() const { return folder_; }
   std::filesystem::path StateFolder() const { return folder_ / "disk" / "state"; }
@@ -77,8 +83,9 @@ class Robot {
   const int domain_;
   std::map<std::string, Board*> boards_;
   std::unique_ptr<Observer> observer_;
-  std::vector<benchmark::Child> fronts_;  // the last is the present one's
-  std::streamoff read_ = 0;               // of up.jsonl
+  std::list<benchmark::Child> fronts_;  // the last is the present one's
+  std::streamoff read_ = 0;             // of up.jsonl
+  std::vector<nlohmann::json> lines_;
 };
 
 inline constexpr Duration kPatience = std::chrono::seconds(30);
