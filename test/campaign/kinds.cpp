@@ -4,6 +4,7 @@
 
 #include "musher/test/campaign/faults/callback.hpp"
 #include "musher/test/campaign/faults/controller.hpp"
+#include "musher/test/campaign/faults/network.hpp"
 #include "musher/test/campaign/faults/operation.hpp"
 #include "musher/test/campaign/faults/process.hpp"
 #include "musher/test/campaign/faults/resource.hpp"
@@ -106,6 +107,28 @@ void AddOperation(std::vector<Kind>& kinds) {
   add("many-calls", "four switches are asked for at once", ManyCalls);
 }
 
+void AddNetwork(std::vector<Kind>& kinds) {
+  using namespace network;
+  const auto add = [&](const char* name, const char* about, std::function<void(Trial&)> strike) {
+    kinds.push_back({name, "network", about, std::move(strike), Shape::kTwoHosts, Need::kNetwork});
+  };
+  add("loss", "2 to 50 % of packets are lost each way, and a switch", LosesPackets);
+  add("delay", "5 to 100 ms each way, and switches", IsSlow);
+  add("duplicates", "packets come twice, and switches", DoublesPackets);
+  add("reordering", "packets overtake each other, and switches", ReordersPackets);
+  add("partition", "the cable is cut", IsCut);
+  add("one-way-deaf", "the actuators hear nothing, for less than a lease of DDS",
+      [](Trial& trial) { IsDeaf(trial, false); });
+  add("one-way-deaf-long", "the same for longer", [](Trial& trial) { IsDeaf(trial, true); });
+  kinds.back().known_fault = "Cyclone does not match the two sides anew";
+  add("one-way-mute", "the actuators are not heard", IsMute);
+  add("partition-in-switch", "the cable is cut in the middle of a switch", IsCutInSwitch);
+  add("link-down", "an interface goes down and up", LinkGoesDown);
+  add("stop-without-link", "the robot is taken down while an interface is down",
+      StoppedWithoutLink);
+  add("far-kill", "SIGKILL on the other host", KilledFarAway);
+}
+
 }  // namespace
 
 const std::vector<Kind>& AllKinds() {
@@ -116,6 +139,7 @@ const std::vector<Kind>& AllKinds() {
     AddResource(all);
     AddController(all);
     AddOperation(all);
+    AddNetwork(all);
     return all;
   }();
   return kinds;

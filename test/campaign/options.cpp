@@ -83,16 +83,21 @@ Selection Select(const Options& options, const Isolation& isolation) {
   std::map<std::string, std::string> skipped;  // names by reason
   for (const Kind& kind : AllKinds()) {
     const auto meant = [&](const std::string& word) { return IsMeant(kind, word); };
-    const bool asked =
-        options.only.empty() || std::any_of(options.only.begin(), options.only.end(), meant);
-    if (!asked) continue;
+    const auto by_name = [&](const std::string& word) { return kind.name == word; };
+    const auto& only = options.only;
+    const bool named = std::any_of(only.begin(), only.end(), by_name);
+    if (!only.empty() && !std::any_of(only.begin(), only.end(), meant)) continue;
+    if (!kind.known_fault.empty() && !named) {
+      selection.skipped.push_back("skipped (a known fault: " + kind.known_fault +
+                                  "): " + kind.name);
+      continue;
+    }
     const std::string hindrance = Hindrance(kind, isolation);
     if (hindrance.empty()) {
       selection.kinds.push_back(&kind);
       continue;
     }
-    const auto by_name = [&](const std::string& word) { return kind.name == word; };
-    if (std::any_of(options.only.begin(), options.only.end(), by_name)) {
+    if (named) {
       throw Usage{kind.name + " cannot be run here: " + hindrance};
     }
     std::string& names = skipped[hindrance];

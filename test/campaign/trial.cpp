@@ -41,6 +41,7 @@ void Trial::Begin() {
   ceiling_ = RankOf(state_);
   begun_ = Now();
   struck_ = begun_;
+  recovers_from_ = begun_;
 }
 
 void Trial::MoveTo(const std::string& state) {
@@ -70,8 +71,9 @@ void Trial::MayBecome(const std::string& state) {
   ceiling_ = std::max(ceiling_, RankOf(state));
 }
 
-void Trial::Struck() {
-  struck_ = Now();
+void Trial::Struck(Clock clock) {
+  recovers_from_ = Now();
+  if (clock == Clock::kBoth) struck_ = recovers_from_;
 }
 
 void Trial::Expect(bool holds, const std::string& what) {
@@ -105,13 +107,13 @@ void Trial::DetectedNow() {
 }
 
 void Trial::RecoveredNow() {
-  outcome.recovery_ms = MillisecondsOf(Now() - struck_);
+  outcome.recovery_ms = MillisecondsOf(Now() - recovers_from_);
 }
 
 void Trial::Recovered(const std::string& what, const Is& is, Duration patience) {
   const auto at = observer().Await(is, patience);
   Require(at.has_value(), "it does not come about: " + what);
-  outcome.recovery_ms = std::max(0.0, MillisecondsOf(*at - struck_));
+  outcome.recovery_ms = std::max(0.0, MillisecondsOf(*at - recovers_from_));
 }
 
 void Trial::RecoveredIn(const std::string& state, const std::set<std::string>& without) {
@@ -121,20 +123,12 @@ void Trial::RecoveredIn(const std::string& state, const std::set<std::string>& w
             [&](const msg::MachineStatus& status) { return IsSettled(status, state, without); });
 }
 
-bool Trial::AwaitAdopted(const std::string& state) {
-  pid_t pid = 0;
-  const auto forked = [&] {
-    pid = robot.ControllerPid();
-    return pid != 0 || robot.ControllerHasEnded();
-  };
-  if (!AwaitThat(forked, kPatience) || pid == 0) return false;
-  return observer()
-      .Await(
-          [&](const msg::MachineStatus& status) {
-            return status.pid == pid && IsSettled(status, state.empty() ? status.state : state);
-          },
-          kPatience)
-      .has_value();
+void Trial::PassesSelfCheckLater(const std::string& victim, const std::string& state) {
+  RecoveredIn(state, {victim});
+  ExpectOutcome(Answer(observer().SetState("SelfCheck")), "done");
+  const auto settled = [&](const msg::MachineStatus& s) { return IsSettled(s, state); };
+  Require(observer().Await(settled, kPatience).has_value(),
+          victim + " is not back after its self-check");
 }
 
 void Trial::LetPass(Duration time) {

@@ -57,8 +57,10 @@ class Trial {
   void RobotIsTornDown() { torn_down_ = true; }
   bool controller_may_die() const { return controller_may_die_; }
 
-  // The fault is done now; times count from here.
-  void Struck();
+  // The fault is done now; times count from here. kRecovery: only that of the recovery, which a
+  // fault that lasts has to end for.
+  enum class Clock { kBoth, kRecovery };
+  void Struck(Clock clock = Clock::kBoth);
   Time struck() const { return struck_; }
 
   void Expect(bool holds, const std::string& what);
@@ -72,9 +74,9 @@ class Trial {
   // Waits until the machine is so: what is promised after the fault.
   void Recovered(const std::string& what, const Is& is, Duration patience = kPatience);
   void RecoveredIn(const std::string& state, const std::set<std::string>& without = {});
-  // Waits until a controller that was just started leads and all is settled in `state` (empty: any
-  // state with a rank).
-  bool AwaitAdopted(const std::string& state);
+  // The same for one that has not passed its self-check: it is listed as degraded until a person
+  // has it checked once more.
+  void PassesSelfCheckLater(const std::string& victim, const std::string& state);
   // Lets a drawn time go by; the fault does its work meanwhile.
   void LetPass(Duration time);
 
@@ -98,6 +100,7 @@ class Trial {
   bool torn_down_ = false;
   Time begun_{};
   Time struck_{};
+  Time recovers_from_{};
 };
 
 }  // namespace musher::campaign

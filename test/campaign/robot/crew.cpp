@@ -23,18 +23,20 @@ std::string TimesKey() {
   return key + "]";
 }
 
-std::string CommandKey(const Member& member, const std::string& folder,
-                       const std::string& programs) {
-  if (member.wrapped) {
-    return "command = [\"" + programs + "/musher-exec\", \"--\", \"sleep\", \"infinity\"]\n";
+std::string CommandKey(const std::vector<std::string>& words) {
+  std::string key;
+  for (const std::string& word : words) {
+    key += (key.empty() ? "command = [\"" : ", \"") + word + '"';
   }
-  return "command = [\"" + programs + "/campaign_module\", \"" + member.name + "\", \"" + folder +
-         "/" + member.name + ".board\", \"" + std::to_string(kHz) + "\"]\n";
+  return key + "]\n";
 }
+
+// Starts in a row are counted, whoever starts it.
+constexpr const char* kResetKey = "restart_reset_ms = 200\n";
 
 std::string RestartKeys(const Member& member) {
   return "restart = \"" + member.restart + "\"\nrestart_delay_ms = 50\nrestart_growth = 1.5\n" +
-         "restart_limit = " + std::to_string(kRestartLimit) + "\nrestart_reset_ms = 200\n";
+         "restart_limit = " + std::to_string(kRestartLimit) + "\n";
 }
 
 std::string Table(const Member& member, Shape shape, const std::string& folder,
@@ -47,8 +49,10 @@ std::string Table(const Member& member, Shape shape, const std::string& folder,
     table += "checkpoint_ms = " + std::to_string(member.checkpoint_ms) + "\n";
   }
   table += "controller_lost_ms = " + std::to_string(kControllerLostMs) +
-           "\non_controller_lost = \"" + kOnControllerLost + "\"\n";
-  if (shape == Shape::kHere) table += CommandKey(member, folder, programs) + RestartKeys(member);
+           "\non_controller_lost = \"" + kOnControllerLost + "\"\n" + kResetKey;
+  if (shape == Shape::kHere) {
+    table += CommandKey(CommandOf(member, folder, programs)) + RestartKeys(member);
+  }
   return table;
 }
 
@@ -81,6 +85,13 @@ std::vector<std::string> Modules() {
   return names;
 }
 
+std::vector<std::string> CommandOf(const Member& member, const std::string& folder,
+                                   const std::string& programs) {
+  if (member.wrapped) return {programs + "/musher-exec", "--", "sleep", "infinity"};
+  return {programs + "/campaign_module", member.name, folder + "/" + member.name + ".board",
+          std::to_string(kHz)};
+}
+
 std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs,
                        const std::string& name_space) {
   std::string names;
@@ -93,8 +104,8 @@ std::string ConfigText(Shape shape, const std::string& folder, const std::string
   return "[controller]\nname = \"robot\"\nnamespace = \"" + name_space +
          "\"\nactuators = " + names + "]\nstates = " + StatesKey() +
          "\ndefault_time = 2000\ndefault_state = \"Uninitialized\"\nstate_dir = \"disk/state\"\n"
-         "shutdown_budget_ms = 6000\njournal_size_mb = 4\n" +
-         tables;
+         "shutdown_budget_ms = " +
+         std::to_string(kShutdownBudgetMs) + "\njournal_size_mb = 4\n" + tables;
 }
 
 int RankOf(const std::string& state) {

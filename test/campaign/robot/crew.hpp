@@ -29,12 +29,17 @@ const Member& MemberOf(const std::string& name);
 // Those that are a campaign_module.
 std::vector<std::string> Modules();
 
-// The state config of a robot whose files are in `folder`; `programs`: the folder of musher.
+// What starts it; its board is in `folder`, `programs` is the folder of musher.
+std::vector<std::string> CommandOf(const Member& member, const std::string& folder,
+                                   const std::string& programs);
+
+// The state config of a robot whose files are in `folder`.
 std::string ConfigText(Shape shape, const std::string& folder, const std::string& programs,
                        const std::string& name_space);
 
 inline constexpr int kRestartLimit = 3;
 inline constexpr int kControllerLostMs = 1500;
+inline constexpr int kShutdownBudgetMs = 6000;
 inline constexpr int kCallbackTimeMs = 2000;
 inline constexpr const char* kOnControllerLost = "Protected";
 // So many times a second the modules give a checkpoint.

@@ -66,8 +66,7 @@ void Observer::Make(const std::string& name_space) {
   get_status_ = Must(transport::MakeClient<msg::GetStatus>(node, service("get_status")));
   release_ = Must(
       transport::MakeClient<msg::ReleaseEmergencyStop>(node, service("release_emergency_stop")));
-  emergency_stop_ = Must(transport::MakePublisher<msg::EmergencyStop>(
-      node, transport::EmergencyStopTopic(name_space), transport::kLatchedQos));
+  emergency_stop_topic_ = transport::EmergencyStopTopic(name_space);
   subscriptions_.push_back(Must(transport::MakeSubscription<msg::MachineStatus>(
       node, transport::MachineStatusTopic(name_space),
       [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
@@ -225,12 +224,15 @@ Result<msg::MachineStatus> Observer::GetStatus() {
 
 void Observer::EngageEmergencyStop(std::uint64_t id) {
   node_->RunOnLoop([&] {
+    emergency_stop_ = Must(transport::MakePublisher<msg::EmergencyStop>(
+        node_->node(), emergency_stop_topic_, transport::kLatchedQos));
     const auto sent = emergency_stop_->Publish({id, true, "campaign", "as a person would"});
     if (!sent) throw std::runtime_error(sent.error().message);
   });
 }
 
 Result<msg::ReleaseEmergencyStop::Response> Observer::ReleaseEmergencyStop() {
+  node_->RunOnLoop([this] { emergency_stop_.reset(); });
   return Answer(Call<msg::ReleaseEmergencyStop>(release_, {"campaign"}));
 }
 

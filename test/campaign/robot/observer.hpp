@@ -61,6 +61,7 @@ class Observer {
                                                                const std::string& actuator = "");
   Result<msg::RestartActuator::Response> Restart(const std::string& actuator);
   Result<msg::MachineStatus> GetStatus();
+  // As `musher estop` does: it is told, latched, and whoever has told it is gone in the end.
   void EngageEmergencyStop(std::uint64_t id);
   Result<msg::ReleaseEmergencyStop::Response> ReleaseEmergencyStop();
 
@@ -94,6 +95,7 @@ class Observer {
 
   std::list<Trigger> triggers_;   // on the loop, as all that follows
   transport::PeerId leader_ = 0;  // the participant that told of the machine last
+  std::string emergency_stop_topic_;
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> emergency_stop_;
   std::unique_ptr<transport::Client<msg::SetState>> set_state_;
   std::unique_ptr<transport::Client<msg::RestartActuator>> restart_;

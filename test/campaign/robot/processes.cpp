@@ -9,7 +9,6 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 namespace musher::campaign {
 namespace {
@@ -63,14 +62,15 @@ std::vector<pid_t> ChildrenOf(pid_t pid) {
   std::error_code ended;
   for (const auto& task : fs::directory_iterator(Proc(pid, "task"), ended)) {
     std::ifstream file(task.path() / "children");
-    children.insert(children.end(), std::istream_iterator<pid_t>(file), {});
+    for (pid_t child = 0; file >> child;) children.push_back(child);
   }
   return children;
 }
 
 char StateLetterOf(pid_t pid) {
   std::ifstream file(Proc(pid, "stat"));
-  std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::string text;
+  std::getline(file, text);  // which bears that it ends meanwhile
   const auto name_end = text.rfind(')');
   return name_end == std::string::npos || name_end + 2 >= text.size() ? '\0' : text[name_end + 2];
 }

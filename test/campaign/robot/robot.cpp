@@ -42,12 +42,16 @@ Robot::Robot(Shape shape, fs::path folder, int domain)
   for (const Member& member : Crew()) {
     boards_[member.name] = &OpenBoard(folder_ / (member.name + ".board"));
   }
+  if (shape == Shape::kTwoHosts) far_host_ = std::make_unique<FarHost>(folder_, Environment());
   const auto profile = shape == Shape::kHere ? TransportProfile::kLocal : TransportProfile::kLan;
   observer_ = std::make_unique<Observer>(domain, profile, kNameSpace);
+  if (far_host_) far_host_->Go();
 }
 
 Robot::~Robot() {
   fronts_.clear();
+  observer_.reset();  // while its end of the cable is there
+  far_host_.reset();
   KillMarked("MUSHER_CAMPAIGN_ROBOT=" + folder_.string());
 }
 
@@ -86,8 +90,21 @@ int Robot::Musher(const std::vector<std::string>& words) {
 
 void Robot::Up() {
   StartController();
-  const auto settled = [](const msg::MachineStatus& s) { return IsSettled(s, "Active"); };
-  if (!observer_->Await(settled, kPatience)) throw std::runtime_error("the robot does not come up");
+  if (!AwaitSettled()) throw std::runtime_error("the robot does not come up");
+}
+
+bool Robot::AwaitSettled(const std::string& state) {
+  pid_t pid = 0;
+  const auto forked = [&] {
+    pid = ControllerPid();
+    return pid != 0 || ControllerHasEnded();
+  };
+  if (!AwaitThat(forked, kPatience) || pid == 0) return false;
+  const auto settled = [&](const msg::MachineStatus& status) {
+    return status.pid == pid && RankOf(status.state) >= 0 &&
+           IsSettled(status, state.empty() ? status.state : state);
+  };
+  return observer_->Await(settled, kPatience).has_value();
 }
 
 void Robot::Down() {
@@ -106,7 +123,8 @@ void Robot::GoTo(const std::string& state) {
 
 void Robot::Mend() {
   for (auto& [name, board] : boards_) Relieve(*board);
-  if (ControllerHasEnded()) return Up();
+  if (far_host_) far_host_->cable().Heal();  // whatever was cut
+  if (ControllerHasEnded()) Up();
   auto status = observer_->GetStatus();
   if (!status) throw std::runtime_error("the controller does not answer");
   if (status.value().emergency_stop) (void)observer_->ReleaseEmergencyStop();
@@ -125,8 +143,17 @@ pid_t Robot::ControllerPid() {
 }
 
 pid_t Robot::PidOf(const std::string& name) {
+  if (far_host_) {
+    const std::vector<pid_t> found = FindByArgument(folder_ / (name + ".board"));
+    return found.empty() ? 0 : found.front();
+  }
   const auto status = observer_->Latest();
   return status ? Find(*status, name).pid : 0;
+}
+
+bool Robot::IsChildOfController(const std::string& name) {
+  const std::vector<pid_t> children = ChildrenOf(ControllerPid());
+  return std::find(children.begin(), children.end(), PidOf(name)) != children.end();
 }
 
 bool Robot::ControllerHasEnded() const {
@@ -181,6 +208,7 @@ int Robot::CountLines(const std::string& kind, const std::string& text) {
 std::vector<pid_t> Robot::OwnChildren() const {
   std::vector<pid_t> pids;
   for (const benchmark::Child& front : fronts_) pids.push_back(front.pid());
+  if (far_host_) pids.push_back(far_host_->pid());
   return pids;
 }
 

@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "musher/test/benchmark/common/child.hpp"
+#include "musher/test/campaign/host/far_host.hpp"
 #include "musher/test/campaign/robot/board.hpp"
 #include "musher/test/campaign/robot/crew.hpp"
 #include "musher/test/campaign/robot/observer.hpp"
@@ -28,14 +29,17 @@ class Robot {
   // Its files are in `folder`, which has to be there.
   Robot(Shape shape, std::filesystem::path folder, int domain);
   // Kills what is left of it.
-  virtual ~Robot();
+  ~Robot();
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
 
   // Starts a controller in the foreground, as `musher up robot.toml --json [more]`.
   void StartController(const std::vector<std::string>& more = {});
-  // The same and waits until the machine is settled in Active.
+  // The same and waits until the machine is settled: in Active, or where it is adopted.
   void Up();
+  // Waits until the present controller leads and all is settled in `state` (empty: any state with a
+  // rank).
+  bool AwaitSettled(const std::string& state = "");
   // TearDown, and waits for the end of all.
   void Down();
   // Brings the machine to `state` and waits until it is settled there.
@@ -51,7 +55,9 @@ class Robot {
   Board& board(const std::string& name) { return *boards_.at(name); }
   pid_t ControllerPid();  // 0: there is none
   // Of an actuator, as this pid namespace numbers it; 0: there is none.
-  virtual pid_t PidOf(const std::string& name);
+  pid_t PidOf(const std::string& name);
+  // Whether the present controller has started its process; of others it cannot know how they end.
+  bool IsChildOfController(const std::string& name);
   // Whether the front of the present controller has ended.
   bool ControllerHasEnded() const;
   bool AwaitControllerEnd(Duration patience);
@@ -69,12 +75,12 @@ class Robot {
   std::filesystem::path StateFolder() const { return folder_ / "disk" / "state"; }
   Shape shape() const { return shape_; }
   // Processes that are this one's children and not to be reaped by others.
-  virtual std::vector<pid_t> OwnChildren() const;
+  std::vector<pid_t> OwnChildren() const;
 
- protected:
-  benchmark::Child::Environment Environment() const;
+  FarHost* far_host() { return far_host_.get(); }  // null when all are here
 
  private:
+  benchmark::Child::Environment Environment() const;
   std::vector<std::string> ShellLine(const std::vector<std::string>& words,
                                      const std::string& log) const;
 
@@ -82,6 +88,7 @@ class Robot {
   const std::filesystem::path folder_;
   const int domain_;
   std::map<std::string, Board*> boards_;
+  std::unique_ptr<FarHost> far_host_;  // before the observer, which needs its cable
   std::unique_ptr<Observer> observer_;
   std::list<benchmark::Child> fronts_;  // the last is the present one's
   std::streamoff read_ = 0;             // of up.jsonl

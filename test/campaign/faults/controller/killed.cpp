@@ -7,7 +7,7 @@
 namespace musher::campaign::controller {
 namespace {
 
-constexpr int kSlowCallbackMs = 60;
+constexpr int kSlowCallbackMs = 120;  // a status that is told once a while is told meanwhile
 
 struct Case {
   std::string target;     // of the switch it dies in; "": none
@@ -84,7 +84,7 @@ void KilledAt(Trial& trial, Moment moment) {
   trial.DetectedNow();  // its front has told the person
   for (const std::string& name : Modules()) Relieve(trial.robot.board(name));
   trial.robot.StartController();
-  trial.Require(trial.AwaitAdopted(""), "the next controller does not adopt the robot");
+  trial.Require(trial.robot.AwaitSettled(), "the next controller does not adopt the robot");
   trial.RecoveredNow();
   JudgeWhereItEnded(trial, fault, static_cast<bool>(fault.moment));
 }
@@ -113,9 +113,11 @@ void KilledInStartUp(Trial& trial) {
   trial.RecoveredIn("Active");
 }
 
-// The next one ends what was begun; the one after starts the robot.
+// The next one ends what was begun, if it finds anybody in the middle of it; else it goes on from
+// whom it finds, or starts the robot.
 void KilledInStop(Trial& trial) {
   trial.ControllerMayDie();
+  trial.MayBecome("Active");
   trial.RobotIsTornDown();
   for (const std::string& name : Modules()) trial.robot.board(name).callback_ms = kSlowCallbackMs;
   const pid_t pid = trial.robot.ControllerPid();
@@ -131,11 +133,11 @@ void KilledInStop(Trial& trial) {
   trial.robot.StartController();
   const auto over = [&] {
     const auto status = trial.observer().Latest();
-    return trial.robot.ControllerHasEnded() || (status && IsSettled(*status, "Active"));
+    const bool anew = status && (IsSettled(*status, "Active") || IsSettled(*status, trial.state()));
+    return trial.robot.ControllerHasEnded() || anew;
   };
   trial.Require(AwaitThat(over, kPatience), "the machine neither ends nor starts");
   trial.RecoveredNow();
-  trial.MayBecome("Active");
 }
 
 }  // namespace musher::campaign::controller

@@ -15,7 +15,7 @@ void TakeOver(Trial& trial) {
   const int first = trial.robot.AwaitEndOfFirst();
   trial.Expect(first == 1, "the first controller ends with " + std::to_string(first) + ", not 1");
   trial.DetectedNow();
-  trial.Require(trial.AwaitAdopted(""), "the second controller does not adopt the robot");
+  trial.Require(trial.robot.AwaitSettled(), "the second controller does not adopt the robot");
   trial.RecoveredNow();
   const auto after = trial.observer().Latest();
   trial.Expect(after->epoch > before->epoch, "the epoch has not grown");
@@ -50,7 +50,7 @@ void TakenOverFrozen(Trial& trial) {
   const int first = trial.robot.AwaitEndOfFirst();
   trial.Expect(first == 1, "the first front ends with " + std::to_string(first) + ", not 1");
   trial.DetectedNow();
-  trial.Require(trial.AwaitAdopted(""), "the second controller does not adopt the robot");
+  trial.Require(trial.robot.AwaitSettled(), "the second controller does not adopt the robot");
   trial.RecoveredNow();
   trial.Expect(trial.observer().Latest()->epoch > before->epoch, "the epoch has not grown");
 }

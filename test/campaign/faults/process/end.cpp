@@ -14,9 +14,15 @@ std::vector<std::string> Everybody() {
   return names;
 }
 
+// An exit code is told to the parent alone; an end that nobody can explain is a failure.
+Loss AsSeen(Trial& trial, const std::string& victim, Loss loss) {
+  return trial.robot.IsChildOfController(victim) ? loss : Loss::kFailure;
+}
+
 void Signal(Trial& trial, const std::string& victim, int signal, Loss loss) {
   const pid_t pid = trial.robot.PidOf(victim);
   trial.Require(pid > 0, victim + " has no process");
+  loss = AsSeen(trial, victim, loss);
   trial.Struck();
   kill(pid, signal);
   trial.Detected(victim + " has crashed", IsKnownAs(victim, "crashed"));
@@ -25,6 +31,7 @@ void Signal(Trial& trial, const std::string& victim, int signal, Loss loss) {
 
 void EndByItself(Trial& trial, End end, Loss loss) {
   const std::string victim = trial.Victim(Modules());
+  loss = AsSeen(trial, victim, loss);
   trial.Struck();
   trial.robot.board(victim).end = end;
   trial.Detected(victim + " has crashed", IsKnownAs(victim, "crashed"));

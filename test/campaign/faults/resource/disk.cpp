@@ -47,7 +47,7 @@ void RestartController(Trial& trial) {
   const std::string state = trial.observer().Latest()->state;
   trial.robot.KillController();
   trial.robot.StartController();
-  trial.Require(trial.AwaitAdopted(state), "the next controller does not adopt the robot");
+  trial.Require(trial.robot.AwaitSettled(state), "the next controller does not adopt the robot");
 }
 
 }  // namespace
@@ -86,9 +86,10 @@ void FileSizeIsLimited(Trial& trial) {
 
 void FilesAreLimited(Trial& trial) {
   const pid_t controller = trial.robot.ControllerPid();
-  const rlimit none{3, RLIM_INFINITY};
   rlimit before{};
-  trial.Require(prlimit(controller, RLIMIT_NOFILE, &none, &before) == 0, "prlimit(RLIMIT_NOFILE)");
+  prlimit(controller, RLIMIT_NOFILE, nullptr, &before);
+  const rlimit none{3, before.rlim_max};
+  trial.Require(prlimit(controller, RLIMIT_NOFILE, &none, nullptr) == 0, "prlimit(RLIMIT_NOFILE)");
   const std::string victim = trial.Victim({"arm", "eyes", "hands"});
   trial.Struck();
   kill(trial.robot.PidOf(victim), SIGKILL);
@@ -125,7 +126,7 @@ void StateFolderIsReadOnly(Trial& trial) {
   trial.robot.ForgetLines();
   trial.Struck();
   trial.robot.StartController();
-  const bool adopted = trial.AwaitAdopted(state);
+  const bool adopted = trial.robot.AwaitSettled(state);
   if (adopted) trial.RecoveredNow();
   if (adopted) {
     MustSaySoOnce(trial);
@@ -136,7 +137,7 @@ void StateFolderIsReadOnly(Trial& trial) {
   umount2(disk.c_str(), MNT_DETACH);
   trial.Require(adopted, "without a state folder no controller adopts the robot");
   trial.robot.StartController();
-  trial.Require(trial.AwaitAdopted(trial.observer().Latest()->state),
+  trial.Require(trial.robot.AwaitSettled(trial.observer().Latest()->state),
                 "the next controller does not adopt the robot");
 }
 
