@@ -1,10 +1,10 @@
 #include "musher/controller/cli/controller_process.hpp"
 
 #include <fcntl.h>
-#include <signal.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 
@@ -52,6 +52,7 @@ int ControllerProcess::Run() {
     if (getppid() != front_) return static_cast<int>(ExitCode::kInterrupted);  // died before
   }
   LeaveTerminal();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full
   PutOwnFolderFirstInPath();
   if (const auto begun = Begin(); !begun) {
     Tell(Progress::kNotStarted, begun.error().message, begun.error().code);
