@@ -115,6 +115,8 @@ void ControllerProcess::OnRecord(const action::Record& record) {
 }
 
 void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
+  // It ends what an earlier controller had begun to end: nothing stays up, and the front stays.
+  if (controller_->shell().machine().phase == Phase::kStopping) return;
   // The front leaves after a failed start, and the machine stays up for inspection.
   if (!ended.usable) prctl(PR_SET_PDEATHSIG, 0);
   service_manager_.StartUpEnded(ended);
