@@ -190,6 +190,8 @@ class Deciding {
                        "no controller of epoch " + number + " has announced itself"};
       }
       core_.controller = sender;
+      // Nobody waits for what the one before had commanded and this one knows nothing of.
+      DropWaiting({kCodePermissionDenied, "the controller of epoch " + number + " has taken over"});
     }
     report_.epoch = epoch;
     core_.controller_heard = now_;
