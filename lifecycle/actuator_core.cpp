@@ -129,8 +129,11 @@ class Deciding {
   }
 
   void On(const event::EmergencyStopHeard& heard) {
-    if (heard.engaged) return Engage(heard.id);
     const bool entitled = heard.sender == core_.controller && core_.controller != 0;
+    if (heard.engaged) {
+      if (entitled) std::erase(core_.released, heard.id);  // it has the last word
+      return Engage(heard.id);
+    }
     if (!entitled) return;
     core_.released.push_back(heard.id);
     if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());

@@ -51,7 +51,11 @@ void Decision::RaiseEpoch(std::uint64_t epoch, std::size_t because_of) {
 // controller before) may have led anywhere.
 void Decision::Accept(std::size_t i, const ActuatorReport& report) {
   ActuatorRecord& record = Of(i);
-  const bool came_free = record.report.busy() && !report.busy() && !record.order;
+  // That it was busy may not have been heard.
+  const bool was_busy =
+      record.report.busy() || (report.incarnation == record.report.incarnation &&
+                               report.outcome_number != record.report.outcome_number);
+  const bool came_free = was_busy && !report.busy() && !record.order;
   if (!report.busy()) record.free_by.reset();
   const bool passed_late = report.state == kSelfCheck && record.report.state != kSelfCheck;
   if (came_free && passed_late) record.checked = true;
@@ -99,6 +103,9 @@ void Decision::Follow(std::size_t i) {
       ConfigOf(i).name + " is present in " + record.state() +
           (record.report.pid == 0 ? "" : ", process " + std::to_string(record.report.pid)),
       record.cause);
+  if (machine_.emergency_stop && record.report.emergency_stop == 0) {
+    Do(action::TellEmergencyStop{*machine_.emergency_stop, true});  // it may think that it is over
+  }
   JudgeArrival(i);
 }
 

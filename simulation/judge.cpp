@@ -19,7 +19,8 @@ bool BehindIt(const Switch& s) {
 
 }  // namespace
 
-Judge::Judge(SimRobot& robot) : robot_(robot), config_(robot.config()) {
+Judge::Judge(SimRobot& robot)
+    : robot_(robot), config_(robot.config()), lost_at_(config_.actuators.size()) {
   robot_.on_input = [this] { dirty_ = true; };
   robot_.on_send = [this](const Machine& machine, const action::SendSwitch& command) {
     OnSend(machine, command);
@@ -94,6 +95,10 @@ void Judge::LookAt(const ControllerProcess& controller) {
   if (deadline && *deadline <= robot_.network().now()) {
     Blame(Promise::kNoSpinning, "a deadline of the controller is over and stays");
   }
+  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    const bool present = machine.actuators[i].presence == Presence::kPresent;
+    if (present) lost_at_[i] = robot_.age();
+  }
   JudgeChange(machine, seen_[controller.pid()]);
 }
 
@@ -155,6 +160,7 @@ void Judge::Answered(std::uint64_t request, const SwitchResult& result) {
   const ControllerProcess* controller = robot_.leader();
   const bool ranked = config_.RankOf(result.target) && result.target != kTearDown;
   if (!there || !result.actuator.empty() || !ranked || controller == nullptr) return;
+  went_on_ = robot_.age();
   const Machine& machine = controller->shell().machine();
   for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
     const std::string& name = config_.actuators[i].name;
@@ -167,15 +173,19 @@ void Judge::Answered(std::uint64_t request, const SwitchResult& result) {
   }
 }
 
-// Whether an actuator need not be where "done" says: it is listed, on its way, or not to be
-// trusted.
+// Whether an actuator need not be where "done" says: it is listed, on its way, not to be trusted,
+// or came too late to take part.
 bool Judge::IsExcused(const Machine& machine, std::size_t i, const SwitchResult& result) const {
   const std::string& name = config_.actuators[i].name;
   const ActuatorRecord& record = machine.actuators[i];
   const auto& degraded = result.degraded;
   if (std::find(degraded.begin(), degraded.end(), name) != degraded.end()) return true;
+  const bool took_part =
+      std::any_of(result.actuators.begin(), result.actuators.end(), [&](const ActuatorResult& one) {
+        return one.name == name && one.outcome == ActuatorOutcome::kDone;
+      });
   const bool joining = record.presence != Presence::kPresent || !record.checked || record.due ||
-                       record.order || record.parked;
+                       record.order || record.parked || (record.fault && !took_part);
   return joining || liars_.contains(name) ||
          robot_.processes().ReportOf(name)->incarnation != record.report.incarnation;
 }
@@ -238,7 +248,7 @@ void Judge::JudgePlace(const Machine& machine, std::size_t i) {
   const ActuatorRecord& record = machine.actuators[i];
   const std::string& name = config_.actuators[i].name;
   const ActuatorReport* report = robot_.processes().ReportOf(name);
-  if (report == nullptr || record.held || record.fault) return;
+  if (report == nullptr || record.held || record.fault || liars_.contains(name)) return;
   const auto own = config_.RankOf(report->state);
   const auto rank = config_.RankOf(machine.state);
   const bool waits = machine.emergency_stop && (!own || (rank && *own < *rank));
@@ -260,6 +270,8 @@ void Judge::JudgeLoss(const Machine& machine, std::size_t i, bool provided) {
   if (record.presence == Presence::kAbsent && machine.emergency_stop) return;  // of a later stage
   if (!actuator.on_lost.empty()) {
     if (*rank <= *config_.RankOf(actuator.on_lost)) return;
+    // People may go on without one that is not critical.
+    if (!actuator.critical && went_on_ >= lost_at_[i]) return;
     return Blame(actuator.critical ? Promise::kSafeWithoutCritical : Promise::kProvidedFor,
                  "the machine rests in " + machine.state + " without " + actuator.name +
                      ", whose on_lost is " + actuator.on_lost);

@@ -82,7 +82,7 @@ class Judge {
   std::map<std::int32_t, Seen> seen_;    // by the pid of the controller
   std::map<std::uint64_t, State> open_;  // requests that are not answered
   std::set<State> just_answered_;
-  std::map<std::string, Duration> died_;  // when, last
+  std::vector<Duration> lost_at_;  // when an actuator was there for the last time
   Duration went_on_{};  // when a person's switch ended with the machine in the state that was asked
   std::uint64_t next_request_ = 1;
   std::set<std::string> liars_;
