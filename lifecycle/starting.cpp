@@ -53,15 +53,18 @@ bool Decision::StartProcesses() {
     ActuatorRecord& record = Of(i);
     const ActuatorConfig& actuator = ConfigOf(i);
     if (actuator.stage > machine_.stage || actuator.command.empty() || record.found_running ||
-        record.presence != Presence::kAbsent || record.set_up_by || record.fault) {
+        record.presence != Presence::kAbsent || record.set_up_by ||
+        (record.fault && !record.hindered)) {
       continue;
     }
     std::string hindrance;
     if (!NeedsMet(i, hindrance)) {
-      if (hindrance.empty()) continue;
+      if (hindrance.empty() || record.hindered) continue;
+      record.hindered = true;
       Degrade(i, kCodeStatusError, hindrance, CauseOfHindrance(i));
       Fall(i);
     } else {
+      if (std::exchange(record.hindered, false)) record.fault.reset();
       record.presence = Presence::kStarting;
       record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
       Do(action::StartProcess{i});

@@ -59,9 +59,11 @@ void Judge::OnBegun(const std::string& name, const ActuatorReport& before,
   }
   if (report.target == kSetUp) return;
   if (report.busy_number == 0) {
+    on_its_own_.insert(name);
     if (rises) Blame(Promise::kNothingRises, what + " of its own accord");
     return;
   }
+  on_its_own_.erase(name);
   const auto order = orders_.find({report.epoch, *config_.IndexOf(name), report.busy_number});
   if (order == orders_.end()) {
     return Blame(Promise::kNothingStale, what + " although no controller has sent that command");
@@ -186,7 +188,7 @@ bool Judge::IsExcused(const Machine& machine, std::size_t i, const SwitchResult&
       });
   const bool joining = record.presence != Presence::kPresent || !record.checked || record.due ||
                        record.order || record.parked || (record.fault && !took_part);
-  return joining || liars_.contains(name) ||
+  return joining || liars_.contains(name) || on_its_own_.contains(name) ||
          robot_.processes().ReportOf(name)->incarnation != record.report.incarnation;
 }
 

@@ -285,6 +285,7 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"parked", &ActuatorRecord::parked},
     Field{"outbid_at", &ActuatorRecord::outbid_at},
     Field{"free_by", &ActuatorRecord::free_by},
+    Field{"hindered", &ActuatorRecord::hindered},
 };
 
 template <>
