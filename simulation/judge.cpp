@@ -201,7 +201,7 @@ std::string Judge::Unrest(const Machine& machine, std::size_t i) const {
   if (r.doomed != 0 || r.kill_at) return "is to be killed";
   const bool alive = robot_.IsAlive(config_.actuators[i].name);
   if (r.claim_again && r.presence == Presence::kStarting && alive) return "is asked to follow";
-  const bool waits = machine.emergency_stop || machine.phase != Phase::kRunning ||
+  const bool waits = machine.emergency_stop || r.held || machine.phase != Phase::kRunning ||
                      r.presence != Presence::kPresent;
   return r.due && !waits ? "is to be driven to where the machine is" : "";
 }
@@ -268,7 +268,7 @@ void Judge::JudgeLoss(const Machine& machine, std::size_t i, bool provided) {
   const ActuatorRecord& record = machine.actuators[i];
   const ActuatorConfig& actuator = config_.actuators[i];
   const auto rank = config_.RankOf(machine.state);
-  if (record.presence == Presence::kPresent || !rank) return;
+  if (record.presence == Presence::kPresent || record.held || !rank) return;
   if (record.presence == Presence::kAbsent && machine.emergency_stop) return;  // of a later stage
   if (!actuator.on_lost.empty()) {
     if (*rank <= *config_.RankOf(actuator.on_lost)) return;

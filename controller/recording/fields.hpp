@@ -131,6 +131,7 @@ inline constexpr std::tuple kFields<event::Begin> = {
     Field{"by_hand", &event::Begin::by_hand},
     Field{"epoch", &event::Begin::epoch},
     Field{"running", &event::Begin::running},
+    Field{"processes", &event::Begin::processes},
     Field{"host", &event::Begin::host},
     Field{"emergency_stop", &event::Begin::emergency_stop},
 };
