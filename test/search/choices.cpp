@@ -1,0 +1,399 @@
+// What may happen next, and what happens then.
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/test/search/stage.hpp"
+
+namespace musher::search {
+namespace {
+
+constexpr std::int32_t kFailure = 3001;
+
+// Whether the controller knows already what the latch would tell it.
+bool TellsNothing(const ActuatorRecord& record, const ActuatorReport& report) {
+  const ActuatorReport& known = record.report;
+  return record.presence == Presence::kPresent && known.incarnation == report.incarnation &&
+         known.state == report.state && known.target == report.target &&
+         known.busy_number == report.busy_number && known.epoch == report.epoch &&
+         known.number == report.number && known.outcome_number == report.outcome_number &&
+         known.outcome_code == report.outcome_code && known.apart == report.apart &&
+         known.emergency_stop == report.emergency_stop;
+}
+
+bool Expects(const World& world, const Actor& actor) {
+  const auto& tokens = actor.core.running_for;
+  return std::any_of(tokens.begin(), tokens.end(), [&](RequestToken token) {
+    return (token & 127) == world.generation + 1;
+  });
+}
+
+class Listing {
+ public:
+  Listing(const Model& model, const World& world) : model_(model), world_(world) {}
+
+  std::vector<Choice> Make() && {
+    if (!world_.outbox.empty()) {
+      ListSending();
+      return std::move(choices_);
+    }
+    if (world_.requests.empty()) Free(Deed::kAsk);
+    for (std::size_t i = 0; i < kActuators; ++i) ListActuator(i);
+    if (world_.stop_seen_due && Leads()) Free(Deed::kSeeStop);
+    ListTime();
+    if (world_.faults_left > 0 && Leads()) {
+      Fault(Deed::kRestart);
+      Fault(Deed::kAskError);
+      if (world_.machine.phase != Phase::kStopping) Fault(Deed::kAskTearDown);
+      if (!world_.stopped) Fault(Deed::kEngageStop);
+    }
+    return std::move(choices_);
+  }
+
+ private:
+  bool Leads() const { return world_.machine.phase != Phase::kStopped; }
+
+  void Free(Deed deed, std::size_t i = 0, std::size_t index = 0) {
+    choices_.push_back({deed, static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(index), 0});
+  }
+  void Fault(Deed deed, std::size_t i = 0) {
+    static const std::string without = std::getenv("WITHOUT") ? std::getenv("WITHOUT") : "";
+    if (without.find("," + std::to_string((int)deed) + ",") != std::string::npos) return;
+    if (world_.faults_left > 0) choices_.push_back({deed, static_cast<std::uint8_t>(i), 0, 1});
+  }
+
+  void ListSending() {
+    const Message& first = world_.outbox.front();
+    const Actor& actor = world_.actors[first.to];
+    Free(Deed::kDeliver, first.to);
+    Fault(Deed::kRestart);
+    if (!actor.alive || !actor.visible) return;
+    Fault(Deed::kLose, first.to);
+    Fault(Deed::kHold, first.to);
+    Fault(Deed::kDouble, first.to);
+    if (actor.core.controller != first.sender) Fault(Deed::kUnheard, first.to);
+  }
+
+  void ListActuator(std::size_t i) {
+    const Actor& actor = world_.actors[i];
+    if (actor.end) Free(Deed::kEnd, i);
+    for (std::size_t k = 0; k < actor.late.size(); ++k) Free(Deed::kLate, i, k);
+    if (!actor.replies.empty()) {
+      Free(Deed::kReply, i);
+      for (const Deed d : {Deed::kReplyLost, Deed::kReplyHeld, Deed::kReplyDoubled}) Fault(d, i);
+    }
+    if (actor.status_due) {
+      Free(Deed::kStatus, i);
+      Fault(Deed::kStatusHeld, i);
+      Fault(Deed::kStatusDoubled, i);
+    }
+    if (!actor.alive) return;
+    Fault(Deed::kCrash, i);
+    if (actor.stop_due) Free(Deed::kHearStop, i);
+    if (actor.work == Work::kNone) return;
+    Free(Deed::kEndOk, i);
+    Fault(Deed::kEndFailed, i);
+    if (actor.work == Work::kOverdue && actor.stop_requested) Free(Deed::kEndAsked, i);
+    if (!Expects(world_, actor) || !actor.replies.empty()) return;
+    Fault(Deed::kEndCrash, i);
+    if (actor.core.report.target == kTearDown) return;  // its reply and its end go their own ways
+    Fault(Deed::kEndReplyLost, i);
+    Fault(Deed::kEndReplyHeld, i);
+    Fault(Deed::kEndReplyDoubled, i);
+  }
+
+  // Time passes when nothing is on its way; what still runs then is overdue.
+  void ListTime() {
+    if (world_.stop_seen_due && Leads()) return;
+    std::uint8_t cost = 0;
+    for (const Actor& actor : world_.actors) {
+      if (actor.end || actor.status_due || actor.stop_due || !actor.replies.empty()) return;
+      if (actor.work == Work::kRunning) ++cost;
+    }
+    if (cost > world_.faults_left || !NextDeadline(model_.config, world_.machine)) return;
+    choices_.push_back({Deed::kTime, 0, 0, cost});
+  }
+
+  const Model& model_;
+  const World& world_;
+  std::vector<Choice> choices_;
+};
+
+// What nobody waits for is put away, so that nodes which differ by it alone are one.
+void Tidy(Stage& stage) {
+  World& world = stage.world();
+  if (world.faults_left == 0) {
+    for (const Message& message : std::exchange(world.outbox, {})) stage.Deliver(message, false);
+  }
+  const bool stopped = world.machine.phase == Phase::kStopped;
+  for (std::size_t i = 0; i < kActuators; ++i) {
+    Actor& actor = world.actors[i];
+    if (actor.status_due && TellsNothing(world.machine.actuators[i], actor.core.report)) {
+      actor.status_due = false;
+    }
+    if (!stopped) continue;
+    actor.status_due = false;
+    actor.replies.clear();
+    actor.end.reset();
+    std::erase_if(actor.late, [](const Late& l) { return !std::holds_alternative<Message>(l); });
+  }
+}
+
+class Making {
+ public:
+  Making(Stage& stage, const Choice& choice)
+      : stage_(stage), world_(stage.world()), choice_(choice), i_(choice.actuator) {}
+
+  void Make() {
+    world_.faults_left -= choice_.cost;
+    if (choice_.deed == Deed::kTime) return PassTime();
+    if (choice_.deed == Deed::kLate) return TakeLate();
+    if (choice_.deed >= Deed::kEndFailed && choice_.deed <= Deed::kEndCrash) return End();
+    if (choice_.deed >= Deed::kReplyLost && choice_.deed <= Deed::kReplyDoubled) return Reply();
+    if (choice_.deed >= Deed::kStatusHeld && choice_.deed <= Deed::kStatusDoubled) return Status();
+    if (choice_.deed >= Deed::kLose && choice_.deed <= Deed::kUnheard) return Sent();
+    Simple();
+  }
+
+ private:
+  Actor& actor() { return world_.actors[i_]; }
+  std::string name() const { return stage_.Name(i_); }
+  State target() { return actor().core.report.target; }
+
+  void Simple() {
+    switch (choice_.deed) {
+      case Deed::kAsk:
+        return stage_.Ask(stage_.Wanted());
+      case Deed::kDeliver:
+        return Sent();
+      case Deed::kEndOk:
+      case Deed::kEndAsked:
+        return End();
+      case Deed::kReply:
+        return Reply();
+      case Deed::kStatus:
+        return Status();
+      case Deed::kEnd:
+        stage_.Say("the end of " + name() + "'s process is heard of");
+        return stage_.TellEnd(i_);
+      case Deed::kHearStop:
+        stage_.Say(name() + " hears of the emergency stop");
+        return stage_.HearStop(i_);
+      case Deed::kSeeStop:
+        stage_.Say("the controller hears of the emergency stop");
+        world_.stop_seen_due = false;
+        return stage_.Tell(event::EmergencyStopSeen{{5, "somebody", ""}});
+      case Deed::kCrash:
+        stage_.Say("FAULT: " + name() + " crashes");
+        return stage_.Crash(i_);
+      case Deed::kRestart:
+        stage_.Say("FAULT: the controller dies, and another takes over");
+        return stage_.RestartController();
+      case Deed::kAskError:
+        stage_.Say("CROSSED by a more urgent request");
+        return stage_.Ask(State(kError));
+      case Deed::kAskTearDown:
+        stage_.Say("CROSSED by a more urgent request");
+        return stage_.Ask(State(kTearDown));
+      default:
+        stage_.Say("CROSSED by an emergency stop");
+        return stage_.EngageStop();
+    }
+  }
+
+  void PassTime() {
+    const Time next = *NextDeadline(stage_.config(), world_.machine);
+    stage_.Say(std::to_string(ToMilliseconds(next - world_.now)) + " ms pass");
+    world_.now = std::max(world_.now, next);
+    for (std::size_t k = 0; k < kActuators; ++k) {
+      if (world_.actors[k].work != Work::kRunning) continue;
+      stage_.Say("FAULT: " + stage_.Name(k) + "'s callback is overdue");
+      world_.actors[k].work = Work::kOverdue;
+    }
+    stage_.Tell(event::TimePassed{});
+  }
+
+  void TakeLate() {
+    const Late late = actor().late[choice_.index];
+    actor().late.erase(actor().late.begin() + choice_.index);
+    stage_.Say("what was held back comes: " + Text(late));
+    if (const auto* message = std::get_if<Message>(&late)) return stage_.Deliver(*message, true);
+    if (const auto* reply = std::get_if<event::Replied>(&late)) return stage_.Tell(*reply);
+    stage_.Tell(std::get<event::StatusSeen>(late));
+  }
+
+  std::string Text(const Late& late) const {
+    if (const auto* message = std::get_if<Message>(&late)) return Text(*message);
+    if (const auto* reply = std::get_if<event::Replied>(&late)) return Text(*reply);
+    return name() + "'s status, " + std::get<event::StatusSeen>(late).report.state;
+  }
+  std::string Text(const Message& message) const {
+    if (const auto* command = std::get_if<SwitchCommand>(&message.what)) {
+      return "command " + std::to_string(command->number) + " to " + stage_.Name(message.to) + ", " +
+             command->target;
+    }
+    return "the question to " + stage_.Name(message.to) + " about " +
+           std::to_string(std::get<AskCommand>(message.what).number);
+  }
+  std::string Text(const event::Replied& reply) const {
+    return name() + "'s reply to " + (reply.ask ? "the question about " : "") +
+           std::to_string(reply.number);
+  }
+
+  void Sent() {
+    const Message message = world_.outbox.front();
+    world_.outbox.erase(world_.outbox.begin());
+    switch (choice_.deed) {
+      case Deed::kLose:
+        return stage_.Say("FAULT: lost: " + Text(message));
+      case Deed::kHold:
+        actor().late.emplace_back(message);
+        return stage_.Say("FAULT: held back: " + Text(message));
+      case Deed::kDouble:
+        actor().late.emplace_back(message);
+        stage_.Say("FAULT: comes twice: " + Text(message));
+        return stage_.Deliver(message, false);
+      case Deed::kUnheard:
+        stage_.Say("FAULT: before the controller was heard of: " + Text(message));
+        return stage_.Deliver(message, false, false);
+      default:
+        stage_.Say(Text(message));
+        return stage_.Deliver(message, false);
+    }
+  }
+
+  void End() {
+    const bool failed = choice_.deed == Deed::kEndFailed;
+    const bool asked = choice_.deed == Deed::kEndAsked;
+    const bool overtaken = !actor().replies.empty();
+    const bool two_ways = target() == kTearDown && choice_.deed != Deed::kEndCrash;
+    stage_.Say((failed ? "FAULT: " : "") + name() + "'s callback of " + target() +
+               (failed ? " fails" : asked ? " ends because it was asked to stop" : " ends"));
+    stage_.EndCallback(i_, failed || asked ? kFailure : 0, asked ? "asked to stop" : "");
+    if (choice_.deed == Deed::kEndCrash) {
+      stage_.Say("FAULT: and its process, which is heard before its reply");
+      Move(true);
+      return stage_.Crash(i_);
+    }
+    if (!actor().replies.empty() && !overtaken && !two_ways) Reply();
+  }
+
+  // The first of the replies: to the late ones, or away.
+  void Move(bool keep) {
+    auto& replies = actor().replies;
+    if (keep) actor().late.emplace_back(replies.front());
+    replies.erase(replies.begin());
+  }
+
+  void Reply() {
+    const std::string text = Text(actor().replies.front());
+    switch (choice_.deed) {
+      case Deed::kReplyLost:
+      case Deed::kEndReplyLost:
+        stage_.Say("FAULT: lost: " + text);
+        return Move(false);
+      case Deed::kReplyHeld:
+      case Deed::kEndReplyHeld:
+        stage_.Say("FAULT: held back: " + text);
+        return Move(true);
+      case Deed::kReplyDoubled:
+      case Deed::kEndReplyDoubled:
+        stage_.Say("FAULT: comes twice: " + text);
+        actor().late.emplace_back(actor().replies.front());
+        return stage_.TellReply(i_);
+      default:
+        stage_.Say(text + " comes");
+        return stage_.TellReply(i_);
+    }
+  }
+
+  void Status() {
+    const std::string text = name() + "'s status, " + actor().core.report.state;
+    if (choice_.deed == Deed::kStatus) {
+      stage_.Say(text);
+      return stage_.TellStatus(i_);
+    }
+    const bool twice = choice_.deed == Deed::kStatusDoubled;
+    stage_.Say((twice ? "FAULT: comes twice: " : "FAULT: held back: ") + text);
+    actor().status_due = false;
+    const event::StatusSeen seen{i_, stage_.Report(i_)};
+    actor().late.emplace_back(seen);
+    if (twice) stage_.Tell(seen);
+  }
+
+  Stage& stage_;
+  World& world_;
+  const Choice& choice_;
+  std::size_t i_;
+};
+
+}  // namespace
+
+std::vector<Choice> Choices(const Model& model, const World& world) {
+  return Listing(model, world).Make();
+}
+
+void Make(const Model& model, World& world, const Choice& choice, Notes& notes) {
+  Stage stage(model, world, notes);
+  Making(stage, choice).Make();
+  Tidy(stage);
+}
+
+bool IsQuiet(const World& world, const std::vector<Choice>& choices) {
+  return std::all_of(choices.begin(), choices.end(), [&](const Choice& choice) {
+    const bool overdue = world.actors[choice.actuator].work == Work::kOverdue &&
+                         (choice.deed == Deed::kEndOk || choice.deed == Deed::kEndAsked);
+    const auto& late = world.actors[choice.actuator].late;
+    // The latch is repeated until it has come.
+    const bool lost = choice.deed == Deed::kLate &&
+                      !std::holds_alternative<event::StatusSeen>(late[choice.index]);
+    return choice.cost > 0 || lost || overdue;
+  });
+}
+
+Model::Model(MachineConfig machine, State wanted, Rules decisions)
+    : config(std::move(machine)), target(std::move(wanted)), rules(std::move(decisions)) {
+  for (std::size_t i = 0; i < kActuators; ++i) {
+    ActuatorConfig named = config.actuators[i];
+    kinds[i] = i;
+    for (std::size_t k = 0; k < i && kinds[i] == i; ++k) {
+      named.name = config.actuators[k].name;
+      if (named == config.actuators[k]) kinds[i] = k;
+    }
+  }
+}
+
+World NewWorld(const Model& model) {
+  World world;
+  world.now = Time(std::chrono::hours(1));
+  world.machine = MakeMachine(model.config);
+  return world;
+}
+
+void Begin(const Model& model, World& world, bool by_hand, Notes& notes) {
+  Stage stage(model, world, notes);
+  for (std::size_t i = 0; i < kActuators; ++i) {
+    if (model.config.actuators[i].command.empty()) stage.StartActuator(i);
+  }
+  stage.BeginController(by_hand);
+  Tidy(stage);
+}
+
+void Ask(const Model& model, World& world, const State& target, Notes& notes) {
+  Stage stage(model, world, notes);
+  stage.Ask(target);
+  Tidy(stage);
+}
+
+void Settle(const Model& model, World& world, Notes& notes) {
+  while (true) {
+    const std::vector<Choice> choices = Choices(model, world);
+    const auto next = std::find_if(choices.begin(), choices.end(), [](const Choice& choice) {
+      return choice.cost == 0 && choice.deed != Deed::kAsk;
+    });
+    if (next == choices.end()) return;
+    Make(model, world, *next, notes);
+  }
+}
+
+}  // namespace musher::search
