@@ -10,15 +10,41 @@ namespace {
 
 constexpr std::int32_t kFailure = 3001;
 
+// But for the emergency stop.
+bool SaysTheSame(const ActuatorReport& a, const ActuatorReport& b) {
+  return a.incarnation == b.incarnation && a.state == b.state && a.target == b.target &&
+         a.busy_number == b.busy_number && a.epoch == b.epoch && a.number == b.number &&
+         a.outcome_number == b.outcome_number && a.outcome_code == b.outcome_code &&
+         a.apart == b.apart;
+}
+
+// Once it has heard of the stop, that an actuator has latched it is no news to the controller.
+bool StopIsKnown(const World& world, const ActuatorReport& report) {
+  return report.emergency_stop == 0 || world.machine.emergency_stop;
+}
+
 // Whether the controller knows already what the latch would tell it.
-bool TellsNothing(const ActuatorRecord& record, const ActuatorReport& report) {
-  const ActuatorReport& known = record.report;
-  return record.presence == Presence::kPresent && known.incarnation == report.incarnation &&
-         known.state == report.state && known.target == report.target &&
-         known.busy_number == report.busy_number && known.epoch == report.epoch &&
-         known.number == report.number && known.outcome_number == report.outcome_number &&
-         known.outcome_code == report.outcome_code && known.apart == report.apart &&
-         known.emergency_stop == report.emergency_stop;
+bool TellsNothing(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
+  return StopIsKnown(world, report) && record.presence == Presence::kPresent && SaysTheSame(record.report, report);
+}
+
+// Whether the controller waits for the end of the command that it is about, which brings a newer
+// report, and nothing else can come between.
+bool IsWaitedFor(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
+  return world.faults_left == 0 && record.presence == Presence::kPresent && record.order &&
+         record.order->number == report.number && record.order->number != report.outcome_number &&
+         record.report.incarnation == report.incarnation && record.report.epoch == report.epoch &&
+         StopIsKnown(world, report);
+}
+
+// Whether nobody waits for this reply any more, and the latch tells as much.
+bool IsOver(const World& world, const Actor& actor, const ActuatorRecord& record,
+            const event::Replied& reply) {
+  const bool waited = (record.order && record.order->number == reply.number) || record.claim_again;
+  const bool told = actor.status_due && SaysTheSame(actor.core.report, reply.report) &&
+                    actor.core.report.emergency_stop == reply.report.emergency_stop;
+  return !waited && record.presence == Presence::kPresent &&
+         (told || TellsNothing(world, record, reply.report));
 }
 
 bool Expects(const World& world, const Actor& actor) {
@@ -37,7 +63,12 @@ class Listing {
       ListSending();
       return std::move(choices_);
     }
-    if (world_.requests.empty()) Free(Deed::kAsk);
+    ListStop();
+    if (world_.at_start) {
+      Free(Deed::kAsk);
+      if (world_.stop_seen_due) Free(Deed::kSeeStop);
+      return std::move(choices_);
+    }
     for (std::size_t i = 0; i < kActuators; ++i) ListActuator(i);
     if (world_.stop_seen_due && Leads()) Free(Deed::kSeeStop);
     ListTime();
@@ -45,7 +76,6 @@ class Listing {
       Fault(Deed::kRestart);
       Fault(Deed::kAskError);
       if (world_.machine.phase != Phase::kStopping) Fault(Deed::kAskTearDown);
-      if (!world_.stopped) Fault(Deed::kEngageStop);
     }
     return std::move(choices_);
   }
@@ -57,15 +87,23 @@ class Listing {
     choices_.push_back({deed, static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(index), 0});
   }
   void Fault(Deed deed, std::size_t i = 0) {
-    static const std::string without = std::getenv("WITHOUT") ? std::getenv("WITHOUT") : "";
-    if (without.find("," + std::to_string((int)deed) + ",") != std::string::npos) return;
     if (world_.faults_left > 0) choices_.push_back({deed, static_cast<std::uint8_t>(i), 0, 1});
+  }
+
+  void ListStop() {
+    if (world_.stopped || !Leads()) return;
+    Fault(Deed::kEngageStop);
+    for (std::size_t i = 0; i < kActuators && world_.faults_left > 1; ++i) {
+      if (!world_.actors[i].alive) continue;
+      choices_.push_back({Deed::kEngageStopLate, static_cast<std::uint8_t>(i), 0, 2});
+    }
   }
 
   void ListSending() {
     const Message& first = world_.outbox.front();
     const Actor& actor = world_.actors[first.to];
     Free(Deed::kDeliver, first.to);
+    ListStop();
     Fault(Deed::kRestart);
     if (!actor.alive || !actor.visible) return;
     Fault(Deed::kLose, first.to);
@@ -80,7 +118,9 @@ class Listing {
     for (std::size_t k = 0; k < actor.late.size(); ++k) Free(Deed::kLate, i, k);
     if (!actor.replies.empty()) {
       Free(Deed::kReply, i);
-      for (const Deed d : {Deed::kReplyLost, Deed::kReplyHeld, Deed::kReplyDoubled}) Fault(d, i);
+      for (const Deed d : {Deed::kReplyHeld, Deed::kReplyDoubled}) Fault(d, i);
+      // The last word of a dead process may be lost with it.
+      actor.alive ? Fault(Deed::kReplyLost, i) : Free(Deed::kReplyLost, i);
     }
     if (actor.status_due) {
       Free(Deed::kStatus, i);
@@ -89,14 +129,13 @@ class Listing {
     }
     if (!actor.alive) return;
     Fault(Deed::kCrash, i);
-    if (actor.stop_due) Free(Deed::kHearStop, i);
     if (actor.work == Work::kNone) return;
     Free(Deed::kEndOk, i);
+    if (actor.core.report.target == kTearDown) Free(Deed::kEndFirst, i);
     Fault(Deed::kEndFailed, i);
     if (actor.work == Work::kOverdue && actor.stop_requested) Free(Deed::kEndAsked, i);
     if (!Expects(world_, actor) || !actor.replies.empty()) return;
-    Fault(Deed::kEndCrash, i);
-    if (actor.core.report.target == kTearDown) return;  // its reply and its end go their own ways
+    if (actor.core.report.target != kTearDown) Fault(Deed::kEndCrash, i);
     Fault(Deed::kEndReplyLost, i);
     Fault(Deed::kEndReplyHeld, i);
     Fault(Deed::kEndReplyDoubled, i);
@@ -107,7 +146,7 @@ class Listing {
     if (world_.stop_seen_due && Leads()) return;
     std::uint8_t cost = 0;
     for (const Actor& actor : world_.actors) {
-      if (actor.end || actor.status_due || actor.stop_due || !actor.replies.empty()) return;
+      if (actor.end || actor.status_due || !actor.replies.empty()) return;
       if (actor.work == Work::kRunning) ++cost;
     }
     if (cost > world_.faults_left || !NextDeadline(model_.config, world_.machine)) return;
@@ -128,14 +167,17 @@ void Tidy(Stage& stage) {
   const bool stopped = world.machine.phase == Phase::kStopped;
   for (std::size_t i = 0; i < kActuators; ++i) {
     Actor& actor = world.actors[i];
-    if (actor.status_due && TellsNothing(world.machine.actuators[i], actor.core.report)) {
+    const ActuatorRecord& record = world.machine.actuators[i];
+    const ActuatorReport& report = actor.core.report;
+    std::erase_if(actor.replies, [&](const auto& reply) { return IsOver(world, actor, record, reply); });
+    if (TellsNothing(world, record, report) || IsWaitedFor(world, record, report)) {
       actor.status_due = false;
     }
     if (!stopped) continue;
     actor.status_due = false;
     actor.replies.clear();
     actor.end.reset();
-    std::erase_if(actor.late, [](const Late& l) { return !std::holds_alternative<Message>(l); });
+    std::erase_if(actor.late, FromActuator);
   }
 }
 
@@ -163,11 +205,13 @@ class Making {
   void Simple() {
     switch (choice_.deed) {
       case Deed::kAsk:
+        world_.at_start = false;
         return stage_.Ask(stage_.Wanted());
       case Deed::kDeliver:
         return Sent();
       case Deed::kEndOk:
       case Deed::kEndAsked:
+      case Deed::kEndFirst:
         return End();
       case Deed::kReply:
         return Reply();
@@ -176,9 +220,6 @@ class Making {
       case Deed::kEnd:
         stage_.Say("the end of " + name() + "'s process is heard of");
         return stage_.TellEnd(i_);
-      case Deed::kHearStop:
-        stage_.Say(name() + " hears of the emergency stop");
-        return stage_.HearStop(i_);
       case Deed::kSeeStop:
         stage_.Say("the controller hears of the emergency stop");
         world_.stop_seen_due = false;
@@ -195,6 +236,10 @@ class Making {
       case Deed::kAskTearDown:
         stage_.Say("CROSSED by a more urgent request");
         return stage_.Ask(State(kTearDown));
+      case Deed::kEngageStopLate:
+        stage_.Say("CROSSED by an emergency stop; FAULT: held back: what tells " + name());
+        actor().late.emplace_back(StopMessage{});
+        return stage_.EngageStop(i_);
       default:
         stage_.Say("CROSSED by an emergency stop");
         return stage_.EngageStop();
@@ -219,12 +264,14 @@ class Making {
     stage_.Say("what was held back comes: " + Text(late));
     if (const auto* message = std::get_if<Message>(&late)) return stage_.Deliver(*message, true);
     if (const auto* reply = std::get_if<event::Replied>(&late)) return stage_.Tell(*reply);
-    stage_.Tell(std::get<event::StatusSeen>(late));
+    if (const auto* seen = std::get_if<event::StatusSeen>(&late)) return stage_.Tell(*seen);
+    stage_.HearStop(i_);
   }
 
   std::string Text(const Late& late) const {
     if (const auto* message = std::get_if<Message>(&late)) return Text(*message);
     if (const auto* reply = std::get_if<event::Replied>(&late)) return Text(*reply);
+    if (std::holds_alternative<StopMessage>(late)) return name() + " is told of the emergency stop";
     return name() + "'s status, " + std::get<event::StatusSeen>(late).report.state;
   }
   std::string Text(const Message& message) const {
@@ -266,7 +313,6 @@ class Making {
     const bool failed = choice_.deed == Deed::kEndFailed;
     const bool asked = choice_.deed == Deed::kEndAsked;
     const bool overtaken = !actor().replies.empty();
-    const bool two_ways = target() == kTearDown && choice_.deed != Deed::kEndCrash;
     stage_.Say((failed ? "FAULT: " : "") + name() + "'s callback of " + target() +
                (failed ? " fails" : asked ? " ends because it was asked to stop" : " ends"));
     stage_.EndCallback(i_, failed || asked ? kFailure : 0, asked ? "asked to stop" : "");
@@ -275,7 +321,13 @@ class Making {
       Move(true);
       return stage_.Crash(i_);
     }
-    if (!actor().replies.empty() && !overtaken && !two_ways) Reply();
+    if (choice_.deed == Deed::kEndFirst) {
+      stage_.Say("and its process, which is heard before its reply");
+      if (actor().end) stage_.TellEnd(i_);
+      actor().status_due = false;  // heard after the end, it is not heeded
+      return;
+    }
+    if (!actor().replies.empty() && !overtaken) Reply();
   }
 
   // The first of the replies: to the late ones, or away.
@@ -346,7 +398,8 @@ bool IsQuiet(const World& world, const std::vector<Choice>& choices) {
     const auto& late = world.actors[choice.actuator].late;
     // The latch is repeated until it has come.
     const bool lost = choice.deed == Deed::kLate &&
-                      !std::holds_alternative<event::StatusSeen>(late[choice.index]);
+                      (std::holds_alternative<Message>(late[choice.index]) ||
+                       std::holds_alternative<event::Replied>(late[choice.index]));
     return choice.cost > 0 || lost || overdue;
   });
 }

@@ -17,9 +17,10 @@ class Explorer {
   explicit Explorer(const Model& model) : model_(model) {}
 
   Searched Run(const World& root) && {
-    seen_.insert(FingerprintOf(model_, root));
+    const Identity identity = IdentityOf(model_, root);
+    seen_.insert(identity.fingerprint);
     came_.push_back({});
-    layer_.push_back({0, root});
+    layer_.push_back({0, identity.twins, root});
     while (!layer_.empty() && !searched_.fault) {
       for (Node& node : layer_) {
         if (!searched_.fault) Expand(node);
@@ -35,6 +36,7 @@ class Explorer {
  private:
   struct Node {
     std::uint32_t id = 0;
+    unsigned twins = 0;
     World world;
   };
   // How a node was come to first.
@@ -52,14 +54,17 @@ class Explorer {
       if (!notes.wrong.empty()) return Tell(node.id, std::nullopt, std::move(notes));
     }
     for (std::uint32_t k = 0; k < choices.size(); ++k) {
+      if ((node.twins >> choices[k].actuator & 1U) != 0) continue;
       World world = node.world;
       Notes notes;
       Make(model_, world, choices[k], notes);
       ++searched_.figures.transitions;
       if (!notes.wrong.empty()) return Tell(node.id, k, std::move(notes));
-      if (!seen_.insert(FingerprintOf(model_, world)).second) continue;
+      const Identity identity = IdentityOf(model_, world);
+      if (!seen_.insert(identity.fingerprint).second) continue;
       came_.push_back({node.id, k});
-      next_.push_back({static_cast<std::uint32_t>(came_.size() - 1), std::move(world)});
+      next_.push_back({static_cast<std::uint32_t>(came_.size() - 1), identity.twins,
+                       std::move(world)});
     }
   }
 

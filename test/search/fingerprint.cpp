@@ -1,6 +1,7 @@
 #include "musher/test/search/fingerprint.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <string_view>
 
 namespace musher::search {
@@ -23,13 +24,13 @@ class Mixer {
   void Add(const T&... values) {
     (One(values), ...);
   }
-  Fingerprint Get() const { return {high_, low_}; }
+  Fingerprint Get() const { return {Scramble(high_), Scramble(low_ ^ high_)}; }
 
  private:
   void Word(std::uint64_t x) {
-    high_ = Scramble(high_ ^ x) + 0x9e3779b97f4a7c15U;
-    low_ = (low_ ^ Scramble(x + 0x2545f4914f6cdd1dU)) * 0x100000001b3U;
-    low_ ^= low_ >> 29;
+    high_ = (std::rotl(high_, 5) ^ x) * 0x9e3779b97f4a7c15U;
+    low_ = (std::rotl(low_, 23) + x) * 0xd6e8feb86659fd93U;
+    low_ ^= low_ >> 32;
   }
   template <typename T>
     requires(std::is_integral_v<T> || std::is_enum_v<T>)
@@ -54,9 +55,10 @@ class Mixer {
     for (const T& x : all) One(x);
   }
 
+  // Without the emergency stop: it is looked at when the report comes, and not kept in mind.
   void One(const ActuatorReport& r) {
     Add(r.state, r.target, r.busy_number, r.epoch, r.number, r.outcome_number, r.outcome_code);
-    Add(r.incarnation, r.apart, r.emergency_stop);
+    Add(r.incarnation, r.apart);
   }
   void One(const Order& o) { Add(o.number, o.target, o.deadline, o.asked); }
   void One(const Leg& l) {
@@ -83,7 +85,8 @@ class Mixer {
 
 // What is on its way from one actuator: its stamp counts by whether the controller has a newer one.
 void AddReply(Mixer& mixer, const ActuatorRecord& record, const event::Replied& r) {
-  mixer.Add(r.number, r.ask, r.verdict, r.report, r.report.stamp < record.report.stamp);
+  mixer.Add(r.number, r.ask, r.verdict, r.report, r.report.emergency_stop,
+            r.report.stamp < record.report.stamp);
 }
 
 void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>& all) {
@@ -94,9 +97,9 @@ void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>
       mixer.Add(*message);
     } else if (const auto* reply = std::get_if<event::Replied>(&late)) {
       AddReply(mixer, record, *reply);
-    } else {
-      const ActuatorReport& report = std::get<event::StatusSeen>(late).report;
-      mixer.Add(report, report.stamp < record.report.stamp);
+    } else if (const auto* seen = std::get_if<event::StatusSeen>(&late)) {
+      mixer.Add(seen->report, seen->report.emergency_stop,
+                seen->report.stamp < record.report.stamp);
     }
   }
 }
@@ -129,10 +132,10 @@ Fingerprint OfActuator(const Model& model, const World& world, std::size_t i) {
     }
   }
   const Actor& a = world.actors[i];
-  mixer.Add(a.alive, a.visible, a.work, a.stop_requested, a.status_due, a.stop_due, a.end, a.epoch,
+  mixer.Add(a.alive, a.visible, a.work, a.stop_requested, a.status_due, a.end, a.epoch,
             a.begun, a.asked);
   const ActuatorCore& c = a.core;
-  mixer.Add(c.report, c.running_for, c.was_apart, c.waiting, c.unsettled, c.controller,
+  mixer.Add(c.report, c.report.emergency_stop, c.running_for, c.was_apart, c.waiting, c.unsettled, c.controller,
             c.announced, c.released);
   mixer.Add(a.replies.size());
   for (const event::Replied& reply : a.replies) AddReply(mixer, record, reply);
@@ -146,13 +149,18 @@ Fingerprint OfActuator(const Model& model, const World& world, std::size_t i) {
 
 }  // namespace
 
-Fingerprint FingerprintOf(const Model& model, const World& w) {
+Identity IdentityOf(const Model& model, const World& w) {
   Mixer mixer(w.now);
   const Machine& m = w.machine;
+  unsigned twins = 0;
   std::vector<Fingerprint> actuators;
-  for (std::size_t i = 0; i < kActuators; ++i) actuators.push_back(OfActuator(model, w, i));
+  for (std::size_t i = 0; i < kActuators; ++i) {
+    const Fingerprint own = OfActuator(model, w, i);
+    if (std::find(actuators.begin(), actuators.end(), own) != actuators.end()) twins |= 1U << i;
+    actuators.push_back(own);
+  }
   std::sort(actuators.begin(), actuators.end());
-  mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.epoch_on_disk, w.stopped,
+  mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.epoch_on_disk, w.at_start, w.stopped,
             w.stop_seen_due);
   mixer.Add(m.phase, m.by_hand, m.state, m.epoch, m.number, m.set_up, m.stage, m.fallback,
             m.emergency_stop.has_value(), m.other_stops, m.released_stops, m.set_up_requests);
@@ -169,7 +177,7 @@ Fingerprint FingerprintOf(const Model& model, const World& w) {
               s.killed, s.requests, s.result.has_value());
     if (s.result) mixer.Add(s.result->outcome);
   }
-  return mixer.Get();
+  return {mixer.Get(), twins};
 }
 
 }  // namespace musher::search

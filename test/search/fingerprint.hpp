@@ -24,6 +24,13 @@ struct FingerprintHash {
   std::size_t operator()(const Fingerprint& f) const { return f.low; }
 };
 
-Fingerprint FingerprintOf(const Model& model, const World& world);
+// A node by its fingerprint. `twins` has a bit for each actuator that stands as an interchangeable one
+// before it does: what may happen to it happens to that one, too.
+struct Identity {
+  Fingerprint fingerprint;
+  unsigned twins = 0;
+};
+
+Identity IdentityOf(const Model& model, const World& world);
 
 }  // namespace musher::search

@@ -86,6 +86,7 @@ World WorldIn(const Model& model, const State& state) {
   assert(world.machine.state == state);
   world.requests.clear();
   world.from = state;
+  world.at_start = true;
   return world;
 }
 

@@ -22,6 +22,11 @@ Sender SenderOf(RequestToken token) {
 
 }  // namespace
 
+bool FromActuator(const Late& late) {
+  return std::holds_alternative<event::Replied>(late) ||
+         std::holds_alternative<event::StatusSeen>(late);
+}
+
 void Stage::Say(const std::string& sentence) {
   if (notes_.tell) notes_.story.push_back(sentence);
 }
@@ -74,7 +79,7 @@ void Stage::RestartController() {
     actor.replies.clear();
     actor.end.reset();
     actor.status_due = actor.alive;  // the latch is there for whoever comes
-    std::erase_if(actor.late, [](const Late& late) { return !std::holds_alternative<Message>(late); });
+    std::erase_if(actor.late, FromActuator);
   }
   BeginController(false);
 }
@@ -111,8 +116,8 @@ void Stage::StartActuator(std::size_t i) {
   actor.core.report.pid = actor.processes;
   actor.core.report.incarnation = static_cast<std::uint64_t>(actor.core.report.pid);
   actor.core.report.host = "here";
-  actor.stop_due = world_.stopped;
   Perform(i, actuator_event::Started{});
+  if (world_.stopped) HearStop(i);  // its topic is latched
 }
 
 // A process that is not there, or not set up, has nobody who listens.
@@ -138,25 +143,28 @@ void Stage::EndCallback(std::size_t i, std::int32_t code, const std::string& tex
 }
 
 void Stage::HearStop(std::size_t i) {
-  world_.actors[i].stop_due = false;
   Perform(i, actuator_event::EmergencyStopHeard{kStopId, true, 0});
 }
 
 void Stage::Crash(std::size_t i) {
-  world_.actors[i].status_due = false;
+  Actor& actor = world_.actors[i];
+  actor.status_due = false;
   EndProcess(i, false);
+  TellEnd(i);
 }
 
 void Stage::EndProcess(std::size_t i, bool clean) {
   Actor& actor = world_.actors[i];
-  actor.alive = actor.visible = actor.stop_due = false;
+  actor.alive = actor.visible = false;
   actor.work = Work::kNone;
   actor.end = clean;
 }
 
-void Stage::EngageStop() {
+void Stage::EngageStop(std::optional<std::size_t> but) {
   world_.stopped = world_.stop_seen_due = true;
-  for (Actor& actor : world_.actors) actor.stop_due = actor.alive;
+  for (std::size_t i = 0; i < kActuators; ++i) {
+    if (i != but) HearStop(i);
+  }
 }
 
 void Stage::Perform(std::size_t i, const ActuatorEvent& event, bool held_back) {
@@ -235,8 +243,13 @@ void Stage::Do(const Action& action) {
     Say("  request " + std::to_string(answer->request) + " is told: " +
         std::string(OutcomeName(answer->result.outcome)) + " in " + answer->result.state);
   } else if (const auto* tell = std::get_if<action::TellEmergencyStop>(&action)) {
-    for (Actor& actor : w.actors) {
-      actor.stop_due |= tell->engaged && actor.alive && actor.core.report.emergency_stop == 0;
+    for (std::size_t i = 0; i < kActuators && tell->engaged; ++i) {
+      // The one that hears late hears all late.
+      const auto& late = w.actors[i].late;
+      const bool later = std::any_of(late.begin(), late.end(), [](const Late& l) {
+        return std::holds_alternative<StopMessage>(l);
+      });
+      if (!later) HearStop(i);
     }
   } else if (const auto* save = std::get_if<action::SaveEmergencyStop>(&action)) {
     w.stop_on_disk = save->stop;

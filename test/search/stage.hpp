@@ -8,6 +8,8 @@
 
 namespace musher::search {
 
+bool FromActuator(const Late& late);
+
 class Stage {
  public:
   Stage(const Model& model, World& world, Notes& notes)
@@ -28,7 +30,8 @@ class Stage {
   void EndCallback(std::size_t i, std::int32_t code, const std::string& text);
   void HearStop(std::size_t i);
   void Crash(std::size_t i);
-  void EngageStop();
+  // All actuators hear of it but this one.
+  void EngageStop(std::optional<std::size_t> but = std::nullopt);
 
   ActuatorReport Report(std::size_t i);  // with a new stamp
   void Say(const std::string& sentence);

@@ -18,10 +18,16 @@
 //   - a command reaches its actuator as soon as it is sent. What could come between - a crash, an
 //     emergency stop, the end of the controller - commutes with the sending by somebody else, so that
 //     the same happens where it comes before; a command that is to come later is held back.
-//   - the end of a callback and its reply's arrival are one, as are a status and its arrival: what
-//     the controller hears of others meanwhile commutes with the end of the callback. Where two
-//     messages of one actuator could overtake each other, one is held back.
-//   - a status that says what the controller knows already changes nothing and is not waited for.
+//   - the end of a callback and its reply's arrival are one, as are a status and its arrival, a crash
+//     and its being heard of: what the controller hears of others meanwhile commutes with what
+//     happened at the actuator. Where two messages of one actuator could overtake each other, one is
+//     held back. A process that ends by itself is heard of later or, before its last reply, at once.
+//   - a status that says what the controller knows already changes nothing and is not waited for; nor
+//     is one that says that a command is running whose reply is waited for, once no fault is left:
+//     whatever ends the wait brings a newer report.
+//   - an emergency stop reaches all actuators at once, also between two commands of one wave; the
+//     controller hears of it at any time. An actuator that hears of it later is another fault.
+//   - before the first request nothing goes wrong but an emergency stop: the rest is another start.
 // Actuators that have the same config are interchangeable: of nodes that differ by their names only
 // one is searched (fingerprint.hpp).
 
@@ -47,7 +53,9 @@ struct Message {
   std::variant<SwitchCommand, AskCommand> what;
 };
 
-using Late = std::variant<Message, event::Replied, event::StatusSeen>;
+struct StopMessage {};
+
+using Late = std::variant<Message, event::Replied, event::StatusSeen, StopMessage>;
 
 enum class Work { kNone, kRunning, kOverdue };
 
@@ -57,7 +65,6 @@ struct Actor {
   Work work = Work::kNone;
   bool stop_requested = false;  // of the callback that runs
   bool status_due = false;
-  bool stop_due = false;  // an emergency stop is on its way to it
   std::int64_t reports = 0;
   std::int32_t processes = 0;  // its pid is this: nobody compares pids of different actuators
   ActuatorCore core;
@@ -87,6 +94,7 @@ struct World {
   std::uint64_t generation = 0;   // of the controller
   std::uint64_t epoch_on_disk = 0;
   std::optional<EmergencyStop> stop_on_disk;
+  bool at_start = false;       // nothing has been asked for yet
   bool stopped = false;        // an emergency stop has been engaged
   bool stop_seen_due = false;  // the controller has not heard of it
 };
@@ -100,7 +108,7 @@ enum class Deed : std::uint8_t {
   kReply,      // the first of the replies
   kStatus,     // the latch
   kEnd,        // of a process
-  kHearStop,   // an actuator hears of the emergency stop
+  kEndFirst,   // a torn down one's process ends, and that is heard before its reply
   kSeeStop,    // the controller does
   kTime,       // to the next deadline
   kLate,       // what was held back comes
@@ -124,6 +132,7 @@ enum class Deed : std::uint8_t {
   kAskError,
   kAskTearDown,
   kEngageStop,
+  kEngageStopLate,  // one actuator hears of it late: two faults
 };
 
 struct Choice {
