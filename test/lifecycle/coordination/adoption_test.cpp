@@ -119,6 +119,21 @@ TEST_F(Adopting, ACriticalOneThatIsGoneAndDoesNotComeBackTakesTheMachineDown) {
   EXPECT_EQ(t.machine().state, "Protected");
 }
 
+TEST_F(Adopting, DoesNotTakeASwitchOutOfACheckByHandForAStart) {
+  for (const char* state : {"DeActive", "Error", "TearDown"}) {
+    Theatre& t = In("Error", Ours(3));
+    ASSERT_TRUE(t.Set("SelfCheck").done());
+    for (const char* name : {"a", "b", "c"}) t.On(name, state).takes = Milliseconds(90);
+    t.ClearLog();
+    t.Ask(state);
+    t.RunFor(Milliseconds(40));
+    Restart(t);
+    EXPECT_EQ(t.machine().state, state) << "nobody had asked for Active";
+    EXPECT_THAT(t.log(), ElementsAre(std::string("a:") + state, std::string("b:") + state,
+                                     std::string("c:") + state));
+  }
+}
+
 TEST_F(Adopting, EndsATearDownThatTheOneBeforeDiedIn) {
   Theatre& t = In("Active", Ours(3));
   for (const char* name : {"a", "b", "c"}) t.On(name, "TearDown").takes = Milliseconds(90);
