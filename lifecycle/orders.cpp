@@ -92,6 +92,12 @@ void Decision::Follow(std::size_t i) {
   record.parked = false;
   record.health = Health::kWell;
   record.due = late && record.checked && !record.held;
+  // What it runs for an earlier controller is waited for like an order of ours, and no longer.
+  const std::uint64_t number = record.report.busy_number;
+  if (number != 0 && !record.order) {
+    const Time by = now_ + config_.TimeFor(i, record.report.target);
+    record.order = Order{number, record.report.target, now_, by, 0};
+  }
   record.cause = RecordActuator(
       i, kCodeOk,
       ConfigOf(i).name + " is present in " + record.state() +

@@ -134,6 +134,32 @@ TEST_F(Adopting, DoesNotTakeASwitchOutOfACheckByHandForAStart) {
   }
 }
 
+TEST_F(Adopting, NoticesThatACallbackOfTheOneBeforeNeverEnds) {
+  Theatre& t = In("Active", MachineOf(3));
+  t.On("a", "DeActive").hangs = true;
+  t.Ask("DeActive");
+  t.RunFor(Milliseconds(20));
+  Restart(t);
+  EXPECT_EQ(t.machine().state, "DeActive");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("a"));
+  EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("still busy with DeActive"));
+}
+
+TEST_F(Adopting, LearnsHowACallbackOfTheOneBeforeEndedThoughTheLatchIsNotHeard) {
+  Theatre& t = In("LowPower", MachineOf(3));
+  t.On("a", "Active").takes = Milliseconds(60);
+  t.Ask("Active");
+  t.RunFor(Milliseconds(20));
+  t.RestartController();
+  t.RunFor(Milliseconds(20));
+  t.Mute("a", false, true);
+  t.RunFor(Milliseconds(50));
+  t.Mute("a", false, false);
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "LowPower");
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "LowPower") << name;
+}
+
 TEST_F(Adopting, EndsATearDownThatTheOneBeforeDiedIn) {
   Theatre& t = In("Active", Ours(3));
   for (const char* name : {"a", "b", "c"}) t.On(name, "TearDown").takes = Milliseconds(90);
