@@ -25,7 +25,8 @@ bool StopIsKnown(const World& world, const ActuatorReport& report) {
 
 // Whether the controller knows already what the latch would tell it.
 bool TellsNothing(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
-  return StopIsKnown(world, report) && record.presence == Presence::kPresent && SaysTheSame(record.report, report);
+  return StopIsKnown(world, report) && record.presence == Presence::kPresent &&
+         SaysTheSame(record.report, report);
 }
 
 // Whether the controller waits for the end of the command that it is about, which brings a newer
@@ -49,9 +50,8 @@ bool IsOver(const World& world, const Actor& actor, const ActuatorRecord& record
 
 bool Expects(const World& world, const Actor& actor) {
   const auto& tokens = actor.core.running_for;
-  return std::any_of(tokens.begin(), tokens.end(), [&](RequestToken token) {
-    return (token & 127) == world.generation + 1;
-  });
+  return std::any_of(tokens.begin(), tokens.end(),
+                     [&](RequestToken token) { return (token & 127) == world.generation + 1; });
 }
 
 class Listing {
@@ -169,7 +169,8 @@ void Tidy(Stage& stage) {
     Actor& actor = world.actors[i];
     const ActuatorRecord& record = world.machine.actuators[i];
     const ActuatorReport& report = actor.core.report;
-    std::erase_if(actor.replies, [&](const auto& reply) { return IsOver(world, actor, record, reply); });
+    std::erase_if(actor.replies,
+                  [&](const auto& reply) { return IsOver(world, actor, record, reply); });
     if (TellsNothing(world, record, report) || IsWaitedFor(world, record, report)) {
       actor.status_due = false;
     }
@@ -276,8 +277,8 @@ class Making {
   }
   std::string Text(const Message& message) const {
     if (const auto* command = std::get_if<SwitchCommand>(&message.what)) {
-      return "command " + std::to_string(command->number) + " to " + stage_.Name(message.to) + ", " +
-             command->target;
+      return "command " + std::to_string(command->number) + " to " + stage_.Name(message.to) +
+             ", " + command->target;
     }
     return "the question to " + stage_.Name(message.to) + " about " +
            std::to_string(std::get<AskCommand>(message.what).number);
@@ -314,7 +315,9 @@ class Making {
     const bool asked = choice_.deed == Deed::kEndAsked;
     const bool overtaken = !actor().replies.empty();
     stage_.Say((failed ? "FAULT: " : "") + name() + "'s callback of " + target() +
-               (failed ? " fails" : asked ? " ends because it was asked to stop" : " ends"));
+               (failed  ? " fails"
+                : asked ? " ends because it was asked to stop"
+                        : " ends"));
     stage_.EndCallback(i_, failed || asked ? kFailure : 0, asked ? "asked to stop" : "");
     if (choice_.deed == Deed::kEndCrash) {
       stage_.Say("FAULT: and its process, which is heard before its reply");
@@ -397,9 +400,9 @@ bool IsQuiet(const World& world, const std::vector<Choice>& choices) {
                          (choice.deed == Deed::kEndOk || choice.deed == Deed::kEndAsked);
     const auto& late = world.actors[choice.actuator].late;
     // The latch is repeated until it has come.
-    const bool lost = choice.deed == Deed::kLate &&
-                      (std::holds_alternative<Message>(late[choice.index]) ||
-                       std::holds_alternative<event::Replied>(late[choice.index]));
+    const bool lost =
+        choice.deed == Deed::kLate && (std::holds_alternative<Message>(late[choice.index]) ||
+                                       std::holds_alternative<event::Replied>(late[choice.index]));
     return choice.cost > 0 || lost || overdue;
   });
 }

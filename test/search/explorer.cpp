@@ -63,8 +63,8 @@ class Explorer {
       const Identity identity = IdentityOf(model_, world);
       if (!seen_.insert(identity.fingerprint).second) continue;
       came_.push_back({node.id, k});
-      next_.push_back({static_cast<std::uint32_t>(came_.size() - 1), identity.twins,
-                       std::move(world)});
+      next_.push_back(
+          {static_cast<std::uint32_t>(came_.size() - 1), identity.twins, std::move(world)});
     }
   }
 

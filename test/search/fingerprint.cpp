@@ -33,8 +33,7 @@ class Mixer {
     low_ ^= low_ >> 32;
   }
   template <typename T>
-    requires(std::is_integral_v<T> || std::is_enum_v<T>)
-  void One(const T& x) {
+  requires(std::is_integral_v<T> || std::is_enum_v<T>) void One(const T& x) {
     Word(static_cast<std::uint64_t>(x));
   }
   void One(const State& text) { Word(std::hash<std::string_view>{}(text)); }
@@ -132,11 +131,11 @@ Fingerprint OfActuator(const Model& model, const World& world, std::size_t i) {
     }
   }
   const Actor& a = world.actors[i];
-  mixer.Add(a.alive, a.visible, a.work, a.stop_requested, a.status_due, a.end, a.epoch,
-            a.begun, a.asked);
+  mixer.Add(a.alive, a.visible, a.work, a.stop_requested, a.status_due, a.end, a.epoch, a.begun,
+            a.asked);
   const ActuatorCore& c = a.core;
-  mixer.Add(c.report, c.report.emergency_stop, c.running_for, c.was_apart, c.waiting, c.unsettled, c.controller,
-            c.announced, c.released);
+  mixer.Add(c.report, c.report.emergency_stop, c.running_for, c.was_apart, c.waiting, c.unsettled,
+            c.controller, c.announced, c.released);
   mixer.Add(a.replies.size());
   for (const event::Replied& reply : a.replies) AddReply(mixer, record, reply);
   AddLate(mixer, record, a.late);
@@ -160,8 +159,8 @@ Identity IdentityOf(const Model& model, const World& w) {
     actuators.push_back(own);
   }
   std::sort(actuators.begin(), actuators.end());
-  mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.epoch_on_disk, w.at_start, w.stopped,
-            w.stop_seen_due);
+  mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.epoch_on_disk, w.at_start,
+            w.stopped, w.stop_seen_due);
   mixer.Add(m.phase, m.by_hand, m.state, m.epoch, m.number, m.set_up, m.stage, m.fallback,
             m.emergency_stop.has_value(), m.other_stops, m.released_stops, m.set_up_requests);
   mixer.Add(m.current.has_value());
@@ -173,8 +172,8 @@ Identity IdentityOf(const Model& model, const World& w) {
   mixer.Add(m.stopping.has_value());
   if (m.stopping) {
     const Stopping& s = *m.stopping;
-    mixer.Add(s.tear_down_by, s.terminate_at, s.kill_at, s.give_up_at, s.terminated,
-              s.killed, s.requests, s.result.has_value());
+    mixer.Add(s.tear_down_by, s.terminate_at, s.kill_at, s.give_up_at, s.terminated, s.killed,
+              s.requests, s.result.has_value());
     if (s.result) mixer.Add(s.result->outcome);
   }
   return {mixer.Get(), twins};

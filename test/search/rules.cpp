@@ -12,6 +12,15 @@ bool AskedFor(const World& world, const State& target) {
                      [&](const Request& request) { return request.target == target; });
 }
 
+// A controller that finds nobody past the check, by whomever that was led, starts the machine.
+bool IsStarting(const World& world) {
+  const auto& current = world.machine.current;
+  const bool checked =
+      world.from == kSelfCheck || world.from == kSetUp || AskedFor(world, State(kSelfCheck));
+  return checked && world.generation > 0 && current &&
+         current->purpose == Purpose::kStartUpActivate;
+}
+
 // Whether `to` is more active than `from`, both being states to stay in.
 bool IsHigher(const MachineConfig& config, const State& to, const State& from) {
   const auto high = config.RankOf(to);
@@ -23,11 +32,11 @@ bool IsHigher(const MachineConfig& config, const State& to, const State& from) {
 bool Listed(const SwitchResult& result, const std::string& name) {
   const auto& degraded = result.degraded;
   if (std::find(degraded.begin(), degraded.end(), name) != degraded.end()) return true;
-  return std::any_of(result.actuators.begin(), result.actuators.end(),
-                     [&](const ActuatorResult& actuator) {
-                       return actuator.name == name && (actuator.outcome == ActuatorOutcome::kLost ||
-                                                        actuator.outcome == ActuatorOutcome::kSkipped);
-                     });
+  return std::any_of(
+      result.actuators.begin(), result.actuators.end(), [&](const ActuatorResult& actuator) {
+        return actuator.name == name && (actuator.outcome == ActuatorOutcome::kLost ||
+                                         actuator.outcome == ActuatorOutcome::kSkipped);
+      });
 }
 
 // Whether the controller cannot know yet that it has ended.
@@ -57,8 +66,7 @@ void JudgeDone(const Model& model, const World& world, const SwitchResult& resul
 }
 
 // All are back. Where the machine is between states, nobody may be above rest.
-void JudgeUndone(const Model& model, const World& world, const SwitchResult& result,
-                 Notes& notes) {
+void JudgeUndone(const Model& model, const World& world, const SwitchResult& result, Notes& notes) {
   const bool at_rest = model.config.RankOf(world.machine.state).has_value();
   if (result.state != world.machine.state || result.state == result.target) {
     notes.wrong.push_back("undone is told, and that the machine is in " + result.state);
@@ -68,8 +76,8 @@ void JudgeUndone(const Model& model, const World& world, const SwitchResult& res
     const std::string& name = model.config.actuators[i].name;
     if (Listed(result, name) || !actor.alive) continue;
     const State& state = actor.core.report.state;
-    const bool back = at_rest ? state == world.machine.state
-                              : !IsHigher(model.config, state, State(kDeActive));
+    const bool back =
+        at_rest ? state == world.machine.state : !IsHigher(model.config, state, State(kDeActive));
     if (!back) notes.wrong.push_back("undone is told while " + name + " is in " + state);
     if (at_rest && actor.work != Work::kNone && actor.core.report.target == result.target) {
       notes.wrong.push_back("undone is told while " + name + " is on its way");
@@ -86,12 +94,14 @@ void JudgePlace(const Model& model, const World& world, std::size_t i, Notes& no
   const State& state = actor.core.report.state;
   if (record.order) notes.wrong.push_back("an order to " + own.name + " has no end");
   const auto place = config.RankOf(machine.state);
-  const bool stopped_below = machine.emergency_stop && Rises(config, state, machine.state);
+  const auto rank = config.RankOf(state);
+  const bool stopped_below = machine.emergency_stop && (!rank || (place && *rank < *place));
   const bool there = actor.alive && record.presence == Presence::kPresent &&
                      (state == machine.state || !place || stopped_below);
   if (!there && !record.held && !record.fault) {
-    notes.wrong.push_back("at rest " + own.name + (actor.alive ? " is in " : " is dead in ") + state +
-                          ", the machine in " + machine.state + ", and nothing is on record");
+    notes.wrong.push_back("at rest " + own.name + (actor.alive ? " is in " : " is dead in ") +
+                          state + ", the machine in " + machine.state +
+                          ", and nothing is on record");
   }
   const bool knows = record.state() == state && record.report.busy() == actor.core.report.busy();
   if (actor.alive && !record.fault && !knows) {
@@ -113,7 +123,7 @@ void JudgeCommand(const Model& model, const World& world, const action::SendSwit
   const auto& current = machine.current;
   const bool wanted = current && current->target == send.target && !current->rolling_back &&
                       AskedFor(world, send.target);
-  if (wanted) return;
+  if (wanted || IsStarting(world)) return;
   notes.wrong.push_back(model.config.actuators[send.actuator].name + " is sent up from " + state +
                         " to " + send.target + ", which nobody asked for");
 }
@@ -131,10 +141,11 @@ void JudgeBeginning(const Model& model, const World& world, std::size_t i, const
     notes.wrong.push_back(what + " by epoch " + std::to_string(epoch) + ", which is over");
   }
   if (number <= actor.begun || number <= actor.asked) {
-    notes.wrong.push_back(what + " by command " + std::to_string(number) + ", which is of the past");
+    notes.wrong.push_back(what + " by command " + std::to_string(number) +
+                          ", which is of the past");
   }
   const bool wanted = AskedFor(world, target) || target == world.machine.state ||
-                      target == world.from;
+                      target == world.from || IsStarting(world);
   if (IsHigher(model.config, target, report.state) && !wanted) {
     notes.wrong.push_back(what + " from " + report.state + ", which nobody asked for");
   }
@@ -152,8 +163,8 @@ void JudgeStep(const Model& model, const World& world, const Before& before, Not
   if (rises && before.stopped && machine.emergency_stop) {
     notes.wrong.push_back("the machine rises to " + machine.state + " in an emergency stop");
   }
-  const bool adopts = world.generation > 0 && before.phase == Phase::kStarting &&
-                      machine.phase == Phase::kRunning;
+  const bool adopts =
+      world.generation > 0 && before.phase == Phase::kStarting && machine.phase == Phase::kRunning;
   for (std::size_t i = 0; i < kActuators && adopts; ++i) {
     const State& state = world.actors[i].core.report.state;
     const bool counts =

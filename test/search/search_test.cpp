@@ -17,8 +17,7 @@ std::string Environment(const char* name) {
   return value != nullptr ? value : "";
 }
 
-class ExhaustiveSearch
-    : public ::testing::TestWithParam<std::tuple<std::string, std::string>> {};
+class ExhaustiveSearch : public ::testing::TestWithParam<std::tuple<std::string, std::string>> {};
 
 TEST_P(ExhaustiveSearch, FindsNothingWrong) {
   const Scenario& scenario = ScenarioNamed(std::get<0>(GetParam()));
@@ -33,9 +32,11 @@ TEST_P(ExhaustiveSearch, FindsNothingWrong) {
     if (!MayGo(from, to)) continue;
     const Searched searched = SearchAll(model, root);
     const Figures& f = searched.figures;
-    std::printf("%-10s %-14s %-10s %9zu %10zu %8zu %7.2f\n", scenario.name.c_str(), from.c_str(), to.c_str(), f.nodes, f.transitions, f.leaves, f.seconds);
+    std::printf("%-10s %-14s %-10s %9zu %10zu %8zu %7.2f\n", scenario.name.c_str(), from.c_str(),
+                to.c_str(), f.nodes, f.transitions, f.leaves, f.seconds);
     if (searched.fault) {
-      ADD_FAILURE() << from << " to " << to << "\n" << StoryOf(model, root, searched.fault->path) << searched.fault->path;
+      ADD_FAILURE() << from << " to " << to << "\n"
+                    << StoryOf(model, root, searched.fault->path) << searched.fault->path;
     }
   }
 }

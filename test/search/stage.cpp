@@ -225,10 +225,9 @@ void Stage::Do(const Action& action) {
   if (const auto* send = std::get_if<action::SendSwitch>(&action)) {
     JudgeCommand(model_, w, *send, notes_);
     const ActuatorRecord& record = w.machine.actuators[send->actuator];
-    Send(send->actuator,
-         SwitchCommand{w.machine.epoch, send->number, send->target, send->budget,
-                       record.clock_theirs, w.now - record.clock_ours, record.report.incarnation,
-                       send->apart});
+    Send(send->actuator, SwitchCommand{w.machine.epoch, send->number, send->target, send->budget,
+                                       record.clock_theirs, w.now - record.clock_ours,
+                                       record.report.incarnation, send->apart});
   } else if (const auto* ask = std::get_if<action::SendAsk>(&action)) {
     Send(ask->actuator, AskCommand{w.machine.epoch, ask->number, ask->stop});
   } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {

@@ -16,13 +16,16 @@
 // What is not told apart, and why nothing is lost by that (what A and B do commutes when they share
 // neither a process nor a message):
 //   - a command reaches its actuator as soon as it is sent. What could come between - a crash, an
-//     emergency stop, the end of the controller - commutes with the sending by somebody else, so that
-//     the same happens where it comes before; a command that is to come later is held back.
-//   - the end of a callback and its reply's arrival are one, as are a status and its arrival, a crash
+//     emergency stop, the end of the controller - commutes with the sending by somebody else, so
+//     that the same happens where it comes before; a command that is to come later is held back.
+//   - the end of a callback and its reply's arrival are one, as are a status and its arrival, a
+//   crash
 //     and its being heard of: what the controller hears of others meanwhile commutes with what
-//     happened at the actuator. Where two messages of one actuator could overtake each other, one is
-//     held back. A process that ends by itself is heard of later or, before its last reply, at once.
-//   - a status that says what the controller knows already changes nothing and is not waited for; nor
+//     happened at the actuator. Where two messages of one actuator could overtake each other, one
+//     is held back. A process that ends by itself is heard of later or, before its last reply, at
+//     once.
+//   - a status that says what the controller knows already changes nothing and is not waited for;
+//   nor
 //     is one that says that a command is running whose reply is waited for, once no fault is left:
 //     whatever ends the wait brings a newer report.
 //   - an emergency stop reaches all actuators at once, also between two commands of one wave; the
@@ -101,17 +104,17 @@ struct World {
 
 enum class Deed : std::uint8_t {
   // Nothing is wrong with these.
-  kAsk,        // the first request
-  kDeliver,    // the first of the outbox
-  kEndOk,      // a callback ends, and its reply arrives
-  kEndAsked,   // an overdue one ends because it was asked to stop
-  kReply,      // the first of the replies
-  kStatus,     // the latch
-  kEnd,        // of a process
-  kEndFirst,   // a torn down one's process ends, and that is heard before its reply
-  kSeeStop,    // the controller does
-  kTime,       // to the next deadline
-  kLate,       // what was held back comes
+  kAsk,       // the first request
+  kDeliver,   // the first of the outbox
+  kEndOk,     // a callback ends, and its reply arrives
+  kEndAsked,  // an overdue one ends because it was asked to stop
+  kReply,     // the first of the replies
+  kStatus,    // the latch
+  kEnd,       // of a process
+  kEndFirst,  // a torn down one's process ends, and that is heard before its reply
+  kSeeStop,   // the controller does
+  kTime,      // to the next deadline
+  kLate,      // what was held back comes
   // Each of these is a fault.
   kLose,
   kHold,
