@@ -145,6 +145,18 @@ TEST_F(Adopting, NoticesThatACallbackOfTheOneBeforeNeverEnds) {
   EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("still busy with DeActive"));
 }
 
+TEST_F(Adopting, ListsAllThatComeAfterOneThatDoesNotCome) {
+  Theatre& t = In("Error", Chain());
+  ASSERT_TRUE(t.Set("SelfCheck").done());
+  t.On("c", "DeActive").hangs = true;
+  t.Ask("DeActive");
+  t.RunFor(Milliseconds(20));
+  Restart(t);
+  EXPECT_EQ(t.machine().state, "DeActive");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("a", "b", "c"));
+  EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("needs b"));
+}
+
 TEST_F(Adopting, LearnsHowACallbackOfTheOneBeforeEndedThoughTheLatchIsNotHeard) {
   Theatre& t = In("LowPower", MachineOf(3));
   t.On("a", "Active").takes = Milliseconds(60);
