@@ -124,6 +124,7 @@ class Listing {
     }
     if (actor.status_due) {
       Free(Deed::kStatus, i);
+      Fault(Deed::kStatusLost, i);
       Fault(Deed::kStatusHeld, i);
       Fault(Deed::kStatusDoubled, i);
     }
@@ -193,7 +194,7 @@ class Making {
     if (choice_.deed == Deed::kLate) return TakeLate();
     if (choice_.deed >= Deed::kEndFailed && choice_.deed <= Deed::kEndCrash) return End();
     if (choice_.deed >= Deed::kReplyLost && choice_.deed <= Deed::kReplyDoubled) return Reply();
-    if (choice_.deed >= Deed::kStatusHeld && choice_.deed <= Deed::kStatusDoubled) return Status();
+    if (choice_.deed >= Deed::kStatusLost && choice_.deed <= Deed::kStatusDoubled) return Status();
     if (choice_.deed >= Deed::kLose && choice_.deed <= Deed::kUnheard) return Sent();
     Simple();
   }
@@ -369,8 +370,13 @@ class Making {
       return stage_.TellStatus(i_);
     }
     const bool twice = choice_.deed == Deed::kStatusDoubled;
-    stage_.Say((twice ? "FAULT: comes twice: " : "FAULT: held back: ") + text);
+    const bool lost = choice_.deed == Deed::kStatusLost;
+    stage_.Say((lost    ? "FAULT: lost: "
+                : twice ? "FAULT: comes twice: "
+                        : "FAULT: held back: ") +
+               text);
     actor().status_due = false;
+    if (lost) return;
     const event::StatusSeen seen{i_, stage_.Report(i_)};
     actor().late.emplace_back(seen);
     if (twice) stage_.Tell(seen);

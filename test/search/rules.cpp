@@ -167,8 +167,9 @@ void JudgeStep(const Model& model, const World& world, const Before& before, Not
       world.generation > 0 && before.phase == Phase::kStarting && machine.phase == Phase::kRunning;
   for (std::size_t i = 0; i < kActuators && adopts; ++i) {
     const State& state = world.actors[i].core.report.state;
-    const bool counts =
-        world.actors[i].alive && machine.actuators[i].presence == Presence::kPresent;
+    const bool counts = world.actors[i].alive &&
+                        machine.actuators[i].presence == Presence::kPresent &&
+                        !machine.actuators[i].fault;
     if (counts && IsHigher(config, machine.state, state)) {
       notes.wrong.push_back("the machine is adopted in " + machine.state + ", which is above " +
                             config.actuators[i].name + "'s " + state);

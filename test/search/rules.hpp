@@ -12,6 +12,7 @@ struct Before {
   State state;
   Phase phase = Phase::kIdle;
   bool stopped = false;
+  bool starting = false;  // it is on its way up after the check
 };
 
 // The controller sends a command: nothing rises unless somebody asked for it, or to join.

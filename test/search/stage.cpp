@@ -47,8 +47,11 @@ void Stage::Tell(const Event& event) {
     const Event next = std::move(queue_.front());
     queue_.pop_front();
     Machine& machine = world_.machine;
-    if (machine.phase == Phase::kStopped) continue;  // the controller has ended
-    const Before before{machine.state, machine.phase, machine.emergency_stop.has_value()};
+    // The controller has ended, or is about to and can only refuse.
+    const bool asked = std::holds_alternative<event::SetStateRequested>(next);
+    if (machine.phase == Phase::kStopped && !asked) continue;
+    const bool starting = machine.current && machine.current->purpose == Purpose::kStartUpActivate;
+    const Before before{machine.state, machine.phase, machine.emergency_stop.has_value(), starting};
     const auto actions = model_.rules.controller(config_, machine, next, world_.now);
     for (const Action& action : actions) Do(action);
     JudgeStep(model_, world_, before, notes_);

@@ -128,6 +128,7 @@ enum class Deed : std::uint8_t {
   kReplyLost,
   kReplyHeld,
   kReplyDoubled,
+  kStatusLost,
   kStatusHeld,
   kStatusDoubled,
   kCrash,
