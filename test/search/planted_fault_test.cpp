@@ -21,7 +21,7 @@ class PlantedFault : public ::testing::Test {
     const Model sound(ScenarioNamed(machine).config, to);
     const Model model(sound.config, to, std::move(rules));
     World root = WorldIn(sound, from);
-    root.faults_left = faults;
+    root.faults = root.faults_left = faults;
     searched = SearchAll(model, root);
     if (searched.fault) story = StoryOf(model, root, searched.fault->path);
   }

@@ -113,10 +113,64 @@ void JudgePlace(const Model& model, const World& world, std::size_t i, Notes& no
   }
 }
 
+// Of two in order the one is not sent anything while the other is on its way, nor after it.
+void JudgeOrder(const Model& model, const World& world, const action::SendSwitch& send,
+                Notes& notes) {
+  const auto& current = world.machine.current;
+  if (!current) return;
+  const bool reversed = current->rolling_back || current->direction == Direction::kDown;
+  const auto comes_after = [&](std::size_t one, std::size_t other) {
+    const auto& after = model.config.actuators[one].after;
+    return std::find(after.begin(), after.end(), model.config.actuators[other].name) != after.end();
+  };
+  for (std::size_t k = 0; k < kActuators; ++k) {
+    const std::size_t first = reversed ? k : send.actuator;
+    const std::size_t second = reversed ? send.actuator : k;
+    const bool later = comes_after(second, first);
+    if (!later && !comes_after(first, second)) continue;
+    const Actor& other = world.actors[k];
+    const ActuatorReport& report = other.core.report;
+    const bool sent = std::any_of(world.outbox.begin(), world.outbox.end(), [&](const Message& m) {
+      const auto* command = std::get_if<SwitchCommand>(&m.what);
+      return m.to == k && command != nullptr && command->number == send.number;
+    });
+    if (!other.alive || report.epoch != world.machine.epoch) continue;
+    const bool runs = other.work == Work::kRunning && report.busy_number == send.number;
+    if (sent || runs || (later && report.outcome_number == send.number)) {
+      notes.wrong.push_back(model.config.actuators[send.actuator].name + " is sent to " +
+                            send.target + " out of order with " + model.config.actuators[k].name);
+    }
+  }
+}
+
+// On the way up it is all or nobody, and nobody was degraded before.
+void JudgeUp(const Model& model, const World& world, const action::AnswerSetState& answer,
+             Notes& notes) {
+  const SwitchResult& result = answer.result;
+  if (answer.request != 1 || !IsHigher(model.config, result.target, world.from)) return;
+  for (const ActuatorResult& actuator : result.actuators) {
+    if (actuator.outcome == ActuatorOutcome::kDone) continue;
+    notes.wrong.push_back("the machine goes up without " + actuator.name);
+  }
+}
+
+// Without an order among them a fault costs no more than one.
+void JudgeDegraded(const Model& model, const World& world, Notes& notes) {
+  const auto& actuators = model.config.actuators;
+  const bool in_order = std::any_of(actuators.begin(), actuators.end(),
+                                    [](const ActuatorConfig& a) { return !a.after.empty(); });
+  const auto degraded = Degraded(model.config, world.machine).size();
+  if (AskedFor(world, State(kTearDown)))
+    return;  // who has gone cannot be told from who is not there
+  if (in_order || degraded <= static_cast<std::size_t>(world.faults - world.faults_left)) return;
+  notes.wrong.push_back(std::to_string(degraded) + " are degraded, which is more than had a fault");
+}
+
 }  // namespace
 
 void JudgeCommand(const Model& model, const World& world, const action::SendSwitch& send,
                   Notes& notes) {
+  JudgeOrder(model, world, send, notes);
   const Machine& machine = world.machine;
   const State& state = machine.actuators[send.actuator].state();
   if (!IsHigher(model.config, send.target, state) || send.target == machine.state) return;
@@ -163,8 +217,8 @@ void JudgeStep(const Model& model, const World& world, const Before& before, Not
   if (rises && before.stopped && machine.emergency_stop) {
     notes.wrong.push_back("the machine rises to " + machine.state + " in an emergency stop");
   }
-  const bool adopts =
-      world.generation > 0 && before.phase == Phase::kStarting && machine.phase == Phase::kRunning;
+  const bool adopts = world.generation > 0 && before.phase == Phase::kStarting &&
+                      !before.starting && machine.phase == Phase::kRunning;
   for (std::size_t i = 0; i < kActuators && adopts; ++i) {
     const State& state = world.actors[i].core.report.state;
     const bool counts = world.actors[i].alive &&
@@ -187,6 +241,7 @@ void JudgeAnswer(const Model& model, const World& world, const action::AnswerSet
   switch (result.outcome) {
     case SwitchOutcome::kDone:
     case SwitchOutcome::kDoneDegraded:
+      JudgeUp(model, world, answer, notes);
       return JudgeDone(model, world, result, notes);
     case SwitchOutcome::kUndone:
       return JudgeUndone(model, world, result, notes);
@@ -211,6 +266,7 @@ void JudgeRest(const Model& model, const World& world, Notes& notes) {
   if (world.machine.current) notes.wrong.push_back("a switch has no end");
   if (world.machine.phase == Phase::kStopping) notes.wrong.push_back("the end has no end");
   if (world.machine.phase != Phase::kRunning) return;
+  JudgeDegraded(model, world, notes);
   for (std::size_t i = 0; i < kActuators; ++i) JudgePlace(model, world, i, notes);
 }
 

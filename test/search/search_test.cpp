@@ -43,7 +43,7 @@ class ExhaustiveSearch : public ::testing::TestWithParam<std::tuple<std::string,
   Figures SearchTo(const State& to) const {
     const Model model(scenario().config, to);
     World root = WorldIn(model, from());
-    root.faults_left = faults();
+    root.faults = root.faults_left = faults();
     if (const std::string path = Environment("MUSHER_SEARCH_PATH"); !path.empty()) {
       std::cout << StoryOf(model, root, path);
       return {};

@@ -88,6 +88,7 @@ struct Request {
 
 struct World {
   Time now{};
+  int faults = 0;  // that may strike at all
   int faults_left = 0;
   Machine machine;
   std::array<Actor, kActuators> actors;
