@@ -134,7 +134,9 @@ void JudgeOrder(const Model& model, const World& world, const action::SendSwitch
       const auto* command = std::get_if<SwitchCommand>(&m.what);
       return m.to == k && command != nullptr && command->number == send.number;
     });
-    if (!other.alive || report.epoch != world.machine.epoch) continue;
+    const bool takes_part = std::any_of(current->legs.begin(), current->legs.end(),
+                                        [k](const Leg& leg) { return leg.actuator == k; });
+    if (!other.alive || !takes_part) continue;
     const bool runs = other.work == Work::kRunning && report.busy_number == send.number;
     if (sent || runs || (later && report.outcome_number == send.number)) {
       notes.wrong.push_back(model.config.actuators[send.actuator].name + " is sent to " +
