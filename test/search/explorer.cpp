@@ -73,8 +73,9 @@ class Explorer {
     if (last) path.push_back(*last);
     for (; id != 0; id = came_[id].from) path.push_back(came_[id].choice);
     std::string text;
-    for (auto choice = path.rbegin(); choice != path.rend(); ++choice) {
-      text += (text.empty() ? "" : ".") + std::to_string(*choice);
+    std::reverse(path.begin(), path.end());
+    for (const std::uint32_t choice : path) {
+      text += (text.empty() ? "" : ".") + std::to_string(choice);
     }
     searched_.fault = Fault{std::move(notes.wrong), text};
   }

@@ -1,4 +1,4 @@
-// The search can fail: each test plants a fault in the rules and is told its story.
+// The search can fail: each test plants a fault in the rules and is told its story_.
 
 #include <gmock/gmock.h>
 
@@ -22,12 +22,12 @@ class PlantedFault : public ::testing::Test {
     const Model model(sound.config, to, std::move(rules));
     World root = WorldIn(sound, from);
     root.faults = root.faults_left = faults;
-    searched = SearchAll(model, root);
-    if (searched.fault) story = StoryOf(model, root, searched.fault->path);
+    searched_ = SearchAll(model, root);
+    if (searched_.fault) story_ = StoryOf(model, root, searched_.fault->path);
   }
 
-  Searched searched;
-  std::string story;
+  Searched searched_;
+  std::string story_;
 };
 
 // Changes the event before the controller sees it.
@@ -49,19 +49,19 @@ TEST_F(PlantedFault, AFailureThatIsDroppedIsFound) {
            reply.report.state = machine.current->target;
          }),
          "LowPower", "Active", 1);
-  ASSERT_TRUE(searched.fault);
-  EXPECT_THAT(searched.fault->wrong, Contains(HasSubstr("done is told while")));
-  EXPECT_THAT(story, HasSubstr("FAULT: "));
-  EXPECT_THAT(story, HasSubstr("callback of Active fails"));
-  EXPECT_THAT(story, HasSubstr("WRONG: done is told while"));
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("done is told while")));
+  EXPECT_THAT(story_, HasSubstr("FAULT: "));
+  EXPECT_THAT(story_, HasSubstr("callback of Active fails"));
+  EXPECT_THAT(story_, HasSubstr("WRONG: done is told while"));
 }
 
 TEST_F(PlantedFault, ACrashThatIsNotHeardOfIsFound) {
   Search(WithEvent<event::Vanished>(
              [](event::Vanished& vanished, const Machine&) { vanished.incarnation = 0; }),
          "Active", "Active", 1);
-  ASSERT_TRUE(searched.fault);
-  EXPECT_THAT(searched.fault->wrong, Contains(HasSubstr("is dead in Active")));
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("is dead in Active")));
 }
 
 TEST_F(PlantedFault, AnAnswerThatIsForgottenIsFoundWithoutAnyFault) {
@@ -73,8 +73,8 @@ TEST_F(PlantedFault, AnAnswerThatIsForgottenIsFoundWithoutAnyFault) {
     return actions;
   };
   Search(rules, "Active", "LowPower", 0);
-  ASSERT_TRUE(searched.fault);
-  EXPECT_THAT(searched.fault->wrong,
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->wrong,
               Contains(HasSubstr("nobody was told what became of LowPower")));
 }
 
@@ -89,8 +89,8 @@ TEST_F(PlantedFault, AnAnswerThatIsToldTwiceIsFound) {
     return actions;
   };
   Search(rules, "Active", "LowPower", 0);
-  ASSERT_TRUE(searched.fault);
-  EXPECT_THAT(searched.fault->wrong, Contains("the same request is told twice"));
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->wrong, Contains("the same request is told twice"));
 }
 
 // An actuator that remembers no numbers begins what comes a second time, or after its question.
@@ -103,9 +103,9 @@ TEST_F(PlantedFault, ACommandOfThePastThatBeginsIsFound) {
     return Step(config, i, core, event, now);
   };
   Search(rules, "Active", "LowPower", 2);
-  ASSERT_TRUE(searched.fault);
-  EXPECT_THAT(searched.fault->wrong, Contains(HasSubstr("which is of the past")));
-  EXPECT_THAT(story, HasSubstr("what was held back comes"));
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("which is of the past")));
+  EXPECT_THAT(story_, HasSubstr("what was held back comes"));
 }
 
 TEST_F(PlantedFault, AnActuatorThatForgetsTheEmergencyStopIsFound) {
@@ -120,18 +120,18 @@ TEST_F(PlantedFault, AnActuatorThatForgetsTheEmergencyStopIsFound) {
     return actions;
   };
   Search(rules, "LowPower", "Active", 1);
-  ASSERT_TRUE(searched.fault);
-  EXPECT_THAT(searched.fault->wrong, Contains(HasSubstr("while an emergency stop is latched")));
-  EXPECT_THAT(story, HasSubstr("CROSSED by an emergency stop"));
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("while an emergency stop is latched")));
+  EXPECT_THAT(story_, HasSubstr("CROSSED by an emergency stop"));
 }
 
 TEST_F(PlantedFault, TheStoryThatIsToldIsTheShortest) {
   Search(WithEvent<event::Vanished>(
              [](event::Vanished& vanished, const Machine&) { vanished.incarnation = 0; }),
          "Active", "Active", 2);
-  ASSERT_TRUE(searched.fault);
-  EXPECT_EQ(searched.fault->path.find('.', searched.fault->path.find('.') + 1), std::string::npos)
-      << "asked, and a crash: " << searched.fault->path;
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_EQ(searched_.fault->path.find('.', searched_.fault->path.find('.') + 1), std::string::npos)
+      << "asked, and a crash: " << searched_.fault->path;
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ bool EndIsUnheardOf(const Actor& actor) {
 }
 
 void JudgeDone(const Model& model, const World& world, const SwitchResult& result, Notes& notes) {
-  if (result.done() && !result.degraded.empty()) notes.wrong.push_back("done, and degraded");
+  if (result.done() && !result.degraded.empty()) notes.wrong.emplace_back("done, and degraded");
   if (result.target != kSelfCheck && world.machine.state != result.target) {
     notes.wrong.push_back("done is told while the machine is in " + world.machine.state);
   }
@@ -211,7 +211,8 @@ void JudgeStep(const Model& model, const World& world, const Before& before, Not
   const MachineConfig& config = model.config;
   const Machine& machine = world.machine;
   const auto deadline = NextDeadline(config, machine);
-  if (deadline && *deadline <= world.now) notes.wrong.push_back("a deadline is not in the future");
+  if (deadline && *deadline <= world.now)
+    notes.wrong.emplace_back("a deadline is not in the future");
   const bool rises = IsHigher(config, machine.state, before.state);
   if (rises && !AskedFor(world, machine.state)) {
     notes.wrong.push_back("the machine rises to " + machine.state + ", which nobody asked for");
@@ -237,9 +238,9 @@ void JudgeAnswer(const Model& model, const World& world, const action::AnswerSet
                  Notes& notes) {
   const SwitchResult& result = answer.result;
   const Request& request = world.requests[answer.request - 1];
-  if (request.gone) notes.wrong.push_back("somebody is told who had asked another controller");
-  if (request.answers > 0) notes.wrong.push_back("the same request is told twice");
-  if (result.target != request.target) notes.wrong.push_back("another's outcome is told");
+  if (request.gone) notes.wrong.emplace_back("somebody is told who had asked another controller");
+  if (request.answers > 0) notes.wrong.emplace_back("the same request is told twice");
+  if (result.target != request.target) notes.wrong.emplace_back("another's outcome is told");
   switch (result.outcome) {
     case SwitchOutcome::kDone:
     case SwitchOutcome::kDoneDegraded:
@@ -249,11 +250,11 @@ void JudgeAnswer(const Model& model, const World& world, const action::AnswerSet
       return JudgeUndone(model, world, result, notes);
     case SwitchOutcome::kSuperseded:
       if (!AskedFor(world, State(kError)) && !AskedFor(world, State(kTearDown))) {
-        notes.wrong.push_back("superseded by nothing");
+        notes.wrong.emplace_back("superseded by nothing");
       }
       return;
     case SwitchOutcome::kRefused:
-      if (result.number != 0) notes.wrong.push_back("refused, though it had a number");
+      if (result.number != 0) notes.wrong.emplace_back("refused, though it had a number");
       return;
   }
 }
@@ -265,8 +266,8 @@ void JudgeRest(const Model& model, const World& world, Notes& notes) {
                             request.target);
     }
   }
-  if (world.machine.current) notes.wrong.push_back("a switch has no end");
-  if (world.machine.phase == Phase::kStopping) notes.wrong.push_back("the end has no end");
+  if (world.machine.current) notes.wrong.emplace_back("a switch has no end");
+  if (world.machine.phase == Phase::kStopping) notes.wrong.emplace_back("the end has no end");
   if (world.machine.phase != Phase::kRunning) return;
   JudgeDegraded(model, world, notes);
   for (std::size_t i = 0; i < kActuators; ++i) JudgePlace(model, world, i, notes);

@@ -29,21 +29,21 @@ MachineConfig WithCriticalB() {
 }
 
 bool IsRestingPlace(const State& state) {
-  static const std::vector<State> kPlaces = {"Active", "Protected", "DeActive", "LowPower", "OTA"};
-  return std::find(kPlaces.begin(), kPlaces.end(), state) != kPlaces.end();
+  static const std::vector<State> places = {"Active", "Protected", "DeActive", "LowPower", "OTA"};
+  return std::find(places.begin(), places.end(), state) != places.end();
 }
 
 }  // namespace
 
 const std::vector<Scenario>& Scenarios() {
-  static const std::vector<Scenario> kAll = {
+  static const std::vector<Scenario> all = {
       {"Parallel", MachineOf(kActuators)},
       {"Chain", testing::Chain(), 2},
       {"Critical", WithCriticalB()},
       {"Staggered", Staggered()},
       {"Restarted", testing::Ours(kActuators)},
   };
-  return kAll;
+  return all;
 }
 
 const Scenario& ScenarioNamed(const std::string& name) {
