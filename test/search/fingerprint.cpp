@@ -107,7 +107,7 @@ void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
   mixer.Add(r.presence, r.report, r.process, r.dead, r.found_running, r.set_up_by, r.claimed,
             r.claim_again, r.checked, r.join_tried, r.held, r.due, r.fault.has_value(), r.order,
             r.health, r.restarts, r.restart_at, r.healthy_at, r.given_up, r.restart_asked, r.doomed,
-            r.kill_at, r.killed, r.parked, r.outbid_at);
+            r.kill_at, r.killed, r.parked, r.outbid_at, r.hindered, r.free_by);
   mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
 }
 
