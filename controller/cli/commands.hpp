@@ -19,6 +19,7 @@ ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& 
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Replay(const ReplayOptions& options, Console& console);
 ExitCode Graph(const GraphOptions& options, Console& console);
+ExitCode Simulate(const SimulateOptions& options, Console& console);
 ExitCode Completion(const CompletionOptions& options, Console& console);
 
 }  // namespace musher::cli

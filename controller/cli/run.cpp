@@ -31,6 +31,7 @@ struct Dispatch {
   ExitCode operator()(const HistoryOptions& o) const { return History(o, global, console); }
   ExitCode operator()(const ReplayOptions& o) const { return Replay(o, console); }
   ExitCode operator()(const GraphOptions& o) const { return Graph(o, console); }
+  ExitCode operator()(const SimulateOptions& o) const { return Simulate(o, console); }
   ExitCode operator()(const CompletionOptions& o) const { return Completion(o, console); }
 };
 
