@@ -26,6 +26,7 @@ struct Board {
   std::atomic<bool> silent;               // the cycle gives no more checkpoints
   std::atomic<End> end;                   // how the process ends; with `end_in` 0 at once
   std::atomic<std::int32_t> exit_code;    // of End::kExit
+  std::atomic<std::int32_t> checkpoints;  // given by the cycle so far
   std::atomic<std::int32_t> starts;       // processes of this module so far
 };
 

@@ -48,7 +48,7 @@ std::string Table(const Member& member, Shape shape, const std::string& folder,
   if (member.checkpoint_ms > 0) {
     table += "checkpoint_ms = " + std::to_string(member.checkpoint_ms) + "\n";
   }
-  table += "controller_lost_ms = " + std::to_string(kControllerLostMs) +
+  table += "controller_lost_ms = " + std::to_string(ControllerLostMs(shape)) +
            "\non_controller_lost = \"" + kOnControllerLost + "\"\n" + kResetKey;
   if (shape == Shape::kHere) {
     table += CommandKey(CommandOf(member, folder, programs)) + RestartKeys(member);

@@ -38,7 +38,10 @@ std::string ConfigText(Shape shape, const std::string& folder, const std::string
                        const std::string& name_space);
 
 inline constexpr int kRestartLimit = 3;
-inline constexpr int kControllerLostMs = 1500;
+// Longer than any next controller takes to come; between two hosts shorter than a lease of DDS.
+constexpr int ControllerLostMs(Shape shape) {
+  return shape == Shape::kHere ? 4000 : 1500;
+}
 inline constexpr int kShutdownBudgetMs = 6000;
 inline constexpr int kCallbackTimeMs = 2000;
 inline constexpr const char* kOnControllerLost = "Protected";

@@ -69,6 +69,9 @@ void ThreadIsSilent(Trial& trial) {
   Board& board = trial.robot.board(victim);
   const bool comes_to_itself = trial.random.Chance(50);
   trial.Drawn("comes to itself", comes_to_itself ? "at once" : "never");
+  // It is watched from the first one after a state callback.
+  const int before = board.checkpoints;
+  AwaitThat([&] { return board.checkpoints > before + 1; }, kPatience);
   trial.Struck();
   board.silent = true;
   trial.Detected(victim + " hangs", IsKnownAs(victim, "hung"));

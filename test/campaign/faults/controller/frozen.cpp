@@ -9,7 +9,7 @@ namespace musher::campaign::controller {
 // Nobody minds.
 void FrozenShortly(Trial& trial) {
   const pid_t pid = trial.robot.ControllerPid();
-  const auto time = Milliseconds(trial.random.Between(50, kControllerLostMs * 6 / 10));
+  const auto time = Milliseconds(trial.random.Between(50, 1500));
   trial.Drawn("for", std::to_string(ToMilliseconds(time)) + " ms");
   trial.Struck();
   kill(pid, SIGSTOP);
@@ -35,7 +35,7 @@ void FrozenForLong(Trial& trial) {
     trial.Expect(AwaitThat(alone, kPatience), "without a controller not all go to Protected");
     trial.DetectedNow();
   } else {
-    trial.LetPass(Milliseconds(kControllerLostMs + 500));
+    trial.LetPass(Milliseconds(ControllerLostMs(Shape::kHere) + 500));
   }
   kill(pid, SIGCONT);
   trial.Require(trial.observer().GetStatus().ok(), "it does not answer when it goes on");

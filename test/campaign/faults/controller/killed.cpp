@@ -56,6 +56,15 @@ void JudgeWhereItEnded(Trial& trial, const Case& fault, bool begun) {
   if (begun && !IsUp(trial, fault.target)) trial.Expect(state == fault.target, what);
 }
 
+std::set<std::string> Missing(const msg::MachineStatus& status) {
+  std::set<std::string> missing;
+  for (const msg::ActuatorInfo& info : status.actuators) {
+    const bool gone = info.presence != "present" && info.degraded && !info.restarting;
+    if (gone) missing.insert(info.name);
+  }
+  return missing;
+}
+
 }  // namespace
 
 void KilledAt(Trial& trial, Moment moment) {
@@ -132,9 +141,12 @@ void KilledInStop(Trial& trial) {
   for (const std::string& name : Modules()) Relieve(trial.robot.board(name));
   trial.robot.StartController();
   const auto over = [&] {
+    if (trial.robot.ControllerHasEnded()) return true;
     const auto status = trial.observer().Latest();
-    const bool anew = status && (IsSettled(*status, "Active") || IsSettled(*status, trial.state()));
-    return trial.robot.ControllerHasEnded() || anew;
+    const bool leads = status && status->pid == trial.robot.ControllerPid();
+    // Who was torn down already and may not be restarted is missing: for a person to decide.
+    return leads && RankOf(status->state) > 0 &&
+           IsSettled(*status, status->state, Missing(*status));
   };
   trial.Require(AwaitThat(over, kPatience), "the machine neither ends nor starts");
   trial.RecoveredNow();
