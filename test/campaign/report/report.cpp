@@ -101,8 +101,10 @@ void Report::Write(const std::filesystem::path& folder) const {
 std::string Report::Markdown() const {
   std::string text = "# Campaign\n\n" + Summary() + ". " +
                      std::to_string(std::thread::hardware_concurrency()) +
-                     " cores. Times in ms from the fault: *detection* until the machine's status "
-                     "tells of it, *recovery* until the machine is settled as promised.\n\n"
+                     " cores, beside whatever else they had to do. Times in ms from the fault: "
+                     "*detection* until the machine's status tells of it, which it does at most "
+                     "once each 20 ms; *recovery* until the machine is settled as promised, of a "
+                     "fault that lasts from its end on; 0: it was settled all the time.\n\n"
                      "![Detection and recovery by kind](report.svg)\n\n"
                      "| kind | what is done | count | failed | detection p50 | p99 | max "
                      "| recovery p50 | p99 | max |\n"

@@ -15,7 +15,7 @@ constexpr double kLeft = 190;
 constexpr double kRight = 900;
 constexpr double kTop = 84;
 constexpr double kRow = 24;
-constexpr double kWidth = 1000;
+constexpr double kWidth = 1010;
 constexpr double kLeastMs = 0.1;
 constexpr double kMostMs = 100'000;
 constexpr const char* kDetection = "#1f6fb2";
@@ -47,6 +47,9 @@ std::string Line(double x1, double y1, double x2, double y2, const std::string& 
 // p50: a full circle, p99: a bar, max: an open circle.
 std::string Marks(const Figures& figures, double y, const std::string& colour) {
   if (figures.count == 0) return "";
+  if (figures.max <= 0) {
+    return Text(kLeft + 6, y + 4, "undisturbed", " font-size=\"10\" fill=\"" + colour + "\"");
+  }
   const auto circle = [&](double at, const std::string& fill) {
     return "<circle cx=\"" + Number(XOf(at)) + "\" cy=\"" + Number(y) + "\" r=\"3.5\" stroke=\"" +
            colour + "\" stroke-width=\"1.5\" fill=\"" + fill + "\"/>\n";
@@ -102,7 +105,7 @@ std::string Svg(const std::vector<KindFigures>& kinds, const std::string& title)
         std::to_string(kind.count) +
         (kind.failed > 0 ? ", " + std::to_string(kind.failed) + " failed" : "");
     rows += Text(20, y + 16, kind.kind, " fill=\"" + colour + "\"");
-    rows += Text(kRight + 16, y + 16, count, " fill=\"" + colour + "\"");
+    rows += Text(kRight + 28, y + 16, count, " fill=\"" + colour + "\"");
     rows += Line(kLeft, y + kRow, kRight, y + kRow, "#eeeeee", 1);
     rows += Marks(kind.detection, y + 8, kDetection) + Marks(kind.recovery, y + 16, kRecovery);
     y += kRow;
@@ -112,7 +115,7 @@ std::string Svg(const std::vector<KindFigures>& kinds, const std::string& title)
          Number(height) + "\" font-family=\"sans-serif\" font-size=\"12\">\n" +
          "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n" +
          Text(8, 22, title, " font-size=\"16\" font-weight=\"bold\"") + Legend() +
-         Text(kRight + 16, kTop - 14, "count", " fill=\"#555555\"") + Axis(y) + rows + "</svg>\n";
+         Text(kRight + 28, kTop - 14, "count", " fill=\"#555555\"") + Axis(y) + rows + "</svg>\n";
 }
 
 }  // namespace musher::campaign
