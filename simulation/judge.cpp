@@ -285,7 +285,8 @@ void Judge::JudgeLoss(const Machine& machine, std::size_t i, bool provided) {
         "the machine rests in " + machine.state + " without " + actuator.name + ", " +
             (record.given_up
                  ? "which was given up after " + std::to_string(record.restarts) + " restarts"
-                 : "which nothing will start again") +
+                 : (robot_.IsAlive(actuator.name) ? "which hangs, and nothing ends that"
+                                                  : "which nothing will start again")) +
             "; it has no on_lost (\"Active\" if the machine may do without it)");
 }
 
