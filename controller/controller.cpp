@@ -167,7 +167,7 @@ Result<> Controller::OpenShell() {
     if (!store_) return;
     if (const auto saved = store_->SaveEmergencyStop(stop); !saved) Trouble(saved.error().message);
   };
-  world.log_file = [this](const std::string& name) { return store_ ? store_->LogFile(name) : ""; };
+  world.log_file = [this](const std::string& name) { return LogFileOf(name); };
   world.wall_ns = WallNanoseconds;
   world.config_text = TextOf(config_);
   world.host = transport::HostId();
@@ -210,6 +210,16 @@ std::uint64_t Controller::LoadEpoch() {
 void Controller::SaveEpoch(std::uint64_t epoch) {
   if (!store_) return;
   if (const auto saved = store_->SaveEpoch(epoch); !saved) Trouble(saved.error().message);
+}
+
+// Without one the process is started all the same, and what it prints is lost.
+std::string Controller::LogFileOf(const std::string& actuator) {
+  if (!store_) return "";
+  const auto file = store_->MakeLogFile(actuator);
+  const bool told = std::exchange(logs_in_trouble_, !file.ok());
+  if (file) return file.value();
+  if (!told) Trouble("what actuators print is lost: " + file.error().message);
+  return "";
 }
 
 void Controller::Trouble(const std::string& message) {

@@ -163,4 +163,12 @@ std::string StateStore::LogFile(std::string_view actuator) const {
   return dir_ + "/logs/" + std::string(actuator) + ".log";
 }
 
+Result<std::string> StateStore::MakeLogFile(std::string_view actuator) const {
+  if (auto made = MakePrivateFolder(fs::path(dir_) / "logs"); !made) return made.error();
+  std::string path = LogFile(actuator);
+  const UniqueFd file(open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
+  if (!file.valid()) return SystemError("can't write " + path);
+  return path;
+}
+
 }  // namespace musher

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 
@@ -17,6 +18,20 @@
 #include "musher/transport/host.hpp"
 
 namespace musher::cli {
+namespace {
+
+constexpr unsigned kLeaveTime = 2;  // seconds, for leaving the domain
+
+volatile std::sig_atomic_t exit_code_in_time = 0;
+
+// DDS waits for ever to leave a network that has gone. By now all is said and done.
+void EndWithin(unsigned seconds, int exit_code) {
+  exit_code_in_time = exit_code;
+  std::signal(SIGALRM, [](int) { _exit(exit_code_in_time); });
+  alarm(seconds);
+}
+
+}  // namespace
 
 ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& console) {
   auto config = LoadConfig(options.file, console);
@@ -50,6 +65,7 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
       ControllerProcess process(*config, std::move(theirs), options.detach ? 0 : front,
                                 options.takeover);
       exit_code = process.Run();
+      EndWithin(kLeaveTime, exit_code);
     }
     std::exit(exit_code);  // NOLINT(concurrency-mt-unsafe)
   }
