@@ -11,6 +11,7 @@
 #include "musher/transport/dds/raw_type.hpp"
 #include "musher/transport/dds/service_tags.hpp"
 #include "musher/transport/dds/settings.hpp"
+#include "musher/transport/keys/check.hpp"
 
 namespace musher::transport {
 
@@ -35,7 +36,8 @@ class DdsNode : public Node {
   Result<std::unique_ptr<RawReader>> MakeRawReader(const std::string& topic,
                                                    const std::string& type, const Qos& qos,
                                                    ReaderCallbacks callbacks) override {
-    const auto core = std::make_shared<dds::ReaderCore>(loop_, std::move(callbacks));
+    const auto core = std::make_shared<dds::ReaderCore>(loop_, std::move(callbacks),
+                                                        qos.partition == kEveryPartition);
     const Result<> opened = Open(*core, topic, type, qos, tags_.ForReader(topic));
     if (!opened) return opened.error();
     return std::unique_ptr<RawReader>(std::make_unique<dds::DdsReader>(core));
@@ -84,9 +86,14 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
   if (!domain_id) return domain_id.error();
   const Result<TransportProfile> profile = Profile(options);
   if (!profile) return profile.error();
+  if (options.credentials) {
+    const keys::KeyFolder folder(options.credentials->keys);
+    if (auto good = keys::Check(folder, options.credentials->identity); !good) return good.error();
+  }
   const bool impatient = options.impatient || std::getenv("MUSHER_IMPATIENT") != nullptr;
   auto participant = dds::OpenParticipant(
-      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, impatient));
+      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, impatient),
+      options.credentials);
   if (!participant) return participant.error();
   return std::unique_ptr<Node>(std::make_unique<DdsNode>(loop, std::move(participant).value()));
 }

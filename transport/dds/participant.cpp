@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "musher/transport/dds/qos.hpp"
+#include "musher/transport/dds/security.hpp"
 
 namespace musher::transport::dds {
 
@@ -54,30 +55,55 @@ bool UserHasSettings() {
   return uri != nullptr && *uri != '\0';
 }
 
+std::string NameOf(const std::optional<Credentials>& credentials) {
+  return credentials ? credentials->identity + " of " + credentials->keys : "nobody";
+}
+
+Result<std::shared_ptr<Domain>> OpenDomain(int domain_id, const std::string& settings,
+                                           const std::optional<Credentials>& credentials,
+                                           LogCapture& log) {
+  auto domain = std::make_shared<Domain>();
+  domain->credentials = credentials;
+  if (UserHasSettings()) return domain;
+  const dds_entity_t entity =
+      dds_create_domain(static_cast<dds_domainid_t>(domain_id), settings.c_str());
+  // One that exists was made by other code of this process, and is used as it is.
+  if (entity < 0 && entity != DDS_RETCODE_PRECONDITION_NOT_MET) {
+    return SetupError(domain_id, entity, log);
+  }
+  domain->entity = Entity(entity);
+  return domain;
+}
+
 }  // namespace
 
-Result<Participant> OpenParticipant(int domain_id, const std::string& settings) {
+Result<Participant> OpenParticipant(int domain_id, const std::string& settings,
+                                    const std::optional<Credentials>& credentials) {
   static std::mutex mutex;
-  static std::map<int, std::weak_ptr<Entity>> domains;
+  static std::map<int, std::weak_ptr<Domain>> domains;
   const std::lock_guard lock(mutex);
   LogCapture log;
 
   Participant participant;
   participant.domain = domains[domain_id].lock();
-  if (!participant.domain && !UserHasSettings()) {
-    const dds_entity_t domain =
-        dds_create_domain(static_cast<dds_domainid_t>(domain_id), settings.c_str());
-    // One that exists was made by other code of this process, and is used as it is.
-    if (domain < 0 && domain != DDS_RETCODE_PRECONDITION_NOT_MET) {
-      return SetupError(domain_id, domain, log);
-    }
-    participant.domain = std::make_shared<Entity>(domain);
+  if (!participant.domain) {
+    auto domain = OpenDomain(domain_id, settings, credentials, log);
+    if (!domain) return domain.error();
+    participant.domain = std::move(domain).value();
     domains[domain_id] = participant.domain;
+  }
+  // Cyclone would give this participant the rights of the first.
+  if (participant.domain->credentials != credentials) {
+    return Error{kCodeParametersInvalid,
+                 "this process is in DDS domain " + std::to_string(domain_id) + " as " +
+                     NameOf(participant.domain->credentials) + " already, and cannot be " +
+                     NameOf(credentials) + " there, too"};
   }
 
   const QosPtr qos(dds_create_qos());
   constexpr std::string_view kEnclave = "enclave=/;";  // as a ROS 2 node without security
   dds_qset_userdata(qos.get(), kEnclave.data(), kEnclave.size());
+  if (credentials) SetCredentials(qos.get(), *credentials);
   const dds_entity_t entity =
       dds_create_participant(static_cast<dds_domainid_t>(domain_id), qos.get(), nullptr);
   if (entity < 0) return SetupError(domain_id, entity, log);
