@@ -19,6 +19,11 @@ ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& 
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Replay(const ReplayOptions& options, Console& console);
 ExitCode Graph(const GraphOptions& options, Console& console);
+ExitCode KeysInit(const KeysInitOptions& options, Console& console);
+ExitCode KeysAdd(const KeysAddOptions& options, const GlobalOptions& global, Console& console);
+ExitCode KeysRevoke(const KeysRevokeOptions& options, const GlobalOptions& global,
+                    Console& console);
+ExitCode KeysList(const GlobalOptions& global, Console& console);
 ExitCode Completion(const CompletionOptions& options, Console& console);
 
 }  // namespace musher::cli

@@ -58,8 +58,8 @@ EstopReport AwaitEverybody(Link& link, const Latching& latching, Duration timeou
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail({ExitCode::kUsage, link.error()});
-  const auto latching =
-      Latching::Begin(link.value()->node(), global.name_space, NewStop(options.reason));
+  const auto latching = Latching::Begin(link.value()->node(), global.name_space,
+                                        NewStop(options.reason), !global.keys.empty());
   if (!latching) return console.Fail({ExitCode::kUsage, latching.error()});
   if (const auto followed = link.value()->FollowStatus({}); !followed) {
     return console.Fail({ExitCode::kUsage, followed.error()});

@@ -75,6 +75,7 @@ class Link {
   std::optional<Failure> Await(const std::function<bool()>& answered,
                                const std::function<bool()>& found, Duration timeout);
   Failure NoAnswer(Duration timeout) const;
+  std::string UnheardController() const;
 
   const GlobalOptions& global_;
   transport::UniqueFd signals_;  // before the node: its threads inherit the mask

@@ -21,6 +21,8 @@ struct GlobalOptions {
   std::optional<std::string> transport;  // "local" or "lan"; none: MUSHER_TRANSPORT, else local
   std::optional<Duration> timeout;       // for the controller's answer; none: the command's own
   ColourWhen colour = ColourWhen::kAuto;
+  std::string keys;      // folder of keys; empty: none are used
+  std::string identity;  // whose keys
 };
 
 struct CheckOptions {
@@ -68,13 +70,30 @@ struct GraphOptions {
   std::string format;         // "dot", "mermaid" or "svg"
   std::string output;         // empty: standard output
 };
+struct KeysInitOptions {
+  std::string where;  // a state config with [security], or a folder
+  int days = 730;
+  bool signed_only = false;
+  bool force = false;
+};
+struct KeysAddOptions {
+  std::string name;
+  std::string role = "actuator";
+  int days = 730;
+  bool force = false;
+};
+struct KeysRevokeOptions {
+  std::string name;
+};
+struct KeysListOptions {};
 struct CompletionOptions {
   std::string shell;  // "bash" or "zsh"
 };
 
 using CommandOptions = std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions,
                                     RestartOptions, EstopOptions, PlanOptions, HistoryOptions,
-                                    ReplayOptions, GraphOptions, CompletionOptions>;
+                                    ReplayOptions, GraphOptions, KeysInitOptions, KeysAddOptions,
+                                    KeysRevokeOptions, KeysListOptions, CompletionOptions>;
 
 struct CommandLine {
   GlobalOptions global;

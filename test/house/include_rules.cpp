@@ -29,6 +29,7 @@ const std::map<std::string, Folders>& MayInclude() {
 const std::map<std::string, std::vector<std::string>>& Libraries() {
   static const std::map<std::string, std::vector<std::string>> table = {
       {"dds/", {"transport/dds/", "test/contract/", "test/benchmark/"}},
+      {"openssl/", {"transport/keys/"}},
       {"toml++/", {"lifecycle/toml/"}},
       {"CLI/", {"controller/cli/", "modules/", "test/benchmark/"}},
       {"SQLiteCpp/", {"controller/", "test/controller/"}},

@@ -38,6 +38,10 @@ struct DdsOptions {
   std::optional<Credentials> credentials = std::nullopt;
 };
 
+// Those of `identity` where the config has keys.
+std::optional<Credentials> CredentialsFor(const MachineConfig& config, const std::string& identity);
+inline constexpr const char* kControllerIdentity = "controller";
+
 // The domain that `options` and the environment give; an Error when it is not one of 0 to 232.
 Result<int> DomainId(const DdsOptions& options);
 

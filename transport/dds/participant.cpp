@@ -41,6 +41,10 @@ class LogCapture {
   std::string text_;
 };
 
+constexpr const char* kPluginsHint =
+    " (the plugins of DDS Security are libdds_security_auth.so, _ac.so and _crypto.so, of the "
+    "Debian package libddsc0debian)";
+
 Error SetupError(int domain_id, dds_return_t code, LogCapture& log) {
   Error error = DdsError("cannot join DDS domain " + std::to_string(domain_id), code);
   if (const std::string reason = log.Take(); !reason.empty()) error.message += ": " + reason;
@@ -106,7 +110,11 @@ Result<Participant> OpenParticipant(int domain_id, const std::string& settings,
   if (credentials) SetCredentials(qos.get(), *credentials);
   const dds_entity_t entity =
       dds_create_participant(static_cast<dds_domainid_t>(domain_id), qos.get(), nullptr);
-  if (entity < 0) return SetupError(domain_id, entity, log);
+  if (entity < 0) {
+    Error error = SetupError(domain_id, entity, log);
+    if (credentials) error.message += kPluginsHint;
+    return error;
+  }
   participant.entity = Entity(entity);
   return participant;
 }

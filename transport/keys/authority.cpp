@@ -3,6 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+
+#include "musher/transport/keys/certificates.hpp"
+#include "musher/transport/keys/key_files.hpp"
 
 namespace musher::transport::keys {
 namespace {
@@ -133,8 +137,8 @@ Result<> Issue(const KeyFolder& folder, const std::string& name, Role role,
       NewCertificate(name, role, validity, key.value().get(), identity.value().certificate.get(),
                      identity.value().key.get());
   if (!certificate) return certificate.error();
-  const Grant grant{name, SubjectOf(certificate.value().get()), role, IsoTime(validity.not_before),
-                    IsoTime(validity.not_after)};
+  const Grant grant{name, SubjectOf(certificate.value().get()), role, validity.not_before,
+                    validity.not_after};
   const bool force = options.force;
   if (auto r = WriteKey(folder.Key(name), key.value().get(), force); !r) return r;
   if (auto r = WriteCertificate(folder.Certificate(name), certificate.value().get(), force); !r) {

@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "musher/transport/keys/certificates.hpp"
+#include "musher/lifecycle/result.hpp"
 #include "musher/transport/keys/key_folder.hpp"
+#include "musher/transport/keys/rights.hpp"
 
 namespace musher::transport::keys {
 

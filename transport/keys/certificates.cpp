@@ -166,15 +166,6 @@ Validity ValidityOf(const X509* certificate) {
   return {FromAsn1(X509_get0_notBefore(certificate)), FromAsn1(X509_get0_notAfter(certificate))};
 }
 
-std::string IsoTime(WallTime time) {
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
-  std::tm parts{};
-  gmtime_r(&seconds, &parts);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text.data();
-}
-
 int Verify(X509* certificate, X509* authority, X509_CRL* revocations) {
   const StorePtr store(X509_STORE_new());
   const StoreContextPtr context(X509_STORE_CTX_new());

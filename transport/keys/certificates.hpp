@@ -2,7 +2,6 @@
 // Makes and judges the objects that keys, certificates and signed documents consist of. Elliptic
 // curve P-256, SHA-256.
 
-#include <chrono>
 #include <string>
 #include <string_view>
 
@@ -10,8 +9,6 @@
 #include "musher/transport/keys/rights.hpp"
 
 namespace musher::transport::keys {
-
-using WallTime = std::chrono::sys_seconds;
 
 struct Validity {
   WallTime not_before;
@@ -38,7 +35,6 @@ std::string SubjectOf(const X509* certificate);
 std::string NameOf(const X509* certificate);
 std::optional<Role> RoleOf(const X509* certificate);
 Validity ValidityOf(const X509* certificate);
-std::string IsoTime(WallTime time);  // "2026-01-31T12:00:00Z"
 
 // Why `authority` does not vouch for `certificate` now; X509_V_OK where it does. `revocations` may
 // be null.

@@ -1,6 +1,7 @@
 #include "musher/transport/keys/check.hpp"
 
 #include "musher/transport/keys/certificates.hpp"
+#include "musher/transport/keys/key_files.hpp"
 
 namespace musher::transport::keys {
 namespace {
@@ -61,7 +62,7 @@ Result<> CheckDocuments(const KeyFolder& folder, const std::string& name, X509* 
 
 }  // namespace
 
-Result<> Check(const KeyFolder& folder, const std::string& identity) {
+Result<WallTime> Check(const KeyFolder& folder, const std::string& identity) {
   const auto authority = ReadCertificate(folder.IdentityCa());
   if (!authority) {
     return Refusal(authority.error().message + "; `musher keys init` makes a robot's keys");
@@ -82,7 +83,8 @@ Result<> Check(const KeyFolder& folder, const std::string& identity) {
   }
   const int reason = Verify(own, authority.value().get(), revocations.value().get());
   if (reason != X509_V_OK) return NotVouchedFor(folder, identity, own, reason);
-  return CheckDocuments(folder, identity, own);
+  if (auto good = CheckDocuments(folder, identity, own); !good) return good.error();
+  return ValidityOf(own).not_after;
 }
 
 }  // namespace musher::transport::keys

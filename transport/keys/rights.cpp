@@ -1,6 +1,8 @@
 #include "musher/transport/keys/rights.hpp"
 
 #include <algorithm>
+#include <array>
+#include <ctime>
 #include <utility>
 
 #include "musher/transport/lifecycle_wire.hpp"
@@ -151,6 +153,15 @@ std::string Document(const std::string& body) {
 
 }  // namespace
 
+std::string IsoTime(WallTime time) {
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text.data();
+}
+
 std::string_view RoleName(Role role) {
   switch (role) {
     case Role::kController:
@@ -200,11 +211,11 @@ std::string PermissionsXml(const Grant& grant) {
     rules += Rule("allow_rule", {{"publish", {"*"}}, {"subscribe", {"*"}}});
   }
   return Document(Element(
-      "permissions",
-      "<grant name=\"" + grant.name + "\">\n" + Element("subject_name", grant.subject) +
-          Element("validity",
-                  Element("not_before", grant.not_before) + Element("not_after", grant.not_after)) +
-          rules + Element("default", "DENY") + "</grant>\n"));
+      "permissions", "<grant name=\"" + grant.name + "\">\n" +
+                         Element("subject_name", grant.subject) +
+                         Element("validity", Element("not_before", IsoTime(grant.not_before)) +
+                                                 Element("not_after", IsoTime(grant.not_after))) +
+                         rules + Element("default", "DENY") + "</grant>\n"));
 }
 
 }  // namespace musher::transport::keys

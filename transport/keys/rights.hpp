@@ -10,6 +10,7 @@
 // all actuators publish on one topic. There each writes in a partition of its own name, and its
 // permissions name that partition: so nobody speaks in another's name.
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,6 +24,9 @@ enum class Role {
   kOperator,    // asks the controller, for a person
   kObserver,    // reads how the machine is
 };
+
+using WallTime = std::chrono::sys_seconds;
+std::string IsoTime(WallTime time);  // "2026-01-31T12:00:00Z"
 
 std::string_view RoleName(Role role);
 std::optional<Role> RoleFrom(std::string_view name);
@@ -38,8 +42,8 @@ struct Grant {
   std::string name;     // of the identity; an actuator's is that of the config
   std::string subject;  // of its certificate, as RFC 2253 writes it
   Role role = Role::kObserver;
-  std::string not_before;  // "2026-01-31T12:00:00Z"
-  std::string not_after;
+  WallTime not_before;
+  WallTime not_after;
 };
 
 std::string PermissionsXml(const Grant& grant);
