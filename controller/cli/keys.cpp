@@ -53,8 +53,9 @@ std::optional<Plan> PlanFor(const std::string& where, Console& console) {
   const auto config = LoadConfig(where, console);
   if (!config) return std::nullopt;
   if (config->keys.empty()) {
-    Fail(console, {kCodeParametersInvalid, where + " does not say where its keys are to be; add\n" +
-                                               "[security]\nkeys = \"keys\""});
+    Fail(console, {kCodeParametersInvalid,
+                   where + " does not say where its keys are to be; add to it: [security] keys = "
+                           "\"keys\""});
     return std::nullopt;
   }
   plan.folder = KeyFolder(config->keys);

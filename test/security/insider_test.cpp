@@ -12,16 +12,6 @@ using ::testing::Not;
 
 class Insiders : public SecuredMachine {
  protected:
-  // A process of the spy's, or of another identity, that does not keep to its permissions. It has
-  // met the controller and the actuators.
-  std::unique_ptr<Process> Liar(const std::string& identity, std::vector<std::string> actions) {
-    actions.insert(actions.end(), {"watch", "beats"});
-    setenv("LD_LIBRARY_PATH", LYING_PLUGIN_DIR, 1);
-    auto liar = Peer(keys_, identity, actions);
-    unsetenv("LD_LIBRARY_PATH");
-    EXPECT_EQ(liar->LineWith("ready"), "ready");
-    return liar;
-  }
   static void AwaitItHasMetTheMachine(Process& liar) {
     ASSERT_NE(liar.LineWith("machine LowPower"), "");
     ASSERT_NE(liar.LineWith("beats legs"), "");
@@ -52,7 +42,8 @@ TEST_F(Insiders, AreToldByTheirOwnSideWhatTheyMayNot) {
 }
 
 TEST_F(Insiders, CannotAnnounceThemselvesAsControllerNorCommandAnActuator) {
-  const auto spy = Liar("spy", {"announce", "command:legs", "publish:musher/emergency_stop:x"});
+  const auto spy =
+      Liar(keys_, "spy", {"announce", "command:legs", "publish:musher/emergency_stop:x"});
   ASSERT_NO_FATAL_FAILURE(AwaitItHasMetTheMachine(*spy));
   ExpectTheMachineIsSound();
   const std::string said = EndOf(*spy);
@@ -61,7 +52,8 @@ TEST_F(Insiders, CannotAnnounceThemselvesAsControllerNorCommandAnActuator) {
 }
 
 TEST_F(Insiders, CannotTellTheStatusOfAnotherActuator) {
-  const auto spy = Liar("spy", {"pose:legs:legs", "pose:legs", "pose:legs:*", "pose:legs:spy"});
+  const auto spy =
+      Liar(keys_, "spy", {"pose:legs:legs", "pose:legs", "pose:legs:*", "pose:legs:spy"});
   ASSERT_NO_FATAL_FAILURE(AwaitItHasMetTheMachine(*spy));
   ExpectTheMachineIsSound();
   EXPECT_THAT(EndOf(*spy), Not(HasSubstr("refused")));
@@ -70,15 +62,15 @@ TEST_F(Insiders, CannotTellTheStatusOfAnotherActuator) {
 // The last of those above is allowed as far as DDS goes: its own partition, another's name. So the
 // machine must hear what the spy says in its own name, else the test above showed nothing.
 TEST_F(Insiders, AreHeardInTheirOwnName) {
-  const auto spy = Liar("spy", {"publish:musher/actuator_status:spy"});
+  const auto spy = Liar(keys_, "spy", {"publish:musher/actuator_status:spy"});
   const auto ear = Peer(keys_, "operator", {"hear:musher/actuator_status:*"});
   EXPECT_NE(ear->LineWith("heard musher/actuator_status spy"), "");
 }
 
 TEST_F(Insiders, CannotReadCommandsToAnother) {
-  const auto spy = Liar("spy", {"hear:chat"});
+  const auto spy = Liar(keys_, "spy", {"hear:chat"});
   ASSERT_NO_FATAL_FAILURE(AwaitItHasMetTheMachine(*spy));
-  const auto reader = Liar("spy", {"serve:legs"});
+  const auto reader = Liar(keys_, "spy", {"serve:legs"});
   ASSERT_NO_FATAL_FAILURE(AwaitItHasMetTheMachine(*reader));
   ExpectTheMachineIsSound();
   const std::string said = EndOf(*reader);
@@ -88,7 +80,7 @@ TEST_F(Insiders, CannotReadCommandsToAnother) {
 
 TEST_F(Insiders, WhoMayOnlyLookCannotStopOrSwitchTheMachine) {
   Identity("visitor", "observer");
-  const auto visitor = Liar("visitor", {"stop", "set:Active"});
+  const auto visitor = Liar(keys_, "visitor", {"stop", "set:Active"});
   ASSERT_NE(visitor->LineWith("machine LowPower"), "");
   ExpectTheMachineIsSound();
   EXPECT_EQ(Status()["emergency_stop"]["engaged"], false);
@@ -96,7 +88,7 @@ TEST_F(Insiders, WhoMayOnlyLookCannotStopOrSwitchTheMachine) {
 }
 
 TEST_F(Insiders, WhoOperateAskTheControllerAndCommandNobody) {
-  const auto operating = Liar("operator", {"command:legs", "announce"});
+  const auto operating = Liar(keys_, "operator", {"command:legs", "announce"});
   ASSERT_NO_FATAL_FAILURE(AwaitItHasMetTheMachine(*operating));
   ExpectTheMachineIsSound();
   EXPECT_THAT(EndOf(*operating), Not(HasSubstr("answered")));

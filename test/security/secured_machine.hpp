@@ -42,6 +42,17 @@ class SecuredMachine : public MachineByCli {
     return std::make_unique<Process>(argv);
   }
 
+  // One that does not keep to its permissions, and hears what it can.
+  static std::unique_ptr<Process> Liar(const std::string& keys, const std::string& identity,
+                                       std::vector<std::string> actions) {
+    actions.insert(actions.end(), {"watch", "beats"});
+    setenv("LD_LIBRARY_PATH", LYING_PLUGIN_DIR, 1);
+    auto liar = Peer(keys, identity, actions);
+    unsetenv("LD_LIBRARY_PATH");
+    EXPECT_EQ(liar->LineWith("ready"), "ready");
+    return liar;
+  }
+
   std::string Identity(const std::string& name, const std::string& role) const {
     EXPECT_EQ(Musher({"keys", "add", name, "--role", role}).exit, 0);
     return name;
@@ -49,13 +60,16 @@ class SecuredMachine : public MachineByCli {
 
   // The machine does as it is told, and what it tells is what it was told.
   static void ExpectTheMachineIsSound() {
+    const auto before = Status();
+    ASSERT_FALSE(before.is_null());
     for (const char* state : {"Active", "LowPower"}) {
       const Ended set = Musher({"set", state});
       EXPECT_EQ(set.exit, 0) << set.err;
       const auto status = Status();
       ASSERT_FALSE(status.is_null());
       EXPECT_EQ(status["state"], state);
-      EXPECT_EQ(status["epoch"], 1);
+      EXPECT_EQ(status["epoch"], before["epoch"]);
+      EXPECT_EQ(status["pid"], before["pid"]);
       for (const char* actuator : {"legs", "voice", "eyes"}) {
         const auto& one = status["actuators"][actuator];
         EXPECT_EQ(one["state"], state) << actuator;
