@@ -277,6 +277,7 @@ ActuatorLink& ControllerShell::LinkTo(std::size_t actuator) {
 }
 
 void ControllerShell::Do(const action::SendSwitch& a) {
+  if (hooks_.on_send) hooks_.on_send(a);
   const ActuatorRecord& record = machine_.actuators[a.actuator];
   LinkTo(a.actuator)
       .Switch({machine_.epoch, a.number, a.target, a.budget, record.clock_theirs,
@@ -381,6 +382,7 @@ void ControllerShell::Do(const action::StartUpEnded& a) {
 
 void ControllerShell::Do(const action::Stopped&) {
   Publish();
+  presence_->FallSilent();
   if (hooks_.on_stopped) hooks_.on_stopped();
 }
 

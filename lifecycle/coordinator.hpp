@@ -111,9 +111,10 @@ struct RivalHeard {
   bool has_precedence = false;  // of two with the same epoch
   friend bool operator==(const RivalHeard&, const RivalHeard&) = default;
 };
-// Somebody engages an emergency stop.
+// Somebody engages an emergency stop, or has released one.
 struct EmergencyStopSeen {
   EmergencyStop stop;
+  bool engaged = true;
   friend bool operator==(const EmergencyStopSeen&, const EmergencyStopSeen&) = default;
 };
 struct ReleaseRequested {

@@ -60,6 +60,7 @@ bool Decision::StartProcesses() {
     if (!NeedsMet(i, hindrance)) {
       if (hindrance.empty()) continue;
       Degrade(i, kCodeStatusError, hindrance, CauseOfHindrance(i));
+      Fall(i);
     } else {
       record.presence = Presence::kStarting;
       record.set_up_by = now_ + config_.TimeFor(i, kSetUp);

@@ -219,7 +219,8 @@ template <>
 inline constexpr std::string_view kEventName<event::EmergencyStopSeen> = "EmergencyStopSeen";
 template <>
 inline constexpr std::tuple kFields<event::EmergencyStopSeen> = {
-    Field{"stop", &event::EmergencyStopSeen::stop}};
+    Field{"stop", &event::EmergencyStopSeen::stop},
+    Field{"engaged", &event::EmergencyStopSeen::engaged}};
 template <>
 inline constexpr std::string_view kEventName<event::ReleaseRequested> = "ReleaseRequested";
 template <>
@@ -283,6 +284,7 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"killed", &ActuatorRecord::killed},
     Field{"parked", &ActuatorRecord::parked},
     Field{"outbid_at", &ActuatorRecord::outbid_at},
+    Field{"free_by", &ActuatorRecord::free_by},
 };
 
 template <>
