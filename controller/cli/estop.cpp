@@ -45,7 +45,7 @@ EstopReport AwaitEverybody(Link& link, const Latching& latching, Duration timeou
   const Time begin = link.loop().Now();
   const auto report = [&] { return latching.Report(link.status()); };
   const auto led = [&] { return report().controller && report().settled(); };
-  if (!link.RunUntil(led, std::min(Link::kDiscovery, timeout))) {
+  if (!link.RunUntil(led, std::min(link.discovery(), timeout))) {
     const bool nobody = report().actuators.empty() && !report().controller;
     const auto settled = [&] { return report().settled(); };
     if (!nobody || link.HasMachine()) {

@@ -63,13 +63,13 @@ Result<> Link::FollowStatus(OnStatus on_change) {
 }
 
 const std::optional<msg::MachineStatus>& Link::StatusTowards(const std::string& target) {
-  loop_.RunUntil([&] { return status_ && status_->target == target; }, loop_.Now() + kDiscovery);
+  loop_.RunUntil([&] { return status_ && status_->target == target; }, loop_.Now() + discovery());
   return status_;
 }
 
 std::optional<Failure> Link::AwaitStatus() {
   const auto told = [this] { return status_.has_value(); };
-  return Await(told, told, global_.timeout.value_or(kDiscovery));
+  return Await(told, told, global_.timeout.value_or(discovery()));
 }
 
 void Link::AwaitEndOf(const msg::MachineStatus& controller, Duration timeout) {
@@ -100,7 +100,7 @@ std::optional<Failure> Link::Await(const std::function<bool()>& answered,
                                    const std::function<bool()>& found, Duration timeout) {
   const Time begin = loop_.Now();
   const auto ended = [&] { return answered() || interrupted_; };
-  loop_.RunUntil([&] { return ended() || found(); }, begin + std::min(kDiscovery, timeout));
+  loop_.RunUntil([&] { return ended() || found(); }, begin + std::min(discovery(), timeout));
   if (!ended() && !found() && !HasMachine()) return Nobody("controller");
   loop_.RunUntil(ended, begin + timeout);
   if (answered()) return std::nullopt;

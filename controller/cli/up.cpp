@@ -65,7 +65,8 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
           "there: " +
               options.file + " says '" + config->name_space + "'"}});
   }
-  if (auto good = CheckKeys(*config, console); !good) return console.Fail({ExitCode::kUsage, good.error()});
+  if (auto good = CheckKeys(*config, console); !good)
+    return console.Fail({ExitCode::kUsage, good.error()});
   if (!console.mode().json) console.Print(config->name + ": " + ConfigSummary(*config));
 
   transport::UniqueFd signals = TakeEndSignals();  // before: none may come in between

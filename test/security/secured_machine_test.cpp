@@ -59,6 +59,30 @@ TEST_F(SecuredMachine, LetsAnObserverLookAndNothingElse) {
   EXPECT_EQ(Status()["emergency_stop"]["engaged"], false);
 }
 
+TEST_F(SecuredMachine, IsTakenOverByTheNextController) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const auto before = Status();
+  kill(before["pid"].get<pid_t>(), SIGKILL);
+  const Ended up = UpDetached();
+  ASSERT_EQ(up.exit, 0) << up.err;
+  const auto after = Status();
+  EXPECT_EQ(after["epoch"], 2);
+  EXPECT_EQ(after["state"], "LowPower");
+  EXPECT_EQ(after["actuators"]["legs"]["pid"], before["actuators"]["legs"]["pid"]);
+}
+
+TEST_F(SecuredMachine, SaysThatAnActuatorRunsWithoutKeys) {
+  const std::string open = folder_ / "open.toml";
+  const std::string text = Text(config_);
+  std::ofstream(open) << text.substr(0, text.find("[security]"));
+  const Process voice({MUSHER_BIN_DIR "/musher-exec", folder_ / "voice.toml", "--actuator", "voice",
+                       "--config", open});
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("controller epoch 1 begins"), "");
+  EXPECT_THAT(Musher({"status"}).out, HasSubstr("process " + std::to_string(voice.pid()) +
+                                                " is not heard: has it the keys of this machine?"));
+}
+
 // Certificates and documents are public; of the keys nothing may turn up anywhere.
 TEST_F(SecuredMachine, NeverWritesKeysDown) {
   ASSERT_NO_FATAL_FAILURE(Start());

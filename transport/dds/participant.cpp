@@ -19,11 +19,12 @@ namespace {
 // is one sink in a process; needs the lock of OpenParticipant().
 class LogCapture {
  public:
-  LogCapture() { dds_set_log_sink(Append, this); }
+  // `after`: the sink from then on; null: Cyclone's own.
+  explicit LogCapture(dds_log_write_fn_t after) : after_(after) { dds_set_log_sink(Append, this); }
   LogCapture(const LogCapture&) = delete;
   LogCapture& operator=(const LogCapture&) = delete;
   ~LogCapture() {
-    dds_set_log_sink(nullptr, nullptr);
+    dds_set_log_sink(after_, nullptr);
     if (!text_.empty()) std::fprintf(stderr, "%s\n", text_.c_str());
   }
 
@@ -38,6 +39,7 @@ class LogCapture {
     text += line;
   }
 
+  dds_log_write_fn_t after_;
   std::string text_;
 };
 
@@ -86,7 +88,7 @@ Result<Participant> OpenParticipant(int domain_id, const std::string& settings,
   static std::mutex mutex;
   static std::map<int, std::weak_ptr<Domain>> domains;
   const std::lock_guard lock(mutex);
-  LogCapture log;
+  LogCapture log(credentials ? TellOnceAMinute : nullptr);
 
   Participant participant;
   participant.domain = domains[domain_id].lock();
