@@ -18,6 +18,8 @@
 // Says "ready" once all is made. What is refused is said as "refused <action>: <reason>"; the rest
 // goes on.
 
+#include <unistd.h>
+
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -32,6 +34,7 @@
 #include "musher/messages/protocol/heartbeats.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/host.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/service.hpp"
@@ -170,8 +173,8 @@ class Peer {
     status.name = actuator;
     status.state = "Error";
     status.incarnation = ~std::uint64_t{0} >> 1U;  // newer than any
-    status.pid = 1;
-    status.host = "nowhere";
+    status.pid = getpid();
+    status.host = HostId();
     msg::ActuatorBeat beat;
     beat.name = actuator;
     beat.incarnation = status.incarnation;
