@@ -98,6 +98,7 @@ class ControllerShell {
   void OnLinkEvent(const Event& event);
   void OnWriterLost(transport::PeerId writer);
   void WatchForeign(std::size_t actuator, const ActuatorReport& report);
+  bool WatchFound(std::size_t actuator, pid_t pid);
   void CompareHash(std::size_t actuator, const std::string& hash);
 
   bool KeepForBegin(const Event& event);

@@ -140,6 +140,7 @@ class Decision {
   bool MayFollow(std::size_t i) const;
   void TellUnchecked(std::size_t i);
   bool MayJoin(std::size_t i, std::string& hindrance) const;
+  std::string RestsBefore(std::size_t i) const;
   void Join(std::size_t i);
   void EndJoin(std::size_t i, const Order& order, const OrderEnd& end);
   void Fall(std::size_t i);

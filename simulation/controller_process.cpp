@@ -57,6 +57,7 @@ void ControllerProcess::Begin(bool takeover) {
   }
   for (const ActuatorConfig& actuator : config_.actuators) {
     begin.running.push_back(processes_.IsAlive(actuator.name));
+    begin.processes.push_back(processes_.PidOf(actuator.name));
   }
   begin.emergency_stop = disk_.emergency_stop;
   begun_ = true;

@@ -59,9 +59,11 @@ void Judge::OnBegun(const std::string& name, const ActuatorReport& before,
   }
   if (report.target == kSetUp) return;
   if (report.busy_number == 0) {
+    on_its_own_.insert(name);
     if (rises) Blame(Promise::kNothingRises, what + " of its own accord");
     return;
   }
+  on_its_own_.erase(name);
   const auto order = orders_.find({report.epoch, *config_.IndexOf(name), report.busy_number});
   if (order == orders_.end()) {
     return Blame(Promise::kNothingStale, what + " although no controller has sent that command");
@@ -186,7 +188,7 @@ bool Judge::IsExcused(const Machine& machine, std::size_t i, const SwitchResult&
       });
   const bool joining = record.presence != Presence::kPresent || !record.checked || record.due ||
                        record.order || record.parked || (record.fault && !took_part);
-  return joining || liars_.contains(name) ||
+  return joining || liars_.contains(name) || on_its_own_.contains(name) ||
          robot_.processes().ReportOf(name)->incarnation != record.report.incarnation;
 }
 
@@ -199,7 +201,7 @@ std::string Judge::Unrest(const Machine& machine, std::size_t i) const {
   if (r.doomed != 0 || r.kill_at) return "is to be killed";
   const bool alive = robot_.IsAlive(config_.actuators[i].name);
   if (r.claim_again && r.presence == Presence::kStarting && alive) return "is asked to follow";
-  const bool waits = machine.emergency_stop || machine.phase != Phase::kRunning ||
+  const bool waits = machine.emergency_stop || r.held || machine.phase != Phase::kRunning ||
                      r.presence != Presence::kPresent;
   return r.due && !waits ? "is to be driven to where the machine is" : "";
 }
@@ -266,7 +268,7 @@ void Judge::JudgeLoss(const Machine& machine, std::size_t i, bool provided) {
   const ActuatorRecord& record = machine.actuators[i];
   const ActuatorConfig& actuator = config_.actuators[i];
   const auto rank = config_.RankOf(machine.state);
-  if (record.presence == Presence::kPresent || !rank) return;
+  if (record.presence == Presence::kPresent || record.held || !rank) return;
   if (record.presence == Presence::kAbsent && machine.emergency_stop) return;  // of a later stage
   if (!actuator.on_lost.empty()) {
     if (*rank <= *config_.RankOf(actuator.on_lost)) return;

@@ -86,6 +86,7 @@ class Judge {
   Duration went_on_{};  // when a person's switch ended with the machine in the state that was asked
   std::uint64_t next_request_ = 1;
   std::set<std::string> liars_;
+  std::set<std::string> on_its_own_;  // went where it is without a command
 };
 
 }  // namespace musher::simulation

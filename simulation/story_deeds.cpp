@@ -136,9 +136,9 @@ void Story::Repair() {
     Note("the machine was torn down; it is started anew");
     robot_.CrashController();
     for (const ActuatorConfig& actuator : config_.actuators) {
-      if (!robot_.IsAlive(actuator.name) && actuator.command.empty()) {
-        robot_.StartActuator(actuator.name);
-      }
+      if (!actuator.command.empty()) continue;
+      robot_.CrashActuator(actuator.name);
+      robot_.StartActuator(actuator.name);
     }
     robot_.StartController();
     if (!ComeToRest("after its start")) return;

@@ -131,6 +131,7 @@ inline constexpr std::tuple kFields<event::Begin> = {
     Field{"by_hand", &event::Begin::by_hand},
     Field{"epoch", &event::Begin::epoch},
     Field{"running", &event::Begin::running},
+    Field{"processes", &event::Begin::processes},
     Field{"host", &event::Begin::host},
     Field{"emergency_stop", &event::Begin::emergency_stop},
 };
@@ -285,6 +286,7 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"parked", &ActuatorRecord::parked},
     Field{"outbid_at", &ActuatorRecord::outbid_at},
     Field{"free_by", &ActuatorRecord::free_by},
+    Field{"hindered", &ActuatorRecord::hindered},
 };
 
 template <>

@@ -34,6 +34,12 @@ TEST(Stories, KeepEveryPromise) {
     if (timeline) {
       timeline->End(ending);
       std::cout << timeline->Text();
+      for (std::size_t i = 0; i < config.actuators.size() && story.robot().has_controller(); ++i) {
+        const ActuatorRecord& r = story.robot().machine().actuators[i];
+        std::cout << config.actuators[i].name << " after " << (config.actuators[i].after.empty() ? "" : config.actuators[i].after[0]) << " binds " << (config.actuators[i].binds_to.empty() ? "" : config.actuators[i].binds_to[0])<< " stage " << config.actuators[i].stage
+                  << ": " << PresenceName(r.presence) << " " << r.state() << " busy " << r.report.target << " checked " << r.checked << " due " << r.due << " held " << r.held << " parked " << r.parked << " tried " << r.join_tried << " cmd " << config.actuators[i].command.size()
+                  << " fault " << (r.fault ? r.fault->message : "") << "\n";
+      }
     }
     coverage.Add(ending.coverage);
     if (ending.violation) {
