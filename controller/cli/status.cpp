@@ -27,15 +27,16 @@ void Show(const std::optional<msg::MachineStatus>& status, Console& console) {
   }
 }
 
-// With keys an actuator may run here and not be heard: then it has none, or others.
+// With keys an actuator that we did not start may run here and not be heard: then it has none, or
+// others.
 void HintAtKeys(msg::MachineStatus& status, const GlobalOptions& global) {
   if (global.keys.empty() || status.host != transport::HostId()) return;
   const int domain = transport::DomainId({}).value();
   for (msg::ActuatorInfo& actuator : status.actuators) {
-    if (actuator.presence == PresenceName(Presence::kPresent)) continue;
+    if (actuator.presence != PresenceName(Presence::kAbsent)) continue;
     const pid_t holder = transport::NameLock::HolderOf(
         transport::NameLock::NameOf(domain, status.name_space, actuator.name));
-    if (holder == 0 || holder == actuator.pid) continue;
+    if (holder == 0) continue;
     actuator.message = "process " + std::to_string(holder) +
                        " is not heard: has it the keys of this machine?" +
                        (actuator.message.empty() ? "" : " " + actuator.message);
