@@ -16,7 +16,7 @@ namespace {
 
 const std::vector<std::string> kCommands = {"check",      "up",      "down",    "status",
                                             "set",        "plan",    "history", "graph",
-                                            "completion", "restart", "estop", "keys"};
+                                            "completion", "restart", "estop",   "keys"};
 
 // Every long option that the help of the program and of its commands tells.
 std::set<std::string> AllOptions() {
