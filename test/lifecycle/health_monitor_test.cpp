@@ -293,11 +293,25 @@ TEST_F(Monitor, JudgesOneThatIsSilentFromItsFirstMoment) {
 }
 
 TEST_F(Monitor, IsNeverAskedToWaitForeverByAStrangePeriod) {
-  Watch(0, true);
-  beats_[0] = false;
-  Take(monitor_.Heard(0, kFirst, Beat{std::chrono::hours(1000), Health::kWell, "", {}, {}}, now_));
-  RunFor(std::chrono::seconds(61));
-  EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+  for (const Duration period : {Duration(std::chrono::hours(1000)), Duration::max()}) {
+    Watch(0, true);
+    beats_[0] = false;
+    Take(monitor_.Heard(0, kFirst, Beat{period, Health::kWell, "", {}, {}}, now_));
+    RunFor(std::chrono::seconds(59));
+    EXPECT_THAT(Found(), ::testing::Not(::testing::Contains("a hung, silent")));
+    RunFor(std::chrono::seconds(2));
+    EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+  }
+}
+
+TEST_F(Monitor, ComputesWithNoPeriodThatIsNone) {
+  for (const std::int64_t period : {INT64_MIN, std::int64_t{-1}, std::int64_t{1} << 62}) {
+    Watch(0, true);
+    beats_[0] = false;
+    Take(monitor_.Heard(0, kFirst, Beat{Duration(period), Health::kWell, "", {}, {}}, now_));
+    RunFor(period < 0 ? Milliseconds(50) : Duration(std::chrono::seconds(61)));
+    EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+  }
 }
 
 TEST(BeatPeriod, IsHalfOfTheCheckpointWithinBounds) {
