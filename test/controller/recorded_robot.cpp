@@ -1,7 +1,7 @@
 #include "musher/test/controller/recorded_robot.hpp"
 
 #include "musher/lifecycle/config_toml.hpp"
-#include "musher/test/simulation/sim_robot.hpp"
+#include "musher/simulation/robot.hpp"
 
 namespace musher {
 
@@ -37,7 +37,7 @@ command = ["voice"]
 std::vector<JournalItem> RecordedLife() {
   const std::string text = RobotToml();
   const MachineConfig config = ReadConfigText(text, "dog.toml").config.value();
-  testing::SimRobot robot(1, config);
+  simulation::SimRobot robot(1, config);
   const auto start = [&robot] {
     robot.StartController();
     robot.RunUntil([&] { return robot.machine().phase == Phase::kRunning; });

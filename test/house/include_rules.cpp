@@ -19,6 +19,8 @@ const std::map<std::string, Folders>& MayInclude() {
       {"transport", {"transport", "lifecycle", "messages"}},
       {"actuator", {"actuator", "lifecycle", "messages", "transport"}},
       {"controller", {"controller", "lifecycle", "messages", "transport"}},
+      {"simulation",
+       {"simulation", "actuator", "controller", "lifecycle", "messages", "transport"}},
       {"modules", {"modules", "actuator", "lifecycle", "messages", "transport", "behavior"}},
       {"examples", {"actuator", "controller", "lifecycle", "messages", "transport", "behavior"}},
   };

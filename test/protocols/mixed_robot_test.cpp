@@ -3,14 +3,17 @@
 
 #include <gmock/gmock.h>
 
+#include "musher/simulation/robot.hpp"
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 #include "musher/test/protocols/cyberdog_manager.hpp"
 #include "musher/test/protocols/cyberdog_module.hpp"
 #include "musher/test/protocols/ros_managed_node.hpp"
-#include "musher/test/simulation/sim_robot.hpp"
 
 namespace musher::testing {
 namespace {
+
+using simulation::Act;
+using simulation::SimRobot;
 
 using ::testing::Contains;
 using ::testing::ElementsAre;

@@ -7,13 +7,15 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "musher/simulation/robot.hpp"
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 #include "musher/test/protocols/cyberdog_module.hpp"
 #include "musher/test/protocols/ros_managed_node.hpp"
-#include "musher/test/simulation/sim_robot.hpp"
 
 namespace musher::testing {
 namespace {
+
+using simulation::SimRobot;
 
 using transport::sim::LinkFaults;
 using transport::sim::Random;

@@ -51,7 +51,7 @@ ReplayReport ExpectSame(const Rows& rows, const MachineConfig& config, std::size
 
 }  // namespace
 
-void ExpectReplaysTheSame(const SimRobot& robot) {
+void ExpectReplaysTheSame(const simulation::SimRobot& robot) {
   Rows rows;
   for (const JournalRow& row : robot.recording()) {
     rows.push_back({row.id, std::visit(Encoded{}, row.item)});

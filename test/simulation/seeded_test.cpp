@@ -6,13 +6,14 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "musher/simulation/robot.hpp"
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 #include "musher/test/simulation/replay_check.hpp"
-#include "musher/test/simulation/sim_robot.hpp"
 
 namespace musher::testing {
 namespace {
 
+using simulation::SimRobot;
 using transport::sim::LinkFaults;
 using transport::sim::Random;
 
@@ -71,8 +72,8 @@ class Story {
     return restart;
   }
 
-  Act DrawAct(const State& state) {
-    Act act;
+  simulation::Act DrawAct(const State& state) {
+    simulation::Act act;
     act.takes = Milliseconds(1 + static_cast<std::int64_t>(dice_.Next() % 40));
     if (!faulty_ || state == kSetUp) return act;
     if (dice_.Chance(0.05))

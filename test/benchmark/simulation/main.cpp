@@ -7,11 +7,13 @@
 #include <cstdlib>
 #include <string>
 
+#include "musher/simulation/robot.hpp"
 #include "musher/test/lifecycle/coordination/theatre.hpp"
-#include "musher/test/simulation/sim_robot.hpp"
 
 namespace musher::testing {
 namespace {
+
+using simulation::SimRobot;
 
 constexpr int kActuators = 12;
 

@@ -1,4 +1,4 @@
-#include "musher/test/simulation/sim_robot.hpp"
+#include "musher/simulation/robot.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,6 +8,7 @@
 namespace musher::testing {
 namespace {
 
+using simulation::SimRobot;
 using transport::sim::LinkFaults;
 
 MachineConfig Robot(int actuators) {

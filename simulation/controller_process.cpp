@@ -1,0 +1,102 @@
+#include "musher/simulation/controller_process.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace musher::simulation {
+
+ControllerProcess::ControllerProcess(transport::sim::Network& network, const std::string& host,
+                                     const MachineConfig& config, Processes& processes, Disk& disk,
+                                     Hooks hooks)
+    : network_(network),
+      config_(config),
+      processes_(processes),
+      disk_(disk),
+      hooks_(std::move(hooks)),
+      node_(network.MakeNode(host)) {
+  ControllerShell::World world;
+  world.node = node_.get();
+  world.processes = this;
+  world.witness = this;
+  world.journal = this;
+  world.save_epoch = [this](std::uint64_t epoch) {
+    if (!disk_.full) disk_.epoch = epoch;
+  };
+  world.save_emergency_stop = [this](const auto& stop) {
+    if (!disk_.full) disk_.emergency_stop = stop;
+  };
+  world.log_file = [](const std::string&) { return std::string(); };
+  world.wall_ns = [this] { return (network_.now().time_since_epoch() + wall_offset).count(); };
+  world.host = "sim";
+  world.pid = processes_.NewPid();
+  world.incarnation = static_cast<std::uint64_t>(world.pid);
+  ControllerShell::Hooks shell_hooks;
+  shell_hooks.on_record = hooks_.on_record;
+  shell_hooks.on_stopped = hooks_.on_over;
+  shell_hooks.on_fenced = [this](const std::string&) {
+    if (hooks_.on_over) hooks_.on_over();
+  };
+  auto shell = ControllerShell::Make(std::move(world), config_, std::move(shell_hooks));
+  shell_ = std::move(shell).value();
+}
+
+ControllerProcess::~ControllerProcess() {
+  network_.Crash(*node_);
+}
+
+void ControllerProcess::Begin(bool takeover) {
+  event::Begin begin;
+  begin.epoch = disk_.epoch;
+  if (const auto& rival = shell_->rival()) {
+    if (!takeover) return shell_->Refuse({kCodeTargetBusy, "led by " + rival->who});
+    begin.epoch = std::max(begin.epoch, rival->epoch);
+  }
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    begin.running.push_back(processes_.IsAlive(actuator.name));
+  }
+  begin.emergency_stop = disk_.emergency_stop;
+  begun_ = true;
+  shell_->Begin(std::move(begin));
+}
+
+void ControllerProcess::OnEnd(std::int32_t pid, const ProcessExit& exit) {
+  const auto watcher = watchers_.extract(pid);
+  if (watcher.empty()) return;
+  node_->loop().Post([on_exit = watcher.mapped(), exit] { on_exit(exit); });
+}
+
+Result<pid_t> ControllerProcess::Start(const ProcessSpec& spec, OnExit on_exit) {
+  if (processes_.IsAlive(spec.name)) return Error{kCodeTargetBusy, "it runs already"};
+  const std::int32_t pid = processes_.Launch(spec.name);
+  watchers_[pid] = std::move(on_exit);
+  return pid;
+}
+
+Result<> ControllerProcess::Watch(pid_t pid, OnExit on_exit) {
+  if (!processes_.Exists(pid)) return Error{kCodeFailed, "no such process"};
+  // Not a child: only that it ended is known.
+  watchers_[pid] = [on_exit = std::move(on_exit)](const ProcessExit&) { on_exit({}); };
+  return Ok();
+}
+
+void ControllerProcess::TakeBacktrace(pid_t, Duration,
+                                      std::function<void(Result<std::string>)> done) {
+  node_->loop().Post([done = std::move(done)] { done(std::string("main()")); });
+}
+
+void ControllerProcess::Append(JournalItem item) noexcept {
+  if (std::holds_alternative<JournalInput>(item) && hooks_.on_input) hooks_.on_input();
+  if (disk_.full) {
+    disk_.gap = disk_.wants_snapshot = true;
+    return;
+  }
+  disk_.recording.push_back(
+      {static_cast<std::int64_t>(disk_.recording.size()) + 1, std::move(item)});
+}
+
+bool ControllerProcess::WantsSnapshot() noexcept {
+  const bool lost = !disk_.full && std::exchange(disk_.wants_snapshot, false);
+  return ++inputs_ % 41 == 0 || lost;
+}
+
+}  // namespace musher::simulation

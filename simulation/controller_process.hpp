@@ -1,0 +1,83 @@
+#pragma once
+// The process of a controller in a simulation: the real shell and decision code on a host of its
+// own, with a disk that outlives it.
+//
+// Threads: one, that of the network.
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/controller/controller_shell.hpp"
+#include "musher/controller/journal_reader.hpp"
+#include "musher/simulation/processes.hpp"
+
+namespace musher::simulation {
+
+// What a controller finds again when it is started anew.
+struct Disk {
+  std::uint64_t epoch = 0;
+  std::optional<EmergencyStop> emergency_stop;
+  std::vector<JournalRow> recording;
+  bool full = false;            // nothing can be written
+  bool gap = false;             // something could not be, once
+  bool wants_snapshot = false;  // since then
+};
+
+class ControllerProcess : private ProcessRunner, private ProcessWitness, private JournalSink {
+ public:
+  struct Hooks {
+    std::function<void()> on_input;  // before each step of the decision code
+    std::function<void(const action::Record&)> on_record;
+    std::function<void()> on_over;  // it is stopped, fenced or refused: its process may end
+  };
+
+  // All must outlive it.
+  ControllerProcess(transport::sim::Network& network, const std::string& host,
+                    const MachineConfig& config, Processes& processes, Disk& disk, Hooks hooks);
+  ~ControllerProcess() override;
+
+  // Takes the machine over; refuses when another controller was heard, unless with `takeover`.
+  void Begin(bool takeover);
+  // An actuator's process has ended.
+  void OnEnd(std::int32_t pid, const ProcessExit& exit);
+
+  ControllerShell& shell() { return *shell_; }
+  const ControllerShell& shell() const { return *shell_; }
+  transport::Node& node() { return *node_; }
+  // Leads the machine, as far as it knows.
+  bool leads() const {
+    return begun_ && shell_->machine().phase != Phase::kFenced &&
+           shell_->machine().phase != Phase::kIdle;
+  }
+  bool frozen = false;
+  Duration wall_offset{};  // how far its wall clock is ahead
+
+ private:
+  Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) override;
+  Result<> Watch(pid_t pid, OnExit on_exit) override;
+  Result<> Signal(pid_t pid, int signal) override { return processes_.Signal(pid, signal); }
+  void Mark(pid_t, Time) override {}
+  Examination Examine(pid_t pid, Time) override { return processes_.Examine(pid); }
+  void TakeBacktrace(pid_t pid, Duration timeout,
+                     std::function<void(Result<std::string>)> done) override;
+  void Append(JournalItem item) noexcept override;
+  bool WantsSnapshot() noexcept override;
+
+  transport::sim::Network& network_;
+  const MachineConfig& config_;
+  Processes& processes_;
+  Disk& disk_;
+  Hooks hooks_;
+  bool begun_ = false;
+  std::size_t inputs_ = 0;
+  std::map<std::int32_t, OnExit> watchers_;
+  std::unique_ptr<transport::Node> node_;
+  std::unique_ptr<ControllerShell> shell_;
+};
+
+}  // namespace musher::simulation

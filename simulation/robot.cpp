@@ -1,0 +1,186 @@
+#include "musher/simulation/robot.hpp"
+
+#include <signal.h>
+
+#include <utility>
+
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher::simulation {
+namespace {
+
+// Plays a script.
+class Scripted : public Module {
+ public:
+  Scripted(const Script& script, std::string name) : script_(script), name_(std::move(name)) {}
+  Act Run(const State& state) override { return script_ ? script_(name_, state) : Act{}; }
+
+ private:
+  const Script script_;
+  const std::string name_;
+};
+
+// How long a controller listens for others before it begins.
+constexpr Duration kLookAround = Milliseconds(1000);
+
+}  // namespace
+
+SimRobot::SimRobot(std::uint64_t seed, MachineConfig config, Script script)
+    : config_(std::move(config)),
+      network_(seed),
+      keeper_(network_.MakeNode("keeper")),
+      button_(
+          transport::MakePublisher<msg::EmergencyStop>(
+              *keeper_, transport::EmergencyStopTopic(config_.name_space), transport::kLatchedQos)
+              .value()),
+      processes_(network_, config_) {
+  processes_.make_module = [script = std::move(script)](const std::string& name) {
+    return std::make_unique<Scripted>(script, name);
+  };
+  processes_.on_end = [this](std::int32_t pid, const ProcessExit& exit) {
+    for (const auto& controller : controllers_) {
+      if (controller) controller->OnEnd(pid, exit);
+    }
+  };
+}
+
+SimRobot::~SimRobot() {
+  processes_.on_end = {};
+  CrashController();
+}
+
+void SimRobot::Open(std::size_t which) {
+  ControllerProcess::Hooks hooks;
+  hooks.on_input = [this] {
+    if (on_input) on_input();
+  };
+  hooks.on_record = [this](const action::Record& record) {
+    if (on_record) on_record(record);
+  };
+  // One that has stopped the machine stays, to be looked at; one that is fenced ends.
+  hooks.on_over = [this, which] {
+    keeper_->loop().Post([this, which] {
+      const auto& controller = controllers_[which];
+      if (controller && !controller->leads()) EndController(which);
+    });
+  };
+  controllers_[which] = std::make_unique<ControllerProcess>(
+      network_, kControllerHosts[which], config_, processes_, disks_[which], std::move(hooks));
+}
+
+void SimRobot::StartController(Duration listens) {
+  Open(0);
+  RunFor(listens);
+  controllers_[0]->Begin(true);
+}
+
+void SimRobot::StartRival(bool takeover) {
+  if (controllers_[1]) return;
+  Open(1);
+  transport::EventLoop& loop = controllers_[1]->node().loop();
+  rival_begins_ =
+      loop.At(loop.Now() + kLookAround, [this, takeover] { controllers_[1]->Begin(takeover); });
+}
+
+void SimRobot::EndController(std::size_t which) {
+  if (which == 1) rival_begins_.reset();
+  controllers_[which].reset();
+}
+
+void SimRobot::CrashController() {
+  EndController(0);
+  EndController(1);
+}
+
+void SimRobot::FreezeController() {
+  if (ControllerProcess* leading = leader()) {
+    leading->frozen = true;
+    network_.Pause(leading->node());
+  }
+}
+
+void SimRobot::ThawController() {
+  for (const auto& controller : controllers_) {
+    if (!controller || !std::exchange(controller->frozen, false)) continue;
+    network_.Resume(controller->node());
+  }
+}
+
+void SimRobot::CrashActuator(const std::string& name) {
+  if (IsAlive(name)) processes_.End(name, {ProcessExit::Kind::kKilled, SIGKILL});
+}
+
+void SimRobot::FillDisk(bool full) {
+  for (Disk& disk : disks_) disk.full = full;
+}
+
+void SimRobot::JumpWallClock(Duration by) {
+  for (const auto& controller : controllers_) {
+    if (controller) controller->wall_offset += by;
+  }
+}
+
+void SimRobot::EngageEmergencyStop(std::uint64_t id) {
+  static_cast<void>(button_->Publish({id, true, "a person", ""}));
+}
+
+void SimRobot::ReleaseEmergencyStop() {
+  if (auto* leading = leader()) {
+    leading->shell().ReleaseEmergencyStop("a person", [](const Result<>&) {});
+  }
+}
+
+void SimRobot::Restart(const std::string& name) {
+  if (auto* leading = leader()) leading->shell().Restart(name, [](const Result<>&) {});
+}
+
+ControllerProcess* SimRobot::leader() {
+  ControllerProcess* highest = nullptr;
+  for (const auto& controller : controllers_) {
+    if (!controller || !controller->leads()) continue;
+    if (highest == nullptr ||
+        controller->shell().machine().epoch > highest->shell().machine().epoch) {
+      highest = controller.get();
+    }
+  }
+  return highest;
+}
+
+std::size_t SimRobot::leaders() const {
+  std::size_t count = 0;
+  for (const auto& controller : controllers_) count += controller && controller->leads() ? 1 : 0;
+  return count;
+}
+
+std::vector<std::string> SimRobot::journal() const {
+  std::vector<std::string> messages;
+  for (const JournalRow& row : recording()) {
+    if (const auto* entry = std::get_if<JournalEntry>(&row.item)) {
+      messages.push_back(entry->message);
+    }
+  }
+  return messages;
+}
+
+bool SimRobot::RunUntil(const std::function<bool()>& done, Duration limit) {
+  return network_.RunUntil(done, network_.now() + limit);
+}
+
+std::optional<SwitchResult> SimRobot::Set(const State& target,
+                                          const std::optional<std::string>& actuator,
+                                          Duration limit) {
+  auto* leading = leader();
+  if (leading == nullptr) return std::nullopt;
+  auto answer = std::make_shared<std::optional<SwitchResult>>();
+  leading->shell().SetState(target, actuator,
+                            [answer](const SwitchResult& result) { *answer = result; });
+  RunUntil([&] { return answer->has_value(); }, limit);
+  return *answer;
+}
+
+std::optional<ActuatorReport> SimRobot::ReportOf(const std::string& name) const {
+  const ActuatorReport* report = processes_.ReportOf(name);
+  return report == nullptr ? std::nullopt : std::optional(*report);
+}
+
+}  // namespace musher::simulation

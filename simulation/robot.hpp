@@ -1,0 +1,107 @@
+#pragma once
+// A whole robot in virtual time: the real shells and decision code of controllers and actuators, on
+// the simulated network, with simulated processes. Every actuator is a host of its own, and so is
+// each controller; people who ask for something are at the controller that leads.
+//
+// Threads: one.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/simulation/controller_process.hpp"
+#include "musher/simulation/processes.hpp"
+#include "musher/transport/sim/network.hpp"
+
+namespace musher::simulation {
+
+// What the callback of an actuator's state does, asked each time it begins.
+using Script = std::function<Act(const std::string& actuator, const State& state)>;
+
+class SimRobot {
+ public:
+  // The host of the first controller, and of one that competes with it.
+  static constexpr const char* kControllerHosts[] = {"controller", "rival"};
+
+  SimRobot(std::uint64_t seed, MachineConfig config, Script script = {});
+  ~SimRobot();
+  SimRobot(const SimRobot&) = delete;
+  SimRobot& operator=(const SimRobot&) = delete;
+
+  transport::sim::Network& network() { return network_; }
+  Processes& processes() { return processes_; }
+  const MachineConfig& config() const { return config_; }
+
+  void UseProgram(const std::string& name, Processes::Program program) {
+    processes_.UseProgram(name, std::move(program));
+  }
+
+  // Told of every step of a controller's decision code, before it; may be empty.
+  std::function<void()> on_input;
+  // Told of every record of any controller; may be empty.
+  std::function<void(const action::Record&)> on_record;
+
+  // `listens`: so long it only listens, as one that may have rivals on other hosts does.
+  void StartController(Duration listens = {});
+  // Another one, elsewhere, listens for a second; then it takes the machine over, or refuses to if
+  // it has heard the first.
+  void StartRival(bool takeover);
+  void CrashController();  // those that there are
+  void FreezeController();
+  void ThawController();
+  void StartActuator(const std::string& name) { processes_.Launch(name); }  // as a person would
+  void CrashActuator(const std::string& name);
+  void FreezeActuator(const std::string& name) { processes_.Freeze(name); }
+  void ThawActuator(const std::string& name) { processes_.Thaw(name); }
+  bool IsAlive(const std::string& name) const { return processes_.IsAlive(name); }
+  // The actuator says that it is in that state, once; it is not.
+  void Lie(const std::string& name, const State& state) { processes_.Lie(name, state); }
+  // The disks of the controllers take nothing more, or do again.
+  void FillDisk(bool full);
+  // The wall clocks of the controllers jump.
+  void JumpWallClock(Duration by);
+
+  // Somebody engages an emergency stop, from a host of his own.
+  void EngageEmergencyStop(std::uint64_t id);
+  void ReleaseEmergencyStop();  // by the controller, for a person
+  // A person restarts an actuator and does not wait for it.
+  void Restart(const std::string& name);
+  // Asks for a switch; nothing when there is no controller or it does not answer in time.
+  std::optional<SwitchResult> Set(const State& target,
+                                  const std::optional<std::string>& actuator = std::nullopt,
+                                  Duration limit = std::chrono::minutes(10));
+
+  bool RunUntil(const std::function<bool()>& done, Duration limit = std::chrono::minutes(10));
+  void RunFor(Duration duration) { network_.RunFor(duration); }
+
+  // The controller that leads, of two the one with the higher epoch; null when there is none.
+  ControllerProcess* leader();
+  const ControllerProcess* leader() const { return const_cast<SimRobot*>(this)->leader(); }
+  bool has_controller() const { return leader() != nullptr; }
+  std::size_t leaders() const;
+  const Machine& machine() const { return leader()->shell().machine(); }
+  // What the actuator itself says; nothing when its process does not live.
+  std::optional<ActuatorReport> ReportOf(const std::string& name) const;
+  std::vector<std::string> journal() const;  // the messages of its entries
+  const std::vector<JournalRow>& recording() const { return disks_[0].recording; }
+  const Disk& disk(std::size_t controller) const { return disks_[controller]; }
+
+ private:
+  void Open(std::size_t which);
+  void EndController(std::size_t which);
+
+  MachineConfig config_;
+  transport::sim::Network network_;
+  std::unique_ptr<transport::Node> keeper_;  // whose loop runs what belongs to no process
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button_;
+  Processes processes_;
+  std::array<Disk, 2> disks_;
+  std::array<std::unique_ptr<ControllerProcess>, 2> controllers_;
+  transport::LoopHandlePtr rival_begins_;
+};
+
+}  // namespace musher::simulation
