@@ -10,9 +10,9 @@
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/protocol/fs_machine.hpp"
 #include "musher/messages/protocol/heartbeats.hpp"
+#include "musher/simulation/robot.hpp"
 #include "musher/test/fuzz/stranger.hpp"
 #include "musher/test/lifecycle/coordination/theatre.hpp"
-#include "musher/test/simulation/sim_robot.hpp"
 #include "musher/transport/raw_server.hpp"
 
 namespace musher::fuzz {
@@ -83,7 +83,7 @@ class Stage {
         robot_(1, Config(), [this](const std::string& name, const State& state) {
           const auto rank = BuiltInRank(state);
           Require(name != "a" || !rank || *rank <= allowed_, "nobody goes up for a stranger");
-          return testing::Act{};
+          return simulation::Act{};
         }) {
     for (const char* name : {"b", "c"}) {
       robot_.UseProgram(name, [this, name](transport::Node& node) {
@@ -158,7 +158,7 @@ class Stage {
       case 6:
         return robot_.CrashActuator(input.Bool() ? "a" : input.Bool() ? "b" : "c");
       default:
-        return robot_.RunFor(Milliseconds(input.Take<std::uint16_t>()));
+        return robot_.RunFor(Milliseconds(input.Take<std::uint16_t>() % 4096));
     }
   }
 
@@ -169,7 +169,7 @@ class Stage {
 
   std::shared_ptr<Input> input_;
   Rank allowed_ = *BuiltInRank(kActive);
-  testing::SimRobot robot_;
+  simulation::SimRobot robot_;
   std::unique_ptr<transport::Node> stranger_ = robot_.network().MakeNode("stranger");
   std::vector<std::unique_ptr<transport::RawWriter>> writers_;
 };
