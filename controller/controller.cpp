@@ -60,13 +60,13 @@ Result<> EndProcess(pid_t pid) {
 }
 
 // Which actuators' processes run on this host already, left by an earlier controller or by hand.
-std::vector<bool> FindRunning(const MachineConfig& config, int domain_id) {
-  std::vector<bool> running;
+void FindRunning(const MachineConfig& config, int domain_id, event::Begin& begin) {
   for (const ActuatorConfig& actuator : config.actuators) {
-    running.push_back(transport::NameLock::IsHeld(
-        transport::NameLock::NameOf(domain_id, config.name_space, actuator.name)));
+    const std::string name =
+        transport::NameLock::NameOf(domain_id, config.name_space, actuator.name);
+    begin.running.push_back(transport::NameLock::IsHeld(name));
+    begin.processes.push_back(begin.running.back() ? transport::NameLock::HolderOf(name) : 0);
   }
-  return running;
 }
 
 }  // namespace
@@ -194,7 +194,7 @@ void Controller::Begin(int domain_id) {
     }
     begin.epoch = std::max(begin.epoch, rival->epoch);
   }
-  begin.running = FindRunning(config_, domain_id);
+  FindRunning(config_, domain_id, begin);
   if (store_) begin.emergency_stop = store_->LoadEmergencyStop();
   shell_->Begin(std::move(begin));
 }

@@ -41,7 +41,7 @@ Result<> ControllerPresence::Open() {
   auto heard = transport::MakeSubscription<msg::EmergencyStop>(
       node_, transport::EmergencyStopTopic(name_space),
       [this](const msg::EmergencyStop& stop, const transport::SampleInfo&) {
-        if (stop.engaged) emit_(event::EmergencyStopSeen{{stop.id, stop.by, stop.reason}});
+        emit_(event::EmergencyStopSeen{{stop.id, stop.by, stop.reason}, stop.engaged});
       },
       transport::kLatchedFromManyQos);
   if (!heard) return heard.error();
@@ -57,12 +57,14 @@ void ControllerPresence::Announce(std::uint64_t epoch) {
 
 // A beat that cannot be sent is followed by the next.
 void ControllerPresence::Repeat() {
+  if (!beats_) return;
   static_cast<void>(beats_->Publish({config_.name, epoch_, identity_.incarnation, identity_.host,
                                      identity_.pid, ControllerBeatPeriod(config_).count()}));
 }
 
 void ControllerPresence::FallSilent() {
   timer_ = nullptr;
+  beats_ = nullptr;  // with it goes the last one, which newcomers would hear
 }
 
 void ControllerPresence::OnBeat(const msg::ControllerBeat& beat) {

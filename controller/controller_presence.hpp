@@ -39,7 +39,7 @@ class ControllerPresence {
     std::uint64_t epoch = 0;
   };
   const std::optional<Rival>& rival() const { return rival_; }
-  // Not any more: somebody else leads.
+  // Not any more: somebody else leads, or the machine is stopped.
   void FallSilent();
 
   void Tell(const EmergencyStop& stop, bool engaged);

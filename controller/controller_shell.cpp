@@ -1,9 +1,6 @@
 #include "musher/controller/controller_shell.hpp"
 
-#include <signal.h>
-
 #include <algorithm>
-#include <filesystem>
 #include <utility>
 
 #include "musher/controller/wire.hpp"
@@ -79,6 +76,9 @@ Result<> ControllerShell::Open() {
 void ControllerShell::Begin(event::Begin begin) {
   recorder_.Begin(world_.wall_ns(), world_.config_text);
   begin.host = world_.host;
+  for (std::size_t i = 0; i < begin.processes.size(); ++i) {
+    if (!WatchFound(i, begin.processes[i])) begin.processes[i] = 0;
+  }
   Handle(begin);
   for (const auto& [actuator, seen] : std::exchange(before_begin_, {})) {
     Handle(seen);
@@ -160,27 +160,6 @@ void ControllerShell::OnWriterLost(transport::PeerId writer) {
   if (speaker.empty()) return;
   const auto [actuator, incarnation] = speaker.mapped();
   Handle(event::Vanished{actuator, incarnation, false, "it is out of reach"});
-}
-
-// A process of this host that we did not start: its end is seen as fast as a child's, only the exit
-// code is not.
-void ControllerShell::WatchForeign(std::size_t actuator, const ActuatorReport& report) {
-  Peer& peer = peers_[actuator];
-  if (peer.watched == report.incarnation) return;
-  peer.watched = report.incarnation;
-  if (report.host != world_.host || report.host.empty() ||
-      report.pid == machine_.actuators[actuator].process || report.pid == world_.pid) {
-    return;
-  }
-  const auto watched = world_.processes->Watch(
-      report.pid,
-      [this, actuator, incarnation = report.incarnation, pid = report.pid](const ProcessExit&) {
-        health_->Forget(actuator);
-        Handle(event::Vanished{actuator, incarnation, true,
-                               "its process " + std::to_string(pid) + " ended"});
-      });
-  // Failing means that it ended already; then its writer goes as well.
-  static_cast<void>(watched.ok());
 }
 
 void ControllerShell::CompareHash(std::size_t actuator, const std::string& hash) {
@@ -275,6 +254,7 @@ ActuatorLink& ControllerShell::LinkTo(std::size_t actuator) {
 }
 
 void ControllerShell::Do(const action::SendSwitch& a) {
+  if (hooks_.on_send) hooks_.on_send(a);
   const ActuatorRecord& record = machine_.actuators[a.actuator];
   LinkTo(a.actuator)
       .Switch({machine_.epoch, a.number, a.target, a.budget, record.clock_theirs,
@@ -285,38 +265,6 @@ void ControllerShell::Do(const action::SendAsk& a) {
   // A newcomer obeys only whom it has heard of.
   if (machine_.actuators[a.actuator].presence != Presence::kPresent) presence_->Repeat();
   LinkTo(a.actuator).Ask({machine_.epoch, a.number, a.stop});
-}
-
-void ControllerShell::Do(const action::StartProcess& a) {
-  const ActuatorConfig& actuator = config_.actuators[a.actuator];
-  ProcessSpec spec;
-  spec.name = actuator.name;
-  spec.argv = actuator.command;
-  spec.cwd = actuator.cwd;
-  spec.env = actuator.env;
-  if (!config_.file.empty()) {
-    spec.env.emplace("MUSHER_CONFIG", std::filesystem::absolute(config_.file).string());
-  }
-  spec.env.emplace("MUSHER_ACTUATOR", actuator.name);
-  const bool alone = machine_.actuators[a.actuator].dead != 0;  // the others are there already
-  if (alone) spec.env.emplace("MUSHER_IMPATIENT", "1");
-  spec.log_file = world_.log_file(actuator.name);
-  auto pid = std::make_shared<pid_t>(0);
-  const auto started =
-      world_.processes->Start(spec, [this, i = a.actuator, pid](const ProcessExit& exit) {
-        health_->Forget(i);
-        peers_[i].link->OnProcess(0);
-        Handle(event::ProcessEnded{i, *pid, exit.clean(), exit.Text()});
-      });
-  if (!started) return Handle(event::ProcessNotStarted{a.actuator, started.error().message});
-  *pid = started.value();
-  peers_[a.actuator].link->OnProcess(*pid);
-  Handle(event::ProcessStarted{a.actuator, started.value()});
-}
-
-void ControllerShell::Do(const action::SignalProcess& a) {
-  // One that ended meanwhile needs no signal.
-  static_cast<void>(world_.processes->Signal(a.pid, a.kill ? SIGKILL : SIGTERM).ok());
 }
 
 void ControllerShell::Do(const action::AnswerSetState& a) {
@@ -379,6 +327,7 @@ void ControllerShell::Do(const action::StartUpEnded& a) {
 
 void ControllerShell::Do(const action::Stopped&) {
   Publish();
+  presence_->FallSilent();
   if (hooks_.on_stopped) hooks_.on_stopped();
 }
 

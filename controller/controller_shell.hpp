@@ -47,6 +47,7 @@ class ControllerShell {
   // What it tells; each may be empty.
   struct Hooks {
     std::function<void(const action::Record&)> on_record;
+    std::function<void(const action::SendSwitch&)> on_send;  // before it is sent
     std::function<void(const action::StartUpEnded&)> on_start_up_ended;
     std::function<void()> on_stopped;
     std::function<void(const std::string&)> on_fenced;  // another controller has taken over
@@ -97,6 +98,7 @@ class ControllerShell {
   void OnLinkEvent(const Event& event);
   void OnWriterLost(transport::PeerId writer);
   void WatchForeign(std::size_t actuator, const ActuatorReport& report);
+  bool WatchFound(std::size_t actuator, pid_t pid);
   void CompareHash(std::size_t actuator, const std::string& hash);
 
   bool KeepForBegin(const Event& event);

@@ -129,8 +129,11 @@ class Deciding {
   }
 
   void On(const event::EmergencyStopHeard& heard) {
-    if (heard.engaged) return Engage(heard.id);
     const bool entitled = heard.sender == core_.controller && core_.controller != 0;
+    if (heard.engaged) {
+      if (entitled) std::erase(core_.released, heard.id);  // it has the last word
+      return Engage(heard.id);
+    }
     if (!entitled) return;
     core_.released.push_back(heard.id);
     if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
@@ -190,6 +193,8 @@ class Deciding {
                        "no controller of epoch " + number + " has announced itself"};
       }
       core_.controller = sender;
+      // Nobody waits for what the one before had commanded and this one knows nothing of.
+      DropWaiting({kCodePermissionDenied, "the controller of epoch " + number + " has taken over"});
     }
     report_.epoch = epoch;
     core_.controller_heard = now_;

@@ -59,6 +59,7 @@ void Decision::Decline(const Event& event) {
 }
 
 void Decision::On(const event::EmergencyStopSeen& seen) {
+  if (!seen.engaged) return HearRelease(seen.stop.id);
   const auto& released = machine_.released_stops;
   const bool over = std::find(released.begin(), released.end(), seen.stop.id) != released.end();
   if (seen.stop.id == 0 || over) return;
@@ -68,6 +69,17 @@ void Decision::On(const event::EmergencyStopSeen& seen) {
       engaged && engaged->id == seen.stop.id && engaged->by.empty() && !seen.stop.by.empty();
   if (engaged && !explains) return EngageToo(seen.stop.id);
   Engage(seen.stop);
+}
+
+// The controller before us has released it. Once we lead, only we do.
+void Decision::HearRelease(std::uint64_t id) {
+  if (machine_.phase != Phase::kIdle) return;
+  machine_.released_stops.push_back(id);
+  std::erase(machine_.other_stops, id);
+  if (!machine_.emergency_stop || machine_.emergency_stop->id != id) return;
+  machine_.emergency_stop.reset();
+  Do(action::SaveEmergencyStop{});
+  RecordMachine(kCodeOk, "the emergency stop was released by the controller before");
 }
 
 void Decision::EngageToo(std::uint64_t id) {

@@ -85,7 +85,7 @@ std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
   if (record.order) consider(record.order->deadline);
   if (record.claim_again) consider(*record.claim_again);
   if (record.set_up_by && record.presence != Presence::kPresent) consider(*record.set_up_by);
-  for (const auto& when : {record.restart_at, record.healthy_at, record.kill_at}) {
+  for (const auto& when : {record.restart_at, record.healthy_at, record.kill_at, record.free_by}) {
     if (when) consider(*when);
   }
   return next;

@@ -30,13 +30,15 @@ using RequestId = std::uint64_t;
 namespace event {
 
 // Starts the machine: with `by_hand` only SetUp, the rest comes as requests. `running[i]` says that
-// a process of actuator i runs on this host already. `epoch` is the last one on disk.
+// a process of actuator i runs on this host already, `processes[i]` is its pid where its end can be
+// seen, else 0. `epoch` is the last one on disk.
 struct Begin {
   bool by_hand = false;
   std::uint64_t epoch = 0;
   std::vector<bool> running;
   std::string host = {};                             // of the controller
   std::optional<EmergencyStop> emergency_stop = {};  // the one on disk
+  std::vector<std::int32_t> processes = {};
   friend bool operator==(const Begin&, const Begin&) = default;
 };
 // An actuator's latched status came.
@@ -111,9 +113,10 @@ struct RivalHeard {
   bool has_precedence = false;  // of two with the same epoch
   friend bool operator==(const RivalHeard&, const RivalHeard&) = default;
 };
-// Somebody engages an emergency stop.
+// Somebody engages an emergency stop, or has released one.
 struct EmergencyStopSeen {
   EmergencyStop stop;
+  bool engaged = true;
   friend bool operator==(const EmergencyStopSeen&, const EmergencyStopSeen&) = default;
 };
 struct ReleaseRequested {

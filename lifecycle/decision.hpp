@@ -84,6 +84,7 @@ class Decision {
   void Lose(std::size_t i, const std::string& how, std::uint64_t cause = 0);
   void LoseSight(std::size_t i, const std::string& how, std::uint64_t cause = 0);
   void TakeForTornDown(std::size_t i);
+  void JudgeFoundBusy(std::size_t i);
   void CheckOrders();
 
   // switching.cpp, switch_end.cpp
@@ -138,6 +139,7 @@ class Decision {
   bool MayFollow(std::size_t i) const;
   void TellUnchecked(std::size_t i);
   bool MayJoin(std::size_t i, std::string& hindrance) const;
+  std::string RestsBefore(std::size_t i) const;
   void Join(std::size_t i);
   void EndJoin(std::size_t i, const Order& order, const OrderEnd& end);
   void Fall(std::size_t i);
@@ -174,6 +176,7 @@ class Decision {
   void Engage(const EmergencyStop& stop);
   void EngageToo(std::uint64_t id);
   void Release(std::uint64_t id);
+  void HearRelease(std::uint64_t id);
 
   // stopping.cpp
   void Stop(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause);

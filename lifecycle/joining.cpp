@@ -63,12 +63,23 @@ bool Decision::MayJoin(std::size_t i, std::string& hindrance) const {
   const bool goes_up = record.due && target && (!own || *own < *target);
   if (record.due && !goes_up) return true;
   if (goes_up && machine_.emergency_stop && machine_.state != kError) return false;
-  if (!NeedsMet(i, hindrance)) return false;
+  if (!NeedsMet(i, hindrance)) {
+    if (hindrance.empty()) hindrance = RestsBefore(i);
+    return false;
+  }
   return !goes_up || std::all_of(ConfigOf(i).after.begin(), ConfigOf(i).after.end(),
                                  [this](const std::string& name) {
                                    const ActuatorRecord& needed = Of(*config_.IndexOf(name));
                                    return needed.held || needed.state() == machine_.state;
                                  });
+}
+
+// Which of those that it comes after rests, and so keeps it waiting; empty: none.
+std::string Decision::RestsBefore(std::size_t i) const {
+  for (const std::string& name : ConfigOf(i).after) {
+    if (Of(*config_.IndexOf(name)).parked) return "waits for " + name + ", which rests";
+  }
+  return {};
 }
 
 void Decision::Join(std::size_t i) {

@@ -51,7 +51,12 @@ void Decision::RaiseEpoch(std::uint64_t epoch, std::size_t because_of) {
 // controller before) may have led anywhere.
 void Decision::Accept(std::size_t i, const ActuatorReport& report) {
   ActuatorRecord& record = Of(i);
-  const bool came_free = record.report.busy() && !report.busy() && !record.order;
+  // That it was busy may not have been heard.
+  const bool was_busy =
+      record.report.busy() || (report.incarnation == record.report.incarnation &&
+                               report.outcome_number != record.report.outcome_number);
+  const bool came_free = was_busy && !report.busy() && !record.order;
+  if (!report.busy()) record.free_by.reset();
   const bool passed_late = report.state == kSelfCheck && record.report.state != kSelfCheck;
   if (came_free && passed_late) record.checked = true;
   if (came_free && record.checked && !record.held) record.due = true;
@@ -92,11 +97,15 @@ void Decision::Follow(std::size_t i) {
   record.parked = false;
   record.health = Health::kWell;
   record.due = late && record.checked && !record.held;
+  if (record.report.busy()) record.free_by = now_ + config_.TimeFor(i, record.report.target);
   record.cause = RecordActuator(
       i, kCodeOk,
       ConfigOf(i).name + " is present in " + record.state() +
           (record.report.pid == 0 ? "" : ", process " + std::to_string(record.report.pid)),
       record.cause);
+  if (machine_.emergency_stop && record.report.emergency_stop == 0) {
+    Do(action::TellEmergencyStop{*machine_.emergency_stop, true});  // it may think that it is over
+  }
   JudgeArrival(i);
 }
 
@@ -256,7 +265,21 @@ void Decision::CheckOrders() {
     ActuatorRecord& record = Of(i);
     if (record.order && record.order->deadline <= now_) AskOrLose(i);
     if (record.claim_again && *record.claim_again <= now_) Claim(i);
+    if (record.free_by && *record.free_by <= now_) JudgeFoundBusy(i);
   }
+}
+
+// What it was found busy with has its time, too, whoever commanded it.
+void Decision::JudgeFoundBusy(std::size_t i) {
+  ActuatorRecord& record = Of(i);
+  record.free_by.reset();
+  if (!record.report.busy() || record.order || record.presence != Presence::kPresent) return;
+  const State& target = record.report.target;
+  Degrade(i, kCodeTimeout,
+          "still busy with " + target + ", which it was found with, after " +
+              std::to_string(ToMilliseconds(config_.TimeFor(i, target))) + " ms");
+  Do(action::SendAsk{i, record.report.number, true});
+  Fall(i);
 }
 
 void Decision::EndOrder(std::size_t i, const OrderEnd& end) {
@@ -317,6 +340,7 @@ void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause) 
   record.due = false;
   record.healthy_at.reset();
   record.outbid_at.reset();
+  record.free_by.reset();
   record.report.target.clear();
   record.report.busy_number = 0;
   if (machine_.phase == Phase::kStopping) return;

@@ -232,6 +232,7 @@ void Decision::CallOffRestart(std::size_t i) {
 void Decision::StartAgain(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.restart_at.reset();
+  record.hindered = false;
   record.found_running = false;
   record.report.state = config_.default_state;  // how the last one ended is no matter any more
   record.presence = Presence::kStarting;

@@ -26,6 +26,7 @@ void Decision::On(const event::Begin& begin) {
   machine_.epoch = begin.epoch + 1;
   Do(action::SaveEpoch{machine_.epoch});
   for (std::size_t i = 0; i < begin.running.size(); ++i) Of(i).found_running = begin.running[i];
+  for (std::size_t i = 0; i < begin.processes.size(); ++i) Of(i).process = begin.processes[i];
   RecordMachine(kCodeOk, "controller epoch " + std::to_string(machine_.epoch) + " begins, " +
                              std::to_string(machine_.actuators.size()) + " actuators");
   StartStage(begin.by_hand ? LastStage(config_) : 1, kBegun);
@@ -53,14 +54,19 @@ bool Decision::StartProcesses() {
     ActuatorRecord& record = Of(i);
     const ActuatorConfig& actuator = ConfigOf(i);
     if (actuator.stage > machine_.stage || actuator.command.empty() || record.found_running ||
-        record.presence != Presence::kAbsent || record.set_up_by || record.fault) {
+        record.presence != Presence::kAbsent || record.set_up_by ||
+        (record.fault && !record.hindered)) {
       continue;
     }
     std::string hindrance;
     if (!NeedsMet(i, hindrance)) {
-      if (hindrance.empty()) continue;
+      if (hindrance.empty()) hindrance = RestsBefore(i);
+      if (hindrance.empty() || record.hindered) continue;
+      record.hindered = true;
       Degrade(i, kCodeStatusError, hindrance, CauseOfHindrance(i));
+      Fall(i);
     } else {
+      if (std::exchange(record.hindered, false)) record.fault.reset();
       record.presence = Presence::kStarting;
       record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
       Do(action::StartProcess{i});
@@ -117,7 +123,8 @@ void Decision::On(const event::ProcessEnded& ended) {
       RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
                     ConfigOf(ended.actuator).name + "'s " + how, record.fault ? record.cause : 0);
   if (AnotherIsThere(ended.actuator, ended.pid)) return;
-  if (ended.clean) TakeForTornDown(ended.actuator);
+  // How one ends that we have not started is not known.
+  if (ended.clean || record.found_running) TakeForTornDown(ended.actuator);
   if (record.health != Health::kHung) record.health = Health::kCrashed;
   if (record.presence == Presence::kStarting || record.presence == Presence::kPresent) {
     const bool in_set_up = record.presence == Presence::kStarting;

@@ -284,8 +284,16 @@ void Decision::EndLeg(Leg& leg, const OrderEnd& end) {
 
 // Where a leg has to go back to: where it was; from a step of a start, where one cannot stay, to
 // where the machine is, or the nearest thing to rest. Empty when there is none.
+// One that was above the machine, for whatever reason, does not go up again.
 State Decision::WayBack(const Leg& leg) const {
-  if (config_.RankOf(leg.from)) return leg.from;
+  const auto from = config_.RankOf(leg.from);
+  const auto place = config_.RankOf(machine_.state);
+  const bool above = from && place && *from > *place;
+  if (above) {
+    const bool lists = ConfigOf(leg.actuator).Lists(machine_.state);
+    return lists ? machine_.state : leg.target;
+  }
+  if (from) return leg.from;
   const bool to_machine = config_.RankOf(machine_.state) && machine_.state != kError;
   if (to_machine && ConfigOf(leg.actuator).Lists(machine_.state)) return machine_.state;
   for (const std::string_view rest : {kDeActive, kLowPower}) {

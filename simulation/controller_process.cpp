@@ -13,6 +13,7 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
       processes_(processes),
       disk_(disk),
       hooks_(std::move(hooks)),
+      pid_(processes.NewPid()),
       node_(network.MakeNode(host)) {
   ControllerShell::World world;
   world.node = node_.get();
@@ -28,10 +29,13 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   world.log_file = [](const std::string&) { return std::string(); };
   world.wall_ns = [this] { return (network_.now().time_since_epoch() + wall_offset).count(); };
   world.host = "sim";
-  world.pid = processes_.NewPid();
+  world.pid = pid_;
   world.incarnation = static_cast<std::uint64_t>(world.pid);
   ControllerShell::Hooks shell_hooks;
   shell_hooks.on_record = hooks_.on_record;
+  shell_hooks.on_send = [this](const action::SendSwitch& command) {
+    if (hooks_.on_send) hooks_.on_send(shell_->machine(), command);
+  };
   shell_hooks.on_stopped = hooks_.on_over;
   shell_hooks.on_fenced = [this](const std::string&) {
     if (hooks_.on_over) hooks_.on_over();
@@ -53,6 +57,7 @@ void ControllerProcess::Begin(bool takeover) {
   }
   for (const ActuatorConfig& actuator : config_.actuators) {
     begin.running.push_back(processes_.IsAlive(actuator.name));
+    begin.processes.push_back(processes_.PidOf(actuator.name));
   }
   begin.emergency_stop = disk_.emergency_stop;
   begun_ = true;

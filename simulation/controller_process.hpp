@@ -33,6 +33,7 @@ class ControllerProcess : private ProcessRunner, private ProcessWitness, private
   struct Hooks {
     std::function<void()> on_input;  // before each step of the decision code
     std::function<void(const action::Record&)> on_record;
+    std::function<void(const Machine&, const action::SendSwitch&)> on_send;
     std::function<void()> on_over;  // it is stopped, fenced or refused: its process may end
   };
 
@@ -54,6 +55,7 @@ class ControllerProcess : private ProcessRunner, private ProcessWitness, private
     return begun_ && shell_->machine().phase != Phase::kFenced &&
            shell_->machine().phase != Phase::kIdle;
   }
+  std::int32_t pid() const { return pid_; }
   bool frozen = false;
   Duration wall_offset{};  // how far its wall clock is ahead
 
@@ -73,6 +75,7 @@ class ControllerProcess : private ProcessRunner, private ProcessWitness, private
   Processes& processes_;
   Disk& disk_;
   Hooks hooks_;
+  const std::int32_t pid_;
   bool begun_ = false;
   std::size_t inputs_ = 0;
   std::map<std::int32_t, OnExit> watchers_;

@@ -70,6 +70,10 @@ class Processes {
   // One that is stopped dies of SIGKILL only.
   Result<> Signal(std::int32_t pid, int signal);
   Examination Examine(std::int32_t pid) const;
+  std::int32_t PidOf(const std::string& name) const {  // 0: it does not live
+    const auto process = alive_.find(name);
+    return process == alive_.end() ? 0 : process->second.pid;
+  }
   bool Exists(std::int32_t pid) const { return !NameOf(pid).empty(); }
 
   // What the actuator itself says; null when its process does not live or is a program.

@@ -2,6 +2,7 @@
 
 #include <signal.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "musher/transport/lifecycle_wire.hpp"
@@ -28,6 +29,7 @@ constexpr Duration kLookAround = Milliseconds(1000);
 SimRobot::SimRobot(std::uint64_t seed, MachineConfig config, Script script)
     : config_(std::move(config)),
       network_(seed),
+      switched_on_(network_.now()),
       keeper_(network_.MakeNode("keeper")),
       button_(
           transport::MakePublisher<msg::EmergencyStop>(
@@ -56,6 +58,9 @@ void SimRobot::Open(std::size_t which) {
   };
   hooks.on_record = [this](const action::Record& record) {
     if (on_record) on_record(record);
+  };
+  hooks.on_send = [this](const Machine& machine, const action::SendSwitch& command) {
+    if (on_send) on_send(machine, command);
   };
   // One that has stopped the machine stays, to be looked at; one that is fenced ends.
   hooks.on_over = [this, which] {
@@ -125,21 +130,27 @@ void SimRobot::EngageEmergencyStop(std::uint64_t id) {
 }
 
 void SimRobot::ReleaseEmergencyStop() {
-  if (auto* leading = leader()) {
-    leading->shell().ReleaseEmergencyStop("a person", [](const Result<>&) {});
-  }
+  ControllerProcess* leading = leader();
+  if (leading == nullptr || leading->frozen) return;
+  leading->shell().ReleaseEmergencyStop("a person", [](const Result<>&) {});
 }
 
 void SimRobot::Restart(const std::string& name) {
-  if (auto* leading = leader()) leading->shell().Restart(name, [](const Result<>&) {});
+  ControllerProcess* leading = leader();
+  if (leading != nullptr && !leading->frozen) {
+    leading->shell().Restart(name, [](const Result<>&) {});
+  }
 }
 
 ControllerProcess* SimRobot::leader() {
+  const auto standing = [](const ControllerProcess& controller) {
+    const Machine& machine = controller.shell().machine();
+    return std::pair(machine.phase != Phase::kStopped, machine.epoch);
+  };
   ControllerProcess* highest = nullptr;
   for (const auto& controller : controllers_) {
     if (!controller || !controller->leads()) continue;
-    if (highest == nullptr ||
-        controller->shell().machine().epoch > highest->shell().machine().epoch) {
+    if (highest == nullptr || standing(*controller) > standing(*highest)) {
       highest = controller.get();
     }
   }
@@ -147,9 +158,11 @@ ControllerProcess* SimRobot::leader() {
 }
 
 std::size_t SimRobot::leaders() const {
-  std::size_t count = 0;
-  for (const auto& controller : controllers_) count += controller && controller->leads() ? 1 : 0;
-  return count;
+  return static_cast<std::size_t>(
+      std::count_if(controllers_.begin(), controllers_.end(), [](const auto& controller) {
+        return controller && controller->leads() &&
+               controller->shell().machine().phase != Phase::kStopped;
+      }));
 }
 
 std::vector<std::string> SimRobot::journal() const {

@@ -34,7 +34,9 @@ class SimRobot {
 
   transport::sim::Network& network() { return network_; }
   Processes& processes() { return processes_; }
+  const Processes& processes() const { return processes_; }
   const MachineConfig& config() const { return config_; }
+  Duration age() const { return network_.now() - switched_on_; }
 
   void UseProgram(const std::string& name, Processes::Program program) {
     processes_.UseProgram(name, std::move(program));
@@ -42,6 +44,8 @@ class SimRobot {
 
   // Told of every step of a controller's decision code, before it; may be empty.
   std::function<void()> on_input;
+  // Told of every command of a controller, before it is sent; may be empty.
+  std::function<void(const Machine&, const action::SendSwitch&)> on_send;
   // Told of every record of any controller; may be empty.
   std::function<void(const action::Record&)> on_record;
 
@@ -78,11 +82,14 @@ class SimRobot {
   bool RunUntil(const std::function<bool()>& done, Duration limit = std::chrono::minutes(10));
   void RunFor(Duration duration) { network_.RunFor(duration); }
 
-  // The controller that leads, of two the one with the higher epoch; null when there is none.
+  // The controller that leads, of two the one with the higher epoch; else one that has stopped the
+  // machine; null when there is none.
   ControllerProcess* leader();
   const ControllerProcess* leader() const { return const_cast<SimRobot*>(this)->leader(); }
   bool has_controller() const { return leader() != nullptr; }
-  std::size_t leaders() const;
+  std::size_t leaders() const;  // without those that have stopped it
+  // On that host; null when it does not live.
+  const ControllerProcess* controller(std::size_t host) const { return controllers_[host].get(); }
   const Machine& machine() const { return leader()->shell().machine(); }
   // What the actuator itself says; nothing when its process does not live.
   std::optional<ActuatorReport> ReportOf(const std::string& name) const;
@@ -96,6 +103,7 @@ class SimRobot {
 
   MachineConfig config_;
   transport::sim::Network network_;
+  Time switched_on_;
   std::unique_ptr<transport::Node> keeper_;  // whose loop runs what belongs to no process
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button_;
   Processes processes_;

@@ -131,6 +131,7 @@ inline constexpr std::tuple kFields<event::Begin> = {
     Field{"by_hand", &event::Begin::by_hand},
     Field{"epoch", &event::Begin::epoch},
     Field{"running", &event::Begin::running},
+    Field{"processes", &event::Begin::processes},
     Field{"host", &event::Begin::host},
     Field{"emergency_stop", &event::Begin::emergency_stop},
 };
@@ -219,7 +220,8 @@ template <>
 inline constexpr std::string_view kEventName<event::EmergencyStopSeen> = "EmergencyStopSeen";
 template <>
 inline constexpr std::tuple kFields<event::EmergencyStopSeen> = {
-    Field{"stop", &event::EmergencyStopSeen::stop}};
+    Field{"stop", &event::EmergencyStopSeen::stop},
+    Field{"engaged", &event::EmergencyStopSeen::engaged}};
 template <>
 inline constexpr std::string_view kEventName<event::ReleaseRequested> = "ReleaseRequested";
 template <>
@@ -283,6 +285,8 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"killed", &ActuatorRecord::killed},
     Field{"parked", &ActuatorRecord::parked},
     Field{"outbid_at", &ActuatorRecord::outbid_at},
+    Field{"free_by", &ActuatorRecord::free_by},
+    Field{"hindered", &ActuatorRecord::hindered},
 };
 
 template <>

@@ -191,10 +191,9 @@ class Replayer {
     return std::visit(
         [&](auto& e) {
           if constexpr (requires { e.running; }) {
-            if (e.running.size() > count) return false;
-            std::vector<bool> running(count);
-            for (std::size_t i = 0; i < e.running.size(); ++i) running[NumberOf(i)] = e.running[i];
-            e.running = running;
+            if (e.running.size() > count || e.processes.size() > count) return false;
+            e.running = Renumbered(e.running);
+            e.processes = Renumbered(e.processes);
           } else if constexpr (requires { e.actuator + 1; }) {
             if (e.actuator >= count) return false;
             e.actuator = NumberOf(e.actuator);
@@ -202,6 +201,12 @@ class Replayer {
           return true;
         },
         event);
+  }
+  template <class T>
+  std::vector<T> Renumbered(const std::vector<T>& recorded) const {
+    std::vector<T> renumbered(config_->actuators.size());
+    for (std::size_t i = 0; i < recorded.size(); ++i) renumbered[NumberOf(i)] = recorded[i];
+    return renumbered;
   }
   std::size_t NumberOf(std::size_t recorded) const {
     return recorded < number_of_.size() ? number_of_[recorded] : recorded;

@@ -1,0 +1,48 @@
+#include "musher/simulation/coverage.hpp"
+
+#include <numeric>
+
+namespace musher::simulation {
+namespace {
+
+std::string Padded(std::string text, std::size_t width, bool left) {
+  if (text.size() >= width) return text;
+  const std::string blank(width - text.size(), ' ');
+  return left ? text + blank : blank + text;
+}
+
+}  // namespace
+
+void Coverage::Add(const Coverage& other) {
+  for (std::size_t kind = 0; kind < kIncidentKinds; ++kind) {
+    for (std::size_t moment = 0; moment < kMoments; ++moment) {
+      counts_[kind][moment] += other.counts_[kind][moment];
+    }
+  }
+}
+
+std::uint64_t Coverage::Of(IncidentKind kind) const {
+  const auto& row = counts_[static_cast<std::size_t>(kind)];
+  return std::accumulate(row.begin(), row.end(), std::uint64_t{0});
+}
+
+std::string Coverage::Text() const {
+  constexpr std::size_t kFirst = 18;
+  std::string text = Padded("", kFirst, true);
+  for (std::size_t moment = 0; moment < kMoments; ++moment) {
+    text += " " + std::string(MomentName(static_cast<Moment>(moment)));
+  }
+  text += "\n";
+  for (std::size_t kind = 0; kind < kIncidentKinds; ++kind) {
+    text += Padded(std::string(KindName(static_cast<IncidentKind>(kind))), kFirst, true);
+    for (std::size_t moment = 0; moment < kMoments; ++moment) {
+      const std::uint64_t count = counts_[kind][moment];
+      text += " " + Padded(count == 0 ? "-" : std::to_string(count),
+                           MomentName(static_cast<Moment>(moment)).size(), false);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace musher::simulation

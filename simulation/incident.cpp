@@ -1,0 +1,263 @@
+#include "musher/simulation/incident.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "musher/transport/sim/random.hpp"
+
+namespace musher::simulation {
+namespace {
+
+using transport::sim::Random;
+
+struct KindRow {
+  IncidentKind kind;
+  std::string_view name;
+  int weight;  // how often it is drawn
+};
+
+constexpr std::array<KindRow, kIncidentKinds> kKinds = {{
+    {IncidentKind::kCrash, "crash", 9},
+    {IncidentKind::kFreeze, "freeze", 4},
+    {IncidentKind::kHang, "hang", 4},
+    {IncidentKind::kSlow, "slow", 4},
+    {IncidentKind::kFail, "fail", 5},
+    {IncidentKind::kLie, "lie", 2},
+    {IncidentKind::kLoss, "loss", 3},
+    {IncidentKind::kDelay, "delay", 3},
+    {IncidentKind::kDuplication, "duplication", 3},
+    {IncidentKind::kReordering, "reordering", 3},
+    {IncidentKind::kPartition, "partition", 3},
+    {IncidentKind::kDeaf, "deaf", 2},
+    {IncidentKind::kMute, "mute", 2},
+    {IncidentKind::kControllerCrash, "controller-crash", 4},
+    {IncidentKind::kControllerFreeze, "controller-freeze", 2},
+    {IncidentKind::kRival, "rival", 1},
+    {IncidentKind::kTakeover, "takeover", 1},
+    {IncidentKind::kFullDisk, "full-disk", 2},
+    {IncidentKind::kWallClock, "wall-clock", 1},
+    {IncidentKind::kSet, "set", 34},
+    {IncidentKind::kSetOne, "set-one", 4},
+    {IncidentKind::kBattery, "battery", 4},
+    {IncidentKind::kEmergencyStop, "emergency-stop", 3},
+    {IncidentKind::kRelease, "release", 4},
+    {IncidentKind::kRestart, "restart", 2},
+}};
+
+const KindRow& RowOf(IncidentKind kind) {
+  return kKinds[static_cast<std::size_t>(kind)];
+}
+
+IncidentKind DrawKind(Random& dice) {
+  int all = 0;
+  for (const KindRow& row : kKinds) all += row.weight;
+  int left = static_cast<int>(dice.Next() % static_cast<std::uint64_t>(all));
+  for (const KindRow& row : kKinds) {
+    left -= row.weight;
+    if (left < 0) return row.kind;
+  }
+  return IncidentKind::kSet;
+}
+
+// As likely between 1 and 10 ms as between 1 and 10 s.
+Duration DrawLogUniform(Random& dice, Duration least, Duration most) {
+  constexpr double kUnit = 1.0 / 9007199254740992.0;  // 2^-53
+  const double share = static_cast<double>(dice.Next() >> 11) * kUnit;
+  const double ratio = static_cast<double>(most.count()) / static_cast<double>(least.count());
+  return Duration(
+      static_cast<Duration::rep>(static_cast<double>(least.count()) * std::pow(ratio, share)));
+}
+
+// The states that can be asked for; a TearDown, after which little happens, is rare.
+State DrawState(const MachineConfig& config, Random& dice) {
+  std::vector<State> states;
+  for (const State& state : config.states) {
+    if (state == kSetUp || state == kTearDown) continue;
+    states.push_back(state);
+  }
+  if (states.empty() || (config.HasState(kTearDown) && dice.Chance(0.02))) return State(kTearDown);
+  return states[dice.Next() % states.size()];
+}
+
+// The moments that few would meet by chance, and what leads to them.
+class Drawing {
+ public:
+  Drawing(const MachineConfig& config, std::uint64_t seed) : config_(config), dice_(seed * 2 + 1) {}
+
+  Incidents Draw() {
+    const std::uint64_t count = 1 + dice_.Next() % (1 + dice_.Next() % 16);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      at_ += DrawLogUniform(dice_, std::chrono::microseconds(100), std::chrono::seconds(4));
+      if (dice_.Chance(0.35)) {
+        DrawAimed();
+      } else {
+        Add(DrawKind(dice_), DrawState(config_, dice_));
+      }
+    }
+    return std::move(incidents_);
+  }
+
+ private:
+  Incident& Add(IncidentKind kind, const State& state, Duration after = {}) {
+    at_ += after;
+    Incident incident;
+    incident.kind = kind;
+    incident.at = at_;
+    incident.actuator = dice_.Next() % config_.actuators.size();
+    incident.state = state;
+    incident.lasts = DrawLogUniform(dice_, Milliseconds(1), std::chrono::seconds(10));
+    incident.chance = dice_.Next();
+    incidents_.push_back(incident);
+    return incidents_.back();
+  }
+
+  void DrawAimed() {
+    static constexpr Moment kAims[] = {
+        Moment::kJoining,     Moment::kSent,        Moment::kHalfWay,     Moment::kAsking,
+        Moment::kRollingBack, Moment::kFallingBack, Moment::kTearingDown, Moment::kSettingUp};
+    const Moment aim = kAims[dice_.Next() % std::size(kAims)];
+    if (aim == Moment::kTearingDown && dice_.Chance(0.6)) return;  // little comes after it
+    LeadTo(aim);
+    Add(DrawKind(dice_), DrawState(config_, dice_)).when = aim;
+  }
+
+  void LeadTo(Moment aim) {
+    switch (aim) {
+      case Moment::kAsking:
+        Add(IncidentKind::kHang, {}).lasts = Milliseconds(100);
+        Add(IncidentKind::kSet, DrawState(config_, dice_), Milliseconds(1));
+        return;
+      case Moment::kRollingBack:
+        Add(IncidentKind::kSet, Least());
+        Add(IncidentKind::kFail, {}, Milliseconds(300)).lasts = Milliseconds(100);
+        Add(IncidentKind::kSet, State(kActive), Milliseconds(1));
+        return;
+      case Moment::kFallingBack:
+        return LeadToFall();
+      case Moment::kTearingDown:
+        Add(IncidentKind::kSet, State(kTearDown));
+        return;
+      case Moment::kJoining:
+        Add(IncidentKind::kCrash, {});
+        return;
+      default:
+        Add(IncidentKind::kSet, DrawState(config_, dice_));
+        return;
+    }
+  }
+
+  // One with an on_lost dies until it is given up.
+  void LeadToFall() {
+    for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+      const ActuatorConfig& actuator = config_.actuators[i];
+      if (actuator.on_lost.empty() || actuator.restart.limit > 5) continue;
+      const bool once = actuator.restart.policy == RestartPolicy::kNo || actuator.command.empty();
+      for (int life = 0; life <= (once ? 0 : actuator.restart.limit); ++life) {
+        Add(IncidentKind::kCrash, {}, Milliseconds(life == 0 ? 0 : 700)).actuator = i;
+      }
+      return;
+    }
+  }
+
+  // The least active state that robots work in.
+  State Least() const {
+    for (const std::string_view state : {kLowPower, kDeActive, kProtected}) {
+      if (config_.HasState(state)) return State(state);
+    }
+    return config_.states.front();
+  }
+
+  const MachineConfig& config_;
+  Random dice_;
+  Duration at_{};
+  Incidents incidents_;
+};
+
+std::string Seconds(Duration duration) {
+  return std::to_string(ToMilliseconds(duration)) + " ms";
+}
+
+int BatteryOf(const Incident& incident) {
+  return static_cast<int>(incident.chance % 101);
+}
+
+}  // namespace
+
+std::string_view KindName(IncidentKind kind) {
+  return RowOf(kind).name;
+}
+
+bool IsFault(IncidentKind kind) {
+  return kind < IncidentKind::kSet;
+}
+
+Incidents DrawIncidents(const MachineConfig& config, std::uint64_t seed) {
+  return Drawing(config, seed).Draw();
+}
+
+State StateForBattery(const MachineConfig& config, int percent) {
+  const std::string_view state = percent <= 5 ? kLowPower : (percent <= 20 ? kProtected : kActive);
+  return config.HasState(state) ? State(state) : config.states.front();
+}
+
+std::string Describe(const MachineConfig& config, const Incident& incident) {
+  const std::string& who = config.actuators[incident.actuator].name;
+  const std::string lasts = " for " + Seconds(incident.lasts);
+  switch (incident.kind) {
+    case IncidentKind::kCrash:
+      return "the process of " + who + " is killed";
+    case IncidentKind::kFreeze:
+      return "the process of " + who + " is stopped" + lasts;
+    case IncidentKind::kHang:
+      return "callbacks of " + who + " hang that begin in the next " + Seconds(incident.lasts);
+    case IncidentKind::kSlow:
+      return "callbacks of " + who + " are slow" + lasts;
+    case IncidentKind::kFail:
+      return "callbacks of " + who + " fail" + lasts;
+    case IncidentKind::kLie:
+      return who + " says that it is in " + incident.state;
+    case IncidentKind::kLoss:
+      return "messages are lost" + lasts;
+    case IncidentKind::kDelay:
+      return "messages are late" + lasts;
+    case IncidentKind::kDuplication:
+      return "messages come twice" + lasts;
+    case IncidentKind::kReordering:
+      return "messages overtake each other" + lasts;
+    case IncidentKind::kPartition:
+      return who + " and the controller do not hear each other" + lasts;
+    case IncidentKind::kDeaf:
+      return who + " does not hear the controller" + lasts;
+    case IncidentKind::kMute:
+      return "the controller does not hear " + who + lasts;
+    case IncidentKind::kControllerCrash:
+      return "the controller is killed, and started again after " + Seconds(incident.lasts);
+    case IncidentKind::kControllerFreeze:
+      return "the controller is stopped" + lasts;
+    case IncidentKind::kRival:
+      return "a second controller is started elsewhere";
+    case IncidentKind::kTakeover:
+      return "a second controller is started elsewhere, with --takeover";
+    case IncidentKind::kFullDisk:
+      return "the controller's disk is full" + lasts;
+    case IncidentKind::kWallClock:
+      return "the wall clock jumps";
+    case IncidentKind::kSet:
+      return "a person asks for " + incident.state;
+    case IncidentKind::kSetOne:
+      return "a person asks for " + incident.state + " of " + who;
+    case IncidentKind::kBattery:
+      return "the battery is at " + std::to_string(BatteryOf(incident)) +
+             " %: " + StateForBattery(config, BatteryOf(incident)) + " is asked for";
+    case IncidentKind::kEmergencyStop:
+      return "an emergency stop is engaged";
+    case IncidentKind::kRelease:
+      return "the emergency stop is released";
+    case IncidentKind::kRestart:
+      return "a person restarts " + who;
+  }
+  return {};
+}
+
+}  // namespace musher::simulation

@@ -1,0 +1,75 @@
+#pragma once
+// What befalls a simulated robot: faults, and what people and applications ask for, each at its
+// time. A list of them, with a seed, is a whole story; taking some away leaves the others as they
+// are.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/config.hpp"
+#include "musher/simulation/moment.hpp"
+
+namespace musher::simulation {
+
+enum class IncidentKind : std::uint8_t {
+  kCrash,             // an actuator's process ends
+  kFreeze,            // it is stopped for a while, as by SIGSTOP
+  kHang,              // callbacks that begin meanwhile do not end
+  kSlow,              // they take about as long as they may, or longer
+  kFail,              // they end with a code
+  kLie,               // an actuator says that it is in a state, and is not
+  kLoss,              // messages are lost, everywhere, for a while
+  kDelay,             // they come late
+  kDuplication,       // they come twice
+  kReordering,        // they overtake each other
+  kPartition,         // an actuator and the controllers do not hear each other
+  kDeaf,              // it does not hear them
+  kMute,              // they do not hear it
+  kControllerCrash,   // the controllers end; one is started again after a while
+  kControllerFreeze,  // the one that leads is stopped for a while
+  kRival,             // a second controller comes up, and refuses if it hears the first
+  kTakeover,          // a second one takes over
+  kFullDisk,          // the controllers can write nothing, for a while
+  kWallClock,         // the wall clock jumps
+  kSet,               // a person switches the machine
+  kSetOne,            // a person switches one actuator
+  kBattery,           // the battery is at a level, and an application switches accordingly
+  kEmergencyStop,
+  kRelease,  // of emergency stops
+  kRestart,  // a person restarts an actuator
+};
+inline constexpr std::size_t kIncidentKinds = 25;
+
+std::string_view KindName(IncidentKind kind);  // "crash", "controller-freeze", …
+
+struct Incident {
+  IncidentKind kind = IncidentKind::kCrash;
+  Duration at{};               // after the robot was switched on, at the earliest
+  std::optional<Moment> when;  // then it waits for this, but not for ever
+  std::size_t actuator = 0;    // of the config; means nothing where everybody is concerned
+  State state;                 // that is asked for, or lied about
+  Duration lasts{};            // of what lasts
+  std::uint64_t chance = 0;    // for whatever else has to be drawn
+
+  friend bool operator==(const Incident&, const Incident&) = default;
+};
+using Incidents = std::vector<Incident>;
+
+// Whether it is a fault, as against a request.
+bool IsFault(IncidentKind kind);
+
+// The same from the same seed, in the order of their time: some of them milliseconds apart, or
+// aimed at a moment, so that they meet in one switch.
+Incidents DrawIncidents(const MachineConfig& config, std::uint64_t seed);
+
+// "the process of audio is killed"
+std::string Describe(const MachineConfig& config, const Incident& incident);
+
+// The state that a battery of so many percent allows: below 5 LowPower, below 20 Protected.
+State StateForBattery(const MachineConfig& config, int percent);
+
+}  // namespace musher::simulation

@@ -1,0 +1,290 @@
+#include "musher/simulation/judge.hpp"
+
+#include <algorithm>
+
+#include "musher/lifecycle/coordinator.hpp"
+#include "musher/lifecycle/flow.hpp"
+
+namespace musher::simulation {
+namespace {
+
+// How much older than its budget a command may be that begins: the clocks of two hosts are compared
+// by the report that took least time.
+constexpr Duration kClockSlack = Milliseconds(100);
+
+bool BehindIt(const Switch& s) {
+  return s.purpose == Purpose::kRequested || s.purpose == Purpose::kStartUpActivate ||
+         s.purpose == Purpose::kStartUpCheck;
+}
+
+}  // namespace
+
+Judge::Judge(SimRobot& robot)
+    : robot_(robot), config_(robot.config()), lost_at_(config_.actuators.size()) {
+  robot_.on_input = [this] { dirty_ = true; };
+  robot_.on_send = [this](const Machine& machine, const action::SendSwitch& command) {
+    OnSend(machine, command);
+  };
+  robot_.processes().on_report = [this](const std::string& name, const ActuatorReport& report) {
+    OnReport(name, report);
+  };
+}
+
+void Judge::Blame(Promise promise, const std::string& what) {
+  if (violation_) return;
+  violation_ = {promise, robot_.age(), what};
+}
+
+void Judge::OnReport(const std::string& name, const ActuatorReport& report) {
+  ++judgements_;
+  ActuatorReport& before = reports_[name];
+  if (before.incarnation != report.incarnation) before = ActuatorReport{};
+  if (report.epoch < before.epoch || report.number < before.number) {
+    Blame(Promise::kNothingStale, name + " went back to epoch " + std::to_string(report.epoch) +
+                                      ", command " + std::to_string(report.number));
+  }
+  const bool begun = report.busy() && (!before.busy() || before.target != report.target ||
+                                       before.busy_number != report.busy_number);
+  if (begun) OnBegun(name, before, report);
+  before = report;
+}
+
+// A callback has begun.
+void Judge::OnBegun(const std::string& name, const ActuatorReport& before,
+                    const ActuatorReport& report) {
+  const bool rises = Rises(config_, report.state, report.target);
+  const std::string what = name + " begins " + report.target + " in " + report.state;
+  if (rises && report.emergency_stop != 0 && before.emergency_stop == report.emergency_stop) {
+    return Blame(Promise::kStopWins, what + " although it has latched an emergency stop");
+  }
+  if (report.target == kSetUp) return;
+  if (report.busy_number == 0) {
+    on_its_own_.insert(name);
+    if (rises) Blame(Promise::kNothingRises, what + " of its own accord");
+    return;
+  }
+  on_its_own_.erase(name);
+  const auto order = orders_.find({report.epoch, *config_.IndexOf(name), report.busy_number});
+  if (order == orders_.end()) {
+    return Blame(Promise::kNothingStale, what + " although no controller has sent that command");
+  }
+  const Duration age = robot_.network().now() - order->second.sent;
+  if (age > order->second.budget + kClockSlack) {
+    Blame(Promise::kNothingStale, what + ", by a command that is " +
+                                      std::to_string(ToMilliseconds(age)) + " ms old and had " +
+                                      std::to_string(ToMilliseconds(order->second.budget)) + " ms");
+  }
+  if (rises && !order->second.may_rise) {
+    Blame(Promise::kNothingRises, what + ", which nobody has asked for");
+  }
+}
+
+void Judge::AfterEvent() {
+  if (!dirty_) return;
+  dirty_ = false;
+  for (std::size_t which = 0; which < 2; ++which) {
+    const ControllerProcess* controller = robot_.controller(which);
+    if (controller == nullptr || !controller->leads() || controller->frozen) continue;
+    ++judgements_;
+    LookAt(*controller);
+  }
+  just_answered_.clear();
+}
+
+void Judge::LookAt(const ControllerProcess& controller) {
+  const Machine& machine = controller.shell().machine();
+  const auto deadline = NextDeadline(config_, machine);
+  if (deadline && *deadline <= robot_.network().now()) {
+    Blame(Promise::kNoSpinning, "a deadline of the controller is over and stays");
+  }
+  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    const bool present = machine.actuators[i].presence == Presence::kPresent;
+    if (present) lost_at_[i] = robot_.age();
+  }
+  JudgeChange(machine, seen_[controller.pid()]);
+}
+
+void Judge::OnSend(const Machine& machine, const action::SendSwitch& command) {
+  orders_[{machine.epoch, command.actuator, command.number}] = {
+      robot_.network().now(), command.budget, MayRise(machine, command.target)};
+}
+
+// An actuator may be driven up by a switch that was asked for, or to where the machine is.
+bool Judge::MayRise(const Machine& machine, const State& target) const {
+  if (machine.current && BehindIt(*machine.current) && machine.current->target == target) {
+    return true;
+  }
+  const auto place = config_.RankOf(machine.state);
+  const auto rank = config_.RankOf(target);
+  if (rank && place && *rank <= *place) return true;
+  // Back to where it was, after a switch that had taken it down.
+  return machine.current && machine.current->rolling_back && machine.current->only;
+}
+
+void Judge::JudgeChange(const Machine& machine, Seen& seen) {
+  const auto before = config_.RankOf(seen.state);
+  const auto rank = config_.RankOf(machine.state);
+  if (before && rank && *rank > *before) {
+    const bool asked = seen.asked == machine.state || just_answered_.contains(machine.state);
+    const std::string what = "the machine went from " + seen.state + " to " + machine.state;
+    if (!asked) Blame(Promise::kNothingRises, what + ", which nobody had asked for");
+    if (seen.stopped && machine.emergency_stop) {
+      Blame(Promise::kStopWins, what + " during an emergency stop");
+    }
+  }
+  if (!machine.told_state.empty() && machine.told_state != machine.state) {
+    Blame(Promise::kExplained,
+          "the machine is in " + machine.state + ", the journal says " + machine.told_state);
+  }
+  seen.state = machine.state;
+  seen.stopped = machine.emergency_stop.has_value();
+  seen.asked.reset();
+  if (machine.current && BehindIt(*machine.current)) seen.asked = machine.current->target;
+}
+
+std::uint64_t Judge::Asked(const State& target) {
+  open_[next_request_] = target;
+  return next_request_++;
+}
+
+void Judge::ControllersEnded() {
+  open_.clear();
+}
+
+void Judge::Answered(std::uint64_t request, const SwitchResult& result) {
+  ++judgements_;
+  if (open_.erase(request) == 0) {
+    return Blame(Promise::kOneAnswer, "a request for " + result.target + " was answered twice");
+  }
+  just_answered_.insert(result.target);
+  const bool there =
+      result.outcome == SwitchOutcome::kDone || result.outcome == SwitchOutcome::kDoneDegraded;
+  const ControllerProcess* controller = robot_.leader();
+  const bool ranked = config_.RankOf(result.target) && result.target != kTearDown;
+  if (!there || !result.actuator.empty() || !ranked || controller == nullptr) return;
+  went_on_ = robot_.age();
+  const Machine& machine = controller->shell().machine();
+  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    const std::string& name = config_.actuators[i].name;
+    const ActuatorReport* report = robot_.processes().ReportOf(name);
+    if (report == nullptr || IsExcused(machine, i, result)) continue;
+    if (report->state == result.target) continue;
+    Blame(Promise::kDoneIsDone, "the switch to " + result.target + " is told to be " +
+                                    std::string(OutcomeName(result.outcome)) + ", but " + name +
+                                    " is in " + report->state);
+  }
+}
+
+// Whether an actuator need not be where "done" says: it is listed, on its way, not to be trusted,
+// or came too late to take part.
+bool Judge::IsExcused(const Machine& machine, std::size_t i, const SwitchResult& result) const {
+  const std::string& name = config_.actuators[i].name;
+  const ActuatorRecord& record = machine.actuators[i];
+  const auto& degraded = result.degraded;
+  if (std::find(degraded.begin(), degraded.end(), name) != degraded.end()) return true;
+  const bool took_part =
+      std::any_of(result.actuators.begin(), result.actuators.end(), [&](const ActuatorResult& one) {
+        return one.name == name && one.outcome == ActuatorOutcome::kDone;
+      });
+  const bool joining = record.presence != Presence::kPresent || !record.checked || record.due ||
+                       record.order || record.parked || (record.fault && !took_part);
+  return joining || liars_.contains(name) || on_its_own_.contains(name) ||
+         robot_.processes().ReportOf(name)->incarnation != record.report.incarnation;
+}
+
+// What will become of an actuator by itself; empty: nothing.
+std::string Judge::Unrest(const Machine& machine, std::size_t i) const {
+  const ActuatorRecord& r = machine.actuators[i];
+  if (r.fault && !r.order && !r.restart_at && r.doomed == 0 && !r.restart_asked) return {};
+  if (r.order) return "has been commanded " + r.order->target;
+  if (r.restart_at || r.restart_asked) return "is to be started again";
+  if (r.doomed != 0 || r.kill_at) return "is to be killed";
+  const bool alive = robot_.IsAlive(config_.actuators[i].name);
+  if (r.claim_again && r.presence == Presence::kStarting && alive) return "is asked to follow";
+  const bool waits = machine.emergency_stop || r.held || machine.phase != Phase::kRunning ||
+                     r.presence != Presence::kPresent;
+  return r.due && !waits ? "is to be driven to where the machine is" : "";
+}
+
+std::string Judge::Unrest() const {
+  const ControllerProcess* controller = robot_.leader();
+  if (controller == nullptr) return "nobody leads the machine";
+  if (robot_.leaders() > 1) return "two controllers lead the machine";
+  const Machine& machine = controller->shell().machine();
+  if (machine.phase == Phase::kStopped) return {};
+  if (machine.current) return "a switch to " + machine.current->target + " is under way";
+  if (machine.fallback) return "it is to fall back to " + *machine.fallback;
+  if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) {
+    return "the machine is " + std::string(PhaseName(machine.phase));
+  }
+  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    const std::string unrest = Unrest(machine, i);
+    if (!unrest.empty()) return config_.actuators[i].name + " " + unrest;
+  }
+  return {};
+}
+
+void Judge::JudgeRest(bool provided) {
+  const ControllerProcess* controller = robot_.leader();
+  if (controller == nullptr) return;
+  ++judgements_;
+  const Machine& machine = controller->shell().machine();
+  if (!open_.empty()) {
+    Blame(Promise::kOneAnswer, "who asked for " + open_.begin()->second + " is not answered");
+  }
+  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    if (machine.phase == Phase::kStopped) {
+      const std::string& name = config_.actuators[i].name;
+      if (!config_.actuators[i].command.empty() && robot_.IsAlive(name)) {
+        Blame(Promise::kEndsWhenAsked, name + " outlives the machine");
+      }
+      continue;
+    }
+    if (machine.phase != Phase::kRunning) continue;
+    JudgePlace(machine, i);
+    JudgeLoss(machine, i, provided);
+  }
+}
+
+void Judge::JudgePlace(const Machine& machine, std::size_t i) {
+  const ActuatorRecord& record = machine.actuators[i];
+  const std::string& name = config_.actuators[i].name;
+  const ActuatorReport* report = robot_.processes().ReportOf(name);
+  if (report == nullptr || record.held || record.fault || liars_.contains(name)) return;
+  const auto own = config_.RankOf(report->state);
+  const auto rank = config_.RankOf(machine.state);
+  const bool waits = machine.emergency_stop && (!own || (rank && *own < *rank));
+  if (machine.emergency_stop && record.presence == Presence::kPresent &&
+      report->emergency_stop == 0) {
+    Blame(Promise::kStopWins, name + " has not latched the emergency stop");
+  }
+  if (report->state == machine.state || waits || !rank) return;
+  if (config_.actuators[i].stage > machine.stage && record.presence == Presence::kAbsent) return;
+  Blame(Promise::kOneTruth, name + " is in " + report->state + " while the machine is in " +
+                                machine.state + ", and nothing says why");
+}
+
+void Judge::JudgeLoss(const Machine& machine, std::size_t i, bool provided) {
+  const ActuatorRecord& record = machine.actuators[i];
+  const ActuatorConfig& actuator = config_.actuators[i];
+  const auto rank = config_.RankOf(machine.state);
+  if (record.presence == Presence::kPresent || record.held || !rank) return;
+  if (record.presence == Presence::kAbsent && machine.emergency_stop) return;  // of a later stage
+  if (!actuator.on_lost.empty()) {
+    if (*rank <= *config_.RankOf(actuator.on_lost)) return;
+    // People may go on without one that is not critical.
+    if (!actuator.critical && went_on_ >= lost_at_[i]) return;
+    return Blame(actuator.critical ? Promise::kSafeWithoutCritical : Promise::kProvidedFor,
+                 "the machine rests in " + machine.state + " without " + actuator.name +
+                     ", whose on_lost is " + actuator.on_lost);
+  }
+  if (!provided || actuator.command.empty()) return;  // others are started by somebody else
+  Blame(Promise::kProvidedFor,
+        "the machine rests in " + machine.state + " without " + actuator.name + ", " +
+            (record.given_up
+                 ? "which was given up after " + std::to_string(record.restarts) + " restarts"
+                 : "which nothing will start again") +
+            "; it has no on_lost");
+}
+
+}  // namespace musher::simulation

@@ -1,0 +1,92 @@
+#pragma once
+// Looks at a simulated robot after every event, and says when a promise does not hold. It judges by
+// what the actuators do, not by what the controller believes, wherever that can be told apart.
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "musher/simulation/promise.hpp"
+#include "musher/simulation/robot.hpp"
+
+namespace musher::simulation {
+
+class Judge {
+ public:
+  // Hangs itself into the robot, which must outlive it.
+  explicit Judge(SimRobot& robot);
+  Judge(const Judge&) = delete;
+  Judge& operator=(const Judge&) = delete;
+
+  const std::optional<Violation>& violation() const { return violation_; }
+  // The first one counts.
+  void Blame(Promise promise, const std::string& what);
+  // How often something was judged.
+  std::uint64_t judgements() const { return judgements_; }
+
+  // To be called after every event of the network; cheap when no decision was taken.
+  void AfterEvent();
+  // A person asks for a switch; whoever answers tells what he gets. `to` is empty when the
+  // controller that was asked has ended.
+  std::uint64_t Asked(const State& target);
+  void Answered(std::uint64_t request, const SwitchResult& result);
+  // The controllers have ended: who had asked them waits no longer.
+  void ControllersEnded();
+  // What it says is no evidence from now on.
+  void Lied(const std::string& name) { liars_.insert(name); }
+
+  // Whether nothing is going on, and nothing will by itself.
+  bool AtRest() const { return Unrest().empty(); }
+  std::string Unrest() const;  // what is going on; empty: nothing
+  // What has to hold then. `provided`: also that the config says what follows from every loss.
+  void JudgeRest(bool provided);
+
+ private:
+  struct SentOrder {
+    Time sent{};
+    Duration budget{};
+    bool may_rise = false;
+  };
+  struct Seen {  // of a controller
+    State state;
+    bool stopped = false;
+    std::optional<State> asked;  // the target of the switch under way, if a person or the start is
+                                 // behind it
+  };
+  using OrderKey =
+      std::tuple<std::uint64_t, std::size_t, std::uint64_t>;  // epoch, actuator, number
+
+  void OnReport(const std::string& name, const ActuatorReport& report);
+  void OnBegun(const std::string& name, const ActuatorReport& before, const ActuatorReport& report);
+  void LookAt(const ControllerProcess& controller);
+  void OnSend(const Machine& machine, const action::SendSwitch& command);
+  bool MayRise(const Machine& machine, const State& target) const;
+  void JudgeChange(const Machine& machine, Seen& seen);
+  void JudgeLoss(const Machine& machine, std::size_t i, bool provided);
+  void JudgePlace(const Machine& machine, std::size_t i);
+  std::string Unrest(const Machine& machine, std::size_t i) const;
+  bool IsExcused(const Machine& machine, std::size_t i, const SwitchResult& result) const;
+
+  SimRobot& robot_;
+  const MachineConfig& config_;
+  std::optional<Violation> violation_;
+  std::uint64_t judgements_ = 0;
+  bool dirty_ = false;
+  std::map<std::string, ActuatorReport> reports_;
+  std::map<OrderKey, SentOrder> orders_;
+  std::map<std::int32_t, Seen> seen_;    // by the pid of the controller
+  std::map<std::uint64_t, State> open_;  // requests that are not answered
+  std::set<State> just_answered_;
+  std::vector<Duration> lost_at_;  // when an actuator was there for the last time
+  Duration went_on_{};  // when a person's switch ended with the machine in the state that was asked
+  std::uint64_t next_request_ = 1;
+  std::set<std::string> liars_;
+  std::set<std::string> on_its_own_;  // went where it is without a command
+};
+
+}  // namespace musher::simulation

@@ -1,0 +1,43 @@
+#include "musher/simulation/promise.hpp"
+
+namespace musher::simulation {
+
+std::string_view PromiseText(Promise promise) {
+  switch (promise) {
+    case Promise::kNothingRises:
+      return "nothing becomes more active because something failed";
+    case Promise::kDoneIsDone:
+      return "\"done\" means that all are there that are not listed as degraded";
+    case Promise::kNothingStale:
+      return "no stale command is executed";
+    case Promise::kStopWins:
+      return "nothing becomes more active during an emergency stop";
+    case Promise::kOneAnswer:
+      return "whoever asks is answered once";
+    case Promise::kExplained:
+      return "the journal tells of every state of the machine";
+    case Promise::kNoSpinning:
+      return "the next deadline is never in the past";
+    case Promise::kComesToRest:
+      return "the machine comes to rest when faults cease";
+    case Promise::kOneTruth:
+      return "at rest, who lives is where the machine is, or is listed with a reason";
+    case Promise::kEndsWhenAsked:
+      return "TearDown ends every process within its budget";
+    case Promise::kSafeWithoutCritical:
+      return "without a critical actuator the machine is in its on_lost, or less active";
+    case Promise::kProvidedFor:
+      return "for an actuator that is lost for good, on_lost says how the machine goes on";
+    case Promise::kWayBack:
+      return "from wherever it rests, people can bring the machine back";
+    case Promise::kWholeAgain:
+      return "and then all actuators are there";
+  }
+  return {};
+}
+
+bool DependsOnConfig(Promise promise) {
+  return promise >= Promise::kSafeWithoutCritical || promise == Promise::kComesToRest;
+}
+
+}  // namespace musher::simulation

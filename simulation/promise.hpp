@@ -1,0 +1,43 @@
+#pragma once
+// What is promised of every robot, whatever befalls it, and what is asked of a config.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "musher/lifecycle/time.hpp"
+
+namespace musher::simulation {
+
+enum class Promise : std::uint8_t {
+  // Of the middleware.
+  kNothingRises,   // nothing becomes more active because something failed
+  kDoneIsDone,     // "done" means that all are there that are not listed as degraded
+  kNothingStale,   // no command is executed late, twice, or for a controller that is over
+  kStopWins,       // nothing becomes more active while an emergency stop is engaged
+  kOneAnswer,      // whoever asks is answered once
+  kExplained,      // the journal tells of every state of the machine
+  kNoSpinning,     // the next deadline is never in the past
+  kComesToRest,    // when faults cease, within the bound
+  kOneTruth,       // at rest, who lives is where the machine is, or is listed with a reason
+  kEndsWhenAsked,  // TearDown ends every process within its budget
+  // Of the config as well.
+  kSafeWithoutCritical,  // without a critical actuator the machine is in its on_lost or below
+  kProvidedFor,          // for one that is lost for good, on_lost says how the machine goes on
+  kWayBack,              // from wherever it rests, people can bring it back to where it was of use
+  kWholeAgain,           // and then all are there
+};
+inline constexpr std::size_t kPromises = 14;
+
+std::string_view PromiseText(Promise promise);  // a sentence without its full stop
+// Whether a config, rather than the middleware, can be the reason why it does not hold.
+bool DependsOnConfig(Promise promise);
+
+// A promise that did not hold.
+struct Violation {
+  Promise promise = Promise::kOneTruth;
+  Duration at{};     // after the robot was switched on
+  std::string what;  // a sentence
+};
+
+}  // namespace musher::simulation

@@ -1,0 +1,126 @@
+#pragma once
+// One life of a simulated robot: it is switched on, incidents befall it, they cease, it comes to
+// rest, people repair what is left, and at last it is switched off. The same config, seed and
+// incidents make the same life, to the byte.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/simulation/coverage.hpp"
+#include "musher/simulation/incident.hpp"
+#include "musher/simulation/judge.hpp"
+#include "musher/simulation/promise.hpp"
+#include "musher/simulation/robot.hpp"
+
+namespace musher::simulation {
+
+struct StoryOptions {
+  Duration bound{};      // in which the machine has to come to rest when faults have ceased
+  State home;            // where people bring it back to
+  bool provided = true;  // every loss has to be provided for
+};
+
+// What may be asked of a config: the longest chain of `after`, each link as slow as it may be, as
+// often as anything may be restarted, and a minute; home is Active, or the most active state.
+StoryOptions UsualOptions(const MachineConfig& config);
+
+// How it went.
+struct Ending {
+  std::optional<Violation> violation;
+  Coverage coverage;
+  std::array<std::uint64_t, 5> switches{};  // by SwitchOutcome
+  std::uint64_t judgements = 0;
+  std::uint64_t steps = 0;         // events of the network
+  Duration simulated{};            // how long the life was
+  std::optional<Duration> rested;  // so long after the last fault had ceased
+  std::uint64_t fingerprint = 0;   // of all that was told and done
+};
+
+class Story {
+ public:
+  // `config` must outlive it.
+  Story(const MachineConfig& config, std::uint64_t seed, Incidents incidents,
+        const StoryOptions& options);
+  ~Story();
+
+  // Lives it. Once.
+  Ending Tell();
+
+  // What a listener may want to draw. Set before Tell().
+  struct Listener {
+    std::function<void(Time, const Incident&)> on_incident;
+    std::function<void(Time, const std::string&)> on_deed;  // of the people who repair it
+    std::function<void(Time, const action::Record&)> on_record;
+    std::function<void(Time, const SimRobot&)> on_change;  // of anybody's state, maybe
+  };
+  Listener listener;
+
+  const SimRobot& robot() const { return robot_; }
+
+ private:
+  struct Mood {  // of an actuator's callbacks, until then
+    Time hangs{};
+    Time slow{};
+    Time fails{};
+  };
+  // Something to be done at its time.
+  struct Deed {
+    Time at{};
+    std::function<void()> what;
+  };
+
+  Act DrawAct(const std::string& name, const State& state);
+  void SwitchOn();
+  void Befall();
+  void Cease();
+  void Rest();
+  void Repair();
+  void SwitchOff();
+
+  void Do(const Incident& incident);
+  void DoToNetwork(const Incident& incident);
+  void DoToController(const Incident& incident);
+  void Ask(const State& target, std::optional<std::string> actuator = std::nullopt);
+  void ApplyNetworkFaults();
+  void SetDistance(const std::string& name, const std::string& from, bool blocked);
+  Moment Now() const;
+  void Later(Duration delay, std::function<void()> what);
+  // Lets time pass; stops early at a violation.
+  bool RunUntil(const std::function<bool()>& done, Duration limit);
+  void RunFor(Duration duration);
+  bool Over() const { return judge_.violation().has_value(); }
+
+  bool ComeToRest(const std::string& when);
+  void RepairActuators();
+  bool BringHome();
+  void JudgeWhole();
+  void Note(const std::string& deed);
+  void Mix(const std::string& text);
+
+  const MachineConfig& config_;
+  const std::uint64_t seed_;
+  const Incidents incidents_;
+  const StoryOptions options_;
+  Duration patience_{};  // how long an incident waits for its moment
+  Ending ending_;
+  std::vector<Mood> moods_;
+  std::vector<std::uint64_t> runs_;  // of callbacks, by actuator
+  transport::sim::LinkFaults faults_;
+  std::array<int, 4> network_troubles_{};  // under way: loss, delay, duplication, reordering
+  std::map<std::pair<std::string, std::string>, int> blocks_;  // from, to
+  std::vector<Deed> later_;
+  std::uint64_t stops_ = 0;
+  SimRobot robot_;
+  Judge judge_;
+};
+
+// All drawn from the seed.
+Ending TellStory(const MachineConfig& config, std::uint64_t seed, const Incidents& incidents,
+                 const StoryOptions& options);
+
+}  // namespace musher::simulation

@@ -1,0 +1,109 @@
+#include "musher/simulation/timeline.hpp"
+
+#include <cstdio>
+#include <utility>
+
+namespace musher::simulation {
+namespace {
+
+std::string Seconds(Duration at) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%9.4f s", std::chrono::duration<double>(at).count());
+  return text.data();
+}
+
+std::string_view Mark(Timeline::Teller teller) {
+  switch (teller) {
+    case Timeline::Teller::kIncident:
+      return "  ⚡ ";
+    case Timeline::Teller::kPeople:
+      return "  ☺ ";
+    case Timeline::Teller::kController:
+      return "      ";
+    case Timeline::Teller::kActuator:
+      return "        · ";
+    case Timeline::Teller::kJudge:
+      return "  ✗ ";
+  }
+  return {};
+}
+
+}  // namespace
+
+Timeline::Timeline(Story& story, const MachineConfig& config) : story_(story), config_(config) {
+  bands_.push_back({"machine", {}});
+  for (const ActuatorConfig& actuator : config.actuators) bands_.push_back({actuator.name, {}});
+  story.listener.on_incident = [this](Time, const Incident& incident) {
+    Add(Teller::kIncident, Describe(config_, incident));
+  };
+  story.listener.on_deed = [this](Time, const std::string& deed) { Add(Teller::kPeople, deed); };
+  story.listener.on_record = [this](Time, const action::Record& record) {
+    Add(Teller::kController, record.message);
+  };
+  story.listener.on_change = [this](Time, const SimRobot& robot) { LookAt(robot); };
+}
+
+void Timeline::Add(Teller teller, std::string text) {
+  lines_.push_back({story_.robot().age(), teller, std::move(text)});
+}
+
+void Timeline::LookAt(const SimRobot& robot) {
+  const auto* leader = robot.leader();
+  if (leader == nullptr) {
+    Show(0, "", "");
+  } else {
+    const Machine& machine = leader->shell().machine();
+    Show(0, machine.state, machine.current ? machine.current->target : State());
+  }
+  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    const std::string& name = config_.actuators[i].name;
+    const ActuatorReport* report = robot.processes().ReportOf(name);
+    if (report == nullptr) {
+      Show(i + 1, "", "");
+    } else {
+      Show(i + 1, report->state, report->target);
+    }
+  }
+}
+
+void Timeline::Show(std::size_t band, const std::string& state, const std::string& target) {
+  std::vector<Span>& spans = bands_[band].spans;
+  const Duration now = story_.robot().age();
+  if (!spans.empty()) {
+    spans.back().to = now;
+    if (spans.back().state == state && spans.back().target == target) return;
+  }
+  const bool was_there = !spans.empty() && !spans.back().state.empty();
+  spans.push_back({now, now, state, target});
+  if (band == 0) return;
+  const std::string& name = bands_[band].name;
+  if (state.empty()) {
+    if (was_there) Add(Teller::kActuator, name + " is gone");
+  } else if (target.empty()) {
+    Add(Teller::kActuator, name + " is in " + state);
+  } else {
+    Add(Teller::kActuator, name + " in " + state + " begins " + target);
+  }
+}
+
+void Timeline::End(const Ending& ending) {
+  end_ = story_.robot().age();
+  for (Band& band : bands_) {
+    if (!band.spans.empty()) band.spans.back().to = end_;
+  }
+  if (ending.violation) {
+    Add(Teller::kJudge, ending.violation->what);
+    Add(Teller::kJudge,
+        "so it does not hold that " + std::string(PromiseText(ending.violation->promise)));
+  }
+}
+
+std::string Timeline::Text() const {
+  std::string text;
+  for (const Line& line : lines_) {
+    text += Seconds(line.at) + std::string(Mark(line.teller)) + line.text + "\n";
+  }
+  return text;
+}
+
+}  // namespace musher::simulation

@@ -1,0 +1,61 @@
+#pragma once
+// What happened in a story, for people: as text, a line for each thing that happened, or as a
+// picture (SVG), a band for the machine and for each actuator.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "musher/simulation/story.hpp"
+
+namespace musher::simulation {
+
+class Timeline {
+ public:
+  // Listens to a story that has not been told yet, and that must outlive it.
+  Timeline(Story& story, const MachineConfig& config);
+  Timeline(const Timeline&) = delete;
+  Timeline& operator=(const Timeline&) = delete;
+
+  // To be called when it has been told.
+  void End(const Ending& ending);
+
+  enum class Teller : std::uint8_t { kIncident, kPeople, kController, kActuator, kJudge };
+  struct Line {
+    Duration at{};
+    Teller teller = Teller::kController;
+    std::string text;
+  };
+  // One state of the machine or of an actuator.
+  struct Span {
+    Duration from{};
+    Duration to{};
+    std::string state;   // empty: not there
+    std::string target;  // its callback runs; empty: none
+    friend bool operator==(const Span&, const Span&) = default;
+  };
+  struct Band {
+    std::string name;
+    std::vector<Span> spans;
+  };
+
+  const std::vector<Line>& lines() const { return lines_; }
+  const std::vector<Band>& bands() const { return bands_; }
+  Duration end() const { return end_; }
+
+  std::string Text() const;
+  std::string Svg(const std::string& title) const;
+
+ private:
+  void LookAt(const SimRobot& robot);
+  void Show(std::size_t band, const std::string& state, const std::string& target);
+  void Add(Teller teller, std::string text);
+
+  const Story& story_;
+  const MachineConfig& config_;
+  std::vector<Line> lines_;
+  std::vector<Band> bands_;  // the machine, then the actuators
+  Duration end_{};
+};
+
+}  // namespace musher::simulation

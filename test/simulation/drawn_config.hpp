@@ -1,0 +1,13 @@
+#pragma once
+// Robots drawn from a seed: from one actuator to 32, some started by hand, in one stage or two,
+// bound to each other or not, with every policy.
+
+#include <cstdint>
+
+#include "musher/lifecycle/config.hpp"
+
+namespace musher::testing {
+
+MachineConfig DrawConfig(std::uint64_t seed);
+
+}  // namespace musher::testing
