@@ -1,5 +1,7 @@
 #include "musher/transport/lifecycle_wire.hpp"
 
+#include <algorithm>
+
 #include "musher/messages/musher_msgs/beats.hpp"
 #include "musher/transport/node.hpp"
 
@@ -81,7 +83,7 @@ ActuatorReport FromMessage(const msg::ActuatorStatus& status) {
   report.config_hash = status.config_hash;
   report.apart = status.apart;
   report.emergency_stop = status.emergency_stop;
-  report.stamp = FromNanoseconds(status.stamp_ns);
+  report.stamp = FromNanoseconds(std::clamp(status.stamp_ns, -kFarthestNs, kFarthestNs));
   return report;
 }
 

@@ -38,6 +38,7 @@ std::int64_t ToNanoseconds(Time time);
 Time FromNanoseconds(std::int64_t ns);
 
 msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& report);
+// A stamp that no clock gives becomes the nearest that can be computed with.
 ActuatorReport FromMessage(const msg::ActuatorStatus& status);
 
 std::uint8_t ToMessage(Verdict verdict);
