@@ -23,7 +23,9 @@ bool Decision::DriveLateOnes() {
     }
     std::string hindrance;
     if (!MayJoin(i, hindrance)) {
-      if (!hindrance.empty()) Degrade(i, kCodeStatusError, hindrance, CauseOfHindrance(i));
+      if (hindrance.empty()) continue;
+      changed |= !record.fault;  // those that come after it hear of it in turn
+      Degrade(i, kCodeStatusError, hindrance, CauseOfHindrance(i));
       continue;
     }
     Join(i);

@@ -65,7 +65,8 @@ class Planning {
                        List(config_.states)};
     }
     const std::string who = plan_.only ? config_.actuators[*plan_.only].name : "the machine";
-    if (machine_.phase == Phase::kIdle || (!machine_.set_up && target != kTearDown)) {
+    if (machine_.phase == Phase::kIdle ||
+        (!machine_.set_up && (target != kTearDown || plan_.only))) {
       return Error{kCodeStatusError, "the machine is not set up yet"};
     }
     if (machine_.phase == Phase::kFenced) {

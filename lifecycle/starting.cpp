@@ -249,7 +249,7 @@ std::optional<State> Decision::LowestFound() const {
     const bool ends = record.state() == kTearDown || record.report.target == kTearDown;
     if (ends && record.report.apart) continue;
     consider(record.state());
-    if (config_.RankOf(record.state())) consider(record.report.target);
+    consider(record.report.target);  // also out of a check, which has no rank of its own
   }
   return lowest;
 }

@@ -6,32 +6,10 @@
 #include <string>
 #include <string_view>
 
-#include "musher/lifecycle/machine.hpp"
 #include "musher/simulation/incident.hpp"
+#include "musher/simulation/moment.hpp"
 
 namespace musher::simulation {
-
-// What the machine is doing.
-enum class Moment : std::uint8_t {
-  kNoController,  // nobody leads
-  kSettingUp,     // its processes come up
-  kAtRest,
-  kJoining,      // one actuator is on its own way to where the machine is
-  kSent,         // a switch has begun, nobody has answered
-  kHalfWay,      // some have answered
-  kAsking,       // one is overdue
-  kRollingBack,  // a switch up has failed
-  kFallingBack,  // to on_lost
-  kStopped,      // by an emergency stop, at rest
-  kTearingDown,
-  kOver,  // torn down, or the start has failed
-};
-inline constexpr std::size_t kMoments = 12;
-
-std::string_view MomentName(Moment moment);  // "at rest", "half way", …
-
-// null: nobody leads.
-Moment MomentOf(const Machine* machine);
 
 class Coverage {
  public:

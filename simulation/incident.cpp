@@ -80,6 +80,100 @@ State DrawState(const MachineConfig& config, Random& dice) {
   return states[dice.Next() % states.size()];
 }
 
+// The moments that few would meet by chance, and what leads to them.
+class Drawing {
+ public:
+  Drawing(const MachineConfig& config, std::uint64_t seed) : config_(config), dice_(seed * 2 + 1) {}
+
+  Incidents Draw() {
+    const std::uint64_t count = 1 + dice_.Next() % (1 + dice_.Next() % 16);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      at_ += DrawLogUniform(dice_, std::chrono::microseconds(100), std::chrono::seconds(4));
+      if (dice_.Chance(0.35)) {
+        DrawAimed();
+      } else {
+        Add(DrawKind(dice_), DrawState(config_, dice_));
+      }
+    }
+    return std::move(incidents_);
+  }
+
+ private:
+  Incident& Add(IncidentKind kind, const State& state, Duration after = {}) {
+    at_ += after;
+    Incident incident;
+    incident.kind = kind;
+    incident.at = at_;
+    incident.actuator = dice_.Next() % config_.actuators.size();
+    incident.state = state;
+    incident.lasts = DrawLogUniform(dice_, Milliseconds(1), std::chrono::seconds(10));
+    incident.chance = dice_.Next();
+    incidents_.push_back(incident);
+    return incidents_.back();
+  }
+
+  void DrawAimed() {
+    static constexpr Moment kAims[] = {
+        Moment::kJoining,     Moment::kSent,        Moment::kHalfWay,     Moment::kAsking,
+        Moment::kRollingBack, Moment::kFallingBack, Moment::kTearingDown, Moment::kSettingUp};
+    const Moment aim = kAims[dice_.Next() % std::size(kAims)];
+    if (aim == Moment::kTearingDown && dice_.Chance(0.6)) return;  // little comes after it
+    LeadTo(aim);
+    Add(DrawKind(dice_), DrawState(config_, dice_)).when = aim;
+  }
+
+  void LeadTo(Moment aim) {
+    switch (aim) {
+      case Moment::kAsking:
+        Add(IncidentKind::kHang, {}).lasts = Milliseconds(100);
+        Add(IncidentKind::kSet, DrawState(config_, dice_), Milliseconds(1));
+        return;
+      case Moment::kRollingBack:
+        Add(IncidentKind::kSet, Least());
+        Add(IncidentKind::kFail, {}, Milliseconds(300)).lasts = Milliseconds(100);
+        Add(IncidentKind::kSet, State(kActive), Milliseconds(1));
+        return;
+      case Moment::kFallingBack:
+        return LeadToFall();
+      case Moment::kTearingDown:
+        Add(IncidentKind::kSet, State(kTearDown));
+        return;
+      case Moment::kJoining:
+        Add(IncidentKind::kCrash, {});
+        return;
+      default:
+        Add(IncidentKind::kSet, DrawState(config_, dice_));
+        return;
+    }
+  }
+
+  // One with an on_lost dies until it is given up.
+  void LeadToFall() {
+    for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+      const ActuatorConfig& actuator = config_.actuators[i];
+      if (actuator.on_lost.empty() || actuator.restart.limit > 5) continue;
+      const bool once = actuator.restart.policy == RestartPolicy::kNo || actuator.command.empty();
+      for (int life = 0; life <= (once ? 0 : actuator.restart.limit); ++life) {
+        Add(IncidentKind::kCrash, {}, Milliseconds(life == 0 ? 0 : 700)).actuator = i;
+      }
+      return;
+    }
+  }
+
+  // The least active state that robots work in.
+  State Least() const {
+    for (const std::string_view state : {kLowPower, kDeActive, kProtected}) {
+      if (config_.HasState(state)) return State(state);
+    }
+    return config_.states.front();
+  }
+
+  const MachineConfig& config_;
+  Random dice_;
+  Duration at_{};
+  Incidents incidents_;
+};
+
 std::string Seconds(Duration duration) {
   return std::to_string(ToMilliseconds(duration)) + " ms";
 }
@@ -99,22 +193,7 @@ bool IsFault(IncidentKind kind) {
 }
 
 Incidents DrawIncidents(const MachineConfig& config, std::uint64_t seed) {
-  Random dice(seed * 2 + 1);
-  Incidents incidents;
-  const std::uint64_t count = 1 + dice.Next() % (1 + dice.Next() % 20);
-  Duration at{};
-  for (std::uint64_t i = 0; i < count; ++i) {
-    at += DrawLogUniform(dice, std::chrono::microseconds(100), std::chrono::seconds(4));
-    Incident incident;
-    incident.kind = DrawKind(dice);
-    incident.at = at;
-    incident.actuator = dice.Next() % config.actuators.size();
-    incident.state = DrawState(config, dice);
-    incident.lasts = DrawLogUniform(dice, Milliseconds(1), std::chrono::seconds(10));
-    incident.chance = dice.Next();
-    incidents.push_back(incident);
-  }
-  return incidents;
+  return Drawing(config, seed).Draw();
 }
 
 State StateForBattery(const MachineConfig& config, int percent) {

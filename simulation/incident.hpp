@@ -5,11 +5,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "musher/lifecycle/config.hpp"
+#include "musher/simulation/moment.hpp"
 
 namespace musher::simulation {
 
@@ -46,11 +48,12 @@ std::string_view KindName(IncidentKind kind);  // "crash", "controller-freeze", 
 
 struct Incident {
   IncidentKind kind = IncidentKind::kCrash;
-  Duration at{};             // after the robot was switched on
-  std::size_t actuator = 0;  // of the config; means nothing where everybody is concerned
-  State state;               // that is asked for, or lied about
-  Duration lasts{};          // of what lasts
-  std::uint64_t chance = 0;  // for whatever else has to be drawn
+  Duration at{};               // after the robot was switched on, at the earliest
+  std::optional<Moment> when;  // then it waits for this, but not for ever
+  std::size_t actuator = 0;    // of the config; means nothing where everybody is concerned
+  State state;                 // that is asked for, or lied about
+  Duration lasts{};            // of what lasts
+  std::uint64_t chance = 0;    // for whatever else has to be drawn
 
   friend bool operator==(const Incident&, const Incident&) = default;
 };
@@ -59,8 +62,8 @@ using Incidents = std::vector<Incident>;
 // Whether it is a fault, as against a request.
 bool IsFault(IncidentKind kind);
 
-// The same from the same seed, in the order of their time: from 1 to 20, some of them milliseconds
-// apart, so that they meet in one switch.
+// The same from the same seed, in the order of their time: some of them milliseconds apart, or
+// aimed at a moment, so that they meet in one switch.
 Incidents DrawIncidents(const MachineConfig& config, std::uint64_t seed);
 
 // "the process of audio is killed"

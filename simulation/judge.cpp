@@ -200,6 +200,7 @@ std::string Judge::Unrest(const Machine& machine, std::size_t i) const {
   if (r.restart_at || r.restart_asked) return "is to be started again";
   if (r.doomed != 0 || r.kill_at) return "is to be killed";
   const bool alive = robot_.IsAlive(config_.actuators[i].name);
+  if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
   if (r.claim_again && r.presence == Presence::kStarting && alive) return "is asked to follow";
   const bool waits = machine.emergency_stop || r.held || machine.phase != Phase::kRunning ||
                      r.presence != Presence::kPresent;

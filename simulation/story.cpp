@@ -32,6 +32,11 @@ Story::Story(const MachineConfig& config, std::uint64_t seed, Incidents incident
       robot_(seed, config,
              [this](const std::string& name, const State& state) { return DrawAct(name, state); }),
       judge_(robot_) {
+  for (std::size_t i = 0; i < config.actuators.size(); ++i) {
+    for (const State& state : config.actuators[i].states) {
+      patience_ = std::max(patience_, config.TimeFor(i, state) + Milliseconds(500));
+    }
+  }
   robot_.on_record = [this](const action::Record& record) {
     Mix(record.message);
     if (listener.on_record) listener.on_record(robot_.network().now(), record);
@@ -130,9 +135,9 @@ void Story::SwitchOn() {
 void Story::Befall() {
   for (const Incident& incident : incidents_) {
     RunFor(incident.at - robot_.age());
+    if (incident.when) RunUntil([&] { return Now() == *incident.when; }, patience_);
     if (Over()) return;
-    const auto* leader = robot_.leader();
-    ending_.coverage.Count(incident.kind, MomentOf(leader ? &leader->shell().machine() : nullptr));
+    ending_.coverage.Count(incident.kind, Now());
     if (listener.on_incident) listener.on_incident(robot_.network().now(), incident);
     Do(incident);
     judge_.AfterEvent();
@@ -140,6 +145,11 @@ void Story::Befall() {
   while (!later_.empty() && !Over()) {
     RunFor(later_.back().at - robot_.network().now());
   }
+}
+
+Moment Story::Now() const {
+  const ControllerProcess* leader = robot_.leader();
+  return MomentOf(leader == nullptr ? nullptr : &leader->shell().machine());
 }
 
 // The world becomes kind.

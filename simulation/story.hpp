@@ -88,6 +88,7 @@ class Story {
   void Ask(const State& target, std::optional<std::string> actuator = std::nullopt);
   void ApplyNetworkFaults();
   void SetDistance(const std::string& name, const std::string& from, bool blocked);
+  Moment Now() const;
   void Later(Duration delay, std::function<void()> what);
   // Lets time pass; stops early at a violation.
   bool RunUntil(const std::function<bool()>& done, Duration limit);
@@ -105,6 +106,7 @@ class Story {
   const std::uint64_t seed_;
   const Incidents incidents_;
   const StoryOptions options_;
+  Duration patience_{};  // how long an incident waits for its moment
   Ending ending_;
   std::vector<Mood> moods_;
   std::vector<std::uint64_t> runs_;  // of callbacks, by actuator

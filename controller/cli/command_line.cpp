@@ -165,6 +165,8 @@ class Grammar {
         ->type_name("dot|mermaid|svg");
     command->add_option("-o,--output", graph->output, "Default standard output")->type_name("FILE");
 
+    AddSimulate();
+
     auto completion = std::make_shared<CompletionOptions>();
     command = AddCommand("completion", "Print the completion script of a shell", completion);
     command->add_option("SHELL", completion->shell, "bash or zsh")
@@ -224,6 +226,36 @@ class Grammar {
 
     AddKeysCommand(*keys, "list", "Show who has keys, as what, until when",
                    std::make_shared<KeysListOptions>());
+  }
+
+  void AddSimulate() {
+    auto simulate = std::make_shared<SimulateOptions>();
+    auto* command =
+        AddCommand("simulate", "Live through thousands of faults with a state config", simulate);
+    command->add_option("FILE", simulate->file, "The state config")->required()->type_name("");
+    auto* seeds =
+        command->add_option("--seeds", simulate->seeds, "How many stories; default 1000")
+            ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{100'000'000}).description(""))
+            ->type_name("N");
+    command->add_option("--seed", simulate->seed, "Tell the story of this seed")
+        ->excludes(seeds)
+        ->type_name("N");
+    command->add_option("--only", simulate->only, "Only these of its incidents, as in 3,7")
+        ->type_name("LIST");
+    command
+        ->add_option("--bound", simulate->bound_s,
+                     "Seconds in which the machine has to be at\n"
+                     "rest once faults have ceased; default: by\n"
+                     "the config's times and restarts")
+        ->check(CLI::Range(0.001, 1e9).description(""))
+        ->type_name("SECONDS");
+    command->add_option("--home", simulate->home, "Where people bring it back to; default Active")
+        ->type_name("STATE");
+    command->add_option("--svg", simulate->svg, "Draw the shortest bad story, or the one told")
+        ->type_name("FILE");
+    command->add_option("-j,--jobs", simulate->jobs, "Threads; default all cores")
+        ->check(CLI::Range(1U, 256U).description(""))
+        ->type_name("N");
   }
 
   void AddMachineCommands() {

@@ -24,6 +24,7 @@ ExitCode KeysAdd(const KeysAddOptions& options, const GlobalOptions& global, Con
 ExitCode KeysRevoke(const KeysRevokeOptions& options, const GlobalOptions& global,
                     Console& console);
 ExitCode KeysList(const GlobalOptions& global, Console& console);
+ExitCode Simulate(const SimulateOptions& options, Console& console);
 ExitCode Completion(const CompletionOptions& options, Console& console);
 
 }  // namespace musher::cli

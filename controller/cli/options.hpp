@@ -86,14 +86,25 @@ struct KeysRevokeOptions {
   std::string name;
 };
 struct KeysListOptions {};
+struct SimulateOptions {
+  std::string file;
+  std::uint64_t seeds = 1000;
+  std::optional<std::uint64_t> seed;  // tell this one story instead
+  std::string only;                   // of its incidents: "3,7"; empty: all
+  std::optional<double> bound_s;      // in which the machine has to come to rest
+  std::string home;                   // where people bring it back to; empty: Active
+  std::string svg;                    // file for the picture of the bad story, or of the one told
+  unsigned jobs = 0;                  // threads; 0: as many as there are cores
+};
 struct CompletionOptions {
   std::string shell;  // "bash" or "zsh"
 };
 
-using CommandOptions = std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions,
-                                    RestartOptions, EstopOptions, PlanOptions, HistoryOptions,
-                                    ReplayOptions, GraphOptions, KeysInitOptions, KeysAddOptions,
-                                    KeysRevokeOptions, KeysListOptions, CompletionOptions>;
+using CommandOptions =
+    std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions, RestartOptions,
+                 EstopOptions, PlanOptions, HistoryOptions, ReplayOptions, GraphOptions,
+                 SimulateOptions, KeysInitOptions, KeysAddOptions, KeysRevokeOptions,
+                 KeysListOptions, CompletionOptions>;
 
 struct CommandLine {
   GlobalOptions global;

@@ -35,6 +35,7 @@ struct Dispatch {
   ExitCode operator()(const KeysAddOptions& o) const { return KeysAdd(o, global, console); }
   ExitCode operator()(const KeysRevokeOptions& o) const { return KeysRevoke(o, global, console); }
   ExitCode operator()(const KeysListOptions&) const { return KeysList(global, console); }
+  ExitCode operator()(const SimulateOptions& o) const { return Simulate(o, console); }
   ExitCode operator()(const CompletionOptions& o) const { return Completion(o, console); }
 };
 

@@ -1,57 +1,148 @@
 // Robots drawn from seeds, what befalls them drawn from the same seeds, and every promise judged
-// after every event. MUSHER_SEED=n lives one life and tells it, MUSHER_SEEDS=n lives that many.
+// after every event.
+//
+//   MUSHER_SEED=42 [MUSHER_ONLY=3,7] simulation_test --gtest_filter='Stories.*'
+//     lives one life, maybe with some of its incidents only, and tells it
+//   MUSHER_SEEDS=1000000 …
+//     lives that many; the gate lives 10,000
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cstdlib>
 #include <iostream>
+#include <sstream>
 
-#include "musher/simulation/story.hpp"
+#include "musher/simulation/search.hpp"
 #include "musher/simulation/timeline.hpp"
 #include "musher/test/simulation/drawn_config.hpp"
+#include "musher/test/simulation/replay_check.hpp"
 
 namespace musher::testing {
 namespace {
 
-std::uint64_t Environment(const char* name, std::uint64_t otherwise) {
+using simulation::Ending;
+using simulation::Incidents;
+using simulation::Story;
+using simulation::StoryId;
+using simulation::StoryOptions;
+using simulation::Timeline;
+
+std::string Environment(const char* name, const std::string& otherwise) {
   const char* value = std::getenv(name);
-  return value == nullptr ? otherwise : std::strtoull(value, nullptr, 10);
+  return value == nullptr ? otherwise : value;
 }
 
-TEST(Stories, KeepEveryPromise) {
-  const std::uint64_t only = Environment("MUSHER_SEED", 0);
-  const std::uint64_t last = only != 0 ? only : Environment("MUSHER_SEEDS", 1000);
+StoryOptions OptionsFor(const MachineConfig& config) {
+  StoryOptions options = simulation::UsualOptions(config);
+  options.provided = false;  // a drawn robot may do without any of its actuators
+  return options;
+}
+
+std::string ToldAgain(const MachineConfig& config, const StoryId& id) {
+  Story story(config, id.seed, simulation::IncidentsOf(config, id).value(), OptionsFor(config));
+  Timeline timeline(story, config);
+  timeline.End(story.Tell());
+  return timeline.Text();
+}
+
+std::string Command(const StoryId& id) {
+  std::string only;
+  for (const std::size_t number : id.only.value_or(std::vector<std::size_t>())) {
+    only += (only.empty() ? " MUSHER_ONLY=" : ",") + std::to_string(number);
+  }
+  return "MUSHER_SEED=" + std::to_string(id.seed) + only +
+         " simulation_test --gtest_filter='Stories.*'";
+}
+
+// Every thirtieth life is also replayed from its journal.
+void ExpectKeepsItsPromises(std::uint64_t seed, simulation::Coverage& coverage) {
+  const MachineConfig config = DrawConfig(seed);
+  const StoryOptions options = OptionsFor(config);
+  Story story(config, seed, simulation::DrawIncidents(config, seed), options);
+  const Ending ending = story.Tell();
+  coverage.Add(ending.coverage);
+  if (ending.violation) {
+    const StoryId id = Shrink(config, options, seed, ending.violation->promise);
+    FAIL() << ending.violation->what << "\nagain with: " << Command(id) << "\n"
+           << ToldAgain(config, id);
+  }
+  const bool whole = !story.robot().disk(0).gap && story.robot().disk(1).recording.empty();
+  if (seed % 30 == 0 && whole) ExpectReplaysTheSame(story.robot());
+}
+
+constexpr std::uint64_t kParts = 10;
+
+class Stories : public ::testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(Stories, KeepEveryPromise) {
   simulation::Coverage coverage;
-  std::map<std::string, std::vector<std::uint64_t>> bad;
-  for (std::uint64_t seed = only != 0 ? only : 1; seed <= last; ++seed) {
-    const MachineConfig config = DrawConfig(seed);
-    simulation::StoryOptions options = simulation::UsualOptions(config);
-    options.provided = false;
-    simulation::Story story(config, seed, simulation::DrawIncidents(config, seed), options);
-    std::optional<simulation::Timeline> timeline;
-    if (only != 0) timeline.emplace(story, config);
-    const auto ending = story.Tell();
-    if (timeline) {
-      timeline->End(ending);
-      std::cout << timeline->Text();
-      for (std::size_t i = 0; i < config.actuators.size() && story.robot().has_controller(); ++i) {
-        const ActuatorRecord& r = story.robot().machine().actuators[i];
-        std::cout << config.actuators[i].name << " after " << (config.actuators[i].after.empty() ? "" : config.actuators[i].after[0]) << " binds " << (config.actuators[i].binds_to.empty() ? "" : config.actuators[i].binds_to[0])<< " stage " << config.actuators[i].stage
-                  << ": " << PresenceName(r.presence) << " " << r.state() << " busy " << r.report.target << " checked " << r.checked << " due " << r.due << " held " << r.held << " parked " << r.parked << " tried " << r.join_tried << " cmd " << config.actuators[i].command.size()
-                  << " fault " << (r.fault ? r.fault->message : "") << "\n";
+  const std::string only = Environment("MUSHER_SEED", "");
+  if (!only.empty()) {
+    if (GetParam() != 0) GTEST_SKIP();
+    StoryId id{std::stoull(only), std::nullopt};
+    if (const std::string numbers = Environment("MUSHER_ONLY", ""); !numbers.empty()) {
+      std::istringstream text(numbers);
+      id.only.emplace();
+      for (std::string number; std::getline(text, number, ',');) {
+        id.only->push_back(std::stoul(number));
       }
     }
-    coverage.Add(ending.coverage);
-    if (ending.violation) {
-      auto& list = bad[std::string(PromiseText(ending.violation->promise))];
-      list.push_back(seed);
-      if (list.size() <= 3)
-        std::cout << seed << " at " << ToMilliseconds(ending.violation->at) << ": "
-                  << ending.violation->what << "\n";
-    }
+    std::cout << ToldAgain(DrawConfig(id.seed), id);
+    if (!id.only) ExpectKeepsItsPromises(id.seed, coverage);
+    return;
   }
-  for (auto& [what, seeds] : bad) std::cout << what << " " << seeds.size() << "\n";
+  const std::uint64_t seeds = std::stoull(Environment("MUSHER_SEEDS", "10000"));
+  for (std::uint64_t seed = 1 + GetParam(); seed <= seeds && !HasFatalFailure(); seed += kParts) {
+    ExpectKeepsItsPromises(seed, coverage);
+  }
   std::cout << coverage.Text();
+}
+
+INSTANTIATE_TEST_SUITE_P(Part, Stories, ::testing::Range(std::uint64_t{0}, kParts));
+
+TEST(AStory, IsTheSameToTheByteFromTheSameSeed) {
+  for (const std::uint64_t seed : {3, 14, 159, 265, 358, 979}) {
+    const MachineConfig config = DrawConfig(seed);
+    const StoryId id{seed, std::nullopt};
+    EXPECT_EQ(ToldAgain(config, id), ToldAgain(config, id));
+  }
+}
+
+TEST(AStory, StaysAsItIsForTheOtherIncidentsWhenSomeAreLeftOut) {
+  const MachineConfig config = DrawConfig(12);
+  const Incidents all = simulation::DrawIncidents(config, 12);
+  ASSERT_GE(all.size(), 3U);
+  const auto some = simulation::IncidentsOf(config, {12, std::vector<std::size_t>{1, 3}});
+  EXPECT_THAT(some.value(), ::testing::ElementsAre(all[0], all[2]));
+  EXPECT_FALSE(simulation::IncidentsOf(config, {12, std::vector<std::size_t>{all.size() + 1}}));
+}
+
+TEST(Stories, AreTheSameHoweverManyThreadsLiveThem) {
+  const MachineConfig config = DrawConfig(5);
+  const auto one = LiveMany(config, OptionsFor(config), 1, 100, 1, {});
+  const auto two = LiveMany(config, OptionsFor(config), 1, 100, 2, {});
+  EXPECT_EQ(one.coverage.Text(), two.coverage.Text());
+  EXPECT_EQ(one.rests, two.rests);
+  EXPECT_EQ(one.steps, two.steps);
+}
+
+TEST(Stories, LetEveryIncidentMeetEveryMomentThatCanBe) {
+  simulation::Coverage coverage;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    const MachineConfig config = DrawConfig(seed);
+    coverage.Add(
+        TellStory(config, seed, simulation::DrawIncidents(config, seed), OptionsFor(config))
+            .coverage);
+  }
+  for (std::size_t kind = 0; kind < simulation::kIncidentKinds; ++kind) {
+    EXPECT_GT(coverage.Of(static_cast<simulation::IncidentKind>(kind)), 0U)
+        << KindName(static_cast<simulation::IncidentKind>(kind));
+  }
+  for (std::size_t moment = 0; moment < simulation::kMoments; ++moment) {
+    EXPECT_GT(coverage.Of(simulation::IncidentKind::kSet, static_cast<simulation::Moment>(moment)),
+              0U)
+        << MomentName(static_cast<simulation::Moment>(moment));
+  }
 }
 
 }  // namespace

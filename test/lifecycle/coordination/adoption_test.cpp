@@ -119,6 +119,59 @@ TEST_F(Adopting, ACriticalOneThatIsGoneAndDoesNotComeBackTakesTheMachineDown) {
   EXPECT_EQ(t.machine().state, "Protected");
 }
 
+TEST_F(Adopting, DoesNotTakeASwitchOutOfACheckByHandForAStart) {
+  for (const char* state : {"DeActive", "Error", "TearDown"}) {
+    Theatre& t = In("Error", Ours(3));
+    ASSERT_TRUE(t.Set("SelfCheck").done());
+    for (const char* name : {"a", "b", "c"}) t.On(name, state).takes = Milliseconds(90);
+    t.ClearLog();
+    t.Ask(state);
+    t.RunFor(Milliseconds(40));
+    Restart(t);
+    EXPECT_EQ(t.machine().state, state) << "nobody had asked for Active";
+    EXPECT_THAT(t.log(), ElementsAre(std::string("a:") + state, std::string("b:") + state,
+                                     std::string("c:") + state));
+  }
+}
+
+TEST_F(Adopting, NoticesThatACallbackOfTheOneBeforeNeverEnds) {
+  Theatre& t = In("Active", MachineOf(3));
+  t.On("a", "DeActive").hangs = true;
+  t.Ask("DeActive");
+  t.RunFor(Milliseconds(20));
+  Restart(t);
+  EXPECT_EQ(t.machine().state, "DeActive");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("a"));
+  EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("still busy with DeActive"));
+}
+
+TEST_F(Adopting, ListsAllThatComeAfterOneThatDoesNotCome) {
+  Theatre& t = In("Error", Chain());
+  ASSERT_TRUE(t.Set("SelfCheck").done());
+  t.On("c", "DeActive").hangs = true;
+  t.Ask("DeActive");
+  t.RunFor(Milliseconds(20));
+  Restart(t);
+  EXPECT_EQ(t.machine().state, "DeActive");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("a", "b", "c"));
+  EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("needs b"));
+}
+
+TEST_F(Adopting, LearnsHowACallbackOfTheOneBeforeEndedThoughTheLatchIsNotHeard) {
+  Theatre& t = In("LowPower", MachineOf(3));
+  t.On("a", "Active").takes = Milliseconds(60);
+  t.Ask("Active");
+  t.RunFor(Milliseconds(20));
+  t.RestartController();
+  t.RunFor(Milliseconds(20));
+  t.Mute("a", false, true);
+  t.RunFor(Milliseconds(50));
+  t.Mute("a", false, false);
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "LowPower");
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "LowPower") << name;
+}
+
 TEST_F(Adopting, EndsATearDownThatTheOneBeforeDiedIn) {
   Theatre& t = In("Active", Ours(3));
   for (const char* name : {"a", "b", "c"}) t.On(name, "TearDown").takes = Milliseconds(90);

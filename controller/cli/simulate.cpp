@@ -1,0 +1,153 @@
+// musher simulate FILE: many lives of a robot with this config, on the real decision code, in
+// virtual time, with faults drawn from seeds. Touches no network and no process.
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/config_file.hpp"
+#include "musher/controller/cli/render/simulation.hpp"
+#include "musher/lifecycle/suggest.hpp"
+#include "musher/simulation/timeline.hpp"
+
+namespace musher::cli {
+namespace {
+
+using simulation::Story;
+using simulation::StoryId;
+using simulation::StoryOptions;
+using simulation::Timeline;
+
+// "3,7,12"
+Result<std::vector<std::size_t>> ParseNumbers(const std::string& text) {
+  std::vector<std::size_t> numbers;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (at < end) {
+    std::size_t number = 0;
+    const auto [next, error] = std::from_chars(at, end, number);
+    const bool goes_on = next == end || (*next == ',' && next + 1 != end);
+    if (error != std::errc() || !goes_on) {
+      return Error{kCodeParametersInvalid,
+                   "--only: '" + text + "' is no list of numbers; expected one as in 3,7,12"};
+    }
+    numbers.push_back(number);
+    at = next == end ? end : next + 1;
+  }
+  return numbers;
+}
+
+Result<StoryOptions> OptionsFor(const SimulateOptions& options, const MachineConfig& config) {
+  StoryOptions story = simulation::UsualOptions(config);
+  if (options.bound_s) {
+    story.bound =
+        std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*options.bound_s));
+  }
+  if (options.home.empty()) return story;
+  if (!config.RankOf(options.home) || !config.HasState(options.home)) {
+    const std::string near = Nearest(options.home, config.states);
+    return Error{kCodeParametersInvalid,
+                 "--home: " + config.name + " has no state '" + options.home + "' to stay in" +
+                     (near.empty() ? "" : "; did you mean '" + near + "'?")};
+  }
+  story.home = State(options.home);
+  return story;
+}
+
+// A simulated actuator speaks Musher's protocol, whatever the real one does.
+std::vector<std::string> MakeAllSpeakMusher(MachineConfig& config) {
+  std::vector<std::string> others;
+  for (ActuatorConfig& actuator : config.actuators) {
+    if (actuator.protocol == Protocol::kMusher) continue;
+    others.push_back(actuator.name);
+    actuator.protocol = Protocol::kMusher;
+  }
+  return others;
+}
+
+struct Told {
+  std::string text;
+  std::string svg;
+  simulation::Ending ending;
+};
+
+Result<Told> Tell(const MachineConfig& config, const StoryOptions& options, const StoryId& id) {
+  auto incidents = IncidentsOf(config, id);
+  if (!incidents) return incidents.error();
+  Story story(config, id.seed, std::move(incidents).value(), options);
+  Timeline timeline(story, config);
+  Told told;
+  told.ending = story.Tell();
+  timeline.End(told.ending);
+  told.text = timeline.Text();
+  told.svg = timeline.Svg(config.name + ", seed " + std::to_string(id.seed));
+  return told;
+}
+
+Result<> Write(const std::string& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  if (!file) return Error{kCodeFailed, "cannot write " + path};
+  return Ok();
+}
+
+// One story, told.
+ExitCode TellOne(const SimulateOptions& options, const MachineConfig& config,
+                 const StoryOptions& story, Console& console) {
+  StoryId id{*options.seed, std::nullopt};
+  if (!options.only.empty()) {
+    auto numbers = ParseNumbers(options.only);
+    if (!numbers) return console.Fail({ExitCode::kUsage, numbers.error()});
+    id.only = std::move(numbers).value();
+  }
+  const auto told = Tell(config, story, id);
+  if (!told) return console.Fail({ExitCode::kUsage, told.error()});
+  if (!options.svg.empty()) {
+    const auto written = Write(options.svg, told.value().svg);
+    if (!written) return console.Fail({ExitCode::kUsage, written.error()});
+  }
+  const auto& ending = told.value().ending;
+  console.Print(console.mode().json ? StoryJson(id, ending, told.value().text)
+                                    : told.value().text + StoryVerdict(ending));
+  return ending.violation ? ExitCode::kNotDone : ExitCode::kDone;
+}
+
+}  // namespace
+
+ExitCode Simulate(const SimulateOptions& options, Console& console) {
+  auto config = LoadConfig(options.file, console);
+  if (!config) return ExitCode::kUsage;
+  const std::vector<std::string> others = MakeAllSpeakMusher(*config);
+  const auto story = OptionsFor(options, *config);
+  if (!story) return console.Fail({ExitCode::kUsage, story.error()});
+  if (options.seed) return TellOne(options, *config, story.value(), console);
+  if (!options.only.empty()) {
+    return console.Fail({ExitCode::kUsage, {kCodeParametersInvalid, "--only needs --seed"}});
+  }
+
+  SimulationReport report{*config, options.file, story.value(), {}, {}, {}, {}, others};
+  const auto begun = std::chrono::steady_clock::now();
+  const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+  report.threads = options.jobs == 0 ? cores : options.jobs;
+  report.summary = LiveMany(*config, story.value(), 1, options.seeds, report.threads, {});
+  report.took = std::chrono::steady_clock::now() - begun;
+  report.worst = ShortestBadStory(*config, story.value(), report.summary);
+  std::string bad_story;
+  if (report.worst) {
+    const auto told = Tell(*config, story.value(), *report.worst);
+    bad_story = told.value().text;
+    if (!options.svg.empty()) {
+      const auto written = Write(options.svg, told.value().svg);
+      if (!written) return console.Fail({ExitCode::kUsage, written.error()});
+    }
+  }
+  console.Print(console.mode().json ? SimulationJson(report, bad_story)
+                                    : SimulationText(report, bad_story, console.mode().colour));
+  return report.summary.good() ? ExitCode::kDone : ExitCode::kNotDone;
+}
+
+}  // namespace musher::cli

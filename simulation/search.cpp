@@ -1,0 +1,130 @@
+#include "musher/simulation/search.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <thread>
+
+namespace musher::simulation {
+namespace {
+
+// Seeds that are taken at once by a thread.
+constexpr std::uint64_t kBatch = 16;
+// Bad stories of each promise that are shrunk in search of the shortest.
+constexpr std::size_t kShrunk = 5;
+
+std::optional<Promise> BrokenBy(const MachineConfig& config, const StoryOptions& options,
+                                const StoryId& id) {
+  const auto incidents = IncidentsOf(config, id);
+  if (!incidents) return std::nullopt;
+  const Ending ending = TellStory(config, id.seed, incidents.value(), options);
+  return ending.violation ? std::optional(ending.violation->promise) : std::nullopt;
+}
+
+}  // namespace
+
+Result<Incidents> IncidentsOf(const MachineConfig& config, const StoryId& id) {
+  const Incidents all = DrawIncidents(config, id.seed);
+  if (!id.only) return all;
+  Incidents some;
+  for (const std::size_t number : *id.only) {
+    if (number == 0 || number > all.size()) {
+      return Error{kCodeParametersInvalid, "seed " + std::to_string(id.seed) + " has " +
+                                               std::to_string(all.size()) + " incidents, and no " +
+                                               std::to_string(number)};
+    }
+    some.push_back(all[number - 1]);
+  }
+  return some;
+}
+
+bool Summary::good() const {
+  return std::all_of(bad.begin(), bad.end(), [](const auto& seeds) { return seeds.empty(); });
+}
+
+void Summary::Add(std::uint64_t seed, const Ending& ending) {
+  ++stories;
+  coverage.Add(ending.coverage);
+  for (std::size_t i = 0; i < switches.size(); ++i) switches[i] += ending.switches[i];
+  judgements += ending.judgements;
+  steps += ending.steps;
+  simulated += ending.simulated;
+  if (ending.rested) rests.push_back(*ending.rested);
+  if (ending.violation) {
+    bad[static_cast<std::size_t>(ending.violation->promise)].push_back(seed);
+  }
+}
+
+void Summary::Sort() {
+  std::sort(rests.begin(), rests.end());
+  for (auto& seeds : bad) std::sort(seeds.begin(), seeds.end());
+}
+
+Summary LiveMany(const MachineConfig& config, const StoryOptions& options, std::uint64_t first,
+                 std::uint64_t count, unsigned threads,
+                 const std::function<bool(std::uint64_t)>& on_done) {
+  Summary summary;
+  std::mutex mutex;  // guards the summary and on_done
+  std::atomic<std::uint64_t> next = 0;
+  std::atomic<bool> stop = false;
+  const auto work = [&] {
+    for (;;) {
+      const std::uint64_t begin = next.fetch_add(kBatch);
+      if (begin >= count || stop) return;
+      for (std::uint64_t i = begin; i < std::min(begin + kBatch, count); ++i) {
+        const std::uint64_t seed = first + i;
+        const Ending ending = TellStory(config, seed, DrawIncidents(config, seed), options);
+        const std::lock_guard lock(mutex);
+        summary.Add(seed, ending);
+      }
+      const std::lock_guard lock(mutex);
+      if (on_done && !on_done(summary.stories)) stop = true;
+    }
+  };
+  std::vector<std::jthread> others;
+  for (unsigned i = 1; i < threads; ++i) others.emplace_back(work);
+  work();
+  others.clear();  // waits for them
+  summary.Sort();
+  return summary;
+}
+
+// Delta debugging: first large parts are left out, then single ones.
+StoryId Shrink(const MachineConfig& config, const StoryOptions& options, std::uint64_t seed,
+               Promise promise) {
+  StoryId id{seed, std::vector<std::size_t>()};
+  const std::size_t all = DrawIncidents(config, seed).size();
+  for (std::size_t i = 1; i <= all; ++i) id.only->push_back(i);
+  for (std::size_t part = (all + 1) / 2; part > 0; part = part == 1 ? 0 : (part + 1) / 2) {
+    bool smaller = true;
+    while (smaller) {
+      smaller = false;
+      for (std::size_t i = 0; i < id.only->size(); i += part) {
+        StoryId less = id;
+        const auto from = less.only->begin() + static_cast<std::ptrdiff_t>(i);
+        const std::size_t size = std::min(part, less.only->size() - i);
+        less.only->erase(from, from + static_cast<std::ptrdiff_t>(size));
+        if (BrokenBy(config, options, less) != promise) continue;
+        id = less;
+        smaller = true;
+        break;
+      }
+    }
+  }
+  return id;
+}
+
+std::optional<StoryId> ShortestBadStory(const MachineConfig& config, const StoryOptions& options,
+                                        const Summary& summary) {
+  std::optional<StoryId> shortest;
+  for (std::size_t promise = 0; promise < kPromises; ++promise) {
+    const auto& seeds = summary.bad[promise];
+    for (std::size_t i = 0; i < std::min(kShrunk, seeds.size()); ++i) {
+      const StoryId id = Shrink(config, options, seeds[i], static_cast<Promise>(promise));
+      if (!shortest || id.only->size() < shortest->only->size()) shortest = id;
+    }
+  }
+  return shortest;
+}
+
+}  // namespace musher::simulation

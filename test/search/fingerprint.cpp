@@ -1,0 +1,182 @@
+#include "musher/test/search/fingerprint.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <string_view>
+
+namespace musher::search {
+namespace {
+
+std::uint64_t Scramble(std::uint64_t x) {
+  x ^= x >> 32;
+  x *= 0xd6e8feb86659fd93U;
+  x ^= x >> 32;
+  x *= 0xd6e8feb86659fd93U;
+  return x ^ x >> 32;
+}
+
+// Values in a fixed order; what varies in number is preceded by how many there are.
+class Mixer {
+ public:
+  explicit Mixer(Time now) : now_(now) {}
+
+  template <typename... T>
+  void Add(const T&... values) {
+    (One(values), ...);
+  }
+  Fingerprint Get() const { return {Scramble(high_), Scramble(low_ ^ high_)}; }
+
+ private:
+  void Word(std::uint64_t x) {
+    high_ = (std::rotl(high_, 5) ^ x) * 0x9e3779b97f4a7c15U;
+    low_ = (std::rotl(low_, 23) + x) * 0xd6e8feb86659fd93U;
+    low_ ^= low_ >> 32;
+  }
+  template <typename T>
+  requires(std::is_integral_v<T> || std::is_enum_v<T>) void One(const T& x) {
+    Word(static_cast<std::uint64_t>(x));
+  }
+  void One(const State& text) { Word(std::hash<std::string_view>{}(text)); }
+  void One(Duration d) { Word(static_cast<std::uint64_t>(d.count())); }
+  void One(Time t) { Word(static_cast<std::uint64_t>((t - now_).count())); }
+  void One(const Fingerprint& f) {
+    Word(f.high);
+    Word(f.low);
+  }
+  template <typename T>
+  void One(const std::optional<T>& x) {
+    Word(x.has_value());
+    if (x) One(*x);
+  }
+  template <typename T>
+  void One(const std::vector<T>& all) {
+    Word(all.size());
+    for (const T& x : all) One(x);
+  }
+
+  // Without the emergency stop: it is looked at when the report comes, and not kept in mind.
+  void One(const ActuatorReport& r) {
+    Add(r.state, r.target, r.busy_number, r.epoch, r.number, r.outcome_number, r.outcome_code);
+    Add(r.incarnation, r.apart);
+  }
+  void One(const Order& o) { Add(o.number, o.target, o.deadline, o.asked); }
+  void One(const Leg& l) {
+    Add(l.from, l.target, l.progress, l.outcome, l.ran, l.may_fail, l.needs);
+  }
+  void One(const actuator_event::ControllerHeard& heard) { Add(heard.sender, heard.epoch); }
+  void One(const SwitchCommand& c) {
+    // How old it is by the actuator's clock.
+    Add(c.epoch, c.number, c.target, c.budget, c.incarnation, c.apart);
+    Add(ToMilliseconds(now_ - c.status_stamp - c.since_status));
+  }
+  void One(const AskCommand& a) { Add(a.epoch, a.number, a.stop); }
+  void One(const ActuatorCore::Waiting& w) { Add(w.command, w.tokens); }
+  void One(const Message& m) {
+    Add(m.sender, m.epoch, m.what.index());
+    std::visit([this](const auto& what) { One(what); }, m.what);
+  }
+  void One(const Request& r) { Add(r.target, r.answers, r.gone); }
+
+  Time now_;
+  std::uint64_t high_ = 1;
+  std::uint64_t low_ = 2;
+};
+
+// What is on its way from one actuator: its stamp counts by whether the controller has a newer one.
+void AddReply(Mixer& mixer, const ActuatorRecord& record, const event::Replied& r) {
+  mixer.Add(r.number, r.ask, r.verdict, r.report, r.report.emergency_stop,
+            r.report.stamp < record.report.stamp);
+}
+
+void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>& all) {
+  mixer.Add(all.size());
+  for (const Late& late : all) {
+    mixer.Add(late.index());
+    if (const auto* message = std::get_if<Message>(&late)) {
+      mixer.Add(*message);
+    } else if (const auto* reply = std::get_if<event::Replied>(&late)) {
+      AddReply(mixer, record, *reply);
+    } else if (const auto* seen = std::get_if<event::StatusSeen>(&late)) {
+      mixer.Add(seen->report, seen->report.emergency_stop,
+                seen->report.stamp < record.report.stamp);
+    }
+  }
+}
+
+void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
+  mixer.Add(r.presence, r.report, r.process, r.dead, r.found_running, r.set_up_by, r.claimed,
+            r.claim_again, r.checked, r.join_tried, r.held, r.due, r.fault.has_value(), r.order,
+            r.health, r.restarts, r.restart_at, r.healthy_at, r.given_up, r.restart_asked, r.doomed,
+            r.kill_at, r.killed, r.parked, r.outbid_at, r.hindered, r.free_by);
+  mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
+}
+
+void AddLegs(Mixer& mixer, const std::vector<Leg>& legs, std::size_t i) {
+  const auto found =
+      std::find_if(legs.begin(), legs.end(), [i](const Leg& leg) { return leg.actuator == i; });
+  mixer.Add(found == legs.end());
+  if (found != legs.end()) mixer.Add(*found);
+}
+
+Fingerprint OfActuator(const Model& model, const World& world, std::size_t i) {
+  Mixer mixer(world.now);
+  const Machine& machine = world.machine;
+  const ActuatorRecord& record = machine.actuators[i];
+  AddRecord(mixer, record);
+  if (machine.current) {
+    AddLegs(mixer, machine.current->legs, i);
+    AddLegs(mixer, machine.current->back, i);
+    for (const ActuatorResult& other : machine.current->others) {
+      if (other.name == model.config.actuators[i].name) mixer.Add(other.outcome);
+    }
+  }
+  const Actor& a = world.actors[i];
+  mixer.Add(a.alive, a.visible, a.work, a.stop_requested, a.status_due, a.end, a.epoch, a.begun,
+            a.asked);
+  const ActuatorCore& c = a.core;
+  mixer.Add(c.report, c.report.emergency_stop, c.running_for, c.was_apart, c.waiting, c.unsettled,
+            c.controller, c.announced, c.released);
+  mixer.Add(a.replies.size());
+  for (const event::Replied& reply : a.replies) AddReply(mixer, record, reply);
+  AddLate(mixer, record, a.late);
+  for (std::size_t k = 0; k < world.outbox.size(); ++k) {
+    if (world.outbox[k].to == i) mixer.Add(k, world.outbox[k]);
+  }
+  mixer.Add(model.kinds[i]);
+  return mixer.Get();
+}
+
+}  // namespace
+
+Identity IdentityOf(const Model& model, const World& w) {
+  Mixer mixer(w.now);
+  const Machine& m = w.machine;
+  unsigned twins = 0;
+  std::vector<Fingerprint> actuators;
+  for (std::size_t i = 0; i < kActuators; ++i) {
+    const Fingerprint own = OfActuator(model, w, i);
+    if (std::find(actuators.begin(), actuators.end(), own) != actuators.end()) twins |= 1U << i;
+    actuators.push_back(own);
+  }
+  std::sort(actuators.begin(), actuators.end());
+  mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.epoch_on_disk, w.at_start,
+            w.stopped, w.stop_seen_due);
+  mixer.Add(m.phase, m.by_hand, m.state, m.epoch, m.number, m.set_up, m.stage, m.fallback,
+            m.emergency_stop.has_value(), m.other_stops, m.released_stops, m.set_up_requests);
+  mixer.Add(m.current.has_value());
+  if (m.current) {
+    const Switch& s = *m.current;
+    mixer.Add(s.number, s.from, s.target, s.only, s.direction, s.purpose, s.requests, s.stopped,
+              s.rolling_back, s.back_number);
+  }
+  mixer.Add(m.stopping.has_value());
+  if (m.stopping) {
+    const Stopping& s = *m.stopping;
+    mixer.Add(s.tear_down_by, s.terminate_at, s.kill_at, s.give_up_at, s.terminated, s.killed,
+              s.requests, s.result.has_value());
+    if (s.result) mixer.Add(s.result->outcome);
+  }
+  return {mixer.Get(), twins};
+}
+
+}  // namespace musher::search

@@ -1,0 +1,138 @@
+// The search can fail: each test plants a fault in the rules and is told its story_.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/test/search/explorer.hpp"
+#include "musher/test/search/scenarios.hpp"
+
+namespace musher::search {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+class PlantedFault : public ::testing::Test {
+ protected:
+  void Search(Rules rules, const State& from, const State& to, int faults,
+              const std::string& machine = "Parallel") {
+    const Model sound(ScenarioNamed(machine).config, to);
+    const Model model(sound.config, to, std::move(rules));
+    World root = WorldIn(sound, from);
+    root.faults = root.faults_left = faults;
+    searched_ = SearchAll(model, root);
+    if (searched_.fault) story_ = StoryOf(model, root, searched_.fault->path);
+  }
+
+  Searched searched_;
+  std::string story_;
+};
+
+// Changes the event before the controller sees it.
+template <typename E, typename Change>
+Rules WithEvent(Change change) {
+  Rules rules;
+  rules.controller = [change](const auto& config, auto& machine, const Event& event, Time now) {
+    Event changed = event;
+    if (auto* one = std::get_if<E>(&changed)) change(*one, machine);
+    return Step(config, machine, changed, now);
+  };
+  return rules;
+}
+
+TEST_F(PlantedFault, AFailureThatIsDroppedIsFound) {
+  Search(WithEvent<event::Replied>([](event::Replied& reply, const Machine& machine) {
+           if (reply.verdict != Verdict::kFailed) return;
+           reply.verdict = Verdict::kDone;
+           reply.report.state = machine.current->target;
+         }),
+         "LowPower", "Active", 1);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("done is told while")));
+  EXPECT_THAT(story_, HasSubstr("FAULT: "));
+  EXPECT_THAT(story_, HasSubstr("callback of Active fails"));
+  EXPECT_THAT(story_, HasSubstr("WRONG: done is told while"));
+}
+
+TEST_F(PlantedFault, ACrashThatIsNotHeardOfIsFound) {
+  Search(WithEvent<event::Vanished>(
+             [](event::Vanished& vanished, const Machine&) { vanished.incarnation = 0; }),
+         "Active", "Active", 1);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("is dead in Active")));
+}
+
+TEST_F(PlantedFault, AnAnswerThatIsForgottenIsFoundWithoutAnyFault) {
+  Rules rules;
+  rules.controller = [](const auto& config, auto& machine, const Event& event, Time now) {
+    auto actions = Step(config, machine, event, now);
+    std::erase_if(
+        actions, [](const Action& a) { return std::holds_alternative<action::AnswerSetState>(a); });
+    return actions;
+  };
+  Search(rules, "Active", "LowPower", 0);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->wrong,
+              Contains(HasSubstr("nobody was told what became of LowPower")));
+}
+
+TEST_F(PlantedFault, AnAnswerThatIsToldTwiceIsFound) {
+  Rules rules;
+  rules.controller = [](const auto& config, auto& machine, const Event& event, Time now) {
+    auto actions = Step(config, machine, event, now);
+    const auto answer = std::find_if(actions.begin(), actions.end(), [](const Action& a) {
+      return std::holds_alternative<action::AnswerSetState>(a);
+    });
+    if (answer != actions.end()) actions.push_back(Action(*answer));
+    return actions;
+  };
+  Search(rules, "Active", "LowPower", 0);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->wrong, Contains("the same request is told twice"));
+}
+
+// An actuator that remembers no numbers begins what comes a second time, or after its question.
+TEST_F(PlantedFault, ACommandOfThePastThatBeginsIsFound) {
+  Rules rules;
+  rules.actuator = [](const auto& config, std::size_t i, auto& core, const auto& event, Time now) {
+    if (std::holds_alternative<actuator_event::SwitchArrived>(event)) {
+      core.report.number = core.report.outcome_number = 0;
+    }
+    return Step(config, i, core, event, now);
+  };
+  Search(rules, "Active", "LowPower", 2);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("which is of the past")));
+  EXPECT_THAT(story_, HasSubstr("what was held back comes"));
+}
+
+TEST_F(PlantedFault, AnActuatorThatForgetsTheEmergencyStopIsFound) {
+  Rules rules;
+  rules.actuator = [](const auto& config, std::size_t i, auto& core, const auto& event, Time now) {
+    if (!std::holds_alternative<actuator_event::SwitchArrived>(event)) {
+      return Step(config, i, core, event, now);
+    }
+    const std::uint64_t stop = std::exchange(core.report.emergency_stop, 0);
+    auto actions = Step(config, i, core, event, now);
+    core.report.emergency_stop = stop;
+    return actions;
+  };
+  Search(rules, "LowPower", "Active", 1);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("while an emergency stop is latched")));
+  EXPECT_THAT(story_, HasSubstr("CROSSED by an emergency stop"));
+}
+
+TEST_F(PlantedFault, TheStoryThatIsToldIsTheShortest) {
+  Search(WithEvent<event::Vanished>(
+             [](event::Vanished& vanished, const Machine&) { vanished.incarnation = 0; }),
+         "Active", "Active", 2);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_EQ(searched_.fault->path.find('.', searched_.fault->path.find('.') + 1), std::string::npos)
+      << "asked, and a crash: " << searched_.fault->path;
+}
+
+}  // namespace
+}  // namespace musher::search

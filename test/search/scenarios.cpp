@@ -1,0 +1,93 @@
+#include "musher/test/search/scenarios.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::search {
+namespace {
+
+using testing::ActuatorNamed;
+using testing::MachineOf;
+
+// They are done one after the other, and overdue one after the other.
+MachineConfig Staggered() {
+  MachineConfig config = MachineOf(kActuators);
+  for (std::size_t i = 0; i < kActuators; ++i) {
+    auto& times = config.actuators[i].times;
+    times.assign(times.size(), Milliseconds(100 + 10 * static_cast<int>(i)));
+  }
+  return config;
+}
+
+MachineConfig WithCriticalB() {
+  MachineConfig config = MachineOf(kActuators);
+  ActuatorNamed(config, "b").critical = true;
+  ActuatorNamed(config, "b").on_lost = "Protected";
+  return config;
+}
+
+bool IsRestingPlace(const State& state) {
+  static const std::vector<State> places = {"Active", "Protected", "DeActive", "LowPower", "OTA"};
+  return std::find(places.begin(), places.end(), state) != places.end();
+}
+
+}  // namespace
+
+const std::vector<Scenario>& Scenarios() {
+  static const std::vector<Scenario> all = {
+      {"Parallel", MachineOf(kActuators)},
+      {"Chain", testing::Chain(), 2},
+      {"Critical", WithCriticalB()},
+      {"Staggered", Staggered()},
+      {"Restarted", testing::Ours(kActuators)},
+  };
+  return all;
+}
+
+const Scenario& ScenarioNamed(const std::string& name) {
+  const auto found = std::find_if(Scenarios().begin(), Scenarios().end(),
+                                  [&](const Scenario& s) { return s.name == name; });
+  assert(found != Scenarios().end());
+  return *found;
+}
+
+std::vector<State> AllStates() {
+  std::vector<State> states;
+  for (const std::string_view state : BuiltInStates()) states.emplace_back(state);
+  return states;
+}
+
+bool MayGo(const State& from, const State& to) {
+  if (to == "Uninitialized" || to == "SetUp" || from == "TearDown") return false;
+  if (to == "TearDown") return true;
+  if (from == "Uninitialized") return false;
+  if (IsRestingPlace(from)) return true;  // to each other, to Error, and a check where it is
+  if (to == "SelfCheck" || to == from) return true;
+  if (from == "SelfCheck") return to == "Active" || to == "DeActive" || to == "Error";
+  return false;
+}
+
+World WorldIn(const Model& model, const State& state) {
+  World world = NewWorld(model);
+  Notes notes;
+  const bool in_start = state == "Uninitialized" || state == "SetUp";
+  Begin(model, world, in_start, notes);
+  if (state != "Uninitialized") Settle(model, world, notes);
+  std::vector<State> way;
+  if (state == "SelfCheck") way = {"Error", "SelfCheck"};
+  if (!in_start && way.empty() && state != "Active") way = {state};
+  for (const State& next : way) {
+    Ask(model, world, next, notes);
+    Settle(model, world, notes);
+  }
+  assert(notes.wrong.empty());
+  assert(world.machine.state == state);
+  world.requests.clear();
+  world.from = state;
+  world.at_start = true;
+  return world;
+}
+
+}  // namespace musher::search

@@ -1,0 +1,115 @@
+// A machine of three actuators, from each state to each state, in every order of events and with
+// every fault at every point, up to a number of faults that all together fits into a gate. By hand:
+//
+//   MUSHER_SEARCH_FAULTS=2   so many faults instead
+//   MUSHER_SEARCH_TARGET=s   only to this state
+//   MUSHER_SEARCH_PATH=0.3   with a target: nothing is searched, the story of this path is told
+//   MUSHER_REPORT_DIR=dir    the figures as files
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <iostream>
+
+#include "musher/test/search/explorer.hpp"
+#include "musher/test/search/figures_table.hpp"
+#include "musher/test/search/scenarios.hpp"
+
+namespace musher::search {
+namespace {
+
+std::string Environment(const std::string& name) {
+  const char* value = std::getenv(name.c_str());
+  return value != nullptr ? value : "";
+}
+
+// The table is told when all tests of this process have ended.
+class Telling : public ::testing::Environment {
+ public:
+  void TearDown() override { table.Publish(); }
+  FiguresTable table;
+};
+Telling* const kTelling = static_cast<Telling*>(::testing::AddGlobalTestEnvironment(new Telling));
+
+// A sanitizer makes it ten times as slow; it looks at something else anyway.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr int kLess = 1;
+#else
+constexpr int kLess = 0;
+#endif
+
+class ExhaustiveSearch : public ::testing::TestWithParam<std::tuple<std::string, std::string>> {
+ protected:
+  const Scenario& scenario() const { return ScenarioNamed(std::get<0>(GetParam())); }
+  const State& from() const { return std::get<1>(GetParam()); }
+  int faults() const {
+    const std::string wanted = Environment("MUSHER_SEARCH_FAULTS");
+    return wanted.empty() ? scenario().faults - kLess : std::stoi(wanted);
+  }
+
+  Figures SearchTo(const State& to) const {
+    const Model model(scenario().config, to);
+    World root = WorldIn(model, from());
+    root.faults = root.faults_left = faults();
+    if (const std::string path = Environment("MUSHER_SEARCH_PATH"); !path.empty()) {
+      std::cout << StoryOf(model, root, path);
+      return {};
+    }
+    const Searched searched = SearchAll(model, root);
+    if (searched.fault) {
+      const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+      ADD_FAILURE() << "from " << from() << " to " << to << "\n"
+                    << StoryOf(model, root, searched.fault->path)
+                    << "again with: MUSHER_SEARCH_FAULTS=" << faults()
+                    << " MUSHER_SEARCH_TARGET=" << to
+                    << " MUSHER_SEARCH_PATH=" << searched.fault->path
+                    << " search_test --gtest_filter=" << test->test_suite_name() << "."
+                    << test->name();
+    }
+    return searched.figures;
+  }
+};
+
+TEST_P(ExhaustiveSearch, FindsNothingWrong) {
+  const State only = Environment("MUSHER_SEARCH_TARGET");
+  Figures figures;
+  for (const State& to : AllStates()) {
+    if (MayGo(from(), to) && (only.empty() || to == only)) figures += SearchTo(to);
+  }
+  kTelling->table.Add(scenario().name, from(), faults(), figures);
+}
+
+TEST_P(ExhaustiveSearch, RefusesWhatTheFlowDoesNotAllowAndOnlyThat) {
+  for (const State& to : AllStates()) {
+    const Model model(scenario().config, to);
+    World world = WorldIn(model, from());
+    const World before = world;
+    Notes notes;
+    notes.tell = true;
+    Ask(model, world, to, notes);
+    const std::string refused = "  request 1 is told: refused in " + from();
+    const auto told = std::count(notes.story.begin(), notes.story.end(), refused);
+    EXPECT_EQ(told, MayGo(from(), to) ? 0 : 1) << from() << " to " << to;
+    EXPECT_THAT(notes.wrong, ::testing::IsEmpty());
+    if (MayGo(from(), to)) continue;
+    EXPECT_EQ(world.machine.state, before.machine.state);
+    EXPECT_EQ(world.machine.number, before.machine.number) << "something was sent";
+    EXPECT_EQ(world.machine.actuators, before.machine.actuators);
+  }
+}
+
+std::vector<std::string> Names() {
+  std::vector<std::string> names;
+  for (const Scenario& scenario : Scenarios()) names.push_back(scenario.name);
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, ExhaustiveSearch,
+                         ::testing::Combine(::testing::ValuesIn(Names()),
+                                            ::testing::ValuesIn(AllStates())),
+                         [](const auto& which) {
+                           return std::get<0>(which.param) + "From" + std::get<1>(which.param);
+                         });
+
+}  // namespace
+}  // namespace musher::search
