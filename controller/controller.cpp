@@ -39,6 +39,7 @@ std::int64_t WallNanoseconds() {
 
 // Long enough to hear a living controller of another host, which is discovered within 500 ms.
 constexpr Duration kLookAround = Milliseconds(1000);
+constexpr Duration kSecuredLookAround = Milliseconds(4000);
 constexpr int kLetGoTimeoutMs = 1000;
 constexpr int kEndTimeoutMs = 5000;
 
@@ -107,8 +108,9 @@ Result<> Controller::Open(int domain_id) {
   if (!look_around_) {
     Begin(domain_id);
   } else {
+    const Duration listen = config_.keys.empty() ? kLookAround : kSecuredLookAround;
     begin_later_ =
-        node_.loop().At(node_.loop().Now() + kLookAround, [this, domain_id] { Begin(domain_id); });
+        node_.loop().At(node_.loop().Now() + listen, [this, domain_id] { Begin(domain_id); });
   }
   return Ok();
 }

@@ -156,7 +156,10 @@ std::optional<EmergencyStop> StateStore::LoadEmergencyStop() const {
 
 pid_t StateStore::OwnerOf(const std::string& dir) {
   const UniqueFd lock(open((dir + "/controller.lock").c_str(), O_RDONLY | O_CLOEXEC));
-  return lock.valid() ? static_cast<pid_t>(std::atoi(ReadSmall(lock.get()).c_str())) : 0;
+  const std::string text = lock.valid() ? ReadSmall(lock.get()) : "";
+  pid_t owner = 0;
+  std::from_chars(text.data(), text.data() + text.size(), owner);
+  return std::max(owner, 0);  // a negative one would name a group of processes
 }
 
 std::string StateStore::LogFile(std::string_view actuator) const {

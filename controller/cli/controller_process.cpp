@@ -71,6 +71,7 @@ Result<> ControllerProcess::Begin() {
   transport::DdsOptions options;
   options.profile = config_.transport;
   options.impatient = true;
+  options.credentials = transport::CredentialsFor(config_, transport::kControllerIdentity);
   auto node = transport::MakeDdsNode(loop_, options);
   if (!node) return node.error();
   node_ = std::move(node).value();

@@ -31,6 +31,7 @@ const std::map<std::string, Folders>& MayInclude() {
 const std::map<std::string, std::vector<std::string>>& Libraries() {
   static const std::map<std::string, std::vector<std::string>> table = {
       {"dds/", {"transport/dds/", "test/contract/", "test/benchmark/"}},
+      {"openssl/", {"transport/keys/"}},
       {"toml++/", {"lifecycle/toml/"}},
       {"CLI/", {"controller/cli/", "modules/", "test/benchmark/", "test/campaign/"}},
       {"SQLiteCpp/", {"controller/", "test/controller/"}},
