@@ -136,6 +136,12 @@ void Robot::Mend() {
   GoTo("Active");
 }
 
+pid_t Robot::LivingController() {
+  const pid_t pid = ControllerPid();
+  if (pid <= 0) throw std::runtime_error("there is no controller");
+  return pid;
+}
+
 pid_t Robot::ControllerPid() {
   if (fronts_.empty()) return 0;
   const std::vector<pid_t> children = ChildrenOf(fronts_.back().pid());
@@ -143,12 +149,16 @@ pid_t Robot::ControllerPid() {
 }
 
 pid_t Robot::PidOf(const std::string& name) {
+  pid_t pid = 0;
   if (far_host_) {
     const std::vector<pid_t> found = FindByArgument(folder_ / (name + ".board"));
-    return found.empty() ? 0 : found.front();
+    if (!found.empty()) pid = found.front();
+  } else if (const auto status = observer_->Latest()) {
+    pid = Find(*status, name).pid;
   }
-  const auto status = observer_->Latest();
-  return status ? Find(*status, name).pid : 0;
+  // A signal to 0 would go to all that were started with us.
+  if (pid <= 0) throw std::runtime_error(name + " has no process");
+  return pid;
 }
 
 bool Robot::IsChildOfController(const std::string& name) {

@@ -54,7 +54,9 @@ class Robot {
   Observer& observer() { return *observer_; }
   Board& board(const std::string& name) { return *boards_.at(name); }
   pid_t ControllerPid();  // 0: there is none
-  // Of an actuator, as this pid namespace numbers it; 0: there is none.
+  // To be sent a signal: throws std::runtime_error when there is none.
+  pid_t LivingController();
+  // Of an actuator, as this pid namespace numbers it. Throws std::runtime_error when there is none.
   pid_t PidOf(const std::string& name);
   // Whether the present controller has started its process; of others it cannot know how they end.
   bool IsChildOfController(const std::string& name);

@@ -8,7 +8,7 @@ namespace musher::campaign::controller {
 
 // Nobody minds.
 void FrozenShortly(Trial& trial) {
-  const pid_t pid = trial.robot.ControllerPid();
+  const pid_t pid = trial.robot.LivingController();
   const auto time = Milliseconds(trial.random.Between(50, 1500));
   trial.Drawn("for", std::to_string(ToMilliseconds(time)) + " ms");
   trial.Struck();
@@ -21,7 +21,7 @@ void FrozenShortly(Trial& trial) {
 
 // Its actuators take themselves to on_controller_lost, where that is down; it fetches them back.
 void FrozenForLong(Trial& trial) {
-  const pid_t pid = trial.robot.ControllerPid();
+  const pid_t pid = trial.robot.LivingController();
   const bool leave = RankOf(trial.state()) > RankOf(kOnControllerLost);
   trial.Struck();
   kill(pid, SIGSTOP);

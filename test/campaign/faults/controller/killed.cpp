@@ -72,8 +72,7 @@ void KilledAt(Trial& trial, Moment moment) {
   const Case fault = CaseFor(trial, moment);
   if (!fault.target.empty()) trial.Drawn("to", fault.target);
   for (const std::string& name : Modules()) trial.robot.board(name).callback_ms = kSlowCallbackMs;
-  const pid_t pid = trial.robot.ControllerPid();
-  trial.Require(pid != 0, "there is no controller to kill");
+  const pid_t pid = trial.robot.LivingController();
   std::shared_future<void> killed;
   if (fault.moment) {
     killed = trial.observer().Once(fault.moment, [pid] { kill(pid, SIGKILL); });
@@ -111,7 +110,10 @@ void KilledInStartUp(Trial& trial) {
   Robot& robot = trial.robot;
   const auto killed =
       trial.observer().Once([at](const auto& status) { return status.target == at; },
-                            [&robot] { kill(robot.ControllerPid(), SIGKILL); });
+                            [&robot] {
+                              if (const pid_t pid = robot.ControllerPid(); pid > 0)
+                                kill(pid, SIGKILL);
+                            });
   robot.StartController();
   Answer(killed);
   trial.Struck();
@@ -129,7 +131,7 @@ void KilledInStop(Trial& trial) {
   trial.MayBecome("Active");
   trial.RobotIsTornDown();
   for (const std::string& name : Modules()) trial.robot.board(name).callback_ms = kSlowCallbackMs;
-  const pid_t pid = trial.robot.ControllerPid();
+  const pid_t pid = trial.robot.LivingController();
   const auto killed =
       trial.observer().Once([](const auto& status) { return status.target == "TearDown"; },
                             [pid] { kill(pid, SIGKILL); });

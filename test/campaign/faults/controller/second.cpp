@@ -42,7 +42,7 @@ void TakenOver(Trial& trial) {
 }
 
 void TakenOverFrozen(Trial& trial) {
-  kill(trial.robot.ControllerPid(), SIGSTOP);
+  kill(trial.robot.LivingController(), SIGSTOP);
   const auto before = trial.observer().Latest();
   trial.ControllerMayDie();
   trial.Struck();
@@ -75,7 +75,7 @@ void StoppedInSwitch(Trial& trial) {
   trial.MayBecome(target);
   trial.RobotIsTornDown();
   for (const std::string& name : Modules()) trial.robot.board(name).callback_ms = 100;
-  const pid_t pid = trial.robot.ControllerPid();
+  const pid_t pid = trial.robot.LivingController();
   const auto struck =
       trial.observer().Once([target](const auto& status) { return status.target == target; },
                             [pid] { kill(pid, SIGTERM); });

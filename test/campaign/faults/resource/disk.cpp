@@ -73,7 +73,7 @@ void DiskIsFull(Trial& trial) {
 void FileSizeIsLimited(Trial& trial) {
   const rlimit limit{1, RLIM_INFINITY};
   trial.ControllerMayDie();
-  trial.Require(prlimit(trial.robot.ControllerPid(), RLIMIT_FSIZE, &limit, nullptr) == 0,
+  trial.Require(prlimit(trial.robot.LivingController(), RLIMIT_FSIZE, &limit, nullptr) == 0,
                 "prlimit(RLIMIT_FSIZE)");
   trial.Struck();
   (void)Answer(trial.observer().SetState("SelfCheck"));
@@ -85,7 +85,7 @@ void FileSizeIsLimited(Trial& trial) {
 }
 
 void FilesAreLimited(Trial& trial) {
-  const pid_t controller = trial.robot.ControllerPid();
+  const pid_t controller = trial.robot.LivingController();
   rlimit before{};
   prlimit(controller, RLIMIT_NOFILE, nullptr, &before);
   const rlimit none{3, before.rlim_max};
