@@ -174,8 +174,9 @@ class ActuatorTrial {
     const std::size_t index = *config.value().IndexOf(probe->name());
     probe.reset();
     auto failures = std::make_unique<::testing::TestPartResultArray>();
-    const ::testing::ScopedFakeTestPartResultReporter reporter(
-        ::testing::ScopedFakeTestPartResultReporter::INTERCEPT_ALL_THREADS, failures.get());
+    using Reporter = ::testing::ScopedFakeTestPartResultReporter;
+    const Reporter of_callbacks(Reporter::INTERCEPT_ALL_THREADS, failures.get());
+    const Reporter of_judges(Reporter::INTERCEPT_ONLY_CURRENT_THREAD, failures.get());
     int seen = 0;
     const auto complaint = [&]() -> std::string {
       while (seen < failures->size()) {

@@ -17,9 +17,10 @@ namespace {
 // Thrown out of StopRequested(): the process is killed.
 struct Killed {};
 
-// So many polls hand over each; of the later ones every power of two, which takes so much longer
-// that nobody can poll for ever in no time.
+// So many polls hand over each; of the later ones every power of two does, and takes the time for
+// those between: who polls for ever is overdue soon.
 constexpr std::uint64_t kCloseLook = 32;
+constexpr Duration kLaterPoll = std::chrono::microseconds(10);
 
 bool HandsOver(std::uint64_t poll) {
   return poll <= kCloseLook || std::has_single_bit(poll);
@@ -147,7 +148,7 @@ class RehearsedModule::LockstepWorker : public Worker {
     if (turn == Stage::Turn::kPolled) {
       Duration share = module_.dice_.Between(Duration::zero(), rest_ / 4);
       rest_ -= share;
-      if (stage_->polls > kCloseLook) share += std::chrono::microseconds(stage_->polls);
+      if (stage_->polls > kCloseLook) share += stage_->polls * kLaterPoll;
       step_ = loop_.At(loop_.Now() + share, [this] { GoOn(); });
       return;
     }

@@ -32,6 +32,17 @@ std::string Variable(const char* name) {
   return value == nullptr ? "" : value;
 }
 
+// The least active one that can be left again.
+State LeastState(const MachineConfig& config) {
+  State least;
+  for (const State& state : config.states) {
+    const auto rank = config.RankOf(state);
+    if (!rank || state == kTearDown || state == kError || state == kOta) continue;
+    if (least.empty() || *rank < *config.RankOf(least)) least = state;
+  }
+  return least.empty() ? config.states.front() : least;
+}
+
 std::string Quoted(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "\"" : ", \"") + word + "\"";
@@ -156,26 +167,41 @@ Incidents DrawIncidentsAt(const MachineConfig& config, std::size_t actuator, std
   for (Incident& incident : incidents) {
     if (dice.Chance(0.5)) incident.actuator = actuator;
   }
-  const auto add = [&](IncidentKind kind, State state, std::optional<Moment> when) {
+  const Duration last = incidents.empty() ? Duration::zero() : incidents.back().at;
+  const auto add = [&](IncidentKind kind, Duration at, const State& state) {
     Incident incident;
     incident.kind = kind;
-    incident.at = incidents[dice.Next() % incidents.size()].at;
-    incident.when = when;
+    incident.at = at;
     incident.actuator = actuator;
-    incident.state = std::move(state);
-    incident.lasts = dice.Between(Milliseconds(10), std::chrono::seconds(2));
+    incident.state = state;
+    incident.lasts = Milliseconds(200);
     incident.chance = dice.Next();
     incidents.push_back(incident);
   };
-  // Once the machine is under way, beside a callback.
-  if (!incidents.empty() && dice.Chance(0.3)) {
-    add(IncidentKind::kEmergencyStop, {}, dice.Chance(0.5) ? Moment::kSent : Moment::kHalfWay);
-  }
-  if (!incidents.empty() && dice.Chance(0.2)) {
-    add(IncidentKind::kCrash, {}, dice.Chance(0.5) ? Moment::kSent : Moment::kSettingUp);
-  }
-  if (!incidents.empty() && config.HasState(kTearDown) && dice.Chance(0.1)) {
-    add(IncidentKind::kSet, State(kTearDown), std::nullopt);
+  // The machine goes down and up again, and then, beside a callback on the way, something happens.
+  const State home = UsualOptions(config).home;
+  const Duration down = dice.Between(Milliseconds(300), last + Milliseconds(1000));
+  const Duration up = down + dice.Between(Milliseconds(50), Milliseconds(500));
+  const Duration then = up + dice.Between(Duration::zero(), Milliseconds(150));
+  add(IncidentKind::kSet, down, LeastState(config));
+  add(IncidentKind::kSet, up, home);
+  switch (dice.Next() % 6) {
+    case 0:
+    case 1:
+      add(IncidentKind::kEmergencyStop, then, {});
+      break;
+    case 2:
+      add(IncidentKind::kCrash, then, {});
+      break;
+    case 3:
+      add(IncidentKind::kSlow, up, {});
+      break;
+    case 4:
+      add(IncidentKind::kFail, dice.Chance(0.5) ? down : up, {});
+      break;
+    default:
+      if (config.HasState(kTearDown)) add(IncidentKind::kSet, then, State(kTearDown));
+      break;
   }
   std::stable_sort(incidents.begin(), incidents.end(),
                    [](const Incident& a, const Incident& b) { return a.at < b.at; });

@@ -59,7 +59,7 @@ class Trial {
 };
 
 // What befalls a robot whose actuator is under trial: as DrawIncidents() has it, but aimed at that
-// one half of the time, with more emergency stops and TearDowns beside its callbacks.
+// one half of the time; and once something happens to it in the midst of a way down and up again.
 Incidents DrawIncidentsAt(const MachineConfig& config, std::size_t actuator, std::uint64_t seed);
 
 // A robot of an actuator with these states and two neighbours, one before and one after it. Fails
