@@ -41,6 +41,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <streambuf>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -80,7 +81,8 @@ class ActuatorTrial {
   // A callback that has neither ended nor asked StopRequested() for so long is stuck.
   std::chrono::milliseconds real_time_limit{10'000};
 
-  // Fails the running test at the first bad story.
+  // Fails the running test at the first bad story. What actuators say on std::cout is only to be
+  // heard when a story is told again.
   void Run() {
     const auto told = StoryFromEnvironment();
     if (!told) {
@@ -101,6 +103,7 @@ class ActuatorTrial {
   // The first bad story; nothing when there is none. Fails when there can be no trial: the config
   // is faulty, or does not fit the callbacks.
   Result<std::optional<TrialFailure>> Find() {
+    const Silence silence;
     return On([this](Trial& trial) -> Result<std::optional<TrialFailure>> {
       return trial.Find(first_seed, stories);
     });
@@ -111,6 +114,18 @@ class ActuatorTrial {
 
  private:
   using Answer = Result<std::optional<TrialFailure>>;
+
+  // Of std::cout.
+  class Silence {
+   public:
+    Silence() : loud_(std::cout.rdbuf(nullptr)) {}
+    ~Silence() { std::cout.rdbuf(loud_); }
+    Silence(const Silence&) = delete;
+    Silence& operator=(const Silence&) = delete;
+
+   private:
+    std::streambuf* loud_;
+  };
 
   std::unique_ptr<MachineActuator> Make(Faults& faults) {
     if (make_with_faults) return make_with_faults(faults);
