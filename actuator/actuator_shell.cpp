@@ -68,12 +68,15 @@ Result<std::unique_ptr<ActuatorShell>> ActuatorShell::Make(transport::Node& node
 
 Result<> ActuatorShell::Open() {
   const std::string& name_space = config_.name_space;
+  transport::Qos status_qos = transport::kLatchedQos;
+  transport::Qos beat_qos = transport::kBeatQos;
+  status_qos.partition = beat_qos.partition = transport::SpeakingPartition(config_, index_);
   auto status = transport::MakePublisher<msg::ActuatorStatus>(
-      node_, transport::ActuatorStatusTopic(name_space), transport::kLatchedQos);
+      node_, transport::ActuatorStatusTopic(name_space), status_qos);
   if (!status) return status.error();
   status_ = std::move(status).value();
   auto beats = transport::MakePublisher<msg::ActuatorBeat>(
-      node_, transport::ActuatorBeatTopic(name_space), transport::kBeatQos);
+      node_, transport::ActuatorBeatTopic(name_space), beat_qos);
   if (!beats) return beats.error();
   beats_ = std::move(beats).value();
   auto controllers = transport::MakeSubscription<msg::ControllerBeat>(

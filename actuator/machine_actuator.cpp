@@ -67,6 +67,7 @@ class MachineActuator::Impl {
     if (auto fit = CheckCallbacks(); !fit) return fit;
     transport::DdsOptions options;
     options.profile = config_->transport;
+    options.credentials = transport::CredentialsFor(*config_, name_);
     const auto profile = transport::Profile(options);
     if (!profile) return profile.error();
     config_->transport = profile.value();  // signs of life go by it, too
@@ -76,6 +77,12 @@ class MachineActuator::Impl {
         transport::NameLock::NameOf(domain.value(), config_->name_space, name_));
     if (!lock) return lock.error();
     name_lock_.emplace(std::move(lock).value());
+    if (node_ && node_->credentials() != options.credentials) {
+      return Error{
+          kCodeParametersInvalid,
+          "the node that " + name_ + " was given has other keys than " + config_->file +
+              " says; with [security] each actuator has a node, and a process, of its own"};
+    }
     if (!node_) {
       auto started = transport::NodeThread::Start(options);
       if (!started) return started.error();

@@ -12,6 +12,7 @@ foreach(folder lifecycle messages transport actuator controller simulation)
           PATTERN "lifecycle/decision.hpp" EXCLUDE
           PATTERN "lifecycle/toml" EXCLUDE
           PATTERN "transport/dds" EXCLUDE
+          PATTERN "transport/keys" EXCLUDE
           PATTERN "controller/cli" EXCLUDE
           PATTERN "idl" EXCLUDE)
 endforeach()

@@ -23,9 +23,9 @@ endif()
 # 105562).
 function(musher_warnings target)
   target_compile_options(${target} PRIVATE
-    -Wall -Wextra -Wpedantic -Wshadow=local -Wconversion -Wno-sign-conversion
+    -Wall -Wextra -Wpedantic -Wconversion -Wno-sign-conversion
     $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual>
-    $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-restrict -Wno-maybe-uninitialized>
+    $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wshadow=local -Wno-restrict -Wno-maybe-uninitialized>
     $<$<BOOL:${MUSHER_WERROR}>:-Werror>)
   if(MUSHER_LINT)
     set_target_properties(${target} PROPERTIES CXX_CLANG_TIDY "${CLANG_TIDY};--quiet;--extra-arg=-Wno-unknown-warning-option")

@@ -39,6 +39,7 @@ std::int64_t WallNanoseconds() {
 
 // Long enough to hear a living controller of another host, which is discovered within 500 ms.
 constexpr Duration kLookAround = Milliseconds(1000);
+constexpr Duration kSecuredLookAround = Milliseconds(4000);
 constexpr int kLetGoTimeoutMs = 1000;
 constexpr int kEndTimeoutMs = 5000;
 
@@ -107,8 +108,9 @@ Result<> Controller::Open(int domain_id) {
   if (!look_around_) {
     Begin(domain_id);
   } else {
+    const Duration listen = config_.keys.empty() ? kLookAround : kSecuredLookAround;
     begin_later_ =
-        node_.loop().At(node_.loop().Now() + kLookAround, [this, domain_id] { Begin(domain_id); });
+        node_.loop().At(node_.loop().Now() + listen, [this, domain_id] { Begin(domain_id); });
   }
   return Ok();
 }
@@ -167,7 +169,7 @@ Result<> Controller::OpenShell() {
     if (!store_) return;
     if (const auto saved = store_->SaveEmergencyStop(stop); !saved) Trouble(saved.error().message);
   };
-  world.log_file = [this](const std::string& name) { return store_ ? store_->LogFile(name) : ""; };
+  world.log_file = [this](const std::string& name) { return LogFileOf(name); };
   world.wall_ns = WallNanoseconds;
   world.config_text = TextOf(config_);
   world.host = transport::HostId();
@@ -210,6 +212,16 @@ std::uint64_t Controller::LoadEpoch() {
 void Controller::SaveEpoch(std::uint64_t epoch) {
   if (!store_) return;
   if (const auto saved = store_->SaveEpoch(epoch); !saved) Trouble(saved.error().message);
+}
+
+// Without one the process is started all the same, and what it prints is lost.
+std::string Controller::LogFileOf(const std::string& actuator) {
+  if (!store_) return "";
+  const auto file = store_->MakeLogFile(actuator);
+  const bool told = std::exchange(logs_in_trouble_, !file.ok());
+  if (file) return file.value();
+  if (!told) Trouble("what actuators print is lost: " + file.error().message);
+  return "";
 }
 
 void Controller::Trouble(const std::string& message) {

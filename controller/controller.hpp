@@ -56,12 +56,14 @@ class Controller {
   void Begin(int domain_id);
   std::uint64_t LoadEpoch();
   void SaveEpoch(std::uint64_t epoch);
+  std::string LogFileOf(const std::string& actuator);
   void Trouble(const std::string& message);
 
   transport::Node& node_;
   const MachineConfig& config_;
   ControllerOptions options_;
   std::optional<StateStore> store_;  // none when the disk does not let us
+  bool logs_in_trouble_ = false;     // which is said once for each spell
   std::unique_ptr<JournalSink> journal_;
   Journal* file_journal_ = nullptr;          // the same, when there is a store
   std::optional<transport::NameLock> name_;  // of the leader of this namespace on this host

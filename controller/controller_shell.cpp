@@ -63,11 +63,12 @@ Result<> ControllerShell::Open() {
       });
   if (!health) return health.error();
   health_ = std::move(health).value();
+  transport::Qos status_qos = transport::kLatchedFromManyQos;
+  status_qos.partition = transport::HearingPartition(!config_.keys.empty());
   auto subscription = transport::MakeSubscription<msg::ActuatorStatus>(
       node, transport::ActuatorStatusTopic(config_.name_space),
       [this](const msg::ActuatorStatus& s, const transport::SampleInfo& i) { OnStatus(s, i); },
-      transport::kLatchedFromManyQos,
-      {[this](transport::PeerId writer) { OnWriterLost(writer); }, nullptr});
+      status_qos, {[this](transport::PeerId writer) { OnWriterLost(writer); }, nullptr});
   if (!subscription) return subscription.error();
   actuator_status_ = std::move(subscription).value();
   return info_->Publish({config_.name, config_.name_space, world_.host, world_.pid});
@@ -131,6 +132,7 @@ void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
                                const transport::SampleInfo& info) {
   const auto found = index_.find(status.name);
   if (found == index_.end()) return;  // an actuator of another machine of this namespace
+  if (!transport::IsFrom(status.name, info)) return;
   const std::size_t i = found->second;
   const ActuatorReport report = transport::FromMessage(status);
   speakers_[info.writer] = {i, report.incarnation};

@@ -66,9 +66,9 @@ void ControllerShell::WatchForeign(std::size_t actuator, const ActuatorReport& r
 // One that ran before us, and that may never say a word.
 bool ControllerShell::WatchFound(std::size_t actuator, pid_t pid) {
   if (pid == 0 || pid == world_.pid) return false;
-  const auto on_exit = [this, actuator, pid](const ProcessExit& exit) {
+  const auto on_exit = [this, actuator, pid](const ProcessExit&) {
     health_->Forget(actuator);
-    Handle(event::ProcessEnded{actuator, pid, false, exit.Text()});
+    Handle(event::ProcessEnded{actuator, pid, false, "how is not known"});
   };
   return world_.processes->Watch(pid, on_exit).ok();
 }

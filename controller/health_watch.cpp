@@ -24,12 +24,14 @@ Result<std::unique_ptr<HealthWatch>> HealthWatch::Make(transport::Node& node,
                                                        Emit emit, Probe probe) {
   std::unique_ptr<HealthWatch> watch(
       new HealthWatch(node, config, witness, std::move(host), std::move(emit), std::move(probe)));
+  transport::Qos qos = transport::kBeatQos;
+  qos.partition = transport::HearingPartition(!config.keys.empty());
   auto beats = transport::MakeSubscription<msg::ActuatorBeat>(
       node, transport::ActuatorBeatTopic(config.name_space),
-      [self = watch.get()](const msg::ActuatorBeat& beat, const transport::SampleInfo&) {
-        self->OnBeat(beat);
+      [self = watch.get()](const msg::ActuatorBeat& beat, const transport::SampleInfo& info) {
+        if (transport::IsFrom(beat.name, info)) self->OnBeat(beat);
       },
-      transport::kBeatQos);
+      qos);
   if (!beats) return beats.error();
   watch->beats_ = std::move(beats).value();
   return watch;

@@ -1,6 +1,7 @@
 #include "musher/controller/journal.hpp"
 
 #include <pthread.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <chrono>
@@ -62,6 +63,8 @@ namespace {
 // How long entries gather before they are written: a switch has as good as ended by then, and all
 // it left goes into one transaction.
 constexpr Duration kGatherTime = Milliseconds(5);
+// What is remembered of a switch is written behind what has to be done in it.
+constexpr int kNiceness = 10;
 
 JournalEntry LostEntry(std::uint64_t lost) {
   const auto wall = std::chrono::system_clock::now().time_since_epoch();
@@ -129,6 +132,7 @@ bool Journal::Writer::Flush(Duration timeout) {
 }
 
 void Journal::Writer::Run() {
+  setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread; as it was, if that is not allowed
   Lock lock(mutex_);
   while (true) {
     WaitForWork(lock);

@@ -25,6 +25,7 @@ class MachineController::Impl {
     transport::DdsOptions options;
     options.profile = config_->transport;
     options.impatient = true;
+    options.credentials = transport::CredentialsFor(*config_, transport::kControllerIdentity);
     const auto profile = transport::Profile(options);
     if (!profile) return profile.error();
     config_->transport = profile.value();  // what is made of silence goes by it, too

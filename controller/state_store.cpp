@@ -156,11 +156,22 @@ std::optional<EmergencyStop> StateStore::LoadEmergencyStop() const {
 
 pid_t StateStore::OwnerOf(const std::string& dir) {
   const UniqueFd lock(open((dir + "/controller.lock").c_str(), O_RDONLY | O_CLOEXEC));
-  return lock.valid() ? static_cast<pid_t>(std::atoi(ReadSmall(lock.get()).c_str())) : 0;
+  const std::string text = lock.valid() ? ReadSmall(lock.get()) : "";
+  pid_t owner = 0;
+  std::from_chars(text.data(), text.data() + text.size(), owner);
+  return std::max(owner, 0);  // a negative one would name a group of processes
 }
 
 std::string StateStore::LogFile(std::string_view actuator) const {
   return dir_ + "/logs/" + std::string(actuator) + ".log";
+}
+
+Result<std::string> StateStore::MakeLogFile(std::string_view actuator) const {
+  if (auto made = MakePrivateFolder(fs::path(dir_) / "logs"); !made) return made.error();
+  std::string path = LogFile(actuator);
+  const UniqueFd file(open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
+  if (!file.valid()) return SystemError("can't write " + path);
+  return path;
 }
 
 }  // namespace musher

@@ -55,6 +55,9 @@ class StateStore {
 
   std::string JournalFile() const { return dir_ + "/journal.sqlite"; }
   std::string LogFile(std::string_view actuator) const;
+  // The same, once it is there and can be written; its folder is made again when somebody has
+  // removed it. An Error is to be reported and gone on without the log.
+  Result<std::string> MakeLogFile(std::string_view actuator) const;
 
  private:
   StateStore(std::string dir, transport::UniqueFd lock)

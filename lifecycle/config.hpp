@@ -96,6 +96,7 @@ struct MachineConfig {
   std::map<State, Rank> ranks;  // built-in ranks and those of [[state]]
   std::vector<FlowEdge> flow;   // the default flow, or the file's [[transition]]
   TransportProfile transport = TransportProfile::kLocal;
+  std::string keys;  // absolute folder of keys: strangers are kept out; empty: anybody may come
 
   std::vector<ActuatorConfig> actuators;  // in the order of [controller].actuators
 

@@ -59,7 +59,8 @@ SyntaxFault NotAStateConfig(const Table& root) {
 
 void ReadSections(const Table& table, Draft& draft) {
   TableReader root(table, {1, 1}, "", draft.findings);
-  for (const auto* key : {"controller", "actuator", "state", "transition", "transport"}) {
+  for (const auto* key :
+       {"controller", "actuator", "state", "transition", "transport", "security"}) {
     root.Get(key);
   }
   root.RefuseOthers();
@@ -67,6 +68,7 @@ void ReadSections(const Table& table, Draft& draft) {
   ReadController(root, draft);
   ReadTransitions(root, draft);
   ReadTransport(root, draft);
+  ReadSecurity(root, draft);
   ReadActuators(root, draft);
 }
 

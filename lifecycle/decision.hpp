@@ -21,6 +21,7 @@ inline constexpr Duration kIntroductionPeriod = Milliseconds(20);
 // How long an actuator that follows a higher epoch is left alone: a controller that leads with it
 // says so at least twice in this time.
 inline constexpr Duration kRivalPatience = Milliseconds(1200);
+inline constexpr Duration kSecuredRivalPatience = Milliseconds(4000);  // strangers show keys first
 // How long a hung process lives on for its backtrace, and one that was asked to end for its end.
 inline constexpr Duration kBacktraceTime = Milliseconds(5000);
 inline constexpr Duration kEndTime = Milliseconds(2000);

@@ -11,6 +11,8 @@ constexpr Duration kControllerBeat = Milliseconds(500);
 constexpr int kBeatsMissed = 3;
 // Below this a loaded network loses actuators that are well.
 constexpr Duration kLeastRemoteLimit = Milliseconds(500);
+// Of anybody's silence, whatever period it claims to beat in.
+constexpr Duration kLongestLimit = Milliseconds(60'000);
 // Past this the loop of the controller was late itself; what was sent may wait behind the timer.
 constexpr Duration kOwnDelay = Milliseconds(20);
 // Who was starved is called so until it has kept up for as long.
@@ -53,7 +55,8 @@ void HealthMonitor::Watch(std::size_t actuator, std::uint64_t incarnation, const
 // The next beat is due in a period: how long it may be silent.
 void HealthMonitor::Promise(Patient& patient, Duration period) {
   const Duration least = patient.local ? Milliseconds(40) : kLeastRemoteLimit;
-  patient.limit = std::clamp(period * kBeatsMissed, least, Milliseconds(60'000));
+  const Duration promised = std::clamp(period, Duration::zero(), kLongestLimit);
+  patient.limit = std::clamp(promised * kBeatsMissed, least, kLongestLimit);
 }
 
 void HealthMonitor::Forget(std::size_t actuator) {

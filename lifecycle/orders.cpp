@@ -20,7 +20,8 @@ void Decision::Claim(std::size_t i) {
   }
   if (seen > machine_.epoch || (seen == machine_.epoch && !ours)) {
     // Perhaps a living controller leads with it; then it says so, and this one lets go.
-    if (!record.outbid_at) record.outbid_at = now_ + kRivalPatience;
+    if (!record.outbid_at)
+      record.outbid_at = now_ + (config_.keys.empty() ? kRivalPatience : kSecuredRivalPatience);
     if (now_ < *record.outbid_at) {
       record.claim_again = record.outbid_at;
       if (record.set_up_by)

@@ -12,6 +12,9 @@ using Duration = std::chrono::nanoseconds;
 // Steady time of one process. Points of different processes or hosts must not be compared.
 using Time = std::chrono::steady_clock::time_point;
 
+// No clock of a process goes so far; times within it, either way, can be added up.
+inline constexpr std::int64_t kFarthestNs = std::int64_t{1} << 61;
+
 constexpr Duration Milliseconds(std::int64_t ms) {
   return std::chrono::milliseconds(ms);
 }

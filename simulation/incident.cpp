@@ -153,8 +153,14 @@ class Drawing {
       const ActuatorConfig& actuator = config_.actuators[i];
       if (actuator.on_lost.empty() || actuator.restart.limit > 5) continue;
       const bool once = actuator.restart.policy == RestartPolicy::kNo || actuator.command.empty();
-      for (int life = 0; life <= (once ? 0 : actuator.restart.limit); ++life) {
-        Add(IncidentKind::kCrash, {}, Milliseconds(life == 0 ? 0 : 700)).actuator = i;
+      const int lives = once ? 0 : actuator.restart.limit;
+      double delay = static_cast<double>(actuator.restart.delay.count());
+      Duration after{};
+      for (int life = 0; life <= lives; ++life) {
+        Add(IncidentKind::kCrash, {}, after).actuator = i;
+        after = std::min(Duration(static_cast<Duration::rep>(delay)), actuator.restart.max_delay) +
+                Milliseconds(300);
+        delay *= actuator.restart.growth;
       }
       return;
     }

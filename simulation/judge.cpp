@@ -200,6 +200,7 @@ std::string Judge::Unrest(const Machine& machine, std::size_t i) const {
   if (r.restart_at || r.restart_asked) return "is to be started again";
   if (r.doomed != 0 || r.kill_at) return "is to be killed";
   const bool alive = robot_.IsAlive(config_.actuators[i].name);
+  if (r.free_by) return "is busy with what it was found with";
   if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
   if (r.claim_again && r.presence == Presence::kStarting && alive) return "is asked to follow";
   const bool waits = machine.emergency_stop || r.held || machine.phase != Phase::kRunning ||
@@ -284,8 +285,9 @@ void Judge::JudgeLoss(const Machine& machine, std::size_t i, bool provided) {
         "the machine rests in " + machine.state + " without " + actuator.name + ", " +
             (record.given_up
                  ? "which was given up after " + std::to_string(record.restarts) + " restarts"
-                 : "which nothing will start again") +
-            "; it has no on_lost");
+                 : (robot_.IsAlive(actuator.name) ? "which hangs, and nothing ends that"
+                                                  : "which nothing will start again")) +
+            "; it has no on_lost (\"Active\" if the machine may do without it)");
 }
 
 }  // namespace musher::simulation

@@ -130,13 +130,13 @@ std::string Timeline::Svg(const std::string& title) const {
     svg += "<line x1=\"" + Number(x) + "\" y1=\"" + Number(kTop - 4) + "\" x2=\"" + Number(x) +
            "\" y2=\"" + Number(bands_end) + "\" stroke=\"" + colour + "\"/>\n";
     svg += Label(x, kTop - 8 - 11 * static_cast<double>(i % 2),
-                "text-anchor=\"middle\" font-size=\"10\" fill=\"" + colour + "\"",
-                std::to_string(i + 1));
+                 "text-anchor=\"middle\" font-size=\"10\" fill=\"" + colour + "\"",
+                 std::to_string(i + 1));
     std::array<char, 32> at{};
     std::snprintf(at.data(), at.size(), "%.3f s", std::chrono::duration<double>(line.at).count());
     const double y = bands_end + 30 + 18 * static_cast<double>(i);
     svg += Label(kLeft - 8, y, "text-anchor=\"end\" fill=\"" + colour + "\"",
-                std::to_string(i + 1) + ".  " + at.data());
+                 std::to_string(i + 1) + ".  " + at.data());
     svg += Label(kLeft, y, "fill=\"" + colour + "\"", line.text);
   }
   return svg + "</svg>\n";

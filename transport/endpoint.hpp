@@ -5,14 +5,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "musher/lifecycle/result.hpp"
 #include "musher/lifecycle/time.hpp"
 
 namespace musher::transport {
+
+inline constexpr std::string_view kEveryPartition = "*";  // for readers
 
 struct Qos {
   enum class Reliability { kReliable, kBestEffort };
@@ -21,6 +25,9 @@ struct Qos {
   Reliability reliability = Reliability::kReliable;
   Durability durability = Durability::kVolatile;
   int depth = 10;  // keep last so many; 0 = keep all
+  // Writers and readers of a topic meet in the same partition; "*" is every one. Empty: the default
+  // one, and ROS 2's. What it views outlives the endpoint.
+  std::string_view partition = {};
 
   friend bool operator==(const Qos&, const Qos&) = default;
 };
@@ -43,6 +50,9 @@ using PeerId = std::uint64_t;
 struct SampleInfo {
   PeerId writer = 0;       // of the sample
   PeerId participant = 0;  // that the writer belongs to
+  // The partition it was written in, for readers of partition "*" only. With security on nobody
+  // writes in one that is not his own.
+  std::optional<std::string_view> partition = std::nullopt;
 };
 
 class RawWriter {

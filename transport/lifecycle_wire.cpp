@@ -1,5 +1,7 @@
 #include "musher/transport/lifecycle_wire.hpp"
 
+#include <algorithm>
+
 #include "musher/messages/musher_msgs/beats.hpp"
 #include "musher/transport/node.hpp"
 
@@ -25,6 +27,16 @@ std::string EmergencyStopTopic(std::string_view name_space) {
 }
 std::string MachineService(std::string_view name_space, std::string_view name) {
   return ResolveName(name_space, "musher/" + std::string(name));
+}
+
+std::string_view SpeakingPartition(const MachineConfig& config, std::size_t actuator) {
+  return config.keys.empty() ? std::string_view() : config.actuators[actuator].name;
+}
+std::string_view HearingPartition(bool with_keys) {
+  return with_keys ? kEveryPartition : std::string_view();
+}
+bool IsFrom(std::string_view actuator, const SampleInfo& info) {
+  return info.partition.value_or(actuator) == actuator;
 }
 
 std::int64_t ToNanoseconds(Time time) {
@@ -71,7 +83,7 @@ ActuatorReport FromMessage(const msg::ActuatorStatus& status) {
   report.config_hash = status.config_hash;
   report.apart = status.apart;
   report.emergency_stop = status.emergency_stop;
-  report.stamp = FromNanoseconds(status.stamp_ns);
+  report.stamp = FromNanoseconds(std::clamp(status.stamp_ns, -kFarthestNs, kFarthestNs));
   return report;
 }
 

@@ -8,6 +8,7 @@ Result<std::shared_ptr<NodeThread>> NodeThread::Start(const DdsOptions& options)
   std::shared_ptr<NodeThread> started(new NodeThread);
   auto node = MakeDdsNode(started->loop_, options);
   if (!node) return node.error();
+  started->credentials_ = options.credentials;
   started->node_ = std::move(node).value();
   started->thread_ = std::thread([loop = &started->loop_] { loop->Run(); });
   return started;

@@ -26,10 +26,12 @@ class NodeThread {
   // To be used on the loop only, except for Post().
   Node& node() { return *node_; }
   EventLoop& loop() { return loop_; }
+  const std::optional<Credentials>& credentials() const { return credentials_; }
 
  private:
   NodeThread() = default;
 
+  std::optional<Credentials> credentials_;
   LinuxEventLoop loop_;
   std::unique_ptr<Node> node_;
   std::thread thread_;

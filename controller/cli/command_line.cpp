@@ -27,11 +27,13 @@ A first tour:
   musher history --since 10m       what happened
   musher history --why             why the machine is in its state
   musher replay journal.sqlite     the same decisions once more, without a robot
+  musher keys init robot.toml      from now on let in only those with keys
   musher down                      take the machine down
 
 Exit codes: 0 done; 1 refused, undone or done without some (reason on stderr); 2 wrong usage or
 config; 3 no controller found; 4 the controller did not answer in time; 130 interrupted.
-Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, CYCLONEDDS_URI, NO_COLOR.)";
+Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS,
+MUSHER_IDENTITY, CYCLONEDDS_URI, NO_COLOR.)";
 
 constexpr const char* kCommandFooter =
     "\nOptions of every command (--json, --namespace, --domain, ...): musher --help";
@@ -74,6 +76,7 @@ class Grammar {
     AddGlobalOptions();
     AddConfigCommands();
     AddMachineCommands();
+    AddKeysCommands();
   }
 
   std::variant<CommandLine, ParseEnd> Parse(int argc, const char* const* argv) {
@@ -119,6 +122,13 @@ class Grammar {
                                "default 60 for set, down and restart, else 5")
                    ->check(InSeconds())
                    ->type_name("SECONDS");
+    app_.add_option("--keys", global_.keys,
+                    "Folder with the keys of a machine that has [security];\n"
+                    "default $MUSHER_KEYS, else none")
+        ->type_name("FOLDER");
+    app_.add_option("--identity", global_.identity,
+                    "Whose keys; default $MUSHER_IDENTITY, else operator")
+        ->type_name("NAME");
     app_.add_option("--color", colour_,
                     "When to colour; auto: on a terminal, unless NO_COLOR is set")
         ->check(CLI::IsMember({"auto", "always", "never"}).description(""))
@@ -193,6 +203,59 @@ class Grammar {
     command->add_option("-j,--jobs", simulate->jobs, "Threads; default all cores")
         ->check(CLI::Range(1U, 256U).description(""))
         ->type_name("N");
+  }
+
+  template <class Options>
+  CLI::App* AddKeysCommand(CLI::App& keys, const std::string& name, const std::string& what,
+                           std::shared_ptr<Options> options) {
+    CLI::App* command = keys.add_subcommand(name, what);
+    command->footer(kCommandFooter);
+    command->callback([this, options] { take_command_ = [options] { return *options; }; });
+    return command;
+  }
+
+  void AddKeysCommands() {
+    CLI::App* keys = app_.add_subcommand("keys", "Make and revoke the keys that let a process in");
+    keys->group("Commands");
+    keys->require_subcommand(1);
+    keys->footer(kCommandFooter);
+    const auto add_days = [](CLI::App* command, int& days) {
+      command->add_option("--days", days, "How long certificates are valid; default 730")
+          ->check(CLI::Range(1, 3650).description(""))
+          ->type_name("N");
+    };
+
+    auto init = std::make_shared<KeysInitOptions>();
+    auto* command =
+        AddKeysCommand(*keys, "init", "Make a machine's CAs and first identities", init);
+    command
+        ->add_option("WHERE", init->where,
+                     "A state config with [security]: for the controller,\n"
+                     "the operator and all its actuators; or a folder")
+        ->required()
+        ->type_name("");
+    add_days(command, init->days);
+    command->add_flag("--signed-only", init->signed_only,
+                      "Data can be read on the network, not forged;\ndefault: encrypted, too");
+    command->add_flag("--force", init->force, "Replace those that are there");
+
+    auto add = std::make_shared<KeysAddOptions>();
+    command = AddKeysCommand(*keys, "add", "Make one more identity", add);
+    command->add_option("NAME", add->name, "An actuator's, or a person's")
+        ->required()
+        ->type_name("");
+    command->add_option("--role", add->role, "What it may do; default actuator")
+        ->check(CLI::IsMember({"controller", "actuator", "operator", "observer"}).description(""))
+        ->type_name("controller|actuator|operator|observer");
+    add_days(command, add->days);
+    command->add_flag("--force", add->force, "Replace it, and revoke the one before");
+
+    auto revoke = std::make_shared<KeysRevokeOptions>();
+    command = AddKeysCommand(*keys, "revoke", "Let an identity in no more", revoke);
+    command->add_option("NAME", revoke->name, "Whose certificate")->required()->type_name("");
+
+    AddKeysCommand(*keys, "list", "Show who has keys, as what, until when",
+                   std::make_shared<KeysListOptions>());
   }
 
   void AddMachineCommands() {
@@ -287,6 +350,12 @@ class Grammar {
                                  "' is not made of names separated by '/', as in fleet/dog1");
     }
     global_.name_space = name_space_;
+    const auto take = [](std::string& value, const char* source, const char* otherwise) {
+      const char* set = std::getenv(source);  // NOLINT(concurrency-mt-unsafe)
+      if (value.empty()) value = set != nullptr ? set : otherwise;
+    };
+    take(global_.keys, "MUSHER_KEYS", "");
+    take(global_.identity, "MUSHER_IDENTITY", "operator");
     if (colour_ == "always") global_.colour = ColourWhen::kAlways;
     if (colour_ == "never") global_.colour = ColourWhen::kNever;
     if (timeout_->count() > 0) {

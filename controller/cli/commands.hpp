@@ -20,6 +20,11 @@ ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Con
 ExitCode Replay(const ReplayOptions& options, Console& console);
 ExitCode Graph(const GraphOptions& options, Console& console);
 ExitCode Simulate(const SimulateOptions& options, Console& console);
+ExitCode KeysInit(const KeysInitOptions& options, Console& console);
+ExitCode KeysAdd(const KeysAddOptions& options, const GlobalOptions& global, Console& console);
+ExitCode KeysRevoke(const KeysRevokeOptions& options, const GlobalOptions& global,
+                    Console& console);
+ExitCode KeysList(const GlobalOptions& global, Console& console);
 ExitCode Completion(const CompletionOptions& options, Console& console);
 
 }  // namespace musher::cli

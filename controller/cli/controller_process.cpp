@@ -1,10 +1,10 @@
 #include "musher/controller/cli/controller_process.hpp"
 
 #include <fcntl.h>
-#include <signal.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 
@@ -52,6 +52,7 @@ int ControllerProcess::Run() {
     if (getppid() != front_) return static_cast<int>(ExitCode::kInterrupted);  // died before
   }
   LeaveTerminal();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full
   PutOwnFolderFirstInPath();
   if (const auto begun = Begin(); !begun) {
     Tell(Progress::kNotStarted, begun.error().message, begun.error().code);
@@ -70,6 +71,7 @@ Result<> ControllerProcess::Begin() {
   transport::DdsOptions options;
   options.profile = config_.transport;
   options.impatient = true;
+  options.credentials = transport::CredentialsFor(config_, transport::kControllerIdentity);
   auto node = transport::MakeDdsNode(loop_, options);
   if (!node) return node.error();
   node_ = std::move(node).value();
@@ -114,6 +116,8 @@ void ControllerProcess::OnRecord(const action::Record& record) {
 }
 
 void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
+  // It ends what an earlier controller had begun to end: nothing stays up, and the front stays.
+  if (controller_->shell().machine().phase == Phase::kStopping) return;
   // The front leaves after a failed start, and the machine stays up for inspection.
   if (!ended.usable) prctl(PR_SET_PDEATHSIG, 0);
   service_manager_.StartUpEnded(ended);

@@ -45,7 +45,7 @@ EstopReport AwaitEverybody(Link& link, const Latching& latching, Duration timeou
   const Time begin = link.loop().Now();
   const auto report = [&] { return latching.Report(link.status()); };
   const auto led = [&] { return report().controller && report().settled(); };
-  if (!link.RunUntil(led, std::min(Link::kDiscovery, timeout))) {
+  if (!link.RunUntil(led, std::min(link.discovery(), timeout))) {
     const bool nobody = report().actuators.empty() && !report().controller;
     const auto settled = [&] { return report().settled(); };
     if (!nobody || link.HasMachine()) {
@@ -58,8 +58,8 @@ EstopReport AwaitEverybody(Link& link, const Latching& latching, Duration timeou
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail({ExitCode::kUsage, link.error()});
-  const auto latching =
-      Latching::Begin(link.value()->node(), global.name_space, NewStop(options.reason));
+  const auto latching = Latching::Begin(link.value()->node(), global.name_space,
+                                        NewStop(options.reason), !global.keys.empty());
   if (!latching) return console.Fail({ExitCode::kUsage, latching.error()});
   if (const auto followed = link.value()->FollowStatus({}); !followed) {
     return console.Fail({ExitCode::kUsage, followed.error()});

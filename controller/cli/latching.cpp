@@ -39,7 +39,7 @@ Latching::Latching(transport::Node& node, msg::EmergencyStop stop)
 
 Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
                                                   const std::string& name_space,
-                                                  const msg::EmergencyStop& stop) {
+                                                  const msg::EmergencyStop& stop, bool with_keys) {
   std::unique_ptr<Latching> latching(new Latching(node, stop));
   auto stops = transport::MakePublisher<msg::EmergencyStop>(
       node, transport::EmergencyStopTopic(name_space), transport::kLatchedQos);
@@ -51,11 +51,15 @@ Result<std::unique_ptr<Latching>> Latching::Begin(transport::Node& node,
     std::erase_if(self->heard_,
                   [writer](const auto& heard) { return heard.second.writer == writer; });
   };
+  transport::Qos qos = transport::kLatchedFromManyQos;
+  qos.partition = transport::HearingPartition(with_keys);
   auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
       node, transport::ActuatorStatusTopic(name_space),
       [self = latching.get()](const msg::ActuatorStatus& status,
-                              const transport::SampleInfo& info) { self->OnStatus(status, info); },
-      transport::kLatchedFromManyQos, std::move(events));
+                              const transport::SampleInfo& info) {
+        if (transport::IsFrom(status.name, info)) self->OnStatus(status, info);
+      },
+      qos, std::move(events));
   if (!statuses) return statuses.error();
   latching->statuses_ = std::move(statuses).value();
   return latching;

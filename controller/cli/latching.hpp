@@ -51,9 +51,11 @@ class Latching {
  public:
   // Tells the stop at once, and again to whoever comes as long as this lives. `node` must outlive
   // it.
+  // `with_keys`: the machine has [security], and so has `node`.
   static Result<std::unique_ptr<Latching>> Begin(transport::Node& node,
                                                  const std::string& name_space,
-                                                 const msg::EmergencyStop& stop);
+                                                 const msg::EmergencyStop& stop,
+                                                 bool with_keys = false);
 
   // Those who were heard, and those of whom the controller's status says that they are there, in
   // its order.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/host.hpp"
@@ -24,6 +25,10 @@ Result<std::unique_ptr<Link>> Link::Open(const GlobalOptions& global) {
 Result<> Link::Join() {
   transport::DdsOptions options;
   options.impatient = true;
+  if (!global_.keys.empty()) {
+    options.credentials =
+        transport::Credentials{std::filesystem::absolute(global_.keys), global_.identity};
+  }
   auto node = transport::MakeDdsNode(loop_, options);
   if (!node) return node.error();
   node_ = std::move(node).value();
@@ -58,13 +63,13 @@ Result<> Link::FollowStatus(OnStatus on_change) {
 }
 
 const std::optional<msg::MachineStatus>& Link::StatusTowards(const std::string& target) {
-  loop_.RunUntil([&] { return status_ && status_->target == target; }, loop_.Now() + kDiscovery);
+  loop_.RunUntil([&] { return status_ && status_->target == target; }, loop_.Now() + discovery());
   return status_;
 }
 
 std::optional<Failure> Link::AwaitStatus() {
   const auto told = [this] { return status_.has_value(); };
-  return Await(told, told, global_.timeout.value_or(kDiscovery));
+  return Await(told, told, global_.timeout.value_or(discovery()));
 }
 
 void Link::AwaitEndOf(const msg::MachineStatus& controller, Duration timeout) {
@@ -95,7 +100,7 @@ std::optional<Failure> Link::Await(const std::function<bool()>& answered,
                                    const std::function<bool()>& found, Duration timeout) {
   const Time begin = loop_.Now();
   const auto ended = [&] { return answered() || interrupted_; };
-  loop_.RunUntil([&] { return ended() || found(); }, begin + std::min(kDiscovery, timeout));
+  loop_.RunUntil([&] { return ended() || found(); }, begin + std::min(discovery(), timeout));
   if (!ended() && !found() && !HasMachine()) return Nobody("controller");
   loop_.RunUntil(ended, begin + timeout);
   if (answered()) return std::nullopt;
@@ -115,6 +120,7 @@ Failure Link::Nobody(const std::string& what) const {
     message += fmt::format(
         " of DDS domain {}; `musher up FILE` starts one, and --transport lan looks on other hosts",
         transport::DomainId({}).value());
+    message += UnheardController();
   } else {
     std::string found;
     for (const auto& [writer, machine] : machines_) {
@@ -125,6 +131,16 @@ Failure Link::Nobody(const std::string& what) const {
     message += fmt::format("; found {} - use --namespace {}", found, first.empty() ? "''" : first);
   }
   return {ExitCode::kNoController, {kCodeNetError, message}};
+}
+
+// One with [security] is not heard without its keys, nor one without [security] with keys.
+std::string Link::UnheardController() const {
+  const pid_t holder = transport::NameLock::HolderOf(transport::NameLock::NameOf(
+      transport::DomainId({}).value(), global_.name_space, "musher/controller"));
+  if (holder == 0) return "";
+  const std::string there = fmt::format("; process {} leads one here, but is not heard ", holder);
+  if (global_.keys.empty()) return there + "without keys: use --keys FOLDER if it has [security]";
+  return there + fmt::format("with the keys of {} in {}", global_.identity, global_.keys);
 }
 
 Failure Link::NoAnswer(Duration timeout) const {

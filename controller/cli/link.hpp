@@ -30,6 +30,9 @@ class Link {
   // How long a controller may take to be discovered. One that is there is found in some 10 ms; when
   // a packet of discovery is lost, what repairs it comes within a second.
   static constexpr Duration kDiscovery = Milliseconds(1200);
+  // With keys in some 400 ms; what is lost of an introduction is repeated after a second.
+  static constexpr Duration kSecuredDiscovery = Milliseconds(4000);
+  Duration discovery() const { return global_.keys.empty() ? kDiscovery : kSecuredDiscovery; }
 
   static Result<std::unique_ptr<Link>> Open(const GlobalOptions& global);
 
@@ -75,6 +78,7 @@ class Link {
   std::optional<Failure> Await(const std::function<bool()>& answered,
                                const std::function<bool()>& found, Duration timeout);
   Failure NoAnswer(Duration timeout) const;
+  std::string UnheardController() const;
 
   const GlobalOptions& global_;
   transport::UniqueFd signals_;  // before the node: its threads inherit the mask

@@ -21,6 +21,8 @@ struct GlobalOptions {
   std::optional<std::string> transport;  // "local" or "lan"; none: MUSHER_TRANSPORT, else local
   std::optional<Duration> timeout;       // for the controller's answer; none: the command's own
   ColourWhen colour = ColourWhen::kAuto;
+  std::string keys;      // folder of keys; empty: none are used
+  std::string identity;  // whose keys
 };
 
 struct CheckOptions {
@@ -78,6 +80,22 @@ struct SimulateOptions {
   std::string svg;                    // file for the picture of the bad story, or of the one told
   unsigned jobs = 0;                  // threads; 0: as many as there are cores
 };
+struct KeysInitOptions {
+  std::string where;  // a state config with [security], or a folder
+  int days = 730;
+  bool signed_only = false;
+  bool force = false;
+};
+struct KeysAddOptions {
+  std::string name;
+  std::string role = "actuator";
+  int days = 730;
+  bool force = false;
+};
+struct KeysRevokeOptions {
+  std::string name;
+};
+struct KeysListOptions {};
 struct CompletionOptions {
   std::string shell;  // "bash" or "zsh"
 };
@@ -85,7 +103,8 @@ struct CompletionOptions {
 using CommandOptions =
     std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions, RestartOptions,
                  EstopOptions, PlanOptions, HistoryOptions, ReplayOptions, GraphOptions,
-                 SimulateOptions, CompletionOptions>;
+                 SimulateOptions, KeysInitOptions, KeysAddOptions, KeysRevokeOptions,
+                 KeysListOptions, CompletionOptions>;
 
 struct CommandLine {
   GlobalOptions global;

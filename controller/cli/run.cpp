@@ -32,6 +32,10 @@ struct Dispatch {
   ExitCode operator()(const ReplayOptions& o) const { return Replay(o, console); }
   ExitCode operator()(const GraphOptions& o) const { return Graph(o, console); }
   ExitCode operator()(const SimulateOptions& o) const { return Simulate(o, console); }
+  ExitCode operator()(const KeysInitOptions& o) const { return KeysInit(o, console); }
+  ExitCode operator()(const KeysAddOptions& o) const { return KeysAdd(o, global, console); }
+  ExitCode operator()(const KeysRevokeOptions& o) const { return KeysRevoke(o, global, console); }
+  ExitCode operator()(const KeysListOptions&) const { return KeysList(global, console); }
   ExitCode operator()(const CompletionOptions& o) const { return Completion(o, console); }
 };
 

@@ -5,6 +5,9 @@
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/wall_time.hpp"
+#include "musher/lifecycle/machine.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/host.hpp"
 
 namespace musher::cli {
 namespace {
@@ -21,6 +24,22 @@ void Show(const std::optional<msg::MachineStatus>& status, Console& console) {
   } else {
     console.Print(status ? StatusLine(*status, WallNow())
                          : LocalTime(WallNow()) + "  " + gone.error.message);
+  }
+}
+
+// With keys an actuator that we did not start may run here and not be heard: then it has none, or
+// others.
+void HintAtKeys(msg::MachineStatus& status, const GlobalOptions& global) {
+  if (global.keys.empty() || status.host != transport::HostId()) return;
+  const int domain = transport::DomainId({}).value();
+  for (msg::ActuatorInfo& actuator : status.actuators) {
+    if (actuator.presence != PresenceName(Presence::kAbsent)) continue;
+    const pid_t holder = transport::NameLock::HolderOf(
+        transport::NameLock::NameOf(domain, status.name_space, actuator.name));
+    if (holder == 0) continue;
+    actuator.message = "process " + std::to_string(holder) +
+                       " is not heard: has it the keys of this machine?" +
+                       (actuator.message.empty() ? "" : " " + actuator.message);
   }
 }
 
@@ -41,7 +60,8 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
   if (options.watch) return Watch(*link.value(), console);
   const auto answer = link.value()->Ask<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
-  const msg::MachineStatus& status = std::get<msg::GetStatus::Response>(answer).status;
+  msg::MachineStatus status = std::get<msg::GetStatus::Response>(answer).status;
+  HintAtKeys(status, global);
   console.Print(console.mode().json ? StatusJson(status)
                                     : StatusText(status, console.mode().colour));
   return ExitCode::kDone;

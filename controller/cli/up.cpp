@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 
@@ -15,8 +17,48 @@
 #include "musher/controller/cli/up_front.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/host.hpp"
+#include "musher/transport/keys/check.hpp"
 
 namespace musher::cli {
+namespace {
+
+constexpr unsigned kLeaveTime = 2;  // seconds, for leaving the domain
+
+volatile std::sig_atomic_t exit_code_in_time = 0;
+
+// DDS waits for ever to leave a network that has gone. By now all is said and done.
+void EndWithin(unsigned seconds, int exit_code) {
+  exit_code_in_time = exit_code;
+  std::signal(SIGALRM, [](int) { _exit(exit_code_in_time); });
+  alarm(seconds);
+}
+
+constexpr std::chrono::days kSoon(30);
+
+// The controller's keys, and those of the actuators that it starts and that need them. When they
+// expire the processes part, also those that run: that is told in time.
+Result<> CheckKeys(const MachineConfig& config, Console& console) {
+  if (config.keys.empty()) return Ok();
+  std::vector<std::string> identities = {transport::kControllerIdentity};
+  for (const ActuatorConfig& actuator : config.actuators) {
+    const bool needs_keys = !actuator.command.empty() && actuator.protocol == Protocol::kMusher;
+    if (needs_keys) identities.push_back(actuator.name);
+  }
+  const transport::keys::KeyFolder folder(config.keys);
+  for (const std::string& identity : identities) {
+    const auto until = transport::keys::Check(folder, identity);
+    if (!until) return until.error();
+    if (until.value() < std::chrono::system_clock::now() + kSoon) {
+      console.Complain(folder.Certificate(identity) + " expires on " +
+                       transport::keys::IsoTime(until.value()) +
+                       ", and the machine falls apart then; `musher keys add " + identity +
+                       " --force` makes a new one");
+    }
+  }
+  return Ok();
+}
+
+}  // namespace
 
 ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& console) {
   auto config = LoadConfig(options.file, console);
@@ -35,6 +77,8 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
           "there: " +
               options.file + " says '" + config->name_space + "'"}});
   }
+  if (auto good = CheckKeys(*config, console); !good)
+    return console.Fail({ExitCode::kUsage, good.error()});
   if (!console.mode().json) console.Print(config->name + ": " + ConfigSummary(*config));
 
   transport::UniqueFd signals = TakeEndSignals();  // before: none may come in between
@@ -50,6 +94,7 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
       ControllerProcess process(*config, std::move(theirs), options.detach ? 0 : front,
                                 options.takeover);
       exit_code = process.Run();
+      EndWithin(kLeaveTime, exit_code);
     }
     std::exit(exit_code);  // NOLINT(concurrency-mt-unsafe)
   }

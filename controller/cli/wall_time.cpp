@@ -15,13 +15,14 @@ constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kLongestAgo = 100LL * 365 * 86400;  // seconds; keeps the arithmetic in range
 
 std::string Format(std::int64_t wall_ns, bool local, const char* pattern) {
-  const auto seconds = static_cast<std::time_t>(wall_ns / kSecond);
+  const bool before_1970 = wall_ns % kSecond < 0;  // rounded towards the past as all others are
+  const auto seconds = static_cast<std::time_t>(wall_ns / kSecond - (before_1970 ? 1 : 0));
   std::tm parts{};
   local ? localtime_r(&seconds, &parts) : gmtime_r(&seconds, &parts);
   std::array<char, 64> text{};
   const std::size_t size = std::strftime(text.data(), text.size(), pattern, &parts);
   return fmt::format("{}.{:03}", std::string_view(text.data(), size),
-                     wall_ns % kSecond / 1'000'000);
+                     (wall_ns % kSecond + (before_1970 ? kSecond : 0)) / 1'000'000);
 }
 
 std::optional<std::int64_t> SecondsAgo(std::string_view text) {
@@ -37,6 +38,13 @@ std::optional<std::int64_t> SecondsAgo(std::string_view text) {
     return std::nullopt;
   }
   return count * scale;
+}
+
+// Of whole seconds and nanoseconds; nothing where that does not fit (before 1678, after 2261).
+std::optional<std::int64_t> Nanoseconds(std::int64_t seconds, std::int64_t fraction) {
+  constexpr std::int64_t kFarthest = INT64_MAX / kSecond - 1;
+  if (seconds < -kFarthest || seconds > kFarthest) return std::nullopt;
+  return seconds * kSecond + fraction;
 }
 
 // Nanoseconds since 1970 of a date with or without a time; nothing else may follow.
@@ -59,12 +67,12 @@ std::optional<std::int64_t> PointInTime(const std::string& text) {
       fraction += (*rest - '0') * weight;
     }
   }
-  if (*rest == '\0') return std::mktime(&parts) * kSecond + fraction;
+  if (*rest == '\0') return Nanoseconds(std::mktime(&parts), fraction);
   const std::int64_t as_utc = timegm(&parts);
   std::tm zone{};
   const char* end = strptime(rest, "%z", &zone);  // takes "Z", "+01:00" and "+0100"
   if (end == nullptr || *end != '\0') return std::nullopt;
-  return (as_utc - zone.tm_gmtoff) * kSecond + fraction;
+  return Nanoseconds(as_utc - zone.tm_gmtoff, fraction);
 }
 
 }  // namespace

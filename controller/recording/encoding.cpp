@@ -171,6 +171,7 @@ class Reader {
   void Read(const Json& json, Duration& value) const {
     std::int64_t count = 0;
     Read(json, count);
+    if (count < -kFarthestNs || count > kFarthestNs) Fail("a time that can be computed with", json);
     value = Duration(count);
   }
   void Read(const Json& json, Time& value) const {

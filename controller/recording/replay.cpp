@@ -16,6 +16,26 @@ bool Same(const JournalEntry& a, const JournalEntry& b, bool with_numbers) {
                                     a.switch_number == b.switch_number));
 }
 
+bool IsOf(const std::vector<Leg>& legs, std::size_t actuators) {
+  return std::all_of(legs.begin(), legs.end(), [actuators](const Leg& leg) {
+    return leg.actuator < actuators && std::all_of(leg.needs.begin(), leg.needs.end(),
+                                                   [actuators](auto i) { return i < actuators; });
+  });
+}
+
+// Whether a machine that was read is one that can go on: of so many actuators, none of its parts
+// without the others. Anybody can have written a journal.
+bool IsWhole(const Machine& machine, std::size_t actuators) {
+  if (machine.actuators.size() != actuators) return false;
+  if (const auto& s = machine.current) {
+    if (s->only.value_or(0) >= actuators) return false;
+    if (!IsOf(s->legs, actuators) || !IsOf(s->back, actuators)) return false;
+  }
+  const auto& stopping = machine.stopping;
+  if (machine.phase == Phase::kStopping && !stopping) return false;
+  return !stopping || machine.current || stopping->result;
+}
+
 class Replayer {
  public:
   explicit Replayer(const ReplayOptions& options) : options_(options) {}
@@ -114,26 +134,26 @@ class Replayer {
   }
 
   Result<> On(const SnapshotPtr& snapshot) {
-    if (machine_) {
-      if (other_config_ || *machine_ == snapshot->machine) return Ok();
-      ++report_.differences;
-      report_.notes.push_back("the machine is not the one of the snapshot, number " +
-                              std::to_string(last_id_));
-      machine_ = snapshot->machine;
-      return Ok();
-    }
+    const bool same = machine_ && (other_config_ || *machine_ == snapshot->machine);
+    if (same) return Ok();
     if (!config_ || snapshot->config_hash != recorded_hash_ || !Fits(snapshot->machine)) {
       report_.notes.emplace_back("a snapshot does not belong to the config");
       return Ok();
     }
+    if (machine_) {
+      ++report_.differences;
+      report_.notes.push_back("the machine is not the one of the snapshot, number " +
+                              std::to_string(last_id_));
+    }
+    const bool starts = !machine_;
     machine_ = snapshot->machine;
-    CountStart();
+    if (starts) CountStart();
     return Ok();
   }
 
   // Whether a snapshot of the recorded config can go on with this one.
   bool Fits(const Machine& machine) const {
-    return machine.actuators.size() == config_->actuators.size() &&
+    return IsWhole(machine, config_->actuators.size()) &&
            std::is_sorted(number_of_.begin(), number_of_.end()) &&
            (!machine.fallback || config_->RankOf(*machine.fallback));
   }

@@ -1,4 +1,4 @@
-// [controller] and [transport].
+// [controller], [transport] and [security].
 
 #include <algorithm>
 
@@ -148,6 +148,15 @@ void ReadTransport(TableReader& root, Draft& draft) {
       "profile", {{"local", TransportProfile::kLocal}, {"lan", TransportProfile::kLan}});
   draft.config.transport = profile.value_or(draft.config.transport);
   transport.RefuseOthers();
+}
+
+void ReadSecurity(TableReader& root, Draft& draft) {
+  const Table* table = root.SubTable("security");
+  if (table == nullptr) return;
+  TableReader security(*table, root.At("security"), "security", draft.findings);
+  security.Require("keys", "a string (the folder of keys)");
+  draft.config.keys = ReadPath("keys", security, draft).value_or("");
+  security.RefuseOthers();
 }
 
 }  // namespace musher::config_toml

@@ -46,6 +46,7 @@ void ReadOwnStates(TableReader& root, Draft& draft);
 void ReadController(TableReader& root, Draft& draft);
 void ReadTransitions(TableReader& root, Draft& draft);
 void ReadTransport(TableReader& root, Draft& draft);
+void ReadSecurity(TableReader& root, Draft& draft);
 void ReadActuators(TableReader& root, Draft& draft);
 
 // One [actuator.<name>].

@@ -95,6 +95,32 @@ TEST_P(Publish, GivesALateJoinerTheLatchOfEachOfManyWriters) {
   EXPECT_THAT(heard, UnorderedElementsAre("first", "second", "third"));
 }
 
+TEST_P(Publish, MeetsInPartitionsWhichAReaderOfAllIsTold) {
+  const auto here = MakeNode(), there = MakeNode();
+  const std::string topic = Unique("partitioned");
+  Qos one = kLatchedQos, other = kLatchedQos, all = kLatchedFromManyQos;
+  one.partition = "one";
+  other.partition = "other";
+  all.partition = kEveryPartition;
+  const auto first = Must(MakePublisher<msg::String>(*here, topic, one));
+  const auto second = Must(MakePublisher<msg::String>(*here, topic, other));
+  ASSERT_TRUE(first->Publish({"1"}));
+  ASSERT_TRUE(second->Publish({"2"}));
+  Strings heard, heard_in_one, heard_in_none;
+  const auto of_all = Must(MakeSubscription<msg::String>(
+      *there, topic,
+      [&](const msg::String& message, const SampleInfo& info) {
+        heard.push_back(message.data + " in " + std::string(info.partition.value_or("none")));
+      },
+      all));
+  const auto of_one = Collect(*there, topic, heard_in_one, one);
+  const auto of_none = Collect(*there, topic, heard_in_none, kLatchedQos);
+  ASSERT_TRUE(RunUntil([&] { return heard.size() == 2 && !heard_in_one.empty(); }));
+  EXPECT_THAT(heard, UnorderedElementsAre("1 in one", "2 in other"));
+  EXPECT_THAT(heard_in_one, ElementsAre("1"));
+  EXPECT_THAT(heard_in_none, ElementsAre());
+}
+
 TEST_P(Publish, KeepsTheOrderOfAWriter) {
   const auto here = MakeNode(), there = MakeNode();
   const std::string topic = Unique("count");

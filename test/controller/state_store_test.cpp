@@ -73,6 +73,16 @@ TEST_F(Store, IsFreeAgainAfterItsOwnerWasKilled) {
   EXPECT_TRUE(StateStore::Open(dir_, "robot"));
 }
 
+TEST_F(Store, WhoseLockNamesNoProcessHasNoOwner) {
+  fs::create_directories(dir_);
+  for (const char* text : {"", "-1 robot\n", "robot\n", "99999999999999999999 robot\n"}) {
+    std::ofstream(dir_ + "/controller.lock") << text;
+    EXPECT_EQ(StateStore::OwnerOf(dir_), 0) << text;
+  }
+  const StateStore store = MustOpen();
+  EXPECT_EQ(StateStore::OwnerOf(dir_), getpid());
+}
+
 TEST_F(Store, SaysThatTheDiskDoesNotLetItMakeAFolder) {
   std::ofstream(folder_ / "file") << "in the way";
   const auto store = StateStore::Open(folder_ / "file/robot", "robot");

@@ -32,8 +32,9 @@ const std::map<std::string, Folders>& MayInclude() {
 const std::map<std::string, std::vector<std::string>>& Libraries() {
   static const std::map<std::string, std::vector<std::string>> table = {
       {"dds/", {"transport/dds/", "test/contract/", "test/benchmark/"}},
+      {"openssl/", {"transport/keys/"}},
       {"toml++/", {"lifecycle/toml/"}},
-      {"CLI/", {"controller/cli/", "modules/", "test/benchmark/"}},
+      {"CLI/", {"controller/cli/", "modules/", "test/benchmark/", "test/campaign/"}},
       {"SQLiteCpp/", {"controller/", "test/controller/"}},
       {"sqlite3.h", {"controller/", "test/controller/"}},
       {"nlohmann/", {"controller/", "modules/", "test/"}},

@@ -15,6 +15,7 @@ using actuator_event::CallbackEnded;
 using actuator_event::ControllerHeard;
 using actuator_event::SwitchArrived;
 using actuator_event::TimePassed;
+using ::testing::_;
 using testing::Actions;
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -46,6 +47,16 @@ TEST_F(Obeying, OneThatAnnouncedItselfIsFollowedAndTheOneBeforeNoLonger) {
               Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
   EXPECT_EQ(core_.report.epoch, 2U);
   EXPECT_EQ(AnswerIn(Do(Command(2, "DeActive", 1))).code, kCodePermissionDenied);
+}
+
+TEST_F(Obeying, AWaitingCommandIsDroppedWhenAnotherControllerTakesOver) {
+  Do(Command(1, "LowPower"));
+  Do(Command(2, "DeActive"));  // waits for the callback that runs
+  Announce(2);
+  const Actions taken_over = Do(AskArrived{0, {2, 1, false}, 2});
+  EXPECT_THAT(AnswerIn(taken_over).message, HasSubstr("epoch 2 has taken over"));
+  EXPECT_THAT(Do(CallbackEnded{}), Not(Contains(VariantWith<RunCallback>(_))));
+  EXPECT_EQ(core_.report.state, "LowPower");
 }
 
 TEST_F(Obeying, AnAnnouncementAloneChangesNothing) {

@@ -8,6 +8,7 @@ namespace {
 using namespace actuator_action;  // NOLINT(google-build-using-namespace)
 using actuator_event::AskArrived;
 using actuator_event::CallbackEnded;
+using actuator_event::EmergencyStopHeard;
 using actuator_event::ManagerCommand;
 using actuator_event::Started;
 using actuator_event::SwitchArrived;
@@ -271,6 +272,26 @@ TEST_F(Actuator, RefusesAManagerWhatItRefusesAController) {
   Do(ManagerCommand{3, "Active"});
   EXPECT_EQ(AnswerIn(Do(CallbackEnded{5001, "no"})).code, 5001);
   EXPECT_EQ(core_.report.state, "SetUp");
+}
+
+TEST_F(Actuator, RefusesAManagerWhatGoesUpWhileAnEmergencyStopIsLatched) {
+  SetUpIt();
+  Do(ManagerCommand{1, "LowPower"});
+  Do(CallbackEnded{});
+  Do(EmergencyStopHeard{5, true, 0});
+  EXPECT_EQ(AnswerIn(Do(ManagerCommand{2, "Active"})).code, kCodeProtectedError);
+}
+
+TEST_F(Actuator, TellsWhetherItsStateWasSetForItAloneAlsoWhereItWasThereAlready) {
+  SetUpIt();
+  Switch(1, "LowPower");
+  EXPECT_FALSE(core_.report.apart);
+  auto alone = Command(2, "LowPower");
+  alone.command.apart = true;
+  Do(alone);
+  EXPECT_TRUE(core_.report.apart);
+  Do(Command(3, "LowPower"));
+  EXPECT_FALSE(core_.report.apart);
 }
 
 }  // namespace

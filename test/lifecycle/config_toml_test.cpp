@@ -275,5 +275,11 @@ TEST(ReadValidConfig, TellsAllErrorsAndNoWarnings) {
   EXPECT_EQ(message.find("warning"), std::string::npos) << message;
 }
 
+TEST(ConfigFile, HasKeysInAFolderBesideItOrNone) {
+  EXPECT_EQ(ReadWith("").keys, "");
+  EXPECT_EQ(ReadWith("[security]\nkeys = \"keys\"\n").keys, "/robots/keys");
+  EXPECT_EQ(ReadWith("[security]\nkeys = \"/etc/musher/keys\"\n").keys, "/etc/musher/keys");
+}
+
 }  // namespace
 }  // namespace musher

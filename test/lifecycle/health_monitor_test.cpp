@@ -236,6 +236,56 @@ TEST_F(Monitor, ForgivesItsOwnLatenessOnceAndGivesTimeToAnswer) {
   EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
 }
 
+TEST_F(Monitor, ForgivesItsOwnLatenessAgainOnceAnybodyIsHeard) {
+  Watch(0, true);
+  beats_[0] = false;
+  for (int i = 0; i < 2; ++i) {
+    now_ += std::chrono::seconds(10);
+    Take(monitor_.TimePassed(now_));
+    EXPECT_EQ(monitor_.NextDeadline(), now_ + Milliseconds(20));
+    Take(monitor_.Heard(0, kFirst, now_));
+  }
+  EXPECT_THAT(Found(), IsEmpty());
+}
+
+TEST_F(Monitor, ForgivesALatenessThatIsMoreThanALoopsOwn) {
+  for (const int late_ms : {20, 21}) {
+    Watch(0, true);
+    beats_[0] = false;
+    now_ = *monitor_.NextDeadline() + Milliseconds(late_ms);
+    Take(monitor_.TimePassed(now_));
+    if (late_ms == 20) EXPECT_THAT(Found(), ElementsAre("mark a", "probe a"));
+    if (late_ms == 21) EXPECT_THAT(Found(), IsEmpty());
+  }
+}
+
+TEST_F(Monitor, CallsOneWellThatHasKeptUpForTwoSeconds) {
+  Watch(0, true);
+  Take(monitor_.Heard(0, kFirst, Beat{kBeat, Health::kStarved, "", {}, {}}, now_));
+  Take(monitor_.Heard(0, kFirst, beat_[0], now_ + Milliseconds(1999)));
+  EXPECT_THAT(Found(), ElementsAre("a starved"));
+  Take(monitor_.Heard(0, kFirst, beat_[0], now_ + Milliseconds(2000)));
+  EXPECT_THAT(Found(), ElementsAre("a well"));
+}
+
+TEST_F(Monitor, AsksAtHalfTheLimitAlsoWhoHasNotBeatenYet) {
+  monitor_.Watch(0, kFirst, "here", true, now_);
+  EXPECT_EQ(monitor_.NextDeadline(), now_ + Milliseconds(750));
+}
+
+TEST_F(Monitor, WatchesNobodyForASignOfNobodyAndTheFirstThereIs) {
+  Take(monitor_.Heard(0, 0, Beat{kBeat, Health::kHung, "", {}, {}}, now_));
+  Take(monitor_.Heard(0, 0, now_));
+  EXPECT_FALSE(monitor_.NextDeadline());
+  EXPECT_THAT(Found(), IsEmpty());
+  monitor_.Watch(0, 1, "here", true, now_);
+  now_ += Milliseconds(10);
+  Take(monitor_.Heard(0, 1, now_));
+  EXPECT_EQ(monitor_.NextDeadline(), now_ + Milliseconds(750));
+  Take(monitor_.Heard(0, 1, beat_[0], now_));
+  EXPECT_EQ(monitor_.NextDeadline(), now_ + Milliseconds(150));
+}
+
 TEST_F(Monitor, IsNotForeverForgivingWhenItIsAlwaysLate) {
   Watch(0, true);
   beats_[0] = false;
@@ -293,11 +343,32 @@ TEST_F(Monitor, JudgesOneThatIsSilentFromItsFirstMoment) {
 }
 
 TEST_F(Monitor, IsNeverAskedToWaitForeverByAStrangePeriod) {
-  Watch(0, true);
-  beats_[0] = false;
-  Take(monitor_.Heard(0, kFirst, Beat{std::chrono::hours(1000), Health::kWell, "", {}, {}}, now_));
-  RunFor(std::chrono::seconds(61));
-  EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+  for (const Duration period : {Duration(std::chrono::hours(1000)), Duration::max()}) {
+    Watch(0, true);
+    beats_[0] = false;
+    Take(monitor_.Heard(0, kFirst, Beat{period, Health::kWell, "", {}, {}}, now_));
+    RunFor(std::chrono::seconds(59));
+    EXPECT_THAT(Found(), ::testing::Not(::testing::Contains("a hung, silent")));
+    RunFor(std::chrono::seconds(2));
+    EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+  }
+}
+
+TEST_F(Monitor, ComputesWithNoPeriodThatIsNone) {
+  for (const std::int64_t period : {INT64_MIN, std::int64_t{-1}, std::int64_t{1} << 62}) {
+    Watch(0, true);
+    beats_[0] = false;
+    Take(monitor_.Heard(0, kFirst, Beat{Duration(period), Health::kWell, "", {}, {}}, now_));
+    RunFor(period < 0 ? Milliseconds(50) : Duration(std::chrono::seconds(61)));
+    EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
+  }
+}
+
+TEST(BeatPeriod, OfAControllerIsShortWhereHostsAreSeveral) {
+  MachineConfig config = MachineOf(1);
+  EXPECT_EQ(ControllerBeatPeriod(config), Milliseconds(500));
+  config.transport = TransportProfile::kLan;
+  EXPECT_EQ(ControllerBeatPeriod(config), Milliseconds(125));
 }
 
 TEST(BeatPeriod, IsHalfOfTheCheckpointWithinBounds) {

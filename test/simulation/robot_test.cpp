@@ -83,6 +83,46 @@ TEST(SimRobot, AControllerThatListensFirstTakesOverWhomItHeardMeanwhile) {
   }
 }
 
+TEST(SimRobot, AControllerThatHasStoppedItsMachineFencesNobody) {
+  SimRobot robot(1, Robot(2));
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  robot.Set("TearDown");
+  ASSERT_EQ(robot.machine().phase, Phase::kStopped);
+  robot.StartRival(false);
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }, std::chrono::seconds(5)));
+  robot.RunFor(std::chrono::seconds(5));
+  EXPECT_TRUE(IsUp(robot));
+}
+
+TEST(SimRobot, AProcessThatNeverSaysAWordEndsWithTheMachineAllTheSame) {
+  SimRobot robot(1, Robot(2));
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  robot.CrashController();
+  robot.FreezeActuator("b");
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return robot.machine().set_up; }));
+  robot.Set("TearDown");
+  robot.RunFor(std::chrono::seconds(1));
+  EXPECT_FALSE(robot.IsAlive("b"));
+}
+
+TEST(SimRobot, AStopThatIsEngagedForANewControllerIsEngagedForItsActuators) {
+  SimRobot robot(1, Robot(2));
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  robot.EngageEmergencyStop(7);  // by a panel that goes on saying so
+  robot.RunFor(std::chrono::seconds(1));
+  robot.ReleaseEmergencyStop();
+  robot.RunFor(std::chrono::seconds(1));
+  EXPECT_EQ(robot.ReportOf("a")->emergency_stop, 0U);
+  robot.CrashController();
+  robot.StartController(std::chrono::seconds(1));
+  robot.RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(robot.machine().emergency_stop.has_value(), robot.ReportOf("a")->emergency_stop == 7);
+}
+
 TEST(SimRobot, TwoReportsOfOneInstantCanBeToldApart) {
   SimRobot robot(1, MachineOf(1));
   LinkFaults faults;

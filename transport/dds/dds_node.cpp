@@ -11,6 +11,7 @@
 #include "musher/transport/dds/raw_type.hpp"
 #include "musher/transport/dds/service_tags.hpp"
 #include "musher/transport/dds/settings.hpp"
+#include "musher/transport/keys/check.hpp"
 
 namespace musher::transport {
 
@@ -35,7 +36,8 @@ class DdsNode : public Node {
   Result<std::unique_ptr<RawReader>> MakeRawReader(const std::string& topic,
                                                    const std::string& type, const Qos& qos,
                                                    ReaderCallbacks callbacks) override {
-    const auto core = std::make_shared<dds::ReaderCore>(loop_, std::move(callbacks));
+    const auto core = std::make_shared<dds::ReaderCore>(loop_, std::move(callbacks),
+                                                        qos.partition == kEveryPartition);
     const Result<> opened = Open(*core, topic, type, qos, tags_.ForReader(topic));
     if (!opened) return opened.error();
     return std::unique_ptr<RawReader>(std::make_unique<dds::DdsReader>(core));
@@ -47,8 +49,22 @@ class DdsNode : public Node {
                 const std::string& user_data) {
     const dds_entity_t participant = participant_.entity.get();
     const dds_entity_t topic = dds::CreateRawTopic(participant, topic_name, type);
-    if (topic < 0) return dds::DdsError(topic_name + " (" + type + "): no topic", topic);
-    return core.Open(participant, dds::Entity(topic), dds::MakeQos(qos, user_data));
+    if (topic < 0) return Named(topic_name, dds::DdsError(type + ": no topic", topic));
+    const Result<> opened =
+        core.Open(participant, dds::Entity(topic), dds::MakeQos(qos, user_data));
+    if (!opened) return Named(topic_name, opened.error());
+    return Ok();
+  }
+
+  // What failed with a topic; where the permissions forbid it, whose they are.
+  Error Named(const std::string& topic_name, const Error& error) const {
+    const auto& credentials = participant_.domain->credentials;
+    if (!credentials || error.code != kCodePermissionDenied) {
+      return {error.code, topic_name + ": " + error.message};
+    }
+    return {error.code, credentials->identity + " may not do that: " +
+                            keys::KeyFolder(credentials->keys).Permissions(credentials->identity) +
+                            " does not allow " + topic_name};
   }
 
   EventLoop& loop_;
@@ -57,6 +73,12 @@ class DdsNode : public Node {
 };
 
 }  // namespace
+
+std::optional<Credentials> CredentialsFor(const MachineConfig& config,
+                                          const std::string& identity) {
+  if (config.keys.empty()) return std::nullopt;
+  return Credentials{config.keys, identity};
+}
 
 Result<int> DomainId(const DdsOptions& options) {
   constexpr int kHighest = 232;  // the ports of higher ones do not exist
@@ -84,9 +106,19 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
   if (!domain_id) return domain_id.error();
   const Result<TransportProfile> profile = Profile(options);
   if (!profile) return profile.error();
+  if (options.credentials) {
+    constexpr int kHighestSecured = 230;  // that Cyclone's reader of governance documents takes
+    if (domain_id.value() > kHighestSecured) {
+      return Error{kCodeParametersInvalid, "DDS Security knows the domains 0 to 230, not " +
+                                               std::to_string(domain_id.value())};
+    }
+    const keys::KeyFolder folder(options.credentials->keys);
+    if (auto good = keys::Check(folder, options.credentials->identity); !good) return good.error();
+  }
   const bool impatient = options.impatient || std::getenv("MUSHER_IMPATIENT") != nullptr;
   auto participant = dds::OpenParticipant(
-      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, impatient));
+      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, impatient),
+      options.credentials);
   if (!participant) return participant.error();
   return std::unique_ptr<Node>(std::make_unique<DdsNode>(loop, std::move(participant).value()));
 }

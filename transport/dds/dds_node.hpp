@@ -5,11 +5,20 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "musher/lifecycle/config.hpp"
 #include "musher/transport/node.hpp"
 
 namespace musher::transport {
+
+// Who a process is, and the folder with the keys that prove it (see transport/keys/).
+struct Credentials {
+  std::string keys;      // absolute
+  std::string identity;  // "controller", "operator", or an actuator's name
+
+  friend bool operator==(const Credentials&, const Credentials&) = default;
+};
 
 struct DdsOptions {
   // Of the domain; none: that of ROS_DOMAIN_ID, else 0.
@@ -23,7 +32,15 @@ struct DdsOptions {
   // when they are patient. MUSHER_IMPATIENT in the environment says the same: a controller sets it
   // for a process that it starts again while the others stay.
   bool impatient = false;
+  // With them the node meets only those whose certificate is of the same CA, and may do only what
+  // its permissions say; without them only those without. All nodes of a process that are in one
+  // domain have the same.
+  std::optional<Credentials> credentials = std::nullopt;
 };
+
+// Those of `identity` where the config has keys.
+std::optional<Credentials> CredentialsFor(const MachineConfig& config, const std::string& identity);
+inline constexpr const char* kControllerIdentity = "controller";
 
 // The domain that `options` and the environment give; an Error when it is not one of 0 to 232.
 Result<int> DomainId(const DdsOptions& options);
@@ -32,7 +49,8 @@ Result<int> DomainId(const DdsOptions& options);
 Result<TransportProfile> Profile(const DdsOptions& options);
 
 // Joins the domain. Fails when the configuration is bad or the network can't be used, with
-// Cyclone's reason. The loop must outlive the node.
+// Cyclone's reason; and when the credentials are, with the file and what is wrong with it. The loop
+// must outlive the node.
 Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& options = {});
 
 }  // namespace musher::transport

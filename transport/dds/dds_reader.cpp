@@ -59,6 +59,7 @@ void ReaderCore::Visit() {
   }
   for (const PeerId writer : lost) {
     writers_.Remove(writer);
+    partitions_.erase(writer);
     if (callbacks_.on_writer_lost) callbacks_.on_writer_lost(writer);
     if (closed_) return;
   }
@@ -73,8 +74,7 @@ bool ReaderCore::Take() {
       dds_takecdr(reader_.get(), samples.data(), kSamplesPerVisit, infos.data(), DDS_ANY_STATE);
   for (int i = 0; i < count; ++i) {
     if (!closed_ && infos[i].valid_data && callbacks_.on_sample) {
-      const auto writer = infos[i].publication_handle;
-      callbacks_.on_sample(BytesOf(samples[i]), {writer, ParticipantOf(writer)});
+      callbacks_.on_sample(BytesOf(samples[i]), InfoOf(infos[i].publication_handle));
     }
     ddsi_serdata_unref(samples[i]);
   }
@@ -97,6 +97,19 @@ std::vector<PeerId> ReaderCore::LearnWriters() {
 PeerId ReaderCore::ParticipantOf(dds_instance_handle_t writer) const {
   if (const PeerId known = writers_.ParticipantOf(writer)) return known;
   return ParticipantIn(dds_get_matched_publication_data(reader_.get(), writer));
+}
+
+SampleInfo ReaderCore::InfoOf(dds_instance_handle_t writer) {
+  SampleInfo info{writer, ParticipantOf(writer)};
+  if (!all_partitions_) return info;
+  auto known = partitions_.find(writer);
+  if (known == partitions_.end()) {
+    const std::string partition =
+        PartitionIn(dds_get_matched_publication_data(reader_.get(), writer));
+    known = partitions_.emplace(writer, partition).first;
+  }
+  info.partition = known->second;
+  return info;
 }
 
 }  // namespace musher::transport::dds

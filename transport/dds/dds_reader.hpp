@@ -4,6 +4,7 @@
 #include <dds/dds.h>
 
 #include <atomic>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,8 +21,9 @@ namespace musher::transport::dds {
 // reader.
 class ReaderCore : public Notifier {
  public:
-  ReaderCore(EventLoop& loop, ReaderCallbacks callbacks)
-      : Notifier(loop), callbacks_(std::move(callbacks)) {}
+  // `all_partitions`: each sample is to come with the partition it was written in.
+  ReaderCore(EventLoop& loop, ReaderCallbacks callbacks, bool all_partitions)
+      : Notifier(loop), callbacks_(std::move(callbacks)), all_partitions_(all_partitions) {}
 
   Result<> Open(dds_entity_t participant, Entity topic, const QosPtr& qos);
   // No callback runs after it, also when a callback calls it.
@@ -37,11 +39,14 @@ class ReaderCore : public Notifier {
   bool Take();
   std::vector<PeerId> LearnWriters();
   PeerId ParticipantOf(dds_instance_handle_t writer) const;
+  SampleInfo InfoOf(dds_instance_handle_t writer);
 
   ReaderCallbacks callbacks_;
+  const bool all_partitions_;
   std::atomic<bool> match_changed_ = false;
   bool closed_ = false;
   PeerTable writers_;
+  std::map<PeerId, std::string> partitions_;  // of writers, where they are asked for
   Entity topic_;
   Entity reader_;
 };

@@ -20,4 +20,18 @@ PeerId ParticipantIn(dds_builtintopic_endpoint_t* endpoint) {
   return participant;
 }
 
+std::string PartitionIn(dds_builtintopic_endpoint_t* endpoint) {
+  if (endpoint == nullptr) return {};
+  std::uint32_t count = 0;
+  char** names = nullptr;
+  std::string partition;
+  if (dds_qget_partition(endpoint->qos, &count, &names)) {
+    if (count == 1) partition = names[0];
+    for (std::uint32_t i = 0; i < count; ++i) dds_free(names[i]);
+    dds_free(names);
+  }
+  dds_builtintopic_free_endpoint(endpoint);
+  return partition;
+}
+
 }  // namespace musher::transport::dds

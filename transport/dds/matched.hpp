@@ -4,6 +4,7 @@
 #include <dds/dds.h>
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "musher/transport/endpoint.hpp"
@@ -21,5 +22,8 @@ std::vector<PeerId> MatchedHandles(dds_entity_t entity, GetMatched get);
 
 // The participant of an endpoint that was asked for, which is freed; 0 when it has gone meanwhile.
 PeerId ParticipantIn(dds_builtintopic_endpoint_t* endpoint);
+
+// The partition of such an endpoint, likewise; empty when it has none, or more than one.
+std::string PartitionIn(dds_builtintopic_endpoint_t* endpoint);
 
 }  // namespace musher::transport::dds

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "musher/transport/dds/qos.hpp"
+#include "musher/transport/dds/security.hpp"
 
 namespace musher::transport::dds {
 
@@ -18,11 +19,12 @@ namespace {
 // is one sink in a process; needs the lock of OpenParticipant().
 class LogCapture {
  public:
-  LogCapture() { dds_set_log_sink(Append, this); }
+  // `after`: the sink from then on; null: Cyclone's own.
+  explicit LogCapture(dds_log_write_fn_t after) : after_(after) { dds_set_log_sink(Append, this); }
   LogCapture(const LogCapture&) = delete;
   LogCapture& operator=(const LogCapture&) = delete;
   ~LogCapture() {
-    dds_set_log_sink(nullptr, nullptr);
+    dds_set_log_sink(after_, nullptr);
     if (!text_.empty()) std::fprintf(stderr, "%s\n", text_.c_str());
   }
 
@@ -37,8 +39,13 @@ class LogCapture {
     text += line;
   }
 
+  dds_log_write_fn_t after_;
   std::string text_;
 };
+
+constexpr const char* kPluginsHint =
+    " (the plugins of DDS Security are libdds_security_auth.so, _ac.so and _crypto.so, of the "
+    "Debian package libddsc0debian)";
 
 Error SetupError(int domain_id, dds_return_t code, LogCapture& log) {
   Error error = DdsError("cannot join DDS domain " + std::to_string(domain_id), code);
@@ -54,33 +61,62 @@ bool UserHasSettings() {
   return uri != nullptr && *uri != '\0';
 }
 
+std::string NameOf(const std::optional<Credentials>& credentials) {
+  return credentials ? credentials->identity + " of " + credentials->keys : "nobody";
+}
+
+Result<std::shared_ptr<Domain>> OpenDomain(int domain_id, const std::string& settings,
+                                           const std::optional<Credentials>& credentials,
+                                           LogCapture& log) {
+  auto domain = std::make_shared<Domain>();
+  domain->credentials = credentials;
+  if (UserHasSettings()) return domain;
+  const dds_entity_t entity =
+      dds_create_domain(static_cast<dds_domainid_t>(domain_id), settings.c_str());
+  // One that exists was made by other code of this process, and is used as it is.
+  if (entity < 0 && entity != DDS_RETCODE_PRECONDITION_NOT_MET) {
+    return SetupError(domain_id, entity, log);
+  }
+  domain->entity = Entity(entity);
+  return domain;
+}
+
 }  // namespace
 
-Result<Participant> OpenParticipant(int domain_id, const std::string& settings) {
+Result<Participant> OpenParticipant(int domain_id, const std::string& settings,
+                                    const std::optional<Credentials>& credentials) {
   static std::mutex mutex;
-  static std::map<int, std::weak_ptr<Entity>> domains;
+  static std::map<int, std::weak_ptr<Domain>> domains;
   const std::lock_guard lock(mutex);
-  LogCapture log;
+  LogCapture log(credentials ? TellOnceAMinute : nullptr);
 
   Participant participant;
   participant.domain = domains[domain_id].lock();
-  if (!participant.domain && !UserHasSettings()) {
-    const dds_entity_t domain =
-        dds_create_domain(static_cast<dds_domainid_t>(domain_id), settings.c_str());
-    // One that exists was made by other code of this process, and is used as it is.
-    if (domain < 0 && domain != DDS_RETCODE_PRECONDITION_NOT_MET) {
-      return SetupError(domain_id, domain, log);
-    }
-    participant.domain = std::make_shared<Entity>(domain);
+  if (!participant.domain) {
+    auto domain = OpenDomain(domain_id, settings, credentials, log);
+    if (!domain) return domain.error();
+    participant.domain = std::move(domain).value();
     domains[domain_id] = participant.domain;
+  }
+  // Cyclone would give this participant the rights of the first.
+  if (participant.domain->credentials != credentials) {
+    return Error{kCodeParametersInvalid,
+                 "this process is in DDS domain " + std::to_string(domain_id) + " as " +
+                     NameOf(participant.domain->credentials) + " already, and cannot be " +
+                     NameOf(credentials) + " there, too"};
   }
 
   const QosPtr qos(dds_create_qos());
   constexpr std::string_view kEnclave = "enclave=/;";  // as a ROS 2 node without security
   dds_qset_userdata(qos.get(), kEnclave.data(), kEnclave.size());
+  if (credentials) SetCredentials(qos.get(), *credentials);
   const dds_entity_t entity =
       dds_create_participant(static_cast<dds_domainid_t>(domain_id), qos.get(), nullptr);
-  if (entity < 0) return SetupError(domain_id, entity, log);
+  if (entity < 0) {
+    Error error = SetupError(domain_id, entity, log);
+    if (credentials) error.message += kPluginsHint;
+    return error;
+  }
   participant.entity = Entity(entity);
   return participant;
 }

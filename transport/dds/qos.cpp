@@ -24,6 +24,11 @@ QosPtr MakeQos(const Qos& qos, const std::string& user_data) {
   const dds_data_representation_id_t xcdr1 = DDS_DATA_REPRESENTATION_XCDR1;
   dds_qset_data_representation(out.get(), 1, &xcdr1);
   if (!user_data.empty()) dds_qset_userdata(out.get(), user_data.data(), user_data.size());
+  if (!qos.partition.empty()) {
+    const std::string name(qos.partition);
+    const char* partition = name.c_str();
+    dds_qset_partition(out.get(), 1, &partition);
+  }
   return out;
 }
 

@@ -87,7 +87,9 @@ void Delivery::Arrive(Channel& channel, const Payload& payload) {
     return;
   }
   if (reader->callbacks.on_sample) {
-    reader->callbacks.on_sample(*payload, {channel.writer->id, channel.writer->participant});
+    SampleInfo info{channel.writer->id, channel.writer->participant};
+    if (reader->qos.partition == kEveryPartition) info.partition = channel.writer->qos.partition;
+    reader->callbacks.on_sample(*payload, info);
   }
 }
 

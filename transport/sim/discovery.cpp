@@ -13,7 +13,8 @@ bool Compatible(const Qos& offered, const Qos& requested) {
   return (offered.reliability == Qos::Reliability::kReliable ||
           requested.reliability == Qos::Reliability::kBestEffort) &&
          (offered.durability == Qos::Durability::kTransientLocal ||
-          requested.durability == Qos::Durability::kVolatile);
+          requested.durability == Qos::Durability::kVolatile) &&
+         (offered.partition == requested.partition || requested.partition == kEveryPartition);
 }
 
 bool SameProcess(const Channel& channel) {

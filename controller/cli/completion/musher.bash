@@ -2,8 +2,8 @@
 
 _musher() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
-  local commands="check up down status set restart estop plan history replay graph completion"
-  local options="--help --json --namespace --domain --transport --timeout --color"
+  local commands="check up down status set restart estop plan history replay simulate graph keys completion"
+  local options="--help --json --namespace --domain --transport --timeout --keys --identity --color"
   local states="SelfCheck Active DeActive Protected LowPower OTA Error TearDown"
   COMPREPLY=()
 
@@ -12,9 +12,11 @@ _musher() {
     --color) COMPREPLY=($(compgen -W "auto always never" -- "$cur")); return ;;
     --format) COMPREPLY=($(compgen -W "dot mermaid svg" -- "$cur")); return ;;
     --what) COMPREPLY=($(compgen -W "flow actuators" -- "$cur")); return ;;
-    --why) COMPREPLY=($(compgen -W "$states" -- "$cur")); return ;;
-    --output | -o | --journal | --config) COMPREPLY=($(compgen -f -- "$cur")); return ;;
-    --namespace | --domain | --timeout | --since | --limit | --epoch) return ;;
+    --keys) COMPREPLY=($(compgen -d -S / -- "$cur")); return ;;
+    --role) COMPREPLY=($(compgen -W "controller actuator operator observer" -- "$cur")); return ;;
+    --why | --home) COMPREPLY=($(compgen -W "$states" -- "$cur")); return ;;
+    --output | -o | --journal | --config | --svg) COMPREPLY=($(compgen -f -- "$cur")); return ;;
+    --namespace | --domain | --timeout | --identity | --days | --since | --limit | --epoch | --seeds | --seed | --only | --bound | --jobs | -j) return ;;
   esac
 
   local command="" word
@@ -32,7 +34,9 @@ _musher() {
     estop) options+=" --release" ;;
     history) options+=" --since --limit --journal --why" ;;
     replay) options+=" --config --since --epoch" ;;
+    simulate) options+=" --seeds --seed --only --bound --home --svg --jobs" ;;
     graph) options+=" --what --format --output" ;;
+    keys) options+=" --role --days --signed-only --force" ;;
   esac
   if [[ $cur == -* ]]; then
     COMPREPLY=($(compgen -W "$options" -- "$cur"))
@@ -41,7 +45,12 @@ _musher() {
 
   case $command in
     "") COMPREPLY=($(compgen -W "$commands" -- "$cur")) ;;
-    check | up | graph) COMPREPLY=($(compgen -f -X '!*.toml' -- "$cur") $(compgen -d -S / -- "$cur")) ;;
+    check | up | simulate | graph) COMPREPLY=($(compgen -f -X '!*.toml' -- "$cur") $(compgen -d -S / -- "$cur")) ;;
+    keys)
+      case $prev in
+        keys) COMPREPLY=($(compgen -W "init add revoke list" -- "$cur")) ;;
+        init) COMPREPLY=($(compgen -f -X '!*.toml' -- "$cur") $(compgen -d -S / -- "$cur")) ;;
+      esac ;;
     replay) COMPREPLY=($(compgen -f -- "$cur")) ;;
     set | plan) COMPREPLY=($(compgen -W "$states" -- "$cur")) ;;
     completion) COMPREPLY=($(compgen -W "bash zsh" -- "$cur")) ;;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "musher/controller/cli/render/printable.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/lifecycle/state.hpp"
 
@@ -16,7 +17,8 @@ std::string Signed(const std::string& by, const std::string& reason) {
 std::string Outcome(const EstopReport::Actuator& actuator) {
   if (actuator.before) return "stopped before";
   if (actuator.stopped) return fmt::format("stopped after {} ms", ToMilliseconds(actuator.after));
-  return actuator.trouble.empty() ? "does not say that it has stopped" : actuator.trouble;
+  return actuator.trouble.empty() ? "does not say that it has stopped"
+                                  : Printable(actuator.trouble);
 }
 
 std::string Summary(const EstopReport& report) {
@@ -68,13 +70,15 @@ std::string EstopComplaint(const EstopReport& report) {
   return complaint;
 }
 
-std::string ReleaseText(const msg::MachineStatus& machine, bool colour) {
+std::string ReleaseText(const msg::MachineStatus& told, bool colour) {
+  const msg::MachineStatus machine = Printable(told);
   return "the emergency stop is released; no state was changed by that\n" + machine.machine +
          " is in " + Paint(machine.state, StyleOfState(machine.state), colour) + " (" +
          machine.phase + "); " + NextStep(machine) + '\n';
 }
 
-std::string RestartText(const msg::ActuatorInfo& actuator, bool colour) {
+std::string RestartText(const msg::ActuatorInfo& told, bool colour) {
+  const msg::ActuatorInfo actuator = Printable(told);
   return actuator.name + " is back in " +
          Paint(actuator.state, StyleOfState(actuator.state), colour) +
          fmt::format(", process {}\n", actuator.pid);

@@ -32,8 +32,9 @@ std::string Below(const std::string& data) {
 std::string HistoryText(const std::vector<msg::HistoryEntry>& entries, bool colour) {
   std::string text;
   for (const msg::HistoryEntry& e : entries) {
-    text += Paint(LocalText(e.wall_ns), Style::kDim, colour) + fmt::format("  {:<9}", e.kind) +
-            Sentence(e.message, e.code, colour) + '\n' + Below(e.data);
+    text += Paint(LocalText(e.wall_ns), Style::kDim, colour) +
+            fmt::format("  {:<9}", Printable(e.kind)) + Sentence(e.message, e.code, colour) + '\n' +
+            Below(e.data);
   }
   return text;
 }
@@ -43,8 +44,8 @@ std::string WhyText(const Why& why, bool colour) {
   const std::string number =
       went.switch_number == 0 ? "" : fmt::format(" (switch {})", went.switch_number);
   std::string text = Paint(LocalText(went.wall_ns), Style::kDim, colour) +
-                     "  the machine went to " + Paint(why.state, StyleOfState(why.state), colour) +
-                     number + '\n';
+                     "  the machine went to " +
+                     Paint(Printable(why.state), StyleOfState(why.state), colour) + number + '\n';
   for (std::size_t i = 1; i < why.chain.size(); ++i) {
     const msg::HistoryEntry& e = why.chain[i];
     text += Paint(LocalText(e.wall_ns), Style::kDim, colour) + "    because " +

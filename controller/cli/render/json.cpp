@@ -204,6 +204,18 @@ std::string BadConfigJson(const std::string& file, const std::vector<Diagnostic>
                {"diagnostics", Of(diagnostics)}});
 }
 
+std::string KeysJson(const std::string& folder,
+                     const std::vector<transport::keys::Identity>& identities) {
+  Json all = Json::object();
+  for (const transport::keys::Identity& identity : identities) {
+    all[identity.name] = {{"role", identity.role ? Json(RoleName(*identity.role)) : Json()},
+                          {"valid_until", transport::keys::IsoTime(identity.not_after)},
+                          {"revoked", identity.revoked},
+                          {"has_key", identity.has_key}};
+  }
+  return Text({{"folder", folder}, {"identities", all}});
+}
+
 std::string GraphJson(const std::string& format, const std::string& drawing) {
   return Text({{"format", format}, {"graph", drawing}});
 }

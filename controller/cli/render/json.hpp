@@ -12,6 +12,7 @@
 #include "musher/controller/recording/replay.hpp"
 #include "musher/lifecycle/diagnostic.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/transport/keys/authority.hpp"
 
 namespace musher::cli {
 
@@ -27,6 +28,8 @@ std::string ReplayJson(const recording::ReplayReport& report, const std::string&
 std::string CheckJson(const std::vector<Diagnostic>& diagnostics);
 // What a command says that cannot go on with a config.
 std::string BadConfigJson(const std::string& file, const std::vector<Diagnostic>& diagnostics);
+std::string KeysJson(const std::string& folder,
+                     const std::vector<transport::keys::Identity>& identities);
 std::string GraphJson(const std::string& format, const std::string& drawing);
 std::string GraphFileJson(const std::string& format, const std::string& file);
 std::string ProgressJson(const Progress& progress);  // a line of `up --json`

@@ -17,7 +17,8 @@ std::string LineText(const recording::ReplayLine& line, bool colour) {
                                                 : Style::kBad;
   const std::string code = e.code == kCodeOk ? "" : " (" + CodeText(e.code) + ")";
   return Paint(mark, style, colour) + Paint(LocalText(e.wall_ns), Style::kDim, colour) +
-         fmt::format("  {:<9}", e.kind) + Paint(Printable(e.message) + code, style, colour) + '\n';
+         fmt::format("  {:<9}", Printable(e.kind)) +
+         Paint(Printable(e.message) + code, style, colour) + '\n';
 }
 
 std::string Count(std::size_t count, const char* what) {
@@ -41,8 +42,8 @@ std::string ReplayText(const recording::ReplayReport& report, bool colour) {
   }
   tell_input();
   if (report.other_config) {
-    text += "the machine ended in " + report.recorded_state + ", with the other config in " +
-            report.replayed_state + '\n';
+    text += "the machine ended in " + Printable(report.recorded_state) +
+            ", with the other config in " + Printable(report.replayed_state) + '\n';
   }
   if (report.not_replayed > 0) {
     text += Count(report.not_replayed, "input") + " before the first snapshot left out\n";

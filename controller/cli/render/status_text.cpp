@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "musher/controller/cli/render/printable.hpp"
 #include "musher/controller/cli/render/table.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/wall_time.hpp"
@@ -34,8 +35,8 @@ std::string RestartsOf(const msg::ActuatorInfo& a) {
 
 // What is wrong with it, beginning with its health.
 std::string TroubleOf(const msg::ActuatorInfo& a) {
-  if (!a.degraded) return IsWell(a) ? Printable(a.message) : a.health;
-  const std::string why = Printable(a.message) + " (" + CodeText(a.code) + ")";
+  if (!a.degraded) return IsWell(a) ? a.message : a.health;
+  const std::string why = a.message + " (" + CodeText(a.code) + ")";
   if (IsWell(a)) return "degraded: " + why;
   return a.message.starts_with(a.health) ? why : a.health + ": " + why;
 }
@@ -70,8 +71,8 @@ std::vector<std::string> DegradedOf(const msg::MachineStatus& status) {
 
 std::string EmergencyStopOf(const msg::MachineStatus& status) {
   std::string text = "EMERGENCY STOP";
-  if (!status.emergency_stop_by.empty()) text += " by " + Printable(status.emergency_stop_by);
-  if (!status.emergency_stop_reason.empty()) text += ": " + Printable(status.emergency_stop_reason);
+  if (!status.emergency_stop_by.empty()) text += " by " + status.emergency_stop_by;
+  if (!status.emergency_stop_reason.empty()) text += ": " + status.emergency_stop_reason;
   return text;
 }
 
@@ -88,7 +89,8 @@ Style StyleOfState(std::string_view state) {
   return Style::kBusy;
 }
 
-std::string StatusText(const msg::MachineStatus& status, bool colour) {
+std::string StatusText(const msg::MachineStatus& told, bool colour) {
+  const msg::MachineStatus status = Printable(told);
   std::string text = Paint(status.machine, Style::kBold, colour) + "  " +
                      Paint(status.state, StyleOfState(status.state), colour);
   if (!status.target.empty()) text += Paint(" \u2192 " + status.target, Style::kBusy, colour);
@@ -117,7 +119,8 @@ std::string StatusText(const msg::MachineStatus& status, bool colour) {
   return text + table.Text(colour);
 }
 
-std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns) {
+std::string StatusLine(const msg::MachineStatus& told, std::int64_t wall_ns) {
+  const msg::MachineStatus status = Printable(told);
   std::string line = LocalTime(wall_ns) + "  " + status.machine + "  " + status.state;
   if (!status.target.empty()) line += " \u2192 " + status.target;
   line += fmt::format("  ({}, switch {})", status.phase, status.switch_number);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <climits>
 
+#include "musher/controller/cli/render/printable.hpp"
 #include "musher/controller/cli/render/table.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/lifecycle/code.hpp"
@@ -17,13 +18,14 @@ Style StyleOfOutcome(std::string_view outcome) {
 }
 
 std::string WithCode(const std::string& message, std::int32_t code) {
-  if (code == kCodeOk) return Printable(message);
-  return Printable(message) + (message.empty() ? "" : " ") + "(" + CodeText(code) + ")";
+  if (code == kCodeOk) return message;
+  return message + (message.empty() ? "" : " ") + "(" + CodeText(code) + ")";
 }
 
 }  // namespace
 
-std::string SwitchText(const msg::SetState::Response& result, bool colour) {
+std::string SwitchText(const msg::SetState::Response& told, bool colour) {
+  const msg::SetState::Response result = Printable(told);
   std::string text = Paint(result.outcome, StyleOfOutcome(result.outcome), colour) + ": " +
                      (result.actuator.empty() ? "the machine" : result.actuator) + " is in " +
                      result.state;
@@ -48,7 +50,8 @@ std::string SwitchComplaint(const msg::SetState::Response& result) {
          (result.reason.empty() ? CodeText(result.code) : result.reason);
 }
 
-std::string PlanText(const msg::GetPlan::Response& plan, bool colour) {
+std::string PlanText(const msg::GetPlan::Response& told, bool colour) {
+  const msg::GetPlan::Response plan = Printable(told);
   std::string text = plan.state + " \u2192 " + plan.target;
   if (!plan.actuator.empty()) text = plan.actuator + ": " + text;
   if (!plan.allowed) {
@@ -70,7 +73,7 @@ std::string PlanText(const msg::GetPlan::Response& plan, bool colour) {
                {s.from, StyleOfState(s.from)},
                {driven ? s.to : "", StyleOfState(s.to)},
                {driven ? fmt::format("{} ms", s.deadline_ms) : ""},
-               {Printable(s.note), Style::kDim}});
+               {s.note, Style::kDim}});
   }
   return text + table.Text(colour);
 }

@@ -16,13 +16,14 @@ namespace {
 
 const std::vector<std::string> kCommands = {"check",      "up",      "down",    "status",
                                             "set",        "plan",    "history", "graph",
-                                            "completion", "restart", "estop"};
+                                            "completion", "restart", "estop",   "keys"};
 
 // Every long option that the help of the program and of its commands tells.
 std::set<std::string> AllOptions() {
   std::string help = RunProgram({"--help"}).out;
   for (const std::string& command : kCommands) help += RunProgram({command, "--help"}).out;
-  const std::regex at_begin("(^|\\n)  (-[a-z],)?(--[a-z]+)");
+  for (const char* one : {"init", "add"}) help += RunProgram({"keys", one, "--help"}).out;
+  const std::regex at_begin("(^|\\n)  (-[a-z],)?(--[a-z-]+)");
   std::set<std::string> options;
   for (std::sregex_iterator i(help.begin(), help.end(), at_begin), end; i != end; ++i) {
     options.insert((*i)[3]);
@@ -72,6 +73,8 @@ TEST(CompletionScripts, CompleteInBash) {
   EXPECT_EQ(BashOffers("musher --json plan LowP"), "LowPower |");
   EXPECT_EQ(BashOffers("musher check ''"), "robot.toml |");
   EXPECT_EQ(BashOffers("musher history --lim"), "--limit |");
+  EXPECT_EQ(BashOffers("musher keys a"), "add |");
+  EXPECT_EQ(BashOffers("musher keys add guest --role ob"), "observer |");
   EXPECT_EQ(BashOffers("musher status --transport l"), "local |lan |");
 }
 

@@ -221,6 +221,26 @@ TEST_F(Text, ShowsHistoryAndProgressALineEach) {
             "00:00:00.003  started\n");
 }
 
+TEST_F(Text, DoesNothingToATerminalWhateverNamesAndStatesSay) {
+  constexpr const char* kWindowTitle = "\x1b]0;gone\a";
+  msg::MachineStatus status = RobotStatus();
+  status.machine = status.state = status.target = status.phase = kWindowTitle;
+  status.degraded = {kWindowTitle};
+  status.actuators[0].name = status.actuators[0].state = kWindowTitle;
+  msg::SetState::Response result;
+  result.outcome = result.state = kWindowTitle;
+  msg::GetPlan::Response plan;
+  plan.state = plan.target = plan.direction = kWindowTitle;
+  msg::HistoryEntry entry;
+  entry.kind = kWindowTitle;
+  for (const std::string& text :
+       {StatusText(status, false), StatusLine(status, 0), ReleaseText(status, false),
+        RestartText(status.actuators[0], false), SwitchText(result, false), PlanText(plan, false),
+        HistoryText({entry}, false)}) {
+    EXPECT_EQ(text.find_first_of("\x1b\a"), std::string::npos) << text;
+  }
+}
+
 TEST_F(Text, CountsWhatAConfigHas) {
   EXPECT_EQ(ConfigSummary(RobotConfig()), "2 actuators, 6 states, 2 stages");
   MachineConfig one = RobotConfig();

@@ -55,5 +55,15 @@ TEST_F(WallTime, IsRefusedWhenItIsNone) {
   }
 }
 
+TEST_F(WallTime, IsRefusedWhenNanosecondsDoNotReachSoFar) {
+  for (const char* far : {"0226-03-01", "9999-12-31T23:59:59Z", "2300-01-01T00:00+01:00"}) {
+    EXPECT_EQ(Since(far), -1) << far;
+  }
+}
+
+TEST_F(WallTime, Before1970IsWrittenAsItIsRead) {
+  EXPECT_EQ(UtcText(Since("1969-12-31T23:59:58.750Z")), "1969-12-31T23:59:58.750Z");
+}
+
 }  // namespace
 }  // namespace musher::cli

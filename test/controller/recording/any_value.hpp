@@ -28,10 +28,12 @@ requires(std::is_enum_v<T>) void MakeAny(T& value) {
   value = static_cast<T>(*rc::gen::inRange<std::size_t>(0, kValueNames<T>.size()));
 }
 inline void MakeAny(Duration& value) {
-  value = Duration(*rc::gen::arbitrary<std::int64_t>());
+  value = Duration(*rc::gen::inRange(-kFarthestNs, kFarthestNs + 1));
 }
 inline void MakeAny(Time& value) {
-  value = Time(Duration(*rc::gen::arbitrary<std::int64_t>()));
+  Duration since{};
+  MakeAny(since);
+  value = Time(since);
 }
 template <Struct T>
 void MakeAny(T& value);

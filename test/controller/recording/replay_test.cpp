@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <functional>
+
 #include "musher/lifecycle/config_toml.hpp"
 #include "musher/test/controller/recorded_robot.hpp"
 
@@ -154,6 +156,38 @@ TEST(Replay, RefusesAnEventOfAnActuatorThatIsNotThere) {
   const auto report = Replay(rows, {});
   ASSERT_FALSE(report);
   EXPECT_THAT(report.error().message, HasSubstr("names an actuator that is not there"));
+}
+
+TEST(Replay, GoesOnWithNoSnapshotThatContradictsItself) {
+  const auto take_over = [](const std::function<void(Machine&)>& change) {
+    auto rows = Rows();
+    rows.erase(rows.begin() + 20);  // it has to start at a snapshot again
+    for (JournalRow& row : rows) {
+      auto* snapshot = InputOf<SnapshotPtr>(row);
+      if (snapshot == nullptr) continue;
+      Snapshot other = **snapshot;
+      change(other.machine);
+      *snapshot = std::make_shared<const Snapshot>(std::move(other));
+    }
+    return Replayed(rows).notes;
+  };
+  const auto refused = ::testing::Contains("a snapshot does not belong to the config");
+  const auto with_switch = [](const std::function<void(Switch&)>& change) {
+    return [change](Machine& machine) { change(machine.current.emplace()); };
+  };
+  EXPECT_THAT(take_over([](Machine&) {}), ::testing::Not(refused));
+  EXPECT_THAT(take_over([](Machine& machine) { machine.actuators.pop_back(); }), refused);
+  EXPECT_THAT(take_over(with_switch([](Switch& s) { s.only = 3; })), refused);
+  EXPECT_THAT(take_over(with_switch([](Switch& s) { s.legs.emplace_back().actuator = 3; })),
+              refused);
+  EXPECT_THAT(take_over(with_switch([](Switch& s) { s.back.emplace_back().needs = {3}; })),
+              refused);
+  EXPECT_THAT(take_over([](Machine& machine) { machine.phase = Phase::kStopping; }), refused);
+  EXPECT_THAT(take_over([](Machine& machine) {
+                machine.current.reset();
+                machine.stopping.emplace();
+              }),
+              refused);
 }
 
 }  // namespace

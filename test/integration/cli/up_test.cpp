@@ -10,6 +10,7 @@ namespace musher::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Up : public MachineByCli {};
 
@@ -140,6 +141,25 @@ TEST_F(Up, SaysThatItsControllerHasDied) {
   const Ended ended = up.Wait();
   EXPECT_EQ(ended.exit, 1);
   EXPECT_THAT(ended.err, HasSubstr("the controller of robot has died (killed by signal 9"));
+}
+
+TEST_F(Up, EndsATearDownThatItsForerunnerDiedInAndStaysUntilAllAreGone) {
+  for (const char* slow : {"legs", "voice"}) {
+    Does(slow, "[state.TearDown]\nrun = [\"sleep\", \"2\"]\n");
+  }
+  Process first(Command({"up", config_}));
+  ASSERT_NE(first.LineWith("eyes: Active done"), "");
+  const pid_t controller = Status()["pid"];
+  first.Signal(SIGINT);
+  ASSERT_NE(first.LineWith("eyes: TearDown done"), "");
+  kill(controller, SIGKILL);
+  ASSERT_EQ(first.Wait().exit, 1);
+  const Ended second = Musher({"up", config_});
+  EXPECT_EQ(second.exit, 1);
+  EXPECT_THAT(second.out, HasSubstr("in the middle of TearDown; that is ended"));
+  EXPECT_THAT(second.out, HasSubstr("the machine is stopped"));
+  EXPECT_THAT(second.err, Not(HasSubstr("stay up for inspection")));
+  EXPECT_TRUE(AwaitNoChildren());
 }
 
 TEST_F(Up, FindsProgramsBesideItself) {

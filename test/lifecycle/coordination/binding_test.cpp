@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
 namespace musher::testing {
@@ -47,6 +48,17 @@ TEST_F(Binding, SaysWhyOneRests) {
   EXPECT_EQ(t.StateOf("b"), "DeActive");
   EXPECT_EQ(t.RecordOf("b").fault->message, "it rests: a, which it is bound to, is not up");
   EXPECT_EQ(t.StateOf("c"), "Active");
+}
+
+TEST_F(Binding, OneWithoutDeActiveRestsInLowPower) {
+  MachineConfig config = Bound();
+  ActuatorConfig& b = ActuatorNamed(config, "b");
+  std::erase(b.states, State(kDeActive));
+  b.times.resize(b.states.size());
+  Theatre& t = In("Active", config);
+  t.Crash("a");
+  t.RunFor(Milliseconds(50));
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
 }
 
 TEST_F(Binding, IsHandedOnAlongAChain) {
@@ -168,6 +180,18 @@ TEST_F(Binding, HoldsAtAStartToo) {
   EXPECT_TRUE(t.usable());
   EXPECT_NE(t.StateOf("b"), "Active");
   EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("it rests: a"));
+}
+
+using BoundPair = OneController;
+
+TEST_F(BoundPair, NobodyRestsBecauseOfItself) {
+  config_.actuators[0].binds_to = {"b"};
+  config_.actuators[1].binds_to = {"a"};
+  StartUp();
+  Of(0).given_up = true;
+  Do(event::TimePassed{});
+  EXPECT_FALSE(Of(0).parked);
+  EXPECT_TRUE(Of(1).parked);
 }
 
 }  // namespace

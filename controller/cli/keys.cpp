@@ -1,0 +1,173 @@
+// musher keys init|add|revoke|list: who is let into a machine that has [security]. Never shows what
+// is secret. Touches no network.
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/config_file.hpp"
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/table.hpp"
+#include "musher/controller/cli/wall_time.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/keys/authority.hpp"
+
+namespace musher::cli {
+namespace {
+
+using transport::keys::Identity;
+using transport::keys::IssueOptions;
+using transport::keys::KeyFolder;
+using transport::keys::Protection;
+using transport::keys::Role;
+
+constexpr const char* kOperator = "operator";
+
+ExitCode Fail(Console& console, const Error& error) {
+  return console.Fail({ExitCode::kUsage, error});
+}
+
+// The folder of --keys, or why there is none.
+Result<KeyFolder> ChosenFolder(const GlobalOptions& global) {
+  if (global.keys.empty()) {
+    return Error{kCodeParametersInvalid, "which keys? --keys FOLDER or $MUSHER_KEYS says it"};
+  }
+  return KeyFolder(std::filesystem::absolute(global.keys).lexically_normal());
+}
+
+// Where keys are to be made, and whose.
+struct Plan {
+  KeyFolder folder{""};
+  std::vector<std::pair<std::string, Role>> identities = {
+      {transport::kControllerIdentity, Role::kController}, {kOperator, Role::kOperator}};
+};
+
+// Of a config, or of a folder that may not be there yet. nullopt: all is said.
+std::optional<Plan> PlanFor(const std::string& where, Console& console) {
+  Plan plan;
+  if (std::filesystem::path(where).extension() != ".toml") {
+    plan.folder = KeyFolder(std::filesystem::absolute(where).lexically_normal());
+    return plan;
+  }
+  const auto config = LoadConfig(where, console);
+  if (!config) return std::nullopt;
+  if (config->keys.empty()) {
+    Fail(console, {kCodeParametersInvalid,
+                   where + " does not say where its keys are to be; add to it: [security] keys = "
+                           "\"keys\""});
+    return std::nullopt;
+  }
+  plan.folder = KeyFolder(config->keys);
+  for (const ActuatorConfig& actuator : config->actuators) {
+    for (const auto& [name, role] : plan.identities) {
+      if (name != actuator.name) continue;
+      Fail(console, {kCodeParametersInvalid, "an actuator cannot have the name '" + name +
+                                                 "' of an identity that every machine has"});
+      return std::nullopt;
+    }
+  }
+  for (const ActuatorConfig& actuator : config->actuators) {
+    plan.identities.emplace_back(actuator.name, Role::kActuator);
+  }
+  return plan;
+}
+
+std::string RoleText(const Identity& identity) {
+  return identity.role ? std::string(RoleName(*identity.role)) : "?";
+}
+
+std::string NoteOf(const Identity& identity, std::int64_t now_ns) {
+  if (identity.revoked) return "revoked";
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const std::int64_t left_s = identity.not_after.time_since_epoch().count() - now_ns / kSecond;
+  if (left_s <= 0) return "expired";
+  constexpr std::int64_t kDay = 86'400;
+  if (left_s < 30 * kDay) return fmt::format("expires in {} days", left_s / kDay);
+  return identity.has_key ? "" : "its key is not here";
+}
+
+// What was done; with --json, who there is by now.
+ExitCode Done(Console& console, const KeyFolder& folder, const std::string& text) {
+  if (!console.mode().json) {
+    console.Print(text);
+    return ExitCode::kDone;
+  }
+  const auto identities = List(folder);
+  if (!identities) return Fail(console, identities.error());
+  console.Print(KeysJson(folder.path(), identities.value()));
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+ExitCode KeysInit(const KeysInitOptions& options, Console& console) {
+  const auto plan = PlanFor(options.where, console);
+  if (!plan) return ExitCode::kUsage;
+  const Protection protection = options.signed_only ? Protection::kSigned : Protection::kEncrypted;
+  if (auto made = CreateAuthority(plan->folder, protection, options.force); !made) {
+    return Fail(console, made.error());
+  }
+  for (const auto& [name, role] : plan->identities) {
+    const IssueOptions issue{options.days, options.force};
+    if (auto made = Issue(plan->folder, name, role, issue); !made) {
+      return Fail(console, made.error());
+    }
+  }
+  const std::string& path = plan->folder.path();
+  return Done(console, plan->folder,
+              fmt::format("{0}: {1} identities\n"
+                          "Take {2} off the robot: who has it can let anybody in.\n"
+                          "For the other commands: export MUSHER_KEYS={0}",
+                          path, plan->identities.size(), plan->folder.CaFolder()));
+}
+
+ExitCode KeysAdd(const KeysAddOptions& options, const GlobalOptions& global, Console& console) {
+  const auto folder = ChosenFolder(global);
+  if (!folder) return Fail(console, folder.error());
+  const Role role = transport::keys::RoleFrom(options.role).value();
+  const IssueOptions issue{options.days, options.force};
+  if (auto made = Issue(folder.value(), options.name, role, issue); !made) {
+    return Fail(console, made.error());
+  }
+  return Done(
+      console, folder.value(),
+      fmt::format("{0} may come as {1}. It needs, in a folder of its own, {0}.key, {0}.cert, "
+                  "{0}.permissions,\n"
+                  "identity_ca.cert, permissions_ca.cert, governance.p7s and revoked.crl of {2}.",
+                  options.name, options.role, folder.value().path()));
+}
+
+ExitCode KeysRevoke(const KeysRevokeOptions& options, const GlobalOptions& global,
+                    Console& console) {
+  const auto folder = ChosenFolder(global);
+  if (!folder) return Fail(console, folder.error());
+  if (auto revoked = Revoke(folder.value(), options.name); !revoked) {
+    return Fail(console, revoked.error());
+  }
+  return Done(
+      console, folder.value(),
+      fmt::format(
+          "{0} is revoked by {1}. Processes read that file when they start: copy it into the "
+          "folder\n"
+          "of keys on every host, then `musher down` and `musher up`. Until then {0} is let in.",
+          options.name, folder.value().Revocations()));
+}
+
+ExitCode KeysList(const GlobalOptions& global, Console& console) {
+  const auto folder = ChosenFolder(global);
+  if (!folder) return Fail(console, folder.error());
+  const auto identities = List(folder.value());
+  if (!identities) return Fail(console, identities.error());
+  const std::int64_t now = WallNow();
+  Table table({"NAME", "ROLE", "VALID UNTIL", "NOTE"});
+  for (const Identity& identity : identities.value()) {
+    table.Add({{identity.name},
+               {RoleText(identity)},
+               {transport::keys::IsoTime(identity.not_after)},
+               {NoteOf(identity, now), identity.revoked ? Style::kBad : Style::kPlain}});
+  }
+  return Done(console, folder.value(), table.Text(console.mode().colour));
+}
+
+}  // namespace musher::cli

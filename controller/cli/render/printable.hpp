@@ -1,0 +1,33 @@
+#pragma once
+// Messages as they may be shown on a terminal: not only sentences, names and states, too, are what
+// somebody has sent.
+
+#include <ranges>
+#include <string>
+#include <tuple>
+#include <type_traits>
+
+#include "musher/controller/cli/console.hpp"
+#include "musher/messages/cdr.hpp"
+
+namespace musher::cli {
+
+template <class T>
+void MakePrintable(T& value) {
+  if constexpr (std::is_same_v<T, std::string>) {
+    value = Printable(value);
+  } else if constexpr (msg::Fielded<T>) {
+    std::apply([](auto&... field) { (MakePrintable(field), ...); }, T::Fields(value));
+  } else if constexpr (std::ranges::range<T>) {
+    for (auto& item : value) MakePrintable(item);
+  }
+}
+
+// The message with every text in it Printable().
+template <msg::Fielded M>
+M Printable(M message) {
+  MakePrintable(message);
+  return message;
+}
+
+}  // namespace musher::cli

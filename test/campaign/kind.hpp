@@ -1,0 +1,31 @@
+#pragma once
+// A kind of fault: how a robot is hurt, and what has to come of it.
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/test/campaign/trial.hpp"
+
+namespace musher::campaign {
+
+// What a kind needs from the machine it runs on.
+enum class Need { kNothing, kMounts, kNetwork };
+
+struct Kind {
+  std::string name;
+  std::string family;  // the folder it is in
+  std::string about;   // what is done, in a few words
+  std::function<void(Trial&)> strike;
+  Shape shape = Shape::kHere;
+  Need need = Need::kNothing;
+  std::string known_fault = {};  // why it fails today; it runs only when it is named
+};
+
+// All kinds, by family.
+const std::vector<Kind>& AllKinds();
+// Null when there is none of this name.
+const Kind* FindKind(const std::string& name);
+
+}  // namespace musher::campaign

@@ -1,0 +1,155 @@
+#include "musher/test/campaign/kind.hpp"
+
+#include <cctype>
+
+#include "musher/test/campaign/faults/callback.hpp"
+#include "musher/test/campaign/faults/controller.hpp"
+#include "musher/test/campaign/faults/network.hpp"
+#include "musher/test/campaign/faults/operation.hpp"
+#include "musher/test/campaign/faults/process.hpp"
+#include "musher/test/campaign/faults/resource.hpp"
+
+namespace musher::campaign {
+namespace {
+
+void AddProcess(std::vector<Kind>& kinds) {
+  using namespace process;
+  const auto add = [&](const char* name, const char* about, std::function<void(Trial&)> strike) {
+    kinds.push_back({name, "process", about, std::move(strike)});
+  };
+  const auto exits = [](int code) { return [code](Trial& trial) { Exits(trial, code); }; };
+  add("kill", "SIGKILL", Killed);
+  add("kill-several", "SIGKILL of two to five at once", SeveralKilled);
+  add("term", "SIGTERM", Terminated);
+  add("stop-long", "SIGSTOP until it is called hung", StoppedForLong);
+  add("stop-short", "SIGSTOP and SIGCONT within its limit", StoppedShortly);
+  add("exit-0", "ends by itself with exit code 0", exits(0));
+  add("exit-1", "ends by itself with exit code 1", exits(1));
+  add("exit-77", "ends by itself with exit code 77", exits(77));
+  add("abort", "calls abort()", Aborts);
+  add("segfault", "a segmentation fault", Segfaults);
+  add("crash-loop", "dies in each SetUp until it is given up", CrashesAgainAndAgain);
+  add("wrapped-kill", "SIGKILL of the program in a musher-exec", WrappedProgramKilled);
+}
+
+// "hang-self-check" for SelfCheck.
+std::string Hyphenated(const std::string& prefix, const std::string& state) {
+  std::string name = prefix;
+  for (const char c : state) {
+    if (std::isupper(static_cast<unsigned char>(c))) name += '-';
+    name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return name;
+}
+
+void AddCallback(std::vector<Kind>& kinds) {
+  using namespace callback;
+  for (const std::string state : kStates) {
+    kinds.push_back({Hyphenated("hang", state), "callback",
+                     "the callback of " + state + " does not come back",
+                     [state](Trial& trial) { Hangs(trial, state); }});
+  }
+  for (const std::string state : kStates) {
+    kinds.push_back({Hyphenated("fail", state), "callback", "the callback of " + state + " fails",
+                     [state](Trial& trial) { Fails(trial, state); }});
+  }
+  kinds.push_back(
+      {"silent-thread", "callback", "the cycle gives no more checkpoints", ThreadIsSilent});
+}
+
+void AddResource(std::vector<Kind>& kinds) {
+  using namespace resource;
+  const auto add = [&](const char* name, const char* about, std::function<void(Trial&)> strike,
+                       Need need = Need::kNothing) {
+    kinds.push_back({name, "resource", about, std::move(strike), Shape::kHere, need});
+  };
+  add("cpu-busy", "others keep all cores busy", CoresAreBusy);
+  add("memory-limit", "a module asks for more memory than it may have", MemoryIsLimited);
+  add("disk-full", "the disk of the state folder is full", DiskIsFull, Need::kMounts);
+  add("file-size-limit", "RLIMIT_FSIZE of the controller", FileSizeIsLimited);
+  add("files-limit", "RLIMIT_NOFILE of the controller, and a crash", FilesAreLimited);
+  add("state-vanished", "the state folder is removed", StateFolderVanishes);
+  add("state-read-only", "a controller starts on a read-only disk", StateFolderIsReadOnly,
+      Need::kMounts);
+}
+
+void AddController(std::vector<Kind>& kinds) {
+  using namespace controller;
+  const auto add = [&](const char* name, const char* about, std::function<void(Trial&)> strike) {
+    kinds.push_back({name, "controller", about, std::move(strike)});
+  };
+  const auto at = [](Moment moment) { return [moment](Trial& trial) { KilledAt(trial, moment); }; };
+  add("controller-kill", "SIGKILL at rest", at(Moment::kAtRest));
+  add("kill-requested", "SIGKILL as a switch is asked for", at(Moment::kRequested));
+  add("kill-commands-out", "SIGKILL as the first actuator begins", at(Moment::kCommandsOut));
+  add("kill-some-replied", "SIGKILL as the first actuator is done", at(Moment::kSomeReplied));
+  add("kill-in-self-check", "SIGKILL in a self-check", at(Moment::kSelfCheck));
+  add("kill-in-rollback", "SIGKILL while a switch is undone", at(Moment::kRollback));
+  add("kill-in-start-up", "SIGKILL while the robot starts", KilledInStartUp);
+  add("kill-in-stop", "SIGKILL while the robot is torn down", KilledInStop);
+  add("freeze-short", "SIGSTOP and SIGCONT, soon", FrozenShortly);
+  add("freeze-long", "the same, later than actuators wait", FrozenForLong);
+  add("second-refused", "a second controller", SecondIsRefused);
+  add("takeover", "a second controller with --takeover", TakenOver);
+  add("takeover-frozen", "the same beside one that is stopped", TakenOverFrozen);
+  add("takeover-in-switch", "the same in the middle of a switch", TakenOverInSwitch);
+  add("stop-in-switch", "SIGTERM in the middle of a switch", StoppedInSwitch);
+}
+
+void AddOperation(std::vector<Kind>& kinds) {
+  using namespace operation;
+  const auto add = [&](const char* name, const char* about, std::function<void(Trial&)> strike) {
+    kinds.push_back({name, "operation", about, std::move(strike)});
+  };
+  add("estop", "an emergency stop at rest", EmergencyStopAtRest);
+  add("estop-in-switch", "an emergency stop in a switch up", EmergencyStopInSwitch);
+  add("supersede", "Error over a switch that is under way", Superseded);
+  add("many-calls", "four switches are asked for at once", ManyCalls);
+}
+
+void AddNetwork(std::vector<Kind>& kinds) {
+  using namespace network;
+  const auto add = [&](const char* name, const char* about, std::function<void(Trial&)> strike) {
+    kinds.push_back({name, "network", about, std::move(strike), Shape::kTwoHosts, Need::kNetwork});
+  };
+  add("loss", "2 to 50 % of packets are lost each way, and a switch", LosesPackets);
+  add("delay", "5 to 100 ms each way, and switches", IsSlow);
+  add("duplicates", "packets come twice, and switches", DoublesPackets);
+  add("reordering", "packets overtake each other, and switches", ReordersPackets);
+  add("partition", "the cable is cut", IsCut);
+  add("one-way-deaf", "the actuators hear nothing, for less than a lease of DDS",
+      [](Trial& trial) { IsDeaf(trial, false); });
+  add("one-way-deaf-long", "the same for longer", [](Trial& trial) { IsDeaf(trial, true); });
+  kinds.back().known_fault = "Cyclone does not match the two sides anew";
+  add("one-way-mute", "the actuators are not heard", IsMute);
+  add("partition-in-switch", "the cable is cut in the middle of a switch", IsCutInSwitch);
+  add("link-down", "an interface goes down and up", LinkGoesDown);
+  add("stop-without-link", "the robot is taken down while an interface is down",
+      StoppedWithoutLink);
+  add("far-kill", "SIGKILL on the other host", KilledFarAway);
+}
+
+}  // namespace
+
+const std::vector<Kind>& AllKinds() {
+  static const std::vector<Kind> kinds = [] {
+    std::vector<Kind> all;
+    AddProcess(all);
+    AddCallback(all);
+    AddResource(all);
+    AddController(all);
+    AddOperation(all);
+    AddNetwork(all);
+    return all;
+  }();
+  return kinds;
+}
+
+const Kind* FindKind(const std::string& name) {
+  for (const Kind& kind : AllKinds()) {
+    if (kind.name == name) return &kind;
+  }
+  return nullptr;
+}
+
+}  // namespace musher::campaign

@@ -1,0 +1,140 @@
+// musher simulate: configs without a flaw, and with one that was planted.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "musher/test/controller/cli/program.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+
+namespace musher::cli {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+// legs are critical; the voice is started again, or given up.
+std::string Robot(const std::string& of_the_voice, const std::string& more = "") {
+  return R"([controller]
+actuators = ["legs", "voice"]
+states = ["SetUp", "TearDown", "SelfCheck", "Active", "Protected", "DeActive", "LowPower", "OTA", "Error"]
+default_time = 1000
+default_state = "Uninitialized"
+
+[actuator.legs]
+states = ["SetUp", "TearDown", "SelfCheck", "Active", "Protected", "DeActive", "LowPower", "OTA", "Error"]
+times = [1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000]
+command = ["legs"]
+critical = true
+
+[actuator.voice]
+states = ["SetUp", "TearDown", "SelfCheck", "Active", "Protected", "DeActive", "LowPower", "OTA", "Error"]
+times = [1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000]
+command = ["voice"]
+restart_limit = 2
+)" + of_the_voice +
+         "\n" + more;
+}
+
+constexpr const char* kProvided = "on_lost = \"Active\"";
+
+class Simulating : public ::testing::Test {
+ protected:
+  std::string Config(const std::string& text) const {
+    std::ofstream(folder_ / "robot.toml") << text;
+    return folder_ / "robot.toml";
+  }
+  std::string Read(const std::string& file) const {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(Simulating, ARobotWithoutAFlawEndsEveryStoryWell) {
+  const Ran ran = RunProgram({"simulate", Config(Robot(kProvided)), "--seeds", "300"});
+  EXPECT_EQ(ran.exit, 0) << ran.out;
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 300 stories"), Not(HasSubstr("BROKEN")),
+                             HasSubstr("controller-crash"), HasSubstr("Every story ends well.")));
+}
+
+TEST_F(Simulating, ARestartLimitWithoutOnLostIsFoundAndToldInTheFewestCrashes) {
+  const std::string config = Config(Robot(""));
+  const Ran ran = RunProgram({"simulate", config, "--seeds", "300", "--json"});
+  EXPECT_EQ(ran.exit, 1);
+  const auto json = nlohmann::json::parse(ran.out);
+  EXPECT_FALSE(json["good"]);
+  const auto& story = json["shortest_bad_story"];
+  EXPECT_THAT(story["text"].get<std::string>(),
+              AllOf(HasSubstr("⚡"), HasSubstr("without voice, which"),
+                    HasSubstr("it has no on_lost (\"Active\" if the machine may do without it)")));
+  EXPECT_LE(story["only"].size(), 3U);  // no more than the crashes that two restarts take
+}
+
+TEST_F(Simulating, AFlowWithNoWayBackFromOtaIsFoundAndDrawn) {
+  const std::string config = Config(Robot(kProvided, R"(
+[[transition]]
+from = ["Active", "Protected", "DeActive", "LowPower"]
+to = ["Active", "Protected", "DeActive", "LowPower", "OTA"]
+)"));
+  const std::string svg = folder_ / "story.svg";
+  const Ran ran = RunProgram({"simulate", config, "--seeds", "100", "--svg", svg});
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.out, HasSubstr("the machine is in OTA, from where no switch leads to Active"));
+  EXPECT_THAT(Read(svg), AllOf(StartsWith("<svg"), HasSubstr("a person asks for OTA"),
+                               HasSubstr("from where no switch leads to Active")));
+}
+
+TEST_F(Simulating, AFlowThatForbidsTheFallToOnLostIsFound) {
+  const std::string config = Config(Robot(kProvided, R"(
+[[transition]]
+from = ["Active", "LowPower", "Protected", "OTA", "DeActive"]
+to = ["Active", "LowPower"]
+)"));
+  const Ran ran = RunProgram({"simulate", config, "--seeds", "300"});
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.out, HasSubstr("without legs, whose on_lost is Protected"));
+}
+
+TEST_F(Simulating, TheCommandItPrintsTellsTheSameStoryAgain) {
+  const std::string config = Config(Robot(""));
+  const auto report =
+      nlohmann::json::parse(RunProgram({"simulate", config, "--seeds", "300", "--json"}).out);
+  const auto& story = report["shortest_bad_story"];
+  std::string only;
+  for (const auto& number : story["only"]) {
+    only += (only.empty() ? "" : ",") + std::to_string(number.get<int>());
+  }
+  const Ran told = RunProgram(
+      {"simulate", config, "--seed", std::to_string(story["seed"].get<int>()), "--only", only});
+  EXPECT_EQ(told.exit, 1);
+  EXPECT_THAT(told.out, StartsWith(story["text"].get<std::string>()));
+}
+
+TEST_F(Simulating, WrongInputIsNamedAndNothingIsLived) {
+  const std::string config = Config(Robot(kProvided));
+  const auto complaint = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"simulate", config});
+    const Ran ran = RunProgram(arguments);
+    EXPECT_EQ(ran.exit, 2);
+    EXPECT_EQ(ran.out, "");
+    return ran.err;
+  };
+  EXPECT_THAT(complaint({"--seeds", "0"}), HasSubstr("--seeds"));
+  EXPECT_THAT(complaint({"--seeds", "many"}), HasSubstr("--seeds"));
+  EXPECT_THAT(complaint({"--only", "3"}), HasSubstr("--only needs --seed"));
+  EXPECT_THAT(complaint({"--seed", "1", "--only", "3,x"}),
+              HasSubstr("'3,x' is no list of numbers"));
+  EXPECT_THAT(complaint({"--seed", "1", "--only", "99"}), HasSubstr("and no 99"));
+  EXPECT_THAT(complaint({"--home", "Actve"}), HasSubstr("did you mean 'Active'?"));
+  EXPECT_THAT(complaint({"--bound", "-1"}), HasSubstr("--bound"));
+}
+
+}  // namespace
+}  // namespace musher::cli

@@ -1,0 +1,73 @@
+// The state config, as a person writes it: it is judged without a crash, what is said about it is
+// said about a place in it, and what is accepted can be worked with.
+
+#include "musher/lifecycle/config_toml.hpp"
+
+#include <algorithm>
+
+#include "musher/lifecycle/coordinator.hpp"
+#include "musher/test/fuzz/fuzz.hpp"
+
+namespace musher {
+namespace {
+
+using fuzz::Require;
+
+void RequireLocated(const Diagnostic& diagnostic, std::string_view text) {
+  const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
+  Require(diagnostic.line >= 0 && diagnostic.line <= lines, "a diagnostic is inside the file");
+  Require((diagnostic.line == 0) == (diagnostic.column == 0), "a place has a line and a column");
+  Require(!diagnostic.message.empty(), "a diagnostic says something");
+}
+
+void RequireConsistent(const MachineConfig& config) {
+  Require(!config.actuators.empty(), "a machine has actuators");
+  for (std::size_t i = 0; i < config.actuators.size(); ++i) {
+    const ActuatorConfig& actuator = config.actuators[i];
+    Require(config.IndexOf(actuator.name) == i, "names of actuators are unique");
+    Require(actuator.states.size() == actuator.times.size(), "each state has its time");
+    for (const State& state : actuator.states) {
+      Require(config.HasState(state), "an actuator's states are the machine's");
+      Require(config.TimeFor(i, state) > Duration::zero(), "times are positive");
+    }
+    for (const std::string& other : actuator.after) {
+      Require(config.IndexOf(other).has_value(), "`after` names an actuator");
+    }
+    for (const std::string& other : actuator.binds_to) {
+      Require(config.IndexOf(other).has_value(), "`binds_to` names an actuator");
+    }
+  }
+}
+
+// A plan of every switch, and the beginning of a start.
+void RequireUsable(const MachineConfig& config) {
+  Machine machine = MakeMachine(config);
+  for (const State& state : config.states) {
+    const Plan plan = MakePlan(config, machine, state);
+    Require(plan.refusal || !plan.steps.empty() || config.actuators.empty(), "a plan has steps");
+  }
+  const Time now(std::chrono::hours(1));
+  Step(config, machine, event::Begin{false, 0, std::vector<bool>(config.actuators.size()), "here"},
+       now);
+  const auto deadline = NextDeadline(config, machine);
+  Require(!deadline || *deadline > now, "no deadline is in the past");
+}
+
+}  // namespace
+}  // namespace musher
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace musher;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const ConfigReading reading = ReadConfigText(text, "/robots/sled.toml");
+  for (const Diagnostic& diagnostic : reading.diagnostics) RequireLocated(diagnostic, text);
+  fuzz::Require(reading.config.has_value() != HasError(reading.diagnostics),
+                "there is a config, or an error says why not");
+  const ConfigReading again = ReadConfigText(text, "/robots/sled.toml");
+  fuzz::Require(again.config == reading.config && again.diagnostics == reading.diagnostics,
+                "the same text is judged the same");
+  if (!reading.config) return 0;
+  RequireConsistent(*reading.config);
+  RequireUsable(*reading.config);
+  return 0;
+}

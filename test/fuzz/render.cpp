@@ -1,0 +1,81 @@
+// What the command line shows of messages that anybody may have sent: a line of JSON that is JSON,
+// and a text that does nothing to a terminal but print.
+
+#include <nlohmann/json.hpp>
+
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/why.hpp"
+#include "musher/test/fuzz/fuzz.hpp"
+
+namespace musher::cli {
+namespace {
+
+using fuzz::Require;
+
+void RequireJson(const std::string& text) {
+  Require(nlohmann::json::accept(text), "JSON is JSON");
+  Require(text.find('\n') == std::string::npos, "a document is on one line");
+}
+
+void RequirePrintable(const std::string& text) {
+  for (const char c : text) {
+    const bool control = (c >= 0 && c < ' ' && c != '\n') || c == 0x7f;
+    Require(!control, "a text has no control characters: " + std::to_string(int{c}));
+  }
+}
+
+template <class M>
+std::optional<M> Take(std::span<const std::byte> bytes) {
+  return msg::Decode<M>(bytes);
+}
+
+void Render(std::uint8_t kind, std::span<const std::byte> bytes) {
+  switch (kind % 5) {
+    case 0:
+      if (const auto status = Take<msg::MachineStatus>(bytes)) {
+        RequireJson(StatusJson(*status));
+        RequireJson(ReleaseJson(*status));
+        RequirePrintable(StatusText(*status, false));
+        RequirePrintable(StatusLine(*status, 0));
+        RequirePrintable(ReleaseText(*status, false));
+      }
+      return;
+    case 1:
+      if (const auto result = Take<msg::SetState::Response>(bytes)) {
+        RequireJson(SwitchJson(*result));
+        RequirePrintable(SwitchText(*result, false));
+      }
+      return;
+    case 2:
+      if (const auto plan = Take<msg::GetPlan::Response>(bytes)) {
+        RequireJson(PlanJson(*plan));
+        RequirePrintable(PlanText(*plan, false));
+      }
+      return;
+    case 3:
+      if (const auto history = Take<msg::GetHistory::Response>(bytes)) {
+        RequireJson(HistoryJson(*history));
+        RequirePrintable(HistoryText(history->entries, false));
+        if (const auto why = FindWhy(history->entries, "Active")) {
+          RequireJson(WhyJson(why.value()));
+          RequirePrintable(WhyText(why.value(), false));
+        }
+      }
+      return;
+    default:
+      if (const auto progress = Take<Progress>(bytes)) {
+        RequireJson(ProgressJson(*progress));
+        RequirePrintable(ProgressText(*progress, false));
+      }
+  }
+}
+
+}  // namespace
+}  // namespace musher::cli
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  musher::cli::Render(data[0], std::as_bytes(std::span(data + 1, size - 1)));
+  return 0;
+}

@@ -1,0 +1,26 @@
+// The small files of a controller's folder, damaged in any way: an epoch is read or refused, a file
+// of an emergency stop means that one is engaged, and what was read can be saved and read again.
+
+#include "musher/controller/state_store.hpp"
+#include "musher/test/fuzz/folder.hpp"
+#include "musher/test/fuzz/fuzz.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace musher;
+  static const fuzz::Folder folder;
+  static auto store = StateStore::Open(folder.path(), "fuzz").value();
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  folder.Write("epoch", text);
+  folder.Write("emergency_stop", text);
+  const auto epoch = store.LoadEpoch();
+  fuzz::Require(epoch.ok() || !epoch.error().message.empty(), "what is damaged is called so");
+  const auto stop = store.LoadEmergencyStop();
+  fuzz::Require(stop && stop->id != 0, "a file that cannot be read means a stop");
+  const fuzz::Folder other;
+  other.Write("controller.lock", text);
+  fuzz::Require(StateStore::OwnerOf(other.path()) >= 0, "an owner is a process");
+  fuzz::Require(store.SaveEmergencyStop(stop).ok(), "what was read can be saved");
+  const auto again = store.LoadEmergencyStop();
+  fuzz::Require(again && again->id == stop->id, "a stop stays the same");
+  return 0;
+}

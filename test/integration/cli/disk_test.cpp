@@ -1,0 +1,65 @@
+// The controller's disk lets it down while the robot runs.
+
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <filesystem>
+
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Disk : public MachineByCli {
+ protected:
+  void Start() {
+    up_ = std::make_unique<Process>(Command({"up", config_, "--json"}));
+    ASSERT_NE(up_->LineWith("eyes: Active done"), "");
+  }
+  // Of legs, which is restarted on failure.
+  void ExpectThatOneThatDiesComesBack() const {
+    const pid_t before = Status()["actuators"]["legs"]["pid"];
+    kill(before, SIGKILL);
+    ASSERT_NE(up_->LineWith("legs: Active done"), "");
+    const auto after = Status()["actuators"]["legs"];
+    EXPECT_NE(after["pid"], before);
+    EXPECT_EQ(after["state"], "Active");
+  }
+
+  std::unique_ptr<Process> up_;
+};
+
+TEST_F(Disk, WhoseFilesMayNotGrowIsToldAndDoesNotEndTheController) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const pid_t controller = Status()["pid"];
+  rlimit limit{};
+  prlimit(controller, RLIMIT_FSIZE, nullptr, &limit);
+  limit.rlim_cur = 1;
+  ASSERT_EQ(prlimit(controller, RLIMIT_FSIZE, &limit, nullptr), 0);
+  EXPECT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  EXPECT_NE(up_->LineWith("journal: nothing is written for now"), "");
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
+  EXPECT_EQ(Status()["pid"], controller);
+}
+
+TEST_F(Disk, WithoutItsStateFolderStillLetsAnActuatorBeStartedAgain) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  std::filesystem::remove_all(folder_ / "state");
+  ExpectThatOneThatDiesComesBack();
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "state/logs/legs.log"));
+}
+
+TEST_F(Disk, OnWhichNoLogCanBeWrittenIsToldAndStillLetsAnActuatorBeStartedAgain) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  std::filesystem::remove_all(folder_ / "state/logs");
+  std::ofstream(folder_ / "state/logs") << "in the way";
+  const pid_t before = Status()["actuators"]["legs"]["pid"];
+  kill(before, SIGKILL);
+  EXPECT_THAT(up_->LineWith("what actuators print is lost"), HasSubstr("Not a directory"));
+  EXPECT_NE(up_->LineWith("legs: Active done"), "");
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,142 @@
+// Faults that drawn stories (test/simulation) have found, each as small as it could be made.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class FoundByStories : public Switching {
+ protected:
+  static void Unlist(MachineConfig& config, const std::string& name, const State& state) {
+    ActuatorConfig& actuator = ActuatorNamed(config, name);
+    const auto at = std::find(actuator.states.begin(), actuator.states.end(), state);
+    actuator.times.erase(actuator.times.begin() + (at - actuator.states.begin()));
+    actuator.states.erase(at);
+  }
+};
+
+TEST_F(FoundByStories, ARollbackTakesNobodyAboveTheMachine) {
+  MachineConfig config = MachineOf(2);
+  Unlist(config, "a", "LowPower");  // so it stays in Active when the machine goes there
+  Theatre& t = In("Active", config);
+  t.Set("LowPower");
+  ASSERT_EQ(t.StateOf("a"), "Active");
+  t.On("b", "Protected").code = 5001;
+  t.On("b", "Protected").takes = Milliseconds(50);
+  t.ClearLog();
+  EXPECT_EQ(t.Set("Protected").outcome, SwitchOutcome::kUndone);
+  t.Rest();
+  EXPECT_THAT(t.log(), Not(Contains("a:Active")));
+  EXPECT_EQ(t.StateOf("a"), "Protected");
+}
+
+TEST_F(FoundByStories, ACriticalOneOfALaterStageThatIsNeverStartedCountsAsLost) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "b").stage = 2;
+  ActuatorNamed(config, "b").after = {"a"};
+  ActuatorNamed(config, "b").critical = true;
+  ActuatorNamed(config, "b").on_lost = "Protected";
+  ActuatorNamed(config, "a").restart.policy = RestartPolicy::kNo;
+  Theatre t(config);
+  t.On("a", "SelfCheck").code = 5001;
+  t.Begin();
+  t.Rest();
+  EXPECT_FALSE(t.IsAlive("b"));
+  EXPECT_NE(t.machine().state, "Active");
+}
+
+TEST_F(FoundByStories, OneThatWasNotStartedForWantOfAnotherIsStartedWhenThatOneIsThere) {
+  MachineConfig config = Ours(3);
+  ActuatorNamed(config, "a").command.clear();  // started by hand, and late
+  ActuatorNamed(config, "b").after = {"a"};
+  Theatre t(config);
+  t.On("a", "exec").code = kCodeFailed;
+  t.Begin();
+  t.Crash("a");
+  t.Rest();
+  ASSERT_FALSE(t.IsAlive("b"));
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("needs a"));
+  t.StartActuator("a");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(FoundByStories, WhoWaitsForOneThatRestsSaysSo) {
+  MachineConfig config = Ours(3);
+  ActuatorNamed(config, "b").binds_to = {"a"};
+  ActuatorNamed(config, "c").after = {"b"};
+  ActuatorNamed(config, "a").restart.policy = RestartPolicy::kNo;
+  Theatre& t = In("Active", config);
+  t.Crash("a");  // b rests …
+  t.Rest();
+  t.Crash("c");  // … and c cannot come back before it
+  t.Rest();
+  ASSERT_TRUE(t.RecordOf("c").fault);
+  EXPECT_THAT(t.RecordOf("c").fault->message, HasSubstr("waits for b, which rests"));
+}
+
+TEST_F(FoundByStories, TearDownOfOneBeforeTheMachineIsSetUpIsRefused) {
+  Theatre t(Ours(2));
+  t.On("a", "SetUp").takes = Milliseconds(80);
+  t.Begin();
+  t.RunUntil([&] { return t.RecordOf("b").presence == Presence::kPresent; });
+  const RequestId request = t.Ask("TearDown", "b");
+  t.Rest();
+  ASSERT_EQ(t.answers.count(request), 1U);
+  EXPECT_EQ(t.answers[request].outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(t.machine().state, "Active");
+}
+
+TEST_F(FoundByStories, ACheckThatEndsAfterItsSwitchWasSupersededCounts) {
+  MachineConfig config = MachineOf(2);
+  ActuatorNamed(config, "a").critical = true;
+  Theatre t(config);
+  t.On("a", "SelfCheck").code = 5001;
+  t.Begin();
+  t.Rest();
+  ASSERT_EQ(t.machine().phase, Phase::kFailed);
+  t.On("a", "SelfCheck") = {};
+  t.On("a", "SelfCheck").takes = Milliseconds(60);
+  t.Mute("a", false, true);  // that it is busy with its check is never heard
+  t.Ask("SelfCheck");
+  t.RunFor(Milliseconds(20));
+  const RequestId error = t.Ask("Error");
+  t.RunFor(Milliseconds(20));
+  t.Mute("a", false, false);
+  t.Rest();
+  EXPECT_EQ(t.answers[error].state, "Error");
+  EXPECT_EQ(t.StateOf("a"), "Error");
+}
+
+TEST_F(FoundByStories, AControllerThatListensHearsThatAStopIsOver) {
+  Machine machine = MakeMachine(MachineOf(1));
+  const MachineConfig config = MachineOf(1);
+  const Time now{std::chrono::hours(1)};
+  Step(config, machine, event::EmergencyStopSeen{{7, "a panel", ""}}, now);
+  ASSERT_TRUE(machine.emergency_stop);
+  Step(config, machine, event::EmergencyStopSeen{{7, "", ""}, false}, now);
+  EXPECT_FALSE(machine.emergency_stop);
+  Step(config, machine, event::EmergencyStopSeen{{7, "a panel", ""}}, now);  // latched, and late
+  EXPECT_FALSE(machine.emergency_stop);
+}
+
+TEST_F(FoundByStories, AControllerThatLeadsIsToldByNobodyThatAStopIsOver) {
+  Theatre& t = In("Active");
+  t.StopAll(7);
+  t.Rest();
+  t.Tell(event::EmergencyStopSeen{{7, "", ""}, false});
+  EXPECT_TRUE(t.machine().emergency_stop);
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,119 @@
+#pragma once
+// A controller by itself: the test says all that it hears and sees all that it does.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/test/lifecycle/coordination/theatre.hpp"
+
+namespace musher::testing {
+
+class OneController : public ::testing::Test {
+ protected:
+  static constexpr std::uint64_t kFirst = 70;  // the incarnation of actuator 0; 71 of the next …
+
+  void Do(const Event& event) {
+    for (Action& action : Step(config_, machine_, event, now_)) {
+      if (const auto* record = std::get_if<action::Record>(&action)) told_.push_back(*record);
+      actions_.push_back(std::move(action));
+    }
+  }
+  void Begin() {
+    machine_ = MakeMachine(config_);
+    Do(event::Begin{false, 0, std::vector<bool>(config_.actuators.size()), "here"});
+  }
+  void Pass(Duration duration) {
+    const Time end = now_ + duration;
+    for (auto next = Next(); next && *next <= end; next = Next()) {
+      now_ = std::max(now_, *next);
+      Do(event::TimePassed{});
+    }
+    now_ = end;
+  }
+  std::optional<Time> Next() const { return NextDeadline(config_, machine_); }
+
+  // What actuator i would say of itself: set up, of this host, free.
+  ActuatorReport Report(std::size_t i, const std::string& state = "SetUp") {
+    ActuatorReport report;
+    report.state = state;
+    report.incarnation = kFirst + i;
+    report.pid = static_cast<std::int32_t>(700 + i);
+    report.host = "here";
+    report.epoch = Of(i).presence == Presence::kPresent ? machine_.epoch : 0;
+    report.stamp = now_;
+    return report;
+  }
+  void Say(std::size_t i, const ActuatorReport& report) { Do(event::StatusSeen{i, report}); }
+  // It says that it is there and answers the question to follow.
+  void Come(std::size_t i, const std::string& state = "SetUp") {
+    Say(i, Report(i, state));
+    ActuatorReport report = Report(i, state);
+    report.epoch = machine_.epoch;
+    Do(event::Replied{i, 0, true, Verdict::kDone, kCodeOk, "", report});
+    EXPECT_EQ(Of(i).presence, Presence::kPresent);
+  }
+  // It has done what it was sent.
+  void Obey(std::size_t i) {
+    const Order order = Of(i).order.value();
+    ActuatorReport report = Report(i, order.target);
+    report.incarnation = Of(i).report.incarnation;
+    report.number = report.outcome_number = order.number;
+    Do(event::Replied{i, order.number, false, Verdict::kDone, kCodeOk, "", report});
+  }
+  // Everybody does what is sent until nobody is sent anything.
+  void ObeyAll() {
+    for (int rounds = 0; rounds < 10; ++rounds) {
+      for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+        if (Of(i).order) Obey(i);
+      }
+    }
+    for (const ActuatorRecord& record : machine_.actuators) EXPECT_FALSE(record.order);
+  }
+  // Everybody comes and does what is sent until nobody is sent anything.
+  void StartUp() {
+    Begin();
+    for (std::size_t i = 0; i < config_.actuators.size(); ++i) Come(i);
+    ObeyAll();
+    EXPECT_EQ(machine_.state, kActive);
+    Forget();
+  }
+
+  template <class A>
+  std::vector<A> Did() const {
+    std::vector<A> some;
+    for (const Action& action : actions_) {
+      if (const auto* one = std::get_if<A>(&action)) some.push_back(*one);
+    }
+    return some;
+  }
+  // The record whose sentence has `part` in it.
+  action::Record Told(const std::string& part) const {
+    for (const action::Record& record : told_) {
+      if (record.message.find(part) != std::string::npos) return record;
+    }
+    ADD_FAILURE() << "nothing is told of '" << part << "'";
+    return {};
+  }
+  bool IsTold(const std::string& part) const {
+    return std::any_of(told_.begin(), told_.end(), [&](const action::Record& record) {
+      return record.message.find(part) != std::string::npos;
+    });
+  }
+  void Forget() {
+    actions_.clear();
+    told_.clear();
+  }
+  ActuatorRecord& Of(std::size_t i) { return machine_.actuators[i]; }
+
+  MachineConfig config_ = MachineOf(2);
+  Machine machine_;
+  Time now_ = Time(std::chrono::hours(1));
+  std::vector<Action> actions_;
+  std::vector<action::Record> told_;
+};
+
+}  // namespace musher::testing

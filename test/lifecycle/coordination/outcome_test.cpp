@@ -1,0 +1,217 @@
+// What a switch says about everybody, and what it leaves behind.
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::SizeIs;
+
+class Outcomes : public OneController {
+ protected:
+  void Ask(const State& target, std::optional<std::string> actuator = {}) {
+    Do(event::SetStateRequested{++request_, target, std::move(actuator)});
+  }
+  void Fail(std::size_t i, std::int32_t code) {
+    const Order order = Of(i).order.value();
+    ActuatorReport report = Report(i, Of(i).state());
+    report.number = report.outcome_number = order.number;
+    report.outcome_code = code;
+    Do(event::Replied{i, order.number, false, Verdict::kFailed, code, "it stumbled", report});
+  }
+  SwitchResult Result() {
+    for (const auto& answer : Did<action::AnswerSetState>()) {
+      if (answer.request == request_) return answer.result;
+    }
+    ADD_FAILURE() << "there is no answer";
+    return {};
+  }
+  void In(const State& state) {
+    StartUp();
+    Ask(state);
+    ObeyAll();
+    EXPECT_EQ(machine_.state, state);
+    Forget();
+  }
+  RequestId request_ = 0;
+};
+
+TEST_F(Outcomes, NameTheOneThatFailedAndNotOneThatWasSkippedForIt) {
+  config_.actuators[0].after = {"b"};
+  In("LowPower");
+  Ask("Active");
+  Fail(1, 5001);
+  Obey(1);  // it is brought back
+  EXPECT_EQ(Result().reason, "b: failed with 5001 (AudioNX: Failed), it stumbled");
+  EXPECT_EQ(Result().actuators[0].outcome, ActuatorOutcome::kSkipped);
+  EXPECT_EQ(Result().actuators[0].code, kCodeStatusError);
+}
+
+TEST_F(Outcomes, SayOfWhichTheOneNeedsThatFailedThoughTheOthersMayGoOn) {
+  config_ = MachineOf(3);
+  config_.actuators[0].after = {"b"};
+  In("LowPower");
+  Of(0).fault = Of(1).fault = Error{kCodeFailed, "it was degraded before"};
+  Ask("Active");
+  Fail(1, 5001);
+  EXPECT_TRUE(Of(2).order);
+  Obey(2);
+  EXPECT_EQ(Result().actuators[0].message, "needs b, which failed");
+  EXPECT_EQ(machine_.state, kActive);
+}
+
+TEST_F(Outcomes, OfTwoThatAreAsBadNameTheFirst) {
+  StartUp();
+  Ask("LowPower");
+  Fail(0, 5001);
+  Fail(1, 5002);
+  EXPECT_EQ(Result().code, 5001);
+}
+
+TEST_F(Outcomes, TellWhoIsBackAndWhoFailed) {
+  In("LowPower");
+  Ask("Active");
+  Obey(0);
+  Fail(1, 5001);
+  Obey(0);
+  Obey(1);
+  const SwitchResult result = Result();
+  EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
+  EXPECT_EQ(result.actuators[0].outcome, ActuatorOutcome::kUndone);
+  EXPECT_EQ(result.actuators[0].message, "is back in LowPower");
+  EXPECT_EQ(result.actuators[1].outcome, ActuatorOutcome::kFailed);
+}
+
+TEST_F(Outcomes, TellOfOneThatIsBackOnlyWhenItIs) {
+  In("LowPower");
+  Ask("Active");
+  Obey(0);
+  Fail(1, 5001);
+  Fail(0, 5003);
+  Obey(1);
+  const SwitchResult result = Result();
+  EXPECT_EQ(result.actuators[0].outcome, ActuatorOutcome::kDone) << "and it is not undone";
+  EXPECT_EQ(Of(0).fault->code, 5003);
+}
+
+TEST_F(Outcomes, OfASupersededOneSayWhoWasUnderWayAndWhoHadNothing) {
+  config_.actuators[1].after = {"a"};
+  In("LowPower");
+  Ask("Active");
+  const RequestId up = request_;
+  Ask("Error");
+  EXPECT_EQ(Did<action::AnswerSetState>()[0].request, up);
+  const SwitchResult result = Did<action::AnswerSetState>()[0].result;
+  EXPECT_EQ(result.outcome, SwitchOutcome::kSuperseded);
+  EXPECT_EQ(result.actuators[0].message, "was under way");
+  EXPECT_EQ(result.actuators[1].message, "nothing was sent");
+  EXPECT_FALSE(Of(0).order) << "it comes after b on the way down";
+  ASSERT_TRUE(Of(1).order);
+  EXPECT_EQ(Of(1).order->target, "Error");
+}
+
+TEST_F(Outcomes, OfOneThatIsGoneSayLostAndOfOneThatLoadsSkipped) {
+  config_ = MachineOf(3);
+  config_.actuators[2].stage = 2;
+  StartUp();
+  Do(event::Vanished{0, kFirst, true, "its process ended"});
+  Of(2).presence = Presence::kStarting;
+  Ask("LowPower");
+  Obey(1);
+  EXPECT_EQ(Result().actuators[0].outcome, ActuatorOutcome::kLost);
+  EXPECT_EQ(Result().actuators[2].outcome, ActuatorOutcome::kSkipped);
+}
+
+TEST_F(Outcomes, OfARefusalNameThoseThatAreDegraded) {
+  StartUp();
+  Of(1).fault = Error{kCodeFailed, "it stumbled"};
+  Ask("Nowhere");
+  EXPECT_THAT(Result().degraded, ElementsAre("b"));
+}
+
+TEST_F(Outcomes, HoldOneApartUntilASwitchThatIsDoneNotOneThatIsUndone) {
+  In("Protected");
+  Ask("LowPower", "a");
+  Obey(0);
+  ASSERT_TRUE(Of(0).held);
+  Ask("Active");
+  Obey(0);
+  Fail(1, 5001);
+  Obey(0);
+  Obey(1);
+  EXPECT_EQ(Of(0).state(), "LowPower");
+  EXPECT_TRUE(Of(0).held);
+  Ask("DeActive");
+  Obey(0);
+  Obey(1);
+  EXPECT_FALSE(Of(0).held);
+}
+
+TEST_F(Outcomes, ACheckOfOneThatFailsIsDoneDegradedAndNotUndone) {
+  StartUp();
+  Ask("SelfCheck", "a");
+  Fail(0, 5009);
+  EXPECT_EQ(Result().outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_FALSE(Of(0).checked);
+}
+
+TEST_F(Outcomes, OfOneThatStaysWhereItWasAreUndone) {
+  StartUp();
+  Ask("LowPower", "a");
+  Fail(0, 5001);
+  EXPECT_EQ(Result().outcome, SwitchOutcome::kUndone);
+}
+
+TEST_F(Outcomes, OneThatIsStartedAnewBeforeItIsBroughtBackJoinsByItself) {
+  config_.actuators[1].after = {"a"};
+  In("LowPower");
+  Ask("Active");
+  Obey(0);
+  Fail(1, 5001);
+  ASSERT_TRUE(Of(1).order) << "the reverse order";
+  ActuatorReport report = Report(0);
+  report.incarnation += 100;
+  report.epoch = 0;
+  Say(0, report);
+  report.epoch = machine_.epoch;
+  Do(event::Replied{0, 0, true, Verdict::kDone, kCodeOk, "", report});
+  Obey(1);
+  EXPECT_EQ(Of(0).order.value().target, "SelfCheck");
+  ObeyAll();
+  EXPECT_FALSE(Of(0).fault);
+  EXPECT_EQ(Of(0).state(), "LowPower");
+}
+
+TEST_F(Outcomes, OneThatIsFoundElsewhereWithoutACheckSaysSoByTheCode) {
+  StartUp();
+  Do(event::Vanished{0, kFirst, true, "its process ended"});
+  ActuatorReport report = Report(0, "Error");
+  report.incarnation += 100;
+  report.epoch = 0;
+  Say(0, report);
+  report.epoch = machine_.epoch;
+  Do(event::Replied{0, 0, true, Verdict::kDone, kCodeOk, "", report});
+  ASSERT_TRUE(Of(0).fault);
+  EXPECT_EQ(Of(0).fault->code, kCodeStatusError);
+}
+
+TEST_F(Outcomes, AnUnknownActuatorIsNamedNoLongerThanOneReads) {
+  StartUp();
+  Ask("LowPower", std::string(100, 'x'));
+  EXPECT_NE(Result().reason.find("'" + std::string(64, 'x') + "'"), std::string::npos);
+}
+
+TEST_F(Outcomes, ALieIsToldNoLongerThanOneReads) {
+  StartUp();
+  Ask("LowPower");
+  const Order order = Of(0).order.value();
+  Do(event::Replied{0, order.number, false, Verdict::kDone, kCodeOk, "",
+                    Report(0, std::string(100, 'x'))});
+  EXPECT_NE(Told("a: LowPower failed").message.find(" " + std::string(64, 'x')), std::string::npos);
+  EXPECT_EQ(Told("a: LowPower failed").message.find(std::string(65, 'x')), std::string::npos);
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,237 @@
+// Which process is an actuator's, which may be signalled, and what the end of one means.
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class Processes : public OneController {
+ protected:
+  Processes() {
+    for (ActuatorConfig& actuator : config_.actuators) {
+      actuator.command = {"run", actuator.name};
+      actuator.restart.policy = RestartPolicy::kOnFailure;
+    }
+  }
+  // With the processes that we have started, 700 and 701.
+  void StartUpOurs() {
+    Begin();
+    for (std::size_t i = 0; i < 2; ++i) {
+      Do(event::ProcessStarted{i, static_cast<std::int32_t>(700 + i)});
+    }
+    for (std::size_t i = 0; i < 2; ++i) Come(i);
+    ObeyAll();
+    Forget();
+  }
+};
+
+TEST_F(Processes, AreToldWithTheirStartAsTheCause) {
+  Begin();
+  Do(event::ProcessStarted{0, 700});
+  const action::Record told = Told("a is started as process 700");
+  EXPECT_EQ(told.code, kCodeOk);
+  EXPECT_EQ(told.cause, 1U) << "the controller's beginning";
+}
+
+TEST_F(Processes, OfAnotherHostAreNotSignalledHoweverTheyHang) {
+  Begin();
+  for (std::size_t i = 0; i < 2; ++i) Do(event::ProcessStarted{i, 0});
+  ActuatorReport report = Report(0);
+  report.host = "there";
+  Say(0, report);
+  report.epoch = machine_.epoch;
+  Do(event::Replied{0, 0, true, Verdict::kDone, kCodeOk, "", report});
+  Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
+  EXPECT_EQ(Of(0).presence, Presence::kLost);
+  EXPECT_THAT(Did<action::TakeBacktrace>(), IsEmpty());
+  Pass(std::chrono::seconds(60));
+  EXPECT_THAT(Did<action::SignalProcess>(), IsEmpty());
+}
+
+TEST_F(Processes, WithoutAHostAreNotSignalledEither) {
+  StartUpOurs();
+  Of(0).process = 0;
+  Of(0).report.host = machine_.host = "";
+  Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
+  EXPECT_THAT(Did<action::TakeBacktrace>(), IsEmpty());
+}
+
+TEST_F(Processes, OfOursThatEndWhileAnotherOfThisHostIsThereLoseNobody) {
+  StartUpOurs();
+  Of(0).report.pid = 900;  // 700 was only what started it
+  Do(event::ProcessEnded{0, 700, true, "exit code 0"});
+  EXPECT_EQ(Of(0).presence, Presence::kPresent);
+}
+
+TEST_F(Processes, OfOursThatEndAreLossesWhereTheOtherIsElsewhereOrUnknown) {
+  for (const char* host : {"there", ""}) {
+    StartUpOurs();
+    Of(0).report.pid = 900;
+    Of(0).report.host = host;
+    Do(event::ProcessEnded{0, 700, false, "exit code 1"});
+    EXPECT_EQ(Of(0).presence, Presence::kLost) << host;
+    EXPECT_EQ(Of(0).health, Health::kCrashed);
+  }
+  StartUpOurs();
+  Of(0).report.pid = 0;
+  Do(event::ProcessEnded{0, 700, false, "exit code 1"});
+  EXPECT_EQ(Of(0).presence, Presence::kLost);
+}
+
+TEST_F(Processes, ThatEndBeforeTheyHaveSaidAWordAreStartedAgain) {
+  StartUpOurs();
+  Do(event::ProcessEnded{0, 700, false, "exit code 1"});
+  Pass(Milliseconds(100));
+  Do(event::ProcessStarted{0, 800});
+  ASSERT_THAT(Did<action::StartProcess>(), SizeIs(1));
+  Do(event::ProcessEnded{0, 800, false, "exit code 1"});
+  Pass(Milliseconds(200));
+  EXPECT_THAT(Did<action::StartProcess>(), SizeIs(2));
+}
+
+TEST_F(Processes, OfAControllerThatDoesNotKnowItsHostAreTheirOwn) {
+  StartUpOurs();
+  machine_.host = Of(0).report.host = "";
+  Of(0).report.pid = 900;
+  Do(event::ProcessEnded{0, 700, false, "exit code 1"});
+  EXPECT_EQ(Of(0).presence, Presence::kLost);
+}
+
+TEST_F(Processes, ThatNotEvenSigkillEndsAreTakenForEndedByTheCodeOfATimeout) {
+  StartUpOurs();
+  Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
+  Pass(std::chrono::seconds(7));
+  EXPECT_EQ(Told("it is taken for ended").code, kCodeTimeout);
+}
+
+TEST_F(Processes, ThatHungStayCalledSoWhenTheyEnd) {
+  StartUpOurs();
+  Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
+  Do(event::ProcessEnded{0, 700, false, "killed by SIGKILL"});
+  EXPECT_EQ(Of(0).health, Health::kHung);
+}
+
+TEST_F(Processes, WhoseEndTheyTellThemselvesHaveTwoSecondsToEnd) {
+  StartUpOurs();
+  Do(event::Vanished{0, kFirst, true, "its process 700 ended"});
+  EXPECT_EQ(Of(0).kill_at, now_ + std::chrono::seconds(2));
+  Pass(std::chrono::seconds(2));
+  ASSERT_THAT(Did<action::SignalProcess>(), SizeIs(1));
+  EXPECT_TRUE(Did<action::SignalProcess>()[0].kill);
+}
+
+TEST_F(Processes, WhatTheyWereDoingIsARecordOfTheProcess) {
+  StartUpOurs();
+  Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
+  Do(event::BacktraceTaken{0, 700, "main()"});
+  const action::Record told = Told("what a was doing");
+  EXPECT_EQ(told.kind, "process");
+  EXPECT_EQ(told.data, "main()");
+  EXPECT_EQ(Told("gets SIGKILL").code, kCodeTimeout);
+}
+
+TEST_F(Processes, VerdictsOfAnotherProcessOrOneThatHasEndedChangeNothing) {
+  StartUpOurs();
+  Do(event::HealthChanged{0, kFirst - 1, Health::kHung, true, "it is silent"});
+  EXPECT_EQ(Of(0).health, Health::kWell);
+  Of(0).dead = kFirst;
+  Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
+  EXPECT_EQ(Of(0).health, Health::kWell);
+}
+
+TEST_F(Processes, ThatAreStarvedAreToldOfByTheCodeOfATimeout) {
+  StartUpOurs();
+  Do(event::HealthChanged{0, kFirst, Health::kStarved, true, "it waits"});
+  EXPECT_EQ(Told("a is starved: it waits").code, kCodeTimeout);
+}
+
+TEST_F(Processes, OfACriticalOneOutOfReachTakeTheMachineDownThoughItMayBeRestarted) {
+  config_.actuators[0].critical = true;
+  config_.actuators[0].on_lost = "LowPower";
+  StartUpOurs();
+  Of(0).process = 0;
+  Of(0).report.host = "there";
+  Do(event::Vanished{0, kFirst, false, "it is out of reach"});
+  ASSERT_TRUE(machine_.current);
+  EXPECT_EQ(machine_.current->target, "LowPower");
+  EXPECT_EQ(Told("falling back to LowPower").code, kCodeOk);
+}
+
+TEST_F(Processes, OfOursOutOfReachAreWaitedForBeforeTheMachineFalls) {
+  config_.actuators[0].critical = true;
+  config_.actuators[0].on_lost = "LowPower";
+  StartUpOurs();
+  Do(event::Vanished{0, kFirst, false, "it is out of reach"});
+  EXPECT_FALSE(machine_.current) << "whether it has ended or hangs will be found out";
+}
+
+TEST_F(Processes, ARestartOfAnUnknownOneIsRefusedWithNoMoreOfItsNameThanOneReads) {
+  StartUpOurs();
+  Do(event::RestartRequested{1, std::string(100, 'x')});
+  ASSERT_THAT(Did<action::AnswerCall>(), SizeIs(1));
+  EXPECT_THAT(Did<action::AnswerCall>()[0].result.error().message,
+              HasSubstr("'" + std::string(64, 'x') + "'"));
+}
+
+using Strangers = OneController;
+
+TEST_F(Strangers, ThatHangAndAreSilentAreLostThoughTheyCannotBeRestarted) {
+  StartUp();
+  Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
+  EXPECT_EQ(Of(0).presence, Presence::kLost);
+  Do(event::HealthChanged{1, kFirst + 1, Health::kHung, false, "its work is stuck"});
+  EXPECT_EQ(Of(1).presence, Presence::kPresent);
+  EXPECT_EQ(Of(1).fault->code, kCodeTimeout);
+}
+
+TEST_F(Strangers, ThatHangAreNotDrivenAfterTheMachine) {
+  StartUp();
+  Do(event::HealthChanged{0, kFirst, Health::kHung, false, "its work is stuck"});
+  Of(0).report.state = State(kLowPower);
+  Of(0).due = true;
+  Do(event::TimePassed{});
+  EXPECT_FALSE(Of(0).order);
+  Do(event::HealthChanged{0, kFirst, Health::kWell, false, "its work goes on"});
+  EXPECT_EQ(Of(0).order.value().target, kActive);
+}
+
+TEST_F(Strangers, ThatAreHeldAreNoLongerWhenTheyAreLost) {
+  StartUp();
+  Do(event::SetStateRequested{1, "LowPower", "a"});
+  Obey(0);
+  ASSERT_TRUE(Of(0).held);
+  Do(event::Vanished{0, kFirst, true, "its process ended"});
+  EXPECT_FALSE(Of(0).held);
+}
+
+TEST_F(Strangers, ThatWereTornDownAloneAreDegradedByThatAndNotByTheirEnd) {
+  StartUp();
+  Do(event::SetStateRequested{1, "TearDown", "a"});
+  Obey(0);
+  Do(event::Vanished{0, kFirst, true, "its process ended"});
+  ASSERT_TRUE(Of(0).fault);
+  EXPECT_EQ(Of(0).fault->code, kCodeStateInvalid);
+}
+
+TEST_F(Strangers, ARivalOfALowerEpochHasNoPrecedence) {
+  StartUp();
+  machine_.epoch = 7;
+  Do(event::RivalHeard{6, "process 1", true});
+  EXPECT_THAT(Did<action::Fenced>(), IsEmpty());
+}
+
+TEST_F(Strangers, AnEmergencyStopWithoutANumberIsNoneAndTheLeastOneIsOne) {
+  StartUp();
+  Do(event::EmergencyStopSeen{{0, "somebody", ""}});
+  EXPECT_FALSE(machine_.emergency_stop);
+  Do(event::EmergencyStopSeen{{1, "somebody", ""}});
+  EXPECT_TRUE(machine_.emergency_stop);
+}
+
+}  // namespace
+}  // namespace musher::testing

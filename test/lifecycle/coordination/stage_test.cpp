@@ -1,0 +1,195 @@
+// Who is waited for, for how long, and what is told of it, while the machine comes up and goes
+// down.
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+using Stages = OneController;
+
+TEST_F(Stages, OneThatAPersonHasToStartIsWaitedForAsLongAsItsSetUpMayTake) {
+  Begin();
+  EXPECT_EQ(Of(0).set_up_by, now_ + Milliseconds(100));
+  Pass(Milliseconds(100));
+  ASSERT_THAT(Did<action::StartUpEnded>(), SizeIs(1));
+  EXPECT_FALSE(Did<action::StartUpEnded>()[0].usable);
+}
+
+TEST_F(Stages, OneOfALaterStageIsNotWaitedForBefore) {
+  config_.actuators[1].stage = 2;
+  Begin();
+  EXPECT_TRUE(Of(0).set_up_by);
+  EXPECT_FALSE(Of(1).set_up_by);
+}
+
+TEST_F(Stages, AfterTheFirstAreToldAndNoneBeyondTheLast) {
+  config_.actuators[1].stage = 2;
+  Begin();
+  Come(0);
+  Obey(0);
+  Obey(0);
+  EXPECT_FALSE(IsTold("stage 1 is being started"));
+  EXPECT_EQ(Told("stage 2 is being started").cause, 1U) << "the controller's beginning";
+  Come(1);
+  Obey(1);
+  Obey(1);
+  EXPECT_EQ(Of(1).state(), kActive);
+  EXPECT_FALSE(IsTold("stage 3 is being started"));
+}
+
+TEST_F(Stages, WhoWaitsForAllToBeSetUpIsAnswered) {
+  Begin();
+  Do(event::SetUpAwaited{7});
+  Come(0);
+  EXPECT_THAT(Did<action::AnswerCall>(), IsEmpty());
+  Come(1);
+  ASSERT_THAT(Did<action::AnswerCall>(), SizeIs(1));
+  EXPECT_EQ(Did<action::AnswerCall>()[0].request, 7U);
+  EXPECT_TRUE(Did<action::AnswerCall>()[0].result.ok());
+}
+
+TEST_F(Stages, WhoWaitsForAllToBeSetUpHearsWhoIsMissing) {
+  Begin();
+  Do(event::SetUpAwaited{7});
+  Come(1);
+  Pass(Milliseconds(100));
+  ASSERT_THAT(Did<action::AnswerCall>(), SizeIs(1));
+  EXPECT_EQ(Did<action::AnswerCall>()[0].result.error().message, "a was not set up within 100 ms");
+}
+
+TEST_F(Stages, AFirstOneThatIsCriticalAndFailsItsCheckEndsTheStart) {
+  config_.actuators[0].critical = true;
+  Begin();
+  Come(0);
+  Come(1);
+  Do(event::Replied{0, Of(0).order->number, false, Verdict::kFailed, 5009, "no", Report(0)});
+  Obey(1);
+  EXPECT_EQ(machine_.phase, Phase::kFailed);
+}
+
+TEST_F(Stages, OneThatIsNotCriticalAndFailsOnItsWayToActiveDoesNotUndoTheStart) {
+  Begin();
+  Come(0);
+  Come(1);
+  Obey(0);
+  Obey(1);
+  Do(event::Replied{0, Of(0).order->number, false, Verdict::kFailed, 5001, "no",
+                    Report(0, "SelfCheck")});
+  Obey(1);
+  EXPECT_EQ(machine_.state, kActive);
+  EXPECT_EQ(machine_.phase, Phase::kRunning);
+  EXPECT_EQ(Of(0).fault->code, 5001);
+}
+
+TEST_F(Stages, OneThatNeverCameTakesTheMachineDownOnceItRunsAndOneThatIsWellDoesNot) {
+  config_.actuators[1].on_lost = "LowPower";
+  Begin();
+  Come(0);
+  Pass(Milliseconds(100));
+  Obey(0);
+  Obey(0);
+  ASSERT_TRUE(machine_.current);
+  EXPECT_EQ(machine_.current->target, "LowPower");
+  StartUp();
+  EXPECT_FALSE(machine_.current);
+}
+
+TEST_F(Stages, OneThatIsThereThoughItFailedItsCheckDoesNotTakeTheMachineDown) {
+  config_.actuators[1].on_lost = "LowPower";
+  Begin();
+  Come(0);
+  Come(1);
+  Obey(0);
+  Do(event::Replied{1, Of(1).order->number, false, Verdict::kFailed, 5009, "no", Report(1)});
+  Obey(0);
+  EXPECT_EQ(machine_.state, kActive);
+  EXPECT_TRUE(Of(1).fault);
+  EXPECT_FALSE(machine_.current);
+}
+
+TEST_F(Stages, ThatAreStillToComeTakeNobodyDown) {
+  config_.actuators[1].stage = 2;
+  config_.actuators[1].on_lost = "LowPower";
+  Begin();
+  Come(0);
+  Obey(0);
+  Obey(0);
+  EXPECT_FALSE(machine_.current);
+}
+
+TEST_F(Stages, AMachineBeginsInTheStateOfItsConfig) {
+  config_.default_state = "DeActive";
+  EXPECT_EQ(MakeMachine(config_).state, "DeActive");
+}
+
+TEST_F(Stages, TheRecordThatTellsOfAMachineTellsItsNewState) {
+  config_.actuators[1].stage = 2;
+  Begin();
+  Come(0);
+  EXPECT_EQ(Told("actuators are set up").state, "SetUp");
+  Obey(0);
+  EXPECT_EQ(Told("switch 1 is done").state, "SelfCheck");
+  EXPECT_EQ(Told("a: SelfCheck done").state, "");
+}
+
+using Ends = OneController;
+
+TEST_F(Ends, GiveTearDownSevenTenthsOfTheBudget) {
+  for (ActuatorConfig& actuator : config_.actuators) {
+    actuator.times.assign(actuator.states.size(), std::chrono::hours(1));
+  }
+  StartUp();
+  Do(event::SetStateRequested{1, "TearDown", {}});
+  ASSERT_THAT(Did<action::SendSwitch>(), SizeIs(2));
+  EXPECT_EQ(Did<action::SendSwitch>()[0].budget, std::chrono::seconds(7));
+}
+
+TEST_F(Ends, DoNotWaitForProcessesThatAreNotOurs) {
+  StartUp();
+  Do(event::SetStateRequested{1, "TearDown", {}});
+  Obey(0);
+  Obey(1);
+  EXPECT_EQ(machine_.phase, Phase::kStopped);
+  EXPECT_THAT(Did<action::Stopped>(), SizeIs(1));
+}
+
+TEST_F(Ends, DoNotWaitLongerThanTheBudgetForAProcessThatNothingEnds) {
+  for (ActuatorConfig& actuator : config_.actuators) actuator.command = {"run"};
+  Begin();
+  for (std::size_t i = 0; i < 2; ++i) {
+    Do(event::ProcessStarted{i, static_cast<std::int32_t>(700 + i)});
+    Come(i);
+  }
+  Do(event::SetStateRequested{1, "TearDown", {}});
+  Pass(Milliseconds(9'999));
+  EXPECT_EQ(machine_.phase, Phase::kStopping);
+  Pass(Milliseconds(1));
+  EXPECT_EQ(machine_.phase, Phase::kStopped);
+}
+
+TEST_F(Ends, RefuseAnotherStateAtOnceWhileProcessesAreLeft) {
+  for (ActuatorConfig& actuator : config_.actuators) actuator.command = {"run"};
+  StartUp();
+  Do(event::SetStateRequested{1, "TearDown", {}});
+  Obey(0);
+  Obey(1);
+  ASSERT_EQ(machine_.phase, Phase::kStopping);
+  Do(event::SetStateRequested{2, "Active", {}});
+  ASSERT_THAT(Did<action::AnswerSetState>(), SizeIs(1));
+  EXPECT_EQ(Did<action::AnswerSetState>()[0].result.code, kCodeStateInvalid);
+}
+
+TEST_F(Ends, TakeOverFromASwitchToError) {
+  StartUp();
+  Do(event::SetStateRequested{1, "Error", {}});
+  Do(event::SetStateRequested{2, "TearDown", {}});
+  EXPECT_EQ(machine_.phase, Phase::kStopping);
+}
+
+}  // namespace
+}  // namespace musher::testing

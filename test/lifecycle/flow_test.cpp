@@ -1,0 +1,51 @@
+#include "musher/lifecycle/flow.hpp"
+
+#include <gmock/gmock.h>
+
+#include "musher/test/lifecycle/coordination/theatre.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(Flow, NobodyIsSentToAStepOfAProcessStart) {
+  const MachineConfig config = MachineOf(1);
+  EXPECT_FALSE(FlowAllows(config, "Active", "SetUp"));
+  EXPECT_FALSE(FlowAllows(config, "SetUp", "SetUp"));
+  EXPECT_FALSE(FlowAllows(config, "Active", "Uninitialized"));
+}
+
+TEST(Flow, FromTearDownNothingLeadsBack) {
+  const MachineConfig config = MachineOf(1);
+  for (const State& state : config.states) EXPECT_FALSE(FlowAllows(config, "TearDown", state));
+}
+
+TEST(Flow, ACheckLeadsOnAndAnyStateIntoIt) {
+  MachineConfig config = MachineOf(1);
+  config.flow = {{"Active", "LowPower"}};
+  EXPECT_THAT(Reachable(config, "SelfCheck"),
+              ElementsAre("TearDown", "Active", "DeActive", "Error"));
+  EXPECT_TRUE(FlowAllows(config, "LowPower", "SelfCheck"));
+  EXPECT_FALSE(FlowAllows(config, "Uninitialized", "SelfCheck"));
+}
+
+TEST(Flow, IsThatOfTheConfigBesideWhatHoldsForAll) {
+  MachineConfig config = MachineOf(1);
+  config.flow = {{"Active", "LowPower"}};
+  EXPECT_THAT(Reachable(config, "Active"), ElementsAre("TearDown", "SelfCheck", "LowPower"));
+  EXPECT_THAT(Reachable(config, "LowPower"), ElementsAre("TearDown", "SelfCheck"));
+  EXPECT_TRUE(FlowAllows(config, "LowPower", "LowPower"));
+}
+
+TEST(Flow, RisesIsToAHigherRankAndFromAStepOfAStartAboveDeActive) {
+  const MachineConfig config = MachineOf(1);
+  EXPECT_TRUE(Rises(config, "LowPower", "DeActive"));
+  EXPECT_FALSE(Rises(config, "DeActive", "DeActive"));
+  EXPECT_FALSE(Rises(config, "SetUp", "DeActive"));
+  EXPECT_TRUE(Rises(config, "SetUp", "Protected"));
+  EXPECT_FALSE(Rises(config, "Active", "SelfCheck"));
+}
+
+}  // namespace
+}  // namespace musher::testing

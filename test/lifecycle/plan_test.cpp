@@ -1,0 +1,162 @@
+// A plan by itself: who is driven, left out or refused, for a machine that is described here.
+
+#include "musher/lifecycle/plan.hpp"
+
+#include <gmock/gmock.h>
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/lifecycle/machine.hpp"
+#include "musher/test/lifecycle/coordination/theatre.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Part = PlanStep::Part;
+
+// A machine in DeActive whose actuators a, b, c, d are there, checked and well.
+class Plans : public ::testing::Test {
+ protected:
+  Plans() {
+    machine_.phase = Phase::kRunning;
+    machine_.set_up = true;
+    machine_.state = State(kDeActive);
+    machine_.actuators.resize(4);
+    for (ActuatorRecord& record : machine_.actuators) {
+      record.presence = Presence::kPresent;
+      record.checked = true;
+      record.report.state = State(kDeActive);
+    }
+  }
+
+  Plan To(std::string_view target) const { return MakePlan(config_, machine_, State(target)); }
+  Plan Of(std::size_t i, std::string_view target) const {
+    return MakePlan(config_, machine_, State(target), i);
+  }
+  static std::int32_t CodeOf(const Plan& plan) {
+    return plan.refusal ? plan.refusal->code : kCodeOk;
+  }
+
+  MachineConfig config_ = MachineOf(4);
+  Machine machine_;
+};
+
+TEST_F(Plans, SayFromWhereToWhereUntilWhen) {
+  config_.actuators[2].times.assign(config_.states.size(), Milliseconds(700));
+  const Plan plan = To(kActive);
+  ASSERT_EQ(plan.steps.size(), 4U);
+  EXPECT_EQ(plan.steps[2].from, kDeActive);
+  EXPECT_EQ(plan.steps[2].to, kActive);
+  EXPECT_EQ(plan.steps[2].deadline, Milliseconds(700));
+  EXPECT_EQ(plan.steps[2].wave, 1);
+}
+
+TEST_F(Plans, NeedWhatIsBehindOneThatIsNotDrivenOnceAlsoInADiamond) {
+  config_.actuators[0].after = {"b", "c"};
+  config_.actuators[1].after = {"d"};
+  config_.actuators[2].after = {"d"};
+  for (const std::size_t there : {1, 2}) machine_.actuators[there].report.state = State(kActive);
+  const Plan plan = To(kActive);
+  EXPECT_EQ(plan.steps[1].part, Part::kThere);
+  EXPECT_THAT(plan.steps[0].needs, ElementsAre(3U));
+  EXPECT_EQ(plan.steps[0].wave, 2);
+  EXPECT_THAT(plan.steps[3].needs, IsEmpty());
+  EXPECT_EQ(plan.steps[3].wave, 1);
+}
+
+TEST_F(Plans, OfOneThatIsBusyAreRefusedWhetherItSaysSoOrWeHaveSentIt) {
+  machine_.actuators[1].report.target = State(kLowPower);
+  EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
+  machine_.actuators[1].report.target.clear();
+  EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeOk);
+  machine_.actuators[1].order = Order{};
+  EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
+}
+
+TEST_F(Plans, OfOneThatIsBeingRestartedAreRefused) {
+  machine_.actuators[1].restart_asked = true;
+  EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
+}
+
+TEST_F(Plans, OfOneThatHasNotPassedItsCheckGoDownButNotUp) {
+  machine_.actuators[1].checked = false;
+  machine_.actuators[1].report.state = State(kLowPower);
+  EXPECT_EQ(CodeOf(Of(1, kDeActive)), kCodeSelfCheckFailed);
+  EXPECT_EQ(CodeOf(Of(1, kOta)), kCodeOk);
+}
+
+TEST_F(Plans, OfOneThatRestsDoNotGoUp) {
+  machine_.actuators[1].parked = true;
+  machine_.actuators[1].report.state = State(kLowPower);
+  EXPECT_EQ(CodeOf(Of(1, kDeActive)), kCodeStatusError);
+  EXPECT_EQ(CodeOf(Of(1, kOta)), kCodeOk);
+}
+
+TEST_F(Plans, DownTakeAlongWhoHasNotPassedItsCheckButIsInAStateToStayIn) {
+  machine_.actuators[0].checked = machine_.actuators[1].checked = false;
+  machine_.actuators[1].report.state = State(kSetUp);
+  const Plan plan = To(kLowPower);
+  EXPECT_EQ(plan.steps[0].part, Part::kDriven);
+  EXPECT_EQ(plan.steps[1].part, Part::kLeftOut);
+  EXPECT_THAT(plan.steps[1].note, HasSubstr("self-check"));
+}
+
+TEST_F(Plans, UpAreRefusedForWhoIsBusyUnlessASwitchIsUnderWayThatWillEnd) {
+  machine_.actuators[0].report.target = State(kLowPower);
+  EXPECT_EQ(CodeOf(To(kActive)), kCodeTargetBusy);
+  EXPECT_EQ(CodeOf(To(kLowPower)), kCodeOk);
+  machine_.current.emplace();
+  EXPECT_EQ(CodeOf(To(kActive)), kCodeOk);
+}
+
+TEST_F(Plans, LeaveOutACyberdogModuleThatIsOverdueBecauseItCannotBeAsked) {
+  config_.actuators[0].protocol = Protocol::kCyberdog;
+  machine_.actuators[0].report.target = State(kOta);
+  machine_.actuators[0].fault = Error{kCodeTimeout, "overdue"};
+  EXPECT_EQ(To(kLowPower).steps[0].part, Part::kLeftOut);
+  for (const Protocol other : {Protocol::kMusher, Protocol::kRos2Lifecycle}) {
+    config_.actuators[0].protocol = other;
+    EXPECT_EQ(To(kLowPower).steps[0].part, Part::kDriven);
+  }
+}
+
+TEST_F(Plans, TellWhoIsThereFromWhoIsHeldThere) {
+  machine_.actuators[0].report.state = machine_.actuators[1].report.state = State(kLowPower);
+  machine_.actuators[1].held = true;
+  const Plan plan = To(kLowPower);
+  EXPECT_EQ(plan.steps[0].part, Part::kThere);
+  EXPECT_EQ(plan.steps[1].part, Part::kHeldThere);
+  EXPECT_EQ(plan.steps[2].part, Part::kDriven);
+}
+
+TEST_F(Plans, DriveOneThatIsThereButNotWellOnceMore) {
+  machine_.actuators[0].report.state = machine_.actuators[1].report.state = State(kLowPower);
+  machine_.actuators[0].fault = Error{kCodeFailed, "it stumbled"};
+  machine_.actuators[1].report.target = State(kDeActive);
+  const Plan plan = To(kLowPower);
+  EXPECT_EQ(plan.steps[0].part, Part::kDriven);
+  EXPECT_EQ(plan.steps[1].part, Part::kDriven);
+  EXPECT_EQ(Of(0, kLowPower).steps[0].part, Part::kDriven);
+}
+
+TEST_F(Plans, UpAreRefusedForACriticalOneThatIsGoneButNotForOneThatStillLoads) {
+  config_.actuators[0].critical = true;
+  machine_.actuators[0].presence = Presence::kLost;
+  EXPECT_EQ(CodeOf(To(kActive)), kCodeStatusError);
+  EXPECT_EQ(CodeOf(To(kLowPower)), kCodeOk);
+  machine_.actuators[0].presence = Presence::kStarting;
+  EXPECT_EQ(CodeOf(To(kActive)), kCodeOk);
+  EXPECT_EQ(To(kActive).steps[0].note, "is still starting");
+}
+
+TEST_F(Plans, LeaveALateOneInItsFirstCheckToItselfUnlessTheMachineEnds) {
+  machine_.actuators[0].order = Order{1, State(kSelfCheck), {}, {}, 0};
+  EXPECT_EQ(To(kLowPower).steps[0].note, "is still joining");
+  EXPECT_EQ(To(kError).steps[0].part, Part::kDriven);
+  EXPECT_EQ(To(kTearDown).steps[0].part, Part::kDriven);
+}
+
+}  // namespace
+}  // namespace musher::testing

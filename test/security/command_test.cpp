@@ -1,0 +1,160 @@
+// `musher keys` and `musher up` by hand: what is made, and what is said when it is not right.
+
+#include <sys/stat.h>
+
+#include "musher/test/security/secured_machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+
+using Keys = SecuredMachine;
+
+mode_t ModeOf(const std::string& file) {
+  struct stat info {};
+  EXPECT_EQ(stat(file.c_str(), &info), 0) << file;
+  return info.st_mode & 0777;
+}
+
+TEST_F(Keys, AreReadableByTheirOwnerOnlyWhateverTheMaskIs) {
+  const mode_t mask = umask(0);
+  const std::string folder = folder_ / "open_mask";
+  EXPECT_EQ(Musher({"keys", "init", folder}).exit, 0);
+  umask(mask);
+  EXPECT_EQ(ModeOf(folder), 0700U);
+  EXPECT_EQ(ModeOf(folder + "/ca"), 0700U);
+  int keys = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() != ".key") continue;
+    ++keys;
+    EXPECT_EQ(ModeOf(entry.path()), 0600U) << entry.path();
+  }
+  EXPECT_EQ(keys, 4);  // two CAs, controller, operator
+}
+
+TEST_F(Keys, AreNotOverwrittenUnlessForced) {
+  const Ended again = Musher({"keys", "init", config_});
+  EXPECT_EQ(again.exit, 2);
+  EXPECT_THAT(again.err, HasSubstr("has keys already; --force makes new ones"));
+  const Ended add = Musher({"keys", "add", "voice"});
+  EXPECT_EQ(add.exit, 2);
+  EXPECT_THAT(add.err, HasSubstr("voice.key is there already; --force replaces it"));
+  EXPECT_EQ(Musher({"keys", "add", "voice", "--force"}).exit, 0);
+  EXPECT_EQ(Musher({"keys", "init", config_, "--force"}).exit, 0);
+  EXPECT_EQ(Musher({"up", config_, "--detach"}).exit, 0);
+}
+
+TEST_F(Keys, AreListedWithRoleEndAndFate) {
+  Identity("visitor", "observer");
+  EXPECT_EQ(Musher({"keys", "revoke", "visitor"}).exit, 0);
+  EXPECT_EQ(Musher({"keys", "add", "guest", "--role", "operator", "--days", "3"}).exit, 0);
+  const Ended list = Musher({"keys", "list"});
+  EXPECT_THAT(list.out,
+              AllOf(HasSubstr("controller  controller"), HasSubstr("voice       actuator"),
+                    ContainsRegex("expires in [23] days"), HasSubstr("revoked")));
+  const auto json = Json(Musher({"keys", "list", "--json"}).out);
+  EXPECT_EQ(json["identities"]["visitor"]["revoked"], true);
+  EXPECT_EQ(json["identities"]["visitor"]["role"], "observer");
+  EXPECT_EQ(json["identities"]["legs"]["revoked"], false);
+  EXPECT_EQ(json["identities"].size(), 7U);
+}
+
+TEST_F(Keys, AreIssuedOnlyWhereTheCasKeysAre) {
+  fs::rename(keys_ + "/ca", folder_ / "taken_off");
+  const Ended add = Musher({"keys", "add", "visitor", "--role", "observer"});
+  EXPECT_EQ(add.exit, 2);
+  EXPECT_THAT(add.err, HasSubstr("identities are issued and revoked where the folder ca/ is kept"));
+  ASSERT_NO_FATAL_FAILURE(Start());  // the robot does not need them
+}
+
+TEST_F(Keys, NeedAConfigThatSaysWhereTheyAre) {
+  const std::string open = folder_ / "open.toml";
+  std::ifstream in(config_);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::ofstream(open) << text.substr(0, text.find("[security]"));
+  const Ended init = Musher({"keys", "init", open});
+  EXPECT_EQ(init.exit, 2);
+  EXPECT_THAT(init.err, HasSubstr("add to it: [security] keys = \"keys\""));
+}
+
+TEST_F(Keys, HaveNamesThatCannotEscapeTheirFolder) {
+  for (const char* name : {"../voice", "a b", "<x>", "identity_ca", ""}) {
+    const Ended add = Musher({"keys", "add", name});
+    EXPECT_EQ(add.exit, 2) << name;
+  }
+}
+
+// Nothing is started then, and it is said which file is wrong, and how.
+class WrongKeys : public SecuredMachine {
+ protected:
+  void ExpectRefusal(const std::string& why) {
+    const Ended up = UpDetached();
+    EXPECT_EQ(up.exit, 2) << up.out;
+    EXPECT_THAT(up.err, HasSubstr(why));
+    EXPECT_FALSE(fs::exists(folder_ / "state/journal.sqlite"));
+  }
+};
+
+TEST_F(WrongKeys, ThatOthersCanRead) {
+  ASSERT_EQ(chmod((keys_ + "/voice.key").c_str(), 0640), 0);
+  ExpectRefusal(keys_ + "/voice.key can be read by others; `chmod 600 " + keys_ + "/voice.key`");
+}
+
+TEST_F(WrongKeys, ThatAreMissing) {
+  fs::remove(keys_ + "/legs.cert");
+  ExpectRefusal("legs.cert: No such file or directory; `musher keys add legs` makes an identity");
+  fs::remove_all(keys_);
+  ExpectRefusal("identity_ca.cert: No such file or directory; `musher keys init` makes");
+}
+
+TEST_F(WrongKeys, OfAnotherRobot) {
+  const std::string foreign = folder_ / "foreign";
+  ASSERT_EQ(Musher({"keys", "init", foreign}).exit, 0);
+  for (const char* kind : {".cert", ".key", ".permissions"}) {
+    fs::copy_file(foreign + "/controller" + kind, keys_ + "/controller" + kind,
+                  fs::copy_options::overwrite_existing);
+  }
+  ExpectRefusal("controller.cert was not issued by the CA of " + keys_ + "/identity_ca.cert");
+}
+
+TEST_F(WrongKeys, ThatDoNotBelongToTheirCertificate) {
+  fs::copy_file(keys_ + "/legs.key", keys_ + "/voice.key", fs::copy_options::overwrite_existing);
+  ExpectRefusal("voice.key is not the key of " + keys_ + "/voice.cert");
+}
+
+TEST_F(WrongKeys, WithThePermissionsOfSomebodyElse) {
+  fs::copy_file(keys_ + "/controller.permissions", keys_ + "/voice.permissions",
+                fs::copy_options::overwrite_existing);
+  ExpectRefusal("voice.permissions is for serialNumber=");
+}
+
+TEST_F(WrongKeys, WithPermissionsThatWereChanged) {
+  std::ifstream in(keys_ + "/voice.permissions");
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::size_t at = text.find("DENY");
+  ASSERT_NE(at, std::string::npos);
+  std::ofstream(keys_ + "/voice.permissions") << text.replace(at, 4, "ALLOW");
+  ExpectRefusal("voice.permissions was not signed by the CA of " + keys_ +
+                "/permissions_ca.cert, or was changed");
+}
+
+TEST_F(WrongKeys, InADomainThatSecurityDoesNotKnow) {
+  setenv("ROS_DOMAIN_ID", "231", 1);
+  ExpectRefusal("DDS Security knows the domains 0 to 230");
+}
+
+TEST_F(WrongKeys, WhereAPluginIsNotWhatItShouldBe) {
+  const std::string plugins = folder_ / "plugins";
+  fs::create_directory(plugins);
+  fs::copy_file(PLUGIN_DIR "/libdds_security_crypto.so", plugins + "/libdds_security_auth.so");
+  setenv("LD_LIBRARY_PATH", plugins.c_str(), 1);
+  ExpectRefusal("the plugins of DDS Security are libdds_security_auth.so");
+  unsetenv("LD_LIBRARY_PATH");
+}
+
+}  // namespace
+}  // namespace musher::testing

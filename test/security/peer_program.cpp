@@ -1,0 +1,223 @@
+// A process with an identity, or without one, that a test makes speak and listen:
+//
+//   security_peer <domain> <keys or -> <identity> ACTION...
+//
+//   publish:<topic>[:<partition>]   "hello" every 10 ms, as long as it lives
+//   hear:<topic>[:<partition>]      says "heard <topic> <partition>" for each sample
+//   command:<actuator>              asks the actuator to go to Error, as a controller would
+//   serve:<actuator>                says "asked" for each command to the actuator, and answers it
+//   set:<state>                     asks the controller to switch the machine
+//   stop                            engages the emergency stop
+//   announce                        says that it is a controller, of a very high epoch
+//   watch                           says "machine <state>" for each status of the machine
+//   beats                           says "beats <actuator>" for each of CyberDog's heartbeats,
+//   which
+//                                   every actuator sends
+//   pose:<actuator>[:<partition>]   tells a status and signs of life of that actuator
+//
+// Says "ready" once all is made. What is refused is said as "refused <action>: <reason>"; the rest
+// goes on.
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+#include <list>
+#include <string>
+#include <vector>
+
+#include "musher/messages/musher_msgs/actuator_command.hpp"
+#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/messages/musher_msgs/machine_status.hpp"
+#include "musher/messages/protocol/heartbeats.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/host.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::transport {
+namespace {
+
+constexpr Duration kPeriod = Milliseconds(10);
+constexpr Duration kPatience = Milliseconds(1000);
+constexpr std::uint64_t kHighEpoch = 1'000'000;
+
+std::vector<std::string> Split(const std::string& text) {
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  for (std::size_t end = 0; end != std::string::npos; begin = end + 1) {
+    end = text.find(':', begin);
+    parts.push_back(text.substr(begin, end - begin));
+  }
+  parts.resize(3);
+  return parts;
+}
+
+class Peer {
+ public:
+  Peer(Node& node, std::string name_space) : node_(node), name_space_(std::move(name_space)) {}
+
+  Result<> Do(const std::string& action) {
+    const std::vector<std::string>& words = kept_.emplace_back(Split(action));
+    if (words[0] == "publish") return Publish<msg::String>(words[1], {"hello"}, words[2]);
+    if (words[0] == "hear") return Hear(words[1], words[2]);
+    if (words[0] == "command") return Command(words[1]);
+    if (words[0] == "serve") return Serve(words[1]);
+    if (words[0] == "set") {
+      msg::SetState::Request request;
+      request.target = words[1];
+      return Ask<msg::SetState>(MachineService(name_space_, "set_state"), request);
+    }
+    if (words[0] == "stop") {
+      const msg::EmergencyStop stop{7, true, "security_peer", "a test"};
+      return Publish<msg::EmergencyStop>(EmergencyStopTopic(name_space_), stop, "");
+    }
+    if (words[0] == "announce") {
+      msg::ControllerBeat beat;
+      beat.epoch = kHighEpoch;
+      return Publish<msg::ControllerBeat>(ControllerBeatTopic(name_space_), beat, "");
+    }
+    if (words[0] == "watch") {
+      return Watch<msg::MachineStatus>(
+          MachineStatusTopic(name_space_), kLatchedQos,
+          [](const msg::MachineStatus& m) { return "machine " + m.state; });
+    }
+    if (words[0] == "beats") {
+      return Watch<msg::Heartbeats>(ResolveName(name_space_, "manager_heartbeats"),
+                                    kSystemDefaultQos,
+                                    [](const msg::Heartbeats& m) { return "beats " + m.name; });
+    }
+    if (words[0] == "pose") return Pose(words[1], words[2]);
+    return Error{kCodeParametersInvalid, "no such action"};
+  }
+
+ private:
+  template <class M>
+  Result<> Publish(const std::string& topic, const M& message, const std::string& partition) {
+    Qos qos = kLatchedQos;
+    qos.partition = partition;
+    auto publisher = MakePublisher<M>(node_, topic, qos);
+    if (!publisher) return publisher.error();
+    const std::shared_ptr<Publisher<M>> shared = std::move(publisher).value();
+    owned_.push_back(node_.loop().Every(
+        kPeriod, [shared, message] { static_cast<void>(shared->Publish(message)); }));
+    return Ok();
+  }
+
+  Result<> Hear(const std::string& topic, const std::string& partition) {
+    Qos qos = kDefaultQos;
+    qos.partition = partition;
+    auto heard = MakeSubscription<msg::String>(
+        node_, topic,
+        [topic](const msg::String&, const SampleInfo& info) {
+          std::cout << "heard " << topic << " " << info.partition.value_or("-") << std::endl;
+        },
+        qos);
+    if (!heard) return heard.error();
+    subscriptions_.push_back(std::move(heard).value());
+    return Ok();
+  }
+
+  template <class M>
+  Result<> Watch(const std::string& topic, const Qos& qos, std::string (*tell)(const M&)) {
+    auto heard = MakeSubscription<M>(
+        node_, topic,
+        [tell](const M& message, const SampleInfo&) { std::cout << tell(message) << std::endl; },
+        qos);
+    if (!heard) return heard.error();
+    subscriptions_.push_back(std::move(heard).value());
+    return Ok();
+  }
+
+  template <class S>
+  Result<> Ask(const std::string& service, const typename S::Request& request) {
+    auto client = MakeClient<S>(node_, service);
+    if (!client) return client.error();
+    const std::shared_ptr<Client<S>> shared = std::move(client).value();
+    owned_.push_back(node_.loop().Every(kPeriod, [shared, request] {
+      shared->Call(request, kPatience, [](const auto& reply) {
+        if (reply) std::cout << "answered" << std::endl;
+      });
+    }));
+    return Ok();
+  }
+
+  Result<> Command(const std::string& actuator) {
+    msg::ActuatorCommand::Request request;
+    request.kind = msg::ActuatorCommand::kKindSwitch;
+    request.epoch = kHighEpoch;
+    request.number = 1;
+    request.target = "OTA";
+    request.budget_ns = kPatience.count();
+    return Ask<msg::ActuatorCommand>(CommandService(name_space_, actuator), request);
+  }
+
+  Result<> Serve(const std::string& actuator) {
+    auto server = MakeServer<msg::ActuatorCommand>(
+        node_, CommandService(name_space_, actuator),
+        [](const msg::ActuatorCommand::Request&, auto reply, PeerId) {
+          std::cout << "asked" << std::endl;
+          reply({});
+        });
+    if (!server) return server.error();
+    server_ = std::move(server).value();
+    return Ok();
+  }
+
+  Result<> Pose(const std::string& actuator, const std::string& partition) {
+    msg::ActuatorStatus status;
+    status.name = actuator;
+    status.state = "Error";
+    status.incarnation = ~std::uint64_t{0} >> 1U;  // newer than any
+    status.pid = getpid();
+    status.host = HostId();
+    msg::ActuatorBeat beat;
+    beat.name = actuator;
+    beat.incarnation = status.incarnation;
+    beat.work = msg::ActuatorBeat::kWorkHung;
+    if (auto r = Publish(ActuatorBeatTopic(name_space_), beat, partition); !r) return r;
+    return Publish(ActuatorStatusTopic(name_space_), status, partition);
+  }
+
+  Node& node_;
+  const std::string name_space_;
+  std::list<std::vector<std::string>> kept_;  // what partitions view
+  std::vector<LoopHandlePtr> owned_;
+  std::unique_ptr<Server<msg::ActuatorCommand>> server_;
+  std::vector<std::unique_ptr<Subscription>> subscriptions_;
+};
+
+int Run(int argc, char** argv) {
+  if (argc < 4) return EXIT_FAILURE;
+  LinuxEventLoop loop;
+  DdsOptions options;
+  options.domain_id = std::atoi(argv[1]);
+  options.impatient = true;
+  if (argv[2] != std::string("-")) options.credentials = {argv[2], argv[3]};
+  const auto node = MakeDdsNode(loop, options);
+  if (!node) {
+    std::cout << "refused node: " << node.error().message << std::endl;
+    return EXIT_FAILURE;
+  }
+  const char* name_space = std::getenv("MUSHER_NAMESPACE");
+  Peer peer(*node.value(), name_space == nullptr ? "" : name_space);
+  for (int i = 4; i < argc; ++i) {
+    if (auto done = peer.Do(argv[i]); !done) {
+      std::cout << "refused " << argv[i] << ": " << done.error().message << std::endl;
+    }
+  }
+  std::cout << "ready" << std::endl;
+  loop.Run();
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+}  // namespace musher::transport
+
+int main(int argc, char** argv) {
+  return musher::transport::Run(argc, argv);
+}

@@ -1,0 +1,106 @@
+// A machine with [security] does all that one without does, for those who may ask for it.
+
+#include "musher/test/security/secured_machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string Text(const std::string& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST_F(SecuredMachine, ComesUpSwitchesStopsAndGoesDown) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  ExpectTheMachineIsSound();
+  const Ended estop = Musher({"estop", "smoke", "--json"});
+  EXPECT_EQ(estop.exit, 0) << estop.err;
+  EXPECT_EQ(Json(estop.out)["complete"], true) << estop.out;
+  EXPECT_EQ(Musher({"estop", "--release"}).exit, 0);
+  EXPECT_EQ(Musher({"restart", "voice"}).exit, 0);
+  EXPECT_EQ(Musher({"plan", "Active"}).exit, 0);
+  EXPECT_EQ(Musher({"history"}).exit, 0);
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+}
+
+TEST_F(SecuredMachine, DrivesAnActuatorThatWasKilledAgain) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  kill(Status()["actuators"]["voice"]["pid"].get<pid_t>(), SIGKILL);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  nlohmann::json voice;
+  do {
+    voice = Status()["actuators"]["voice"];
+  } while ((voice["restarts"] != 1 || voice["state"] != "LowPower") &&
+           std::chrono::steady_clock::now() < deadline);
+  EXPECT_EQ(voice["state"], "LowPower") << voice;
+}
+
+TEST_F(SecuredMachine, LetsAnObserverLookAndNothingElse) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  Identity("visitor", "observer");
+  for (const char* question : {"status", "history"}) {
+    const Ended look = As("visitor", {question});
+    EXPECT_EQ(look.exit, 0) << look.err;
+  }
+  EXPECT_EQ(As("visitor", {"plan", "Active"}).exit, 0);
+  for (const std::vector<std::string>& wish : {std::vector<std::string>{"set", "Active"},
+                                               {"estop"},
+                                               {"estop", "--release"},
+                                               {"down"},
+                                               {"restart", "voice"}}) {
+    const Ended refused = As("visitor", wish);
+    EXPECT_EQ(refused.exit, 2) << wish[0] << refused.out;
+    EXPECT_THAT(refused.err, HasSubstr("visitor may not do that: " + keys_));
+  }
+  EXPECT_EQ(Status()["state"], "LowPower");
+  EXPECT_EQ(Status()["emergency_stop"]["engaged"], false);
+}
+
+TEST_F(SecuredMachine, IsTakenOverByTheNextController) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const auto before = Status();
+  kill(before["pid"].get<pid_t>(), SIGKILL);
+  const Ended up = UpDetached();
+  ASSERT_EQ(up.exit, 0) << up.err;
+  const auto after = Status();
+  EXPECT_EQ(after["epoch"], 2);
+  EXPECT_EQ(after["state"], "LowPower");
+  EXPECT_EQ(after["actuators"]["legs"]["pid"], before["actuators"]["legs"]["pid"]);
+}
+
+TEST_F(SecuredMachine, SaysThatAnActuatorRunsWithoutKeys) {
+  const std::string open = folder_ / "open.toml";
+  const std::string text = Text(config_);
+  std::ofstream(open) << text.substr(0, text.find("[security]"));
+  const Process voice({MUSHER_BIN_DIR "/musher-exec", folder_ / "voice.toml", "--actuator", "voice",
+                       "--config", open});
+  Process up(Command({"up", config_}));
+  ASSERT_NE(up.LineWith("controller epoch 1 begins"), "");
+  EXPECT_THAT(Musher({"status"}).out, HasSubstr("process " + std::to_string(voice.pid()) +
+                                                " is not heard: has it the keys of this machine?"));
+}
+
+// Certificates and documents are public; of the keys nothing may turn up anywhere.
+TEST_F(SecuredMachine, NeverWritesKeysDown) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+  std::string secret = Text(keys_ + "/voice.key");
+  secret = secret.substr(secret.find('\n') + 1, 40);
+  ASSERT_EQ(secret.size(), 40U);
+  int files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "state")) {
+    if (!entry.is_regular_file()) continue;
+    ++files;
+    EXPECT_THAT(Text(entry.path()), Not(HasSubstr("PRIVATE KEY"))) << entry.path();
+    EXPECT_THAT(Text(entry.path()), Not(HasSubstr(secret))) << entry.path();
+  }
+  EXPECT_GT(files, 3);
+  const Ended list = Musher({"keys", "list"});
+  EXPECT_THAT(list.out, Not(HasSubstr(secret)));
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,137 @@
+// A robot's folder of keys: what is issued, and what is taken for good.
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "musher/test/controller/temp_folder.hpp"
+#include "musher/transport/keys/authority.hpp"
+#include "musher/transport/keys/check.hpp"
+
+namespace musher::transport::keys {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string Text(const std::string& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class Keys : public ::testing::Test {
+ protected:
+  Keys() { EXPECT_TRUE(CreateAuthority(folder_, Protection::kEncrypted, false)); }
+
+  Result<> Add(const std::string& name, Role role = Role::kActuator, int days = 30,
+               bool force = false) {
+    return Issue(folder_, name, role, {days, force});
+  }
+  std::string Complaint(const std::string& name) {
+    const auto checked = Check(folder_, name);
+    return checked ? "" : checked.error().message;
+  }
+  void Replace(const std::string& file, const std::string& from, const std::string& to) {
+    std::string text = Text(file);
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos);
+    std::ofstream(file) << text.replace(at, from.size(), to);
+  }
+
+  const TempFolder temp_;
+  const KeyFolder folder_{temp_ / "keys"};
+};
+
+TEST_F(Keys, AreGoodUntilTheyExpire) {
+  ASSERT_TRUE(Add("legs", Role::kActuator, 30));
+  const auto until = Check(folder_, "legs");
+  ASSERT_TRUE(until) << until.error().message;
+  const auto left = until.value() - std::chrono::system_clock::now();
+  EXPECT_GT(left, std::chrono::days(29));
+  EXPECT_LE(left, std::chrono::days(30));
+  ASSERT_TRUE(Add("old", Role::kActuator, -1));
+  EXPECT_THAT(Complaint("old"), AllOf(HasSubstr("old.cert has expired on "),
+                                      HasSubstr("`musher keys add old --force`")));
+}
+
+TEST_F(Keys, NeverOutliveTheirCa) {
+  ASSERT_TRUE(Add("legs", Role::kActuator, 36'500));
+  EXPECT_LE(Check(folder_, "legs").value(),
+            std::chrono::system_clock::now() + std::chrono::days(3650));
+}
+
+TEST_F(Keys, AreRevokedWhenTheyAreReplaced) {
+  ASSERT_TRUE(Add("legs"));
+  const std::string before = Text(folder_.Certificate("legs"));
+  const std::string rights = Text(folder_.Permissions("legs"));
+  EXPECT_FALSE(Add("legs"));
+  ASSERT_TRUE(Add("legs", Role::kObserver, 30, true));
+  EXPECT_EQ(Complaint("legs"), "");
+  std::ofstream(folder_.Permissions("legs")) << rights;  // those of more power
+  EXPECT_THAT(Complaint("legs"), HasSubstr("legs.permissions is for "));
+  std::ofstream(folder_.Certificate("legs")) << before;
+  EXPECT_THAT(Complaint("legs"), HasSubstr("is not the key of"));
+}
+
+TEST_F(Keys, ThatWereRevokedStayRevokedWhileOthersAre) {
+  for (const char* name : {"a", "b", "c"}) ASSERT_TRUE(Add(name));
+  for (const char* name : {"a", "b", "a"}) ASSERT_TRUE(Revoke(folder_, name));
+  EXPECT_THAT(Complaint("a"), HasSubstr("is revoked"));
+  EXPECT_THAT(Complaint("b"), HasSubstr("is revoked"));
+  EXPECT_EQ(Complaint("c"), "");
+}
+
+// With one CA for both, everybody whose certificate it has signed could sign permissions.
+TEST_F(Keys, DoNotLetTheirOwnerSignPermissions) {
+  const KeyFolder other(temp_ / "other");
+  ASSERT_TRUE(CreateAuthority(other, Protection::kEncrypted, false));
+  ASSERT_TRUE(Issue(other, "legs", Role::kController, {}));
+  ASSERT_TRUE(Add("legs"));
+  std::ofstream(folder_.Permissions("legs")) << Text(other.Permissions("legs"));
+  EXPECT_THAT(Complaint("legs"), HasSubstr("was not signed by the CA of"));
+}
+
+TEST_F(Keys, WithAChangedGovernanceAreRefused) {
+  ASSERT_TRUE(Add("legs"));
+  Replace(folder_.Governance(), "<enable_join_access_control>true",
+          "<enable_join_access_control>no");
+  EXPECT_THAT(Complaint("legs"), HasSubstr("governance.p7s was not signed by the CA of"));
+}
+
+TEST_F(Keys, ThatAreNoKeysAreNamed) {
+  ASSERT_TRUE(Add("legs"));
+  std::ofstream(folder_.Certificate("legs")) << "no certificate";
+  EXPECT_THAT(Complaint("legs"), HasSubstr("legs.cert is not a certificate (PEM)"));
+  std::ofstream(folder_.Revocations()) << "";
+  EXPECT_THAT(Complaint("legs"), HasSubstr("revoked.crl is empty"));
+}
+
+TEST(Rights, OfAnActuatorAreThoseOfItsOwnName) {
+  const Grant grant{"legs", "CN=legs", Role::kActuator, {}, {}};
+  const std::string xml = PermissionsXml(grant);
+  EXPECT_THAT(xml, HasSubstr("<topic>rr/*/legs/musher_commandReply</topic>"));
+  EXPECT_THAT(xml, HasSubstr("<partition>legs</partition>"));
+  EXPECT_THAT(xml, HasSubstr("<subject_name>CN=legs</subject_name>"));
+  EXPECT_THAT(xml.substr(0, xml.find("<deny_rule>")), Not(HasSubstr("rq/musher")));
+  EXPECT_THAT(xml, HasSubstr("<default>DENY</default>"));
+}
+
+TEST(Rights, OfAnObserverHoldNothingButQuestions) {
+  const std::string xml = PermissionsXml({"guest", "CN=guest", Role::kObserver, {}, {}});
+  EXPECT_THAT(xml, Not(HasSubstr("<topic>*</topic>")));
+  EXPECT_THAT(xml, Not(HasSubstr("set_state")));
+  EXPECT_THAT(xml, Not(HasSubstr("emergency_stop")));
+  EXPECT_THAT(xml, HasSubstr("<topic>rq/musher/get_statusRequest</topic>"));
+}
+
+TEST(Governance, LetsNobodyInWithoutACertificate) {
+  const std::string xml = GovernanceXml(Protection::kSigned);
+  EXPECT_THAT(xml, HasSubstr("<allow_unauthenticated_participants>false<"));
+  EXPECT_THAT(xml, HasSubstr("<enable_join_access_control>true<"));
+  EXPECT_THAT(xml, Not(HasSubstr("ENCRYPT")));
+  EXPECT_THAT(GovernanceXml(Protection::kEncrypted), Not(HasSubstr("SIGN")));
+}
+
+}  // namespace
+}  // namespace musher::transport::keys

@@ -1,0 +1,64 @@
+#include "musher/transport/dds/security.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "musher/transport/keys/key_folder.hpp"
+
+namespace musher::transport::dds {
+
+void TellOnceAMinute(void*, const dds_log_data_t* data) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::minutes kPause(1);
+  constexpr std::size_t kMostLines = 256;  // remembered
+  static std::mutex mutex;
+  static std::map<std::string, Clock::time_point, std::less<>> told;
+  const std::lock_guard lock(mutex);
+  const std::string_view line(data->message, data->size);
+  const std::string_view text = line.substr(std::min(line.size(), data->hdrsize));
+  const Clock::time_point now = Clock::now();
+  if (const auto last = told.find(text); last != told.end()) {
+    if (now - last->second < kPause) return;
+    last->second = now;
+  } else {
+    if (told.size() >= kMostLines) told.clear();
+    told.emplace(text, now);
+  }
+  std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+void SetCredentials(dds_qos_t* qos, const Credentials& credentials) {
+  const keys::KeyFolder folder(credentials.keys);
+  const auto set = [qos](const std::string& name, const std::string& value) {
+    dds_qset_prop(qos, name.c_str(), value.c_str());
+  };
+  const auto set_file = [&set](const std::string& name, const std::string& file) {
+    set(name, "file:" + file);
+  };
+  for (const std::string plugin : {"auth", "access", "crypto"}) {
+    const std::string library = plugin == "access" ? "ac" : plugin;
+    const std::string function = plugin == "auth"     ? "authentication"
+                                 : plugin == "access" ? "access_control"
+                                                      : "crypto";
+    const std::string prefix = "dds.sec." + plugin + ".library.";
+    set(prefix + "path", "dds_security_" + library);
+    set(prefix + "init", "init_" + function);
+    set(prefix + "finalize", "finalize_" + function);
+  }
+  const std::string& name = credentials.identity;
+  set_file("dds.sec.auth.identity_ca", folder.IdentityCa());
+  set_file("dds.sec.auth.identity_certificate", folder.Certificate(name));
+  set_file("dds.sec.auth.private_key", folder.Key(name));
+  set_file("org.eclipse.cyclonedds.sec.auth.crl", folder.Revocations());
+  set_file("dds.sec.access.permissions_ca", folder.PermissionsCa());
+  set_file("dds.sec.access.governance", folder.Governance());
+  set_file("dds.sec.access.permissions", folder.Permissions(name));
+}
+
+}  // namespace musher::transport::dds

@@ -1,0 +1,18 @@
+#pragma once
+// DDS Security, with the plugins that come with Cyclone.
+
+#include <dds/dds.h>
+#include <dds/ddsrt/log.h>
+
+#include "musher/transport/dds/dds_node.hpp"
+
+namespace musher::transport::dds {
+
+// Makes a participant's QoS that of the identity.
+void SetCredentials(dds_qos_t* qos, const Credentials& credentials);
+
+// A log sink of Cyclone that tells each line once a minute: each attempt of a stranger to come in
+// is a line, and he tries for ever. From any thread.
+void TellOnceAMinute(void* unused, const dds_log_data_t* data);
+
+}  // namespace musher::transport::dds

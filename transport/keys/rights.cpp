@@ -1,0 +1,221 @@
+#include "musher/transport/keys/rights.hpp"
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <utility>
+
+#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/transport/service_names.hpp"
+
+namespace musher::transport::keys {
+namespace {
+
+using Topics = std::vector<std::string>;
+
+std::string Element(const std::string& name, const std::string& value) {
+  return "<" + name + ">" + value + "</" + name + ">\n";
+}
+
+// In the namespace "" and in every other; '*' stands for slashes, too.
+Topics InEveryNamespace(const std::string& topic) {
+  return {topic, topic.substr(0, 3) + "*/" + topic.substr(3)};
+}
+
+// Topics, services' requests and services' replies by their names in ROS 2.
+struct Names {
+  Topics topics;
+  Topics services;
+};
+
+Topics Mangled(const Topics& names, const std::string& before, const std::string& after) {
+  Topics topics;
+  for (const std::string& name : names) {
+    for (const std::string& topic : InEveryNamespace(before + name + after)) {
+      topics.push_back(topic);
+    }
+  }
+  return topics;
+}
+
+Topics DataTopics(const Topics& names) {
+  return Mangled(names, "rt/", "");
+}
+Topics Requests(const Topics& services) {
+  return Mangled(services, "rq/", "Request");
+}
+Topics Replies(const Topics& services) {
+  return Mangled(services, "rr/", "Reply");
+}
+
+// What an actuator serves, "*" for all actuators: our own contract, CyberDog's, ROS 2's.
+Topics ServicesOf(const std::string& actuator) {
+  return {CommandService("", actuator), actuator + "machine_service", actuator + "/change_state",
+          actuator + "/get_state"};
+}
+
+// What a machine answers without changing, and what only an operator may ask it for.
+Topics Questions() {
+  return {MachineService("", "get_status"), MachineService("", "get_plan"),
+          MachineService("", "get_history")};
+}
+const std::string kAllMachineServices = "musher/*";
+
+// All that is Musher's: none of it is free.
+Topics Reserved() {
+  Topics topics;
+  for (const std::string& name :
+       {std::string("musher/*"), std::string("*/musher_command*"), std::string("*machine_service*"),
+        std::string("*/change_state*"), std::string("*/get_state*")}) {
+    for (const char* kind : {"rt/", "rq/", "rr/"}) {
+      for (const std::string& topic : InEveryNamespace(kind + name)) topics.push_back(topic);
+    }
+  }
+  return topics;
+}
+
+// One direction of a rule. Partitions: only in these; none: in whatever partition.
+struct Criteria {
+  const char* direction;  // "publish" or "subscribe"
+  Topics topics;
+  std::optional<std::string> partition = std::nullopt;
+};
+
+std::string Xml(const Criteria& criteria) {
+  std::string topics;
+  for (const std::string& topic : criteria.topics) topics += Element("topic", topic);
+  // "*" is every one, the default partition too; without partitions it would be only that.
+  const std::string partition = Element("partition", criteria.partition.value_or("*"));
+  return Element(criteria.direction, Element("topics", topics) + Element("partitions", partition));
+}
+
+// Cyclone's parser knows none above 230.
+const std::string kAllDomains =
+    "<domains><id_range><min>0</min><max>230</max></id_range></domains>\n";
+
+std::string Rule(const char* kind, const std::vector<Criteria>& all) {
+  std::string text = kAllDomains;
+  for (const Criteria& criteria : all) {
+    if (!criteria.topics.empty()) text += Xml(criteria);
+  }
+  return Element(kind, text);
+}
+
+Topics operator+(Topics one, const Topics& other) {
+  one.insert(one.end(), other.begin(), other.end());
+  return one;
+}
+
+const Topics kStatuses = DataTopics({ActuatorStatusTopic(""), ActuatorBeatTopic("")});
+const Topics kStops = DataTopics({EmergencyStopTopic("")});
+const Topics kAnnouncements = DataTopics({ControllerBeatTopic("")});
+const Topics kMachine = DataTopics({MachineStatusTopic(""), std::string(kMachinesTopic)});
+
+std::vector<Criteria> OfController() {
+  const Topics told = kAnnouncements + kMachine + kStops;
+  return {{"publish", told + Replies({kAllMachineServices}) + Requests(ServicesOf("*"))},
+          {"subscribe", {"*"}}};
+}
+
+std::vector<Criteria> OfActuator(const std::string& name) {
+  return {{"publish", kStatuses, name},
+          {"publish", kStops + Replies(ServicesOf(name))},
+          {"subscribe", kAnnouncements + kStops + kMachine + Requests(ServicesOf(name))}};
+}
+
+std::vector<Criteria> OfOperator() {
+  return {{"publish", kStops + Requests({kAllMachineServices})},
+          {"subscribe",
+           kMachine + kStatuses + kStops + kAnnouncements + Replies({kAllMachineServices})}};
+}
+
+std::vector<Criteria> OfObserver() {
+  return {{"publish", Requests(Questions())}, {"subscribe", kMachine + Replies(Questions())}};
+}
+
+std::vector<Criteria> Of(const Grant& grant) {
+  switch (grant.role) {
+    case Role::kController:
+      return OfController();
+    case Role::kActuator:
+      return OfActuator(grant.name);
+    case Role::kOperator:
+      return OfOperator();
+    case Role::kObserver:
+      break;
+  }
+  return OfObserver();
+}
+
+std::string Document(const std::string& body) {
+  return "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<dds>\n" + body + "</dds>\n";
+}
+
+}  // namespace
+
+std::string IsoTime(WallTime time) {
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text.data();
+}
+
+std::string_view RoleName(Role role) {
+  switch (role) {
+    case Role::kController:
+      return "controller";
+    case Role::kActuator:
+      return "actuator";
+    case Role::kOperator:
+      return "operator";
+    case Role::kObserver:
+      break;
+  }
+  return "observer";
+}
+
+std::optional<Role> RoleFrom(std::string_view name) {
+  const auto* const found = std::find_if(std::begin(kRoles), std::end(kRoles),
+                                         [name](Role role) { return RoleName(role) == name; });
+  if (found == std::end(kRoles)) return std::nullopt;
+  return *found;
+}
+
+// Each writer's samples are protected with a key of its own, which only those get who may read
+// them: one who reads a topic cannot pose as a writer of another.
+std::string GovernanceXml(Protection protection) {
+  const std::string kind = protection == Protection::kSigned ? "SIGN" : "ENCRYPT";
+  const std::string topic_rule = Element(
+      "topic_rule",
+      Element("topic_expression", "*") + Element("enable_discovery_protection", "true") +
+          Element("enable_liveliness_protection", "true") +
+          Element("enable_read_access_control", "true") +
+          Element("enable_write_access_control", "true") +
+          Element("metadata_protection_kind", kind) + Element("data_protection_kind", "NONE"));
+  return Document(Element(
+      "domain_access_rules",
+      Element("domain_rule", kAllDomains + Element("allow_unauthenticated_participants", "false") +
+                                 Element("enable_join_access_control", "true") +
+                                 Element("discovery_protection_kind", kind) +
+                                 Element("liveliness_protection_kind", kind) +
+                                 Element("rtps_protection_kind", "NONE") +
+                                 Element("topic_access_rules", topic_rule))));
+}
+
+std::string PermissionsXml(const Grant& grant) {
+  std::string rules = Rule("allow_rule", Of(grant));
+  if (grant.role != Role::kObserver) {
+    rules += Rule("deny_rule", {{"publish", Reserved()}, {"subscribe", Reserved()}});
+    rules += Rule("allow_rule", {{"publish", {"*"}}, {"subscribe", {"*"}}});
+  }
+  return Document(Element(
+      "permissions", "<grant name=\"" + grant.name + "\">\n" +
+                         Element("subject_name", grant.subject) +
+                         Element("validity", Element("not_before", IsoTime(grant.not_before)) +
+                                                 Element("not_after", IsoTime(grant.not_after))) +
+                         rules + Element("default", "DENY") + "</grant>\n"));
+}
+
+}  // namespace musher::transport::keys
