@@ -112,28 +112,17 @@ std::optional<Trial::Verdict> Trial::TellOnce(const StoryId& id) {
   return verdict;
 }
 
-TrialFailure Trial::Shorten(const StoryId& id, const Verdict& verdict) {
-  TrialFailure failure{id, verdict.what, timeline_, true};
+TrialFailure Trial::Shorten(std::uint64_t seed, const Verdict& verdict) {
+  TrialFailure failure{{seed, std::nullopt}, verdict.what, timeline_, true};
   if (stuck_) return failure;  // it would take as long again, and another thread
-  const auto bad = [&](const std::vector<std::size_t>& only) {
-    const auto again = TellOnce({id.seed, only});
+  const auto bad = [&](const std::optional<std::vector<std::size_t>>& only) {
+    const auto again = TellOnce({seed, only});
     return again && again->promise == verdict.promise;
   };
-  const std::size_t count =
-      id.only ? id.only->size() : DrawIncidentsAt(config_, actuator_, id.seed).size();
-  std::vector<std::size_t> all = id.only.value_or(std::vector<std::size_t>());
-  for (std::size_t number = 1; !id.only && number <= count; ++number) all.push_back(number);
-  const auto some_of_all = [&](const std::vector<std::size_t>& some) {
-    std::vector<std::size_t> only;
-    for (const std::size_t number : some) only.push_back(all[number - 1]);
-    return only;
-  };
-  failure.again = bad(all);
+  failure.again = bad(std::nullopt);
   if (!failure.again) return failure;
-  failure.id.only =
-      some_of_all(ShrinkWhile(count, [&](const auto& s) { return bad(some_of_all(s)); }));
-  const auto last = TellOnce(failure.id);
-  if (last) failure.what = last->what;
+  failure.id.only = ShrinkWhile(DrawIncidentsAt(config_, actuator_, seed).size(), bad);
+  if (const auto last = TellOnce(failure.id)) failure.what = last->what;
   failure.timeline = timeline_;
   return failure;
 }
@@ -141,7 +130,7 @@ TrialFailure Trial::Shorten(const StoryId& id, const Verdict& verdict) {
 std::optional<TrialFailure> Trial::Find(std::uint64_t first, std::uint64_t count) {
   for (std::uint64_t seed = first; seed < first + count; ++seed) {
     if (const auto verdict = TellOnce({seed, std::nullopt})) {
-      return Shorten({seed, std::nullopt}, *verdict);
+      return Shorten(seed, *verdict);
     }
   }
   return std::nullopt;

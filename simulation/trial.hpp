@@ -44,7 +44,7 @@ class Trial {
     std::optional<Promise> promise;  // of the machine's; else it is the module's own fault
   };
   std::optional<Verdict> TellOnce(const StoryId& id);
-  TrialFailure Shorten(const StoryId& id, const Verdict& verdict);
+  TrialFailure Shorten(std::uint64_t seed, const Verdict& verdict);
 
   const MachineConfig config_;
   const std::size_t actuator_;
