@@ -280,6 +280,8 @@ TEST_F(Actuator, RefusesAManagerWhatGoesUpWhileAnEmergencyStopIsLatched) {
   Do(CallbackEnded{});
   Do(EmergencyStopHeard{5, true, 0});
   EXPECT_EQ(AnswerIn(Do(ManagerCommand{2, "Active"})).code, kCodeProtectedError);
+  EXPECT_THAT(Do(ManagerCommand{3, "TearDown"}),
+              Contains(VariantWith<RunCallback>(RunCallback{"TearDown"})));
 }
 
 TEST_F(Actuator, TellsWhetherItsStateWasSetForItAloneAlsoWhereItWasThereAlready) {

@@ -105,6 +105,7 @@ TEST_F(Outcomes, OfASupersededOneSayWhoWasUnderWayAndWhoHadNothing) {
   EXPECT_EQ(Did<action::AnswerSetState>()[0].request, up);
   const SwitchResult result = Did<action::AnswerSetState>()[0].result;
   EXPECT_EQ(result.outcome, SwitchOutcome::kSuperseded);
+  EXPECT_EQ(result.code, kCodeTargetBusy);
   EXPECT_EQ(result.actuators[0].message, "was under way");
   EXPECT_EQ(result.actuators[1].message, "nothing was sent");
   EXPECT_FALSE(Of(0).order) << "it comes after b on the way down";

@@ -131,6 +131,7 @@ TEST_F(Processes, WhatTheyWereDoingIsARecordOfTheProcess) {
   Do(event::BacktraceTaken{0, 700, "main()"});
   const action::Record told = Told("what a was doing");
   EXPECT_EQ(told.kind, "process");
+  EXPECT_EQ(told.actuator, 0U);
   EXPECT_EQ(told.data, "main()");
   EXPECT_EQ(Told("gets SIGKILL").code, kCodeTimeout);
 }
@@ -174,6 +175,7 @@ TEST_F(Processes, ARestartOfAnUnknownOneIsRefusedWithNoMoreOfItsNameThanOneReads
   StartUpOurs();
   Do(event::RestartRequested{1, std::string(100, 'x')});
   ASSERT_THAT(Did<action::AnswerCall>(), SizeIs(1));
+  EXPECT_EQ(Did<action::AnswerCall>()[0].result.error().code, kCodeParametersInvalid);
   EXPECT_THAT(Did<action::AnswerCall>()[0].result.error().message,
               HasSubstr("'" + std::string(64, 'x') + "'"));
 }
@@ -231,6 +233,7 @@ TEST_F(Strangers, AnEmergencyStopWithoutANumberIsNoneAndTheLeastOneIsOne) {
   EXPECT_FALSE(machine_.emergency_stop);
   Do(event::EmergencyStopSeen{{1, "somebody", ""}});
   EXPECT_TRUE(machine_.emergency_stop);
+  EXPECT_EQ(Told("emergency stop, engaged by somebody").code, kCodeProtectedError);
 }
 
 }  // namespace

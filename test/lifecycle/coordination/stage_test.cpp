@@ -125,6 +125,7 @@ TEST_F(Stages, ThatAreStillToComeTakeNobodyDown) {
 TEST_F(Stages, AMachineBeginsInTheStateOfItsConfig) {
   config_.default_state = "DeActive";
   EXPECT_EQ(MakeMachine(config_).state, "DeActive");
+  EXPECT_EQ(MakeMachine(config_).actuators[0].state(), "DeActive");
 }
 
 TEST_F(Stages, TheRecordThatTellsOfAMachineTellsItsNewState) {
