@@ -44,7 +44,8 @@ inline constexpr Qos kLatchedFromManyQos{Qos::Reliability::kReliable,
 // Signs of life from many: one that is lost is followed by the next.
 inline constexpr Qos kBeatQos{Qos::Reliability::kBestEffort, Qos::Durability::kVolatile, 0};
 
-// A writer or reader of another participant, or that participant itself. 0 is nobody.
+// A writer or reader of another participant, or that participant itself, which keeps its number
+// when it was out of reach meanwhile. 0 is nobody.
 using PeerId = std::uint64_t;
 
 struct SampleInfo {

@@ -20,7 +20,6 @@ struct Kind {
   std::function<void(Trial&)> strike;
   Shape shape = Shape::kHere;
   Need need = Need::kNothing;
-  std::string known_fault = {};  // why it fails today; it runs only when it is named
 };
 
 // All kinds, by family.

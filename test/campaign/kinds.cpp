@@ -120,7 +120,6 @@ void AddNetwork(std::vector<Kind>& kinds) {
   add("one-way-deaf", "the actuators hear nothing, for less than a lease of DDS",
       [](Trial& trial) { IsDeaf(trial, false); });
   add("one-way-deaf-long", "the same for longer", [](Trial& trial) { IsDeaf(trial, true); });
-  kinds.back().known_fault = "Cyclone does not match the two sides anew";
   add("one-way-mute", "the actuators are not heard", IsMute);
   add("partition-in-switch", "the cable is cut in the middle of a switch", IsCutInSwitch);
   add("link-down", "an interface goes down and up", LinkGoesDown);

@@ -87,11 +87,6 @@ Selection Select(const Options& options, const Isolation& isolation) {
     const auto& only = options.only;
     const bool named = std::any_of(only.begin(), only.end(), by_name);
     if (!only.empty() && !std::any_of(only.begin(), only.end(), meant)) continue;
-    if (!kind.known_fault.empty() && !named) {
-      selection.skipped.push_back("skipped (a known fault: " + kind.known_fault +
-                                  "): " + kind.name);
-      continue;
-    }
     const std::string hindrance = Hindrance(kind, isolation);
     if (hindrance.empty()) {
       selection.kinds.push_back(&kind);

@@ -36,6 +36,7 @@ class PeerProcess {
   PeerProcess& operator=(const PeerProcess&) = delete;
   ~PeerProcess() { Kill(); }
 
+  void Signal(int signal) const { kill(pid_, signal); }
   void Kill() {
     if (pid_ <= 0) return;
     kill(pid_, SIGKILL);
@@ -113,6 +114,26 @@ TEST_P(TwoProcesses, NoticeThatTheOtherWasKilled) {
   ASSERT_TRUE(RunUntil([&] { return lost != 0 && !client->Ready(); }));
   EXPECT_EQ(lost, writer);
   EXPECT_LT(loop().Now() - killed, Milliseconds(4 * kLeaseMs));
+}
+
+TEST_P(TwoProcesses, KnowEachOtherAgainAfterAnOutageThatWasLongerThanTheLease) {
+  PeerProcess peer(name_);
+  PeerId before = 0, after = 0;
+  bool lost = false;
+  SubscriptionEvents events;
+  events.on_writer_lost = [&](PeerId) { lost = true; };
+  const auto status = Must(MakeSubscription<msg::String>(
+      node(), name_ + "/status",
+      [&](const msg::String&, const SampleInfo& info) {
+        (lost ? after : before) = info.participant;
+      },
+      kLatchedQos, std::move(events)));
+  ASSERT_TRUE(RunUntil([&] { return before != 0; }));
+  peer.Signal(SIGSTOP);
+  ASSERT_TRUE(RunUntil([&] { return lost; }));
+  peer.Signal(SIGCONT);
+  ASSERT_TRUE(RunUntil([&] { return after != 0; }));  // its latched sample once more
+  EXPECT_EQ(before, after);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "musher/transport/dds/matched.hpp"
 
+#include "musher/lifecycle/checksum.hpp"
+
 namespace musher::transport::dds {
 
 std::vector<PeerId> MatchedHandles(dds_entity_t entity, GetMatched get) {
@@ -15,7 +17,11 @@ std::vector<PeerId> MatchedHandles(dds_entity_t entity, GetMatched get) {
 
 PeerId ParticipantIn(dds_builtintopic_endpoint_t* endpoint) {
   if (endpoint == nullptr) return 0;
-  const PeerId participant = endpoint->participant_instance_handle;
+  // Not its instance handle: that is another one when a participant comes back after an outage that
+  // was longer than its lease, and whoever obeys one participant would take it for a stranger.
+  const dds_guid_t& guid = endpoint->participant_key;
+  const PeerId participant =
+      Fnv1a({reinterpret_cast<const char*>(&guid.v), sizeof(guid.v)}) | 1U;  // not 0: nobody
   dds_builtintopic_free_endpoint(endpoint);
   return participant;
 }
