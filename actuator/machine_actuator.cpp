@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "musher/actuator/actuator_rehearsal.hpp"
 #include "musher/actuator/actuator_shell.hpp"
 #include "musher/lifecycle/config_toml.hpp"
 #include "musher/transport/host.hpp"
@@ -45,12 +46,16 @@ class MachineActuator::Impl {
   Result<> Init(const std::string& file, std::shared_ptr<transport::NodeThread> node) {
     auto config = ReadValidConfig(file);
     if (!config) return config.error();
-    config_ = std::move(config).value();
+    node_ = std::move(node);
+    return Adopt(std::move(config).value());
+  }
+
+  Result<> Adopt(MachineConfig config) {
+    config_ = std::move(config);
     index_ = config_->IndexOf(name_);
     if (!index_) {
       return Error{kCodeParametersInvalid, config_->file + " has no actuator '" + name_ + "'"};
     }
-    node_ = std::move(node);
     return Ok();
   }
 
@@ -116,14 +121,16 @@ class MachineActuator::Impl {
     checkpoints_->Mark(gettid(), allowance, std::chrono::steady_clock::now());
   }
 
-  bool stop_requested() const { return stop_requested_; }
+  bool stop_requested() const {
+    if (on_poll_) on_poll_();
+    return stop_requested_;
+  }
 
   State current_state() const {
     const std::lock_guard lock(mutex_);
     return state_;
   }
 
- private:
   Result<> CheckCallbacks() const {
     if (!index_) return Error{kCodeUninitialized, "Init has not succeeded"};
     if (twice_) return Error{kCodeParametersInvalid, "two callbacks for state '" + *twice_ + "'"};
@@ -143,26 +150,41 @@ class MachineActuator::Impl {
     return Ok();
   }
 
+  // What a rehearsal does instead of the shell.
+  std::vector<State> States() const {
+    std::vector<State> states;
+    for (const auto& [state, callback] : callbacks_) states.push_back(state);
+    return states;
+  }
+  Result<> RunCallback(const State& state) { return RunGuarded(callbacks_.at(state)); }
+  Result<> RunEmergencyStop() {
+    return RunGuarded([this]() -> Result<> {
+      on_emergency_stop_();
+      return Ok();
+    });
+  }
+  void set_stop_requested(bool requested) { stop_requested_ = requested; }
+  void set_state(const State& state) {
+    const std::lock_guard lock(mutex_);
+    state_ = state;
+  }
+  void set_on_poll(std::function<void()> on_poll) { on_poll_ = std::move(on_poll); }
+
+ private:
   void StartShell() {
     ActuatorShell::Hooks hooks;
     hooks.run_callback = [this](const State& state) {
       shell_->checkpoints().OnWorker(gettid());
-      return RunGuarded(callbacks_.at(state));
+      return RunCallback(state);
     };
     hooks.on_emergency_stop = [this] {
-      const Result<> result = RunGuarded([this]() -> Result<> {
-        on_emergency_stop_();
-        return Ok();
-      });
+      const Result<> result = RunEmergencyStop();
       if (!result) {
         std::cerr << name_ << ": OnEmergencyStop: " << result.error().message << std::endl;
       }
     };
-    hooks.set_stop_requested = [this](bool requested) { stop_requested_ = requested; };
-    hooks.on_report = [this](const ActuatorReport& report) {
-      const std::lock_guard lock(mutex_);
-      state_ = report.state;
-    };
+    hooks.set_stop_requested = [this](bool requested) { set_stop_requested(requested); };
+    hooks.on_report = [this](const ActuatorReport& report) { set_state(report.state); };
     hooks.on_set_up = [this] { TellSetUp(Ok()); };
     hooks.on_finished = [this](const Error& end) {
       if (end.code != kCodeOk) TellSetUp(end);
@@ -199,6 +221,7 @@ class MachineActuator::Impl {
   std::optional<State> twice_;
   std::optional<transport::NameLock> name_lock_;
   std::atomic<bool> stop_requested_ = false;
+  std::function<void()> on_poll_;  // of a rehearsal; empty on a robot
   std::promise<Result<>> set_up_;
   bool set_up_told_ = false;
   mutable std::mutex mutex_;  // guards the three below
@@ -271,6 +294,30 @@ State MachineActuator::CurrentState() const {
 }
 const std::string& MachineActuator::name() const {
   return impl_->name();
+}
+
+ActuatorRehearsal::ActuatorRehearsal(MachineActuator& actuator) : actuator_(actuator) {}
+std::vector<State> ActuatorRehearsal::States() const {
+  return actuator_.impl_->States();
+}
+Result<> ActuatorRehearsal::Adopt(const MachineConfig& config) {
+  if (auto adopted = actuator_.impl_->Adopt(config); !adopted) return adopted;
+  return actuator_.impl_->CheckCallbacks();
+}
+Result<> ActuatorRehearsal::Run(const State& state) {
+  return actuator_.impl_->RunCallback(state);
+}
+Result<> ActuatorRehearsal::EmergencyStop() {
+  return actuator_.impl_->RunEmergencyStop();
+}
+void ActuatorRehearsal::SetStopRequested(bool requested) {
+  actuator_.impl_->set_stop_requested(requested);
+}
+void ActuatorRehearsal::SetState(const State& state) {
+  actuator_.impl_->set_state(state);
+}
+void ActuatorRehearsal::OnPoll(std::function<void()> on_poll) {
+  actuator_.impl_->set_on_poll(std::move(on_poll));
 }
 
 }  // namespace musher

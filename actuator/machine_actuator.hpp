@@ -41,6 +41,8 @@
 
 namespace musher {
 
+class ActuatorRehearsal;
+
 class MachineActuator {
  public:
   // The name as in [controller].actuators of the config.
@@ -107,6 +109,7 @@ class MachineActuator {
   virtual void OnEmergencyStop() {}
 
  private:
+  friend class ActuatorRehearsal;  // runs the callbacks without a machine, for tests
   class Impl;
   std::unique_ptr<Impl> impl_;
 };

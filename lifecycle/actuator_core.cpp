@@ -217,7 +217,11 @@ class Deciding {
             "an emergency stop is engaged; until it is released nothing goes up"};
   }
 
-  bool GoesUp(const State& target) const { return Rises(machine_, report_.state, target); }
+  // The callback of its own state leads up, too, where it undoes a way down that has failed.
+  bool GoesUp(const State& target) const {
+    const bool undoes = core_.half_way_down && target == report_.state;
+    return undoes || Rises(machine_, report_.state, target);
+  }
 
   // A command that came before gets the same answer again, or the answer of its run.
   bool Repeated(const event::SwitchArrived& arrived) {
@@ -338,6 +342,8 @@ class Deciding {
       return;
     }
     core_.unsettled = code != kCodeOk;
+    core_.half_way_down =
+        core_.unsettled && (core_.half_way_down || Rises(machine_, target, report_.state));
     if (code == kCodeOk) report_.state = target;
   }
 

@@ -17,7 +17,8 @@
 // Rules: one controller is followed, and it must have announced itself; the epoch never falls; a
 // number is accepted once and never below one accepted or fenced; a command older than its budget
 // by this actuator's clock cannot begin; a callback that runs is never interrupted, only asked to
-// stop; while an emergency stop is latched nothing goes up; a manager without epochs may command as
+// stop; while an emergency stop is latched nothing goes up, not even back to where it is from a way
+// down that has failed; a manager without epochs may command as
 // long as no controller has spoken, and its command never waits.
 
 #include <cstdint>
@@ -158,6 +159,7 @@ struct ActuatorCore {
   };
   std::optional<Waiting> waiting;  // the newest command, behind the running callback
   bool unsettled = false;          // the last callback failed: it may have left a state half way
+  bool half_way_down = false;      // since it was settled, one has failed that led down
   Sender controller = 0;           // the controller that is followed
   Time controller_heard{};         // its last sign of life
   std::vector<actuator_event::ControllerHeard> announced;  // who says that it is a controller

@@ -1,5 +1,6 @@
 #include "musher/simulation/coverage.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 namespace musher::simulation {
@@ -28,17 +29,20 @@ std::uint64_t Coverage::Of(IncidentKind kind) const {
 
 std::string Coverage::Text() const {
   constexpr std::size_t kFirst = 18;
-  std::string text = Padded("", kFirst, true);
+  constexpr std::size_t kColumn = 7;  // of words, and of millions
+  std::string heads[2] = {Padded("", kFirst, true), Padded("", kFirst, true)};
   for (std::size_t moment = 0; moment < kMoments; ++moment) {
-    text += " " + std::string(MomentName(static_cast<Moment>(moment)));
+    const std::string name(MomentName(static_cast<Moment>(moment)));  // of one word or two
+    const std::size_t space = std::min(name.find(' '), name.size());
+    heads[0] += " " + Padded(name.substr(0, space), kColumn, false);
+    heads[1] += " " + Padded(name.substr(std::min(space + 1, name.size())), kColumn, false);
   }
-  text += "\n";
+  std::string text = heads[0] + "\n" + heads[1] + "\n";
   for (std::size_t kind = 0; kind < kIncidentKinds; ++kind) {
     text += Padded(std::string(KindName(static_cast<IncidentKind>(kind))), kFirst, true);
     for (std::size_t moment = 0; moment < kMoments; ++moment) {
       const std::uint64_t count = counts_[kind][moment];
-      text += " " + Padded(count == 0 ? "-" : std::to_string(count),
-                           MomentName(static_cast<Moment>(moment)).size(), false);
+      text += " " + Padded(count == 0 ? "-" : std::to_string(count), kColumn, false);
     }
     text += "\n";
   }

@@ -84,7 +84,11 @@ void Judge::AfterEvent() {
   dirty_ = false;
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* controller = robot_.controller(which);
-    if (controller == nullptr || !controller->leads() || controller->frozen) continue;
+    if (controller == nullptr || !controller->leads()) continue;
+    if (controller->frozen) {
+      seen_[controller->pid()].over_since.reset();
+      continue;
+    }
     ++judgements_;
     LookAt(*controller);
   }
@@ -93,10 +97,7 @@ void Judge::AfterEvent() {
 
 void Judge::LookAt(const ControllerProcess& controller) {
   const Machine& machine = controller.shell().machine();
-  const auto deadline = NextDeadline(config_, machine);
-  if (deadline && *deadline <= robot_.network().now()) {
-    Blame(Promise::kNoSpinning, "a deadline of the controller is over and stays");
-  }
+  JudgeDeadline(machine, seen_[controller.pid()]);
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     const bool present = machine.actuators[i].presence == Presence::kPresent;
     if (present) lost_at_[i] = robot_.age();
@@ -107,6 +108,18 @@ void Judge::LookAt(const ControllerProcess& controller) {
 void Judge::OnSend(const Machine& machine, const action::SendSwitch& command) {
   orders_[{machine.epoch, command.actuator, command.number}] = {
       robot_.network().now(), command.budget, MayRise(machine, command.target)};
+}
+
+// Of what happens at one instant something else may come first, say a step of another controller.
+void Judge::JudgeDeadline(const Machine& machine, Seen& seen) {
+  constexpr int kOthers = 100;
+  const Time now = robot_.network().now();
+  const auto deadline = NextDeadline(config_, machine);
+  if (!deadline || *deadline > now) return seen.over_since.reset();
+  if (!seen.over_since) seen.over_since = {now, 0};
+  if (now > seen.over_since->first || ++seen.over_since->second > kOthers) {
+    Blame(Promise::kNoSpinning, "a deadline of the controller is over and stays");
+  }
 }
 
 // An actuator may be driven up by a switch that was asked for, or to where the machine is.

@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "musher/simulation/promise.hpp"
@@ -57,6 +58,8 @@ class Judge {
     bool stopped = false;
     std::optional<State> asked;  // the target of the switch under way, if a person or the start is
                                  // behind it
+    // Since when its next deadline is over, and how often it was looked at meanwhile.
+    std::optional<std::pair<Time, int>> over_since;
   };
   using OrderKey =
       std::tuple<std::uint64_t, std::size_t, std::uint64_t>;  // epoch, actuator, number
@@ -66,6 +69,7 @@ class Judge {
   void LookAt(const ControllerProcess& controller);
   void OnSend(const Machine& machine, const action::SendSwitch& command);
   bool MayRise(const Machine& machine, const State& target) const;
+  void JudgeDeadline(const Machine& machine, Seen& seen);
   void JudgeChange(const Machine& machine, Seen& seen);
   void JudgeLoss(const Machine& machine, std::size_t i, bool provided);
   void JudgePlace(const Machine& machine, std::size_t i);

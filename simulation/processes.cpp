@@ -43,7 +43,8 @@ std::int32_t Processes::Launch(const std::string& name) {
   }
   auto takes = std::make_shared<Duration>();
   process.module = make_module(name);
-  process.worker = std::make_unique<SimWorker>(process.node->loop(), takes);
+  process.worker = process.module->MakeWorker(process.node->loop());
+  if (!process.worker) process.worker = std::make_unique<SimWorker>(process.node->loop(), takes);
   const ActuatorIdentity identity{static_cast<std::uint64_t>(pid), pid, "sim"};
   auto shell = ActuatorShell::Make(*process.node, *process.worker, config_, *config_.IndexOf(name),
                                    identity, HooksOf(name, process, takes));
@@ -64,7 +65,8 @@ ActuatorShell::Hooks Processes::HooksOf(const std::string& name, const Process& 
   };
   hooks.set_stop_requested = [module](bool requested) { module->SetStopRequested(requested); };
   hooks.on_emergency_stop = [module] { module->OnEmergencyStop(); };
-  hooks.on_report = [this, name](const ActuatorReport& report) {
+  hooks.on_report = [this, name, module](const ActuatorReport& report) {
+    module->OnReport(report);
     if (on_report) on_report(name, report);
   };
   hooks.on_finished = [this, name, pid = process.pid](const Error& error) {

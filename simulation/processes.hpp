@@ -26,13 +26,17 @@ struct Act {
 };
 
 // What stands behind an actuator; made anew with each process. Its callback runs at once when the
-// state is commanded, and its end is told as much later, in virtual time, as it says.
+// state is commanded, and its end is told as much later, in virtual time, as it says; unless it
+// brings a worker of its own.
 class Module {
  public:
   virtual ~Module() = default;
   virtual Act Run(const State& state) = 0;
+  // Runs its callbacks on the loop of its process; null: as said above.
+  virtual std::unique_ptr<Worker> MakeWorker(transport::EventLoop& /*loop*/) { return nullptr; }
   virtual void SetStopRequested(bool /*requested*/) {}
   virtual void OnEmergencyStop() {}
+  virtual void OnReport(const ActuatorReport& /*report*/) {}  // after each step of the actuator
 };
 
 class Processes {

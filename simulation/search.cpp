@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <numeric>
 #include <thread>
 
 namespace musher::simulation {
@@ -90,28 +91,35 @@ Summary LiveMany(const MachineConfig& config, const StoryOptions& options, std::
 }
 
 // Delta debugging: first large parts are left out, then single ones.
-StoryId Shrink(const MachineConfig& config, const StoryOptions& options, std::uint64_t seed,
-               Promise promise) {
-  StoryId id{seed, std::vector<std::size_t>()};
-  const std::size_t all = DrawIncidents(config, seed).size();
-  for (std::size_t i = 1; i <= all; ++i) id.only->push_back(i);
-  for (std::size_t part = (all + 1) / 2; part > 0; part = part == 1 ? 0 : (part + 1) / 2) {
+std::vector<std::size_t> ShrinkWhile(
+    std::size_t count, const std::function<bool(const std::vector<std::size_t>&)>& bad) {
+  std::vector<std::size_t> only(count);
+  std::iota(only.begin(), only.end(), std::size_t{1});
+  for (std::size_t part = (count + 1) / 2; part > 0; part = part == 1 ? 0 : (part + 1) / 2) {
     bool smaller = true;
     while (smaller) {
       smaller = false;
-      for (std::size_t i = 0; i < id.only->size(); i += part) {
-        StoryId less = id;
-        const auto from = less.only->begin() + static_cast<std::ptrdiff_t>(i);
-        const std::size_t size = std::min(part, less.only->size() - i);
-        less.only->erase(from, from + static_cast<std::ptrdiff_t>(size));
-        if (BrokenBy(config, options, less) != promise) continue;
-        id = less;
+      for (std::size_t i = 0; i < only.size(); i += part) {
+        std::vector<std::size_t> less = only;
+        const auto from = less.begin() + static_cast<std::ptrdiff_t>(i);
+        const std::size_t size = std::min(part, less.size() - i);
+        less.erase(from, from + static_cast<std::ptrdiff_t>(size));
+        if (!bad(less)) continue;
+        only = less;
         smaller = true;
         break;
       }
     }
   }
-  return id;
+  return only;
+}
+
+StoryId Shrink(const MachineConfig& config, const StoryOptions& options, std::uint64_t seed,
+               Promise promise) {
+  const auto bad = [&](const std::vector<std::size_t>& only) {
+    return BrokenBy(config, options, {seed, only}) == promise;
+  };
+  return {seed, ShrinkWhile(DrawIncidents(config, seed).size(), bad)};
 }
 
 std::optional<StoryId> ShortestBadStory(const MachineConfig& config, const StoryOptions& options,

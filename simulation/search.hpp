@@ -47,6 +47,10 @@ Summary LiveMany(const MachineConfig& config, const StoryOptions& options, std::
                  std::uint64_t count, unsigned threads,
                  const std::function<bool(std::uint64_t)>& on_done);
 
+// Of the incidents 1 to `count` as few as can be that are `bad` still. All of them are.
+std::vector<std::size_t> ShrinkWhile(
+    std::size_t count, const std::function<bool(const std::vector<std::size_t>&)>& bad);
+
 // The same promise broken by as few incidents as can be.
 StoryId Shrink(const MachineConfig& config, const StoryOptions& options, std::uint64_t seed,
                Promise promise);

@@ -45,6 +45,16 @@ Story::Story(const MachineConfig& config, std::uint64_t seed, Incidents incident
 
 Story::~Story() = default;
 
+void Story::UseModule(const std::string& actuator,
+                      std::function<std::unique_ptr<Module>(const Draw& draw)> make) {
+  auto& make_module = robot_.processes().make_module;
+  make_module = [this, actuator, make = std::move(make),
+                 others = std::move(make_module)](const std::string& name) {
+    if (name != actuator) return others(name);
+    return make([this, name](const State& state) { return DrawAct(name, state); });
+  };
+}
+
 Ending TellStory(const MachineConfig& config, std::uint64_t seed, const Incidents& incidents,
                  const StoryOptions& options) {
   return Story(config, seed, incidents, options).Tell();

@@ -48,6 +48,14 @@ class Story {
         const StoryOptions& options);
   ~Story();
 
+  // Something of the caller's stands behind an actuator, made anew with each process. `draw` says
+  // what befalls its callback that begins. Before Tell().
+  using Draw = std::function<Act(const State&)>;
+  void UseModule(const std::string& actuator,
+                 std::function<std::unique_ptr<Module>(const Draw& draw)> make);
+  // Ends the story after the present event: the caller has seen enough.
+  void EndNow() { seen_enough_ = true; }
+
   // Lives it. Once.
   Ending Tell();
 
@@ -93,7 +101,7 @@ class Story {
   // Lets time pass; stops early at a violation.
   bool RunUntil(const std::function<bool()>& done, Duration limit);
   void RunFor(Duration duration);
-  bool Over() const { return judge_.violation().has_value(); }
+  bool Over() const { return seen_enough_ || judge_.violation().has_value(); }
 
   bool ComeToRest(const std::string& when);
   void RepairActuators();
@@ -108,6 +116,7 @@ class Story {
   const StoryOptions options_;
   Duration patience_{};  // how long an incident waits for its moment
   Ending ending_;
+  bool seen_enough_ = false;
   std::vector<Mood> moods_;
   std::vector<std::uint64_t> runs_;  // of callbacks, by actuator
   transport::sim::LinkFaults faults_;

@@ -5,7 +5,7 @@
 // Code in a document stands below a line that says where it comes from:
 //
 //   <!-- examples/first_module/robot.toml -->            the whole file
-//   <!-- examples/first_module/gripper.cpp [class] -->   the lines between "// [class]" and
+//   <!-- examples/first_module/gripper.hpp [class] -->   the lines between "// [class]" and
 //                                                        "// [class end]", moved to the left
 
 #include "musher/test/house/source_tree.hpp"

@@ -22,7 +22,8 @@ const std::map<std::string, Folders>& MayInclude() {
       {"simulation",
        {"simulation", "actuator", "controller", "lifecycle", "messages", "transport"}},
       {"modules", {"modules", "actuator", "lifecycle", "messages", "transport", "behavior"}},
-      {"examples", {"actuator", "controller", "lifecycle", "messages", "transport", "behavior"}},
+      {"examples",
+       {"actuator", "controller", "simulation", "lifecycle", "messages", "transport", "behavior"}},
   };
   return table;
 }

@@ -133,6 +133,33 @@ TEST_F(Stopped, AWaitingCommandThatHasBecomeUpwardMeanwhileIsRefusedToo) {
   EXPECT_FALSE(core_.report.busy());
 }
 
+// Its callback would, say, switch the motors on again that the failed one has switched off.
+TEST_F(Stopped, AWayDownThatHasFailedIsNotUndone) {
+  Do(Command(2, "LowPower"));
+  Do(CallbackEnded{kCodeFailed, ""});
+  Engage();
+  const Actions actions = Do(Command(3, "DeActive"));
+  EXPECT_EQ(AnswerIn(actions).code, kCodeProtectedError);
+  EXPECT_THAT(actions, Not(Contains(VariantWith<RunCallback>(RunCallback{"DeActive"}))));
+  Switch(4, "LowPower");
+  EXPECT_FALSE(core_.half_way_down);
+}
+
+TEST_F(Stopped, ACallbackThatUndoesAFailedWayDownIsAskedToStop) {
+  Do(Command(2, "LowPower"));
+  Do(CallbackEnded{kCodeFailed, ""});
+  Do(Command(3, "DeActive"));
+  EXPECT_THAT(Engage(), kAsksToStop);
+}
+
+TEST_F(Stopped, AWayUpThatHasFailedIsUndone) {
+  Do(Command(2, "Active"));
+  Do(CallbackEnded{kCodeFailed, ""});
+  Engage();
+  EXPECT_THAT(Do(Command(3, "DeActive")),
+              Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
+}
+
 TEST_F(Stopped, AQuestionIsAnsweredAsEver) {
   Engage();
   EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 1, false}, 1})).verdict, Verdict::kDone);

@@ -135,7 +135,7 @@ Fingerprint OfActuator(const Model& model, const World& world, std::size_t i) {
             a.asked);
   const ActuatorCore& c = a.core;
   mixer.Add(c.report, c.report.emergency_stop, c.running_for, c.was_apart, c.waiting, c.unsettled,
-            c.controller, c.announced, c.released);
+            c.half_way_down, c.controller, c.announced, c.released);
   mixer.Add(a.replies.size());
   for (const event::Replied& reply : a.replies) AddReply(mixer, record, reply);
   AddLate(mixer, record, a.late);

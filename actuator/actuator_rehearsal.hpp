@@ -1,0 +1,38 @@
+#pragma once
+// Runs the callbacks of an actuator without a machine around it: no DDS, no threads, no time. For
+// harnesses; who tests a module uses simulation/actuator_trial.hpp.
+//
+// Threads: those of the caller, one call at a time; EmergencyStop() may come beside a Run().
+
+#include <functional>
+#include <vector>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/lifecycle/config.hpp"
+
+namespace musher {
+
+class ActuatorRehearsal {
+ public:
+  // Of one that is not started, and that outlives it.
+  explicit ActuatorRehearsal(MachineActuator& actuator);
+
+  // Those that a callback is registered for.
+  std::vector<State> States() const;
+  // Fails where Init() and Start() would: the config does not fit the callbacks.
+  Result<> Adopt(const MachineConfig& config);
+
+  // What the callback of that state, which there must be, gives; an exception is a failure.
+  Result<> Run(const State& state);
+  // Fails when OnEmergencyStop() throws.
+  Result<> EmergencyStop();
+  void SetStopRequested(bool requested);
+  void SetState(const State& state);  // what CurrentState() says
+  // Called by StopRequested() before it answers, on the thread that asks; may throw out of it.
+  void OnPoll(std::function<void()> on_poll);
+
+ private:
+  MachineActuator& actuator_;
+};
+
+}  // namespace musher

@@ -1,0 +1,372 @@
+// Good and bad actuators under trial: the good one passes, and each bad one is found.
+
+#include "musher/simulation/actuator_trial.hpp"
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <stdexcept>
+
+namespace musher::testing {
+namespace {
+
+using simulation::ActuatorTrial;
+using simulation::Faults;
+using simulation::TrialFailure;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// What outlives a process: the motor, as the last command has left it.
+struct Motor {
+  bool powered = false;
+  Faults* faults = nullptr;
+
+  Result<> Power(bool on) {
+    if (faults != nullptr && faults->Strike()) return Error{6103, "the motor does not answer"};
+    powered = on;
+    return Ok();
+  }
+};
+
+// A motor that has power in Active only, and none during an emergency stop.
+class GoodMotor : public MachineActuator {
+ public:
+  explicit GoodMotor(Motor& motor) : MachineActuator("motor"), motor_(motor) {
+    RegisterStateCallback("SetUp", [this] { return SetUp(); });
+    RegisterStateCallback("SelfCheck", [] { return 0; });
+    RegisterStateCallback("Active", [this] { return PowerOn(); });
+    RegisterStateCallback("LowPower", [this] { return PowerOff(); });
+    RegisterStateCallback("TearDown", [this] { return PowerOff(); });
+  }
+  ~GoodMotor() override { Shutdown(); }
+
+  bool powered() const { return motor_.powered; }
+  bool stopped() const { return stopped_; }
+
+ protected:
+  virtual Result<> SetUp() {
+    for (int step = 0; step < 100 && !StopRequested(); ++step) Checkpoint();
+    return motor_.Power(false);
+  }
+  virtual Result<> PowerOn() {
+    stopped_ = false;
+    if (auto on = motor_.Power(true); !on) return on;
+    for (int step = 0; step < 5; ++step) {
+      if (StopRequested()) return GiveUp("asked to stop");
+      if (stopped_) return GiveUp("stopped");
+    }
+    return Ok();
+  }
+  virtual Result<> PowerOff() { return motor_.Power(false); }
+  void OnEmergencyStop() override {
+    stopped_ = true;
+    motor_.powered = false;
+  }
+
+  Motor& motor() { return motor_; }
+
+ private:
+  Result<> GiveUp(const std::string& why) {
+    motor_.powered = false;
+    return Error{kCodeFailed, why};
+  }
+
+  Motor& motor_;
+  std::atomic<bool> stopped_ = false;
+};
+
+// A trial of such an actuator, whose motor fails now and then.
+template <typename T>
+struct MotorTrial : ActuatorTrial<T> {
+  Motor motor;
+
+  MotorTrial() {
+    this->make_with_faults = [this](Faults& faults) {
+      motor.faults = &faults;
+      return std::make_unique<T>(motor);
+    };
+    this->before_story = [this] { motor = {}; };
+    this->always = [](const T& actuator, const ActuatorReport& report) {
+      if (report.state == "Active") return;
+      EXPECT_FALSE(actuator.powered()) << "in " << report.state;
+    };
+    this->after_emergency_stop = [](const T& actuator, const ActuatorReport&) {
+      EXPECT_FALSE(actuator.powered()) << "during an emergency stop";
+    };
+  }
+  TrialFailure Failure() {
+    auto found = this->Find();
+    if (!found || !found.value()) {
+      ADD_FAILURE() << (found ? "every story ended well" : found.error().message);
+      return {};
+    }
+    return *found.value();
+  }
+};
+
+TEST(ActuatorTrial, PassesAGoodActuatorThatHasMetEverything) {
+  MotorTrial<GoodMotor> trial;
+  trial.Run();
+  const simulation::TrialTally& met = trial.tally();
+  std::cout << met.stories << " stories, " << met.processes << " processes, " << met.callbacks
+            << " callbacks: " << met.failed << " failed, " << met.repeated << " repeated, "
+            << met.asked_to_stop << " asked to stop, " << met.killed_in << " killed, "
+            << met.stopped_beside << " of " << met.emergency_stops << " stops beside; "
+            << met.torn_down << " torn down\n";
+  EXPECT_GT(met.processes, met.stories);
+  EXPECT_GT(met.failed, 0U);
+  EXPECT_GT(met.repeated, 0U);
+  EXPECT_GT(met.asked_to_stop, 0U);
+  EXPECT_GT(met.killed_in, 0U);
+  EXPECT_GT(met.stopped_beside, 0U);
+  EXPECT_GT(met.emergency_stops, met.stopped_beside);
+  EXPECT_GT(met.torn_down, met.stories / 2);
+}
+
+// Notes that it has done it before it has.
+class ForgetfulMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> PowerOn() override {
+    off_ = false;
+    return GoodMotor::PowerOn();
+  }
+  Result<> PowerOff() override {
+    if (std::exchange(off_, true)) return Ok();
+    return GoodMotor::PowerOff();
+  }
+
+ private:
+  bool off_ = false;
+};
+
+TEST(ActuatorTrial, FindsPowerThatStaysOnInLowPowerAfterACallbackHasFailed) {
+  MotorTrial<ForgetfulMotor> trial;
+  trial.always = [](const ForgetfulMotor& motor, const ActuatorReport& report) {
+    EXPECT_FALSE(report.state == "LowPower" && motor.powered());
+  };
+  const TrialFailure failure = trial.Failure();
+  EXPECT_THAT(failure.what, HasSubstr("motor.powered()"));
+  EXPECT_LE(failure.id.only->size(), 5U) << failure.timeline;
+  EXPECT_THAT(failure.timeline, HasSubstr("callbacks of motor fail"));
+}
+
+// Trusts that the process before it has left the motor without power.
+class TrustingMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> SetUp() override { return Ok(); }
+};
+
+TEST(ActuatorTrial, FindsWhatAProcessLeavesBehindForTheNext) {
+  const TrialFailure failure = MotorTrial<TrustingMotor>().Failure();
+  EXPECT_THAT(failure.what, HasSubstr("in SetUp"));
+  EXPECT_THAT(failure.timeline, HasSubstr("motor is gone"));
+}
+
+// Goes on after an emergency stop that came beside its callback.
+class StubbornMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> PowerOn() override {
+    for (int step = 0; step < 5; ++step) static_cast<void>(StopRequested());
+    return motor().Power(true);
+  }
+};
+
+TEST(ActuatorTrial, FindsACallbackThatGoesOnAfterAnEmergencyStop) {
+  MotorTrial<StubbornMotor> trial;
+  trial.always = [](const StubbornMotor& motor, const ActuatorReport& report) {
+    if (report.emergency_stop == 0) return;
+    EXPECT_FALSE(motor.powered()) << "during a stop";
+  };
+  const TrialFailure failure = trial.Failure();
+  EXPECT_THAT(failure.what, HasSubstr("during a stop"));
+  EXPECT_THAT(failure.timeline, HasSubstr("an emergency stop is engaged"));
+}
+
+// Opens what is open already.
+class OnceOnlyMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> PowerOn() override {
+    if (powered()) throw std::runtime_error("the motor has power already");
+    return GoodMotor::PowerOn();
+  }
+};
+
+TEST(ActuatorTrial, FindsACallbackThatCannotBeRunTwice) {
+  const TrialFailure failure = MotorTrial<OnceOnlyMotor>().Failure();
+  EXPECT_THAT(failure.what, HasSubstr("motor: its callback of Active was done, and failed when it "
+                                      "was run again"));
+  EXPECT_THAT(failure.what, HasSubstr("the motor has power already"));
+}
+
+// Is of no use after a crash.
+class BrokenMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> SetUp() override {
+    if (powered()) return Error{6104, "the motor is busy"};
+    return GoodMotor::SetUp();
+  }
+};
+
+TEST(ActuatorTrial, FindsAnActuatorThatDoesNotComeBackAfterACrash) {
+  const TrialFailure failure = MotorTrial<BrokenMotor>().Failure();
+  EXPECT_THAT(failure.what, HasSubstr("so it does not hold"));
+  EXPECT_THAT(failure.timeline, HasSubstr("the motor is busy"));
+}
+
+// Its callback of SelfCheck waits for an answer that does not come, and looks up from it never, or
+// for ever.
+std::atomic<bool> the_test_is_over = false;
+
+class DeafMotor : public GoodMotor {
+ public:
+  explicit DeafMotor(Motor& motor) : GoodMotor(motor) {
+    RegisterStateCallback("OTA", [] {
+      while (!the_test_is_over) continue;
+      return 0;
+    });
+  }
+};
+
+TEST(ActuatorTrial, GivesUpACallbackThatNeitherEndsNorAsksWhetherItShould) {
+  MotorTrial<DeafMotor> trial;
+  trial.real_time_limit = std::chrono::milliseconds(200);
+  const TrialFailure failure = trial.Failure();
+  the_test_is_over = true;
+  EXPECT_THAT(failure.what, HasSubstr("motor: its callback of OTA neither ends nor asks "
+                                      "StopRequested() for 200 ms of real time"));
+  EXPECT_THAT(failure.timeline, HasSubstr("motor in "));
+}
+
+class WaitingMotor : public GoodMotor {
+ public:
+  explicit WaitingMotor(Motor& motor) : GoodMotor(motor) {
+    RegisterStateCallback("OTA", [this] {
+      while (!StopRequested()) continue;
+      return 6108;
+    });
+  }
+};
+
+TEST(ActuatorTrial, LetsVirtualTimePassForACallbackThatPollsUntilItIsAskedToStop) {
+  MotorTrial<WaitingMotor> trial;
+  trial.stories = 20;
+  ASSERT_TRUE(trial.Find());
+  EXPECT_GT(trial.tally().asked_to_stop, 0U);
+}
+
+// Waits in OnEmergencyStop() for the callback beside it, which waits for the world.
+class LockingMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> PowerOn() override {
+    const std::lock_guard lock(mutex_);
+    return GoodMotor::PowerOn();
+  }
+  void OnEmergencyStop() override {
+    const std::lock_guard lock(mutex_);
+    GoodMotor::OnEmergencyStop();
+  }
+
+ private:
+  std::mutex mutex_;
+};
+
+TEST(ActuatorTrial, FindsAnEmergencyStopThatWaitsForACallback) {
+  MotorTrial<LockingMotor> trial;
+  trial.real_time_limit = std::chrono::milliseconds(200);
+  EXPECT_THAT(trial.Failure().what, HasSubstr("its OnEmergencyStop() does not come back beside a "
+                                              "callback of Active"));
+}
+
+TEST(ActuatorTrial, TellsTheSameFromTheSameSeed) {
+  const TrialFailure one = MotorTrial<ForgetfulMotor>().Failure();
+  const TrialFailure two = MotorTrial<ForgetfulMotor>().Failure();
+  EXPECT_EQ(one.id.seed, two.id.seed);
+  EXPECT_EQ(one.id.only, two.id.only);
+  EXPECT_EQ(one.timeline, two.timeline);
+}
+
+TEST(ActuatorTrial, SaysWhenAStoryIsNotTheSameAgain) {
+  MotorTrial<TrustingMotor> trial;
+  bool spoilt = false;
+  trial.always = [&](const TrustingMotor&, const ActuatorReport&) {
+    EXPECT_TRUE(std::exchange(spoilt, true)) << "once only";
+  };
+  const TrialFailure failure = trial.Failure();
+  EXPECT_FALSE(failure.again);
+  EXPECT_THAT(failure.what, HasSubstr("once only"));
+}
+
+TEST(ActuatorTrial, FailsTheTestWithACommandAndTheStory) {
+  static MotorTrial<TrustingMotor> trial;
+  EXPECT_NONFATAL_FAILURE(trial.Run(), "again with: MUSHER_SEED=");
+  EXPECT_NONFATAL_FAILURE(trial.Run(), "--gtest_filter='ActuatorTrial.FailsTheTestWithACommand");
+  EXPECT_NONFATAL_FAILURE(trial.Run(), "motor is gone");
+}
+
+TEST(ActuatorTrial, TellsTheStoryOfTheEnvironment) {
+  const TrialFailure failure = MotorTrial<TrustingMotor>().Failure();
+  const std::string command = TrialCommand(failure.id, "A.Test");
+  const auto begin = command.find("MUSHER_ONLY=") + std::string("MUSHER_ONLY=").size();
+  setenv("MUSHER_SEED", std::to_string(failure.id.seed).c_str(), 1);
+  setenv("MUSHER_ONLY", command.substr(begin, command.find(' ', begin) - begin).c_str(), 1);
+  static MotorTrial<TrustingMotor> trial;
+  ::testing::internal::CaptureStdout();
+  EXPECT_NONFATAL_FAILURE(trial.Run(), "in SetUp");
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), failure.timeline);
+  setenv("MUSHER_ONLY", "1000", 1);
+  EXPECT_NONFATAL_FAILURE(trial.Run(), "incidents, and no 1000");
+  setenv("MUSHER_SEED", "soon", 1);
+  EXPECT_NONFATAL_FAILURE(trial.Run(), "MUSHER_SEED is no number");
+  unsetenv("MUSHER_SEED");
+  unsetenv("MUSHER_ONLY");
+}
+
+TEST(ActuatorTrial, TakesAConfigAndSaysWhenItDoesNotFit) {
+  MotorTrial<GoodMotor> trial;
+  trial.config_file = MUSHER_SOURCE_DIR "/examples/first_module/robot.toml";
+  EXPECT_THAT(trial.Find().error().message, HasSubstr("has no actuator 'motor'"));
+  trial.config_file.clear();
+  trial.config_text = R"(
+    [controller]
+    actuators = ["motor"]
+    states = ["SetUp", "Active"]
+    default_time = 1000
+    default_state = "Uninitialized"
+    [actuator.motor]
+    states = ["SetUp", "Active"]
+    times = [1000, 1000]
+  )";
+  EXPECT_THAT(trial.Find().error().message, HasSubstr("there is a callback for state 'LowPower'"));
+}
+
+class DancingMotor : public GoodMotor {
+ public:
+  explicit DancingMotor(Motor& motor) : GoodMotor(motor) {
+    RegisterStateCallback("Dancing", [] { return 0; });
+  }
+};
+
+TEST(ActuatorTrial, NeedsAConfigForStatesOfTheRobotsOwn) {
+  EXPECT_THAT(MotorTrial<DancingMotor>().Find().error().message, HasSubstr("Dancing"));
+}
+
+}  // namespace
+}  // namespace musher::testing
