@@ -58,7 +58,9 @@ void Decision::Accept(std::size_t i, const ActuatorReport& report) {
                                report.outcome_number != record.report.outcome_number);
   const bool came_free = was_busy && !report.busy() && !record.order;
   if (!report.busy()) record.free_by.reset();
-  const bool passed_late = report.state == kSelfCheck && record.report.state != kSelfCheck;
+  // In the run phase a check leaves the state as it is.
+  const bool passed_late = (report.state == kSelfCheck && record.report.state != kSelfCheck) ||
+                           (record.report.target == kSelfCheck && report.outcome_code == kCodeOk);
   if (came_free && passed_late) record.checked = true;
   if (came_free && record.checked && !record.held) record.due = true;
   // A report that was held up on the way would make commands look older than they are. Once in a

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "musher/transport/sim/random.hpp"
 
@@ -45,14 +46,17 @@ constexpr std::array<KindRow, kIncidentKinds> kKinds = {{
     {IncidentKind::kRestart, "restart", 2},
 }};
 
+constexpr std::uint64_t kAllWeights = std::accumulate(
+    kKinds.begin(), kKinds.end(), std::uint64_t{0}, [](std::uint64_t sum, const KindRow& row) {
+      return sum + static_cast<std::uint64_t>(row.weight);
+    });
+
 const KindRow& RowOf(IncidentKind kind) {
   return kKinds[static_cast<std::size_t>(kind)];
 }
 
 IncidentKind DrawKind(Random& dice) {
-  int all = 0;
-  for (const KindRow& row : kKinds) all += row.weight;
-  int left = static_cast<int>(dice.Next() % static_cast<std::uint64_t>(all));
+  int left = static_cast<int>(dice.Next() % kAllWeights);
   for (const KindRow& row : kKinds) {
     left -= row.weight;
     if (left < 0) return row.kind;

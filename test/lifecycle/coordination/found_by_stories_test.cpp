@@ -118,6 +118,17 @@ TEST_F(FoundByStories, ACheckThatEndsAfterItsSwitchWasSupersededCounts) {
   EXPECT_EQ(t.StateOf("a"), "Error");
 }
 
+// This one the campaign has found.
+TEST_F(FoundByStories, OneWhoseCheckInTheRunPhaseIsOverdueIsWellWhenThatHasPassed) {
+  Theatre& t = In("Active");
+  t.On("b", "SelfCheck").takes = Milliseconds(300);  // of 100
+  EXPECT_EQ(t.Set("SelfCheck").outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
 TEST_F(FoundByStories, AControllerThatListensHearsThatAStopIsOver) {
   Machine machine = MakeMachine(MachineOf(1));
   const MachineConfig config = MachineOf(1);
