@@ -54,7 +54,7 @@ std::int32_t Processes::Launch(const std::string& name) {
 }
 
 ActuatorShell::Hooks Processes::HooksOf(const std::string& name, const Process& process,
-                                        std::shared_ptr<Duration> takes) {
+                                        const std::shared_ptr<Duration>& takes) {
   ActuatorShell::Hooks hooks;
   Module* module = process.module.get();
   hooks.run_callback = [module, takes](const State& state) -> Result<> {

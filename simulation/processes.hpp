@@ -98,7 +98,7 @@ class Processes {
 
   std::string NameOf(std::int32_t pid) const;  // empty: none
   ActuatorShell::Hooks HooksOf(const std::string& name, const Process& process,
-                               std::shared_ptr<Duration> takes);
+                               const std::shared_ptr<Duration>& takes);
 
   transport::sim::Network& network_;
   const MachineConfig& config_;

@@ -93,7 +93,7 @@ class Story {
   void Do(const Incident& incident);
   void DoToNetwork(const Incident& incident);
   void DoToController(const Incident& incident);
-  void Ask(const State& target, std::optional<std::string> actuator = std::nullopt);
+  void Ask(const State& target, const std::optional<std::string>& actuator = std::nullopt);
   void ApplyNetworkFaults();
   void SetDistance(const std::string& name, const std::string& from, bool blocked);
   Moment Now() const;

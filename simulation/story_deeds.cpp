@@ -118,7 +118,7 @@ void Story::DoToController(const Incident& incident) {
   }
 }
 
-void Story::Ask(const State& target, std::optional<std::string> actuator) {
+void Story::Ask(const State& target, const std::optional<std::string>& actuator) {
   ControllerProcess* leader = robot_.leader();
   if (leader == nullptr || leader->frozen) return;
   const std::uint64_t request = judge_.Asked(target);
