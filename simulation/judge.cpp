@@ -208,13 +208,13 @@ bool Judge::IsExcused(const Machine& machine, std::size_t i, const SwitchResult&
 // What will become of an actuator by itself; empty: nothing.
 std::string Judge::Unrest(const Machine& machine, std::size_t i) const {
   const ActuatorRecord& r = machine.actuators[i];
+  const bool alive = robot_.IsAlive(config_.actuators[i].name);
+  if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
   if (r.fault && !r.order && !r.restart_at && r.doomed == 0 && !r.restart_asked) return {};
   if (r.order) return "has been commanded " + r.order->target;
   if (r.restart_at || r.restart_asked) return "is to be started again";
   if (r.doomed != 0 || r.kill_at) return "is to be killed";
-  const bool alive = robot_.IsAlive(config_.actuators[i].name);
   if (r.free_by) return "is busy with what it was found with";
-  if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
   if (r.claim_again && r.presence == Presence::kStarting && alive) return "is asked to follow";
   const bool waits = machine.emergency_stop || r.held || machine.phase != Phase::kRunning ||
                      r.presence != Presence::kPresent;
