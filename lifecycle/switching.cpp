@@ -296,8 +296,10 @@ State Decision::WayBack(const Leg& leg) const {
   if (from) return leg.from;
   const bool to_machine = config_.RankOf(machine_.state) && machine_.state != kError;
   if (to_machine && ConfigOf(leg.actuator).Lists(machine_.state)) return machine_.state;
+  const auto target = config_.RankOf(leg.target);
   for (const std::string_view rest : {kDeActive, kLowPower}) {
-    if (ConfigOf(leg.actuator).Lists(rest)) return State(rest);
+    const bool higher = target && *config_.RankOf(rest) > *target;
+    if (!higher && ConfigOf(leg.actuator).Lists(rest)) return State(rest);
   }
   return {};
 }

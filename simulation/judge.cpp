@@ -138,7 +138,13 @@ void Judge::JudgeChange(const Machine& machine, Seen& seen) {
   const auto before = config_.RankOf(seen.state);
   const auto rank = config_.RankOf(machine.state);
   if (before && rank && *rank > *before) {
-    const bool asked = seen.asked == machine.state || just_answered_.contains(machine.state);
+    // Several switches may have ended since.
+    const bool asked =
+        seen.asked == machine.state ||
+        std::any_of(just_answered_.begin(), just_answered_.end(), [&](const State& state) {
+          const auto other = config_.RankOf(state);
+          return other && *other >= *rank;
+        });
     const std::string what = "the machine went from " + seen.state + " to " + machine.state;
     if (!asked) Blame(Promise::kNothingRises, what + ", which nobody had asked for");
     if (seen.stopped && machine.emergency_stop) {

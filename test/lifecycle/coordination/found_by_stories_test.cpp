@@ -118,6 +118,22 @@ TEST_F(FoundByStories, ACheckThatEndsAfterItsSwitchWasSupersededCounts) {
   EXPECT_EQ(t.StateOf("a"), "Error");
 }
 
+TEST_F(FoundByStories, ARollbackTakesNobodyHigherThanTheSwitchHad) {
+  MachineConfig config = Ours(2);
+  Unlist(config, "a", "OTA");
+  Theatre& t = In("Active", config);
+  t.Set("OTA");
+  t.Crash("a");  // so it comes back to a step of a start, and has no OTA to join
+  t.Rest();
+  ASSERT_FALSE(t.config().RankOf(t.StateOf("a")));
+  t.On("b", "LowPower").code = 5001;
+  t.On("b", "LowPower").takes = Milliseconds(50);
+  t.ClearLog();
+  EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kUndone);
+  t.Rest();
+  EXPECT_THAT(t.log(), Not(Contains("a:DeActive")));
+}
+
 // This one the campaign has found.
 TEST_F(FoundByStories, OneWhoseCheckInTheRunPhaseIsOverdueIsWellWhenThatHasPassed) {
   Theatre& t = In("Active");
