@@ -67,7 +67,7 @@ struct ActuatorRecord {
   bool hindered = false;       // not started, since one that it needs is degraded
   bool found_running = false;  // a process of this name runs already: wait for it, do not start one
   std::optional<Time> set_up_by;    // not present by then: given up for now
-  std::optional<Time> free_by;      // it was found busy with what we have not commanded
+  std::optional<Time> free_by;      // it is busy with what nobody here waits for
   std::uint64_t claimed = 0;        // the incarnation that was asked to follow this controller
   std::optional<Time> claim_again;  // it has not answered yet; ask again at this time
   bool checked = false;             // passed its self-check since its process started

@@ -272,14 +272,14 @@ void Decision::CheckOrders() {
   }
 }
 
-// What it was found busy with has its time, too, whoever commanded it.
+// What it was found busy with, or what was superseded, has its time, too.
 void Decision::JudgeFoundBusy(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.free_by.reset();
   if (!record.report.busy() || record.order || record.presence != Presence::kPresent) return;
   const State& target = record.report.target;
   Degrade(i, kCodeTimeout,
-          "still busy with " + target + ", which it was found with, after " +
+          "still busy with " + target + ", for which nobody waits, after " +
               std::to_string(ToMilliseconds(config_.TimeFor(i, target))) + " ms");
   Do(action::SendAsk{i, record.report.number, true});
   Fall(i);

@@ -114,7 +114,9 @@ void Decision::Supersede(std::uint64_t by, const State& target, std::uint64_t ca
   RecordSwitch(s, result.code,
                "switch " + std::to_string(s.number) + " is superseded: " + result.reason, cause);
   for (const Leg& leg : s.rolling_back ? s.back : s.legs) {
-    if (leg.progress == Leg::Progress::kUnderWay) Of(leg.actuator).order.reset();
+    if (leg.progress != Leg::Progress::kUnderWay) continue;
+    Of(leg.actuator).order.reset();
+    Of(leg.actuator).free_by = now_ + config_.TimeFor(leg.actuator, leg.target);
   }
   Answer(s.requests, result);
   machine_.current.reset();

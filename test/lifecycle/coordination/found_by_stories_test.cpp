@@ -134,6 +134,24 @@ TEST_F(FoundByStories, ARollbackTakesNobodyHigherThanTheSwitchHad) {
   EXPECT_THAT(t.log(), Not(Contains("a:DeActive")));
 }
 
+TEST_F(FoundByStories, ACheckThatHangsAfterItsSwitchWasSupersededIsOnRecord) {
+  MachineConfig config = MachineOf(2);
+  ActuatorNamed(config, "a").critical = true;
+  Theatre t(config);
+  t.On("a", "SelfCheck").code = 5001;
+  t.Begin();
+  t.Rest();
+  ASSERT_EQ(t.machine().phase, Phase::kFailed);
+  t.On("a", "SelfCheck") = {};
+  t.On("a", "SelfCheck").hangs = true;
+  t.Ask("SelfCheck");
+  t.RunFor(Milliseconds(5));
+  t.Ask("Error");
+  t.Rest();
+  ASSERT_TRUE(t.RecordOf("a").fault);
+  EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("still busy with SelfCheck"));
+}
+
 // This one the campaign has found.
 TEST_F(FoundByStories, OneWhoseCheckInTheRunPhaseIsOverdueIsWellWhenThatHasPassed) {
   Theatre& t = In("Active");
