@@ -184,7 +184,7 @@ class Drawing {
   Incidents incidents_;
 };
 
-std::string Seconds(Duration duration) {
+std::string InMilliseconds(Duration duration) {
   return std::to_string(ToMilliseconds(duration)) + " ms";
 }
 
@@ -213,14 +213,15 @@ State StateForBattery(const MachineConfig& config, int percent) {
 
 std::string Describe(const MachineConfig& config, const Incident& incident) {
   const std::string& who = config.actuators[incident.actuator].name;
-  const std::string lasts = " for " + Seconds(incident.lasts);
+  const std::string lasts = " for " + InMilliseconds(incident.lasts);
   switch (incident.kind) {
     case IncidentKind::kCrash:
       return "the process of " + who + " is killed";
     case IncidentKind::kFreeze:
       return "the process of " + who + " is stopped" + lasts;
     case IncidentKind::kHang:
-      return "callbacks of " + who + " hang that begin in the next " + Seconds(incident.lasts);
+      return "callbacks of " + who + " hang that begin in the next " +
+             InMilliseconds(incident.lasts);
     case IncidentKind::kSlow:
       return "callbacks of " + who + " are slow" + lasts;
     case IncidentKind::kFail:
@@ -242,7 +243,7 @@ std::string Describe(const MachineConfig& config, const Incident& incident) {
     case IncidentKind::kMute:
       return "the controller does not hear " + who + lasts;
     case IncidentKind::kControllerCrash:
-      return "the controller is killed, and started again after " + Seconds(incident.lasts);
+      return "the controller is killed, and started again after " + InMilliseconds(incident.lasts);
     case IncidentKind::kControllerFreeze:
       return "the controller is stopped" + lasts;
     case IncidentKind::kRival:

@@ -118,12 +118,10 @@ class Story {
   Ending ending_;
   bool seen_enough_ = false;
   std::vector<Mood> moods_;
-  std::vector<std::uint64_t> runs_;  // of callbacks, by actuator
-  transport::sim::LinkFaults faults_;
+  std::vector<std::uint64_t> runs_;        // of callbacks, by actuator
   std::array<int, 4> network_troubles_{};  // under way: loss, delay, duplication, reordering
   std::map<std::pair<std::string, std::string>, int> blocks_;  // from, to
   std::vector<Deed> later_;
-  std::uint64_t stops_ = 0;
   SimRobot robot_;
   Judge judge_;
 };
