@@ -2,10 +2,12 @@
 // Field by field, by name: that a sample of a plain C program (idlc's struct) and one of ours are
 // the same. A field that is missing here is still caught when it makes the round trip.
 
+#include <builtin_interfaces.h>
 #include <gtest/gtest.h>
 #include <lifecycle_msgs.h>
 #include <musher_msgs.h>
 #include <protocol.h>
+#include <rosgraph_msgs.h>
 #include <std_msgs.h>
 
 #include <string>
@@ -18,6 +20,7 @@
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/protocol/fs_machine.hpp"
 #include "musher/messages/protocol/heartbeats.hpp"
+#include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 
@@ -44,6 +47,15 @@ void SameItems(const C& c, const std::vector<M>& m, const char* field) {
 
 MUSHER_SAME(std_msgs_msg_dds__String_, String) {
   SAME(data);
+}
+
+MUSHER_SAME(builtin_interfaces_msg_dds__Time_, Stamp) {
+  SAME(sec);
+  SAME(nanosec);
+}
+
+MUSHER_SAME(rosgraph_msgs_msg_dds__Clock_, Clock) {
+  SAME(clock);
 }
 
 MUSHER_SAME(std_srvs_srv_dds__Trigger_Request_, Trigger::Request) {

@@ -145,6 +145,7 @@ class Wire : public testing::Test {
   }
 
 MESSAGE(std_msgs, String)
+MESSAGE(rosgraph_msgs, Clock)
 MESSAGE(protocol, Heartbeats)
 MESSAGE(lifecycle_msgs, State)
 MESSAGE(lifecycle_msgs, Transition)

@@ -1,0 +1,19 @@
+#pragma once
+#include "musher/messages/builtin_interfaces/time.hpp"
+
+namespace musher::msg {
+
+// rosgraph_msgs/msg/Clock: ROS 2's absolute topic /clock, the time of a simulated or replayed
+// world.
+struct Clock {
+  static constexpr std::string_view kTypeName = "rosgraph_msgs::msg::dds_::Clock_";
+  Stamp clock;
+
+  template <class Self>
+  static auto Fields(Self& m) {
+    return std::tie(m.clock);
+  }
+  friend bool operator==(const Clock&, const Clock&) = default;
+};
+
+}  // namespace musher::msg
