@@ -5,11 +5,11 @@
 
 namespace musher::msg {
 
-// builtin_interfaces/msg/Time: seconds and nanoseconds since the clock's zero.
+// builtin_interfaces/msg/Time: a point in time of a clock that the topic names.
 struct Stamp {
   static constexpr std::string_view kTypeName = "builtin_interfaces::msg::dds_::Time_";
   std::int32_t sec = 0;
-  std::uint32_t nanosec = 0;
+  std::uint32_t nanosec = 0;  // 0 to 999999999, also before the clock's zero
 
   template <class Self>
   static auto Fields(Self& m) {
@@ -18,13 +18,12 @@ struct Stamp {
   friend bool operator==(const Stamp&, const Stamp&) = default;
 };
 
-inline Stamp ToStamp(std::chrono::nanoseconds time) {
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
-  return {static_cast<std::int32_t>(seconds.count()),
-          static_cast<std::uint32_t>((time - seconds).count())};
+// `time` since the clock's zero, within what an int32 of seconds holds.
+constexpr Stamp ToStamp(std::chrono::nanoseconds time) {
+  const auto sec = std::chrono::floor<std::chrono::seconds>(time);
+  return {static_cast<std::int32_t>(sec.count()), static_cast<std::uint32_t>((time - sec).count())};
 }
-
-inline std::chrono::nanoseconds FromStamp(const Stamp& stamp) {
+constexpr std::chrono::nanoseconds FromStamp(const Stamp& stamp) {
   return std::chrono::seconds(stamp.sec) + std::chrono::nanoseconds(stamp.nanosec);
 }
 
