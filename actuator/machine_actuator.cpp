@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cassert>
 #include <condition_variable>
 #include <exception>
 #include <future>
@@ -86,7 +87,7 @@ class MachineActuator::Impl {
     if (!node_) {
       auto started = transport::NodeThread::Start(options);
       if (!started) return started.error();
-      node_ = std::move(started).value();
+      SetNode(std::move(started).value());
     }
     worker_.emplace();
     std::future<Result<>> set_up = set_up_.get_future();
@@ -110,7 +111,7 @@ class MachineActuator::Impl {
       checkpoints_ = nullptr;
     }
     if (node_) node_->RunOnLoop([this] { shell_.reset(); });
-    node_.reset();
+    SetNode(nullptr);
     name_lock_.reset();
     Finish(0);
   }
@@ -129,6 +130,16 @@ class MachineActuator::Impl {
   State current_state() const {
     const std::lock_guard lock(mutex_);
     return state_;
+  }
+
+  const MachineConfig& config() const {
+    assert(config_.has_value());
+    return *config_;
+  }
+
+  std::shared_ptr<transport::NodeThread> node() const {
+    const std::lock_guard lock(mutex_);
+    return node_;
   }
 
   Result<> CheckCallbacks() const {
@@ -171,6 +182,11 @@ class MachineActuator::Impl {
   void set_on_poll(std::function<void()> on_poll) { on_poll_ = std::move(on_poll); }
 
  private:
+  void SetNode(std::shared_ptr<transport::NodeThread> node) {
+    const std::lock_guard lock(mutex_);
+    node_.swap(node);  // the old one may end here, or a little later with its other owners
+  }
+
   void StartShell() {
     ActuatorShell::Hooks hooks;
     hooks.run_callback = [this](const State& state) {
@@ -224,7 +240,7 @@ class MachineActuator::Impl {
   std::function<void()> on_poll_;  // of a rehearsal; empty on a robot
   std::promise<Result<>> set_up_;
   bool set_up_told_ = false;
-  mutable std::mutex mutex_;  // guards the three below
+  mutable std::mutex mutex_;  // guards the three below, and changes of node_
   std::optional<int> finished_;
   Checkpoints* checkpoints_ = nullptr;
   State state_{kUninitialized};
@@ -294,6 +310,12 @@ State MachineActuator::CurrentState() const {
 }
 const std::string& MachineActuator::name() const {
   return impl_->name();
+}
+const MachineConfig& MachineActuator::machine_config() const {
+  return impl_->config();
+}
+std::shared_ptr<transport::NodeThread> MachineActuator::node() const {
+  return impl_->node();
 }
 
 ActuatorRehearsal::ActuatorRehearsal(MachineActuator& actuator) : actuator_(actuator) {}

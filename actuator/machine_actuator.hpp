@@ -35,6 +35,7 @@
 #include <string>
 
 #include "musher/lifecycle/code.hpp"
+#include "musher/lifecycle/config.hpp"
 #include "musher/lifecycle/result.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/transport/node_thread.hpp"
@@ -100,6 +101,15 @@ class MachineActuator {
   State CurrentState() const;
 
   const std::string& name() const;
+
+  // What was read by Init(), which must have succeeded.
+  const MachineConfig& machine_config() const;
+  // For topics and services of your own: the participant and its loop. There from Start() on, so in
+  // every state callback; null before, after Shutdown(), and in a trial. What is made from it is
+  // made, used and dropped on its loop (RunOnLoop()), in the namespace of the config. A class that
+  // keeps such things keeps the pointer too, and drops them in its destructor, after Shutdown().
+  // Handlers run on the loop and must come back at once: whatever takes time is not for them.
+  std::shared_ptr<transport::NodeThread> node() const;
 
  protected:
   // An emergency stop is engaged: stop whatever moves, now. Runs on the process's loop thread,

@@ -10,11 +10,8 @@ foreach(folder lifecycle messages transport actuator controller simulation behav
   endif()
 endforeach()
 
-if(MUSHER_LINT)
-  find_program(CLANG_TIDY clang-tidy REQUIRED)
-endif()
 find_program(CCACHE ccache)
-if(CCACHE AND NOT MUSHER_LINT)
+if(CCACHE)
   set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
 endif()
@@ -27,9 +24,6 @@ function(musher_warnings target)
     $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual>
     $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wshadow=local -Wno-restrict -Wno-maybe-uninitialized>
     $<$<BOOL:${MUSHER_WERROR}>:-Werror>)
-  if(MUSHER_LINT)
-    set_target_properties(${target} PROPERTIES CXX_CLANG_TIDY "${CLANG_TIDY};--quiet;--extra-arg=-Wno-unknown-warning-option")
-  endif()
 endfunction()
 
 # musher_library(<name> SOURCES <cpp>... DEPENDS <public target>... PRIVATE <private target>...)
@@ -55,12 +49,15 @@ function(musher_library name)
   set_property(GLOBAL APPEND PROPERTY MUSHER_INSTALLED_TARGETS ${target})
 endfunction()
 
-# musher_program(<name> SOURCES <cpp>... DEPENDS <target>...) makes an installed program.
+# musher_program(<name> SOURCES <cpp>... DEPENDS <target>...) makes an installed program. The target
+# programs makes all of them.
+add_custom_target(programs)
 function(musher_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   musher_warnings(${name})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS})
+  add_dependencies(programs ${name})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 

@@ -26,11 +26,25 @@ std::optional<Duration> ActuatorConfig::TimeFor(std::string_view state) const {
   return times[found - states.begin()];
 }
 
+bool CapabilityConfig::RunsIn(std::string_view state) const {
+  return std::find(states.begin(), states.end(), state) != states.end();
+}
+
+bool CapabilityConfig::Takes(std::string_view actuator) const {
+  return std::find(actuators.begin(), actuators.end(), actuator) != actuators.end();
+}
+
 std::optional<std::size_t> MachineConfig::IndexOf(std::string_view actuator) const {
   const auto found = std::find_if(actuators.begin(), actuators.end(),
                                   [&](const ActuatorConfig& a) { return a.name == actuator; });
   if (found == actuators.end()) return std::nullopt;
   return found - actuators.begin();
+}
+
+const CapabilityConfig* MachineConfig::CapabilityOf(std::string_view capability) const {
+  const auto found = std::find_if(capabilities.begin(), capabilities.end(),
+                                  [&](const CapabilityConfig& c) { return c.name == capability; });
+  return found == capabilities.end() ? nullptr : &*found;
 }
 
 std::optional<Rank> MachineConfig::RankOf(std::string_view state) const {

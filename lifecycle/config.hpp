@@ -79,6 +79,20 @@ struct FlowEdge {
   friend bool operator==(const FlowEdge&, const FlowEdge&) = default;
 };
 
+// A function of the robot, and where it may run. One that nobody declares runs in Active only.
+struct CapabilityConfig {
+  std::string name;
+  std::string description;
+  std::vector<std::string> actuators;  // that it takes; all have to allow it
+  std::vector<State> states;           // it runs in these, as the file lists them
+  std::optional<int> min_battery;      // %; below, or where the level is unknown, it does not run
+
+  bool RunsIn(std::string_view state) const;
+  bool Takes(std::string_view actuator) const;
+
+  friend bool operator==(const CapabilityConfig&, const CapabilityConfig&) = default;
+};
+
 struct MachineConfig {
   std::string name;        // of the machine; the file's stem unless the file gives one
   std::string file;        // where it was read from, for messages only
@@ -98,10 +112,13 @@ struct MachineConfig {
   TransportProfile transport = TransportProfile::kLocal;
   std::string keys;  // absolute folder of keys: strangers are kept out; empty: anybody may come
 
-  std::vector<ActuatorConfig> actuators;  // in the order of [controller].actuators
+  std::vector<ActuatorConfig> actuators;       // in the order of [controller].actuators
+  std::vector<CapabilityConfig> capabilities;  // in the order of the file
 
   // Index into `actuators`, nullopt for an unknown name.
   std::optional<std::size_t> IndexOf(std::string_view actuator) const;
+  // nullptr for one that is not declared.
+  const CapabilityConfig* CapabilityOf(std::string_view capability) const;
   // The rank of a state of this machine; nullopt for SetUp, SelfCheck, Uninitialized and strangers.
   std::optional<Rank> RankOf(std::string_view state) const;
   bool HasState(std::string_view state) const;

@@ -60,7 +60,7 @@ SyntaxFault NotAStateConfig(const Table& root) {
 void ReadSections(const Table& table, Draft& draft) {
   TableReader root(table, {1, 1}, "", draft.findings);
   for (const auto* key :
-       {"controller", "actuator", "state", "transition", "transport", "security"}) {
+       {"controller", "actuator", "state", "transition", "transport", "security", "capability"}) {
     root.Get(key);
   }
   root.RefuseOthers();
@@ -70,6 +70,7 @@ void ReadSections(const Table& table, Draft& draft) {
   ReadTransport(root, draft);
   ReadSecurity(root, draft);
   ReadActuators(root, draft);
+  ReadCapabilities(root, draft);
 }
 
 }  // namespace

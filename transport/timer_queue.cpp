@@ -40,6 +40,15 @@ bool TimerQueue::RunNext(Time now) {
   return true;
 }
 
+void TimerQueue::Shift(Duration by) {
+  std::map<Key, std::shared_ptr<Timer>> shifted;
+  for (auto& [key, timer] : timers_) {
+    timer->when += by;
+    shifted.emplace_hint(shifted.end(), Key{timer->when, timer->number}, timer);
+  }
+  timers_ = std::move(shifted);
+}
+
 void TimerQueue::Insert(const std::shared_ptr<Timer>& timer) {
   timer->number = next_number_++;
   timers_.emplace(Key{timer->when, timer->number}, timer);

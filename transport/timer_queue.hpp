@@ -27,6 +27,9 @@ class TimerQueue {
   // Runs the first timer if it is due at `now`; says whether one ran.
   bool RunNext(Time now);
 
+  // Every timer becomes due later by `by`, or sooner when it is negative.
+  void Shift(Duration by);
+
  private:
   struct Timer {
     std::uint64_t number;

@@ -48,6 +48,7 @@ void ReadTransitions(TableReader& root, Draft& draft);
 void ReadTransport(TableReader& root, Draft& draft);
 void ReadSecurity(TableReader& root, Draft& draft);
 void ReadActuators(TableReader& root, Draft& draft);
+void ReadCapabilities(TableReader& root, Draft& draft);
 
 // One [actuator.<name>].
 ActuatorDraft ReadActuator(const Member& member, const Table& table, Draft& draft);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 
 namespace musher {
@@ -29,6 +30,68 @@ TEST(MachineActuator, IsInSetUpOnceItHasStarted) {
   ASSERT_TRUE(arm.MachineActuatorInit(file.path()));
   ASSERT_TRUE(arm.ActuatorStart());
   EXPECT_EQ(arm.CurrentState(), "SetUp");
+}
+
+// A module with a topic of its own, as the header tells to write one.
+class Singer : public MachineActuator {
+ public:
+  Singer() : MachineActuator("singer") {
+    for (const std::string& state : kAllStates) {
+      if (state != kSetUp) RegisterStateCallback(state, [] { return kCodeOk; });
+    }
+    RegisterStateCallback(std::string(kSetUp), [this] { return OpenTopic(); });
+  }
+  ~Singer() override {
+    Shutdown();
+    if (node_) node_->RunOnLoop([this] { heard_.reset(); });
+  }
+  std::future<std::string> heard() { return word_.get_future(); }
+
+ private:
+  Result<> OpenTopic() {
+    node_ = node();
+    Result<> result = Ok();
+    node_->RunOnLoop([&] {
+      const std::string topic =
+          transport::ResolveName(machine_config().name_space, "song_of_" + name());
+      auto heard = transport::MakeSubscription<msg::String>(
+          node_->node(), topic,
+          [this](const msg::String& word, const auto&) { word_.set_value(word.data); },
+          transport::kLatchedQos);
+      if (!heard) result = heard.error();
+      if (heard) heard_ = std::move(heard).value();
+    });
+    return result;
+  }
+
+  std::promise<std::string> word_;
+  std::shared_ptr<transport::NodeThread> node_;
+  std::unique_ptr<transport::Subscription> heard_;
+};
+
+TEST(MachineActuator, HasTopicsOfItsOwnOnItsLoop) {
+  const RobotFile file({"singer"}, kAllStates);
+  const auto other = transport::NodeThread::Start();
+  ASSERT_TRUE(other);
+  std::unique_ptr<transport::Publisher<msg::String>> publisher;
+  other.value()->RunOnLoop([&] {
+    auto made = transport::MakePublisher<msg::String>(
+        other.value()->node(), file.name_space() + "/song_of_singer", transport::kLatchedQos);
+    if (!made) return;
+    publisher = std::move(made).value();
+    static_cast<void>(publisher->Publish({"la"}));
+  });
+  ASSERT_NE(publisher, nullptr);
+  {
+    Singer singer;
+    auto heard = singer.heard();
+    EXPECT_EQ(singer.node(), nullptr);
+    ASSERT_TRUE(singer.MachineActuatorInit(file.path()));
+    ASSERT_TRUE(singer.ActuatorStart());
+    ASSERT_EQ(heard.wait_for(std::chrono::seconds(10)), std::future_status::ready);
+    EXPECT_EQ(heard.get(), "la");
+  }
+  other.value()->RunOnLoop([&] { publisher.reset(); });
 }
 
 TEST(MachineActuator, SaysWhichStateHasNoCallback) {

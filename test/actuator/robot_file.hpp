@@ -24,8 +24,8 @@ class RobotFile {
     setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
     std::ofstream file(path());
     file << "[controller]\nactuators = " << List(actuators) << "\nstates = " << List(states)
-         << "\ndefault_time = 1000\ndefault_state = \"Uninitialized\"\nnamespace = \"test_"
-         << getpid() << "\"\nstate_dir = \"" << folder_ / "state"
+         << "\ndefault_time = 1000\ndefault_state = \"Uninitialized\"\nnamespace = \""
+         << name_space() << "\"\nstate_dir = \"" << folder_ / "state"
          << "\"\n";
     for (const std::string& actuator : actuators) {
       file << "[actuator." << actuator << "]\nstates = " << List(states) << "\ntimes = [";
@@ -38,6 +38,7 @@ class RobotFile {
   }
 
   std::string path() const { return folder_ / "robot.toml"; }
+  static std::string name_space() { return "test_" + std::to_string(getpid()); }
   std::string state_dir() const { return folder_ / "state"; }
 
  private:

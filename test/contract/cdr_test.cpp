@@ -5,6 +5,7 @@
 
 #include <initializer_list>
 
+#include "musher/messages/builtin_interfaces/time.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/std_msgs/string.hpp"
@@ -93,6 +94,15 @@ TEST(Cdr, RefusesStringsThatDoNotEndAndTruthThatIsNeither) {
   Bytes mixed = Encode(Filled<Mixed>());
   mixed[4] = std::byte{2};
   EXPECT_FALSE(Decode<Mixed>(mixed));
+}
+
+TEST(Stamp, CountsNanosecondsForwardsAlsoBeforeZero) {
+  using std::chrono::nanoseconds;
+  EXPECT_EQ(ToStamp(nanoseconds(1'500'000'000)), (Stamp{1, 500'000'000}));
+  EXPECT_EQ(ToStamp(nanoseconds(-1)), (Stamp{-1, 999'999'999}));
+  for (const std::int64_t time : {-1'500'000'000LL, -1LL, 0LL, 1LL, 1'000'000'000LL}) {
+    EXPECT_EQ(FromStamp(ToStamp(nanoseconds(time))), nanoseconds(time));
+  }
 }
 
 // The sanitizers judge this one: whatever is decoded, nothing is read that is not there.

@@ -1,6 +1,6 @@
 #pragma once
 // Fills every field of a message with a value that no other field has. Truth values have only two,
-// so a message is filled several times, each `round` with another pattern.
+// so a message is filled several times, each `round` with another bit of its number.
 
 #include <array>
 #include <string>
@@ -11,15 +11,19 @@
 
 namespace musher::msg {
 
-inline constexpr unsigned kFillRounds = 4;
+inline constexpr unsigned kFillRounds = 6;
 
 class Filler {
  public:
   explicit Filler(unsigned round) : round_(round) {}
 
-  void Fill(bool& value) { value = ((Next() >> (round_ % 3)) & 1u) != 0; }
+  void Fill(bool& value) { value = ((Next() >> round_) & 1u) != 0; }
   template <class T>
   requires(std::is_arithmetic_v<T>) void Fill(T& value) {
+    if constexpr (std::is_floating_point_v<T>) {
+      value = -static_cast<T>(Next()) / 3;  // a double's third is not a float's
+      return;
+    }
     // Large enough that a field of another width or signedness would not keep it.
     constexpr double kLarge = sizeof(T) == 1 ? 100 : sizeof(T) == 2 ? 20'000 : 2e9;
     value = static_cast<T>(kLarge) + static_cast<T>(Next());
@@ -32,6 +36,14 @@ class Filler {
   void Fill(std::vector<T>& items) {
     items.resize(2 + round_ % 2);
     for (T& item : items) Fill(item);
+  }
+  void Fill(std::vector<bool>& items) {
+    items.resize(2 + round_ % 2);
+    for (auto&& item : items) {
+      bool value = false;
+      Fill(value);
+      item = value;
+    }
   }
   template <class T, std::size_t N>
   void Fill(std::array<T, N>& items) {

@@ -2,14 +2,10 @@
 // Field by field, by name: that a sample of a plain C program (idlc's struct) and one of ours are
 // the same. A field that is missing here is still caught when it makes the round trip.
 
-#include <gtest/gtest.h>
 #include <lifecycle_msgs.h>
 #include <musher_msgs.h>
 #include <protocol.h>
 #include <std_msgs.h>
-
-#include <string>
-#include <vector>
 
 #include "musher/messages/lifecycle_msgs/services.hpp"
 #include "musher/messages/lifecycle_msgs/transition_event.hpp"
@@ -20,27 +16,9 @@
 #include "musher/messages/protocol/heartbeats.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/test/contract/wire_same.hpp"
 
-namespace musher::msg {  // that of the messages, so that SameItems() finds them all
-
-template <class C, class M>
-void Same(const C& c, const M& m, const char* field) {
-  EXPECT_EQ(c, m) << field;
-}
-inline void Same(const char* c, const std::string& m, const char* field) {
-  EXPECT_EQ(c, m) << field;
-}
-template <class C, class M>
-void SameItems(const C& c, const std::vector<M>& m, const char* field) {
-  ASSERT_EQ(c._length, m.size()) << field;
-  for (std::size_t i = 0; i < m.size(); ++i) Same(c._buffer[i], m[i], field);
-}
-
-// NOLINTBEGIN(cppcoreguidelines-macro-usage): the field's name is wanted twice
-#define SAME(field) Same(c.field, m.field, #field)
-#define SAME_ITEMS(field) SameItems(c.field, m.field, #field)
-#define MUSHER_SAME(CType, MType) \
-  inline void Same(const CType& c, const MType& m, const char* /*field*/ = "")
+namespace musher::msg {
 
 MUSHER_SAME(std_msgs_msg_dds__String_, String) {
   SAME(data);
@@ -314,10 +292,5 @@ MUSHER_SAME(musher_msgs_srv_dds__GetHistory_Response_, GetHistory::Response) {
   SAME(error);
   SAME_ITEMS(entries);
 }
-
-#undef SAME
-#undef SAME_ITEMS
-#undef MUSHER_SAME
-// NOLINTEND(cppcoreguidelines-macro-usage)
 
 }  // namespace musher::msg

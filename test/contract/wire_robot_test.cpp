@@ -1,0 +1,65 @@
+// The messages of a robot's body, devices and manager: as the IDL says.
+
+#include "musher/test/contract/wire_exchange.hpp"
+#include "musher/test/contract/wire_fields_robot.hpp"
+
+namespace musher::transport {
+namespace {
+
+MUSHER_MESSAGE(builtin_interfaces, Time, Stamp)
+MESSAGE(rosgraph_msgs, Clock)
+MESSAGE(std_msgs, Header)
+MESSAGE(std_msgs, Bool)
+MESSAGE(std_msgs, UInt8)
+MESSAGE(std_msgs, UInt16)
+MESSAGE(std_msgs, Int32)
+MESSAGE(std_msgs, Float32)
+MESSAGE(std_msgs, ColorRGBA)
+SERVICE(std_srvs, SetBool)
+MUSHER_SERVICE(std_srvs, Empty, EmptyService)
+MESSAGE(geometry_msgs, Vector3)
+MESSAGE(geometry_msgs, Point)
+MESSAGE(geometry_msgs, Quaternion)
+MESSAGE(geometry_msgs, Pose)
+MESSAGE(geometry_msgs, PoseStamped)
+MESSAGE(geometry_msgs, Twist)
+MESSAGE(geometry_msgs, PoseWithCovariance)
+MESSAGE(geometry_msgs, TwistWithCovariance)
+MESSAGE(geometry_msgs, Transform)
+MESSAGE(geometry_msgs, TransformStamped)
+MESSAGE(nav_msgs, Odometry)
+MESSAGE(sensor_msgs, Imu)
+MESSAGE(sensor_msgs, BatteryState)
+MESSAGE(protocol, MotionServoCmd)
+MESSAGE(protocol, MotionServoResponse)
+MESSAGE(protocol, MotionStatus)
+// The name is also that of a service.
+MUSHER_MESSAGE(protocol, MotionCustomCmd, MotionCustomCommand)
+SERVICE(protocol, MotionResultCmd)
+SERVICE(protocol, MotionCustomCmd)
+SERVICE(protocol, MotionQueueCustomCmd)
+SERVICE(protocol, MotorTemp)
+MESSAGE(protocol, MotionSequenceGait)
+MESSAGE(protocol, MotionSequencePace)
+MESSAGE(protocol, MotionSequenceParam)
+SERVICE(protocol, MotionSequenceShow)
+SERVICE(protocol, MotionSequence)
+MESSAGE(protocol, BmsStatus)
+MESSAGE(protocol, TouchStatus)
+MESSAGE(protocol, UwbRaw)
+SERVICE(protocol, LedExecute)
+SERVICE(protocol, BmsCmd)
+SERVICE(protocol, BmsInfo)
+SERVICE(protocol, GetUWBMacSessionID)
+MESSAGE(protocol, StateSwitchStatus)
+MESSAGE(protocol, SelfCheckStatus)
+MESSAGE(protocol, NodeError)
+MESSAGE(protocol, ManagerState)
+SERVICE(protocol, MachineState)
+SERVICE(protocol, DeviceInfo)
+SERVICE(protocol, UidSn)
+MESSAGE(musher_msgs, BodyState)
+MESSAGE(musher_msgs, LedState)
+
+}  // namespace
+}  // namespace musher::transport

@@ -1,0 +1,91 @@
+#include "musher/transport/clock.hpp"
+
+#include <optional>
+#include <utility>
+
+#include "musher/messages/rosgraph_msgs/clock.hpp"
+#include "musher/transport/timer_queue.hpp"
+
+namespace musher::transport {
+namespace {
+
+class SteadyClock : public Clock {
+ public:
+  explicit SteadyClock(EventLoop& loop) : loop_(loop) {}
+
+  Time Now() const override { return loop_.Now(); }
+  LoopHandlePtr At(Time when, std::function<void()> callback) override {
+    return loop_.At(when, std::move(callback));
+  }
+  LoopHandlePtr Every(Duration period, std::function<void()> callback) override {
+    return loop_.Every(period, std::move(callback));
+  }
+
+ private:
+  EventLoop& loop_;
+};
+
+// How far back a sample of the same writer may be to be taken for one that was overtaken. Farther
+// back, the writer has begun anew, as a recording that is played in a circle.
+constexpr Duration kOvertaken = std::chrono::seconds(1);
+constexpr std::uint32_t kNanosecondsInSecond = 1'000'000'000;
+
+class TopicClock : public Clock {
+ public:
+  explicit TopicClock(std::function<void()> on_jump_back)
+      : on_jump_back_(std::move(on_jump_back)) {}
+
+  Result<> Subscribe(Node& node) {
+    auto subscription = MakeSubscription<msg::Clock>(
+        node, kClockTopic,
+        [this](const msg::Clock& message, const SampleInfo& info) { OnSample(message, info); },
+        kClockQos);
+    if (!subscription) return subscription.error();
+    subscription_ = std::move(subscription).value();
+    return {};
+  }
+
+  Time Now() const override { return now_; }
+  LoopHandlePtr At(Time when, std::function<void()> callback) override {
+    return timers_.Add(when, Duration::zero(), std::move(callback));
+  }
+  LoopHandlePtr Every(Duration period, std::function<void()> callback) override {
+    return timers_.Add(now_ + period, period, std::move(callback));
+  }
+
+ private:
+  void OnSample(const msg::Clock& message, const SampleInfo& info) {
+    const msg::Stamp& stamp = message.clock;
+    if (stamp.sec < 0 || stamp.nanosec >= kNanosecondsInSecond) return;  // no time of a world
+    const Time time = Time{} + msg::FromStamp(stamp);
+    if (writer_ == info.writer && time <= now_ && now_ - time < kOvertaken) return;
+    const bool first = !writer_.has_value();
+    const bool back = !first && time < now_;
+    writer_ = info.writer;
+    if (first || back) timers_.Shift(time - now_);
+    now_ = time;
+    if (back && on_jump_back_) on_jump_back_();
+    while (timers_.RunNext(now_)) {
+    }
+  }
+
+  std::function<void()> on_jump_back_;
+  Time now_{};
+  std::optional<PeerId> writer_;  // of the last sample
+  TimerQueue timers_;
+  std::unique_ptr<Subscription> subscription_;  // last: its callback uses the rest
+};
+
+}  // namespace
+
+std::unique_ptr<Clock> Clock::Steady(EventLoop& loop) {
+  return std::make_unique<SteadyClock>(loop);
+}
+
+Result<std::unique_ptr<Clock>> Clock::FromTopic(Node& node, std::function<void()> on_jump_back) {
+  auto clock = std::make_unique<TopicClock>(std::move(on_jump_back));
+  if (auto made = clock->Subscribe(node); !made) return made.error();
+  return std::unique_ptr<Clock>(std::move(clock));
+}
+
+}  // namespace musher::transport
