@@ -87,8 +87,7 @@ BodyCommand MakeCommand(const Motion& motion, const MotionArguments& arguments) 
   command.id = motion.id;
   command.mode = motion.mode;
   command.gait = motion.gait;
-  command.contact =
-      arguments.contact == 0 ? kAllFeet : static_cast<std::int8_t>(arguments.contact);
+  command.contact = arguments.contact == 0 ? kAllFeet : static_cast<std::int8_t>(arguments.contact);
   command.vel = Limited(motion, Fixed<3>(arguments.vel_des));
   command.rpy = Fixed<3>(arguments.rpy_des);
   command.pos = Fixed<3>(arguments.pos_des);

@@ -1,6 +1,7 @@
 #include "musher/modules/motion/motion_core.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "musher/modules/motion/motion_decision.hpp"
@@ -42,11 +43,13 @@ Result<> Decision::JudgeOrder(const MotionOrder& order) const {
   }
   if (auto may = MayRun(*motion, motion->capability); !may) return may;
   const auto invalid = [&](const std::string& what) {
-    return Error{MotionCode(KeyCode::kParametersInvalid), "motion " + NameOf(*motion) + ": " + what};
+    return Error{MotionCode(KeyCode::kParametersInvalid),
+                 "motion " + NameOf(*motion) + ": " + what};
   };
   if (!AllFinite(order.arguments)) return invalid("a number is no number, or infinite");
   if (const auto wrong = WrongContact(order.arguments.contact)) return invalid(*wrong);
-  if (const auto wrong = WrongDuration(*motion, order.arguments.duration_ms)) return invalid(*wrong);
+  if (const auto wrong = WrongDuration(*motion, order.arguments.duration_ms))
+    return invalid(*wrong);
   return Ok();
 }
 
@@ -68,12 +71,10 @@ Result<> Decision::JudgePlay(const motion_event::PlayArrived& event) const {
   }
   const bool interrupts = event.orders.front().id == kGetDown && Dancing();
   if (!core_.Idle() && !interrupts) {
-    return Error{MotionCode(KeyCode::kTargetBusy), core_.servo
-                                                       ? "the body follows servo commands of " +
-                                                             SourceName(core_.servo->source)
-                                                       : "motion " +
-                                                             std::to_string(core_.job->motion_id) +
-                                                             " is under way"};
+    return Error{MotionCode(KeyCode::kTargetBusy),
+                 core_.servo
+                     ? "the body follows servo commands of " + SourceName(core_.servo->source)
+                     : "motion " + std::to_string(core_.job->motion_id) + " is under way"};
   }
   if (!core_.body || BoardSilent(rules_, core_, now_)) {
     return Error{MotionCode(Key::kBoardSilent), MotionCodeText(MotionCode(Key::kBoardSilent))};
@@ -98,9 +99,8 @@ void Decision::Take(const motion_event::BoardHeard& event) {
 
 void Decision::Take(const motion_event::PlayArrived& event) {
   const std::int32_t id = event.orders.empty() ? 0 : event.orders.front().id;
-  const bool stop = std::any_of(event.orders.begin(), event.orders.end(), [](const MotionOrder& o) {
-    return o.id == kEmergencyStop;
-  });
+  const bool stop = std::any_of(event.orders.begin(), event.orders.end(),
+                                [](const MotionOrder& o) { return o.id == kEmergencyStop; });
   if (stop) return BeginEmergencyStop(event.token);
   if (const auto good = JudgePlay(event); !good) {
     const auto& [code, message] = good.error();
@@ -156,7 +156,8 @@ void Decision::Take(const motion_event::Closed& event) {
   if (!core_.job) return;
   const JobMotion motion = core_.job->todo.front();
   DropJob(MotionCode(KeyCode::kStateInvalid), why);
-  const bool lies_down = event.state == kLowPower || event.state == kOta || event.state == kTearDown;
+  const bool lies_down =
+      event.state == kLowPower || event.state == kOta || event.state == kTearDown;
   if (!lies_down && motion.command.id != kEmergencyStop) HaltBody(motion);
 }
 
@@ -166,6 +167,15 @@ void Decision::Take(const motion_event::Opened&) {
 
 void Decision::Take(const motion_event::EmergencyStop&) {
   BeginEmergencyStop(0);
+}
+
+void Decision::Take(const motion_event::WorldRestarted&) {
+  if (core_.job) DropJob(MotionCode(Key::kBoardSilent), "the world began anew");
+  core_.servo.reset();
+  core_.body.reset();
+  core_.logged.clear();
+  Quiet();
+  core_.link.sent_at = Time::min();
 }
 
 void Decision::Take(const motion_event::TimePassed&) {
@@ -195,12 +205,18 @@ JobMotion Decision::MotionOf(const Motion& motion, const MotionArguments& argume
 
 // A new command; it replaces what is repeated. At once, or as soon as the link bears another frame.
 void Decision::Command(const BodyCommand& command, bool at_once) {
-  constexpr std::int8_t kHighestLife = 127;
-  const std::int8_t last = core_.link.command.life_count;
+  // The board may remember the counts of whoever commanded it before us: not the next after its
+  // own.
+  constexpr int kHighestLife = 127;
+  constexpr int kFarAway = 64;
+  const bool first = core_.link.sent_at == Time::min();
+  const int last = first && core_.body
+                       ? static_cast<std::uint8_t>(core_.body->life_count) + kFarAway
+                       : core_.link.command.life_count;
   core_.link.command = command;
-  core_.link.command.life_count = static_cast<std::int8_t>(last == kHighestLife ? 1 : last + 1);
+  core_.link.command.life_count = static_cast<std::int8_t>(last % kHighestLife + 1);
+  core_.link.begun_at = now_;
   core_.link.active = true;
-  core_.link.dirty = true;
   core_.link.until.reset();
   if (at_once) {
     Transmit();
@@ -220,12 +236,10 @@ void Decision::Stand(const BodyCommand& last) {
 
 void Decision::Quiet() {
   core_.link.active = false;
-  core_.link.dirty = false;
   core_.link.until.reset();
 }
 
 void Decision::Transmit() {
-  core_.link.dirty = false;
   core_.link.sent_at = now_;
   actions_.emplace_back(motion_action::Send{core_.link.command});
 }
@@ -248,8 +262,8 @@ void Decision::Log(std::int32_t code, const std::string& text) {
   const auto last = core_.logged.find(code);
   if (last != core_.logged.end() && now_ - last->second < kLogPause) return;
   core_.logged[code] = now_;
-  actions_.emplace_back(motion_action::Log{code == kCodeOk ? text
-                                                           : text + " (" + std::to_string(code) + ")"});
+  actions_.emplace_back(
+      motion_action::Log{code == kCodeOk ? text : text + " (" + std::to_string(code) + ")"});
 }
 
 // --- Outside -------------------------------------------------------------------------------------

@@ -47,7 +47,8 @@ inline constexpr Duration kBoardPeriod = Milliseconds(50);  // of frames to the 
 inline constexpr Duration kSettleTime = Milliseconds(15);
 inline constexpr Duration kTransitionTime = Milliseconds(3000);
 inline constexpr Duration kLieDownPause = Milliseconds(500);  // between two tries
-inline constexpr Duration kStopRepeat = Milliseconds(1000);   // a stop is sent so long, or till taken
+inline constexpr Duration kStopRepeat =
+    Milliseconds(1000);  // a stop is sent so long, or till taken
 inline constexpr Duration kLogPause = std::chrono::seconds(180);  // for the same code
 inline constexpr std::int8_t kDoneBar = 95;                       // %; more is done
 
@@ -104,14 +105,16 @@ struct Closed {
 struct Opened {};
 // The machine's emergency stop is engaged.
 struct EmergencyStop {};
+// The world began anew, and with it time: what was known of the body is void.
+struct WorldRestarted {};
 struct TimePassed {};
 }  // namespace motion_event
 
-using MotionEvent = std::variant<motion_event::BoardHeard, motion_event::ServoArrived,
-                                 motion_event::PlayArrived, motion_event::LieDown,
-                                 motion_event::Cancelled, motion_event::Closed,
-                                 motion_event::Opened, motion_event::EmergencyStop,
-                                 motion_event::TimePassed>;
+using MotionEvent =
+    std::variant<motion_event::BoardHeard, motion_event::ServoArrived, motion_event::PlayArrived,
+                 motion_event::LieDown, motion_event::Cancelled, motion_event::Closed,
+                 motion_event::Opened, motion_event::EmergencyStop, motion_event::WorldRestarted,
+                 motion_event::TimePassed>;
 
 namespace motion_action {
 struct Send {
@@ -183,8 +186,8 @@ struct Servo {
 struct BoardLink {
   BodyCommand command;
   bool active = false;        // it is repeated
-  bool dirty = false;         // it has not been sent yet
   std::optional<Time> until;  // stops being repeated then, or when it is taken
+  Time begun_at{};            // when the command was new
   Time sent_at = Time::min();
 
   friend bool operator==(const BoardLink&, const BoardLink&) = default;
@@ -199,7 +202,7 @@ struct MotionCore {
   std::optional<Job> job;
   std::optional<Servo> servo;
   BoardLink link;
-  std::int32_t servo_commands = 0;  // taken so far
+  std::int32_t servo_commands = 0;      // taken so far
   std::map<std::int32_t, Time> logged;  // by code
 
   bool Idle() const { return !job && !servo; }
@@ -212,7 +215,8 @@ MotionActions Step(const MotionRules& rules, MotionCore& core, const MotionEvent
 // When to step next with TimePassed, unless something else happens before; nullopt: never.
 std::optional<Time> NextDeadline(const MotionRules& rules, const MotionCore& core);
 
-// What the body does: an id of the table, kNoMotion where the board is silent or says something else.
+// What the body does: an id of the table, kNoMotion where the board is silent or says something
+// else.
 std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core, Time now);
 bool BoardSilent(const MotionRules& rules, const MotionCore& core, Time now);
 

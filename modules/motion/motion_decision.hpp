@@ -3,6 +3,8 @@
 // motion_servo.cpp decides on servo commands, motion_job.cpp brings motions to their end.
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "musher/modules/motion/motion_core.hpp"
 
@@ -21,6 +23,7 @@ class Decision {
   void Take(const motion_event::Closed& event);
   void Take(const motion_event::Opened& event);
   void Take(const motion_event::EmergencyStop& event);
+  void Take(const motion_event::WorldRestarted& event);
   void Take(const motion_event::TimePassed& event);
 
   MotionActions Actions() && { return std::move(actions_); }
@@ -48,6 +51,7 @@ class Decision {
   void BeginJob(Job job);
   void BeginMotion();
   std::vector<std::int32_t> WayTo(const Motion& motion) const;
+  std::int32_t CodeOfRefusal() const;
   void AdvanceJob();
   bool AdvanceWait();
   void EndMotion();

@@ -43,14 +43,13 @@ void Decision::BeginJob(Job job) {
 
 void Decision::BeginMotion() {
   Job& job = *core_.job;
-  if (!job.todo.front().prepared) {
-    const Motion& motion = *rules_.table.Find(job.todo.front().command.id);
-    if (!job.own && job.todo.front().asked) {
-      if (const auto may = MayRun(motion, motion.capability); !may) {
-        return EndJob(may.error().code, may.error().message);
-      }
+  const Motion& motion = *rules_.table.Find(job.todo.front().command.id);
+  if (!job.own && job.todo.front().asked) {
+    if (const auto may = MayRun(motion, motion.capability); !may) {
+      return EndJob(may.error().code, may.error().message);
     }
-    job.todo.front().prepared = true;
+  }
+  if (!std::exchange(job.todo.front().prepared, true)) {
     const auto way = WayTo(motion);
     for (auto id = way.rbegin(); id != way.rend(); ++id) {
       job.todo.push_front(MotionOf(*rules_.table.Find(*id), {}));
@@ -69,10 +68,16 @@ std::vector<std::int32_t> Decision::WayTo(const Motion& motion) const {
   const Motion* present = Present();
   if (present != nullptr && present->MayGoTo(motion.mode)) return {};
   if (motion.id != kFromGroundStand) return {kRecoveryStand};
-  const bool direct =
-      present != nullptr && present->MayGoTo(rules_.table.Find(kGroundStand)->mode);
+  const bool direct = present != nullptr && present->MayGoTo(rules_.table.Find(kGroundStand)->mode);
   if (direct) return {kGroundStand};
   return {kRecoveryStand, kGroundStand};
+}
+
+// Why the board has not taken a command: for what it says, or it says nothing of it.
+std::int32_t Decision::CodeOfRefusal() const {
+  const bool heard = core_.body && core_.body_heard > core_.link.begun_at;
+  const std::int32_t code = heard ? CodeOfStatus(core_.body->switch_status) : kCodeOk;
+  return code != kCodeOk ? code : MotionCode(Key::kBoardSilent);
 }
 
 void Decision::AdvanceJob() {
@@ -104,7 +109,7 @@ bool Decision::AdvanceWait() {
   }
   if (job.wait == Job::Wait::kFeedback) {
     if (Taken()) return go_on(Job::Wait::kSettle, kSettleTime);
-    return over && fail(MotionCode(Key::kBoardSilent));
+    return over && fail(CodeOfRefusal());
   }
   if (job.wait == Job::Wait::kSettle) {
     return over && go_on(Job::Wait::kTransition, kTransitionTime);
@@ -136,8 +141,7 @@ void Decision::EndMotion() {
 // A lie-down tries again, as often as it may.
 void Decision::FailMotion(std::int32_t code, const std::string& message) {
   Job& job = *core_.job;
-  const std::string what =
-      "motion " + std::to_string(job.todo.front().command.id) + ": " + message;
+  const std::string what = "motion " + std::to_string(job.todo.front().command.id) + ": " + message;
   if (!job.tries || *job.tries == 1) return EndJob(code, what);
   Log(code, what + "; it is tried again");
   if (*job.tries > 1) --*job.tries;

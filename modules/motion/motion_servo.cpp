@@ -73,13 +73,17 @@ void Decision::EndServo(const ServoCommand& command) {
     return RefuseServo(command, priority.error());
   }
   if (core_.servo) return StopServo("");
-  actions_.emplace_back(motion_action::TellServo{command.order.id, core_.servo_commands, 0, 0, true});
+  actions_.emplace_back(
+      motion_action::TellServo{command.order.id, core_.servo_commands, 0, 0, true});
 }
 
 void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
   const bool begins = !core_.servo;
   const bool changes = begins || core_.servo->command.id != motion.id;
-  if (begins) core_.servo = Servo{.next_report = now_};
+  if (begins) {
+    core_.servo.emplace();
+    core_.servo->next_report = now_;
+  }
   Servo& servo = *core_.servo;
   servo.source = command.source;
   servo.command = MakeCommand(motion, command.order.arguments);
@@ -141,7 +145,8 @@ void Decision::StopServo(const std::string& why) {
                                                " is stopped: " + why);
   }
   actions_.emplace_back(motion_action::TellServo{
-      PresentMotion(rules_, core_, now_), core_.servo_commands, core_.body ? core_.body->bar : std::int8_t{-1},
+      PresentMotion(rules_, core_, now_), core_.servo_commands,
+      core_.body ? core_.body->bar : std::int8_t{-1},
       core_.body ? core_.body->switch_status : std::int8_t{-1}, why.empty(), kCodeOk});
 }
 

@@ -5,15 +5,17 @@
 #include <map>
 #include <string>
 
+#include "musher/messages/protocol/motion.hpp"
+
 namespace musher::motion {
 
-inline constexpr std::int32_t kFromMachine = -2;  // FSM: the motion manager's own state callbacks
-inline constexpr std::int32_t kFromDebug = -1;    // a keyboard
-inline constexpr std::int32_t kFromApp = 0;
-inline constexpr std::int32_t kFromAudio = 1;
-inline constexpr std::int32_t kFromVision = 2;
-inline constexpr std::int32_t kFromBluetooth = 3;
-inline constexpr std::int32_t kFromAlgorithm = 4;
+inline constexpr std::int32_t kFromMachine = msg::MotionSource::kFsm;  // our own state callbacks
+inline constexpr std::int32_t kFromDebug = msg::MotionSource::kDebug;  // a keyboard
+inline constexpr std::int32_t kFromApp = msg::MotionSource::kApp;
+inline constexpr std::int32_t kFromAudio = msg::MotionSource::kAudio;
+inline constexpr std::int32_t kFromVision = msg::MotionSource::kVis;
+inline constexpr std::int32_t kFromBluetooth = msg::MotionSource::kBluTele;
+inline constexpr std::int32_t kFromAlgorithm = msg::MotionSource::kAlgo;
 
 // Whoever has the smaller number, or the same one, may take the body from another.
 using Priorities = std::map<std::int32_t, std::int32_t>;

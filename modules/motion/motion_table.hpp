@@ -11,18 +11,19 @@
 
 #include "musher/lifecycle/diagnostic.hpp"
 #include "musher/lifecycle/time.hpp"
+#include "musher/messages/protocol/motion.hpp"
 
 namespace musher::motion {
 
 // The motions that the motion manager itself commands or tells apart.
-inline constexpr std::int32_t kEmergencyStop = 0;
-inline constexpr std::int32_t kGetDown = 101;
-inline constexpr std::int32_t kPassiveGetDown = 102;
-inline constexpr std::int32_t kRecoveryStand = 111;
-inline constexpr std::int32_t kWalkStand = 112;
+inline constexpr std::int32_t kEmergencyStop = msg::MotionId::kEmergencyStop;
+inline constexpr std::int32_t kGetDown = msg::MotionId::kGetDown;
+inline constexpr std::int32_t kPassiveGetDown = msg::MotionId::kPassiveGetDown;
+inline constexpr std::int32_t kRecoveryStand = msg::MotionId::kRecoveryStand;
+inline constexpr std::int32_t kWalkStand = msg::MotionId::kWalkStand;
 inline constexpr std::int32_t kGroundStand = 118;
-inline constexpr std::int32_t kForceControl = 201;
-inline constexpr std::int32_t kUserTrot = 303;
+inline constexpr std::int32_t kForceControl = msg::MotionId::kForceControlAbsolute;
+inline constexpr std::int32_t kUserTrot = msg::MotionId::kWalkUserTrot;
 inline constexpr std::int32_t kFromGroundStand = 309;  // begins from kGroundStand
 
 inline constexpr std::int32_t kNoMotion = -1;  // what a silent or unknown board does

@@ -78,9 +78,9 @@ class Reader {
     for (const Value& item : *array) {
       const auto* mode = item.As<std::int64_t>();
       if (mode == nullptr || *mode < 0 || *mode > kHighestMode) {
-        findings_.Error(item.at, path + ": expected a mode from 0 to 127, found " +
-                                     (mode == nullptr ? std::string(TypeName(item))
-                                                      : std::to_string(*mode)));
+        findings_.Error(
+            item.at, path + ": expected a mode from 0 to 127, found " +
+                         (mode == nullptr ? std::string(TypeName(item)) : std::to_string(*mode)));
       } else {
         modes.push_back(static_cast<std::int8_t>(*mode));
       }
@@ -127,7 +127,8 @@ class Reader {
     if (group != groups_.end()) return group->second;
     std::vector<std::string_view> known;
     for (const auto& [key, modes] : groups_) known.push_back(key);
-    row.Fault(next->at, "next", "there is no group " + Quote(*name) + findings_.Guess(*name, known));
+    row.Fault(next->at, "next",
+              "there is no group " + Quote(*name) + findings_.Guess(*name, known));
     return {};
   }
 
