@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -101,6 +103,20 @@ TEST(DeviceConfig, WarnsOfKeysWithoutEffect) {
 TEST(DeviceConfig, TakesANameNotAPath) {
   EXPECT_THAT(Said("[battery]\nsource = \"host\"\nname = \"../BAT0\"\n"),
               ElementsAre(HasSubstr("expected the name of a supply, found a path")));
+}
+
+TEST(DeviceConfig, OfTheDemoIsGoodAndNamesEveryKey) {
+  const std::string file = MUSHER_SOURCE_DIR "/config/device/device_manager.toml";
+  const DeviceReading reading = ReadDeviceFile(file);
+  ASSERT_TRUE(reading.config);
+  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  EXPECT_THAT(reading.config->critical, ElementsAre("bms", "touch"));
+  std::ifstream stream(file);
+  const std::string text(std::istreambuf_iterator<char>(stream), {});
+  for (const char* key : {"clock", "self_check_ms", "skip", "critical", "source", "silence_ms",
+                          "folder", "name", "period_ms"}) {
+    EXPECT_THAT(text, HasSubstr(std::string(key) + " = ")) << key;
+  }
 }
 
 TEST(DeviceConfig, SaysWhyAFileCannotBeRead) {

@@ -117,7 +117,7 @@ TEST_F(DeviceManagerProcess, FailsItsSelfCheckWithTheCriticalCodeAndNamesAllThat
       << peer_.Output();
 }
 
-TEST_F(DeviceManagerProcess, AnswersItsServicesAndWakesTheRobotByADoubleTap) {
+TEST_F(DeviceManagerProcess, AnswersItsServicesByTheRulesAndWakesTheRobotByADoubleTap) {
   MakeWorld();
   int asked = 0;
   const auto manager = transport::MakeServer<msg::Trigger>(peer_.node(), "low_power_exit",
@@ -135,6 +135,14 @@ TEST_F(DeviceManagerProcess, AnswersItsServicesAndWakesTheRobotByADoubleTap) {
   ASSERT_TRUE(*answer);
   EXPECT_EQ(answer->value().code, 1124);
   EXPECT_THAT(peer_.Output(), HasSubstr("led_execute of 'vp': target 3 has no effect 9"));
+
+  const auto power = transport::MakeClient<msg::BmsCmd>(peer_.node(), "bms_cmd").value();
+  std::optional<Result<msg::BmsCmd::Response>> powered;
+  power->Call({msg::BmsCmd::kMotorsUp, 0}, Milliseconds(10'000),
+              [&](auto reply) { powered = reply; });
+  ASSERT_TRUE(peer_.Until([&] { return powered.has_value(); }));
+  ASSERT_TRUE(*powered);
+  EXPECT_EQ(powered->value(), (msg::BmsCmd::Response{false, 1403})) << "in SetUp";
 
   EXPECT_TRUE(peer_.Switch("LowPower"));
   EXPECT_TRUE(peer_.Until([&] { return touch_->MatchedReaders() > 0; }));
