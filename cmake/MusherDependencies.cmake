@@ -19,6 +19,7 @@ musher_dependency(fmt libfmt-dev)
 musher_dependency(spdlog libspdlog-dev)
 musher_dependency(SQLiteCpp libsqlitecpp-dev)
 musher_dependency(OpenSSL libssl-dev 3.0)
+musher_dependency(Eigen3 libeigen3-dev 3.4)
 musher_dependency(Threads libc6-dev)
 
 find_path(CLI11_INCLUDE_DIR CLI/CLI.hpp)
