@@ -18,6 +18,7 @@ A first tour:
   musher check robot.toml          find every fault of a config
   musher up robot.toml             start the machine; Ctrl-C takes it down
   musher status --watch            (another terminal) see it live
+  musher capabilities              what the robot can do now, and why not
   musher plan LowPower             what a switch would do, without doing it
   musher set LowPower              switch the machine
   musher set Active audio          switch one actuator

@@ -52,19 +52,22 @@ Attitude Between(const Attitude& from, const Attitude& to, double share) {
 
 Duration TimeOf(const Scene& scene, const BoardCommand& command, const Motion& motion,
                 double height_m) {
+  Duration time = motion.time;
   for (const MotionTime& other : scene.motion_times) {
-    if (other.mode == command.mode && other.gait == command.gait) return other.time;
+    if (other.mode == command.mode && other.gait == command.gait) time = other.time;
   }
   if (motion.kind == Kind::kWalk || motion.kind == Kind::kPose) {
-    return command.duration > Duration::zero() ? command.duration : motion.time;
+    return command.duration > Duration::zero() ? command.duration : time;
   }
   const bool plain_stand = motion.kind == Kind::kStand && motion.gait == kAnyGait;
-  if (!plain_stand && motion.kind != Kind::kLie) return motion.time;
-  const double to_m = plain_stand ? scene.body.stand_height_m : scene.body.lie_height_m;
-  const double way =
-      std::abs(to_m - height_m) / (scene.body.stand_height_m - scene.body.lie_height_m);
-  return std::max(kQuickest, Duration(static_cast<std::int64_t>(
-                                 static_cast<double>(motion.time.count()) * std::min(way, 1.0))));
+  if (!plain_stand && motion.kind != Kind::kLie) return time;
+  // The less of the way is left, the sooner it is there.
+  const BodySpec& spec = scene.body;
+  const double to_m = plain_stand ? spec.stand_height_m : spec.lie_height_m;
+  const double way = std::abs(to_m - height_m) / (spec.stand_height_m - spec.lie_height_m);
+  const auto left =
+      Duration(static_cast<std::int64_t>(static_cast<double>(time.count()) * std::min(way, 1.0)));
+  return std::max(left, std::min(kQuickest, time));
 }
 
 double Warmth_c(Activity activity) {

@@ -37,6 +37,11 @@ void Grammar::AddMachineCommands() {
   auto* command = AddCommand("status", "Show the machine and its actuators", status);
   command->add_flag("-w,--watch", status->watch, "Show every change as it happens");
 
+  auto capabilities = std::make_shared<CapabilitiesOptions>();
+  command = AddCommand("capabilities", "Show what the robot can do now, and why not", capabilities);
+  command->add_option("NAME", capabilities->name, "Only this one; exit code 1 when it is refused")
+      ->type_name("");
+
   AddSwitchingCommands();
 
   auto plan = std::make_shared<PlanOptions>();
