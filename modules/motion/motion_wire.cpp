@@ -16,17 +16,6 @@ msg::Vector3 ToWire(const Eigen::Vector3d& vector) {
   return {vector.x(), vector.y(), vector.z()};
 }
 
-Eigen::Isometry3d FromWire(const msg::Pose& pose) {
-  const msg::Quaternion& q = pose.orientation;
-  Eigen::Quaterniond turn(q.w, q.x, q.y, q.z);
-  const double norm = turn.norm();
-  constexpr double kLeastNorm = 1e-6;
-  if (!std::isfinite(norm) || norm < kLeastNorm) turn = Eigen::Quaterniond::Identity();
-  Eigen::Isometry3d transform(turn.normalized());
-  transform.translation() << pose.position.x, pose.position.y, pose.position.z;
-  return transform;
-}
-
 msg::Quaternion Turn(const Eigen::Isometry3d& transform) {
   const Eigen::Quaterniond q(transform.rotation());
   return {q.x(), q.y(), q.z(), q.w()};
@@ -52,6 +41,17 @@ std::vector<float> List(const std::array<float, N>& values) {
 }
 
 }  // namespace
+
+Eigen::Isometry3d FromWire(const msg::Pose& pose) {
+  const msg::Quaternion& q = pose.orientation;
+  Eigen::Quaterniond turn(q.w, q.x, q.y, q.z);
+  const double norm = turn.norm();
+  constexpr double kLeastNorm = 1e-6;
+  if (!std::isfinite(norm) || norm < kLeastNorm) turn = Eigen::Quaterniond::Identity();
+  Eigen::Isometry3d transform(turn.normalized());
+  transform.translation() << pose.position.x, pose.position.y, pose.position.z;
+  return transform;
+}
 
 BodyState FromWire(const msg::BodyState& state) {
   BodyState body;

@@ -11,6 +11,7 @@
 
 namespace musher::motion {
 
+Eigen::Isometry3d FromWire(const msg::Pose& pose);
 BodyState FromWire(const msg::BodyState& state);
 msg::MotionCustomCommand ToWire(const BodyCommand& command);
 
