@@ -100,6 +100,7 @@ TEST_F(Picture, MarksBumpsAndCharging) {
   EXPECT_EQ(CountAbove(Of(world), kBumpRed), 0);
   ASSERT_EQ(world.PutDown({{9, 0}, 0}), std::nullopt);
   Commander(world).Walk({0.6, 0, 0}, Seconds(3));
+  ASSERT_EQ(world.PutDown({{0, 0}, 0}), std::nullopt);
   world.Plug(true);
   Pass(world, Seconds(3));
   const cv::Mat image = Of(world);
