@@ -5,10 +5,12 @@
 // Threads: those of the caller, one call at a time; EmergencyStop() may come beside a Run().
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/report.hpp"
 
 namespace musher {
 
@@ -27,7 +29,9 @@ class ActuatorRehearsal {
   // Fails when OnEmergencyStop() throws.
   Result<> EmergencyStop();
   void SetStopRequested(bool requested);
-  void SetState(const State& state);  // what CurrentState() says
+  // What CurrentState() and Allowed() go by; `percent` of the battery, nullopt: not known.
+  void SetReport(const ActuatorReport& report);
+  void SetBattery(std::optional<int> percent);
   // Called by StopRequested() before it answers, on the thread that asks; may throw out of it.
   void OnPoll(std::function<void()> on_poll);
 

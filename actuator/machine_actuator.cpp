@@ -15,6 +15,7 @@
 
 #include "musher/actuator/actuator_rehearsal.hpp"
 #include "musher/actuator/actuator_shell.hpp"
+#include "musher/actuator/capability_gate.hpp"
 #include "musher/lifecycle/config_toml.hpp"
 #include "musher/transport/host.hpp"
 
@@ -127,9 +128,14 @@ class MachineActuator::Impl {
     return stop_requested_;
   }
 
-  State current_state() const {
-    const std::lock_guard lock(mutex_);
-    return state_;
+  State current_state() const { return gate_.state(); }
+
+  Result<> Allowed(const std::string& capability, ModuleCode module) const {
+    if (!config_) {
+      return Error{MakeCode(module, KeyCode::kStateInvalid),
+                   name_ + " may do nothing before Init has succeeded"};
+    }
+    return gate_.Judge(*config_, name_, capability, module);
   }
 
   const MachineConfig& config() const {
@@ -175,10 +181,7 @@ class MachineActuator::Impl {
     });
   }
   void set_stop_requested(bool requested) { stop_requested_ = requested; }
-  void set_state(const State& state) {
-    const std::lock_guard lock(mutex_);
-    state_ = state;
-  }
+  CapabilityGate& gate() { return gate_; }
   void set_on_poll(std::function<void()> on_poll) { on_poll_ = std::move(on_poll); }
 
  private:
@@ -200,7 +203,8 @@ class MachineActuator::Impl {
       }
     };
     hooks.set_stop_requested = [this](bool requested) { set_stop_requested(requested); };
-    hooks.on_report = [this](const ActuatorReport& report) { set_state(report.state); };
+    hooks.on_report = [this](const ActuatorReport& report) { gate_.SetReport(report); };
+    hooks.on_battery = [this](std::optional<int> percent) { gate_.SetBattery(percent); };
     hooks.on_set_up = [this] { TellSetUp(Ok()); };
     hooks.on_finished = [this](const Error& end) {
       if (end.code != kCodeOk) TellSetUp(end);
@@ -235,15 +239,15 @@ class MachineActuator::Impl {
   std::optional<std::size_t> index_;
   std::map<State, Callback> callbacks_;
   std::optional<State> twice_;
+  CapabilityGate gate_;
   std::optional<transport::NameLock> name_lock_;
   std::atomic<bool> stop_requested_ = false;
   std::function<void()> on_poll_;  // of a rehearsal; empty on a robot
   std::promise<Result<>> set_up_;
   bool set_up_told_ = false;
-  mutable std::mutex mutex_;  // guards the three below, and changes of node_
+  mutable std::mutex mutex_;  // guards the two below, and changes of node_
   std::optional<int> finished_;
   Checkpoints* checkpoints_ = nullptr;
-  State state_{kUninitialized};
   std::condition_variable ended_;
   std::shared_ptr<transport::NodeThread> node_;
   std::optional<WorkerThread> worker_;
@@ -308,6 +312,9 @@ void MachineActuator::Checkpoint(std::chrono::nanoseconds allowance) {
 State MachineActuator::CurrentState() const {
   return impl_->current_state();
 }
+Result<> MachineActuator::Allowed(const std::string& capability, ModuleCode module) const {
+  return impl_->Allowed(capability, module);
+}
 const std::string& MachineActuator::name() const {
   return impl_->name();
 }
@@ -335,8 +342,11 @@ Result<> ActuatorRehearsal::EmergencyStop() {
 void ActuatorRehearsal::SetStopRequested(bool requested) {
   actuator_.impl_->set_stop_requested(requested);
 }
-void ActuatorRehearsal::SetState(const State& state) {
-  actuator_.impl_->set_state(state);
+void ActuatorRehearsal::SetReport(const ActuatorReport& report) {
+  actuator_.impl_->gate().SetReport(report);
+}
+void ActuatorRehearsal::SetBattery(std::optional<int> percent) {
+  actuator_.impl_->gate().SetBattery(percent);
 }
 void ActuatorRehearsal::OnPoll(std::function<void()> on_poll) {
   actuator_.impl_->set_on_poll(std::move(on_poll));

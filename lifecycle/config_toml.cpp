@@ -1,13 +1,7 @@
 #include "musher/lifecycle/config_toml.hpp"
 
-#include <array>
-#include <cerrno>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <system_error>
 #include <utility>
 #include <variant>
 
@@ -15,6 +9,7 @@
 #include "musher/lifecycle/suggest.hpp"
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/draft.hpp"
+#include "musher/lifecycle/toml/file.hpp"
 #include "musher/lifecycle/toml/findings.hpp"
 #include "musher/lifecycle/toml/names.hpp"
 #include "musher/lifecycle/toml/table_reader.hpp"
@@ -108,22 +103,8 @@ ConfigReading ReadConfigText(std::string_view text, const std::string& path) {
 }
 
 ConfigReading ReadConfigFile(const std::string& path) {
-  const auto unreadable = [&](const std::string& reason) {
-    return Refuse(path, "the file cannot be read: " + reason);
-  };
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) return unreadable("it is a folder");
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return unreadable(errno != 0 ? std::strerror(errno) : "it cannot be opened");
-  std::string text;
-  std::array<char, 16'384> chunk{};
-  while (file && text.size() <= kLargestFile) {
-    file.read(chunk.data(), chunk.size());
-    text.append(chunk.data(), static_cast<std::size_t>(file.gcount()));
-  }
-  if (file.bad()) return unreadable("reading failed");
-  return ReadConfigText(text, path);
+  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
+  return text ? ReadConfigText(text.value(), path) : Refuse(path, text.error().message);
 }
 
 }  // namespace musher

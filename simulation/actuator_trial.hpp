@@ -76,6 +76,9 @@ class ActuatorTrial {
   // Has to hold as soon as OnEmergencyStop() has run, maybe in the midst of the callback of
   // `report.target`.
   std::function<void(const T& actuator, const ActuatorReport& report)> after_emergency_stop;
+  // What the battery has in all stories, %: Allowed() goes by it where a capability has a
+  // min_battery. nullopt: it is not known.
+  std::optional<int> battery = 100;
   std::uint64_t first_seed = 1;
   std::uint64_t stories = 300;
   // A callback that has neither ended nor asked StopRequested() for so long is stuck.
@@ -158,6 +161,7 @@ class ActuatorTrial {
     production.make = [this](Faults& faults) { return Make(faults); };
     production.fails_by_itself = make_with_faults != nullptr;
     production.real_time_limit = real_time_limit;
+    production.battery = battery;
     production.judge = [this](const MachineActuator& actuator, const ActuatorReport& report) {
       Ask(always, actuator, report);
     };

@@ -187,6 +187,11 @@ RehearsedModule::RehearsedModule(const Production& production, Story::Draw draw,
   ++production_.tally->processes;
   stage_->actuator = production_.make(stage_->faults);
   stage_->rehearsal.emplace(*stage_->actuator);
+  // That it fits has been found before the first story.
+  if (production_.config != nullptr) {
+    static_cast<void>(stage_->rehearsal->Adopt(*production_.config));
+  }
+  stage_->rehearsal->SetBattery(production_.battery);
   stage_->rehearsal->OnPoll([stage = stage_.get()] { stage->Poll(); });
 }
 
@@ -239,7 +244,7 @@ void RehearsedModule::OnEmergencyStop() {
 void RehearsedModule::OnReport(const ActuatorReport& report) {
   report_ = report;
   if (stage_->stuck) return;
-  stage_->rehearsal->SetState(report.state);
+  stage_->rehearsal->SetReport(report);
   if (!ended_ || report.target == state_) return;  // its end is not noticed yet
   settled_ = *std::exchange(ended_, std::nullopt);
   if (settled_ && state_ == kTearDown) ++production_.tally->torn_down;

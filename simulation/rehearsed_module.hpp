@@ -66,6 +66,8 @@ class RehearsedModule : public Module {
     // A thread of it is given up, which never comes back.
     std::function<void()> on_stuck;
     TrialTally* tally = nullptr;
+    const MachineConfig* config = nullptr;  // that Allowed() judges by
+    std::optional<int> battery;             // %; nullopt: not known
   };
 
   // `production` must outlive it.

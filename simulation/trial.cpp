@@ -73,6 +73,7 @@ Trial::Trial(MachineConfig config, std::size_t actuator, RehearsedModule::Produc
   };
   production_.on_stuck = [this] { stuck_ = true; };
   production_.tally = &tally_;
+  production_.config = &config_;
 }
 
 std::optional<Trial::Verdict> Trial::TellOnce(const StoryId& id) {

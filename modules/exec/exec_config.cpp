@@ -1,16 +1,13 @@
 #include "musher/modules/exec/exec_config.hpp"
 
-#include <cerrno>
-#include <cstring>
+#include <cstddef>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <system_error>
 #include <utility>
 #include <variant>
 
 #include "musher/lifecycle/state.hpp"
 #include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/file.hpp"
 #include "musher/lifecycle/toml/findings.hpp"
 #include "musher/lifecycle/toml/names.hpp"
 #include "musher/lifecycle/toml/table_reader.hpp"
@@ -26,7 +23,7 @@ using config_toml::TableReader;
 using config_toml::Word;
 
 constexpr std::int64_t kHighestModule = 100'000;
-constexpr std::uintmax_t kLargestFile = 1U << 20;
+constexpr std::size_t kLargestFile = 1U << 20;
 
 class Reader {
  public:
@@ -111,10 +108,6 @@ class Reader {
   ExecConfig config_;
 };
 
-ExecReading Unreadable(const std::string& path, const std::string& reason) {
-  return {std::nullopt, {{path, 0, 0, Severity::kError, "the file cannot be read: " + reason}}};
-}
-
 }  // namespace
 
 ExecReading ReadExecText(std::string_view text, const std::string& path,
@@ -133,16 +126,13 @@ ExecReading ReadExecText(std::string_view text, const std::string& path,
 }
 
 ExecReading ReadExecFile(const std::string& path, const ActuatorConfig& actuator) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) return Unreadable(path, "it is a folder");
-  if (std::filesystem::file_size(path, error) > kLargestFile && !error) {
-    return Unreadable(path, "it is larger than 1 MiB");
-  }
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return Unreadable(path, errno != 0 ? std::strerror(errno) : "it cannot be opened");
-  const std::string text(std::istreambuf_iterator<char>(file), {});
-  return ReadExecText(text, path, actuator);
+  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
+  const auto refuse = [&path](const std::string& reason) {
+    return ExecReading{std::nullopt, {{path, 0, 0, Severity::kError, reason}}};
+  };
+  if (!text) return refuse(text.error().message);
+  if (text.value().size() > kLargestFile) return refuse("the file is larger than 1 MiB");
+  return ReadExecText(text.value(), path, actuator);
 }
 
 ExecConfig ConfigForProgram(std::vector<std::string> program) {

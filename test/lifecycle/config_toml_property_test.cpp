@@ -88,6 +88,19 @@ ActuatorConfig AnyActuator(std::size_t number, const MachineConfig& machine) {
   return actuator;
 }
 
+CapabilityConfig AnyCapability(int number, const MachineConfig& machine) {
+  CapabilityConfig capability;
+  capability.name = "can_" + std::to_string(number);
+  capability.description = AnyText();
+  capability.actuators = {machine.actuators.front().name};
+  for (const State& state : machine.actuators.front().states) {
+    if (state != kSetUp && AnyBool()) capability.states.push_back(state);
+  }
+  if (capability.states.empty()) capability.states = {State(kTearDown)};
+  if (AnyBool()) capability.min_battery = *rc::gen::inRange(1, 101);
+  return capability;
+}
+
 MachineConfig AnyMachine() {
   MachineConfig machine;
   machine.name = "sled_" + std::to_string(*rc::gen::inRange(0, 100));
@@ -109,6 +122,8 @@ MachineConfig AnyMachine() {
   machine.transport = Any<TransportProfile>({TransportProfile::kLocal, TransportProfile::kLan});
   const int count = *rc::gen::inRange(1, 6);
   for (int i = 0; i < count; ++i) machine.actuators.push_back(AnyActuator(i, machine));
+  const int capabilities = *rc::gen::inRange(0, 4);
+  for (int i = 0; i < capabilities; ++i) machine.capabilities.push_back(AnyCapability(i, machine));
   return machine;
 }
 
@@ -164,6 +179,14 @@ void WriteActuator(const ActuatorConfig& actuator, std::ostream& out) {
   }
 }
 
+void WriteCapability(const CapabilityConfig& capability, std::ostream& out) {
+  out << "\n[capability." << capability.name
+      << "]\ndescription = " << Quoted(capability.description)
+      << "\nactuators = " << List(capability.actuators) << "\nstates = " << List(capability.states);
+  if (capability.min_battery) out << "\nmin_battery = " << *capability.min_battery;
+  out << "\n";
+}
+
 std::string Write(const MachineConfig& machine) {
   std::ostringstream out;
   std::vector<std::string> names;
@@ -185,6 +208,7 @@ std::string Write(const MachineConfig& machine) {
     }
   }
   for (const ActuatorConfig& actuator : machine.actuators) WriteActuator(actuator, out);
+  for (const CapabilityConfig& capability : machine.capabilities) WriteCapability(capability, out);
   return out.str();
 }
 

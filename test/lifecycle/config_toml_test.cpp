@@ -281,5 +281,21 @@ TEST(ConfigFile, HasKeysInAFolderBesideItOrNone) {
   EXPECT_EQ(ReadWith("[security]\nkeys = \"/etc/musher/keys\"\n").keys, "/etc/musher/keys");
 }
 
+TEST(ConfigToml, ReadsWhatTheRobotCanDoAndWhere) {
+  const MachineConfig config = ReadWith(
+      "[capability.roll]\ndescription = \"on its wheels\"\nactuators = [\"wheels\"]\n"
+      "states = [\"Active\", \"Protected\"]\n"
+      "[capability.race]\nactuators = [\"wheels\", \"voice\"]\nmin_battery = 40\n");
+  ASSERT_EQ(config.capabilities.size(), 2U);
+  EXPECT_EQ(config.capabilities[0],
+            (CapabilityConfig{
+                "roll", "on its wheels", {"wheels"}, {"Active", "Protected"}, std::nullopt}));
+  EXPECT_EQ(config.capabilities[1],
+            (CapabilityConfig{"race", "", {"wheels", "voice"}, {"Active"}, 40}))
+      << "without states it runs in Active only";
+  EXPECT_EQ(config.CapabilityOf("race"), &config.capabilities[1]);
+  EXPECT_EQ(config.CapabilityOf("fly"), nullptr);
+}
+
 }  // namespace
 }  // namespace musher

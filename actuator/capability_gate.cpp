@@ -1,0 +1,29 @@
+#include "musher/actuator/capability_gate.hpp"
+
+namespace musher {
+
+void CapabilityGate::SetReport(const ActuatorReport& report) {
+  const std::lock_guard lock(mutex_);
+  state_ = report.state;
+  target_ = report.target;
+  emergency_stop_ = report.emergency_stop != 0;
+}
+
+void CapabilityGate::SetBattery(std::optional<int> percent) {
+  const std::lock_guard lock(mutex_);
+  battery_ = percent;
+}
+
+State CapabilityGate::state() const {
+  const std::lock_guard lock(mutex_);
+  return state_;
+}
+
+Result<> CapabilityGate::Judge(const MachineConfig& config, std::string_view actuator,
+                               std::string_view capability, ModuleCode module) const {
+  const std::lock_guard lock(mutex_);
+  return JudgeCapability(config, capability, {actuator, state_, target_, emergency_stop_, battery_},
+                         module);
+}
+
+}  // namespace musher

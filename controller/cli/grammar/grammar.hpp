@@ -1,0 +1,62 @@
+#pragma once
+// The grammar of `musher`'s command line, as CLI11 has it: a file for each group of commands.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "musher/controller/cli/command_line.hpp"
+
+namespace CLI {
+class App;
+class Option;
+class ParseError;
+}  // namespace CLI
+
+namespace musher::cli {
+
+class Grammar {
+ public:
+  Grammar();
+  ~Grammar();
+  Grammar(const Grammar&) = delete;
+  Grammar& operator=(const Grammar&) = delete;
+
+  std::variant<CommandLine, ParseEnd> Parse(int argc, const char* const* argv);
+
+ private:
+  // The options are filled in by CLI11 when the command is parsed.
+  template <class Options>
+  CLI::App* AddCommand(const std::string& name, const std::string& what,
+                       std::shared_ptr<Options> options) {
+    return AddTo(*app_, name, what, [options] { return *options; });
+  }
+  template <class Options>
+  CLI::App* AddKeysCommand(CLI::App& keys, const std::string& name, const std::string& what,
+                           std::shared_ptr<Options> options) {
+    return AddTo(keys, name, what, [options] { return *options; });
+  }
+  CLI::App* AddTo(CLI::App& parent, const std::string& name, const std::string& what,
+                  std::function<CommandOptions()> take);
+  static const char* const kCommandFooter;
+  void AddGlobalOptions();
+  void AddConfigCommands();
+  void AddSimulate();
+  void AddMachineCommands();
+  void AddSwitchingCommands();
+  void AddKeysCommands();
+  std::string Complaint(const CLI::ParseError& e) const;
+  void TakeGlobalOptions();
+
+  std::unique_ptr<CLI::App> app_;
+  GlobalOptions global_;
+  std::string name_space_;
+  std::string colour_;
+  double timeout_s_ = 0;
+  CLI::Option* namespace_ = nullptr;
+  CLI::Option* timeout_ = nullptr;
+  std::function<CommandOptions()> take_command_;
+};
+
+}  // namespace musher::cli

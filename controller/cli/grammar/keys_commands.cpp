@@ -1,0 +1,50 @@
+// musher keys.
+
+#include <CLI/CLI.hpp>
+
+#include "musher/controller/cli/grammar/grammar.hpp"
+
+namespace musher::cli {
+
+void Grammar::AddKeysCommands() {
+  CLI::App* keys = app_->add_subcommand("keys", "Make and revoke the keys that let a process in");
+  keys->group("Commands");
+  keys->require_subcommand(1);
+  keys->footer(kCommandFooter);
+  const auto add_days = [](CLI::App* command, int& days) {
+    command->add_option("--days", days, "How long certificates are valid; default 730")
+        ->check(CLI::Range(1, 3650).description(""))
+        ->type_name("N");
+  };
+
+  auto init = std::make_shared<KeysInitOptions>();
+  auto* command = AddKeysCommand(*keys, "init", "Make a machine's CAs and first identities", init);
+  command
+      ->add_option("WHERE", init->where,
+                   "A state config with [security]: for the controller,\n"
+                   "the operator and all its actuators; or a folder")
+      ->required()
+      ->type_name("");
+  add_days(command, init->days);
+  command->add_flag("--signed-only", init->signed_only,
+                    "Data can be read on the network, not forged;\ndefault: encrypted, too");
+  command->add_flag("--force", init->force, "Replace those that are there");
+
+  auto add = std::make_shared<KeysAddOptions>();
+  command = AddKeysCommand(*keys, "add", "Make one more identity", add);
+  command->add_option("NAME", add->name, "An actuator's, or a person's")->required()->type_name("");
+  command->add_option("--role", add->role, "What it may do; default actuator")
+      ->check(CLI::IsMember({"controller", "actuator", "operator", "observer"}).description(""))
+      ->type_name("controller|actuator|operator|observer");
+  add_days(command, add->days);
+  command->add_flag("--force", add->force, "Replace it, and revoke the one before");
+
+  auto revoke = std::make_shared<KeysRevokeOptions>();
+  command = AddKeysCommand(*keys, "revoke", "Let an identity in no more", revoke);
+  command->add_option("NAME", revoke->name, "Whose certificate")->required()->type_name("");
+
+  AddKeysCommand(*keys, "list", "Show who has keys, as what, until when",
+                 std::make_shared<KeysListOptions>());
+}
+
+}  // namespace musher::cli

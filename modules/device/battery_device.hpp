@@ -1,0 +1,71 @@
+#pragma once
+// The battery: takes readings from the world or the host, publishes `bms_status` and answers
+// `bms_cmd`. A source that falls silent is told, and its last value is not repeated.
+//
+// Threads: the loop's.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "musher/messages/protocol/device.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/modules/device/battery.hpp"
+#include "musher/modules/device/device_config.hpp"
+#include "musher/modules/device/surroundings.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::device {
+
+class BatteryDevice {
+ public:
+  static constexpr Duration kLeastPause = Milliseconds(800);  // between two messages
+
+  // `on_status` is told of each that is published.
+  using OnStatus = std::function<void(const msg::BmsStatus&)>;
+  static Result<std::unique_ptr<BatteryDevice>> Make(const Surroundings& around,
+                                                     const BatteryConfig& config,
+                                                     OnStatus on_status);
+
+  // Fails with 1409 while nothing trustworthy is heard; without a source there is nothing to check.
+  Result<> Check() const;
+
+  // The clock went back: what was measured with it counts from now.
+  void OnTimeJumped();
+
+ private:
+  using Command = msg::BmsCmd;
+
+  BatteryDevice(const Surroundings& around, const BatteryConfig& config, OnStatus on_status);
+  Result<> Connect();
+
+  void ReadHost();
+  void OnReading(const BatteryReading& reading);
+  void Refuse(const std::string& reason);
+  void Hear();
+  void OnSilence();
+  void PublishWhenDue();
+  void Publish();
+  Result<> Execute(const Command::Request& request);
+
+  const Surroundings around_;
+  const BatteryConfig config_;
+  const OnStatus on_status_;
+
+  BatteryFilter filter_;
+  std::optional<BatteryReading> told_;  // the last that counted; nothing once it is too old
+  std::string complaint_ = "nothing was heard of it yet";  // empty: well
+  bool motors_powered_ = true;
+  std::optional<Time> published_;
+
+  std::unique_ptr<transport::Publisher<msg::BmsStatus>> status_;
+  std::unique_ptr<transport::Publisher<msg::Bool>> motor_power_;
+  transport::LoopHandlePtr poll_;
+  transport::LoopHandlePtr silence_;
+  transport::LoopHandlePtr due_;
+  std::unique_ptr<transport::Server<Command>> commands_;
+  std::unique_ptr<transport::Subscription> readings_;
+};
+
+}  // namespace musher::device

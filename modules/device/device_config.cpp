@@ -1,0 +1,148 @@
+#include "musher/modules/device/device_config.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <utility>
+#include <variant>
+
+#include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/file.hpp"
+#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/lifecycle/toml/names.hpp"
+#include "musher/lifecycle/toml/table_reader.hpp"
+#include "musher/modules/device/self_check.hpp"
+
+namespace musher::device {
+namespace {
+
+using config_toml::Findings;
+using config_toml::Table;
+using config_toml::TableReader;
+using config_toml::Word;
+
+constexpr std::size_t kLargestFile = 1U << 20;
+constexpr std::int64_t kLeastPeriodMs = 100;
+
+class Reader {
+ public:
+  Reader(const std::string& path, Findings& findings)
+      : folder_(config_toml::FolderOf(path)), findings_(findings) {}
+
+  DeviceConfig Read(const Table& table) {
+    TableReader root(table, {1, 1}, "", findings_);
+    config_.clock = root.Choice<ClockSource>("clock", {{"steady", ClockSource::kSteady},
+                                                       {"topic", ClockSource::kTopic}})
+                        .value_or(config_.clock);
+    config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
+    config_.skip = Devices(root, "skip");
+    config_.critical = Devices(root, "critical");
+    root.Require("battery", "a table [battery] with the source of its readings");
+    if (const Table* battery = root.SubTable("battery")) {
+      TableReader reader(*battery, root.At("battery"), "battery", findings_);
+      ReadBattery(reader);
+      reader.RefuseOthers();
+    }
+    config_.touch = IsOfWorld(root, "touch");
+    config_.led = IsOfWorld(root, "led");
+    root.RefuseOthers();
+    return std::move(config_);
+  }
+
+ private:
+  std::vector<std::string> Devices(TableReader& root, std::string_view key) {
+    const auto words = root.Strings(key, {.may_be_empty = true});
+    std::vector<std::string> devices;
+    if (!words) return devices;
+    const std::vector<std::string_view> known(kDevices.begin(), kDevices.end());
+    for (const Word& word : *words) {
+      devices.push_back(word.text);
+      if (std::find(known.begin(), known.end(), word.text) != known.end()) continue;
+      root.Fault(word.at, key,
+                 "expected one of " + config_toml::Listing(known) + ", found " +
+                     config_toml::Quote(word.text) + findings_.Guess(word.text, known));
+    }
+    for (const Word& word : *words) {
+      const auto& skip = config_.skip;
+      if (key == "critical" && std::find(skip.begin(), skip.end(), word.text) != skip.end()) {
+        root.Fault(word.at, key, "a device that is skipped cannot be critical");
+      }
+    }
+    return devices;
+  }
+
+  void ReadBattery(TableReader& reader) {
+    BatteryConfig& battery = config_.battery;
+    reader.Require("source", "\"world\", \"host\" or \"none\"");
+    const auto source = reader.Choice<BatterySource>("source", {{"world", BatterySource::kWorld},
+                                                                {"host", BatterySource::kHost},
+                                                                {"none", BatterySource::kNone}});
+    battery.source = source.value_or(battery.source);
+    if (const auto folder = reader.String("folder")) {
+      battery.folder = config_toml::Absolute(folder_, folder->text);
+    }
+    if (const auto name = reader.String("name")) {
+      battery.name = name->text;
+      if (name->text.find('/') != std::string::npos) {
+        reader.Fault(name->at, "name", "expected the name of a supply, found a path");
+      }
+    }
+    battery.period = reader.Time("period_ms", kLeastPeriodMs).value_or(battery.period);
+    battery.silence = reader.Time("silence_ms", kLeastPeriodMs).value_or(battery.silence);
+    if (source == BatterySource::kHost) {
+      if (battery.silence <= battery.period) {
+        reader.Fault(reader.At("silence_ms"), "silence_ms",
+                     "expected more than period_ms, or every reading comes too late");
+      }
+      return;
+    }
+    for (const std::string_view key : {"folder", "name", "period_ms"}) {
+      if (source && reader.Has(key)) {
+        reader.Warn(reader.At(key), key, "has no effect: only a source \"host\" uses it");
+      }
+    }
+  }
+
+  // Whether the device of that table is there.
+  bool IsOfWorld(TableReader& root, std::string_view device) {
+    const Table* table = root.SubTable(device);
+    if (table == nullptr) return false;
+    TableReader reader(*table, root.At(device), std::string(device), findings_);
+    reader.Require("source", "\"world\" or \"none\"");
+    const auto world = reader.Choice<bool>("source", {{"world", true}, {"none", false}});
+    reader.RefuseOthers();
+    return world.value_or(false);
+  }
+
+  const std::filesystem::path folder_;
+  Findings& findings_;
+  DeviceConfig config_;
+};
+
+}  // namespace
+
+DeviceReading ReadDeviceText(std::string_view text, const std::string& path) {
+  Findings findings;
+  DeviceReading reading;
+  const auto document = config_toml::ParseDocument(text);
+  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
+    findings.Error(fault->at, fault->message);
+  } else {
+    DeviceConfig config = Reader(path, findings).Read(std::get<Table>(document));
+    if (!findings.HasErrors()) reading.config = std::move(config);
+  }
+  reading.diagnostics = std::move(findings).Take(path, text);
+  return reading;
+}
+
+DeviceReading ReadDeviceFile(const std::string& path) {
+  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
+  const auto refuse = [&path](const std::string& reason) {
+    return DeviceReading{std::nullopt, {{path, 0, 0, Severity::kError, reason}}};
+  };
+  if (!text) return refuse(text.error().message);
+  if (text.value().size() > kLargestFile) return refuse("the file is larger than 1 MiB");
+  return ReadDeviceText(text.value(), path);
+}
+
+}  // namespace musher::device

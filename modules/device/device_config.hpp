@@ -1,0 +1,52 @@
+#pragma once
+// The config of the device manager, a TOML file; README.md and config/device.toml explain its keys.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/lifecycle/time.hpp"
+#include "musher/modules/device/power_supply.hpp"
+
+namespace musher::device {
+
+enum class BatterySource : std::uint8_t { kNone, kWorld, kHost };
+enum class ClockSource : std::uint8_t { kSteady, kTopic };
+
+struct BatteryConfig {
+  BatterySource source = BatterySource::kNone;
+  std::string folder = kPowerSupplyFolder;  // host: absolute
+  std::string name;                         // host; empty: the first
+  Duration period = Milliseconds(1000);     // host: how often it is read
+  Duration silence = Milliseconds(5000);    // after which the source counts as silent
+
+  friend bool operator==(const BatteryConfig&, const BatteryConfig&) = default;
+};
+
+struct DeviceConfig {
+  ClockSource clock = ClockSource::kSteady;
+  Duration self_check_time = Milliseconds(5000);  // so long the devices have to be well
+  std::vector<std::string> skip;                  // not checked
+  std::vector<std::string> critical;              // whose code is the self-check's
+  BatteryConfig battery;
+  bool touch = false;  // there is one, at the world's topic
+  bool led = false;    // the same
+
+  friend bool operator==(const DeviceConfig&, const DeviceConfig&) = default;
+};
+
+struct DeviceReading {
+  std::optional<DeviceConfig> config;   // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;  // by line
+};
+
+// Never throws; an unreadable file is a diagnostic.
+DeviceReading ReadDeviceFile(const std::string& path);
+
+// The same for a text; `path` is what diagnostics and relative paths refer to.
+DeviceReading ReadDeviceText(std::string_view text, const std::string& path);
+
+}  // namespace musher::device

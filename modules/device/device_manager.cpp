@@ -1,0 +1,106 @@
+#include "musher/modules/device/device_manager.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <future>
+#include <iostream>
+#include <utility>
+
+namespace musher::device {
+namespace {
+
+constexpr Duration kCheckPeriod = Milliseconds(20);
+
+}  // namespace
+
+DeviceManager::DeviceManager(const std::string& actuator_name, DeviceConfig config)
+    : MachineActuator(actuator_name), config_(std::move(config)) {}
+
+DeviceManager::~DeviceManager() {
+  Shutdown();
+  if (!node_) return;
+  node_->RunOnLoop([this] {
+    devices_.reset();
+    clock_.reset();
+  });
+}
+
+Result<> DeviceManager::Prepare(const std::string& state_config,
+                                std::shared_ptr<transport::NodeThread> node) {
+  if (Result<> read = Init(state_config, std::move(node)); !read) return read;
+  const auto index = machine_config().IndexOf(name());
+  for (const State& state : machine_config().actuators[*index].states) {
+    RegisterStateCallback(state, std::function<Result<>()>([this, state] { return Run(state); }));
+  }
+  return Ok();
+}
+
+Result<> DeviceManager::Run(const State& state) {
+  if (state == kSetUp) return SetUp();
+  if (state == kSelfCheck) return SelfCheck();
+  node_->RunOnLoop([&] { devices_->Enter(state); });
+  return Ok();
+}
+
+Result<> DeviceManager::SetUp() {
+  node_ = node();
+  Result<> made;
+  node_->RunOnLoop([&] {
+    if (!devices_) made = MakeDevices();
+  });
+  return made;
+}
+
+Result<> DeviceManager::MakeDevices() {
+  const bool on_topic = config_.clock == ClockSource::kTopic;
+  if (on_topic) {
+    auto clock = transport::Clock::FromTopic(node_->node(), [this] {
+      if (devices_) devices_->OnTimeJumped();
+    });
+    if (!clock) return clock.error();
+    clock_ = std::move(clock).value();
+  } else {
+    clock_ = transport::Clock::Steady(node_->loop());
+  }
+  const Surroundings around = {
+      node_->node(),
+      *clock_,
+      machine_config().name_space,
+      [this, on_topic] {
+        const auto time = on_topic ? clock_->Now().time_since_epoch()
+                                   : std::chrono::system_clock::now().time_since_epoch();
+        return msg::ToStamp(std::chrono::duration_cast<std::chrono::nanoseconds>(time));
+      },
+      [this](const std::string& line) { std::cerr << name() + ": " + line + "\n"
+                                                  << std::flush; },
+      [this] { return CurrentState(); },
+      [this] { return Allowed("motor_power", ModuleCode::kBms); }};
+  auto devices = Devices::Make(around, config_);
+  if (!devices) return devices.error();
+  devices_ = std::move(devices).value();
+  return Ok();
+}
+
+// Devices may need a moment after a start: what fails is looked at again until its time is over.
+Result<> DeviceManager::SelfCheck() {
+  std::promise<Result<>> verdict;
+  bool given = false;
+  transport::LoopHandlePtr again;
+  node_->RunOnLoop([&] {
+    const Time deadline = node_->loop().Now() + config_.self_check_time;
+    const auto judge = [&, deadline] {
+      if (given) return;
+      Result<> result = JudgeSelfCheck(devices_->Check(), config_.critical);
+      if (!result && !StopRequested() && node_->loop().Now() < deadline) return;
+      given = true;
+      verdict.set_value(std::move(result));
+    };
+    again = node_->loop().Every(kCheckPeriod, judge);
+    judge();
+  });
+  Result<> result = verdict.get_future().get();
+  node_->RunOnLoop([&] { again.reset(); });
+  return result;
+}
+
+}  // namespace musher::device

@@ -1,0 +1,38 @@
+#pragma once
+// The actuator `device_manager`: battery, lights and touch of a robot. See README.md beside this.
+//
+// Threads: state callbacks on the actuator's worker, the devices on the loop of its node.
+
+#include <memory>
+#include <string>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/modules/device/device_config.hpp"
+#include "musher/modules/device/devices.hpp"
+#include "musher/transport/clock.hpp"
+
+namespace musher::device {
+
+class DeviceManager : public MachineActuator {
+ public:
+  DeviceManager(const std::string& actuator_name, DeviceConfig config);
+  ~DeviceManager() override;
+
+  // Reads the state config and registers a callback for each state that it lists; Start() follows.
+  // `node` as for Init().
+  Result<> Prepare(const std::string& state_config,
+                   std::shared_ptr<transport::NodeThread> node = nullptr);
+
+ private:
+  Result<> Run(const State& state);
+  Result<> SetUp();
+  Result<> SelfCheck();
+  Result<> MakeDevices();
+
+  const DeviceConfig config_;
+  std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
+  std::unique_ptr<transport::Clock> clock_;
+  std::unique_ptr<Devices> devices_;
+};
+
+}  // namespace musher::device

@@ -1,0 +1,49 @@
+#include "musher/modules/device/devices.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace musher::device {
+
+Result<std::unique_ptr<Devices>> Devices::Make(const Surroundings& around,
+                                               const DeviceConfig& config) {
+  std::unique_ptr<Devices> devices(new Devices(config.skip));
+  auto led = LedDevice::Make(around, config.led);
+  if (!led) return led.error();
+  devices->led_ = std::move(led).value();
+  auto battery = BatteryDevice::Make(
+      around, config.battery, [led = devices->led_.get()](const msg::BmsStatus& status) {
+        led->Execute(BatteryLights(status.batt_soc, status.power_wired_charging));
+      });
+  if (!battery) return battery.error();
+  devices->battery_ = std::move(battery).value();
+  auto touch = TouchDevice::Make(around, config.touch);
+  if (!touch) return touch.error();
+  devices->touch_ = std::move(touch).value();
+  return devices;
+}
+
+std::vector<DeviceFinding> Devices::Check() const {
+  std::vector<DeviceFinding> findings;
+  for (const std::string_view device : kDevices) {
+    if (std::find(skip_.begin(), skip_.end(), device) != skip_.end()) continue;
+    const Result<> result = device == "bms"     ? battery_->Check()
+                            : device == "touch" ? touch_->Check()
+                            : device == "led"   ? led_->Check()
+                                                : Ok();  // no backend has an UWB
+    findings.push_back({std::string(device), result});
+  }
+  return findings;
+}
+
+void Devices::Enter(const State& state) {
+  if (state == kTearDown) return led_->Execute(ShutdownLights());
+  led_->Execute(LowPowerLights(state == kLowPower));
+}
+
+void Devices::OnTimeJumped() {
+  battery_->OnTimeJumped();
+  touch_->OnTimeJumped();
+}
+
+}  // namespace musher::device

@@ -1,0 +1,63 @@
+#include "musher/modules/device/led_device.hpp"
+
+#include <cassert>
+#include <string>
+#include <utility>
+
+namespace musher::device {
+
+Result<std::unique_ptr<LedDevice>> LedDevice::Make(const Surroundings& around, bool present) {
+  std::unique_ptr<LedDevice> device(new LedDevice(around, present));
+  if (Result<> connected = device->Connect(); !connected) return connected.error();
+  return device;
+}
+
+Result<> LedDevice::Connect() {
+  auto lights =
+      transport::MakePublisher<msg::LedState>(around_.node, around_.Name("world/led"), kLedQos);
+  if (!lights) return lights.error();
+  lights_ = std::move(lights).value();
+  auto requests = transport::MakeServer<msg::LedExecute>(
+      around_.node, around_.Name("led_execute"),
+      [this](const msg::LedExecute::Request& request, auto reply) {
+        const LedArbiter before = arbiter_;
+        const Result<> done = arbiter_.Execute(request);
+        if (!done) {
+          around_.log("led_execute of '" + request.client + "': " + done.error().message);
+        }
+        if (arbiter_ != before) ShowAll();
+        reply({done ? kCodeOk : done.error().code});
+      });
+  if (!requests) return requests.error();
+  requests_ = std::move(requests).value();
+  ShowAll();
+  return Ok();
+}
+
+void LedDevice::Execute(const LightRequests& requests) {
+  const LedArbiter before = arbiter_;
+  for (const auto& request : requests) {
+    const Result<> done = arbiter_.Execute(request);
+    assert(done || done.error().code == LedCode(LedKey::kStored));
+    static_cast<void>(done);
+  }
+  if (arbiter_ != before) ShowAll();
+}
+
+// All of them each time: the latched topic keeps the last three samples, and so one of each.
+void LedDevice::ShowAll() {
+  if (!present_) return;
+  for (const std::uint8_t target : kLedTargets) {
+    const auto [client, light] = arbiter_.Show(target);
+    static_cast<void>(
+        lights_->Publish({target, light.mode, light.effect, light.r, light.g, light.b,
+                          std::string(kLedClients[static_cast<std::size_t>(client)])}));
+  }
+}
+
+Result<> LedDevice::Check() const {
+  if (!present_ || lights_->MatchedReaders() > 0) return Ok();
+  return Error{MakeCode(ModuleCode::kLed, KeyCode::kSelfCheckFailed), "nobody shows world/led"};
+}
+
+}  // namespace musher::device

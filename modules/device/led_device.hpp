@@ -1,0 +1,45 @@
+#pragma once
+// The lights: answers `led_execute` and shows what its arbiter decides on `world/led`.
+//
+// Threads: the loop's.
+
+#include <memory>
+
+#include "musher/messages/musher_msgs/body.hpp"
+#include "musher/messages/protocol/device.hpp"
+#include "musher/modules/device/led.hpp"
+#include "musher/modules/device/lights.hpp"
+#include "musher/modules/device/surroundings.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::device {
+
+// A late subscriber gets all three lights.
+inline constexpr transport::Qos kLedQos{transport::Qos::Reliability::kReliable,
+                                        transport::Qos::Durability::kTransientLocal,
+                                        static_cast<int>(kLedTargets.size())};
+
+class LedDevice {
+ public:
+  // `present`: there is one; else requests are judged and nothing is shown.
+  static Result<std::unique_ptr<LedDevice>> Make(const Surroundings& around, bool present);
+
+  // Fails with 1109 while nobody shows the lights.
+  Result<> Check() const;
+
+  // The module's own wishes.
+  void Execute(const LightRequests& requests);
+
+ private:
+  LedDevice(const Surroundings& around, bool present) : around_(around), present_(present) {}
+  Result<> Connect();
+  void ShowAll();
+
+  const Surroundings around_;
+  const bool present_;
+  LedArbiter arbiter_;
+  std::unique_ptr<transport::Publisher<msg::LedState>> lights_;
+  std::unique_ptr<transport::Server<msg::LedExecute>> requests_;
+};
+
+}  // namespace musher::device

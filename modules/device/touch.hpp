@@ -1,0 +1,30 @@
+#pragma once
+// Which touches of the robot's pad are known, and which of them wakes it. Plain values, no IO.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "musher/lifecycle/time.hpp"
+
+namespace musher::device {
+
+// "double tap"; empty: there is no such touch.
+std::string TouchText(std::int32_t touch_state);
+inline bool IsTouch(std::int32_t touch_state) {
+  return !TouchText(touch_state).empty();
+}
+
+// A double tap means something at least 2 s after the last one that did.
+class DoubleTap {
+ public:
+  static constexpr Duration kPause = Milliseconds(2000);
+
+  bool Take(std::int32_t touch_state, Time now);
+  void Forget() { last_.reset(); }  // the clock has jumped
+
+ private:
+  std::optional<Time> last_;
+};
+
+}  // namespace musher::device

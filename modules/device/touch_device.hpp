@@ -1,0 +1,43 @@
+#pragma once
+// The touch pad: publishes `touch_status`, and wakes the robot by a double tap in LowPower.
+//
+// Threads: the loop's.
+
+#include <memory>
+
+#include "musher/messages/protocol/device.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/modules/device/surroundings.hpp"
+#include "musher/modules/device/touch.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::device {
+
+class TouchDevice {
+ public:
+  static constexpr Duration kWakeTime = Milliseconds(13'000);  // that the manager may take
+
+  // `present`: there is one; else nothing is heard.
+  static Result<std::unique_ptr<TouchDevice>> Make(const Surroundings& around, bool present);
+
+  // Fails with 1509 while nobody feels touches.
+  Result<> Check() const;
+
+  void OnTimeJumped() { double_tap_.Forget(); }
+
+ private:
+  explicit TouchDevice(const Surroundings& around) : around_(around) {}
+  Result<> Connect(bool present);
+  void OnTouch(std::int32_t touch_state);
+  void WakeUp();
+
+  const Surroundings around_;
+  DoubleTap double_tap_;
+  bool waking_ = false;
+  std::unique_ptr<transport::Publisher<msg::TouchStatus>> status_;
+  std::unique_ptr<transport::Client<msg::Trigger>> low_power_exit_;
+  std::unique_ptr<transport::Subscription> touches_;
+};
+
+}  // namespace musher::device

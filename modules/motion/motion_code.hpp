@@ -1,0 +1,67 @@
+#pragma once
+// The codes of the motion manager, 3000 and more, and what the board's own words mean in them.
+
+#include <cstdint>
+#include <string>
+
+#include "musher/lifecycle/code.hpp"
+
+namespace musher::motion {
+
+enum class MotionKey : std::int32_t {
+  kSwitchEstop = 21,
+  kBanTransition = 22,
+  kEdamp = 23,
+  kLifted = 24,
+  kOverHeat = 25,
+  kLowBattery = 26,
+  kTransitionTimeout = 27,
+  kExecuteTimeout = 28,
+  kExecuteError = 29,
+  kSequenceDefinition = 31,
+  kMotorOffline = 32,
+  kBoardSilent = 35,
+  kEstop = 40,
+  kStuck = 41,
+  kOrientation = 50,
+  kFootPosition = 51,
+  kStandStuck = 52,
+  kMotorOverHeat = 53,
+  kMotorOverCurrent = 54,
+  kMotorError = 55,
+  kCharging = 56,
+};
+
+constexpr std::int32_t MotionCode(KeyCode key) {
+  return MakeCode(ModuleCode::kMotionManager, key);
+}
+constexpr std::int32_t MotionCode(MotionKey key) {
+  return static_cast<std::int32_t>(ModuleCode::kMotionManager) + static_cast<std::int32_t>(key);
+}
+
+// What the board says of a change from one motion to another (MotionStatus.switch_status).
+enum class SwitchStatus : std::int8_t {
+  kNormal = 0,
+  kTransitioning = 1,
+  kEstop = 2,
+  kEdamp = 3,
+  kLifted = 4,
+  kBanTransition = 5,
+  kOverHeat = 6,
+  kLowBattery = 7,
+  kOrientation = 8,
+  kFootPosition = 9,
+  kStandStuck = 10,
+  kMotorOverHeat = 11,
+  kMotorOverCurrent = 12,
+  kMotorError = 13,
+  kCharging = 14,
+};
+
+// 0 while all is well; a word that the board should not know is an execution error.
+std::int32_t CodeOfStatus(std::int8_t switch_status);
+
+// What a code of the motion manager means, for people; "" for one that it does not give.
+std::string MotionCodeText(std::int32_t code);
+
+}  // namespace musher::motion

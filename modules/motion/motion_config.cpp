@@ -1,0 +1,80 @@
+#include "musher/modules/motion/motion_config.hpp"
+
+#include <array>
+#include <utility>
+#include <variant>
+
+#include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/lifecycle/toml/names.hpp"
+#include "musher/lifecycle/toml/table_reader.hpp"
+#include "musher/modules/motion/toml_file.hpp"
+
+namespace musher::motion {
+namespace {
+
+using config_toml::Findings;
+using config_toml::Table;
+using config_toml::TableReader;
+
+constexpr std::int64_t kFarthestPriority = 100;  // what an idle body has: anybody may take it
+
+constexpr std::array<std::pair<const char*, std::int32_t>, 6> kSources = {
+    {{"debug", kFromDebug},
+     {"app", kFromApp},
+     {"audio", kFromAudio},
+     {"vis", kFromVision},
+     {"blutele", kFromBluetooth},
+     {"algo", kFromAlgorithm}}};
+
+MotionConfig Read(const Table& table, const std::string& path, Findings& findings) {
+  MotionConfig config;
+  TableReader root(table, {1, 1}, "", findings);
+  const std::vector<std::pair<std::string_view, ClockKind>> clocks = {
+      {"steady", ClockKind::kSteady}, {"topic", ClockKind::kTopic}};
+  config.clock = root.Choice("clock", clocks).value_or(config.clock);
+  const auto motions = root.String("motions");
+  config.motions =
+      config_toml::Absolute(config_toml::FolderOf(path), motions ? motions->text : "motions.toml");
+  if (const Table* priority = root.SubTable("priority")) {
+    TableReader reader(*priority, root.At("priority"), "priority", findings);
+    for (const auto& [name, source] : kSources) {
+      const auto value = reader.Integer(name, -kFarthestPriority, kFarthestPriority);
+      if (value) config.priorities[source] = static_cast<std::int32_t>(*value);
+    }
+    reader.RefuseOthers();
+  }
+  if (const Table* board = root.SubTable("board")) {
+    TableReader reader(*board, root.At("board"), "board", findings);
+    config.board_wait = reader.Time("wait_ms").value_or(config.board_wait);
+    config.board_silent = reader.Time("silent_ms").value_or(config.board_silent);
+    config.board_feedback = reader.Time("feedback_ms").value_or(config.board_feedback);
+    reader.RefuseOthers();
+  }
+  root.RefuseOthers();
+  return config;
+}
+
+}  // namespace
+
+ConfigReading ReadMotionConfigText(std::string_view text, const std::string& path) {
+  Findings findings;
+  ConfigReading reading;
+  const auto document = config_toml::ParseDocument(text);
+  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
+    findings.Error(fault->at, fault->message);
+  } else {
+    MotionConfig config = Read(std::get<Table>(document), path, findings);
+    if (!findings.HasErrors()) reading.config = std::move(config);
+  }
+  reading.diagnostics = std::move(findings).Take(path, text);
+  return reading;
+}
+
+ConfigReading ReadMotionConfigFile(const std::string& path) {
+  const auto text = ReadText(path);
+  if (!text) return {std::nullopt, {Unreadable(path, text.error().message)}};
+  return ReadMotionConfigText(text.value(), path);
+}
+
+}  // namespace musher::motion

@@ -1,0 +1,300 @@
+#include "musher/modules/motion/motion_core.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "musher/modules/motion/motion_decision.hpp"
+
+namespace musher::motion {
+namespace {
+
+using Key = MotionKey;
+
+// What get-down may interrupt.
+constexpr std::array kDances = {140, 176, 177, 178};
+
+constexpr std::size_t kMostOrders = 1000;  // of one request; more is a slip
+
+std::string NameOf(const Motion& motion) {
+  return std::to_string(motion.id) + " (" + motion.name + ")";
+}
+
+}  // namespace
+
+// --- Judging -------------------------------------------------------------------------------------
+
+Result<> Decision::MayRun(const Motion& motion, const std::string& capability) const {
+  if (motion.id == kEmergencyStop) return Ok();
+  if (core_.emergency_stop && motion.id != kRecoveryStand) {
+    return Error{MotionCode(Key::kEstop), MotionCodeText(MotionCode(Key::kEstop))};
+  }
+  if (core_.closed) {
+    return Error{MotionCode(KeyCode::kStateInvalid),
+                 "nothing may move in " + std::string(*core_.closed)};
+  }
+  return rules_.allowed(capability);
+}
+
+Result<> Decision::JudgeOrder(const MotionOrder& order) const {
+  const Motion* motion = rules_.table.Find(order.id);
+  if (motion == nullptr) {
+    return Error{MotionCode(KeyCode::kUnSupport), "there is no motion " + std::to_string(order.id)};
+  }
+  if (auto may = MayRun(*motion, motion->capability); !may) return may;
+  const auto invalid = [&](const std::string& what) {
+    return Error{MotionCode(KeyCode::kParametersInvalid),
+                 "motion " + NameOf(*motion) + ": " + what};
+  };
+  if (!AllFinite(order.arguments)) return invalid("a number is no number, or infinite");
+  if (const auto wrong = WrongContact(order.arguments.contact)) return invalid(*wrong);
+  if (const auto wrong = WrongDuration(*motion, order.arguments.duration_ms))
+    return invalid(*wrong);
+  return Ok();
+}
+
+Result<> Decision::JudgePlay(const motion_event::PlayArrived& event) const {
+  if (event.orders.empty() || event.orders.size() > kMostOrders) {
+    return Error{MotionCode(KeyCode::kParametersInvalid),
+                 "expected 1 to " + std::to_string(kMostOrders) + " motions, found " +
+                     std::to_string(event.orders.size())};
+  }
+  for (const MotionOrder& order : event.orders) {
+    if (auto good = JudgeOrder(order); !good) return good;
+  }
+  if (event.source == kFromMachine) {
+    return Error{MotionCode(KeyCode::kPermissionDenied), "source FSM is the motion manager's own"};
+  }
+  if (rules_.config.priorities.count(event.source) == 0) {
+    return Error{MotionCode(KeyCode::kParametersInvalid),
+                 "nobody knows " + SourceName(event.source)};
+  }
+  const bool interrupts = event.orders.front().id == kGetDown && Dancing();
+  if (!core_.Idle() && !interrupts) {
+    return Error{MotionCode(KeyCode::kTargetBusy),
+                 core_.servo
+                     ? "the body follows servo commands of " + SourceName(core_.servo->source)
+                     : "motion " + std::to_string(core_.job->motion_id) + " is under way"};
+  }
+  if (!core_.body || BoardSilent(rules_, core_, now_)) {
+    return Error{MotionCode(Key::kBoardSilent), MotionCodeText(MotionCode(Key::kBoardSilent))};
+  }
+  return Ok();
+}
+
+bool Decision::Dancing() const {
+  if (!core_.job || core_.servo) return false;
+  const std::int32_t id = core_.job->todo.front().command.id;
+  return std::find(kDances.begin(), kDances.end(), id) != kDances.end();
+}
+
+// --- Events --------------------------------------------------------------------------------------
+
+void Decision::Take(const motion_event::BoardHeard& event) {
+  core_.body = event.report;
+  core_.body_heard = now_;
+  if (core_.link.until && Taken()) Quiet();
+  AdvanceJob();
+}
+
+void Decision::Take(const motion_event::PlayArrived& event) {
+  const std::int32_t id = event.orders.empty() ? 0 : event.orders.front().id;
+  const bool stop = std::any_of(event.orders.begin(), event.orders.end(),
+                                [](const MotionOrder& o) { return o.id == kEmergencyStop; });
+  if (stop) return BeginEmergencyStop(event.token);
+  if (const auto good = JudgePlay(event); !good) {
+    const auto& [code, message] = good.error();
+    Log(code, "motion " + std::to_string(id) + " of " + SourceName(event.source) +
+                  " is refused: " + message);
+    return Answer(event.token, id, code, message);
+  }
+  if (core_.job) DropJob(MotionCode(Key::kExecuteError), "interrupted by get-down");
+  core_.emergency_stop = false;  // only recovery stand comes so far while it is set
+  Job job;
+  job.token = event.token;
+  job.motion_id = id;
+  for (const MotionOrder& order : event.orders) {
+    const Motion& motion = *rules_.table.Find(order.id);
+    if (const auto wrong = WrongLength(order.arguments)) {
+      Log(MotionCode(KeyCode::kParametersInvalid),
+          "motion " + NameOf(motion) + ": " + *wrong + "; zeros are taken instead");
+    }
+    if (TooFast(motion, order.arguments)) {
+      Log(MotionCode(KeyCode::kOk), "motion " + NameOf(motion) + " is slowed down to its limits");
+    }
+    job.todo.push_back(MotionOf(motion, order.arguments));
+  }
+  BeginJob(std::move(job));
+}
+
+void Decision::Take(const motion_event::LieDown& event) {
+  if (core_.servo) StopServo("the body lies down");
+  if (core_.job) DropJob(MotionCode(KeyCode::kStateInvalid), "interrupted: the body lies down");
+  if (Lies()) return Answer(event.token, event.id, kCodeOk, "");
+  if (core_.emergency_stop) {
+    const std::int32_t code = MotionCode(Key::kEstop);
+    return Answer(event.token, event.id, code, MotionCodeText(code));
+  }
+  Job job;
+  job.token = event.token;
+  job.motion_id = event.id;
+  job.own = true;
+  job.tries = event.tries;
+  job.todo.push_back(MotionOf(*rules_.table.Find(event.id), {}));
+  BeginJob(std::move(job));
+}
+
+void Decision::Take(const motion_event::Cancelled& event) {
+  if (!core_.job || core_.job->token != event.token) return;
+  EndJob(MotionCode(KeyCode::kTimeout), "given up: it took too long");
+}
+
+void Decision::Take(const motion_event::Closed& event) {
+  core_.closed = event.state;
+  const std::string why = "the machine goes to " + std::string(event.state);
+  if (core_.servo) StopServo(why);
+  if (!core_.job) return;
+  const JobMotion motion = core_.job->todo.front();
+  DropJob(MotionCode(KeyCode::kStateInvalid), why);
+  const bool lies_down =
+      event.state == kLowPower || event.state == kOta || event.state == kTearDown;
+  if (!lies_down && motion.command.id != kEmergencyStop) HaltBody(motion);
+}
+
+void Decision::Take(const motion_event::Opened&) {
+  core_.closed.reset();
+}
+
+void Decision::Take(const motion_event::EmergencyStop&) {
+  BeginEmergencyStop(0);
+}
+
+void Decision::Take(const motion_event::WorldRestarted&) {
+  if (core_.job) DropJob(MotionCode(Key::kBoardSilent), "the world began anew");
+  core_.servo.reset();
+  core_.body.reset();
+  core_.logged.clear();
+  Quiet();
+  core_.link.sent_at = Time::min();
+}
+
+void Decision::Take(const motion_event::TimePassed&) {
+  WatchServo();
+  AdvanceJob();
+  if (core_.link.until && now_ >= *core_.link.until) Quiet();
+  TransmitIfDue();
+  ReportServo();
+}
+
+// --- The board -----------------------------------------------------------------------------------
+
+const Motion* Decision::Present() const {
+  return core_.body ? rules_.table.Find(core_.body->mode, core_.body->gait) : nullptr;
+}
+
+bool Decision::Taken() const {
+  return core_.body && core_.body->life_count == core_.link.command.life_count;
+}
+
+JobMotion Decision::MotionOf(const Motion& motion, const MotionArguments& arguments) const {
+  JobMotion job_motion;
+  job_motion.command = MakeCommand(motion, arguments);
+  job_motion.time = ExecutionTime(motion, arguments.duration_ms);
+  return job_motion;
+}
+
+// A new command; it replaces what is repeated. At once, or as soon as the link bears another frame.
+void Decision::Command(const BodyCommand& command, bool at_once) {
+  // The board may remember the counts of whoever commanded it before us: not the next after its
+  // own.
+  constexpr int kHighestLife = 127;
+  constexpr int kFarAway = 64;
+  const bool first = core_.link.sent_at == Time::min();
+  const int last = first && core_.body
+                       ? static_cast<std::uint8_t>(core_.body->life_count) + kFarAway
+                       : core_.link.command.life_count;
+  core_.link.command = command;
+  core_.link.command.life_count = static_cast<std::int8_t>(last % kHighestLife + 1);
+  core_.link.begun_at = now_;
+  core_.link.active = true;
+  core_.link.until.reset();
+  if (at_once) {
+    Transmit();
+  } else {
+    TransmitIfDue();
+  }
+}
+
+// Ends a walk.
+void Decision::Stand(const BodyCommand& last) {
+  MotionArguments arguments;
+  arguments.value = last.value;
+  arguments.step_height = {last.step_height[0], last.step_height[1]};
+  Command(MakeCommand(*rules_.table.Find(kWalkStand), arguments), true);
+  core_.link.until = now_ + kStopRepeat;
+}
+
+void Decision::Quiet() {
+  core_.link.active = false;
+  core_.link.until.reset();
+}
+
+void Decision::Transmit() {
+  core_.link.sent_at = now_;
+  actions_.emplace_back(motion_action::Send{core_.link.command});
+}
+
+void Decision::TransmitIfDue() {
+  const BoardLink& link = core_.link;
+  const bool due = link.sent_at == Time::min() || now_ - link.sent_at >= kBoardPeriod;
+  if (link.active && due) Transmit();
+}
+
+// --- Telling -------------------------------------------------------------------------------------
+
+void Decision::Answer(RequestToken token, std::int32_t motion_id, std::int32_t code,
+                      const std::string& message) {
+  if (token != 0) actions_.emplace_back(motion_action::Answer{token, motion_id, code, message});
+}
+
+// The same code once in three minutes: a stream of bad commands must not fill the log.
+void Decision::Log(std::int32_t code, const std::string& text) {
+  const auto last = core_.logged.find(code);
+  if (last != core_.logged.end() && now_ - last->second < kLogPause) return;
+  core_.logged[code] = now_;
+  actions_.emplace_back(
+      motion_action::Log{code == kCodeOk ? text : text + " (" + std::to_string(code) + ")"});
+}
+
+// --- Outside -------------------------------------------------------------------------------------
+
+MotionActions Step(const MotionRules& rules, MotionCore& core, const MotionEvent& event, Time now) {
+  Decision decision(rules, core, now);
+  std::visit([&](const auto& what) { decision.Take(what); }, event);
+  return std::move(decision).Actions();
+}
+
+std::optional<Time> NextDeadline(const MotionRules&, const MotionCore& core) {
+  std::optional<Time> next;
+  const auto consider = [&](Time time) { next = next ? std::min(*next, time) : time; };
+  if (core.job) consider(core.job->wait_end);
+  if (core.servo) {
+    consider(core.servo->last_frame + kServoWatchdog);
+    consider(core.servo->next_report);
+  }
+  if (core.link.active) consider(core.link.sent_at + kBoardPeriod);
+  if (core.link.until) consider(*core.link.until);
+  return next;
+}
+
+bool BoardSilent(const MotionRules& rules, const MotionCore& core, Time now) {
+  return !core.body || now - core.body_heard >= rules.config.board_silent;
+}
+
+std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core, Time now) {
+  if (BoardSilent(rules, core, now)) return kNoMotion;
+  const Motion* motion = rules.table.Find(core.body->mode, core.body->gait);
+  return motion == nullptr ? kNoMotion : motion->id;
+}
+
+}  // namespace musher::motion

@@ -1,0 +1,223 @@
+#pragma once
+// The motion manager's decision code: who moves the body, with what, and what everybody is told.
+// Pure: Step(rules, core, event, now) changes the core and gives the actions; the shell around it
+// (motion_shell.hpp) turns messages and timers into events and actions into messages.
+//
+// clang-format off
+//                a servo frame                     END, or 200 ms without a frame: WALK_STAND
+//   idle ─────────────────────────────▶ servo ───────────────────────────────────────────▶ idle
+//     │                                   ▲  through recovery stand where the body's motion
+//     │ a result command                  │  may not go to the wanted one
+//     ▼                                   │
+//    job:  taken? ──▶ settle ──▶ transition ──▶ execution ──▶ next motion, or answered: idle
+//          200 ms     15 ms      3000 ms        its time
+// clang-format on
+//
+// Rules:
+//   - Emergency stop (motion 0) is taken in every state, at once, from everybody. It is a latch:
+//     until recovery stand (111) is taken nothing else is.
+//   - A servo frame is taken from whoever has the same or a higher priority than who has the body.
+//   - A command of results (one motion or several) is taken when the body is idle; get-down also
+//     during a dance; the machine's own lie-down always.
+//   - The capability of a motion is asked for when a command arrives and again when its motion
+//     begins: the state may have changed in between.
+//   - Whatever is refused moves nothing and is told why, with a code.
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/lifecycle/state.hpp"
+#include "musher/lifecycle/time.hpp"
+#include "musher/modules/motion/motion_code.hpp"
+#include "musher/modules/motion/motion_command.hpp"
+#include "musher/modules/motion/motion_config.hpp"
+#include "musher/modules/motion/motion_table.hpp"
+
+namespace musher::motion {
+
+inline constexpr Duration kServoWatchdog = Milliseconds(200);
+inline constexpr Duration kBoardPeriod = Milliseconds(50);  // of frames to the board: 20 Hz
+inline constexpr Duration kSettleTime = Milliseconds(15);
+inline constexpr Duration kTransitionTime = Milliseconds(3000);
+inline constexpr Duration kLieDownPause = Milliseconds(500);  // between two tries
+inline constexpr Duration kStopRepeat =
+    Milliseconds(1000);  // a stop is sent so long, or till taken
+inline constexpr Duration kLogPause = std::chrono::seconds(180);  // for the same code
+inline constexpr std::int8_t kDoneBar = 95;                       // %; more is done
+
+// A request that must be answered exactly once; the shell knows to whom. 0: nobody waits.
+using RequestToken = std::uint64_t;
+
+// Whether a capability may be used now; the Error has the code of the motion manager.
+using Gate = std::function<Result<>(const std::string& capability)>;
+
+// What the decision goes by; all outlive the step.
+struct MotionRules {
+  const MotionTable& table;
+  const MotionConfig& config;
+  const Gate& allowed;
+};
+
+struct ServoCommand {
+  enum Type : std::int32_t { kStart = 0, kData = 1, kEnd = 2 };
+  std::int32_t type = kData;
+  std::int32_t source = 0;
+  MotionOrder order;
+
+  friend bool operator==(const ServoCommand&, const ServoCommand&) = default;
+};
+
+namespace motion_event {
+struct BoardHeard {
+  BodyReport report;
+};
+struct ServoArrived {
+  ServoCommand command;
+};
+// One motion after the other, all or none of them taken.
+struct PlayArrived {
+  RequestToken token = 0;
+  std::int32_t source = 0;
+  std::vector<MotionOrder> orders;
+};
+// The machine wants the body to lie; `tries` 0: until it does, or it is cancelled.
+struct LieDown {
+  RequestToken token = 0;
+  std::int32_t id = kGetDown;
+  int tries = 0;
+};
+// Nobody waits for this any more.
+struct Cancelled {
+  RequestToken token = 0;
+};
+// A state callback begins that leaves no room for motion: what moves is stopped.
+struct Closed {
+  State state;
+};
+// From now on the state of the machine alone says what is allowed.
+struct Opened {};
+// The machine's emergency stop is engaged.
+struct EmergencyStop {};
+// The world began anew, and with it time: what was known of the body is void.
+struct WorldRestarted {};
+struct TimePassed {};
+}  // namespace motion_event
+
+using MotionEvent =
+    std::variant<motion_event::BoardHeard, motion_event::ServoArrived, motion_event::PlayArrived,
+                 motion_event::LieDown, motion_event::Cancelled, motion_event::Closed,
+                 motion_event::Opened, motion_event::EmergencyStop, motion_event::WorldRestarted,
+                 motion_event::TimePassed>;
+
+namespace motion_action {
+struct Send {
+  BodyCommand command;
+  friend bool operator==(const Send&, const Send&) = default;
+};
+struct TellServo {
+  std::int32_t motion_id = kNoMotion;
+  std::int32_t cmd_id = 0;
+  std::int8_t bar = -1;
+  std::int8_t status = -1;
+  bool result = false;
+  std::int32_t code = 0;
+  friend bool operator==(const TellServo&, const TellServo&) = default;
+};
+struct Answer {
+  RequestToken token = 0;
+  std::int32_t motion_id = 0;
+  std::int32_t code = 0;
+  std::string message;
+  friend bool operator==(const Answer&, const Answer&) = default;
+};
+struct Log {
+  std::string text;
+  friend bool operator==(const Log&, const Log&) = default;
+};
+}  // namespace motion_action
+
+using MotionAction = std::variant<motion_action::Send, motion_action::TellServo,
+                                  motion_action::Answer, motion_action::Log>;
+using MotionActions = std::vector<MotionAction>;
+
+// A motion on its way, or to come.
+struct JobMotion {
+  BodyCommand command;
+  Duration time{};        // that its execution may take
+  bool asked = true;      // false: a recovery stand put before the asked one
+  bool prepared = false;  // what must come before it has come
+
+  friend bool operator==(const JobMotion&, const JobMotion&) = default;
+};
+
+struct Job {
+  enum class Wait { kFeedback, kSettle, kTransition, kExecution, kRetry };
+  RequestToken token = 0;
+  std::int32_t motion_id = 0;  // that the answer names
+  bool own = false;            // the machine's: not gated
+  bool for_servo = false;      // only makes way for the servo commands behind it
+  std::optional<int> tries;    // of a lie-down: how often again; 0 for ever
+  std::deque<JobMotion> todo;  // the first is under way
+  Wait wait = Wait::kFeedback;
+  Time wait_end{};
+
+  friend bool operator==(const Job&, const Job&) = default;
+};
+
+struct Servo {
+  std::int32_t source = 0;
+  BodyCommand command;
+  bool moving = false;  // false: waits for a recovery stand
+  Time last_frame{};
+  Time next_report{};
+  bool told_limit = false;  // in the log, that it is too fast
+
+  friend bool operator==(const Servo&, const Servo&) = default;
+};
+
+// What goes to the board.
+struct BoardLink {
+  BodyCommand command;
+  bool active = false;        // it is repeated
+  std::optional<Time> until;  // stops being repeated then, or when it is taken
+  Time begun_at{};            // when the command was new
+  Time sent_at = Time::min();
+
+  friend bool operator==(const BoardLink&, const BoardLink&) = default;
+};
+
+// A plain value.
+struct MotionCore {
+  std::optional<BodyReport> body;
+  Time body_heard{};
+  std::optional<State> closed = State(kUninitialized);  // the state that leaves no room for motion
+  bool emergency_stop = false;                          // the latch
+  std::optional<Job> job;
+  std::optional<Servo> servo;
+  BoardLink link;
+  std::int32_t servo_commands = 0;      // taken so far
+  std::map<std::int32_t, Time> logged;  // by code
+
+  bool Idle() const { return !job && !servo; }
+
+  friend bool operator==(const MotionCore&, const MotionCore&) = default;
+};
+
+MotionActions Step(const MotionRules& rules, MotionCore& core, const MotionEvent& event, Time now);
+
+// When to step next with TimePassed, unless something else happens before; nullopt: never.
+std::optional<Time> NextDeadline(const MotionRules& rules, const MotionCore& core);
+
+// What the body does: an id of the table, kNoMotion where the board is silent or says something
+// else.
+std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core, Time now);
+bool BoardSilent(const MotionRules& rules, const MotionCore& core, Time now);
+
+}  // namespace musher::motion

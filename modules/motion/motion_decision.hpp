@@ -1,0 +1,84 @@
+#pragma once
+// One step of the motion manager's decision, in three files: motion_core.cpp takes the events,
+// motion_servo.cpp decides on servo commands, motion_job.cpp brings motions to their end.
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/modules/motion/motion_core.hpp"
+
+namespace musher::motion {
+
+class Decision {
+ public:
+  Decision(const MotionRules& rules, MotionCore& core, Time now)
+      : rules_(rules), core_(core), now_(now) {}
+
+  void Take(const motion_event::BoardHeard& event);
+  void Take(const motion_event::ServoArrived& event);
+  void Take(const motion_event::PlayArrived& event);
+  void Take(const motion_event::LieDown& event);
+  void Take(const motion_event::Cancelled& event);
+  void Take(const motion_event::Closed& event);
+  void Take(const motion_event::Opened& event);
+  void Take(const motion_event::EmergencyStop& event);
+  void Take(const motion_event::WorldRestarted& event);
+  void Take(const motion_event::TimePassed& event);
+
+  MotionActions Actions() && { return std::move(actions_); }
+
+ private:
+  // Judging.
+  Result<> MayRun(const Motion& motion, const std::string& capability) const;
+  Result<> JudgeOrder(const MotionOrder& order) const;
+  Result<> JudgePlay(const motion_event::PlayArrived& event) const;
+  Result<> JudgeServo(const ServoCommand& command) const;
+  Result<> JudgePriority(const ServoCommand& command) const;
+  bool Dancing() const;
+
+  // Servo.
+  void EndServo(const ServoCommand& command);
+  void FollowServo(const ServoCommand& command, const Motion& motion);
+  void BeginServo();
+  void StopServo(const std::string& why);
+  void WatchServo();
+  void ReportServo();
+  void RefuseServo(const ServoCommand& command, const Error& error);
+
+  // Jobs.
+  void BeginEmergencyStop(RequestToken token);
+  void BeginJob(Job job);
+  void BeginMotion();
+  std::vector<std::int32_t> WayTo(const Motion& motion) const;
+  std::int32_t CodeOfRefusal() const;
+  void AdvanceJob();
+  bool AdvanceWait();
+  void EndMotion();
+  void EndJob(std::int32_t code, const std::string& message);
+  void FailMotion(std::int32_t code, const std::string& message);
+  void DropJob(std::int32_t code, const std::string& message);
+  void HaltBody(const JobMotion& motion);
+  bool Lies() const;
+
+  // The board.
+  const Motion* Present() const;
+  bool Taken() const;
+  JobMotion MotionOf(const Motion& motion, const MotionArguments& arguments) const;
+  void Command(const BodyCommand& command, bool at_once);
+  void Stand(const BodyCommand& last);
+  void Quiet();
+  void Transmit();
+  void TransmitIfDue();
+
+  void Answer(RequestToken token, std::int32_t motion_id, std::int32_t code,
+              const std::string& message);
+  void Log(std::int32_t code, const std::string& text);
+
+  const MotionRules& rules_;
+  MotionCore& core_;
+  const Time now_;
+  MotionActions actions_;
+};
+
+}  // namespace musher::motion

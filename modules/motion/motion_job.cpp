@@ -1,0 +1,202 @@
+#include <iterator>
+#include <utility>
+
+#include "musher/modules/motion/motion_decision.hpp"
+
+namespace musher::motion {
+namespace {
+
+using Key = MotionKey;
+
+// What takes no longer ends by itself better than it could be broken off: flips, jumps.
+constexpr Duration kShortMotion = Milliseconds(8000);
+
+bool IsTransitioning(const BodyReport& body) {
+  return body.switch_status == static_cast<std::int8_t>(SwitchStatus::kTransitioning);
+}
+
+}  // namespace
+
+void Decision::BeginEmergencyStop(RequestToken token) {
+  const std::int32_t code = MotionCode(Key::kEstop);
+  if (core_.job) DropJob(code, "interrupted by emergency stop");
+  if (core_.servo) {
+    core_.servo.reset();
+    actions_.emplace_back(
+        motion_action::TellServo{kNoMotion, core_.servo_commands, 0, 0, false, code});
+  }
+  if (!std::exchange(core_.emergency_stop, true)) {
+    actions_.emplace_back(motion_action::Log{"emergency stop"});
+  }
+  Job job;
+  job.token = token;
+  job.motion_id = kEmergencyStop;
+  job.own = true;
+  job.todo.push_back(MotionOf(*rules_.table.Find(kEmergencyStop), {}));
+  BeginJob(std::move(job));
+}
+
+void Decision::BeginJob(Job job) {
+  core_.job = std::move(job);
+  BeginMotion();
+}
+
+void Decision::BeginMotion() {
+  Job& job = *core_.job;
+  const Motion& motion = *rules_.table.Find(job.todo.front().command.id);
+  if (!job.own && job.todo.front().asked) {
+    if (const auto may = MayRun(motion, motion.capability); !may) {
+      return EndJob(may.error().code, may.error().message);
+    }
+  }
+  if (!std::exchange(job.todo.front().prepared, true)) {
+    const auto way = WayTo(motion);
+    for (auto id = way.rbegin(); id != way.rend(); ++id) {
+      job.todo.push_front(MotionOf(*rules_.table.Find(*id), {}));
+      job.todo.front().asked = false;
+      job.todo.front().prepared = true;
+    }
+  }
+  Command(job.todo.front().command, true);
+  job.wait = Job::Wait::kFeedback;
+  job.wait_end = now_ + rules_.config.board_feedback;
+}
+
+// What must be done before it from what the body does now: nothing, or to stand up.
+std::vector<std::int32_t> Decision::WayTo(const Motion& motion) const {
+  if (motion.id == kEmergencyStop || motion.id == kRecoveryStand) return {};
+  const Motion* present = Present();
+  if (present != nullptr && present->MayGoTo(motion.mode)) return {};
+  if (motion.id != kFromGroundStand) return {kRecoveryStand};
+  const bool direct = present != nullptr && present->MayGoTo(rules_.table.Find(kGroundStand)->mode);
+  if (direct) return {kGroundStand};
+  return {kRecoveryStand, kGroundStand};
+}
+
+// Why the board has not taken a command: for what it says, or it says nothing of it.
+std::int32_t Decision::CodeOfRefusal() const {
+  const bool heard = core_.body && core_.body_heard > core_.link.begun_at;
+  const std::int32_t code = heard ? CodeOfStatus(core_.body->switch_status) : kCodeOk;
+  return code != kCodeOk ? code : MotionCode(Key::kBoardSilent);
+}
+
+void Decision::AdvanceJob() {
+  while (core_.job && AdvanceWait()) {
+  }
+}
+
+// Says whether it got on.
+bool Decision::AdvanceWait() {
+  Job& job = *core_.job;
+  const bool over = now_ >= job.wait_end;
+  const auto go_on = [&](Job::Wait wait, Duration time) {
+    job.wait = wait;
+    job.wait_end = now_ + time;
+    return true;
+  };
+  const auto fail = [&](std::int32_t code) {
+    FailMotion(code, MotionCodeText(code));
+    return true;
+  };
+  if (job.wait == Job::Wait::kRetry) {
+    if (!over) return false;
+    if (Lies()) {
+      EndJob(kCodeOk, "");
+    } else {
+      BeginMotion();
+    }
+    return true;
+  }
+  if (job.wait == Job::Wait::kFeedback) {
+    if (Taken()) return go_on(Job::Wait::kSettle, kSettleTime);
+    return over && fail(CodeOfRefusal());
+  }
+  if (job.wait == Job::Wait::kSettle) {
+    return over && go_on(Job::Wait::kTransition, kTransitionTime);
+  }
+  const BodyCommand& command = job.todo.front().command;
+  const std::int32_t code = CodeOfStatus(core_.body->switch_status);
+  if (code != kCodeOk && command.id != kEmergencyStop) return fail(code);
+  if (job.wait == Job::Wait::kTransition) {
+    if (!IsTransitioning(*core_.body)) {
+      return go_on(Job::Wait::kExecution, job.todo.front().time);
+    }
+    return over && fail(MotionCode(Key::kTransitionTimeout));
+  }
+  const Motion* present = Present();
+  if (present != nullptr && present->id == command.id && core_.body->bar > kDoneBar) {
+    EndMotion();
+    return true;
+  }
+  return over && fail(MotionCode(Key::kExecuteTimeout));
+}
+
+void Decision::EndMotion() {
+  Job& job = *core_.job;
+  if (job.todo.size() == 1) return EndJob(kCodeOk, "");
+  job.todo.pop_front();
+  BeginMotion();
+}
+
+// A lie-down tries again, as often as it may.
+void Decision::FailMotion(std::int32_t code, const std::string& message) {
+  Job& job = *core_.job;
+  const std::string what = "motion " + std::to_string(job.todo.front().command.id) + ": " + message;
+  if (!job.tries || *job.tries == 1) return EndJob(code, what);
+  Log(code, what + "; it is tried again");
+  if (*job.tries > 1) --*job.tries;
+  job.todo.erase(job.todo.begin(), std::prev(job.todo.end()));
+  job.todo.front().prepared = false;
+  job.wait = Job::Wait::kRetry;
+  job.wait_end = now_ + kLieDownPause;
+  Quiet();
+}
+
+void Decision::EndJob(std::int32_t code, const std::string& message) {
+  const Job job = *std::exchange(core_.job, std::nullopt);
+  const BodyCommand& last = job.todo.front().command;
+  const Motion& motion = *rules_.table.Find(last.id);
+  if (last.id == kEmergencyStop && !Taken()) {
+    core_.link.until = Time::max();  // it is repeated until the board takes it
+  } else if (motion.limit) {
+    Stand(last);  // nothing walks on after its command has ended
+  } else {
+    Quiet();
+  }
+  if (code != kCodeOk) Log(code, message);
+  if (!job.for_servo) return Answer(job.token, job.motion_id, code, message);
+  if (code == kCodeOk) return BeginServo();
+  ServoCommand command;
+  command.source = core_.servo->source;
+  command.order.id = core_.servo->command.id;
+  core_.servo.reset();
+  RefuseServo(command, {code, message});
+}
+
+// Makes way for something more urgent, which commands the board next.
+void Decision::DropJob(std::int32_t code, const std::string& message) {
+  const Job job = *std::exchange(core_.job, std::nullopt);
+  Quiet();
+  Answer(job.token, job.motion_id, code, message);
+}
+
+// Ends a motion that was dropped with nothing to follow.
+void Decision::HaltBody(const JobMotion& motion) {
+  const Motion& entry = *rules_.table.Find(motion.command.id);
+  const bool ends_itself = motion.time <= kShortMotion || entry.id == kRecoveryStand;
+  if (entry.limit) {
+    Stand(motion.command);
+  } else if (!ends_itself) {
+    Command(MotionOf(*rules_.table.Find(kRecoveryStand), {}).command, true);
+    core_.link.until = now_ + kStopRepeat;
+  }
+}
+
+bool Decision::Lies() const {
+  const Motion* present = Present();
+  if (present == nullptr || BoardSilent(rules_, core_, now_)) return false;
+  if (present->id == kEmergencyStop) return true;
+  return present->id == kGetDown && core_.body->bar > kDoneBar;
+}
+
+}  // namespace musher::motion

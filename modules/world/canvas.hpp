@@ -1,0 +1,55 @@
+#pragma once
+// A picture that is drawn on, in pixels from its upper left corner; everything is smooth at the
+// edges. canvas.cpp is the only file that knows OpenCV.
+//
+// Threads: one at a time for each canvas.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/result.hpp"
+
+namespace musher::world {
+
+using Pixel = Eigen::Vector2d;
+
+struct Color {
+  std::uint8_t red = 0, green = 0, blue = 0;
+};
+
+// From `a` to `b` by `share`, 0 to 1.
+Color Mix(const Color& a, const Color& b, double share);
+
+enum class Align { kLeft, kCenter, kRight };
+
+class Canvas {
+ public:
+  Canvas(int width, int height, const Color& background);
+  ~Canvas();
+
+  void Line(const Pixel& from, const Pixel& to, const Color& color, double width = 1);
+  // A line with round corners through all points.
+  void Polyline(const std::vector<Pixel>& points, const Color& color, double width);
+  void Fill(const std::vector<Pixel>& corners, const Color& color);
+  void FillRect(const Pixel& corner, const Pixel& opposite, const Color& color);
+  void Outline(const std::vector<Pixel>& corners, const Color& color, double width = 1);
+  void Disc(const Pixel& center, double radius, const Color& color);
+  void Ring(const Pixel& center, double radius, const Color& color, double width = 1);
+
+  // `at`: the left end, middle or right end of the line the letters stand on. UTF-8.
+  void Text(const std::string& text, const Pixel& at, double size, const Color& color,
+            Align align = Align::kLeft);
+  double TextWidth(const std::string& text, double size) const;
+
+  // As PNG; the file is there as a whole or not at all.
+  Result<> Save(const std::string& path) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace musher::world

@@ -1,0 +1,50 @@
+#pragma once
+// What the board of a CyberDog-like body can do, by mode and gait: how long it takes, where it
+// leads, and which modes may follow. Times are those of a calm robot, well within the limits that
+// the robot's motion table gives.
+
+#include <Eigen/Core>
+#include <span>
+
+#include "musher/lifecycle/time.hpp"
+
+namespace musher::world {
+
+enum class Kind {
+  kOff,    // damps and sinks down
+  kLie,    // lies down
+  kStand,  // stands up, from anywhere
+  kWalk,   // goes on as long as commands come, or for their duration
+  kPose,   // takes up the commanded attitude
+  kLeap,   // jumps and flips: once begun they end on the ground
+  kShow,   // dances and the like, on the spot
+};
+
+struct Motion {
+  int mode = 0;
+  int gait = 0;  // kAnyGait: what is not listed
+  Kind kind = Kind::kShow;
+  Duration time{};                 // to its end; for kWalk until it is in its gait
+  Eigen::Vector3d limit{0, 0, 0};  // kWalk: speed x and y in m/s, yaw in rad/s
+  Eigen::Vector3d leads{0, 0, 0};  // kLeap: x and y in m, yaw in rad, from where it began
+  double height_m = 0;             // kLeap: how high it gets
+  double pitch_rad = 0;            // kLeap: how far it turns over; kShow: how it stands
+  double roll_rad = 0;
+};
+
+inline constexpr int kAnyGait = -1;
+
+inline constexpr int kModeOff = 0;
+inline constexpr int kModeLie = 7;
+inline constexpr int kModeStand = 12;
+
+// Null: the board knows no such mode.
+const Motion* FindMotion(int mode, int gait);
+
+// Whether `next` may follow `mode`.
+bool MayFollow(int mode, int next);
+
+// A name for people: "trot", "lie down".
+const char* NameOf(int mode, int gait);
+
+}  // namespace musher::world

@@ -1,0 +1,53 @@
+#pragma once
+// When the next step of a world is due, so that world time runs at a chosen factor of real time;
+// and what factor it really reaches.
+//
+// A process that was kept from running does not catch up: what it missed beyond a little is lost,
+// and world time is that much slower. Plain decisions; real time is an argument.
+
+#include <optional>
+#include <string>
+
+#include "musher/lifecycle/time.hpp"
+
+namespace musher::world {
+
+class Pacer {
+ public:
+  // `step` of world time each, from `now` on.
+  Pacer(Duration step, double factor, Time now);
+
+  // A step is done; gives when the next one is due, in the past when it is late.
+  Time Next(Time now);
+
+  void SetFactor(double factor, Time now);
+  // World time stands still meanwhile, which counts as no slowness.
+  void SetPaused(bool paused, Time now);
+
+  Time due() const { return due_; }  // the next step
+  double factor() const { return factor_; }
+  bool paused() const { return paused_; }
+
+  // The factor over the last whole period of measurement; that wanted before the first is over.
+  double reached() const { return reached_.value_or(factor_); }
+
+  // Something to be logged: the factor cannot be held, or can be again. Once for each change.
+  std::optional<std::string> TakeComplaint();
+
+ private:
+  Duration Period() const;
+  void Measure(Time now);
+  void MeasureFrom(Time now);
+
+  Duration step_;
+  double factor_;
+  bool paused_ = false;
+  Time due_;
+  Time measured_since_;
+  int steps_ = 0;  // since then
+  std::optional<double> reached_;
+  bool slow_ = false;
+  std::optional<std::string> complaint_;
+};
+
+}  // namespace musher::world

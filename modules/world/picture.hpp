@@ -1,0 +1,18 @@
+#pragma once
+// The picture of a world: seen from above with the way the body took, and beneath it what became of
+// battery, machine and motion over world time.
+
+#include <string>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/modules/world/world.hpp"
+
+namespace musher::world {
+
+inline constexpr int kPictureWidth = 1200;
+inline constexpr int kPictureHeight = 960;
+
+// Writes a PNG. Fails when the file cannot be written. From any thread; takes some 100 ms.
+Result<> Draw(const World& world, const std::string& path);
+
+}  // namespace musher::world

@@ -1,0 +1,82 @@
+#include "musher/modules/world/place.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace musher::world {
+namespace {
+
+using Eigen::Rotation2Dd;
+using Eigen::Vector2d;
+
+constexpr double kTouching_m = 1e-9;  // rounding
+constexpr int kSlides = 4;            // out of so many things at once, as in a corner
+
+// Moves `point` out of everything; says whether anything was in its way.
+bool PushOut(const Scene& scene, Vector2d& point) {
+  bool touched = false;
+  const double radius = scene.body.radius_m;
+  const auto out_of = [&](const auto& obstacle) {
+    const Clearance clearance = From(obstacle, point);
+    if (clearance.distance_m >= radius) return;
+    point += clearance.away * (radius - clearance.distance_m);
+    touched = true;
+  };
+  std::for_each(scene.boxes.begin(), scene.boxes.end(), out_of);
+  std::for_each(scene.circles.begin(), scene.circles.end(), out_of);
+  const Vector2d inside = point.cwiseMax(scene.least_m + Vector2d::Constant(radius))
+                              .cwiseMin(scene.most_m - Vector2d::Constant(radius));
+  touched = touched || inside != point;
+  point = inside;
+  return touched;
+}
+
+}  // namespace
+
+Clearance From(const Box& box, const Vector2d& point_m) {
+  const Rotation2Dd turn(box.yaw_rad);
+  const Vector2d local = turn.inverse() * (point_m - box.center_m);
+  const Vector2d beyond = local.cwiseAbs() - box.half_m;
+  const Vector2d sign(local.x() < 0 ? -1 : 1, local.y() < 0 ? -1 : 1);
+  if (beyond.maxCoeff() > 0) {
+    const Vector2d gap = beyond.cwiseMax(0);
+    return {gap.norm(), turn * gap.normalized().cwiseProduct(sign)};
+  }
+  const Vector2d out = beyond.x() > beyond.y() ? Vector2d::UnitX() : Vector2d::UnitY();
+  return {beyond.maxCoeff(), turn * out.cwiseProduct(sign)};
+}
+
+Clearance From(const Circle& circle, const Vector2d& point_m) {
+  const Vector2d gap = point_m - circle.center_m;
+  const double distance = gap.norm();
+  const Vector2d away = distance > 0 ? Vector2d(gap / distance) : Vector2d::UnitX();
+  return {distance - circle.radius_m, away};
+}
+
+bool IsFree(const Scene& scene, const Vector2d& point_m) {
+  const double radius = scene.body.radius_m - kTouching_m;
+  const Vector2d margin = Vector2d::Constant(radius);
+  if ((point_m - scene.least_m - margin).minCoeff() < 0) return false;
+  if ((scene.most_m - point_m - margin).minCoeff() < 0) return false;
+  const auto clear = [&](const auto& obstacle) {
+    return From(obstacle, point_m).distance_m >= radius;
+  };
+  return std::all_of(scene.boxes.begin(), scene.boxes.end(), clear) &&
+         std::all_of(scene.circles.begin(), scene.circles.end(), clear);
+}
+
+Step2 Go(const Scene& scene, const Vector2d& from_m, const Vector2d& to_m) {
+  Step2 step{to_m, false};
+  for (int i = 0; i < kSlides && PushOut(scene, step.to_m); ++i) step.bumped = true;
+  if (step.bumped && !IsFree(scene, step.to_m)) step.to_m = from_m;
+  return step;
+}
+
+bool IsOnPad(const Scene& scene, const Vector2d& point_m) {
+  return std::any_of(scene.pads.begin(), scene.pads.end(), [&](const Pad& pad) {
+    return (point_m - pad.center_m).cwiseAbs().maxCoeff() <= pad.size_m / 2;
+  });
+}
+
+}  // namespace musher::world

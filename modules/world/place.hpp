@@ -1,0 +1,32 @@
+#pragma once
+// Where a body can be: inside the scene's area and outside its obstacles. A body is a circle.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "musher/modules/world/scene.hpp"
+
+namespace musher::world {
+
+// What is left between the point and the nearest surface, negative inside, and the way out.
+struct Clearance {
+  double distance_m = 0;
+  Eigen::Vector2d away;  // of length 1
+};
+Clearance From(const Box& box, const Eigen::Vector2d& point_m);
+Clearance From(const Circle& circle, const Eigen::Vector2d& point_m);
+
+// Whether a body of that radius can stand there.
+bool IsFree(const Scene& scene, const Eigen::Vector2d& point_m);
+
+struct Step2 {
+  Eigen::Vector2d to_m;
+  bool bumped = false;
+};
+// Where a body gets that is free at `from` and wants to go a short way to `to`: it slides along
+// what is in its way, and stays where it cannot.
+Step2 Go(const Scene& scene, const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m);
+
+bool IsOnPad(const Scene& scene, const Eigen::Vector2d& point_m);
+
+}  // namespace musher::world

@@ -1,0 +1,359 @@
+#include "musher/modules/world/scene_toml.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+#include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/lifecycle/toml/names.hpp"
+#include "musher/lifecycle/toml/table_reader.hpp"
+#include "musher/modules/world/body.hpp"
+#include "musher/modules/world/place.hpp"
+
+namespace musher::world {
+namespace {
+
+using config_toml::Array;
+using config_toml::Findings;
+using config_toml::Position;
+using config_toml::Table;
+using config_toml::TableReader;
+using config_toml::Value;
+using Eigen::Vector2d;
+
+constexpr std::uintmax_t kLargestFile = 1U << 20;
+constexpr double kFarthest_m = 1000;
+constexpr double kSmallest_m = 0.01;
+constexpr double kMost_w = 10'000;
+constexpr double kMost_wh = 100'000;
+constexpr double kLongest_s = 1e6;  // eleven days
+constexpr std::int64_t kMostSeed = std::int64_t{1} << 62;
+constexpr std::int64_t kMostMode = 127;  // what fits into the board's messages
+
+double Radians(double degrees) {
+  return std::remainder(degrees, 360) * M_PI / 180;
+}
+
+// Scene::start and what events carry: a pose that must be free.
+struct PlacedPose {
+  Pose2 pose;
+  Position at;
+  std::string what;
+};
+
+class Reader {
+ public:
+  explicit Reader(Findings& findings) : findings_(findings) {}
+
+  Scene Read(const Table& table, const std::string& path) {
+    TableReader root(table, {1, 1}, "", findings_);
+    scene_.name = std::filesystem::path(path).stem().string();
+    if (auto name = root.String("name")) scene_.name = name->text;
+    if (const auto seed = root.Integer("seed", 0, kMostSeed)) {
+      scene_.seed = static_cast<std::uint64_t>(*seed);
+    }
+    Set(scene_.speed, root.Number("speed", kLeastSpeed, kMostSpeed));
+    Section(root, "place", [&](TableReader& reader) { ReadPlace(reader); });
+    Section(root, "body", [&](TableReader& reader) { ReadBody(reader); });
+    Section(root, "battery", [&](TableReader& reader) { ReadBattery(reader); });
+    Section(root, "picture", [&](TableReader& reader) { ReadPicture(reader); });
+    placed_.push_back({scene_.start, {1, 1}, "start"});
+    Section(root, "start", [&](TableReader& reader) { ReadStart(reader); });
+    Each(root, "box", [&](TableReader& reader) { ReadBox(reader); });
+    Each(root, "wall", [&](TableReader& reader) { ReadWall(reader); });
+    Each(root, "circle", [&](TableReader& reader) { ReadCircle(reader); });
+    Each(root, "pad", [&](TableReader& reader) { ReadPad(reader); });
+    Each(root, "motion", [&](TableReader& reader) { ReadMotion(reader); });
+    Each(root, "event", [&](TableReader& reader) { ReadEvent(reader); });
+    root.RefuseOthers();
+    if (!findings_.HasErrors()) CheckPoses();
+    std::stable_sort(scene_.events.begin(), scene_.events.end(),
+                     [](const Event& a, const Event& b) { return a.at < b.at; });
+    return std::move(scene_);
+  }
+
+ private:
+  template <typename T>
+  static void Set(T& field, const std::optional<T>& value) {
+    if (value) field = *value;
+  }
+
+  template <typename Read>
+  void Section(TableReader& root, std::string_view key, Read read) {
+    const Position at = root.At(key);
+    if (const Table* table = root.SubTable(key)) {
+      TableReader reader(*table, at, std::string(key), findings_);
+      read(reader);
+      reader.RefuseOthers();
+    }
+  }
+
+  template <typename Read>
+  void Each(TableReader& root, std::string_view key, Read read) {
+    if (!root.Has(key)) return;
+    int number = 0;
+    for (const Value* value : root.Tables(key)) {
+      const std::string path = std::string(key) + "[" + std::to_string(++number) + "]";
+      TableReader reader(*value->As<Table>(), value->at, path, findings_);
+      read(reader);
+      reader.RefuseOthers();
+    }
+  }
+
+  // Two numbers: a point, or the least and the most of something.
+  std::optional<Vector2d> Pair(TableReader& reader, std::string_view key) {
+    const Value* value = reader.Get(key);
+    if (value == nullptr) return std::nullopt;
+    const auto* array = value->As<Array>();
+    Vector2d pair;
+    bool good = array != nullptr && array->size() == 2;
+    for (std::size_t i = 0; good && i < 2; ++i) {
+      const auto* integer = (*array)[i].As<std::int64_t>();
+      const auto* number = (*array)[i].As<double>();
+      good = integer != nullptr || number != nullptr;
+      if (!good) break;
+      pair[i] = number != nullptr ? *number : static_cast<double>(*integer);
+      good = std::abs(pair[i]) <= kFarthest_m;  // never true for nan
+    }
+    if (good) return pair;
+    reader.Fault(value->at, key, "expected two numbers from -1000 to 1000, as in [1.5, -2.0]");
+    return std::nullopt;
+  }
+
+  std::optional<double> Coordinate(TableReader& reader, std::string_view key) {
+    return reader.Number(key, -kFarthest_m, kFarthest_m);
+  }
+  std::optional<double> Length(TableReader& reader, std::string_view key) {
+    return reader.Number(key, kSmallest_m, kFarthest_m);
+  }
+
+  Vector2d Center(TableReader& reader) {
+    for (const char* key : {"x_m", "y_m"}) reader.Require(key, "a position in metres");
+    const double x = Coordinate(reader, "x_m").value_or(0);
+    return {x, Coordinate(reader, "y_m").value_or(0)};
+  }
+  std::string Name(TableReader& reader) {
+    const auto name = reader.String("name");
+    return name ? name->text : "";
+  }
+
+  void ReadPlace(TableReader& reader) {
+    for (const auto& [key, axis] : {std::pair("x_m", 0), std::pair("y_m", 1)}) {
+      const auto range = Pair(reader, key);
+      if (!range) continue;
+      if (range->y() - range->x() < 1) {
+        reader.Fault(reader.At(key), key, "expected [least, most], at least a metre apart");
+        continue;
+      }
+      scene_.least_m[axis] = range->x();
+      scene_.most_m[axis] = range->y();
+    }
+  }
+
+  void ReadStart(TableReader& reader) {
+    Set(scene_.start.position_m.x(), Coordinate(reader, "x_m"));
+    Set(scene_.start.position_m.y(), Coordinate(reader, "y_m"));
+    if (const auto yaw = reader.Number("yaw_deg", -360, 360)) scene_.start.yaw_rad = Radians(*yaw);
+    Set(scene_.start_standing, reader.Bool("standing"));
+    placed_.back() = {scene_.start, reader.at(), "start"};
+  }
+
+  void ReadBody(TableReader& reader) {
+    BodySpec& body = scene_.body;
+    Set(body.radius_m, reader.Number("radius_m", 0.05, 2));
+    Set(body.stand_height_m, reader.Number("stand_height_m", 0.1, 2));
+    Set(body.lie_height_m, reader.Number("lie_height_m", 0.01, 1));
+    Set(body.lag, reader.Time("lag_ms"));
+    Set(body.slip, reader.Number("slip", 0, 0.9));
+    Set(body.noise, reader.Number("noise", 0, 0.5));
+    Set(body.odometry_scale, reader.Number("odometry_scale", 0.5, 2));
+    if (const auto drift = reader.Number("odometry_yaw_drift_deg_per_m", -45, 45)) {
+      body.odometry_yaw_drift_rad_per_m = Radians(*drift);
+    }
+    Set(body.command_timeout, reader.Time("command_timeout_ms"));
+    if (body.stand_height_m <= body.lie_height_m) {
+      reader.Fault(reader.At("stand_height_m"), "stand_height_m",
+                   "expected more than lie_height_m, the body would lie when it stands");
+    }
+  }
+
+  void ReadBattery(TableReader& reader) {
+    BatterySpec& battery = scene_.battery;
+    Set(battery.capacity_wh, reader.Number("capacity_wh", 0.01, kMost_wh));
+    Set(battery.start_percent, reader.Number("start_percent", 0, 100));
+    Set(battery.off_w, reader.Number("off_w", 0, kMost_w));
+    Set(battery.lying_w, reader.Number("lying_w", 0, kMost_w));
+    Set(battery.standing_w, reader.Number("standing_w", 0, kMost_w));
+    Set(battery.moving_w, reader.Number("moving_w", 0, kMost_w));
+    Set(battery.cable_w, reader.Number("cable_w", 0, kMost_w));
+    Set(battery.pad_w, reader.Number("pad_w", 0, kMost_w));
+  }
+
+  void ReadPicture(TableReader& reader) {
+    if (const auto file = reader.String("file")) {
+      scene_.picture.file = file->text;
+      if (!file->text.ends_with(".png")) {
+        reader.Fault(file->at, "file", "expected the name of a .png file");
+      }
+    }
+    Set(scene_.picture.at_teardown, reader.Bool("at_teardown"));
+  }
+
+  void ReadBox(TableReader& reader) {
+    Box box{Name(reader), Center(reader), {}, 0};
+    for (const char* key : {"length_m", "width_m"}) reader.Require(key, "a length in metres");
+    box.half_m.x() = Length(reader, "length_m").value_or(1) / 2;
+    box.half_m.y() = Length(reader, "width_m").value_or(1) / 2;
+    box.yaw_rad = Radians(reader.Number("yaw_deg", -360, 360).value_or(0));
+    scene_.boxes.push_back(std::move(box));
+  }
+
+  void ReadWall(TableReader& reader) {
+    for (const char* key : {"from_m", "to_m"}) reader.Require(key, "a point, as in [1.5, -2.0]");
+    const auto from = Pair(reader, "from_m");
+    const auto to = Pair(reader, "to_m");
+    const double thickness = Length(reader, "thickness_m").value_or(0.1);
+    Box wall{Name(reader), {}, {}, 0};
+    if (!from || !to) return;
+    const Vector2d along = *to - *from;
+    if (along.norm() < kSmallest_m) {
+      return reader.Fault(reader.At("to_m"), "to_m", "expected another point than from_m");
+    }
+    wall.center_m = (*from + *to) / 2;
+    wall.half_m = {along.norm() / 2, thickness / 2};
+    wall.yaw_rad = std::atan2(along.y(), along.x());
+    scene_.boxes.push_back(std::move(wall));
+  }
+
+  void ReadCircle(TableReader& reader) {
+    Circle circle{Name(reader), Center(reader), 0};
+    reader.Require("radius_m", "a length in metres");
+    circle.radius_m = Length(reader, "radius_m").value_or(1);
+    scene_.circles.push_back(std::move(circle));
+  }
+
+  void ReadPad(TableReader& reader) {
+    const Vector2d center = Center(reader);
+    scene_.pads.push_back({center, Length(reader, "size_m").value_or(0.8)});
+  }
+
+  void ReadMotion(TableReader& reader) {
+    for (const char* key : {"mode", "gait"}) reader.Require(key, "a number of the board's");
+    reader.Require("time_ms", "how long it takes");
+    const auto mode = reader.Integer("mode", 0, kMostMode);
+    const auto gait = reader.Integer("gait", 0, kMostMode);
+    const auto time = reader.Time("time_ms");
+    if (!mode || !gait || !time) return;
+    if (FindMotion(static_cast<int>(*mode), static_cast<int>(*gait)) == nullptr) {
+      return reader.Fault(reader.At("mode"), "mode",
+                          "the board knows no mode " + std::to_string(*mode));
+    }
+    scene_.motion_times.push_back({static_cast<int>(*mode), static_cast<int>(*gait), *time});
+  }
+
+  void ReadEvent(TableReader& reader) {
+    reader.Require("at_s", "when it happens, in seconds of world time");
+    const double at_s = reader.Number("at_s", 0, kLongest_s).value_or(0);
+    Event event;
+    event.at = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(at_s));
+    int found = 0;
+    const auto take = [&](auto what) {
+      event.what = std::move(what);
+      ++found;
+    };
+    if (reader.Has("battery_percent")) {
+      take(ChargeTo{reader.Number("battery_percent", 0, 100).value_or(0)});
+    }
+    if (reader.Has("cable")) take(Cable{reader.Bool("cable").value_or(false)});
+    if (reader.Has("touch")) {
+      take(Touch{static_cast<int>(reader.Integer("touch", 1, kMostTouchState).value_or(1))});
+    }
+    if (reader.Has("fault")) take(ReadFault(reader));
+    if (reader.Has("place_m")) take(ReadCarry(reader));
+    if (reader.Has("speed")) {
+      take(Speed{reader.Number("speed", kLeastSpeed, kMostSpeed).value_or(1)});
+    }
+    if (found != 1) {
+      findings_.Error(reader.at(), reader.path() +
+                                       ": expected one of battery_percent, cable, touch, fault, "
+                                       "place_m and speed, found " +
+                                       (found == 0 ? "none" : "several"));
+    }
+    scene_.events.push_back(std::move(event));
+  }
+
+  FaultOn ReadFault(TableReader& reader) {
+    std::vector<std::pair<std::string_view, std::string_view>> names;
+    for (const FaultKind& fault : Faults()) names.emplace_back(fault.name, fault.name);
+    const std::string name(reader.Choice("fault", names).value_or("none"));
+    const auto motor = reader.Integer("motor", 0, kMotors - 1);
+    if (motor && !FindFault(name)->of_a_motor) {
+      reader.Fault(reader.At("motor"), "motor", "this fault is of no motor");
+    }
+    return {name, static_cast<int>(motor.value_or(0))};
+  }
+
+  Carry ReadCarry(TableReader& reader) {
+    Pose2 pose;
+    if (const auto point = Pair(reader, "place_m")) pose.position_m = *point;
+    pose.yaw_rad = Radians(reader.Number("yaw_deg", -360, 360).value_or(0));
+    placed_.push_back({pose, reader.At("place_m"), reader.path() + ".place_m"});
+    return {pose};
+  }
+
+  void CheckPoses() {
+    for (const PlacedPose& placed : placed_) {
+      if (IsFree(scene_, placed.pose.position_m)) continue;
+      findings_.Error(placed.at, placed.what +
+                                     ": the body, a circle of radius_m, cannot be there: "
+                                     "it is in an obstacle or outside the place");
+    }
+  }
+
+  Findings& findings_;
+  Scene scene_;
+  std::vector<PlacedPose> placed_;
+};
+
+SceneReading Unreadable(const std::string& path, const std::string& reason) {
+  return {std::nullopt, {{path, 0, 0, Severity::kError, "the file cannot be read: " + reason}}};
+}
+
+}  // namespace
+
+SceneReading ReadSceneText(std::string_view text, const std::string& path) {
+  Findings findings;
+  SceneReading reading;
+  const auto document = config_toml::ParseDocument(text);
+  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
+    findings.Error(fault->at, fault->message);
+  } else {
+    Scene scene = Reader(findings).Read(std::get<Table>(document), path);
+    if (!findings.HasErrors()) reading.scene = std::move(scene);
+  }
+  reading.diagnostics = std::move(findings).Take(path, text);
+  return reading;
+}
+
+SceneReading ReadSceneFile(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return Unreadable(path, "it is a folder");
+  if (std::filesystem::file_size(path, error) > kLargestFile && !error) {
+    return Unreadable(path, "it is larger than 1 MiB");
+  }
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Unreadable(path, errno != 0 ? std::strerror(errno) : "it cannot be opened");
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  return ReadSceneText(text, path);
+}
+
+}  // namespace musher::world

@@ -1,0 +1,259 @@
+#include "musher/modules/world/top_view.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "musher/modules/world/palette.hpp"
+#include "musher/modules/world/strip_chart.hpp"
+
+namespace musher::world {
+namespace {
+
+using Eigen::Rotation2Dd;
+using Eigen::Vector2d;
+
+constexpr double kLetters = 12;
+constexpr double kTiny = 11;
+constexpr double kWayWidth = 3.5;
+
+std::vector<Vector2d> Corners(const Vector2d& center, const Vector2d& half, double yaw_rad) {
+  const Rotation2Dd turn(yaw_rad);
+  std::vector<Vector2d> corners;
+  for (const auto& [x, y] :
+       {std::pair(1, 1), std::pair(-1, 1), std::pair(-1, -1), std::pair(1, -1)}) {
+    corners.emplace_back(center + turn * Vector2d(x * half.x(), y * half.y()));
+  }
+  return corners;
+}
+
+class TopView {
+ public:
+  TopView(const World& world, const Pixel& corner, const Pixel& opposite, Canvas& canvas)
+      : world_(world), scene_(world.scene()), canvas_(canvas) {
+    constexpr double kAxis = 34;  // below
+    const Vector2d size = scene_.most_m - scene_.least_m;
+    const Vector2d room = opposite - corner - Vector2d(0, kAxis);
+    scale_ = (room.array() / size.array()).minCoeff();
+    origin_ = Pixel(corner.x(), corner.y() + size.y() * scale_);
+  }
+
+  double right() const { return At(scene_.most_m).x(); }
+
+  void Draw() {
+    Ground();
+    for (const Pad& pad : scene_.pads) DrawPad(pad);
+    for (const Box& box : scene_.boxes) {
+      const std::vector<Pixel> corners = At(Corners(box.center_m, box.half_m, box.yaw_rad));
+      canvas_.Fill(corners, kObstacle);
+      canvas_.Outline(corners, kObstacleEdge, 1.2);
+      Label(box.name, box.center_m, 2 * box.half_m.minCoeff());
+    }
+    for (const Circle& circle : scene_.circles) {
+      canvas_.Disc(At(circle.center_m), circle.radius_m * scale_, kObstacle);
+      canvas_.Ring(At(circle.center_m), circle.radius_m * scale_, kObstacleEdge, 1.2);
+      Label(circle.name, circle.center_m, 2 * circle.radius_m);
+    }
+    Way();
+    for (const Bump& bump : world_.track().bumps()) Cross(At(bump.where_m), 5);
+    DrawBody(scene_.start, false);
+    DrawBody(world_.body().pose(), true);
+  }
+
+ private:
+  Pixel At(const Vector2d& point_m) const {
+    const Vector2d from_corner = (point_m - scene_.least_m) * scale_;
+    return {origin_.x() + from_corner.x(), origin_.y() - from_corner.y()};
+  }
+  std::vector<Pixel> At(const std::vector<Vector2d>& points_m) const {
+    std::vector<Pixel> pixels;
+    for (const Vector2d& point : points_m) pixels.push_back(At(point));
+    return pixels;
+  }
+
+  void Ground() {
+    const Pixel low = At(scene_.least_m);
+    const Pixel high = At(scene_.most_m);
+    canvas_.FillRect({low.x(), high.y()}, {high.x(), low.y()}, kGround);
+    const double every = (scene_.most_m - scene_.least_m).maxCoeff() > 24 ? 5 : 1;
+    for (double x = std::ceil(scene_.least_m.x() / every) * every; x <= scene_.most_m.x();
+         x += every) {
+      const double px = At({x, 0}).x();
+      canvas_.Line({px, low.y()}, {px, high.y()}, kGrid);
+      canvas_.Text(Metres(x), {px, low.y() + 17}, kTiny, kGreyInk, Align::kCenter);
+    }
+    for (double y = std::ceil(scene_.least_m.y() / every) * every; y <= scene_.most_m.y();
+         y += every) {
+      const double py = At({0, y}).y();
+      canvas_.Line({low.x(), py}, {high.x(), py}, kGrid);
+      canvas_.Text(Metres(y), {low.x() - 8, py + 4}, kTiny, kGreyInk, Align::kRight);
+    }
+    canvas_.Outline({low, {high.x(), low.y()}, high, {low.x(), high.y()}}, kGreyInk, 1.2);
+    canvas_.Text("x, m", {high.x(), low.y() + 32}, kTiny, kGreyInk, Align::kRight);
+    canvas_.Text("y, m", {low.x() - 8, high.y() - 8}, kTiny, kGreyInk, Align::kRight);
+  }
+
+  static std::string Metres(double value) {
+    char text[16];
+    std::snprintf(text, sizeof(text), "%s%.0f", value < 0 ? "\u2212" : "", std::abs(value));
+    return text;
+  }
+
+  void Label(const std::string& name, const Vector2d& center_m, double narrow_m) {
+    if (name.empty() || narrow_m * scale_ < kTiny + 4) return;
+    canvas_.Text(name, At(center_m) + Pixel(0, 4), kTiny, kInk, Align::kCenter);
+  }
+
+  void DrawPad(const Pad& pad) {
+    const auto half = Vector2d::Constant(pad.size_m / 2);
+    const std::vector<Pixel> corners = At(Corners(pad.center_m, half, 0));
+    canvas_.Fill(corners, kPad);
+    canvas_.Outline(corners, kPadEdge, 1.5);
+    const double unit = pad.size_m * scale_ / 4;
+    const Pixel center = At(pad.center_m);
+    std::vector<Pixel> bolt;
+    for (const auto& [x, y] : {std::pair(0.2, -1.2), std::pair(-0.7, 0.2), std::pair(-0.1, 0.2),
+                               std::pair(-0.2, 1.2), std::pair(0.7, -0.2), std::pair(0.1, -0.2)}) {
+      bolt.emplace_back(center + Pixel(x, y) * unit);
+    }
+    canvas_.Fill(bolt, kPadEdge);
+  }
+
+  // In pieces of one colour. Where the body was carried there is no line.
+  void Way() {
+    const std::vector<Sample>& samples = world_.track().samples();
+    std::vector<Pixel> piece = {At(samples.front().pose.position_m)};
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+      const Sample& last = samples[i - 1];
+      const Sample& sample = samples[i];
+      const double seconds = std::chrono::duration<double>(sample.at - last.at).count();
+      const bool carried =
+          (sample.pose.position_m - last.pose.position_m).norm() > 0.3 + 2 * seconds;
+      if (!carried) piece.push_back(At(sample.pose.position_m));
+      if (carried || i + 1 == samples.size() || sample.machine_state != last.machine_state ||
+          std::abs(sample.battery_percent - battery_) > 2) {
+        if (piece.size() > 1) {
+          canvas_.Polyline(piece, ColorOfWay(world_.track(), last), kWayWidth);
+        }
+        piece = {At(sample.pose.position_m)};
+        battery_ = sample.battery_percent;
+      }
+    }
+  }
+
+  void Cross(const Pixel& at, double half) {
+    canvas_.Line(at - Pixel(half, half), at + Pixel(half, half), kBumpRed, 2);
+    canvas_.Line(at + Pixel(-half, half), at + Pixel(half, -half), kBumpRed, 2);
+  }
+
+  // A trunk with its head ahead; where it began hollow, where it is now full.
+  void DrawBody(const Pose2& pose, bool now) {
+    const double unit = scene_.body.radius_m;
+    const Rotation2Dd turn(pose.yaw_rad);
+    const auto part = [&](const Vector2d& center, const Vector2d& half) {
+      return At(Corners(pose.position_m + turn * (center * unit), half * unit, pose.yaw_rad));
+    };
+    const std::vector<Pixel> trunk = part({-0.1, 0}, {0.75, 0.42});
+    const std::vector<Pixel> head = part({0.85, 0}, {0.2, 0.26});
+    if (now) {
+      for (const auto& shape : {trunk, head}) {
+        canvas_.Fill(shape, kInk);
+        canvas_.Outline(shape, kPaper, 1.2);
+      }
+      Lights(pose);
+    } else {
+      canvas_.Outline(trunk, kInk, 1.5);
+      canvas_.Outline(head, kInk, 1.5);
+    }
+  }
+
+  void Lights(const Pose2& pose) {
+    const Rotation2Dd turn(pose.yaw_rad);
+    for (const auto& [target, light] : world_.track().lights()) {
+      const double ahead = target == 1 ? 0.85 : target == 2 ? -0.7 : 0.2;
+      const Vector2d where = pose.position_m + turn * Vector2d(ahead * scene_.body.radius_m, 0);
+      canvas_.Disc(At(where), 3, {light.red, light.green, light.blue});
+    }
+  }
+
+  const World& world_;
+  const Scene& scene_;
+  Canvas& canvas_;
+  double scale_ = 1;  // pixels in a metre
+  Pixel origin_;      // of the place's lower left corner
+  double battery_ = -1;
+};
+
+// Seconds spent in each state, in the order they first came.
+std::map<int, double> TimeInStates(const Track& track) {
+  std::map<int, double> seconds;
+  const std::vector<Sample>& samples = track.samples();
+  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+    seconds[samples[i].machine_state] +=
+        std::chrono::duration<double>(samples[i + 1].at - samples[i].at).count();
+  }
+  return seconds;
+}
+
+}  // namespace
+
+double DrawTopView(const World& world, const Pixel& corner, const Pixel& opposite, Canvas& canvas) {
+  TopView view(world, corner, opposite, canvas);
+  view.Draw();
+  return view.right();
+}
+
+void DrawLegend(const World& world, const Pixel& corner, Canvas& canvas) {
+  constexpr double kRow = 24;
+  const Track& track = world.track();
+  Pixel at = corner;
+  const auto title = [&](const std::string& text) {
+    canvas.Text(text, at, 13, kInk);
+    at.y() += kRow;
+  };
+  const auto row = [&](const std::string& text, const std::string& right = "") {
+    canvas.Text(text, at + Pixel(38, 0), kLetters, kInk);
+    canvas.Text(right, at + Pixel(200, 0), kLetters, kGreyInk, Align::kRight);
+    at.y() += kRow;
+  };
+  const auto swatch = [&](const Color& color) {
+    canvas.FillRect(at + Pixel(0, -9), at + Pixel(26, 1), color);
+  };
+  if (HeardAMachine(track)) {
+    title("The way, by machine state");
+    for (const auto& [index, seconds] : TimeInStates(track)) {
+      const std::string& state = track.states().at(static_cast<std::size_t>(index));
+      if (state.empty() && seconds < 1) continue;
+      swatch(ColorOfState(state));
+      row(state.empty() ? "not heard yet" : state, ClockText(std::round(seconds)));
+    }
+  } else {
+    title("The way, by battery");
+    for (const int percent : {100, 50, 20, 0}) {
+      swatch(ColorOfBattery(percent));
+      row(std::to_string(percent) + " %");
+    }
+  }
+  at.y() += kRow / 2;
+  title("The place");
+  canvas.Outline({at + Pixel(4, -10), at + Pixel(22, -10), at + Pixel(22, 1), at + Pixel(4, 1)},
+                 kInk, 1.5);
+  row("where it began");
+  canvas.FillRect(at + Pixel(4, -10), at + Pixel(22, 1), kInk);
+  row("where it is");
+  swatch(kObstacle);
+  row("obstacle");
+  if (!world.scene().pads.empty()) {
+    swatch(kPad);
+    row("charging pad");
+  }
+  if (!track.bumps().empty()) {
+    canvas.Line(at + Pixel(8, -9), at + Pixel(18, 1), kBumpRed, 2);
+    canvas.Line(at + Pixel(8, 1), at + Pixel(18, -9), kBumpRed, 2);
+    row("bump", std::to_string(track.bumps().size()));
+  }
+}
+
+}  // namespace musher::world

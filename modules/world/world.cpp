@@ -1,0 +1,121 @@
+#include "musher/modules/world/world.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <type_traits>
+#include <utility>
+
+#include "musher/modules/world/place.hpp"
+
+namespace musher::world {
+namespace {
+
+std::string At(const Eigen::Vector2d& point_m) {
+  char text[64];
+  std::snprintf(text, sizeof(text), "(%.2f m, %.2f m)", point_m.x(), point_m.y());
+  return text;
+}
+
+}  // namespace
+
+World::World(Scene scene)
+    : scene_(std::make_shared<const Scene>(std::move(scene))),
+      chance_(scene_->seed),
+      body_(*scene_),
+      battery_(scene_->battery) {
+  Record();
+}
+
+Happenings World::Step() {
+  Happenings happenings;
+  now_ += kStep;
+  while (next_event_ < scene_->events.size() && scene_->events[next_event_].at <= now_) {
+    Happen(scene_->events[next_event_++], happenings);
+  }
+  const bool was_empty = supply_.battery_empty;
+  battery_.Step(kStep, body_.activity(), on_pad());
+  supply_.battery_empty = battery_.empty();
+  if (supply_.battery_empty && !was_empty) happenings.said.emplace_back("the battery is empty");
+
+  body_.Step(*scene_, supply_, now_, kStep, chance_);
+  if (body_.bumped() && !touching_) {
+    track_.AddBump({now_, body_.pose().position_m});
+    happenings.said.push_back("the body bumped into something at " + At(body_.pose().position_m));
+  }
+  touching_ = body_.bumped();
+  if (track_.IsDue(now_)) Record();
+  return happenings;
+}
+
+std::optional<std::string> World::Command(const BoardCommand& command) {
+  return body_.Take(*scene_, command, now_);
+}
+
+std::optional<std::string> World::SetBattery(double percent) {
+  if (!(percent >= 0 && percent <= 100)) {
+    return "a battery of " + std::to_string(percent) + " % is refused: expected 0 to 100";
+  }
+  battery_.Set(percent);
+  Record();
+  return std::nullopt;
+}
+
+void World::Plug(bool in) {
+  battery_.Plug(in);
+  Record();
+}
+
+std::optional<std::string> World::PutDown(const Pose2& at) {
+  if (!at.position_m.allFinite() || !std::isfinite(at.yaw_rad)) {
+    return "a place that is not a number is refused";
+  }
+  if (!IsFree(*scene_, at.position_m)) {
+    return "the body cannot be at " + At(at.position_m) + ": something is there, or it is outside";
+  }
+  Record();
+  body_.PutDown({at.position_m, std::remainder(at.yaw_rad, 2 * M_PI)});
+  Record();
+  return std::nullopt;
+}
+
+void World::SetLight(int target, const Light& light) {
+  track_.SetLight(target, light);
+}
+
+bool World::on_pad() const {
+  return IsOnPad(*scene_, body_.pose().position_m);
+}
+
+void World::Happen(const Event& event, Happenings& happenings) {
+  const auto objection = std::visit(
+      [&](const auto& what) -> std::optional<std::string> {
+        using What = std::decay_t<decltype(what)>;
+        if constexpr (std::is_same_v<What, ChargeTo>) {
+          return SetBattery(what.percent);
+        } else if constexpr (std::is_same_v<What, Cable>) {
+          Plug(what.in);
+        } else if constexpr (std::is_same_v<What, Touch>) {
+          happenings.touches.push_back(what.state);
+        } else if constexpr (std::is_same_v<What, FaultOn>) {
+          SetFault(*FindFault(what.name), static_cast<std::size_t>(what.motor));
+        } else if constexpr (std::is_same_v<What, Carry>) {
+          return PutDown(what.at);
+        } else {
+          happenings.speed = what.factor;
+        }
+        return std::nullopt;
+      },
+      event.what);
+  if (objection) happenings.said.push_back(*objection);
+}
+
+void World::Record() {
+  Sample sample;
+  sample.at = now_;
+  sample.pose = body_.pose();
+  sample.battery_percent = battery_.percent();
+  sample.charging = battery_.charging();
+  track_.Add(sample, machine_state_, NameOf(body_.mode(), body_.gait()));
+}
+
+}  // namespace musher::world

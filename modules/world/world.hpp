@@ -1,0 +1,68 @@
+#pragma once
+// A robot and the place it is in, moved in steps of 20 ms of world time. A plain value: the same
+// scene, seed and inputs give the same world, however the time is sliced into calls.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/modules/world/battery.hpp"
+#include "musher/modules/world/body.hpp"
+#include "musher/modules/world/scene.hpp"
+#include "musher/modules/world/track.hpp"
+
+namespace musher::world {
+
+inline constexpr Duration kStep = Milliseconds(20);
+
+// What a step brought forth for those outside.
+struct Happenings {
+  std::vector<int> touches;       // touch_state codes
+  std::optional<double> speed;    // the scene changed how fast time runs
+  std::vector<std::string> said;  // for the log
+};
+
+class World {
+ public:
+  explicit World(Scene scene);
+
+  Happenings Step();
+
+  // A command of the body's commander. Says why when it is refused.
+  std::optional<std::string> Command(const BoardCommand& command);
+  // From 0 to 100; else it says why not.
+  std::optional<std::string> SetBattery(double percent);
+  void Plug(bool in);
+  void SetMotorPower(bool on) { supply_.motor_power = on; }
+  // Says why when the body cannot be there.
+  std::optional<std::string> PutDown(const Pose2& at);
+  void SetFault(const FaultKind& fault, std::size_t motor) { body_.SetFault(fault, motor); }
+  // What others said, to be drawn: the machine's state, the colour of a light.
+  void SetMachineState(const std::string& state) { machine_state_ = state; }
+  void SetLight(int target, const Light& light);
+
+  Duration now() const { return now_; }
+  const Scene& scene() const { return *scene_; }
+  const Body& body() const { return body_; }
+  const Battery& battery() const { return battery_; }
+  bool on_pad() const;
+  const Track& track() const { return track_; }
+
+ private:
+  void Happen(const Event& event, Happenings& happenings);
+  void Record();
+
+  std::shared_ptr<const Scene> scene_;  // never changed
+  Duration now_{};
+  Chance chance_;
+  Body body_;
+  Battery battery_;
+  Supply supply_;
+  std::size_t next_event_ = 0;
+  bool touching_ = false;  // the body was stopped by something in the last step
+  std::string machine_state_;
+  Track track_;
+};
+
+}  // namespace musher::world

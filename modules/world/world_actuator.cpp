@@ -1,0 +1,82 @@
+#include "musher/modules/world/world_actuator.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <optional>
+#include <utility>
+
+#include "musher/modules/world/picture.hpp"
+
+namespace musher::world {
+
+WorldActuator::WorldActuator(const std::string& actuator_name, Scene scene)
+    : MachineActuator(actuator_name), scene_(std::move(scene)) {}
+
+WorldActuator::~WorldActuator() {
+  Shutdown();
+  if (node_) node_->RunOnLoop([this] { host_.reset(); });
+  if (drawer_.joinable()) drawer_.join();
+}
+
+Result<> WorldActuator::Prepare(const std::string& state_config,
+                                std::shared_ptr<transport::NodeThread> node) {
+  if (Result<> read = Init(state_config, std::move(node)); !read) return read;
+  const auto index = machine_config().IndexOf(name());
+  if (!index) return Error{kCodeFailed, "the state config has no actuator " + name()};
+  for (const State& state : machine_config().actuators[*index].states) {
+    RegisterStateCallback(state, std::function<Result<>()>([this, state] { return Run(state); }));
+  }
+  return Ok();
+}
+
+Result<> WorldActuator::Run(const State& state) {
+  if (state == kSetUp) return SetUp();
+  if (state == kTearDown) return TearDown();
+  return Ok();
+}
+
+Result<> WorldActuator::SetUp() {
+  node_ = node();
+  HostOptions options;
+  options.name_space = machine_config().name_space;
+  options.picture_path = PicturePath();
+  options.log = [who = name()](const std::string& line) {
+    std::cerr << who << ": " << line << std::endl;
+  };
+  // Only one at a time: the one before has posted its end.
+  options.in_background = [this](std::function<void()> work) {
+    if (drawer_.joinable()) drawer_.join();
+    drawer_ = std::thread(std::move(work));
+  };
+  Result<> started;
+  node_->RunOnLoop([&] {
+    if (host_) return;
+    auto host = WorldHost::Start(node_->node(), scene_, std::move(options));
+    if (!host) {
+      started = host.error();
+    } else {
+      host_ = std::move(host).value();
+    }
+  });
+  return started;
+}
+
+Result<> WorldActuator::TearDown() {
+  if (!scene_.picture.at_teardown || !host_) return Ok();
+  std::optional<World> world;
+  node_->RunOnLoop([&] { world = host_->world(); });
+  const std::string path = PicturePath();
+  if (const Result<> drawn = Draw(*world, path); !drawn) {
+    std::cerr << name() << ": " << drawn.error().message << std::endl;  // no reason to stay
+    return Ok();
+  }
+  std::cerr << name() << ": drawn: " << path << std::endl;
+  return Ok();
+}
+
+std::string WorldActuator::PicturePath() const {
+  return (std::filesystem::path(machine_config().state_dir) / scene_.picture.file).string();
+}
+
+}  // namespace musher::world

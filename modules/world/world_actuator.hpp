@@ -1,0 +1,38 @@
+#pragma once
+// The world as an actuator of a machine, usually its first: the others are `after` it. Its states
+// mean little: time goes on in all of them, from SetUp to TearDown.
+//
+// Threads: the world lives on the loop of the actuator's node; pictures are drawn on a thread of
+// their own.
+
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/modules/world/world_host.hpp"
+
+namespace musher::world {
+
+class WorldActuator : public MachineActuator {
+ public:
+  WorldActuator(const std::string& actuator_name, Scene scene);
+  ~WorldActuator() override;
+
+  // Reads the state config and takes the states it lists for this actuator.
+  Result<> Prepare(const std::string& state_config,
+                   std::shared_ptr<transport::NodeThread> node = nullptr);
+
+ private:
+  Result<> Run(const State& state);
+  Result<> SetUp();
+  Result<> TearDown();
+  std::string PicturePath() const;
+
+  Scene scene_;
+  std::shared_ptr<transport::NodeThread> node_;
+  std::unique_ptr<WorldHost> host_;  // on the loop
+  std::thread drawer_;               // the loop starts it, and the destructor waits for it
+};
+
+}  // namespace musher::world

@@ -1,0 +1,85 @@
+#include "musher/modules/world/world_alone.hpp"
+
+#include <pthread.h>
+
+#include <csignal>
+#include <iostream>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "musher/modules/world/picture.hpp"
+#include "musher/modules/world/world_host.hpp"
+#include "musher/transport/node_thread.hpp"
+
+namespace musher::world {
+namespace {
+
+void Say(const std::string& line) {
+  std::cerr << "world: " << line << std::endl;
+}
+
+int DrawTo(const World& world, const std::string& path) {
+  const Result<> drawn = Draw(world, path);
+  Say(drawn ? "drawn: " + path : drawn.error().message);
+  return drawn ? 0 : 1;
+}
+
+}  // namespace
+
+int RunAlone(const Scene& scene, const std::string& name_space) {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+
+  const auto node = transport::NodeThread::Start();
+  if (!node) {
+    Say(node.error().message);
+    return 1;
+  }
+  std::thread drawer;
+  HostOptions options;
+  options.name_space = name_space;
+  options.picture_path = scene.picture.file;
+  options.log = Say;
+  options.in_background = [&drawer](std::function<void()> work) {
+    if (drawer.joinable()) drawer.join();
+    drawer = std::thread(std::move(work));
+  };
+  std::unique_ptr<WorldHost> host;
+  std::string why_not;
+  node.value()->RunOnLoop([&] {
+    auto started = WorldHost::Start(node.value()->node(), scene, std::move(options));
+    if (started) {
+      host = std::move(started).value();
+    } else {
+      why_not = started.error().message;
+    }
+  });
+  if (!host) {
+    Say(why_not);
+    return 1;
+  }
+  Say("\"" + scene.name + "\" runs; Ctrl+C ends it");
+  int signal = 0;
+  sigwait(&signals, &signal);
+  std::optional<World> world;
+  node.value()->RunOnLoop([&] {
+    world = host->world();
+    host.reset();
+  });
+  if (drawer.joinable()) drawer.join();
+  return scene.picture.at_teardown ? DrawTo(*world, scene.picture.file) : 0;
+}
+
+int DrawScene(const Scene& scene, Duration time, const std::string& path) {
+  World world(scene);
+  while (world.now() < time) {
+    for (const std::string& line : world.Step().said) Say(line);
+  }
+  return DrawTo(world, path);
+}
+
+}  // namespace musher::world

@@ -1,0 +1,25 @@
+#pragma once
+// A world's values as the messages of its topics, and back. What comes from outside is judged.
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/messages/geometry_msgs/geometry.hpp"
+#include "musher/messages/musher_msgs/body.hpp"
+#include "musher/messages/protocol/motion.hpp"
+#include "musher/messages/sensor_msgs/battery_state.hpp"
+#include "musher/modules/world/world.hpp"
+
+namespace musher::world {
+
+msg::BodyState ToBodyState(const World& world);
+msg::BatteryState ToBatteryState(const World& world);
+
+// Fails when a number is none, or an array has another length than the board's. An empty array is
+// one of zeros.
+Result<BoardCommand> FromMessage(const msg::MotionCustomCommand& message);
+
+Pose2 FromMessage(const msg::Pose& pose);
+
+// The colour that a light shows: of its own or of its predefined effect.
+Light FromMessage(const msg::LedState& led);
+
+}  // namespace musher::world

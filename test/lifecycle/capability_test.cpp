@@ -1,0 +1,157 @@
+// What runs where, and the sentences that say why not.
+
+#include "musher/lifecycle/capability.hpp"
+
+#include <gtest/gtest.h>
+
+namespace musher {
+namespace {
+
+constexpr auto kStateInvalid = RobotCode(KeyCode::kStateInvalid);
+constexpr auto kProtectedError = RobotCode(KeyCode::kProtectedError);
+
+class Capabilities : public ::testing::Test {
+ protected:
+  Capabilities() {
+    for (const char* name : {"legs", "eyes"}) {
+      ActuatorConfig actuator;
+      actuator.name = name;
+      actuator.states = {"SetUp", "Active", "Protected", "LowPower"};
+      config_.actuators.push_back(actuator);
+    }
+    config_.capabilities = {{"flip", "", {"legs"}, {"Active"}, std::nullopt},
+                            {"walk", "", {"legs"}, {"Active", "Protected"}, std::nullopt},
+                            {"jump", "", {"legs"}, {"Active"}, 30},
+                            {"follow", "", {"legs", "eyes"}, {"Active"}, std::nullopt}};
+    machine_ = MakeMachine(config_);
+    for (ActuatorRecord& record : machine_.actuators) {
+      record.presence = Presence::kPresent;
+      record.report.state = kActive;
+    }
+  }
+
+  Result<> Judge(std::string_view capability, std::string_view state, std::string_view target = "",
+                 std::optional<int> battery = std::nullopt) const {
+    return JudgeCapability(config_, capability, {"legs", state, target, false, battery});
+  }
+  CapabilityVerdict Verdict(const std::string& name) const {
+    for (const CapabilityVerdict& verdict : JudgeCapabilities(config_, machine_, battery_)) {
+      if (verdict.name == name) return verdict;
+    }
+    ADD_FAILURE() << "no verdict on " << name;
+    return {};
+  }
+
+  MachineConfig config_;
+  Machine machine_;
+  std::optional<int> battery_;
+};
+
+TEST_F(Capabilities, RunInTheirStates) {
+  EXPECT_TRUE(Judge("walk", "Active").ok());
+  EXPECT_TRUE(Judge("walk", "Protected").ok());
+  EXPECT_EQ(Judge("walk", "LowPower").error(),
+            (Error{kStateInvalid, "walk runs in Active and Protected; legs is in LowPower"}));
+}
+
+TEST_F(Capabilities, AreRefusedAsProtectedWhereTheyRunInActiveButNotInProtected) {
+  EXPECT_TRUE(Judge("flip", "Active").ok());
+  EXPECT_EQ(Judge("flip", "Protected").error(),
+            (Error{kProtectedError, "flip runs in Active only; legs is in Protected"}));
+  EXPECT_EQ(Judge("flip", "LowPower").error().code, kStateInvalid);
+}
+
+TEST_F(Capabilities, HaveTheCodeOfTheModuleThatAsks) {
+  const auto refused = JudgeCapability(config_, "flip", {"legs", "Protected", "", false, {}},
+                                       ModuleCode::kMotionManager);
+  EXPECT_EQ(refused.error().code, 3013);
+}
+
+TEST_F(Capabilities, RunInActiveOnlyWhereNothingIsDeclared) {
+  EXPECT_TRUE(Judge("sing", "Active").ok());
+  EXPECT_EQ(Judge("sing", "Protected").error(),
+            (Error{kProtectedError, "sing runs in Active only; legs is in Protected"}));
+  EXPECT_EQ(Judge("sing", "DeActive").error().code, kStateInvalid);
+}
+
+TEST_F(Capabilities, WhileACallbackRunsMustBeAllowedInBothStates) {
+  EXPECT_TRUE(Judge("walk", "Active", "Protected").ok());
+  EXPECT_EQ(Judge("walk", "Active", "LowPower").error(),
+            (Error{kStateInvalid,
+                   "walk runs in Active and Protected; legs is on its way from Active to "
+                   "LowPower"}));
+  EXPECT_EQ(Judge("flip", "Active", "Protected").error().code, kProtectedError);
+  EXPECT_EQ(Judge("flip", "Protected", "Active").error().code, kProtectedError);
+  EXPECT_EQ(Judge("flip", "LowPower", "Active").error().code, kStateInvalid);
+}
+
+TEST_F(Capabilities, AreAllRefusedDuringAnEmergencyStop) {
+  for (const char* capability : {"walk", "sing"}) {
+    const auto refused = JudgeCapability(config_, capability, {"legs", "Active", "", true, {}});
+    ASSERT_FALSE(refused.ok());
+    EXPECT_EQ(refused.error().code, kStateInvalid);
+    EXPECT_NE(refused.error().message.find("emergency stop"), std::string::npos);
+  }
+}
+
+TEST_F(Capabilities, NeedTheBatteryThatTheySay) {
+  EXPECT_TRUE(Judge("jump", "Active", "", 30).ok());
+  EXPECT_EQ(Judge("jump", "Active", "", 29).error(),
+            (Error{kProtectedError, "jump needs at least 30 % of the battery; it has 29 %"}));
+  EXPECT_EQ(
+      Judge("jump", "Active").error(),
+      (Error{kProtectedError, "jump needs at least 30 % of the battery; its level is not known"}));
+  EXPECT_TRUE(Judge("flip", "Active", "", 1).ok()) << "it says nothing of the battery";
+}
+
+TEST_F(Capabilities, AreNotThoseOfAnActuatorThatTheyAreNotDeclaredFor) {
+  const auto refused = JudgeCapability(config_, "flip", {"eyes", "Active", "", false, {}});
+  EXPECT_EQ(refused.error(), (Error{kStateInvalid, "flip is not declared for eyes"}));
+}
+
+TEST_F(Capabilities, OfSeveralActuatorsAreAllowedWhenAllAllowThem) {
+  EXPECT_EQ(Verdict("follow"), (CapabilityVerdict{"follow", true, kCodeOk, ""}));
+  machine_.actuators[1].report.state = kLowPower;
+  EXPECT_EQ(Verdict("follow"),
+            (CapabilityVerdict{"follow", false, kStateInvalid,
+                               "follow runs in Active only; eyes is in LowPower"}));
+  EXPECT_TRUE(Verdict("walk").allowed) << "which takes the legs alone";
+}
+
+TEST_F(Capabilities, OfOneThatIsNotThereAreRefused) {
+  machine_.actuators[0].presence = Presence::kLost;
+  EXPECT_EQ(Verdict("walk"), (CapabilityVerdict{"walk", false, kStateInvalid, "legs is lost"}));
+  machine_.actuators[0].fault = Error{3101, "crashed"};
+  EXPECT_EQ(Verdict("walk").reason, "legs is lost; legs is degraded: crashed");
+}
+
+TEST_F(Capabilities, OfADegradedOneSayWhatIsWrongAndGoByItsState) {
+  machine_.actuators[0].fault = Error{3009, "a motor is hot"};
+  EXPECT_EQ(Verdict("walk"),
+            (CapabilityVerdict{"walk", true, kCodeOk, "legs is degraded: a motor is hot"}));
+  machine_.actuators[0].report.state = kLowPower;
+  EXPECT_EQ(Verdict("walk").reason,
+            "walk runs in Active and Protected; legs is in LowPower; legs is degraded: a motor is "
+            "hot");
+}
+
+TEST_F(Capabilities, AreRefusedByAStopThatTheMachineOrTheActuatorKnowsOf) {
+  machine_.emergency_stop = EmergencyStop{7, "me", ""};
+  EXPECT_FALSE(Verdict("walk").allowed);
+  machine_.emergency_stop.reset();
+  EXPECT_TRUE(Verdict("walk").allowed);
+  machine_.actuators[0].report.emergency_stop = 7;
+  EXPECT_FALSE(Verdict("walk").allowed);
+}
+
+TEST_F(Capabilities, AreToldInTheOrderOfTheConfigWithTheBatteryAsItIs) {
+  battery_ = 12;
+  std::string names;
+  for (const CapabilityVerdict& verdict : JudgeCapabilities(config_, machine_, battery_)) {
+    names += verdict.name + (verdict.allowed ? "+ " : "- ");
+  }
+  EXPECT_EQ(names, "flip+ walk+ jump- follow+ ");
+}
+
+}  // namespace
+}  // namespace musher
