@@ -95,6 +95,19 @@ Result<> ActuatorShell::Open() {
       transport::kLatchedFromManyQos);
   if (!stops) return stops.error();
   emergency_stops_ = std::move(stops).value();
+  return WatchBattery();
+}
+
+Result<> ActuatorShell::WatchBattery() {
+  const auto& all = config_.capabilities;
+  const bool needed = std::any_of(all.begin(), all.end(), [this](const CapabilityConfig& c) {
+    return c.min_battery && c.Takes(actuator_.name);
+  });
+  if (!needed || !hooks_.on_battery) return Ok();
+  auto watch =
+      transport::BatteryWatch::Make(node_, transport::BatteryTopic(config_), hooks_.on_battery);
+  if (!watch) return watch.error();
+  battery_ = std::move(watch).value();
   return Ok();
 }
 

@@ -17,6 +17,7 @@
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/transport/battery_watch.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
 
@@ -35,6 +36,8 @@ class ActuatorShell {
     std::function<void(bool)> set_stop_requested;  // false as a callback begins, true to end it
     std::function<void()> on_emergency_stop;       // at once, on the loop; may be empty
     std::function<void(const ActuatorReport&)> on_report;  // after each step; may be empty
+    // What the battery has, in percent; only where a capability of this one needs to know.
+    std::function<void(std::optional<int>)> on_battery;
     std::function<void()> on_set_up;         // SetUp is done and the services are there
     std::function<void(Error)> on_finished;  // torn down (code 0), or SetUp failed
   };
@@ -58,6 +61,7 @@ class ActuatorShell {
   using Reply = transport::Server<msg::ActuatorCommand>::Reply;
 
   Result<> Open();
+  Result<> WatchBattery();
   void OnRequest(const msg::ActuatorCommand::Request& request, Reply reply,
                  transport::PeerId sender);
   void OnManager(const State& target, FsMachine::Reply reply);
@@ -95,6 +99,7 @@ class ActuatorShell {
   transport::LoopHandlePtr timer_;
   std::unique_ptr<transport::Subscription> controllers_;
   std::unique_ptr<transport::Subscription> emergency_stops_;
+  std::unique_ptr<transport::BatteryWatch> battery_;
   transport::LoopHandlePtr publish_later_;
   std::unique_ptr<transport::Server<msg::ActuatorCommand>> server_;
   std::unique_ptr<FsMachine> fs_machine_;

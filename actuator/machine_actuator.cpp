@@ -204,6 +204,7 @@ class MachineActuator::Impl {
     };
     hooks.set_stop_requested = [this](bool requested) { set_stop_requested(requested); };
     hooks.on_report = [this](const ActuatorReport& report) { gate_.SetReport(report); };
+    hooks.on_battery = [this](std::optional<int> percent) { gate_.SetBattery(percent); };
     hooks.on_set_up = [this] { TellSetUp(Ok()); };
     hooks.on_finished = [this](const Error& end) {
       if (end.code != kCodeOk) TellSetUp(end);

@@ -97,6 +97,11 @@ Result<> ControllerServices::Open() {
       !r) {
     return r;
   }
+  if (auto r = open(get_capabilities_, "get_capabilities",
+                    [this](const auto&, auto reply) { reply(shell_.Capabilities()); });
+      !r) {
+    return r;
+  }
   if (auto r = open(get_plan_, "get_plan",
                     [this](const auto& request, auto reply) { reply(OnGetPlan(request)); });
       !r) {

@@ -1,6 +1,7 @@
 #pragma once
 // What a controller answers under <namespace>/musher/: set_state, restart_actuator,
-// release_emergency_stop, get_status, get_plan and get_history, for the CLI and for any ROS 2 node.
+// release_emergency_stop, get_status, get_capabilities, get_plan and get_history, for the CLI and
+// for any ROS 2 node.
 //
 // Threads: loop thread only; history is read from the disk on a thread of its own.
 
@@ -9,6 +10,7 @@
 #include <thread>
 
 #include "musher/controller/controller_shell.hpp"
+#include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/transport/service.hpp"
 
@@ -41,6 +43,7 @@ class ControllerServices {
   std::unique_ptr<transport::Server<msg::RestartActuator>> restart_actuator_;
   std::unique_ptr<transport::Server<msg::ReleaseEmergencyStop>> release_emergency_stop_;
   std::unique_ptr<transport::Server<msg::GetStatus>> get_status_;
+  std::unique_ptr<transport::Server<msg::GetCapabilities>> get_capabilities_;
   std::unique_ptr<transport::Server<msg::GetPlan>> get_plan_;
   std::unique_ptr<transport::Server<msg::GetHistory>> get_history_;
 };

@@ -46,6 +46,9 @@ Result<> ControllerShell::Open() {
       node, std::string(transport::kMachinesTopic), transport::kLatchedQos);
   if (!info) return info.error();
   info_ = std::move(info).value();
+  auto capabilities = CapabilityBoard::Make(node, config_, machine_);
+  if (!capabilities) return capabilities.error();
+  capabilities_ = std::move(capabilities).value();
   for (std::size_t i = 0; i < peers_.size(); ++i) {
     auto link = MakeLink(node, config_, i, [this](const Event& event) { OnLinkEvent(event); });
     if (!link) return link.error();
@@ -201,6 +204,7 @@ void ControllerShell::Handle(const Event& event) {
   handling_ = false;
   ArmTimer();
   PublishSoon();
+  capabilities_->Refresh();
 }
 
 void ControllerShell::HandleQueued() {

@@ -13,6 +13,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "musher/controller/capability_board.hpp"
 #include "musher/controller/controller_presence.hpp"
 #include "musher/controller/health_watch.hpp"
 #include "musher/controller/journal.hpp"
@@ -80,6 +81,7 @@ class ControllerShell {
   const Machine& machine() const { return machine_; }
   const MachineConfig& config() const { return config_; }
   msg::MachineStatus Status() const;
+  msg::Capabilities Capabilities() const { return capabilities_->Now(); }
 
  private:
   // What is kept for each actuator beside the machine's own record.
@@ -146,6 +148,7 @@ class ControllerShell {
   transport::LoopHandlePtr publish_later_;
   std::unique_ptr<transport::Publisher<msg::MachineStatus>> status_;
   std::unique_ptr<transport::Publisher<msg::MachineInfo>> info_;
+  std::unique_ptr<CapabilityBoard> capabilities_;
   std::unique_ptr<ControllerPresence> presence_;
   std::unique_ptr<HealthWatch> health_;
   std::optional<Time> armed_for_;

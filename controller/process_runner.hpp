@@ -33,11 +33,12 @@ struct ProcessExit {
 
   Kind kind = Kind::kUnknown;
   int number = 0;
+  std::string last_words = {};  // of one that ended by itself and was not content; may be empty
 
   // Whether the process ended by itself and was content.
   bool clean() const { return kind == Kind::kExited && number == 0; }
 
-  // "exit code 3", "killed by SIGKILL", "ended (exit code unknown)".
+  // "exit code 3: no such port", "killed by SIGKILL", "ended (exit code unknown)".
   std::string Text() const;
 
   friend bool operator==(const ProcessExit&, const ProcessExit&) = default;

@@ -4,9 +4,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <utility>
 
 #include "musher/controller/spawn.hpp"
@@ -28,19 +31,52 @@ ProcessExit Reap(pid_t pid) {
   return {exited ? ProcessExit::Kind::kExited : ProcessExit::Kind::kKilled, info.si_status};
 }
 
+constexpr std::int64_t kMostWords = 2048;   // bytes of a log's end that are looked at
+constexpr std::size_t kLongestWords = 200;  // bytes that are told
+
+std::int64_t SizeOf(const std::string& file) {
+  std::error_code none;
+  const auto size = std::filesystem::file_size(file, none);
+  return none ? 0 : static_cast<std::int64_t>(size);
+}
+
+// The last line of what stands in `file` from `begin` on that says something.
+std::string LastWords(const std::string& file, std::int64_t begin) {
+  std::ifstream in(file, std::ios::binary);
+  const std::int64_t from = std::max(begin, SizeOf(file) - kMostWords);
+  if (!in || !in.seekg(from)) return "";
+  std::string line;
+  std::string last;
+  while (std::getline(in, line)) {
+    for (char& c : line) {
+      if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = ' ';
+    }
+    const std::size_t first = line.find_first_not_of(' ');
+    if (first != std::string::npos)
+      last = line.substr(first, line.find_last_not_of(' ') + 1 - first);
+  }
+  if (last.size() <= kLongestWords) return last;
+  std::size_t end = kLongestWords;
+  while (end > 0 && (static_cast<unsigned char>(last[end]) & 0xC0U) == 0x80U) --end;  // UTF-8
+  return last.substr(0, end) + "…";
+}
+
 }  // namespace
 
 std::string ProcessExit::Text() const {
   if (kind == Kind::kUnknown) return "ended (exit code unknown)";
-  if (kind == Kind::kExited) return "exit code " + std::to_string(number);
+  if (kind == Kind::kExited) {
+    return "exit code " + std::to_string(number) + (last_words.empty() ? "" : ": " + last_words);
+  }
   const char* name = sigabbrev_np(number);
   return "killed by " + (name ? "SIG" + std::string(name) : "signal " + std::to_string(number));
 }
 
 Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) {
+  Process process{true, spec.log_file, SizeOf(spec.log_file), std::move(on_exit), {}, nullptr};
   auto pid = Spawn(spec);
   if (!pid) return pid;
-  if (auto added = Add(pid.value(), /*is_child=*/true, std::move(on_exit)); !added) {
+  if (auto added = Add(pid.value(), std::move(process)); !added) {
     kill(-pid.value(), SIGKILL);  // a process that can't be watched can't be kept
     Reap(pid.value());
     return added.error();
@@ -52,7 +88,7 @@ Result<> ProcessSupervisor::Watch(pid_t pid, OnExit on_exit) {
   if (processes_.contains(pid)) {
     return Error{kCodeTargetBusy, "process " + std::to_string(pid) + " is watched already"};
   }
-  return Add(pid, /*is_child=*/false, std::move(on_exit));
+  return Add(pid, {false, "", 0, std::move(on_exit), {}, nullptr});
 }
 
 Result<> ProcessSupervisor::Signal(pid_t pid, int signal) {
@@ -71,10 +107,10 @@ Result<> ProcessSupervisor::Signal(pid_t pid, int signal) {
                                 std::to_string(pid));
 }
 
-Result<> ProcessSupervisor::Add(pid_t pid, bool is_child, OnExit on_exit) {
+Result<> ProcessSupervisor::Add(pid_t pid, Process process) {
   auto pidfd = transport::OpenPidfd(pid);
   if (!pidfd) return pidfd.error();
-  Process process{is_child, std::move(on_exit), std::move(pidfd).value(), nullptr};
+  process.pidfd = std::move(pidfd).value();
   process.watch = loop_.WhenReadable(process.pidfd.get(), [this, pid] { Ended(pid); });
   processes_.emplace(pid, std::move(process));
   return Ok();
@@ -86,6 +122,10 @@ void ProcessSupervisor::Ended(pid_t pid) {
   if (process.mapped().is_child) {
     kill(-pid, SIGKILL);  // before the leader is reaped, while the group's number is surely its own
     exit = Reap(pid);
+    const bool discontent = exit.kind == ProcessExit::Kind::kExited && exit.number != 0;
+    if (discontent && !process.mapped().log_file.empty()) {
+      exit.last_words = LastWords(process.mapped().log_file, process.mapped().log_begin);
+    }
   }
   if (process.mapped().on_exit) process.mapped().on_exit(exit);
 }

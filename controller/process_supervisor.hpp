@@ -6,13 +6,18 @@
 // no terminal), /dev/null as stdin, the log file as stdout and stderr, no other descriptor of ours,
 // and default signal handling. It outlives us: nothing is sent to it when we go or die.
 //
+// The last line that a child wrote before it ended by itself with another exit code than 0 is part
+// of what is told of its end: mostly it is the reason.
+//
 // When a child has ended, what is left of its group is killed: the next start must not meet the
 // remains of the one before. Of a process that is only watched nothing is killed.
 //
 // Needs Linux 5.3. Nobody else in the process may wait for all children or ignore SIGCHLD; if so,
 // the exit is still seen, but its code is unknown.
 
+#include <cstdint>
 #include <map>
+#include <string>
 
 #include "musher/controller/process_runner.hpp"
 #include "musher/transport/event_loop.hpp"
@@ -32,12 +37,14 @@ class ProcessSupervisor : public ProcessRunner {
  private:
   struct Process {
     bool is_child = false;
+    std::string log_file;
+    std::int64_t log_begin = 0;  // bytes that were in it before
     OnExit on_exit;
     transport::UniqueFd pidfd;
     transport::LoopHandlePtr watch;  // last: its callback ends before what it uses
   };
 
-  Result<> Add(pid_t pid, bool is_child, OnExit on_exit);
+  Result<> Add(pid_t pid, Process process);
   void Ended(pid_t pid);
 
   transport::EventLoop& loop_;

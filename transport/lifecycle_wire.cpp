@@ -16,6 +16,9 @@ std::string ActuatorStatusTopic(std::string_view name_space) {
 std::string MachineStatusTopic(std::string_view name_space) {
   return ResolveName(name_space, "musher/machine_status");
 }
+std::string CapabilitiesTopic(std::string_view name_space) {
+  return ResolveName(name_space, "musher/capabilities");
+}
 std::string ActuatorBeatTopic(std::string_view name_space) {
   return ResolveName(name_space, "musher/actuator_beat");
 }

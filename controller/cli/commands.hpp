@@ -15,6 +15,8 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
 ExitCode Set(const SetOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Estop(const EstopOptions& options, const GlobalOptions& global, Console& console);
+ExitCode Capabilities(const CapabilitiesOptions& options, const GlobalOptions& global,
+                      Console& console);
 ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& console);
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Replay(const ReplayOptions& options, Console& console);

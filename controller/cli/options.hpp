@@ -48,6 +48,9 @@ struct EstopOptions {
   std::vector<std::string> reason;  // words
   bool release = false;
 };
+struct CapabilitiesOptions {
+  std::string name;  // empty: all
+};
 struct PlanOptions {
   std::string state;
   std::string actuator;
@@ -102,8 +105,8 @@ struct CompletionOptions {
 
 using CommandOptions =
     std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions, RestartOptions,
-                 EstopOptions, PlanOptions, HistoryOptions, ReplayOptions, GraphOptions,
-                 SimulateOptions, KeysInitOptions, KeysAddOptions, KeysRevokeOptions,
+                 EstopOptions, CapabilitiesOptions, PlanOptions, HistoryOptions, ReplayOptions,
+                 GraphOptions, SimulateOptions, KeysInitOptions, KeysAddOptions, KeysRevokeOptions,
                  KeysListOptions, CompletionOptions>;
 
 struct CommandLine {

@@ -27,6 +27,9 @@ struct Dispatch {
   ExitCode operator()(const SetOptions& o) const { return Set(o, global, console); }
   ExitCode operator()(const RestartOptions& o) const { return Restart(o, global, console); }
   ExitCode operator()(const EstopOptions& o) const { return Estop(o, global, console); }
+  ExitCode operator()(const CapabilitiesOptions& o) const {
+    return Capabilities(o, global, console);
+  }
   ExitCode operator()(const PlanOptions& o) const { return Plan(o, global, console); }
   ExitCode operator()(const HistoryOptions& o) const { return History(o, global, console); }
   ExitCode operator()(const ReplayOptions& o) const { return Replay(o, console); }

@@ -1,5 +1,7 @@
 #include "musher/modules/device/battery_device.hpp"
 
+#include <cmath>
+#include <string>
 #include <utility>
 
 namespace musher::device {
@@ -8,7 +10,7 @@ namespace {
 using msg::BmsCmd;
 
 std::string Percent(const BatteryReading& reading) {
-  return std::to_string(static_cast<int>(reading.percent)) + " %";
+  return std::to_string(std::lround(reading.percent)) + " %";
 }
 
 }  // namespace

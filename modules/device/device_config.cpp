@@ -59,7 +59,7 @@ class Reader {
       devices.push_back(word.text);
       if (std::find(known.begin(), known.end(), word.text) != known.end()) continue;
       root.Fault(word.at, key,
-                 "expected " + config_toml::Listing(known) + ", found " +
+                 "expected one of " + config_toml::Listing(known) + ", found " +
                      config_toml::Quote(word.text) + findings_.Guess(word.text, known));
     }
     for (const Word& word : *words) {

@@ -74,11 +74,7 @@ Result<> DeviceManager::MakeDevices() {
       [this](const std::string& line) { std::cerr << name() + ": " + line + "\n"
                                                   << std::flush; },
       [this] { return CurrentState(); },
-      [this]() -> Result<> {
-        const State state = CurrentState();
-        if (state == kActive || state == kProtected) return Ok();
-        return Error{BmsCode(KeyCode::kStateInvalid), "motors are not powered up in " + state};
-      }};
+      [this] { return Allowed("motor_power", ModuleCode::kBms); }};
   auto devices = Devices::Make(around, config_);
   if (!devices) return devices.error();
   devices_ = std::move(devices).value();

@@ -3,8 +3,11 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "musher/modules/world/scene_toml.hpp"
+#include "musher/modules/world/tell.hpp"
 #include "musher/modules/world/world_actuator.hpp"
 #include "musher/modules/world/world_alone.hpp"
 
@@ -52,13 +55,50 @@ int Run(const Options& options) {
   return RunAsActuator(options, *reading.scene);
 }
 
+// musher-world tell WORDS...
+int TellMain(int argc, char** argv) {
+  CLI::App app("Tells a running world something, for people and scripts.", "musher-world tell");
+  app.footer(std::string("What can be told:\n") + musher::world::kTellings +
+             "\n\nExit codes: 0 told; 1 no world, or it refused; 2 usage.");
+  std::vector<std::string> words;
+  std::string name_space;
+  double timeout_s = 5;
+  constexpr double kLongest_s = 3600;
+  app.add_option("WORDS", words, "What, see below")->required()->type_name("");
+  app.add_option("--namespace", name_space, "Of the topics")->envname("MUSHER_NAMESPACE");
+  app.add_option("--timeout", timeout_s, "How long to look for the world, in s; default 5")
+      ->check(CLI::Range(0.1, kLongest_s).description(""));
+  app.allow_extras(false);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsageError;
+  }
+  const auto telling = musher::world::ReadTelling(words);
+  if (!telling) {
+    std::cerr << "musher-world: " << telling.error().message << std::endl;
+    return kUsageError;
+  }
+  const auto timeout =
+      std::chrono::duration_cast<musher::Duration>(std::chrono::duration<double>(timeout_s));
+  const auto answer = musher::world::Tell(telling.value(), name_space, timeout);
+  if (!answer) {
+    std::cerr << "musher-world: " << answer.error().message << std::endl;
+    return 1;
+  }
+  if (!answer.value().empty()) std::cout << answer.value() << std::endl;
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && argv[1] == std::string_view("tell")) return TellMain(argc - 1, argv + 1);
   Options options;
   CLI::App app("A simulated robot and the place it is in, as the actuator world or alone.",
                "musher-world");
   app.footer(
+      "To a running world speaks `musher-world tell`, see its --help.\n\n"
       "Exit codes: 0 torn down, ended by a signal, or drawn; 1 not started or not drawn, which is\n"
       "said on stderr; 2 usage or config.");
   constexpr double kLongest_s = 100'000;

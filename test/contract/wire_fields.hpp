@@ -11,6 +11,7 @@
 #include "musher/messages/lifecycle_msgs/transition_event.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/protocol/fs_machine.hpp"
 #include "musher/messages/protocol/heartbeats.hpp"
@@ -265,6 +266,28 @@ MUSHER_SAME(musher_msgs_srv_dds__GetStatus_Request_, GetStatus::Request) {
 
 MUSHER_SAME(musher_msgs_srv_dds__GetStatus_Response_, GetStatus::Response) {
   SAME(status);
+}
+
+MUSHER_SAME(musher_msgs_msg_dds__Capability_, Capability) {
+  SAME(name);
+  SAME(description);
+  SAME(allowed);
+  SAME(code);
+  SAME(reason);
+  SAME_ITEMS(actuators);
+  SAME_ITEMS(states);
+}
+
+MUSHER_SAME(musher_msgs_msg_dds__Capabilities_, Capabilities) {
+  SAME_ITEMS(capabilities);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__GetCapabilities_Request_, GetCapabilities::Request) {
+  SAME(structure_needs_at_least_one_member);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__GetCapabilities_Response_, GetCapabilities::Response) {
+  SAME_ITEMS(capabilities);
 }
 
 MUSHER_SAME(musher_msgs_srv_dds__GetPlan_Request_, GetPlan::Request) {

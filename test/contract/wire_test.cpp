@@ -21,6 +21,8 @@ MESSAGE(musher_msgs, MachineInfo)
 MESSAGE(musher_msgs, ActuatorOutcome)
 MESSAGE(musher_msgs, PlanStep)
 MESSAGE(musher_msgs, HistoryEntry)
+MESSAGE(musher_msgs, Capability)
+MESSAGE(musher_msgs, Capabilities)
 SERVICE(std_srvs, Trigger)
 SERVICE(protocol, FsMachine)
 SERVICE(lifecycle_msgs, ChangeState)
@@ -32,6 +34,7 @@ SERVICE(musher_msgs, ReleaseEmergencyStop)
 SERVICE(musher_msgs, GetStatus)
 SERVICE(musher_msgs, GetPlan)
 SERVICE(musher_msgs, GetHistory)
+SERVICE(musher_msgs, GetCapabilities)
 
 }  // namespace
 }  // namespace musher::transport

@@ -114,7 +114,7 @@ class Supervisor : public testing::Test {
 
 TEST_F(Supervisor, TellsTheExitCode) {
   MustStart(Script("exit 3"));
-  EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kExited, 3}));
+  EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kExited, 3, ""}));
   EXPECT_EQ(exit_->Text(), "exit code 3");
   EXPECT_FALSE(exit_->clean());
 }
@@ -129,8 +129,26 @@ TEST_F(Supervisor, TellsTheSignalThatKilledAProcess) {
   const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
   WaitForLine();
   kill(pid, SIGKILL);
-  EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kKilled, SIGKILL}));
+  EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kKilled, SIGKILL, ""}));
   EXPECT_EQ(exit_->Text(), "killed by SIGKILL");
+}
+
+TEST_F(Supervisor, TellsTheLastWordsOfAProcessThatGaveUp) {
+  std::ofstream(log_) << "of the one before\n";
+  MustStart(Script("echo one; printf '  no\\033[1m such port\\n\\n \\n' >&2; exit 2"));
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(exit_->Text(), "exit code 2: no [1m such port");
+  exit_.reset();
+  MustStart(Script("exit 2"));
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(exit_->Text(), "exit code 2") << "the words are another one's";
+}
+
+TEST_F(Supervisor, CutsLongLastWordsBetweenCharacters) {
+  MustStart(Script("for i in $(seq 300); do printf ä; done; exit 1"));
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(exit_->last_words.size(), 200 + std::string("…").size());
+  EXPECT_TRUE(exit_->last_words.ends_with("ä…"));
 }
 
 TEST_F(Supervisor, LeavesNoZombie) {
@@ -157,7 +175,7 @@ TEST_F(Supervisor, MayStartTheNextProcessFromTheExitOfTheLast) {
   const auto pid = supervisor_->Start(Script("exit 1"),
                                       [&](const ProcessExit&) { MustStart(Script("exit 2")); });
   ASSERT_TRUE(pid);
-  EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kExited, 2}));
+  EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kExited, 2, ""}));
 }
 
 TEST_F(Supervisor, AppendsOutputAndErrorsToTheLogFile) {
@@ -334,7 +352,7 @@ TEST_F(Supervisor, StartsProcessesWhileOtherThreadsAllocateAndStartThreads) {
   for (int i = 0; i < 30; ++i) {
     exit_.reset();
     MustStart(Script("exit 7"));
-    EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kExited, 7}));
+    EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kExited, 7, ""}));
   }
   stop = true;
 }

@@ -7,6 +7,7 @@
 #include "musher/messages/lifecycle_msgs/transition_event.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/protocol/fs_machine.hpp"
 #include "musher/messages/protocol/heartbeats.hpp"
@@ -57,6 +58,7 @@ constexpr Trip kTrips[] = {
     RoundTrip<String>,
     RoundTripOfService<Trigger>,
     RoundTrip<RequestId>,
+    RoundTrip<Capabilities>,
 };
 
 }  // namespace

@@ -63,6 +63,16 @@ void Render(std::uint8_t kind, std::span<const std::byte> bytes) {
         }
       }
       return;
+    case 4:
+      if (const auto told = Take<msg::Capabilities>(bytes)) {
+        RequireJson(CapabilitiesJson(*told));
+        RequirePrintable(CapabilitiesText(*told, false));
+        for (const msg::Capability& one : told->capabilities) {
+          RequireJson(CapabilityJson(one));
+          RequirePrintable(CapabilityText(one, false));
+        }
+      }
+      return;
     default:
       if (const auto progress = Take<Progress>(bytes)) {
         RequireJson(ProgressJson(*progress));

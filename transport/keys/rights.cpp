@@ -57,7 +57,7 @@ Topics ServicesOf(const std::string& actuator) {
 // What a machine answers without changing, and what only an operator may ask it for.
 Topics Questions() {
   return {MachineService("", "get_status"), MachineService("", "get_plan"),
-          MachineService("", "get_history")};
+          MachineService("", "get_capabilities"), MachineService("", "get_history")};
 }
 const std::string kAllMachineServices = "musher/*";
 
@@ -109,7 +109,8 @@ Topics operator+(Topics one, const Topics& other) {
 const Topics kStatuses = DataTopics({ActuatorStatusTopic(""), ActuatorBeatTopic("")});
 const Topics kStops = DataTopics({EmergencyStopTopic("")});
 const Topics kAnnouncements = DataTopics({ControllerBeatTopic("")});
-const Topics kMachine = DataTopics({MachineStatusTopic(""), std::string(kMachinesTopic)});
+const Topics kMachine =
+    DataTopics({MachineStatusTopic(""), CapabilitiesTopic(""), std::string(kMachinesTopic)});
 
 std::vector<Criteria> OfController() {
   const Topics told = kAnnouncements + kMachine + kStops;

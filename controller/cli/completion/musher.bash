@@ -2,7 +2,7 @@
 
 _musher() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
-  local commands="check up down status set restart estop plan history replay simulate graph keys completion"
+  local commands="check up down status capabilities set restart estop plan history replay simulate graph keys completion"
   local options="--help --json --namespace --domain --transport --timeout --keys --identity --color"
   local states="SelfCheck Active DeActive Protected LowPower OTA Error TearDown"
   COMPREPLY=()

@@ -1,5 +1,7 @@
 // Commands that speak to a controller.
 
+#include <CLI/CLI.hpp>
+
 #include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {
@@ -36,6 +38,11 @@ void Grammar::AddMachineCommands() {
   auto status = std::make_shared<StatusOptions>();
   auto* command = AddCommand("status", "Show the machine and its actuators", status);
   command->add_flag("-w,--watch", status->watch, "Show every change as it happens");
+
+  auto capabilities = std::make_shared<CapabilitiesOptions>();
+  command = AddCommand("capabilities", "Show what the robot can do now, and why not", capabilities);
+  command->add_option("NAME", capabilities->name, "Only this one; exit code 1 when it is refused")
+      ->type_name("");
 
   AddSwitchingCommands();
 

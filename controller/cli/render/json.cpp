@@ -38,6 +38,12 @@ Json Of(const msg::ActuatorInfo& a) {
           {"restarts", a.restarts}, {"restarting", a.restarting}};
 }
 
+Json Of(const msg::Capability& c) {
+  return {{"name", c.name},    {"description", c.description}, {"allowed", c.allowed},
+          {"code", c.code},    {"reason", c.reason},           {"actuators", c.actuators},
+          {"states", c.states}};
+}
+
 // An entry of the journal or of the wire.
 template <class Entry>
 Json OfEntry(const Entry& e) {
@@ -140,6 +146,16 @@ std::string RestartJson(const msg::ActuatorInfo& actuator) {
   Json json = {{"actuator", actuator.name}};
   json.update(Of(actuator));
   return Text(json);
+}
+
+std::string CapabilitiesJson(const msg::Capabilities& all) {
+  Json list = Json::array();
+  for (const msg::Capability& c : all.capabilities) list.push_back(Of(c));
+  return Text({{"capabilities", list}});
+}
+
+std::string CapabilityJson(const msg::Capability& one) {
+  return Text(Of(one));
 }
 
 std::string PlanJson(const msg::GetPlan::Response& plan) {

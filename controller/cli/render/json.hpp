@@ -11,6 +11,7 @@
 #include "musher/controller/cli/why.hpp"
 #include "musher/controller/recording/replay.hpp"
 #include "musher/lifecycle/diagnostic.hpp"
+#include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/transport/keys/authority.hpp"
 
@@ -21,6 +22,8 @@ std::string SwitchJson(const msg::SetState::Response& result);
 std::string EstopJson(const EstopReport& report);
 std::string ReleaseJson(const msg::MachineStatus& machine);
 std::string RestartJson(const msg::ActuatorInfo& actuator);
+std::string CapabilitiesJson(const msg::Capabilities& all);
+std::string CapabilityJson(const msg::Capability& one);
 std::string PlanJson(const msg::GetPlan::Response& plan);
 std::string HistoryJson(const msg::GetHistory::Response& history);
 std::string WhyJson(const Why& why);

@@ -10,6 +10,7 @@
 #include "musher/controller/cli/why.hpp"
 #include "musher/controller/recording/replay.hpp"
 #include "musher/lifecycle/config.hpp"
+#include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 
 namespace musher::cli {
@@ -31,6 +32,9 @@ std::string EstopComplaint(const EstopReport& report);
 // How a machine stands after the release of an emergency stop.
 std::string ReleaseText(const msg::MachineStatus& machine, bool colour);
 std::string RestartText(const msg::ActuatorInfo& actuator, bool colour);
+
+std::string CapabilitiesText(const msg::Capabilities& all, bool colour);
+std::string CapabilityText(const msg::Capability& one, bool colour);
 
 std::string PlanText(const msg::GetPlan::Response& plan, bool colour);
 // "the machine went to ...", then a line "because ..." for each cause.

@@ -87,6 +87,17 @@ TEST(Json, TellsAPlan) {
             R"("from":"Active","to":"LowPower","deadline_ms":5,"note":""}]})");
 }
 
+TEST(Json, TellsWhatTheRobotCanDo) {
+  const msg::Capability flip{"flip",   "backwards", false, 113, "runs in Active only",
+                             {"legs"}, {"Active"}};
+  const std::string one =
+      R"({"name":"flip","description":"backwards","allowed":false,"code":113,)"
+      R"("reason":"runs in Active only","actuators":["legs"],"states":["Active"]})";
+  EXPECT_EQ(CapabilityJson(flip), one);
+  EXPECT_EQ(CapabilitiesJson({{flip, flip}}), R"({"capabilities":[)" + one + "," + one + "]}");
+  EXPECT_EQ(CapabilitiesJson({}), R"({"capabilities":[]})");
+}
+
 TEST(Json, TellsAHistory) {
   EXPECT_EQ(HistoryJson({"", {{9, 1'500'000'000, 3, 12, "switch", "", 0, "done", 7, "Active"}}}),
             R"({"entries":[{"time":"1970-01-01T00:00:01.500Z","epoch":3,"switch":12,)"

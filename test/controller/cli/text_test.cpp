@@ -189,6 +189,30 @@ TEST_F(Text, ShowsAPlanInTheOrderOfItsWaves) {
             "-     voice     Active                      does not list it\n");
 }
 
+TEST_F(Text, ShowsWhatTheRobotCanDoAndWhyNot) {
+  const msg::Capability walk{"walk", "", true, 0, "", {"legs"}, {"Active", "Protected"}};
+  const msg::Capability flip{"back_flip",
+                             "a somersault backwards",
+                             false,
+                             113,
+                             "back_flip runs in Active only; legs is in Protected",
+                             {"legs", "eyes"},
+                             {"Active"}};
+  EXPECT_EQ(CapabilitiesText({{walk, flip}}, false),
+            "CAPABILITY  ALLOWED  RUNS IN            REASON\n"
+            "walk        yes      Active, Protected\n"
+            "back_flip   no       Active             back_flip runs in Active only; legs is in "
+            "Protected (113 (Robot: ProtectedError))\n");
+  EXPECT_EQ(CapabilityText(flip, false),
+            "back_flip  refused: back_flip runs in Active only; legs is in Protected (113 (Robot: "
+            "ProtectedError))\n"
+            "  a somersault backwards\n"
+            "  actuators: legs, eyes; runs in: Active\n");
+  EXPECT_EQ(CapabilityText(walk, false),
+            "walk  allowed\n  actuators: legs; runs in: Active, Protected\n");
+  EXPECT_EQ(CapabilitiesText({}, false), "the config declares no capabilities\n");
+}
+
 TEST_F(Text, ShowsWhyAPlanWouldBeRefused) {
   msg::GetPlan::Response plan;
   plan.target = "OTA";

@@ -73,6 +73,9 @@ class MachineByCli : public ::testing::Test {
       if (actuator == std::string("legs")) file << "critical = true\n";
       if (actuator == std::string("eyes")) file << "stage = 2\nafter = [\"legs\"]\n";
     }
+    file << "[capability.guide]\ndescription = \"shows the way\"\nactuators = [\"legs\", "
+            "\"eyes\"]\n[capability.talk]\nactuators = [\"voice\"]\nstates = [\"Active\", "
+            "\"LowPower\"]\n[capability.jump]\nactuators = [\"legs\"]\nmin_battery = 50\n";
   }
 };
 

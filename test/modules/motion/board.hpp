@@ -34,7 +34,7 @@ class Board {
   BodyReport Report(Time now) {
     if (!command_ || ban) return report;
     if (now - begun_at_ < transition) return report;
-    report.switch_status = command_->id == 0 ? std::int8_t{2} : fault;
+    report.switch_status = command_->mode == 0 ? std::int8_t{2} : fault;
     report.mode = command_->mode;
     report.gait = command_->gait;
     const Duration ran = now - begun_at_ - transition;

@@ -1,38 +1,44 @@
-#include "musher/test/modules/exec/exec_peer.hpp"
+#include "musher/test/modules/actuator_peer.hpp"
 
 #include <fcntl.h>
 
 #include <csignal>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include "musher/test/contract/domain.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
-namespace musher::exec {
+namespace musher::test {
 namespace {
-
-constexpr const char* kStateConfig = R"(
-[controller]
-actuators = ["motion"]
-states = ["SetUp", "TearDown", "SelfCheck", "Active", "LowPower"]
-default_time = 20000
-default_state = "Uninitialized"
-[actuator.motion]
-states = ["SetUp", "TearDown", "SelfCheck", "Active", "LowPower"]
-times = [20000, 20000, 20000, 20000, 20000]
-)";
 
 void Write(const std::string& file, const std::string& text) {
   std::ofstream(file) << text;
 }
 
+std::string StateConfig(const std::string& actuator, const std::vector<std::string>& states) {
+  std::string names;
+  std::string times;
+  for (const std::string& state : states) {
+    names += "\"" + state + "\", ";
+    times += "20000, ";
+  }
+  return "[controller]\nactuators = [\"" + actuator + "\"]\nstates = [" + names +
+         "]\ndefault_time = 20000\ndefault_state = \"Uninitialized\"\n[actuator." + actuator +
+         "]\nstates = [" + names + "]\ntimes = [" + times + "]\n";
+}
+
 }  // namespace
 
-ExecPeer::ExecPeer() : keeper_(Keeper::Start().value()) {
+ActuatorPeer::ActuatorPeer(std::string actuator, const std::vector<std::string>& states,
+                           std::string program)
+    : actuator_(std::move(actuator)),
+      program_(std::move(program)),
+      keeper_(exec::Keeper::Start().value()) {
   setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
-  Write(config_, kStateConfig);
+  Write(config_, StateConfig(actuator_, states));
   node_ = transport::MakeDdsNode(loop_).value();
   status_ = transport::MakeSubscription<msg::ActuatorStatus>(
                 *node_, transport::ActuatorStatusTopic(""),
@@ -47,32 +53,34 @@ ExecPeer::ExecPeer() : keeper_(Keeper::Start().value()) {
                .value();
   static_cast<void>(beats_->Publish({"robot", 1, 1, "", getpid(), 0}));
   client_ =
-      transport::MakeClient<msg::ActuatorCommand>(*node_, transport::CommandService("", "motion"))
+      transport::MakeClient<msg::ActuatorCommand>(*node_, transport::CommandService("", actuator_))
           .value();
 }
 
-void ExecPeer::Start(const std::string& exec_file) {
-  Write(folder_ / "motion.toml", exec_file);
-  StartWith({"--actuator", "motion", "--config", config_, folder_ / "motion.toml"});
+void ActuatorPeer::Start(const std::string& module_file) {
+  const std::string file = folder_ / (actuator_ + ".toml");
+  Write(file, module_file);
+  StartWith({"--actuator", actuator_, "--config", config_, file});
 }
 
-void ExecPeer::StartWith(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), std::string(MUSHER_BIN_DIR) + "/musher-exec");
+void ActuatorPeer::StartWith(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), std::string(MUSHER_BIN_DIR) + "/" + program_);
   const transport::UniqueFd output(
       open((folder_ / "output").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
-  process_.emplace(Child::Start({arguments, folder_.path(), {{"MUSHER_TEST", folder_.path()}}},
-                                keeper_, output.get())
-                       .value());
+  process_.emplace(
+      exec::Child::Start({arguments, folder_.path(), {{"MUSHER_TEST", folder_.path()}}}, keeper_,
+                         output.get())
+          .value());
 }
 
-bool ExecPeer::AwaitVisible() {
+bool ActuatorPeer::AwaitVisible() {
   const bool there = AwaitStatus(
       [this](const ActuatorReport& report) { return report.state == kSetUp && client_->Ready(); });
   return there && AwaitObedience();
 }
 
 // It obeys once it has heard that this is a controller.
-bool ExecPeer::AwaitObedience() {
+bool ActuatorPeer::AwaitObedience() {
   const Time deadline = loop_.Now() + std::chrono::seconds(20);
   while (loop_.Now() < deadline) {
     const Reply reply = Ask();
@@ -81,11 +89,11 @@ bool ExecPeer::AwaitObedience() {
   return false;
 }
 
-bool ExecPeer::AwaitStatus(const std::function<bool(const ActuatorReport&)>& holds) {
+bool ActuatorPeer::AwaitStatus(const std::function<bool(const ActuatorReport&)>& holds) {
   return Until([&] { return holds(report_); });
 }
 
-msg::ActuatorCommand::Request ExecPeer::Request(std::uint8_t kind) const {
+msg::ActuatorCommand::Request ActuatorPeer::Request(std::uint8_t kind) const {
   msg::ActuatorCommand::Request request;
   request.kind = kind;
   request.epoch = 1;
@@ -97,7 +105,7 @@ msg::ActuatorCommand::Request ExecPeer::Request(std::uint8_t kind) const {
   return request;
 }
 
-void ExecPeer::Send(const State& target) {
+void ActuatorPeer::Send(const State& target) {
   ++number_;
   reply_.reset();
   auto request = Request(msg::ActuatorCommand::kKindSwitch);
@@ -105,7 +113,7 @@ void ExecPeer::Send(const State& target) {
   client_->Call(request, std::chrono::seconds(60), [this](const Reply& reply) { reply_ = reply; });
 }
 
-ExecPeer::Reply ExecPeer::Ask() {
+ActuatorPeer::Reply ActuatorPeer::Ask() {
   answer_.reset();
   auto request = Request(msg::ActuatorCommand::kKindAsk);
   request.stop = true;
@@ -114,29 +122,29 @@ ExecPeer::Reply ExecPeer::Ask() {
   return answer_.value();
 }
 
-bool ExecPeer::AwaitReply() {
+bool ActuatorPeer::AwaitReply() {
   return Until([this] { return reply_.has_value(); });
 }
 
-ExecPeer::Reply ExecPeer::Switch(const State& target) {
+ActuatorPeer::Reply ActuatorPeer::Switch(const State& target) {
   Send(target);
   AwaitReply();
   return reply_.value();
 }
 
-int ExecPeer::AwaitExit() {
-  if (!process_->EndedBy(Soon())) return -1000;
-  const ExitStatus status = process_->Reap();
+int ActuatorPeer::AwaitExit() {
+  if (!process_->EndedBy(exec::Soon())) return -1000;
+  const exec::ExitStatus status = process_->Reap();
   return status.killed ? -status.number : status.number;
 }
 
-std::string ExecPeer::Output() const {
+std::string ActuatorPeer::Output() const {
   std::ifstream stream(folder_ / "output");
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-bool ExecPeer::Until(const std::function<bool()>& holds) {
-  return loop_.RunUntil(holds, Soon());
+bool ActuatorPeer::Until(const std::function<bool()>& holds) {
+  return loop_.RunUntil(holds, exec::Soon());
 }
 
-}  // namespace musher::exec
+}  // namespace musher::test

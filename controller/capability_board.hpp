@@ -1,0 +1,45 @@
+#pragma once
+// What the robot can do now, and why not: latched on `musher/capabilities`, told at every change.
+//
+// Threads: loop thread only.
+
+#include <memory>
+#include <optional>
+
+#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/machine.hpp"
+#include "musher/messages/musher_msgs/capabilities.hpp"
+#include "musher/transport/battery_watch.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher {
+
+class CapabilityBoard {
+ public:
+  // All must outlive it.
+  static Result<std::unique_ptr<CapabilityBoard>> Make(transport::Node& node,
+                                                       const MachineConfig& config,
+                                                       const Machine& machine);
+
+  // The machine may have changed: what follows from that is told soon, if anything does.
+  void Refresh();
+
+  msg::Capabilities Now() const;
+
+ private:
+  CapabilityBoard(transport::Node& node, const MachineConfig& config, const Machine& machine);
+  Result<> Open();
+  void Publish();
+
+  transport::Node& node_;
+  const MachineConfig& config_;
+  const Machine& machine_;
+  std::optional<int> battery_;  // %; heard only where a capability needs it
+  std::optional<msg::Capabilities> told_;
+  Time looked_at_{};
+  transport::LoopHandlePtr later_;
+  std::unique_ptr<transport::Publisher<msg::Capabilities>> publisher_;
+  std::unique_ptr<transport::BatteryWatch> battery_watch_;
+};
+
+}  // namespace musher

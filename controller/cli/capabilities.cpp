@@ -1,0 +1,46 @@
+// musher capabilities [NAME]: what the robot can do now, and why not.
+
+#include <algorithm>
+
+#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/link.hpp"
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/lifecycle/suggest.hpp"
+
+namespace musher::cli {
+namespace {
+
+Failure Unknown(const std::string& name, const msg::Capabilities& told) {
+  std::vector<std::string> names;
+  for (const msg::Capability& capability : told.capabilities) names.push_back(capability.name);
+  const std::string near = Nearest(name, names);
+  return {ExitCode::kNotDone,
+          {kCodeParametersInvalid, "the config declares no capability '" + name + "'" +
+                                       (near.empty() ? "; what is not declared runs in Active only"
+                                                     : "; did you mean '" + near + "'?")}};
+}
+
+}  // namespace
+
+ExitCode Capabilities(const CapabilitiesOptions& options, const GlobalOptions& global,
+                      Console& console) {
+  const auto link = Link::Open(global);
+  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  const auto answer =
+      link.value()->Ask<msg::GetCapabilities>("get_capabilities", {}, std::chrono::seconds(5));
+  if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
+  const auto& told = std::get<msg::Capabilities>(answer);
+  const bool colour = console.mode().colour;
+  if (options.name.empty()) {
+    console.Print(console.mode().json ? CapabilitiesJson(told) : CapabilitiesText(told, colour));
+    return ExitCode::kDone;
+  }
+  const auto one = std::find_if(told.capabilities.begin(), told.capabilities.end(),
+                                [&](const auto& c) { return c.name == options.name; });
+  if (one == told.capabilities.end()) return console.Fail(Unknown(options.name, told));
+  console.Print(console.mode().json ? CapabilityJson(*one) : CapabilityText(*one, colour));
+  return one->allowed ? ExitCode::kDone : ExitCode::kNotDone;
+}
+
+}  // namespace musher::cli

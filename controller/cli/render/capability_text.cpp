@@ -1,0 +1,50 @@
+#include <fmt/format.h>
+
+#include "musher/controller/cli/render/printable.hpp"
+#include "musher/controller/cli/render/table.hpp"
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/lifecycle/code.hpp"
+
+namespace musher::cli {
+namespace {
+
+std::string Join(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+std::string WhyNot(const msg::Capability& capability) {
+  if (capability.allowed) return capability.reason;
+  return capability.reason + " (" + CodeText(capability.code) + ")";
+}
+
+Table::Cell Verdict(const msg::Capability& capability) {
+  return capability.allowed ? Table::Cell{"yes", Style::kGood} : Table::Cell{"no", Style::kBad};
+}
+
+}  // namespace
+
+std::string CapabilitiesText(const msg::Capabilities& all, bool colour) {
+  const msg::Capabilities told = Printable(all);
+  if (told.capabilities.empty()) return "the config declares no capabilities\n";
+  Table table({"CAPABILITY", "ALLOWED", "RUNS IN", "REASON"});
+  for (const msg::Capability& capability : told.capabilities) {
+    table.Add({{capability.name},
+               Verdict(capability),
+               {Join(capability.states)},
+               {WhyNot(capability), capability.allowed ? Style::kBusy : Style::kDim}});
+  }
+  return table.Text(colour);
+}
+
+std::string CapabilityText(const msg::Capability& one, bool colour) {
+  const msg::Capability told = Printable(one);
+  const Table::Cell verdict = Verdict(told);
+  std::string text = Paint(told.name, Style::kBold, colour) + "  " +
+                     Paint(told.allowed ? "allowed" : "refused", verdict.style, colour);
+  if (const std::string why = WhyNot(told); !why.empty()) text += ": " + why;
+  text += '\n';
+  if (!told.description.empty()) text += "  " + told.description + '\n';
+  return text + "  actuators: " + Join(told.actuators) + "; runs in: " + Join(told.states) + '\n';
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,48 @@
+#pragma once
+// What stands between the motion manager and a body: a motion board's link, or a simulated body.
+//
+//   MotionShell ── Send(command) ──▶ MotionBackend ──▶ board
+//   MotionShell ◀── OnBody(state) ── MotionBackend ◀── board
+//
+// A backend decides nothing. The decision code repeats a command every 50 ms while it holds and
+// asks for no more than that, but for what has to happen at once; it knows by the life count in a
+// report which command the board has taken. A board that hears nothing for a while has to stop
+// walking by itself: the motion manager may have died.
+//
+// Threads: the loop's only.
+
+#include <Eigen/Geometry>
+#include <functional>
+
+#include "musher/modules/motion/motion_command.hpp"
+
+namespace musher::motion {
+
+// The body in the frame of its odometry (O) at a point in time of its own clock; B is
+// base_link_leg.
+struct BodyMotion {
+  Duration stamp{};
+  Eigen::Isometry3d X_OB = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d v_B = Eigen::Vector3d::Zero();  // m/s
+  Eigen::Vector3d w_B = Eigen::Vector3d::Zero();  // rad/s
+  Eigen::Vector3d a_B = Eigen::Vector3d::Zero();  // m/s^2, gravity included
+};
+
+struct BodyState {
+  BodyReport report;
+  BodyMotion motion;
+};
+
+class MotionBackend {
+ public:
+  // Called by the backend on the loop for each report of the body, some 50 times a second, never
+  // inside Send(). Reports may stop at any time and come back.
+  using OnBody = std::function<void(const BodyState&)>;
+
+  virtual ~MotionBackend() = default;
+
+  // Called by the shell. Comes back at once; a failure to send shows in what the body reports.
+  virtual void Send(const BodyCommand& command) = 0;
+};
+
+}  // namespace musher::motion

@@ -1,0 +1,161 @@
+#include "musher/modules/motion/motion_manager.hpp"
+
+#include <chrono>
+#include <future>
+#include <iostream>
+#include <utility>
+
+#include "musher/modules/motion/topic_backend.hpp"
+
+namespace musher::motion {
+namespace {
+
+constexpr int kLowPowerTries = 3;
+constexpr int kUntilItLies = 0;
+constexpr Duration kPoll = Milliseconds(20);  // for StopRequested()
+
+Time SteadyNow() {
+  return std::chrono::steady_clock::now();
+}
+
+}  // namespace
+
+MotionManager::MotionManager(const ActuatorConfig& actuator, MotionConfig config, MotionTable table)
+    : MachineActuator(actuator.name), config_(std::move(config)), table_(std::move(table)) {
+  const auto callback_of = [this](const State& state) -> std::function<Result<>()> {
+    if (state == kSetUp) return [this] { return SetUp(); };
+    if (state == kSelfCheck) return [this] { return SelfCheck(); };
+    if (state == kDeActive || state == kError) return [this, state] { return Close(state); };
+    if (state == kLowPower) {
+      return [this, state] { return CloseLying(state, kGetDown, kLowPowerTries); };
+    }
+    if (state == kOta) return [this, state] { return CloseLying(state, kGetDown, kUntilItLies); };
+    if (state == kTearDown) {
+      return [this, state] { return CloseLying(state, kPassiveGetDown, kUntilItLies); };
+    }
+    return [this] { return Open(); };  // Active, Protected, and what a config adds
+  };
+  for (const State& state : actuator.states) RegisterStateCallback(state, callback_of(state));
+}
+
+MotionManager::~MotionManager() {
+  Shutdown();
+  if (!loop_) return;
+  loop_->RunOnLoop([this] {
+    shell_.reset();
+    clock_.reset();
+  });
+}
+
+void MotionManager::OnEmergencyStop() {
+  if (shell_) shell_->Do(motion_event::EmergencyStop{});
+}
+
+Result<> MotionManager::SetUp() {
+  if (!loop_) loop_ = node();
+  if (!loop_) {
+    return Error{MotionCode(KeyCode::kUninitialized), "there is no node to move a body from"};
+  }
+  Result<> opened;
+  loop_->RunOnLoop([&] {
+    if (!shell_) opened = OpenShell();
+  });
+  return opened ? AwaitBody() : opened;
+}
+
+// On the loop.
+Result<> MotionManager::OpenShell() {
+  transport::Node& node = loop_->node();
+  if (config_.clock == ClockKind::kTopic) {
+    auto clock = transport::Clock::FromTopic(node, [this] {
+      if (shell_) shell_->Do(motion_event::WorldRestarted{});
+    });
+    if (!clock) return clock.error();
+    clock_ = std::move(clock).value();
+  } else {
+    clock_ = transport::Clock::Steady(loop_->loop());
+  }
+  const std::string& name_space = machine_config().name_space;
+  auto shell = MotionShell::Make(
+      {node, *clock_, table_, config_, name_space,
+       [this](const std::string& capability) {
+         return Allowed(capability, ModuleCode::kMotionManager);
+       },
+       [this](const std::string& text) { std::cerr << name() << ": " << text << std::endl; }},
+      [&](MotionBackend::OnBody on_body) -> Result<std::unique_ptr<MotionBackend>> {
+        auto backend = TopicBackend::Make(node, name_space, std::move(on_body));
+        if (!backend) return backend.error();
+        return std::unique_ptr<MotionBackend>(std::move(backend).value());
+      });
+  if (!shell) return shell.error();
+  shell_ = std::move(shell).value();
+  return Ok();
+}
+
+// The body may be switched on later than we are, but not much.
+Result<> MotionManager::AwaitBody() {
+  auto heard = std::make_shared<std::promise<void>>();
+  std::future<void> report = heard->get_future();
+  OnLoop([&](MotionShell& shell) { shell.WhenHeard([heard] { heard->set_value(); }); });
+  const Time end = SteadyNow() + config_.board_wait;
+  while (report.wait_for(kPoll) != std::future_status::ready) {
+    if (SteadyNow() >= end || StopRequested()) {
+      return Error{MotionCode(MotionKey::kBoardSilent),
+                   "the motion board is silent: no report on world/body_state within " +
+                       std::to_string(ToMilliseconds(config_.board_wait)) + " ms"};
+    }
+  }
+  return Ok();
+}
+
+Result<> MotionManager::SelfCheck() {
+  Result<> checked;
+  OnLoop([&](MotionShell& shell) { checked = shell.Check(); });
+  return checked;
+}
+
+Result<> MotionManager::Open() {
+  OnLoop([](MotionShell& shell) { shell.Do(motion_event::Opened{}); });
+  return Ok();
+}
+
+Result<> MotionManager::Close(const State& state) {
+  OnLoop([&](MotionShell& shell) { shell.Do(motion_event::Closed{state}); });
+  return Ok();
+}
+
+Result<> MotionManager::CloseLying(const State& state, std::int32_t get_down, int tries) {
+  using motion_action::Answer;
+  auto ended = std::make_shared<std::promise<Answer>>();
+  std::future<Answer> answer = ended->get_future();
+  RequestToken token = 0;
+  OnLoop([&](MotionShell& shell) {
+    shell.Do(motion_event::Closed{state});
+    token = shell.LieDown(get_down, tries, [ended](const Answer& a) { ended->set_value(a); });
+  });
+  if (token == 0) return Ok();  // never set up: nothing of ours stands
+  const Time end = EndOf(state);
+  while (answer.wait_for(kPoll) != std::future_status::ready) {
+    if (SteadyNow() < end && !StopRequested()) continue;
+    OnLoop([&](MotionShell& shell) { shell.Do(motion_event::Cancelled{token}); });
+    break;
+  }
+  const Answer how = answer.get();
+  if (how.code == kCodeOk) return Ok();
+  return Error{how.code, "the body does not lie: " + how.message};
+}
+
+void MotionManager::OnLoop(const std::function<void(MotionShell&)>& work) {
+  if (!loop_) return;
+  loop_->RunOnLoop([&] {
+    if (shell_) work(*shell_);
+  });
+}
+
+// A little before nobody waits any more, so that the reason is still heard.
+Time MotionManager::EndOf(const State& state) const {
+  const MachineConfig& machine = machine_config();
+  return SteadyNow() + machine.TimeFor(*machine.IndexOf(name()), state) * 9 / 10;
+}
+
+}  // namespace musher::motion

@@ -1,0 +1,57 @@
+#pragma once
+// The actuator motion_manager: what each state of the machine means for the body.
+//
+//   SetUp       topics and services appear; waits for the first report of the body
+//   SelfCheck   3009 when the board is silent or a motor has an error
+//   Active, Protected
+//               opens the way for commands; [capability.*] says which. Nothing moves by itself
+//   DeActive, Error
+//               stops what moves and lets nothing move
+//   LowPower    the same, and the body lies down: three tries
+//   OTA         the same, tried until the state's time is over
+//   TearDown    as OTA, by passive get-down
+//
+// Unlike CyberDog's own these callbacks fail when the body does not lie down: with the code of the
+// last try. The way for commands stays shut all the same, until Active or Protected.
+//
+// Threads: state callbacks run on the worker of the base class and talk to the loop, which has the
+// shell; OnEmergencyStop() runs on the loop.
+
+#include <memory>
+#include <string>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/modules/motion/motion_shell.hpp"
+
+namespace musher::motion {
+
+class MotionManager : public MachineActuator {
+ public:
+  // `actuator`: its entry in the state config.
+  MotionManager(const ActuatorConfig& actuator, MotionConfig config, MotionTable table);
+  ~MotionManager() override;
+
+ protected:
+  void OnEmergencyStop() override;
+
+ private:
+  Result<> SetUp();
+  Result<> OpenShell();
+  Result<> AwaitBody();
+  Result<> SelfCheck();
+  Result<> Open();
+  Result<> Close(const State& state);
+  Result<> CloseLying(const State& state, std::int32_t get_down, int tries);
+
+  void OnLoop(const std::function<void(MotionShell&)>& work);
+  Time EndOf(const State& state) const;
+
+  const MotionConfig config_;
+  const MotionTable table_;
+  std::shared_ptr<transport::NodeThread> loop_;  // keeps the loop until the shell is dropped
+  // On the loop only.
+  std::unique_ptr<transport::Clock> clock_;
+  std::unique_ptr<MotionShell> shell_;
+};
+
+}  // namespace musher::motion

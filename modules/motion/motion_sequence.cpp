@@ -1,0 +1,108 @@
+#include "musher/modules/motion/motion_sequence.hpp"
+
+#include <limits>
+#include <string>
+
+#include "musher/modules/motion/motion_code.hpp"
+#include "musher/modules/motion/motion_wire.hpp"
+
+namespace musher::motion {
+namespace {
+
+Error UnSupport(const std::string& why) {
+  return {MotionCode(KeyCode::kUnSupport), why};
+}
+Error Undefined(const std::string& why) {
+  return {MotionCode(MotionKey::kSequenceDefinition), why};
+}
+
+// A pace that asks for walking only.
+bool IsWalk(const msg::MotionSequencePace& pace) {
+  msg::MotionSequencePace walk;
+  walk.twist.linear.x = pace.twist.linear.x;
+  walk.twist.linear.y = pace.twist.linear.y;
+  walk.twist.angular.z = pace.twist.angular.z;
+  walk.duration = pace.duration;
+  return walk == pace;
+}
+
+bool HasDefinition(const msg::MotionSequenceShow::Request& sequence) {
+  return !sequence.gait_list.empty() || !sequence.gait_toml_list.empty() ||
+         !sequence.pace_toml_list.empty() || !sequence.gait_toml.empty() ||
+         !sequence.pace_toml.empty();
+}
+
+Result<MotionOrder> OrderOf(const msg::MotionSequencePace& pace, std::size_t number) {
+  const std::string which = "pace " + std::to_string(number) + ": ";
+  if (pace.duration <= 0 || pace.duration > std::numeric_limits<std::int32_t>::max()) {
+    return Undefined(which + "its duration must be more than 0 ms, it is " +
+                     std::to_string(pace.duration));
+  }
+  if (!IsWalk(pace)) {
+    return UnSupport(which +
+                     "this board walks by speed (twist x, y and yaw) and duration; it takes no "
+                     "centroid, feet, weights or friction");
+  }
+  MotionOrder order{kUserTrot, {}};
+  order.arguments.vel_des = {static_cast<float>(pace.twist.linear.x),
+                             static_cast<float>(pace.twist.linear.y),
+                             static_cast<float>(pace.twist.angular.z)};
+  order.arguments.duration_ms = static_cast<std::int32_t>(pace.duration);
+  return order;
+}
+
+}  // namespace
+
+Result<Orders> OrdersOf(const MotionTable& table, const msg::MotionQueueCustomCmd::Request& queue) {
+  Orders orders;
+  for (const msg::MotionCustomCommand& command : queue.cmds) {
+    const Motion* motion = table.Find(command.mode, command.gait_id);
+    if (motion == nullptr) {
+      return UnSupport("command " + std::to_string(orders.size() + 1) +
+                       ": there is no motion of mode " + std::to_string(command.mode) +
+                       " with gait " + std::to_string(command.gait_id));
+    }
+    orders.push_back({motion->id, FromWire(command)});
+  }
+  return orders;
+}
+
+Result<Orders> OrdersOf(const msg::MotionSequenceShow::Request& sequence) {
+  if (HasDefinition(sequence)) {
+    return UnSupport(
+        "gaits by foot and TOML definitions need a board that takes them; this one plays motions "
+        "of "
+        "its table and paces of speed and duration");
+  }
+  if (sequence.pace_list.empty()) {
+    if (sequence.motion_id == kEmergencyStop) {
+      return Undefined("the sequence has no paces and names no motion");
+    }
+    MotionOrder order{sequence.motion_id, {}};
+    if (sequence.duration < 0 || sequence.duration > std::numeric_limits<std::int32_t>::max()) {
+      return Undefined("its duration can't be " + std::to_string(sequence.duration) + " ms");
+    }
+    order.arguments.duration_ms = static_cast<std::int32_t>(sequence.duration);
+    return Orders{order};
+  }
+  Orders orders;
+  for (const msg::MotionSequencePace& pace : sequence.pace_list) {
+    const auto order = OrderOf(pace, orders.size() + 1);
+    if (!order) return order.error();
+    orders.push_back(order.value());
+  }
+  return orders;
+}
+
+Result<Orders> OrdersOf(const msg::MotionCustomCmd::Request& custom) {
+  if (custom.cmd_type == msg::MotionCustomCmd::kDefinition) {
+    return UnSupport("a motion cannot be defined; this board plays the motions of its table");
+  }
+  if (custom.cmd_type != msg::MotionCustomCmd::kExecution) {
+    return Error{MotionCode(KeyCode::kParametersInvalid),
+                 "cmd_type must be 0 or 1, it is " + std::to_string(custom.cmd_type)};
+  }
+  return Orders{{custom.motion_id, {}}};
+}
+
+}  // namespace musher::motion

@@ -1,0 +1,179 @@
+#include "musher/modules/motion/motion_shell.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/modules/motion/motion_wire.hpp"
+
+namespace musher::motion {
+namespace {
+
+constexpr Duration kStatusPeriod = Milliseconds(100);
+
+}  // namespace
+
+Result<std::unique_ptr<MotionShell>> MotionShell::Make(Surroundings surroundings,
+                                                       const MakeBackend& make_backend) {
+  std::unique_ptr<MotionShell> shell(new MotionShell(std::move(surroundings)));
+  if (auto opened = shell->Open(make_backend); !opened) return opened.error();
+  return shell;
+}
+
+MotionShell::MotionShell(Surroundings surroundings) : here_(std::move(surroundings)) {}
+
+Result<> MotionShell::Open(const MakeBackend& make_backend) {
+  if (auto opened = OpenTopics(); !opened) return opened;
+  auto backend = make_backend([this](const BodyState& body) { OnBody(body); });
+  if (!backend) return backend.error();
+  backend_ = std::move(backend).value();
+  if (auto opened = OpenServices(); !opened) return opened;
+  status_timer_ = here_.clock.Every(kStatusPeriod, [this] { PublishStatus(); });
+  return Ok();
+}
+
+template <msg::Message M>
+Result<> MotionShell::Advertise(std::unique_ptr<transport::Publisher<M>>& publisher,
+                                const char* name) {
+  auto made = transport::MakePublisher<M>(here_.node, Name(name));
+  if (!made) return made.error();
+  publisher = std::move(made).value();
+  return Ok();
+}
+
+Result<> MotionShell::OpenTopics() {
+  if (auto made = Advertise(servo_responses_, "motion_servo_response"); !made) return made;
+  if (auto made = Advertise(status_, "motion_status"); !made) return made;
+  if (auto made = Advertise(odometry_, "odom_out"); !made) return made;
+  if (auto made = Advertise(imu_, "imu"); !made) return made;
+  auto commands = transport::MakeSubscription<msg::MotionServoCmd>(
+      here_.node, Name("motion_servo_cmd"),
+      [this](const msg::MotionServoCmd& command, const transport::SampleInfo&) {
+        Do(motion_event::ServoArrived{FromWire(command)});
+      },
+      transport::kSystemDefaultQos);
+  if (!commands) return commands.error();
+  servo_commands_ = std::move(commands).value();
+  return Ok();
+}
+
+template <msg::Service S>
+Result<> MotionShell::Serve(std::unique_ptr<transport::Server<S>>& server, const char* name,
+                            typename transport::Server<S>::Handler handler) {
+  auto made = transport::MakeServer<S>(here_.node, Name(name), std::move(handler));
+  if (!made) return made.error();
+  server = std::move(made).value();
+  return Ok();
+}
+
+Result<> MotionShell::OpenServices() {
+  using motion_action::Answer;
+  const auto result = [this](const msg::MotionResultCmd::Request& request, auto reply) {
+    Play(request.cmd_source, Orders{FromWire(request)}, [reply](const Answer& answer) {
+      reply({answer.motion_id, answer.code == kCodeOk, answer.code});
+    });
+  };
+  const auto custom = [this](const msg::MotionCustomCmd::Request& request, auto reply) {
+    const std::int32_t id = request.motion_id;
+    Play(request.cmd_source, OrdersOf(request), [id, reply](const Answer& answer) {
+      reply({id, answer.code == kCodeOk, answer.code});
+    });
+  };
+  const auto queue = [this](const msg::MotionQueueCustomCmd::Request& request, auto reply) {
+    Play(kFromApp, OrdersOf(here_.table, request), [reply](const Answer& answer) {
+      reply({answer.code == kCodeOk, answer.code});
+    });
+  };
+  const auto sequence = [this](const msg::MotionSequenceShow::Request& request, auto reply) {
+    const std::int32_t id = request.motion_id;
+    Play(request.cmd_source, OrdersOf(request), [id, reply](const Answer& answer) {
+      reply({answer.code == kCodeOk, answer.code, answer.message, id});
+    });
+  };
+  const auto temperatures = [this](const msg::MotorTemp::Request&, auto reply) {
+    reply(Temperatures());
+  };
+  if (auto made = Serve(result_, "motion_result_cmd", result); !made) return made;
+  if (auto made = Serve(custom_, "motion_custom_cmd", custom); !made) return made;
+  if (auto made = Serve(queue_, "motion_queue_cmd", queue); !made) return made;
+  if (auto made = Serve(sequence_, "motion_sequence_cmd", sequence); !made) return made;
+  return Serve(temperatures_, "motor_temp", temperatures);
+}
+
+void MotionShell::OnBody(const BodyState& body) {
+  Do(motion_event::BoardHeard{body.report});
+  // Nobody can be told that this was not sent; the next follows in 20 ms.
+  static_cast<void>(odometry_->Publish(OdometryOf(body.motion)));
+  static_cast<void>(imu_->Publish(ImuOf(body.motion)));
+  for (const auto& then : std::exchange(when_heard_, {})) then();
+}
+
+void MotionShell::Play(std::int32_t source, const Result<Orders>& orders, OnAnswer on_answer) {
+  if (!orders) {
+    here_.log("a command of " + SourceName(source) + " is refused: " + orders.error().message +
+              " (" + std::to_string(orders.error().code) + ")");
+    return on_answer({0, 0, orders.error().code, orders.error().message});
+  }
+  waiting_[++token_] = std::move(on_answer);
+  Do(motion_event::PlayArrived{token_, source, orders.value()});
+}
+
+RequestToken MotionShell::LieDown(std::int32_t id, int tries, OnAnswer on_answer) {
+  const RequestToken token = ++token_;
+  waiting_[token] = std::move(on_answer);
+  Do(motion_event::LieDown{token, id, tries});
+  return token;
+}
+
+Result<> MotionShell::Check() const {
+  const std::int32_t failed = MotionCode(KeyCode::kSelfCheckFailed);
+  if (BoardSilent(Rules(), core_, here_.clock.Now())) {
+    return Error{failed, "the motion board is silent: no report on " + Name("world/body_state")};
+  }
+  const auto& errors = core_.body->motor_error;
+  const auto bad = std::find_if(errors.begin(), errors.end(), [](auto e) { return e != 0; });
+  if (bad != errors.end()) {
+    return Error{failed, "motor " + std::to_string(bad - errors.begin()) + " reports error " +
+                             std::to_string(*bad)};
+  }
+  return Ok();
+}
+
+void MotionShell::PublishStatus() {
+  static_cast<void>(status_->Publish(StatusOf(Rules(), core_, here_.clock.Now())));
+}
+
+msg::MotorTemp::Response MotionShell::Temperatures() const {
+  if (BoardSilent(Rules(), core_, here_.clock.Now())) {
+    return {false, {}, MotionCode(MotionKey::kBoardSilent)};
+  }
+  const auto& temperatures = core_.body->motor_temperature;
+  return {true, {temperatures.begin(), temperatures.end()}, kCodeOk};
+}
+
+void MotionShell::Do(const MotionEvent& event) {
+  for (const MotionAction& action : Step(Rules(), core_, event, here_.clock.Now())) {
+    Perform(action);
+  }
+  Arm();
+}
+
+void MotionShell::Perform(const MotionAction& action) {
+  if (const auto* send = std::get_if<motion_action::Send>(&action)) {
+    backend_->Send(send->command);
+  } else if (const auto* tell = std::get_if<motion_action::TellServo>(&action)) {
+    static_cast<void>(servo_responses_->Publish(ToWire(*tell)));
+  } else if (const auto* log = std::get_if<motion_action::Log>(&action)) {
+    here_.log(log->text);
+  } else if (const auto& answer = std::get<motion_action::Answer>(action);
+             const auto waiting = waiting_.extract(answer.token)) {
+    waiting.mapped()(answer);
+  }
+}
+
+void MotionShell::Arm() {
+  const auto deadline = NextDeadline(Rules(), core_);
+  if (!deadline || *deadline == Time::max()) return timer_.reset();
+  timer_ = here_.clock.At(*deadline, [this] { Do(motion_event::TimePassed{}); });
+}
+
+}  // namespace musher::motion

@@ -1,0 +1,96 @@
+#pragma once
+// The motion manager on the wire: turns topics, services and timers into events for the decision
+// code (motion_core.hpp), and what it decides into messages. README.md lists the topics.
+//
+// Threads: the loop's only. The clock, the table and the config outlive it.
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/messages/nav_msgs/odometry.hpp"
+#include "musher/messages/protocol/motion.hpp"
+#include "musher/messages/protocol/motion_sequence.hpp"
+#include "musher/messages/sensor_msgs/imu.hpp"
+#include "musher/modules/motion/motion_backend.hpp"
+#include "musher/modules/motion/motion_core.hpp"
+#include "musher/modules/motion/motion_sequence.hpp"
+#include "musher/transport/clock.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::motion {
+
+class MotionShell {
+ public:
+  struct Surroundings {
+    transport::Node& node;
+    transport::Clock& clock;
+    const MotionTable& table;
+    const MotionConfig& config;
+    std::string name_space;
+    Gate allowed;
+    std::function<void(const std::string&)> log;
+  };
+  using MakeBackend =
+      std::function<Result<std::unique_ptr<MotionBackend>>(MotionBackend::OnBody on_body)>;
+  using OnAnswer = std::function<void(const motion_action::Answer&)>;
+
+  static Result<std::unique_ptr<MotionShell>> Make(Surroundings surroundings,
+                                                   const MakeBackend& make_backend);
+
+  void Do(const MotionEvent& event);
+  // The body lies down; `on_answer` tells how that ended, unless the shell is dropped before.
+  RequestToken LieDown(std::int32_t id, int tries, OnAnswer on_answer);
+  // Runs `then` with the next report of the body.
+  void WhenHeard(std::function<void()> then) { when_heard_.push_back(std::move(then)); }
+
+  const MotionCore& core() const { return core_; }
+  // What SelfCheck says: the board reports, and no motor has an error.
+  Result<> Check() const;
+
+ private:
+  explicit MotionShell(Surroundings surroundings);
+
+  Result<> Open(const MakeBackend& make_backend);
+  Result<> OpenTopics();
+  Result<> OpenServices();
+  template <msg::Message M>
+  Result<> Advertise(std::unique_ptr<transport::Publisher<M>>& publisher, const char* name);
+  template <msg::Service S>
+  Result<> Serve(std::unique_ptr<transport::Server<S>>& server, const char* name,
+                 typename transport::Server<S>::Handler handler);
+
+  void OnBody(const BodyState& body);
+  void Play(std::int32_t source, const Result<Orders>& orders, OnAnswer on_answer);
+  void PublishStatus();
+  msg::MotorTemp::Response Temperatures() const;
+  void Perform(const MotionAction& action);
+  void Arm();
+  MotionRules Rules() const { return {here_.table, here_.config, here_.allowed}; }
+  std::string Name(const char* name) const {
+    return transport::ResolveName(here_.name_space, name);
+  }
+
+  const Surroundings here_;
+  MotionCore core_;
+  RequestToken token_ = 0;
+  std::map<RequestToken, OnAnswer> waiting_;
+  std::vector<std::function<void()>> when_heard_;
+  std::unique_ptr<MotionBackend> backend_;
+  std::unique_ptr<transport::Publisher<msg::MotionServoResponse>> servo_responses_;
+  std::unique_ptr<transport::Publisher<msg::MotionStatus>> status_;
+  std::unique_ptr<transport::Publisher<msg::Odometry>> odometry_;
+  std::unique_ptr<transport::Publisher<msg::Imu>> imu_;
+  std::unique_ptr<transport::Subscription> servo_commands_;
+  std::unique_ptr<transport::Server<msg::MotionResultCmd>> result_;
+  std::unique_ptr<transport::Server<msg::MotionCustomCmd>> custom_;
+  std::unique_ptr<transport::Server<msg::MotionQueueCustomCmd>> queue_;
+  std::unique_ptr<transport::Server<msg::MotionSequenceShow>> sequence_;
+  std::unique_ptr<transport::Server<msg::MotorTemp>> temperatures_;
+  transport::LoopHandlePtr status_timer_;
+  transport::LoopHandlePtr timer_;
+};
+
+}  // namespace musher::motion

@@ -1,0 +1,149 @@
+#include "musher/modules/motion/motion_wire.hpp"
+
+#include <cmath>
+
+namespace musher::motion {
+namespace {
+
+constexpr const char* kOdometryFrame = "odom";
+constexpr const char* kBodyFrame = "base_link_leg";
+constexpr const char* kImuFrame = "imu_link";
+
+Eigen::Vector3d FromWire(const msg::Vector3& vector) {
+  return {vector.x, vector.y, vector.z};
+}
+msg::Vector3 ToWire(const Eigen::Vector3d& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+msg::Quaternion Turn(const Eigen::Isometry3d& transform) {
+  const Eigen::Quaterniond q(transform.rotation());
+  return {q.x(), q.y(), q.z(), q.w()};
+}
+
+template <class Message>
+MotionArguments ArgumentsOf(const Message& message) {
+  MotionArguments arguments;
+  arguments.vel_des = message.vel_des;
+  arguments.rpy_des = message.rpy_des;
+  arguments.pos_des = message.pos_des;
+  arguments.acc_des = message.acc_des;
+  arguments.ctrl_point = message.ctrl_point;
+  arguments.foot_pose = message.foot_pose;
+  arguments.step_height = message.step_height;
+  arguments.value = message.value;
+  return arguments;
+}
+
+template <std::size_t N>
+std::vector<float> List(const std::array<float, N>& values) {
+  return {values.begin(), values.end()};
+}
+
+}  // namespace
+
+Eigen::Isometry3d FromWire(const msg::Pose& pose) {
+  const msg::Quaternion& q = pose.orientation;
+  Eigen::Quaterniond turn(q.w, q.x, q.y, q.z);
+  const double norm = turn.norm();
+  constexpr double kLeastNorm = 1e-6;
+  if (!std::isfinite(norm) || norm < kLeastNorm) turn = Eigen::Quaterniond::Identity();
+  Eigen::Isometry3d transform(turn.normalized());
+  transform.translation() << pose.position.x, pose.position.y, pose.position.z;
+  return transform;
+}
+
+BodyState FromWire(const msg::BodyState& state) {
+  BodyState body;
+  body.report = {state.mode,
+                 state.gait_id,
+                 state.contact,
+                 state.order_process_bar,
+                 state.switch_status,
+                 state.ori_error,
+                 state.footpos_error,
+                 state.motor_error,
+                 state.motor_temperature,
+                 state.life_count};
+  body.motion.stamp = msg::FromStamp(state.header.stamp);
+  body.motion.X_OB = FromWire(state.pose);
+  body.motion.v_B = FromWire(state.twist.linear);
+  body.motion.w_B = FromWire(state.twist.angular);
+  body.motion.a_B = FromWire(state.linear_acceleration);
+  return body;
+}
+
+msg::MotionCustomCommand ToWire(const BodyCommand& command) {
+  msg::MotionCustomCommand wire;
+  wire.mode = command.mode;
+  wire.gait_id = command.gait;
+  wire.contact = command.contact;
+  wire.life_count = command.life_count;
+  wire.vel_des = List(command.vel);
+  wire.rpy_des = List(command.rpy);
+  wire.pos_des = List(command.pos);
+  wire.acc_des = List(command.acc);
+  wire.ctrl_point = List(command.ctrl_point);
+  wire.foot_pose = List(command.foot_pose);
+  wire.step_height = List(command.step_height);
+  wire.value = command.value;
+  wire.duration = command.duration_ms;
+  return wire;
+}
+
+ServoCommand FromWire(const msg::MotionServoCmd& command) {
+  return {command.cmd_type, command.cmd_source, {command.motion_id, ArgumentsOf(command)}};
+}
+
+MotionOrder FromWire(const msg::MotionResultCmd::Request& request) {
+  MotionOrder order{request.motion_id, ArgumentsOf(request)};
+  order.arguments.contact = request.contact;
+  order.arguments.duration_ms = request.duration;
+  return order;
+}
+
+MotionArguments FromWire(const msg::MotionCustomCommand& command) {
+  MotionArguments arguments = ArgumentsOf(command);
+  arguments.contact = command.contact;
+  arguments.duration_ms = command.duration;
+  return arguments;
+}
+
+msg::MotionServoResponse ToWire(const motion_action::TellServo& tell) {
+  return {tell.motion_id, tell.cmd_id, tell.bar, tell.status, tell.result, tell.code};
+}
+
+msg::MotionStatus StatusOf(const MotionRules& rules, const MotionCore& core, Time now) {
+  msg::MotionStatus status;
+  status.motion_id = PresentMotion(rules, core, now);
+  if (!core.body) return status;
+  const BodyReport& body = *core.body;
+  status.contact = body.contact;
+  status.order_process_bar = body.bar;
+  status.switch_status = body.switch_status;
+  status.ori_error = body.ori_error;
+  status.footpos_error = body.footpos_error;
+  status.motor_error.assign(body.motor_error.begin(), body.motor_error.end());
+  return status;
+}
+
+msg::Odometry OdometryOf(const BodyMotion& motion) {
+  msg::Odometry odometry;
+  odometry.header = {msg::ToStamp(motion.stamp), kOdometryFrame};
+  odometry.child_frame_id = kBodyFrame;
+  const Eigen::Vector3d& at = motion.X_OB.translation();
+  odometry.pose.pose = {{at.x(), at.y(), at.z()}, Turn(motion.X_OB)};
+  odometry.twist.twist = {ToWire(motion.v_B), ToWire(motion.w_B)};
+  return odometry;
+}
+
+msg::Imu ImuOf(const BodyMotion& motion) {
+  msg::Imu imu;
+  imu.header = {msg::ToStamp(motion.stamp), kImuFrame};
+  imu.orientation = Turn(motion.X_OB);
+  imu.angular_velocity = ToWire(motion.w_B);
+  imu.linear_acceleration = ToWire(motion.a_B);
+  return imu;
+}
+
+}  // namespace musher::motion

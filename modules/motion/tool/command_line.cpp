@@ -1,0 +1,193 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <sstream>
+
+#include "musher/modules/motion/motion_source.hpp"
+#include "musher/modules/motion/tool/options.hpp"
+
+namespace musher::motion::tool {
+namespace {
+
+constexpr const char* kDescription =
+    "Moves the robot's body by hand, through the topics and services of the motion manager.";
+
+constexpr const char* kFooter = R"(
+Examples:
+  musher-motion result 111                      stand up
+  musher-motion result 101                      lie down
+  musher-motion result 212 --duration 1000      a pose, held for a second
+  musher-motion servo --vx 0.3 --seconds 3      walk ahead for 3 s
+  musher-motion walk --square 1.0               walk a square of 1 m, to the left
+  musher-motion status                          what the body does
+  musher-motion list                            what it can do
+
+Exit codes: 0 done; 1 refused, failed or nobody answered (reason on stderr); 2 wrong usage;
+130 interrupted. A walk that is interrupted is stopped.
+Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
+
+// Not CLI::Range, for which "nan" is in every range.
+CLI::Validator Between(double least, double most) {
+  return {[least, most](const std::string& text) {
+            double value = 0;
+            const bool good =
+                CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+            std::ostringstream complaint;
+            complaint << text << " is not between " << least << " and " << most;
+            return good ? std::string() : complaint.str();
+          },
+          ""};
+}
+
+class Grammar {
+ public:
+  Grammar() {
+    app_.require_subcommand(1);
+    app_.fallthrough();
+    app_.footer(kFooter);
+    app_.get_formatter()->column_width(32);
+    app_.get_formatter()->label("SUBCOMMAND", "COMMAND");
+    app_.get_formatter()->label("REQUIRED", "");
+    AddGlobalOptions();
+    AddResult();
+    AddServo();
+    AddWalk();
+    app_.add_subcommand("status", "Show what the body does")->callback([this] {
+      command_ = StatusOptions{};
+    });
+    app_.add_subcommand("list", "Show the motions of the table")->callback([this] {
+      command_ = ListOptions{};
+    });
+  }
+
+  std::variant<CommandLine, ParseEnd> Parse(int argc, const char* const* argv) {
+    try {
+      app_.parse(argc, argv);
+      TakeEnvironment();
+    } catch (const CLI::ParseError& e) {
+      std::ostringstream out;
+      std::ostringstream ignored;
+      if (app_.exit(e, out, ignored) == 0) return ParseEnd{ExitCode::kDone, out.str()};
+      return ParseEnd{ExitCode::kUsage, std::string(e.what()) + "; see musher-motion --help"};
+    }
+    return CommandLine{global_, command_};
+  }
+
+ private:
+  void AddGlobalOptions() {
+    app_.add_flag("--json", global_.json, "Print a JSON document");
+    app_.add_option("--namespace", global_.name_space,
+                    "Namespace of the machine; default $MUSHER_NAMESPACE, else none")
+        ->type_name("NAME");
+    app_.add_option("--domain", global_.domain, "DDS domain; default $ROS_DOMAIN_ID, else 0")
+        ->check(CLI::Range(0, 232).description(""))
+        ->type_name("N");
+    app_.add_option("--transport", global_.transport,
+                    "local: this host; lan: others too; default $MUSHER_TRANSPORT, else local")
+        ->check(CLI::IsMember({"local", "lan"}).description(""))
+        ->type_name("local|lan");
+    app_.add_option("--clock", clock_, "Whose time --seconds and 20 Hz go by; topic: /clock")
+        ->check(CLI::IsMember({"steady", "topic"}).description(""))
+        ->type_name("steady|topic");
+    app_.add_option("--keys", global_.keys, "Folder with keys; default $MUSHER_KEYS, else none")
+        ->type_name("FOLDER");
+    app_.add_option("--identity", global_.identity,
+                    "Whose keys; default $MUSHER_IDENTITY, else operator")
+        ->type_name("NAME");
+    app_.add_option("--motions", global_.motions,
+                    "The motion id table; default the one that came with this program")
+        ->type_name("FILE");
+  }
+
+  void AddSource(CLI::App* command, std::int32_t& source) {
+    const std::map<std::string, std::int32_t> sources = {
+        {"debug", kFromDebug}, {"app", kFromApp},           {"audio", kFromAudio},
+        {"vis", kFromVision},  {"blutele", kFromBluetooth}, {"algo", kFromAlgorithm}};
+    command->add_option("--source", source, "In whose name: debug, app, audio, vis, blutele, algo")
+        ->transform(CLI::CheckedTransformer(sources).description(""))
+        ->type_name("NAME");
+  }
+
+  void AddResult() {
+    CLI::App* command = app_.add_subcommand("result", "Do one motion and wait for its end");
+    MotionArguments& arguments = result_.order.arguments;
+    command->add_option("ID", result_.order.id, "A motion id; see musher-motion list")
+        ->required()
+        ->type_name("");
+    command->add_option("--duration", arguments.duration_ms, "In ms, for motions that need one")
+        ->type_name("MS");
+    command->add_option("--vel", arguments.vel_des, "Speed: x y in m/s, yaw in rad/s")
+        ->type_name("X Y YAW");
+    command->add_option("--rpy", arguments.rpy_des, "Roll, pitch, yaw in rad")->type_name("R P Y");
+    command->add_option("--pos", arguments.pos_des, "Position in m")->type_name("X Y Z");
+    command->add_option("--step-height", arguments.step_height, "Front and rear, in m")
+        ->type_name("F R");
+    command->add_option("--value", arguments.value, "What the motion makes of it")->type_name("N");
+    AddSource(command, result_.source);
+    command->callback([this] { command_ = result_; });
+  }
+
+  void AddServo() {
+    CLI::App* command = app_.add_subcommand("servo", "Walk for a time, by 20 frames a second");
+    command->add_option("--id", servo_.id, "A servo motion; default 303, the slow trot")
+        ->type_name("ID");
+    command->add_option("--vx", servo_.speed[0], "Ahead, in m/s")
+        ->type_name("M/S")
+        ->check(Between(-10, 10));
+    command->add_option("--vy", servo_.speed[1], "To the left, in m/s")
+        ->type_name("M/S")
+        ->check(Between(-10, 10));
+    command->add_option("--yaw", servo_.speed[2], "To the left, in rad/s")
+        ->type_name("RAD/S")
+        ->check(Between(-10, 10));
+    command->add_option("--seconds", servo_.seconds, "How long; default 1")
+        ->check(Between(0.05, 3600))
+        ->type_name("S");
+    AddSource(command, servo_.source);
+    command->callback([this] { command_ = servo_; });
+  }
+
+  void AddWalk() {
+    CLI::App* command =
+        app_.add_subcommand("walk", "Walk a square to the left, back to the beginning");
+    command->add_option("--square", walk_.square_m, "Its side, in m; default 1")
+        ->check(Between(0.1, 100))
+        ->type_name("M");
+    command->add_option("--speed", walk_.speed, "In m/s; default 0.3")
+        ->check(Between(0.05, 1.6))
+        ->type_name("M/S");
+    AddSource(command, walk_.source);
+    command->callback([this] { command_ = walk_; });
+  }
+
+  void TakeEnvironment() {
+    const auto take = [](std::string& value, const char* source, const char* otherwise) {
+      const char* set = std::getenv(source);  // NOLINT(concurrency-mt-unsafe)
+      if (value.empty()) value = set != nullptr ? set : otherwise;
+    };
+    take(global_.name_space, "MUSHER_NAMESPACE", "");
+    take(global_.keys, "MUSHER_KEYS", "");
+    take(global_.identity, "MUSHER_IDENTITY", "operator");
+    if (!global_.name_space.empty() && global_.name_space.front() == '/') {
+      global_.name_space.erase(0, 1);
+    }
+    global_.clock_topic = clock_ == "topic";
+  }
+
+  CLI::App app_{kDescription, "musher-motion"};
+  GlobalOptions global_;
+  std::string clock_;
+  ResultOptions result_;
+  ServoOptions servo_;
+  WalkOptions walk_;
+  CommandOptions command_;
+};
+
+}  // namespace
+
+std::variant<CommandLine, ParseEnd> ParseCommandLine(int argc, const char* const* argv) {
+  return Grammar().Parse(argc, argv);
+}
+
+}  // namespace musher::motion::tool

@@ -1,0 +1,31 @@
+#include "musher/modules/motion/tool/commands.hpp"
+
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+
+#include "musher/modules/motion/motion_code.hpp"
+
+namespace musher::motion::tool {
+
+ExitCode Fail(ExitCode exit, const Error& error) {
+  std::cerr << "musher-motion: " << error.message;
+  if (error.code >= static_cast<std::int32_t>(ModuleCode::kMotionManager)) {
+    std::cerr << " (" << error.code << ")";
+  }
+  std::cerr << std::endl;
+  return exit;
+}
+
+std::string CodeMeaning(std::int32_t code) {
+  const std::string meaning = MotionCodeText(code);
+  return meaning.empty() ? CodeText(code) : std::to_string(code) + ": " + meaning;
+}
+
+std::string Decimal(double value, int digits) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << value;
+  return text.str();
+}
+
+}  // namespace musher::motion::tool

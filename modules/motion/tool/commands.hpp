@@ -1,0 +1,29 @@
+#pragma once
+// The commands of musher-motion, one function each: prints what came of it and gives the exit code.
+
+#include <string>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/modules/motion/tool/options.hpp"
+
+namespace musher::motion::tool {
+
+ExitCode Run(const GlobalOptions& global, const ResultOptions& options);
+ExitCode Run(const GlobalOptions& global, const ServoOptions& options);
+ExitCode Run(const GlobalOptions& global, const WalkOptions& options);
+ExitCode Run(const GlobalOptions& global, const StatusOptions& options);
+ExitCode Run(const GlobalOptions& global, const ListOptions& options);
+
+// "musher-motion: <why>" on stderr.
+ExitCode Fail(ExitCode exit, const Error& error);
+
+// "3040: the emergency stop is set; ...".
+std::string CodeMeaning(std::int32_t code);
+std::string Decimal(double value, int digits);
+
+// The table that came with this program, or the one asked for.
+TableReading ReadTable(const GlobalOptions& global);
+// "303 (WALK_USERTROT)", "303" where there is no table.
+std::string NameOf(const GlobalOptions& global, std::int32_t id);
+
+}  // namespace musher::motion::tool

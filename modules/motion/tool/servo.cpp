@@ -1,0 +1,42 @@
+// musher-motion servo: walks for a time.
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "musher/modules/motion/tool/commands.hpp"
+#include "musher/modules/motion/tool/streaming.hpp"
+
+namespace musher::motion::tool {
+namespace {
+
+constexpr Duration kStandingUp = std::chrono::seconds(20);  // before the first step
+constexpr int kSlowest = 20;                                // a /clock may be so much slower
+
+}  // namespace
+
+ExitCode Run(const GlobalOptions& global, const ServoOptions& options) {
+  auto opened = Streaming::Open(global, options.id, options.source);
+  if (const auto* exit = std::get_if<ExitCode>(&opened)) return *exit;
+  Streaming& streaming = *std::get<std::unique_ptr<Streaming>>(opened);
+  const auto time =
+      std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options.seconds));
+  transport::Clock& clock = streaming.link().clock();
+  const Time end = clock.Now() + time;
+  const std::string what = "servo motion " + NameOf(global, options.id);
+  const auto exit = streaming.Run(
+      [&]() -> std::optional<SpeedLimit> {
+        if (clock.Now() >= end) return std::nullopt;
+        return options.speed;
+      },
+      kStandingUp + time * kSlowest, what);
+  if (exit) return *exit;
+  if (global.json) {
+    std::cout << nlohmann::json{{"motion_id", options.id}, {"seconds", options.seconds}}.dump(2)
+              << std::endl;
+  } else {
+    std::cout << what << " for " << Decimal(options.seconds, 1) << " s, then stopped" << std::endl;
+  }
+  return ExitCode::kDone;
+}
+
+}  // namespace musher::motion::tool

@@ -1,0 +1,42 @@
+#pragma once
+// A servo motion by frames, 20 a second of the link's clock, until what is to be sent ends.
+//
+//   Streaming ── Open() ── Run(next) ──▶ nothing: it came to its end
+//                    └──────────┴──────▶ the exit code, the reason on stderr; the body has been
+//                                        told to stop
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "musher/modules/motion/tool/body_link.hpp"
+
+namespace musher::motion::tool {
+
+class Streaming {
+ public:
+  // The speed of the next frame; none: that was all.
+  using Next = std::function<std::optional<SpeedLimit>()>;
+
+  static std::variant<std::unique_ptr<Streaming>, ExitCode> Open(const GlobalOptions& global,
+                                                                 std::int32_t id,
+                                                                 std::int32_t source);
+
+  // Streams for at most `longest` of steady time. `what` names it for people.
+  std::optional<ExitCode> Run(Next next, Duration longest, const std::string& what);
+
+  BodyLink& link() { return *link_; }
+  bool moving() const { return stream_->moving(); }
+
+ private:
+  Streaming() = default;
+  void Frame(const Next& next);
+
+  std::unique_ptr<BodyLink> link_;
+  std::unique_ptr<ServoStream> stream_;
+  bool over_ = false;
+};
+
+}  // namespace musher::motion::tool

@@ -1,0 +1,102 @@
+// musher-motion walk: a square, closed loop on odometry.
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "musher/modules/motion/motion_wire.hpp"
+#include "musher/modules/motion/tool/commands.hpp"
+#include "musher/modules/motion/tool/square_walk.hpp"
+#include "musher/modules/motion/tool/streaming.hpp"
+
+namespace musher::motion::tool {
+namespace {
+
+constexpr Duration kNoOdometry = Milliseconds(500);
+constexpr Duration kStandingUp = std::chrono::seconds(20);
+
+// What the walker knows of the body, and what it makes of it.
+class Walker {
+ public:
+  Walker(Streaming& streaming, const WalkOptions& options)
+      : streaming_(streaming), options_(options) {}
+
+  Result<> Listen() {
+    auto odometry = transport::MakeSubscription<msg::Odometry>(
+        streaming_.link().node(), streaming_.link().Name("odom_out"),
+        [this](const msg::Odometry& message, const transport::SampleInfo&) {
+          pose_ = PlanarPoseOf(FromWire(message.pose.pose));
+          heard_ = Now();
+        });
+    if (!odometry) return odometry.error();
+    odometry_ = std::move(odometry).value();
+    opened_ = heard_ = Now();
+    return Ok();
+  }
+
+  std::optional<SpeedLimit> Next() {
+    if (Now() - heard_ > kNoOdometry) {
+      return Fault("no odometry on " + streaming_.link().Name("odom_out"));
+    }
+    if (!walk_) {
+      if (Now() - opened_ > kStandingUp) return Fault("the body does not begin to walk");
+      if (!streaming_.moving() || !pose_) return SpeedLimit{};  // it stands up
+      walk_.emplace(*pose_, options_.square_m, options_.speed);
+      begun_ = Now();
+    }
+    const SpeedLimit speed = walk_->Step(*pose_);
+    if (walk_->done()) return std::nullopt;
+    return speed;
+  }
+
+  const std::optional<Error>& fault() const { return fault_; }
+  double seconds() const { return std::chrono::duration<double>(Now() - begun_).count(); }
+  double gap_m() const { return walk_->Gap(*pose_); }
+
+ private:
+  Time Now() const { return streaming_.link().clock().Now(); }
+  std::nullopt_t Fault(const std::string& what) {
+    fault_ = Error{kCodeNetError, what};
+    return std::nullopt;
+  }
+
+  Streaming& streaming_;
+  const WalkOptions& options_;
+  Time opened_{};
+  Time begun_{};
+  Time heard_{};
+  std::optional<PlanarPose> pose_;
+  std::optional<SquareWalk> walk_;
+  std::optional<Error> fault_;
+  std::unique_ptr<transport::Subscription> odometry_;
+};
+
+}  // namespace
+
+ExitCode Run(const GlobalOptions& global, const WalkOptions& options) {
+  auto opened = Streaming::Open(global, kUserTrot, options.source);
+  if (const auto* exit = std::get_if<ExitCode>(&opened)) return *exit;
+  Streaming& streaming = *std::get<std::unique_ptr<Streaming>>(opened);
+  Walker walker(streaming, options);
+  if (const auto listening = walker.Listen(); !listening) {
+    return Fail(ExitCode::kUsage, listening.error());
+  }
+  const std::chrono::duration<double> longest(20 * options.square_m / options.speed + 60);
+  const auto exit = streaming.Run([&] { return walker.Next(); },
+                                  std::chrono::duration_cast<Duration>(longest), "the walk");
+  if (exit) return *exit;
+  if (walker.fault()) return Fail(ExitCode::kNotDone, *walker.fault());
+  if (global.json) {
+    std::cout << nlohmann::json{{"side_m", options.square_m},
+                                {"seconds", walker.seconds()},
+                                {"gap_m", walker.gap_m()}}
+                     .dump(2)
+              << std::endl;
+  } else {
+    std::cout << "walked a square of " << Decimal(options.square_m, 2) << " m in "
+              << Decimal(walker.seconds(), 1) << " s; ended " << Decimal(walker.gap_m(), 3)
+              << " m from where it began, by its odometry" << std::endl;
+  }
+  return ExitCode::kDone;
+}
+
+}  // namespace musher::motion::tool

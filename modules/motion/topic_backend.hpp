@@ -1,0 +1,29 @@
+#pragma once
+// A body behind two topics: world/body_command and world/body_state, in the robot's namespace. The
+// simulated body of modules/world is one; a bridge to a motion board would be another.
+
+#include <memory>
+#include <string>
+
+#include "musher/messages/musher_msgs/body.hpp"
+#include "musher/messages/protocol/motion.hpp"
+#include "musher/modules/motion/motion_backend.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher::motion {
+
+class TopicBackend : public MotionBackend {
+ public:
+  static Result<std::unique_ptr<TopicBackend>> Make(transport::Node& node,
+                                                    const std::string& name_space, OnBody on_body);
+
+  void Send(const BodyCommand& command) override;
+
+ private:
+  TopicBackend() = default;
+
+  std::unique_ptr<transport::Publisher<msg::MotionCustomCommand>> commands_;
+  std::unique_ptr<transport::Subscription> states_;
+};
+
+}  // namespace musher::motion

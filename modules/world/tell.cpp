@@ -1,0 +1,194 @@
+#include "musher/modules/world/tell.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "musher/messages/geometry_msgs/geometry.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/messages/std_srvs/set_bool.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::world {
+
+const char* const kTellings =
+    "  battery PERCENT     how full the battery is\n"
+    "  cable in|out        the charging cable\n"
+    "  touch KIND          single, double, hold, circle, or a number from 1 to 17\n"
+    "  fault NAME [MOTOR]  of the body: see the module's README\n"
+    "  place X Y [YAW]     carries the body there, m and rad\n"
+    "  speed FACTOR        how fast the world's time goes\n"
+    "  pause on|off        whether it stands still\n"
+    "  draw                writes the picture, says where";
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+std::optional<double> Number(const std::string& word) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(number)) {
+    return std::nullopt;
+  }
+  return number;
+}
+
+std::optional<bool> Either(const std::string& word, const char* yes, const char* no) {
+  if (word == yes) return true;
+  if (word == no) return false;
+  return std::nullopt;
+}
+
+// The numbers of TouchStatus.
+std::optional<int> TouchKind(const std::string& word) {
+  static const std::map<std::string, int> kKinds = {
+      {"single", 1}, {"double", 3}, {"hold", 7}, {"circle", 8}};
+  if (const auto found = kKinds.find(word); found != kKinds.end()) return found->second;
+  const auto number = Number(word);
+  if (!number || *number < 1 || *number > kMostTouchState || std::trunc(*number) != *number) {
+    return std::nullopt;
+  }
+  return static_cast<int>(*number);
+}
+
+std::optional<Telling> ReadPlace(const Words& words) {
+  if (words.size() < 3 || words.size() > 4) return std::nullopt;
+  const auto x = Number(words[1]);
+  const auto y = Number(words[2]);
+  const auto yaw = words.size() == 4 ? Number(words[3]) : 0.0;
+  if (!x || !y || !yaw) return std::nullopt;
+  return Carry{{{*x, *y}, *yaw}};
+}
+
+std::optional<Telling> ReadOne(const std::string& what, const std::string& word) {
+  if (what == "battery" || what == "speed") {
+    const auto number = Number(word);
+    if (!number) return std::nullopt;
+    return what == "speed" ? Telling(Speed{*number}) : Telling(ChargeTo{*number});
+  }
+  if (what == "cable") {
+    if (const auto in = Either(word, "in", "out")) return Cable{*in};
+  } else if (what == "pause") {
+    if (const auto on = Either(word, "on", "off")) return Pause{*on};
+  } else if (what == "touch") {
+    if (const auto kind = TouchKind(word)) return Touch{*kind};
+  }
+  return std::nullopt;
+}
+
+std::optional<Telling> ReadWords(const Words& words) {
+  if (words.empty()) return std::nullopt;
+  const std::string& what = words.front();
+  if (what == "place") return ReadPlace(words);
+  if (what == "draw" && words.size() == 1) return DrawNow{};
+  if (what == "fault" && (words.size() == 2 || words.size() == 3)) {
+    return Fault{words[1] + (words.size() == 3 ? " " + words[2] : "")};
+  }
+  return words.size() == 2 ? ReadOne(what, words[1]) : std::nullopt;
+}
+
+class Teller {
+ public:
+  Teller(transport::EventLoop& loop, transport::Node& node, std::string name_space,
+         Duration timeout)
+      : loop_(loop),
+        node_(node),
+        name_space_(std::move(name_space)),
+        deadline_(loop.Now() + timeout) {}
+
+  Result<std::string> operator()(const ChargeTo& told) {
+    return Publish<msg::Float32>("set_battery", {static_cast<float>(told.percent)});
+  }
+  Result<std::string> operator()(const Cable& told) {
+    return Ask<msg::SetBool>("charge", {told.in});
+  }
+  Result<std::string> operator()(const Touch& told) {
+    return Publish<msg::Int32>("press", {told.state});
+  }
+  Result<std::string> operator()(const Fault& told) {
+    return Publish<msg::String>("fault", {told.text});
+  }
+  Result<std::string> operator()(const Carry& told) {
+    msg::PoseStamped pose;
+    pose.pose.position.x = told.at.position_m.x();
+    pose.pose.position.y = told.at.position_m.y();
+    pose.pose.orientation.z = std::sin(told.at.yaw_rad / 2);
+    pose.pose.orientation.w = std::cos(told.at.yaw_rad / 2);
+    return Publish<msg::PoseStamped>("place", pose);
+  }
+  Result<std::string> operator()(const Speed& told) {
+    return Publish<msg::Float32>("speed", {static_cast<float>(told.factor)});
+  }
+  Result<std::string> operator()(const Pause& told) {
+    return Ask<msg::SetBool>("pause", {told.on});
+  }
+  Result<std::string> operator()(const DrawNow&) { return Ask<msg::Trigger>("draw", {}); }
+
+ private:
+  std::string Name(const std::string& name) const {
+    return transport::ResolveName(name_space_, "world/" + name);
+  }
+
+  Error Nobody() const {
+    return {kCodeTimeout, "no world answers" +
+                              (name_space_.empty() ? "" : " in namespace " + name_space_) +
+                              "; is `musher up` running, in the same domain?"};
+  }
+
+  // Reliable: dropping the publisher waits until the world has it.
+  template <class M>
+  Result<std::string> Publish(const std::string& topic, const M& message) {
+    auto publisher = transport::MakePublisher<M>(node_, Name(topic));
+    if (!publisher) return publisher.error();
+    const auto heard = [&] { return publisher.value()->MatchedReaders() > 0; };
+    if (!loop_.RunUntil(heard, deadline_)) return Nobody();
+    if (auto sent = publisher.value()->Publish(message); !sent) return sent.error();
+    return std::string();
+  }
+
+  template <class S>
+  Result<std::string> Ask(const std::string& service, const typename S::Request& request) {
+    auto client = transport::MakeClient<S>(node_, Name(service));
+    if (!client) return client.error();
+    std::optional<Result<typename S::Response>> answer;
+    client.value()->Call(request, deadline_ - loop_.Now(),
+                         [&](auto response) { answer.emplace(std::move(response)); });
+    loop_.RunUntil([&] { return answer.has_value(); }, deadline_ + Milliseconds(100));
+    if (!answer || !*answer) return Nobody();
+    const auto& response = answer->value();
+    if (!response.success) return Error{kCodeFailed, response.message};
+    return response.message;
+  }
+
+  transport::EventLoop& loop_;
+  transport::Node& node_;
+  const std::string name_space_;
+  const Time deadline_;
+};
+
+}  // namespace
+
+Result<Telling> ReadTelling(const Words& words) {
+  if (const auto telling = ReadWords(words)) return *telling;
+  std::string said;
+  for (const std::string& word : words) said += " " + word;
+  return Error{kCodeParametersInvalid,
+               "`tell" + said + "` is nothing a world understands; it knows\n" + kTellings};
+}
+
+Result<std::string> Tell(const Telling& telling, const std::string& name_space, Duration timeout) {
+  transport::LinuxEventLoop loop;
+  transport::DdsOptions options;
+  options.impatient = true;
+  auto node = transport::MakeDdsNode(loop, options);
+  if (!node) return node.error();
+  return std::visit(Teller(loop, *node.value(), name_space, timeout), telling);
+}
+
+}  // namespace musher::world

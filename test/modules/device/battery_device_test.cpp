@@ -1,0 +1,201 @@
+// The battery on a simulated network, in virtual time.
+
+#include "musher/modules/device/battery_device.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "musher/messages/rosgraph_msgs/clock.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/modules/device/devices_fixture.hpp"
+
+namespace musher::device {
+namespace {
+
+using msg::BmsCmd;
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class BatteryOnANetwork : public DevicesOnANetwork {
+ protected:
+  void Say(double percent) {
+    msg::BatteryState state;
+    state.present = true;
+    state.percentage = static_cast<float>(percent / 100);
+    ASSERT_TRUE(battery_->Publish(state));
+  }
+  // A reading each second.
+  void SayEachSecond(const std::vector<double>& charges) {
+    for (const double percent : charges) {
+      Say(percent);
+      Run(Milliseconds(1000));
+    }
+  }
+  std::vector<int> Charges() const {
+    std::vector<int> charges;
+    for (const msg::BmsStatus& status : told_) charges.push_back(status.batt_soc);
+    return charges;
+  }
+  std::int32_t Command(std::uint8_t motors, std::uint8_t charging) {
+    const BmsCmd::Response response = Call<BmsCmd>("dog1/bms_cmd", {motors, charging});
+    EXPECT_EQ(response.success, response.code == 0);
+    return response.code;
+  }
+
+  std::vector<msg::BmsStatus> told_;
+  std::vector<msg::Bool> power_;
+  std::unique_ptr<transport::Publisher<msg::BatteryState>> battery_ =
+      Publisher<msg::BatteryState>("dog1/world/battery");
+  std::unique_ptr<transport::Subscription> ear_ = Listen<msg::BmsStatus>("dog1/bms_status", told_);
+  std::unique_ptr<transport::Subscription> motors_ =
+      Listen<msg::Bool>("dog1/world/motor_power", power_, transport::kLatchedQos);
+};
+
+TEST_F(BatteryOnANetwork, IsToldAsBmsStatus) {
+  Start();
+  SayEachSecond({80, 80});
+  ASSERT_THAT(told_, SizeIs(1));
+  EXPECT_EQ(told_[0].header.frame_id, "battery_id");
+  EXPECT_GT(FromStamp(told_[0].header.stamp).count(), 0);
+  EXPECT_EQ(told_[0].batt_soc, 80);
+  EXPECT_THAT(Failures(), testing::Not(testing::Contains(1409)));
+}
+
+TEST_F(BatteryOnANetwork, IsToldAtMostEvery800MsAndTheLastReadingAlways) {
+  Start();
+  for (int percent = 80; percent > 60; --percent) {
+    Say(percent);
+    Run(Milliseconds(100));
+  }
+  Run(Milliseconds(1000));
+  EXPECT_EQ(Charges().back(), 61);
+  for (std::size_t i = 1; i < told_.size(); ++i) {
+    EXPECT_GE(FromStamp(told_[i].header.stamp) - FromStamp(told_[i - 1].header.stamp),
+              Milliseconds(800));
+  }
+}
+
+TEST_F(BatteryOnANetwork, IsSeenFallingInStepsOf30Percent) {
+  Start();
+  SayEachSecond({100, 100, 70, 40, 10, 0, 0});
+  EXPECT_THAT(Charges(), ElementsAre(100, 70, 40, 10, 0));
+}
+
+TEST_F(BatteryOnANetwork, IsNotBelievedWhenItJumpsOnce) {
+  Start();
+  SayEachSecond({80, 80, 3, 79});
+  EXPECT_THAT(Charges(), ElementsAre(80, 79));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("well, at 80 %"),
+                                "battery: a jump to 3 % waits for the next reading"));
+}
+
+TEST_F(BatteryOnANetwork, IsRefusedWithOneLineWhenItTalksNonsense) {
+  Start();
+  SayEachSecond({80, 80});
+  log_.clear();
+  SayEachSecond({std::nan(""), std::nan(""), std::nan("")});
+  EXPECT_THAT(Charges(), ElementsAre(80));
+  EXPECT_THAT(log_, ElementsAre("battery: refused: a charge that is not a number"));
+  EXPECT_THAT(Failures(), testing::Contains(1409));
+  SayEachSecond({79});
+  EXPECT_THAT(Charges(), ElementsAre(80, 79));
+  EXPECT_THAT(Failures(), testing::Not(testing::Contains(1409)));
+}
+
+TEST_F(BatteryOnANetwork, IsMissedWhenItFallsSilentAndItsLastValueIsNotRepeated) {
+  Start();
+  SayEachSecond({80, 80});
+  log_.clear();
+  Run(Milliseconds(10'000));
+  EXPECT_THAT(Charges(), ElementsAre(80));
+  EXPECT_THAT(log_, ElementsAre("battery: silent for 5000 ms"));
+  EXPECT_EQ(devices_->Check()[0].result.error().message, "silent for 5000 ms");
+  SayEachSecond({78});
+  EXPECT_THAT(Charges(), ElementsAre(80, 78));
+  EXPECT_THAT(log_.back(), HasSubstr("well, at 78 %"));
+}
+
+TEST_F(BatteryOnANetwork, IsMissedAtOnceWhenItsPublisherIsGone) {
+  Start();
+  SayEachSecond({80, 80});
+  battery_.reset();
+  Run(Milliseconds(500));
+  EXPECT_EQ(devices_->Check()[0].result.error().message, "nobody publishes world/battery");
+}
+
+TEST_F(BatteryOnANetwork, SwitchesTheMotorsPower) {
+  Start();
+  EXPECT_EQ(Command(BmsCmd::kMotorsDown, 0), 0);
+  SayEachSecond({80, 80});
+  EXPECT_TRUE(told_.back().power_motor_shutdown);
+  EXPECT_EQ(Command(BmsCmd::kMotorsUp, 0), 0);
+  SayEachSecond({80});
+  EXPECT_FALSE(told_.back().power_motor_shutdown);
+  EXPECT_THAT(power_, ElementsAre(msg::Bool{false}, msg::Bool{true}));
+}
+
+TEST_F(BatteryOnANetwork, RefusesCommandsThatDoNotExist) {
+  Start();
+  EXPECT_EQ(Command(0, 0), 1410);
+  EXPECT_EQ(Command(3, 0), 1410);
+  EXPECT_EQ(Command(BmsCmd::kMotorsDown, 1), 1410);
+  EXPECT_EQ(Command(BmsCmd::kMotorsDown, BmsCmd::kWirelessChargingOn), 1408);
+  EXPECT_EQ(Command(0, BmsCmd::kWirelessChargingOff), 1408);
+  EXPECT_THAT(power_, IsEmpty());
+  EXPECT_THAT(log_, SizeIs(5));
+  EXPECT_THAT(log_, Each(HasSubstr("bms_cmd refused: ")));
+}
+
+TEST_F(BatteryOnANetwork, PowersMotorsUpOnlyWhereThatIsAllowedAndDownAlways) {
+  may_power_ = Error{1403, "not in LowPower"};
+  Start();
+  EXPECT_EQ(Command(BmsCmd::kMotorsUp, 0), 1403);
+  EXPECT_THAT(log_, ElementsAre("bms_cmd refused: not in LowPower"));
+  EXPECT_EQ(Command(BmsCmd::kMotorsDown, 0), 0);
+  EXPECT_THAT(power_, ElementsAre(msg::Bool{false}));
+}
+
+TEST_F(BatteryOnANetwork, IsTheHostsOwn) {
+  const TempFolder folder;
+  std::filesystem::create_directories(folder / "BAT0");
+  std::ofstream(folder / "BAT0/type") << "Battery\n";
+  std::ofstream(folder / "BAT0/capacity") << "64\n";
+  config_.battery.source = BatterySource::kHost;
+  config_.battery.folder = folder.path();
+  Start();
+  Run(Milliseconds(3000));
+  EXPECT_THAT(Charges(), Each(64));
+  EXPECT_GE(told_.size(), 2U);
+  std::filesystem::remove_all(folder / "BAT0");
+  log_.clear();
+  Run(Milliseconds(10'000));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("has no battery"), HasSubstr("silent for 5000 ms"),
+                                HasSubstr("has no battery")));
+  EXPECT_THAT(Failures(), testing::Contains(1409));
+}
+
+TEST_F(BatteryOnANetwork, GoesOnWhenTheWorldsClockStartsAgain) {
+  const auto hand = Publisher<msg::Clock>(transport::kClockTopic, transport::kClockQos);
+  Devices* devices = nullptr;
+  clock_ = Must(transport::Clock::FromTopic(*dog_, [&devices] { devices->OnTimeJumped(); }));
+  Start();
+  devices = devices_.get();
+  const auto tick = [&](std::int32_t second) {
+    ASSERT_TRUE(hand->Publish({msg::Stamp{second, 0}}));
+    Run(Milliseconds(100));
+    Say(80);
+    Run(Milliseconds(100));
+  };
+  for (const std::int32_t second : {1000, 1001, 1002}) tick(second);
+  EXPECT_THAT(told_, SizeIs(2));
+  for (const std::int32_t second : {1, 2, 3}) tick(second);
+  EXPECT_THAT(told_, SizeIs(5));
+  EXPECT_EQ(told_.back().header.stamp, (msg::Stamp{3, 0}));
+}
+
+}  // namespace
+}  // namespace musher::device

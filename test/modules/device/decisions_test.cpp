@@ -1,0 +1,139 @@
+// The small decisions: battery lights, touches and the self-check's verdict.
+
+#include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
+
+#include "musher/modules/device/led.hpp"
+#include "musher/modules/device/lights.hpp"
+#include "musher/modules/device/self_check.hpp"
+#include "musher/modules/device/touch.hpp"
+
+namespace musher::device {
+namespace {
+
+using msg::LedExecute;
+using Shown = LedArbiter::Shown;
+using testing::HasSubstr;
+
+// An arbiter that obeyed all these wishes.
+LedArbiter After(const std::vector<LightRequests>& all) {
+  LedArbiter arbiter;
+  for (const LightRequests& requests : all) {
+    for (const auto& request : requests) {
+      const Result<> done = arbiter.Execute(request);
+      EXPECT_TRUE(done || done.error().code == 1125) << done.error().message;
+    }
+  }
+  return arbiter;
+}
+
+Light Color(std::uint8_t effect, std::uint8_t r, std::uint8_t g, std::uint8_t b) {
+  return {LedExecute::kUserColor, effect, r, g, b};
+}
+
+TEST(BatteryLights, FollowTheCharge) {
+  const auto head = [](int percent, bool charging) {
+    return After({BatteryLights(percent, charging)}).Show(LedExecute::kHead);
+  };
+  EXPECT_EQ(head(20, false), (Shown{LedClient::kBms, Color(9, 0xFF, 0x32, 0x32)}));
+  EXPECT_EQ(head(20, true), (Shown{LedClient::kBms, Color(6, 0xFF, 0x32, 0x32)}));
+  EXPECT_EQ(head(21, false), (Shown{LedClient::kSystem, Color(9, 0x75, 0xFC, 0xF6)}));
+  EXPECT_EQ(head(79, true), (Shown{LedClient::kBms, Color(6, 0x75, 0xFC, 0xF6)}));
+  EXPECT_EQ(head(80, false), (Shown{LedClient::kSystem, Color(9, 0x06, 0x21, 0xE2)}));
+  EXPECT_EQ(head(100, true), (Shown{LedClient::kBms, Color(6, 0x06, 0x21, 0xE2)}));
+}
+
+TEST(BatteryLights, WarnOnTheMiniLightOnlyWhenLowAndNotCharging) {
+  const Shown ground = LedArbiter().Show(LedExecute::kMini);
+  EXPECT_EQ(After({BatteryLights(20, false)}).Show(LedExecute::kMini),
+            (Shown{LedClient::kBms, Color(0x30, 0xFF, 0, 0)}));
+  EXPECT_EQ(After({BatteryLights(20, false), BatteryLights(20, true)}).Show(LedExecute::kMini),
+            ground);
+  EXPECT_EQ(After({BatteryLights(20, false), BatteryLights(21, false)}).Show(LedExecute::kMini),
+            ground);
+}
+
+TEST(BatteryLights, HideNoOtherClientWhileTheBatteryIsWell) {
+  const LightRequests tracking = {
+      {true, "tracking", LedExecute::kHead, LedExecute::kUserColor, 1, 0, 0, 0}};
+  EXPECT_EQ(After({tracking, BatteryLights(50, false)}).Show(LedExecute::kHead).client,
+            LedClient::kTracking);
+  EXPECT_EQ(After({tracking, BatteryLights(5, false)}).Show(LedExecute::kHead).client,
+            LedClient::kBms);
+}
+
+TEST(LowPowerLights, TurnTheTailOffAndGiveItBack) {
+  const LedArbiter off = After({BatteryLights(10, false), LowPowerLights(true)});
+  EXPECT_EQ(off.Show(LedExecute::kTail),
+            (Shown{LedClient::kLowPower, {LedExecute::kPredefined, 0xA0, 0, 0, 0}}));
+  EXPECT_EQ(off.Show(LedExecute::kHead).client, LedClient::kBms);
+  EXPECT_EQ(After({BatteryLights(10, false), LowPowerLights(true), LowPowerLights(false)}),
+            After({BatteryLights(10, false)}));
+}
+
+TEST(ShutdownLights, AreHiddenByNobody) {
+  const LedArbiter arbiter = After({ShutdownLights(), BatteryLights(0, false)});
+  EXPECT_EQ(arbiter.Show(LedExecute::kHead).light, (Light{LedExecute::kPredefined, 0xA3, 0, 0, 0}));
+  EXPECT_EQ(arbiter.Show(LedExecute::kTail).light, (Light{LedExecute::kPredefined, 0xA3, 0, 0, 0}));
+  EXPECT_EQ(arbiter.Show(LedExecute::kMini).light, Color(0x31, 0xFF, 0, 0));
+}
+
+TEST(Touch, KnowsTheCodesOfThePad) {
+  for (const int known : {1, 3, 7, 8, 9, 0x11}) EXPECT_TRUE(IsTouch(known)) << known;
+  for (const int unknown : {-1, 0, 2, 4, 6, 0x12, 1000}) EXPECT_FALSE(IsTouch(unknown)) << unknown;
+}
+
+TEST(DoubleTap, CountsAtLeastTwoSecondsAfterTheLastThatDid) {
+  DoubleTap taps;
+  const Time start;
+  EXPECT_TRUE(taps.Take(3, start));
+  EXPECT_FALSE(taps.Take(3, start + Milliseconds(1999)));
+  EXPECT_TRUE(taps.Take(3, start + Milliseconds(2000)));
+  EXPECT_FALSE(taps.Take(1, start + Milliseconds(9000)));
+}
+
+TEST(DoubleTap, CountsAgainAfterTheClockWentBack) {
+  DoubleTap taps;
+  EXPECT_TRUE(taps.Take(3, Time(Milliseconds(60'000))));
+  EXPECT_FALSE(taps.Take(3, Time(Milliseconds(100))));
+  taps.Forget();
+  EXPECT_TRUE(taps.Take(3, Time(Milliseconds(100))));
+}
+
+DeviceFinding Well(const std::string& device) {
+  return {device, Ok()};
+}
+DeviceFinding Failing(const std::string& device, std::int32_t code) {
+  return {device, Error{code, "silent"}};
+}
+
+TEST(DeviceSelfCheck, PassesWhenAllAreWell) {
+  EXPECT_TRUE(JudgeSelfCheck({Well("bms"), Well("led")}, {"bms"}));
+  EXPECT_TRUE(JudgeSelfCheck({}, {}));
+}
+
+TEST(DeviceSelfCheck, GivesTheCodeOfTheFirstAndNamesAll) {
+  const Result<> result =
+      JudgeSelfCheck({Well("bms"), Failing("touch", 1509), Failing("led", 1109)}, {});
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, 1509);
+  EXPECT_EQ(result.error().message, "touch: silent, 1509; led: silent, 1109");
+}
+
+TEST(DeviceSelfCheck, GivesTheCodeOfACriticalDeviceBeforeAllOthers) {
+  const Result<> result =
+      JudgeSelfCheck({Failing("bms", 1409), Failing("touch", 1509), Failing("led", 1109)}, {"led"});
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, 1109);
+  EXPECT_THAT(result.error().message, HasSubstr("led (critical): silent, 1109"));
+}
+
+// The sum of these codes is a multiple of 256, which CyberDog's manager takes for "all is well".
+TEST(DeviceSelfCheck, IsNotPassedByFailuresWhoseCodesAddUpToNothing) {
+  EXPECT_FALSE(JudgeSelfCheck({Failing("bms", 1151), Failing("led", 1153)}, {}));
+}
+
+}  // namespace
+}  // namespace musher::device

@@ -1,0 +1,222 @@
+// The lights, the touch pad and the self-check on a simulated network.
+
+#include "musher/modules/device/devices.hpp"
+
+#include "musher/test/modules/device/devices_fixture.hpp"
+
+namespace musher::device {
+namespace {
+
+using msg::LedExecute;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class Lights : public DevicesOnANetwork {
+ protected:
+  std::int32_t Wish(const std::string& client, std::uint8_t effect) {
+    return Call<LedExecute>("dog1/led_execute", {true, client, LedExecute::kHead,
+                                                 LedExecute::kUserColor, effect, 1, 2, 3})
+        .code;
+  }
+  // What the world shows last on a target.
+  msg::LedState Last(std::uint8_t target) const {
+    msg::LedState last;
+    for (const msg::LedState& state : shown_) {
+      if (state.target == target) last = state;
+    }
+    return last;
+  }
+
+  std::vector<msg::LedState> shown_;
+  std::unique_ptr<transport::Subscription> eye_ =
+      Listen<msg::LedState>("dog1/world/led", shown_, kLedQos);
+};
+
+TEST_F(Lights, AreShownWhenAClientAsks) {
+  Start();
+  EXPECT_EQ(Wish("vp", 4), 0);
+  Run(Milliseconds(100));
+  EXPECT_EQ(Last(LedExecute::kHead),
+            (msg::LedState{LedExecute::kHead, LedExecute::kUserColor, 4, 1, 2, 3, "vp"}));
+  EXPECT_EQ(Last(LedExecute::kTail).client, "system");
+}
+
+TEST_F(Lights, AreToldToTheClientAndTheLogWhenRefused) {
+  Start();
+  EXPECT_EQ(Wish("vp", 77), 1124);
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("led_execute of 'vp': target 1 has no effect 77")));
+  EXPECT_EQ(Wish("burglar", 4), 1122);
+  EXPECT_EQ(Wish("bms", 4), 0);
+  EXPECT_EQ(Wish("tracking", 5), 1125);
+  Run(Milliseconds(100));
+  EXPECT_EQ(Last(LedExecute::kHead).client, "bms");
+}
+
+TEST_F(Lights, AreAllThereForALateWatcher) {
+  Start();
+  for (std::uint8_t effect = 1; effect <= 4; ++effect) EXPECT_EQ(Wish("vp", effect), 0);
+  std::vector<msg::LedState> late;
+  const auto watcher = Listen<msg::LedState>("dog1/world/led", late, kLedQos);
+  Run(Milliseconds(500));
+  ASSERT_THAT(late, SizeIs(3));
+  EXPECT_EQ(late[0].target, LedExecute::kHead);
+  EXPECT_EQ(late[0].effect, 4);
+  EXPECT_EQ(late[1].target, LedExecute::kTail);
+  EXPECT_EQ(late[2].target, LedExecute::kMini);
+}
+
+TEST_F(Lights, FollowTheBattery) {
+  Start();
+  const auto battery = Publisher<msg::BatteryState>("dog1/world/battery");
+  Run(Milliseconds(500));
+  msg::BatteryState state;
+  state.present = true;
+  state.percentage = 0.15F;
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(battery->Publish(state));
+    Run(Milliseconds(1000));
+  }
+  EXPECT_EQ(Last(LedExecute::kHead),
+            (msg::LedState{LedExecute::kHead, LedExecute::kUserColor, 9, 0xFF, 0x32, 0x32, "bms"}));
+  EXPECT_EQ(Last(LedExecute::kMini).effect, 0x30);
+}
+
+TEST_F(Lights, FollowTheLifecycle) {
+  Start();
+  devices_->Enter("LowPower");
+  Run(Milliseconds(100));
+  EXPECT_EQ(Last(LedExecute::kTail).effect, LedExecute::kRgbOff);
+  EXPECT_EQ(Last(LedExecute::kTail).client, "lowpower");
+  devices_->Enter("Active");
+  Run(Milliseconds(100));
+  EXPECT_EQ(Last(LedExecute::kTail).client, "system");
+  devices_->Enter("TearDown");
+  Run(Milliseconds(100));
+  EXPECT_EQ(Last(LedExecute::kHead).effect, LedExecute::kRedBlinkFast);
+  EXPECT_EQ(Last(LedExecute::kMini).effect, LedExecute::kCircularRing);
+}
+
+TEST_F(Lights, AreJudgedAndNotShownWhereThereAreNone) {
+  config_.led = false;
+  Start();
+  EXPECT_EQ(Wish("vp", 4), 0);
+  EXPECT_EQ(Wish("vp", 77), 1124);
+  EXPECT_THAT(shown_, IsEmpty());
+}
+
+class Pad : public DevicesOnANetwork {
+ protected:
+  void Touch(std::int32_t touch_state) {
+    ASSERT_TRUE(finger_->Publish({touch_state}));
+    Run(Milliseconds(100));
+  }
+  // The manager's low_power_exit.
+  void Serve(bool success) {
+    server_ = Must(transport::MakeServer<msg::Trigger>(
+        *world_, "dog1/low_power_exit", [this, success](const auto&, auto reply) {
+          ++asked_;
+          reply({success, success ? "" : "the battery is empty"});
+        }));
+  }
+
+  int asked_ = 0;
+  std::vector<msg::TouchStatus> told_;
+  std::unique_ptr<transport::Publisher<msg::Int32>> finger_ =
+      Publisher<msg::Int32>("dog1/world/touch");
+  std::unique_ptr<transport::Subscription> ear_ =
+      Listen<msg::TouchStatus>("dog1/touch_status", told_);
+  std::unique_ptr<transport::Server<msg::Trigger>> server_;
+};
+
+TEST_F(Pad, TellsTouchesWithTheirTime) {
+  Start();
+  Touch(msg::TouchStatus::kHold);
+  ASSERT_THAT(told_, SizeIs(1));
+  EXPECT_EQ(told_[0].touch_state, 7);
+  EXPECT_EQ(told_[0].timestamp,
+            static_cast<std::uint64_t>(FromStamp(told_[0].header.stamp).count()));
+  EXPECT_GT(told_[0].timestamp, 0U);
+}
+
+TEST_F(Pad, RefusesATouchThatDoesNotExist) {
+  Start();
+  Touch(99);
+  EXPECT_THAT(told_, IsEmpty());
+  EXPECT_THAT(log_, ElementsAre("touch: refused: there is no touch 99"));
+}
+
+TEST_F(Pad, LeavesLowPowerByADoubleTap) {
+  Serve(true);
+  Start();
+  state_ = "LowPower";
+  Touch(msg::TouchStatus::kSingle);
+  EXPECT_EQ(asked_, 0);
+  Touch(msg::TouchStatus::kDouble);
+  EXPECT_EQ(asked_, 1);
+  Touch(msg::TouchStatus::kDouble);  // too soon
+  EXPECT_EQ(asked_, 1);
+  Run(Milliseconds(2000));
+  Touch(msg::TouchStatus::kDouble);
+  EXPECT_EQ(asked_, 2);
+}
+
+TEST_F(Pad, ChangesNothingByADoubleTapInOtherStates) {
+  Serve(true);
+  Start();
+  Touch(msg::TouchStatus::kDouble);
+  EXPECT_EQ(asked_, 0);
+  EXPECT_THAT(told_, SizeIs(1));
+}
+
+TEST_F(Pad, SaysWhyTheRobotDoesNotWakeUp) {
+  Serve(false);
+  Start();
+  state_ = "LowPower";
+  Touch(msg::TouchStatus::kDouble);
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("asks to leave low power"),
+                                "touch: low_power_exit refused: the battery is empty"));
+}
+
+TEST_F(Pad, AsksOnceWhileNobodyAnswersAndSaysSoAfter13Seconds) {
+  Start();
+  state_ = "LowPower";
+  Touch(msg::TouchStatus::kDouble);
+  Run(Milliseconds(5000));
+  Touch(msg::TouchStatus::kDouble);
+  EXPECT_THAT(log_, SizeIs(1));
+  Run(Milliseconds(8000));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("asks"), HasSubstr("touch: low_power_exit: ")));
+}
+
+class DeviceCheck : public DevicesOnANetwork {};
+
+TEST_F(DeviceCheck, FailsForEachDeviceWithNobodyBehindIt) {
+  Start();
+  EXPECT_THAT(Failures(), ElementsAre(1409, 1509, 1109));
+  const auto battery = Publisher<msg::BatteryState>("dog1/world/battery");
+  const auto finger = Publisher<msg::Int32>("dog1/world/touch");
+  std::vector<msg::LedState> shown;
+  const auto eye = Listen<msg::LedState>("dog1/world/led", shown, kLedQos);
+  Run(Milliseconds(500));
+  EXPECT_THAT(Failures(), ElementsAre(1409));  // there, but nothing is heard of it yet
+  EXPECT_THAT(devices_->Check()[0].result.error().message, HasSubstr("nothing was heard"));
+}
+
+TEST_F(DeviceCheck, LeavesOutWhatIsSkippedOrNotThere) {
+  config_.skip = {"bms", "uwb"};
+  config_.touch = false;
+  Start();
+  EXPECT_THAT(devices_->Check(), SizeIs(2));
+  EXPECT_THAT(Failures(), ElementsAre(1109));
+}
+
+TEST_F(DeviceCheck, PassesWithoutAnyDevice) {
+  config_ = {};
+  Start();
+  EXPECT_THAT(Failures(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace musher::device
