@@ -1,5 +1,6 @@
 #include "musher/controller/cli/command_line.hpp"
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <sstream>
 
@@ -61,15 +62,15 @@ bool IsNamespace(const std::string& text) {
 
 }  // namespace
 
-Grammar::Grammar() : app_(kDescription, "musher") {
-  app_.require_subcommand(1);
-  app_.fallthrough();
-  app_.footer(kFooter);
-  app_.get_formatter()->column_width(32);
-  app_.get_formatter()->label("SUBCOMMAND", "COMMAND");
-  app_.get_formatter()->label("REQUIRED", "");
-  app_.set_version_flag("--version", "musher " MUSHER_VERSION, "Print the version");
-  app_.set_help_flag("-h,--help", "Print this help");
+Grammar::Grammar() : app_(std::make_unique<CLI::App>(kDescription, "musher")) {
+  app_->require_subcommand(1);
+  app_->fallthrough();
+  app_->footer(kFooter);
+  app_->get_formatter()->column_width(32);
+  app_->get_formatter()->label("SUBCOMMAND", "COMMAND");
+  app_->get_formatter()->label("REQUIRED", "");
+  app_->set_version_flag("--version", "musher " MUSHER_VERSION, "Print the version");
+  app_->set_help_flag("-h,--help", "Print this help");
   AddGlobalOptions();
   AddConfigCommands();
   AddMachineCommands();
@@ -78,57 +79,72 @@ Grammar::Grammar() : app_(kDescription, "musher") {
 
 std::variant<CommandLine, ParseEnd> Grammar::Parse(int argc, const char* const* argv) {
   try {
-    app_.parse(argc, argv);
+    app_->parse(argc, argv);
     TakeGlobalOptions();
   } catch (const CLI::ParseError& e) {
     std::ostringstream out;
     std::ostringstream ignored;
-    if (app_.exit(e, out, ignored) == 0) return ParseEnd{ExitCode::kDone, out.str(), "", false};
+    if (app_->exit(e, out, ignored) == 0) return ParseEnd{ExitCode::kDone, out.str(), "", false};
     return ParseEnd{ExitCode::kUsage, "", Complaint(e), false};
   }
   return CommandLine{global_, take_command_()};
 }
 
+const char* const Grammar::kCommandFooter =
+    "\nOptions of every command (--json, --namespace, --domain, ...): musher --help";
+
+Grammar::~Grammar() = default;
+
+CLI::App* Grammar::AddTo(CLI::App& parent, const std::string& name, const std::string& what,
+                         std::function<CommandOptions()> take) {
+  CLI::App* command = parent.add_subcommand(name, what);
+  if (&parent == app_.get()) command->group("Commands");
+  command->footer(kCommandFooter);
+  command->callback([this, take = std::move(take)] { take_command_ = take; });
+  return command;
+}
+
 void Grammar::AddGlobalOptions() {
-  app_.add_flag("--json", global_.json, "Print JSON: one document, or one on each line");
-  namespace_ = app_.add_option("--namespace", name_space_,
-                               "Namespace of the machine, as in its config;\n"
-                               "default $MUSHER_NAMESPACE, else none")
+  app_->add_flag("--json", global_.json, "Print JSON: one document, or one on each line");
+  namespace_ = app_->add_option("--namespace", name_space_,
+                                "Namespace of the machine, as in its config;\n"
+                                "default $MUSHER_NAMESPACE, else none")
                    ->type_name("NAME");
-  app_.add_option("--domain", global_.domain, "DDS domain; default $ROS_DOMAIN_ID, else 0")
+  app_->add_option("--domain", global_.domain, "DDS domain; default $ROS_DOMAIN_ID, else 0")
       ->check(CLI::Range(0, 232).description(""))
       ->type_name("N");
-  app_.add_option("--transport", global_.transport,
-                  "local: machines on this host; lan: also on others;\n"
-                  "default $MUSHER_TRANSPORT, else local (up: as its config says)")
+  app_->add_option("--transport", global_.transport,
+                   "local: machines on this host; lan: also on others;\n"
+                   "default $MUSHER_TRANSPORT, else local (up: as its config says)")
       ->check(CLI::IsMember({"local", "lan"}).description(""))
       ->type_name("local|lan");
-  timeout_ = app_.add_option("--timeout", timeout_s_,
-                             "How long to wait for the controller's answer;\n"
-                             "default 60 for set, down and restart, else 5")
+  timeout_ = app_->add_option("--timeout", timeout_s_,
+                              "How long to wait for the controller's answer;\n"
+                              "default 60 for set, down and restart, else 5")
                  ->check(InSeconds())
                  ->type_name("SECONDS");
-  app_.add_option("--keys", global_.keys,
-                  "Folder with the keys of a machine that has [security];\n"
-                  "default $MUSHER_KEYS, else none")
+  app_->add_option("--keys", global_.keys,
+                   "Folder with the keys of a machine that has [security];\n"
+                   "default $MUSHER_KEYS, else none")
       ->type_name("FOLDER");
-  app_.add_option("--identity", global_.identity,
-                  "Whose keys; default $MUSHER_IDENTITY, else operator")
+  app_->add_option("--identity", global_.identity,
+                   "Whose keys; default $MUSHER_IDENTITY, else operator")
       ->type_name("NAME");
-  app_.add_option("--color", colour_, "When to colour; auto: on a terminal, unless NO_COLOR is set")
+  app_->add_option("--color", colour_,
+                   "When to colour; auto: on a terminal, unless NO_COLOR is set")
       ->check(CLI::IsMember({"auto", "always", "never"}).description(""))
       ->type_name("auto|always|never");
 }
 
 std::string Grammar::Complaint(const CLI::ParseError& e) const {
-  const auto unknown = app_.remaining();
-  const bool has_command = !app_.get_subcommands().empty();
+  const auto unknown = app_->remaining();
+  const bool has_command = !app_->get_subcommands().empty();
   if (!has_command && unknown.empty() && dynamic_cast<const CLI::RequiredError*>(&e) != nullptr) {
     return "a command is missing; see musher --help";
   }
   if (has_command || unknown.empty()) return std::string(e.what()) + "; see musher --help";
   std::vector<std::string> commands;
-  for (const CLI::App* command : app_.get_subcommands({})) commands.push_back(command->get_name());
+  for (const CLI::App* command : app_->get_subcommands({})) commands.push_back(command->get_name());
   const std::string near = Nearest(unknown.front(), commands);
   return "there is no command '" + unknown.front() + "'; " +
          (near.empty() ? "" : "did you mean '" + near + "'? ") + "see musher --help";

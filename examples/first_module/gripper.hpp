@@ -31,6 +31,15 @@ class Gripper : public musher::MachineActuator {
 
   bool powered() const { return powered_; }
 
+  // [gate]
+  // What a command from outside calls, whatever thread it comes on.
+  musher::Result<> Grip(double width_mm) {
+    if (auto allowed = Allowed("grip", kGripper); !allowed) return allowed;
+    wanted_mm_ = width_mm;
+    return musher::Ok();
+  }
+  // [gate end]
+
  protected:
   // [estop]
   // Beside whatever runs, so it only touches what may be touched from any thread.
@@ -78,5 +87,6 @@ class Gripper : public musher::MachineActuator {
   }
 
   double width_mm_ = 80.0;
+  std::atomic<double> wanted_mm_ = 0.0;
   std::atomic<bool> powered_ = false;
 };

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 constexpr Duration kSwitching = Milliseconds(100);
 constexpr Duration kQuickest =
     Milliseconds(400);  // to stand up or lie down, however little is left
-constexpr double kStoodUp = 0.95;
+constexpr double kDone = 0.95;     // from this share of a motion on the next may begin
 constexpr double kTakeoff = 0.2;  // shares of a jump: on the ground until, and from, these
 constexpr double kLanding = 0.8;
 constexpr double kGravity = 9.81;
@@ -147,9 +147,9 @@ std::optional<std::string> Body::Objection(const BoardCommand& command,
   if (fault_->status != BoardStatus::kNormal && motion.kind != Kind::kLie) {
     return "there is a fault: " + std::string(fault_->name);
   }
-  if (motion_->kind == Kind::kLeap && Share() < 1) return "a jump has not ended";
+  if (motion_->kind == Kind::kLeap && Share() < kDone) return "a jump has not ended";
   const bool low = motion.kind == Kind::kLie || motion.kind == Kind::kStand;
-  if (motion_->kind == Kind::kStand && Share() < kStoodUp && !low) {
+  if (motion_->kind == Kind::kStand && Share() < kDone && !low) {
     return "the body has not stood up yet";
   }
   const bool goes_on = command.mode == mode() && command.gait == gait_ &&

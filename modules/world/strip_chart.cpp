@@ -41,14 +41,9 @@ class Chart {
   void Battery(double top, double bottom) {
     const auto y = [&](double percent) { return bottom + (top - bottom) * percent / 100; };
     canvas_.FillRect({left_, top}, {right_, bottom}, kGround);
-    ForRuns([](const Sample& sample) { return sample.charging ? 1 : 0; },
-            [&](const Sample& first, double from, double to) {
-              if (!first.charging) return;
-              canvas_.FillRect({from, top}, {to, bottom}, kPad);
-              if (canvas_.TextWidth("charging", kTiny) + 8 < to - from) {
-                canvas_.Text("charging", {from + 6, top + 14}, kTiny, kPadEdge);
-              }
-            });
+    ForRuns(IsCharging, [&](const Sample& first, double from, double to) {
+      if (first.charging) canvas_.FillRect({from, top}, {to, bottom}, kPad);
+    });
     for (const int percent : {0, 20, 40, 60, 80, 100}) {
       canvas_.Line({left_, y(percent)}, {right_, y(percent)}, kGrid);
       if (percent % 20 == 0) {
@@ -57,6 +52,10 @@ class Chart {
       }
     }
     Marks(top, bottom);
+    ForRuns(IsCharging, [&](const Sample& first, double from, double to) {
+      if (!first.charging || canvas_.TextWidth("charging", kTiny) + 8 > to - from) return;
+      canvas_.Text("charging", {from + 6, top + 14}, kTiny, kPadEdge);
+    });
     std::vector<Pixel> line;
     for (const Sample& sample : samples_) {
       const Pixel point(X(sample.at), y(sample.battery_percent));
@@ -111,6 +110,8 @@ class Chart {
       canvas_.Line({Xs(s), top}, {Xs(s), bottom}, kGrid);
     }
   }
+
+  static int IsCharging(const Sample& sample) { return sample.charging ? 1 : 0; }
 
   // Calls `draw` for each longest run of samples with the same index.
   void ForRuns(const std::function<int(const Sample&)>& index,

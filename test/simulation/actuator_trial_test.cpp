@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 
 #include <atomic>
-#include <map>
 #include <stdexcept>
 
 namespace musher::testing {
@@ -356,48 +355,6 @@ TEST(ActuatorTrial, TakesAConfigAndSaysWhenItDoesNotFit) {
     times = [1000, 1000]
   )";
   EXPECT_THAT(trial.Find().error().message, HasSubstr("there is a callback for state 'LowPower'"));
-}
-
-// Spins when it may, and stops for whatever takes that away.
-class SpinningMotor : public GoodMotor {
- public:
-  using GoodMotor::GoodMotor;
-  Result<> Spin() const { return Allowed("spin", ModuleCode::kMotionManager); }
-};
-
-TEST(ActuatorTrial, TriesWhatAnActuatorAllowsInEachState) {
-  MotorTrial<SpinningMotor> trial;
-  trial.stories = 100;
-  trial.config_text = R"(
-    [controller]
-    actuators = ["motor"]
-    states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]
-    default_time = 1000
-    default_state = "Uninitialized"
-    [actuator.motor]
-    states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]
-    times = [1000, 1000, 1000, 1000, 1000]
-    command = ["motor"]
-    critical = true
-    [capability.spin]
-    actuators = ["motor"]
-    min_battery = 40
-  )";
-  int allowed = 0;
-  std::map<std::string, int> refused;
-  trial.always = [&](const SpinningMotor& motor, const ActuatorReport& report) {
-    const Result<> spin = motor.Spin();
-    const bool may = report.state == "Active" && !report.busy() && report.emergency_stop == 0;
-    EXPECT_EQ(spin.ok(), may) << report.state << " " << report.target;
-    if (spin.ok()) return void(++allowed);
-    EXPECT_EQ(spin.error().code, 3003);
-    ++refused[report.state];
-  };
-  trial.Run();
-  EXPECT_GT(allowed, 0);
-  EXPECT_GT(refused["LowPower"], 0);
-  trial.battery.reset();
-  EXPECT_NONFATAL_FAILURE(trial.Run(), "Active");
 }
 
 class DancingMotor : public GoodMotor {

@@ -1,5 +1,7 @@
 // Commands that work on files alone.
 
+#include <CLI/CLI.hpp>
+
 #include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {

@@ -1,7 +1,6 @@
 #pragma once
 // The grammar of `musher`'s command line, as CLI11 has it: a file for each group of commands.
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
 #include <string>
@@ -9,37 +8,38 @@
 
 #include "musher/controller/cli/command_line.hpp"
 
-namespace musher::cli {
+namespace CLI {
+class App;
+class Option;
+class ParseError;
+}  // namespace CLI
 
-inline constexpr const char* kCommandFooter =
-    "\nOptions of every command (--json, --namespace, --domain, ...): musher --help";
+namespace musher::cli {
 
 class Grammar {
  public:
   Grammar();
+  ~Grammar();
+  Grammar(const Grammar&) = delete;
+  Grammar& operator=(const Grammar&) = delete;
 
   std::variant<CommandLine, ParseEnd> Parse(int argc, const char* const* argv);
 
  private:
+  // The options are filled in by CLI11 when the command is parsed.
   template <class Options>
   CLI::App* AddCommand(const std::string& name, const std::string& what,
                        std::shared_ptr<Options> options) {
-    CLI::App* command = app_.add_subcommand(name, what);
-    command->group("Commands");
-    command->footer(kCommandFooter);
-    command->callback([this, options] { take_command_ = [options] { return *options; }; });
-    return command;
+    return AddTo(*app_, name, what, [options] { return *options; });
   }
-
   template <class Options>
   CLI::App* AddKeysCommand(CLI::App& keys, const std::string& name, const std::string& what,
                            std::shared_ptr<Options> options) {
-    CLI::App* command = keys.add_subcommand(name, what);
-    command->footer(kCommandFooter);
-    command->callback([this, options] { take_command_ = [options] { return *options; }; });
-    return command;
+    return AddTo(keys, name, what, [options] { return *options; });
   }
-
+  CLI::App* AddTo(CLI::App& parent, const std::string& name, const std::string& what,
+                  std::function<CommandOptions()> take);
+  static const char* const kCommandFooter;
   void AddGlobalOptions();
   void AddConfigCommands();
   void AddSimulate();
@@ -49,7 +49,7 @@ class Grammar {
   std::string Complaint(const CLI::ParseError& e) const;
   void TakeGlobalOptions();
 
-  CLI::App app_;
+  std::unique_ptr<CLI::App> app_;
   GlobalOptions global_;
   std::string name_space_;
   std::string colour_;

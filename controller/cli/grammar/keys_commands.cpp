@@ -1,11 +1,13 @@
 // musher keys.
 
+#include <CLI/CLI.hpp>
+
 #include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {
 
 void Grammar::AddKeysCommands() {
-  CLI::App* keys = app_.add_subcommand("keys", "Make and revoke the keys that let a process in");
+  CLI::App* keys = app_->add_subcommand("keys", "Make and revoke the keys that let a process in");
   keys->group("Commands");
   keys->require_subcommand(1);
   keys->footer(kCommandFooter);

@@ -1,5 +1,7 @@
 // Commands that speak to a controller.
 
+#include <CLI/CLI.hpp>
+
 #include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {

@@ -128,8 +128,23 @@ TEST_F(BodyTest, DoesNotWalkBeforeItHasStoodUp) {
   commander_.Do(12, 0);
   Pass(world_, Seconds(1));
   EXPECT_THAT(commander_.Do(11, 27, {0.5, 0, 0}), Optional(HasSubstr("has not stood up")));
-  Pass(world_, Seconds(1));
+  Pass(world_, Seconds(0.9));
+  EXPECT_THAT(body().progress_percent(), testing::Gt(94));
   EXPECT_EQ(commander_.Do(11, 27, {0.5, 0, 0}), std::nullopt);
+}
+
+TEST_F(BodyTest, TakesTheTimeThatTheSceneGivesAMotionLessWhereLittleIsLeftOfTheWay) {
+  Scene scene = EmptyYard();
+  scene.start_standing = false;
+  scene.motion_times = {{12, 0, Seconds(4)}};
+  world_ = World(scene);
+  commander_.Do(12, 0);
+  Pass(world_, Seconds(2));
+  EXPECT_EQ(body().progress_percent(), 50);
+  Pass(world_, Seconds(2));
+  commander_.Do(12, 0);
+  Pass(world_, Seconds(0.4));
+  EXPECT_EQ(body().progress_percent(), 100);
 }
 
 TEST_F(BodyTest, RefusesAModeThatNobodyKnows) {

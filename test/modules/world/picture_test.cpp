@@ -1,0 +1,137 @@
+// The picture is really drawn: it is read back and looked at.
+
+#include "musher/modules/world/picture.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+
+#include "musher/modules/world/palette.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/modules/world/scenes.hpp"
+
+namespace musher::world {
+namespace {
+
+class Picture : public testing::Test {
+ protected:
+  // Draws and reads back.
+  cv::Mat Of(const World& world) {
+    const std::string path = folder_ / "world.png";
+    const Result<> drawn = Draw(world, path);
+    EXPECT_TRUE(drawn) << drawn.error().message;
+    return cv::imread(path);
+  }
+  static bool Is(const cv::Vec3b& pixel, const Color& color) {
+    const auto near = [](int a, int b) { return std::abs(a - b) < 8; };
+    return near(pixel[2], color.red) && near(pixel[1], color.green) && near(pixel[0], color.blue);
+  }
+  // How many pixels of that colour the place has, or the charts below it.
+  static int CountAbove(const cv::Mat& image, const Color& color) {
+    return Count(image.rowRange(60, 660).colRange(0, 680), color);
+  }
+  static int CountBelow(const cv::Mat& image, const Color& color) {
+    return Count(image.rowRange(680, image.rows), color);
+  }
+  static int Count(const cv::Mat& image, const Color& color) {
+    return static_cast<int>(
+        std::count_if(image.begin<cv::Vec3b>(), image.end<cv::Vec3b>(),
+                      [&](const cv::Vec3b& pixel) { return Is(pixel, color); }));
+  }
+
+  const TempFolder folder_;
+};
+
+TEST_F(Picture, HasItsSizeAndIsNoEmptySheet) {
+  const cv::Mat image = Of(World(FullYard()));
+  ASSERT_EQ(image.cols, kPictureWidth);
+  ASSERT_EQ(image.rows, kPictureHeight);
+  EXPECT_TRUE(Is(image.at<cv::Vec3b>(5, 5), kPaper));
+  EXPECT_GT(CountAbove(image, kObstacle), 2000);
+  EXPECT_GT(CountAbove(image, kGround), 100'000);
+}
+
+TEST_F(Picture, ShowsThePadOnlyWhereThereIsOne) {
+  Scene scene = EmptyYard();
+  EXPECT_EQ(CountAbove(Of(World(scene)), kPad), 0);
+  scene.pads = {{{5, 5}, 2}};
+  EXPECT_GT(CountAbove(Of(World(scene)), kPad), 1000);
+}
+
+TEST_F(Picture, ColoursTheWayAndTheBandByTheMachinesState) {
+  World world(EmptyYard());
+  Commander commander(world);
+  world.SetMachineState("Active");
+  commander.Walk({0.6, 0, 0}, Seconds(10));
+  EXPECT_EQ(CountAbove(Of(world), ColorOfState("Protected")), 0);
+  const int active = CountAbove(Of(world), ColorOfState("Active"));
+  EXPECT_GT(active, 400);
+  world.SetMachineState("Protected");
+  commander.Walk({0, 0.3, 0}, Seconds(10));
+  const cv::Mat image = Of(world);
+  EXPECT_GT(CountAbove(image, ColorOfState("Protected")), 200);
+  EXPECT_NEAR(CountAbove(image, ColorOfState("Active")), active, 0.2 * active);
+  EXPECT_GT(CountBelow(image, ColorOfState("Protected")), 5000);
+  EXPECT_GT(CountBelow(image, ColorOfState("Active")), 5000);
+}
+
+TEST_F(Picture, ColoursTheWayByBatteryWhereNoMachineWasHeard) {
+  World world(EmptyYard());
+  ASSERT_EQ(world.SetBattery(100), std::nullopt);
+  Commander(world).Walk({0.6, 0, 0}, Seconds(10));
+  EXPECT_GT(CountAbove(Of(world), ColorOfBattery(100)), 300);
+}
+
+TEST_F(Picture, DrawsNoLineWhereTheBodyWasCarried) {
+  World world(EmptyYard());
+  world.SetMachineState("Error");
+  Pass(world, Seconds(1));
+  ASSERT_EQ(world.PutDown({{-8, -8}, 0}), std::nullopt);
+  Pass(world, Seconds(1));
+  ASSERT_EQ(world.PutDown({{8, 8}, 0}), std::nullopt);
+  Pass(world, Seconds(1));
+  EXPECT_LT(CountAbove(Of(world), ColorOfState("Error")), 200);  // dots at most
+}
+
+TEST_F(Picture, MarksBumpsAndCharging) {
+  World world(EmptyYard());
+  EXPECT_EQ(CountAbove(Of(world), kBumpRed), 0);
+  ASSERT_EQ(world.PutDown({{9, 0}, 0}), std::nullopt);
+  Commander(world).Walk({0.6, 0, 0}, Seconds(3));
+  ASSERT_EQ(world.PutDown({{0, 0}, 0}), std::nullopt);
+  world.Plug(true);
+  Pass(world, Seconds(3));
+  const cv::Mat image = Of(world);
+  EXPECT_GT(CountAbove(image, kBumpRed), 10);
+  EXPECT_GT(CountBelow(image, kPad), 5000);
+}
+
+TEST_F(Picture, BearsAnyNameAStrangerMakesUp) {
+  Scene scene = EmptyYard();
+  scene.name = std::string(500, 'x') + "\xff\xfe\n";
+  World world(scene);
+  world.SetMachineState(std::string(300, 'y'));
+  Pass(world, Seconds(5));
+  EXPECT_EQ(Of(world).cols, kPictureWidth);
+}
+
+TEST_F(Picture, SaysWhereItCouldNotBeWritten) {
+  const Result<> drawn = Draw(World(EmptyYard()), "/nowhere/world.png");
+  ASSERT_FALSE(drawn);
+  EXPECT_THAT(drawn.error().message, testing::HasSubstr("/nowhere/world.png"));
+}
+
+TEST_F(Picture, LeavesNoHalfOneBehind) {
+  static_cast<void>(Of(World(EmptyYard())));
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "")) {
+    EXPECT_EQ(entry.path().filename(), "world.png");
+    ++files;
+  }
+  EXPECT_EQ(files, 1);
+}
+
+}  // namespace
+}  // namespace musher::world

@@ -1,0 +1,149 @@
+// The real program over DDS: as an actuator of a machine, and alone.
+
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "musher/controller/machine_controller.hpp"
+#include "musher/messages/musher_msgs/body.hpp"
+#include "musher/messages/protocol/motion.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/modules/exec/child.hpp"
+#include "musher/test/contract/domain.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+#include "musher/transport/clock.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::world {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::seconds;
+
+constexpr const char* kRobot = R"(
+[controller]
+actuators = ["world"]
+states = ["SetUp", "TearDown", "SelfCheck", "Active", "LowPower"]
+default_time = 20000
+default_state = "Uninitialized"
+namespace = "dog1"
+state_dir = "state"
+[actuator.world]
+states = ["SetUp", "TearDown", "SelfCheck", "Active", "LowPower"]
+times = [20000, 20000, 20000, 20000, 20000]
+command = ["musher-world", "scene.toml"]
+cwd = "."
+critical = true
+)";
+
+constexpr const char* kScene = R"(
+speed = 5
+start.standing = true
+picture.at_teardown = true
+)";
+
+class MusherWorld : public testing::Test {
+ protected:
+  MusherWorld() {
+    setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
+    setenv("PATH", (MUSHER_BIN_DIR ":" + std::string(std::getenv("PATH"))).c_str(), 1);
+    std::ofstream(folder_ / "robot.toml") << kRobot;
+    std::ofstream(folder_ / "scene.toml") << kScene;
+    node_ = transport::MakeDdsNode(loop_).value();
+    clock_ = transport::Clock::FromTopic(*node_).value();
+    states_ =
+        transport::MakeSubscription<msg::BodyState>(
+            *node_, "dog1/world/body_state",
+            [this](const msg::BodyState& state, const transport::SampleInfo&) { state_ = state; })
+            .value();
+    commands_ =
+        transport::MakePublisher<msg::MotionCustomCommand>(*node_, "dog1/world/body_command")
+            .value();
+  }
+
+  bool Until(const std::function<bool()>& holds) {
+    return loop_.RunUntil(holds, loop_.Now() + seconds(20));
+  }
+  // Time runs, and the body obeys.
+  void ExpectLife() {
+    ASSERT_TRUE(Until([&] { return clock_->Now() > Time{} && commands_->MatchedReaders() > 0; }));
+    const Time before = clock_->Now();
+    msg::MotionCustomCommand walk;
+    walk.mode = 11;
+    walk.gait_id = 27;
+    walk.life_count = 1;
+    walk.vel_des = {0.5F, 0, 0};
+    walk.duration = 1000;
+    ASSERT_TRUE(commands_->Publish(walk));
+    EXPECT_TRUE(Until([&] { return state_.mode == 11 && state_.order_process_bar == 100; }));
+    EXPECT_GT(state_.pose.position.x, 0.3);
+    EXPECT_GE(clock_->Now() - before, seconds(1));
+  }
+
+  const TempFolder folder_;
+  transport::LinuxEventLoop loop_;
+  std::unique_ptr<transport::Node> node_;
+  msg::BodyState state_;
+  std::unique_ptr<transport::Clock> clock_;
+  std::unique_ptr<transport::Subscription> states_;
+  std::unique_ptr<transport::Publisher<msg::MotionCustomCommand>> commands_;
+};
+
+TEST_F(MusherWorld, RunsThroughTheStatesOfAMachineAndDrawsAtTheEnd) {
+  MachineController controller;
+  ASSERT_TRUE(controller.MachineControllerInit(folder_ / "robot.toml"));
+  const Result<> set_up = controller.AwaitSetUp();
+  ASSERT_TRUE(set_up) << set_up.error().message;
+  for (const char* state : {"SelfCheck", "Active", "LowPower"}) {
+    ASSERT_TRUE(controller.Switch(state).done()) << state;
+  }
+  ExpectLife();  // in LowPower, too
+  const std::string picture = folder_ / "state/world.png";
+  const auto draw = transport::MakeClient<msg::Trigger>(*node_, "dog1/world/draw").value();
+  ASSERT_TRUE(Until([&] { return draw->Ready(); }));
+  std::string answer;
+  draw->Call({}, seconds(20), [&](const Result<msg::Trigger::Response>& reply) {
+    answer = reply ? reply.value().message : reply.error().message;
+  });
+  ASSERT_TRUE(Until([&] { return !answer.empty(); }));
+  EXPECT_EQ(answer, fs::canonical(picture));
+  fs::remove(picture);
+  EXPECT_TRUE(controller.Switch("TearDown").done());
+  EXPECT_GT(fs::file_size(picture), 10'000u);
+}
+
+TEST_F(MusherWorld, RunsAloneUntilASignalAndDrawsThen) {
+  const auto keeper = exec::Keeper::Start();
+  ASSERT_TRUE(keeper);
+  exec::ChildSpec spec;
+  spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
+               "dog1"};
+  spec.cwd = folder_.path();
+  auto child = exec::Child::Start(spec, keeper.value());
+  ASSERT_TRUE(child);
+  ExpectLife();
+  child.value().Signal(SIGINT);
+  ASSERT_TRUE(child.value().EndedBy(std::chrono::steady_clock::now() + seconds(20)));
+  EXPECT_EQ(child.value().Reap().number, 0);
+  EXPECT_GT(fs::file_size(folder_ / "world.png"), 10'000u);
+}
+
+TEST_F(MusherWorld, EndsWithUsageErrorsForAWrongScene) {
+  const auto keeper = exec::Keeper::Start();
+  ASSERT_TRUE(keeper);
+  std::ofstream(folder_ / "scene.toml") << "speed = -1\n";
+  exec::ChildSpec spec;
+  spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--alone"};
+  auto child = exec::Child::Start(spec, keeper.value());
+  ASSERT_TRUE(child);
+  EXPECT_EQ(child.value().Reap().number, 2);
+}
+
+}  // namespace
+}  // namespace musher::world

@@ -1,0 +1,70 @@
+// What an actuator under trial allows in each state.
+
+#include <gtest/gtest-spi.h>
+
+#include <map>
+
+#include "musher/simulation/actuator_trial.hpp"
+
+namespace musher::testing {
+namespace {
+
+class Spinner : public MachineActuator {
+ public:
+  Spinner() : MachineActuator("motor") {
+    for (const char* state : {"SetUp", "SelfCheck", "Active", "LowPower", "TearDown"}) {
+      RegisterStateCallback(state, [] { return kCodeOk; });
+    }
+  }
+  ~Spinner() override { Shutdown(); }
+
+  Result<> Spin() const { return Allowed("spin", ModuleCode::kMotionManager); }
+};
+
+struct SpinnerTrial : simulation::ActuatorTrial<Spinner> {
+  int allowed = 0;
+  std::map<State, int> refused;
+
+  SpinnerTrial() {
+    stories = 100;
+    config_text = R"(
+      [controller]
+      actuators = ["motor"]
+      states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]
+      default_time = 1000
+      default_state = "Uninitialized"
+      [actuator.motor]
+      states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]
+      times = [1000, 1000, 1000, 1000, 1000]
+      command = ["motor"]
+      critical = true
+      [capability.spin]
+      actuators = ["motor"]
+      min_battery = 40
+    )";
+    always = [this](const Spinner& motor, const ActuatorReport& report) {
+      const Result<> spin = motor.Spin();
+      const bool may = report.state == kActive && !report.busy() && report.emergency_stop == 0;
+      EXPECT_EQ(spin.ok(), may) << report.state << " " << report.target;
+      if (spin.ok()) return void(++allowed);
+      EXPECT_EQ(spin.error().code, 3003);
+      ++refused[report.state];
+    };
+  }
+};
+
+TEST(GatedTrial, AllowsWhatTheConfigAllowsInEachState) {
+  SpinnerTrial trial;
+  trial.Run();
+  EXPECT_GT(trial.allowed, 0);
+  EXPECT_GT(trial.refused["LowPower"], 0);
+}
+
+TEST(GatedTrial, GoesByTheBatteryOfTheTest) {
+  static SpinnerTrial trial;
+  trial.battery = 39;
+  EXPECT_NONFATAL_FAILURE(trial.Run(), "spin.ok()");
+}
+
+}  // namespace
+}  // namespace musher::testing
