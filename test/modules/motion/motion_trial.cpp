@@ -188,7 +188,9 @@ void MotionTrial::JudgeRest(const MotionEvent& event) {
     Break("a walk is stopped 200 ms after its last frame");
   }
   // On the way to these the body lies down next, and stands still no more for it.
-  if (core.closed && (*core.closed == kTearDown || *core.closed == kOta)) left_ = last_life_;
+  const bool passes = core.closed && (*core.closed == kTearDown || *core.closed == kOta);
+  // Nor is a body told to stand that lies by its own report.
+  if (passes || std::holds_alternative<motion_event::LieDown>(event)) left_ = last_life_;
   if (core.Idle() && Walks(last_sent_) && left_ != last_life_) Break("nothing walks unwatched");
 }
 
