@@ -12,7 +12,7 @@ namespace musher::world {
 namespace {
 
 // Along the way, without what it was carried.
-double Walked_m(const Track& track) {
+double WalkedM(const Track& track) {
   double walked_m = 0;
   const std::vector<Sample>& samples = track.samples();
   for (std::size_t i = 1; i < samples.size(); ++i) {
@@ -33,7 +33,7 @@ Result<> DrawAll(const World& world, const std::string& path) {
   char facts[160];
   std::snprintf(facts, sizeof(facts), "%s of world time    %.1f m walked    battery %.0f %%",
                 ClockText(std::floor(std::chrono::duration<double>(world.now()).count())).c_str(),
-                Walked_m(world.track()), world.battery().percent());
+                WalkedM(world.track()), world.battery().percent());
   canvas.Text(facts, {kPictureWidth - kMargin, 42}, 13, kGreyInk, Align::kRight);
   const double right = DrawTopView(world, {kLeft, 74}, {kLegend - 44, kMapBottom}, canvas);
   DrawLegend(world, {right + 44, 92}, canvas);
