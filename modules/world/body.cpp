@@ -18,7 +18,6 @@ using Eigen::Vector3d;
 constexpr Duration kSwitching = Milliseconds(100);
 constexpr Duration kQuickest =
     Milliseconds(400);            // to stand up or lie down, however little is left
-constexpr double kDone = 0.95;    // from this share of a motion on the next may begin
 constexpr double kTakeoff = 0.2;  // shares of a jump: on the ground until, and from, these
 constexpr double kLanding = 0.8;
 constexpr double kGravity = 9.81;
@@ -147,9 +146,9 @@ std::optional<std::string> Body::Objection(const BoardCommand& command,
   if (fault_->status != BoardStatus::kNormal && motion.kind != Kind::kLie) {
     return "there is a fault: " + std::string(fault_->name);
   }
-  if (motion_->kind == Kind::kLeap && Share() < kDone) return "a jump has not ended";
+  if (motion_->kind == Kind::kLeap && Share() < 1) return "a jump has not ended";
   const bool low = motion.kind == Kind::kLie || motion.kind == Kind::kStand;
-  if (motion_->kind == Kind::kStand && Share() < kDone && !low) {
+  if (motion_->kind == Kind::kStand && Share() < 1 && !low) {
     return "the body has not stood up yet";
   }
   const bool goes_on = command.mode == mode() && command.gait == gait_ &&
@@ -300,8 +299,11 @@ void Body::Measure(const Pose2& pose, const Attitude& attitude, double seconds) 
   acceleration_ = (speed_ - before) / seconds + tilt.transpose() * Vector3d(0, 0, kGravity);
 }
 
+// More than 95 says that it is done.
 int Body::progress_percent() const {
-  return static_cast<int>(Share() * 100);
+  constexpr int kNotDone = 95;
+  const double share = Share();
+  return share < 1 ? std::min(kNotDone, static_cast<int>(share * 100)) : 100;
 }
 
 BoardStatus Body::status() const {

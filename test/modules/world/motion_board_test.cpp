@@ -113,7 +113,7 @@ TEST_F(MotionBoard, WalksAsFarAsTheAppAsks) {
   ASSERT_EQ(Do(motion::kRecoveryStand, 0), 0);
   const Eigen::Vector2d before = world_->world().body().pose().position_m;
   ASSERT_EQ(Do(motion::kUserTrot, 4000, {0.5F, 0, 0}), 0);
-  network_.RunFor(seconds(2));  // answered at 95 %, and until it stands still
+  network_.RunFor(seconds(2));  // until it stands still
   const Eigen::Vector2d way = world_->world().body().pose().position_m - before;
   EXPECT_NEAR(way.x(), 2.0, 0.02);
   EXPECT_NEAR(way.y(), 0, 1e-6);
