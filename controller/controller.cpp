@@ -169,6 +169,10 @@ Result<> Controller::OpenShell() {
     if (!store_) return;
     if (const auto saved = store_->SaveEmergencyStop(stop); !saved) Trouble(saved.error().message);
   };
+  world.save_policy = [this](const StoredPolicy& policy) {
+    if (!store_) return;
+    if (const auto saved = store_->SavePolicy(policy); !saved) Trouble(saved.error().message);
+  };
   world.log_file = [this](const std::string& name) { return LogFileOf(name); };
   world.wall_ns = WallNanoseconds;
   world.config_text = TextOf(config_);
@@ -198,6 +202,7 @@ void Controller::Begin(int domain_id) {
   }
   FindRunning(config_, domain_id, begin);
   if (store_) begin.emergency_stop = store_->LoadEmergencyStop();
+  if (store_) begin.policy = store_->LoadPolicy();
   shell_->Begin(std::move(begin));
 }
 

@@ -66,6 +66,9 @@ Result<> ControllerShell::Open() {
       });
   if (!health) return health.error();
   health_ = std::move(health).value();
+  auto inputs = PolicyInputs::Make(node, config_, [this](const Event& event) { Handle(event); });
+  if (!inputs) return inputs.error();
+  policy_inputs_ = std::move(inputs).value();
   transport::Qos status_qos = transport::kLatchedFromManyQos;
   status_qos.partition = transport::HearingPartition(!config_.keys.empty());
   auto subscription = transport::MakeSubscription<msg::ActuatorStatus>(
@@ -89,6 +92,7 @@ void ControllerShell::Begin(event::Begin begin) {
     const ActuatorReport& taken = machine_.actuators[actuator].report;
     if (taken.incarnation == seen.report.incarnation) health_->OnReport(actuator, taken);
   }
+  if (policy_inputs_) policy_inputs_->Begin();
 }
 
 void ControllerShell::Refuse(const Error& why) {
@@ -129,6 +133,13 @@ void ControllerShell::ReleaseEmergencyStop(const std::string& by, OnAnswer done)
   const RequestId request = next_request_++;
   waiting_for_answer_[request] = std::move(done);
   Handle(event::ReleaseRequested{request, by});
+}
+
+void ControllerShell::AskPolicy(event::PolicyRequested asked, OnAnswer done) {
+  asked.request = next_request_++;
+  waiting_for_answer_[asked.request] = std::move(done);
+  if (policy_inputs_) policy_inputs_->TellTime();
+  Handle(asked);
 }
 
 void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
@@ -221,6 +232,7 @@ void ControllerShell::HandleQueued() {
 }
 
 void ControllerShell::ArmTimer() {
+  if (policy_inputs_) policy_inputs_->WakeAt(NextPolicyDeadline(config_, machine_));
   const std::optional<Time> next = NextDeadline(config_, machine_);
   if (next == armed_for_) return;
   armed_for_ = next;
@@ -301,6 +313,10 @@ void ControllerShell::Do(const action::SaveEmergencyStop& a) {
 void ControllerShell::Do(const action::SaveEpoch& a) {
   world_.save_epoch(a.epoch);
   presence_->Announce(a.epoch);
+}
+
+void ControllerShell::Do(const action::SavePolicy& a) {
+  if (world_.save_policy) world_.save_policy(a.policy);
 }
 
 void ControllerShell::Do(const action::Fenced& a) {

@@ -18,6 +18,7 @@
 #include "musher/controller/health_watch.hpp"
 #include "musher/controller/journal.hpp"
 #include "musher/controller/link/actuator_link.hpp"
+#include "musher/controller/policy_inputs.hpp"
 #include "musher/controller/process_runner.hpp"
 #include "musher/controller/process_witness.hpp"
 #include "musher/controller/recording/recorder.hpp"
@@ -38,6 +39,7 @@ class ControllerShell {
     JournalSink* journal = nullptr;
     std::function<void(std::uint64_t)> save_epoch;
     std::function<void(const std::optional<EmergencyStop>&)> save_emergency_stop;
+    std::function<void(const StoredPolicy&)> save_policy;
     std::function<std::string(const std::string&)> log_file;  // of an actuator's process
     std::function<std::int64_t()> wall_ns;                    // since 1970
     std::string config_text;  // what the config was read from, for the journal; may be empty
@@ -50,6 +52,7 @@ class ControllerShell {
     std::function<void(const action::Record&)> on_record;
     std::function<void(const action::SendSwitch&)> on_send;  // before it is sent
     std::function<void(const action::StartUpEnded&)> on_start_up_ended;
+    std::function<void(bool reboot)> on_power;  // the power command is due
     std::function<void()> on_stopped;
     std::function<void(const std::string&)> on_fenced;  // another controller has taken over
   };
@@ -77,6 +80,10 @@ class ControllerShell {
   // Starts an actuator's process again; `done` when it is back, or why it is not.
   void Restart(const std::string& actuator, OnAnswer done);
   void ReleaseEmergencyStop(const std::string& by, OnAnswer done);
+  // Asks the policy for something; `asked.request` is chosen here. `done` runs exactly once, maybe
+  // at once: what leads to a switch is answered at its end, with its code and reason unless all is
+  // done.
+  void AskPolicy(event::PolicyRequested asked, OnAnswer done);
 
   const Machine& machine() const { return machine_; }
   const MachineConfig& config() const { return config_; }
@@ -120,6 +127,8 @@ class ControllerShell {
   void Do(const action::SaveEmergencyStop& a);
   void Do(const action::Fenced& a);
   void Do(const action::SaveEpoch& a);
+  void Do(const action::SavePolicy& a);
+  void Do(const action::RunPowerCommand& a);
   void Do(const action::Record& a);
   void Do(const action::StartUpEnded& a);
   void Do(const action::Stopped& a);
@@ -151,6 +160,7 @@ class ControllerShell {
   std::unique_ptr<CapabilityBoard> capabilities_;
   std::unique_ptr<ControllerPresence> presence_;
   std::unique_ptr<HealthWatch> health_;
+  std::unique_ptr<PolicyInputs> policy_inputs_;  // null without [policy]
   std::optional<Time> armed_for_;
   transport::LoopHandlePtr timer_;
   std::unique_ptr<transport::Subscription>

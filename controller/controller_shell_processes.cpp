@@ -42,6 +42,24 @@ void ControllerShell::Do(const action::SignalProcess& a) {
   static_cast<void>(world_.processes->Signal(a.pid, a.kill ? SIGKILL : SIGTERM).ok());
 }
 
+// It outlives this controller, which is about to end.
+void ControllerShell::Do(const action::RunPowerCommand& a) {
+  if (hooks_.on_power) hooks_.on_power(a.reboot);
+  const PowerPolicy& power = config_.policy->power;
+  ProcessSpec spec;
+  spec.name = a.reboot ? "reboot" : "power_off";
+  spec.argv = a.reboot ? power.reboot_command : power.off_command;
+  if (spec.argv.empty()) return;
+  spec.log_file = world_.log_file(spec.name);
+  const auto failed = [this, name = spec.name](const std::string& how) {
+    Do(action::Record{"policy", std::nullopt, 0, kCodeFailed, "the command of " + name + how});
+  };
+  const auto started = world_.processes->Start(spec, [failed](const ProcessExit& exit) {
+    if (!exit.clean()) failed(" ended: " + exit.Text());
+  });
+  if (!started) failed(" could not be run: " + started.error().message);
+}
+
 // A process of this host that we did not start: its end is seen as fast as a child's, only the exit
 // code is not.
 void ControllerShell::WatchForeign(std::size_t actuator, const ActuatorReport& report) {

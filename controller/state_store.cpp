@@ -154,6 +154,32 @@ std::optional<EmergencyStop> StateStore::LoadEmergencyStop() const {
   return stop;
 }
 
+// "low_power on", "lowered Active Protected".
+Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
+  std::string text;
+  if (policy.low_power)
+    text += std::string("low_power ") + (*policy.low_power ? "on" : "off") + "\n";
+  if (policy.lowering) {
+    text += "lowered " + policy.lowering->from + " " + policy.lowering->to + "\n";
+  }
+  return Replace(PolicyFile(), text);
+}
+
+StoredPolicy StateStore::LoadPolicy() const {
+  StoredPolicy policy;
+  const UniqueFd file(open(PolicyFile().c_str(), O_RDONLY | O_CLOEXEC));
+  std::istringstream text(file.valid() ? ReadSmall(file.get()) : "");
+  for (std::string word; text >> word;) {
+    Lowering lowering;
+    if (word == "low_power" && text >> word) {
+      if (word == "on" || word == "off") policy.low_power = word == "on";
+    } else if (word == "lowered" && text >> lowering.from >> lowering.to) {
+      policy.lowering = lowering;
+    }
+  }
+  return policy;
+}
+
 pid_t StateStore::OwnerOf(const std::string& dir) {
   const UniqueFd lock(open((dir + "/controller.lock").c_str(), O_RDONLY | O_CLOEXEC));
   const std::string text = lock.valid() ? ReadSmall(lock.get()) : "";

@@ -4,6 +4,7 @@
 //   controller.lock     held while the controller lives; says who: "4711 robot"
 //   epoch               the last epoch that was begun, as a decimal number
 //   emergency_stop      there while one is engaged: its number, by whom, why
+//   policy              what the policy remembers: the low-power switch, where the battery took it
 //   journal.sqlite      see journal.hpp
 //   logs/<actuator>.log what the actuator's process prints
 //
@@ -50,6 +51,10 @@ class StateStore {
   Result<> SaveEmergencyStop(const std::optional<EmergencyStop>& stop);
   std::optional<EmergencyStop> LoadEmergencyStop() const;
 
+  // What the policy remembers; nothing where there is no file yet, or none that can be read.
+  Result<> SavePolicy(const StoredPolicy& policy);
+  StoredPolicy LoadPolicy() const;
+
   // The process that says it holds the lock of a folder; 0 when nobody says so.
   static pid_t OwnerOf(const std::string& dir);
 
@@ -65,6 +70,7 @@ class StateStore {
 
   std::string EpochFile() const { return dir_ + "/epoch"; }
   std::string EmergencyStopFile() const { return dir_ + "/emergency_stop"; }
+  std::string PolicyFile() const { return dir_ + "/policy"; }
   Result<> Replace(const std::string& path, const std::string& content) const;
 
   std::string dir_;

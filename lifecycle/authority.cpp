@@ -55,6 +55,8 @@ void Decision::Decline(const Event& event) {
     Do(action::AnswerCall{release->request, fenced});
   } else if (const auto* awaited = std::get_if<event::SetUpAwaited>(&event)) {
     Do(action::AnswerCall{awaited->request, fenced});
+  } else if (const auto* requested = std::get_if<event::PolicyRequested>(&event)) {
+    Do(action::AnswerCall{requested->request, fenced});
   }
 }
 

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "musher/lifecycle/policy_config.hpp"
 #include "musher/lifecycle/ros2_states.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/lifecycle/time.hpp"
@@ -111,6 +112,8 @@ struct MachineConfig {
   std::vector<FlowEdge> flow;   // the default flow, or the file's [[transition]]
   TransportProfile transport = TransportProfile::kLocal;
   std::string keys;  // absolute folder of keys: strangers are kept out; empty: anybody may come
+
+  std::optional<PolicyConfig> policy;  // none: the machine has no rules of its own
 
   std::vector<ActuatorConfig> actuators;       // in the order of [controller].actuators
   std::vector<CapabilityConfig> capabilities;  // in the order of the file

@@ -54,8 +54,8 @@ SyntaxFault NotAStateConfig(const Table& root) {
 
 void ReadSections(const Table& table, Draft& draft) {
   TableReader root(table, {1, 1}, "", draft.findings);
-  for (const auto* key :
-       {"controller", "actuator", "state", "transition", "transport", "security", "capability"}) {
+  for (const auto* key : {"controller", "actuator", "state", "transition", "transport", "security",
+                          "policy", "capability"}) {
     root.Get(key);
   }
   root.RefuseOthers();
@@ -64,6 +64,7 @@ void ReadSections(const Table& table, Draft& draft) {
   ReadTransitions(root, draft);
   ReadTransport(root, draft);
   ReadSecurity(root, draft);
+  ReadPolicy(root, draft);
   ReadActuators(root, draft);
   ReadCapabilities(root, draft);
 }

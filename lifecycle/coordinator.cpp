@@ -23,6 +23,7 @@ void Decision::Settle() {
       changed |= ParkAndUnpark();
       changed |= DriveLateOnes();
       changed |= BeginFallback();
+      changed |= AdvancePolicy();
     }
   }
 }
@@ -91,7 +92,7 @@ std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
   return next;
 }
 
-std::optional<Time> NextDeadline(const MachineConfig&, const Machine& machine) {
+std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& machine) {
   std::optional<Time> next;
   if (machine.phase == Phase::kFenced || machine.phase == Phase::kStopped) return next;
   const auto consider = [&](std::optional<Time> when) {
@@ -103,6 +104,9 @@ std::optional<Time> NextDeadline(const MachineConfig&, const Machine& machine) {
     if (!stopping.terminated) consider(stopping.terminate_at);
     consider(stopping.killed ? stopping.give_up_at : stopping.kill_at);
   }
+  consider(NextPowerDeadline(machine));
+  const bool steady = config.policy && config.policy->clock == PolicyClock::kSteady;
+  if (steady) consider(NextPolicyDeadline(config, machine));
   return next;
 }
 

@@ -12,6 +12,7 @@
 //   recovery.cpp   what has died, hangs or is out of reach; restarts
 //   binding.cpp    actuators that go down and up with others (binds_to)
 //   authority.cpp  other controllers, the emergency stop
+//   policy_rules.cpp, policy_requests.cpp, power.cpp  the manager's rules (policy.hpp)
 //   stopping.cpp   TearDown, SIGTERM, SIGKILL within the budget
 
 #include <cstdint>
@@ -39,6 +40,7 @@ struct Begin {
   std::string host = {};                             // of the controller
   std::optional<EmergencyStop> emergency_stop = {};  // the one on disk
   std::vector<std::int32_t> processes = {};
+  StoredPolicy policy = {};  // the one on disk
   friend bool operator==(const Begin&, const Begin&) = default;
 };
 // An actuator's latched status came.
@@ -135,6 +137,36 @@ struct SetUpAwaited {
   RequestId request = 0;
   friend bool operator==(const SetUpAwaited&, const SetUpAwaited&) = default;
 };
+// The battery has changed. A value that no battery has is put on record and otherwise ignored.
+struct BatterySeen {
+  std::int32_t percent = 0;
+  bool charging = false;
+  friend bool operator==(const BatterySeen&, const BatterySeen&) = default;
+};
+// The body has begun another motion.
+struct MotionSeen {
+  std::int32_t motion = 0;  // its id
+  friend bool operator==(const MotionSeen&, const MotionSeen&) = default;
+};
+// What the policy listens to has fallen silent: no sample for its time.
+struct InputSilent {
+  PolicyInput input = PolicyInput::kBattery;
+  friend bool operator==(const InputSilent&, const InputSilent&) = default;
+};
+// The time of /clock, where the policy follows it: comes when NextPolicyDeadline() is reached, and
+// just before whatever else concerns the policy.
+struct ClockHeard {
+  Time clock{};
+  friend bool operator==(const ClockHeard&, const ClockHeard&) = default;
+};
+struct PolicyRequested {
+  RequestId request = 0;
+  PolicyRequest what = PolicyRequest::kWakeUp;
+  State state;             // of kSwitch and kKeep
+  std::int64_t ticks = 0;  // of kKeep, in seconds
+  bool enable = false;     // of kOta and the low-power switch
+  friend bool operator==(const PolicyRequested&, const PolicyRequested&) = default;
+};
 // Nothing happened but time.
 struct TimePassed {
   friend bool operator==(const TimePassed&, const TimePassed&) = default;
@@ -142,11 +174,12 @@ struct TimePassed {
 
 }  // namespace event
 
-using Event = std::variant<event::Begin, event::StatusSeen, event::Replied, event::Vanished,
-                           event::ProcessStarted, event::ProcessNotStarted, event::ProcessEnded,
-                           event::HealthChanged, event::BacktraceTaken, event::RestartRequested,
-                           event::RivalHeard, event::EmergencyStopSeen, event::ReleaseRequested,
-                           event::SetStateRequested, event::SetUpAwaited, event::TimePassed>;
+using Event = std::variant<
+    event::Begin, event::StatusSeen, event::Replied, event::Vanished, event::ProcessStarted,
+    event::ProcessNotStarted, event::ProcessEnded, event::HealthChanged, event::BacktraceTaken,
+    event::RestartRequested, event::RivalHeard, event::EmergencyStopSeen, event::ReleaseRequested,
+    event::SetStateRequested, event::SetUpAwaited, event::BatterySeen, event::MotionSeen,
+    event::InputSilent, event::ClockHeard, event::PolicyRequested, event::TimePassed>;
 
 namespace action {
 
@@ -201,6 +234,17 @@ struct SaveEmergencyStop {
   std::optional<EmergencyStop> stop;
   friend bool operator==(const SaveEmergencyStop&, const SaveEmergencyStop&) = default;
 };
+// What the policy remembers has to survive this controller.
+struct SavePolicy {
+  StoredPolicy policy;
+  friend bool operator==(const SavePolicy&, const SavePolicy&) = default;
+};
+// Run the command of [policy.power_off] or [policy.reboot], if there is one. The machine is torn
+// down, or its time was over.
+struct RunPowerCommand {
+  bool reboot = false;
+  friend bool operator==(const RunPowerCommand&, const RunPowerCommand&) = default;
+};
 // The epoch has to be on disk before the next command is sent.
 struct SaveEpoch {
   std::uint64_t epoch = 0;
@@ -209,7 +253,7 @@ struct SaveEpoch {
 // For the journal and the log. Its `cause` is the record that it follows from, so that a chain of
 // them explains what was done.
 struct Record {
-  std::string kind;  // "machine", "switch", "actuator", "process"
+  std::string kind;  // "machine", "switch", "actuator", "process", "policy"
   std::optional<std::size_t> actuator;
   std::uint64_t switch_number = 0;
   std::int32_t code = kCodeOk;
@@ -242,7 +286,8 @@ using Action =
     std::variant<action::SendSwitch, action::SendAsk, action::StartProcess, action::SignalProcess,
                  action::AnswerSetState, action::AnswerCall, action::TakeBacktrace,
                  action::TellEmergencyStop, action::SaveEmergencyStop, action::SaveEpoch,
-                 action::Record, action::StartUpEnded, action::Fenced, action::Stopped>;
+                 action::SavePolicy, action::RunPowerCommand, action::Record, action::StartUpEnded,
+                 action::Fenced, action::Stopped>;
 
 // One step of the decision. Events about what is not expected any more (a late reply, an exit that
 // was seen already) change no more than what is known about the actuator.
@@ -251,5 +296,9 @@ std::vector<Action> Step(const MachineConfig& config, Machine& machine, const Ev
 
 // When to step next with TimePassed, unless something else happens before; nullopt: never.
 std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& machine);
+
+// The same for the times of the policy, by its own clock; NextDeadline() has them in it unless that
+// clock is a topic.
+std::optional<Time> NextPolicyDeadline(const MachineConfig& config, const Machine& machine);
 
 }  // namespace musher

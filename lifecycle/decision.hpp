@@ -57,6 +57,11 @@ class Decision {
   void On(const event::ReleaseRequested& requested);
   void On(const event::SetStateRequested& requested);
   void On(const event::SetUpAwaited& awaited);
+  void On(const event::BatterySeen& seen);
+  void On(const event::MotionSeen& seen);
+  void On(const event::InputSilent& silent);
+  void On(const event::ClockHeard& heard);
+  void On(const event::PolicyRequested& requested);
   void On(const event::TimePassed&) {}
 
   // Deadlines, then whatever has become possible. Ends every step.
@@ -179,6 +184,48 @@ class Decision {
   void Release(std::uint64_t id);
   void HearRelease(std::uint64_t id);
 
+  // policy_rules.cpp
+  void BeginPolicy(const StoredPolicy& stored);
+  bool AdvancePolicy();
+  void JudgeLevel(const std::string& seen);
+  void CountStillness();
+  void EndKeep(const std::string& why);
+  bool BatteryRulesWait() const;
+  bool ObeyBattery();
+  bool TakeDown(BatteryLevel level);
+  bool BringBack();
+  bool RestWhenStill();
+  bool BeginByPolicy(const State& target, const std::string& why, std::uint64_t cause);
+  void BackOff();
+  void NoteEndOfSwitch(const Switch& s, bool undone);
+  void NoteSuperseded(const Switch& s);
+  void Lower(const std::optional<Lowering>& lowering);
+  void LowerAtMostTo(const State& most);
+  State UpTo(const State& wanted) const;
+  Time policy_now() const { return PolicyNow(config_, machine_.policy, now_); }
+  std::uint64_t RecordPolicy(std::int32_t code, const std::string& message,
+                             std::uint64_t cause = 0);
+
+  // policy_requests.cpp; each gives why it refuses, or sees to the answer
+  using Requested = event::PolicyRequested;
+  std::optional<Error> Handle(const Requested& requested, std::uint64_t asked);
+  std::optional<Error> HandleKeep(const Requested& requested, std::uint64_t asked);
+  std::optional<Error> HandleOta(const Requested& requested, std::uint64_t asked);
+  std::optional<Error> HandleLowPowerSwitch(const Requested& requested, std::uint64_t asked);
+  std::optional<Error> HandleWakeUp(const Requested& requested, std::uint64_t asked);
+  std::optional<Error> HandlePower(const Requested& requested, std::uint64_t asked);
+  std::optional<Error> KeptOrBusy() const;
+  std::optional<Error> BeginAsked(const Requested& requested, const State& target,
+                                  std::uint64_t asked);
+  std::optional<Error> BeginUp(const Requested& requested, std::uint64_t asked);
+  bool InLowPower() const;
+
+  // power.cpp
+  void BeginPowerDown(bool reboot, Time tear_down_at, std::uint64_t cause);
+  bool TearDownForPower();
+  void CommandPower(bool in_time);
+  void ForcePower();
+
   // stopping.cpp
   void Stop(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause);
   void AfterTearDown(SwitchResult result);
@@ -216,7 +263,11 @@ class Decision {
   std::vector<Action> actions_;
 };
 
+int LastStage(const MachineConfig& config);
+
 // When the orders, claims and set-ups of one actuator fall due.
 std::optional<Time> NextDeadlineOf(const ActuatorRecord& record);
+// When the power is due to go, or a switch of the policy to be tried again: by the steady clock.
+std::optional<Time> NextPowerDeadline(const Machine& machine);
 
 }  // namespace musher

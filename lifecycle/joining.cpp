@@ -137,6 +137,7 @@ void Decision::Fall(std::size_t i) {
 bool Decision::BeginFallback() {
   if (!machine_.fallback || machine_.current || machine_.phase != Phase::kRunning) return false;
   const State target = *std::exchange(machine_.fallback, std::nullopt);
+  LowerAtMostTo(target);
   const auto rank = config_.RankOf(machine_.state);
   if (!rank || *config_.RankOf(target) >= *rank) return false;  // it is as safe as that already
   const Plan plan = MakePlan(config_, machine_, target);

@@ -18,6 +18,7 @@
 #include "musher/lifecycle/config.hpp"
 #include "musher/lifecycle/health.hpp"
 #include "musher/lifecycle/plan.hpp"
+#include "musher/lifecycle/policy.hpp"
 #include "musher/lifecycle/report.hpp"
 #include "musher/lifecycle/result.hpp"
 #include "musher/lifecycle/switch_result.hpp"
@@ -125,6 +126,7 @@ enum class Purpose {
   kStartUpActivate,  // the first stage to Active
   kFallback,         // to on_lost of a critical actuator
   kStop,             // TearDown
+  kPolicy,           // by a rule: the battery, or lying still
 };
 
 struct Switch {
@@ -192,6 +194,7 @@ struct Machine {
   std::vector<std::uint64_t> set_up_requests;  // who waits for all actuators to be set up
   std::uint64_t last_record = 0;               // id of the last record
   State told_state;                            // the last one that a record told
+  PolicyState policy;
 
   friend bool operator==(const Machine&, const Machine&) = default;
 };

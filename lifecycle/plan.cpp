@@ -80,7 +80,7 @@ class Planning {
                                           "; from here it can go to " +
                                           List(Reachable(config_, plan_.from))};
     }
-    return std::nullopt;
+    return plan_.only ? std::nullopt : RefusalByPolicy(config_, machine_, target);
   }
 
   // The first reason found stays.

@@ -11,13 +11,13 @@ namespace {
 // The record that Begin makes is the first one.
 constexpr std::uint64_t kBegun = 1;
 
+}  // namespace
+
 int LastStage(const MachineConfig& config) {
   int last = 1;
   for (const ActuatorConfig& actuator : config.actuators) last = std::max(last, actuator.stage);
   return last;
 }
-
-}  // namespace
 
 void Decision::On(const event::Begin& begin) {
   machine_.phase = Phase::kStarting;
@@ -31,6 +31,7 @@ void Decision::On(const event::Begin& begin) {
                              std::to_string(machine_.actuators.size()) + " actuators");
   StartStage(begin.by_hand ? LastStage(config_) : 1, kBegun);
   if (begin.emergency_stop) Engage(*begin.emergency_stop);
+  BeginPolicy(begin.policy);
 }
 
 void Decision::StartStage(int stage, std::uint64_t cause) {

@@ -82,6 +82,7 @@ void Decision::AdvanceStopping() {
     stopping.killed = true;
     SignalProcesses(true);
   }
+  ForcePower();
   const bool out_of_time = now_ >= stopping.give_up_at;
   if (out_of_time && machine_.current) EndUnfinished();
   if (!stopping.result || (ProcessesLeft() && !out_of_time)) return;
@@ -89,6 +90,7 @@ void Decision::AdvanceStopping() {
   RecordMachine(kCodeOk, "the machine is stopped after " +
                              std::to_string(ToMilliseconds(now_ - stopping.begun)) + " ms");
   Answer(stopping.requests, *stopping.result);
+  if (machine_.policy.power) CommandPower(true);
   Do(action::Stopped{});
 }
 

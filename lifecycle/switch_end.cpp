@@ -174,6 +174,7 @@ void Decision::EndSwitch() {
                                               (result.reason.empty() ? "" : ": " + result.reason),
                                           worst ? Of(worst->actuator).cause : s.cause);
   if (s.purpose == Purpose::kStop) return AfterTearDown(result);
+  NoteEndOfSwitch(s, undone);
   Answer(s.requests, result);
   if (s.purpose == Purpose::kStartUpCheck) return AfterStartUpCheck(told);
   if (s.purpose == Purpose::kStartUpActivate && undone) {

@@ -119,6 +119,7 @@ void Decision::Supersede(std::uint64_t by, const State& target, std::uint64_t ca
     Of(leg.actuator).free_by = now_ + config_.TimeFor(leg.actuator, leg.target);
   }
   Answer(s.requests, result);
+  NoteSuperseded(s);
   machine_.current.reset();
 }
 
@@ -337,7 +338,13 @@ void Decision::BeginRollback(Switch& s) {
 }
 
 void Decision::Answer(const std::vector<RequestId>& requests, const SwitchResult& result) {
-  for (const RequestId request : requests) Do(action::AnswerSetState{request, result});
+  for (const RequestId request : requests) {
+    if (std::erase(machine_.policy.calls, request) == 0) {
+      Do(action::AnswerSetState{request, result});
+    } else {
+      Do(action::AnswerCall{request, result.done() ? Ok() : Error{result.code, result.reason}});
+    }
+  }
 }
 
 }  // namespace musher

@@ -26,6 +26,9 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   world.save_emergency_stop = [this](const auto& stop) {
     if (!disk_.full) disk_.emergency_stop = stop;
   };
+  world.save_policy = [this](const StoredPolicy& policy) {
+    if (!disk_.full) disk_.policy = policy;
+  };
   world.log_file = [](const std::string&) { return std::string(); };
   world.wall_ns = [this] { return (network_.now().time_since_epoch() + wall_offset).count(); };
   world.host = "sim";
@@ -60,6 +63,7 @@ void ControllerProcess::Begin(bool takeover) {
     begin.processes.push_back(processes_.PidOf(actuator.name));
   }
   begin.emergency_stop = disk_.emergency_stop;
+  begin.policy = disk_.policy;
   begun_ = true;
   shell_->Begin(std::move(begin));
 }

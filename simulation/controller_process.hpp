@@ -22,6 +22,7 @@ namespace musher::simulation {
 struct Disk {
   std::uint64_t epoch = 0;
   std::optional<EmergencyStop> emergency_stop;
+  StoredPolicy policy;
   std::vector<JournalRow> recording;
   bool full = false;            // nothing can be written
   bool gap = false;             // something could not be, once

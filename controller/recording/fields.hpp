@@ -1,251 +1,13 @@
 #pragma once
-// What a recording holds of the decision code's values: the name of every field of Event, Machine
-// and what is in them. A field or an event that is added there is one line here, and a field that
-// is forgotten does not compile (MemberCount).
+// What a recording holds of the decision code's values: the name of every field of Machine and what
+// is in it; of events, see event_fields.hpp. A field that is added there is one line here.
 //
 // Units: times and durations in nanoseconds.
 
-#include <array>
-#include <cstddef>
-#include <string_view>
-#include <tuple>
-#include <type_traits>
-#include <utility>
-
-#include "musher/lifecycle/coordinator.hpp"
+#include "musher/controller/recording/event_fields.hpp"
+#include "musher/controller/recording/field.hpp"
 
 namespace musher::recording {
-
-template <class T, class M>
-struct Field {
-  const char* name;
-  M T::*member;
-};
-template <class T, class M>
-Field(const char*, M T::*) -> Field<T, M>;
-
-// The fields of a struct, as a tuple of Field.
-template <class T>
-inline constexpr auto kFields = nullptr;
-template <class T>
-concept Struct = !std::is_same_v<decltype(kFields<T>), const std::nullptr_t>;
-
-// The names of an enumeration's values, by value. One without a name is recorded as its number.
-template <class T>
-inline constexpr std::array<std::string_view, 0> kValueNames{};
-
-// What an event is called.
-template <class E>
-inline constexpr std::string_view kEventName{};
-
-// How many members an aggregate has.
-struct AnyMember {
-  template <class T>
-  operator T() const;  // NOLINT(google-explicit-constructor): declared only, for MemberCount
-};
-template <class T, class... Members>
-constexpr std::size_t MemberCount() {
-  if constexpr (requires { T{std::declval<Members>()..., std::declval<AnyMember&>()}; }) {
-    return MemberCount<T, Members..., AnyMember&>();
-  } else {
-    return sizeof...(Members);
-  }
-}
-template <Struct T>
-inline constexpr bool kIsComplete = std::tuple_size_v<std::remove_const_t<decltype(kFields<T>)>> ==
-                                    MemberCount<T>();
-
-template <>
-inline constexpr std::array<std::string_view, 3> kValueNames<Verdict> = {"done", "refused",
-                                                                         "failed"};
-template <>
-inline constexpr std::array<std::string_view, 7> kValueNames<Phase> = {
-    "idle", "starting", "running", "failed", "stopping", "stopped", "fenced"};
-template <>
-inline constexpr std::array<std::string_view, 4> kValueNames<Presence> = {"absent", "starting",
-                                                                          "present", "lost"};
-template <>
-inline constexpr std::array<std::string_view, 4> kValueNames<Direction> = {"up", "down", "level",
-                                                                           "check"};
-template <>
-inline constexpr std::array<std::string_view, 5> kValueNames<Purpose> = {
-    "requested", "start-up check", "start-up activate", "fallback", "stop"};
-template <>
-inline constexpr std::array<std::string_view, 3> kValueNames<Leg::Progress> = {
-    "waiting", "under way", "ended"};
-template <>
-inline constexpr std::array<std::string_view, 8> kValueNames<ActuatorOutcome> = {
-    "done", "refused", "failed", "overdue", "lost", "undone", "skipped", "unsupported"};
-template <>
-inline constexpr std::array<std::string_view, 5> kValueNames<SwitchOutcome> = {
-    "done", "refused", "undone", "done-degraded", "superseded"};
-
-template <>
-inline constexpr std::array<std::string_view, 5> kValueNames<Health> = {"well", "starved", "hung",
-                                                                        "crashed", "partitioned"};
-
-// The last value has the last name: one that was put before it has not been forgotten.
-template <class T>
-constexpr bool EndsWith(T last) {
-  return static_cast<std::size_t>(last) + 1 == kValueNames<T>.size();
-}
-static_assert(EndsWith(Verdict::kFailed) && EndsWith(Phase::kFenced) && EndsWith(Presence::kLost) &&
-              EndsWith(Direction::kCheck) && EndsWith(Purpose::kStop) &&
-              EndsWith(Leg::Progress::kEnded) && EndsWith(ActuatorOutcome::kUnsupported) &&
-              EndsWith(SwitchOutcome::kSuperseded) && EndsWith(Health::kPartitioned));
-
-template <>
-inline constexpr std::tuple kFields<Error> = {Field{"code", &Error::code},
-                                              Field{"message", &Error::message}};
-
-template <>
-inline constexpr std::tuple kFields<ActuatorReport> = {
-    Field{"state", &ActuatorReport::state},
-    Field{"target", &ActuatorReport::target},
-    Field{"busy_number", &ActuatorReport::busy_number},
-    Field{"epoch", &ActuatorReport::epoch},
-    Field{"number", &ActuatorReport::number},
-    Field{"outcome_number", &ActuatorReport::outcome_number},
-    Field{"outcome_code", &ActuatorReport::outcome_code},
-    Field{"outcome_message", &ActuatorReport::outcome_message},
-    Field{"incarnation", &ActuatorReport::incarnation},
-    Field{"pid", &ActuatorReport::pid},
-    Field{"host", &ActuatorReport::host},
-    Field{"config_hash", &ActuatorReport::config_hash},
-    Field{"apart", &ActuatorReport::apart},
-    Field{"emergency_stop", &ActuatorReport::emergency_stop},
-    Field{"stamp", &ActuatorReport::stamp},
-};
-
-template <>
-inline constexpr std::tuple kFields<EmergencyStop> = {
-    Field{"id", &EmergencyStop::id},
-    Field{"by", &EmergencyStop::by},
-    Field{"reason", &EmergencyStop::reason},
-};
-
-template <>
-inline constexpr std::string_view kEventName<event::Begin> = "Begin";
-template <>
-inline constexpr std::tuple kFields<event::Begin> = {
-    Field{"by_hand", &event::Begin::by_hand},
-    Field{"epoch", &event::Begin::epoch},
-    Field{"running", &event::Begin::running},
-    Field{"processes", &event::Begin::processes},
-    Field{"host", &event::Begin::host},
-    Field{"emergency_stop", &event::Begin::emergency_stop},
-};
-template <>
-inline constexpr std::string_view kEventName<event::StatusSeen> = "StatusSeen";
-template <>
-inline constexpr std::tuple kFields<event::StatusSeen> = {
-    Field{"actuator", &event::StatusSeen::actuator},
-    Field{"report", &event::StatusSeen::report},
-};
-template <>
-inline constexpr std::string_view kEventName<event::Replied> = "Replied";
-template <>
-inline constexpr std::tuple kFields<event::Replied> = {
-    Field{"actuator", &event::Replied::actuator}, Field{"number", &event::Replied::number},
-    Field{"ask", &event::Replied::ask},           Field{"verdict", &event::Replied::verdict},
-    Field{"code", &event::Replied::code},         Field{"message", &event::Replied::message},
-    Field{"report", &event::Replied::report},
-};
-template <>
-inline constexpr std::string_view kEventName<event::Vanished> = "Vanished";
-template <>
-inline constexpr std::tuple kFields<event::Vanished> = {
-    Field{"actuator", &event::Vanished::actuator},
-    Field{"incarnation", &event::Vanished::incarnation},
-    Field{"for_good", &event::Vanished::for_good},
-    Field{"how", &event::Vanished::how},
-};
-template <>
-inline constexpr std::string_view kEventName<event::ProcessStarted> = "ProcessStarted";
-template <>
-inline constexpr std::tuple kFields<event::ProcessStarted> = {
-    Field{"actuator", &event::ProcessStarted::actuator},
-    Field{"pid", &event::ProcessStarted::pid},
-};
-template <>
-inline constexpr std::string_view kEventName<event::ProcessNotStarted> = "ProcessNotStarted";
-template <>
-inline constexpr std::tuple kFields<event::ProcessNotStarted> = {
-    Field{"actuator", &event::ProcessNotStarted::actuator},
-    Field{"why", &event::ProcessNotStarted::why},
-};
-template <>
-inline constexpr std::string_view kEventName<event::ProcessEnded> = "ProcessEnded";
-template <>
-inline constexpr std::tuple kFields<event::ProcessEnded> = {
-    Field{"actuator", &event::ProcessEnded::actuator},
-    Field{"pid", &event::ProcessEnded::pid},
-    Field{"clean", &event::ProcessEnded::clean},
-    Field{"how", &event::ProcessEnded::how},
-};
-template <>
-inline constexpr std::string_view kEventName<event::HealthChanged> = "HealthChanged";
-template <>
-inline constexpr std::tuple kFields<event::HealthChanged> = {
-    Field{"actuator", &event::HealthChanged::actuator},
-    Field{"incarnation", &event::HealthChanged::incarnation},
-    Field{"health", &event::HealthChanged::health},
-    Field{"silent", &event::HealthChanged::silent},
-    Field{"how", &event::HealthChanged::how},
-};
-template <>
-inline constexpr std::string_view kEventName<event::BacktraceTaken> = "BacktraceTaken";
-template <>
-inline constexpr std::tuple kFields<event::BacktraceTaken> = {
-    Field{"actuator", &event::BacktraceTaken::actuator},
-    Field{"pid", &event::BacktraceTaken::pid},
-    Field{"text", &event::BacktraceTaken::text},
-};
-template <>
-inline constexpr std::string_view kEventName<event::RestartRequested> = "RestartRequested";
-template <>
-inline constexpr std::tuple kFields<event::RestartRequested> = {
-    Field{"request", &event::RestartRequested::request},
-    Field{"actuator", &event::RestartRequested::actuator},
-};
-template <>
-inline constexpr std::string_view kEventName<event::RivalHeard> = "RivalHeard";
-template <>
-inline constexpr std::tuple kFields<event::RivalHeard> = {
-    Field{"epoch", &event::RivalHeard::epoch},
-    Field{"who", &event::RivalHeard::who},
-    Field{"has_precedence", &event::RivalHeard::has_precedence},
-};
-template <>
-inline constexpr std::string_view kEventName<event::EmergencyStopSeen> = "EmergencyStopSeen";
-template <>
-inline constexpr std::tuple kFields<event::EmergencyStopSeen> = {
-    Field{"stop", &event::EmergencyStopSeen::stop},
-    Field{"engaged", &event::EmergencyStopSeen::engaged}};
-template <>
-inline constexpr std::string_view kEventName<event::ReleaseRequested> = "ReleaseRequested";
-template <>
-inline constexpr std::tuple kFields<event::ReleaseRequested> = {
-    Field{"request", &event::ReleaseRequested::request},
-    Field{"by", &event::ReleaseRequested::by},
-};
-template <>
-inline constexpr std::string_view kEventName<event::SetStateRequested> = "SetStateRequested";
-template <>
-inline constexpr std::tuple kFields<event::SetStateRequested> = {
-    Field{"request", &event::SetStateRequested::request},
-    Field{"target", &event::SetStateRequested::target},
-    Field{"actuator", &event::SetStateRequested::actuator},
-};
-template <>
-inline constexpr std::string_view kEventName<event::SetUpAwaited> = "SetUpAwaited";
-template <>
-inline constexpr std::tuple kFields<event::SetUpAwaited> = {
-    Field{"request", &event::SetUpAwaited::request}};
-template <>
-inline constexpr std::string_view kEventName<event::TimePassed> = "TimePassed";
-template <>
-inline constexpr std::tuple<> kFields<event::TimePassed> = {};
 
 template <>
 inline constexpr std::tuple kFields<Order> = {
@@ -347,6 +109,41 @@ inline constexpr std::tuple kFields<Stopping> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<Keep> = {
+    Field{"state", &Keep::state},
+    Field{"seconds", &Keep::seconds},
+    Field{"until", &Keep::until},
+    Field{"switch_number", &Keep::switch_number},
+};
+template <>
+inline constexpr std::tuple kFields<PowerDown> = {
+    Field{"reboot", &PowerDown::reboot},     Field{"tear_down_at", &PowerDown::tear_down_at},
+    Field{"force_at", &PowerDown::force_at}, Field{"commanded", &PowerDown::commanded},
+    Field{"cause", &PowerDown::cause},
+};
+template <>
+inline constexpr std::tuple kFields<PolicyState> = {
+    Field{"clock", &PolicyState::clock},
+    Field{"loaded", &PolicyState::loaded},
+    Field{"battery", &PolicyState::battery},
+    Field{"charging", &PolicyState::charging},
+    Field{"battery_silent", &PolicyState::battery_silent},
+    Field{"invalid_told", &PolicyState::invalid_told},
+    Field{"level", &PolicyState::level},
+    Field{"level_cause", &PolicyState::level_cause},
+    Field{"stored", &PolicyState::stored},
+    Field{"withheld", &PolicyState::withheld},
+    Field{"low_power", &PolicyState::low_power},
+    Field{"still", &PolicyState::still},
+    Field{"still_since", &PolicyState::still_since},
+    Field{"keep", &PolicyState::keep},
+    Field{"power", &PolicyState::power},
+    Field{"failures", &PolicyState::failures},
+    Field{"retry_at", &PolicyState::retry_at},
+    Field{"calls", &PolicyState::calls},
+};
+
+template <>
 inline constexpr std::tuple kFields<Machine> = {
     Field{"phase", &Machine::phase},
     Field{"by_hand", &Machine::by_hand},
@@ -369,6 +166,7 @@ inline constexpr std::tuple kFields<Machine> = {
     Field{"set_up_requests", &Machine::set_up_requests},
     Field{"last_record", &Machine::last_record},
     Field{"told_state", &Machine::told_state},
+    Field{"policy", &Machine::policy},
 };
 
 }  // namespace musher::recording

@@ -157,6 +157,27 @@ std::optional<std::vector<Duration>> TableReader::Times(std::string_view key) {
   return times;
 }
 
+std::optional<std::vector<std::int64_t>> TableReader::Integers(std::string_view key,
+                                                               std::int64_t least,
+                                                               std::int64_t most) {
+  const Value* value = Get(key);
+  if (value == nullptr) return std::nullopt;
+  const auto* array = value->As<Array>();
+  if (array == nullptr) {
+    Mismatch(key, "an array of integers", *value);
+    return std::nullopt;
+  }
+  if (array->empty()) {
+    Fault(value->at, key, "expected one integer or more, found an empty array");
+    return std::nullopt;
+  }
+  std::vector<std::int64_t> integers;
+  for (const Value& item : *array) {
+    if (const auto integer = InRange(key, item, least, most, "")) integers.push_back(*integer);
+  }
+  return integers;
+}
+
 const Table* TableReader::SubTable(std::string_view key) {
   const Value* value = Get(key);
   if (value == nullptr) return nullptr;

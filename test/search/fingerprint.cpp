@@ -75,6 +75,14 @@ class Mixer {
     Add(m.sender, m.epoch, m.what.index());
     std::visit([this](const auto& what) { One(what); }, m.what);
   }
+  void One(const Lowering& l) { Add(l.from, l.to); }
+  void One(const Keep& k) { Add(k.state, k.until, k.switch_number); }
+  void One(const PowerDown& p) { Add(p.reboot, p.tear_down_at, p.force_at, p.commanded); }
+  void One(const PolicyState& p) {
+    Add(p.clock, p.loaded, p.battery, p.charging, p.level, p.stored.low_power, p.stored.lowering);
+    Add(p.withheld, p.low_power, p.still, p.still_since, p.keep, p.power, p.failures, p.retry_at);
+    Add(p.battery_silent, p.invalid_told, p.calls);
+  }
   void One(const Request& r) { Add(r.target, r.answers, r.gone); }
 
   Time now_;
@@ -162,7 +170,8 @@ Identity IdentityOf(const Model& model, const World& w) {
   mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.epoch_on_disk, w.at_start,
             w.stopped, w.stop_seen_due);
   mixer.Add(m.phase, m.by_hand, m.state, m.epoch, m.number, m.set_up, m.stage, m.fallback,
-            m.emergency_stop.has_value(), m.other_stops, m.released_stops, m.set_up_requests);
+            m.emergency_stop.has_value(), m.other_stops, m.released_stops, m.set_up_requests,
+            m.policy);
   mixer.Add(m.current.has_value());
   if (m.current) {
     const Switch& s = *m.current;

@@ -97,7 +97,7 @@ void Theatre::Begin(bool by_hand, std::uint64_t epoch) {
     }
     running.push_back(actors_[i].alive);
   }
-  Tell(event::Begin{by_hand, epoch, running, "here", emergency_stop_on_disk});
+  Tell(event::Begin{by_hand, epoch, running, "here", emergency_stop_on_disk, {}, policy_on_disk});
 }
 
 void Theatre::RestartController(bool lost_disk) {
@@ -109,6 +109,12 @@ void Theatre::RestartController(bool lost_disk) {
     if (!actors_[i].alive) continue;
     After(kWire, [this, i] { Tell(event::StatusSeen{i, ReportOf(i)}); });  // the latch
   }
+}
+
+RequestId Theatre::AskPolicy(event::PolicyRequested asked) {
+  asked.request = next_request_++;
+  Tell(asked);
+  return asked.request;
 }
 
 void Theatre::StartActuator(const std::string& name) {
@@ -338,6 +344,10 @@ void Theatre::Do(const Action& action) {
     TellActuators(*stop);
   } else if (const auto* save = std::get_if<action::SaveEmergencyStop>(&action)) {
     emergency_stop_on_disk = save->stop;
+  } else if (const auto* policy = std::get_if<action::SavePolicy>(&action)) {
+    policy_on_disk = policy->policy;
+  } else if (const auto* command = std::get_if<action::RunPowerCommand>(&action)) {
+    power.emplace_back(now_, command->reboot);
   } else if (const auto* epoch = std::get_if<action::SaveEpoch>(&action)) {
     epoch_on_disk_ = epoch->epoch;
   } else if (const auto* end = std::get_if<action::Fenced>(&action)) {

@@ -53,6 +53,8 @@ class Theatre {
   void Tell(const Event& event);
   // A person restarts an actuator; the answer comes into `calls`.
   RequestId Restart(const std::string& name);
+  // Asks the policy; the answer comes into `calls`.
+  RequestId AskPolicy(event::PolicyRequested asked);
   // A new controller takes over; the old one is forgotten in the middle of whatever it did.
   // `lost_disk`: it does not know the epochs before it.
   void RestartController(bool lost_disk = false);
@@ -84,6 +86,8 @@ class Theatre {
   std::map<RequestId, Result<>> calls;
   std::vector<std::string> records;
   std::optional<EmergencyStop> emergency_stop_on_disk;
+  StoredPolicy policy_on_disk;
+  std::vector<std::pair<Time, bool>> power;  // when the power command came, and whether to reboot
   std::optional<std::string> fenced;
   std::vector<action::Record> told;  // the same, whole, of the present controller
   std::vector<std::string> signals;  // "audio:TERM"

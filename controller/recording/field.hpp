@@ -1,0 +1,53 @@
+#pragma once
+// How the fields of a struct and the names of an enumeration's values are listed for a recording. A
+// field that is forgotten does not compile (MemberCount).
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+namespace musher::recording {
+
+template <class T, class M>
+struct Field {
+  const char* name;
+  M T::*member;
+};
+template <class T, class M>
+Field(const char*, M T::*) -> Field<T, M>;
+
+// The fields of a struct, as a tuple of Field.
+template <class T>
+inline constexpr auto kFields = nullptr;
+template <class T>
+concept Struct = !std::is_same_v<decltype(kFields<T>), const std::nullptr_t>;
+
+// The names of an enumeration's values, by value. One without a name is recorded as its number.
+template <class T>
+inline constexpr std::array<std::string_view, 0> kValueNames{};
+
+// What an event is called.
+template <class E>
+inline constexpr std::string_view kEventName{};
+
+// How many members an aggregate has.
+struct AnyMember {
+  template <class T>
+  operator T() const;  // NOLINT(google-explicit-constructor): declared only, for MemberCount
+};
+template <class T, class... Members>
+constexpr std::size_t MemberCount() {
+  if constexpr (requires { T{std::declval<Members>()..., std::declval<AnyMember&>()}; }) {
+    return MemberCount<T, Members..., AnyMember&>();
+  } else {
+    return sizeof...(Members);
+  }
+}
+template <Struct T>
+inline constexpr bool kIsComplete = std::tuple_size_v<std::remove_const_t<decltype(kFields<T>)>> ==
+                                    MemberCount<T>();
+
+}  // namespace musher::recording

@@ -1,0 +1,62 @@
+#pragma once
+// The manager's rules as data, from [policy.*] of the state config. A table that is not there
+// switches its rule off.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/time.hpp"
+
+namespace musher {
+
+// What the times of the policy follow.
+enum class PolicyClock {
+  kSteady,
+  kTopic,  // /clock: a simulated world's time
+};
+
+// [policy.battery]: how active the machine may be at most. Levels in percent, inclusive.
+struct BatteryPolicy {
+  std::string topic = "bms_status";            // protocol/BmsStatus
+  int protected_at = 20;                       // at most Protected
+  int low_power_at = 5;                        // at most LowPower, unless it is being charged
+  int tear_down_at = 0;                        // TearDown and off, unless it is being charged
+  int hysteresis = 2;                          // so far above its level a ceiling is left
+  Duration silent = std::chrono::seconds(10);  // without a sample so long: a warning
+
+  friend bool operator==(const BatteryPolicy&, const BatteryPolicy&) = default;
+};
+
+// [policy.low_power]: who lies still goes to LowPower.
+struct LowPowerPolicy {
+  std::string topic = "motion_status";              // protocol/MotionStatus
+  std::vector<std::int32_t> motion_ids = {0, 101};  // lying, and lying down
+  Duration lying_still = std::chrono::seconds(30);
+  bool enabled = false;  // the switch, until somebody stores another value
+
+  friend bool operator==(const LowPowerPolicy&, const LowPowerPolicy&) = default;
+};
+
+// [policy.power_off] and [policy.reboot].
+struct PowerPolicy {
+  Duration delay = std::chrono::seconds(2);         // from the answer to TearDown
+  Duration force_after = std::chrono::seconds(15);  // from the answer to the command, regardless
+  std::vector<std::string> off_command;             // argv; empty: nothing is run
+  std::vector<std::string> reboot_command;
+
+  friend bool operator==(const PowerPolicy&, const PowerPolicy&) = default;
+};
+
+struct PolicyConfig {
+  PolicyClock clock = PolicyClock::kSteady;
+  bool manager = false;  // the interfaces of CyberDog's manager are answered
+  std::optional<BatteryPolicy> battery;
+  std::optional<LowPowerPolicy> low_power;
+  PowerPolicy power;
+
+  friend bool operator==(const PolicyConfig&, const PolicyConfig&) = default;
+};
+
+}  // namespace musher

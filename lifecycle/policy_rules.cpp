@@ -1,0 +1,284 @@
+// The rules that act by themselves: the battery's ceiling, and LowPower for who lies still. They
+// never supersede a switch; they are judged again after each.
+
+#include <algorithm>
+
+#include "musher/lifecycle/decision.hpp"
+
+namespace musher {
+namespace {
+
+constexpr int kFullBattery = 100;
+// Between tries of a switch that came to nothing; doubled each time.
+constexpr Duration kFirstRetry = std::chrono::seconds(1);
+constexpr int kMostDoublings = 6;  // about a minute
+
+std::string InSeconds(Duration duration) {
+  return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(duration).count()) + " s";
+}
+
+}  // namespace
+
+std::uint64_t Decision::RecordPolicy(std::int32_t code, const std::string& message,
+                                     std::uint64_t cause) {
+  return Record({"policy", std::nullopt, 0, code, message, 0, cause, {}});
+}
+
+void Decision::BeginPolicy(const StoredPolicy& stored) {
+  if (!config_.policy) return;
+  PolicyState& policy = machine_.policy;
+  policy.stored = stored;
+  const auto& rule = config_.policy->low_power;
+  policy.low_power = rule && stored.low_power.value_or(rule->enabled);
+}
+
+void Decision::On(const event::BatterySeen& seen) {
+  if (!config_.policy || !config_.policy->battery || machine_.phase == Phase::kIdle) return;
+  PolicyState& policy = machine_.policy;
+  if (seen.percent < 0 || seen.percent > kFullBattery) {
+    if (std::exchange(policy.invalid_told, true)) return;
+    RecordPolicy(kCodeParametersInvalid, "the battery says that it is at " +
+                                             std::to_string(seen.percent) +
+                                             " %, which cannot be; such values are ignored");
+    return;
+  }
+  if (std::exchange(policy.battery_silent, false)) {
+    RecordPolicy(kCodeOk, "the battery is heard again");
+  }
+  const bool cable = policy.battery && policy.charging != seen.charging;
+  policy.battery = seen.percent;
+  policy.charging = seen.charging;
+  JudgeLevel(cable ? (seen.charging ? ": the cable is in" : ": the cable is out") : "");
+}
+
+// Puts on record what changes the ceiling; it is the cause of what follows.
+void Decision::JudgeLevel(const std::string& seen) {
+  PolicyState& policy = machine_.policy;
+  const BatteryLevel before = policy.level;
+  policy.level = LevelAt(*config_.policy->battery, *policy.battery, before);
+  if (policy.level > before) policy.retry_at.reset();
+  if (policy.level == before && seen.empty()) return;
+  std::string text = BatteryText(policy) + seen;
+  if (policy.level != before) {
+    const State most = CeilingState(config_, policy.level);
+    text += policy.level == BatteryLevel::kFree    ? ": there is no ceiling any more"
+            : policy.level == BatteryLevel::kEmpty ? ": it is empty"
+                                                   : ": the machine may be at most " + most;
+  }
+  policy.level_cause = RecordPolicy(kCodeOk, text);
+}
+
+void Decision::On(const event::MotionSeen& seen) {
+  if (!config_.policy || !config_.policy->low_power) return;
+  const std::vector<std::int32_t>& still = config_.policy->low_power->motion_ids;
+  machine_.policy.still = std::find(still.begin(), still.end(), seen.motion) != still.end();
+}
+
+void Decision::On(const event::InputSilent& silent) {
+  if (!config_.policy || machine_.phase == Phase::kIdle) return;
+  PolicyState& policy = machine_.policy;
+  if (silent.input == PolicyInput::kMotion) {
+    policy.still = false;  // nobody says that it lies still
+  } else if (config_.policy->battery && !std::exchange(policy.battery_silent, true)) {
+    const std::string last =
+        policy.battery ? "; its last value counts, " + std::to_string(*policy.battery) + " %"
+                       : "; nothing is known of it";
+    RecordPolicy(kCodeNetError, "nothing was heard of the battery for " +
+                                    InSeconds(config_.policy->battery->silent) + last);
+  }
+}
+
+// A world that begins anew, or is heard for the first time, has another zero.
+void Decision::On(const event::ClockHeard& heard) {
+  if (!config_.policy || config_.policy->clock != PolicyClock::kTopic) return;
+  PolicyState& policy = machine_.policy;
+  if (policy.clock == Time{} || heard.clock < policy.clock) {
+    const Duration jump = heard.clock - policy.clock;
+    if (policy.still_since) *policy.still_since += jump;
+    if (policy.keep) policy.keep->until += jump;
+  }
+  policy.clock = heard.clock;
+}
+
+bool Decision::AdvancePolicy() {
+  if (!config_.policy) return false;
+  PolicyState& policy = machine_.policy;
+  // During an emergency stop nobody comes up; the battery does not wait for that.
+  const bool settled = machine_.emergency_stop ||
+                       (machine_.stage >= LastStage(config_) && StageSettled(machine_.stage));
+  policy.loaded |= machine_.phase == Phase::kRunning && settled;
+  if (policy.keep && policy_now() >= policy.keep->until) EndKeep("its time is over");
+  CountStillness();
+  ForcePower();
+  if (machine_.current) return false;
+  if (policy.power) return TearDownForPower();
+  if (policy.retry_at && now_ < *policy.retry_at) return false;
+  policy.retry_at.reset();
+  return ObeyBattery() || RestWhenStill();
+}
+
+void Decision::EndKeep(const std::string& why) {
+  const Keep keep = *std::exchange(machine_.policy.keep, std::nullopt);
+  RecordPolicy(kCodeOk, "the machine is no longer kept in " + keep.state + ": " + why);
+}
+
+bool Decision::BatteryRulesWait() const {
+  const PolicyState& policy = machine_.policy;
+  const bool loading =
+      machine_.phase == Phase::kStarting || (machine_.phase == Phase::kRunning && !policy.loaded);
+  return loading || !policy.battery || policy.keep || machine_.state == kOta;
+}
+
+bool Decision::ObeyBattery() {
+  if (!config_.policy->battery || BatteryRulesWait()) return false;
+  const BatteryLevel level = TakingDownLevel(machine_.policy);
+  if (level == BatteryLevel::kEmpty) {
+    BeginPowerDown(false, now_, machine_.policy.level_cause);
+    return TearDownForPower();
+  }
+  if (machine_.phase != Phase::kRunning) return false;
+  return TakeDown(level) || BringBack();
+}
+
+bool Decision::TakeDown(BatteryLevel level) {
+  const auto most = CeilingRank(level);
+  const auto rank = config_.RankOf(machine_.state);
+  const State target = CeilingState(config_, level);
+  if (!most || !rank || *rank <= *most || target.empty()) return false;
+  const auto& before = machine_.policy.stored.lowering;
+  const State from = before && before->to == machine_.state ? before->from : machine_.state;
+  if (!BeginByPolicy(target, BatteryText(machine_.policy) + ": down to " + target,
+                     machine_.policy.level_cause)) {
+    return false;
+  }
+  Lower(Lowering{from, target});
+  return true;
+}
+
+// Back to where the machine was before the battery took it down, as far as the battery allows.
+bool Decision::BringBack() {
+  const auto lowering = machine_.policy.stored.lowering;
+  if (!lowering) return false;
+  if (machine_.state != lowering->to) {
+    Lower(std::nullopt);  // somebody else has taken it elsewhere
+    return false;
+  }
+  const State target = UpTo(lowering->from);
+  const auto rank = config_.RankOf(target);
+  if (!rank || *rank <= *config_.RankOf(machine_.state) || machine_.emergency_stop) return false;
+  return BeginByPolicy(target, BatteryText(machine_.policy) + ": back to " + target,
+                       machine_.policy.level_cause);
+}
+
+// `wanted`, or the most that the battery allows.
+State Decision::UpTo(const State& wanted) const {
+  const auto most = CeilingRank(machine_.policy.level);
+  const auto rank = config_.RankOf(wanted);
+  const bool allowed = config_.HasState(wanted) && rank && (!most || *rank <= *most);
+  return allowed ? wanted : CeilingState(config_, machine_.policy.level);
+}
+
+void Decision::CountStillness() {
+  PolicyState& policy = machine_.policy;
+  const bool awake = machine_.state == kActive || machine_.state == kProtected;
+  const bool counts = policy.low_power && policy.still && policy.loaded && !policy.keep && awake;
+  if (!counts) {
+    policy.still_since.reset();
+  } else if (!policy.still_since) {
+    policy.still_since = policy_now();
+  }
+}
+
+bool Decision::RestWhenStill() {
+  const auto since = machine_.policy.still_since;
+  if (!since || machine_.phase != Phase::kRunning) return false;
+  const Duration limit = config_.policy->low_power->lying_still;
+  if (policy_now() < *since + limit) return false;
+  Lower(std::nullopt);  // from now on it is at rest for another reason
+  return BeginByPolicy(State(kLowPower),
+                       "the robot has lain still for " + InSeconds(limit) + ": down to LowPower",
+                       0);
+}
+
+bool Decision::BeginByPolicy(const State& target, const std::string& why, std::uint64_t cause) {
+  const Plan plan = MakePlan(config_, machine_, target);
+  if (plan.refusal) {
+    if (machine_.policy.failures == 0) {
+      RecordPolicy(plan.refusal->code, why + " is refused: " + plan.refusal->message, cause);
+    }
+    BackOff();
+    return false;
+  }
+  Begin(plan, Purpose::kPolicy, {}, RecordPolicy(kCodeOk, why, cause));
+  return true;
+}
+
+void Decision::BackOff() {
+  PolicyState& policy = machine_.policy;
+  policy.retry_at = now_ + kFirstRetry * (1 << std::min(policy.failures, kMostDoublings));
+  ++policy.failures;
+}
+
+void Decision::Lower(const std::optional<Lowering>& lowering) {
+  StoredPolicy& stored = machine_.policy.stored;
+  if (stored.lowering == lowering) return;
+  stored.lowering = lowering;
+  Do(action::SavePolicy{stored});
+}
+
+// An actuator is lost: whatever the battery does, the machine goes no higher than that allows.
+void Decision::LowerAtMostTo(const State& most) {
+  auto lowering = machine_.policy.stored.lowering;
+  if (!lowering) return;
+  const auto from = config_.RankOf(lowering->from);
+  const auto to = config_.RankOf(lowering->to);
+  const auto limit = config_.RankOf(most);
+  if (!from || !to || !limit || *from <= *limit) return;
+  lowering->from = most;
+  Lower(*limit > *to ? lowering : std::nullopt);
+}
+
+void Decision::NoteEndOfSwitch(const Switch& s, bool undone) {
+  if (!config_.policy) return;
+  PolicyState& policy = machine_.policy;
+  const auto withheld = std::exchange(policy.withheld, std::nullopt);
+  if (undone && policy.keep && policy.keep->switch_number == s.number) {
+    EndKeep("the switch there is undone");
+  }
+  if (s.only || s.direction == Direction::kCheck) return;
+  if (s.purpose == Purpose::kPolicy && undone) return BackOff();
+  if (undone) return;
+  if (s.purpose != Purpose::kPolicy) {
+    return Lower(withheld && withheld->to == machine_.state ? withheld : std::nullopt);
+  }
+  policy.failures = 0;
+  auto lowering = policy.stored.lowering;
+  if (!lowering) return;
+  lowering->to = machine_.state;
+  Lower(lowering->from == machine_.state ? std::nullopt : lowering);
+}
+
+void Decision::NoteSuperseded(const Switch& s) {
+  PolicyState& policy = machine_.policy;
+  policy.withheld.reset();
+  if (policy.keep && policy.keep->switch_number == s.number) {
+    EndKeep("the switch there is superseded");
+  }
+}
+
+std::optional<Time> NextPolicyDeadline(const MachineConfig& config, const Machine& machine) {
+  const bool at_work = machine.phase == Phase::kStarting || machine.phase == Phase::kRunning ||
+                       machine.phase == Phase::kFailed;
+  if (!config.policy || !at_work) return std::nullopt;
+  const PolicyState& policy = machine.policy;
+  std::optional<Time> next;
+  if (policy.keep) next = policy.keep->until;
+  const bool waits = machine.current || policy.power || policy.retry_at;
+  if (policy.still_since && !waits) {
+    const Time rests_at = *policy.still_since + config.policy->low_power->lying_still;
+    next = next ? std::min(*next, rests_at) : rests_at;
+  }
+  return next;
+}
+
+}  // namespace musher

@@ -1,0 +1,66 @@
+// Power-off and reboot: TearDown, then the command; the command regardless when the time is over.
+// By the steady clock, whatever the rest of the policy follows.
+
+#include <algorithm>
+
+#include "musher/lifecycle/decision.hpp"
+
+namespace musher {
+
+void Decision::BeginPowerDown(bool reboot, Time tear_down_at, std::uint64_t cause) {
+  PowerDown power;
+  power.reboot = reboot;
+  power.tear_down_at = tear_down_at;
+  power.force_at = now_ + config_.policy->power.force_after;
+  power.cause =
+      RecordPolicy(kCodeOk, reboot ? "the robot reboots" : "the robot is powered off", cause);
+  machine_.policy.power = power;
+}
+
+// As soon as no switch is under way.
+bool Decision::TearDownForPower() {
+  PowerDown& power = *machine_.policy.power;
+  if (now_ < power.tear_down_at) return false;
+  const Plan plan = MakePlan(config_, machine_, State(kTearDown));
+  if (plan.refusal) {
+    power.tear_down_at = Time::max();  // the command comes in time, regardless
+    RecordPolicy(plan.refusal->code, "there is no TearDown: " + plan.refusal->message, power.cause);
+    return false;
+  }
+  Stop(plan, {}, power.cause);
+  return true;
+}
+
+void Decision::CommandPower(bool in_time) {
+  PowerDown& power = *machine_.policy.power;
+  if (std::exchange(power.commanded, true)) return;
+  const PowerPolicy& policy = config_.policy->power;
+  const auto& command = power.reboot ? policy.reboot_command : policy.off_command;
+  std::string line;
+  for (const std::string& word : command) line += " " + word;
+  RecordPolicy(in_time ? kCodeOk : kCodeTimeout,
+               std::string(power.reboot ? "reboot" : "power-off") +
+                   (in_time ? "" : ", although the machine is not torn down") +
+                   (command.empty() ? "; no command is configured" : ":" + line),
+               power.cause);
+  Do(action::RunPowerCommand{power.reboot});
+}
+
+void Decision::ForcePower() {
+  const auto& power = machine_.policy.power;
+  if (power && now_ >= power->force_at) CommandPower(false);
+}
+
+std::optional<Time> NextPowerDeadline(const Machine& machine) {
+  if (machine.phase == Phase::kIdle) return std::nullopt;
+  const PolicyState& policy = machine.policy;
+  if (!policy.power) return machine.current ? std::nullopt : policy.retry_at;
+  std::optional<Time> next;
+  if (!policy.power->commanded) next = policy.power->force_at;
+  const bool stopping = machine.phase == Phase::kStopping;
+  const bool waits = machine.current || stopping || policy.power->tear_down_at == Time::max();
+  if (waits) return next;
+  return next ? std::min(*next, policy.power->tear_down_at) : policy.power->tear_down_at;
+}
+
+}  // namespace musher

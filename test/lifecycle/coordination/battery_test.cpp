@@ -1,0 +1,324 @@
+// The battery sets a ceiling: a level, not a crossing.
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "musher/test/lifecycle/coordination/policy.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class BatteryRule : public Rules {
+ protected:
+  void SetUp() override { Robot(); }
+  // From 100 % to 0 in steps.
+  void Drain(int step) {
+    for (int percent = 100; percent > 0; percent -= step) Battery(percent);
+    Battery(0);
+    robot().RunFor(std::chrono::seconds(20));
+  }
+};
+
+TEST_F(BatteryRule, FallingInOnePercentStepsVisitsEveryLevelInOrder) {
+  Drain(1);
+  EXPECT_THAT(states(), ElementsAre("Active", "Protected", "LowPower", "TearDown"));
+  EXPECT_EQ(robot().power.size(), 1U);
+}
+
+TEST_F(BatteryRule, FallingInThirtyPercentStepsMeetsTheRightLevels) {
+  Drain(30);  // 100, 70, 40, 10, 0
+  EXPECT_THAT(states(), ElementsAre("Active", "Protected", "TearDown"));
+  EXPECT_EQ(robot().power.size(), 1U);
+}
+
+TEST_F(BatteryRule, AJumpOverALevelMissesNothing) {
+  Battery(100);
+  Battery(3);
+  EXPECT_THAT(states(), ElementsAre("Active", "LowPower"));
+}
+
+TEST_F(BatteryRule, AtTwentyPercentTheMachineIsProtectedNotOnlyBelow) {
+  Battery(21);
+  EXPECT_EQ(state(), "Active");
+  Battery(20);
+  EXPECT_EQ(state(), "Protected");
+}
+
+TEST_F(BatteryRule, AtFivePercentTheMachineIsInLowPowerNotOnlyBelow) {
+  Battery(6);
+  EXPECT_EQ(state(), "Protected");
+  Battery(5);
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(BatteryRule, ChargingBringsTheMachineBackLevelByLevel) {
+  Battery(3);
+  for (int percent = 3; percent <= 25; ++percent) Battery(percent, true);
+  EXPECT_THAT(states(), ElementsAre("Active", "LowPower", "Protected", "Active"));
+}
+
+// The code this replaces looks at its mark only between 5 and 20 %.
+TEST_F(BatteryRule, LowPowerIsLeftWhenTheChargeJumpsFromBelowFiveToBeyondTwenty) {
+  Battery(3);
+  EXPECT_EQ(state(), "LowPower");
+  Battery(60);
+  EXPECT_THAT(states(), ElementsAre("Active", "LowPower", "Active"));
+}
+
+TEST_F(BatteryRule, JitterAroundALevelDoesNotFlap) {
+  for (int i = 0; i < 20; ++i) Battery(i % 2 == 0 ? 20 : 21);
+  EXPECT_THAT(states(), ElementsAre("Active", "Protected"));
+}
+
+TEST_F(BatteryRule, TheCableDoesNotLiftProtected) {
+  Battery(10, true);
+  EXPECT_EQ(state(), "Protected") << "no back flips on the cable";
+}
+
+TEST_F(BatteryRule, WhoIsChargedIsNotTakenBelowProtected) {
+  Battery(4, true);
+  EXPECT_EQ(state(), "Protected");
+  Battery(0, true);
+  EXPECT_EQ(state(), "Protected");
+  EXPECT_TRUE(robot().power.empty());
+}
+
+TEST_F(BatteryRule, PullingTheCableAtThreePercentLeadsToLowPower) {
+  Battery(3, true);
+  Battery(3, false);
+  EXPECT_THAT(states(), ElementsAre("Active", "Protected", "LowPower"));
+  EXPECT_THAT(Why("switch 4 is done"),
+              ElementsAre("switch 4 is done", "the battery is at 3 %: down to LowPower",
+                          "the battery is at 3 %: the cable is out"));
+}
+
+TEST_F(BatteryRule, TheCableDoesNotRaiseWhoIsInLowPower) {
+  Battery(3, false);
+  Battery(3, true);
+  Battery(6, true);
+  EXPECT_EQ(state(), "LowPower");
+  EXPECT_THAT(AskAndWait(PolicyRequest::kWakeUp), StartsWith("113: "));
+}
+
+TEST_F(BatteryRule, AnEmptyBatteryTearsTheMachineDownOnceAndPowersItOff) {
+  Battery(0);
+  robot().RunFor(std::chrono::seconds(30));
+  EXPECT_EQ(robot().machine().phase, Phase::kStopped);
+  EXPECT_EQ(robot().power.size(), 1U);
+  EXPECT_TRUE(IsTold("switch 3 begins: to TearDown"));
+  EXPECT_FALSE(IsTold("switch 4"));  // the code this replaces commands it twice
+}
+
+TEST_F(BatteryRule, ARequestAboveTheCeilingIsRefusedWithNumbersAndTheWayOut) {
+  Battery(15);
+  const SwitchResult result = robot().Set("Active");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(result.code, kCodeProtectedError);
+  EXPECT_EQ(result.reason,
+            "the battery is at 15 %: the machine may be at most Protected until it is charged to "
+            "22 %");
+  EXPECT_EQ(state(), "Protected");
+}
+
+TEST_F(BatteryRule, ARequestBelowTheCeilingIsNobodysBusiness) {
+  Battery(15);
+  EXPECT_TRUE(robot().Set("DeActive").done());
+  EXPECT_TRUE(robot().Set("Protected").done());
+}
+
+TEST_F(BatteryRule, ErrorAndTearDownAreNeverHindered) {
+  Battery(3);
+  EXPECT_TRUE(robot().Set("Error").done());
+  EXPECT_TRUE(robot().Set("TearDown").done());
+  EXPECT_TRUE(robot().power.empty());
+}
+
+TEST_F(BatteryRule, APersonsProtectedIsNotRaised) {
+  EXPECT_TRUE(robot().Set("Protected").done());
+  Battery(10);
+  Battery(90);
+  EXPECT_EQ(state(), "Protected");
+}
+
+TEST_F(BatteryRule, WhomAPersonTookElsewhereStaysThere) {
+  Battery(10);
+  EXPECT_TRUE(robot().Set("DeActive").done());
+  EXPECT_TRUE(robot().Set("Protected").done());
+  Battery(90);
+  EXPECT_EQ(state(), "Protected");
+}
+
+TEST_F(BatteryRule, APersonsLowPowerStaysWhenTheBatteryIsCharged) {
+  EXPECT_TRUE(robot().Set("LowPower").done());
+  Battery(3);
+  Battery(90);
+  EXPECT_EQ(state(), "LowPower");
+  EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp), "ok");
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(BatteryRule, WhomTheBatteryTookFromDeActiveIsBroughtBackThere) {
+  EXPECT_TRUE(robot().Set("DeActive").done());
+  Battery(3);
+  Battery(90);
+  EXPECT_THAT(states(), ElementsAre("Active", "DeActive", "LowPower", "DeActive"));
+}
+
+TEST_F(BatteryRule, ASwitchUnderWayIsNotSuperseded) {
+  EXPECT_TRUE(robot().Set("DeActive").done());
+  robot().On("a", "Active").takes = Milliseconds(90);
+  const RequestId request = robot().Ask("Active");
+  Battery(3);
+  EXPECT_TRUE(robot().answers.at(request).done());
+  EXPECT_THAT(states(), ElementsAre("Active", "DeActive", "Active", "LowPower"));
+}
+
+TEST_F(BatteryRule, AFailureOnTheWayBackIsTriedAgainAndNotInALoop) {
+  Battery(10);
+  robot().On("a", "Active").code = 3009;
+  const std::size_t before = robot().log().size();
+  Battery(90);
+  robot().RunFor(std::chrono::seconds(60));
+  EXPECT_LT(robot().log().size(), before + 30);
+  EXPECT_EQ(state(), "Protected");
+  robot().On("a", "Active").code = kCodeOk;
+  robot().RunFor(std::chrono::seconds(120));
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(BatteryRule, ValuesThatNoBatteryHasAreIgnoredAndToldOnce) {
+  for (const int percent : {-1, 101, 255}) Battery(percent);
+  EXPECT_EQ(state(), "Active");
+  EXPECT_FALSE(policy().battery);
+  const auto& records = robot().records;
+  EXPECT_EQ(std::count_if(records.begin(), records.end(),
+                          [](const auto& text) { return text.find("cannot be") != text.npos; }),
+            1);
+}
+
+TEST_F(BatteryRule, ASilentBatteryIsToldAndItsLastLevelCounts) {
+  Battery(10);
+  robot().Tell(event::InputSilent{PolicyInput::kBattery});
+  EXPECT_TRUE(IsTold("nothing was heard of the battery for 10 s; its last value counts, 10 %"));
+  EXPECT_EQ(robot().Set("Active").code, kCodeProtectedError);
+  Battery(10);
+  EXPECT_TRUE(IsTold("the battery is heard again"));
+}
+
+TEST_F(BatteryRule, TheJournalSaysWhyTheMachineIsInLowPower) {
+  Battery(4);
+  EXPECT_THAT(Why("switch 3 is done"),
+              ElementsAre("switch 3 is done", "the battery is at 4 %: down to LowPower",
+                          "the battery is at 4 %: the machine may be at most LowPower"));
+}
+
+TEST_F(BatteryRule, RulesWaitInOtaAndItsEndMindsThem) {
+  EXPECT_EQ(AskAndWait(PolicyRequest::kOta, true), "ok");
+  Battery(10);
+  Battery(0);
+  EXPECT_EQ(state(), "OTA");
+  Battery(10);
+  EXPECT_EQ(AskAndWait(PolicyRequest::kOta, false), "ok");
+  EXPECT_EQ(state(), "Protected");
+  Battery(50);
+  EXPECT_EQ(state(), "Active") << "what the battery had withheld";
+}
+
+TEST_F(BatteryRule, AnEmergencyStopKeepsTheMachineDown) {
+  Battery(10);
+  robot().StopAll(7);
+  Battery(90);
+  EXPECT_EQ(state(), "Protected");
+  robot().Release();
+  robot().RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(BatteryRule, ARestartedControllerKnowsWhoTookTheMachineDown) {
+  Battery(10);
+  EXPECT_EQ(state(), "Protected");
+  robot().RestartController();
+  robot().RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(state(), "Protected");
+  Battery(90);
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(Rules, BatteryRulesWaitWhileLaterStagesLoad) {
+  MachineConfig config = WithPolicy();
+  ActuatorNamed(config, "b").stage = 2;
+  ActuatorNamed(config, "b").command = {"run", "b"};
+  Theatre t(config);
+  t.On("b", "SetUp").takes = Milliseconds(90);
+  t.Begin();
+  t.RunUntil([&] { return t.machine().state == "Active"; });
+  t.Tell(event::BatterySeen{3, false});
+  EXPECT_FALSE(t.machine().policy.loaded);
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_FALSE(t.machine().current);
+  t.RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(t.machine().state, "LowPower");
+  EXPECT_EQ(t.StateOf("b"), "LowPower");
+}
+
+TEST_F(Rules, WithoutACriticalActuatorTheBatteryDoesNotRaiseTheMachine) {
+  MachineConfig config = OursWithCriticalB();
+  ActuatorNamed(config, "b").restart.policy = RestartPolicy::kNo;
+  config.policy = WithPolicy().policy;
+  Robot("Active", config);
+  Battery(10);
+  robot().Crash("b");
+  robot().RunFor(std::chrono::seconds(5));
+  Battery(90);
+  EXPECT_EQ(state(), "Protected") << "it is its on_lost now";
+}
+
+TEST_F(Rules, AMachineWithoutLowPowerGoesDownAsFarAsItCan) {
+  MachineConfig config = WithPolicy();
+  std::erase(config.states, "LowPower");
+  config.states.emplace_back("Sitting");
+  config.ranks["Sitting"] = 3;
+  config.flow = DefaultFlow(config.states);
+  for (const char* state : {"Active", "Protected"}) config.flow.push_back({state, "Sitting"});
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.states = config.states;
+    actuator.times.resize(config.states.size(), Milliseconds(100));
+  }
+  config.policy->low_power.reset();
+  Robot("Active", config);
+  Battery(3);
+  EXPECT_EQ(state(), "Sitting");
+}
+
+TEST_F(Rules, ARefusedWayDownIsToldOnceAndNotTriedInALoop) {
+  MachineConfig config = WithPolicy();
+  std::erase_if(config.flow, [](const FlowEdge& edge) { return edge.to == "Protected"; });
+  Robot("Active", config);
+  int steps = 0;
+  robot().after_step = [&] { ++steps; };
+  Battery(10);
+  robot().RunFor(std::chrono::minutes(10));
+  EXPECT_LT(steps, 40);
+  EXPECT_THAT(robot().records.back(), HasSubstr("cannot go from Active to Protected"));
+}
+
+// Whatever the battery says, one after the other: at rest nobody is above its level, and nothing is
+// lower than the lowest of what its hysteresis and the machine's history allow.
+RC_GTEST_FIXTURE_PROP(Rules, AnySequenceOfLevelsMeetsTheRightStates, ()) {
+  Robot();
+  BatteryLevel level = BatteryLevel::kFree;
+  const auto percents = *rc::gen::container<std::vector<int>>(rc::gen::inRange(1, 101));
+  for (const int percent : percents) {
+    Battery(percent);
+    level = LevelAt(BatteryPolicy{}, percent, level);
+    RC_ASSERT(state() == CeilingState(robot().config(), level));
+  }
+  RC_ASSERT(robot().power.empty());
+}
+
+}  // namespace
+}  // namespace musher::testing

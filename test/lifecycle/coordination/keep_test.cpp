@@ -1,0 +1,128 @@
+// A machine that is kept in a state for a while, whatever the rules say.
+
+#include "musher/test/lifecycle/coordination/policy.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::StartsWith;
+
+class KeepRule : public Rules {};
+
+TEST_F(KeepRule, WithTicksTheStateIsTakenAndKept) {
+  Robot();
+  EXPECT_EQ(KeepAndWait("Protected", 60), "ok");
+  EXPECT_EQ(state(), "Protected");
+  ASSERT_TRUE(policy().keep);
+  robot().RunFor(std::chrono::seconds(57));
+  EXPECT_TRUE(policy().keep);
+  robot().RunFor(std::chrono::seconds(2));
+  EXPECT_FALSE(policy().keep);
+  EXPECT_EQ(state(), "Protected") << "its end changes no state";
+}
+
+TEST_F(KeepRule, WithoutTicksTheStateIsTakenOnce) {
+  Robot();
+  EXPECT_EQ(KeepAndWait("Protected", 0), "ok");
+  EXPECT_EQ(state(), "Protected");
+  EXPECT_FALSE(policy().keep);
+}
+
+TEST_F(KeepRule, ZeroTicksEndAKeepAndChangeNoState) {
+  Robot();
+  KeepAndWait("Protected", 60);
+  EXPECT_EQ(KeepAndWait("LowPower", 0), "ok");
+  EXPECT_FALSE(policy().keep);
+  EXPECT_EQ(state(), "Protected");
+}
+
+// The code this replaces says success, with code -1.
+TEST_F(KeepRule, ASecondKeepIsRefusedAndNotCalledASuccess) {
+  Robot();
+  KeepAndWait("Protected", 60);
+  EXPECT_EQ(
+      KeepAndWait("Active", 10),
+      "103: the machine is kept in Protected for another 58 s; a keep of 0 s ends that before");
+  EXPECT_EQ(state(), "Protected");
+}
+
+TEST_F(KeepRule, TheBatteryHasNoSayMeanwhileAndAllOfItAfterwards) {
+  Robot();
+  EXPECT_EQ(KeepAndWait("Active", 30), "ok");
+  Battery(3);
+  EXPECT_EQ(state(), "Active");
+  EXPECT_TRUE(robot().Set("DeActive").done());
+  EXPECT_TRUE(robot().Set("Active").done()) << "nor in what people ask for";
+  Battery(0);
+  EXPECT_EQ(state(), "Active");
+  Battery(3);
+  robot().RunFor(std::chrono::seconds(30));
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(KeepRule, MayRaiseTheMachineAboveTheCeilingUntilItIsOver) {
+  Robot();
+  Battery(10);
+  EXPECT_EQ(KeepAndWait("Active", 10), "ok");
+  EXPECT_EQ(state(), "Active");
+  robot().RunFor(std::chrono::seconds(10));
+  EXPECT_THAT(states(), ElementsAre("Active", "Protected", "Active", "Protected"));
+  Battery(90);
+  EXPECT_EQ(state(), "Active") << "it was the battery that took it down";
+}
+
+TEST_F(KeepRule, WithoutTicksTheCeilingHolds) {
+  Robot();
+  Battery(10);
+  EXPECT_THAT(KeepAndWait("Active", 0), StartsWith("113: the battery is at 10 %"));
+}
+
+TEST_F(KeepRule, WakeUpOtaAndPowerOffAreRefusedMeanwhile) {
+  Robot("LowPower");
+  EXPECT_EQ(KeepAndWait("LowPower", 60), "ok");
+  for (const auto what : {PolicyRequest::kWakeUp, PolicyRequest::kOta, PolicyRequest::kPowerOff,
+                          PolicyRequest::kReboot}) {
+    EXPECT_THAT(AskAndWait(what, true), StartsWith("103: the machine is kept in LowPower"));
+  }
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(KeepRule, LyingStillDoesNotCountMeanwhile) {
+  Robot();
+  Ask(PolicyRequest::kLowPowerSwitch, true);
+  KeepAndWait("Active", 60);
+  Motion(101);
+  robot().RunFor(std::chrono::seconds(59));
+  EXPECT_EQ(state(), "Active");
+  robot().RunFor(std::chrono::seconds(28));
+  EXPECT_EQ(state(), "Active") << "it counts from the end of the keep";
+  robot().RunFor(std::chrono::seconds(4));
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(KeepRule, WhatIsUndoneIsNotKept) {
+  Robot("Protected");
+  robot().On("a", "Active").code = 3009;
+  EXPECT_THAT(KeepAndWait("Active", 60), StartsWith("3009: "));
+  EXPECT_FALSE(policy().keep);
+}
+
+TEST_F(KeepRule, WhatIsRefusedIsNotKept) {
+  Robot();
+  EXPECT_THAT(KeepAndWait("Resting", 60), StartsWith("110: unknown state 'Resting'"));
+  EXPECT_FALSE(policy().keep);
+  EXPECT_EQ(KeepAndWait("Active", -1), "110: a keep lasts 0 s or more");
+}
+
+TEST_F(KeepRule, WhatErrorTakesOverIsNotKept) {
+  Robot("Protected");
+  robot().On("a", "Active").takes = Milliseconds(80);
+  const RequestId request = Keep("Active", 60);
+  robot().Set("Error");
+  EXPECT_THAT(Text(robot().calls.at(request)), StartsWith("111: "));
+  EXPECT_FALSE(policy().keep);
+}
+
+}  // namespace
+}  // namespace musher::testing

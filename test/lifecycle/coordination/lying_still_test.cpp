@@ -1,0 +1,195 @@
+// Who lies still for half a minute goes to LowPower, where the switch for that is on.
+
+#include "musher/test/lifecycle/coordination/policy.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+
+constexpr std::int32_t kLying = 0;
+constexpr std::int32_t kLyingDown = 101;
+constexpr std::int32_t kWalking = 303;
+
+class LyingStill : public Rules {
+ protected:
+  void SetUp() override {
+    Robot();
+    Ask(PolicyRequest::kLowPowerSwitch, true);
+  }
+  void Pass(int seconds) { robot().RunFor(std::chrono::seconds(seconds)); }
+};
+
+TEST_F(LyingStill, ForThirtySecondsLeadsToLowPower) {
+  Motion(kLying);
+  Pass(29);
+  EXPECT_EQ(state(), "Active");
+  Pass(2);
+  EXPECT_EQ(state(), "LowPower");
+  EXPECT_THAT(
+      Why("switch 3 is done"),
+      ElementsAre("switch 3 is done", "the robot has lain still for 30 s: down to LowPower"));
+}
+
+TEST_F(LyingStill, CountsFromProtectedToo) {
+  robot().Set("Protected");
+  Motion(kLyingDown);
+  Pass(31);
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(LyingStill, AnyOtherMotionStartsTheCountAnew) {
+  Motion(kLying);
+  Pass(29);
+  Motion(kWalking);
+  Motion(kLyingDown);
+  Pass(29);
+  EXPECT_EQ(state(), "Active");
+  Pass(2);
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(LyingStill, LyingDownAndLyingAreOneStillness) {
+  Motion(kLyingDown);
+  Pass(20);
+  Motion(kLying);
+  Pass(11);
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(LyingStill, SilenceIsNotStillness) {
+  Motion(kLying);
+  Pass(20);
+  robot().Tell(event::InputSilent{PolicyInput::kMotion});
+  Pass(60);
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(LyingStill, DoesNotCountInOtaNorInDeActive) {
+  Motion(kLying);
+  for (const char* other : {"OTA", "DeActive"}) {
+    robot().Set(other);
+    Pass(60);
+    EXPECT_EQ(state(), other);
+  }
+}
+
+TEST_F(LyingStill, CountsAnewAfterLowPower) {
+  Motion(kLying);
+  Pass(31);
+  ASSERT_EQ(state(), "LowPower");
+  Pass(60);
+  EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp), "ok");
+  Pass(25);
+  EXPECT_EQ(state(), "Active");
+  Pass(5);
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(LyingStill, TurningTheSwitchOffEndsTheRuleAndWakesUp) {
+  Motion(kLying);
+  Pass(31);
+  ASSERT_EQ(state(), "LowPower");
+  EXPECT_EQ(AskAndWait(PolicyRequest::kLowPowerSwitch, false), "ok");
+  EXPECT_EQ(state(), "Active");
+  Pass(60);
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(LyingStill, TurningTheSwitchOffDoesNotRaiseWhomTheBatteryTookDown) {
+  Battery(3);
+  ASSERT_EQ(state(), "LowPower");
+  EXPECT_EQ(AskAndWait(PolicyRequest::kLowPowerSwitch, false), "ok");
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(LyingStill, WhoWentToRestInProtectedIsNotRaisedByTheBattery) {
+  Battery(10);
+  Motion(kLying);
+  Pass(31);
+  ASSERT_EQ(state(), "LowPower");
+  Battery(90);
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(LyingStill, TheStoredSwitchSurvivesTheControllerTheOtherDoesNot) {
+  robot().RestartController();
+  Pass(1);
+  EXPECT_FALSE(policy().low_power) << "off by default";
+  EXPECT_EQ(AskAndWait(PolicyRequest::kLowPowerStore, true), "ok");
+  robot().RestartController();
+  Pass(1);
+  EXPECT_TRUE(policy().low_power);
+}
+
+TEST_F(LyingStill, ARefusedWayDownIsNotTriedInALoop) {
+  MachineConfig config = WithPolicy();
+  config.policy->low_power->enabled = true;
+  std::erase_if(config.flow, [](const FlowEdge& edge) { return edge.to == "LowPower"; });
+  Robot("Active", config);
+  Motion(kLying);
+  int steps = 0;
+  robot().after_step = [&] { ++steps; };
+  Pass(600);
+  EXPECT_LT(steps, 40);
+}
+
+TEST_F(LyingStill, WithoutTheRuleItsSwitchIsRefused) {
+  MachineConfig config = WithPolicy();
+  config.policy->low_power.reset();
+  Robot("Active", config);
+  EXPECT_EQ(AskAndWait(PolicyRequest::kLowPowerSwitch, true),
+            "108: the config has no [policy.low_power]");
+}
+
+// The world's clock.
+
+class OnTheClockOfAWorld : public Rules {
+ protected:
+  void SetUp() override {
+    MachineConfig config = WithPolicy();
+    config.policy->clock = PolicyClock::kTopic;
+    config.policy->low_power->enabled = true;
+    Robot("Active", config);
+  }
+  void Clock(int seconds) {
+    robot().Tell(event::ClockHeard{Time(std::chrono::seconds(seconds))});
+    robot().RunFor(Milliseconds(500));
+  }
+};
+
+TEST_F(OnTheClockOfAWorld, SteadyTimeDoesNotCount) {
+  Clock(100);
+  Motion(kLying);
+  robot().RunFor(std::chrono::hours(1));
+  EXPECT_EQ(state(), "Active");
+  EXPECT_EQ(NextPolicyDeadline(robot().config(), robot().machine()),
+            Time(std::chrono::seconds(130)));
+  EXPECT_EQ(NextDeadline(robot().config(), robot().machine()), std::nullopt);
+  Clock(129);
+  EXPECT_EQ(state(), "Active");
+  Clock(130);
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(OnTheClockOfAWorld, AWorldThatBeginsAnewKeepsWhatIsLeft) {
+  Clock(100);
+  KeepAndWait("Active", 30);
+  Clock(120);
+  Clock(5);
+  Clock(14);
+  EXPECT_TRUE(policy().keep);
+  Clock(15);
+  EXPECT_FALSE(policy().keep);
+}
+
+TEST_F(OnTheClockOfAWorld, TheFirstTimeHeardDoesNotEndAKeep) {
+  KeepAndWait("Active", 30);
+  Clock(5000);
+  EXPECT_TRUE(policy().keep);
+  Clock(5030);
+  EXPECT_FALSE(policy().keep);
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,93 @@
+#pragma once
+// What the tests of the policy have in common: a robot with all its rules.
+
+#include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+
+inline MachineConfig WithPolicy(int actuators = 2) {
+  MachineConfig config = MachineOf(actuators);
+  PolicyConfig& policy = config.policy.emplace();
+  policy.battery.emplace();
+  policy.low_power.emplace();
+  return config;
+}
+
+class Rules : public Switching {
+ protected:
+  // A robot in `state` whose states are noted from now on.
+  Theatre& Robot(const State& state = "Active", MachineConfig config = WithPolicy()) {
+    theatre_ = &In(state, std::move(config));
+    theatre_->after_step = [this] {
+      const State& now = theatre_->machine().state;
+      if (states_.empty() || states_.back() != now) states_.push_back(now);
+    };
+    return *theatre_;
+  }
+  Theatre& robot() { return *theatre_; }
+  const State& state() { return robot().machine().state; }
+  const PolicyState& policy() { return robot().machine().policy; }
+  // The states that the machine has been in since Robot().
+  std::vector<State>& states() { return states_; }
+
+  void Battery(int percent, bool charging = false) {
+    robot().Tell(event::BatterySeen{percent, charging});
+    robot().RunFor(std::chrono::seconds(2));
+  }
+  void Motion(std::int32_t id) { robot().Tell(event::MotionSeen{id}); }
+
+  RequestId Ask(PolicyRequest what, bool enable = false) {
+    return robot().AskPolicy({0, what, "", 0, enable});
+  }
+  RequestId Keep(const State& wanted, std::int64_t seconds) {
+    return robot().AskPolicy({0, PolicyRequest::kKeep, wanted, seconds, false});
+  }
+  // Asks, and gives the answer that is there two seconds later.
+  std::string AskAndWait(PolicyRequest what, bool enable = false) {
+    return AnswerTo(Ask(what, enable));
+  }
+  std::string KeepAndWait(const State& wanted, std::int64_t seconds) {
+    return AnswerTo(Keep(wanted, seconds));
+  }
+  std::string AnswerTo(RequestId request) {
+    robot().RunFor(std::chrono::seconds(2));
+    const auto answer = robot().calls.find(request);
+    return answer == robot().calls.end() ? "no answer" : Text(answer->second);
+  }
+  // "113: the battery is at …", or "ok".
+  static std::string Text(const Result<>& answer) {
+    if (answer.ok()) return "ok";
+    return std::to_string(answer.error().code) + ": " + answer.error().message;
+  }
+  bool IsTold(const std::string& part) {
+    const auto& records = robot().records;
+    return std::any_of(records.begin(), records.end(), [&](const std::string& record) {
+      return record.find(part) != std::string::npos;
+    });
+  }
+  // The records from the last one that begins with `message` to its first cause.
+  std::vector<std::string> Why(const std::string& message) {
+    const auto& told = robot().told;
+    const auto last = std::find_if(told.rbegin(), told.rend(), [&](const action::Record& record) {
+      return record.message.starts_with(message);
+    });
+    std::vector<std::string> chain;
+    if (last == told.rend()) return chain;
+    chain.push_back(last->message);
+    for (std::uint64_t cause = last->cause; cause != 0; cause = told[cause - 1].cause) {
+      chain.push_back(told[cause - 1].message);
+    }
+    return chain;
+  }
+
+ private:
+  Theatre* theatre_ = nullptr;
+  std::vector<State> states_;
+};
+
+}  // namespace musher::testing

@@ -1,0 +1,182 @@
+// What is asked of the policy, row by row of the manager's table.
+
+#include "musher/test/lifecycle/coordination/policy.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::StartsWith;
+
+class Requests : public Rules {};
+
+TEST_F(Requests, WhileASwitchIsUnderWayAllAreRefused) {
+  Robot();
+  robot().On("a", "DeActive").takes = Milliseconds(90);
+  robot().Ask("DeActive");
+  const std::string busy = "111: switch 3 (to DeActive) is under way";
+  for (const char* state : {"Active", "Protected", "LowPower", "OTA", "TearDown"}) {
+    const RequestId request = Keep(state, 0);
+    EXPECT_EQ(Text(robot().calls.at(request)), busy);
+  }
+  for (const auto what : {PolicyRequest::kWakeUp, PolicyRequest::kOta}) {
+    EXPECT_EQ(Text(robot().calls.at(Ask(what))), busy);
+  }
+}
+
+TEST_F(Requests, OtaIsLeftByItsOwnServiceOrByHandOnly) {
+  Robot("OTA");
+  for (const char* wanted : {"Active", "Protected", "LowPower", "TearDown"}) {
+    EXPECT_EQ(KeepAndWait(wanted, 0), "103: the machine is in OTA; it has to leave that first");
+  }
+  EXPECT_EQ(KeepAndWait("OTA", 0), "ok");
+  EXPECT_EQ(state(), "OTA");
+  EXPECT_EQ(AskAndWait(PolicyRequest::kOta, false), "ok");
+  EXPECT_EQ(state(), "Active");
+  robot().Set("OTA");
+  const RequestId direct = robot().AskPolicy({0, PolicyRequest::kSwitch, "Active", 0, false});
+  EXPECT_EQ(AnswerTo(direct), "ok");
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(Requests, OtaIsEnteredFromAnywhereAndOnce) {
+  for (const char* from : {"Active", "Protected", "LowPower", "DeActive"}) {
+    Robot(from);
+    EXPECT_EQ(AskAndWait(PolicyRequest::kOta, true), "ok");
+    EXPECT_EQ(state(), "OTA");
+    EXPECT_EQ(AskAndWait(PolicyRequest::kOta, true), "ok");
+  }
+}
+
+TEST_F(Requests, OtaCannotBeLeftFromElsewhere) {
+  Robot();
+  EXPECT_EQ(AskAndWait(PolicyRequest::kOta, false),
+            "103: the machine is not in OTA, it is in Active");
+}
+
+TEST_F(Requests, LowPowerIsLeftForWhatIsWanted) {
+  for (const char* wanted : {"Active", "Protected", "OTA"}) {
+    Robot("LowPower");
+    EXPECT_EQ(KeepAndWait(wanted, 0), "ok");
+    EXPECT_EQ(state(), wanted);
+  }
+  Robot("LowPower");
+  robot().ClearLog();
+  EXPECT_EQ(KeepAndWait("LowPower", 0), "ok");
+  EXPECT_THAT(robot().log(), ElementsAre()) << "nothing to do";
+}
+
+TEST_F(Requests, FromElsewhereTheMachineIsSwitched) {
+  for (const char* wanted : {"Active", "Protected", "LowPower", "OTA"}) {
+    Robot("DeActive");
+    EXPECT_EQ(KeepAndWait(wanted, 0), "ok");
+    EXPECT_EQ(state(), wanted);
+  }
+  Robot();
+  const RequestId request = Keep("TearDown", 60);
+  robot().RunFor(std::chrono::seconds(20));
+  EXPECT_EQ(Text(robot().calls.at(request)), "ok");
+  EXPECT_TRUE(robot().stopped());
+}
+
+// The code this replaces cannot command them.
+TEST_F(Requests, DeActiveSelfCheckAndErrorCanBeCommanded) {
+  Robot();
+  for (const char* wanted : {"DeActive", "SelfCheck", "Error"}) {
+    EXPECT_EQ(KeepAndWait(wanted, 0), "ok");
+  }
+  EXPECT_EQ(state(), "Error");
+}
+
+TEST_F(Requests, ADirectSwitchIsOneLikeAnyOther) {
+  Robot();
+  const auto direct = [this](const State& wanted) {
+    return AnswerTo(robot().AskPolicy({0, PolicyRequest::kSwitch, wanted, 0, false}));
+  };
+  EXPECT_EQ(direct("Protected"), "ok");
+  EXPECT_THAT(direct("SetUp"), StartsWith("103: "));
+  EXPECT_THAT(direct("Resting"), StartsWith("110: "));
+  Battery(10);
+  EXPECT_THAT(direct("Active"), StartsWith("113: the battery is at 10 %"));
+}
+
+TEST_F(Requests, WakeUpLeadsToActive) {
+  Robot("LowPower");
+  EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp), "ok");
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(Requests, WakeUpAtTenPercentLeadsToProtectedAndTheRestComesWithTheCharge) {
+  Robot("LowPower");
+  Battery(10);
+  EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp), "ok");
+  EXPECT_EQ(state(), "Protected");
+  Battery(40, true);
+  EXPECT_EQ(state(), "Active");
+}
+
+TEST_F(Requests, WakeUpAtThreePercentIsRefusedWithTheWayOut) {
+  Robot("LowPower");
+  Battery(3);
+  EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp),
+            "113: the battery is at 3 %: the machine may be at most LowPower until it is charged "
+            "to 7 %");
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(Requests, WakeUpMeansNothingElsewhere) {
+  for (const char* from : {"Active", "Protected", "OTA", "DeActive"}) {
+    Robot(from);
+    EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp),
+              "103: the machine is not in LowPower, it is in " + std::string(from));
+  }
+}
+
+TEST_F(Requests, WakeUpIsRefusedDuringAnEmergencyStop) {
+  Robot("LowPower");
+  robot().StopAll(7);
+  EXPECT_THAT(AskAndWait(PolicyRequest::kWakeUp), StartsWith("113: an emergency stop"));
+}
+
+TEST_F(Requests, AFailedWakeUpIsNotCalledASuccess) {
+  Robot("LowPower");
+  robot().On("a", "Active").code = 3009;
+  EXPECT_THAT(AskAndWait(PolicyRequest::kWakeUp), StartsWith("3009: a: failed"));
+  EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(Requests, ARefusalIsOnRecordWithWhatItAnswers) {
+  Robot();
+  AskAndWait(PolicyRequest::kWakeUp);
+  EXPECT_THAT(Why("a wake-up is refused"),
+              ElementsAre("a wake-up is refused: the machine is not in LowPower, it is in Active",
+                          "a wake-up is asked for"));
+}
+
+TEST_F(Requests, WithoutAPolicyAllAreRefused) {
+  Robot("Active", MachineOf(1));
+  EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp), "108: the config has no [policy]");
+}
+
+TEST_F(Requests, BeforeTheMachineBeginsAndAfterItsEndAllAreAnswered) {
+  Theatre t(WithPolicy());
+  const RequestId before = t.AskPolicy({0, PolicyRequest::kPowerOff, "", 0, false});
+  EXPECT_EQ(Text(t.calls.at(before)), "104: the machine is not set up yet");
+  t.Begin();
+  t.Rest();
+  t.Set("TearDown");
+  t.Rest();
+  const RequestId after = t.AskPolicy({0, PolicyRequest::kPowerOff, "", 0, false});
+  EXPECT_THAT(Text(t.calls.at(after)), StartsWith("103: the machine is torn down"));
+}
+
+TEST_F(Requests, AControllerThatIsFencedAnswersAllTheSame) {
+  Robot("LowPower");
+  const RequestId under_way = Ask(PolicyRequest::kWakeUp);
+  robot().HearRival(100);
+  EXPECT_THAT(Text(robot().calls.at(under_way)), StartsWith("106: "));
+  EXPECT_THAT(AskAndWait(PolicyRequest::kWakeUp), StartsWith("106: "));
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,129 @@
+// Power-off and reboot: answered at once, TearDown two seconds later, the command at its end; after
+// fifteen seconds regardless.
+
+#include "musher/test/lifecycle/coordination/policy.hpp"
+
+namespace musher::testing {
+namespace {
+
+using std::chrono::seconds;
+using ::testing::ElementsAre;
+using ::testing::StartsWith;
+
+class Power : public Rules {
+ protected:
+  Duration After(Time begun) { return robot().power.at(0).first - begun; }
+};
+
+TEST_F(Power, OffIsAnsweredAtOnceThenTheMachineIsTornDownThenTheCommandComes) {
+  Robot();
+  const Time begun = robot().now();
+  EXPECT_EQ(Text(robot().calls.at(Ask(PolicyRequest::kPowerOff))), "ok");
+  robot().RunFor(Milliseconds(1999));
+  EXPECT_EQ(state(), "Active");
+  EXPECT_EQ(robot().machine().phase, Phase::kRunning);
+  robot().RunFor(seconds(20));
+  EXPECT_TRUE(robot().stopped());
+  ASSERT_EQ(robot().power.size(), 1U);
+  EXPECT_FALSE(robot().power[0].second);
+  EXPECT_LT(After(begun), seconds(4));
+  EXPECT_THAT(Why("power-off; no command"),
+              ElementsAre("power-off; no command is configured", "the robot is powered off",
+                          "power-off is asked for"));
+}
+
+TEST_F(Power, ARebootIsTheSameWithTheOtherCommand) {
+  MachineConfig config = WithPolicy();
+  config.policy->power.reboot_command = {"reboot", "now"};
+  Robot("Active", config);
+  EXPECT_EQ(AskAndWait(PolicyRequest::kReboot), "ok");
+  robot().RunFor(seconds(20));
+  ASSERT_EQ(robot().power.size(), 1U);
+  EXPECT_TRUE(robot().power[0].second);
+  EXPECT_TRUE(IsTold("reboot: reboot now"));
+}
+
+TEST_F(Power, AfterFifteenSecondsTheCommandComesRegardless) {
+  MachineConfig config = WithPolicy();
+  config.default_time = seconds(60);
+  config.shutdown_budget = seconds(40);
+  for (ActuatorConfig& actuator : config.actuators) actuator.times.back() = seconds(60);
+  ActuatorNamed(config, "a").times.assign(config.states.size(), seconds(60));
+  Robot("Active", config);
+  robot().On("a", "TearDown").hangs = true;
+  const Time begun = robot().now();
+  Ask(PolicyRequest::kPowerOff);
+  robot().RunFor(seconds(60));
+  ASSERT_EQ(robot().power.size(), 1U);
+  EXPECT_EQ(After(begun), seconds(15));
+  EXPECT_TRUE(IsTold("power-off, although the machine is not torn down"));
+}
+
+TEST_F(Power, ASwitchUnderWayEndsFirstButNotForEver) {
+  MachineConfig config = WithPolicy();
+  for (ActuatorConfig& actuator : config.actuators) {
+    actuator.times.assign(config.states.size(), seconds(60));
+  }
+  Robot("Active", config);
+  robot().On("a", "LowPower").takes = seconds(5);
+  const RequestId request = robot().Ask("LowPower");
+  Ask(PolicyRequest::kPowerOff);
+  robot().RunFor(seconds(20));
+  EXPECT_TRUE(robot().answers.at(request).done());
+  EXPECT_THAT(states(), ElementsAre("Active", "LowPower", "TearDown"));
+  EXPECT_TRUE(robot().stopped());
+}
+
+TEST_F(Power, InOtaItIsRefused) {
+  Robot("OTA");
+  for (const auto what : {PolicyRequest::kPowerOff, PolicyRequest::kReboot}) {
+    EXPECT_EQ(AskAndWait(what), "103: the machine is in OTA; it has to leave that first");
+  }
+}
+
+TEST_F(Power, AskedTwiceItIsOnePowerOff) {
+  Robot();
+  EXPECT_EQ(Text(robot().calls.at(Ask(PolicyRequest::kPowerOff))), "ok");
+  EXPECT_EQ(Text(robot().calls.at(Ask(PolicyRequest::kPowerOff))), "ok");
+  EXPECT_EQ(Text(robot().calls.at(Ask(PolicyRequest::kReboot))),
+            "111: the robot is about to be powered off");
+  robot().RunFor(seconds(30));
+  EXPECT_EQ(robot().power.size(), 1U);
+}
+
+TEST_F(Power, MeanwhileNothingGoesUp) {
+  Robot("Protected");
+  Ask(PolicyRequest::kPowerOff);
+  const SwitchResult up = robot().Set("Active");
+  EXPECT_EQ(up.code, kCodeProtectedError);
+  EXPECT_EQ(up.reason, "the robot is about to be powered off");
+}
+
+TEST_F(Power, AnEmergencyStopDoesNotKeepTheRobotOn) {
+  Robot();
+  robot().StopAll(7);
+  Ask(PolicyRequest::kPowerOff);
+  robot().RunFor(seconds(20));
+  EXPECT_EQ(robot().power.size(), 1U);
+}
+
+TEST_F(Power, AMachineWithoutTearDownIsSwitchedOffWhenTheTimeIsOver) {
+  MachineConfig config = WithPolicy();
+  std::erase(config.states, "TearDown");
+  Robot("Active", config);
+  const Time begun = robot().now();
+  Ask(PolicyRequest::kPowerOff);
+  robot().RunFor(seconds(60));
+  ASSERT_EQ(robot().power.size(), 1U);
+  EXPECT_EQ(After(begun), seconds(15));
+}
+
+TEST_F(Power, APlainTearDownIsNoPowerOff) {
+  Robot();
+  robot().Set("TearDown");
+  robot().RunFor(seconds(30));
+  EXPECT_TRUE(robot().power.empty());
+}
+
+}  // namespace
+}  // namespace musher::testing
