@@ -185,7 +185,9 @@ void Body::BeginOff(const Scene& scene) {
 void Body::SetFault(const FaultKind& fault, std::size_t motor) {
   fault_ = &fault;
   motor_errors_ = {};
-  if (fault.of_a_motor) motor_errors_.at(motor) = static_cast<std::int32_t>(fault.status);
+  if (!fault.of_a_motor) return;
+  const int bit = static_cast<int>(fault.status) - static_cast<int>(BoardStatus::kMotorOverHeat);
+  motor_errors_.at(motor) = 1 << bit;
 }
 
 void Body::Step(const Scene& scene, const Supply& supply, Duration now, Duration dt,
