@@ -82,7 +82,8 @@ void Idle(Robot& robot, const State& state, int seconds, const Table& table) {
   table.Row("the whole robot in " + state + ": CPU",
             {100 * Seconds(after.cpu - before.cpu) / seconds}, "% of a core");
   table.Row("the whole robot in " + state + ": memory (PSS)", {after.proportional_mb}, "MB");
-  for (const auto& actuator : robot.Now().machine->actuators) {
+  const Robot::Heard heard = robot.Now();
+  for (const auto& actuator : heard.machine->actuators) {
     table.Row("  " + actuator.name + ": RSS", {CostOf(actuator.pid).resident_mb}, "MB");
   }
 }
@@ -122,7 +123,8 @@ void Fall(Robot& robot, int step) {
     return heard.machine->state == kLowPower && heard.machine->target.empty();
   });
   std::cout << "\nA battery that falls from 100 to 1 % in steps of " << step << " %: ";
-  for (const State& state : robot.Now().states) std::cout << state << " ";
+  const std::vector<State> states = robot.Now().states;
+  for (const State& state : states) std::cout << state << " ";
   std::cout << std::endl;
 }
 
