@@ -134,7 +134,7 @@ TEST_F(DeviceManagerProcess, AnswersItsServicesByTheRulesAndWakesTheRobotByADoub
   ASSERT_TRUE(peer_.Until([&] { return answer.has_value(); }));
   ASSERT_TRUE(*answer);
   EXPECT_EQ(answer->value().code, 1124);
-  EXPECT_THAT(peer_.Output(), HasSubstr("led_execute of 'vp': target 3 has no effect 9"));
+  EXPECT_THAT(peer_.Output(), HasSubstr("led_execute of \"vp\": target 3 has no effect 9"));
 
   const auto power = transport::MakeClient<msg::BmsCmd>(peer_.node(), "bms_cmd").value();
   std::optional<Result<msg::BmsCmd::Response>> powered;
