@@ -122,7 +122,10 @@ void World::Record() {
   sample.pose = body_.pose();
   sample.battery_percent = battery_.percent();
   sample.charging = battery_.charging();
-  track_.Add(sample, machine_state_, NameOf(body_.mode(), body_.gait()));
+  // One that could walk and does not stands.
+  const Motion* motion = FindMotion(body_.mode(), body_.gait());
+  const bool idle = motion->kind == Kind::kWalk && body_.activity() == Activity::kStanding;
+  track_.Add(sample, machine_state_, idle ? "stand" : NameOf(body_.mode(), body_.gait()));
 }
 
 }  // namespace musher::world
