@@ -58,10 +58,11 @@ std::string_view RequestName(PolicyRequest request);  // "switch", "keep", …
 enum class PolicyInput { kBattery, kMotion };
 
 // Where the battery has taken the machine, and from where: there it is brought back. Survives the
-// controller.
+// controller, unless another one has led meanwhile.
 struct Lowering {
   State from;
   State to;
+  std::uint64_t epoch = 0;  // of the controller that remembers it
 
   friend bool operator==(const Lowering&, const Lowering&) = default;
 };
