@@ -179,13 +179,21 @@ Result<> Controller::OpenShell() {
   world.host = transport::HostId();
   world.pid = getpid();
   world.incarnation = transport::NewIncarnation();
-  auto shell = ControllerShell::Make(std::move(world), config_, options_.hooks);
+  ControllerShell::Hooks hooks = options_.hooks;
+  hooks.on_record = [this](const action::Record& record) {
+    if (manager_) manager_->OnRecord(record);
+    if (options_.hooks.on_record) options_.hooks.on_record(record);
+  };
+  auto shell = ControllerShell::Make(std::move(world), config_, std::move(hooks));
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
   auto services =
       ControllerServices::Make(node_, *shell_, store_ ? store_->JournalFile() : std::string());
   if (!services) return services.error();
   services_ = std::move(services).value();
+  auto manager = cyberdog::Manager::Make(node_, *shell_);
+  if (!manager) return manager.error();
+  manager_ = std::move(manager).value();
   return Ok();
 }
 

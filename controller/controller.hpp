@@ -11,6 +11,7 @@
 
 #include "musher/controller/controller_services.hpp"
 #include "musher/controller/controller_shell.hpp"
+#include "musher/controller/cyberdog/manager.hpp"
 #include "musher/controller/journal.hpp"
 #include "musher/controller/process_supervisor.hpp"
 #include "musher/controller/process_witness.hpp"
@@ -72,6 +73,7 @@ class Controller {
   KernelWitness witness_;
   std::unique_ptr<ControllerShell> shell_;
   std::unique_ptr<ControllerServices> services_;
+  std::unique_ptr<cyberdog::Manager> manager_;  // null where the config wants none
   transport::LoopHandlePtr begin_later_;
 };
 

@@ -92,6 +92,11 @@ Result<> ControllerServices::Open() {
       !r) {
     return r;
   }
+  if (auto r = open(request_policy_, "request_policy",
+                    [this](const auto& request, auto reply) { OnRequestPolicy(request, reply); });
+      !r) {
+    return r;
+  }
   if (auto r = open(get_status_, "get_status",
                     [this](const auto&, auto reply) { reply({shell_.Status()}); });
       !r) {
@@ -125,6 +130,22 @@ void ControllerServices::OnSetState(const msg::SetState::Request& request,
   if (!request.actuator.empty()) actuator = request.actuator;
   shell_.SetState(request.target, actuator,
                   [reply](const SwitchResult& result) { reply(ToMessage(result)); });
+}
+
+void ControllerServices::OnRequestPolicy(
+    const msg::RequestPolicy::Request& request,
+    const transport::Server<msg::RequestPolicy>::Reply& reply) {
+  const auto answer = [this, reply](const Result<>& result) {
+    const Error end = result ? Error{} : result.error();
+    reply({end.code, end.message, shell_.machine().state});
+  };
+  const auto what = RequestOf(request.request);
+  // A direct switch has a service of its own, which tells more.
+  if (!what || *what == PolicyRequest::kSwitch || request.state.size() > kLongestName) {
+    return answer(Error{kCodeParametersInvalid,
+                        "unknown request '" + request.request.substr(0, kLongestName) + "'"});
+  }
+  shell_.AskPolicy({0, *what, request.state, request.seconds, request.enable}, answer);
 }
 
 msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request& request) const {

@@ -142,6 +142,10 @@ void ControllerShell::AskPolicy(event::PolicyRequested asked, OnAnswer done) {
   Handle(asked);
 }
 
+void ControllerShell::Remark(std::int32_t code, const std::string& message) {
+  Do(action::Record{"machine", std::nullopt, 0, code, message});
+}
+
 void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
                                const transport::SampleInfo& info) {
   const auto found = index_.find(status.name);

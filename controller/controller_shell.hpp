@@ -85,6 +85,9 @@ class ControllerShell {
   // done.
   void AskPolicy(event::PolicyRequested asked, OnAnswer done);
 
+  // Leaves a record of something that reached the controller and no further: it was no use asking.
+  void Remark(std::int32_t code, const std::string& message);
+
   const Machine& machine() const { return machine_; }
   const MachineConfig& config() const { return config_; }
   msg::MachineStatus Status() const;

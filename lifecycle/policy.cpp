@@ -1,6 +1,7 @@
 #include "musher/lifecycle/policy.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "musher/lifecycle/flow.hpp"
 #include "musher/lifecycle/machine.hpp"
@@ -37,11 +38,11 @@ std::string_view RequestName(PolicyRequest request) {
     case PolicyRequest::kKeep:
       return "keep";
     case PolicyRequest::kOta:
-      return "OTA";
+      return "ota";
     case PolicyRequest::kLowPowerSwitch:
-      return "low-power switch";
+      return "low-power";
     case PolicyRequest::kLowPowerStore:
-      return "low-power switch, stored";
+      return "low-power-store";
     case PolicyRequest::kWakeUp:
       return "wake-up";
     case PolicyRequest::kPowerOff:
@@ -50,6 +51,18 @@ std::string_view RequestName(PolicyRequest request) {
       break;
   }
   return "reboot";
+}
+
+std::optional<PolicyRequest> RequestOf(std::string_view name) {
+  constexpr std::array kAll = {PolicyRequest::kSwitch,        PolicyRequest::kKeep,
+                               PolicyRequest::kOta,           PolicyRequest::kLowPowerSwitch,
+                               PolicyRequest::kLowPowerStore, PolicyRequest::kWakeUp,
+                               PolicyRequest::kPowerOff,      PolicyRequest::kReboot};
+  const auto* found = std::find_if(kAll.begin(), kAll.end(), [&](PolicyRequest request) {
+    return RequestName(request) == name;
+  });
+  if (found == kAll.end()) return std::nullopt;
+  return *found;
 }
 
 BatteryLevel LevelAt(const BatteryPolicy& policy, int percent, BatteryLevel before) {

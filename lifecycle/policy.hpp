@@ -52,7 +52,8 @@ enum class PolicyRequest {
   kPowerOff,
   kReboot,
 };
-std::string_view RequestName(PolicyRequest request);  // "switch", "keep", …
+std::string_view RequestName(PolicyRequest request);  // "switch", "keep", … as on the wire
+std::optional<PolicyRequest> RequestOf(std::string_view name);
 
 // What the policy listens to.
 enum class PolicyInput { kBattery, kMotion };

@@ -35,7 +35,10 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   world.pid = pid_;
   world.incarnation = static_cast<std::uint64_t>(world.pid);
   ControllerShell::Hooks shell_hooks;
-  shell_hooks.on_record = hooks_.on_record;
+  shell_hooks.on_record = [this](const action::Record& record) {
+    if (manager_) manager_->OnRecord(record);
+    if (hooks_.on_record) hooks_.on_record(record);
+  };
   shell_hooks.on_send = [this](const action::SendSwitch& command) {
     if (hooks_.on_send) hooks_.on_send(shell_->machine(), command);
   };
@@ -48,6 +51,7 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   };
   auto shell = ControllerShell::Make(std::move(world), config_, std::move(shell_hooks));
   shell_ = std::move(shell).value();
+  manager_ = cyberdog::Manager::Make(*node_, *shell_).value();
 }
 
 ControllerProcess::~ControllerProcess() {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "musher/controller/controller_shell.hpp"
+#include "musher/controller/cyberdog/manager.hpp"
 #include "musher/controller/journal_reader.hpp"
 #include "musher/simulation/processes.hpp"
 
@@ -83,6 +84,7 @@ class ControllerProcess : private ProcessRunner, private ProcessWitness, private
   std::map<std::int32_t, OnExit> watchers_;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<ControllerShell> shell_;
+  std::unique_ptr<cyberdog::Manager> manager_;
 };
 
 }  // namespace musher::simulation

@@ -35,7 +35,9 @@ void BatteryWatch::Tell(std::optional<int> percent) {
 }
 
 std::string BatteryTopic(const MachineConfig& config) {
-  return ResolveName(config.name_space, "bms_status");
+  const bool has_policy = config.policy && config.policy->battery;
+  const std::string name = has_policy ? config.policy->battery->topic : BatteryPolicy().topic;
+  return ResolveName(config.name_space, name);
 }
 
 }  // namespace musher::transport

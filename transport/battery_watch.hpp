@@ -37,7 +37,8 @@ class BatteryWatch {
   std::unique_ptr<Subscription> samples_;
 };
 
-// Where a machine's battery is told of.
+// The topic on which a machine's battery is told of, in its namespace: that of the policy, else
+// `bms_status`.
 std::string BatteryTopic(const MachineConfig& config);
 
 }  // namespace musher::transport

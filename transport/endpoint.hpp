@@ -63,6 +63,10 @@ class RawWriter {
   // Sends one encoded sample. Fails when the transport refuses it (oversized, history full).
   virtual Result<> Write(std::span<const std::byte> bytes) = 0;
 
+  // Blocks until every matched reliable reader has all that was written: for a program that ends
+  // after it. Timeout when one has not by then.
+  virtual Result<> Flush(Duration timeout) = 0;
+
   // How many readers are matched, and how many of them belong to `participant`.
   virtual int MatchedReaders() const = 0;
   virtual int ReadersOf(PeerId participant) const = 0;

@@ -54,6 +54,8 @@ class Publisher {
 
   Result<> Publish(const M& message) { return writer_->Write(msg::Encode(message)); }
   int MatchedReaders() const { return writer_->MatchedReaders(); }
+  // Blocks until all matched readers have it all; for a program that ends after it.
+  Result<> Flush(Duration timeout) { return writer_->Flush(timeout); }
 
  private:
   std::unique_ptr<RawWriter> writer_;

@@ -17,6 +17,11 @@ ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Con
 ExitCode Estop(const EstopOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Capabilities(const CapabilitiesOptions& options, const GlobalOptions& global,
                       Console& console);
+ExitCode Wake(const GlobalOptions& global, Console& console);
+ExitCode Keep(const KeepOptions& options, const GlobalOptions& global, Console& console);
+ExitCode LowPower(const LowPowerOptions& options, const GlobalOptions& global, Console& console);
+ExitCode PowerOff(const GlobalOptions& global, Console& console);
+ExitCode Reboot(const GlobalOptions& global, Console& console);
 ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& console);
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Replay(const ReplayOptions& options, Console& console);

@@ -51,6 +51,18 @@ struct EstopOptions {
 struct CapabilitiesOptions {
   std::string name;  // empty: all
 };
+struct WakeOptions {};
+struct KeepOptions {
+  std::string state;
+  std::int64_t seconds = 0;
+  bool end = false;
+};
+struct LowPowerOptions {
+  bool on = false;
+  bool this_run = false;  // else it is remembered
+};
+struct PowerOffOptions {};
+struct RebootOptions {};
 struct PlanOptions {
   std::string state;
   std::string actuator;
@@ -105,7 +117,8 @@ struct CompletionOptions {
 
 using CommandOptions =
     std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions, RestartOptions,
-                 EstopOptions, CapabilitiesOptions, PlanOptions, HistoryOptions, ReplayOptions,
+                 EstopOptions, CapabilitiesOptions, WakeOptions, KeepOptions, LowPowerOptions,
+                 PowerOffOptions, RebootOptions, PlanOptions, HistoryOptions, ReplayOptions,
                  GraphOptions, SimulateOptions, KeysInitOptions, KeysAddOptions, KeysRevokeOptions,
                  KeysListOptions, CompletionOptions>;
 

@@ -30,6 +30,11 @@ struct Dispatch {
   ExitCode operator()(const CapabilitiesOptions& o) const {
     return Capabilities(o, global, console);
   }
+  ExitCode operator()(const WakeOptions&) const { return Wake(global, console); }
+  ExitCode operator()(const KeepOptions& o) const { return Keep(o, global, console); }
+  ExitCode operator()(const LowPowerOptions& o) const { return LowPower(o, global, console); }
+  ExitCode operator()(const PowerOffOptions&) const { return PowerOff(global, console); }
+  ExitCode operator()(const RebootOptions&) const { return Reboot(global, console); }
   ExitCode operator()(const PlanOptions& o) const { return Plan(o, global, console); }
   ExitCode operator()(const HistoryOptions& o) const { return History(o, global, console); }
   ExitCode operator()(const ReplayOptions& o) const { return Replay(o, console); }

@@ -28,7 +28,7 @@ struct BatteryConfig {
 
 struct DeviceConfig {
   ClockSource clock = ClockSource::kSteady;
-  Duration self_check_time = Milliseconds(5000);  // so long the devices have to be well
+  Duration self_check_time = Milliseconds(3000);  // so long the devices have to be well
   std::vector<std::string> skip;                  // not checked
   std::vector<std::string> critical;              // whose code is the self-check's
   BatteryConfig battery;

@@ -20,6 +20,7 @@ DeviceManager::~DeviceManager() {
   Shutdown();
   if (!node_) return;
   node_->RunOnLoop([this] {
+    if (devices_) devices_->Flush();
     devices_.reset();
     clock_.reset();
   });

@@ -30,6 +30,9 @@ class Devices {
   // The clock went back.
   void OnTimeJumped();
 
+  // Before the program ends: waits a moment until the last lights have arrived.
+  void Flush() { led_->Flush(); }
+
  private:
   explicit Devices(std::vector<std::string> skip) : skip_(std::move(skip)) {}
 

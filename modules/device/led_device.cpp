@@ -55,6 +55,10 @@ void LedDevice::ShowAll() {
   }
 }
 
+void LedDevice::Flush() {
+  static_cast<void>(lights_->Flush(Milliseconds(1000)));  // who does not listen by then is gone
+}
+
 Result<> LedDevice::Check() const {
   if (!present_ || lights_->MatchedReaders() > 0) return Ok();
   return Error{MakeCode(ModuleCode::kLed, KeyCode::kSelfCheckFailed), "nobody shows world/led"};

@@ -30,6 +30,9 @@ class LedDevice {
   // The module's own wishes.
   void Execute(const LightRequests& requests);
 
+  // Blocks until all that is shown has arrived, for at most a second.
+  void Flush();
+
  private:
   LedDevice(const Surroundings& around, bool present) : around_(around), present_(present) {}
   Result<> Connect();

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstddef>
-#include <utility>
 
 namespace musher::motion {
 namespace {
@@ -25,29 +24,45 @@ constexpr std::array kOfStatus = {
     MotionCode(MotionKey::kCharging),
 };
 
-constexpr std::array<std::pair<MotionKey, const char*>, 21> kMeanings = {{
-    {MotionKey::kSwitchEstop, "the board is in its emergency stop"},
-    {MotionKey::kBanTransition, "the board does not go from its motion to this one"},
-    {MotionKey::kEdamp, "the board is in its damping mode"},
-    {MotionKey::kLifted, "the body is lifted"},
-    {MotionKey::kOverHeat, "the board is too hot"},
-    {MotionKey::kLowBattery, "the board says that the battery is low"},
-    {MotionKey::kTransitionTimeout, "the change to the motion took too long"},
-    {MotionKey::kExecuteTimeout, "the motion did not end in its time"},
-    {MotionKey::kExecuteError, "the motion was not carried out"},
-    {MotionKey::kSequenceDefinition, "the sequence is not well defined"},
-    {MotionKey::kMotorOffline, "a motor does not answer"},
-    {MotionKey::kBoardSilent, "the motion board is silent"},
-    {MotionKey::kEstop, "the emergency stop is set; motion 111 (recovery stand) clears it"},
-    {MotionKey::kStuck, "the body is stuck"},
-    {MotionKey::kOrientation, "the body does not stand upright"},
-    {MotionKey::kFootPosition, "the feet are in the wrong place"},
-    {MotionKey::kStandStuck, "the body could not stand up"},
-    {MotionKey::kMotorOverHeat, "a motor is too hot"},
-    {MotionKey::kMotorOverCurrent, "a motor takes too much current"},
-    {MotionKey::kMotorError, "a motor reports an error"},
-    {MotionKey::kCharging, "the body is being charged"},
-}};
+struct Meaning {
+  std::int32_t code;
+  const char* text;
+};
+
+constexpr std::array kMeanings = {
+    Meaning{MotionCode(KeyCode::kFailed), "somebody with priority has the body"},
+    Meaning{MotionCode(KeyCode::kStateInvalid), "the state of the machine does not allow it"},
+    Meaning{MotionCode(KeyCode::kPermissionDenied), "it is not for you to command"},
+    Meaning{MotionCode(KeyCode::kTimeout), "it took too long"},
+    Meaning{MotionCode(KeyCode::kUnSupport), "there is no such motion for this kind of command"},
+    Meaning{MotionCode(KeyCode::kSelfCheckFailed), "the self-check failed"},
+    Meaning{MotionCode(KeyCode::kParametersInvalid), "its parameters are wrong"},
+    Meaning{MotionCode(KeyCode::kTargetBusy), "another motion is under way"},
+    Meaning{MotionCode(KeyCode::kProtectedError), "the robot spares itself: charge it first"},
+    Meaning{MotionCode(MotionKey::kSwitchEstop), "the board is in its emergency stop"},
+    Meaning{MotionCode(MotionKey::kBanTransition),
+            "the board does not go from its motion to this one"},
+    Meaning{MotionCode(MotionKey::kEdamp), "the board is in its damping mode"},
+    Meaning{MotionCode(MotionKey::kLifted), "the body is lifted"},
+    Meaning{MotionCode(MotionKey::kOverHeat), "the board is too hot"},
+    Meaning{MotionCode(MotionKey::kLowBattery), "the board says that the battery is low"},
+    Meaning{MotionCode(MotionKey::kTransitionTimeout), "the change to the motion took too long"},
+    Meaning{MotionCode(MotionKey::kExecuteTimeout), "the motion did not end in its time"},
+    Meaning{MotionCode(MotionKey::kExecuteError), "the motion was not carried out"},
+    Meaning{MotionCode(MotionKey::kSequenceDefinition), "the sequence is not well defined"},
+    Meaning{MotionCode(MotionKey::kMotorOffline), "a motor does not answer"},
+    Meaning{MotionCode(MotionKey::kBoardSilent), "the motion board is silent"},
+    Meaning{MotionCode(MotionKey::kEstop),
+            "the emergency stop is set; motion 111 (recovery stand) clears it"},
+    Meaning{MotionCode(MotionKey::kStuck), "the body is stuck"},
+    Meaning{MotionCode(MotionKey::kOrientation), "the body does not stand upright"},
+    Meaning{MotionCode(MotionKey::kFootPosition), "the feet are in the wrong place"},
+    Meaning{MotionCode(MotionKey::kStandStuck), "the body could not stand up"},
+    Meaning{MotionCode(MotionKey::kMotorOverHeat), "a motor is too hot"},
+    Meaning{MotionCode(MotionKey::kMotorOverCurrent), "a motor takes too much current"},
+    Meaning{MotionCode(MotionKey::kMotorError), "a motor reports an error"},
+    Meaning{MotionCode(MotionKey::kCharging), "the body is being charged"},
+};
 
 }  // namespace
 
@@ -57,8 +72,8 @@ std::int32_t CodeOfStatus(std::int8_t switch_status) {
 }
 
 std::string MotionCodeText(std::int32_t code) {
-  for (const auto& [key, meaning] : kMeanings) {
-    if (MotionCode(key) == code) return meaning;
+  for (const Meaning& meaning : kMeanings) {
+    if (meaning.code == code) return meaning.text;
   }
   return "";
 }

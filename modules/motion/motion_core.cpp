@@ -156,9 +156,7 @@ void Decision::Take(const motion_event::Closed& event) {
   if (!core_.job) return;
   const JobMotion motion = core_.job->todo.front();
   DropJob(MotionCode(KeyCode::kStateInvalid), why);
-  const bool lies_down =
-      event.state == kLowPower || event.state == kOta || event.state == kTearDown;
-  if (!lies_down && motion.command.id != kEmergencyStop) HaltBody(motion);
+  if (motion.command.id != kEmergencyStop) HaltBody(motion);
 }
 
 void Decision::Take(const motion_event::Opened&) {

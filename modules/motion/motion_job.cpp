@@ -180,13 +180,15 @@ void Decision::DropJob(std::int32_t code, const std::string& message) {
   Answer(job.token, job.motion_id, code, message);
 }
 
-// Ends a motion that was dropped with nothing to follow.
+// Ends a motion that was dropped. Where the body lies down next only a walk is stopped before.
 void Decision::HaltBody(const JobMotion& motion) {
-  const Motion& entry = *rules_.table.Find(motion.command.id);
-  const bool ends_itself = motion.time <= kShortMotion || entry.id == kRecoveryStand;
-  if (entry.limit) {
-    Stand(motion.command);
-  } else if (!ends_itself) {
+  const State& state = *core_.closed;
+  const bool passes = state == kOta || state == kTearDown;
+  const bool lies_down = passes || state == kLowPower;
+  const bool ends_itself = motion.time <= kShortMotion || motion.command.id == kRecoveryStand;
+  if (rules_.table.Find(motion.command.id)->limit) {
+    if (!passes) Stand(motion.command);
+  } else if (!ends_itself && !lies_down) {
     Command(MotionOf(*rules_.table.Find(kRecoveryStand), {}).command, true);
     core_.link.until = now_ + kStopRepeat;
   }

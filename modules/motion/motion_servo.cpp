@@ -106,7 +106,7 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
       BeginJob(std::move(job));
     } else {
       servo.moving = true;
-      Command(servo.command, begins);
+      Command(servo.command, true);
     }
   } else if (servo.moving) {
     Command(servo.command, false);

@@ -5,7 +5,7 @@
 namespace musher::world {
 namespace {
 
-double Drain_w(const BatterySpec& spec, Activity activity) {
+double DrainW(const BatterySpec& spec, Activity activity) {
   switch (activity) {
     case Activity::kOff:
       return spec.off_w;
@@ -25,7 +25,7 @@ void Battery::Step(Duration dt, Activity activity, bool on_pad) {
   constexpr double kSecondsInHour = 3600;
   const double seconds = std::chrono::duration<double>(dt).count();
   charge_w_ = std::max(cable_ ? spec_.cable_w : 0, on_pad ? spec_.pad_w : 0);
-  power_w_ = charge_w_ - Drain_w(spec_, activity);
+  power_w_ = charge_w_ - DrainW(spec_, activity);
   const double whole_j = spec_.capacity_wh * kSecondsInHour;
   percent_ = std::clamp(percent_ + 100 * power_w_ * seconds / whole_j, 0.0, 100.0);
 }

@@ -17,15 +17,14 @@ using Eigen::Vector3d;
 
 constexpr Duration kSwitching = Milliseconds(100);
 constexpr Duration kQuickest =
-    Milliseconds(400);  // to stand up or lie down, however little is left
-constexpr double kDone = 0.95;     // from this share of a motion on the next may begin
+    Milliseconds(400);            // to stand up or lie down, however little is left
 constexpr double kTakeoff = 0.2;  // shares of a jump: on the ground until, and from, these
 constexpr double kLanding = 0.8;
 constexpr double kGravity = 9.81;
-constexpr double kStill_m_s = 0.02;
+constexpr double kStillSpeed = 0.02;  // m/s, rad/s: no more is standing
 
-constexpr double kAmbient_c = 28;
-constexpr double kWarmingTime_s = 120;
+constexpr double kAmbientC = 28;
+constexpr double kWarmingSeconds = 120;
 
 double Seconds(Duration d) {
   return std::chrono::duration<double>(d).count();
@@ -70,7 +69,7 @@ Duration TimeOf(const Scene& scene, const BoardCommand& command, const Motion& m
   return std::max(left, std::min(kQuickest, time));
 }
 
-double Warmth_c(Activity activity) {
+double WarmthC(Activity activity) {
   switch (activity) {
     case Activity::kOff:
       return 0;
@@ -112,7 +111,7 @@ Body::Body(const Scene& scene)
     : motion_(FindMotion(scene.start_standing ? kModeStand : kModeLie, 1)),
       gait_(scene.start_standing ? 0 : 1),
       fault_(&Faults().front()),
-      motor_temperature_c_(kAmbient_c),
+      motor_temperature_c_(kAmbientC),
       pose_(scene.start) {
   attitude_.height_m = scene.start_standing ? scene.body.stand_height_m : scene.body.lie_height_m;
   began_at_ = attitude_;
@@ -147,14 +146,14 @@ std::optional<std::string> Body::Objection(const BoardCommand& command,
   if (fault_->status != BoardStatus::kNormal && motion.kind != Kind::kLie) {
     return "there is a fault: " + std::string(fault_->name);
   }
-  if (motion_->kind == Kind::kLeap && Share() < kDone) return "a jump has not ended";
+  if (motion_->kind == Kind::kLeap && Share() < 1) return "a jump has not ended";
   const bool low = motion.kind == Kind::kLie || motion.kind == Kind::kStand;
-  if (motion_->kind == Kind::kStand && Share() < kDone && !low) {
+  if (motion_->kind == Kind::kStand && Share() < 1 && !low) {
     return "the body has not stood up yet";
   }
   const bool goes_on = command.mode == mode() && command.gait == gait_ &&
                        (motion.kind == Kind::kWalk || motion.kind == Kind::kPose);
-  if (!goes_on && !MayFollow(mode(), command.mode)) {
+  if (!goes_on && !MayFollow(mode(), gait_, command.mode)) {
     return "it may not follow mode " + std::to_string(mode());
   }
   return std::nullopt;
@@ -186,7 +185,9 @@ void Body::BeginOff(const Scene& scene) {
 void Body::SetFault(const FaultKind& fault, std::size_t motor) {
   fault_ = &fault;
   motor_errors_ = {};
-  if (fault.of_a_motor) motor_errors_.at(motor) = static_cast<std::int32_t>(fault.status);
+  if (!fault.of_a_motor) return;
+  const int bit = static_cast<int>(fault.status) - static_cast<int>(BoardStatus::kMotorOverHeat);
+  motor_errors_.at(motor) = 1 << bit;
 }
 
 void Body::Step(const Scene& scene, const Supply& supply, Duration now, Duration dt,
@@ -202,8 +203,8 @@ void Body::Step(const Scene& scene, const Supply& supply, Duration now, Duration
   Move(scene, Drive(scene, now, seconds, chance) + LeapBetween(share, Share()));
   attitude_ = NextAttitude(scene, seconds);
   Measure(pose, attitude, seconds);
-  const double target_c = kAmbient_c + Warmth_c(activity());
-  motor_temperature_c_ += (target_c - motor_temperature_c_) * seconds / kWarmingTime_s;
+  const double target_c = kAmbientC + WarmthC(activity());
+  motor_temperature_c_ += (target_c - motor_temperature_c_) * seconds / kWarmingSeconds;
 }
 
 // With a fault it only lies down or ends its jump.
@@ -300,8 +301,11 @@ void Body::Measure(const Pose2& pose, const Attitude& attitude, double seconds) 
   acceleration_ = (speed_ - before) / seconds + tilt.transpose() * Vector3d(0, 0, kGravity);
 }
 
+// More than 95 says that it is done.
 int Body::progress_percent() const {
-  return static_cast<int>(Share() * 100);
+  constexpr int kNotDone = 95;
+  const double share = Share();
+  return share < 1 ? std::min(kNotDone, static_cast<int>(share * 100)) : 100;
 }
 
 BoardStatus Body::status() const {
@@ -318,8 +322,8 @@ bool Body::in_the_air() const {
 }
 
 double Body::motor_temperature_c(std::size_t motor) const {
-  constexpr double kKneesAreWarmer_c = 1.5;
-  return motor_temperature_c_ + (motor % 3 == 2 ? kKneesAreWarmer_c : 0);
+  constexpr double kKneesAreWarmerC = 1.5;
+  return motor_temperature_c_ + (motor % 3 == 2 ? kKneesAreWarmerC : 0);
 }
 
 Activity Body::activity() const {
@@ -327,7 +331,7 @@ Activity Body::activity() const {
   if (motion_->kind == Kind::kLie) return Activity::kLying;
   const bool showing =
       (motion_->kind == Kind::kLeap || motion_->kind == Kind::kShow) && Share() < 1;
-  const bool walking = walking_.cwiseAbs().maxCoeff() > kStill_m_s;
+  const bool walking = walking_.cwiseAbs().maxCoeff() > kStillSpeed;
   return showing || walking ? Activity::kMoving : Activity::kStanding;
 }
 

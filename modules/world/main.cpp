@@ -63,11 +63,11 @@ int TellMain(int argc, char** argv) {
   std::vector<std::string> words;
   std::string name_space;
   double timeout_s = 5;
-  constexpr double kLongest_s = 3600;
+  constexpr double kLongestS = 3600;
   app.add_option("WORDS", words, "What, see below")->required()->type_name("");
   app.add_option("--namespace", name_space, "Of the topics")->envname("MUSHER_NAMESPACE");
   app.add_option("--timeout", timeout_s, "How long to look for the world, in s; default 5")
-      ->check(CLI::Range(0.1, kLongest_s).description(""));
+      ->check(CLI::Range(0.1, kLongestS).description(""));
   app.allow_extras(false);
   try {
     app.parse(argc, argv);
@@ -101,7 +101,7 @@ int main(int argc, char** argv) {
       "To a running world speaks `musher-world tell`, see its --help.\n\n"
       "Exit codes: 0 torn down, ended by a signal, or drawn; 1 not started or not drawn, which is\n"
       "said on stderr; 2 usage or config.");
-  constexpr double kLongest_s = 100'000;
+  constexpr double kLongestS = 100'000;
   app.add_option("SCENE", options.scene, "The scene (TOML)")->required();
   app.add_option("--actuator", options.actuator, "Which actuator of the state config this is")
       ->envname("MUSHER_ACTUATOR");
@@ -113,7 +113,7 @@ int main(int argc, char** argv) {
                               "Draw what the scene does by itself to this PNG, and end");
   app.add_option("--for", options.seconds, "World time that is drawn, in s")
       ->needs(draw)
-      ->check(CLI::Range(0.0, kLongest_s));
+      ->check(CLI::Range(0.0, kLongestS));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -80,29 +80,36 @@ const std::array kMotions = {
 
 struct Following {
   int mode;
+  int gait;
   std::vector<int> next;
 };
-// As the robot's motion table has it; what stands is ready for anything.
-const std::array<Following, 19> kFollowing = {{
-    {0, {0, 12, 7, 15}},
-    {7, {0, 12, 7, 80}},
-    {3, {0, 7, 12, 11, 21, 3}},
-    {5, {21, 12, 7, 3, 0, 17, 16, 5}},
-    {6, {0, 12, 7, 21, 3, 11, 6}},
-    {9, {0, 12, 7, 3, 11, 9}},
-    {11, {0, 12, 7, 21, 3, 6, 11, 23, 80, 81, 82}},
-    {16, {0, 12, 7, 21}},
-    {17, {0, 7, 12, 21}},
-    {21, {0, 12, 7, 21, 5, 64, 62}},
-    {23, {0, 12, 7, 3}},
-    {25, {0, 12, 7, 21, 3, 11, 6, 25}},
-    {62, {0, 12, 7, 21}},
-    {64, {0, 12, 7, 16}},
-    {65, {0, 3, 16, 6, 21, 11, 12, 80, 7}},
-    {80, {0, 12, 7, 11, 80, 81, 82}},
-    {81, {0, 12, 7, 11, 80, 81, 82}},
-    {82, {0, 12, 7, 11, 80, 81, 82}},
-    {86, {0, 7, 12, 80}},
+// As the robot's motion table has it; of one mode, those with a gait of their own come first. What
+// stands is ready for anything.
+const std::array<Following, 24> kFollowing = {{
+    {0, kAnyGait, {0, 12, 7, 15}},
+    {7, kAnyGait, {0, 12, 7, 80}},
+    {3, kAnyGait, {0, 7, 12, 11, 21, 3}},
+    {5, kAnyGait, {21, 12, 7, 3, 0, 17, 16, 5}},
+    {6, kAnyGait, {0, 12, 7, 21, 3, 11, 6}},
+    {9, kAnyGait, {0, 12, 7, 3, 11}},
+    {11, kAnyGait, {0, 12, 7, 21, 3, 6, 11, 23, 80, 81, 82}},
+    {16, 16, {0, 12, 7, 21, 6, 11, 62, 5, 64, 16, 17, 23, 9, 80, 82, 81}},
+    {16, kAnyGait, {0, 12, 7, 21}},
+    {17, 8, {0, 7, 12, 21, 5, 17}},
+    {17, 10, {0, 7, 12, 21, 5, 17}},
+    {17, 11, {0, 7, 12, 21, 5, 17}},
+    {17, 12, {0, 7, 12, 21, 5, 17}},
+    {17, kAnyGait, {0, 7, 12, 21}},
+    {21, kAnyGait, {0, 12, 7, 21, 5, 64, 62}},
+    {23, kAnyGait, {0, 12, 7, 3}},
+    {25, kAnyGait, {0, 12, 7, 21, 3, 11, 6, 25}},
+    {62, kAnyGait, {0, 12, 7, 21}},
+    {64, kAnyGait, {0, 12, 7, 16}},
+    {65, kAnyGait, {0, 3, 16, 6, 21, 11, 12, 80, 7}},
+    {80, kAnyGait, {0, 12, 7, 11, 80, 81, 82}},
+    {81, kAnyGait, {0, 12, 7, 11, 80, 81, 82}},
+    {82, kAnyGait, {0, 12, 7, 11, 80, 81, 82}},
+    {86, kAnyGait, {0, 7, 12, 80}},
 }};
 
 const char* NameOfKind(Kind kind) {
@@ -135,10 +142,12 @@ const Motion* FindMotion(int mode, int gait) {
   return found == kMotions.end() ? nullptr : &*found;
 }
 
-bool MayFollow(int mode, int next) {
+bool MayFollow(int mode, int gait, int next) {
   if (mode == kModeStand) return true;
-  const auto* const row = std::find_if(kFollowing.begin(), kFollowing.end(),
-                                       [&](const Following& f) { return f.mode == mode; });
+  const auto* const row =
+      std::find_if(kFollowing.begin(), kFollowing.end(), [&](const Following& following) {
+        return following.mode == mode && (following.gait == gait || following.gait == kAnyGait);
+      });
   return row != kFollowing.end() &&
          std::find(row->next.begin(), row->next.end(), next) != row->next.end();
 }

@@ -41,8 +41,8 @@ inline constexpr int kModeStand = 12;
 // Null: the board knows no such mode.
 const Motion* FindMotion(int mode, int gait);
 
-// Whether `next` may follow `mode`.
-bool MayFollow(int mode, int next);
+// Whether the mode `next` may follow that mode and gait.
+bool MayFollow(int mode, int gait, int next);
 
 // A name for people: "trot", "lie down".
 const char* NameOf(int mode, int gait);

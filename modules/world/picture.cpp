@@ -1,5 +1,6 @@
 #include "musher/modules/world/picture.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -12,7 +13,7 @@ namespace musher::world {
 namespace {
 
 // Along the way, without what it was carried.
-double Walked_m(const Track& track) {
+double WalkedM(const Track& track) {
   double walked_m = 0;
   const std::vector<Sample>& samples = track.samples();
   for (std::size_t i = 1; i < samples.size(); ++i) {
@@ -23,22 +24,35 @@ double Walked_m(const Track& track) {
   return walked_m;
 }
 
+constexpr double kMargin = 36;
+constexpr double kLeft = kMargin + kChartNames;
+constexpr double kRight = kPictureWidth - kMargin;
+constexpr double kMapTop = 74;
+constexpr double kMapRight = 856;  // the legend stands beyond
+constexpr double kChartHeight = 300;
+
+// As low as the place needs, and the legend.
+double MapBottom(const Scene& scene) {
+  constexpr double kHighest = kPictureHeight - kChartHeight;
+  constexpr double kLeast = 480;
+  const Eigen::Vector2d size = scene.most_m - scene.least_m;
+  const double height = size.y() * (kMapRight - kLeft) / size.x() + kMapAxis;
+  return std::round(std::clamp(kMapTop + height, kLeast, kHighest));
+}
+
 Result<> DrawAll(const World& world, const std::string& path) {
-  constexpr double kMargin = 36;
-  constexpr double kMapBottom = 660;
-  constexpr double kLegend = 900;  // begins there at the latest
-  constexpr double kLeft = kMargin + kChartNames;
-  Canvas canvas(kPictureWidth, kPictureHeight, kPaper);
+  const double map_bottom = MapBottom(world.scene());
+  const double height = map_bottom + kChartHeight;
+  Canvas canvas(kPictureWidth, static_cast<int>(height), kPaper);
   canvas.Text(world.scene().name, {kLeft, 42}, 22, kInk);
   char facts[160];
   std::snprintf(facts, sizeof(facts), "%s of world time    %.1f m walked    battery %.0f %%",
                 ClockText(std::floor(std::chrono::duration<double>(world.now()).count())).c_str(),
-                Walked_m(world.track()), world.battery().percent());
-  canvas.Text(facts, {kPictureWidth - kMargin, 42}, 13, kGreyInk, Align::kRight);
-  const double right = DrawTopView(world, {kLeft, 74}, {kLegend - 44, kMapBottom}, canvas);
-  DrawLegend(world, {right + 44, 92}, canvas);
-  DrawStripChart(world.track(), {kMargin, kMapBottom + 30},
-                 {kPictureWidth - kMargin, kPictureHeight - 24.0}, canvas);
+                WalkedM(world.track()), world.battery().percent());
+  canvas.Text(facts, {kRight, 42}, 13, kGreyInk, Align::kRight);
+  const double right = DrawTopView(world, {kLeft, kMapTop}, {kMapRight, map_bottom}, canvas);
+  DrawLegend(world, {right + 44, kMapTop + 18}, canvas);
+  DrawStripChart(world.track(), {kMargin, map_bottom + 30}, {kRight, height - 24}, canvas);
   return canvas.Save(path);
 }
 

@@ -10,7 +10,7 @@
 namespace musher::world {
 
 inline constexpr int kPictureWidth = 1200;
-inline constexpr int kPictureHeight = 960;
+inline constexpr int kPictureHeight = 960;  // at most; less for a place that is wide
 
 // Writes a PNG. Fails when the file cannot be written. From any thread; takes some 100 ms.
 Result<> Draw(const World& world, const std::string& path);

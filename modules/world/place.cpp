@@ -10,8 +10,8 @@ namespace {
 using Eigen::Rotation2Dd;
 using Eigen::Vector2d;
 
-constexpr double kTouching_m = 1e-9;  // rounding
-constexpr int kSlides = 4;            // out of so many things at once, as in a corner
+constexpr double kTouchingM = 1e-9;  // rounding
+constexpr int kSlides = 4;           // out of so many things at once, as in a corner
 
 // Moves `point` out of everything; says whether anything was in its way.
 bool PushOut(const Scene& scene, Vector2d& point) {
@@ -55,7 +55,7 @@ Clearance From(const Circle& circle, const Vector2d& point_m) {
 }
 
 bool IsFree(const Scene& scene, const Vector2d& point_m) {
-  const double radius = scene.body.radius_m - kTouching_m;
+  const double radius = scene.body.radius_m - kTouchingM;
   const Vector2d margin = Vector2d::Constant(radius);
   if ((point_m - scene.least_m - margin).minCoeff() < 0) return false;
   if ((scene.most_m - point_m - margin).minCoeff() < 0) return false;

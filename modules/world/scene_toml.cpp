@@ -30,11 +30,11 @@ using config_toml::Value;
 using Eigen::Vector2d;
 
 constexpr std::uintmax_t kLargestFile = 1U << 20;
-constexpr double kFarthest_m = 1000;
-constexpr double kSmallest_m = 0.01;
-constexpr double kMost_w = 10'000;
-constexpr double kMost_wh = 100'000;
-constexpr double kLongest_s = 1e6;  // eleven days
+constexpr double kFarthestM = 1000;
+constexpr double kSmallestM = 0.01;
+constexpr double kMostW = 10'000;
+constexpr double kMostWh = 100'000;
+constexpr double kLongestS = 1e6;  // eleven days
 constexpr std::int64_t kMostSeed = std::int64_t{1} << 62;
 constexpr std::int64_t kMostMode = 127;  // what fits into the board's messages
 
@@ -121,7 +121,7 @@ class Reader {
       good = integer != nullptr || number != nullptr;
       if (!good) break;
       pair[i] = number != nullptr ? *number : static_cast<double>(*integer);
-      good = std::abs(pair[i]) <= kFarthest_m;  // never true for nan
+      good = std::abs(pair[i]) <= kFarthestM;  // never true for nan
     }
     if (good) return pair;
     reader.Fault(value->at, key, "expected two numbers from -1000 to 1000, as in [1.5, -2.0]");
@@ -129,10 +129,10 @@ class Reader {
   }
 
   std::optional<double> Coordinate(TableReader& reader, std::string_view key) {
-    return reader.Number(key, -kFarthest_m, kFarthest_m);
+    return reader.Number(key, -kFarthestM, kFarthestM);
   }
   std::optional<double> Length(TableReader& reader, std::string_view key) {
-    return reader.Number(key, kSmallest_m, kFarthest_m);
+    return reader.Number(key, kSmallestM, kFarthestM);
   }
 
   Vector2d Center(TableReader& reader) {
@@ -187,14 +187,14 @@ class Reader {
 
   void ReadBattery(TableReader& reader) {
     BatterySpec& battery = scene_.battery;
-    Set(battery.capacity_wh, reader.Number("capacity_wh", 0.01, kMost_wh));
+    Set(battery.capacity_wh, reader.Number("capacity_wh", 0.01, kMostWh));
     Set(battery.start_percent, reader.Number("start_percent", 0, 100));
-    Set(battery.off_w, reader.Number("off_w", 0, kMost_w));
-    Set(battery.lying_w, reader.Number("lying_w", 0, kMost_w));
-    Set(battery.standing_w, reader.Number("standing_w", 0, kMost_w));
-    Set(battery.moving_w, reader.Number("moving_w", 0, kMost_w));
-    Set(battery.cable_w, reader.Number("cable_w", 0, kMost_w));
-    Set(battery.pad_w, reader.Number("pad_w", 0, kMost_w));
+    Set(battery.off_w, reader.Number("off_w", 0, kMostW));
+    Set(battery.lying_w, reader.Number("lying_w", 0, kMostW));
+    Set(battery.standing_w, reader.Number("standing_w", 0, kMostW));
+    Set(battery.moving_w, reader.Number("moving_w", 0, kMostW));
+    Set(battery.cable_w, reader.Number("cable_w", 0, kMostW));
+    Set(battery.pad_w, reader.Number("pad_w", 0, kMostW));
   }
 
   void ReadPicture(TableReader& reader) {
@@ -224,7 +224,7 @@ class Reader {
     Box wall{Name(reader), {}, {}, 0};
     if (!from || !to) return;
     const Vector2d along = *to - *from;
-    if (along.norm() < kSmallest_m) {
+    if (along.norm() < kSmallestM) {
       return reader.Fault(reader.At("to_m"), "to_m", "expected another point than from_m");
     }
     wall.center_m = (*from + *to) / 2;
@@ -261,7 +261,7 @@ class Reader {
 
   void ReadEvent(TableReader& reader) {
     reader.Require("at_s", "when it happens, in seconds of world time");
-    const double at_s = reader.Number("at_s", 0, kLongest_s).value_or(0);
+    const double at_s = reader.Number("at_s", 0, kLongestS).value_or(0);
     Event event;
     event.at = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(at_s));
     int found = 0;

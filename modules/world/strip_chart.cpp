@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <functional>
 
+#include "musher/modules/world/marks.hpp"
 #include "musher/modules/world/palette.hpp"
 
 namespace musher::world {
@@ -19,13 +20,10 @@ double ToSeconds(Duration d) {
   return std::chrono::duration<double>(d).count();
 }
 
-// The distance of marks, so that about `wanted` of them fit into `range`.
-double MarkEvery(double range, double wanted) {
-  static constexpr double kRound[] = {0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600};
-  for (const double distance : kRound) {
-    if (range / distance <= wanted) return distance;
-  }
-  return std::ceil(range / wanted / 3600) * 3600;
+double TimeMarkEvery(double range_s) {
+  return MarkEvery(
+      range_s, 12,
+      {0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 21'600, 86'400});
 }
 
 class Chart {
@@ -51,7 +49,7 @@ class Chart {
                      Align::kRight);
       }
     }
-    Marks(top, bottom);
+    TimeGrid(top, bottom);
     ForRuns(IsCharging, [&](const Sample& first, double from, double to) {
       if (!first.charging || canvas_.TextWidth("charging", kTiny) + 8 > to - from) return;
       canvas_.Text("charging", {from + 6, top + 14}, kTiny, kPadEdge);
@@ -71,24 +69,24 @@ class Chart {
     Name("%", (top + bottom) / 2 + 12);
   }
 
-  void Band(const std::string& name, double top, const std::vector<std::string>& names,
+  void Band(const std::string& row, double top, const std::vector<std::string>& names,
             const std::function<int(const Sample&)>& index,
             const std::function<Color(const std::string&)>& color) {
     const double bottom = top + kBandHeight;
     ForRuns(index, [&](const Sample& first, double from, double to) {
-      const std::string& word = names.at(static_cast<std::size_t>(index(first)));
-      const Color fill = color(word);
+      const std::string& name = names.at(static_cast<std::size_t>(index(first)));
+      const Color fill = color(name);
+      const std::string word = name.empty() ? "not heard" : name;
       canvas_.FillRect({from, top}, {std::max(to, from + 1), bottom}, fill);
       if (canvas_.TextWidth(word, kSmall) + 8 < to - from) {
         canvas_.Text(word, {(from + to) / 2, bottom - 10}, kSmall, InkOn(fill), Align::kCenter);
       }
     });
-    Name(name, bottom - 10);
+    Name(row, bottom - 10);
   }
 
   void TimeAxis(double y) {
-    const double every = MarkEvery(end_s_, 12);
-    for (double s = 0; s <= end_s_ + 1e-9; s += every) {
+    for (const double s : Marks(0, end_s_, TimeMarkEvery(end_s_))) {
       canvas_.Line({Xs(s), y}, {Xs(s), y + 5}, kGreyInk);
       canvas_.Text(ClockText(s), {Xs(s), y + 19}, kTiny, kGreyInk, Align::kCenter);
     }
@@ -104,9 +102,8 @@ class Chart {
     canvas_.Text(name, {left_ - 38, y}, kSmall, kInk, Align::kRight);
   }
 
-  void Marks(double top, double bottom) {
-    const double every = MarkEvery(end_s_, 12);
-    for (double s = every; s < end_s_; s += every) {
+  void TimeGrid(double top, double bottom) {
+    for (const double s : Marks(0, end_s_, TimeMarkEvery(end_s_))) {
       canvas_.Line({Xs(s), top}, {Xs(s), bottom}, kGrid);
     }
   }
@@ -137,12 +134,13 @@ class Chart {
 
 std::string ClockText(double seconds) {
   const auto whole = static_cast<long>(std::floor(seconds));
+  const long minutes = whole / 60;
   char text[48];
   if (seconds == std::floor(seconds)) {
-    std::snprintf(text, sizeof(text), "%ld:%02ld", whole / 60, whole % 60);
+    std::snprintf(text, sizeof(text), "%ld:%02ld", minutes, whole % 60);
   } else {
-    std::snprintf(text, sizeof(text), "%ld:%04.1f", whole / 60,
-                  seconds - static_cast<double>(whole / 60 * 60));
+    std::snprintf(text, sizeof(text), "%ld:%04.1f", minutes,
+                  seconds - static_cast<double>(minutes * 60));
   }
   return text;
 }

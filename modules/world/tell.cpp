@@ -141,7 +141,6 @@ class Teller {
                               "; is `musher up` running, in the same domain?"};
   }
 
-  // Reliable: dropping the publisher waits until the world has it.
   template <class M>
   Result<std::string> Publish(const std::string& topic, const M& message) {
     auto publisher = transport::MakePublisher<M>(node_, Name(topic));
@@ -149,6 +148,7 @@ class Teller {
     const auto heard = [&] { return publisher.value()->MatchedReaders() > 0; };
     if (!loop_.RunUntil(heard, deadline_)) return Nobody();
     if (auto sent = publisher.value()->Publish(message); !sent) return sent.error();
+    if (auto got = publisher.value()->Flush(deadline_ - loop_.Now()); !got) return got.error();
     return std::string();
   }
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <map>
 
+#include "musher/modules/world/marks.hpp"
 #include "musher/modules/world/palette.hpp"
 #include "musher/modules/world/strip_chart.hpp"
 
@@ -33,9 +34,8 @@ class TopView {
  public:
   TopView(const World& world, const Pixel& corner, const Pixel& opposite, Canvas& canvas)
       : world_(world), scene_(world.scene()), canvas_(canvas) {
-    constexpr double kAxis = 34;  // below
     const Vector2d size = scene_.most_m - scene_.least_m;
-    const Vector2d room = opposite - corner - Vector2d(0, kAxis);
+    const Vector2d room = opposite - corner - Vector2d(0, kMapAxis);
     scale_ = (room.array() / size.array()).minCoeff();
     origin_ = Pixel(corner.x(), corner.y() + size.y() * scale_);
   }
@@ -69,6 +69,7 @@ class TopView {
   }
   std::vector<Pixel> At(const std::vector<Vector2d>& points_m) const {
     std::vector<Pixel> pixels;
+    pixels.reserve(points_m.size());
     for (const Vector2d& point : points_m) pixels.push_back(At(point));
     return pixels;
   }
@@ -77,15 +78,14 @@ class TopView {
     const Pixel low = At(scene_.least_m);
     const Pixel high = At(scene_.most_m);
     canvas_.FillRect({low.x(), high.y()}, {high.x(), low.y()}, kGround);
-    const double every = (scene_.most_m - scene_.least_m).maxCoeff() > 24 ? 5 : 1;
-    for (double x = std::ceil(scene_.least_m.x() / every) * every; x <= scene_.most_m.x();
-         x += every) {
+    const double every =
+        MarkEvery((scene_.most_m - scene_.least_m).maxCoeff(), 16, {1, 2, 5, 10, 20, 50, 100, 200});
+    for (const double x : Marks(scene_.least_m.x(), scene_.most_m.x(), every)) {
       const double px = At({x, 0}).x();
       canvas_.Line({px, low.y()}, {px, high.y()}, kGrid);
       canvas_.Text(Metres(x), {px, low.y() + 17}, kTiny, kGreyInk, Align::kCenter);
     }
-    for (double y = std::ceil(scene_.least_m.y() / every) * every; y <= scene_.most_m.y();
-         y += every) {
+    for (const double y : Marks(scene_.least_m.y(), scene_.most_m.y(), every)) {
       const double py = At({0, y}).y();
       canvas_.Line({low.x(), py}, {high.x(), py}, kGrid);
       canvas_.Text(Metres(y), {low.x() - 8, py + 4}, kTiny, kGreyInk, Align::kRight);
@@ -243,8 +243,10 @@ void DrawLegend(const World& world, const Pixel& corner, Canvas& canvas) {
   row("where it began");
   canvas.FillRect(at + Pixel(4, -10), at + Pixel(22, 1), kInk);
   row("where it is");
-  swatch(kObstacle);
-  row("obstacle");
+  if (!world.scene().boxes.empty() || !world.scene().circles.empty()) {
+    swatch(kObstacle);
+    row("obstacle");
+  }
   if (!world.scene().pads.empty()) {
     swatch(kPad);
     row("charging pad");

@@ -55,6 +55,7 @@ std::optional<std::string> World::SetBattery(double percent) {
   if (!(percent >= 0 && percent <= 100)) {
     return "a battery of " + std::to_string(percent) + " % is refused: expected 0 to 100";
   }
+  Record();
   battery_.Set(percent);
   Record();
   return std::nullopt;

@@ -62,11 +62,11 @@ msg::BodyState ToBodyState(const World& world) {
 }
 
 msg::BatteryState ToBatteryState(const World& world) {
-  constexpr double kEmpty_v = 21.0, kFull_v = 29.0;
+  constexpr double kEmptyV = 21.0, kFullV = 29.0;
   const Battery& battery = world.battery();
   const double share = battery.percent() / 100;
-  const double voltage = kEmpty_v + (kFull_v - kEmpty_v) * share;
-  const double capacity_ah = world.scene().battery.capacity_wh / ((kEmpty_v + kFull_v) / 2);
+  const double voltage = kEmptyV + (kFullV - kEmptyV) * share;
+  const double capacity_ah = world.scene().battery.capacity_wh / ((kEmptyV + kFullV) / 2);
   using State = msg::BatteryState;
   State state;
   state.header = {msg::ToStamp(world.now()), "battery_id"};
@@ -95,15 +95,15 @@ Result<BoardCommand> FromMessage(const msg::MotionCustomCommand& message) {
     if (!*vector) return vector->error();
   }
   if (message.duration < 0) return Error{kCodeFailed, "duration is negative"};
-  constexpr double kMostTilt_rad = 0.8;
-  constexpr double kMostRaised_m = 0.15;
+  constexpr double kMostTiltRad = 0.8;
+  constexpr double kMostRaisedM = 0.15;
   BoardCommand command;
   command.mode = message.mode;
   command.gait = message.gait_id;
   command.life_count = message.life_count;
   command.speed = speed.value();
-  command.attitude = attitude.value().cwiseMax(-kMostTilt_rad).cwiseMin(kMostTilt_rad);
-  command.raised_m = std::clamp(position.value().z(), -kMostRaised_m, kMostRaised_m);
+  command.attitude = attitude.value().cwiseMax(-kMostTiltRad).cwiseMin(kMostTiltRad);
+  command.raised_m = std::clamp(position.value().z(), -kMostRaisedM, kMostRaisedM);
   command.duration = Milliseconds(message.duration);
   return command;
 }

@@ -13,6 +13,7 @@
 #include "musher/messages/musher_msgs/beats.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/messages/musher_msgs/policy_request.hpp"
 #include "musher/messages/protocol/fs_machine.hpp"
 #include "musher/messages/protocol/heartbeats.hpp"
 #include "musher/messages/std_msgs/string.hpp"
@@ -254,6 +255,19 @@ MUSHER_SAME(musher_msgs_srv_dds__SetState_Response_, SetState::Response) {
   SAME(state);
   SAME_ITEMS(degraded);
   SAME_ITEMS(actuators);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__RequestPolicy_Request_, RequestPolicy::Request) {
+  SAME(request);
+  SAME(state);
+  SAME(seconds);
+  SAME(enable);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__RequestPolicy_Response_, RequestPolicy::Response) {
+  SAME(code);
+  SAME(reason);
+  SAME(state);
 }
 
 MUSHER_SAME(musher_msgs_srv_dds__RestartActuator_Request_, RestartActuator::Request) {

@@ -41,8 +41,8 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"spdlog/", {"controller/", "modules/"}},
       {"fmt/", {"controller/", "modules/", "test/"}},
       {"systemd/", {"controller/cli/"}},
-      {"opencv2/", {"modules/"}},
-      {"Eigen/", {"modules/"}},
+      {"opencv2/", {"modules/", "test/modules/"}},
+      {"Eigen/", {"modules/", "test/modules/"}},
   };
   return table;
 }

@@ -7,6 +7,7 @@
 //   command:<actuator>              asks the actuator to go to Error, as a controller would
 //   serve:<actuator>                says "asked" for each command to the actuator, and answers it
 //   set:<state>                     asks the controller to switch the machine
+//   trigger:<service>               asks CyberDog's manager for something without parameters
 //   stop                            engages the emergency stop
 //   announce                        says that it is a controller, of a very high epoch
 //   watch                           says "machine <state>" for each status of the machine
@@ -33,6 +34,7 @@
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/messages/protocol/heartbeats.hpp"
 #include "musher/messages/std_msgs/string.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/host.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
@@ -71,6 +73,9 @@ class Peer {
       msg::SetState::Request request;
       request.target = words[1];
       return Ask<msg::SetState>(MachineService(name_space_, "set_state"), request);
+    }
+    if (words[0] == "trigger") {
+      return Ask<msg::Trigger>(ResolveName(name_space_, words[1]), {});
     }
     if (words[0] == "stop") {
       const msg::EmergencyStop stop{7, true, "security_peer", "a test"};

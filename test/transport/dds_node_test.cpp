@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/contract/domain.hpp"
 #include "musher/transport/dds/settings.hpp"
 #include "musher/transport/linux_event_loop.hpp"
@@ -81,6 +82,29 @@ TEST_F(DdsNodes, RefuseASampleWithoutItsHeader) {
   const auto writer = node.value()->MakeRawWriter("rt/short", "a::msg::dds_::B_", {}, {});
   const msg::Bytes bytes(3);
   EXPECT_FALSE(writer.value()->Write(bytes));
+}
+
+// A program that told something and ended was not heard by a reader that knew it for too short.
+TEST_F(DdsNodes, HaveToldWhatTheyWroteOnceTheyAreFlushedThoughTheyEndThen) {
+  std::string heard;
+  const auto there = MakeDdsNode(loop_, test_domain_);
+  ASSERT_TRUE(there);
+  const auto subscription = MakeSubscription<msg::String>(
+      *there.value(), "last_words",
+      [&](const msg::String& message, const SampleInfo&) { heard = message.data; });
+  ASSERT_TRUE(subscription);
+  {
+    auto here = MakeDdsNode(loop_, test_domain_);
+    ASSERT_TRUE(here);
+    const auto publisher = MakePublisher<msg::String>(*here.value(), "last_words");
+    ASSERT_TRUE(publisher);
+    const auto deadline = loop_.Now() + std::chrono::seconds(10);
+    ASSERT_TRUE(loop_.RunUntil([&] { return publisher.value()->MatchedReaders() == 1; }, deadline));
+    ASSERT_TRUE(publisher.value()->Publish({"farewell"}));
+    ASSERT_TRUE(publisher.value()->Flush(std::chrono::seconds(10)));
+  }
+  loop_.RunUntil([&] { return !heard.empty(); }, loop_.Now() + std::chrono::seconds(10));
+  EXPECT_EQ(heard, "farewell");
 }
 
 TEST_F(DdsNodes, RefuseATopicWithANameThatDdsCannotHave) {

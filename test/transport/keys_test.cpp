@@ -125,6 +125,28 @@ TEST(Rights, OfAnObserverHoldNothingButQuestions) {
   EXPECT_THAT(xml, HasSubstr("<topic>rq/musher/get_statusRequest</topic>"));
 }
 
+TEST(Rights, ToCyberdogsManagerAreTheOperatorsButForQuestionsAndWakingUp) {
+  const auto may = [](Role role, const std::string& topic) {
+    const std::string xml = PermissionsXml({"x", "CN=x", role, {}, {}});
+    const std::string allowed = xml.substr(0, xml.find("<deny_rule>"));
+    return allowed.find("<topic>" + topic + "</topic>") != std::string::npos &&
+           allowed.find("<topic>" + topic + "</topic>") < allowed.find("<subscribe>");
+  };
+  for (const char* wish : {"rq/poweroffRequest", "rq/*/poweroffRequest", "rt/machine_state_switch",
+                           "rq/machine_state_switch_keepRequest"}) {
+    EXPECT_TRUE(may(Role::kOperator, wish)) << wish;
+    EXPECT_FALSE(may(Role::kActuator, wish)) << wish;
+    EXPECT_FALSE(may(Role::kObserver, wish)) << wish;
+  }
+  for (const Role role : {Role::kOperator, Role::kActuator, Role::kObserver}) {
+    EXPECT_TRUE(may(role, "rq/bms_infoRequest"));
+    EXPECT_FALSE(may(role, "rt/state_switch_status"));
+    EXPECT_EQ(may(role, "rq/low_power_exitRequest"), role != Role::kObserver);
+  }
+  EXPECT_TRUE(may(Role::kController, "rt/state_switch_status"));
+  EXPECT_TRUE(may(Role::kController, "rr/*/poweroffReply"));
+}
+
 TEST(Governance, LetsNobodyInWithoutACertificate) {
   const std::string xml = GovernanceXml(Protection::kSigned);
   EXPECT_THAT(xml, HasSubstr("<allow_unauthenticated_participants>false<"));

@@ -34,6 +34,15 @@ Result<> WriterCore::Write(std::span<const std::byte> bytes) {
   return Ok();
 }
 
+Result<> WriterCore::Flush(Duration timeout) {
+  const dds_return_t result = dds_wait_for_acks(writer_.get(), timeout.count());
+  if (result == DDS_RETCODE_TIMEOUT) {
+    return Error{kCodeTimeout, topic_name_ + ": a reader has not got all that was written"};
+  }
+  if (result != DDS_RETCODE_OK) return DdsError(topic_name_ + ": cannot wait for readers", result);
+  return Ok();
+}
+
 void WriterCore::OnMatched(dds_entity_t, dds_publication_matched_status_t, void* self) {
   static_cast<WriterCore*>(self)->Notify();
 }

@@ -26,6 +26,7 @@ class WriterCore : public Notifier {
   void Close();
 
   Result<> Write(std::span<const std::byte> bytes);
+  Result<> Flush(Duration timeout);
   const PeerTable& readers() const { return readers_; }
   std::uint64_t id() const { return id_; }
 
@@ -51,6 +52,7 @@ class DdsWriter : public RawWriter {
   ~DdsWriter() override { core_->Close(); }
 
   Result<> Write(std::span<const std::byte> bytes) override { return core_->Write(bytes); }
+  Result<> Flush(Duration timeout) override { return core_->Flush(timeout); }
   int MatchedReaders() const override { return core_->readers().size(); }
   int ReadersOf(PeerId participant) const override { return core_->readers().CountOf(participant); }
   std::uint64_t UniqueId() const override { return core_->id(); }

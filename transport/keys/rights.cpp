@@ -61,6 +61,30 @@ Topics Questions() {
 }
 const std::string kAllMachineServices = "musher/*";
 
+// CyberDog's manager (controller/cyberdog): what it tells, what anybody may ask it, what modules of
+// the robot may tell it and ask it for, and what only an operator may.
+const Topics kManagerTells = {"state_switch_status", "self_check_status", "ready_notify",
+                              "manager_errors"};
+const Topics kManagerQuestions = {"machine_state_valget", "low_power_switch_state", "bms_info",
+                                  "query_divice_info"};
+const Topics kManagerHears = {"dog_wakeup", "node_errors"};
+const Topics kManagerWakeUp = {"low_power_exit"};
+const Topics kManagerOrders = {"machine_state_switch"};
+const Topics kManagerWishes = {"machine_state_switch_keep", "ota_state_switch", "low_power_enable",
+                               "low_power_onoff",           "poweroff",         "reboot"};
+
+Topics operator+(Topics one, const Topics& other) {
+  one.insert(one.end(), other.begin(), other.end());
+  return one;
+}
+
+// All that the manager has, which is the controller's to answer and to tell.
+Topics OfManager() {
+  const Topics services = kManagerQuestions + kManagerWakeUp + kManagerWishes;
+  return DataTopics(kManagerTells + kManagerHears + kManagerOrders) + Requests(services) +
+         Replies(services);
+}
+
 // All that is Musher's: none of it is free.
 Topics Reserved() {
   Topics topics;
@@ -71,7 +95,7 @@ Topics Reserved() {
       for (const std::string& topic : InEveryNamespace(kind + name)) topics.push_back(topic);
     }
   }
-  return topics;
+  return topics + OfManager();
 }
 
 // One direction of a rule. Partitions: only in these; none: in whatever partition.
@@ -101,11 +125,6 @@ std::string Rule(const char* kind, const std::vector<Criteria>& all) {
   return Element(kind, text);
 }
 
-Topics operator+(Topics one, const Topics& other) {
-  one.insert(one.end(), other.begin(), other.end());
-  return one;
-}
-
 const Topics kStatuses = DataTopics({ActuatorStatusTopic(""), ActuatorBeatTopic("")});
 const Topics kStops = DataTopics({EmergencyStopTopic("")});
 const Topics kAnnouncements = DataTopics({ControllerBeatTopic("")});
@@ -113,25 +132,34 @@ const Topics kMachine =
     DataTopics({MachineStatusTopic(""), CapabilitiesTopic(""), std::string(kMachinesTopic)});
 
 std::vector<Criteria> OfController() {
-  const Topics told = kAnnouncements + kMachine + kStops;
-  return {{"publish", told + Replies({kAllMachineServices}) + Requests(ServicesOf("*"))},
-          {"subscribe", {"*"}}};
+  const Topics told = kAnnouncements + kMachine + kStops + DataTopics(kManagerTells);
+  const Topics answered =
+      Replies({kAllMachineServices}) + Replies(kManagerQuestions + kManagerWakeUp + kManagerWishes);
+  return {{"publish", told + answered + Requests(ServicesOf("*"))}, {"subscribe", {"*"}}};
 }
 
 std::vector<Criteria> OfActuator(const std::string& name) {
-  return {{"publish", kStatuses, name},
-          {"publish", kStops + Replies(ServicesOf(name))},
-          {"subscribe", kAnnouncements + kStops + kMachine + Requests(ServicesOf(name))}};
+  const Topics asked = kManagerQuestions + kManagerWakeUp;
+  return {
+      {"publish", kStatuses, name},
+      {"publish", kStops + Replies(ServicesOf(name)) + DataTopics(kManagerHears) + Requests(asked)},
+      {"subscribe", kAnnouncements + kStops + kMachine + Requests(ServicesOf(name)) +
+                        DataTopics(kManagerTells) + Replies(asked)}};
 }
 
 std::vector<Criteria> OfOperator() {
-  return {{"publish", kStops + Requests({kAllMachineServices})},
-          {"subscribe",
-           kMachine + kStatuses + kStops + kAnnouncements + Replies({kAllMachineServices})}};
+  const Topics asked = kManagerQuestions + kManagerWakeUp + kManagerWishes;
+  return {{"publish", kStops + Requests({kAllMachineServices}) + Requests(asked) +
+                          DataTopics(kManagerHears + kManagerOrders)},
+          {"subscribe", kMachine + kStatuses + kStops + kAnnouncements +
+                            Replies({kAllMachineServices}) + Replies(asked) +
+                            DataTopics(kManagerTells)}};
 }
 
 std::vector<Criteria> OfObserver() {
-  return {{"publish", Requests(Questions())}, {"subscribe", kMachine + Replies(Questions())}};
+  return {{"publish", Requests(Questions()) + Requests(kManagerQuestions)},
+          {"subscribe", kMachine + Replies(Questions()) + DataTopics(kManagerTells) +
+                            Replies(kManagerQuestions)}};
 }
 
 std::vector<Criteria> Of(const Grant& grant) {

@@ -2,7 +2,7 @@
 
 _musher() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
-  local commands="check up down status capabilities set restart estop plan history replay simulate graph keys completion"
+  local commands="check up down status capabilities set restart estop wake keep low-power poweroff reboot plan history replay simulate graph keys completion"
   local options="--help --json --namespace --domain --transport --timeout --keys --identity --color"
   local states="SelfCheck Active DeActive Protected LowPower OTA Error TearDown"
   COMPREPLY=()
@@ -16,7 +16,7 @@ _musher() {
     --role) COMPREPLY=($(compgen -W "controller actuator operator observer" -- "$cur")); return ;;
     --why | --home) COMPREPLY=($(compgen -W "$states" -- "$cur")); return ;;
     --output | -o | --journal | --config | --svg) COMPREPLY=($(compgen -f -- "$cur")); return ;;
-    --namespace | --domain | --timeout | --identity | --days | --since | --limit | --epoch | --seeds | --seed | --only | --bound | --jobs | -j) return ;;
+    --namespace | --domain | --timeout | --for | --identity | --days | --since | --limit | --epoch | --seeds | --seed | --only | --bound | --jobs | -j) return ;;
   esac
 
   local command="" word
@@ -32,6 +32,8 @@ _musher() {
     up) options+=" --detach --takeover" ;;
     status) options+=" --watch" ;;
     estop) options+=" --release" ;;
+    keep) options+=" --for --end" ;;
+    low-power) options+=" --this-run" ;;
     history) options+=" --since --limit --journal --why" ;;
     replay) options+=" --config --since --epoch" ;;
     simulate) options+=" --seeds --seed --only --bound --home --svg --jobs" ;;
@@ -52,7 +54,8 @@ _musher() {
         init) COMPREPLY=($(compgen -f -X '!*.toml' -- "$cur") $(compgen -d -S / -- "$cur")) ;;
       esac ;;
     replay) COMPREPLY=($(compgen -f -- "$cur")) ;;
-    set | plan) COMPREPLY=($(compgen -W "$states" -- "$cur")) ;;
+    low-power) COMPREPLY=($(compgen -W "on off" -- "$cur")) ;;
+    keep | set | plan) COMPREPLY=($(compgen -W "$states" -- "$cur")) ;;
     completion) COMPREPLY=($(compgen -W "bash zsh" -- "$cur")) ;;
   esac
 }

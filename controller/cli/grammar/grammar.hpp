@@ -45,6 +45,7 @@ class Grammar {
   void AddSimulate();
   void AddMachineCommands();
   void AddSwitchingCommands();
+  void AddPolicyCommands();
   void AddKeysCommands();
   std::string Complaint(const CLI::ParseError& e) const;
   void TakeGlobalOptions();

@@ -45,6 +45,7 @@ void Grammar::AddMachineCommands() {
       ->type_name("");
 
   AddSwitchingCommands();
+  AddPolicyCommands();
 
   auto plan = std::make_shared<PlanOptions>();
   command = AddCommand("plan", "Show what a switch would do; changes nothing", plan);

@@ -155,6 +155,11 @@ std::string ReleaseJson(const msg::MachineStatus& machine) {
                {"phase", machine.phase}});
 }
 
+std::string PolicyJson(const msg::RequestPolicy::Request& request,
+                       const msg::RequestPolicy::Response& response) {
+  return Text({{"request", request.request}, {"state", response.state}});
+}
+
 std::string RestartJson(const msg::ActuatorInfo& actuator) {
   Json json = {{"actuator", actuator.name}};
   json.update(Of(actuator));

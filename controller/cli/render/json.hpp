@@ -13,6 +13,7 @@
 #include "musher/lifecycle/diagnostic.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/messages/musher_msgs/policy_request.hpp"
 #include "musher/transport/keys/authority.hpp"
 
 namespace musher::cli {
@@ -21,6 +22,8 @@ std::string StatusJson(const msg::MachineStatus& status);
 std::string SwitchJson(const msg::SetState::Response& result);
 std::string EstopJson(const EstopReport& report);
 std::string ReleaseJson(const msg::MachineStatus& machine);
+std::string PolicyJson(const msg::RequestPolicy::Request& request,
+                       const msg::RequestPolicy::Response& response);
 std::string RestartJson(const msg::ActuatorInfo& actuator);
 std::string CapabilitiesJson(const msg::Capabilities& all);
 std::string CapabilityJson(const msg::Capability& one);

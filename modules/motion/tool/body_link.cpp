@@ -63,7 +63,7 @@ bool BodyLink::RunUntil(const std::function<bool()>& done, Duration timeout) {
 }
 
 bool BodyLink::AwaitClock() {
-  return !global_.clock_topic || RunUntil([this] { return clock_->Now() != Time{}; }, kDiscovery);
+  return !global_.clock_topic || RunUntil([this] { return clock_->Now() != Time{}; }, discovery());
 }
 
 Error BodyLink::Nobody() const {
@@ -96,7 +96,7 @@ void ServoStream::OnResponse(const msg::MotionServoResponse& response) {
     return;
   }
   const std::string meaning = MotionCodeText(response.code);
-  refusal_ = Error{response.code, meaning.empty() ? CodeText(response.code) : meaning};
+  refusal_ = Error{response.code, meaning.empty() ? "refused" : meaning};
 }
 
 void ServoStream::Send(const SpeedLimit& speed) {

@@ -21,8 +21,8 @@ namespace musher::motion::tool {
 
 class BodyLink {
  public:
-  // How long a motion manager may take to be found.
-  static constexpr Duration kDiscovery = Milliseconds(3000);
+  // How long a motion manager may take to be found: those with keys introduce themselves longer.
+  Duration discovery() const { return Milliseconds(global_.keys.empty() ? 1200 : 4000); }
 
   static Result<std::unique_ptr<BodyLink>> Open(const GlobalOptions& global);
 

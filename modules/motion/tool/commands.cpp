@@ -19,7 +19,7 @@ ExitCode Fail(ExitCode exit, const Error& error) {
 
 std::string CodeMeaning(std::int32_t code) {
   const std::string meaning = MotionCodeText(code);
-  return meaning.empty() ? CodeText(code) : std::to_string(code) + ": " + meaning;
+  return meaning.empty() ? CodeText(code) : meaning;
 }
 
 std::string Decimal(double value, int digits) {

@@ -17,7 +17,7 @@ ExitCode Run(const GlobalOptions& global, const ListOptions& options);
 // "musher-motion: <why>" on stderr.
 ExitCode Fail(ExitCode exit, const Error& error);
 
-// "3040: the emergency stop is set; ...".
+// "the emergency stop is set; ...".
 std::string CodeMeaning(std::int32_t code);
 std::string Decimal(double value, int digits);
 

@@ -32,7 +32,7 @@ ExitCode Run(const GlobalOptions& global, const ResultOptions& options) {
   std::optional<Result<msg::MotionResultCmd::Response>> reply;
   client.value()->Call(request, kLongestMotion, [&](auto result) { reply = std::move(result); });
   const bool found = link.value()->RunUntil([&] { return client.value()->Ready() || reply; },
-                                            BodyLink::kDiscovery);
+                                            link.value()->discovery());
   if (!found && !link.value()->interrupted()) {
     return Fail(ExitCode::kNotDone, link.value()->Nobody());
   }
@@ -54,7 +54,7 @@ ExitCode Run(const GlobalOptions& global, const ResultOptions& options) {
   }
   if (response.result) return ExitCode::kDone;
   return Fail(ExitCode::kNotDone,
-              {0, "motion " + name + " failed with " + CodeMeaning(response.code)});
+              {response.code, "motion " + name + ": " + CodeMeaning(response.code)});
 }
 
 }  // namespace musher::motion::tool

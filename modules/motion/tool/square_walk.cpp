@@ -12,9 +12,9 @@ constexpr double kArrived_m = 0.01;
 constexpr double kTurned_rad = 0.02;
 constexpr double kLeastSpeed = 0.04;  // m/s: a body does not creep
 constexpr double kLeastTurn = 0.08;   // rad/s
-constexpr double kHighestTurn = 0.8;  // rad/s
+constexpr double kHighestTurn = 1.0;  // rad/s
 constexpr double kHighestSide = 0.1;  // m/s
-constexpr double kGain = 1.5;         // 1/s: how fast an error is to go away
+constexpr double kGain = 2.5;         // 1/s: how fast an error is to go away
 
 // At least `least` that way, unless it is nothing.
 double AtLeast(double value, double least) {

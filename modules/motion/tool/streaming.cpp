@@ -27,7 +27,7 @@ std::variant<std::unique_ptr<Streaming>, ExitCode> Streaming::Open(const GlobalO
   streaming->link_ = std::move(link).value();
   streaming->stream_ = std::move(stream).value();
   BodyLink& found = *streaming->link_;
-  if (!found.RunUntil([&] { return streaming->stream_->Ready(); }, BodyLink::kDiscovery)) {
+  if (!found.RunUntil([&] { return streaming->stream_->Ready(); }, found.discovery())) {
     return found.TakeInterrupt() ? Interrupted() : Fail(ExitCode::kNotDone, found.Nobody());
   }
   if (!found.AwaitClock()) {

@@ -65,6 +65,27 @@ TEST(CommandLine, EngagesAnEmergencyStopWithAReasonOfAnyWordsOrReleasesIt) {
   EXPECT_THAT(Wrong({"estop", "--release", "why"}), HasSubstr("excludes"));
 }
 
+TEST(CommandLine, KeepsAStateForATimeOrEndsThat) {
+  const auto keep = std::get<KeepOptions>(Parsed({"keep", "Active", "--for", "30"}).command);
+  EXPECT_EQ(keep.state, "Active");
+  EXPECT_EQ(keep.seconds, 30);
+  EXPECT_FALSE(keep.end);
+  EXPECT_TRUE(std::get<KeepOptions>(Parsed({"keep", "--end"}).command).end);
+  EXPECT_THAT(Wrong({"keep"}), HasSubstr("expected STATE --for SECONDS, or --end"));
+  EXPECT_THAT(Wrong({"keep", "Active"}), HasSubstr("--for"));
+  EXPECT_THAT(Wrong({"keep", "Active", "--for", "0"}), HasSubstr("--for"));
+  EXPECT_THAT(Wrong({"keep", "Active", "--for", "5", "--end"}), HasSubstr("excludes"));
+}
+
+TEST(CommandLine, SwitchesLowPowerOnOrOff) {
+  EXPECT_TRUE(std::get<LowPowerOptions>(Parsed({"low-power", "on"}).command).on);
+  const auto off = std::get<LowPowerOptions>(Parsed({"low-power", "off", "--this-run"}).command);
+  EXPECT_FALSE(off.on);
+  EXPECT_TRUE(off.this_run);
+  EXPECT_THAT(Wrong({"low-power", "maybe"}), HasSubstr("maybe"));
+  EXPECT_THAT(Wrong({"low-power"}), HasSubstr("on|off"));
+}
+
 TEST(CommandLine, TakesGlobalOptionsBeforeAndAfterTheCommand) {
   EXPECT_TRUE(Parsed({"--json", "status"}).global.json);
   EXPECT_TRUE(Parsed({"status", "--json"}).global.json);

@@ -37,7 +37,10 @@ void Stage::Body(std::int32_t id) {
 }
 
 void Stage::Do(const MotionEvent& event) {
-  for (const MotionAction& action : Step(Rules(), core, event, now)) {
+  const MotionCore before = core;
+  const MotionActions actions = Step(Rules(), core, event, now);
+  if (watch) watch(before, event, actions);
+  for (const MotionAction& action : actions) {
     if (const auto* send = std::get_if<motion_action::Send>(&action)) {
       sent.push_back({now, send->command});
       board.Take(send->command, now);

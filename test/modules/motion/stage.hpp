@@ -44,6 +44,8 @@ class Stage {
   std::int32_t ServoCode() const;
   std::size_t LogLines() const { return log.size(); }
 
+  RequestToken asked() const { return token_; }  // as many requests were made
+
   struct Sent {
     Time at;
     BodyCommand command;
@@ -57,6 +59,8 @@ class Stage {
   std::map<RequestToken, motion_action::Answer> answers;
   std::vector<motion_action::TellServo> told;
   std::vector<std::string> log;
+  // Sees every step: the core as it was, what happened, and what was decided.
+  std::function<void(const MotionCore& before, const MotionEvent&, const MotionActions&)> watch;
 
  private:
   MotionRules Rules() const { return {TheTable(), config, gate_}; }

@@ -62,6 +62,7 @@ void TopicBoard::Report() {
                 {turn.x(), turn.y(), turn.z(), turn.w()}};
   state.twist = {{speed_.x(), speed_.y(), 0}, {0, 0, speed_.z()}};
   static_cast<void>(states_->Publish(state));
+  ++reports;
 }
 
 }  // namespace musher::motion::testing

@@ -21,6 +21,7 @@ class TopicBoard {
 
   Board board;
   int commands = 0;  // frames that came
+  int reports = 0;   // that went
   BodyCommand last;  // of them
   double speed_factor = 1;
 

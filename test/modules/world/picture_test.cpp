@@ -53,6 +53,21 @@ TEST_F(Picture, HasItsSizeAndIsNoEmptySheet) {
   EXPECT_GT(CountAbove(image, kGround), 100'000);
 }
 
+TEST_F(Picture, IsLowerForAWidePlaceAndNoWiderForAHighOne) {
+  Scene scene = EmptyYard();
+  scene.least_m.y() = -1;
+  scene.most_m.y() = 1;
+  const cv::Mat wide = Of(World(scene));
+  EXPECT_EQ(wide.cols, kPictureWidth);
+  EXPECT_LT(wide.rows, kPictureHeight - 100);
+  scene = EmptyYard();
+  scene.least_m.x() = -1;
+  scene.most_m.x() = 1;
+  const cv::Mat high = Of(World(scene));
+  EXPECT_EQ(high.cols, kPictureWidth);
+  EXPECT_EQ(high.rows, kPictureHeight);
+}
+
 TEST_F(Picture, ShowsThePadOnlyWhereThereIsOne) {
   Scene scene = EmptyYard();
   EXPECT_EQ(CountAbove(Of(World(scene)), kPad), 0);

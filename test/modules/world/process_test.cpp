@@ -11,8 +11,10 @@
 #include "musher/controller/machine_controller.hpp"
 #include "musher/messages/musher_msgs/body.hpp"
 #include "musher/messages/protocol/motion.hpp"
+#include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/exec/child.hpp"
+#include "musher/modules/world/tell.hpp"
 #include "musher/test/contract/domain.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/transport/clock.hpp"
@@ -44,6 +46,7 @@ critical = true
 
 constexpr const char* kScene = R"(
 speed = 5
+battery.capacity_wh = 10
 start.standing = true
 picture.at_teardown = true
 )";
@@ -132,6 +135,42 @@ TEST_F(MusherWorld, RunsAloneUntilASignalAndDrawsThen) {
   ASSERT_TRUE(child.value().EndedBy(std::chrono::steady_clock::now() + seconds(20)));
   EXPECT_EQ(child.value().Reap().number, 0);
   EXPECT_GT(fs::file_size(folder_ / "world.png"), 10'000u);
+}
+
+TEST_F(MusherWorld, IsToldWhatIsToHappen) {
+  const auto keeper = exec::Keeper::Start();
+  ASSERT_TRUE(keeper);
+  exec::ChildSpec spec;
+  spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
+               "dog1"};
+  spec.cwd = folder_.path();
+  auto child = exec::Child::Start(spec, keeper.value());
+  ASSERT_TRUE(child);
+  double percent = 0;
+  const auto batteries = transport::MakeSubscription<msg::BatteryState>(
+                             *node_, "dog1/world/battery",
+                             [&](const msg::BatteryState& state, const transport::SampleInfo&) {
+                               percent = state.percentage * 100;
+                             })
+                             .value();
+  const auto told = [](const std::vector<std::string>& words) -> Result<std::string> {
+    const auto telling = ReadTelling(words);
+    if (!telling) return telling.error();
+    return Tell(telling.value(), "dog1", seconds(20));
+  };
+  EXPECT_TRUE(told({"battery", "17.5"}));
+  EXPECT_TRUE(Until([&] { return percent > 1 && percent < 18; }));
+  EXPECT_TRUE(told({"fault", "motor", "3"}));
+  EXPECT_TRUE(Until([&] { return state_.motor_error[3] != 0; }));
+  EXPECT_TRUE(told({"cable", "in"}));
+  EXPECT_TRUE(Until([&] { return percent > 18; }));
+  const auto drawn = told({"draw"});
+  ASSERT_TRUE(drawn) << drawn.error().message;
+  EXPECT_TRUE(fs::exists(folder_ / drawn.value()));
+  for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
+           {"battery", "nan"}, {"battery"}, {"cable", "sideways"}, {"place", "1"}, {"dance"}}) {
+    EXPECT_FALSE(ReadTelling(wrong)) << wrong[0];
+  }
 }
 
 TEST_F(MusherWorld, EndsWithUsageErrorsForAWrongScene) {

@@ -17,7 +17,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Optional;
 
-double Energy_j(const Scene& scene, double percent) {
+double EnergyJ(const Scene& scene, double percent) {
   return percent / 100 * scene.battery.capacity_wh * 3600;
 }
 
@@ -112,7 +112,7 @@ TEST(World, TakesFromTheBatteryWhatItsActivitiesDrain) {
   const BatterySpec& spec = world.scene().battery;
   Commander commander(world);
   Pass(world, Seconds(100));
-  EXPECT_NEAR(Energy_j(world.scene(), spec.start_percent - world.battery().percent()),
+  EXPECT_NEAR(EnergyJ(world.scene(), spec.start_percent - world.battery().percent()),
               100 * spec.standing_w, 1e-6);
   double moving_s = 0, other_j = 0;
   const double before = world.battery().percent();
@@ -126,7 +126,7 @@ TEST(World, TakesFromTheBatteryWhatItsActivitiesDrain) {
     if (activity == Activity::kLying) other_j += 0.02 * spec.lying_w;
   }
   EXPECT_NEAR(moving_s, 41.5, 0.5);  // 40 s, the timeout of commands, and to come to a halt
-  EXPECT_NEAR(Energy_j(world.scene(), before - world.battery().percent()),
+  EXPECT_NEAR(EnergyJ(world.scene(), before - world.battery().percent()),
               moving_s * spec.moving_w + other_j, 1e-6);
 }
 

@@ -1,0 +1,48 @@
+// What is asked of the policy.
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "musher/controller/cli/grammar/grammar.hpp"
+
+namespace musher::cli {
+
+void Grammar::AddPolicyCommands() {
+  AddCommand("wake", "Wake the robot up from LowPower", std::make_shared<WakeOptions>());
+
+  auto keep = std::make_shared<KeepOptions>();
+  auto* command =
+      AddCommand("keep", "Switch to a state and stay there, whatever the battery says", keep);
+  constexpr std::int64_t kLongest_s = 65'535;  // as CyberDog's service has it
+  auto* state = command->add_option("STATE", keep->state, "Active, Protected, ...")->type_name("");
+  auto* seconds = command->add_option("--for", keep->seconds, "For so long")
+                      ->check(CLI::Range(std::int64_t{1}, kLongest_s).description(""))
+                      ->type_name("SECONDS");
+  auto* end = command->add_flag("--end", keep->end, "End it before its time");
+  state->needs(seconds);
+  seconds->needs(state);
+  end->excludes(state);
+  command->preparse_callback([](std::size_t words) {
+    if (words == 0) throw CLI::ValidationError("expected STATE --for SECONDS, or --end");
+  });
+
+  auto low_power = std::make_shared<LowPowerOptions>();
+  command =
+      AddCommand("low-power", "Whether the robot goes to LowPower when it lies still", low_power);
+  command
+      ->add_option_function<std::string>(
+          "on|off", [low_power](const std::string& word) { low_power->on = word == "on"; },
+          "Remembered, unless --this-run")
+      ->required()
+      ->check(CLI::IsMember({"on", "off"}).description(""))
+      ->type_name("");
+  command->add_flag("--this-run", low_power->this_run, "Only until the controller ends");
+
+  AddCommand("poweroff", "Take the machine down and the robot's power off",
+             std::make_shared<PowerOffOptions>());
+  AddCommand("reboot", "Take the machine down and reboot the robot",
+             std::make_shared<RebootOptions>());
+}
+
+}  // namespace musher::cli

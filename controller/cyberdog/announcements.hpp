@@ -1,0 +1,52 @@
+#pragma once
+// What CyberDog's manager tells by itself: `state_switch_status` at switches, `self_check_status`
+// every second, `ready_notify` for a while once the robot is usable.
+//
+// Threads: loop thread only.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "musher/controller/cyberdog/endpoints.hpp"
+#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/coordinator.hpp"
+#include "musher/messages/protocol/manager.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+
+namespace musher::cyberdog {
+
+class Announcements {
+ public:
+  // All must outlive it.
+  Announcements(Endpoints& endpoints, const MachineConfig& config, const Machine& machine);
+
+  // Every change of the machine leaves a record.
+  void OnRecord(const action::Record& record);
+
+ private:
+  struct Pending {  // a switch under way
+    std::uint64_t number = 0;
+    State target;
+    bool told = false;
+  };
+
+  bool Leads() const;
+  void FollowSwitch(const action::Record& record);
+  void TellEnd(const Pending& ended, std::int32_t code);
+  void TellReady();
+
+  transport::EventLoop& loop_;
+  const MachineConfig& config_;
+  const Machine& machine_;
+  std::optional<Pending> pending_;
+  State told_state_;
+  int ready_times_ = 0;
+  std::function<void(const msg::StateSwitchStatus&)> tell_state_;
+  std::function<void(const msg::SelfCheckStatus&)> tell_self_check_;
+  std::function<void(const msg::Bool&)> tell_ready_;
+  transport::LoopHandlePtr self_check_timer_;
+  transport::LoopHandlePtr ready_timer_;
+};
+
+}  // namespace musher::cyberdog

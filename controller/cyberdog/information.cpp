@@ -1,0 +1,80 @@
+#include "musher/controller/cyberdog/information.hpp"
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/transport/battery_watch.hpp"
+
+namespace musher::cyberdog {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kLongestName = 256;
+
+// In the order of DeviceInfo's `enables`.
+constexpr std::array<const char*, 15> kKeys = {
+    "sn",          "version",       "uid",   "nick_name",        "volume",
+    "mic_state",   "voice_control", "wifi",  "bat_info",         "motor_temper",
+    "audio_state", "device_model",  "stand", "lowpower_control", "charging"};
+
+// On one line; bytes that are not UTF-8 become U+FFFD.
+std::string Text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+Information::Information(Endpoints& endpoints, const MachineConfig& config, const Machine& machine)
+    : loop_(endpoints.node().loop()), config_(config), machine_(machine) {
+  endpoints.HearResolved<msg::BmsStatus>(
+      transport::BatteryTopic(config),
+      [this](const msg::BmsStatus& sample) {
+        battery_ = sample;
+        battery_at_ = loop_.Now();
+      },
+      transport::kSensorDataQos);
+  endpoints.Hear<msg::NodeError>(
+      "node_errors",
+      [tell = endpoints.Tell<msg::String>("manager_errors")](const msg::NodeError& error) {
+        tell({Text({{"name", error.name.substr(0, kLongestName)}, {"code", error.code}})});
+      });
+  endpoints.Serve<msg::BmsInfo>("bms_info",
+                                [this](const auto&, const auto& reply) { reply(Battery()); });
+  endpoints.Serve<msg::DeviceInfo>(
+      "query_divice_info",
+      [this](const auto& request, const auto& reply) { reply(About(request.enables)); });
+}
+
+msg::BmsInfo::Response Information::Battery() const {
+  if (!battery_) return {{}, MakeCode(ModuleCode::kBms, KeyCode::kUninitialized)};
+  const bool old = loop_.Now() - battery_at_ > transport::BatteryWatch::kSilent;
+  return {*battery_, old ? MakeCode(ModuleCode::kBms, KeyCode::kTimeout) : kCodeOk};
+}
+
+// What this controller does not know, since it is an account's or another module's, is null.
+msg::DeviceInfo::Response Information::About(const std::vector<bool>& enables) const {
+  if (enables.size() > kKeys.size()) return {"", kCodeParametersInvalid};
+  Json known;
+  known["version"] = MUSHER_VERSION;
+  known["device_model"] = config_.name;
+  known["lowpower_control"] = machine_.policy.low_power;
+  if (battery_) {
+    known["bat_info"] = {{"soc", battery_->batt_soc},
+                         {"voltage_mv", battery_->batt_volt},
+                         {"current_ma", battery_->batt_curr},
+                         {"temperature", battery_->batt_temp}};
+    known["charging"] = battery_->power_wired_charging || battery_->power_wp_charging;
+  }
+  Json answer = Json::object();
+  for (std::size_t i = 0; i < enables.size(); ++i) {
+    if (!enables[i]) continue;
+    const auto found = known.find(kKeys[i]);
+    answer[kKeys[i]] = found == known.end() ? Json() : *found;
+  }
+  return {Text(answer), kCodeOk};
+}
+
+}  // namespace musher::cyberdog

@@ -1,0 +1,19 @@
+#include "musher/controller/cyberdog/manager.hpp"
+
+namespace musher::cyberdog {
+
+Manager::Manager(transport::Node& node, ControllerShell& shell)
+    : endpoints_(node, shell.config().name_space),
+      announcements_(endpoints_, shell.config(), shell.machine()),
+      information_(endpoints_, shell.config(), shell.machine()),
+      requests_(endpoints_, shell) {}
+
+Result<std::unique_ptr<Manager>> Manager::Make(transport::Node& node, ControllerShell& shell) {
+  const auto& policy = shell.config().policy;
+  if (!policy || !policy->manager) return std::unique_ptr<Manager>();
+  std::unique_ptr<Manager> manager(new Manager(node, shell));
+  if (!manager->endpoints_.opened()) return manager->endpoints_.opened().error();
+  return manager;
+}
+
+}  // namespace musher::cyberdog

@@ -1,0 +1,34 @@
+#pragma once
+// CyberDog's manager, as the dog's app and ROS 2 scripts know it: its topics and services, where
+// the config says `[policy] manager = true`. An adapter: what is decided is decided by the policy
+// in lifecycle/.
+//
+// Threads: loop thread only.
+
+#include <memory>
+
+#include "musher/controller/cyberdog/announcements.hpp"
+#include "musher/controller/cyberdog/endpoints.hpp"
+#include "musher/controller/cyberdog/information.hpp"
+#include "musher/controller/cyberdog/requests.hpp"
+
+namespace musher::cyberdog {
+
+class Manager {
+ public:
+  // Null where the config wants none. The shell must outlive it.
+  static Result<std::unique_ptr<Manager>> Make(transport::Node& node, ControllerShell& shell);
+
+  // To be told of every record of the shell.
+  void OnRecord(const action::Record& record) { announcements_.OnRecord(record); }
+
+ private:
+  Manager(transport::Node& node, ControllerShell& shell);
+
+  Endpoints endpoints_;
+  Announcements announcements_;
+  Information information_;
+  Requests requests_;
+};
+
+}  // namespace musher::cyberdog

@@ -1,0 +1,33 @@
+#pragma once
+// What CyberDog's manager is asked for: states, low power, OTA, power. The wire only: what is
+// allowed is decided by the policy, who is asked through the controller's shell.
+//
+// Threads: loop thread only.
+
+#include <functional>
+#include <string>
+
+#include "musher/controller/controller_shell.hpp"
+#include "musher/controller/cyberdog/endpoints.hpp"
+#include "musher/messages/protocol/manager.hpp"
+
+namespace musher::cyberdog {
+
+class Requests {
+ public:
+  // Both must outlive it.
+  Requests(Endpoints& endpoints, ControllerShell& shell);
+
+ private:
+  using KeepReply = transport::Server<msg::MachineState>::Reply;
+
+  void ServeStates(Endpoints& endpoints);
+  void ServePower(Endpoints& endpoints);
+  void OnSwitch(std::uint8_t number);
+  void OnKeep(const msg::MachineState::Request& request, const KeepReply& reply);
+  void OnWakeWord();
+
+  ControllerShell& shell_;
+};
+
+}  // namespace musher::cyberdog

@@ -1,0 +1,113 @@
+// The JSON of `self_check_status`: CyberDog's keys, from the codes of the actuators.
+
+#include "musher/controller/cyberdog/self_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "musher/controller/cyberdog/numbers.hpp"
+
+namespace musher::cyberdog {
+namespace {
+
+using Json = nlohmann::json;
+
+class SelfChecks : public ::testing::Test {
+ protected:
+  SelfChecks() {
+    for (const char* name : {"motion_manager", "device_manager", "sensor_manager", "tail"}) {
+      ActuatorConfig actuator;
+      actuator.name = name;
+      config_.actuators.push_back(actuator);
+    }
+    machine_ = MakeMachine(config_);
+    for (ActuatorRecord& record : machine_.actuators) {
+      record.presence = Presence::kPresent;
+      record.checked = true;
+    }
+  }
+  Json Described() const { return Json::parse(SelfCheckOf(config_, machine_).description); }
+  void Fail(const char* name, std::int32_t code) {
+    machine_.actuators[*config_.IndexOf(name)].fault = Error{code, ""};
+  }
+
+  MachineConfig config_;
+  Machine machine_;
+};
+
+TEST_F(SelfChecks, HaveCyberdogsKeysAndThoseOfTheRobotsOwnActuators) {
+  const Json json = Described();
+  for (const char* key : {"audio", "algorithm_manager", "vp_engine", "RealSenseActuator"}) {
+    EXPECT_EQ(json[key], -1) << key << " is not there";
+  }
+  EXPECT_EQ(json["motion_manager"], 0);
+  EXPECT_EQ(json["tail"], 0);
+  EXPECT_EQ(
+      json["device"],
+      Json({{"bms", 0}, {"led", 0}, {"touch", 0}, {"uwb", 0}, {"bluetooth", -1}, {"others", 0}}));
+  EXPECT_EQ(json["sensor"], Json({{"lidar", 0}, {"tof", 0}, {"others", 0}}));
+}
+
+TEST_F(SelfChecks, KnowNothingOfOneThatHasNotBeenChecked) {
+  machine_.actuators[0].checked = false;
+  machine_.actuators[1].checked = false;
+  const Json json = Described();
+  EXPECT_EQ(json["motion_manager"], -1);
+  EXPECT_EQ(json["device"]["bms"], -1);
+  EXPECT_EQ(json["device"]["others"], -1);
+}
+
+TEST_F(SelfChecks, SplitASumIntoTheDevicesThatFailed) {
+  Fail("motion_manager", 3009);
+  Fail("device_manager", 2718);
+  Fail("sensor_manager", 4318);
+  const Json json = Described();
+  EXPECT_EQ(json["motion_manager"], 3009);
+  EXPECT_EQ(json["device"], Json({{"bms", 0},
+                                  {"led", 1109},
+                                  {"touch", 0},
+                                  {"uwb", 1609},
+                                  {"bluetooth", -1},
+                                  {"others", 0}}));
+  EXPECT_EQ(json["sensor"], Json({{"lidar", 2109}, {"tof", 2209}, {"others", 0}}));
+}
+
+TEST_F(SelfChecks, TellACodeThatIsOfNoneOfThemAsAnother) {
+  Fail("device_manager", 101);
+  const Json json = Described();
+  EXPECT_EQ(json["device"]["bms"], -1);
+  EXPECT_EQ(json["device"]["others"], 101);
+}
+
+TEST_F(SelfChecks, SayWhetherTheStartIsOverAndWell) {
+  const auto code = [&] { return SelfCheckOf(config_, machine_).code; };
+  EXPECT_EQ(code(), -1) << "nothing has begun";
+  machine_.phase = Phase::kStarting;
+  EXPECT_EQ(code(), 1);
+  machine_.phase = Phase::kFailed;
+  EXPECT_EQ(code(), 2);
+  machine_.phase = Phase::kRunning;
+  EXPECT_EQ(code(), 3);
+  Fail("tail", 1);
+  EXPECT_EQ(code(), 4);
+  machine_.policy.loaded = true;
+  EXPECT_EQ(code(), 6);
+  machine_.actuators[3].fault.reset();
+  EXPECT_EQ(code(), 0);
+}
+
+TEST(Numbers, OfStatesAndTextsAreCyberdogs) {
+  EXPECT_EQ(StateOfNumber(0), "Active");
+  EXPECT_EQ(StateOfNumber(4), "TearDown");
+  EXPECT_EQ(StateOfNumber(7), "Error");
+  EXPECT_EQ(StateOfNumber(8), std::nullopt);
+  EXPECT_EQ(StateOfNumber(255), std::nullopt);
+  EXPECT_EQ(TextOf("Uninitialized"), "unkown");
+  EXPECT_EQ(TextOf("Dancing"), "unkown");
+  EXPECT_EQ(StatusNumberOf("Error"), -2);
+  EXPECT_EQ(StatusNumberOf("Dancing"), -1);
+}
+
+}  // namespace
+}  // namespace musher::cyberdog

@@ -1,0 +1,145 @@
+// The real motion manager and musher-motion, each its process, over DDS.
+
+#include <gmock/gmock.h>
+
+#include <csignal>
+
+#include "musher/test/contract/domain.hpp"
+#include "musher/test/modules/motion/robot_rig.hpp"
+#include "musher/test/modules/motion/stage.hpp"
+
+namespace musher::motion::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr int kLying = 7;
+
+TEST(MotionProcess, StandsWalksASquareAndLiesDownForLowPower) {
+  RobotRig robot;
+  ASSERT_TRUE(robot.BringUp());
+  const Ran stand = RunProgram("musher-motion", {"result", "111"});
+  EXPECT_EQ(stand.exit, 0) << stand.output;
+  EXPECT_THAT(stand.output, HasSubstr("motion 111 (RECOVERYSTAND) is done"));
+
+  const Ran walk = RunProgram("musher-motion", {"walk", "--square", "0.1", "--speed", "0.5"});
+  EXPECT_EQ(walk.exit, 0) << walk.output;
+  EXPECT_THAT(walk.output, HasSubstr("walked a square of 0.10 m"));
+  EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.gait == 1; }))
+      << "it stands at the end";
+
+  EXPECT_TRUE(robot.controller().SetState("LowPower"));
+  robot.OnBoard([](TopicBoard& board) { EXPECT_EQ(board.board.report.mode, kLying); });
+  const Ran flip = RunProgram("musher-motion", {"result", "121"});
+  EXPECT_EQ(flip.exit, 1);
+  EXPECT_THAT(flip.output, HasSubstr("(3003)"));
+  EXPECT_TRUE(robot.controller().SetState("Active"));
+  robot.OnBoard([](TopicBoard& board) {
+    EXPECT_EQ(board.board.report.mode, kLying) << "nothing moves by itself";
+  });
+  EXPECT_EQ(robot.Ask(121), (msg::MotionResultCmd::Response{121, true, 0}));
+}
+
+TEST(MotionProcess, WalksInProtectedButDoesNoFlip) {
+  RobotRig robot;
+  ASSERT_TRUE(robot.BringUp());
+  ASSERT_TRUE(robot.controller().SetState("Protected"));
+  EXPECT_EQ(robot.Ask(121), (msg::MotionResultCmd::Response{121, false, 3013}));
+  const Ran walk = RunProgram("musher-motion", {"servo", "--vx", "0.3", "--seconds", "0.3"});
+  EXPECT_EQ(walk.exit, 0) << walk.output;
+  EXPECT_THAT(robot.Log(), HasSubstr("motion 121 of App is refused"));
+}
+
+TEST(MotionProcess, SaysHonestlyThatTheBodyDidNotLieDown) {
+  RobotRig robot;
+  ASSERT_TRUE(robot.BringUp());
+  ASSERT_TRUE(robot.Ask(111).result);
+  robot.OnBoard([](TopicBoard& board) { board.board.deaf = true; });
+  const SwitchResult low_power = robot.controller().Switch("LowPower");
+  ASSERT_EQ(low_power.actuators.size(), 1U);
+  EXPECT_EQ(low_power.actuators[0].code, 3035);
+  EXPECT_THAT(low_power.actuators[0].message, HasSubstr("the body does not lie"));
+  EXPECT_EQ(robot.Ask(111).code, 3003) << "and lets nothing move it meanwhile";
+  robot.OnBoard([](TopicBoard& board) { board.board.deaf = false; });
+}
+
+TEST(MotionProcess, FailsItsSelfCheckWith3009WhenAMotorHasAnError) {
+  RobotRig robot;
+  ASSERT_TRUE(robot.BringUp());
+  int reports = 0;
+  robot.OnBoard([&](TopicBoard& board) {
+    board.board.report.motor_error[3] = 11;
+    reports = board.reports;
+  });
+  ASSERT_TRUE(robot.Await([&](const TopicBoard& board) { return board.reports > reports + 5; }));
+  const SwitchResult check = robot.controller().Switch("SelfCheck");
+  ASSERT_EQ(check.actuators.size(), 1U);
+  EXPECT_EQ(check.actuators[0].code, 3009);
+}
+
+TEST(MotionProcess, StopsTheBodyWhenTheStreamerDies) {
+  RobotRig robot;
+  ASSERT_TRUE(robot.BringUp());
+  const pid_t streamer =
+      StartProgram("musher-motion", {"servo", "--vx", "0.3", "--seconds", "600"});
+  EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.vel[0] > 0.2F; }));
+  End(streamer, SIGKILL);
+  EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.gait == 1; }));
+  EXPECT_THAT(robot.Log(), HasSubstr("no frame for 200 ms"));
+}
+
+TEST(MotionProcess, StopsTheBodyWhenTheStreamerIsInterrupted) {
+  RobotRig robot;
+  ASSERT_TRUE(robot.BringUp());
+  const pid_t streamer =
+      StartProgram("musher-motion", {"servo", "--vx", "0.3", "--seconds", "600"});
+  EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.vel[0] > 0.2F; }));
+  EXPECT_EQ(End(streamer, SIGINT), 130);
+  EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.gait == 1; }));
+  EXPECT_THAT(robot.Log(), Not(HasSubstr("no frame for 200 ms")));
+}
+
+TEST(MotionProcess, RefusesAWrongFileWithItsPlaces) {
+  TempFolder folder;
+  const Ran ran = RunProgram("musher-motion-manager",
+                             {"--actuator", "motion_manager", "--config",
+                              MUSHER_SOURCE_DIR "/config/cyberdog.toml", folder / "absent.toml"});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.output, HasSubstr("absent.toml: error: the file cannot be read"));
+}
+
+TEST(MotionTool, SaysWhatIsWrongWithACommandLine) {
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{},
+                                                {"fly"},
+                                                {"result"},
+                                                {"result", "stand"},
+                                                {"walk", "--square", "nan"},
+                                                {"servo", "--seconds", "-1"},
+                                                {"servo", "--vx", "inf"},
+                                                {"result", "111", "--source", "nobody"},
+                                                {"status", "--clock", "sun"}}) {
+    const Ran ran = RunProgram("musher-motion", wrong);
+    EXPECT_EQ(ran.exit, 2) << ran.output;
+    EXPECT_THAT(ran.output, HasSubstr("musher-motion: "));
+  }
+}
+
+TEST(MotionTool, ListsTheTable) {
+  const Ran text = RunProgram("musher-motion", {"list"});
+  EXPECT_EQ(text.exit, 0);
+  EXPECT_THAT(text.output, HasSubstr("121  BACK_FLIP"));
+  const Ran json = RunProgram("musher-motion", {"list", "--json"});
+  EXPECT_THAT(json.output, HasSubstr("\"WALK_USERTROT\""));
+}
+
+TEST(MotionTool, SaysThatThereIsNoMotionManager) {
+  const std::string domain = std::to_string(transport::TestDomain());
+  const Ran ran =
+      RunProgram("musher-motion", {"--namespace", "nowhere_at_all", "--domain", domain, "status"});
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.output, HasSubstr("no motion manager in namespace 'nowhere_at_all'"));
+}
+
+}  // namespace
+}  // namespace musher::motion::testing

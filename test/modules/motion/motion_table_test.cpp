@@ -1,0 +1,213 @@
+// The motion id table: the installed one says what the robot's does, and a wrong one is told where.
+
+#include <gmock/gmock.h>
+
+#include <map>
+#include <set>
+
+#include "musher/modules/motion/motion_config.hpp"
+#include "musher/modules/motion/motion_table.hpp"
+#include "musher/test/modules/motion/stage.hpp"
+
+namespace musher::motion::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+
+TEST(MotionTable, HasEveryMotionOfTheRobot) {
+  EXPECT_EQ(TheTable().motions().size(), 134U);
+  for (const std::int32_t id : {0,   101, 102, 111, 112, 121, 138, 171, 179, 199,
+                                214, 303, 311, 343, 345, 392, 400, 401, 505, 513}) {
+    EXPECT_NE(TheTable().Find(id), nullptr) << id;
+  }
+  for (const std::int32_t id : {-1, 1, 100, 116, 204, 312, 349, 514}) {
+    EXPECT_EQ(TheTable().Find(id), nullptr) << id;
+  }
+}
+
+struct Row {
+  std::int32_t id;
+  int mode;
+  int gait;
+  std::int64_t ms;
+};
+
+// A sample over all its parts.
+TEST(MotionTable, NamesModeGaitAndTimeAsTheBoardDoes) {
+  for (const Row& row :
+       {Row{0, 0, 0, 1000},        Row{101, 7, 1, 5000},      Row{111, 12, 0, 15000},
+        Row{121, 17, 1, 8000},     Row{130, 16, 0, 1500},     Row{131, 16, 3, 1500},
+        Row{132, 16, 1, 2500},     Row{136, 16, 6, 1500},     Row{140, 62, 0, 60000},
+        Row{146, 62, 6, 15000},    Row{148, 62, 8, 15000},    Row{152, 62, 12, 15000},
+        Row{171, 62, 31, 15000},   Row{176, 62, 111, 120000}, Row{180, 11, 80, 15000},
+        Row{199, 11, 99, 15000},   Row{201, 3, 0, 0},         Row{212, 21, 0, -1},
+        Row{303, 11, 27, 0},       Row{309, 11, 28, 0},       Row{340, 11, 120, -1},
+        Row{505, 62, 118, 120000}, Row{507, 17, 8, 1800},     Row{513, 65, 1, 10000}}) {
+    const Motion* motion = TheTable().Find(row.id);
+    ASSERT_NE(motion, nullptr) << row.id;
+    EXPECT_EQ(motion->mode, row.mode) << row.id;
+    EXPECT_EQ(motion->gait, row.gait) << row.id;
+    EXPECT_EQ(motion->min_exec_time_ms, row.ms) << row.id;
+    EXPECT_EQ(TheTable().Find(motion->mode, motion->gait), motion);
+  }
+}
+
+TEST(MotionTable, SaysWhichModesMayFollow) {
+  EXPECT_THAT(TheTable().Find(101)->next, ElementsAre(0, 12, 7, 80));
+  EXPECT_THAT(TheTable().Find(0)->next, ElementsAre(0, 12, 7, 15));
+  EXPECT_THAT(TheTable().Find(303)->next, ElementsAre(0, 12, 7, 21, 3, 6, 11, 23, 80, 81, 82));
+  EXPECT_TRUE(TheTable().Find(101)->MayGoTo(12));
+  EXPECT_FALSE(TheTable().Find(101)->MayGoTo(11));
+}
+
+// From everything the body can be brought to lie and to stand; else nothing could end well.
+TEST(MotionTable, LeadsFromEveryMotionToLyingAndStanding) {
+  for (const Motion& motion : TheTable().motions()) {
+    EXPECT_TRUE(motion.MayGoTo(7)) << motion.id;
+    EXPECT_TRUE(motion.MayGoTo(12)) << motion.id;
+    EXPECT_TRUE(motion.MayGoTo(0) || motion.id == 500) << motion.id;
+  }
+}
+
+TEST(MotionTable, LimitsTheSpeedsOfItsGaits) {
+  const std::map<std::int32_t, SpeedLimit> limits = {{303, {0.65F, 0.30F, 1.25F}},
+                                                     {308, {1.00F, 0.30F, 1.25F}},
+                                                     {305, {1.60F, 0.55F, 2.50F}},
+                                                     {302, {0.25F, 0.10F, 0.50F}},
+                                                     {301, {0.40F, 0.30F, 0.75F}}};
+  for (const auto& [id, limit] : limits) EXPECT_EQ(TheTable().Find(id)->limit, limit) << id;
+  for (const Motion& motion : TheTable().motions()) {
+    EXPECT_TRUE(motion.servo != "walk" || motion.limit) << motion.id;
+  }
+}
+
+// Those that a robot may do to spare itself, as result commands.
+TEST(MotionTable, KeepsTheProtectedMotionsApartFromTheOthers) {
+  const std::set<std::string> spared = {"stand", "get_down", "body_pose"};
+  std::set<std::int32_t> ids;
+  for (const Motion& motion : TheTable().motions()) {
+    if (motion.capability.empty() || spared.count(motion.capability) > 0) ids.insert(motion.id);
+  }
+  EXPECT_THAT(ids, UnorderedElementsAre(0, 101, 102, 111, 212));
+}
+
+TEST(MotionTable, GivesTheFlipsACapabilityOfTheirOwn) {
+  for (const Motion& motion : TheTable().motions()) {
+    EXPECT_EQ(motion.capability == "back_flip", motion.mode == 17) << motion.id;
+  }
+}
+
+// --- What is wrong with a file
+
+constexpr const char* kNeeded = R"(motion = [
+  { id = 0, name = "ESTOP", mode = 0, gait = 0, min_exec_time_ms = 1000, next = "all" },
+  { id = 101, name = "A", mode = 7, gait = 1, min_exec_time_ms = 1, next = "all", capability = "x" },
+  { id = 102, name = "B", mode = 7, gait = 0, min_exec_time_ms = 1, next = "all", capability = "x" },
+  { id = 111, name = "C", mode = 12, gait = 0, min_exec_time_ms = 1, next = "all", capability = "x" },
+  { id = 112, name = "D", mode = 11, gait = 1, min_exec_time_ms = 1, next = "all", capability = "x" },
+  { id = 118, name = "E", mode = 80, gait = 1, min_exec_time_ms = 1, next = "all", capability = "x" },
+)";
+
+std::vector<std::string> FaultsOf(const std::string& rows) {
+  const TableReading reading =
+      ReadTableText("group.all = [0, 7, 11, 12]\n" + std::string(kNeeded) + rows + "]\n", "t.toml");
+  std::vector<std::string> faults;
+  for (const Diagnostic& diagnostic : reading.diagnostics) {
+    faults.push_back(FormatDiagnostic(diagnostic));
+  }
+  EXPECT_EQ(reading.table.has_value(), faults.empty());
+  return faults;
+}
+
+TEST(MotionTableFile, MayBeAsSmallAsTheManagerNeeds) {
+  EXPECT_THAT(FaultsOf(""), IsEmpty());
+}
+
+TEST(MotionTableFile, SaysWhichMotionOfTheManagersOwnIsMissing) {
+  const TableReading reading = ReadTableText("motion = []\n", "t.toml");
+  ASSERT_EQ(reading.diagnostics.size(), 7U);
+  EXPECT_THAT(FormatDiagnostic(reading.diagnostics[1]),
+              "t.toml:1:10: error: motion: there is no motion 0, which the motion manager itself "
+              "commands");
+}
+
+struct BadRow {
+  const char* name;
+  const char* row;
+  const char* fault;
+};
+
+class BadTable : public ::testing::TestWithParam<BadRow> {};
+
+TEST_P(BadTable, IsToldWithItsPlace) {
+  EXPECT_THAT(FaultsOf(GetParam().row), ElementsAre(GetParam().fault));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BadTable,
+    ::testing::Values(
+        BadRow{
+            "TwiceTheSameId",
+            R"({ id = 111, name = "X", mode = 1, gait = 9, min_exec_time_ms = 0, next = [0], capability = "x" })",
+            "t.toml:9:8: error: motion: id 111 stands in line 6 already"},
+        BadRow{
+            "TwiceTheSameModeAndGait",
+            R"({ id = 5, name = "X", mode = 12, gait = 0, min_exec_time_ms = 0, next = [0], capability = "x" })",
+            "t.toml:9:30: error: motion: mode 12 with gait 0 stands in line 6 already"},
+        BadRow{
+            "AnUnknownGroup",
+            R"({ id = 5, name = "X", mode = 1, gait = 0, min_exec_time_ms = 0, next = "al", capability = "x" })",
+            "t.toml:9:72: error: motion.next: there is no group \"al\"; did you mean \"all\"?"},
+        BadRow{
+            "AModeOutOfRange",
+            R"({ id = 5, name = "X", mode = 1, gait = 0, min_exec_time_ms = 0, next = [0, 128], capability = "x" })",
+            "t.toml:9:76: error: motion.next: expected a mode from 0 to 127, found 128"},
+        BadRow{"NoCapability",
+               R"({ id = 5, name = "X", mode = 1, gait = 0, min_exec_time_ms = 0, next = [0] })",
+               "t.toml:9:1: error: motion.capability: is missing; only emergency stop is never "
+               "refused"},
+        BadRow{
+            "AMisspeltKey",
+            R"({ id = 5, name = "X", mode = 1, gait = 0, min_exec_time_ms = 0, next = [0], capability = "x", serwo = "walk" })",
+            "t.toml:9:95: error: motion: unknown key \"serwo\"; did you mean \"servo\"?"}),
+    [](const auto& param) { return param.param.name; });
+
+TEST(MotionConfigFile, OfTheProductHasTheDefaults) {
+  const ConfigReading reading =
+      ReadMotionConfigFile(MUSHER_SOURCE_DIR "/config/motion/motion_manager.toml");
+  ASSERT_TRUE(reading.config);
+  MotionConfig defaults;
+  defaults.motions = MUSHER_SOURCE_DIR "/config/motion/motions.toml";
+  EXPECT_EQ(*reading.config, defaults);
+}
+
+TEST(MotionConfigFile, TakesAllItsKeys) {
+  const ConfigReading reading = ReadMotionConfigText(
+      "clock = \"topic\"\nmotions = \"/t.toml\"\n[priority]\nalgo = -3\n[board]\nwait_ms = 1\n"
+      "silent_ms = 2\nfeedback_ms = 3\n",
+      "/a/m.toml");
+  ASSERT_TRUE(reading.config);
+  EXPECT_EQ(reading.config->clock, ClockKind::kTopic);
+  EXPECT_EQ(reading.config->motions, "/t.toml");
+  EXPECT_EQ(reading.config->priorities.at(kFromAlgorithm), -3);
+  EXPECT_EQ(reading.config->board_wait, Milliseconds(1));
+  EXPECT_EQ(reading.config->board_silent, Milliseconds(2));
+  EXPECT_EQ(reading.config->board_feedback, Milliseconds(3));
+}
+
+TEST(MotionConfigFile, IsToldWhatIsWrongAndWhere) {
+  const ConfigReading reading = ReadMotionConfigText(
+      "clock = \"sun\"\nboard.wait_ms = 0\n[priority]\nap = 1\nvis = 101\n", "m.toml");
+  EXPECT_FALSE(reading.config);
+  std::vector<int> lines;
+  for (const Diagnostic& diagnostic : reading.diagnostics) lines.push_back(diagnostic.line);
+  EXPECT_THAT(lines, ElementsAre(1, 2, 4, 5));
+  EXPECT_FALSE(ReadMotionConfigText("clock = ", "m.toml").config);
+  EXPECT_FALSE(ReadMotionConfigFile("/absent.toml").config);
+  EXPECT_FALSE(ReadTableFile("/").table);
+}
+
+}  // namespace
+}  // namespace musher::motion::testing

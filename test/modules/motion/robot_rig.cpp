@@ -1,0 +1,147 @@
+#include "musher/test/modules/motion/robot_rig.hpp"
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <future>
+#include <iterator>
+
+#include "musher/test/contract/domain.hpp"
+#include "musher/test/modules/motion/stage.hpp"
+
+namespace musher::motion::testing {
+namespace {
+
+constexpr const char* kStates =
+    R"(["SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "Protected", "LowPower", "OTA", "Error"])";
+
+void Write(const std::string& file, const std::string& text) {
+  std::ofstream(file) << text;
+}
+
+}  // namespace
+
+Ran RunProgram(const std::string& name, const std::vector<std::string>& arguments) {
+  std::string line = std::string(MUSHER_BIN_DIR) + "/" + name;
+  for (const std::string& argument : arguments) line += " '" + argument + "'";
+  FILE* pipe = popen((line + " 2>&1").c_str(), "r");  // NOLINT(cert-env33-c)
+  Ran ran;
+  std::array<char, 4096> chunk{};
+  while (const std::size_t size = std::fread(chunk.data(), 1, chunk.size(), pipe)) {
+    ran.output.append(chunk.data(), size);
+  }
+  ran.exit = WEXITSTATUS(pclose(pipe));
+  return ran;
+}
+
+pid_t StartProgram(const std::string& name, const std::vector<std::string>& arguments) {
+  std::string path = std::string(MUSHER_BIN_DIR) + "/" + name;
+  std::vector<std::string> words = arguments;
+  std::vector<char*> argv = {path.data()};
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  pid_t pid = 0;
+  if (posix_spawn(&pid, path.c_str(), nullptr, nullptr, argv.data(), environ) != 0) std::abort();
+  return pid;
+}
+
+int End(pid_t pid, int signal) {
+  kill(pid, signal);
+  int status = 0;
+  waitpid(pid, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+RobotRig::RobotRig(const std::string& motion_config) {
+  setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
+  Write(folder_ / "motion.toml",
+        motion_config + "\nmotions = \"" MUSHER_SOURCE_DIR "/config/motion/motions.toml\"\n");
+  const std::string states(kStates);
+  Write(folder_ / "robot.toml",
+        "[controller]\nactuators = [\"motion_manager\"]\nstates = " + states +
+            "\ndefault_time = 20000\ndefault_state = \"Uninitialized\"\n"
+            "state_dir = \"state\"\n[actuator.motion_manager]\nstates = " +
+            states +
+            "\ntimes = [20000, 20000, 20000, 20000, 20000, 20000, 20000, "
+            "20000, 20000]\ncritical = true\ncommand = [\"" MUSHER_BIN_DIR
+            "/musher-motion-manager\", \"motion.toml\"]\ncwd = \".\"\n"
+            "[capability.walk]\nactuators = [\"motion_manager\"]\nstates = "
+            "[\"Active\", \"Protected\"]\n");
+  node_ = transport::NodeThread::Start().value();
+}
+
+RobotRig::~RobotRig() {
+  controller_.SetState("TearDown");
+  node_->RunOnLoop([this] { board_.reset(); });
+}
+
+bool RobotRig::BringUp() {
+  node_->RunOnLoop([this] {
+    board_ = std::make_unique<TopicBoard>(node_->node());
+    const Motion& lying = *TheTable().Find(kGetDown);
+    board_->board.report.mode = lying.mode;
+    board_->board.report.gait = lying.gait;
+    board_->board.report.bar = 100;
+  });
+  return controller_.MachineControllerInit(folder_ / "robot.toml") &&
+         controller_.WaitActuatorsSetUp() && controller_.SetState("SelfCheck") &&
+         controller_.SetState("Active");
+}
+
+void RobotRig::OnBoard(const std::function<void(TopicBoard&)>& work) {
+  node_->RunOnLoop([&] { work(*board_); });
+}
+
+bool RobotRig::Await(const std::function<bool(const TopicBoard&)>& holds) {
+  std::promise<void> held;
+  transport::LoopHandlePtr look;
+  node_->RunOnLoop([&] {
+    look = node_->loop().Every(Milliseconds(2), [&] {
+      if (!holds(*board_)) return;
+      held.set_value();
+      look.reset();
+    });
+  });
+  const bool done =
+      held.get_future().wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+  node_->RunOnLoop([&] { look.reset(); });
+  return done;
+}
+
+msg::MotionResultCmd::Response RobotRig::Ask(std::int32_t id) {
+  using Service = msg::MotionResultCmd;
+  std::promise<Result<Service::Response>> reply;
+  std::unique_ptr<transport::Client<Service>> client;
+  node_->RunOnLoop([&] {
+    client = transport::MakeClient<Service>(node_->node(), "motion_result_cmd").value();
+    Service::Request request;
+    request.motion_id = id;
+    client->Call(request, std::chrono::seconds(20),
+                 [&](auto result) { reply.set_value(std::move(result)); });
+  });
+  const auto answer = reply.get_future().get();
+  node_->RunOnLoop([&] { client.reset(); });
+  return answer ? answer.value() : Service::Response{id, false, answer.error().code};
+}
+
+std::string RobotRig::Log() const {
+  std::string text;
+  std::error_code error;
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(folder_ / "state", error)) {
+    if (entry.path().filename().string().find("motion_manager") == std::string::npos) continue;
+    if (!entry.is_regular_file()) continue;
+    std::ifstream stream(entry.path());
+    text.append(std::istreambuf_iterator<char>(stream), {});
+  }
+  return text;
+}
+
+}  // namespace musher::motion::testing

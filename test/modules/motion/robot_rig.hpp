@@ -1,0 +1,62 @@
+#pragma once
+// A robot of one real motion manager process, led by a controller in this process, with a board
+// over DDS. In a domain of its own.
+
+#include <sys/types.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/controller/machine_controller.hpp"
+#include "musher/messages/protocol/motion.hpp"
+#include "musher/messages/protocol/motion_sequence.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/modules/motion/topic_board.hpp"
+#include "musher/transport/node_thread.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::motion::testing {
+
+// What a program said and how it ended.
+struct Ran {
+  int exit = -1;
+  std::string output;  // both streams
+};
+
+// Runs a program of this build with these arguments, to its end.
+Ran RunProgram(const std::string& name, const std::vector<std::string>& arguments);
+
+// Starts it and goes on.
+pid_t StartProgram(const std::string& name, const std::vector<std::string>& arguments);
+// Ends it by this signal; its exit code, or minus the signal.
+int End(pid_t pid, int signal);
+
+class RobotRig {
+ public:
+  // `motion_config`: the motion manager's own file.
+  explicit RobotRig(const std::string& motion_config = "");
+  ~RobotRig();
+
+  // Starts the board and leads the machine to Active.
+  bool BringUp();
+  MachineController& controller() { return controller_; }
+
+  // Does something with the board, on its loop.
+  void OnBoard(const std::function<void(TopicBoard&)>& work);
+  // Waits until it holds; false when it does not.
+  bool Await(const std::function<bool(const TopicBoard&)>& holds);
+
+  msg::MotionResultCmd::Response Ask(std::int32_t id);
+  // What the motion manager wrote.
+  std::string Log() const;
+
+ private:
+  TempFolder folder_;
+  std::shared_ptr<transport::NodeThread> node_;
+  std::unique_ptr<TopicBoard> board_;
+  MachineController controller_;
+};
+
+}  // namespace musher::motion::testing
