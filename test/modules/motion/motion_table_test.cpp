@@ -185,11 +185,10 @@ TEST(MotionConfigFile, OfTheProductHasTheDefaults) {
 
 TEST(MotionConfigFile, TakesAllItsKeys) {
   const ConfigReading reading = ReadMotionConfigText(
-      "clock = \"topic\"\nmotions = \"/t.toml\"\n[priority]\nalgo = -3\n[board]\nwait_ms = 1\n"
+      "motions = \"/t.toml\"\n[priority]\nalgo = -3\n[board]\nwait_ms = 1\n"
       "silent_ms = 2\nfeedback_ms = 3\n",
       "/a/m.toml");
   ASSERT_TRUE(reading.config);
-  EXPECT_EQ(reading.config->clock, ClockKind::kTopic);
   EXPECT_EQ(reading.config->motions, "/t.toml");
   EXPECT_EQ(reading.config->priorities.at(kFromAlgorithm), -3);
   EXPECT_EQ(reading.config->board_wait, Milliseconds(1));
@@ -199,12 +198,12 @@ TEST(MotionConfigFile, TakesAllItsKeys) {
 
 TEST(MotionConfigFile, IsToldWhatIsWrongAndWhere) {
   const ConfigReading reading = ReadMotionConfigText(
-      "clock = \"sun\"\nboard.wait_ms = 0\n[priority]\nap = 1\nvis = 101\n", "m.toml");
+      "clock = \"topic\"\nboard.wait_ms = 0\n[priority]\nap = 1\nvis = 101\n", "m.toml");
   EXPECT_FALSE(reading.config);
   std::vector<int> lines;
   for (const Diagnostic& diagnostic : reading.diagnostics) lines.push_back(diagnostic.line);
   EXPECT_THAT(lines, ElementsAre(1, 2, 4, 5));
-  EXPECT_FALSE(ReadMotionConfigText("clock = ", "m.toml").config);
+  EXPECT_FALSE(ReadMotionConfigText("motions = ", "m.toml").config);
   EXPECT_FALSE(ReadMotionConfigFile("/absent.toml").config);
   EXPECT_FALSE(ReadTableFile("/").table);
 }
