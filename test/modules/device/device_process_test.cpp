@@ -87,7 +87,7 @@ class DeviceManagerProcess : public testing::Test {
 TEST_F(DeviceManagerProcess, LivesThroughAllStatesWithItsDevices) {
   MakeWorld();
   Start();
-  EXPECT_TRUE(peer_.Until([&] { return told_.has_value(); })) << peer_.Output();
+  ASSERT_TRUE(peer_.Until([&] { return told_.has_value(); })) << peer_.Output();
   EXPECT_EQ(told_->batt_soc, 55);
   for (const std::string state : {"SelfCheck", "Active", "DeActive", "Protected", "OTA", "Error"}) {
     const auto done = peer_.Switch(state);
