@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include "musher/lifecycle/capability.hpp"
+#include "musher/lifecycle/config_toml.hpp"
 #include "musher/modules/motion/motion_config.hpp"
 #include "musher/modules/motion/motion_table.hpp"
 #include "musher/test/modules/motion/stage.hpp"
@@ -99,6 +101,27 @@ TEST(MotionTable, GivesTheFlipsACapabilityOfTheirOwn) {
   }
 }
 
+// The robot's state config says in Protected what CyberDog's rules say: to stand, to lie, the plain
+// pose as result commands, and walking by servo.
+TEST(MotionTable, AllowsInProtectedWhatARobotMayDoToSpareItself) {
+  const musher::ConfigReading robot =
+      musher::ReadConfigFile(MUSHER_SOURCE_DIR "/config/robot.toml");
+  ASSERT_TRUE(robot.config);
+  CapabilityView view;
+  view.actuator = "motion_manager";
+  view.state = kProtected;
+  view.battery = 50;
+  std::set<std::int32_t> results;
+  for (const Motion& motion : TheTable().motions()) {
+    const auto may = [&](const std::string& capability) {
+      return JudgeCapability(*robot.config, capability, view).ok();
+    };
+    if (motion.capability.empty() || may(motion.capability)) results.insert(motion.id);
+    EXPECT_TRUE(motion.servo.empty() || may(motion.servo)) << "servo " << motion.id;
+  }
+  EXPECT_THAT(results, UnorderedElementsAre(0, 101, 102, 111, 212));
+}
+
 // --- What is wrong with a file
 
 constexpr const char* kNeeded = R"(motion = [
@@ -174,11 +197,12 @@ INSTANTIATE_TEST_SUITE_P(
             "t.toml:9:95: error: motion: unknown key \"serwo\"; did you mean \"servo\"?"}),
     [](const auto& param) { return param.param.name; });
 
-TEST(MotionConfigFile, OfTheProductHasTheDefaults) {
+TEST(MotionConfigFile, OfTheProductHasTheDefaultsButTheWorldsClock) {
   const ConfigReading reading =
       ReadMotionConfigFile(MUSHER_SOURCE_DIR "/config/motion/motion_manager.toml");
   ASSERT_TRUE(reading.config);
   MotionConfig defaults;
+  defaults.clock = ClockKind::kTopic;
   defaults.motions = MUSHER_SOURCE_DIR "/config/motion/motions.toml";
   EXPECT_EQ(*reading.config, defaults);
 }
