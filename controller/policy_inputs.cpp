@@ -31,7 +31,7 @@ Result<std::unique_ptr<PolicyInputs>> PolicyInputs::Make(transport::Node& node,
 Result<> PolicyInputs::Open(transport::Node& node) {
   by_topic_ = policy_.clock == PolicyClock::kTopic;
   if (by_topic_) {
-    auto clock = transport::Clock::FromTopic(node, [this] { TellTime(); });
+    auto clock = transport::Clock::FromTopic(node, [this] { OnWorldRestarted(); });
     if (!clock) return clock.error();
     clock_ = std::move(clock).value();
     first_time_ = clock_->At(Time{}, [this] { TellTime(); });
@@ -45,20 +45,25 @@ Result<> PolicyInputs::Open(transport::Node& node) {
     battery_ear_.patience = policy_.battery->silent;
     auto battery = transport::MakeSubscription<msg::BmsStatus>(
         node, topic(policy_.battery->topic),
-        [this](const msg::BmsStatus& status, const transport::SampleInfo&) { OnBattery(status); });
+        [this](const msg::BmsStatus& status, const transport::SampleInfo&) { OnBattery(status); },
+        transport::kSensorDataQos);
     if (!battery) return battery.error();
     battery_ear_.subscription = std::move(battery).value();
   }
   if (policy_.low_power) {
     auto motion = transport::MakeSubscription<msg::MotionStatus>(
         node, topic(policy_.low_power->topic),
-        [this](const msg::MotionStatus& status, const transport::SampleInfo&) {
-          OnMotion(status);
-        });
+        [this](const msg::MotionStatus& status, const transport::SampleInfo&) { OnMotion(status); },
+        transport::kSensorDataQos);
     if (!motion) return motion.error();
     motion_ear_.subscription = std::move(motion).value();
   }
   return Ok();
+}
+
+void PolicyInputs::OnWorldRestarted() {
+  battery_ear_.heard = motion_ear_.heard = clock_->Now();
+  TellTime();
 }
 
 void PolicyInputs::Begin() {

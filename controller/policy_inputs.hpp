@@ -44,6 +44,7 @@ class PolicyInputs {
 
   PolicyInputs(const MachineConfig& config, Tell tell);
   Result<> Open(transport::Node& node);
+  void OnWorldRestarted();
   void OnBattery(const msg::BmsStatus& status);
   void OnMotion(const msg::MotionStatus& status);
   void Heard(Ear& ear);

@@ -154,13 +154,14 @@ std::optional<EmergencyStop> StateStore::LoadEmergencyStop() const {
   return stop;
 }
 
-// "low_power on", "lowered Active Protected".
+// "low_power on", "lowered Active Protected 7", the last the epoch.
 Result<> StateStore::SavePolicy(const StoredPolicy& policy) {
   std::string text;
   if (policy.low_power)
     text += std::string("low_power ") + (*policy.low_power ? "on" : "off") + "\n";
   if (policy.lowering) {
-    text += "lowered " + policy.lowering->from + " " + policy.lowering->to + "\n";
+    text += "lowered " + policy.lowering->from + " " + policy.lowering->to + " " +
+            std::to_string(policy.lowering->epoch) + "\n";
   }
   return Replace(PolicyFile(), text);
 }
@@ -173,7 +174,7 @@ StoredPolicy StateStore::LoadPolicy() const {
     Lowering lowering;
     if (word == "low_power" && text >> word) {
       if (word == "on" || word == "off") policy.low_power = word == "on";
-    } else if (word == "lowered" && text >> lowering.from >> lowering.to) {
+    } else if (word == "lowered" && text >> lowering.from >> lowering.to >> lowering.epoch) {
       policy.lowering = lowering;
     }
   }

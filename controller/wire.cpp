@@ -3,6 +3,29 @@
 #include <chrono>
 
 namespace musher {
+namespace {
+
+msg::PolicyInfo PolicyOf(const MachineConfig& config, const PolicyState& policy) {
+  msg::PolicyInfo info;
+  if (!config.policy) return info;
+  info.active = true;
+  info.battery = policy.battery.value_or(-1);
+  info.charging = policy.charging;
+  info.battery_silent = policy.battery_silent;
+  if (policy.battery && policy.level != BatteryLevel::kFree) {
+    info.ceiling = CeilingState(config, policy.level);
+    info.ceiling_reason = AboveCeiling(config, policy, policy.level).message;
+  }
+  if (policy.keep) {
+    info.kept = policy.keep->state;
+    info.keep_s = policy.keep->seconds;
+  }
+  info.low_power_switch = policy.low_power;
+  if (policy.power) info.power = policy.power->reboot ? "reboot" : "power-off";
+  return info;
+}
+
+}  // namespace
 
 msg::SetState::Response ToMessage(const SwitchResult& result) {
   msg::SetState::Response response;
@@ -87,6 +110,7 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
                       (record.restarts > 0 && record.presence == Presence::kStarting);
     status.actuators.push_back(std::move(info));
   }
+  status.policy = PolicyOf(config, machine.policy);
   return status;
 }
 

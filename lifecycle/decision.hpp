@@ -199,7 +199,8 @@ class Decision {
   void BackOff();
   void NoteEndOfSwitch(const Switch& s, bool undone);
   void NoteSuperseded(const Switch& s);
-  void Lower(const std::optional<Lowering>& lowering);
+  void ResumeLowering();
+  void Lower(std::optional<Lowering> lowering);
   void LowerAtMostTo(const State& most);
   State UpTo(const State& wanted) const;
   Time policy_now() const { return PolicyNow(config_, machine_.policy, now_); }

@@ -40,6 +40,7 @@ void Decision::Claim(std::size_t i) {
 void Decision::RaiseEpoch(std::uint64_t epoch, std::size_t because_of) {
   machine_.epoch = epoch;
   Do(action::SaveEpoch{epoch});
+  Lower(std::nullopt);  // that one may have led the machine elsewhere
   RecordMachine(kCodeOk, "epoch " + std::to_string(epoch) + ": " + ConfigOf(because_of).name +
                              " had followed epoch " + std::to_string(epoch - 1));
   for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {

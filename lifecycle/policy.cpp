@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "musher/lifecycle/flow.hpp"
 #include "musher/lifecycle/machine.hpp"
 
 namespace musher {
@@ -116,9 +117,8 @@ std::optional<Error> RefusalByPolicy(const MachineConfig& config, const Machine&
                                      const State& target) {
   const PolicyState& policy = machine.policy;
   const auto rank = config.RankOf(target);
-  const auto own = config.RankOf(machine.state);
-  if (!config.policy || !rank || (own && *rank < *own)) return std::nullopt;
-  const bool rises = !own || *rank > *own;
+  const bool rises = Rises(config, machine.state, target);
+  if (!config.policy || !rank || (!rises && target != machine.state)) return std::nullopt;
   if (policy.power && rises) {
     return Error{kCodeProtectedError, policy.power->reboot
                                           ? "the robot is about to reboot"

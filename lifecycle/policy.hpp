@@ -59,10 +59,11 @@ std::optional<PolicyRequest> RequestOf(std::string_view name);
 enum class PolicyInput { kBattery, kMotion };
 
 // Where the battery has taken the machine, and from where: there it is brought back. Survives the
-// controller.
+// controller, unless another one has led meanwhile.
 struct Lowering {
   State from;
   State to;
+  std::uint64_t epoch = 0;  // of the controller that remembers it
 
   friend bool operator==(const Lowering&, const Lowering&) = default;
 };

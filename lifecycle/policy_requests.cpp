@@ -106,7 +106,7 @@ std::optional<Error> Decision::BeginUp(const Requested& requested, std::uint64_t
   const State most = CeilingState(config_, BatteryLevel::kFree);
   const State target = UpTo(most);
   if (const auto refusal = BeginAsked(requested, target, asked)) return refusal;
-  if (target != most) machine_.policy.withheld = Lowering{most, target};
+  if (target != most) machine_.policy.withheld = Lowering{most, target, 0};
   return std::nullopt;
 }
 

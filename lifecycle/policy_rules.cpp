@@ -28,8 +28,22 @@ void Decision::BeginPolicy(const StoredPolicy& stored) {
   if (!config_.policy) return;
   PolicyState& policy = machine_.policy;
   policy.stored = stored;
+  ResumeLowering();
   const auto& rule = config_.policy->low_power;
   policy.low_power = rule && stored.low_power.value_or(rule->enabled);
+}
+
+// What an earlier controller remembers of the battery, if none has led since. The level was at
+// least as low then; so its hysteresis holds.
+void Decision::ResumeLowering() {
+  PolicyState& policy = machine_.policy;
+  auto lowering = policy.stored.lowering;
+  if (!lowering) return;
+  if (lowering->epoch + 1 != machine_.epoch) return Lower(std::nullopt);
+  const auto to = config_.RankOf(lowering->to);
+  policy.level =
+      to && *to <= *BuiltInRank(kLowPower) ? BatteryLevel::kLowPower : BatteryLevel::kProtected;
+  Lower(lowering);
 }
 
 void Decision::On(const event::BatterySeen& seen) {
@@ -61,7 +75,9 @@ void Decision::JudgeLevel(const std::string& seen) {
   std::string text = BatteryText(policy) + seen;
   if (policy.level != before) {
     const State most = CeilingState(config_, policy.level);
+    const bool kept_up = TakingDownLevel(policy) != policy.level;
     text += policy.level == BatteryLevel::kFree    ? ": there is no ceiling any more"
+            : kept_up                              ? ": nothing rises above " + most
             : policy.level == BatteryLevel::kEmpty ? ": it is empty"
                                                    : ": the machine may be at most " + most;
   }
@@ -151,7 +167,7 @@ bool Decision::TakeDown(BatteryLevel level) {
                      machine_.policy.level_cause)) {
     return false;
   }
-  Lower(Lowering{from, target});
+  Lower(Lowering{from, target, 0});
   return true;
 }
 
@@ -219,8 +235,9 @@ void Decision::BackOff() {
   ++policy.failures;
 }
 
-void Decision::Lower(const std::optional<Lowering>& lowering) {
+void Decision::Lower(std::optional<Lowering> lowering) {
   StoredPolicy& stored = machine_.policy.stored;
+  if (lowering) lowering->epoch = machine_.epoch;
   if (stored.lowering == lowering) return;
   stored.lowering = lowering;
   Do(action::SavePolicy{stored});

@@ -42,6 +42,9 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   shell_hooks.on_send = [this](const action::SendSwitch& command) {
     if (hooks_.on_send) hooks_.on_send(shell_->machine(), command);
   };
+  shell_hooks.on_power = [this](bool) {
+    if (hooks_.on_power) hooks_.on_power();
+  };
   shell_hooks.on_stopped = hooks_.on_over;
   shell_hooks.on_fenced = [this](const std::string&) {
     if (hooks_.on_over) hooks_.on_over();
@@ -79,6 +82,7 @@ void ControllerProcess::OnEnd(std::int32_t pid, const ProcessExit& exit) {
 }
 
 Result<pid_t> ControllerProcess::Start(const ProcessSpec& spec, OnExit on_exit) {
+  if (!config_.IndexOf(spec.name)) return Error{kCodeUnSupport, "there is no power to switch"};
   if (processes_.IsAlive(spec.name)) return Error{kCodeTargetBusy, "it runs already"};
   const std::int32_t pid = processes_.Launch(spec.name);
   watchers_[pid] = std::move(on_exit);

@@ -44,7 +44,43 @@ constexpr std::array<KindRow, kIncidentKinds> kKinds = {{
     {IncidentKind::kEmergencyStop, "emergency-stop", 3},
     {IncidentKind::kRelease, "release", 4},
     {IncidentKind::kRestart, "restart", 2},
+    // These have dice of their own.
+    {IncidentKind::kStillness, "stillness", 0},
+    {IncidentKind::kWakeUp, "wake-up", 0},
+    {IncidentKind::kKeep, "keep", 0},
+    {IncidentKind::kOta, "ota", 0},
+    {IncidentKind::kLowPowerSwitch, "low-power-switch", 0},
+    {IncidentKind::kPowerOff, "power-off", 0},
 }};
+
+// How often a robot with a policy meets something that concerns it, and what.
+constexpr double kPolicyShare = 0.4;
+constexpr IncidentKind kOfPolicy[] = {
+    IncidentKind::kBattery,        IncidentKind::kBattery,   IncidentKind::kBattery,
+    IncidentKind::kBattery,        IncidentKind::kStillness, IncidentKind::kStillness,
+    IncidentKind::kWakeUp,         IncidentKind::kKeep,      IncidentKind::kOta,
+    IncidentKind::kLowPowerSwitch, IncidentKind::kPowerOff};
+constexpr int kFull = 100;
+
+// Where the levels are, everything happens; and at the ends.
+int DrawPercent(const MachineConfig& config, std::uint64_t chance) {
+  const BatteryPolicy battery = config.policy->battery.value_or(BatteryPolicy{});
+  const int near[] = {battery.tear_down_at, battery.low_power_at, battery.protected_at};
+  const auto spread = static_cast<int>(chance / 8 % 8) - 3;
+  switch (chance % 8) {
+    case 0:
+      return static_cast<int>(chance / 8 % (kFull + 1));
+    case 1:
+      return kFull;
+    case 2:
+      return std::clamp(near[0] + spread, 0, kFull);
+    case 3:
+    case 4:
+      return std::clamp(near[1] + spread, 1, kFull);
+    default:
+      return std::clamp(near[2] + spread, 1, kFull);
+  }
+}
 
 constexpr std::uint64_t kAllWeights = std::accumulate(
     kKinds.begin(), kKinds.end(), std::uint64_t{0}, [](std::uint64_t sum, const KindRow& row) {
@@ -87,7 +123,8 @@ State DrawState(const MachineConfig& config, Random& dice) {
 // The moments that few would meet by chance, and what leads to them.
 class Drawing {
  public:
-  Drawing(const MachineConfig& config, std::uint64_t seed) : config_(config), dice_(seed * 2 + 1) {}
+  Drawing(const MachineConfig& config, std::uint64_t seed)
+      : config_(config), dice_(seed * 2 + 1), policy_dice_(seed * 2 + 0x706f6c) {}
 
   Incidents Draw() {
     const std::uint64_t count = 1 + dice_.Next() % (1 + dice_.Next() % 16);
@@ -96,7 +133,7 @@ class Drawing {
       if (dice_.Chance(0.35)) {
         DrawAimed();
       } else {
-        Add(DrawKind(dice_), DrawState(config_, dice_));
+        AddAny();
       }
     }
     return std::move(incidents_);
@@ -112,8 +149,33 @@ class Drawing {
     incident.state = state;
     incident.lasts = DrawLogUniform(dice_, Milliseconds(1), std::chrono::seconds(10));
     incident.chance = dice_.Next();
+    if (kind == IncidentKind::kBattery) incident.state = AtBattery(incident);
+    if (kind == IncidentKind::kBattery && !config_.policy) incident.kind = IncidentKind::kSet;
     incidents_.push_back(incident);
     return incidents_.back();
+  }
+
+  // What a battery at any level would have an application ask for, where there is no policy.
+  State AtBattery(const Incident& incident) const {
+    const auto percent = static_cast<int>(incident.chance % (kFull + 1));
+    const State state{percent <= 5 ? kLowPower : (percent <= 20 ? kProtected : kActive)};
+    return config_.HasState(state) ? state : config_.states.front();
+  }
+
+  // Another incident at the same time. Batteries fall and rise in a row.
+  void MakeOfPolicy(Incident& incident) {
+    incident.kind = kOfPolicy[policy_dice_.Next() % std::size(kOfPolicy)];
+    incident.chance = policy_dice_.Next();
+    if (incident.kind != IncidentKind::kBattery) return;
+    const auto percent = static_cast<std::uint64_t>(DrawPercent(config_, incident.chance));
+    const std::uint64_t cable = policy_dice_.Chance(0.3) ? 1 : 0;
+    incident.chance = percent * 2 + cable;
+  }
+
+  Incident& AddAny() {
+    Incident& incident = Add(DrawKind(dice_), DrawState(config_, dice_));
+    if (config_.policy && policy_dice_.Chance(kPolicyShare)) MakeOfPolicy(incident);
+    return incident;
   }
 
   void DrawAimed() {
@@ -123,7 +185,7 @@ class Drawing {
     const Moment aim = kAims[dice_.Next() % std::size(kAims)];
     if (aim == Moment::kTearingDown && dice_.Chance(0.6)) return;  // little comes after it
     LeadTo(aim);
-    Add(DrawKind(dice_), DrawState(config_, dice_)).when = aim;
+    AddAny().when = aim;
   }
 
   void LeadTo(Moment aim) {
@@ -180,16 +242,13 @@ class Drawing {
 
   const MachineConfig& config_;
   Random dice_;
+  Random policy_dice_;  // so that the rest of a life does not depend on it
   Duration at_{};
   Incidents incidents_;
 };
 
 std::string InMilliseconds(Duration duration) {
   return std::to_string(ToMilliseconds(duration)) + " ms";
-}
-
-int BatteryOf(const Incident& incident) {
-  return static_cast<int>(incident.chance % 101);
 }
 
 }  // namespace
@@ -206,9 +265,12 @@ Incidents DrawIncidents(const MachineConfig& config, std::uint64_t seed) {
   return Drawing(config, seed).Draw();
 }
 
-State StateForBattery(const MachineConfig& config, int percent) {
-  const std::string_view state = percent <= 5 ? kLowPower : (percent <= 20 ? kProtected : kActive);
-  return config.HasState(state) ? State(state) : config.states.front();
+int BatteryOf(const Incident& incident) {
+  return static_cast<int>(incident.chance / 2 % (kFull + 1));
+}
+
+bool ChargesIn(const Incident& incident) {
+  return incident.chance % 2 == 1;
 }
 
 std::string Describe(const MachineConfig& config, const Incident& incident) {
@@ -259,14 +321,29 @@ std::string Describe(const MachineConfig& config, const Incident& incident) {
     case IncidentKind::kSetOne:
       return "a person asks for " + incident.state + " of " + who;
     case IncidentKind::kBattery:
-      return "the battery is at " + std::to_string(BatteryOf(incident)) +
-             " %: " + StateForBattery(config, BatteryOf(incident)) + " is asked for";
+      return "the battery is at " + std::to_string(BatteryOf(incident)) + " %" +
+             (ChargesIn(incident) ? ", being charged" : "");
     case IncidentKind::kEmergencyStop:
       return "an emergency stop is engaged";
     case IncidentKind::kRelease:
       return "the emergency stop is released";
     case IncidentKind::kRestart:
       return "a person restarts " + who;
+    case IncidentKind::kStillness:
+      return incident.chance % 4 == 0 ? "the body moves" : "the body lies still";
+    case IncidentKind::kWakeUp:
+      return "somebody wakes the robot up";
+    case IncidentKind::kKeep:
+      return "an application keeps " + incident.state + " for " +
+             std::to_string(incident.chance % 8) + " s";
+    case IncidentKind::kOta:
+      return std::string("an application ") + (incident.chance % 2 == 0 ? "enters" : "leaves") +
+             " OTA";
+    case IncidentKind::kLowPowerSwitch:
+      return std::string("LowPower by lying still is switched ") +
+             (incident.chance % 3 == 0 ? "off" : "on");
+    case IncidentKind::kPowerOff:
+      return "the robot is switched off by its button";
   }
   return {};
 }

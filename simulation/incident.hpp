@@ -37,12 +37,19 @@ enum class IncidentKind : std::uint8_t {
   kWallClock,         // the wall clock jumps
   kSet,               // a person switches the machine
   kSetOne,            // a person switches one actuator
-  kBattery,           // the battery is at a level, and an application switches accordingly
+  kBattery,           // the battery comes to a level, maybe with its cable in
   kEmergencyStop,
   kRelease,  // of emergency stops
   kRestart,  // a person restarts an actuator
+  // Where the config has [policy].
+  kStillness,       // the body lies still, or moves again
+  kWakeUp,          // somebody wakes the robot up
+  kKeep,            // an application keeps the machine in a state, or ends that
+  kOta,             // an application enters OTA, or leaves it
+  kLowPowerSwitch,  // a person switches LowPower by lying still on or off
+  kPowerOff,        // a person switches the robot off by its button
 };
-inline constexpr std::size_t kIncidentKinds = 25;
+inline constexpr std::size_t kIncidentKinds = 31;
 
 std::string_view KindName(IncidentKind kind);  // "crash", "controller-freeze", …
 
@@ -69,7 +76,8 @@ Incidents DrawIncidents(const MachineConfig& config, std::uint64_t seed);
 // "the process of audio is killed"
 std::string Describe(const MachineConfig& config, const Incident& incident);
 
-// The state that a battery of so many percent allows: below 5 LowPower, below 20 Protected.
-State StateForBattery(const MachineConfig& config, int percent);
+// Of kBattery: the percentage, and whether the cable is in.
+int BatteryOf(const Incident& incident);
+bool ChargesIn(const Incident& incident);
 
 }  // namespace musher::simulation

@@ -28,6 +28,7 @@ Judge::Judge(SimRobot& robot)
   robot_.processes().on_report = [this](const std::string& name, const ActuatorReport& report) {
     OnReport(name, report);
   };
+  robot_.on_power = [this] { power_due_.reset(); };
 }
 
 void Judge::Blame(Promise promise, const std::string& what) {
@@ -80,6 +81,7 @@ void Judge::OnBegun(const std::string& name, const ActuatorReport& before,
 }
 
 void Judge::AfterEvent() {
+  JudgePower();
   if (!dirty_) return;
   dirty_ = false;
   for (std::size_t which = 0; which < 2; ++which) {
@@ -103,6 +105,7 @@ void Judge::LookAt(const ControllerProcess& controller) {
     if (present) lost_at_[i] = robot_.age();
   }
   JudgeChange(machine, seen_[controller.pid()]);
+  JudgeCeiling(machine, false);
 }
 
 void Judge::OnSend(const Machine& machine, const action::SendSwitch& command) {
@@ -124,9 +127,9 @@ void Judge::JudgeDeadline(const Machine& machine, Seen& seen) {
 
 // An actuator may be driven up by a switch that was asked for, or to where the machine is.
 bool Judge::MayRise(const Machine& machine, const State& target) const {
-  if (machine.current && BehindIt(*machine.current) && machine.current->target == target) {
-    return true;
-  }
+  const auto& s = machine.current;
+  const bool may = s && (BehindIt(*s) || s->purpose == Purpose::kPolicy);  // see JudgeRaise
+  if (may && s->target == target) return true;
   const auto place = config_.RankOf(machine.state);
   const auto rank = config_.RankOf(target);
   if (rank && place && *rank <= *place) return true;
@@ -140,7 +143,7 @@ void Judge::JudgeChange(const Machine& machine, Seen& seen) {
   if (before && rank && *rank > *before) {
     // Several switches may have ended since.
     const bool asked =
-        seen.asked == machine.state ||
+        seen.asked == machine.state || ByPolicy(machine.state) ||
         std::any_of(just_answered_.begin(), just_answered_.end(), [&](const State& state) {
           const auto other = config_.RankOf(state);
           return other && *other >= *rank;
@@ -155,6 +158,7 @@ void Judge::JudgeChange(const Machine& machine, Seen& seen) {
     Blame(Promise::kExplained,
           "the machine is in " + machine.state + ", the journal says " + machine.told_state);
   }
+  if (seen.state != machine.state) JudgePolicyChange(machine, seen);
   seen.state = machine.state;
   seen.stopped = machine.emergency_stop.has_value();
   seen.asked.reset();
@@ -162,11 +166,13 @@ void Judge::JudgeChange(const Machine& machine, Seen& seen) {
 }
 
 std::uint64_t Judge::Asked(const State& target) {
+  urgent_asked_ |= target == kError || target == kTearDown;
   open_[next_request_] = target;
   return next_request_++;
 }
 
 void Judge::ControllersEnded() {
+  ControllersHindered(false);
   open_.clear();
 }
 
@@ -176,6 +182,11 @@ void Judge::Answered(std::uint64_t request, const SwitchResult& result) {
     return Blame(Promise::kOneAnswer, "a request for " + result.target + " was answered twice");
   }
   just_answered_.insert(result.target);
+  if (result.outcome == SwitchOutcome::kSuperseded && !urgent_asked_ &&
+      result.code != kCodePermissionDenied) {
+    Blame(Promise::kPolicyWaits, "the switch to " + result.target + " is superseded (" +
+                                     result.reason + "), and nobody has asked for anything urgent");
+  }
   const bool there =
       result.outcome == SwitchOutcome::kDone || result.outcome == SwitchOutcome::kDoneDegraded;
   const ControllerProcess* controller = robot_.leader();
@@ -234,6 +245,9 @@ std::string Judge::Unrest() const {
   const Machine& machine = controller->shell().machine();
   if (machine.phase == Phase::kStopped) return {};
   if (machine.current) return "a switch to " + machine.current->target + " is under way";
+  if (machine.policy.keep) return "it is kept in " + machine.policy.keep->state;
+  if (machine.policy.power) return "the robot is being powered off";
+  if (machine.policy.still_since) return "it is about to rest";
   if (machine.fallback) return "it is to fall back to " + *machine.fallback;
   if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) {
     return "the machine is " + std::string(PhaseName(machine.phase));
@@ -253,6 +267,7 @@ void Judge::JudgeRest(bool provided) {
   if (!open_.empty()) {
     Blame(Promise::kOneAnswer, "who asked for " + open_.begin()->second + " is not answered");
   }
+  JudgeCeiling(machine, true);
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     if (machine.phase == Phase::kStopped) {
       const std::string& name = config_.actuators[i].name;

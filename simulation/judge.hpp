@@ -36,6 +36,14 @@ class Judge {
   // controller that was asked has ended.
   std::uint64_t Asked(const State& target);
   void Answered(std::uint64_t request, const SwitchResult& result);
+  // To be called with every record of a controller.
+  void OnRecord(const action::Record& record);
+  // The same as Asked() and Answered(), of what is asked of the policy.
+  std::uint64_t AskedPolicy(const event::PolicyRequested& asked);
+  void AnsweredPolicy(std::uint64_t request, const event::PolicyRequested& asked,
+                      const Result<>& answer);
+  // Something befalls the controllers that may cost them a power-off, or what they remember.
+  void ControllersHindered(bool forgetful);
   // The controllers have ended: who had asked them waits no longer.
   void ControllersEnded();
   // What it says is no evidence from now on.
@@ -71,6 +79,13 @@ class Judge {
   bool MayRise(const Machine& machine, const State& target) const;
   void JudgeDeadline(const Machine& machine, Seen& seen);
   void JudgeChange(const Machine& machine, Seen& seen);
+  // judge_policy.cpp
+  void JudgeCeiling(const Machine& machine, bool at_rest);
+  void JudgePolicyChange(const Machine& machine, const Seen& seen);
+  void JudgeRaise(const Machine& machine);
+  void JudgePower();
+  bool ByPolicy(const State& state) const;
+
   void JudgeLoss(const Machine& machine, std::size_t i, bool provided);
   void JudgePlace(const Machine& machine, std::size_t i);
   std::string Unrest(const Machine& machine, std::size_t i) const;
@@ -89,6 +104,12 @@ class Judge {
   std::vector<Duration> lost_at_;  // when an actuator was there for the last time
   Duration went_on_{};  // when a person's switch ended with the machine in the state that was asked
   std::uint64_t next_request_ = 1;
+  std::optional<State> policy_goes_to_;             // the target of its last switch
+  std::optional<std::pair<State, State>> lowered_;  // by the battery: from, to
+  bool woken_ = false;         // somebody wanted more than the battery may have allowed
+  bool forgetful_ = false;     // a disk was full: a controller may remember what is over
+  bool urgent_asked_ = false;  // for Error or TearDown, which supersede others
+  std::optional<Time> power_due_;
   std::set<std::string> liars_;
   std::set<std::string> on_its_own_;  // went where it is without a command
 };

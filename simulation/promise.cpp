@@ -24,6 +24,14 @@ std::string_view PromiseText(Promise promise) {
       return "at rest, who lives is where the machine is, or is listed with a reason";
     case Promise::kEndsWhenAsked:
       return "TearDown ends every process within its budget";
+    case Promise::kWithinBattery:
+      return "nobody is more active than the battery allows";
+    case Promise::kNoFlapping:
+      return "the battery raises only whom it has taken down, beyond its hysteresis";
+    case Promise::kPolicyWaits:
+      return "the policy supersedes nobody";
+    case Promise::kPowerComes:
+      return "a power-off that was accepted comes in its time";
     case Promise::kSafeWithoutCritical:
       return "without a critical actuator the machine is in its on_lost, or less active";
     case Promise::kProvidedFor:

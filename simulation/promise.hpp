@@ -21,13 +21,18 @@ enum class Promise : std::uint8_t {
   kComesToRest,    // when faults cease, within the bound
   kOneTruth,       // at rest, who lives is where the machine is, or is listed with a reason
   kEndsWhenAsked,  // TearDown ends every process within its budget
+  // Of the policy.
+  kWithinBattery,  // nobody is more active than the battery allows
+  kNoFlapping,     // the battery raises only whom it has taken down, beyond its hysteresis
+  kPolicyWaits,    // the policy supersedes nobody
+  kPowerComes,     // a power-off that was accepted comes in its time
   // Of the config as well.
   kSafeWithoutCritical,  // without a critical actuator the machine is in its on_lost or below
   kProvidedFor,          // for one that is lost for good, on_lost says how the machine goes on
   kWayBack,              // from wherever it rests, people can bring it back to where it was of use
   kWholeAgain,           // and then all are there
 };
-inline constexpr std::size_t kPromises = 14;
+inline constexpr std::size_t kPromises = 18;
 
 std::string_view PromiseText(Promise promise);  // a sentence without its full stop
 // Whether a config, rather than the middleware, can be the reason why it does not hold.

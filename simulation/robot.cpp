@@ -23,6 +23,8 @@ class Scripted : public Module {
 
 // How long a controller listens for others before it begins.
 constexpr Duration kLookAround = Milliseconds(1000);
+// How often battery and body say how they are.
+constexpr Duration kBodyPeriod = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -61,6 +63,9 @@ void SimRobot::Open(std::size_t which) {
   };
   hooks.on_send = [this](const Machine& machine, const action::SendSwitch& command) {
     if (on_send) on_send(machine, command);
+  };
+  hooks.on_power = [this] {
+    if (on_power) on_power();
   };
   // One that has stopped the machine stays, to be looked at; one that is fenced ends.
   hooks.on_over = [this, which] {
@@ -127,6 +132,37 @@ void SimRobot::JumpWallClock(Duration by) {
 
 void SimRobot::EngageEmergencyStop(std::uint64_t id) {
   static_cast<void>(button_->Publish({id, true, "a person", ""}));
+}
+
+void SimRobot::SetBattery(int percent, bool charging) {
+  battery_.emplace();
+  battery_->batt_soc = static_cast<std::uint8_t>(percent);
+  battery_->power_wired_charging = charging;
+  SayOfBody();
+}
+
+void SimRobot::SetMotion(std::int32_t motion) {
+  motion_.emplace();
+  motion_->motion_id = motion;
+  SayOfBody();
+}
+
+void SimRobot::SayOfBody() {
+  const std::string prefix = config_.name_space.empty() ? "" : config_.name_space + "/";
+  if (!says_) {
+    const BatteryPolicy battery;
+    const LowPowerPolicy low_power;
+    const PolicyConfig policy = config_.policy.value_or(PolicyConfig{});
+    batteries_ = transport::MakePublisher<msg::BmsStatus>(
+                     *keeper_, prefix + policy.battery.value_or(battery).topic)
+                     .value();
+    motions_ = transport::MakePublisher<msg::MotionStatus>(
+                   *keeper_, prefix + policy.low_power.value_or(low_power).topic)
+                   .value();
+    says_ = keeper_->loop().Every(kBodyPeriod, [this] { SayOfBody(); });
+  }
+  if (battery_) static_cast<void>(batteries_->Publish(*battery_));
+  if (motion_) static_cast<void>(motions_->Publish(*motion_));
 }
 
 void SimRobot::ReleaseEmergencyStop() {

@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "musher/messages/protocol/device.hpp"
+#include "musher/messages/protocol/motion.hpp"
 #include "musher/simulation/controller_process.hpp"
 #include "musher/simulation/processes.hpp"
 #include "musher/transport/sim/network.hpp"
@@ -48,6 +50,8 @@ class SimRobot {
   std::function<void(const Machine&, const action::SendSwitch&)> on_send;
   // Told of every record of any controller; may be empty.
   std::function<void(const action::Record&)> on_record;
+  // Told of every power command; may be empty.
+  std::function<void()> on_power;
 
   // `listens`: so long it only listens, as one that may have rivals on other hosts does.
   void StartController(Duration listens = {});
@@ -71,6 +75,9 @@ class SimRobot {
 
   // Somebody engages an emergency stop, from a host of his own.
   void EngageEmergencyStop(std::uint64_t id);
+  // The battery and the body say so from now on, once a second.
+  void SetBattery(int percent, bool charging);
+  void SetMotion(std::int32_t motion);
   void ReleaseEmergencyStop();  // by the controller, for a person
   // A person restarts an actuator and does not wait for it.
   void Restart(const std::string& name);
@@ -100,6 +107,7 @@ class SimRobot {
  private:
   void Open(std::size_t which);
   void EndController(std::size_t which);
+  void SayOfBody();
 
   MachineConfig config_;
   transport::sim::Network network_;
@@ -110,6 +118,11 @@ class SimRobot {
   std::array<Disk, 2> disks_;
   std::array<std::unique_ptr<ControllerProcess>, 2> controllers_;
   transport::LoopHandlePtr rival_begins_;
+  std::optional<msg::BmsStatus> battery_;
+  std::optional<msg::MotionStatus> motion_;
+  std::unique_ptr<transport::Publisher<msg::BmsStatus>> batteries_;
+  std::unique_ptr<transport::Publisher<msg::MotionStatus>> motions_;
+  transport::LoopHandlePtr says_;
 };
 
 }  // namespace musher::simulation

@@ -39,6 +39,7 @@ Story::Story(const MachineConfig& config, std::uint64_t seed, Incidents incident
   }
   robot_.on_record = [this](const action::Record& record) {
     Mix(record.message);
+    judge_.OnRecord(record);
     if (listener.on_record) listener.on_record(robot_.network().now(), record);
   };
 }
@@ -164,6 +165,7 @@ Moment Story::Now() const {
 
 // The world becomes kind.
 void Story::Cease() {
+  if (config_.policy) robot_.SetMotion(303);  // who lies still goes to rest by itself
   std::fill(moods_.begin(), moods_.end(), Mood{});
   if (!robot_.has_controller()) {
     Note("the controller is started again");

@@ -9,6 +9,13 @@ namespace musher::simulation {
 
 using transport::sim::LinkFaults;
 
+namespace {
+
+constexpr std::int32_t kLying = 0;
+constexpr std::int32_t kWalking = 303;
+
+}  // namespace
+
 void Story::Do(const Incident& incident) {
   const std::string& name = config_.actuators[incident.actuator].name;
   const Time now = robot_.network().now();
@@ -40,7 +47,7 @@ void Story::Do(const Incident& incident) {
     case IncidentKind::kSetOne:
       return Ask(incident.state, name);
     case IncidentKind::kBattery:
-      return Ask(StateForBattery(config_, static_cast<int>(incident.chance % 101)));
+      return robot_.SetBattery(BatteryOf(incident), ChargesIn(incident));
     case IncidentKind::kEmergencyStop:
       return robot_.EngageEmergencyStop(incident.chance | 1);
     case IncidentKind::kRelease:
@@ -48,9 +55,39 @@ void Story::Do(const Incident& incident) {
     case IncidentKind::kRestart:
       return robot_.Restart(name);
     default:
+      if (incident.kind > IncidentKind::kRestart) return DoToPolicy(incident);
       return incident.kind < IncidentKind::kControllerCrash ? DoToNetwork(incident)
                                                             : DoToController(incident);
   }
+}
+
+void Story::DoToPolicy(const Incident& incident) {
+  const std::uint64_t chance = incident.chance;
+  switch (incident.kind) {
+    case IncidentKind::kStillness:
+      return robot_.SetMotion(chance % 4 == 0 ? kWalking : kLying);
+    case IncidentKind::kWakeUp:
+      return AskPolicy({0, PolicyRequest::kWakeUp, "", 0, false});
+    case IncidentKind::kKeep:
+      return AskPolicy(
+          {0, PolicyRequest::kKeep, incident.state, static_cast<std::int64_t>(chance % 8), false});
+    case IncidentKind::kOta:
+      return AskPolicy({0, PolicyRequest::kOta, "", 0, chance % 2 == 0});
+    case IncidentKind::kLowPowerSwitch:
+      return AskPolicy({0, PolicyRequest::kLowPowerSwitch, "", 0, chance % 3 != 0});
+    default:
+      return AskPolicy({0, PolicyRequest::kPowerOff, "", 0, false});
+  }
+}
+
+void Story::AskPolicy(event::PolicyRequested asked) {
+  ControllerProcess* leader = robot_.leader();
+  if (leader == nullptr || leader->frozen) return;
+  const std::uint64_t request = judge_.AskedPolicy(asked);
+  leader->shell().AskPolicy(asked, [this, request, asked](const Result<>& answer) {
+    Mix(answer ? "ok" : answer.error().message);
+    judge_.AnsweredPolicy(request, asked, answer);
+  });
 }
 
 void Story::DoToNetwork(const Incident& incident) {
@@ -94,6 +131,9 @@ void Story::ApplyNetworkFaults() {
 }
 
 void Story::DoToController(const Incident& incident) {
+  if (incident.kind != IncidentKind::kWallClock) {
+    judge_.ControllersHindered(incident.kind == IncidentKind::kFullDisk);
+  }
   switch (incident.kind) {
     case IncidentKind::kControllerCrash:
       robot_.CrashController();
@@ -132,6 +172,12 @@ void Story::Ask(const State& target, const std::optional<std::string>& actuator)
 // People come: they release the stop, start again what nothing else does, and bring the machine
 // back to where it is of use.
 void Story::Repair() {
+  if (config_.policy) {
+    Note("people charge the battery");
+    robot_.SetBattery(100, true);
+    RunFor(std::chrono::seconds(2));
+    if (!ComeToRest("after the charge")) return;
+  }
   if (robot_.machine().phase == Phase::kStopped) {
     Note("the machine was torn down; it is started anew");
     robot_.CrashController();

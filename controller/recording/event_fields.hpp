@@ -87,8 +87,8 @@ inline constexpr std::tuple kFields<EmergencyStop> = {
 };
 
 template <>
-inline constexpr std::tuple kFields<Lowering> = {Field{"from", &Lowering::from},
-                                                 Field{"to", &Lowering::to}};
+inline constexpr std::tuple kFields<Lowering> = {
+    Field{"from", &Lowering::from}, Field{"to", &Lowering::to}, Field{"epoch", &Lowering::epoch}};
 template <>
 inline constexpr std::tuple kFields<StoredPolicy> = {
     Field{"low_power", &StoredPolicy::low_power},

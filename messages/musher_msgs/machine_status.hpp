@@ -1,5 +1,6 @@
 #pragma once
 #include "musher/messages/cdr.hpp"
+#include "musher/messages/musher_msgs/policy_info.hpp"
 
 namespace musher::msg {
 
@@ -52,12 +53,13 @@ struct MachineStatus {
   std::string emergency_stop_reason;
   std::vector<std::string> degraded;
   std::vector<ActuatorInfo> actuators;
+  PolicyInfo policy;
 
   template <class Self>
   static auto Fields(Self& m) {
     return std::tie(m.machine, m.name_space, m.phase, m.state, m.target, m.epoch, m.switch_number,
                     m.pid, m.host, m.config_file, m.config_hash, m.emergency_stop,
-                    m.emergency_stop_by, m.emergency_stop_reason, m.degraded, m.actuators);
+                    m.emergency_stop_by, m.emergency_stop_reason, m.degraded, m.actuators, m.policy);
   }
   friend bool operator==(const MachineStatus&, const MachineStatus&) = default;
 };

@@ -48,6 +48,7 @@ MotionManager::~MotionManager() {
 }
 
 void MotionManager::OnEmergencyStop() {
+  stopped_ = true;
   if (shell_) shell_->Do(motion_event::EmergencyStop{});
 }
 
@@ -89,6 +90,7 @@ Result<> MotionManager::OpenShell() {
       });
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
+  if (stopped_) shell_->Do(motion_event::EmergencyStop{});
   return Ok();
 }
 

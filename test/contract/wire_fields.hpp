@@ -148,6 +148,19 @@ MUSHER_SAME(musher_msgs_msg_dds__EmergencyStop_, EmergencyStop) {
   SAME(reason);
 }
 
+MUSHER_SAME(musher_msgs_msg_dds__PolicyInfo_, PolicyInfo) {
+  SAME(active);
+  SAME(battery);
+  SAME(charging);
+  SAME(battery_silent);
+  SAME(ceiling);
+  SAME(ceiling_reason);
+  SAME(kept);
+  SAME(keep_s);
+  SAME(low_power_switch);
+  SAME(power);
+}
+
 MUSHER_SAME(musher_msgs_msg_dds__MachineStatus_, MachineStatus) {
   SAME(machine);
   SAME(name_space);
@@ -165,6 +178,7 @@ MUSHER_SAME(musher_msgs_msg_dds__MachineStatus_, MachineStatus) {
   SAME(emergency_stop_reason);
   SAME_ITEMS(degraded);
   SAME_ITEMS(actuators);
+  SAME(policy);
 }
 
 MUSHER_SAME(musher_msgs_msg_dds__MachineInfo_, MachineInfo) {

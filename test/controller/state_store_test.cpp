@@ -41,6 +41,30 @@ TEST_F(Store, MakesItsFolderForItsOwnerOnly) {
   EXPECT_THAT(store.LogFile("motion"), EndsWith("/logs/motion.log"));
 }
 
+TEST_F(Store, KeepsWhatThePolicyRemembersAndForgetsWhatItForgot) {
+  StateStore store = MustOpen();
+  EXPECT_EQ(store.LoadPolicy(), StoredPolicy{});
+  const StoredPolicy lowered{true, Lowering{"Active", "Protected", 7}};
+  ASSERT_TRUE(store.SavePolicy(lowered).ok());
+  EXPECT_EQ(store.LoadPolicy(), lowered);
+  const StoredPolicy off{false, std::nullopt};
+  ASSERT_TRUE(store.SavePolicy(off).ok());
+  EXPECT_EQ(store.LoadPolicy(), off);
+}
+
+TEST_F(Store, OfADamagedPolicyOnlyWhatCanBeReadCounts) {
+  const StateStore store = MustOpen();
+  const auto load = [&](const std::string& text) {
+    std::ofstream(dir_ + "/policy", std::ios::binary) << text;
+    return store.LoadPolicy();
+  };
+  for (const char* text : {"", "low_power", "low_power maybe", "lowered Active", "\xff\xfe 1 2",
+                           "lowered Active Protected -", "lowered"}) {
+    EXPECT_EQ(load(text), StoredPolicy{}) << text;
+  }
+  EXPECT_EQ(load("low_power on\nlowered Active"), (StoredPolicy{true, std::nullopt}));
+}
+
 TEST_F(Store, RefusesASecondControllerAndNamesTheFirst) {
   const StateStore first = MustOpen();
   const auto second = StateStore::Open(dir_, "robot");

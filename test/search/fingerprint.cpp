@@ -75,7 +75,7 @@ class Mixer {
     Add(m.sender, m.epoch, m.what.index());
     std::visit([this](const auto& what) { One(what); }, m.what);
   }
-  void One(const Lowering& l) { Add(l.from, l.to); }
+  void One(const Lowering& l) { Add(l.from, l.to, l.epoch); }
   void One(const Keep& k) { Add(k.state, k.until, k.switch_number); }
   void One(const PowerDown& p) { Add(p.reboot, p.tear_down_at, p.force_at, p.commanded); }
   void One(const PolicyState& p) {

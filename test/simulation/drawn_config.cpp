@@ -62,6 +62,28 @@ ActuatorConfig DrawActuator(const MachineConfig& config, Random& dice) {
   return actuator;
 }
 
+// With dice of its own, so that robots without one are as they were.
+std::optional<PolicyConfig> DrawPolicy(std::uint64_t seed) {
+  Random dice(seed * 2 + 0x706f6c6963);
+  if (!dice.Chance(0.3)) return std::nullopt;
+  PolicyConfig policy;
+  if (dice.Chance(0.9)) {
+    BatteryPolicy& battery = policy.battery.emplace();
+    battery.protected_at = 10 + static_cast<int>(dice.Next() % 50);
+    battery.low_power_at = 1 + static_cast<int>(dice.Next() % 9);
+    const int room = battery.protected_at - battery.low_power_at;
+    battery.hysteresis = static_cast<int>(dice.Next() % static_cast<std::uint64_t>(room) % 6);
+  }
+  if (dice.Chance(0.9)) {
+    LowPowerPolicy& low_power = policy.low_power.emplace();
+    low_power.enabled = dice.Chance(0.5);
+    low_power.lying_still = dice.Between(Milliseconds(500), std::chrono::seconds(5));
+  }
+  policy.power.delay = dice.Between(Milliseconds(0), std::chrono::seconds(2));
+  policy.power.force_after = policy.power.delay + dice.Between({}, std::chrono::seconds(15));
+  return policy;
+}
+
 }  // namespace
 
 MachineConfig DrawConfig(std::uint64_t seed) {
@@ -87,6 +109,7 @@ MachineConfig DrawConfig(std::uint64_t seed) {
     }
   }
   if (dice.Chance(0.2)) config.transport = TransportProfile::kLan;
+  config.policy = DrawPolicy(seed);
   const std::size_t size = DrawSize(dice);
   while (config.actuators.size() < size) config.actuators.push_back(DrawActuator(config, dice));
   return config;

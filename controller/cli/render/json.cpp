@@ -72,6 +72,18 @@ const char* MarkName(recording::ReplayLine::Mark mark) {
   return "=";
 }
 
+Json Of(const msg::PolicyInfo& p) {
+  return {{"battery", p.battery < 0 ? Json() : Json(p.battery)},
+          {"charging", p.charging},
+          {"battery_silent", p.battery_silent},
+          {"ceiling", p.ceiling},
+          {"ceiling_reason", p.ceiling_reason},
+          {"kept", p.kept},
+          {"keep_s", p.keep_s},
+          {"low_power_switch", p.low_power_switch},
+          {"power", p.power}};
+}
+
 }  // namespace
 
 std::string StatusJson(const msg::MachineStatus& status) {
@@ -93,7 +105,8 @@ std::string StatusJson(const msg::MachineStatus& status) {
                {"emergency_stop",
                 {{"engaged", status.emergency_stop},
                  {"by", status.emergency_stop_by},
-                 {"reason", status.emergency_stop_reason}}}});
+                 {"reason", status.emergency_stop_reason}}},
+               {"policy", status.policy.active ? Of(status.policy) : Json()}});
 }
 
 std::string SwitchJson(const msg::SetState::Response& result) {

@@ -76,6 +76,22 @@ std::string EmergencyStopOf(const msg::MachineStatus& status) {
   return text;
 }
 
+// "the battery is at 15 %: …; kept in Active for 60 s"; empty where there is nothing to say.
+std::string PolicyOf(const msg::PolicyInfo& p) {
+  std::string text;
+  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+  if (!p.ceiling_reason.empty()) {
+    add(p.ceiling_reason);
+  } else if (p.battery >= 0) {
+    add(fmt::format("the battery is at {} %{}", p.battery, p.charging ? ", being charged" : ""));
+  }
+  if (p.battery_silent) add("nothing is heard of the battery");
+  if (!p.kept.empty()) add(fmt::format("kept in {} for {} s", p.kept, p.keep_s));
+  if (p.low_power_switch) add("LowPower when it lies still");
+  if (!p.power.empty()) add(p.power + " is under way");
+  return text;
+}
+
 std::string Join(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
@@ -108,6 +124,10 @@ std::string StatusText(const msg::MachineStatus& told, bool colour) {
   if (!status.degraded.empty()) {
     text += Paint("degraded: " + Join(status.degraded), Style::kBad, colour) + '\n';
   }
+  if (const std::string policy = PolicyOf(status.policy); !policy.empty()) {
+    const bool limited = !status.policy.ceiling.empty() || status.policy.battery_silent;
+    text += Paint(policy, limited ? Style::kBusy : Style::kDim, colour) + '\n';
+  }
   Table table({"ACTUATOR", "STATE", "STAGE", "PID", "NOTE"});
   for (const msg::ActuatorInfo& a : status.actuators) {
     table.Add({{a.name + (a.critical ? "*" : "")},
@@ -132,6 +152,7 @@ std::string StatusLine(const msg::MachineStatus& told, std::int64_t wall_ns) {
   if (const auto degraded = DegradedOf(status); !degraded.empty()) {
     line += "  degraded: " + Join(degraded);
   }
+  if (const std::string policy = PolicyOf(status.policy); !policy.empty()) line += "  " + policy;
   if (status.emergency_stop) line += "  " + EmergencyStopOf(status);
   return line;
 }

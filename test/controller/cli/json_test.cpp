@@ -21,7 +21,7 @@ TEST(Json, TellsTheStatusOfAMachine) {
       R"("health":"crashed","restarts":2,"restarting":true}},)"
       R"("phase":"running","target":"LowPower","epoch":3,"switch":12,"namespace":"pack",)"
       R"("config":"dog.toml","config_hash":"cafe","host":"here",)"
-      R"("emergency_stop":{"engaged":false,"by":"","reason":""}})");
+      R"("emergency_stop":{"engaged":false,"by":"","reason":""},"policy":null})");
 }
 
 TEST(Json, TellsOfAnEmergencyStopAndItsRelease) {
@@ -34,6 +34,23 @@ TEST(Json, TellsOfAnEmergencyStopAndItsRelease) {
   EXPECT_NE(
       StatusJson(status).find(R"("emergency_stop":{"engaged":true,"by":"alice","reason":"smoke"})"),
       std::string::npos);
+}
+
+TEST(Json, TellsOfThePolicyAndThatTheBatteryIsNotKnownYet) {
+  msg::MachineStatus status = RobotStatus();
+  status.policy.active = true;
+  EXPECT_NE(StatusJson(status).find(R"("policy":{"battery":null,"charging":false,)"),
+            std::string::npos);
+  status.policy.battery = 15;
+  status.policy.ceiling = "Protected";
+  status.policy.kept = "Active";
+  status.policy.keep_s = 60;
+  status.policy.power = "reboot";
+  EXPECT_NE(StatusJson(status).find(
+                R"("policy":{"battery":15,"charging":false,"battery_silent":false,)"
+                R"("ceiling":"Protected","ceiling_reason":"","kept":"Active","keep_s":60,)"
+                R"("low_power_switch":false,"power":"reboot"}})"),
+            std::string::npos);
 }
 
 TEST(Json, TellsOfAnActuatorThatIsBackByItsNameAndAllElse) {

@@ -44,6 +44,30 @@ TEST_F(Text, IsCalmAboutAMachineThatIsWell) {
             "legs*     Active  1      101\n");
 }
 
+TEST_F(Text, TellsInOneLineWhatThePolicyIsAbout) {
+  msg::MachineStatus status = RobotStatus();
+  status.policy.active = true;
+  EXPECT_EQ(StatusText(status, false).find("battery"), std::string::npos) << "not known yet";
+  status.policy.battery = 80;
+  status.policy.charging = true;
+  status.policy.low_power_switch = true;
+  EXPECT_NE(StatusText(status, false)
+                .find("\nthe battery is at 80 %, being charged; LowPower when it lies still\n"),
+            std::string::npos);
+  status.policy.ceiling = "Protected";
+  status.policy.ceiling_reason = "the battery is at 15 %: the machine may be at most Protected";
+  status.policy.battery_silent = true;
+  status.policy.kept = "Active";
+  status.policy.keep_s = 60;
+  status.policy.low_power_switch = false;
+  status.policy.power = "power-off";
+  const std::string line =
+      "the battery is at 15 %: the machine may be at most Protected; nothing is heard of the "
+      "battery; kept in Active for 60 s; power-off is under way";
+  EXPECT_NE(StatusText(status, false).find("\n" + line + "\n"), std::string::npos);
+  EXPECT_NE(StatusLine(status, 0).find("  " + line), std::string::npos);
+}
+
 class Note : public Text {
  protected:
   // What is said about the legs, if they are so.

@@ -107,6 +107,18 @@ TEST_F(Power, AnEmergencyStopDoesNotKeepTheRobotOn) {
   EXPECT_EQ(robot().power.size(), 1U);
 }
 
+// Found by a story: the rule that nothing goes up meanwhile took TearDown for going up.
+TEST_F(Power, OffDuringTheStartTearsTheMachineDown) {
+  Theatre t(WithPolicy());
+  t.Begin();
+  t.AskPolicy({0, PolicyRequest::kPowerOff, "", 0, false});
+  t.On("a", "SelfCheck").hangs = true;
+  t.RunFor(seconds(20));
+  EXPECT_TRUE(t.stopped());
+  EXPECT_EQ(t.machine().state, "TearDown");
+  ASSERT_EQ(t.power.size(), 1U);
+}
+
 TEST_F(Power, AMachineWithoutTearDownIsSwitchedOffWhenTheTimeIsOver) {
   MachineConfig config = WithPolicy();
   std::erase(config.states, "TearDown");

@@ -1,0 +1,128 @@
+// What is promised of the policy. Levels are judged here by the percentage alone, not by what the
+// controller makes of it.
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/simulation/judge.hpp"
+
+namespace musher::simulation {
+namespace {
+
+// What the event loop and the network take.
+constexpr Duration kPowerSlack = std::chrono::seconds(1);
+
+// The rank that a battery without a memory allows at most.
+std::optional<Rank> MostAt(const BatteryPolicy& policy, int percent, bool charging) {
+  if (percent <= policy.low_power_at && !charging) return BuiltInRank(kLowPower);
+  if (percent <= policy.protected_at) return BuiltInRank(kProtected);
+  return std::nullopt;
+}
+
+}  // namespace
+
+// As soon as nothing else is under way. `at_rest`: then there is no more excuse of loading.
+void Judge::JudgeCeiling(const Machine& machine, bool at_rest) {
+  const PolicyState& policy = machine.policy;
+  const bool waits = machine.current || machine.fallback || policy.keep || policy.power ||
+                     machine.state == kOta || (!at_rest && !policy.loaded);
+  if (!config_.policy || !config_.policy->battery || !policy.battery) return;
+  const auto rank = config_.RankOf(machine.state);
+  if (waits || machine.phase != Phase::kRunning || !rank) return;
+  const auto most = MostAt(*config_.policy->battery, *policy.battery, policy.charging);
+  if (!most || *rank <= *most) return;
+  Blame(Promise::kWithinBattery,
+        "the machine is in " + machine.state + " with " + BatteryText(policy));
+}
+
+// Keeps in mind what the policy says that it does: "…: down to LowPower", "…: back to Active".
+void Judge::OnRecord(const action::Record& record) {
+  const std::string& text = record.message;
+  const std::size_t down = text.rfind(": down to ");
+  const std::size_t back = text.rfind(": back to ");
+  const std::size_t at = down == std::string::npos ? back : down;
+  if (record.kind != "policy" || at == std::string::npos) return;
+  const State target = text.substr(at + std::string_view(": down to ").size());
+  if (target.find(' ') != std::string::npos) return;  // it is refused
+  policy_goes_to_.push_back(target);
+  const ControllerProcess* leader = robot_.leader();
+  if (back == at || leader == nullptr) return;
+  if (!text.starts_with("the battery")) return lowered_.reset();  // it has lain still
+  const State& from = leader->shell().machine().state;
+  if (!lowered_ || lowered_->second != from) lowered_ = {from, from};
+  lowered_->second = target;
+}
+
+bool Judge::ByPolicy(const State& state) const {
+  return std::find(policy_goes_to_.begin(), policy_goes_to_.end(), state) != policy_goes_to_.end();
+}
+
+// The state of the machine has changed.
+void Judge::JudgePolicyChange(const Machine& machine, const Seen& seen) {
+  const auto before = config_.RankOf(seen.state);
+  const auto rank = config_.RankOf(machine.state);
+  if (!config_.policy || !before) return;  // a step of a start
+  if (ByPolicy(machine.state) && rank) {
+    std::erase(policy_goes_to_, machine.state);
+    if (*rank > *before) JudgeRaise(machine);
+    return;
+  }
+  // Somebody else did it. What the battery kept him from may come later.
+  policy_goes_to_.clear();
+  lowered_.reset();
+  if (std::exchange(woken_, false)) lowered_ = {State(kActive), machine.state};
+}
+
+void Judge::JudgeRaise(const Machine& machine) {
+  const Rank rank = *config_.RankOf(machine.state);
+  const std::string what = "the policy has raised the machine to " + machine.state;
+  const bool back = lowered_ && rank <= config_.RankOf(lowered_->first).value_or(0);
+  if (!back && !forgetful_) {
+    Blame(Promise::kNoFlapping, what + ", from where it had not taken it down");
+  }
+  const BatteryPolicy& battery = *config_.policy->battery;
+  const int percent = machine.policy.battery.value_or(0);
+  const std::pair<std::string_view, int> levels[] = {{kProtected, battery.protected_at},
+                                                     {kLowPower, battery.low_power_at}};
+  for (const auto& [state, at] : levels) {
+    if (rank <= *BuiltInRank(state) || percent >= at + battery.hysteresis) continue;
+    Blame(Promise::kNoFlapping, what + " at " + std::to_string(percent) + " %");
+  }
+  if (!lowered_) return;
+  lowered_->second = machine.state;
+  if (lowered_->first == machine.state) lowered_.reset();
+}
+
+std::uint64_t Judge::AskedPolicy(const event::PolicyRequested& asked) {
+  const bool up = asked.what == PolicyRequest::kWakeUp ||
+                  (asked.what == PolicyRequest::kOta && !asked.enable) ||
+                  (asked.what == PolicyRequest::kLowPowerSwitch && !asked.enable);
+  woken_ |= up;
+  return Asked(asked.what == PolicyRequest::kKeep ? asked.state : State(kActive));
+}
+
+void Judge::AnsweredPolicy(std::uint64_t request, const event::PolicyRequested& asked,
+                           const Result<>& answer) {
+  ++judgements_;
+  if (open_.erase(request) == 0) {
+    return Blame(Promise::kOneAnswer, "a request of the policy was answered twice");
+  }
+  just_answered_.insert(asked.what == PolicyRequest::kKeep ? asked.state : State(kActive));
+  if (!answer) return;
+  const bool alone = robot_.controller(1) == nullptr;
+  if (asked.what == PolicyRequest::kPowerOff && !power_due_ && alone) {
+    power_due_ = robot_.network().now() + config_.policy->power.force_after + kPowerSlack;
+  }
+}
+
+void Judge::ControllersHindered(bool forgetful) {
+  power_due_.reset();
+  forgetful_ |= forgetful;
+}
+
+void Judge::JudgePower() {
+  if (!power_due_ || robot_.network().now() <= *power_due_) return;
+  Blame(Promise::kPowerComes, "the robot should have lost its power by now");
+}
+
+}  // namespace musher::simulation
