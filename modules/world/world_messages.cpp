@@ -98,8 +98,10 @@ Result<BoardCommand> FromMessage(const msg::MotionCustomCommand& message) {
   constexpr double kMostTiltRad = 0.8;
   constexpr double kMostRaisedM = 0.15;
   BoardCommand command;
+  // NOLINTBEGIN(bugprone-signed-char-misuse): they are numbers, no letters
   command.mode = message.mode;
   command.gait = message.gait_id;
+  // NOLINTEND(bugprone-signed-char-misuse)
   command.life_count = message.life_count;
   command.speed = speed.value();
   command.attitude = attitude.value().cwiseMax(-kMostTiltRad).cwiseMin(kMostTiltRad);
