@@ -32,7 +32,7 @@ void Judge::JudgeCeiling(const Machine& machine, bool at_rest) {
   const auto most = MostAt(*config_.policy->battery, *policy.battery, policy.charging);
   if (!most || *rank <= *most) return;
   Blame(Promise::kWithinBattery,
-        "the machine is in " + machine.state + " with " + BatteryText(policy));
+        "the machine is in " + machine.state + " while " + BatteryText(policy));
 }
 
 // Keeps in mind what the policy says that it does: "…: down to LowPower", "…: back to Active", and
