@@ -136,7 +136,7 @@ void ControllerServices::OnRequestPolicy(
     const msg::RequestPolicy::Request& request,
     const transport::Server<msg::RequestPolicy>::Reply& reply) {
   const auto answer = [this, reply](const Result<>& result) {
-    const Error end = result ? Error{} : result.error();
+    const Error end = result ? Error{kCodeOk, ""} : result.error();
     reply({end.code, end.message, shell_.machine().state});
   };
   const auto what = RequestOf(request.request);

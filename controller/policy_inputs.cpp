@@ -29,15 +29,11 @@ Result<std::unique_ptr<PolicyInputs>> PolicyInputs::Make(transport::Node& node,
 }
 
 Result<> PolicyInputs::Open(transport::Node& node) {
-  by_topic_ = policy_.clock == PolicyClock::kTopic;
-  if (by_topic_) {
-    auto clock = transport::Clock::FromTopic(node, [this] { OnWorldRestarted(); });
-    if (!clock) return clock.error();
-    clock_ = std::move(clock).value();
-    first_time_ = clock_->At(Time{}, [this] { TellTime(); });
-  } else {
-    clock_ = transport::Clock::Steady(node.loop());
-  }
+  by_topic_ = config_.clock == ClockSource::kTopic;
+  auto clock = transport::Clock::Of(config_, node, [this] { OnWorldRestarted(); });
+  if (!clock) return clock.error();
+  clock_ = std::move(clock).value();
+  if (by_topic_) first_time_ = clock_->At(Time{}, [this] { TellTime(); });
   const auto topic = [this](const std::string& name) {
     return config_.name_space.empty() ? name : config_.name_space + "/" + name;
   };

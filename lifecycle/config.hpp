@@ -33,6 +33,13 @@ enum class TransportProfile {
   kLan,    // several hosts, links that lose packets
 };
 
+// What the behaviour of modules and the times of the policy follow. Deadlines, leases and restarts
+// go by the steady clock, always.
+enum class ClockSource {
+  kSteady,
+  kTopic,  // /clock: the time of a simulated world
+};
+
 struct RestartConfig {
   RestartPolicy policy = RestartPolicy::kNo;
   Duration delay = Milliseconds(100);
@@ -111,6 +118,7 @@ struct MachineConfig {
   std::map<State, Rank> ranks;  // built-in ranks and those of [[state]]
   std::vector<FlowEdge> flow;   // the default flow, or the file's [[transition]]
   TransportProfile transport = TransportProfile::kLocal;
+  ClockSource clock = ClockSource::kSteady;
   std::string keys;  // absolute folder of keys: strangers are kept out; empty: anybody may come
 
   std::optional<PolicyConfig> policy;  // none: the machine has no rules of its own

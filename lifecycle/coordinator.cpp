@@ -105,8 +105,7 @@ std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& mac
     consider(stopping.killed ? stopping.give_up_at : stopping.kill_at);
   }
   consider(NextPowerDeadline(machine));
-  const bool steady = config.policy && config.policy->clock == PolicyClock::kSteady;
-  if (steady) consider(NextPolicyDeadline(config, machine));
+  if (config.clock == ClockSource::kSteady) consider(NextPolicyDeadline(config, machine));
   return next;
 }
 

@@ -135,7 +135,7 @@ std::optional<Error> RefusalByPolicy(const MachineConfig& config, const Machine&
 }
 
 Time PolicyNow(const MachineConfig& config, const PolicyState& policy, Time now) {
-  return config.policy && config.policy->clock == PolicyClock::kTopic ? policy.clock : now;
+  return config.clock == ClockSource::kTopic ? policy.clock : now;
 }
 
 }  // namespace musher

@@ -11,12 +11,6 @@
 
 namespace musher {
 
-// What the times of the policy follow.
-enum class PolicyClock {
-  kSteady,
-  kTopic,  // /clock: a simulated world's time
-};
-
 // [policy.battery]: how active the machine may be at most. Levels in percent, inclusive.
 struct BatteryPolicy {
   std::string topic = "bms_status";            // protocol/BmsStatus
@@ -50,7 +44,6 @@ struct PowerPolicy {
 };
 
 struct PolicyConfig {
-  PolicyClock clock = PolicyClock::kSteady;
   bool manager = false;  // the interfaces of CyberDog's manager are answered
   std::optional<BatteryPolicy> battery;
   std::optional<LowPowerPolicy> low_power;

@@ -106,7 +106,7 @@ void Decision::On(const event::InputSilent& silent) {
 
 // A world that begins anew, or is heard for the first time, has another zero.
 void Decision::On(const event::ClockHeard& heard) {
-  if (!config_.policy || config_.policy->clock != PolicyClock::kTopic) return;
+  if (!config_.policy || config_.clock != ClockSource::kTopic) return;
   PolicyState& policy = machine_.policy;
   if (policy.clock == Time{} || heard.clock < policy.clock) {
     const Duration jump = heard.clock - policy.clock;

@@ -14,6 +14,7 @@
 #include <functional>
 #include <memory>
 
+#include "musher/lifecycle/config.hpp"
 #include "musher/transport/node.hpp"
 
 namespace musher::transport {
@@ -30,6 +31,10 @@ class Clock {
   // `on_jump_back` runs when the world was restarted, before anything fires at the new time.
   static Result<std::unique_ptr<Clock>> FromTopic(Node& node,
                                                   std::function<void()> on_jump_back = {});
+
+  // The one that the machine goes by.
+  static Result<std::unique_ptr<Clock>> Of(const MachineConfig& config, Node& node,
+                                           std::function<void()> on_jump_back = {});
 
   // On /clock: Time{} plus what the world's clock shows.
   virtual Time Now() const = 0;

@@ -134,6 +134,9 @@ void ReadController(TableReader& root, Draft& draft) {
   const auto budget = controller.Time("shutdown_budget_ms");
   config.shutdown_budget = budget.value_or(config.shutdown_budget);
   config.log = ReadPath("log", controller, draft).value_or("");
+  const auto clock = controller.Choice<ClockSource>(
+      "clock", {{"steady", ClockSource::kSteady}, {"topic", ClockSource::kTopic}});
+  config.clock = clock.value_or(config.clock);
   if (const auto mb = controller.Integer("journal_size_mb", 1, kLargestJournalMb)) {
     config.journal_size_bytes = *mb << 20;
   }

@@ -49,9 +49,6 @@ class PolicyReader {
       : reader_(table, at, "policy", draft.findings), draft_(draft) {}
 
   PolicyConfig Read() {
-    const auto clock = reader_.Choice<PolicyClock>(
-        "clock", {{"steady", PolicyClock::kSteady}, {"topic", PolicyClock::kTopic}});
-    policy_.clock = clock.value_or(policy_.clock);
     policy_.manager = reader_.Bool("manager").value_or(policy_.manager);
     ReadBattery();
     ReadLowPower();

@@ -44,9 +44,15 @@ Result<> BatteryDevice::Connect() {
   if (!commands) return commands.error();
   commands_ = std::move(commands).value();
   if (config_.source == BatterySource::kWorld) {
+    transport::SubscriptionEvents events;
+    events.on_match_changed = [this] {
+      // A world that is gone takes its clock along: no silence would ever be over.
+      if (told_ && readings_->MatchedWriters() == 0) Lose("nobody publishes world/battery");
+    };
     auto readings = transport::MakeSubscription<msg::BatteryState>(
         around_.node, around_.Name("world/battery"),
-        [this](const msg::BatteryState& state, const auto&) { OnReading(FromMessage(state)); });
+        [this](const msg::BatteryState& state, const auto&) { OnReading(FromMessage(state)); },
+        transport::kDefaultQos, std::move(events));
     if (!readings) return readings.error();
     readings_ = std::move(readings).value();
   } else if (config_.source == BatterySource::kHost) {
@@ -85,13 +91,16 @@ void BatteryDevice::OnReading(const BatteryReading& reading) {
 }
 
 void BatteryDevice::Hear() {
-  silence_ = around_.clock.At(around_.clock.Now() + config_.silence, [this] { OnSilence(); });
+  silence_ = around_.clock.At(around_.clock.Now() + config_.silence, [this] {
+    Lose("silent for " + std::to_string(ToMilliseconds(config_.silence)) + " ms");
+  });
 }
 
-void BatteryDevice::OnSilence() {
+void BatteryDevice::Lose(const std::string& why) {
   told_.reset();
   due_.reset();
-  complaint_ = "silent for " + std::to_string(ToMilliseconds(config_.silence)) + " ms";
+  silence_.reset();
+  complaint_ = why;
   around_.log("battery: " + complaint_);
 }
 

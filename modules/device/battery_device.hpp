@@ -44,7 +44,7 @@ class BatteryDevice {
   void OnReading(const BatteryReading& reading);
   void Refuse(const std::string& reason);
   void Hear();
-  void OnSilence();
+  void Lose(const std::string& why);
   void PublishWhenDue();
   void Publish();
   Result<> Execute(const Command::Request& request);

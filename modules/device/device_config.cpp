@@ -31,9 +31,6 @@ class Reader {
 
   DeviceConfig Read(const Table& table) {
     TableReader root(table, {1, 1}, "", findings_);
-    config_.clock = root.Choice<ClockSource>("clock", {{"steady", ClockSource::kSteady},
-                                                       {"topic", ClockSource::kTopic}})
-                        .value_or(config_.clock);
     config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
     config_.skip = Devices(root, "skip");
     config_.critical = Devices(root, "critical");

@@ -14,7 +14,6 @@
 namespace musher::device {
 
 enum class BatterySource : std::uint8_t { kNone, kWorld, kHost };
-enum class ClockSource : std::uint8_t { kSteady, kTopic };
 
 struct BatteryConfig {
   BatterySource source = BatterySource::kNone;
@@ -27,7 +26,6 @@ struct BatteryConfig {
 };
 
 struct DeviceConfig {
-  ClockSource clock = ClockSource::kSteady;
   Duration self_check_time = Milliseconds(3000);  // so long the devices have to be well
   std::vector<std::string> skip;                  // not checked
   std::vector<std::string> critical;              // whose code is the self-check's

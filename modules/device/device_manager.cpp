@@ -53,16 +53,12 @@ Result<> DeviceManager::SetUp() {
 }
 
 Result<> DeviceManager::MakeDevices() {
-  const bool on_topic = config_.clock == ClockSource::kTopic;
-  if (on_topic) {
-    auto clock = transport::Clock::FromTopic(node_->node(), [this] {
-      if (devices_) devices_->OnTimeJumped();
-    });
-    if (!clock) return clock.error();
-    clock_ = std::move(clock).value();
-  } else {
-    clock_ = transport::Clock::Steady(node_->loop());
-  }
+  auto clock = transport::Clock::Of(machine_config(), node_->node(), [this] {
+    if (devices_) devices_->OnTimeJumped();
+  });
+  if (!clock) return clock.error();
+  clock_ = std::move(clock).value();
+  const bool on_topic = machine_config().clock == ClockSource::kTopic;
   const Surroundings around = {
       node_->node(),
       *clock_,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "musher/lifecycle/toml/findings.hpp"
+
 namespace musher::device {
 namespace {
 
@@ -65,7 +67,8 @@ Result<> LedArbiter::Execute(const Request& request) {
   }
   const auto* const client = std::find(kLedClients.begin(), kLedClients.end(), request.client);
   if (client == kLedClients.end()) {
-    return Refusal(LedKey::kNoSuchClient, "there is no client '" + request.client + "'");
+    return Refusal(LedKey::kNoSuchClient,
+                   "there is no client " + config_toml::Quote(request.client));
   }
   Stored& stored = stored_[static_cast<std::size_t>(target - kLedTargets.begin())];
   const auto index = static_cast<std::size_t>(client - kLedClients.begin());

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "musher/lifecycle/toml/findings.hpp"
+
 namespace musher::device {
 
 Result<std::unique_ptr<LedDevice>> LedDevice::Make(const Surroundings& around, bool present) {
@@ -23,7 +25,8 @@ Result<> LedDevice::Connect() {
         const LedArbiter before = arbiter_;
         const Result<> done = arbiter_.Execute(request);
         if (!done) {
-          around_.log("led_execute of '" + request.client + "': " + done.error().message);
+          around_.log("led_execute of " + config_toml::Quote(request.client) + ": " +
+                      done.error().message);
         }
         if (arbiter_ != before) ShowAll();
         reply({done ? kCodeOk : done.error().code});

@@ -16,7 +16,6 @@ constexpr int kUsageError = 2;
 
 constexpr const char* kFooter = R"(
 FILE, every key of which may be left out:
-  clock = "steady"          # or "topic": follow /clock
   motions = "motions.toml"  # the motion id table, relative to FILE
   [priority]                # of sources: debug, app, audio, vis, blutele, algo
   [board]                   # wait_ms, silent_ms, feedback_ms

@@ -30,9 +30,6 @@ constexpr std::array<std::pair<const char*, std::int32_t>, 6> kSources = {
 MotionConfig Read(const Table& table, const std::string& path, Findings& findings) {
   MotionConfig config;
   TableReader root(table, {1, 1}, "", findings);
-  const std::vector<std::pair<std::string_view, ClockKind>> clocks = {
-      {"steady", ClockKind::kSteady}, {"topic", ClockKind::kTopic}};
-  config.clock = root.Choice("clock", clocks).value_or(config.clock);
   const auto motions = root.String("motions");
   config.motions =
       config_toml::Absolute(config_toml::FolderOf(path), motions ? motions->text : "motions.toml");

@@ -12,10 +12,7 @@
 
 namespace musher::motion {
 
-enum class ClockKind { kSteady, kTopic };
-
 struct MotionConfig {
-  ClockKind clock = ClockKind::kSteady;
   std::string motions;  // the file of the motion id table, absolute
   Priorities priorities = DefaultPriorities();
   Duration board_wait = Milliseconds(10'000);   // SetUp waits so long for the first report

@@ -48,6 +48,7 @@ MotionManager::~MotionManager() {
 }
 
 void MotionManager::OnEmergencyStop() {
+  stopped_ = true;
   if (shell_) shell_->Do(motion_event::EmergencyStop{});
 }
 
@@ -66,15 +67,11 @@ Result<> MotionManager::SetUp() {
 // On the loop.
 Result<> MotionManager::OpenShell() {
   transport::Node& node = loop_->node();
-  if (config_.clock == ClockKind::kTopic) {
-    auto clock = transport::Clock::FromTopic(node, [this] {
-      if (shell_) shell_->Do(motion_event::WorldRestarted{});
-    });
-    if (!clock) return clock.error();
-    clock_ = std::move(clock).value();
-  } else {
-    clock_ = transport::Clock::Steady(loop_->loop());
-  }
+  auto clock = transport::Clock::Of(machine_config(), node, [this] {
+    if (shell_) shell_->Do(motion_event::WorldRestarted{});
+  });
+  if (!clock) return clock.error();
+  clock_ = std::move(clock).value();
   const std::string& name_space = machine_config().name_space;
   auto shell = MotionShell::Make(
       {node, *clock_, table_, config_, name_space,
@@ -89,6 +86,7 @@ Result<> MotionManager::OpenShell() {
       });
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
+  if (stopped_) shell_->Do(motion_event::EmergencyStop{});
   return Ok();
 }
 

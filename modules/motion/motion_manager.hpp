@@ -50,6 +50,7 @@ class MotionManager : public MachineActuator {
   const MotionTable table_;
   std::shared_ptr<transport::NodeThread> loop_;  // keeps the loop until the shell is dropped
   // On the loop only.
+  bool stopped_ = false;  // an emergency stop was heard; it may be before there is a shell
   std::unique_ptr<transport::Clock> clock_;
   std::unique_ptr<MotionShell> shell_;
 };

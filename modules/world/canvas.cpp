@@ -138,7 +138,7 @@ Result<> Canvas::Save(const std::string& path) const {
   cv::resize(impl_->image, small, {}, 1.0 / kFiner, 1.0 / kFiner, cv::INTER_AREA);
   std::vector<std::uint8_t> bytes;
   if (!cv::imencode(".png", small, bytes)) return Error{kCodeFailed, "PNG could not be encoded"};
-  const std::string draft = path + ".part";
+  const std::string draft = path + ".part" + std::to_string(gettid());  // two may draw at once
   std::ofstream file(draft, std::ios::binary);
   file.write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));

@@ -115,9 +115,11 @@ class Reader {
     const auto* array = value->As<Array>();
     Vector2d pair;
     bool good = array != nullptr && array->size() == 2;
-    for (std::size_t i = 0; good && i < 2; ++i) {
-      const auto* integer = (*array)[i].As<std::int64_t>();
-      const auto* number = (*array)[i].As<double>();
+    for (const int i : {0, 1}) {
+      if (!good) break;
+      const Value& item = array->at(static_cast<std::size_t>(i));
+      const auto* integer = item.As<std::int64_t>();
+      const auto* number = item.As<double>();
       good = integer != nullptr || number != nullptr;
       if (!good) break;
       pair[i] = number != nullptr ? *number : static_cast<double>(*integer);

@@ -47,9 +47,9 @@ std::optional<bool> Either(const std::string& word, const char* yes, const char*
 
 // The numbers of TouchStatus.
 std::optional<int> TouchKind(const std::string& word) {
-  static const std::map<std::string, int> kKinds = {
+  static const std::map<std::string, int> kinds = {
       {"single", 1}, {"double", 3}, {"hold", 7}, {"circle", 8}};
-  if (const auto found = kKinds.find(word); found != kKinds.end()) return found->second;
+  if (const auto found = kinds.find(word); found != kinds.end()) return found->second;
   const auto number = Number(word);
   if (!number || *number < 1 || *number > kMostTouchState || std::trunc(*number) != *number) {
     return std::nullopt;

@@ -10,6 +10,12 @@
 namespace musher::world {
 namespace {
 
+std::string NumberText(double number) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%g", number);
+  return text;
+}
+
 std::string At(const Eigen::Vector2d& point_m) {
   char text[64];
   std::snprintf(text, sizeof(text), "(%.2f m, %.2f m)", point_m.x(), point_m.y());
@@ -53,7 +59,7 @@ std::optional<std::string> World::Command(const BoardCommand& command) {
 
 std::optional<std::string> World::SetBattery(double percent) {
   if (!(percent >= 0 && percent <= 100)) {
-    return "a battery of " + std::to_string(percent) + " % is refused: expected 0 to 100";
+    return "a battery of " + NumberText(percent) + " % is refused: expected 0 to 100";
   }
   Record();
   battery_.Set(percent);
@@ -116,7 +122,10 @@ void World::Record() {
   sample.pose = body_.pose();
   sample.battery_percent = battery_.percent();
   sample.charging = battery_.charging();
-  track_.Add(sample, machine_state_, NameOf(body_.mode(), body_.gait()));
+  // One that could walk and does not stands.
+  const Motion* motion = FindMotion(body_.mode(), body_.gait());
+  const bool idle = motion->kind == Kind::kWalk && body_.activity() == Activity::kStanding;
+  track_.Add(sample, machine_state_, idle ? "stand" : NameOf(body_.mode(), body_.gait()));
 }
 
 }  // namespace musher::world

@@ -3,6 +3,7 @@
 #include <pthread.h>
 
 #include <csignal>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <thread>
@@ -42,7 +43,7 @@ int RunAlone(const Scene& scene, const std::string& name_space) {
   std::thread drawer;
   HostOptions options;
   options.name_space = name_space;
-  options.picture_path = scene.picture.file;
+  options.picture_path = std::filesystem::absolute(scene.picture.file).string();
   options.log = Say;
   options.in_background = [&drawer](std::function<void()> work) {
     if (drawer.joinable()) drawer.join();

@@ -141,7 +141,7 @@ void WorldHost::Touch(int state) {
 
 void WorldHost::SetSpeed(double factor) {
   if (!(factor >= kLeastSpeed && factor <= kMostSpeed)) {
-    return Log("a speed of " + std::to_string(factor) + " is refused: expected 0.01 to 100");
+    return Log("that speed of time is refused: expected 0.01 to 100");
   }
   const Time now = node_.loop().Now();
   pacer_.SetFactor(factor, now);

@@ -33,10 +33,10 @@ boot() {
 }
 
 walk() {
-  act "It walks a square of one metre"
-  motion walk --square 1 --speed 0.5
+  act "It walks a square of two metres"
+  motion walk --square 2 --speed 0.6
   expect "exit code" 0 "$code"
-  at_most "away from where it began" 30 "$(answer '.off_m * 100 | round')" cm
+  at_most "away from where it began" 30 "$(answer '.gap_m * 100 | round')" cm
 }
 
 be_protected() {
@@ -117,7 +117,8 @@ power_off() {
   shown musher poweroff
   expect "exit code" 0 "$code"
   await_end
-  expect "the last state" TearDown "$(history_of '[.[].state | select(. != "")][-1]')"
+  expect "the last thing on record" "power-off; no command is configured" \
+    "$(history_of '.[-1].message')"
 }
 
 explain_keeping() {

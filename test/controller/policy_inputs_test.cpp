@@ -121,7 +121,7 @@ TEST_F(Inputs, ABatteryThatGoesOnIsNotSilent) {
 }
 
 TEST_F(Inputs, TheTimeOfAWorldIsToldOnlyBeforeSomethingElseAndWhenItIsDue) {
-  config_.policy->clock = PolicyClock::kTopic;
+  config_.clock = ClockSource::kTopic;
   config_.policy->battery->silent = std::chrono::hours(1);
   config_.policy->low_power.reset();
   Open();

@@ -148,7 +148,7 @@ class OnTheClockOfAWorld : public Rules {
  protected:
   void SetUp() override {
     MachineConfig config = WithPolicy();
-    config.policy->clock = PolicyClock::kTopic;
+    config.clock = ClockSource::kTopic;
     config.policy->low_power->enabled = true;
     Robot("Active", config);
   }

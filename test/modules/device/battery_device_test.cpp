@@ -122,8 +122,10 @@ TEST_F(BatteryOnANetwork, IsMissedWhenItFallsSilentAndItsLastValueIsNotRepeated)
 TEST_F(BatteryOnANetwork, IsMissedAtOnceWhenItsPublisherIsGone) {
   Start();
   SayEachSecond({80, 80});
+  log_.clear();
   battery_.reset();
   Run(Milliseconds(500));
+  EXPECT_THAT(log_, ElementsAre("battery: nobody publishes world/battery"));
   EXPECT_EQ(devices_->Check()[0].result.error().message, "nobody publishes world/battery");
 }
 

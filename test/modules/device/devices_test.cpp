@@ -46,12 +46,21 @@ TEST_F(Lights, AreShownWhenAClientAsks) {
 TEST_F(Lights, AreToldToTheClientAndTheLogWhenRefused) {
   Start();
   EXPECT_EQ(Wish("vp", 77), 1124);
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("led_execute of 'vp': target 1 has no effect 77")));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("led_execute of \"vp\": target 1 has no effect 77")));
   EXPECT_EQ(Wish("burglar", 4), 1122);
   EXPECT_EQ(Wish("bms", 4), 0);
   EXPECT_EQ(Wish("tracking", 5), 1125);
   Run(Milliseconds(100));
   EXPECT_EQ(Last(LedExecute::kHead).client, "bms");
+}
+
+// What a client calls itself is a stranger's text.
+TEST_F(Lights, ForgeNoLinesOfTheLog) {
+  Start();
+  EXPECT_EQ(Wish("x\nbattery: well, at 100 %" + std::string(10'000, '!'), 4), 1122);
+  ASSERT_THAT(log_, SizeIs(1));
+  EXPECT_THAT(log_[0], testing::Not(HasSubstr("\n")));
+  EXPECT_LT(log_[0].size(), 1000U);
 }
 
 TEST_F(Lights, AreAllThereForALateWatcher) {

@@ -261,11 +261,13 @@ TEST(MotionPriority, LetsTheHigherOneTakeTheBodyFromTheLower) {
   EXPECT_THAT(stage.Commanded(), ElementsAre(303, 308));
 }
 
+// In the original `result` was left as the command before had it.
 TEST(MotionPriority, RefusesTheLowerOneWith3001) {
   Stage stage;
   stage.Stream(303, Milliseconds(200), kFromApp);
   stage.Servo(308, kFromAudio);
   EXPECT_EQ(stage.ServoCode(), 3001);
+  EXPECT_FALSE(stage.told.back().result);
   stage.RunFor(Milliseconds(50));
   EXPECT_THAT(stage.Commanded(), ElementsAre(303));
 }

@@ -193,6 +193,16 @@ TEST_F(MotionShellTest, PlaysAQueueOfTheBoardsCommands) {
   EXPECT_EQ(board_.commands, before) << "nothing of it was begun";
 }
 
+// In the original a queue that the state forbade was refused without a word.
+TEST_F(MotionShellTest, AnswersARefusedQueueWithItsCode) {
+  refused_ = "jump";
+  msg::MotionCustomCommand jump;
+  jump.mode = 16;
+  const auto answer = Call<msg::MotionQueueCustomCmd>("motion_queue_cmd", {{jump}});
+  EXPECT_EQ(answer, (msg::MotionQueueCustomCmd::Response{false, 3013}));
+  EXPECT_THAT(log_, Contains(HasSubstr("is refused")));
+}
+
 TEST_F(MotionShellTest, PlaysASequenceOfPaces) {
   msg::MotionSequenceShow::Request request;
   request.motion_id = 400;

@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include "musher/lifecycle/capability.hpp"
+#include "musher/lifecycle/config_toml.hpp"
 #include "musher/modules/motion/motion_config.hpp"
 #include "musher/modules/motion/motion_table.hpp"
 #include "musher/test/modules/motion/stage.hpp"
@@ -99,6 +101,27 @@ TEST(MotionTable, GivesTheFlipsACapabilityOfTheirOwn) {
   }
 }
 
+// The robot's state config says in Protected what CyberDog's rules say: to stand, to lie, the plain
+// pose as result commands, and walking by servo.
+TEST(MotionTable, AllowsInProtectedWhatARobotMayDoToSpareItself) {
+  const musher::ConfigReading robot =
+      musher::ReadConfigFile(MUSHER_SOURCE_DIR "/config/robot.toml");
+  ASSERT_TRUE(robot.config);
+  CapabilityView view;
+  view.actuator = "motion_manager";
+  view.state = kProtected;
+  view.battery = 50;
+  std::set<std::int32_t> results;
+  for (const Motion& motion : TheTable().motions()) {
+    const auto may = [&](const std::string& capability) {
+      return JudgeCapability(*robot.config, capability, view).ok();
+    };
+    if (motion.capability.empty() || may(motion.capability)) results.insert(motion.id);
+    EXPECT_TRUE(motion.servo.empty() || may(motion.servo)) << "servo " << motion.id;
+  }
+  EXPECT_THAT(results, UnorderedElementsAre(0, 101, 102, 111, 212));
+}
+
 // --- What is wrong with a file
 
 constexpr const char* kNeeded = R"(motion = [
@@ -174,22 +197,22 @@ INSTANTIATE_TEST_SUITE_P(
             "t.toml:9:95: error: motion: unknown key \"serwo\"; did you mean \"servo\"?"}),
     [](const auto& param) { return param.param.name; });
 
-TEST(MotionConfigFile, OfTheProductHasTheDefaults) {
+TEST(MotionConfigFile, OfTheProductHasTheDefaultsButTheWorldsClock) {
   const ConfigReading reading =
       ReadMotionConfigFile(MUSHER_SOURCE_DIR "/config/motion/motion_manager.toml");
   ASSERT_TRUE(reading.config);
   MotionConfig defaults;
+  defaults.clock = ClockKind::kTopic;
   defaults.motions = MUSHER_SOURCE_DIR "/config/motion/motions.toml";
   EXPECT_EQ(*reading.config, defaults);
 }
 
 TEST(MotionConfigFile, TakesAllItsKeys) {
   const ConfigReading reading = ReadMotionConfigText(
-      "clock = \"topic\"\nmotions = \"/t.toml\"\n[priority]\nalgo = -3\n[board]\nwait_ms = 1\n"
+      "motions = \"/t.toml\"\n[priority]\nalgo = -3\n[board]\nwait_ms = 1\n"
       "silent_ms = 2\nfeedback_ms = 3\n",
       "/a/m.toml");
   ASSERT_TRUE(reading.config);
-  EXPECT_EQ(reading.config->clock, ClockKind::kTopic);
   EXPECT_EQ(reading.config->motions, "/t.toml");
   EXPECT_EQ(reading.config->priorities.at(kFromAlgorithm), -3);
   EXPECT_EQ(reading.config->board_wait, Milliseconds(1));
@@ -199,12 +222,12 @@ TEST(MotionConfigFile, TakesAllItsKeys) {
 
 TEST(MotionConfigFile, IsToldWhatIsWrongAndWhere) {
   const ConfigReading reading = ReadMotionConfigText(
-      "clock = \"sun\"\nboard.wait_ms = 0\n[priority]\nap = 1\nvis = 101\n", "m.toml");
+      "clock = \"topic\"\nboard.wait_ms = 0\n[priority]\nap = 1\nvis = 101\n", "m.toml");
   EXPECT_FALSE(reading.config);
   std::vector<int> lines;
   for (const Diagnostic& diagnostic : reading.diagnostics) lines.push_back(diagnostic.line);
   EXPECT_THAT(lines, ElementsAre(1, 2, 4, 5));
-  EXPECT_FALSE(ReadMotionConfigText("clock = ", "m.toml").config);
+  EXPECT_FALSE(ReadMotionConfigText("motions = ", "m.toml").config);
   EXPECT_FALSE(ReadMotionConfigFile("/absent.toml").config);
   EXPECT_FALSE(ReadTableFile("/").table);
 }

@@ -166,7 +166,7 @@ TEST_F(MusherWorld, IsToldWhatIsToHappen) {
   EXPECT_TRUE(Until([&] { return percent > 18; }));
   const auto drawn = told({"draw"});
   ASSERT_TRUE(drawn) << drawn.error().message;
-  EXPECT_TRUE(fs::exists(folder_ / drawn.value()));
+  EXPECT_EQ(drawn.value(), fs::canonical(folder_ / "world.png"));
   for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
            {"battery", "nan"}, {"battery"}, {"cable", "sideways"}, {"place", "1"}, {"dance"}}) {
     EXPECT_FALSE(ReadTelling(wrong)) << wrong[0];

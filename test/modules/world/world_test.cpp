@@ -233,6 +233,18 @@ TEST(World, IsAValueThatGoesOnFromACopy) {
   EXPECT_EQ(Numbers(world), Numbers(copy));
 }
 
+TEST(World, RemembersThatABodyWhichCouldWalkStands) {
+  World world(EmptyYard());
+  Commander(world).Walk({0.5, 0, 0}, Seconds(3));
+  Pass(world, Seconds(4));
+  std::vector<std::string> motions;
+  for (const Sample& sample : world.track().samples()) {
+    const std::string& motion = world.track().motions().at(sample.motion);
+    if (motions.empty() || motions.back() != motion) motions.push_back(motion);
+  }
+  EXPECT_THAT(motions, ElementsAre("stand", "walk", "stand"));
+}
+
 TEST(Track, DoesNotGrowForEverAndKeepsItsEnds) {
   Track track;
   for (int i = 0; i < 500'000; ++i) {

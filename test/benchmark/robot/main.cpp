@@ -1,0 +1,152 @@
+// The robot of config/robot.toml with real processes: how soon the body does what it is told, how
+// soon it stops when nobody tells it any more, how fast its world can go, what the robot costs at
+// rest, and which states a falling battery leads through.
+//
+//   benchmark_robot [ROUNDS [IDLE SECONDS [--smoke]]]
+
+#include <cstdlib>
+#include <iostream>
+#include <string>
+#include <thread>
+
+#include "musher/test/benchmark/common/process.hpp"
+#include "musher/test/benchmark/common/statistics.hpp"
+#include "musher/test/benchmark/robot/robot.hpp"
+
+namespace musher::benchmark {
+namespace {
+
+constexpr Duration kFrame = Milliseconds(50);  // of a servo stream, 20 Hz
+constexpr int kFrames = 6;                     // of one round
+constexpr double kMoving_m_s = 0.02;
+
+double Milli(Duration duration) {
+  return Microseconds(duration) / 1000;
+}
+
+bool Moves(const Robot::Heard& heard) {
+  return heard.body && heard.body->twist.linear.x > kMoving_m_s;
+}
+
+// The stream of a walker that dies, again and again.
+void Streams(Robot& robot, int rounds, const Table& table) {
+  if (robot.Do(msg::MotionId::kRecoveryStand).code != kCodeOk) Fail("the robot does not stand up");
+  std::vector<double> to_board;
+  std::vector<double> to_body;
+  std::vector<double> stop_told;
+  std::vector<double> stopped;
+  for (int round = 0; round < rounds; ++round) {
+    Time begun{};
+    Time last{};
+    for (int frame = 0; frame < kFrames; ++frame) {
+      // Each frame is known by its speed.
+      const float vx = 0.2F + 0.001F * static_cast<float>((round * kFrames + frame) % 300);
+      last = robot.Walk(vx);
+      if (frame == 0) begun = last;
+      const Time told = robot.Await("the frame at the board", [&](const Robot::Heard& heard) {
+        return !heard.command.vel_des.empty() && heard.command.vel_des[0] == vx;
+      });
+      to_board.push_back(Milli(told - last));
+      if (frame == 0) to_body.push_back(Milli(robot.Await("the body to move", Moves) - begun));
+      if (frame + 1 < kFrames) std::this_thread::sleep_until(last + kFrame);
+    }
+    const Time told = robot.Await("the board to be stopped", [](const Robot::Heard& heard) {
+      return heard.command.vel_des.empty() || heard.command.vel_des[0] == 0;
+    });
+    stop_told.push_back(Milli(told - last));
+    stopped.push_back(Milli(robot.Await("the body to stand", [](const Robot::Heard& heard) {
+      return !Moves(heard);
+    }) - last));
+  }
+  table.Row("a servo frame → the board has it", to_board, "ms");
+  table.Row("the first servo frame → the body moves", to_body, "ms");
+  table.Row("the last servo frame → the board is told to stop", stop_told, "ms");
+  table.Row("the last servo frame → the body stands", stopped, "ms");
+}
+
+// At rest, for a while: what all its processes took together.
+void Idle(Robot& robot, const State& state, int seconds, const Table& table) {
+  const auto sum = [&] {
+    Cost all;
+    for (const pid_t pid : robot.Processes()) {
+      const Cost cost = CostOf(pid);
+      all.cpu += cost.cpu;
+      all.proportional_mb += cost.proportional_mb;
+      all.threads += cost.threads;
+    }
+    return all;
+  };
+  const Cost before = sum();
+  std::this_thread::sleep_for(std::chrono::seconds(seconds));
+  const Cost after = sum();
+  table.Row("the whole robot in " + state + ": CPU",
+            {100 * Seconds(after.cpu - before.cpu) / seconds}, "% of a core");
+  table.Row("the whole robot in " + state + ": memory (PSS)", {after.proportional_mb}, "MB");
+  const Robot::Heard heard = robot.Now();
+  for (const auto& actuator : heard.machine->actuators) {
+    table.Row("  " + actuator.name + ": RSS", {CostOf(actuator.pid).resident_mb}, "MB");
+  }
+}
+
+void Speeds(Robot& robot, bool smoke, const Table& table) {
+  for (const int factor : {1, 5, 20, 100}) {
+    robot.SetSpeed(static_cast<float>(factor));
+    std::this_thread::sleep_for(Milliseconds(smoke ? 50 : 500));
+    robot.Forget();
+    std::this_thread::sleep_for(Milliseconds(smoke ? 100 : 4000));
+    const Robot::Heard heard = robot.Now();
+    if (heard.clock_first_at == Time{}) Fail("the world's clock stands still");
+    table.Row("world speed asked for: " + std::to_string(factor) + "; reached",
+              {Seconds(*heard.clock - heard.clock_first) /
+               Seconds(heard.clock_at - heard.clock_first_at)},
+              "×");
+  }
+  robot.SetSpeed(10);
+}
+
+// From 100 % to 1 %, and what the machine was in meanwhile.
+void Fall(Robot& robot, int step) {
+  robot.SetBattery(100);
+  robot.Await("Active with a full battery",
+              [](const Robot::Heard& heard) { return heard.machine->state == kActive; });
+  robot.Forget();
+  for (int percent = 100; percent > 0; percent -= step) {
+    robot.SetBattery(static_cast<float>(percent));
+    // The device manager looks once in a world second, and twice at a jump.
+    const Duration begun = *robot.Now().clock;
+    robot.Await("the world to go on", [&](const Robot::Heard& heard) {
+      return *heard.clock - begun > Milliseconds(step > 1 ? 3000 : 1100);
+    });
+  }
+  robot.SetBattery(1);
+  robot.Await("LowPower with an empty battery", [](const Robot::Heard& heard) {
+    return heard.machine->state == kLowPower && heard.machine->target.empty();
+  });
+  std::cout << "\nA battery that falls from 100 to 1 % in steps of " << step << " %: ";
+  const std::vector<State> states = robot.Now().states;
+  for (const State& state : states) std::cout << state << " ";
+  std::cout << std::endl;
+}
+
+int Main(int rounds, int idle_s, bool smoke) {
+  Robot robot(MUSHER_CONFIGS);
+  const Table table("The robot");
+  Streams(robot, rounds, table);
+  Idle(robot, "Active, standing", idle_s, table);
+  robot.Set(State(kLowPower));
+  Idle(robot, "LowPower, lying", idle_s, table);
+  robot.Set(State(kActive));
+  Speeds(robot, smoke, table);
+  Fall(robot, 30);
+  if (!smoke) Fall(robot, 1);
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+}  // namespace musher::benchmark
+
+int main(int argc, char** argv) {
+  const int rounds = argc > 1 ? std::atoi(argv[1]) : 200;
+  const int idle_s = argc > 2 ? std::atoi(argv[2]) : 20;
+  return musher::benchmark::Main(rounds, idle_s, argc > 3);
+}

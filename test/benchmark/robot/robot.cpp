@@ -1,0 +1,186 @@
+#include "musher/test/benchmark/robot/robot.hpp"
+
+#include <cstdlib>
+#include <future>
+
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher::benchmark {
+namespace {
+
+constexpr Duration kPatience = std::chrono::seconds(120);
+
+template <class T>
+T Must(Result<T> made) {
+  if (!made) Fail(made.error().message);
+  return std::move(made).value();
+}
+
+}  // namespace
+
+Robot::Robot(const std::filesystem::path& configs) {
+  folder_ = std::filesystem::temp_directory_path() / ("musher-robot-" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder_);
+  std::filesystem::copy(configs, folder_ / "config", std::filesystem::copy_options::recursive);
+  config_ = folder_ / "config" / "robot.toml";
+  setenv("ROS_DOMAIN_ID", std::to_string(Domain()).c_str(), 1);
+  setenv("XDG_STATE_HOME", (folder_ / "state").c_str(), 1);
+  setenv(
+      "PATH",
+      (std::filesystem::path(Program("x")).parent_path().string() + ":" + getenv("PATH")).c_str(),
+      1);
+  node_ = Must(transport::NodeThread::Start());
+  node_->RunOnLoop([this] { Listen(); });
+  Run({"up", "--detach", config_});
+  Await("the machine in Active", [](const Heard& heard) {
+    return heard.machine && heard.machine->state == kActive && heard.body && heard.clock;
+  });
+  Await("the hand to reach the robot", [this](const Heard&) {
+    return servo_->MatchedReaders() > 0 && battery_->MatchedReaders() > 0 &&
+           speed_->MatchedReaders() > 0;
+  });
+}
+
+Robot::~Robot() {
+  Run({"down"});
+  node_->RunOnLoop([this] {
+    ears_.clear();
+    result_.reset();
+    speed_.reset();
+    battery_.reset();
+    servo_.reset();
+  });
+  node_.reset();
+  std::error_code none;
+  std::filesystem::remove_all(folder_, none);
+}
+
+void Robot::Listen() {
+  transport::Node& node = node_->node();
+  servo_ = Must(transport::MakePublisher<msg::MotionServoCmd>(node, "motion_servo_cmd"));
+  battery_ = Must(transport::MakePublisher<msg::Float32>(node, "world/set_battery"));
+  speed_ = Must(transport::MakePublisher<msg::Float32>(node, "world/speed"));
+  result_ = Must(transport::MakeClient<msg::MotionResultCmd>(node, "motion_result_cmd"));
+  const auto now = [this] { return node_->loop().Now(); };
+  const auto hear = [&]<class M>(const std::string& topic, const transport::Qos& qos,
+                                 std::function<void(Heard&, const M&)> take) {
+    ears_.push_back(Must(transport::MakeSubscription<M>(
+        node, topic,
+        [this, take = std::move(take)](const M& message, const transport::SampleInfo&) {
+          Hear([&](Heard& heard) { take(heard, message); });
+        },
+        qos)));
+  };
+  hear.operator()<msg::MachineStatus>(
+      transport::MachineStatusTopic(""), transport::kLatchedQos,
+      [](Heard& heard, const msg::MachineStatus& status) {
+        if (!heard.machine || heard.machine->state != status.state) {
+          heard.states.push_back(status.state);
+        }
+        heard.machine = status;
+      });
+  hear.operator()<msg::BodyState>(
+      "world/body_state", transport::kDefaultQos,
+      [](Heard& heard, const msg::BodyState& body) { heard.body = body; });
+  hear.operator()<msg::MotionCustomCommand>(
+      "world/body_command", transport::kDefaultQos,
+      [now](Heard& heard, const msg::MotionCustomCommand& command) {
+        heard.command = command;
+        heard.command_at = now();
+      });
+  hear.operator()<msg::Clock>("clock", transport::kBeatQos,
+                              [now](Heard& heard, const msg::Clock& clock) {
+                                heard.clock = msg::FromStamp(clock.clock);
+                                heard.clock_at = now();
+                                if (heard.clock_first_at == Time{}) {
+                                  heard.clock_first = *heard.clock;
+                                  heard.clock_first_at = heard.clock_at;
+                                }
+                              });
+}
+
+void Robot::Hear(const std::function<void(Heard&)>& change) {
+  {
+    const std::lock_guard lock(mutex_);
+    change(heard_);
+  }
+  changed_.notify_all();
+}
+
+Time Robot::Await(const std::string& what, const std::function<bool(const Heard&)>& is_so) {
+  std::unique_lock lock(mutex_);
+  if (!changed_.wait_for(lock, kPatience, [&] { return is_so(heard_); })) {
+    Fail("waited in vain for " + what);
+  }
+  return std::chrono::steady_clock::now();
+}
+
+Robot::Heard Robot::Now() {
+  const std::lock_guard lock(mutex_);
+  return heard_;
+}
+
+void Robot::Forget() {
+  Hear([](Heard& heard) {
+    heard.states.clear();
+    heard.clock_first_at = Time{};
+  });
+}
+
+Time Robot::OnLoop(const std::function<Result<>()>& work) {
+  const Time sent = std::chrono::steady_clock::now();
+  node_->RunOnLoop([&] {
+    if (const Result<> done = work(); !done) Fail(done.error().message);
+  });
+  return sent;
+}
+
+Time Robot::Walk(float vx) {
+  msg::MotionServoCmd frame;
+  frame.motion_id = msg::MotionId::kWalkUserTrot;
+  frame.cmd_type = msg::MotionServoCmd::kData;
+  frame.vel_des = {vx, 0, 0};
+  frame.step_height = {0.05F, 0.05F};
+  return OnLoop([&] { return servo_->Publish(frame); });
+}
+
+msg::MotionResultCmd::Response Robot::Do(std::int32_t motion_id) {
+  msg::MotionResultCmd::Request request;
+  request.motion_id = motion_id;
+  std::promise<msg::MotionResultCmd::Response> answer;
+  OnLoop([&]() -> Result<> {
+    result_->Call(request, kPatience,
+                  [&](auto reply) { answer.set_value(Must(std::move(reply))); });
+    return Ok();
+  });
+  return answer.get_future().get();
+}
+
+void Robot::SetBattery(float percent) {
+  OnLoop([&] { return battery_->Publish({percent}); });
+}
+
+void Robot::SetSpeed(float factor) {
+  OnLoop([&] { return speed_->Publish({factor}); });
+}
+
+void Robot::Set(const State& state) {
+  Run({"set", state});
+}
+
+std::vector<pid_t> Robot::Processes() {
+  const Heard heard = Now();
+  std::vector<pid_t> pids = {heard.machine->pid};
+  for (const auto& actuator : heard.machine->actuators) pids.push_back(actuator.pid);
+  return pids;
+}
+
+void Robot::Run(const std::vector<std::string>& arguments) const {
+  std::vector<std::string> argv = {Program("musher")};
+  argv.insert(argv.end(), arguments.begin(), arguments.end());
+  if (Child(argv, {}, Child::Output::kNowhere).Wait() != EXIT_SUCCESS) {
+    Fail("`musher " + arguments.front() + "` failed");
+  }
+}
+
+}  // namespace musher::benchmark

@@ -1,0 +1,81 @@
+#pragma once
+// The robot of config/robot.toml as real processes, with a hand and an ear in its domain.
+//
+// Threads: calls from the benchmark's thread; what is heard comes on the loop and is kept behind a
+// mutex. Errors: what does not come in time ends the benchmark with a message.
+
+#include <condition_variable>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/messages/musher_msgs/body.hpp"
+#include "musher/messages/musher_msgs/machine_status.hpp"
+#include "musher/messages/protocol/motion.hpp"
+#include "musher/messages/rosgraph_msgs/clock.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/test/benchmark/common/child.hpp"
+#include "musher/transport/node_thread.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::benchmark {
+
+class Robot {
+ public:
+  // Brings the robot of that folder of configs up, to Active.
+  explicit Robot(const std::filesystem::path& configs);
+  // Takes it down.
+  ~Robot();
+  Robot(const Robot&) = delete;
+  Robot& operator=(const Robot&) = delete;
+
+  // What has been heard last, and when.
+  struct Heard {
+    std::optional<msg::MachineStatus> machine;
+    std::vector<State> states;  // of the machine, each change
+    std::optional<msg::BodyState> body;
+    msg::MotionCustomCommand command;
+    Time command_at{};
+    std::optional<Duration> clock;  // the world's time
+    Time clock_at{};
+    Duration clock_first{};
+    Time clock_first_at{};
+  };
+  // Waits until it is so, and gives when that was heard.
+  Time Await(const std::string& what, const std::function<bool(const Heard&)>& is_so);
+  Heard Now();
+  // Forgets the states and the beginning of the clock.
+  void Forget();
+
+  Time Walk(float vx);  // one servo frame; gives when it was sent
+  msg::MotionResultCmd::Response Do(std::int32_t motion_id);
+  void SetBattery(float percent);
+  void SetSpeed(float factor);
+  void Set(const State& state);  // the machine
+
+  std::vector<pid_t> Processes();
+
+ private:
+  void Run(const std::vector<std::string>& arguments) const;
+  void Hear(const std::function<void(Heard&)>& change);
+  void Listen();
+  Time OnLoop(const std::function<Result<>()>& work);
+
+  std::filesystem::path folder_;
+  std::string config_;
+  std::shared_ptr<transport::NodeThread> node_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  Heard heard_;
+  std::unique_ptr<transport::Publisher<msg::MotionServoCmd>> servo_;
+  std::unique_ptr<transport::Publisher<msg::Float32>> battery_;
+  std::unique_ptr<transport::Publisher<msg::Float32>> speed_;
+  std::unique_ptr<transport::Client<msg::MotionResultCmd>> result_;
+  std::vector<std::unique_ptr<transport::Subscription>> ears_;
+};
+
+}  // namespace musher::benchmark
