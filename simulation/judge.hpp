@@ -104,7 +104,9 @@ class Judge {
   std::vector<Duration> lost_at_;  // when an actuator was there for the last time
   Duration went_on_{};  // when a person's switch ended with the machine in the state that was asked
   std::uint64_t next_request_ = 1;
-  std::optional<State> policy_goes_to_;             // the target of its last switch
+  std::vector<State> policy_up_to_;  // the targets of its last switches
+  std::vector<State> policy_down_to_;
+  bool lowering_begins_ = false;                    // its switch is the next record
   std::optional<std::pair<State, State>> lowered_;  // by the battery: from, to
   bool woken_ = false;         // somebody wanted more than the battery may have allowed
   bool forgetful_ = false;     // a disk was full: a controller may remember what is over

@@ -32,43 +32,53 @@ void Judge::JudgeCeiling(const Machine& machine, bool at_rest) {
   const auto most = MostAt(*config_.policy->battery, *policy.battery, policy.charging);
   if (!most || *rank <= *most) return;
   Blame(Promise::kWithinBattery,
-        "the machine is in " + machine.state + " with " + BatteryText(policy));
+        "the machine is in " + machine.state + " while " + BatteryText(policy));
 }
 
-// Keeps in mind what the policy says that it does: "…: down to LowPower", "…: back to Active".
+// Keeps in mind what the policy says that it does: "…: down to LowPower", "…: back to Active", and
+// then "switch 7 begins: to LowPower from Protected, …".
 void Judge::OnRecord(const action::Record& record) {
   const std::string& text = record.message;
+  if (std::exchange(lowering_begins_, false)) {
+    const std::size_t at = text.find(" from ") + 6;
+    const State from = text.substr(at, text.find(',', at) - at);
+    if (!lowered_ || lowered_->second != from) lowered_ = {from, from};
+    lowered_->second = policy_down_to_.back();
+    return;
+  }
   const std::size_t down = text.rfind(": down to ");
   const std::size_t back = text.rfind(": back to ");
   const std::size_t at = down == std::string::npos ? back : down;
   if (record.kind != "policy" || at == std::string::npos) return;
   const State target = text.substr(at + std::string_view(": down to ").size());
   if (target.find(' ') != std::string::npos) return;  // it is refused
-  policy_goes_to_.push_back(target);
-  const ControllerProcess* leader = robot_.leader();
-  if (back == at || leader == nullptr) return;
-  if (!text.starts_with("the battery")) return lowered_.reset();  // it has lain still
-  const State& from = leader->shell().machine().state;
-  if (!lowered_ || lowered_->second != from) lowered_ = {from, from};
-  lowered_->second = target;
+  (back == at ? policy_up_to_ : policy_down_to_).push_back(target);
+  if (back == at) return;
+  lowering_begins_ = text.starts_with("the battery");
+  if (!lowering_begins_) lowered_.reset();  // it has lain still
 }
 
 bool Judge::ByPolicy(const State& state) const {
-  return std::find(policy_goes_to_.begin(), policy_goes_to_.end(), state) != policy_goes_to_.end();
+  const auto has = [&](const std::vector<State>& all) {
+    return std::find(all.begin(), all.end(), state) != all.end();
+  };
+  return has(policy_up_to_) || has(policy_down_to_);
 }
 
 // The state of the machine has changed.
 void Judge::JudgePolicyChange(const Machine& machine, const Seen& seen) {
   const auto before = config_.RankOf(seen.state);
-  const auto rank = config_.RankOf(machine.state);
   if (!config_.policy || !before) return;  // a step of a start
-  if (ByPolicy(machine.state) && rank) {
-    std::erase(policy_goes_to_, machine.state);
-    if (*rank > *before) JudgeRaise(machine);
+  if (ByPolicy(machine.state)) {
+    const bool up = std::erase(policy_up_to_, machine.state) != 0;
+    const bool down = std::erase(policy_down_to_, machine.state) != 0;
+    if (up && !down) JudgeRaise(machine);
     return;
   }
+  if (lowered_ && lowered_->first == machine.state) return;  // from here it is taken down at once
   // Somebody else did it. What the battery kept him from may come later.
-  policy_goes_to_.clear();
+  policy_up_to_.clear();
+  policy_down_to_.clear();
   lowered_.reset();
   if (std::exchange(woken_, false)) lowered_ = {State(kActive), machine.state};
 }
