@@ -50,12 +50,13 @@ void Decision::BeginMotion() {
     }
   }
   if (!std::exchange(job.todo.front().prepared, true)) {
-    const auto way = WayTo(motion);
-    for (auto id = way.rbegin(); id != way.rend(); ++id) {
-      job.todo.push_front(MotionOf(*rules_.table.Find(*id), {}));
-      job.todo.front().asked = false;
-      job.todo.front().prepared = true;
+    std::vector<JobMotion> before;
+    for (const std::int32_t id : WayTo(motion)) {
+      before.push_back(MotionOf(*rules_.table.Find(id), {}));
+      before.back().asked = false;
+      before.back().prepared = true;
     }
+    job.todo.insert(job.todo.begin(), before.begin(), before.end());
   }
   Command(job.todo.front().command, true);
   job.wait = Job::Wait::kFeedback;

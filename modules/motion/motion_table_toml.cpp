@@ -22,7 +22,6 @@ using config_toml::Quote;
 using config_toml::Table;
 using config_toml::TableReader;
 using config_toml::Value;
-using config_toml::Word;
 
 constexpr std::int64_t kHighestId = 99'999;
 constexpr std::int64_t kHighestMode = 127;  // int8 on the board's wire

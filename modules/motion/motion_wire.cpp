@@ -104,7 +104,7 @@ MotionOrder FromWire(const msg::MotionResultCmd::Request& request) {
 
 MotionArguments FromWire(const msg::MotionCustomCommand& command) {
   MotionArguments arguments = ArgumentsOf(command);
-  arguments.contact = command.contact;
+  arguments.contact = std::int32_t{command.contact};  // signed on the wire; judged later
   arguments.duration_ms = command.duration;
   return arguments;
 }

@@ -8,8 +8,8 @@ namespace musher::motion::tool {
 namespace {
 
 constexpr double kQuarter = std::numbers::pi / 2;
-constexpr double kArrived_m = 0.01;
-constexpr double kTurned_rad = 0.02;
+constexpr double kArrivedM = 0.01;    // m
+constexpr double kTurnedRad = 0.02;   // rad
 constexpr double kLeastSpeed = 0.04;  // m/s: a body does not creep
 constexpr double kLeastTurn = 0.08;   // rad/s
 constexpr double kHighestTurn = 1.0;  // rad/s
@@ -27,9 +27,9 @@ std::array<float, 3> Speed(double x, double y, double yaw) {
 
 }  // namespace
 
-PlanarPose PlanarPoseOf(const Eigen::Isometry3d& X_OB) {
-  const Eigen::Vector3d ahead = X_OB.linear() * Eigen::Vector3d::UnitX();
-  return {X_OB.translation().head<2>(), std::atan2(ahead.y(), ahead.x())};
+PlanarPose PlanarPoseOf(const Eigen::Isometry3d& body) {
+  const Eigen::Vector3d ahead = body.linear() * Eigen::Vector3d::UnitX();
+  return {body.translation().head<2>(), std::atan2(ahead.y(), ahead.x())};
 }
 
 double WrapAngle(double angle_rad) {
@@ -47,7 +47,7 @@ std::array<float, 3> SquareWalk::Step(const PlanarPose& pose) {
     const Eigen::Vector2d way = to_leg * (pose.at - begin_.at - corner_);
     const double left = side_m_ - way.x();
     const double off = WrapAngle(Heading(leg_) - pose.yaw);
-    if (left > kArrived_m) {
+    if (left > kArrivedM) {
       const double ahead = std::clamp(kGain * left, kLeastSpeed, speed_);
       const double side = std::clamp(-kGain * way.y(), -kHighestSide, kHighestSide);
       return Speed(ahead, side, std::clamp(kGain * off, -kHighestTurn, kHighestTurn));
@@ -56,7 +56,7 @@ std::array<float, 3> SquareWalk::Step(const PlanarPose& pose) {
     turning_ = true;
   }
   const double off = WrapAngle(Heading(leg_ + 1) - pose.yaw);
-  if (std::abs(off) > kTurned_rad) {
+  if (std::abs(off) > kTurnedRad) {
     return Speed(0, 0, AtLeast(std::clamp(kGain * off, -kHighestTurn, kHighestTurn), kLeastTurn));
   }
   turning_ = false;

@@ -15,7 +15,7 @@ struct PlanarPose {
 };
 
 // Of a transform that may be tilted a little.
-PlanarPose PlanarPoseOf(const Eigen::Isometry3d& X_OB);
+PlanarPose PlanarPoseOf(const Eigen::Isometry3d& body);
 
 // From -pi to pi.
 double WrapAngle(double angle_rad);

@@ -197,12 +197,11 @@ INSTANTIATE_TEST_SUITE_P(
             "t.toml:9:95: error: motion: unknown key \"serwo\"; did you mean \"servo\"?"}),
     [](const auto& param) { return param.param.name; });
 
-TEST(MotionConfigFile, OfTheProductHasTheDefaultsButTheWorldsClock) {
+TEST(MotionConfigFile, OfTheProductHasTheDefaults) {
   const ConfigReading reading =
       ReadMotionConfigFile(MUSHER_SOURCE_DIR "/config/motion/motion_manager.toml");
   ASSERT_TRUE(reading.config);
   MotionConfig defaults;
-  defaults.clock = ClockKind::kTopic;
   defaults.motions = MUSHER_SOURCE_DIR "/config/motion/motions.toml";
   EXPECT_EQ(*reading.config, defaults);
 }
