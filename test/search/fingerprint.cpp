@@ -78,8 +78,10 @@ class Mixer {
   void One(const Lowering& l) { Add(l.from, l.to, l.epoch); }
   void One(const Keep& k) { Add(k.state, k.until, k.switch_number); }
   void One(const PowerDown& p) { Add(p.reboot, p.tear_down_at, p.force_at, p.commanded); }
+  // The world's clock is no time of this one: by how much it lies back would make every state new.
   void One(const PolicyState& p) {
-    Add(p.clock, p.loaded, p.battery, p.charging, p.level, p.stored.low_power, p.stored.lowering);
+    Add(p.clock.time_since_epoch().count(), p.loaded, p.battery, p.charging, p.level,
+        p.stored.low_power, p.stored.lowering);
     Add(p.withheld, p.low_power, p.still, p.still_since, p.keep, p.power, p.failures, p.retry_at);
     Add(p.battery_silent, p.invalid_told, p.calls);
   }
