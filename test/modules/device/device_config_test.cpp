@@ -110,8 +110,8 @@ TEST(DeviceConfig, OfTheDemoIsGoodAndNamesEveryKey) {
   EXPECT_THAT(reading.config->critical, ElementsAre("bms", "touch"));
   std::ifstream stream(file);
   const std::string text(std::istreambuf_iterator<char>(stream), {});
-  for (const char* key : {"clock", "self_check_ms", "skip", "critical", "source", "silence_ms",
-                          "folder", "name", "period_ms"}) {
+  for (const char* key : {"self_check_ms", "skip", "critical", "source", "silence_ms", "folder",
+                          "name", "period_ms"}) {
     EXPECT_THAT(text, HasSubstr(std::string(key) + " = ")) << key;
   }
 }
