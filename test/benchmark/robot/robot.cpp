@@ -1,5 +1,6 @@
 #include "musher/test/benchmark/robot/robot.hpp"
 
+#include <cmath>
 #include <cstdlib>
 #include <future>
 
@@ -9,6 +10,7 @@ namespace musher::benchmark {
 namespace {
 
 constexpr Duration kPatience = std::chrono::seconds(120);
+constexpr double kMoving_m_s = 0.02;
 
 template <class T>
 T Must(Result<T> made) {
@@ -79,9 +81,13 @@ void Robot::Listen() {
         }
         heard.machine = status;
       });
-  hear.operator()<msg::BodyState>(
-      "world/body_state", transport::kDefaultQos,
-      [](Heard& heard, const msg::BodyState& body) { heard.body = body; });
+  hear.operator()<msg::BodyState>("world/body_state", transport::kDefaultQos,
+                                  [now](Heard& heard, const msg::BodyState& body) {
+                                    heard.body = body;
+                                    const bool moves = std::abs(body.twist.linear.x) > kMoving_m_s;
+                                    if (moves != heard.moves) heard.moves_since = now();
+                                    heard.moves = moves;
+                                  });
   hear.operator()<msg::MotionCustomCommand>(
       "world/body_command", transport::kDefaultQos,
       [now](Heard& heard, const msg::MotionCustomCommand& command) {

@@ -38,6 +38,8 @@ class Robot {
     std::optional<msg::MachineStatus> machine;
     std::vector<State> states;  // of the machine, each change
     std::optional<msg::BodyState> body;
+    bool moves = false;  // the body, to or fro …
+    Time moves_since{};  // … or stands
     msg::MotionCustomCommand command;
     Time command_at{};
     std::optional<Duration> clock;  // the world's time
