@@ -14,7 +14,8 @@ std::string Describe(const event::PolicyRequested& requested) {
     case PolicyRequest::kSwitch:
       return "a switch to " + state;
     case PolicyRequest::kKeep:
-      return requested.ticks == 0
+      return state.empty() ? "the end of a keep"
+             : requested.ticks == 0
                  ? "a switch to " + state + ", or the end of a keep"
                  : "to keep " + state + " for " + std::to_string(requested.ticks) + " s";
     case PolicyRequest::kOta:
@@ -117,6 +118,9 @@ std::optional<Error> Decision::HandleKeep(const Requested& requested, std::uint6
     EndKeep("it is called off");
     Do(action::AnswerCall{requested.request, Ok()});
     return std::nullopt;
+  }
+  if (requested.ticks == 0 && requested.state.empty()) {
+    return Error{kCodeStateInvalid, "nothing keeps the machine in " + machine_.state};
   }
   if (auto hindrance = KeptOrBusy()) return hindrance;
   if (machine_.state == kOta && requested.state != kOta) {

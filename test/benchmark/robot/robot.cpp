@@ -34,6 +34,7 @@ Robot::Robot(const std::filesystem::path& configs) {
   node_ = Must(transport::NodeThread::Start());
   node_->RunOnLoop([this] { Listen(); });
   Run({"up", "--detach", config_});
+  Run({"low-power", "off"});  // at a hundred times the speed half a minute is soon over
   Await("the machine in Active", [](const Heard& heard) {
     return heard.machine && heard.machine->state == kActive && heard.body && heard.clock;
   });

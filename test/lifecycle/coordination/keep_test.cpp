@@ -37,6 +37,12 @@ TEST_F(KeepRule, ZeroTicksEndAKeepAndChangeNoState) {
   EXPECT_EQ(state(), "Protected");
 }
 
+TEST_F(KeepRule, TheEndOfAKeepThatIsNotThereIsRefused) {
+  Robot();
+  EXPECT_EQ(KeepAndWait("", 0), "103: nothing keeps the machine in Active");
+  EXPECT_EQ(state(), "Active");
+}
+
 // The code this replaces says success, with code -1.
 TEST_F(KeepRule, ASecondKeepIsRefusedAndNotCalledASuccess) {
   Robot();
