@@ -106,7 +106,7 @@ std::optional<Error> Decision::BeginAsked(const Requested& requested, const Stat
 std::optional<Error> Decision::BeginUp(const Requested& requested, std::uint64_t asked) {
   const State most = CeilingState(config_, BatteryLevel::kFree);
   const State target = UpTo(most);
-  if (const auto refusal = BeginAsked(requested, target, asked)) return refusal;
+  if (auto refusal = BeginAsked(requested, target, asked)) return refusal;
   if (target != most) machine_.policy.withheld = Lowering{most, target, 0};
   return std::nullopt;
 }
@@ -137,7 +137,7 @@ std::optional<Error> Decision::HandleKeep(const Requested& requested, std::uint6
     Do(action::AnswerCall{requested.request, Ok()});
     return std::nullopt;
   }
-  if (const auto refusal = BeginAsked(requested, requested.state, asked)) {
+  if (auto refusal = BeginAsked(requested, requested.state, asked)) {
     policy.keep.reset();
     return refusal;
   }

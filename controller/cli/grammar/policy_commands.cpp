@@ -14,10 +14,10 @@ void Grammar::AddPolicyCommands() {
   auto keep = std::make_shared<KeepOptions>();
   auto* command =
       AddCommand("keep", "Switch to a state and stay there, whatever the battery says", keep);
-  constexpr std::int64_t kLongest_s = 65'535;  // as CyberDog's service has it
+  constexpr std::int64_t kLongestKeep = 65'535;  // as CyberDog's service has it
   auto* state = command->add_option("STATE", keep->state, "Active, Protected, ...")->type_name("");
   auto* seconds = command->add_option("--for", keep->seconds, "For so long")
-                      ->check(CLI::Range(std::int64_t{1}, kLongest_s).description(""))
+                      ->check(CLI::Range(std::int64_t{1}, kLongestKeep).description(""))
                       ->type_name("SECONDS");
   auto* end = command->add_flag("--end", keep->end, "End it before its time");
   state->needs(seconds);
