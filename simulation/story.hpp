@@ -95,7 +95,7 @@ class Story {
   void DoToController(const Incident& incident);
   void Ask(const State& target, const std::optional<std::string>& actuator = std::nullopt);
   void DoToPolicy(const Incident& incident);
-  void AskPolicy(event::PolicyRequested asked);
+  void AskPolicy(const event::PolicyRequested& asked);
   void ApplyNetworkFaults();
   void SetDistance(const std::string& name, const std::string& from, bool blocked);
   Moment Now() const;

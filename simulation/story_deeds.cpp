@@ -80,7 +80,7 @@ void Story::DoToPolicy(const Incident& incident) {
   }
 }
 
-void Story::AskPolicy(event::PolicyRequested asked) {
+void Story::AskPolicy(const event::PolicyRequested& asked) {
   ControllerProcess* leader = robot_.leader();
   if (leader == nullptr || leader->frozen) return;
   const std::uint64_t request = judge_.AskedPolicy(asked);
