@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <iostream>
 #include <string>
-#include <thread>
 
 #include "musher/test/benchmark/common/process.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
@@ -43,7 +42,7 @@ void Streams(Robot& robot, int rounds, const Table& table) {
         return !heard.command.vel_des.empty() && heard.command.vel_des[0] == vx;
       });
       to_board.push_back(Milli(told - last));
-      if (frame + 1 < kFrames) std::this_thread::sleep_until(last + kFrame);
+      if (frame + 1 < kFrames) robot.AwaitUntil(last + kFrame);
     }
     const Time told = robot.Await("the board to be stopped", [](const Robot::Heard& heard) {
       return heard.command.vel_des.empty() || heard.command.vel_des[0] == 0;
@@ -74,10 +73,11 @@ void Idle(Robot& robot, const State& state, int seconds, const Table& table) {
     return all;
   };
   const Cost before = sum();
-  std::this_thread::sleep_for(std::chrono::seconds(seconds));
+  const Time begun = robot.Now().clock_at;
+  const Time ended = robot.AwaitUntil(begun + std::chrono::seconds(seconds));
   const Cost after = sum();
   table.Row("the whole robot in " + state + ": CPU",
-            {100 * Seconds(after.cpu - before.cpu) / seconds}, "% of a core");
+            {100 * Seconds(after.cpu - before.cpu) / Seconds(ended - begun)}, "% of a core");
   table.Row("the whole robot in " + state + ": memory (PSS)", {after.proportional_mb}, "MB");
   const Robot::Heard heard = robot.Now();
   for (const auto& actuator : heard.machine->actuators) {
@@ -88,9 +88,9 @@ void Idle(Robot& robot, const State& state, int seconds, const Table& table) {
 void Speeds(Robot& robot, bool smoke, const Table& table) {
   for (const int factor : {1, 5, 20, 100}) {
     robot.SetSpeed(static_cast<float>(factor));
-    std::this_thread::sleep_for(Milliseconds(smoke ? 50 : 500));
+    robot.AwaitUntil(robot.Now().clock_at + Milliseconds(smoke ? 50 : 500));
     robot.Forget();
-    std::this_thread::sleep_for(Milliseconds(smoke ? 100 : 4000));
+    robot.AwaitUntil(robot.Now().clock_at + Milliseconds(smoke ? 100 : 4000));
     const Robot::Heard heard = robot.Now();
     if (heard.clock_first_at == Time{}) Fail("the world's clock stands still");
     table.Row("world speed asked for: " + std::to_string(factor) + "; reached",

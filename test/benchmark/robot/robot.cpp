@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <future>
+#include <utility>
 
 #include "musher/transport/lifecycle_wire.hpp"
 
@@ -11,6 +12,13 @@ namespace {
 
 constexpr Duration kPatience = std::chrono::seconds(120);
 constexpr double kMoving_m_s = 0.02;
+
+bool robot_is_up = false;  // there is one in a benchmark
+
+void TakeDown() {
+  if (!std::exchange(robot_is_up, false)) return;
+  Child({Program("musher"), "down"}, {}, Child::Output::kNowhere).Wait();
+}
 
 template <class T>
 T Must(Result<T> made) {
@@ -33,6 +41,8 @@ Robot::Robot(const std::filesystem::path& configs) {
       1);
   node_ = Must(transport::NodeThread::Start());
   node_->RunOnLoop([this] { Listen(); });
+  robot_is_up = true;
+  std::atexit(TakeDown);  // Fail() ends the process without destructors
   Run({"up", "--detach", config_});
   Run({"low-power", "off"});  // at a hundred times the speed half a minute is soon over
   Await("the machine in Active", [](const Heard& heard) {
@@ -45,7 +55,7 @@ Robot::Robot(const std::filesystem::path& configs) {
 }
 
 Robot::~Robot() {
-  Run({"down"});
+  TakeDown();
   node_->RunOnLoop([this] {
     ears_.clear();
     result_.reset();
@@ -120,6 +130,11 @@ Time Robot::Await(const std::string& what, const std::function<bool(const Heard&
     Fail("waited in vain for " + what);
   }
   return std::chrono::steady_clock::now();
+}
+
+Time Robot::AwaitUntil(Time when) {
+  Await("the world's clock", [&](const Heard& heard) { return heard.clock_at >= when; });
+  return Now().clock_at;
 }
 
 Robot::Heard Robot::Now() {

@@ -28,7 +28,7 @@ class Robot {
  public:
   // Brings the robot of that folder of configs up, to Active.
   explicit Robot(const std::filesystem::path& configs);
-  // Takes it down.
+  // Takes it down. So does the end of the benchmark, whatever ends it.
   ~Robot();
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
@@ -49,6 +49,9 @@ class Robot {
   };
   // Waits until it is so, and gives when that was heard.
   Time Await(const std::string& what, const std::function<bool(const Heard&)>& is_so);
+  // Waits for the first sample of the world's clock that comes at `when` or later by the steady
+  // one; gives when that was heard.
+  Time AwaitUntil(Time when);
   Heard Now();
   // Forgets the states and the beginning of the clock.
   void Forget();
