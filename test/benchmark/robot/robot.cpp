@@ -133,8 +133,13 @@ Time Robot::Await(const std::string& what, const std::function<bool(const Heard&
 }
 
 Time Robot::AwaitUntil(Time when) {
-  Await("the world's clock", [&](const Heard& heard) { return heard.clock_at >= when; });
-  return Now().clock_at;
+  std::promise<Time> reached;
+  transport::LoopHandlePtr timer;
+  node_->RunOnLoop(
+      [&] { timer = node_->loop().At(when, [&] { reached.set_value(node_->loop().Now()); }); });
+  const Time now = reached.get_future().get();
+  node_->RunOnLoop([&] { timer.reset(); });
+  return now;
 }
 
 Robot::Heard Robot::Now() {

@@ -49,8 +49,8 @@ class Robot {
   };
   // Waits until it is so, and gives when that was heard.
   Time Await(const std::string& what, const std::function<bool(const Heard&)>& is_so);
-  // Waits for the first sample of the world's clock that comes at `when` or later by the steady
-  // one; gives when that was heard.
+  // Waits for a timer of the loop: the pace of a stream, and how long is measured. Not for anything
+  // that the robot does.
   Time AwaitUntil(Time when);
   Heard Now();
   // Forgets the states and the beginning of the clock.
