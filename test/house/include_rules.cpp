@@ -43,6 +43,9 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"systemd/", {"controller/cli/"}},
       {"opencv2/", {"modules/", "test/modules/"}},
       {"Eigen/", {"modules/", "test/modules/"}},
+      {"alsa/", {"modules/audio/"}},
+      {"espeak-ng/", {"modules/audio/"}},
+      {"sndfile.h", {"modules/audio/", "test/modules/audio/"}},
   };
   return table;
 }
