@@ -39,16 +39,7 @@ int Width(double width) {
   return std::max(1, static_cast<int>(std::lround(width * kFiner)));
 }
 
-std::uint8_t MixOne(std::uint8_t a, std::uint8_t b, double share) {
-  return static_cast<std::uint8_t>(std::lround(a + (b - a) * share));
-}
-
 }  // namespace
-
-Color Mix(const Color& a, const Color& b, double share) {
-  return {MixOne(a.red, b.red, share), MixOne(a.green, b.green, share),
-          MixOne(a.blue, b.blue, share)};
-}
 
 struct Canvas::Impl {
   cv::Mat image;

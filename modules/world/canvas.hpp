@@ -5,23 +5,16 @@
 // Threads: one at a time for each canvas.
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "musher/lifecycle/result.hpp"
+#include "musher/modules/world/color.hpp"
 
 namespace musher::world {
 
 using Pixel = Eigen::Vector2d;
-
-struct Color {
-  std::uint8_t red = 0, green = 0, blue = 0;
-};
-
-// From `a` to `b` by `share`, 0 to 1.
-Color Mix(const Color& a, const Color& b, double share);
 
 enum class Align { kLeft, kCenter, kRight };
 

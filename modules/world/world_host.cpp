@@ -1,6 +1,8 @@
 #include "musher/modules/world/world_host.hpp"
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -148,8 +150,13 @@ void WorldHost::SetSpeed(double factor) {
   if (!pacer_.paused()) Arm(pacer_.due());
 }
 
-// "lifted", "motor 3".
+// "lifted", "motor 3", "camera front".
 void WorldHost::SetFault(const std::string& text) {
+  if (std::find(std::begin(kSensorFaults), std::end(kSensorFaults), text) !=
+      std::end(kSensorFaults)) {
+    world_.Silence(text);
+    return Log("fault: " + text);
+  }
   std::istringstream words(text);
   std::string name;
   std::size_t motor = 0;
