@@ -103,6 +103,10 @@ class CdrWriter {
   template <class T>
   void PutBlock(std::span<const T> items) {
     Align(sizeof(T));
+    // All that follows in a picture, and what a transport may add to the end.
+    if (items.size_bytes() > bytes_.capacity()) {
+      bytes_.reserve(bytes_.size() + items.size_bytes() + kUsualSize);
+    }
     Append(items.data(), items.size_bytes());
   }
 
