@@ -55,10 +55,10 @@ class Reader {
     config_.skip = Kinds(root, "skip");
     config_.critical = Kinds(root, "critical");
     for (const SensorKind kind : kSensorKinds) {
-      const std::string name(NameOf(kind));
+      const std::string_view name = NameOf(kind);
       const Table* sensor = root.SubTable(name);
       if (sensor == nullptr) continue;
-      TableReader reader(*sensor, root.At(name), name, findings_);
+      TableReader reader(*sensor, root.At(name), std::string(name), findings_);
       ReadSensor(reader, kind);
       reader.RefuseOthers();
     }
