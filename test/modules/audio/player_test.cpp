@@ -148,6 +148,19 @@ TEST_F(PlayerDecision, RefusesWhatCannotBeSaidEachWithItsCode) {
   EXPECT_EQ(player().current, std::nullopt);
 }
 
+TEST_F(PlayerDecision, SaysTheSameRefusalOnceInTenSecondsAndAnswersEach) {
+  PlayId(1, 4711);
+  EXPECT_THAT(LogText(), HasSubstr("4711"));
+  PlayId(2, 4711);
+  EXPECT_EQ(LogText(), "");
+  EXPECT_THAT(Answers(), ElementsAre(Answer{2, 5023}));
+  PlayId(3, 4712);
+  EXPECT_THAT(LogText(), HasSubstr("4712"));
+  Pass(Milliseconds(10'000));
+  PlayId(4, 4712);
+  EXPECT_THAT(LogText(), HasSubstr("4712"));
+}
+
 TEST_F(PlayerDecision, CountsCharactersNotBytes) {
   std::string chinese;
   for (int i = 0; i < 100; ++i) chinese += "好";
