@@ -3,6 +3,12 @@
 #include <utility>
 
 namespace musher::sensor {
+namespace {
+
+// A process that was kept from running hears what waits for it before it calls anybody silent.
+constexpr Duration kGrace = Milliseconds(200);  // of the steady clock
+
+}  // namespace
 
 Source::Source(const Surroundings& around, SourceOptions options)
     : around_(around), options_(std::move(options)), stamps_(options_.stamp_tolerance) {}
@@ -29,6 +35,7 @@ void Source::Ignore() {
   silence_.reset();
   stamps_.Forget();
   last_refused_.reset();
+  wrong_stamps_ = 0;
   said_ = false;
   complaint_ = "it is not heard";
 }
@@ -40,9 +47,12 @@ void Source::OnTimeJumped() {
 
 void Source::AwaitNext() {
   silence_ = around_.clock.At(around_.clock.Now() + options_.silence, [this] {
-    silence_.reset();
-    Complain(KeyCode::kTimeout,
-             "silent for " + std::to_string(ToMilliseconds(options_.silence)) + " ms");
+    transport::EventLoop& loop = around_.node.loop();
+    silence_ = loop.At(loop.Now() + kGrace, [this] {
+      silence_.reset();
+      Complain(KeyCode::kTimeout,
+               "silent for " + std::to_string(ToMilliseconds(options_.silence)) + " ms");
+    });
   });
 }
 
@@ -53,10 +63,13 @@ bool Source::Take(const Result<>& judged, const msg::Header& header) {
       judged ? stamps_.Take(msg::FromStamp(header.stamp), msg::FromStamp(around_.stamp())) : judged;
   if (!fine) {
     ++refused_;
+    // A few that come late are no fault of the sensor's.
+    if (judged && ++wrong_stamps_ < kWrongStamps) return false;
     last_refused_ = now;
     Complain(KeyCode::kDeviceError, "its readings are refused: " + fine.error().message);
     return false;
   }
+  wrong_stamps_ = 0;
   complaint_.clear();
   // One good reading among bad ones is no recovery that is worth a line.
   if (said_ && !(last_refused_ && now - *last_refused_ < options_.silence)) {
