@@ -35,7 +35,7 @@ void Source::Ignore() {
   silence_.reset();
   stamps_.Forget();
   last_refused_.reset();
-  wrong_stamps_ = 0;
+  wrong_stamp_.clear();
   said_ = false;
   complaint_ = "it is not heard";
 }
@@ -50,26 +50,34 @@ void Source::AwaitNext() {
     transport::EventLoop& loop = around_.node.loop();
     silence_ = loop.At(loop.Now() + kGrace, [this] {
       silence_.reset();
-      Complain(KeyCode::kTimeout,
-               "silent for " + std::to_string(ToMilliseconds(options_.silence)) + " ms");
+      const std::string silent =
+          "silent for " + std::to_string(ToMilliseconds(options_.silence)) + " ms";
+      Complain(KeyCode::kTimeout, wrong_stamp_.empty()
+                                      ? silent
+                                      : silent + ", its readings are refused: " + wrong_stamp_);
     });
   });
 }
 
 bool Source::Take(const Result<>& judged, const msg::Header& header) {
   const Time now = around_.clock.Now();
-  AwaitNext();
-  const Result<> fine =
-      judged ? stamps_.Take(msg::FromStamp(header.stamp), msg::FromStamp(around_.stamp())) : judged;
-  if (!fine) {
+  if (!judged) {
+    AwaitNext();
     ++refused_;
-    // A few that come late are no fault of the sensor's.
-    if (judged && ++wrong_stamps_ < kWrongStamps) return false;
     last_refused_ = now;
-    Complain(KeyCode::kDeviceError, "its readings are refused: " + fine.error().message);
+    Complain(KeyCode::kDeviceError, "its readings are refused: " + judged.error().message);
     return false;
   }
-  wrong_stamps_ = 0;
+  const Result<> timely =
+      stamps_.Take(msg::FromStamp(header.stamp), msg::FromStamp(around_.stamp()));
+  if (!timely) {
+    // As if it had not come: late ones may be the fault of who hears them.
+    ++refused_;
+    wrong_stamp_ = timely.error().message;
+    return false;
+  }
+  AwaitNext();
+  wrong_stamp_.clear();
   complaint_.clear();
   // One good reading among bad ones is no recovery that is worth a line.
   if (said_ && !(last_refused_ && now - *last_refused_ < options_.silence)) {

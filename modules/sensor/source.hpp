@@ -43,9 +43,6 @@ class Source {
   const std::string& complaint() const { return complaint_; }
   std::uint64_t refused() const { return refused_; }  // readings, since the beginning
 
-  // Readings in a row with a stamp that is off, before that is said.
-  static constexpr int kWrongStamps = 3;
-
  protected:
   Source(const Surroundings& around, SourceOptions options);
 
@@ -64,8 +61,8 @@ class Source {
 
   StampJudge stamps_;
   std::string complaint_ = "it is not heard";
-  int wrong_stamps_ = 0;  // in a row
-  bool said_ = false;     // the complaint, or one before it that is not over
+  std::string wrong_stamp_;  // what was wrong with that of the last reading
+  bool said_ = false;        // the complaint, or one before it that is not over
   std::uint64_t refused_ = 0;
   std::uint64_t refused_before_ = 0;  // when it was well
   std::optional<Time> last_refused_;
