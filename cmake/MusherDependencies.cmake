@@ -21,7 +21,7 @@ musher_dependency(SQLiteCpp libsqlitecpp-dev)
 musher_dependency(OpenSSL libssl-dev 3.0)
 musher_dependency(Threads libc6-dev)
 musher_dependency(Eigen3 libeigen3-dev)
-musher_dependency(OpenCV libopencv-dev COMPONENTS core freetype imgcodecs imgproc)
+musher_dependency(OpenCV libopencv-dev COMPONENTS core freetype imgcodecs imgproc objdetect videoio)
 
 find_path(CLI11_INCLUDE_DIR CLI/CLI.hpp)
 find_path(NLOHMANN_JSON_INCLUDE_DIR nlohmann/json.hpp)

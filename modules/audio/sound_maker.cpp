@@ -14,7 +14,6 @@ VoiceMaker::VoiceMaker(transport::EventLoop& loop, const VoiceConfig& config)
 
 VoiceMaker::~VoiceMaker() {
   Cancel();
-  thread_.Do([this] { voice_.reset(); });
 }
 
 void VoiceMaker::Make(const Utterance& what, Done done) {

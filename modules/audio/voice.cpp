@@ -28,8 +28,10 @@ int Take(short* samples, int count, espeak_EVENT* events) {
   return making.given_up() ? 1 : 0;
 }
 
+// The library is begun once a process and never ended: after a second beginning its end waits for
+// ever (1.51).
 Result<int> Start(const VoiceConfig& config) {
-  const int rate_hz =
+  static const int rate_hz =
       espeak_Initialize(AUDIO_OUTPUT_SYNCHRONOUS, 0, nullptr, espeakINITIALIZE_DONT_EXIT);
   if (rate_hz <= 0) return Failed("its data is missing (Debian package espeak-ng-data)");
   espeak_SetSynthCallback(Take);
@@ -40,10 +42,6 @@ Result<int> Start(const VoiceConfig& config) {
 }  // namespace
 
 Voice::Voice(VoiceConfig config) : config_(std::move(config)), rate_hz_(Start(config_)) {}
-
-Voice::~Voice() {
-  if (rate_hz_) espeak_Terminate();
-}
 
 Result<> Voice::Choose(Language language) {
   if (!rate_hz_) return rate_hz_.error();

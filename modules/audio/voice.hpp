@@ -1,7 +1,7 @@
 #pragma once
 // Text to sound, by espeak-ng.
 //
-// Threads: one voice a process (the library has one state for all), each call from the same thread.
+// Threads: one voice at a time (the library has one state for all), its calls one after the other.
 
 #include <functional>
 #include <string>
@@ -16,9 +16,6 @@ namespace musher::audio {
 class Voice {
  public:
   explicit Voice(VoiceConfig config);
-  ~Voice();
-  Voice(const Voice&) = delete;
-  Voice& operator=(const Voice&) = delete;
 
   // `text`: UTF-8 without control characters. Gives up between two words when `given_up` says so;
   // the sound is then what was made by then. Fails with kVoice's code.

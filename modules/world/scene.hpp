@@ -106,7 +106,7 @@ struct Lighting {
   double temperature_k = 6500;  // of its colour: lower is redder, higher is bluer
   double yaw_rad = 0.6;         // of the direction the light comes from
   double height_rad = 0.9;      // of the light over the horizon
-  double ambient = 0.45;        // share of the light that comes from everywhere
+  double ambient = 0.5;         // share of the light that comes from everywhere
   double gradient = 0;  // share of the light that is missing at the darkest end of the place
   double gradient_yaw_rad = 0;  // towards which it gets darker
   bool shadows = true;          // on the ground
