@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "musher/modules/program/module_main.hpp"
 #include "musher/modules/world/scene_toml.hpp"
 #include "musher/modules/world/tell.hpp"
 #include "musher/modules/world/world_actuator.hpp"
@@ -13,7 +14,7 @@
 
 namespace {
 
-constexpr int kUsageError = 2;
+using musher::program::kUsageError;
 
 struct Options {
   std::string scene;
@@ -38,9 +39,7 @@ int RunAsActuator(const Options& options, const musher::world::Scene& scene) {
 
 int Run(const Options& options) {
   const musher::world::SceneReading reading = musher::world::ReadSceneFile(options.scene);
-  for (const musher::Diagnostic& diagnostic : reading.diagnostics) {
-    std::cerr << musher::FormatDiagnostic(diagnostic) << std::endl;
-  }
+  musher::program::PrintErrors(reading.diagnostics);
   if (!reading.scene) return kUsageError;
   const auto time =
       std::chrono::duration_cast<musher::Duration>(std::chrono::duration<double>(options.seconds));

@@ -12,6 +12,7 @@
 
 #include "musher/lifecycle/time.hpp"
 #include "musher/modules/world/color.hpp"
+#include "musher/modules/world/sensor_specs.hpp"
 
 namespace musher::world {
 
@@ -228,10 +229,13 @@ struct Scene {
   Ground ground;
   Lighting light;
   CameraSet cameras;
+  SensorSpecs sensors;
 };
 
 // What may go wrong with a sensor: it is silent. "none" ends these, too.
-inline constexpr std::string_view kSensorFaults[] = {"camera front", "camera left", "camera right"};
+inline constexpr std::string_view kSensorFaults[] = {
+    "camera front",  "camera left",    "camera right",  "lidar",          "ultrasonic", "tof",
+    "tof_left_head", "tof_right_head", "tof_left_rear", "tof_right_rear", "gps"};
 
 inline constexpr double kLeastSpeed = 0.01;
 inline constexpr double kMostSpeed = 100;
