@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <csignal>
+
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/ota_progress.hpp"
 #include "musher/controller/cli/ota_root.hpp"
@@ -166,6 +168,7 @@ ExitCode WithRoot(const std::string& option, const GlobalOptions& global, Consol
 
 ExitCode OtaInstall(const OtaInstallOptions& options, const GlobalOptions& global,
                     Console& console) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full
   return WithRoot(options.root, global, console, [&](Upgrade& upgrade) {
     return upgrade.Install(options.bundle, {options.allow_downgrade});
   });

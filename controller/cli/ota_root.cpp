@@ -127,6 +127,7 @@ Result<> RootMachine::Switch(const std::string& state) {
 Result<> RootMachine::EnterOta() {
   // One that did not come up is in nobody's use, and may need nothing more than this upgrade.
   if (link_->status() && link_->status()->phase == "failed") return Ok();
+  asked_for_ota_ = true;
   auto entered = AskPolicy(true);
   // A robot without [policy] has no rules about it.
   if (!entered && entered.error().code == kCodeUnSupport) entered = Switch(std::string(kOta));
@@ -135,10 +136,10 @@ Result<> RootMachine::EnterOta() {
 }
 
 Result<> RootMachine::LeaveOta() {
+  if (!asked_for_ota_) return Ok();
   if (Interrupted()) {  // it has ended what this connection waits for
     if (auto failure = Connect()) return failure->error;
   }
-  if (link_->status() && link_->status()->state == before_) return Ok();
   if (Switch(before_)) return Ok();
   auto left = AskPolicy(false);
   if (!left && left.error().code == kCodeUnSupport) left = Switch(std::string(kActive));
@@ -212,7 +213,8 @@ void RootMachine::AwaitMachine() {
 
 bool RootMachine::Interrupted() {
   link_->loop().RunUntil([] { return false; }, link_->loop().Now());
-  return link_->interrupted();
+  interrupted_ |= link_->interrupted();
+  return interrupted_;
 }
 
 }  // namespace musher::cli

@@ -51,6 +51,8 @@ class RootMachine {
   const int pid_;
   ota::Slot slot_ = ota::Slot::kA;
   std::string before_;  // its state when we came
+  bool asked_for_ota_ = false;
+  bool interrupted_ = false;
   std::unique_ptr<Link> link_;
 };
 
