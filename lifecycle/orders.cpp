@@ -340,7 +340,7 @@ void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause) 
   record.presence = Presence::kLost;
   record.claim_again.reset();
   record.checked = false;
-  record.held = false;
+  record.held = record.held && torn_down;  // who was torn down alone stays set apart
   record.due = false;
   record.healthy_at.reset();
   record.outbid_at.reset();

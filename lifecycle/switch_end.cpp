@@ -1,6 +1,7 @@
 // The end of a switch: what it means for the machine and for each actuator, and the result.
 
 #include <algorithm>
+#include <utility>
 
 #include "musher/lifecycle/decision.hpp"
 
@@ -41,7 +42,8 @@ void Decision::Apply(const Switch& s, bool undone) {
   LeaveNobodyBehind(s);
   for (const ActuatorResult& other : s.others) {
     const std::size_t i = *config_.IndexOf(other.name);
-    Of(i).held = false;
+    const bool was_held = std::exchange(Of(i).held, false);
+    if (was_held && Of(i).presence == Presence::kLost) Fall(i);  // it is missed from now on
     if (other.outcome == ActuatorOutcome::kUnsupported) {
       Degrade(i, other.code, other.message, s.cause);
     }

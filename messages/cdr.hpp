@@ -16,6 +16,7 @@
 // Decoding trusts nothing: lengths are checked against the bytes at hand before anything is
 // allocated, and a malformed sample gives nullopt. Reentrant, no global state.
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -38,6 +39,11 @@ concept Message = requires(T& m) {
   { T::kTypeName } -> std::convertible_to<std::string_view>;
   T::Fields(m);
 };
+
+// Numbers that lie in memory as they do on the wire: sequences of them are copied as one block, for
+// a picture is one. (A bool may be neither 0 nor 1 on the wire.)
+template <class T>
+concept Plain = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
 
 // A struct inside a message: fields, but no type name of its own is needed.
 template <class T>
@@ -72,11 +78,19 @@ class CdrWriter {
   template <class T>
   void Put(const std::vector<T>& items) {
     Put(static_cast<std::uint32_t>(items.size()));
-    for (const auto& item : items) Put(static_cast<const T&>(item));
+    if constexpr (Plain<T>) {
+      if (!items.empty()) PutBlock(std::span<const T>(items));
+    } else {
+      for (const auto& item : items) Put(static_cast<const T&>(item));
+    }
   }
   template <class T, std::size_t N>
   void Put(const std::array<T, N>& items) {
-    for (const T& item : items) Put(item);
+    if constexpr (Plain<T>) {
+      PutBlock(std::span<const T>(items));
+    } else {
+      for (const T& item : items) Put(item);
+    }
   }
   template <Fielded T>
   void Put(const T& message) {
@@ -86,6 +100,16 @@ class CdrWriter {
   Bytes Take() && { return std::move(bytes_); }
 
  private:
+  template <class T>
+  void PutBlock(std::span<const T> items) {
+    Align(sizeof(T));
+    // All that follows in a picture, and what a transport may add to the end.
+    if (items.size_bytes() > bytes_.capacity()) {
+      bytes_.reserve(bytes_.size() + items.size_bytes() + kUsualSize);
+    }
+    Append(items.data(), items.size_bytes());
+  }
+
   void Align(std::size_t size) {
     const std::size_t offset = bytes_.size() - kHeaderSize;
     bytes_.resize(bytes_.size() + (size - offset % size) % size);
@@ -123,19 +147,8 @@ class CdrReader {
       if (byte > 1) ok_ = false;
       value = byte == 1;
     } else {
-      const std::size_t offset = at_ - kHeaderSize;
-      const std::size_t start = at_ + (sizeof(T) - offset % sizeof(T)) % sizeof(T);
-      if (!ok_ || start > bytes_.size() || bytes_.size() - start < sizeof(T)) {
-        ok_ = false;
-        return;
-      }
-      std::array<std::byte, sizeof(T)> raw;
-      std::memcpy(raw.data(), bytes_.data() + start, sizeof(T));
-      if (swap_) {
-        for (std::size_t i = 0; i < sizeof(T) / 2; ++i) std::swap(raw[i], raw[sizeof(T) - 1 - i]);
-      }
-      std::memcpy(&value, raw.data(), sizeof(T));
-      at_ = start + sizeof(T);
+      const std::byte* raw = Block(sizeof(T), 1);
+      if (raw != nullptr) Copy(raw, std::span<T>(&value, 1));
     }
   }
   void Get(std::string& text) {
@@ -157,15 +170,31 @@ class CdrReader {
       return;
     }
     items.clear();
-    for (std::uint32_t i = 0; ok_ && i < count; ++i) {
-      T item{};
-      Get(item);
-      items.push_back(std::move(item));
+    if constexpr (Plain<T>) {
+      const std::byte* raw = count == 0 ? nullptr : Block(sizeof(T), count);
+      if (raw == nullptr) return;
+      if constexpr (sizeof(T) == 1) {  // straight into place: a picture is large
+        items.assign(reinterpret_cast<const T*>(raw), reinterpret_cast<const T*>(raw) + count);
+      } else {
+        items.resize(count);
+        Copy(raw, std::span<T>(items));
+      }
+    } else {
+      for (std::uint32_t i = 0; ok_ && i < count; ++i) {
+        T item{};
+        Get(item);
+        items.push_back(std::move(item));
+      }
     }
   }
   template <class T, std::size_t N>
   void Get(std::array<T, N>& items) {
-    for (T& item : items) Get(item);
+    if constexpr (Plain<T>) {
+      const std::byte* raw = Block(sizeof(T), N);
+      if (raw != nullptr) Copy(raw, std::span<T>(items));
+    } else {
+      for (T& item : items) Get(item);
+    }
   }
   template <Fielded T>
   void Get(T& message) {
@@ -174,6 +203,29 @@ class CdrReader {
 
  private:
   std::size_t Left() const { return bytes_.size() - at_; }
+
+  // The next `count` numbers of `size` bytes, which are then behind us; null (and not ok) when
+  // there are not as many.
+  const std::byte* Block(std::size_t size, std::size_t count) {
+    const std::size_t offset = at_ - kHeaderSize;
+    const std::size_t start = at_ + (size - offset % size) % size;
+    if (!ok_ || start > bytes_.size() || (bytes_.size() - start) / size < count) {
+      ok_ = false;
+      return nullptr;
+    }
+    at_ = start + size * count;
+    return bytes_.data() + start;
+  }
+
+  template <class T>
+  void Copy(const std::byte* raw, std::span<T> items) const {
+    std::memcpy(items.data(), raw, items.size_bytes());
+    if (!swap_) return;
+    for (T& item : items) {
+      auto* bytes = reinterpret_cast<std::byte*>(&item);
+      std::reverse(bytes, bytes + sizeof(T));
+    }
+  }
 
   static constexpr std::size_t kHeaderSize = 4;
   std::span<const std::byte> bytes_;

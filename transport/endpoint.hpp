@@ -13,6 +13,7 @@
 
 #include "musher/lifecycle/result.hpp"
 #include "musher/lifecycle/time.hpp"
+#include "musher/messages/cdr.hpp"
 
 namespace musher::transport {
 
@@ -60,8 +61,9 @@ class RawWriter {
  public:
   virtual ~RawWriter() = default;
 
-  // Sends one encoded sample. Fails when the transport refuses it (oversized, history full).
-  virtual Result<> Write(std::span<const std::byte> bytes) = 0;
+  // Sends one encoded sample, which is not copied again. Fails when the transport refuses it
+  // (oversized, history full).
+  virtual Result<> Write(msg::Bytes bytes) = 0;
 
   // Blocks until every matched reliable reader has all that was written: for a program that ends
   // after it. Timeout when one has not by then.

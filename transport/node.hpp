@@ -91,17 +91,17 @@ Result<std::unique_ptr<Publisher<M>>> MakePublisher(Node& node, const std::strin
   return std::make_unique<Publisher<M>>(std::move(writer).value());
 }
 
+// The message is the callback's own, to move it elsewhere.
 template <msg::Message M>
 Result<std::unique_ptr<Subscription>> MakeSubscription(
-    Node& node, const std::string& topic,
-    std::function<void(const M&, const SampleInfo&)> on_message, const Qos& qos = kDefaultQos,
-    SubscriptionEvents events = {}) {
+    Node& node, const std::string& topic, std::function<void(M&&, const SampleInfo&)> on_message,
+    const Qos& qos = kDefaultQos, SubscriptionEvents events = {}) {
   auto malformed = std::make_shared<std::uint64_t>(0);
   ReaderCallbacks callbacks;
   callbacks.on_sample = [malformed, on_message = std::move(on_message)](
                             std::span<const std::byte> bytes, const SampleInfo& info) {
-    if (const auto message = msg::Decode<M>(bytes)) {
-      on_message(*message, info);
+    if (auto message = msg::Decode<M>(bytes)) {
+      on_message(std::move(*message), info);
     } else {
       ++*malformed;
     }

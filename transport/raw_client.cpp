@@ -65,8 +65,7 @@ void RawClient::OnMatchChanged() {
 }
 
 void RawClient::Send(std::int64_t sequence, Pending& call) {
-  const Result<> written = requests_->Write(call.unsent);
-  call.unsent.clear();
+  const Result<> written = requests_->Write(std::exchange(call.unsent, {}));
   if (written) return;
   call.end =
       loop_.At(loop_.Now(), [this, sequence, error = written.error()] { End(sequence, error); });

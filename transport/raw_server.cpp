@@ -76,15 +76,15 @@ void RawServer::SendHeld() {
   for (auto held = held_.begin(); held != held_.end();) {
     const auto next = std::next(held);
     if (ReachesClientsOf(held->participant)) {
-      Send(held->reply);
+      Send(std::move(held->reply));
       held_.erase(held);
     }
     held = next;
   }
 }
 
-void RawServer::Send(const msg::Bytes& reply) {
-  if (!replies_->Write(reply)) ++dropped_;
+void RawServer::Send(msg::Bytes reply) {
+  if (!replies_->Write(std::move(reply))) ++dropped_;
 }
 
 }  // namespace musher::transport

@@ -48,7 +48,7 @@ class RawServer {
   void SendOrHold(PeerId participant, msg::Bytes reply);
   bool ReachesClientsOf(PeerId participant) const;
   void SendHeld();
-  void Send(const msg::Bytes& reply);
+  void Send(msg::Bytes reply);
 
   EventLoop& loop_;
   OnRequest on_request_;

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/config_toml.hpp"
 #include "musher/modules/exec/exec_process.hpp"
+#include "musher/modules/program/module_main.hpp"
 
 namespace {
 
-constexpr int kUsageError = 2;
+using musher::program::kUsageError;
 
 constexpr const char* kDescription =
     "An actuator that wraps any program: commands for its states, their exit codes the answers.\n"
@@ -69,39 +69,24 @@ std::optional<Options> ReadOptions(int argc, char** argv, int& exit_code) {
   }
 }
 
-void Print(const std::vector<musher::Diagnostic>& diagnostics) {
-  for (const musher::Diagnostic& diagnostic : diagnostics) {
-    if (diagnostic.severity != musher::Severity::kError) continue;
-    std::cerr << musher::FormatDiagnostic(diagnostic) << std::endl;
-  }
-}
-
 int Run(const Options& options) {
-  const musher::ConfigReading machine = musher::ReadConfigFile(options.state_config);
-  Print(machine.diagnostics);
-  if (!machine.config) return kUsageError;
-  const auto index = machine.config->IndexOf(options.actuator);
-  if (!index) {
-    std::cerr << options.state_config << ": there is no actuator '" << options.actuator << "'"
-              << std::endl;
-    return kUsageError;
-  }
-  const musher::ActuatorConfig& actuator = machine.config->actuators[*index];
+  const auto actuator = musher::program::ReadActuator(options.state_config, options.actuator);
+  if (!actuator) return kUsageError;
   std::optional<musher::exec::ExecConfig> config;
   if (options.file.empty()) {
     config = musher::exec::ConfigForProgram(options.program);
   } else {
-    musher::exec::ExecReading reading = musher::exec::ReadExecFile(options.file, actuator);
-    Print(reading.diagnostics);
+    musher::exec::ExecReading reading = musher::exec::ReadExecFile(options.file, *actuator);
+    musher::program::PrintErrors(reading.diagnostics);
     config = std::move(reading.config);
   }
   if (!config) return kUsageError;
   const auto keeper = musher::exec::Keeper::Start();
   if (!keeper) {
-    std::cerr << actuator.name << ": " << keeper.error().message << std::endl;
+    std::cerr << actuator->name << ": " << keeper.error().message << std::endl;
     return 1;
   }
-  return musher::exec::ExecProcess(actuator, *std::move(config), keeper.value())
+  return musher::exec::ExecProcess(*actuator, *std::move(config), keeper.value())
       .Run(options.state_config);
 }
 

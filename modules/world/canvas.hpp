@@ -1,27 +1,21 @@
 #pragma once
 // A picture that is drawn on, in pixels from its upper left corner; everything is smooth at the
-// edges. canvas.cpp is the only file that knows OpenCV.
+// edges.
 //
 // Threads: one at a time for each canvas.
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "musher/lifecycle/result.hpp"
+#include "musher/modules/world/color.hpp"
+#include "musher/modules/world/texture.hpp"
 
 namespace musher::world {
 
 using Pixel = Eigen::Vector2d;
-
-struct Color {
-  std::uint8_t red = 0, green = 0, blue = 0;
-};
-
-// From `a` to `b` by `share`, 0 to 1.
-Color Mix(const Color& a, const Color& b, double share);
 
 enum class Align { kLeft, kCenter, kRight };
 
@@ -43,6 +37,13 @@ class Canvas {
   void Text(const std::string& text, const Pixel& at, double size, const Color& color,
             Align align = Align::kLeft);
   double TextWidth(const std::string& text, double size) const;
+
+  // An ellipse that gets thinner outwards: all of it up to `solid` of the radius, nothing at its
+  // end.
+  void Glow(const Pixel& center, const Eigen::Vector2d& radii, const Color& color, double solid,
+            double share = 1);
+  // The picture as it is, for a surface.
+  Texture ToTexture() const;
 
   // As PNG; the file is there as a whole or not at all.
   Result<> Save(const std::string& path) const;

@@ -13,18 +13,38 @@ using Eigen::Vector2d;
 constexpr double kTouchingM = 1e-9;  // rounding
 constexpr int kSlides = 4;           // out of so many things at once, as in a corner
 
+double BottomOf(const Ball& ball) {
+  return ball.center_m.z() - ball.radius_m;
+}
+template <class Thing>
+double BottomOf(const Thing& thing) {
+  return thing.bottom_m;
+}
+
+// Calls `visit` with everything that a standing body bumps into.
+template <class Visit>
+void EachObstacle(const Scene& scene, Visit visit) {
+  const auto all = [&](const auto& things) {
+    for (const auto& thing : things) {
+      if (BottomOf(thing) < scene.body.stand_height_m) visit(thing);
+    }
+  };
+  all(scene.boxes);
+  all(scene.circles);
+  all(scene.boards);
+  all(scene.balls);
+}
+
 // Moves `point` out of everything; says whether anything was in its way.
 bool PushOut(const Scene& scene, Vector2d& point) {
   bool touched = false;
   const double radius = scene.body.radius_m;
-  const auto out_of = [&](const auto& obstacle) {
+  EachObstacle(scene, [&](const auto& obstacle) {
     const Clearance clearance = From(obstacle, point);
     if (clearance.distance_m >= radius) return;
     point += clearance.away * (radius - clearance.distance_m);
     touched = true;
-  };
-  std::for_each(scene.boxes.begin(), scene.boxes.end(), out_of);
-  std::for_each(scene.circles.begin(), scene.circles.end(), out_of);
+  });
   const Vector2d inside = point.cwiseMax(scene.least_m + Vector2d::Constant(radius))
                               .cwiseMin(scene.most_m - Vector2d::Constant(radius));
   touched = touched || inside != point;
@@ -54,16 +74,26 @@ Clearance From(const Circle& circle, const Vector2d& point_m) {
   return {distance - circle.radius_m, away};
 }
 
+Clearance From(const Board& board, const Vector2d& point_m) {
+  constexpr double kThicknessM = 0.01;
+  return From(Box{"", board.center_m, {kThicknessM / 2, board.width_m / 2}, board.yaw_rad},
+              point_m);
+}
+
+Clearance From(const Ball& ball, const Vector2d& point_m) {
+  return From(Circle{"", ball.center_m.head<2>(), ball.radius_m}, point_m);
+}
+
 bool IsFree(const Scene& scene, const Vector2d& point_m) {
   const double radius = scene.body.radius_m - kTouchingM;
   const Vector2d margin = Vector2d::Constant(radius);
   if ((point_m - scene.least_m - margin).minCoeff() < 0) return false;
   if ((scene.most_m - point_m - margin).minCoeff() < 0) return false;
-  const auto clear = [&](const auto& obstacle) {
-    return From(obstacle, point_m).distance_m >= radius;
-  };
-  return std::all_of(scene.boxes.begin(), scene.boxes.end(), clear) &&
-         std::all_of(scene.circles.begin(), scene.circles.end(), clear);
+  bool clear = true;
+  EachObstacle(scene, [&](const auto& obstacle) {
+    clear = clear && From(obstacle, point_m).distance_m >= radius;
+  });
+  return clear;
 }
 
 Step2 Go(const Scene& scene, const Vector2d& from_m, const Vector2d& to_m) {

@@ -1,5 +1,6 @@
 #pragma once
 // Where a body can be: inside the scene's area and outside its obstacles. A body is a circle.
+// Boxes, circles, boards and balls are in its way, except for those that hang over it.
 
 #include <Eigen/Core>
 #include <vector>
@@ -15,6 +16,8 @@ struct Clearance {
 };
 Clearance From(const Box& box, const Eigen::Vector2d& point_m);
 Clearance From(const Circle& circle, const Eigen::Vector2d& point_m);
+Clearance From(const Board& board, const Eigen::Vector2d& point_m);
+Clearance From(const Ball& ball, const Eigen::Vector2d& point_m);
 
 // Whether a body of that radius can stand there.
 bool IsFree(const Scene& scene, const Eigen::Vector2d& point_m);

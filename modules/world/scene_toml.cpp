@@ -17,30 +17,26 @@
 #include "musher/lifecycle/toml/table_reader.hpp"
 #include "musher/modules/world/body.hpp"
 #include "musher/modules/world/place.hpp"
+#include "musher/modules/world/scene_keys.hpp"
+#include "musher/modules/world/scene_sensors.hpp"
+#include "musher/modules/world/scene_things.hpp"
 
 namespace musher::world {
 namespace {
 
-using config_toml::Array;
 using config_toml::Findings;
 using config_toml::Position;
 using config_toml::Table;
 using config_toml::TableReader;
-using config_toml::Value;
-using Eigen::Vector2d;
+using keys::Coordinate;
+using keys::Set;
 
 constexpr std::uintmax_t kLargestFile = 1U << 20;
-constexpr double kFarthestM = 1000;
-constexpr double kSmallestM = 0.01;
 constexpr double kMostW = 10'000;
 constexpr double kMostWh = 100'000;
 constexpr double kLongestS = 1e6;  // eleven days
 constexpr std::int64_t kMostSeed = std::int64_t{1} << 62;
 constexpr std::int64_t kMostMode = 127;  // what fits into the board's messages
-
-double Radians(double degrees) {
-  return std::remainder(degrees, 360) * M_PI / 180;
-}
 
 // Scene::start and what events carry: a pose that must be free.
 struct PlacedPose {
@@ -67,10 +63,10 @@ class Reader {
     Section(root, "picture", [&](TableReader& reader) { ReadPicture(reader); });
     placed_.push_back({scene_.start, {1, 1}, "start"});
     Section(root, "start", [&](TableReader& reader) { ReadStart(reader); });
-    Each(root, "box", [&](TableReader& reader) { ReadBox(reader); });
-    Each(root, "wall", [&](TableReader& reader) { ReadWall(reader); });
-    Each(root, "circle", [&](TableReader& reader) { ReadCircle(reader); });
-    Each(root, "pad", [&](TableReader& reader) { ReadPad(reader); });
+    const std::string folder = config_toml::FolderOf(path).string();
+    ReadThings(root, folder, findings_, scene_);
+    ReadViews(root, folder, findings_, scene_);
+    ReadSensors(root, findings_, scene_.sensors);
     Each(root, "motion", [&](TableReader& reader) { ReadMotion(reader); });
     Each(root, "event", [&](TableReader& reader) { ReadEvent(reader); });
     root.RefuseOthers();
@@ -81,89 +77,30 @@ class Reader {
   }
 
  private:
-  template <typename T>
-  static void Set(T& field, const std::optional<T>& value) {
-    if (value) field = *value;
-  }
-
   template <typename Read>
   void Section(TableReader& root, std::string_view key, Read read) {
-    const Position at = root.At(key);
-    if (const Table* table = root.SubTable(key)) {
-      TableReader reader(*table, at, std::string(key), findings_);
-      read(reader);
-      reader.RefuseOthers();
-    }
+    keys::Section(root, key, findings_, read);
   }
-
   template <typename Read>
   void Each(TableReader& root, std::string_view key, Read read) {
-    if (!root.Has(key)) return;
-    int number = 0;
-    for (const Value* value : root.Tables(key)) {
-      const std::string path = std::string(key) + "[" + std::to_string(++number) + "]";
-      TableReader reader(*value->As<Table>(), value->at, path, findings_);
-      read(reader);
-      reader.RefuseOthers();
-    }
-  }
-
-  // Two numbers: a point, or the least and the most of something.
-  std::optional<Vector2d> Pair(TableReader& reader, std::string_view key) {
-    const Value* value = reader.Get(key);
-    if (value == nullptr) return std::nullopt;
-    const auto* array = value->As<Array>();
-    Vector2d pair;
-    bool good = array != nullptr && array->size() == 2;
-    for (const int i : {0, 1}) {
-      if (!good) break;
-      const Value& item = array->at(static_cast<std::size_t>(i));
-      const auto* integer = item.As<std::int64_t>();
-      const auto* number = item.As<double>();
-      good = integer != nullptr || number != nullptr;
-      if (!good) break;
-      pair[i] = number != nullptr ? *number : static_cast<double>(*integer);
-      good = std::abs(pair[i]) <= kFarthestM;  // never true for nan
-    }
-    if (good) return pair;
-    reader.Fault(value->at, key, "expected two numbers from -1000 to 1000, as in [1.5, -2.0]");
-    return std::nullopt;
-  }
-
-  std::optional<double> Coordinate(TableReader& reader, std::string_view key) {
-    return reader.Number(key, -kFarthestM, kFarthestM);
-  }
-  std::optional<double> Length(TableReader& reader, std::string_view key) {
-    return reader.Number(key, kSmallestM, kFarthestM);
-  }
-
-  Vector2d Center(TableReader& reader) {
-    for (const char* key : {"x_m", "y_m"}) reader.Require(key, "a position in metres");
-    const double x = Coordinate(reader, "x_m").value_or(0);
-    return {x, Coordinate(reader, "y_m").value_or(0)};
-  }
-  std::string Name(TableReader& reader) {
-    const auto name = reader.String("name");
-    return name ? name->text : "";
+    keys::Each(root, key, findings_, read);
   }
 
   void ReadPlace(TableReader& reader) {
     for (const auto& [key, axis] : {std::pair("x_m", 0), std::pair("y_m", 1)}) {
-      const auto range = Pair(reader, key);
+      const auto range = keys::Range(reader, key, 1);
       if (!range) continue;
-      if (range->y() - range->x() < 1) {
-        reader.Fault(reader.At(key), key, "expected [least, most], at least a metre apart");
-        continue;
-      }
       scene_.least_m[axis] = range->x();
       scene_.most_m[axis] = range->y();
     }
+    Set(scene_.fence_height_m, keys::Height(reader, "fence_height_m"));
+    Set(scene_.fence_color, keys::ReadColor(reader, "fence_color", findings_));
   }
 
   void ReadStart(TableReader& reader) {
     Set(scene_.start.position_m.x(), Coordinate(reader, "x_m"));
     Set(scene_.start.position_m.y(), Coordinate(reader, "y_m"));
-    if (const auto yaw = reader.Number("yaw_deg", -360, 360)) scene_.start.yaw_rad = Radians(*yaw);
+    Set(scene_.start.yaw_rad, keys::Angle(reader, "yaw_deg"));
     Set(scene_.start_standing, reader.Bool("standing"));
     placed_.back() = {scene_.start, reader.at(), "start"};
   }
@@ -177,9 +114,8 @@ class Reader {
     Set(body.slip, reader.Number("slip", 0, 0.9));
     Set(body.noise, reader.Number("noise", 0, 0.5));
     Set(body.odometry_scale, reader.Number("odometry_scale", 0.5, 2));
-    if (const auto drift = reader.Number("odometry_yaw_drift_deg_per_m", -45, 45)) {
-      body.odometry_yaw_drift_rad_per_m = Radians(*drift);
-    }
+    Set(body.odometry_yaw_drift_rad_per_m,
+        keys::Angle(reader, "odometry_yaw_drift_deg_per_m", -45, 45));
     Set(body.command_timeout, reader.Time("command_timeout_ms"));
     if (body.stand_height_m <= body.lie_height_m) {
       reader.Fault(reader.At("stand_height_m"), "stand_height_m",
@@ -207,44 +143,6 @@ class Reader {
       }
     }
     Set(scene_.picture.at_teardown, reader.Bool("at_teardown"));
-  }
-
-  void ReadBox(TableReader& reader) {
-    Box box{Name(reader), Center(reader), {}, 0};
-    for (const char* key : {"length_m", "width_m"}) reader.Require(key, "a length in metres");
-    box.half_m.x() = Length(reader, "length_m").value_or(1) / 2;
-    box.half_m.y() = Length(reader, "width_m").value_or(1) / 2;
-    box.yaw_rad = Radians(reader.Number("yaw_deg", -360, 360).value_or(0));
-    scene_.boxes.push_back(std::move(box));
-  }
-
-  void ReadWall(TableReader& reader) {
-    for (const char* key : {"from_m", "to_m"}) reader.Require(key, "a point, as in [1.5, -2.0]");
-    const auto from = Pair(reader, "from_m");
-    const auto to = Pair(reader, "to_m");
-    const double thickness = Length(reader, "thickness_m").value_or(0.1);
-    Box wall{Name(reader), {}, {}, 0};
-    if (!from || !to) return;
-    const Vector2d along = *to - *from;
-    if (along.norm() < kSmallestM) {
-      return reader.Fault(reader.At("to_m"), "to_m", "expected another point than from_m");
-    }
-    wall.center_m = (*from + *to) / 2;
-    wall.half_m = {along.norm() / 2, thickness / 2};
-    wall.yaw_rad = std::atan2(along.y(), along.x());
-    scene_.boxes.push_back(std::move(wall));
-  }
-
-  void ReadCircle(TableReader& reader) {
-    Circle circle{Name(reader), Center(reader), 0};
-    reader.Require("radius_m", "a length in metres");
-    circle.radius_m = Length(reader, "radius_m").value_or(1);
-    scene_.circles.push_back(std::move(circle));
-  }
-
-  void ReadPad(TableReader& reader) {
-    const Vector2d center = Center(reader);
-    scene_.pads.push_back({center, Length(reader, "size_m").value_or(0.8)});
   }
 
   void ReadMotion(TableReader& reader) {
@@ -295,9 +193,11 @@ class Reader {
   FaultOn ReadFault(TableReader& reader) {
     std::vector<std::pair<std::string_view, std::string_view>> names;
     for (const FaultKind& fault : Faults()) names.emplace_back(fault.name, fault.name);
+    for (const std::string_view fault : kSensorFaults) names.emplace_back(fault, fault);
     const std::string name(reader.Choice("fault", names).value_or("none"));
     const auto motor = reader.Integer("motor", 0, kMotors - 1);
-    if (motor && !FindFault(name)->of_a_motor) {
+    const FaultKind* fault = FindFault(name);
+    if (motor && (fault == nullptr || !fault->of_a_motor)) {
       reader.Fault(reader.At("motor"), "motor", "this fault is of no motor");
     }
     return {name, static_cast<int>(motor.value_or(0))};
@@ -305,8 +205,8 @@ class Reader {
 
   Carry ReadCarry(TableReader& reader) {
     Pose2 pose;
-    if (const auto point = Pair(reader, "place_m")) pose.position_m = *point;
-    pose.yaw_rad = Radians(reader.Number("yaw_deg", -360, 360).value_or(0));
+    Set(pose.position_m, keys::Pair(reader, "place_m"));
+    Set(pose.yaw_rad, keys::Angle(reader, "yaw_deg"));
     placed_.push_back({pose, reader.At("place_m"), reader.path() + ".place_m"});
     return {pose};
   }

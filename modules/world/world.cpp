@@ -85,6 +85,11 @@ std::optional<std::string> World::PutDown(const Pose2& at) {
   return std::nullopt;
 }
 
+void World::SetFault(const FaultKind& fault, std::size_t motor) {
+  if (&fault == &Faults().front()) silent_.clear();
+  body_.SetFault(fault, motor);
+}
+
 void World::SetLight(int target, const Light& light) {
   track_.SetLight(target, light);
 }
@@ -104,7 +109,11 @@ void World::Happen(const Event& event, Happenings& happenings) {
         } else if constexpr (std::is_same_v<What, Touch>) {
           happenings.touches.push_back(what.state);
         } else if constexpr (std::is_same_v<What, FaultOn>) {
-          SetFault(*FindFault(what.name), static_cast<std::size_t>(what.motor));
+          if (const FaultKind* fault = FindFault(what.name)) {
+            SetFault(*fault, static_cast<std::size_t>(what.motor));
+          } else {
+            Silence(what.name);
+          }
         } else if constexpr (std::is_same_v<What, Carry>) {
           return PutDown(what.at);
         } else {

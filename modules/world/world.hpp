@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,10 @@ class World {
   void SetMotorPower(bool on) { supply_.motor_power = on; }
   // Says why when the body cannot be there.
   std::optional<std::string> PutDown(const Pose2& at);
-  void SetFault(const FaultKind& fault, std::size_t motor) { body_.SetFault(fault, motor); }
+  // "none" ends the faults of sensors, too.
+  void SetFault(const FaultKind& fault, std::size_t motor);
+  // One of kSensorFaults: nothing comes from that sensor any more.
+  void Silence(const std::string& sensor) { silent_.insert(sensor); }
   // What others said, to be drawn: the machine's state, the colour of a light.
   void SetMachineState(const std::string& state) { machine_state_ = state; }
   void SetLight(int target, const Light& light);
@@ -48,6 +52,7 @@ class World {
   const Battery& battery() const { return battery_; }
   bool on_pad() const;
   const Track& track() const { return track_; }
+  bool IsSilent(const std::string& sensor) const { return silent_.contains(sensor); }
 
  private:
   void Happen(const Event& event, Happenings& happenings);
@@ -62,6 +67,7 @@ class World {
   std::size_t next_event_ = 0;
   bool touching_ = false;  // the body was stopped by something in the last step
   std::string machine_state_;
+  std::set<std::string> silent_;  // sensors
   Track track_;
 };
 

@@ -1,6 +1,8 @@
 #include "musher/modules/world/world_host.hpp"
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -48,7 +50,11 @@ Result<> WorldHost::Publish() {
   clock_ = std::move(clock).value();
   if (auto made = Make(body_state_, "world/body_state"); !made) return made;
   if (auto made = Make(battery_, "world/battery"); !made) return made;
-  return Make(touch_, "world/touch");
+  if (auto made = Make(touch_, "world/touch"); !made) return made;
+  auto sensors = WorldSensors::Make(node_, world_.scene(), options_.name_space);
+  if (!sensors) return sensors.error();
+  sensors_ = std::move(sensors).value();
+  return Ok();
 }
 
 Result<> WorldHost::Listen() {
@@ -125,6 +131,7 @@ void WorldHost::OnStep() {
   if (world_.now() % kBatteryPeriod < kStep || world_.now() == kStep) {
     static_cast<void>(battery_->Publish(ToBatteryState(world_)));
   }
+  sensors_->OnStep(world_);
   for (const int touch : happenings.touches) Touch(touch);
   for (const std::string& line : happenings.said) Log(line);
   if (happenings.speed) return SetSpeed(*happenings.speed);
@@ -148,8 +155,13 @@ void WorldHost::SetSpeed(double factor) {
   if (!pacer_.paused()) Arm(pacer_.due());
 }
 
-// "lifted", "motor 3".
+// "lifted", "motor 3", "camera front".
 void WorldHost::SetFault(const std::string& text) {
+  if (std::find(std::begin(kSensorFaults), std::end(kSensorFaults), text) !=
+      std::end(kSensorFaults)) {
+    world_.Silence(text);
+    return Log("fault: " + text);
+  }
   std::istringstream words(text);
   std::string name;
   std::size_t motor = 0;

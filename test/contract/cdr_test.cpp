@@ -56,6 +56,40 @@ TEST(Cdr, EncodesLittleEndianWithPaddingBetweenFields) {
   EXPECT_EQ(Encode(Mixed{true, -2, 0x01020304, 1.5, "hi", {0x1234, 0x5678}}), expected);
 }
 
+struct Blocks {
+  std::uint8_t before = 0;
+  std::vector<double> numbers;
+  std::vector<std::uint8_t> none;
+  std::array<std::int16_t, 2> pair{};
+  std::vector<std::int8_t> bytes;
+
+  template <class Self>
+  static auto Fields(Self& m) {
+    return std::tie(m.before, m.numbers, m.none, m.pair, m.bytes);
+  }
+  friend bool operator==(const Blocks&, const Blocks&) = default;
+};
+
+TEST(Cdr, SequencesOfNumbersAreAlignedLikeTheirItems) {
+  const Blocks blocks{1, {1.5}, {}, {-2, 3}, {-1, 2}};
+  const Bytes little = MakeBytes({0, 1, 0, 0,                          //
+                                  1, 0, 0, 0, 1,    0,    0,    0,     //
+                                  0, 0, 0, 0, 0,    0,    0xf8, 0x3f,  // 1.5
+                                  0, 0, 0, 0, 0xfe, 0xff, 3,    0,     // none, the pair
+                                  2, 0, 0, 0, 0xff, 2});
+  EXPECT_EQ(Encode(blocks), little);
+  EXPECT_EQ(Decode<Blocks>(little), blocks);
+  const Bytes big = MakeBytes({0,    0,    0, 0,                    //
+                               1,    0,    0, 0, 0,    0,    0, 1,  //
+                               0x3f, 0xf8, 0, 0, 0,    0,    0, 0,  //
+                               0,    0,    0, 0, 0xff, 0xfe, 0, 3,  //
+                               0,    0,    0, 2, 0xff, 2});
+  EXPECT_EQ(Decode<Blocks>(big), blocks);
+  for (std::size_t size = 0; size < little.size(); ++size) {
+    EXPECT_FALSE(Decode<Blocks>(std::span(little).first(size))) << size;
+  }
+}
+
 TEST(Cdr, RefusesOtherEncapsulations) {
   Bytes bytes = Encode(String{"hello"});
   for (const int kind : {2, 3, 6, 7, 0x10, 0xff}) {  // parameter lists, XCDR2, nonsense

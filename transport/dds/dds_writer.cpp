@@ -23,7 +23,7 @@ void WriterCore::Close() {
   topic_.Delete();
 }
 
-Result<> WriterCore::Write(std::span<const std::byte> bytes) {
+Result<> WriterCore::Write(msg::Bytes bytes) {
   constexpr std::size_t kEncapsulationHeader = 4;
   if (bytes.size() < kEncapsulationHeader) {
     return Error{kCodeParametersInvalid, topic_name_ + ": no encapsulation header"};

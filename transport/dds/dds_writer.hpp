@@ -25,7 +25,7 @@ class WriterCore : public Notifier {
   // No callback runs after it, also when a callback calls it.
   void Close();
 
-  Result<> Write(std::span<const std::byte> bytes);
+  Result<> Write(msg::Bytes bytes);
   Result<> Flush(Duration timeout);
   const PeerTable& readers() const { return readers_; }
   std::uint64_t id() const { return id_; }
@@ -51,7 +51,7 @@ class DdsWriter : public RawWriter {
   DdsWriter& operator=(const DdsWriter&) = delete;
   ~DdsWriter() override { core_->Close(); }
 
-  Result<> Write(std::span<const std::byte> bytes) override { return core_->Write(bytes); }
+  Result<> Write(msg::Bytes bytes) override { return core_->Write(std::move(bytes)); }
   Result<> Flush(Duration timeout) override { return core_->Flush(timeout); }
   int MatchedReaders() const override { return core_->readers().size(); }
   int ReadersOf(PeerId participant) const override { return core_->readers().CountOf(participant); }

@@ -8,8 +8,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <memory>
-#include <vector>
+#include <utility>
 
 namespace musher::transport::dds {
 
@@ -21,15 +20,23 @@ constexpr std::size_t Padded(std::size_t size) {
 }
 
 struct RawData : ddsi_serdata {
-  RawData(const ddsi_sertype* sertype, ddsi_serdata_kind data_kind, std::size_t data_size)
-      : ddsi_serdata{}, size(data_size), bytes(Padded(data_size)) {
+  RawData(const ddsi_sertype* sertype, ddsi_serdata_kind data_kind, msg::Bytes data)
+      : ddsi_serdata{}, size(data.size()), bytes(std::move(data)) {
+    bytes.resize(Padded(size));
     ddsi_serdata_init(this, sertype, data_kind);
     hash = sertype->serdata_basehash;  // keyless: all samples belong to the same instance
   }
 
   std::size_t size;
-  std::vector<std::byte> bytes;
+  msg::Bytes bytes;
 };
+
+// For so many bytes, so that padding moves nothing; a picture is large.
+msg::Bytes Room(std::size_t size) {
+  msg::Bytes bytes;
+  bytes.reserve(Padded(size));
+  return bytes;
+}
 
 const RawData& AsRaw(const ddsi_serdata* data) {
   return *static_cast<const RawData*>(data);
@@ -46,42 +53,38 @@ std::uint32_t SizeOf(const ddsi_serdata* data) {
 // Fragments come in order and may overlap.
 ddsi_serdata* FromFragments(const ddsi_sertype* type, ddsi_serdata_kind kind,
                             const nn_rdata* fragment, std::size_t size) {
-  auto data = std::make_unique<RawData>(type, kind, size);
-  std::uint32_t filled = 0;
+  msg::Bytes bytes = Room(size);
   for (; fragment != nullptr; fragment = fragment->nextfrag) {
-    const std::uint32_t end = std::min<std::uint32_t>(fragment->maxp1, SizeOf(data.get()));
+    const std::size_t filled = bytes.size();
+    const std::size_t end = std::min<std::size_t>(fragment->maxp1, size);
     if (end <= filled) continue;
     if (fragment->min > filled) return nullptr;
-    const unsigned char* payload =
-        NN_RMSG_PAYLOADOFF(fragment->rmsg, NN_RDATA_PAYLOAD_OFF(fragment));
-    std::memcpy(data->bytes.data() + filled, payload + (filled - fragment->min), end - filled);
-    filled = end;
+    const auto* payload = reinterpret_cast<const std::byte*>(
+        NN_RMSG_PAYLOADOFF(fragment->rmsg, NN_RDATA_PAYLOAD_OFF(fragment)));
+    bytes.insert(bytes.end(), payload + (filled - fragment->min), payload + (end - fragment->min));
   }
-  return filled == size ? data.release() : nullptr;
+  return bytes.size() == size ? new RawData(type, kind, std::move(bytes)) : nullptr;
 }
 
 ddsi_serdata* FromBuffers(const ddsi_sertype* type, ddsi_serdata_kind kind,
                           ddsrt_msg_iovlen_t count, const ddsrt_iovec_t* buffers,
                           std::size_t size) {
-  auto data = std::make_unique<RawData>(type, kind, size);
-  std::size_t filled = 0;
+  msg::Bytes bytes = Room(size);
   for (ddsrt_msg_iovlen_t i = 0; i < count; ++i) {
-    const std::size_t part = std::min<std::size_t>(buffers[i].iov_len, size - filled);
-    std::memcpy(data->bytes.data() + filled, buffers[i].iov_base, part);
-    filled += part;
+    const auto* part = static_cast<const std::byte*>(buffers[i].iov_base);
+    bytes.insert(bytes.end(), part,
+                 part + std::min<std::size_t>(buffers[i].iov_len, size - bytes.size()));
   }
-  return data.release();
+  bytes.resize(size);
+  return new RawData(type, kind, std::move(bytes));
 }
 
 ddsi_serdata* FromKeyHash(const ddsi_sertype* type, const ddsi_keyhash*) {
-  return new RawData(type, SDK_KEY, 0);
+  return new RawData(type, SDK_KEY, {});
 }
 
 ddsi_serdata* FromSample(const ddsi_sertype* type, ddsi_serdata_kind kind, const void* sample) {
-  const std::span<const std::byte> bytes = static_cast<const RawSample*>(sample)->bytes;
-  auto data = std::make_unique<RawData>(type, kind, bytes.size());
-  std::copy(bytes.begin(), bytes.end(), data->bytes.begin());
-  return data.release();
+  return new RawData(type, kind, std::move(static_cast<const RawSample*>(sample)->bytes));
 }
 
 void ToBuffer(const ddsi_serdata* data, std::size_t offset, std::size_t size, void* buffer) {
@@ -100,7 +103,7 @@ void GiveBack(ddsi_serdata* data, const ddsrt_iovec_t*) {
 }
 
 ddsi_serdata* ToKey(const ddsi_serdata* data) {
-  auto* key = new RawData(data->type, SDK_KEY, 0);
+  auto* key = new RawData(data->type, SDK_KEY, {});
   key->type = nullptr;  // a key is shared by types
   return key;
 }

@@ -10,6 +10,8 @@
 #include <span>
 #include <string>
 
+#include "musher/messages/cdr.hpp"
+
 struct ddsi_serdata;
 struct ddsi_sertype;
 
@@ -20,9 +22,9 @@ namespace musher::transport::dds {
 dds_entity_t CreateRawTopic(dds_entity_t participant, const std::string& name,
                             const std::string& type_name);
 
-// What dds_write() takes for a raw topic.
+// What dds_write() takes for a raw topic; it takes the bytes away.
 struct RawSample {
-  std::span<const std::byte> bytes;
+  msg::Bytes& bytes;
 };
 
 // The bytes in a sample that dds_takecdr() has given, for as long as the sample is held.

@@ -14,9 +14,9 @@ class SimWriter : public RawWriter {
   SimWriter& operator=(const SimWriter&) = delete;
   ~SimWriter() override { discovery_.Close(*end_); }
 
-  Result<> Write(std::span<const std::byte> bytes) override {
+  Result<> Write(msg::Bytes bytes) override {
     if (!end_->open) return Error{kCodeNetError, "the process has crashed"};
-    delivery_.Write(*end_, std::make_shared<const msg::Bytes>(bytes.begin(), bytes.end()));
+    delivery_.Write(*end_, std::make_shared<const msg::Bytes>(std::move(bytes)));
     return Ok();
   }
   // Virtual time cannot pass in here, and what is written arrives without its writer.

@@ -1,6 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 #include <sstream>
 
@@ -64,7 +63,7 @@ class Grammar {
   std::variant<CommandLine, ParseEnd> Parse(int argc, const char* const* argv) {
     try {
       app_.parse(argc, argv);
-      TakeEnvironment();
+      program::TakeEnvironment(global_);
     } catch (const CLI::ParseError& e) {
       std::ostringstream out;
       std::ostringstream ignored;
@@ -76,25 +75,7 @@ class Grammar {
 
  private:
   void AddGlobalOptions() {
-    app_.add_flag("--json", global_.json, "Print a JSON document");
-    app_.add_option("--namespace", global_.name_space,
-                    "Namespace of the machine; default $MUSHER_NAMESPACE, else none")
-        ->type_name("NAME");
-    app_.add_option("--domain", global_.domain, "DDS domain; default $ROS_DOMAIN_ID, else 0")
-        ->check(CLI::Range(0, 232).description(""))
-        ->type_name("N");
-    app_.add_option("--transport", global_.transport,
-                    "local: this host; lan: others too; default $MUSHER_TRANSPORT, else local")
-        ->check(CLI::IsMember({"local", "lan"}).description(""))
-        ->type_name("local|lan");
-    app_.add_option("--clock", clock_, "Whose time --seconds and 20 Hz go by; topic: /clock")
-        ->check(CLI::IsMember({"steady", "topic"}).description(""))
-        ->type_name("steady|topic");
-    app_.add_option("--keys", global_.keys, "Folder with keys; default $MUSHER_KEYS, else none")
-        ->type_name("FOLDER");
-    app_.add_option("--identity", global_.identity,
-                    "Whose keys; default $MUSHER_IDENTITY, else operator")
-        ->type_name("NAME");
+    program::AddHandOptions(app_, global_, "Whose time --seconds and 20 Hz go by; topic: /clock");
     app_.add_option("--motions", global_.motions,
                     "The motion id table; default the one that came with this program")
         ->type_name("FILE");
@@ -161,23 +142,8 @@ class Grammar {
     command->callback([this] { command_ = walk_; });
   }
 
-  void TakeEnvironment() {
-    const auto take = [](std::string& value, const char* source, const char* otherwise) {
-      const char* set = std::getenv(source);  // NOLINT(concurrency-mt-unsafe)
-      if (value.empty()) value = set != nullptr ? set : otherwise;
-    };
-    take(global_.name_space, "MUSHER_NAMESPACE", "");
-    take(global_.keys, "MUSHER_KEYS", "");
-    take(global_.identity, "MUSHER_IDENTITY", "operator");
-    if (!global_.name_space.empty() && global_.name_space.front() == '/') {
-      global_.name_space.erase(0, 1);
-    }
-    global_.clock_topic = clock_ == "topic";
-  }
-
   CLI::App app_{kDescription, "musher-motion"};
   GlobalOptions global_;
-  std::string clock_;
   ResultOptions result_;
   ServoOptions servo_;
   WalkOptions walk_;

@@ -8,24 +8,14 @@
 #include <vector>
 
 #include "musher/modules/motion/motion_command.hpp"
+#include "musher/modules/program/hand_tool.hpp"
 
 namespace musher::motion::tool {
 
-enum class ExitCode : int {
-  kDone = 0,
-  kNotDone = 1,  // refused, failed, or nobody answered
-  kUsage = 2,
-  kInterrupted = 130  // by Ctrl-C, as shells have it
-};
+using program::ExitCode;
+using program::ParseEnd;
 
-struct GlobalOptions {
-  bool json = false;
-  std::string name_space;
-  std::optional<int> domain;
-  std::optional<std::string> transport;
-  bool clock_topic = false;  // time goes by /clock
-  std::string keys;
-  std::string identity;
+struct GlobalOptions : program::HandOptions {
   std::string motions;  // the file of the motion id table; empty: the one beside this program
 };
 
@@ -53,12 +43,6 @@ using CommandOptions =
 struct CommandLine {
   GlobalOptions global;
   CommandOptions command;
-};
-
-// A command line that asks for no command: help, or a mistake.
-struct ParseEnd {
-  ExitCode exit = ExitCode::kUsage;
-  std::string text;
 };
 
 std::variant<CommandLine, ParseEnd> ParseCommandLine(int argc, const char* const* argv);

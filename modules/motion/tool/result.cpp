@@ -3,8 +3,8 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "musher/modules/motion/tool/body_link.hpp"
 #include "musher/modules/motion/tool/commands.hpp"
+#include "musher/transport/service.hpp"
 
 namespace musher::motion::tool {
 namespace {
@@ -14,7 +14,7 @@ constexpr Duration kLongestMotion = std::chrono::seconds(180);
 }  // namespace
 
 ExitCode Run(const GlobalOptions& global, const ResultOptions& options) {
-  const auto link = BodyLink::Open(global);
+  const auto link = program::HandLink::Open(global);
   if (!link) return Fail(ExitCode::kUsage, link.error());
   const auto client = transport::MakeClient<msg::MotionResultCmd>(
       link.value()->node(), link.value()->Name("motion_result_cmd"));
@@ -34,7 +34,7 @@ ExitCode Run(const GlobalOptions& global, const ResultOptions& options) {
   const bool found = link.value()->RunUntil([&] { return client.value()->Ready() || reply; },
                                             link.value()->discovery());
   if (!found && !link.value()->interrupted()) {
-    return Fail(ExitCode::kNotDone, link.value()->Nobody());
+    return Fail(ExitCode::kNotDone, link.value()->Nobody("motion manager"));
   }
   if (!link.value()->RunUntil([&] { return reply.has_value(); }, kLongestMotion * 2)) {
     return Fail(ExitCode::kInterrupted, {kCodeFailed, "interrupted; the motion goes on"});

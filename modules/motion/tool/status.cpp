@@ -4,13 +4,12 @@
 #include <nlohmann/json.hpp>
 
 #include "musher/modules/motion/motion_code.hpp"
-#include "musher/modules/motion/tool/body_link.hpp"
 #include "musher/modules/motion/tool/commands.hpp"
 
 namespace musher::motion::tool {
 
 ExitCode Run(const GlobalOptions& global, const StatusOptions&) {
-  const auto link = BodyLink::Open(global);
+  const auto link = program::HandLink::Open(global);
   if (!link) return Fail(ExitCode::kUsage, link.error());
   std::optional<msg::MotionStatus> status;
   const auto subscription = transport::MakeSubscription<msg::MotionStatus>(
@@ -18,7 +17,7 @@ ExitCode Run(const GlobalOptions& global, const StatusOptions&) {
       [&](const msg::MotionStatus& message, const transport::SampleInfo&) { status = message; });
   if (!subscription) return Fail(ExitCode::kUsage, subscription.error());
   if (!link.value()->RunUntil([&] { return status.has_value(); }, link.value()->discovery())) {
-    return Fail(ExitCode::kNotDone, link.value()->Nobody());
+    return Fail(ExitCode::kNotDone, link.value()->Nobody("motion manager"));
   }
   const std::int32_t code = CodeOfStatus(status->switch_status);
   if (global.json) {

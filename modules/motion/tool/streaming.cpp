@@ -19,16 +19,17 @@ ExitCode Interrupted() {
 std::variant<std::unique_ptr<Streaming>, ExitCode> Streaming::Open(const GlobalOptions& global,
                                                                    std::int32_t id,
                                                                    std::int32_t source) {
-  auto link = BodyLink::Open(global);
+  auto link = program::HandLink::Open(global);
   if (!link) return Fail(ExitCode::kUsage, link.error());
   auto stream = ServoStream::Open(*link.value(), id, source);
   if (!stream) return Fail(ExitCode::kUsage, stream.error());
   std::unique_ptr<Streaming> streaming(new Streaming());
   streaming->link_ = std::move(link).value();
   streaming->stream_ = std::move(stream).value();
-  BodyLink& found = *streaming->link_;
+  program::HandLink& found = *streaming->link_;
   if (!found.RunUntil([&] { return streaming->stream_->Ready(); }, found.discovery())) {
-    return found.TakeInterrupt() ? Interrupted() : Fail(ExitCode::kNotDone, found.Nobody());
+    return found.TakeInterrupt() ? Interrupted()
+                                 : Fail(ExitCode::kNotDone, found.Nobody("motion manager"));
   }
   if (!found.AwaitClock()) {
     return found.TakeInterrupt()

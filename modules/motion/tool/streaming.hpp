@@ -11,7 +11,8 @@
 #include <string>
 #include <variant>
 
-#include "musher/modules/motion/tool/body_link.hpp"
+#include "musher/modules/motion/tool/options.hpp"
+#include "musher/modules/motion/tool/servo_stream.hpp"
 
 namespace musher::motion::tool {
 
@@ -27,14 +28,14 @@ class Streaming {
   // Streams for at most `longest` of steady time. `what` names it for people.
   std::optional<ExitCode> Run(Next next, Duration longest, const std::string& what);
 
-  BodyLink& link() { return *link_; }
+  program::HandLink& link() { return *link_; }
   bool moving() const { return stream_->moving(); }
 
  private:
   Streaming() = default;
   void Frame(const Next& next);
 
-  std::unique_ptr<BodyLink> link_;
+  std::unique_ptr<program::HandLink> link_;
   std::unique_ptr<ServoStream> stream_;
   bool over_ = false;
 };

@@ -97,6 +97,19 @@ TEST_F(FoundByStories, TearDownOfOneBeforeTheMachineIsSetUpIsRefused) {
   EXPECT_EQ(t.machine().state, "Active");
 }
 
+TEST_F(FoundByStories, ACriticalOneThatWasTornDownAloneIsMissedFromTheNextSwitchOn) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "a").critical = true;
+  ActuatorNamed(config, "a").on_lost = "Protected";
+  Theatre& t = In("Active", config);
+  t.Set("TearDown", "a");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Active");  // it was meant so
+  t.Set("Active");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Protected");
+}
+
 TEST_F(FoundByStories, ACheckThatEndsAfterItsSwitchWasSupersededCounts) {
   MachineConfig config = MachineOf(2);
   ActuatorNamed(config, "a").critical = true;

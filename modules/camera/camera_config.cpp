@@ -1,0 +1,231 @@
+#include "musher/modules/camera/camera_config.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <utility>
+#include <variant>
+
+#include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/file.hpp"
+#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/lifecycle/toml/names.hpp"
+#include "musher/lifecycle/toml/table_reader.hpp"
+
+namespace musher::camera {
+namespace {
+
+using config_toml::Findings;
+using config_toml::Quote;
+using config_toml::Table;
+using config_toml::TableReader;
+using config_toml::Word;
+
+constexpr std::size_t kLargestFile = 1U << 20;
+constexpr std::int64_t kLargestPx = 8192;
+constexpr double kFastestHz = 240;
+constexpr double kWidestDeg = 175;  // a wider one is no pinhole
+
+bool IsTopic(const std::string& name) {
+  return !name.empty() && config_toml::IsNamespace(name);
+}
+
+class Reader {
+ public:
+  Reader(const std::string& path, Findings& findings)
+      : folder_(config_toml::FolderOf(path)), findings_(findings) {}
+
+  CamerasConfig Read(const Table& table) {
+    TableReader root(table, {1, 1}, "", findings_);
+    config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
+    config_.silence = root.Time("silence_ms").value_or(config_.silence);
+    config_.retry = root.Time("retry_ms").value_or(config_.retry);
+    if (const auto states = root.Strings("on_in")) {
+      config_.on_in.clear();
+      for (const Word& state : *states) config_.on_in.push_back(state.text);
+    }
+    root.Require("camera", "a table [camera.<name>] for each camera");
+    if (const Table* cameras = root.SubTable("camera")) ReadCameras(*cameras, root.At("camera"));
+    config_.skip = Names(root, "skip");
+    config_.critical = Names(root, "critical");
+    if (const Table* service = root.SubTable("service")) {
+      TableReader reader(*service, root.At("service"), "service", findings_);
+      ReadService(reader);
+      reader.RefuseOthers();
+    }
+    if (config_.service.camera.empty() && !config_.cameras.empty()) {
+      config_.service.camera = config_.cameras.front().name;
+    }
+    root.RefuseOthers();
+    return std::move(config_);
+  }
+
+ private:
+  void ReadCameras(const Table& tables, config_toml::Position at) {
+    TableReader all(tables, at, "camera", findings_);
+    if (tables.empty()) findings_.Error(at, "camera: expected a table [camera.<name>] for each");
+    for (const config_toml::Member& member : tables) {
+      const Table* table = all.SubTable(member.key);
+      if (table == nullptr) continue;
+      if (!config_toml::IsName(member.key)) {
+        all.Fault(
+            member.at, member.key,
+            "expected " + std::string(config_toml::kNameRule) + ", found " + Quote(member.key));
+      }
+      TableReader reader(*table, member.at, "camera." + member.key, findings_);
+      config_.cameras.push_back(ReadCamera(reader, member.key));
+      reader.RefuseOthers();
+    }
+  }
+
+  CameraConfig ReadCamera(TableReader& reader, const std::string& name) {
+    CameraConfig camera;
+    camera.name = name;
+    camera.frame_id = "camera_" + name;
+    reader.Require("topic", "the topic of its pictures");
+    if (const auto topic = reader.String("topic")) {
+      camera.topic = topic->text;
+      CheckTopic(reader, "topic", *topic);
+      for (const CameraConfig& other : config_.cameras) {
+        if (other.topic != topic->text) continue;
+        reader.Fault(topic->at, "topic",
+                     Quote(topic->text) + " is that of camera." + other.name + " already");
+      }
+    }
+    if (const auto frame = reader.String("frame_id")) camera.frame_id = frame->text;
+    reader.Require("source", "\"world\", \"video\", \"device\" or \"folder\"");
+    const auto source = reader.Choice<SourceKind>("source", {{"world", SourceKind::kWorld},
+                                                             {"video", SourceKind::kVideo},
+                                                             {"device", SourceKind::kDevice},
+                                                             {"folder", SourceKind::kFolder}});
+    reader.Require("from", "a topic, a file, a device or a folder");
+    const auto from = reader.String("from");
+    if (source) camera.source = *source;
+    if (source && from) camera.from = From(reader, *source, *from);
+    ReadEnd(reader, camera);
+    camera.on_demand = reader.Bool("on_demand").value_or(false);
+    ReadFormat(reader, camera);
+    return camera;
+  }
+
+  std::string From(TableReader& reader, SourceKind source, const Word& from) {
+    if (source == SourceKind::kWorld) CheckTopic(reader, "from", from);
+    if (from.text.empty()) reader.Fault(from.at, "from", "expected a path, found nothing");
+    const bool number =
+        !from.text.empty() && std::all_of(from.text.begin(), from.text.end(),
+                                          [](char c) { return c >= '0' && c <= '9'; });
+    if (source == SourceKind::kWorld || (source == SourceKind::kDevice && number)) return from.text;
+    return config_toml::Absolute(folder_, from.text);
+  }
+
+  static void ReadEnd(TableReader& reader, CameraConfig& camera) {
+    if (const auto loops = reader.Choice<bool>("at_end", {{"loop", true}, {"stop", false}})) {
+      camera.loops = *loops;
+      if (camera.source == SourceKind::kWorld || camera.source == SourceKind::kDevice) {
+        reader.Warn(reader.At("at_end"), "at_end",
+                    "has no effect: only a source \"video\" or \"folder\" ends");
+      }
+    }
+  }
+
+  static void ReadFormat(TableReader& reader, CameraConfig& camera) {
+    const auto size = [&](std::string_view key) {
+      return static_cast<std::uint32_t>(reader.Integer(key, 1, kLargestPx, "pixels").value_or(0));
+    };
+    camera.format.width_px = size("width_px");
+    camera.format.height_px = size("height_px");
+    if ((camera.format.width_px == 0) != (camera.format.height_px == 0)) {
+      reader.Fault(reader.at(), "width_px", "expected both width_px and height_px, or none");
+    }
+    camera.format.encoding =
+        reader
+            .Choice<std::string>("encoding",
+                                 {{"bgr8", "bgr8"}, {"rgb8", "rgb8"}, {"mono8", "mono8"}})
+            .value_or("");
+    camera.rate_hz = reader.Number("rate_hz", 0.01, kFastestHz).value_or(0);
+    camera.hfov_deg = reader.Number("hfov_deg", 1, kWidestDeg).value_or(0);
+  }
+
+  void ReadService(TableReader& reader) {
+    ServiceConfig& service = config_.service;
+    if (const auto name = reader.String("camera")) {
+      service.camera = name->text;
+      CheckName(reader, "camera", *name);
+    }
+    if (const auto topic = reader.String("topic")) {
+      service.topic = topic->text;
+      CheckTopic(reader, "topic", *topic);
+    }
+    for (const CameraConfig& camera : config_.cameras) {
+      if (camera.topic != service.topic) continue;
+      reader.Fault(reader.At("topic"), "topic",
+                   Quote(service.topic) + " is that of camera." + camera.name + " already");
+    }
+    if (const auto folder = reader.String("folder")) {
+      service.folder = config_toml::Absolute(folder_, folder->text);
+    }
+  }
+
+  static void CheckTopic(TableReader& reader, std::string_view key, const Word& topic) {
+    if (IsTopic(topic.text)) return;
+    reader.Fault(topic.at, key,
+                 "expected a topic relative to the namespace, as in \"image_rgb\", found " +
+                     Quote(topic.text));
+  }
+
+  void CheckName(TableReader& reader, std::string_view key, const Word& name) {
+    std::vector<std::string_view> known;
+    for (const CameraConfig& camera : config_.cameras) known.emplace_back(camera.name);
+    if (std::find(known.begin(), known.end(), name.text) != known.end()) return;
+    reader.Fault(name.at, key,
+                 "expected one of " + config_toml::Listing(known) + ", found " + Quote(name.text) +
+                     findings_.Guess(name.text, known));
+  }
+
+  std::vector<std::string> Names(TableReader& root, std::string_view key) {
+    std::vector<std::string> names;
+    const auto words = root.Strings(key, {.may_be_empty = true});
+    if (!words) return names;
+    for (const Word& word : *words) {
+      names.push_back(word.text);
+      CheckName(root, key, word);
+      const auto& skip = config_.skip;
+      if (key == "critical" && std::find(skip.begin(), skip.end(), word.text) != skip.end()) {
+        root.Fault(word.at, key, "a camera that is skipped cannot be critical");
+      }
+    }
+    return names;
+  }
+
+  const std::filesystem::path folder_;
+  Findings& findings_;
+  CamerasConfig config_;
+};
+
+}  // namespace
+
+CamerasReading ReadCamerasText(std::string_view text, const std::string& path) {
+  Findings findings;
+  CamerasReading reading;
+  const auto document = config_toml::ParseDocument(text);
+  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
+    findings.Error(fault->at, fault->message);
+  } else {
+    CamerasConfig config = Reader(path, findings).Read(std::get<Table>(document));
+    if (!findings.HasErrors()) reading.config = std::move(config);
+  }
+  reading.diagnostics = std::move(findings).Take(path, text);
+  return reading;
+}
+
+CamerasReading ReadCamerasFile(const std::string& path) {
+  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
+  const auto refuse = [&path](const std::string& reason) {
+    return CamerasReading{std::nullopt, {{path, 0, 0, Severity::kError, reason}}};
+  };
+  if (!text) return refuse(text.error().message);
+  if (text.value().size() > kLargestFile) return refuse("the file is larger than 1 MiB");
+  return ReadCamerasText(text.value(), path);
+}
+
+}  // namespace musher::camera

@@ -1,0 +1,154 @@
+#include "musher/modules/camera/camera_device.hpp"
+
+#include <numbers>
+#include <utility>
+
+#include "musher/modules/camera/camera_info.hpp"
+#include "musher/modules/camera/fit.hpp"
+
+namespace musher::camera {
+
+CameraDevice::CameraDevice(const Surroundings& around, const CameraConfig& camera,
+                           const CamerasConfig& config)
+    : around_(around), camera_(camera), core_(camera, config.silence, config.retry) {}
+
+Result<std::unique_ptr<CameraDevice>> CameraDevice::Make(const Surroundings& around,
+                                                         const CameraConfig& camera,
+                                                         const CamerasConfig& config) {
+  std::unique_ptr<CameraDevice> device(new CameraDevice(around, camera, config));
+  if (Result<> connected = device->Connect(); !connected) return connected.error();
+  return device;
+}
+
+Result<> CameraDevice::Connect() {
+  const transport::WriterCallbacks watched{[this] { Reconsider(); }};
+  const std::string topic = around_.Name(camera_.topic);
+  auto pictures =
+      transport::MakePublisher<msg::Image>(around_.node, topic, transport::kSensorDataQos, watched);
+  if (!pictures) return pictures.error();
+  pictures_ = std::move(pictures).value();
+  auto infos = transport::MakePublisher<msg::CameraInfo>(around_.node, topic + "/camera_info",
+                                                         transport::kSensorDataQos, watched);
+  if (!infos) return infos.error();
+  infos_ = std::move(infos).value();
+  return Ok();
+}
+
+void CameraDevice::SetOn(bool on) {
+  on_ = on;
+  Reconsider();
+}
+
+void CameraDevice::SetChecked(bool checked) {
+  checked_ = checked;
+  Reconsider();
+}
+
+void CameraDevice::SetUsed(bool used) {
+  used_ = used;
+  Reconsider();
+}
+
+bool CameraDevice::Watched() const {
+  return pictures_->MatchedReaders() > 0 || (infos_ && infos_->MatchedReaders() > 0);
+}
+
+void CameraDevice::Reconsider() {
+  const bool wanted = checked_ || (on_ && (!camera_.on_demand || used_ || Watched()));
+  Do(core_.Want(wanted, Now()));
+}
+
+void CameraDevice::Do(CameraActions actions) {
+  if (actions.told) around_.tell(*actions.told);
+  if (actions.close) {
+    source_.reset();
+    info_.reset();
+  }
+  if (actions.open) Open();
+  Schedule();
+}
+
+void CameraDevice::Open() {
+  SourceEvents events;
+  events.on_frame = [this](msg::Image picture) { OnFrame(std::move(picture)); };
+  events.on_info = [this](const msg::CameraInfo& info) {
+    info_ = info;
+    core_.OnAnnounced(info.width, info.height);
+  };
+  // The source is dropped by what follows, which it must not be in its own callback.
+  const auto later = [this](std::function<void()> work) {
+    around_.node.loop().Post([alive = std::weak_ptr(alive_), work = std::move(work)] {
+      if (alive.lock()) work();
+    });
+  };
+  events.on_failed = [this, later](const Error& error) {
+    later([this, error] { Do(core_.OnFailed(error, Now())); });
+  };
+  events.on_ended = [this, later] { later([this] { Do(core_.OnEnded(Now())); }); };
+  auto source = around_.open(camera_, events);
+  if (source) {
+    source_ = std::move(source).value();
+  } else {
+    events.on_failed(source.error());
+  }
+}
+
+void CameraDevice::OnFrame(msg::Image picture) {
+  if (Result<> good = CheckPicture(picture); !good) {
+    const CameraActions actions = core_.OnFailed(good.error(), Now());
+    around_.node.loop().Post([alive = std::weak_ptr(alive_), this, actions] {
+      if (alive.lock()) Do(actions);
+    });
+    return;
+  }
+  if (picture.header.stamp == msg::Stamp{}) picture.header.stamp = around_.stamp();
+  CameraActions actions = core_.OnFrame(
+      {FromStamp(picture.header.stamp).count(), picture.width, picture.height}, Now());
+  const bool publish = actions.publish;
+  Do(std::move(actions));
+  if (publish) Publish(std::move(picture));
+}
+
+void CameraDevice::Publish(msg::Image picture) {
+  if (!listener_ && !Watched()) return;
+  picture.header.frame_id = camera_.frame_id;
+  auto fitted = Fit(std::move(picture), camera_.format);
+  if (!fitted) {
+    return Do(core_.OnFailed(fitted.error(), Now()));
+  }
+  const msg::Image& image = fitted.value();
+  if (pictures_->MatchedReaders() > 0) static_cast<void>(pictures_->Publish(image));
+  if (infos_->MatchedReaders() > 0) PublishInfo(image);
+  if (listener_) listener_(image);
+}
+
+void CameraDevice::PublishInfo(const msg::Image& picture) {
+  msg::CameraInfo info;
+  if (info_) {
+    info = Scaled(*info_, picture.width, picture.height);
+  } else if (camera_.hfov_deg > 0) {
+    info = Pinhole(picture.width, picture.height, camera_.hfov_deg * std::numbers::pi / 180);
+  } else {
+    return;  // nobody knows
+  }
+  info.header = picture.header;
+  static_cast<void>(infos_->Publish(info));
+}
+
+void CameraDevice::Schedule() {
+  timer_.reset();
+  const auto at = core_.NextTick();
+  if (!at) return;
+  timer_ = around_.node.loop().At(*at, [this] { Do(core_.Tick(Now())); });
+}
+
+Result<> CameraDevice::Check() const {
+  if (core_.trouble()) {
+    return Error{core_.trouble()->code, core_.trouble()->text.substr(camera_.name.size() + 2)};
+  }
+  if (core_.has_given()) return Ok();
+  constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kSelfCheckFailed);
+  return Error{kCode, "no picture comes from " + camera_.from};
+}
+
+}  // namespace musher::camera

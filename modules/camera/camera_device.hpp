@@ -1,0 +1,67 @@
+#pragma once
+// One camera: its source, and the topics it publishes.
+//
+// Threads: the loop's.
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "musher/modules/camera/camera_core.hpp"
+#include "musher/modules/camera/self_check.hpp"
+#include "musher/modules/camera/surroundings.hpp"
+
+namespace musher::camera {
+
+class CameraDevice {
+ public:
+  static Result<std::unique_ptr<CameraDevice>> Make(const Surroundings& around,
+                                                    const CameraConfig& camera,
+                                                    const CamerasConfig& config);
+
+  // The robot is in a state in which cameras are on; a self-check goes on; camera_service works
+  // with its pictures.
+  void SetOn(bool on);
+  void SetChecked(bool checked);
+  void SetUsed(bool used);
+
+  // Hears each picture as it is published, whatever the rate; null: nobody.
+  void SetListener(std::function<void(const msg::Image&)> listener) {
+    listener_ = std::move(listener);
+  }
+
+  // Has there been a picture since it was wanted, and is all well? Fails with 4409 or what is
+  // wrong.
+  Result<> Check() const;
+  bool on() const { return on_; }
+  const CameraConfig& config() const { return camera_; }
+
+ private:
+  CameraDevice(const Surroundings& around, const CameraConfig& camera, const CamerasConfig& config);
+  Result<> Connect();
+  void Reconsider();
+  void Do(CameraActions actions);
+  void Open();
+  void OnFrame(msg::Image picture);
+  void Publish(msg::Image picture);
+  void PublishInfo(const msg::Image& picture);
+  void Schedule();
+  bool Watched() const;
+  Time Now() const { return around_.node.loop().Now(); }
+
+  const Surroundings around_;
+  const CameraConfig camera_;
+  CameraCore core_;
+  bool on_ = false;
+  bool checked_ = false;
+  bool used_ = false;
+  std::function<void(const msg::Image&)> listener_;
+  std::optional<msg::CameraInfo> info_;  // of the source
+  std::unique_ptr<transport::Publisher<msg::Image>> pictures_;
+  std::unique_ptr<transport::Publisher<msg::CameraInfo>> infos_;
+  std::shared_ptr<int> alive_ = std::make_shared<int>();
+  std::unique_ptr<Source> source_;
+  transport::LoopHandlePtr timer_;
+};
+
+}  // namespace musher::camera

@@ -1,0 +1,124 @@
+#include "musher/modules/camera/camera_manager.hpp"
+
+#include <chrono>
+#include <future>
+#include <iostream>
+#include <utility>
+
+namespace musher::camera {
+namespace {
+
+constexpr Duration kCheckPeriod = Milliseconds(20);
+
+}  // namespace
+
+CameraManager::CameraManager(const std::string& actuator_name, CamerasConfig config)
+    : MachineActuator(actuator_name), config_(std::move(config)) {}
+
+CameraManager::~CameraManager() {
+  Shutdown();
+  if (!node_) return;
+  node_->RunOnLoop([this] {
+    cameras_.reset();
+    clock_.reset();
+  });
+}
+
+Result<> CameraManager::Prepare(const std::string& state_config,
+                                std::shared_ptr<transport::NodeThread> node) {
+  if (Result<> read = Init(state_config, std::move(node)); !read) return read;
+  if (config_.service.folder.empty()) {
+    config_.service.folder = machine_config().state_dir + "/camera";
+  }
+  const auto index = machine_config().IndexOf(name());
+  for (const State& state : machine_config().actuators[*index].states) {
+    RegisterStateCallback(state, std::function<Result<>()>([this, state] { return Run(state); }));
+  }
+  return Ok();
+}
+
+Result<> CameraManager::Run(const State& state) {
+  if (state == kSetUp) return SetUp();
+  if (state == kSelfCheck) return SelfCheck();
+  node_->RunOnLoop([&] { cameras_->Enter(state); });
+  return Ok();
+}
+
+Result<> CameraManager::SetUp() {
+  node_ = node();
+  Result<> made;
+  node_->RunOnLoop([&] {
+    if (!cameras_) made = MakeCameras();
+  });
+  return made;
+}
+
+Result<> CameraManager::MakeCameras() {
+  transport::Node& node = node_->node();
+  auto clock = transport::Clock::Of(machine_config(), node);
+  if (!clock) return clock.error();
+  clock_ = std::move(clock).value();
+  const Surroundings around = {
+      node,
+      machine_config().name_space,
+      [this] { return Stamp(); },
+      [this](const Told& told) { Log(told); },
+      [this] { return Allowed("camera", ModuleCode::kCameraServer); },
+      [this, &node](const CameraConfig& camera,
+                    SourceEvents events) -> Result<std::unique_ptr<Source>> {
+        if (camera.source == SourceKind::kWorld) {
+          return OpenTopic(node, transport::ResolveName(machine_config().name_space, camera.from),
+                           std::move(events));
+        }
+        return OpenCapture(node.loop(), threads_, camera, std::move(events));
+      }};
+  auto cameras = Cameras::Make(around, config_, MakeStore(node.loop(), config_.service.folder));
+  if (!cameras) return cameras.error();
+  cameras_ = std::move(cameras).value();
+  return Ok();
+}
+
+msg::Stamp CameraManager::Stamp() const {
+  const bool on_topic = machine_config().clock == ClockSource::kTopic;
+  const auto time = on_topic ? clock_->Now().time_since_epoch()
+                             : std::chrono::system_clock::now().time_since_epoch();
+  return msg::ToStamp(std::chrono::duration_cast<std::chrono::nanoseconds>(time));
+}
+
+void CameraManager::Log(const Told& told) const {
+  std::string line = name() + ": " + told.text;
+  if (told.code != kCodeOk) line += " (" + CodeText(told.code) + ")";
+  std::cerr << line + "\n" << std::flush;
+}
+
+// A camera may need a moment to its first picture: what fails is looked at again until its time is
+// over.
+Result<> CameraManager::SelfCheck() {
+  std::promise<SelfCheckVerdict> verdict;
+  bool given = false;
+  transport::LoopHandlePtr again;
+  node_->RunOnLoop([&] {
+    cameras_->SetChecked(true);
+    const Time deadline = node_->loop().Now() + config_.self_check_time;
+    const auto judge = [&, deadline] {
+      if (given) return;
+      SelfCheckVerdict result = JudgeSelfCheck(cameras_->Check(), config_.critical);
+      const bool waits = !StopRequested() && node_->loop().Now() < deadline;
+      if (!result.failing.empty() && waits) return;
+      given = true;
+      cameras_->SetChecked(false);
+      verdict.set_value(std::move(result));
+    };
+    again = node_->loop().Every(kCheckPeriod, judge);
+    judge();
+  });
+  SelfCheckVerdict result = verdict.get_future().get();
+  node_->RunOnLoop([&] { again.reset(); });
+  if (result.result && !result.failing.empty()) {
+    constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kSelfCheckFailed);
+    Log({kCode, "self-check: " + result.failing});
+  }
+  return result.result;
+}
+
+}  // namespace musher::camera

@@ -1,0 +1,42 @@
+#pragma once
+// The actuator of the robot's cameras. See README.md beside this.
+//
+// Threads: state callbacks on the actuator's worker, the cameras on the loop of its node; what
+// blocks (devices, files) on threads of its own.
+
+#include <memory>
+#include <string>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/modules/camera/camera_config.hpp"
+#include "musher/modules/camera/cameras.hpp"
+#include "musher/transport/clock.hpp"
+
+namespace musher::camera {
+
+class CameraManager : public MachineActuator {
+ public:
+  CameraManager(const std::string& actuator_name, CamerasConfig config);
+  ~CameraManager() override;
+
+  // Reads the state config and registers a callback for each state that it lists; Start() follows.
+  // `node` as for Init().
+  Result<> Prepare(const std::string& state_config,
+                   std::shared_ptr<transport::NodeThread> node = nullptr);
+
+ private:
+  Result<> Run(const State& state);
+  Result<> SetUp();
+  Result<> SelfCheck();
+  Result<> MakeCameras();
+  void Log(const Told& told) const;
+  msg::Stamp Stamp() const;
+
+  CamerasConfig config_;
+  std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
+  CaptureThreads threads_;
+  std::unique_ptr<transport::Clock> clock_;
+  std::unique_ptr<Cameras> cameras_;
+};
+
+}  // namespace musher::camera

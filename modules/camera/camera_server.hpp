@@ -1,0 +1,93 @@
+#pragma once
+// camera_service, and the topic `image` that it switches.
+//
+// Threads: the loop's.
+
+#include <functional>
+#include <list>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "musher/modules/camera/camera_device.hpp"
+#include "musher/modules/camera/pace.hpp"
+#include "musher/modules/camera/service_core.hpp"
+#include "musher/modules/camera/store.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::camera {
+
+class CameraServer {
+ public:
+  static constexpr Duration kPictureTime = Milliseconds(2000);  // that the next one may take
+  static constexpr double kVideoHz = 15;                        // where nobody says
+
+  // Works with the pictures of `camera`, which outlives it.
+  static Result<std::unique_ptr<CameraServer>> Make(const Surroundings& around,
+                                                    const ServiceConfig& config,
+                                                    CameraDevice& camera,
+                                                    std::unique_ptr<Store> store);
+  CameraServer(const CameraServer&) = delete;
+  CameraServer& operator=(const CameraServer&) = delete;
+  ~CameraServer();
+
+  // The camera is off from now on: ends a recording and refuses who waits for a picture. `image`
+  // goes on when it is on again.
+  void OnOff();
+
+ private:
+  using Request = msg::CameraService::Request;
+  using Response = msg::CameraService::Response;
+  using Reply = transport::Server<msg::CameraService>::Reply;
+
+  // Who waits for the next picture, to be saved or to begin a video with.
+  struct Waiting {
+    Shape shape;
+    std::string file;
+    bool video = false;
+    Reply reply;
+    transport::LoopHandlePtr timeout;
+  };
+  struct Recording {
+    Shape shape;
+    Pace pace;
+    std::string file;
+  };
+  struct ImageTopic {
+    Shape shape;
+    Pace pace;
+  };
+
+  CameraServer(const Surroundings& around, const ServiceConfig& config, CameraDevice& camera,
+               std::unique_ptr<Store> store);
+  Result<> Connect();
+  void OnRequest(const Request& request, Reply reply);
+  void OnPicture(const msg::Image& picture);
+  void Take(Waiting waiting, const msg::Image& picture);
+  void Record(const msg::Image& picture);
+  void PublishImage(const msg::Image& picture);
+  void Await(Shape shape, const std::string& file, bool video, Reply reply);
+  void EndRecording(const Reply& reply);
+  void Listen();  // while somebody needs pictures
+  Response State() const;
+  std::string NewName(const std::string& asked, bool video);
+
+  struct Obey;
+
+  const Surroundings around_;
+  const ServiceConfig config_;
+  CameraDevice& camera_;
+  Shape wish_;
+  std::list<Waiting> waiting_;
+  std::optional<Recording> recording_;
+  bool beginning_ = false;  // a video is being opened
+  std::optional<ImageTopic> image_;
+  std::string last_name_;
+  int same_names_ = 0;
+  std::unique_ptr<transport::Publisher<msg::Image>> images_;
+  std::unique_ptr<transport::Server<msg::CameraService>> server_;
+  std::shared_ptr<int> alive_ = std::make_shared<int>();
+  std::unique_ptr<Store> store_;  // last: what it has done is told to the rest
+};
+
+}  // namespace musher::camera

@@ -1,0 +1,74 @@
+#pragma once
+// Video files, devices and picture files, through OpenCV's codecs. These come with two hundred
+// shared libraries and some 55 MB of memory, so they are a library of their own that is loaded when
+// the first of them is wanted: a robot whose cameras are topics never pays for it.
+//
+// Threads: LoadMedia() and the Media from any, each reader and recorder one at a time. All of it
+// may block: not for a loop. No exception leaves it; codes are the camera server's (44xx).
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/messages/sensor_msgs/image.hpp"
+
+namespace musher::camera {
+
+// What gives one picture after the other.
+class PictureReader {
+ public:
+  virtual ~PictureReader() = default;
+
+  // The next one, bgr8 or mono8, without a header; nothing at the end.
+  virtual Result<std::optional<msg::Image>> Next() = 0;
+  // Back to the first one.
+  virtual Result<> Rewind() = 0;
+  // Its own pictures a second; 0: it does not say, or the device paces itself.
+  virtual double rate_hz() const = 0;
+};
+
+class Recorder {
+ public:
+  virtual ~Recorder() = default;
+  // bgr8, all of one size.
+  virtual Result<> Write(msg::Image& picture) = 0;
+  // Ends the file.
+  virtual Result<> Close() = 0;
+};
+
+// 0: as the device has it.
+struct DeviceWish {
+  std::uint32_t width_px = 0;
+  std::uint32_t height_px = 0;
+  double rate_hz = 0;
+};
+
+class Media {
+ public:
+  virtual ~Media() = default;
+
+  virtual Result<std::unique_ptr<PictureReader>> OpenVideo(const std::string& path) = 0;
+  // `from`: a path, "/dev/video0", or a number.
+  virtual Result<std::unique_ptr<PictureReader>> OpenDevice(const std::string& from,
+                                                            const DeviceWish& wish) = 0;
+  // The pictures in it, by name.
+  virtual Result<std::unique_ptr<PictureReader>> OpenFolder(const std::string& path) = 0;
+
+  // As the ending of `path` says: .jpg, .png, .bmp. The picture is bgr8 or mono8.
+  virtual Result<> Save(msg::Image& picture, const std::string& path) = 0;
+  // Motion JPEG in AVI.
+  virtual Result<std::unique_ptr<Recorder>> Record(const std::string& path, std::uint32_t width_px,
+                                                   std::uint32_t height_px, double rate_hz) = 0;
+};
+
+// There for the rest of the program. Fails when the library is not where it was installed.
+Result<Media*> LoadMedia();
+
+// What the library offers under this name.
+inline constexpr const char* kMediaEntry = "MusherCameraMedia";
+using MediaEntry = Media* (*)();
+
+}  // namespace musher::camera

@@ -1,0 +1,31 @@
+#include "musher/modules/camera/self_check.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace musher::camera {
+
+SelfCheckVerdict JudgeSelfCheck(const std::vector<CameraFinding>& findings,
+                                const std::vector<std::string>& critical) {
+  SelfCheckVerdict verdict;
+  std::size_t failed = 0;
+  bool critical_failed = false;
+  for (const CameraFinding& finding : findings) {
+    if (finding.result) continue;
+    ++failed;
+    const bool is_critical =
+        std::find(critical.begin(), critical.end(), finding.camera) != critical.end();
+    critical_failed = critical_failed || is_critical;
+    if (!verdict.failing.empty()) verdict.failing += "; ";
+    verdict.failing += finding.camera + (is_critical ? " (critical): " : ": ") +
+                       finding.result.error().message + ", " +
+                       std::to_string(finding.result.error().code);
+  }
+  if (critical_failed || (failed > 0 && failed == findings.size())) {
+    constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kSelfCheckFailed);
+    verdict.result = Error{kCode, verdict.failing};
+  }
+  return verdict;
+}
+
+}  // namespace musher::camera

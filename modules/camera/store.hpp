@@ -1,0 +1,44 @@
+#pragma once
+// The folder of pictures and videos that camera_service writes.
+//
+// Threads: called on the loop, which it never keeps: the work is done elsewhere, one thing after
+// the other, and `done` runs on the loop later. Dropping the store waits for what has begun.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/messages/sensor_msgs/image.hpp"
+#include "musher/transport/event_loop.hpp"
+
+namespace musher::camera {
+
+class Store {
+ public:
+  template <class T>
+  using Done = std::function<void(const Result<T>&)>;
+
+  virtual ~Store() = default;
+
+  // `file` is a plain name (FaultOfName()). Gives the path of what was written; fails with 4410
+  // where there is such a file already.
+  virtual void Save(msg::Image picture, const std::string& file, Done<std::string> done) = 0;
+
+  // One video at a time. Its pictures, bgr8, all have the size of `first`.
+  virtual void BeginVideo(msg::Image first, const std::string& file, double rate_hz,
+                          Done<std::string> done) = 0;
+  // Left out when too many wait.
+  virtual void AddFrame(msg::Image picture) = 0;
+  virtual void EndVideo(Done<std::string> done) = 0;
+
+  virtual void List(Done<std::vector<std::string>> done) = 0;
+  virtual void Delete(const std::string& file, Done<void> done) = 0;
+};
+
+// Makes the folder when it is first written to. Refuses to write when less than 16 MiB are free.
+std::unique_ptr<Store> MakeStore(transport::EventLoop& loop, const std::string& folder);
+
+}  // namespace musher::camera

@@ -1,0 +1,50 @@
+#pragma once
+// Walking by hand: frames of a servo motion to the motion manager.
+
+#include <memory>
+#include <optional>
+
+#include "musher/messages/protocol/motion.hpp"
+#include "musher/modules/motion/motion_command.hpp"
+#include "musher/modules/program/hand_tool.hpp"
+#include "musher/transport/endpoint.hpp"
+
+namespace musher::motion::tool {
+
+// Sends frames of a servo motion and hears what becomes of them. Dropped, or after End(), the body
+// has been told to stop.
+class ServoStream {
+ public:
+  static Result<std::unique_ptr<ServoStream>> Open(program::HandLink& link, std::int32_t id,
+                                                   std::int32_t source);
+  ~ServoStream() { End(); }
+  ServoStream(const ServoStream&) = delete;
+  ServoStream& operator=(const ServoStream&) = delete;
+
+  void Send(const SpeedLimit& speed);
+  void End();
+
+  bool Ready() const { return commands_->MatchedReaders() > 0; }
+  // End() has been heard.
+  bool ended() const { return ended_; }
+  // The body does this motion now.
+  bool moving() const { return moving_; }
+  // Why it does not, once that is known.
+  const std::optional<Error>& refusal() const { return refusal_; }
+
+ private:
+  ServoStream(std::int32_t id, std::int32_t source) : id_(id), source_(source) {}
+  void OnResponse(const msg::MotionServoResponse& response);
+
+  std::int32_t id_;
+  std::int32_t source_;
+  bool sent_ = false;
+  bool ending_ = false;
+  bool ended_ = false;
+  bool moving_ = false;
+  std::optional<Error> refusal_;
+  std::unique_ptr<transport::Publisher<msg::MotionServoCmd>> commands_;
+  std::unique_ptr<transport::Subscription> responses_;
+};
+
+}  // namespace musher::motion::tool

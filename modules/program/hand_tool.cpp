@@ -1,0 +1,122 @@
+#include "musher/modules/program/hand_tool.hpp"
+
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+
+#include "musher/transport/dds/dds_node.hpp"
+
+namespace musher::program {
+namespace {
+
+transport::UniqueFd TakeEndSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return transport::UniqueFd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
+}
+
+void TakeVariable(std::string& value, const char* variable, const char* otherwise) {
+  const char* set = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe)
+  if (value.empty()) value = set != nullptr ? set : otherwise;
+}
+
+}  // namespace
+
+void AddHandOptions(CLI::App& app, HandOptions& options, const std::string& clock_use) {
+  constexpr int kMostDomain = 232;
+  app.add_flag("--json", options.json, "Print a JSON document");
+  app.add_option("--namespace", options.name_space,
+                 "Namespace of the machine; default $MUSHER_NAMESPACE, else none")
+      ->type_name("NAME");
+  app.add_option("--domain", options.domain, "DDS domain; default $ROS_DOMAIN_ID, else 0")
+      ->check(CLI::Range(0, kMostDomain).description(""))
+      ->type_name("N");
+  app.add_option("--transport", options.transport,
+                 "local: this host; lan: others too; default $MUSHER_TRANSPORT, else local")
+      ->check(CLI::IsMember({"local", "lan"}).description(""))
+      ->type_name("local|lan");
+  app.add_option_function<std::string>(
+         "--clock", [&options](const std::string& name) { options.clock_topic = name == "topic"; },
+         clock_use)
+      ->check(CLI::IsMember({"steady", "topic"}).description(""))
+      ->type_name("steady|topic");
+  app.add_option("--keys", options.keys, "Folder with keys; default $MUSHER_KEYS, else none")
+      ->type_name("FOLDER");
+  app.add_option("--identity", options.identity,
+                 "Whose keys; default $MUSHER_IDENTITY, else operator")
+      ->type_name("NAME");
+}
+
+void TakeEnvironment(HandOptions& options) {
+  TakeVariable(options.name_space, "MUSHER_NAMESPACE", "");
+  TakeVariable(options.keys, "MUSHER_KEYS", "");
+  TakeVariable(options.identity, "MUSHER_IDENTITY", "operator");
+  if (!options.name_space.empty() && options.name_space.front() == '/') {
+    options.name_space.erase(0, 1);
+  }
+}
+
+int Say(const ParseEnd& end, const std::string& program) {
+  const bool good = end.exit == ExitCode::kDone;
+  (good ? std::cout : std::cerr) << (good ? "" : program + ": ") << end.text << std::endl;
+  return static_cast<int>(end.exit);
+}
+
+HandLink::HandLink(HandOptions options) : options_(std::move(options)), signals_(TakeEndSignals()) {
+  signal_watch_ = loop_.WhenReadable(signals_.get(), [this] {
+    signalfd_siginfo signal{};
+    if (read(signals_.get(), &signal, sizeof(signal)) == sizeof(signal)) interrupted_ = true;
+  });
+}
+
+Result<std::unique_ptr<HandLink>> HandLink::Open(const HandOptions& options) {
+  std::unique_ptr<HandLink> link(new HandLink(options));
+  if (auto joined = link->Join(); !joined) return joined.error();
+  return link;
+}
+
+Result<> HandLink::Join() {
+  // The transport reads it.
+  if (options_.transport) setenv("MUSHER_TRANSPORT", options_.transport->c_str(), 1);
+  transport::DdsOptions dds;
+  dds.domain_id = options_.domain;
+  dds.impatient = true;
+  if (!options_.keys.empty()) {
+    dds.credentials =
+        transport::Credentials{std::filesystem::absolute(options_.keys), options_.identity};
+  }
+  auto node = transport::MakeDdsNode(loop_, dds);
+  if (!node) return node.error();
+  node_ = std::move(node).value();
+  if (!options_.clock_topic) {
+    clock_ = transport::Clock::Steady(loop_);
+    return Ok();
+  }
+  auto clock = transport::Clock::FromTopic(*node_);
+  if (!clock) return clock.error();
+  clock_ = std::move(clock).value();
+  return Ok();
+}
+
+bool HandLink::RunUntil(const std::function<bool()>& done, Duration timeout) {
+  loop_.RunUntil([&] { return done() || interrupted_; }, loop_.Now() + timeout);
+  return done();
+}
+
+bool HandLink::AwaitClock() {
+  return !options_.clock_topic || RunUntil([this] { return clock_->Now() != Time{}; }, discovery());
+}
+
+Error HandLink::Nobody(const std::string& who) const {
+  return {kCodeNetError, "no " + who + " in namespace '" + options_.name_space +
+                             "'; use --namespace and --domain, or --transport lan for other hosts"};
+}
+
+}  // namespace musher::program
