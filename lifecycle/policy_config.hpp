@@ -2,9 +2,13 @@
 // The manager's rules as data, from [policy.*] of the state config. A table that is not there
 // switches its rule off.
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "musher/lifecycle/time.hpp"
@@ -43,11 +47,43 @@ struct PowerPolicy {
   friend bool operator==(const PowerPolicy&, const PowerPolicy&) = default;
 };
 
+// On what occasions the manager speaks.
+enum class Occasion {
+  kStart,    // the robot is ready, and what of it is not
+  kBattery,  // it is low
+  kTouch,    // a double tap asks how full it is
+  kSwitch,   // a switch was refused, undone, or left some behind
+  kRefusal,  // the policy refuses something, or warns
+  kApp,      // the app connects for the first time; the robot also stands up
+};
+inline constexpr std::array<std::pair<std::string_view, Occasion>, 6> kOccasions = {{
+    {"start", Occasion::kStart},
+    {"battery", Occasion::kBattery},
+    {"touch", Occasion::kTouch},
+    {"switch", Occasion::kSwitch},
+    {"refusal", Occasion::kRefusal},
+    {"app", Occasion::kApp},
+}};
+
+// [policy.voice], where there is a manager.
+struct VoicePolicy {
+  std::vector<Occasion> say = {Occasion::kStart,  Occasion::kBattery, Occasion::kTouch,
+                               Occasion::kSwitch, Occasion::kRefusal, Occasion::kApp};
+  int battery_at = 30;        // %: at or below it the first word on the battery
+  bool quiet_asleep = false;  // in LowPower only who touches the robot is answered
+
+  bool Says(Occasion occasion) const {
+    return std::find(say.begin(), say.end(), occasion) != say.end();
+  }
+  friend bool operator==(const VoicePolicy&, const VoicePolicy&) = default;
+};
+
 struct PolicyConfig {
   bool manager = false;  // the interfaces of CyberDog's manager are answered
   std::optional<BatteryPolicy> battery;
   std::optional<LowPowerPolicy> low_power;
   PowerPolicy power;
+  VoicePolicy voice;
 
   friend bool operator==(const PolicyConfig&, const PolicyConfig&) = default;
 };

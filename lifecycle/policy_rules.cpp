@@ -149,7 +149,10 @@ bool Decision::ObeyBattery() {
   if (!config_.policy->battery || BatteryRulesWait()) return false;
   const BatteryLevel level = TakingDownLevel(machine_.policy);
   if (level == BatteryLevel::kEmpty) {
-    BeginPowerDown(false, now_, machine_.policy.level_cause);
+    // A manager that speaks has a last word, before its voice is torn down with the rest.
+    const bool speaks = config_.policy->manager && config_.policy->voice.Says(Occasion::kBattery);
+    const Duration word = speaks ? config_.policy->power.delay : Duration{};
+    BeginPowerDown(false, now_ + word, machine_.policy.level_cause);
     return TearDownForPower();
   }
   if (machine_.phase != Phase::kRunning) return false;

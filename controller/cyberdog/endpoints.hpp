@@ -54,6 +54,12 @@ class Endpoints {
     };
   }
 
+  // To call somebody else's service; null when it could not be opened.
+  template <msg::Service S>
+  transport::Client<S>* Ask(const char* name, std::function<void()> on_match_changed = {}) {
+    return Keep(transport::MakeClient<S>(node_, Resolve(name), std::move(on_match_changed)));
+  }
+
   // Why one of them could not be opened.
   const Result<>& opened() const { return opened_; }
 
@@ -62,12 +68,14 @@ class Endpoints {
     return transport::ResolveName(name_space_, name);
   }
   template <class T>
-  void Keep(Result<std::unique_ptr<T>> made) {
-    if (made) {
-      kept_.push_back(std::shared_ptr<T>(std::move(made).value()));
-    } else {
+  T* Keep(Result<std::unique_ptr<T>> made) {
+    if (!made) {
       opened_ = made.error();
+      return nullptr;
     }
+    const std::shared_ptr<T> kept = std::move(made).value();
+    kept_.push_back(kept);
+    return kept.get();
   }
 
   transport::Node& node_;

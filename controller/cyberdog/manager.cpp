@@ -13,7 +13,15 @@ Result<std::unique_ptr<Manager>> Manager::Make(transport::Node& node, Controller
   if (!policy || !policy->manager) return std::unique_ptr<Manager>();
   std::unique_ptr<Manager> manager(new Manager(node, shell));
   if (!manager->endpoints_.opened()) return manager->endpoints_.opened().error();
+  auto speaker = Speaker::Make(manager->endpoints_, shell);
+  if (!speaker) return speaker.error();
+  manager->speaker_ = std::move(speaker).value();
   return manager;
+}
+
+void Manager::OnRecord(const action::Record& record) {
+  announcements_.OnRecord(record);
+  if (speaker_) speaker_->OnRecord(record);
 }
 
 }  // namespace musher::cyberdog

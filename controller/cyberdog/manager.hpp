@@ -11,6 +11,7 @@
 #include "musher/controller/cyberdog/endpoints.hpp"
 #include "musher/controller/cyberdog/information.hpp"
 #include "musher/controller/cyberdog/requests.hpp"
+#include "musher/controller/cyberdog/speaker.hpp"
 
 namespace musher::cyberdog {
 
@@ -20,7 +21,7 @@ class Manager {
   static Result<std::unique_ptr<Manager>> Make(transport::Node& node, ControllerShell& shell);
 
   // To be told of every record of the shell.
-  void OnRecord(const action::Record& record) { announcements_.OnRecord(record); }
+  void OnRecord(const action::Record& record);
 
  private:
   Manager(transport::Node& node, ControllerShell& shell);
@@ -29,6 +30,7 @@ class Manager {
   Announcements announcements_;
   Information information_;
   Requests requests_;
+  std::unique_ptr<Speaker> speaker_;  // null where nothing is to be said
 };
 
 }  // namespace musher::cyberdog

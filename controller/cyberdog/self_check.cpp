@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
 #include <vector>
+
+#include "musher/controller/cyberdog/parts.hpp"
 
 namespace musher::cyberdog {
 namespace {
@@ -23,32 +24,34 @@ std::int32_t CodeOf(const MachineConfig& config, const Machine& machine, std::st
   return record.presence == Presence::kPresent && passed ? kCodeOk : kNotKnown;
 }
 
-struct Part {
-  const char* name;
-  std::int32_t code;  // when it has failed
-};
-
-// One actuator for several parts: its code is that of a part, or the sum of several, as CyberDog's
-// modules add them up. What is none of these is some other trouble.
-Json Parts(std::int32_t code, const std::vector<Part>& parts,
-           const std::vector<const char*>& more) {
-  const unsigned subsets = 1U << parts.size();
-  const auto sum_of = [&](unsigned subset) {
-    std::int32_t sum = 0;
-    for (std::size_t i = 0; i < parts.size(); ++i)
-      sum += (subset >> i & 1U) != 0 ? parts[i].code : 0;
-    return sum;
+// One actuator for several parts. What is none of these is some other trouble.
+Json Parts(const MachineConfig& config, const Machine& machine, std::string_view actuator,
+           const std::vector<const char*>& more = {}) {
+  const std::int32_t code = CodeOf(config, machine, actuator);
+  const auto parts = PartsOf(actuator);
+  std::vector<std::int32_t> failed;
+  if (code > kCodeOk)
+    failed = FailedCodes(parts, *machine.actuators[*config.IndexOf(actuator)].fault);
+  const auto has_failed = [&](std::int32_t part) {
+    return std::find(failed.begin(), failed.end(), part) != failed.end();
   };
-  unsigned failed = 0;
-  while (failed < subsets && sum_of(failed) != code) ++failed;
-  const bool told = failed < subsets;  // also that all are well
+  // Of a trouble that is none of its parts' nothing is known of them.
+  const bool of_parts =
+      code == kCodeOk || std::any_of(parts.begin(), parts.end(),
+                                     [&](const Part& part) { return has_failed(part.code); });
   Json json;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const bool bad = told && (failed >> i & 1U) != 0;
-    json[parts[i].name] = bad ? parts[i].code : told ? kCodeOk : kNotKnown;
+  std::int32_t others = of_parts ? kCodeOk : code;
+  for (const Part& part : parts) {
+    if (part.own_key) {
+      json[std::string(part.name)] = has_failed(part.code) ? part.code
+                                     : of_parts            ? kCodeOk
+                                                           : kNotKnown;
+    } else if (has_failed(part.code) && others == kCodeOk) {
+      others = part.code;
+    }
   }
   for (const char* name : more) json[name] = kNotKnown;
-  json["others"] = told ? kCodeOk : code;
+  json["others"] = others;
   return json;
 }
 
@@ -58,10 +61,8 @@ std::string Describe(const MachineConfig& config, const Machine& machine) {
                                       "RealSenseActuator"};
   Json json;
   for (const char* name : kOwnKeys) json[name] = code(name);
-  json["device"] =
-      Parts(code("device_manager"), {{"bms", 1409}, {"led", 1109}, {"touch", 1509}, {"uwb", 1609}},
-            {"bluetooth"});
-  json["sensor"] = Parts(code("sensor_manager"), {{"lidar", 2109}, {"tof", 2209}}, {});
+  json["device"] = Parts(config, machine, "device_manager", {"bluetooth"});
+  json["sensor"] = Parts(config, machine, "sensor_manager");
   for (const ActuatorConfig& actuator : config.actuators) {
     const bool told = json.contains(actuator.name) || actuator.name == "device_manager" ||
                       actuator.name == "sensor_manager";

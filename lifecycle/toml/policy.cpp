@@ -53,6 +53,7 @@ class PolicyReader {
     ReadBattery();
     ReadLowPower();
     ReadPower();
+    ReadVoice();
     reader_.RefuseOthers();
     return std::move(policy_);
   }
@@ -170,6 +171,23 @@ class PolicyReader {
     if (auto reboot = Sub("reboot")) {
       power.reboot_command = ReadCommand(*reboot, draft_);
       reboot->RefuseOthers();
+    }
+  }
+
+  void ReadVoice() {
+    auto reader = Sub("voice");
+    if (!reader) return;
+    VoicePolicy& voice = policy_.voice;
+    if (auto say = reader->Choices<Occasion>("say", {kOccasions.begin(), kOccasions.end()},
+                                             {.may_be_empty = true})) {
+      voice.say = std::move(*say);
+    }
+    const auto percent = reader->Integer("battery_at", 0, kFull, " (percent)");
+    if (percent) voice.battery_at = static_cast<int>(*percent);
+    voice.quiet_asleep = reader->Bool("quiet_asleep").value_or(voice.quiet_asleep);
+    reader->RefuseOthers();
+    if (!policy_.manager) {
+      reader_.Warn(reader->at(), "voice", "has no effect: only policy.manager speaks");
     }
   }
 

@@ -251,15 +251,12 @@ std::optional<std::int64_t> TableReader::InRange(std::string_view key, const Val
   return std::nullopt;
 }
 
-std::optional<std::size_t> TableReader::OneOf(std::string_view key,
+std::optional<std::size_t> TableReader::OneOf(std::string_view key, const Word& word,
                                               const std::vector<std::string_view>& words) {
-  const std::optional<Word> word = String(key);
-  if (!word) return std::nullopt;
-  const auto found = std::find(words.begin(), words.end(), word->text);
+  const auto found = std::find(words.begin(), words.end(), word.text);
   if (found != words.end()) return found - words.begin();
-  const std::string guess = findings_.Guess(word->text, words);
-  Fault(word->at, key,
-        "expected one of " + Listing(words) + ", found " + Quote(word->text) + guess);
+  const std::string guess = findings_.Guess(word.text, words);
+  Fault(word.at, key, "expected one of " + Listing(words) + ", found " + Quote(word.text) + guess);
   return std::nullopt;
 }
 

@@ -59,6 +59,11 @@ class TableReader {
   template <typename T>
   std::optional<T> Choice(std::string_view key,
                           const std::vector<std::pair<std::string_view, T>>& choices);
+  // A list of such words.
+  template <typename T>
+  std::optional<std::vector<T>> Choices(std::string_view key,
+                                        const std::vector<std::pair<std::string_view, T>>& choices,
+                                        ListRule rule = {});
 
   // Reports every key that nobody asked for.
   void RefuseOthers();
@@ -80,7 +85,7 @@ class TableReader {
   std::optional<std::string> Text(std::string_view key, const Value& value);
   std::optional<std::int64_t> InRange(std::string_view key, const Value& value, std::int64_t least,
                                       std::int64_t most, std::string_view unit);
-  std::optional<std::size_t> OneOf(std::string_view key,
+  std::optional<std::size_t> OneOf(std::string_view key, const Word& word,
                                    const std::vector<std::string_view>& words);
   std::string Path(std::string_view key) const;
 
@@ -97,9 +102,26 @@ std::optional<T> TableReader::Choice(std::string_view key,
   std::vector<std::string_view> words;
   words.reserve(choices.size());
   for (const auto& [word, meaning] : choices) words.push_back(word);
-  const std::optional<std::size_t> index = OneOf(key, words);
+  const std::optional<Word> found = String(key);
+  const auto index = found ? OneOf(key, *found, words) : std::nullopt;
   if (!index) return std::nullopt;
   return choices[*index].second;
+}
+
+template <typename T>
+std::optional<std::vector<T>> TableReader::Choices(
+    std::string_view key, const std::vector<std::pair<std::string_view, T>>& choices,
+    ListRule rule) {
+  std::vector<std::string_view> words;
+  words.reserve(choices.size());
+  for (const auto& [word, meaning] : choices) words.push_back(word);
+  const auto found = Strings(key, rule);
+  if (!found) return std::nullopt;
+  std::vector<T> chosen;
+  for (const Word& word : *found) {
+    if (const auto index = OneOf(key, word, words)) chosen.push_back(choices[*index].second);
+  }
+  return chosen;
 }
 
 }  // namespace musher::config_toml

@@ -2,13 +2,13 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/freetype.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "musher/modules/world/mat_pictures.hpp"
 
 namespace musher::world {
 namespace {
@@ -16,8 +16,30 @@ namespace {
 constexpr int kFiner = 2;         // drawn so many times as large, then made smaller
 constexpr int kFractionBits = 4;  // of a pixel, that OpenCV takes
 
-// Where Debian's fonts-dejavu-core has it.
+// Where Debian's fonts-dejavu-core and fonts-wqy-microhei have them. The second is for what the
+// first has no letters for.
 constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+constexpr const char* kEastAsianFont = "/usr/share/fonts/truetype/wqy/wqy-microhei.ttc";
+
+using Font = cv::Ptr<cv::freetype::FreeType2>;
+
+// Null where it is not installed.
+Font Load(const char* path) {
+  if (access(path, R_OK) != 0) return {};
+  Font font = cv::freetype::createFreeType2();
+  font->loadFontData(path, 0);
+  return font;
+}
+
+// Whether it has letters from U+2E80 on, which three bytes of UTF-8 begin with 0xE2 0xBA or more.
+bool IsEastAsian(const std::string& text) {
+  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    const auto next = static_cast<unsigned char>(text[i + 1]);
+    if ((lead == 0xE2 && next >= 0xBA) || (lead >= 0xE3 && lead < 0xF0)) return true;
+  }
+  return false;
+}
 
 cv::Scalar Bgr(const Color& color) {
   return {double(color.blue), double(color.green), double(color.red)};
@@ -43,15 +65,18 @@ int Width(double width) {
 
 struct Canvas::Impl {
   cv::Mat image;
-  cv::Ptr<cv::freetype::FreeType2> font;  // null where the font is not installed
+  Font font = Load(kFont);
+  Font east_asian = Load(kEastAsianFont);
+
+  cv::Mat Reduced() const;  // to the size it was asked for
+
+  const Font& For(const std::string& text) const {
+    return east_asian && IsEastAsian(text) ? east_asian : font;
+  }
 };
 
 Canvas::Canvas(int width, int height, const Color& background) : impl_(new Impl) {
   impl_->image = cv::Mat(height * kFiner, width * kFiner, CV_8UC3, Bgr(background));
-  if (access(kFont, R_OK) == 0) {
-    impl_->font = cv::freetype::createFreeType2();
-    impl_->font->loadFontData(kFont, 0);
-  }
 }
 
 Canvas::~Canvas() = default;
@@ -101,9 +126,8 @@ void Canvas::Text(const std::string& text, const Pixel& at, double size, const C
   const cv::Point corner(static_cast<int>(std::lround(left * kFiner)),
                          static_cast<int>(std::lround(at.y() * kFiner)));
   const int height = static_cast<int>(std::lround(size * kFiner));
-  if (impl_->font) {
-    impl_->font->putText(impl_->image, text, corner, height, Bgr(color), cv::FILLED, cv::LINE_AA,
-                         true);
+  if (const Font& font = impl_->For(text)) {
+    font->putText(impl_->image, text, corner, height, Bgr(color), cv::FILLED, cv::LINE_AA, true);
   } else {
     cv::putText(impl_->image, text, corner, cv::FONT_HERSHEY_SIMPLEX,
                 cv::getFontScaleFromHeight(cv::FONT_HERSHEY_SIMPLEX, height * 2 / 3), Bgr(color), 1,
@@ -115,30 +139,47 @@ double Canvas::TextWidth(const std::string& text, double size) const {
   if (text.empty()) return 0;
   const int height = static_cast<int>(std::lround(size * kFiner));
   int baseline = 0;
+  const Font& font = impl_->For(text);
   const cv::Size found =
-      impl_->font
-          ? impl_->font->getTextSize(text, height, cv::FILLED, &baseline)
-          : cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX,
-                            cv::getFontScaleFromHeight(cv::FONT_HERSHEY_SIMPLEX, height * 2 / 3), 1,
-                            &baseline);
+      font ? font->getTextSize(text, height, cv::FILLED, &baseline)
+           : cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX,
+                             cv::getFontScaleFromHeight(cv::FONT_HERSHEY_SIMPLEX, height * 2 / 3),
+                             1, &baseline);
   return static_cast<double>(found.width) / kFiner;
 }
 
-Result<> Canvas::Save(const std::string& path) const {
-  cv::Mat small;
-  cv::resize(impl_->image, small, {}, 1.0 / kFiner, 1.0 / kFiner, cv::INTER_AREA);
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", small, bytes)) return Error{kCodeFailed, "PNG could not be encoded"};
-  const std::string draft = path + ".part" + std::to_string(gettid());  // two may draw at once
-  std::ofstream file(draft, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file || std::rename(draft.c_str(), path.c_str()) != 0) {
-    static_cast<void>(std::remove(draft.c_str()));
-    return Error{kCodeFailed, path + " cannot be written"};
+void Canvas::Glow(const Pixel& center, const Eigen::Vector2d& radii, const Color& color,
+                  double solid, double share) {
+  const Pixel middle = center * kFiner;
+  const Eigen::Vector2d reach = radii * kFiner;
+  const auto whole = [](double value) { return static_cast<int>(std::lround(value)); };
+  const cv::Rect area =
+      cv::Rect(cv::Point(whole(middle.x() - reach.x()), whole(middle.y() - reach.y())),
+               cv::Point(whole(middle.x() + reach.x()) + 1, whole(middle.y() + reach.y()) + 1)) &
+      cv::Rect({0, 0}, impl_->image.size());
+  for (int y = area.y; y < area.br().y; ++y) {
+    for (int x = area.x; x < area.br().x; ++x) {
+      const double far = ((Pixel(x, y) - middle).array() / reach.array()).matrix().norm();
+      const double part = std::clamp((1 - far) / std::max(1 - solid, 0.02), 0.0, 1.0);
+      auto& pixel = impl_->image.at<cv::Vec3b>(y, x);
+      const Color mixed = Mix({pixel[2], pixel[1], pixel[0]}, color, share * part);
+      pixel = {mixed.blue, mixed.green, mixed.red};
+    }
   }
-  return Ok();
+}
+
+cv::Mat Canvas::Impl::Reduced() const {
+  cv::Mat small;
+  cv::resize(image, small, {}, 1.0 / kFiner, 1.0 / kFiner, cv::INTER_AREA);
+  return small;
+}
+
+Texture Canvas::ToTexture() const {
+  return TextureOf(impl_->Reduced());
+}
+
+Result<> Canvas::Save(const std::string& path) const {
+  return SavePng(impl_->Reduced(), path);
 }
 
 }  // namespace musher::world

@@ -1,6 +1,6 @@
 #pragma once
 // A picture that is drawn on, in pixels from its upper left corner; everything is smooth at the
-// edges. canvas.cpp is the only file that knows OpenCV.
+// edges.
 //
 // Threads: one at a time for each canvas.
 
@@ -11,6 +11,7 @@
 
 #include "musher/lifecycle/result.hpp"
 #include "musher/modules/world/color.hpp"
+#include "musher/modules/world/texture.hpp"
 
 namespace musher::world {
 
@@ -36,6 +37,13 @@ class Canvas {
   void Text(const std::string& text, const Pixel& at, double size, const Color& color,
             Align align = Align::kLeft);
   double TextWidth(const std::string& text, double size) const;
+
+  // An ellipse that gets thinner outwards: all of it up to `solid` of the radius, nothing at its
+  // end.
+  void Glow(const Pixel& center, const Eigen::Vector2d& radii, const Color& color, double solid,
+            double share = 1);
+  // The picture as it is, for a surface.
+  Texture ToTexture() const;
 
   // As PNG; the file is there as a whole or not at all.
   Result<> Save(const std::string& path) const;

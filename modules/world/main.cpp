@@ -23,6 +23,7 @@ struct Options {
   bool alone = false;
   std::string name_space;
   std::string picture;
+  std::vector<std::string> shot;  // a camera, a picture
   double seconds = 0;
 };
 
@@ -40,15 +41,18 @@ int Run(const Options& options) {
   const musher::world::SceneReading reading = musher::world::ReadSceneFile(options.scene);
   musher::program::PrintErrors(reading.diagnostics);
   if (!reading.scene) return kUsageError;
+  const auto time =
+      std::chrono::duration_cast<musher::Duration>(std::chrono::duration<double>(options.seconds));
   if (!options.picture.empty()) {
-    return musher::world::DrawScene(*reading.scene,
-                                    std::chrono::duration_cast<musher::Duration>(
-                                        std::chrono::duration<double>(options.seconds)),
-                                    options.picture);
+    return musher::world::DrawScene(*reading.scene, time, options.picture);
+  }
+  if (!options.shot.empty()) {
+    return musher::world::ShootScene(*reading.scene, time, options.shot[0], options.shot[1]);
   }
   if (options.alone) return musher::world::RunAlone(*reading.scene, options.name_space);
   if (options.actuator.empty() || options.state_config.empty()) {
-    std::cerr << "musher-world: expected --alone, --draw, or --actuator and --config" << std::endl;
+    std::cerr << "musher-world: expected --alone, --draw, --shot, or --actuator and --config"
+              << std::endl;
     return kUsageError;
   }
   return RunAsActuator(options, *reading.scene);
@@ -110,8 +114,13 @@ int main(int argc, char** argv) {
   app.add_option("--namespace", options.name_space, "Of the topics, with --alone")->needs(alone);
   auto* draw = app.add_option("--draw", options.picture,
                               "Draw what the scene does by itself to this PNG, and end");
-  app.add_option("--for", options.seconds, "World time that is drawn, in s")
-      ->needs(draw)
+  app.add_option("--shot", options.shot,
+                 "Draw what a camera (front, left, right) sees to this PNG, and end")
+      ->expected(2)
+      ->type_name("CAMERA FILE")
+      ->excludes(draw)
+      ->excludes(alone);
+  app.add_option("--for", options.seconds, "World time before that, in s")
       ->check(CLI::Range(0.0, kLongestS));
   try {
     app.parse(argc, argv);

@@ -12,6 +12,7 @@
 
 #include "musher/lifecycle/time.hpp"
 #include "musher/modules/world/color.hpp"
+#include "musher/modules/world/sensor_specs.hpp"
 
 namespace musher::world {
 
@@ -105,7 +106,7 @@ struct Lighting {
   double temperature_k = 6500;  // of its colour: lower is redder, higher is bluer
   double yaw_rad = 0.6;         // of the direction the light comes from
   double height_rad = 0.9;      // of the light over the horizon
-  double ambient = 0.45;        // share of the light that comes from everywhere
+  double ambient = 0.5;         // share of the light that comes from everywhere
   double gradient = 0;  // share of the light that is missing at the darkest end of the place
   double gradient_yaw_rad = 0;  // towards which it gets darker
   bool shadows = true;          // on the ground
@@ -228,10 +229,13 @@ struct Scene {
   Ground ground;
   Lighting light;
   CameraSet cameras;
+  SensorSpecs sensors;
 };
 
 // What may go wrong with a sensor: it is silent. "none" ends these, too.
-inline constexpr std::string_view kSensorFaults[] = {"camera front", "camera left", "camera right"};
+inline constexpr std::string_view kSensorFaults[] = {
+    "camera front",  "camera left",    "camera right",  "lidar",          "ultrasonic", "tof",
+    "tof_left_head", "tof_right_head", "tof_left_rear", "tof_right_rear", "gps"};
 
 inline constexpr double kLeastSpeed = 0.01;
 inline constexpr double kMostSpeed = 100;

@@ -18,6 +18,7 @@
 #include "musher/modules/world/body.hpp"
 #include "musher/modules/world/place.hpp"
 #include "musher/modules/world/scene_keys.hpp"
+#include "musher/modules/world/scene_sensors.hpp"
 #include "musher/modules/world/scene_things.hpp"
 
 namespace musher::world {
@@ -65,6 +66,7 @@ class Reader {
     const std::string folder = config_toml::FolderOf(path).string();
     ReadThings(root, folder, findings_, scene_);
     ReadViews(root, folder, findings_, scene_);
+    ReadSensors(root, findings_, scene_.sensors);
     Each(root, "motion", [&](TableReader& reader) { ReadMotion(reader); });
     Each(root, "event", [&](TableReader& reader) { ReadEvent(reader); });
     root.RefuseOthers();

@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
@@ -10,6 +11,7 @@
 #include <utility>
 
 #include "musher/modules/world/picture.hpp"
+#include "musher/modules/world/shot.hpp"
 #include "musher/modules/world/world_host.hpp"
 #include "musher/transport/node_thread.hpp"
 
@@ -24,6 +26,14 @@ int DrawTo(const World& world, const std::string& path) {
   const Result<> drawn = Draw(world, path);
   Say(drawn ? "drawn: " + path : drawn.error().message);
   return drawn ? 0 : 1;
+}
+
+World Played(const Scene& scene, Duration time) {
+  World world(scene);
+  while (world.now() < time) {
+    for (const std::string& line : world.Step().said) Say(line);
+  }
+  return world;
 }
 
 }  // namespace
@@ -76,11 +86,21 @@ int RunAlone(const Scene& scene, const std::string& name_space) {
 }
 
 int DrawScene(const Scene& scene, Duration time, const std::string& path) {
-  World world(scene);
-  while (world.now() < time) {
-    for (const std::string& line : world.Step().said) Say(line);
+  return DrawTo(Played(scene, time), path);
+}
+
+int ShootScene(const Scene& scene, Duration time, const std::string& camera,
+               const std::string& path) {
+  const auto named = std::find(kCameraNames.begin(), kCameraNames.end(), camera);
+  if (named == kCameraNames.end()) {
+    Say("there is no camera \"" + camera + "\"; expected front, left or right");
+    return 2;
   }
-  return DrawTo(world, path);
+  const auto image =
+      TakeShot(Played(scene, time), static_cast<std::size_t>(named - kCameraNames.begin()));
+  const Result<> saved = image ? SaveImage(image.value(), path) : Result<>(image.error());
+  Say(saved ? "drawn: " + path : saved.error().message);
+  return saved ? 0 : 1;
 }
 
 }  // namespace musher::world

@@ -15,4 +15,8 @@ int RunAlone(const Scene& scene, const std::string& name_space);
 // Plays the scene for `time` of world time, as fast as it goes, and draws it. Gives the exit code.
 int DrawScene(const Scene& scene, Duration time, const std::string& path);
 
+// The same, and draws what the camera of that name sees at the end.
+int ShootScene(const Scene& scene, Duration time, const std::string& camera,
+               const std::string& path);
+
 }  // namespace musher::world

@@ -50,7 +50,11 @@ Result<> WorldHost::Publish() {
   clock_ = std::move(clock).value();
   if (auto made = Make(body_state_, "world/body_state"); !made) return made;
   if (auto made = Make(battery_, "world/battery"); !made) return made;
-  return Make(touch_, "world/touch");
+  if (auto made = Make(touch_, "world/touch"); !made) return made;
+  auto sensors = WorldSensors::Make(node_, world_.scene(), options_.name_space);
+  if (!sensors) return sensors.error();
+  sensors_ = std::move(sensors).value();
+  return Ok();
 }
 
 Result<> WorldHost::Listen() {
@@ -127,6 +131,7 @@ void WorldHost::OnStep() {
   if (world_.now() % kBatteryPeriod < kStep || world_.now() == kStep) {
     static_cast<void>(battery_->Publish(ToBatteryState(world_)));
   }
+  sensors_->OnStep(world_);
   for (const int touch : happenings.touches) Touch(touch);
   for (const std::string& line : happenings.said) Log(line);
   if (happenings.speed) return SetSpeed(*happenings.speed);

@@ -32,7 +32,7 @@ const std::map<std::string, Folders>& MayInclude() {
 const std::map<std::string, std::vector<std::string>>& Libraries() {
   static const std::map<std::string, std::vector<std::string>> table = {
       {"dds/", {"transport/dds/", "test/contract/", "test/benchmark/"}},
-      {"openssl/", {"transport/keys/"}},
+      {"openssl/", {"transport/keys/", "controller/ota/signature.cpp"}},
       {"toml++/", {"lifecycle/toml/"}},
       {"CLI/", {"controller/cli/", "modules/", "test/benchmark/", "test/campaign/"}},
       {"SQLiteCpp/", {"controller/", "test/controller/"}},
@@ -43,6 +43,9 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"systemd/", {"controller/cli/"}},
       {"opencv2/", {"modules/", "test/modules/"}},
       {"Eigen/", {"modules/", "test/modules/"}},
+      {"alsa/", {"modules/audio/"}},
+      {"espeak-ng/", {"modules/audio/"}},
+      {"sndfile.h", {"modules/audio/", "test/modules/audio/"}},
   };
   return table;
 }

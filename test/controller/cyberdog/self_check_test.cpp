@@ -73,6 +73,38 @@ TEST_F(SelfChecks, SplitASumIntoTheDevicesThatFailed) {
   EXPECT_EQ(json["sensor"], Json({{"lidar", 2109}, {"tof", 2209}, {"others", 0}}));
 }
 
+// Found when the device manager gave one code for several devices: the others were told to be well.
+TEST_F(SelfChecks, FindThePartsThatOnlyTheMessageNames) {
+  machine_.actuators[1].fault = Error{1109, "led: nobody shows it, 1109; uwb: silent, 1609"};
+  machine_.actuators[2].fault = Error{2309, "ultrasonic: silent, 2309; gps: silent, 2409"};
+  const Json json = Described();
+  EXPECT_EQ(json["device"]["led"], 1109);
+  EXPECT_EQ(json["device"]["uwb"], 1609);
+  EXPECT_EQ(json["device"]["bms"], 0);
+  EXPECT_EQ(json["sensor"], Json({{"lidar", 0}, {"tof", 0}, {"others", 2309}}));
+}
+
+TEST_F(SelfChecks, CoverTheVoiceTheSensorsAndTheCamerasOfTheRobot) {
+  for (const char* name : {"audio", "RealSenseActuator"}) {
+    ActuatorConfig actuator;
+    actuator.name = name;
+    config_.actuators.push_back(actuator);
+  }
+  machine_ = MakeMachine(config_);
+  for (ActuatorRecord& record : machine_.actuators) {
+    record.presence = Presence::kPresent;
+    record.checked = true;
+  }
+  EXPECT_EQ(Described()["audio"], 0);
+  Fail("audio", 5109);
+  Fail("RealSenseActuator", 4409);
+  Fail("sensor_manager", 2109);
+  const Json json = Described();
+  EXPECT_EQ(json["audio"], 5109);
+  EXPECT_EQ(json["RealSenseActuator"], 4409);
+  EXPECT_EQ(json["sensor"]["lidar"], 2109);
+}
+
 TEST_F(SelfChecks, TellACodeThatIsOfNoneOfThemAsAnother) {
   Fail("device_manager", 101);
   const Json json = Described();

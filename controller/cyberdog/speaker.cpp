@@ -1,0 +1,113 @@
+#include "musher/controller/cyberdog/speaker.hpp"
+
+#include <utility>
+
+#include "musher/messages/protocol/device.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+
+namespace musher::cyberdog {
+namespace {
+
+constexpr const char* kName = "cyberdog_manager";          // CyberDog's node that speaks
+constexpr Duration kLookPeriod = std::chrono::seconds(1);  // for what leaves no record
+constexpr Duration kCallTime = std::chrono::minutes(1);    // by the steady clock
+constexpr Duration kStandUpTime = std::chrono::seconds(20);
+
+}  // namespace
+
+Result<std::unique_ptr<Speaker>> Speaker::Make(Endpoints& endpoints, ControllerShell& shell) {
+  if (shell.config().policy->voice.say.empty()) return std::unique_ptr<Speaker>();
+  std::unique_ptr<Speaker> speaker(new Speaker(shell));
+  if (auto opened = speaker->Open(endpoints); !opened) return opened.error();
+  return speaker;
+}
+
+Result<> Speaker::Open(Endpoints& endpoints) {
+  loop_ = &endpoints.node().loop();
+  auto clock = transport::Clock::Of(shell_.config(), endpoints.node(),
+                                    [this] { Hear(heard::TimePassed{}); });
+  if (!clock) return clock.error();
+  clock_ = std::move(clock).value();
+  first_time_ = clock_->At(Time{}, [this] { Hear(heard::TimePassed{}); });
+  player_ = endpoints.Ask<msg::AudioTextPlay>("speech_text_play", [this] { Look(); });
+  motion_ = endpoints.Ask<msg::MotionResultCmd>("motion_result_cmd");
+  endpoints.Hear<msg::TouchStatus>("touch_status", [this](const msg::TouchStatus& touch) {
+    if (touch.touch_state == msg::TouchStatus::kDouble) Hear(heard::DoubleTapped{});
+  });
+  endpoints.Hear<msg::Bool>("app_connection_state", [this](const msg::Bool& connected) {
+    if (connected.data) Hear(heard::AppConnected{});
+  });
+  endpoints.Hear<msg::Bool>("audio_notification_report", [this](const msg::Bool& playing) {
+    Hear(heard::PlayReported{playing.data});
+  });
+  if (!endpoints.opened()) return endpoints.opened().error();
+  look_ = loop_->Every(kLookPeriod, [this] { Look(); });
+  return Ok();
+}
+
+// A record is judged by what was known before it; what it has changed is seen a moment later.
+void Speaker::OnRecord(const action::Record& record) {
+  Hear(heard::Recorded{record});
+  if (look_soon_) return;
+  look_soon_ = loop_->At(loop_->Now(), [this] {
+    look_soon_ = nullptr;
+    Look();
+  });
+}
+
+void Speaker::Look() {
+  if (const bool there = player_->Ready(); there != voice_.player) {
+    Hear(heard::PlayerMatched{there});
+  }
+  const Glimpse machine = GlimpseOf(shell_.config(), shell_.machine());
+  if (machine != voice_.machine) Hear(heard::MachineSeen{machine});
+}
+
+void Speaker::Hear(const Heard& heard) {
+  for (const VoiceAction& action : Speak(shell_.config(), voice_, heard, clock_->Now())) {
+    std::visit([this](const auto& a) { Do(a); }, action);
+  }
+  Arm();
+}
+
+void Speaker::Arm() {
+  const auto next = NextVoiceDeadline(voice_);
+  if (next == armed_for_) return;
+  armed_for_ = next;
+  timer_ = nullptr;
+  if (!next) return;
+  timer_ = clock_->At(*next, [this] {
+    armed_for_.reset();
+    Hear(heard::TimePassed{});
+  });
+}
+
+void Speaker::Do(const voice_action::Play& play) {
+  const Utterance& utterance = play.utterance;
+  const msg::AudioTextPlay::Request request{
+      kName, !utterance.text.empty(), {kName, utterance.id}, utterance.text};
+  player_->Call(request, kCallTime,
+                [this, number = play.number](const Result<msg::AudioTextPlay::Response>&) {
+                  Hear(heard::PlayEnded{number});
+                });
+}
+
+void Speaker::Do(const voice_action::StandUp&) {
+  msg::MotionResultCmd::Request request;
+  request.motion_id = msg::MotionId::kRecoveryStand;
+  request.cmd_source = msg::MotionSource::kApp;
+  motion_->Call(request, kStandUpTime,
+                [this](const Result<msg::MotionResultCmd::Response>& answer) {
+                  if (answer && answer.value().result) return;
+                  shell_.Remark(answer ? answer.value().code : answer.error().code,
+                                "the app has connected, but the robot does not stand up");
+                });
+}
+
+void Speaker::Do(const voice_action::TellDropped&) {
+  if (!shell_.config().IndexOf("audio")) return;  // nobody expects it
+  shell_.Remark(kCodeNetError,
+                "nobody plays what the manager says: there is no service speech_text_play");
+}
+
+}  // namespace musher::cyberdog

@@ -1,0 +1,44 @@
+#include "musher/controller/ota/trial.hpp"
+
+#include <algorithm>
+
+#include "musher/lifecycle/code.hpp"
+
+namespace musher::ota {
+namespace {
+
+// It is where the machine is, or it is known why not.
+bool Settled(const MachineConfig& config, const Machine& machine, std::size_t actuator) {
+  const ActuatorRecord& record = machine.actuators[actuator];
+  if (record.fault || record.held) return true;
+  if (record.presence != Presence::kPresent || record.report.busy() || record.order) return false;
+  return record.state() == machine.state || !config.actuators[actuator].Lists(machine.state);
+}
+
+std::string Why(const MachineConfig& config, std::size_t actuator, const Error& fault) {
+  return "critical " + config.actuators[actuator].name + ": " + fault.message + " (" +
+         CodeText(fault.code) + ")";
+}
+
+}  // namespace
+
+std::optional<Result<>> JudgeTrial(const MachineConfig& config, const Machine& machine) {
+  if (machine.phase == Phase::kIdle || machine.phase == Phase::kStarting) return std::nullopt;
+  if (machine.phase == Phase::kStopping || machine.phase == Phase::kStopped) {
+    return Result<>(Error{kCodeFailed, "the machine was taken down before the new version was up"});
+  }
+  bool settled = machine.phase == Phase::kRunning && !machine.current;
+  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    const auto& fault = machine.actuators[i].fault;
+    const bool coming_back = machine.actuators[i].restart_at.has_value();
+    if (fault && config.actuators[i].critical && !coming_back) {
+      return Result<>(Error{fault->code, Why(config, i, *fault)});
+    }
+    settled = settled && !coming_back && Settled(config, machine, i);
+  }
+  if (machine.phase == Phase::kFailed) return Result<>(Error{kCodeFailed, "the start-up failed"});
+  if (machine.phase == Phase::kFenced) return std::nullopt;  // another controller leads
+  return settled ? std::optional(Ok()) : std::nullopt;
+}
+
+}  // namespace musher::ota

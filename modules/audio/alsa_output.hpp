@@ -1,0 +1,56 @@
+#pragma once
+// Sound to a device of ALSA. The device is opened for each sound, so that one that was unplugged is
+// found again, and other programs have it in between.
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "musher/modules/audio/output.hpp"
+
+struct _snd_pcm;  // NOLINT(readability-identifier-naming,bugprone-reserved-identifier): ALSA's
+
+namespace musher::audio {
+
+class AlsaOutput : public Output {
+ public:
+  AlsaOutput(transport::EventLoop& loop, std::string device);
+  ~AlsaOutput() override;
+
+  void Play(std::shared_ptr<const Sound> sound, Ended ended) override;
+  void Stop() override;
+  void SetVolume(int volume) override { volume_ = volume; }
+  Result<> Check() override;
+
+ private:
+  struct Job {
+    std::uint64_t number = 0;
+    std::shared_ptr<const Sound> sound;
+    Ended ended;
+  };
+
+  void Run();
+  Result<> PlayOut(const Job& job);
+  int Drain(_snd_pcm* pcm, const Job& job);
+  bool Wanted(const Job& job) const { return *wanted_ == job.number; }
+
+  transport::EventLoop& loop_;
+  const std::string device_;
+  std::uint64_t last_ = 0;
+  std::atomic<int> volume_ = 100;
+  // The job that is wanted, 0: none. What is posted to the loop may outlive the output.
+  const std::shared_ptr<std::atomic<std::uint64_t>> wanted_;
+  std::mutex in_use_;  // the device
+  std::mutex mutex_;   // guards what follows
+  std::condition_variable given_;
+  std::optional<Job> next_;
+  bool ending_ = false;
+  std::thread thread_;  // last: it uses the rest
+};
+
+}  // namespace musher::audio

@@ -1,0 +1,37 @@
+#pragma once
+// The codes of the audio module: module AudioNX (5000) and a key. CyberDog's own module builds them
+// from module Robot, so that nobody can tell whose they are.
+
+#include <cstdint>
+#include <string>
+
+#include "musher/lifecycle/code.hpp"
+
+namespace musher::audio {
+
+enum class AudioKey : std::int32_t {
+  kInterrupted = 21,
+  kStopped = 22,
+  kNoPhrase = 23,
+  kNothingToSay = 24,
+  kTextTooLong = 25,
+  kNotUtf8 = 26,
+  kVoice = 27,
+  kRecording = 28,
+};
+
+constexpr std::int32_t AudioCode(KeyCode key) {
+  return MakeCode(ModuleCode::kAudioNx, key);
+}
+constexpr std::int32_t AudioCode(AudioKey key) {
+  return static_cast<std::int32_t>(ModuleCode::kAudioNx) + static_cast<std::int32_t>(key);
+}
+
+// The output's self-check speaks for the sound board, which CyberDog has a phrase for.
+inline constexpr std::int32_t kBoardFailed =
+    MakeCode(ModuleCode::kAudioBoard, KeyCode::kSelfCheckFailed);
+
+// What a code means, for people; empty for a code that is not this module's.
+std::string AudioCodeText(std::int32_t code);
+
+}  // namespace musher::audio

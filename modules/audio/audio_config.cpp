@@ -1,0 +1,135 @@
+#include "musher/modules/audio/audio_config.hpp"
+
+#include <filesystem>
+#include <iterator>
+#include <utility>
+#include <variant>
+
+#include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/file.hpp"
+#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/lifecycle/toml/names.hpp"
+#include "musher/lifecycle/toml/table_reader.hpp"
+
+namespace musher::audio {
+namespace {
+
+using config_toml::Findings;
+using config_toml::Table;
+using config_toml::TableReader;
+
+constexpr std::size_t kLargestFile = 1U << 20;
+constexpr std::int64_t kLongestText = 10'000;
+constexpr std::int64_t kSlowestVoice = 80;  // words a minute, of espeak-ng
+constexpr std::int64_t kFastestVoice = 450;
+
+class Reader {
+ public:
+  Reader(const std::string& path, Findings& findings)
+      : folder_(config_toml::FolderOf(path)), findings_(findings) {}
+
+  AudioConfig Read(const Table& table) {
+    TableReader root(table, {1, 1}, "", findings_);
+    ReadOutput(root);
+    if (const auto volume = root.Integer("volume", 0, 100, "%")) {
+      config_.volume = static_cast<int>(*volume);
+    }
+    const auto language =
+        root.Choice<Language>("language", {{"en", Language::kEnglish}, {"zh", Language::kChinese}});
+    config_.language = language.value_or(config_.language);
+    if (const auto longest = root.Integer("longest_text", 1, kLongestText, "characters")) {
+      config_.longest_text = static_cast<std::size_t>(*longest);
+    }
+    root.Require("phrases", "the file of the phrases");
+    if (const auto phrases = root.String("phrases")) {
+      config_.phrases_file = config_toml::Absolute(folder_, phrases->text);
+    }
+    if (const Table* voice = root.SubTable("voice")) {
+      TableReader reader(*voice, root.At("voice"), "voice", findings_);
+      ReadVoice(reader);
+      reader.RefuseOthers();
+    }
+    root.RefuseOthers();
+    return std::move(config_);
+  }
+
+ private:
+  void ReadOutput(TableReader& root) {
+    OutputConfig& output = config_.output;
+    const auto kind = root.Choice<OutputKind>("output", {{"auto", OutputKind::kAuto},
+                                                         {"alsa", OutputKind::kAlsa},
+                                                         {"wav", OutputKind::kWav},
+                                                         {"silent", OutputKind::kSilent}});
+    output.kind = kind.value_or(output.kind);
+    output.device = Named(root, "device").value_or(output.device);
+    if (const auto folder = Named(root, "folder")) {
+      output.folder = config_toml::Absolute(folder_, *folder);
+    }
+    if (output.kind == OutputKind::kWav) {
+      root.Require("folder", "the folder for the WAV files");
+    } else if (root.Has("folder")) {
+      root.Warn(root.At("folder"), "folder", "has no effect: only an output \"wav\" uses it");
+    }
+    const bool has_device = output.kind == OutputKind::kAlsa || output.kind == OutputKind::kAuto;
+    if (!has_device && root.Has("device")) {
+      root.Warn(root.At("device"), "device",
+                R"(has no effect: only an output "auto" or "alsa" uses it)");
+    }
+  }
+
+  void ReadVoice(TableReader& reader) {
+    VoiceConfig& voice = config_.voice;
+    if (const auto speed = reader.Integer("words_per_minute", kSlowestVoice, kFastestVoice)) {
+      voice.words_per_minute = static_cast<int>(*speed);
+    }
+    voice.english = Named(reader, "english").value_or(voice.english);
+    voice.chinese = Named(reader, "chinese").value_or(voice.chinese);
+  }
+
+  // A string that is not empty.
+  static std::optional<std::string> Named(TableReader& reader, std::string_view key) {
+    const auto word = reader.String(key);
+    if (!word) return std::nullopt;
+    if (word->text.empty()) reader.Fault(word->at, key, "expected a name, found nothing");
+    return word->text;
+  }
+
+  const std::filesystem::path folder_;
+  Findings& findings_;
+  AudioConfig config_;
+};
+
+}  // namespace
+
+AudioReading ReadAudioText(std::string_view text, const std::string& path) {
+  Findings findings;
+  std::optional<AudioConfig> config;
+  const auto document = config_toml::ParseDocument(text);
+  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
+    findings.Error(fault->at, fault->message);
+  } else {
+    config = Reader(path, findings).Read(std::get<Table>(document));
+  }
+  const bool good = !findings.HasErrors();
+  AudioReading reading{std::nullopt, std::move(findings).Take(path, text)};
+  if (!config || config->phrases_file.empty()) return reading;
+  PhrasesReading phrases = ReadPhrasesFile(config->phrases_file);
+  std::move(phrases.diagnostics.begin(), phrases.diagnostics.end(),
+            std::back_inserter(reading.diagnostics));
+  if (!good || !phrases.phrases) return reading;
+  config->phrases = *std::move(phrases.phrases);
+  reading.config = std::move(config);
+  return reading;
+}
+
+AudioReading ReadAudioFile(const std::string& path) {
+  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
+  const auto refuse = [&path](const std::string& reason) {
+    return AudioReading{std::nullopt, {{path, 0, 0, Severity::kError, reason}}};
+  };
+  if (!text) return refuse(text.error().message);
+  if (text.value().size() > kLargestFile) return refuse("the file is larger than 1 MiB");
+  return ReadAudioText(text.value(), path);
+}
+
+}  // namespace musher::audio

@@ -1,0 +1,58 @@
+#pragma once
+// The config of the audio module, a TOML file; README.md and config/audio/audio.toml explain its
+// keys.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/modules/audio/phrases.hpp"
+
+namespace musher::audio {
+
+enum class OutputKind : std::uint8_t { kAuto, kAlsa, kWav, kSilent };
+
+struct OutputConfig {
+  OutputKind kind = OutputKind::kAuto;
+  std::string device = "default";  // of ALSA
+  std::string folder;              // of WAV files: absolute
+
+  friend bool operator==(const OutputConfig&, const OutputConfig&) = default;
+};
+
+struct VoiceConfig {
+  int words_per_minute = 175;
+  std::string english = "en-us";  // voices of espeak-ng
+  std::string chinese = "cmn";
+
+  friend bool operator==(const VoiceConfig&, const VoiceConfig&) = default;
+};
+
+struct AudioConfig {
+  OutputConfig output;
+  int volume = 60;  // %
+  Language language = Language::kEnglish;
+  std::size_t longest_text = 1000;  // characters
+  VoiceConfig voice;
+  std::string phrases_file;  // absolute
+  Phrases phrases;
+
+  friend bool operator==(const AudioConfig&, const AudioConfig&) = default;
+};
+
+struct AudioReading {
+  std::optional<AudioConfig> config;    // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;  // of this file, then of that of the phrases
+};
+
+// Never throws; an unreadable file is a diagnostic.
+AudioReading ReadAudioFile(const std::string& path);
+
+// The same for a text; `path` is what diagnostics and relative paths refer to. Reads the phrases.
+AudioReading ReadAudioText(std::string_view text, const std::string& path);
+
+}  // namespace musher::audio

@@ -1,0 +1,78 @@
+#include "musher/modules/audio/audio_manager.hpp"
+
+#include <iostream>
+#include <utility>
+
+#include "musher/modules/audio/audio_code.hpp"
+
+namespace musher::audio {
+
+AudioManager::AudioManager(const std::string& actuator_name, AudioConfig config)
+    : MachineActuator(actuator_name), config_(std::move(config)) {}
+
+AudioManager::~AudioManager() {
+  Shutdown();
+  if (!node_) return;
+  node_->RunOnLoop([this] {
+    shell_.reset();
+    output_.reset();
+    maker_.reset();
+    clock_.reset();
+  });
+}
+
+Result<> AudioManager::Prepare(const std::string& state_config) {
+  if (Result<> read = Init(state_config); !read) return read;
+  const auto index = machine_config().IndexOf(name());
+  for (const State& state : machine_config().actuators[*index].states) {
+    RegisterStateCallback(state, std::function<Result<>()>([this, state] { return Run(state); }));
+  }
+  return Ok();
+}
+
+Result<> AudioManager::Run(const State& state) {
+  if (state == kSetUp) return SetUp();
+  if (state == kSelfCheck) return SelfCheck();
+  node_->RunOnLoop([&] { shell_->Enter(state); });
+  return Ok();
+}
+
+Result<> AudioManager::SetUp() {
+  node_ = node();
+  Result<> made;
+  node_->RunOnLoop([&] {
+    if (!shell_) made = MakeAll();
+  });
+  return made;
+}
+
+Result<> AudioManager::MakeAll() {
+  const auto log = [this](const std::string& line) {
+    std::cerr << name() + ": " + line + "\n" << std::flush;
+  };
+  auto clock = transport::Clock::Of(machine_config(), node_->node(), [this] {
+    if (shell_) shell_->OnTimeJumped();
+  });
+  if (!clock) return clock.error();
+  clock_ = std::move(clock).value();
+  maker_ = std::make_unique<VoiceMaker>(node_->loop(), config_.voice);
+  output_ = MakeOutput(config_.output, node_->loop(), *clock_, log);
+  auto shell = AudioShell::Make({node_->node(), *clock_, machine_config().name_space, log}, config_,
+                                *maker_, *output_);
+  if (!shell) return shell.error();
+  shell_ = std::move(shell).value();
+  return Ok();
+}
+
+// The voice and the output, both looked at: the message names all that fails.
+Result<> AudioManager::SelfCheck() {
+  const Result<> voice = maker_->Check();
+  const Result<> output = output_->Check();
+  if (voice && output) return Ok();
+  if (voice) return output;
+  Error error{AudioCode(KeyCode::kSelfCheckFailed), voice.error().message};
+  if (!output) error.message += "; " + output.error().message;
+  return error;
+}
+
+}  // namespace musher::audio

@@ -1,0 +1,41 @@
+#pragma once
+// The actuator `audio`: the voice of a robot. See README.md beside this.
+//
+// Threads: state callbacks on the actuator's worker, topics and services on the loop of its node,
+// sound is made and played on threads of its own.
+
+#include <memory>
+#include <string>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/modules/audio/audio_config.hpp"
+#include "musher/modules/audio/audio_shell.hpp"
+#include "musher/modules/audio/output.hpp"
+#include "musher/modules/audio/sound_maker.hpp"
+#include "musher/transport/clock.hpp"
+
+namespace musher::audio {
+
+class AudioManager : public MachineActuator {
+ public:
+  AudioManager(const std::string& actuator_name, AudioConfig config);
+  ~AudioManager() override;
+
+  // Reads the state config and registers a callback for each state that it lists; Start() follows.
+  Result<> Prepare(const std::string& state_config);
+
+ private:
+  Result<> Run(const State& state);
+  Result<> SetUp();
+  Result<> SelfCheck();
+  Result<> MakeAll();
+
+  const AudioConfig config_;
+  std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
+  std::unique_ptr<transport::Clock> clock_;
+  std::unique_ptr<VoiceMaker> maker_;
+  std::unique_ptr<Output> output_;
+  std::unique_ptr<AudioShell> shell_;
+};
+
+}  // namespace musher::audio

@@ -1,0 +1,82 @@
+#pragma once
+// The voice of the robot on its topics and services: turns them into the player's events, and its
+// actions into sound and answers. Runs on any transport.
+//
+// Threads: the loop's.
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "musher/messages/protocol/audio.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_srvs/empty.hpp"
+#include "musher/messages/std_srvs/set_bool.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/modules/audio/output.hpp"
+#include "musher/modules/audio/player.hpp"
+#include "musher/modules/audio/sound_maker.hpp"
+#include "musher/transport/clock.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::audio {
+
+struct Surroundings {
+  transport::Node& node;
+  transport::Clock& clock;  // of the module's behaviour
+  std::string name_space;
+  std::function<void(const std::string&)> log;  // one line, without its end
+
+  std::string Name(std::string_view name) const { return transport::ResolveName(name_space, name); }
+};
+
+class AudioShell {
+ public:
+  // All of it outlives the shell.
+  static Result<std::unique_ptr<AudioShell>> Make(const Surroundings& around,
+                                                  const AudioConfig& config, SoundMaker& maker,
+                                                  Output& output);
+  ~AudioShell();
+
+  // The machine goes to that state.
+  void Enter(const State& state) { Take(play_event::StateEntered{state}); }
+  // The clock went back.
+  void OnTimeJumped() { Take(play_event::TimePassed{}); }
+
+ private:
+  using AnswerCode = std::function<void(std::int32_t code)>;
+
+  AudioShell(const Surroundings& around, const AudioConfig& config, SoundMaker& maker,
+             Output& output);
+  Result<> Connect();
+  Result<> ConnectPlay();
+  Result<> ConnectSettings();
+  template <msg::Service S>
+  Result<> Serve(const char* name, typename transport::Server<S>::Handler handler);
+
+  CallToken Expect(AnswerCode answer);
+  void Take(const PlayEvent& event);
+  void Do(const play_action::Make& action);
+  void Do(const play_action::Play& action);
+  void Do(const play_action::Silence& action);
+  void Do(const play_action::SetVolume& action);
+  void Do(const play_action::Answer& action);
+  void Do(const play_action::Report& action);
+  void Do(const play_action::Log& action);
+
+  const Surroundings around_;
+  const PlayRules rules_;
+  SoundMaker& maker_;
+  Output& output_;
+  Player player_;
+  std::shared_ptr<const Sound> made_;
+  CallToken last_token_ = 0;
+  std::map<CallToken, AnswerCode> calls_;
+  transport::LoopHandlePtr timer_;
+  std::unique_ptr<transport::Publisher<msg::Bool>> report_;
+  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
+  std::vector<std::shared_ptr<void>> servers_;  // of different services
+};
+
+}  // namespace musher::audio

@@ -1,0 +1,54 @@
+#pragma once
+// Where sound goes. One sound at a time.
+//
+// Threads: the loop's, except for Check().
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/modules/audio/audio_config.hpp"
+#include "musher/modules/audio/sound.hpp"
+#include "musher/transport/clock.hpp"
+
+namespace musher::audio {
+
+class Output {
+ public:
+  using Ended = std::function<void(Result<>)>;
+
+  virtual ~Output() = default;
+
+  // `ended` runs on the loop when it has been heard, or with the reason why not (the code of a
+  // device that takes no sound); never inside Play(). Ends what plays.
+  virtual void Play(std::shared_ptr<const Sound> sound, Ended ended) = 0;
+  // Silent at once; `ended` does not run.
+  virtual void Stop() = 0;
+  // In %, also of what plays.
+  virtual void SetVolume(int volume) = 0;
+  // Whether sound could be heard. From any thread; may take a moment.
+  virtual Result<> Check() = 0;
+};
+
+// The one of the config. `log` is told which, where the config leaves it open.
+std::unique_ptr<Output> MakeOutput(const OutputConfig& config, transport::EventLoop& loop,
+                                   transport::Clock& clock,
+                                   const std::function<void(const std::string&)>& log);
+
+// Takes as long as the sound does by the module's clock, and is not heard.
+class SilentOutput : public Output {
+ public:
+  explicit SilentOutput(transport::Clock& clock) : clock_(clock) {}
+
+  void Play(std::shared_ptr<const Sound> sound, Ended ended) override;
+  void Stop() override { end_.reset(); }
+  void SetVolume(int /*volume*/) override {}
+  Result<> Check() override { return Ok(); }
+
+ private:
+  transport::Clock& clock_;
+  transport::LoopHandlePtr end_;
+};
+
+}  // namespace musher::audio

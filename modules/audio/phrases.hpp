@@ -1,0 +1,66 @@
+#pragma once
+// The phrases that the robot knows by number. Plain values; phrases_toml.cpp reads them.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/modules/audio/speech_text.hpp"
+
+namespace musher::audio {
+
+// What is to be heard: a recording, or a text where there is none.
+struct Utterance {
+  std::string text;
+  Language language = Language::kEnglish;
+  std::string recording;  // absolute path; empty: none
+
+  friend bool operator==(const Utterance&, const Utterance&) = default;
+};
+
+inline constexpr std::string_view kNumberMark = "{number}";
+
+// One phrase, or a row of them that differ by a number: of id `first` + n it says n.
+struct Phrase {
+  std::uint16_t first = 0;
+  std::uint16_t last = 0;
+  std::map<Language, std::string> texts;
+  std::string recording;
+
+  friend bool operator==(const Phrase&, const Phrase&) = default;
+};
+
+class Phrases {
+ public:
+  Phrases() = default;
+  // Their ranges do not overlap.
+  explicit Phrases(std::vector<Phrase> phrases);
+
+  // In `language`, or in the other one where the phrase has no text in it.
+  std::optional<Utterance> Find(std::uint16_t id, Language language) const;
+  bool Has(std::uint16_t id) const { return PhraseOf(id) != nullptr; }
+  const std::vector<Phrase>& all() const { return phrases_; }
+
+  friend bool operator==(const Phrases&, const Phrases&) = default;
+
+ private:
+  const Phrase* PhraseOf(std::uint16_t id) const;
+
+  std::vector<Phrase> phrases_;  // by id
+};
+
+struct PhrasesReading {
+  std::optional<Phrases> phrases;       // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;  // by line
+};
+
+// Never throws; an unreadable file is a diagnostic, and so is a recording that cannot be read.
+PhrasesReading ReadPhrasesFile(const std::string& path);
+// The same for a text; `path` is what diagnostics and relative paths refer to.
+PhrasesReading ReadPhrasesText(std::string_view text, const std::string& path);
+
+}  // namespace musher::audio

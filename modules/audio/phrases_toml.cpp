@@ -1,0 +1,130 @@
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+#include <variant>
+
+#include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/file.hpp"
+#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/lifecycle/toml/names.hpp"
+#include "musher/lifecycle/toml/table_reader.hpp"
+#include "musher/messages/protocol/audio.hpp"
+#include "musher/modules/audio/phrases.hpp"
+#include "musher/modules/audio/sound_file.hpp"
+
+namespace musher::audio {
+namespace {
+
+using config_toml::Findings;
+using config_toml::Position;
+using config_toml::Table;
+using config_toml::TableReader;
+using config_toml::Value;
+
+constexpr std::size_t kLargestFile = 1U << 20;
+constexpr std::int64_t kLargestId = 65'535;
+
+class Reader {
+ public:
+  Reader(const std::string& path, Findings& findings)
+      : folder_(config_toml::FolderOf(path)), findings_(findings) {}
+
+  Phrases Read(const Table& table) {
+    TableReader root(table, {1, 1}, "", findings_);
+    for (const Value* value : root.Tables("phrase")) {
+      TableReader reader(*value->As<Table>(), value->at, "phrase", findings_);
+      ReadPhrase(reader);
+      reader.RefuseOthers();
+    }
+    root.RefuseOthers();
+    FindOverlaps();
+    std::vector<Phrase> phrases;
+    for (auto& [phrase, at] : found_) phrases.push_back(std::move(phrase));
+    return Phrases(std::move(phrases));
+  }
+
+ private:
+  void ReadPhrase(TableReader& reader) {
+    Phrase phrase;
+    reader.Require("id", "the phrase's number, 0 to 65535");
+    const auto id = reader.Integer("id", 0, kLargestId);
+    const auto last = reader.Integer("last_id", id.value_or(0), kLargestId);
+    ReadText(reader, "en", Language::kEnglish, phrase);
+    ReadText(reader, "zh", Language::kChinese, phrase);
+    if (const auto recording = reader.String("recording")) {
+      phrase.recording = config_toml::Absolute(folder_, recording->text);
+      if (const Result<> good = CheckSound(phrase.recording); !good) {
+        reader.Fault(recording->at, "recording", good.error().message);
+      }
+    } else if (!reader.Has("en") && !reader.Has("zh") && !reader.Has("recording")) {
+      reader.Fault(reader.at(), "id", "expected a text (en, zh) or a recording with it");
+    }
+    if (!id) return;
+    phrase.first = static_cast<std::uint16_t>(*id);
+    phrase.last = static_cast<std::uint16_t>(last.value_or(*id));
+    if (phrase.first <= msg::AudioPlay::kStop && msg::AudioPlay::kStop <= phrase.last) {
+      reader.Fault(reader.At("id"), "id", "9999 stops what plays, it can be no phrase");
+    }
+    found_.emplace_back(std::move(phrase), reader.At("id"));
+  }
+
+  void ReadText(TableReader& reader, std::string_view key, Language language, Phrase& phrase) {
+    const auto text = reader.String(key);
+    if (!text) return;
+    if (!HasSomethingToSay(text->text)) {
+      return reader.Fault(text->at, key, "expected a text, found nothing to say");
+    }
+    if (text->text.find(kNumberMark) != std::string::npos && !reader.Has("last_id")) {
+      reader.Fault(text->at, key, "{number} needs a last_id: it is the id minus the first one");
+    }
+    phrase.texts[language] = text->text;
+  }
+
+  void FindOverlaps() {
+    std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
+      return std::pair(a.first.first, a.second) < std::pair(b.first.first, b.second);
+    });
+    const Found* widest = nullptr;  // so far
+    for (const Found& found : found_) {
+      if (widest != nullptr && found.first.first <= widest->first.last) {
+        findings_.Error(found.second, "phrase.id: " + std::to_string(found.first.first) +
+                                          " is a phrase already, at line " +
+                                          std::to_string(widest->second.line));
+      }
+      if (widest == nullptr || found.first.last > widest->first.last) widest = &found;
+    }
+  }
+
+  using Found = std::pair<Phrase, Position>;
+  const std::filesystem::path folder_;
+  Findings& findings_;
+  std::vector<Found> found_;
+};
+
+}  // namespace
+
+PhrasesReading ReadPhrasesText(std::string_view text, const std::string& path) {
+  Findings findings;
+  PhrasesReading reading;
+  const auto document = config_toml::ParseDocument(text);
+  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
+    findings.Error(fault->at, fault->message);
+  } else {
+    Phrases phrases = Reader(path, findings).Read(std::get<Table>(document));
+    if (!findings.HasErrors()) reading.phrases = std::move(phrases);
+  }
+  reading.diagnostics = std::move(findings).Take(path, text);
+  return reading;
+}
+
+PhrasesReading ReadPhrasesFile(const std::string& path) {
+  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
+  const auto refuse = [&path](const std::string& reason) {
+    return PhrasesReading{std::nullopt, {{path, 0, 0, Severity::kError, reason}}};
+  };
+  if (!text) return refuse(text.error().message);
+  if (text.value().size() > kLargestFile) return refuse("the file is larger than 1 MiB");
+  return ReadPhrasesText(text.value(), path);
+}
+
+}  // namespace musher::audio

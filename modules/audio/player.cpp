@@ -1,0 +1,248 @@
+#include "musher/modules/audio/player.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/messages/protocol/audio.hpp"
+
+namespace musher::audio {
+namespace {
+
+class Decision {
+ public:
+  Decision(const PlayRules& rules, Player& player, Time now)
+      : rules_(rules), player_(player), now_(now) {}
+
+  PlayActions Run(const PlayEvent& event) && {
+    Rebase();
+    ReleaseOverdue(now_ - Duration(1));  // what ends at its deadline ends in time
+    std::visit([this](const auto& e) { Take(e); }, event);
+    ReleaseOverdue(now_);
+    Advance();
+    ReportIfDue();
+    return std::move(actions_);
+  }
+
+ private:
+  // Time began when the first /clock came, or anew when the world was restarted: what was left of
+  // each time is kept.
+  void Rebase() {
+    const Duration jump = now_ - player_.now;
+    if (jump < Duration::zero() || player_.now == Time{}) {
+      if (player_.current) player_.current->deadline += jump;
+      for (Player::Sound& sound : player_.waiting) sound.deadline += jump;
+      player_.next_report += jump;
+    }
+    player_.now = now_;
+  }
+
+  void Take(const play_event::Asked& event) {
+    const PlayOrder& order = event.order;
+    if (!order.is_text && order.play_id == msg::AudioPlay::kStop) {
+      StopAll();
+      return Answer(order.token, kCodeOk);
+    }
+    const Result<Utterance> what = Judge(order);
+    if (!what) {
+      Log("refused for " + config_toml::Quote(order.module) + ": " + what.error().message);
+      return Answer(order.token, what.error().code);
+    }
+    Player::Sound sound{++player_.last_number, order.token,  now_ + kAnswerTime,
+                        order.module,          what.value(), false};
+    if (order.token != 0) return player_.waiting.push_back(std::move(sound));
+    EndCurrent(AudioCode(AudioKey::kInterrupted));
+    Begin(std::move(sound));
+  }
+
+  void Take(const play_event::StopAsked& event) {
+    StopAll();
+    Answer(event.token, kCodeOk);
+  }
+
+  void Take(const play_event::Made& event) {
+    if (!IsCurrent(event.number) || player_.current->sounding) return;
+    if (!event.result) return Fail(event.result.error());
+    player_.current->sounding = true;
+    Do(play_action::Play{event.number});
+    player_.next_report = player_.reporting ? std::min(player_.next_report, now_) : now_;
+    player_.reporting = true;
+    const Utterance& what = player_.current->what;
+    Log("says " + config_toml::Quote(what.text.empty() ? what.recording : what.text) + " for " +
+        config_toml::Quote(player_.current->module));
+  }
+
+  void Take(const play_event::Ended& event) {
+    if (!IsCurrent(event.number) || !player_.current->sounding) return;
+    if (!event.result) return Fail(event.result.error());
+    if (std::exchange(player_.device_lost, false)) Log("the sound device is back");
+    Answer(player_.current->token, kCodeOk);
+    player_.current.reset();
+  }
+
+  void Take(const play_event::VolumeAsked& event) {
+    if (event.volume < 0 || event.volume > kFullVolume) {
+      Log("refused: a volume of " + std::to_string(event.volume) + ", of at most 100");
+      return Answer(event.token, AudioCode(KeyCode::kParametersInvalid));
+    }
+    player_.volume = event.volume;
+    Do(play_action::SetVolume{event.volume});
+    Answer(event.token, kCodeOk);
+  }
+
+  void Take(const play_event::MicrophoneAsked& event) {
+    if (event.state != msg::AudioStatus::kNormal && event.state != msg::AudioStatus::kOffMic) {
+      Log("refused: there is no audio state " + std::to_string(event.state));
+      return Answer(event.token, AudioCode(KeyCode::kParametersInvalid));
+    }
+    player_.microphone_off = event.state == msg::AudioStatus::kOffMic;
+    Answer(event.token, kCodeOk);
+  }
+
+  void Take(const play_event::VoiceControlAsked& event) {
+    if (event.on && player_.state == kOta) {
+      Log("refused: no voice control during an upgrade");
+      return Answer(event.token, AudioCode(KeyCode::kStateInvalid));
+    }
+    player_.voice_control = event.on;
+    Answer(event.token, kCodeOk);
+  }
+
+  void Take(const play_event::StateEntered& event) {
+    player_.state = event.state;
+    if (event.state == kOta) player_.voice_control = false;
+    if (event.state == kTearDown) StopAll();
+  }
+
+  void Take(const play_event::TimePassed& /*event*/) {}
+
+  Result<Utterance> Judge(const PlayOrder& order) const {
+    if (player_.state == kTearDown) {
+      return Error{AudioCode(KeyCode::kStateInvalid), "the robot is being shut down"};
+    }
+    if (order.token != 0 && player_.waiting.size() >= kMostWaiting) {
+      return Error{AudioCode(KeyCode::kTargetBusy),
+                   std::to_string(kMostWaiting) + " wait to be heard already"};
+    }
+    return order.is_text ? JudgeText(order.text) : JudgePhrase(order.play_id);
+  }
+
+  Result<Utterance> JudgePhrase(std::uint16_t id) const {
+    if (auto phrase = rules_.phrases.Find(id, rules_.language)) return *std::move(phrase);
+    return Error{AudioCode(AudioKey::kNoPhrase), "there is no phrase " + std::to_string(id)};
+  }
+
+  Result<Utterance> JudgeText(const std::string& text) const {
+    const auto characters = CharactersIn(text);
+    if (!characters) return Error{AudioCode(AudioKey::kNotUtf8), "the text is not UTF-8"};
+    if (!HasSomethingToSay(text)) {
+      return Error{AudioCode(AudioKey::kNothingToSay), "the text is empty"};
+    }
+    if (*characters > rules_.longest_text) {
+      return Error{AudioCode(AudioKey::kTextTooLong),
+                   "the text has " + std::to_string(*characters) + " characters, of at most " +
+                       std::to_string(rules_.longest_text)};
+    }
+    return Utterance{Speakable(text), LanguageOf(text, rules_.language), {}};
+  }
+
+  void Begin(Player::Sound sound) {
+    Do(play_action::Make{sound.number, sound.what});
+    player_.current = std::move(sound);
+  }
+
+  // The next one, when nothing is in its way.
+  void Advance() {
+    if (player_.current || player_.waiting.empty()) return;
+    Player::Sound next = std::move(player_.waiting.front());
+    player_.waiting.pop_front();
+    Begin(std::move(next));
+  }
+
+  void EndCurrent(std::int32_t code) {
+    if (!player_.current) return;
+    Do(play_action::Silence{});
+    Answer(player_.current->token, code);
+    player_.current.reset();
+  }
+
+  void StopAll() {
+    EndCurrent(AudioCode(AudioKey::kStopped));
+    for (const Player::Sound& sound : player_.waiting) {
+      Answer(sound.token, AudioCode(AudioKey::kStopped));
+    }
+    player_.waiting.clear();
+  }
+
+  // A device that is lost is told once, until it is back.
+  void Fail(const Error& error) {
+    const bool lost = error.code == AudioCode(KeyCode::kDeviceError);
+    if (!lost || !std::exchange(player_.device_lost, true)) {
+      Log(config_toml::Quote(player_.current->module) + " is not heard: " + error.message);
+    }
+    Answer(player_.current->token, error.code);
+    player_.current.reset();
+  }
+
+  // Those whose deadline is not later than `time`.
+  void ReleaseOverdue(Time time) {
+    const auto overdue = [time](const Player::Sound& sound) {
+      return sound.token != 0 && sound.deadline <= time;
+    };
+    const std::int32_t code = AudioCode(KeyCode::kTimeout);
+    for (const Player::Sound& sound : player_.waiting) {
+      if (overdue(sound)) Answer(sound.token, code);
+    }
+    std::erase_if(player_.waiting, overdue);
+    if (!player_.current || !overdue(*player_.current)) return;
+    if (!player_.current->sounding) return EndCurrent(code);
+    Answer(std::exchange(player_.current->token, 0), code);
+  }
+
+  // While there is sound, between two sounds of a row too, and once when it is over.
+  void ReportIfDue() {
+    if (!player_.reporting) return;
+    if (!player_.current) {
+      player_.reporting = false;
+      return Do(play_action::Report{false});
+    }
+    if (now_ < player_.next_report) return;
+    Do(play_action::Report{true});
+    player_.next_report = now_ + kReportPeriod;
+  }
+
+  bool IsCurrent(SoundNumber number) const {
+    return player_.current && player_.current->number == number;
+  }
+
+  void Answer(CallToken token, std::int32_t code) {
+    if (token != 0) Do(play_action::Answer{token, code});
+  }
+  void Log(std::string text) { Do(play_action::Log{std::move(text)}); }
+  void Do(PlayAction action) { actions_.push_back(std::move(action)); }
+
+  const PlayRules& rules_;
+  Player& player_;
+  const Time now_;
+  PlayActions actions_;
+};
+
+}  // namespace
+
+PlayActions Step(const PlayRules& rules, Player& player, const PlayEvent& event, Time now) {
+  return Decision(rules, player, now).Run(event);
+}
+
+std::optional<Time> NextTime(const Player& player) {
+  std::optional<Time> next;
+  const auto consider = [&next](Time time) { next = next ? std::min(*next, time) : time; };
+  if (player.reporting) consider(player.next_report);
+  const auto of_sound = [&](const Player::Sound& sound) {
+    if (sound.token != 0) consider(sound.deadline);
+  };
+  if (player.current) of_sound(*player.current);
+  for (const Player::Sound& sound : player.waiting) of_sound(sound);
+  return next;
+}
+
+}  // namespace musher::audio

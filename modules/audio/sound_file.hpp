@@ -1,0 +1,25 @@
+#pragma once
+// Sound in files, by libsndfile.
+//
+// Threads: any.
+
+#include <string>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/modules/audio/sound.hpp"
+
+namespace musher::audio {
+
+inline constexpr int kLongestRecording_s = 600;
+
+// Several channels become one. Fails with kRecording's code on a file that is missing, no sound, or
+// longer than kLongestRecording_s.
+Result<Sound> ReadSound(const std::string& path);
+
+// Whether ReadSound() would succeed, as far as the file's beginning tells.
+Result<> CheckSound(const std::string& path);
+
+// As WAV, 16 bit. Fails with the code of a device that takes no sound.
+Result<> WriteWav(const std::string& path, const Sound& sound);
+
+}  // namespace musher::audio

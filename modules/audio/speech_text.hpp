@@ -1,0 +1,27 @@
+#pragma once
+// What a text is before it is spoken. Plain functions, no IO.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace musher::audio {
+
+enum class Language : std::uint8_t { kEnglish, kChinese };
+
+// How many characters `text` has; nothing where it is not UTF-8.
+std::optional<std::size_t> CharactersIn(std::string_view text);
+
+// Whether there is anything but blanks and control characters in it.
+bool HasSomethingToSay(std::string_view text);
+
+// `text` with a blank for each control character: a voice would end at the first zero.
+std::string Speakable(std::string_view text);
+
+// By its characters: Chinese as soon as there is a Chinese one, else English where there are
+// letters, else `otherwise` (numbers, signs).
+Language LanguageOf(std::string_view text, Language otherwise);
+
+}  // namespace musher::audio

@@ -1,0 +1,22 @@
+#pragma once
+// The commands of musher-audio, one function each: prints what came of it and gives the exit code.
+
+#include <string>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/modules/audio/tool/options.hpp"
+
+namespace musher::audio::tool {
+
+ExitCode Run(const GlobalOptions& global, const PlayOptions& options);
+ExitCode Run(const GlobalOptions& global, const StopOptions& options);
+ExitCode Run(const GlobalOptions& global, const VolumeOptions& options);
+ExitCode Run(const GlobalOptions& global, const PhrasesOptions& options);
+
+// "musher-audio: <why>" on stderr.
+ExitCode Fail(ExitCode exit, const Error& error);
+
+// "there is no phrase of that number".
+std::string CodeMeaning(std::int32_t code);
+
+}  // namespace musher::audio::tool

@@ -1,0 +1,74 @@
+#pragma once
+// Which readings count, when they come, and what is made of them. Plain values, no IO.
+
+#include <array>
+#include <chrono>
+#include <optional>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/lifecycle/time.hpp"
+#include "musher/messages/protocol/sensor.hpp"
+#include "musher/messages/sensor_msgs/laser_scan.hpp"
+#include "musher/messages/sensor_msgs/nav_sat_fix.hpp"
+
+namespace musher::sensor {
+
+// Each fails with what cannot be true of the reading. Infinite distances can: nothing is near, or
+// something is too near (REP 117).
+Result<> Judge(const msg::LaserScan& scan);
+Result<> Judge(const msg::Range& range);
+Result<> Judge(const msg::SingleTofPayload& tof, std::uint8_t position);
+Result<> Judge(const msg::NavSatFix& fix);
+
+// Whether the stamps of one source can be true: near to the present time, and never backwards.
+class StampJudge {
+ public:
+  // How far a stamp may be off, either way; zero: however far.
+  explicit StampJudge(Duration tolerance) : tolerance_(tolerance) {}
+
+  Result<> Take(std::chrono::nanoseconds stamp, std::chrono::nanoseconds now);
+  // Time has jumped.
+  void Forget() { last_.reset(); }
+
+ private:
+  Duration tolerance_;
+  std::optional<std::chrono::nanoseconds> last_;
+};
+
+// Lets readings through no more often than a rate, by their stamps, without drifting from it.
+class RateLimit {
+ public:
+  explicit RateLimit(Duration period) : period_(period) {}  // zero: each one
+
+  bool Take(std::chrono::nanoseconds stamp);
+  void Forget() { due_.reset(); }
+
+ private:
+  Duration period_;
+  std::optional<std::chrono::nanoseconds> due_;
+};
+
+// Two ToF sensors that are told in one message.
+class TofPair {
+ public:
+  using Both = std::array<msg::SingleTofPayload, 2>;  // left, right
+
+  // `left`: the tof_position of the left one; that of the right one follows it.
+  explicit TofPair(std::uint8_t left) : left_(left) {}
+
+  // Gives both when both have a new reading. One that has none when the other has its next is told
+  // as not available.
+  std::optional<Both> Take(msg::SingleTofPayload reading);
+  void Forget() { new_ = {}; }
+
+ private:
+  Both Tell();
+
+  std::uint8_t left_;
+  std::array<std::optional<msg::SingleTofPayload>, 2> new_;
+};
+
+// The satellites are not in a NavSatFix: num_sv stays 0.
+msg::GpsPayload ToGpsPayload(const msg::NavSatFix& fix);
+
+}  // namespace musher::sensor

@@ -1,0 +1,24 @@
+#pragma once
+// The self-check's verdict over the sensors. Plain values, no IO.
+//
+// CyberDog's manager adds the codes of failing sensors up and then looks at the lowest eight bits,
+// so that some failures together count as none. Here one code is given and all are named.
+
+#include <vector>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/modules/sensor/sensor_kind.hpp"
+
+namespace musher::sensor {
+
+struct SensorFinding {
+  SensorKind kind = SensorKind::kLidar;
+  Result<> result;
+};
+
+// `findings` in the order of the check. The first critical sensor that failed ends it: its code and
+// its sentence alone. Else the code of the first one that failed, and all of them in the message.
+Result<> JudgeSelfCheck(const std::vector<SensorFinding>& findings,
+                        const std::vector<SensorKind>& critical);
+
+}  // namespace musher::sensor

@@ -1,0 +1,172 @@
+#include "musher/modules/sensor/sensor.hpp"
+
+#include <string>
+#include <utility>
+
+namespace musher::sensor {
+
+Result<Phase> Sensor::Judge(std::uint8_t operation) const {
+  if (exists()) return Operate(kind_, phase_, operation);
+  return Error{CodeOf(kind_, KeyCode::kUnSupport),
+               "there is no " + std::string(NameOf(kind_)) + " in the config"};
+}
+
+Result<> Sensor::SetPhase(Phase phase) {
+  phase_ = phase;
+  return Apply();
+}
+
+Result<> Sensor::SetAsleep(bool asleep) {
+  asleep_ = asleep;
+  return Apply();
+}
+
+Result<> Sensor::Apply() {
+  const bool heard_now = started() && !asleep_;
+  if (!heard_now) Forget();
+  for (const auto& source : parts_.sources) {
+    if (!heard_now) {
+      source->Ignore();
+    } else if (Result<> heard = source->Listen(); !heard) {
+      return Error{CodeOf(kind_, KeyCode::kFailed), heard.error().message};
+    }
+  }
+  return Ok();
+}
+
+Result<> Sensor::Check(KeyCode key) const {
+  if (!started()) return Ok();
+  std::string complaints;
+  for (std::size_t i = 0; i < parts_.sources.size(); ++i) {
+    if (parts_.sources[i]->complaint().empty()) continue;
+    if (!complaints.empty()) complaints += ", ";
+    if (kind_ == SensorKind::kTof) complaints += std::string(kTofKeys.at(i)) + ": ";
+    complaints += parts_.sources[i]->complaint();
+  }
+  if (complaints.empty()) return Ok();
+  return Error{CodeOf(kind_, key), complaints};
+}
+
+void Sensor::OnTimeJumped() {
+  Forget();
+  for (const auto& source : parts_.sources) source->OnTimeJumped();
+}
+
+void Sensor::Forget() {
+  for (const auto& forget : parts_.forget) forget();
+}
+
+namespace {
+
+template <msg::Message M>
+using SharedPublisher = std::shared_ptr<transport::Publisher<M>>;
+
+template <msg::Message M>
+Result<SharedPublisher<M>> Publish(const Surroundings& around, const std::string& topic) {
+  auto made = transport::MakePublisher<M>(around.node, around.Name(topic));
+  if (!made) return made.error();
+  return SharedPublisher<M>(std::move(made).value());
+}
+
+SourceOptions OptionsOf(SensorKind kind, const ManagerConfig& config, std::size_t index = 0) {
+  const SensorConfig& sensor = config.Of(kind);
+  SourceOptions options;
+  options.kind = kind;
+  options.name = std::string(NameOf(kind));
+  if (kind == SensorKind::kTof) options.name += " " + std::string(kTofKeys.at(index));
+  options.topic = sensor.sources.at(index);
+  options.silence = sensor.silence;
+  options.stamp_tolerance = config.stamp_tolerance;
+  return options;
+}
+
+// A sensor with one source, whose readings are published as `convert` makes them.
+template <msg::Message In, msg::Message Out, class Convert>
+Result<Sensor::Parts> MakeOne(SensorKind kind, const Surroundings& around,
+                              const ManagerConfig& config, const std::string& topic,
+                              Convert convert) {
+  auto publisher = Publish<Out>(around, topic);
+  if (!publisher) return publisher.error();
+  const auto rate = std::make_shared<RateLimit>(config.Of(kind).period);
+  auto use = [publisher = std::move(publisher).value(), convert, rate](const In& reading) {
+    if (!rate->Take(msg::FromStamp(reading.header.stamp))) return;
+    static_cast<void>(publisher->Publish(convert(reading)));  // the next one comes soon
+  };
+  Sensor::Parts parts;
+  parts.sources.push_back(std::make_unique<SourceOf<In>>(
+      around, OptionsOf(kind, config), [](const In& reading) { return Judge(reading); },
+      std::move(use)));
+  parts.forget.emplace_back([rate] { rate->Forget(); });
+  return parts;
+}
+
+// Two ToF sensors, told together.
+template <msg::Message Out>
+Result<> AddTofs(const Surroundings& around, const ManagerConfig& config, const std::string& topic,
+                 std::uint8_t left, Sensor::Parts& parts) {
+  struct Shared {
+    SharedPublisher<Out> publisher;
+    TofPair pair;
+    RateLimit rate;
+  };
+  auto publisher = Publish<Out>(around, topic);
+  if (!publisher) return publisher.error();
+  auto shared = std::make_shared<Shared>(Shared{std::move(publisher).value(), TofPair(left),
+                                                RateLimit(config.Of(SensorKind::kTof).period)});
+  const auto use = [shared](const msg::SingleTofPayload& reading) {
+    auto both = shared->pair.Take(reading);
+    if (!both || !shared->rate.Take(msg::FromStamp(both->front().header.stamp))) return;
+    static_cast<void>(shared->publisher->Publish({std::move((*both)[0]), std::move((*both)[1])}));
+  };
+  for (const std::uint8_t position : {left, static_cast<std::uint8_t>(left + 1)}) {
+    parts.sources.push_back(std::make_unique<SourceOf<msg::SingleTofPayload>>(
+        around, OptionsOf(SensorKind::kTof, config, position),
+        [position](const msg::SingleTofPayload& reading) { return Judge(reading, position); },
+        use));
+  }
+  parts.forget.emplace_back([shared] {
+    shared->pair.Forget();
+    shared->rate.Forget();
+  });
+  return Ok();
+}
+
+Result<Sensor::Parts> MakeTofs(const Surroundings& around, const ManagerConfig& config) {
+  using Tof = msg::SingleTofPayload;
+  Sensor::Parts parts;
+  Result<> made =
+      AddTofs<msg::HeadTofPayload>(around, config, "head_tof_payload", Tof::kLeftHead, parts);
+  if (!made) return made.error();
+  made = AddTofs<msg::RearTofPayload>(around, config, "rear_tof_payload", Tof::kLeftRear, parts);
+  if (!made) return made.error();
+  return parts;
+}
+
+Result<Sensor::Parts> MakeParts(SensorKind kind, const Surroundings& around,
+                                const ManagerConfig& config) {
+  const auto as_it_is = [](const auto& reading) { return reading; };
+  if (config.Of(kind).sources.empty()) return Sensor::Parts();
+  switch (kind) {
+    case SensorKind::kLidar:
+      return MakeOne<msg::LaserScan, msg::LaserScan>(kind, around, config, "scan", as_it_is);
+    case SensorKind::kUltrasonic:
+      return MakeOne<msg::Range, msg::Range>(kind, around, config, "ultrasonic_payload", as_it_is);
+    case SensorKind::kGps:
+      return MakeOne<msg::NavSatFix, msg::GpsPayload>(kind, around, config, "gps_payload",
+                                                      ToGpsPayload);
+    case SensorKind::kTof:
+      break;
+  }
+  return MakeTofs(around, config);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Sensor>> MakeSensor(SensorKind kind, const Surroundings& around,
+                                           const ManagerConfig& config) {
+  auto parts = MakeParts(kind, around, config);
+  if (!parts) return parts.error();
+  return std::make_unique<Sensor>(kind, std::move(parts).value());
+}
+
+}  // namespace musher::sensor

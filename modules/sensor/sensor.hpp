@@ -1,0 +1,61 @@
+#pragma once
+// One sensor of the robot: its sources, what people did with it by `sensor_operation`, and whether
+// the robot's state lets it sleep. It is heard while it is started and awake, and never else.
+//
+// Threads: the loop's.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "musher/modules/sensor/operation.hpp"
+#include "musher/modules/sensor/sensor_config.hpp"
+#include "musher/modules/sensor/source.hpp"
+
+namespace musher::sensor {
+
+class Sensor {
+ public:
+  using Sources = std::vector<std::unique_ptr<Source>>;
+
+  // What hears it, and what forgets what was heard. Without sources there is no such sensor.
+  struct Parts {
+    Sources sources;
+    std::vector<std::function<void()>> forget;
+  };
+
+  // Started, and asleep.
+  Sensor(SensorKind kind, Parts parts) : kind_(kind), parts_(std::move(parts)) {}
+
+  SensorKind kind() const { return kind_; }
+  bool exists() const { return !parts_.sources.empty(); }
+  Phase phase() const { return phase_; }
+  bool started() const { return exists() && phase_ == Phase::kStarted; }
+
+  // What an operation would lead to; UnSupport where there is no such sensor.
+  Result<Phase> Judge(std::uint8_t operation) const;
+  Result<> SetPhase(Phase phase);
+  Result<> SetAsleep(bool asleep);
+
+  // What is wrong with it while it is heard, with the sensor's code of that key.
+  Result<> Check(KeyCode key) const;
+
+  void OnTimeJumped();
+
+ private:
+  Result<> Apply();
+  void Forget();
+
+  const SensorKind kind_;
+  Phase phase_ = Phase::kStarted;
+  bool asleep_ = true;
+  Parts parts_;
+};
+
+// Each publishes what counts: `scan`, `ultrasonic_payload`, `head_tof_payload` and
+// `rear_tof_payload`, `gps_payload`. Fails when an endpoint cannot be made.
+Result<std::unique_ptr<Sensor>> MakeSensor(SensorKind kind, const Surroundings& around,
+                                           const ManagerConfig& config);
+
+}  // namespace musher::sensor

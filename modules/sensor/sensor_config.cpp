@@ -1,0 +1,152 @@
+#include "musher/modules/sensor/sensor_config.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstddef>
+#include <set>
+#include <utility>
+#include <variant>
+
+#include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/file.hpp"
+#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/lifecycle/toml/names.hpp"
+#include "musher/lifecycle/toml/table_reader.hpp"
+
+namespace musher::sensor {
+namespace {
+
+using config_toml::Findings;
+using config_toml::Table;
+using config_toml::TableReader;
+using config_toml::Word;
+
+constexpr std::size_t kLargestFile = 1U << 20;
+constexpr double kLeastHz = 0.01;
+constexpr double kMostHz = 1000;
+
+// What the module publishes: heard by itself it would go round and round.
+const std::set<std::string, std::less<>> kOwnTopics = {
+    "scan", "ultrasonic_payload", "head_tof_payload", "rear_tof_payload", "gps_payload"};
+
+// "world/scan": relative, as ROS 2 has names.
+bool IsTopic(std::string_view name) {
+  if (name.empty() || name.ends_with('/')) return false;
+  char before = '/';
+  for (const char c : name) {
+    const bool begins = before == '/';
+    const bool digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
+    const bool letter = std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_';
+    if (begins ? !letter : !letter && !digit && c != '/') return false;
+    before = c;
+  }
+  return true;
+}
+
+class Reader {
+ public:
+  explicit Reader(Findings& findings) : findings_(findings) {}
+
+  ManagerConfig Read(const Table& table) {
+    TableReader root(table, {1, 1}, "", findings_);
+    config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
+    config_.start_time = root.Time("start_ms").value_or(config_.start_time);
+    config_.stamp_tolerance = root.Time("stamp_tolerance_ms", 0).value_or(config_.stamp_tolerance);
+    config_.skip = Kinds(root, "skip");
+    config_.critical = Kinds(root, "critical");
+    for (const SensorKind kind : kSensorKinds) {
+      const std::string_view name = NameOf(kind);
+      const Table* sensor = root.SubTable(name);
+      if (sensor == nullptr) continue;
+      TableReader reader(*sensor, root.At(name), std::string(name), findings_);
+      ReadSensor(reader, kind);
+      reader.RefuseOthers();
+    }
+    root.RefuseOthers();
+    return std::move(config_);
+  }
+
+ private:
+  std::vector<SensorKind> Kinds(TableReader& root, std::string_view key) {
+    const auto words = root.Strings(key, {.may_be_empty = true});
+    std::vector<SensorKind> kinds;
+    if (!words) return kinds;
+    std::vector<std::string_view> known;
+    for (const SensorKind kind : kSensorKinds) known.push_back(NameOf(kind));
+    for (const Word& word : *words) {
+      const std::optional<SensorKind> kind = KindOfName(word.text);
+      if (!kind) {
+        root.Fault(word.at, key,
+                   "expected one of " + config_toml::Listing(known) + ", found " +
+                       config_toml::Quote(word.text) + findings_.Guess(word.text, known));
+        continue;
+      }
+      const auto& skip = config_.skip;
+      if (key == "critical" && std::find(skip.begin(), skip.end(), *kind) != skip.end()) {
+        root.Fault(word.at, key, "a sensor that is skipped cannot be critical");
+      }
+      kinds.push_back(*kind);
+    }
+    return kinds;
+  }
+
+  void ReadSensor(TableReader& reader, SensorKind kind) {
+    SensorConfig& sensor = config_.Of(kind);
+    if (kind == SensorKind::kTof) {
+      for (const std::string_view key : kTofKeys) sensor.sources.push_back(Source(reader, key));
+    } else {
+      sensor.sources.push_back(Source(reader, "source"));
+    }
+    if (const auto rate = reader.Number("rate_hz", kLeastHz, kMostHz)) {
+      sensor.period =
+          std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / *rate));
+    }
+    sensor.silence = reader.Time("silence_ms").value_or(sensor.silence);
+  }
+
+  std::string Source(TableReader& reader, std::string_view key) {
+    reader.Require(key, "the topic of its readings, as in \"world/scan\"");
+    const auto topic = reader.String(key);
+    if (!topic) return "";
+    if (!IsTopic(topic->text)) {
+      reader.Fault(topic->at, key, "expected a relative topic name, as in \"world/scan\"");
+    } else if (kOwnTopics.contains(topic->text)) {
+      reader.Fault(topic->at, key, "this is a topic that the module publishes itself");
+    } else if (!used_.insert(topic->text).second) {
+      reader.Fault(topic->at, key, "another sensor has this topic already");
+    }
+    return topic->text;
+  }
+
+  Findings& findings_;
+  ManagerConfig config_;
+  std::set<std::string> used_;
+};
+
+}  // namespace
+
+ManagerReading ReadManagerText(std::string_view text, const std::string& path) {
+  Findings findings;
+  ManagerReading reading;
+  const auto document = config_toml::ParseDocument(text);
+  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
+    findings.Error(fault->at, fault->message);
+  } else {
+    ManagerConfig config = Reader(findings).Read(std::get<Table>(document));
+    if (!findings.HasErrors()) reading.config = std::move(config);
+  }
+  reading.diagnostics = std::move(findings).Take(path, text);
+  return reading;
+}
+
+ManagerReading ReadManagerFile(const std::string& path) {
+  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
+  const auto refuse = [&path](const std::string& reason) {
+    return ManagerReading{std::nullopt, {{path, 0, 0, Severity::kError, reason}}};
+  };
+  if (!text) return refuse(text.error().message);
+  if (text.value().size() > kLargestFile) return refuse("the file is larger than 1 MiB");
+  return ReadManagerText(text.value(), path);
+}
+
+}  // namespace musher::sensor

@@ -1,0 +1,57 @@
+#pragma once
+// The config of the sensor manager, a TOML file; README.md and config/sensor/sensor_manager.toml
+// explain its keys.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/lifecycle/time.hpp"
+#include "musher/modules/sensor/sensor_kind.hpp"
+
+namespace musher::sensor {
+
+// The ToF sensors by their number in SingleTofPayload.tof_position.
+inline constexpr std::array<std::string_view, 4> kTofKeys = {"left_head", "right_head", "left_rear",
+                                                             "right_rear"};
+
+struct SensorConfig {
+  std::vector<std::string> sources;  // topics; empty: there is no such sensor; of ToF as kTofKeys
+  Duration period{};                 // at least between two that are told; zero: each one is
+  Duration silence = Milliseconds(1000);  // without a reading for so long it is silent
+
+  friend bool operator==(const SensorConfig&, const SensorConfig&) = default;
+};
+
+struct ManagerConfig {
+  Duration self_check_time = Milliseconds(3000);  // so long the sensors have to be well
+  Duration start_time = Milliseconds(2000);       // so long critical ones have to be heard again
+  Duration stamp_tolerance = Milliseconds(1000);  // zero: stamps are not judged by the clock
+  std::vector<SensorKind> skip;                   // not checked
+  std::vector<SensorKind> critical;               // whose failure fails a self-check at once
+  std::array<SensorConfig, kSensorKinds.size()> sensors;
+
+  ManagerConfig() { Of(SensorKind::kGps).silence = Milliseconds(3000); }
+
+  SensorConfig& Of(SensorKind kind) { return sensors.at(static_cast<std::size_t>(kind)); }
+  const SensorConfig& Of(SensorKind kind) const {
+    return sensors.at(static_cast<std::size_t>(kind));
+  }
+  friend bool operator==(const ManagerConfig&, const ManagerConfig&) = default;
+};
+
+struct ManagerReading {
+  std::optional<ManagerConfig> config;  // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;  // by line
+};
+
+// Never throws; an unreadable file is a diagnostic.
+ManagerReading ReadManagerFile(const std::string& path);
+
+// The same for a text; `path` is what diagnostics refer to.
+ManagerReading ReadManagerText(std::string_view text, const std::string& path);
+
+}  // namespace musher::sensor

@@ -1,0 +1,132 @@
+#include "musher/modules/sensor/sensor_manager.hpp"
+
+#include <chrono>
+#include <future>
+#include <iostream>
+#include <utility>
+
+namespace musher::sensor {
+namespace {
+
+constexpr Duration kCheckPeriod = Milliseconds(20);
+
+}  // namespace
+
+SensorManager::SensorManager(const std::string& actuator_name, ManagerConfig config)
+    : MachineActuator(actuator_name), config_(std::move(config)) {}
+
+SensorManager::~SensorManager() {
+  Shutdown();
+  if (!node_) return;
+  node_->RunOnLoop([this] {
+    sensors_.reset();
+    errors_.reset();
+    clock_.reset();
+  });
+}
+
+Result<> SensorManager::Prepare(const std::string& state_config,
+                                std::shared_ptr<transport::NodeThread> node) {
+  if (Result<> read = Init(state_config, std::move(node)); !read) return read;
+  const auto index = machine_config().IndexOf(name());
+  if (!index) return Error{kCodeFailed, "the state config has no actuator " + name()};
+  for (const State& state : machine_config().actuators[*index].states) {
+    RegisterStateCallback(state, std::function<Result<>()>([this, state] { return Run(state); }));
+  }
+  return Ok();
+}
+
+Result<> SensorManager::Run(const State& state) {
+  if (state == kSetUp) return SetUp();
+  if (state == kSelfCheck) return SelfCheck();
+  if (state == kActive) return Activate();
+  return Enter(state);
+}
+
+Result<> SensorManager::SetUp() {
+  node_ = node();
+  Result<> made;
+  node_->RunOnLoop([&] {
+    if (!sensors_) made = MakeSensors();
+  });
+  return made;
+}
+
+Result<> SensorManager::MakeSensors() {
+  auto clock = transport::Clock::Of(machine_config(), node_->node(), [this] {
+    if (sensors_) sensors_->OnTimeJumped();
+  });
+  if (!clock) return clock.error();
+  clock_ = std::move(clock).value();
+  const std::string& name_space = machine_config().name_space;
+  auto errors = transport::MakePublisher<msg::NodeError>(
+      node_->node(), transport::ResolveName(name_space, "node_errors"));
+  if (!errors) return errors.error();
+  errors_ = std::move(errors).value();
+  const bool on_topic = machine_config().clock == ClockSource::kTopic;
+  const Surroundings around = {
+      node_->node(),
+      *clock_,
+      name_space,
+      [this, on_topic] {
+        const auto time = on_topic ? clock_->Now().time_since_epoch()
+                                   : std::chrono::system_clock::now().time_since_epoch();
+        return msg::ToStamp(std::chrono::duration_cast<std::chrono::nanoseconds>(time));
+      },
+      [this](const std::string& line) { std::cerr << name() + ": " + line + "\n"
+                                                  << std::flush; },
+      [this](std::int32_t code) {
+        static_cast<void>(errors_->Publish({name(), code}));
+      }};
+  auto sensors = Sensors::Make(around, config_);
+  if (!sensors) return sensors.error();
+  sensors_ = std::move(sensors).value();
+  return Ok();
+}
+
+Result<> SensorManager::Enter(std::string_view state) {
+  Result<> entered;
+  node_->RunOnLoop([&] { entered = sensors_->Enter(state); });
+  return entered;
+}
+
+// Those that sleep are woken for it.
+Result<> SensorManager::SelfCheck() {
+  Result<> result = Enter(kSelfCheck);
+  if (result) {
+    result = Await(config_.self_check_time,
+                   [this] { return JudgeSelfCheck(sensors_->Check(), config_.critical); });
+  }
+  static_cast<void>(Enter(CurrentState()));
+  return result;
+}
+
+Result<> SensorManager::Activate() {
+  Result<> result = Enter(kActive);
+  if (result) result = Await(config_.start_time, [this] { return sensors_->CheckStarted(); });
+  if (!result) static_cast<void>(Enter(CurrentState()));
+  return result;
+}
+
+Result<> SensorManager::Await(Duration time, const std::function<Result<>()>& judge) {
+  std::promise<Result<>> verdict;
+  bool given = false;
+  transport::LoopHandlePtr again;
+  node_->RunOnLoop([&] {
+    const Time deadline = node_->loop().Now() + time;
+    const auto look = [&, deadline] {
+      if (given) return;
+      Result<> result = judge();
+      if (!result && !StopRequested() && node_->loop().Now() < deadline) return;
+      given = true;
+      verdict.set_value(std::move(result));
+    };
+    again = node_->loop().Every(kCheckPeriod, look);
+    look();
+  });
+  Result<> result = verdict.get_future().get();
+  node_->RunOnLoop([&] { again.reset(); });
+  return result;
+}
+
+}  // namespace musher::sensor

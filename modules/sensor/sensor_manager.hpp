@@ -1,0 +1,47 @@
+#pragma once
+// The actuator `sensor_manager`: range sensors and GPS of a robot. See README.md beside this.
+//
+// Threads: state callbacks on the actuator's worker, the sensors on the loop of its node.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/messages/protocol/manager.hpp"
+#include "musher/modules/sensor/sensor_config.hpp"
+#include "musher/modules/sensor/sensors.hpp"
+#include "musher/transport/clock.hpp"
+
+namespace musher::sensor {
+
+class SensorManager : public MachineActuator {
+ public:
+  SensorManager(const std::string& actuator_name, ManagerConfig config);
+  ~SensorManager() override;
+
+  // Reads the state config and registers a callback for each state that it lists; Start() follows.
+  // `node` as for Init().
+  Result<> Prepare(const std::string& state_config,
+                   std::shared_ptr<transport::NodeThread> node = nullptr);
+
+ private:
+  Result<> Run(const State& state);
+  Result<> SetUp();
+  Result<> SelfCheck();
+  Result<> Activate();
+  Result<> MakeSensors();
+  // On the loop.
+  Result<> Enter(std::string_view state);
+  // Asks on the loop until it is fine, or `time` is over.
+  Result<> Await(Duration time, const std::function<Result<>()>& judge);
+
+  const ManagerConfig config_;
+  std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
+  std::unique_ptr<transport::Clock> clock_;
+  std::unique_ptr<transport::Publisher<msg::NodeError>> errors_;
+  std::unique_ptr<Sensors> sensors_;
+};
+
+}  // namespace musher::sensor

@@ -1,0 +1,102 @@
+#include "musher/modules/sensor/sensors.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <utility>
+
+namespace musher::sensor {
+namespace {
+
+using Operation = msg::SensorOperation;
+
+bool Sleeps(SensorKind kind, std::string_view state) {
+  if (state == kTearDown) return true;
+  return kind != SensorKind::kGps && (state == kLowPower || state == kOta);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Sensors>> Sensors::Make(const Surroundings& around,
+                                               const ManagerConfig& config) {
+  std::unique_ptr<Sensors> sensors(new Sensors(around, config));
+  if (Result<> connected = sensors->Connect(); !connected) return connected.error();
+  return sensors;
+}
+
+Result<> Sensors::Connect() {
+  for (const SensorKind kind : kSensorKinds) {
+    auto sensor = MakeSensor(kind, around_, config_);
+    if (!sensor) return sensor.error();
+    sensors_.at(static_cast<std::size_t>(kind)) = std::move(sensor).value();
+  }
+  auto operations = transport::MakeServer<Operation>(
+      around_.node, around_.Name("sensor_operation"),
+      [this](const Operation::Request& request, auto reply) {
+        const Result<> done = Operate(request);
+        if (!done) around_.log("sensor_operation refused: " + done.error().message);
+        reply({done.ok(), done ? kCodeOk : done.error().code});
+      });
+  if (!operations) return operations.error();
+  operations_ = std::move(operations).value();
+  return Enter(kSelfCheck);
+}
+
+Result<> Sensors::Enter(std::string_view state) {
+  Result<> entered;
+  for (const SensorKind kind : kSensorKinds) {
+    if (Result<> done = Of(kind).SetAsleep(Sleeps(kind, state)); !done) entered = done;
+  }
+  return entered;
+}
+
+std::vector<SensorFinding> Sensors::Check() const {
+  std::vector<SensorFinding> findings;
+  for (const SensorKind kind : kSensorKinds) {
+    const auto& skip = config_.skip;
+    if (std::find(skip.begin(), skip.end(), kind) != skip.end()) continue;
+    findings.push_back({kind, Of(kind).Check(KeyCode::kSelfCheckFailed)});
+  }
+  return findings;
+}
+
+Result<> Sensors::CheckStarted() const {
+  for (const SensorKind kind : config_.critical) {
+    if (Result<> heard = Of(kind).Check(KeyCode::kFailed); !heard) {
+      return Error{heard.error().code,
+                   std::string(NameOf(kind)) + " does not start: " + heard.error().message};
+    }
+  }
+  return Ok();
+}
+
+Result<> Sensors::Operate(const Operation::Request& request) {
+  std::vector<SensorKind> kinds;
+  if (const auto kind = KindOfId(request.sensor_id)) {
+    kinds.push_back(*kind);
+  } else if (request.sensor_id == Operation::kAll) {
+    std::copy_if(kSensorKinds.begin(), kSensorKinds.end(), std::back_inserter(kinds),
+                 [this](SensorKind each) { return Of(each).exists(); });
+  }
+  if (kinds.empty()) {
+    return Error{MakeCode(ModuleCode::kSensorManager, KeyCode::kParametersInvalid),
+                 "there is no sensor " + std::to_string(request.sensor_id) +
+                     "; 0 is all, 1 lidar, 2 ultrasonic, 3 tof, 4 gps"};
+  }
+  std::vector<std::pair<SensorKind, Phase>> steps;
+  for (const SensorKind kind : kinds) {
+    const Result<Phase> phase = Of(kind).Judge(request.operation);
+    if (!phase) return phase.error();
+    steps.emplace_back(kind, phase.value());
+  }
+  for (const auto& [kind, phase] : steps) {
+    if (Result<> done = Of(kind).SetPhase(phase); !done) return done;
+  }
+  return Ok();
+}
+
+void Sensors::OnTimeJumped() {
+  for (const auto& sensor : sensors_) sensor->OnTimeJumped();
+}
+
+}  // namespace musher::sensor

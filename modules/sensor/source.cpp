@@ -1,0 +1,79 @@
+#include "musher/modules/sensor/source.hpp"
+
+#include <utility>
+
+namespace musher::sensor {
+
+Source::Source(const Surroundings& around, SourceOptions options)
+    : around_(around), options_(std::move(options)), stamps_(options_.stamp_tolerance) {}
+
+Result<> Source::Listen() {
+  if (subscription_) return Ok();
+  transport::SubscriptionEvents events;
+  events.on_match_changed = [this] {
+    // Who is gone may take the clock along: no silence would ever be over.
+    if (complaint_.empty() && subscription_ && subscription_->MatchedWriters() == 0) {
+      Complain(KeyCode::kTimeout, "nobody publishes " + options_.topic);
+    }
+  };
+  complaint_ = "nothing was heard of it yet";
+  auto subscription = Subscribe(std::move(events));
+  if (!subscription) return subscription.error();
+  subscription_ = std::move(subscription).value();
+  AwaitNext();
+  return Ok();
+}
+
+void Source::Ignore() {
+  subscription_.reset();
+  silence_.reset();
+  stamps_.Forget();
+  last_refused_.reset();
+  said_ = false;
+  complaint_ = "it is not heard";
+}
+
+void Source::OnTimeJumped() {
+  stamps_.Forget();
+  last_refused_.reset();
+}
+
+void Source::AwaitNext() {
+  silence_ = around_.clock.At(around_.clock.Now() + options_.silence, [this] {
+    silence_.reset();
+    Complain(KeyCode::kTimeout,
+             "silent for " + std::to_string(ToMilliseconds(options_.silence)) + " ms");
+  });
+}
+
+bool Source::Take(const Result<>& judged, const msg::Header& header) {
+  const Time now = around_.clock.Now();
+  AwaitNext();
+  const Result<> fine =
+      judged ? stamps_.Take(msg::FromStamp(header.stamp), msg::FromStamp(around_.stamp())) : judged;
+  if (!fine) {
+    ++refused_;
+    last_refused_ = now;
+    Complain(KeyCode::kDeviceError, "its readings are refused: " + fine.error().message);
+    return false;
+  }
+  complaint_.clear();
+  // One good reading among bad ones is no recovery that is worth a line.
+  if (said_ && !(last_refused_ && now - *last_refused_ < options_.silence)) {
+    said_ = false;
+    const std::uint64_t refused = refused_ - std::exchange(refused_before_, refused_);
+    around_.log(options_.name + ": well again" +
+                (refused > 0 ? ", " + std::to_string(refused) + " readings were refused" : ""));
+  }
+  return true;
+}
+
+void Source::Complain(KeyCode key, const std::string& complaint) {
+  complaint_ = complaint;
+  if (std::exchange(said_, true)) return;
+  const std::int32_t code = CodeOf(options_.kind, key);
+  around_.log(options_.name + ": " + complaint + " (" + CodeText(code) + ")");
+  around_.report(code);
+}
+
+}  // namespace musher::sensor

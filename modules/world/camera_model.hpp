@@ -1,0 +1,39 @@
+#pragma once
+// Where a camera is and which way each pixel looks. Pure.
+//
+// The camera's own frame is the optical one of ROS: x to the right of the picture, y down, z ahead.
+// Whole numbers are the middles of pixels: (0, 0) is that of the upper left one.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+
+#include "musher/modules/world/body.hpp"
+#include "musher/modules/world/scene.hpp"
+
+namespace musher::world {
+
+// The very numbers that CameraInfo publishes.
+struct Intrinsics {
+  CameraModel model = CameraModel::kPinhole;
+  int width_px = 0;
+  int height_px = 0;
+  double focal_px = 0;  // pinhole: r = f tan(theta); fisheye: r = f theta
+  Eigen::Vector2d center_px{0, 0};
+  double farthest_rad = 0;  // from the axis; a fisheye sees nothing beyond
+};
+Intrinsics IntrinsicsOf(const CameraSpec& camera);
+
+// Nothing for a point that the model cannot show, behind a pinhole or beyond a fisheye's circle.
+// The pixel may lie outside the picture.
+std::optional<Eigen::Vector2d> Project(const Intrinsics& intrinsics,
+                                       const Eigen::Vector3d& point_camera_m);
+
+// Of length 1, in the camera's frame. The inverse of Project().
+Eigen::Vector3d RayOf(const Intrinsics& intrinsics, const Eigen::Vector2d& pixel);
+
+// The camera's frame in the place's, for a body there. X_WC p_C = p_W.
+Eigen::Isometry3d CameraInPlace(const CameraSpec& camera, const Pose2& body,
+                                const Attitude& attitude);
+
+}  // namespace musher::world

@@ -1,0 +1,42 @@
+#include "musher/modules/world/mat_pictures.hpp"
+
+#include <unistd.h>
+
+#include <cassert>
+#include <cstdio>
+#include <fstream>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <utility>
+
+namespace musher::world {
+
+Texture TextureOf(const cv::Mat& image) {
+  assert(image.type() == CV_8UC3);
+  std::vector<Texel> texels;
+  texels.reserve(image.total());
+  for (int y = 0; y < image.rows; ++y) {
+    const auto* row = image.ptr<cv::Vec3b>(y);
+    for (int x = 0; x < image.cols; ++x) {
+      texels.push_back(Texel{row[x][0]} | Texel{row[x][1]} << 8 | Texel{row[x][2]} << 16);
+    }
+  }
+  return {image.cols, image.rows, std::move(texels)};
+}
+
+Result<> SavePng(const cv::Mat& image, const std::string& path) {
+  std::vector<std::uint8_t> bytes;
+  if (!cv::imencode(".png", image, bytes)) return Error{kCodeFailed, "PNG could not be encoded"};
+  const std::string draft = path + ".part" + std::to_string(gettid());  // two may draw at once
+  std::ofstream file(draft, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file || std::rename(draft.c_str(), path.c_str()) != 0) {
+    static_cast<void>(std::remove(draft.c_str()));
+    return Error{kCodeFailed, path + " cannot be written"};
+  }
+  return Ok();
+}
+
+}  // namespace musher::world

@@ -1,0 +1,18 @@
+#pragma once
+// What becomes of OpenCV's pictures, for the files that know OpenCV.
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/modules/world/texture.hpp"
+
+namespace musher::world {
+
+// Of a picture of 8 bits: blue, green, red.
+Texture TextureOf(const cv::Mat& image);
+
+// As PNG; the file is there as a whole or not at all.
+Result<> SavePng(const cv::Mat& image, const std::string& path);
+
+}  // namespace musher::world

@@ -1,0 +1,56 @@
+#pragma once
+// How far it is to the next thing: rays against what stands in a scene - boxes, walls, cylinders,
+// balls and boards up to their heights, the fence around the place, and the ground.
+
+#include <Eigen/Core>
+#include <limits>
+#include <vector>
+
+#include "musher/modules/world/scene.hpp"
+
+namespace musher::world {
+
+inline constexpr double kNothing = std::numeric_limits<double>::infinity();
+
+// What can be met within `most_m` of one point: made once for all rays of a sensor.
+class Surroundings {
+ public:
+  Surroundings(const Scene& scene, const Eigen::Vector3d& from_m, double most_m);
+
+  // To the nearest surface in that direction, which has length 1; kNothing beyond most_m. From
+  // inside a thing it is 0.
+  double DistanceAlong(const Eigen::Vector3d& along) const;
+
+ private:
+  // A thing as an upright prism or cylinder, in a frame of its own around it.
+  struct Solid {
+    Eigen::Vector3d from_m;  // the point in that frame
+    double cos_yaw = 1;
+    double sin_yaw = 0;
+    Eigen::Vector3d least_m;  // of a prism
+    Eigen::Vector3d most_m;
+    double radius_m = 0;  // of a cylinder, else 0
+  };
+  struct Round {
+    Eigen::Vector3d from_m;  // the point as seen from its centre
+    double radius_m = 0;
+  };
+
+  void Add(const Eigen::Vector2d& center_m, double yaw_rad, const Eigen::Vector2d& half_m,
+           double bottom_m, double height_m, double radius_m);
+  double ToFence(const Eigen::Vector3d& along) const;
+
+  Eigen::Vector3d from_m_;
+  double most_m_;
+  Eigen::Vector2d least_place_m_;
+  Eigen::Vector2d most_place_m_;
+  double fence_height_m_;
+  std::vector<Solid> solids_;
+  std::vector<Round> rounds_;
+};
+
+// One ray.
+double DistanceAlong(const Scene& scene, const Eigen::Vector3d& from_m,
+                     const Eigen::Vector3d& along, double most_m);
+
+}  // namespace musher::world

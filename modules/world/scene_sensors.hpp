@@ -1,0 +1,12 @@
+#pragma once
+// The tables of a scene file for the sensors on the body: [lidar], [ultrasonic], [tof] and [gps].
+
+#include "musher/lifecycle/toml/table_reader.hpp"
+#include "musher/modules/world/sensor_specs.hpp"
+
+namespace musher::world {
+
+void ReadSensors(config_toml::TableReader& root, config_toml::Findings& findings,
+                 SensorSpecs& sensors);
+
+}  // namespace musher::world

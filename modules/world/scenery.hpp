@@ -1,0 +1,88 @@
+#pragma once
+// A scene made ready to be looked at: what rays can hit, and the surfaces painted.
+//
+// Threads: never changed once it is made; as many as like may look.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/modules/world/scene.hpp"
+#include "musher/modules/world/texture.hpp"
+
+namespace musher::world {
+
+using Light3 = Eigen::Array3f;  // red, green, blue; 255 is white
+
+// What a sphere round a part of a thing is like.
+struct Ball3 {
+  Eigen::Vector3f center_m;
+  float radius_m = 0;
+};
+
+// A box, an upright cylinder, a sphere or an upright rectangle.
+struct Thing {
+  enum class Shape { kBox, kCylinder, kSphere, kBoard };
+  Shape shape = Shape::kBox;
+  Eigen::Vector3f center_m;
+  Eigen::Vector3f half_m;  // a cylinder's and a sphere's radius is x, a board's x is 0
+  float cos_yaw = 1, sin_yaw = 0;
+  Light3 color;
+  std::optional<Texture> front;  // of a board
+  bool glows = false;
+  std::vector<Ball3> bounds;  // all of it is within these
+};
+
+class Scenery {
+ public:
+  // Fails when a picture is not there any more. Takes some tenths of a second.
+  static Result<std::unique_ptr<Scenery>> Make(const Scene& scene);
+
+  const std::vector<Thing>& things() const { return things_; }
+  const Texture& ground() const { return ground_; }
+  float texels_per_m() const { return texels_per_m_; }
+  const Eigen::Vector2f& least_m() const { return least_m_; }
+  const Eigen::Vector2f& most_m() const { return most_m_; }
+  float fence_height_m() const { return fence_height_m_; }
+  const Light3& fence_color() const { return fence_color_; }
+  const Light3& sky() const { return sky_; }
+
+  const Eigen::Vector3f& towards_light() const { return towards_light_; }
+  bool shadows() const { return shadows_; }
+  float light_in_shadow() const { return light_in_shadow_; }
+  // What a surface that looks along `normal` gets. Light is scattered: surfaces that look away from
+  // it are not all the same.
+  Light3 LightOn(const Eigen::Vector3f& normal) const {
+    const float half = 0.5F + 0.5F * normal.dot(towards_light_);
+    return tint_ * (ambient_ + (1 - ambient_) * half * half);
+  }
+  // Share of the light that comes to a place.
+  float LightAt(float x_m, float y_m) const {
+    return std::clamp(dim_from_ - dim_x_ * x_m - dim_y_ * y_m, least_light_, 1.0F);
+  }
+  const Light3& tint() const { return tint_; }
+
+ private:
+  Scenery(const Scene& scene, Texture ground);
+  void Dim(const Scene& scene);
+
+  std::vector<Thing> things_;
+  Texture ground_;
+  float texels_per_m_ = 1;
+  Eigen::Vector2f least_m_, most_m_;
+  float fence_height_m_ = 0;
+  Light3 fence_color_, sky_, tint_;
+  Eigen::Vector3f towards_light_;
+  float ambient_ = 1;
+  bool shadows_ = true;
+  float light_in_shadow_ = 1;
+  float dim_from_ = 1, dim_x_ = 0, dim_y_ = 0, least_light_ = 0;
+};
+
+// What the light of a black body of that temperature is to one of 6500 K, of the same brightness.
+Light3 TintOf(double temperature_k);
+
+}  // namespace musher::world

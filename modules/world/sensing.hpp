@@ -1,0 +1,27 @@
+#pragma once
+// What the range sensors and the GPS of a simulated body measure, as their messages. A function of
+// the world alone: chance is drawn from its seed, the sensor and the time, so that a reading is the
+// same whoever listens to it, and the body's own chance is left alone.
+
+#include <array>
+#include <string_view>
+
+#include "musher/messages/protocol/sensor.hpp"
+#include "musher/messages/sensor_msgs/laser_scan.hpp"
+#include "musher/messages/sensor_msgs/nav_sat_fix.hpp"
+#include "musher/messages/sensor_msgs/range.hpp"
+#include "musher/modules/world/world.hpp"
+
+namespace musher::world {
+
+// By their number in SingleTofPayload.tof_position.
+inline constexpr std::array<std::string_view, 4> kTofNames = {"left_head", "right_head",
+                                                              "left_rear", "right_rear"};
+
+msg::LaserScan MeasureScan(const World& world);
+msg::Range MeasureUltrasonic(const World& world);
+// Zones row by row, from the left above to the right below, as the sensor sees them.
+msg::SingleTofPayload MeasureTof(const World& world, std::size_t position);
+msg::NavSatFix MeasureFix(const World& world);
+
+}  // namespace musher::world

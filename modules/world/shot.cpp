@@ -1,0 +1,33 @@
+#include "musher/modules/world/shot.hpp"
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "musher/modules/world/mat_pictures.hpp"
+#include "musher/modules/world/scenery.hpp"
+#include "musher/transport/sim/random.hpp"
+
+namespace musher::world {
+
+Result<Image> TakeShot(const World& world, std::size_t index) {
+  const Scene& scene = world.scene();
+  auto scenery = Scenery::Make(scene);
+  if (!scenery) return scenery.error();
+  const Camera camera(scene.cameras.cameras.at(index));
+  return camera.Shoot(*scenery.value(), {world.body().pose(), world.body().attitude(),
+                                         NoiseSeed(scene, index, world.now())});
+}
+
+Result<> SaveImage(const Image& image, const std::string& path) {
+  // OpenCV takes no constant data, and changes none of it.
+  auto* data = const_cast<std::uint8_t*>(image.bgr.data());
+  return SavePng(cv::Mat(image.height, image.width, CV_8UC3, data), path);
+}
+
+std::uint64_t NoiseSeed(const Scene& scene, std::size_t index, Duration at) {
+  transport::sim::Random of_scene(scene.seed);
+  transport::sim::Random of_camera(of_scene.Next() + index);
+  return transport::sim::Random(of_camera.Next() + static_cast<std::uint64_t>(at.count())).Next();
+}
+
+}  // namespace musher::world

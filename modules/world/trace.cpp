@@ -1,0 +1,374 @@
+#include "musher/modules/world/trace.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace musher::world {
+namespace {
+
+using Eigen::Array3f;
+using Eigen::Vector2f;
+using Eigen::Vector3f;
+
+constexpr float kFar = std::numeric_limits<float>::max();
+constexpr float kNearest = 1e-3F;  // metres; what is nearer is not seen
+constexpr float kLevel = -1e-6F;   // rays that go down less than this meet no ground
+
+enum Surface : std::uint32_t {
+  kSky = 1,
+  kFarGround,
+  kGround,
+  kFence,
+  kThings = 16
+};                                   // kFence + side
+constexpr std::uint32_t kFaces = 8;  // numbers that each thing has
+
+// Of a thing: x and y are its sides, z is its upper and lower side.
+enum Face { kFaceX, kFaceY, kFaceZ, kRound, kFront, kBack };
+
+constexpr float kShadowRim2 = 1.7F;  // where the body's shadow ends, in squares of its size
+
+Light3 LightOf(Texel texel) {
+  return {float(texel >> 16 & 0xFF), float(texel >> 8 & 0xFF), float(texel & 0xFF)};
+}
+
+void Put(const Light3& light, std::size_t i, Sights& sights) {
+  sights.red[i] = light[0];
+  sights.green[i] = light[1];
+  sights.blue[i] = light[2];
+}
+
+// It is darker near the ground.
+float NearGround(float height_m) {
+  return std::min(1.0F, 0.72F + 1.4F * height_m);
+}
+
+float Tone(int plank) {
+  const auto mixed = static_cast<std::uint32_t>(plank) * 2654435761U;
+  return static_cast<float>(mixed >> 24) / 255 - 0.5F;
+}
+
+bool MeetsBox(const Vector3f& half, const Vector3f& from, const Vector3f& ray, float& far_m,
+              int& face) {
+  float enter = kNearest;
+  float leave = kFar;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(ray[axis]) < 1e-9F) {
+      if (std::abs(from[axis]) > half[axis]) return false;
+      continue;
+    }
+    const float each = 1 / ray[axis];
+    const float reach = half[axis] * std::abs(each);
+    const float middle = -from[axis] * each;
+    if (middle - reach > enter) {
+      enter = middle - reach;
+      face = axis;
+    }
+    leave = std::min(leave, middle + reach);
+    if (enter > leave) return false;
+  }
+  if (enter <= kNearest) return false;  // from inside
+  far_m = enter;
+  return true;
+}
+
+bool MeetsSphere(float radius, const Vector3f& from, const Vector3f& ray, float& far_m) {
+  const float middle = -from.dot(ray);
+  if (middle <= 0) return false;
+  const float aside2 = (from + middle * ray).squaredNorm();  // better rounded than |from|^2 - ...
+  const float under = radius * radius - aside2;
+  if (under <= 0) return false;
+  far_m = middle - std::sqrt(under);
+  return far_m > kNearest;
+}
+
+bool MeetsCylinder(const Vector3f& half, const Vector3f& from, const Vector3f& ray, float& far_m,
+                   int& face) {
+  float best = kFar;
+  const float a = ray.head<2>().squaredNorm();
+  if (a > 1e-12F) {
+    const float middle = -from.head<2>().dot(ray.head<2>()) / a;
+    const float aside2 = (from.head<2>() + middle * ray.head<2>()).squaredNorm();
+    const float under = half.x() * half.x() - aside2;
+    if (under <= 0) return false;
+    const float enter = middle - std::sqrt(under / a);
+    if (enter > kNearest && std::abs(from.z() + enter * ray.z()) <= half.z()) {
+      best = enter;
+      face = kRound;
+    }
+  }
+  const float lid = ray.z() < 0 ? half.z() : -half.z();
+  const float to_lid = (lid - from.z()) / ray.z();
+  if (to_lid > kNearest && to_lid < best &&
+      (from.head<2>() + to_lid * ray.head<2>()).squaredNorm() <= half.x() * half.x()) {
+    best = to_lid;
+    face = kFaceZ;
+  }
+  far_m = best;
+  return best < kFar;
+}
+
+bool MeetsBoard(const Vector3f& half, const Vector3f& from, const Vector3f& ray, float& far_m,
+                int& face) {
+  if (std::abs(ray.x()) < 1e-9F) return false;
+  const float far = -from.x() / ray.x();
+  if (far <= kNearest) return false;
+  if (std::abs(from.y() + far * ray.y()) > half.y()) return false;
+  if (std::abs(from.z() + far * ray.z()) > half.z()) return false;
+  far_m = far;
+  face = ray.x() < 0 ? kFront : kBack;
+  return true;
+}
+
+// From `from` along `ray`, both as the thing sees them.
+bool Meets(const Thing& thing, const Vector3f& from, const Vector3f& ray, float& far_m, int& face) {
+  switch (thing.shape) {
+    case Thing::Shape::kBox:
+      return MeetsBox(thing.half_m, from, ray, far_m, face);
+    case Thing::Shape::kCylinder:
+      return MeetsCylinder(thing.half_m, from, ray, far_m, face);
+    case Thing::Shape::kSphere:
+      face = kRound;
+      return MeetsSphere(thing.half_m.x(), from, ray, far_m);
+    case Thing::Shape::kBoard:
+      return MeetsBoard(thing.half_m, from, ray, far_m, face);
+  }
+  return false;
+}
+
+}  // namespace
+
+Tracer::Tracer(const Scenery& scenery, const Eigen::Isometry3d& camera_in_place, const Pose2& body,
+               double pixel_rad)
+    : scenery_(scenery),
+      turn_(camera_in_place.linear().cast<float>()),
+      from_m_(camera_in_place.translation().cast<float>()),
+      pixel_rad_(static_cast<float>(pixel_rad)) {
+  from_m_.z() = std::max(from_m_.z(), 0.005F);  // not below the ground when the body falls
+  const Vector2f at = from_m_.head<2>();
+  fenced_ = scenery.fence_height_m() > 0 && (at - scenery.least_m()).minCoeff() > kNearest &&
+            (scenery.most_m() - at).minCoeff() > kNearest;
+  for (const Thing& thing : scenery.things()) {
+    const Vector3f from = from_m_ - thing.center_m;
+    from_local_.emplace_back(thing.cos_yaw * from.x() + thing.sin_yaw * from.y(),
+                             -thing.sin_yaw * from.x() + thing.cos_yaw * from.y(), from.z());
+  }
+  light_on_ground_ = scenery.LightOn({0, 0, 1});
+  // The inner sides, by the way out: x, -x, y, -y.
+  const Vector3f inwards[] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}};
+  for (int i = 0; i < 4; ++i) {
+    fence_light_[i] = scenery.fence_color() / 255 * scenery.LightOn(inwards[i]) * 255;
+  }
+  far_ground_ = world::LightOf(scenery.ground().mean()) * light_on_ground_;
+  zenith_ = scenery.sky() * scenery.tint();
+  horizon_ = (0.45F * scenery.sky() + 0.55F * Array3f(244, 246, 246)) * scenery.tint();
+  // As that of a trunk, at about half the camera's height.
+  const Vector3f& light = scenery.towards_light();
+  shadow_m_ = body.position_m.cast<float>() - light.head<2>() / light.z() * (0.6F * from_m_.z());
+  shadow_cos_ = static_cast<float>(std::cos(body.yaw_rad));
+  shadow_sin_ = static_cast<float>(std::sin(body.yaw_rad));
+  shadow_half_m_ = {0.3F, 0.16F};
+}
+
+void Tracer::Look(const Rays& rays, const Things& things, Sights& sights) const {
+  Ways ways;
+  Turn(rays, ways);
+  FindBackground(ways, sights);
+  FindGround(rays, ways);
+  ColorSky(ways, sights);
+  ColorBackground(ways, sights);
+  for (const std::uint16_t thing : things) FindThing(thing, ways, sights);
+}
+
+void Tracer::Turn(const Rays& rays, Ways& ways) const {
+  const Eigen::Matrix3f& m = turn_;
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    ways.x[i] = m(0, 0) * rays.x[i] + m(0, 1) * rays.y[i] + m(0, 2) * rays.z[i];
+    ways.y[i] = m(1, 0) * rays.x[i] + m(1, 1) * rays.y[i] + m(1, 2) * rays.z[i];
+    ways.z[i] = m(2, 0) * rays.x[i] + m(2, 1) * rays.y[i] + m(2, 2) * rays.z[i];
+  }
+}
+
+// Which of fence, ground and sky, and how far.
+void Tracer::FindBackground(Ways& ways, Sights& sights) const {
+  constexpr float kTiny = 1e-9F;
+  const Vector2f to_most = scenery_.most_m() - from_m_.head<2>();
+  const Vector2f to_least = scenery_.least_m() - from_m_.head<2>();
+  const float height = from_m_.z();
+  const float fence = fenced_ ? scenery_.fence_height_m() : 0;
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    const float x = ways.x[i];
+    const float y = ways.y[i];
+    const float z = ways.z[i];
+    const float by_x = x >= 0 ? to_most.x() / (x + kTiny) : to_least.x() / (x - kTiny);
+    const float by_y = y >= 0 ? to_most.y() / (y + kTiny) : to_least.y() / (y - kTiny);
+    const float to_edge = by_x < by_y ? by_x : by_y;
+    const float to_ground = z < kLevel ? -height / z : kFar;
+    const float above = height + to_edge * z;  // where it leaves the place
+    const std::uint32_t side = kFence + (by_x < by_y ? (x >= 0 ? 0U : 1U) : (y >= 0 ? 2U : 3U));
+    const std::uint32_t beyond = z < kLevel ? kFarGround : kSky;
+    const std::uint32_t outside = above < fence ? side : beyond;
+    const bool ends = above < fence && to_edge < to_ground;
+    sights.surface[i] = to_ground <= to_edge ? kGround : outside;
+    ways.far_m[i] = ends ? to_edge : to_ground;
+  }
+}
+
+// Where it is met, and how much of it a pixel covers. Right where the ground is met only.
+void Tracer::FindGround(const Rays& rays, Ways& ways) const {
+  const float per_m = scenery_.texels_per_m();
+  const float fine = 256 * per_m;  // parts of a texel in a metre
+  const Vector2f from = from_m_.head<2>() - scenery_.least_m();
+  const Vector2f most = (scenery_.most_m() - scenery_.least_m()) * fine;
+  const float covered = pixel_rad_ * per_m;
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    const float far = ways.far_m[i] < 1e4F ? ways.far_m[i] : 1e4F;
+    const float x = (from.x() + far * ways.x[i]) * fine;
+    const float y = (from.y() + far * ways.y[i]) * fine;
+    const float right = x > 0 ? x : 0;
+    const float up = y > 0 ? y : 0;
+    ways.column[i] = static_cast<std::int32_t>(right < most.x() ? right : most.x());
+    ways.row[i] = static_cast<std::int32_t>(up < most.y() ? up : most.y());
+    const float steep = ways.z[i] < -1e-4F ? -ways.z[i] : 1e-4F;
+    const float side = far * covered;
+    ways.halvings[i] =
+        static_cast<std::int32_t>(0.5F * RoughLog2(side * side / steep) + rays.dither[i]);
+  }
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    const float far = ways.far_m[i] < 1e4F ? ways.far_m[i] : 1e4F;
+    ways.light[i] = scenery_.LightAt(from_m_.x() + far * ways.x[i], from_m_.y() + far * ways.y[i]);
+  }
+  if (scenery_.shadows()) ShadowOfBody(ways);
+}
+
+void Tracer::ShadowOfBody(Ways& ways) const {
+  const Vector2f from = from_m_.head<2>() - shadow_m_;
+  const Vector2f along_m(shadow_cos_ / shadow_half_m_.x(), shadow_sin_ / shadow_half_m_.x());
+  const Vector2f across_m(-shadow_sin_ / shadow_half_m_.y(), shadow_cos_ / shadow_half_m_.y());
+  const float missing = 1 - scenery_.light_in_shadow();
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    const float far = ways.far_m[i] < 1e4F ? ways.far_m[i] : 1e4F;
+    const float x = from.x() + far * ways.x[i];
+    const float y = from.y() + far * ways.y[i];
+    const float along = along_m.x() * x + along_m.y() * y;
+    const float across = across_m.x() * x + across_m.y() * y;
+    const float out2 = along * along + across * across;
+    // All of it in the middle, nothing at the rim.
+    const float share = out2 < kShadowRim2 ? 1 - out2 / kShadowRim2 : 0;
+    const float full = 1.8F * share;
+    ways.light[i] *= 1 - missing * (full < 1 ? full : 1);
+  }
+}
+
+void Tracer::ColorSky(const Ways& ways, Sights& sights) const {
+  const Light3 from = horizon_;
+  const Light3 by = zenith_ - horizon_;
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    const float up = ways.z[i] > 0 ? 1.6F * ways.z[i] : 0;
+    const float share = std::sqrt(up < 1 ? up : 1);
+    sights.red[i] = from[0] + share * by[0];
+    sights.green[i] = from[1] + share * by[1];
+    sights.blue[i] = from[2] + share * by[2];
+  }
+}
+
+void Tracer::ColorBackground(const Ways& ways, Sights& sights) const {
+  const Texture& ground = scenery_.ground();
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    const std::uint32_t surface = sights.surface[i];
+    if (surface == kSky) continue;
+    if (surface == kGround) {
+      const Texel texel = ground.At(ways.column[i], ways.row[i], ways.halvings[i]);
+      Put(world::LightOf(texel) * (light_on_ground_ * ways.light[i]), i, sights);
+    } else if (surface == kFarGround) {
+      Put(FarGround(ways.far_m[i]), i, sights);
+    } else {
+      const Vector3f ray(ways.x[i], ways.y[i], ways.z[i]);
+      Put(Fence(ray, ways.far_m[i], static_cast<int>(surface - kFence)), i, sights);
+    }
+  }
+}
+
+Light3 Tracer::FarGround(float far_m) const {
+  constexpr float kHazeM = 40;
+  const float haze = far_m / (far_m + kHazeM);
+  return far_ground_ + haze * (horizon_ - far_ground_);
+}
+
+// Planks, as long as they can be told apart.
+Light3 Tracer::Fence(const Vector3f& ray, float far_m, int side) const {
+  constexpr float kPlankM = 0.14F;
+  const bool by_x = side < 2;
+  const Vector3f where = from_m_ + far_m * ray;
+  const float place = (by_x ? where.y() : where.x()) / kPlankM + 0x10000;  // never below 0
+  const int plank = static_cast<int>(place);
+  const float in_plank = place - static_cast<float>(plank);
+  const float from_edge = std::min(in_plank, 1 - in_plank);
+  const float slant = std::max(std::abs(by_x ? ray.x() : ray.y()), 0.05F);
+  const float covered = far_m * pixel_rad_ / (slant * kPlankM);
+  const float told_apart = std::clamp(1.3F - 3 * covered, 0.0F, 1.0F);
+  const float gap = std::clamp(1 - from_edge / 0.09F, 0.0F, 1.0F);
+  const float shade = 1 + told_apart * (0.16F * Tone(plank) - 0.45F * gap);
+  return fence_light_[side] *
+         (shade * NearGround(where.z()) * scenery_.LightAt(where.x(), where.y()));
+}
+
+void Tracer::FindThing(std::size_t index, Ways& ways, Sights& sights) const {
+  const Thing& thing = scenery_.things()[index];
+  const Vector3f from = from_local_[index];
+  const auto first = kThings + static_cast<std::uint32_t>(index) * kFaces;
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    const Vector3f ray(thing.cos_yaw * ways.x[i] + thing.sin_yaw * ways.y[i],
+                       thing.cos_yaw * ways.y[i] - thing.sin_yaw * ways.x[i], ways.z[i]);
+    Hit hit;
+    if (!Meets(thing, from, ray, hit.far_m, hit.face) || hit.far_m >= ways.far_m[i]) continue;
+    ways.far_m[i] = hit.far_m;
+    sights.surface[i] = first + static_cast<std::uint32_t>(hit.face);
+    Put(LightOf(thing, from, ray, hit), i, sights);
+  }
+}
+
+Light3 Tracer::LightOf(const Thing& thing, const Vector3f& from, const Vector3f& ray,
+                       const Hit& hit) const {
+  if (thing.glows) return thing.color;
+  const Vector3f where = from + hit.far_m * ray;
+  const auto outwards = [&](const Vector3f& local) {
+    return Vector3f(thing.cos_yaw * local.x() - thing.sin_yaw * local.y(),
+                    thing.sin_yaw * local.x() + thing.cos_yaw * local.y(), local.z());
+  };
+  const Vector3f in_place = thing.center_m + outwards(where);
+  const float light = scenery_.LightAt(in_place.x(), in_place.y());
+  if (thing.shape == Thing::Shape::kBoard) {
+    return LightOfBoard(thing, where, std::abs(ray.x()), hit) * light;
+  }
+  Vector3f normal = Vector3f::Zero();
+  if (hit.face == kRound) {
+    normal = where;
+    if (thing.shape == Thing::Shape::kCylinder) normal.z() = 0;
+    normal /= thing.half_m.x();
+  } else {
+    normal[hit.face] = ray[hit.face] < 0 ? 1.0F : -1.0F;
+  }
+  const float near_ground = hit.face == kFaceZ ? 1 : NearGround(in_place.z());
+  return thing.color * scenery_.LightOn(outwards(normal)) * (light * near_ground);
+}
+
+Light3 Tracer::LightOfBoard(const Thing& thing, const Vector3f& where, float slant,
+                            const Hit& hit) const {
+  const float way = hit.face == kFront ? 1.0F : -1.0F;
+  const Light3 light = scenery_.LightOn({way * thing.cos_yaw, way * thing.sin_yaw, 0});
+  if (hit.face == kBack || !thing.front) return thing.color * light;
+  const Texture& front = *thing.front;
+  const float per_y = static_cast<float>(front.width()) / (2 * thing.half_m.y());
+  const float per_z = static_cast<float>(front.height()) / (2 * thing.half_m.z());
+  const float covered = hit.far_m * pixel_rad_;
+  const float area = covered * covered / slant * per_y * per_z;  // in texels
+  return world::LightOf(front.Smooth((where.y() + thing.half_m.y()) * per_y,
+                                     (thing.half_m.z() - where.z()) * per_z,
+                                     0.5F * RoughLog2(area))) *
+         light;
+}
+
+}  // namespace musher::world

@@ -1,0 +1,94 @@
+#pragma once
+// Where rays end in a scenery, and what is to be seen there. Rays are followed in bundles, so that
+// the compiler can do the same to several at once.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "musher/modules/world/scene.hpp"
+#include "musher/modules/world/scenery.hpp"
+
+namespace musher::world {
+
+inline constexpr std::size_t kBundle = 32;
+
+// One number for each ray of a bundle.
+template <typename T>
+using Each = std::array<T, kBundle>;
+
+// Directions of length 1 in the camera's frame. All must be some direction, used or not.
+struct Rays {
+  Each<float> x, y, z;
+  Each<float> dither;  // 0 to 1: hides the borders between coarser and finer ground
+};
+
+// What the rays see. Neighbours that see one surface have the same number.
+struct Sights {
+  Each<std::uint32_t> surface;
+  Each<float> red, green, blue;  // 255 is white
+};
+
+// Looks from one place, for one picture.
+class Tracer {
+ public:
+  using Things = std::vector<std::uint16_t>;  // by their index in the scenery
+
+  // `pixel_rad` is the angle of a pixel, for how much of a surface it covers.
+  Tracer(const Scenery& scenery, const Eigen::Isometry3d& camera_in_place, const Pose2& body,
+         double pixel_rad);
+
+  // Sees these things of the scenery and all that is behind them.
+  void Look(const Rays& rays, const Things& things, Sights& sights) const;
+
+  // Of the camera's frame in the place's.
+  const Eigen::Matrix3f& turn() const { return turn_; }
+  const Eigen::Vector3f& from_m() const { return from_m_; }
+
+ private:
+  // What a bundle meets on its way, in the place's frame.
+  struct Ways {
+    Each<float> x, y, z;
+    Each<float> far_m;                         // to the surface
+    Each<std::int32_t> column, row, halvings;  // in the ground's texture
+    Each<float> light;                         // share of it that is there
+  };
+  struct Hit {
+    float far_m = 0;
+    int face = 0;
+  };
+
+  void Turn(const Rays& rays, Ways& ways) const;
+  void FindBackground(Ways& ways, Sights& sights) const;
+  void FindGround(const Rays& rays, Ways& ways) const;
+  void ShadowOfBody(Ways& ways) const;
+  void ColorSky(const Ways& ways, Sights& sights) const;
+  void ColorBackground(const Ways& ways, Sights& sights) const;
+  Light3 Fence(const Eigen::Vector3f& ray, float far_m, int side) const;
+  Light3 FarGround(float far_m) const;
+  void FindThing(std::size_t index, Ways& ways, Sights& sights) const;
+  Light3 LightOf(const Thing& thing, const Eigen::Vector3f& from, const Eigen::Vector3f& ray,
+                 const Hit& hit) const;
+  Light3 LightOfBoard(const Thing& thing, const Eigen::Vector3f& where, float slant,
+                      const Hit& hit) const;
+
+  const Scenery& scenery_;
+  Eigen::Matrix3f turn_;
+  Eigen::Vector3f from_m_;
+  float pixel_rad_;
+  bool fenced_ = false;
+  std::vector<Eigen::Vector3f> from_local_;  // seen by each thing
+  Light3 light_on_ground_;
+  Light3 fence_light_[4];
+  Light3 far_ground_;
+  Light3 horizon_;
+  Light3 zenith_;
+  // The body's shadow: an ellipse.
+  Eigen::Vector2f shadow_m_;
+  Eigen::Vector2f shadow_half_m_;
+  float shadow_cos_ = 1, shadow_sin_ = 0;
+};
+
+}  // namespace musher::world

@@ -1,0 +1,38 @@
+#pragma once
+// Publishes what the sensors of a simulated body measure, each at its rate of world time and only
+// while somebody listens.
+//
+//   world/scan   world/ultrasonic   world/gps
+//   world/tof/left_head, right_head, left_rear, right_rear
+//
+// Threads: the loop's.
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "musher/modules/world/sensing.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher::world {
+
+class WorldSensors {
+ public:
+  // Those that the scene has. Fails when an endpoint cannot be made.
+  static Result<std::unique_ptr<WorldSensors>> Make(transport::Node& node, const Scene& scene,
+                                                    const std::string& name_space);
+
+  // After each step of the world.
+  void OnStep(const World& world);
+
+ private:
+  template <msg::Message M>
+  using PublisherPtr = std::unique_ptr<transport::Publisher<M>>;
+
+  PublisherPtr<msg::LaserScan> scan_;  // null: there is none
+  PublisherPtr<msg::Range> ultrasonic_;
+  std::array<PublisherPtr<msg::SingleTofPayload>, kTofNames.size()> tofs_;
+  PublisherPtr<msg::NavSatFix> gps_;
+};
+
+}  // namespace musher::world

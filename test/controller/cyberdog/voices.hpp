@@ -1,0 +1,104 @@
+#pragma once
+// A manager's voice, what it hears and a player, in plain values.
+
+#include <gmock/gmock.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "musher/controller/cyberdog/voice.hpp"
+#include "musher/test/lifecycle/coordination/theatre.hpp"
+
+namespace musher::cyberdog {
+
+inline MachineConfig ManagedConfig(int stages = 2) {
+  MachineConfig config = testing::MachineOf(2);
+  config.actuators.back().stage = stages;
+  config.policy.emplace();
+  config.policy->manager = true;
+  config.policy->battery.emplace();
+  return config;
+}
+
+// A manager whose player answers after a second, unless it is told not to.
+class Voices : public ::testing::Test {
+ protected:
+  Voices() {
+    machine_.state = kActive;
+    Hear(heard::PlayerMatched{true});
+  }
+
+  void Hear(const Heard& heard) {
+    for (const VoiceAction& action : Speak(config_, voice_, heard, now_)) {
+      if (const auto* play = std::get_if<voice_action::Play>(&action)) {
+        const Utterance& u = play->utterance;
+        said_.push_back(u.text.empty() ? std::to_string(u.id) : u.text);
+        if (answers_) answer_at_ = now_ + std::chrono::seconds(1);
+      } else if (std::holds_alternative<voice_action::StandUp>(action)) {
+        said_.emplace_back("stand up");
+      } else {
+        said_.emplace_back("(dropped)");
+      }
+    }
+  }
+  void Show() { Hear(heard::MachineSeen{machine_}); }
+  void Wait(Duration duration) {
+    const Time end = now_ + duration;
+    while (true) {
+      const auto next = NextVoiceDeadline(voice_);
+      const Time at = std::min(next.value_or(end), answer_at_.value_or(end));
+      if (at > end || (at == end && at == now_)) break;
+      now_ = std::max(now_, at);
+      if (answer_at_ && *answer_at_ <= now_) {
+        answer_at_.reset();
+        Hear(heard::PlayEnded{voice_.number});
+      } else {
+        Hear(heard::TimePassed{});
+      }
+      if (now_ >= end) break;
+    }
+    now_ = end;
+  }
+  // What was said since the last call, once there is nothing more to say.
+  std::vector<std::string> Said(Duration within = std::chrono::seconds(60)) {
+    Wait(within);
+    return std::exchange(said_, {});
+  }
+  void Start() {
+    machine_.phase = Phase::kStarting;
+    Show();
+    machine_.phase = Phase::kRunning;
+    Show();
+  }
+  // Up, and nothing left to be said.
+  void BringUp() {
+    machine_.loaded = true;
+    machine_.battery = 80;
+    Start();
+    Said();
+  }
+  void SetBattery(int percent, bool charging = false) {
+    machine_.battery = percent;
+    machine_.charging = charging;
+    machine_.level = LevelAt(*config_.policy->battery, percent, machine_.level);
+    Show();
+  }
+  void Fail(const std::string& actuator, std::int32_t code, const std::string& message = "broken") {
+    machine_.faults.push_back({actuator, {code, message}});
+  }
+  void Record(const std::string& kind, std::uint64_t number, std::int32_t code,
+              const std::string& message = "") {
+    Hear(heard::Recorded{{kind, std::nullopt, number, code, message}});
+  }
+
+  MachineConfig config_ = ManagedConfig();
+  VoiceState voice_;
+  Glimpse machine_;
+  Time now_{std::chrono::seconds(1000)};
+  bool answers_ = true;
+  std::optional<Time> answer_at_;
+  std::vector<std::string> said_;
+};
+
+}  // namespace musher::cyberdog

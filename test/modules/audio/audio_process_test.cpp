@@ -1,0 +1,291 @@
+// musher-audio-manager as a controller meets it, and musher-audio: the real programs over DDS.
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/messages/protocol/audio.hpp"
+#include "musher/messages/rosgraph_msgs/clock.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/modules/audio/sound_file.hpp"
+#include "musher/test/modules/actuator_peer.hpp"
+#include "musher/transport/clock.hpp"
+
+namespace musher::audio {
+namespace {
+
+using msg::ActuatorCommand;
+using testing::HasSubstr;
+
+const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
+                                             "Active",   "DeActive", "Protected",
+                                             "LowPower", "OTA",      "Error"};
+const std::string kPhrases = "phrases = \"" MUSHER_SOURCE_DIR "/config/audio/phrases.toml\"\n";
+const std::string kWav = "output = \"wav\"\nfolder = \"spoken\"\n" + kPhrases;
+
+using Answer = std::optional<Result<msg::AudioTextPlay::Response>>;
+using Response = msg::AudioTextPlay::Response;
+
+class AudioManagerProcess : public testing::Test {
+ protected:
+  void Start(const std::string& file) {
+    peer_.Start(file);
+    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+    Listen();
+  }
+  // On the time of a world, which begins to publish it.
+  void StartInAWorld(const std::string& file) {
+    const std::string config = peer_.folder() / "world.toml";
+    std::ofstream(config) << R"([controller]
+actuators = ["audio"]
+states = ["SetUp", "Active"]
+default_time = 20000
+default_state = "Uninitialized"
+clock = "topic"
+[actuator.audio]
+states = ["SetUp", "Active"]
+times = [20000, 20000]
+)";
+    const std::string module = peer_.folder() / "module.toml";
+    std::ofstream(module) << file;
+    peer_.StartWith({"--actuator", "audio", "--config", config, module});
+    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+    Listen();
+    world_ =
+        transport::MakePublisher<msg::Clock>(peer_.node(), "clock", transport::kClockQos).value();
+    ticker_ = peer_.node().loop().Every(Milliseconds(5), [this] {
+      static_cast<void>(world_->Publish({msg::ToStamp(world_time_ += world_step_)}));
+    });
+  }
+
+  void Listen() {
+    transport::Node& node = peer_.node();
+    text_ = transport::MakeClient<msg::AudioTextPlay>(node, "speech_text_play").value();
+    play_ = transport::MakePublisher<msg::AudioPlay>(node, "speech_play").value();
+    report_ = transport::MakeSubscription<msg::Bool>(
+                  node, "audio_notification_report",
+                  [this](const msg::Bool& report, const auto&) { sounds_ = report.data; })
+                  .value();
+    ASSERT_TRUE(peer_.Until([this] {
+      return text_->Ready() && play_->MatchedReaders() > 0 && report_->MatchedWriters() > 0;
+    }));
+  }
+  void Ask(const msg::AudioTextPlay::Request& request, Answer& answer) {
+    text_->Call(request, std::chrono::seconds(60), [&answer](auto reply) { answer = reply; });
+  }
+  void Say(const std::string& text, Answer& answer) { Ask({"test", true, {}, text}, answer); }
+  // The answer to the end.
+  Response Await(const Answer& answer) {
+    const bool there = peer_.Until([&] { return answer.has_value(); });
+    EXPECT_TRUE(there && *answer) << peer_.Output();
+    return there && *answer ? answer->value() : Response{255, -1};
+  }
+  Response Said(const std::string& text) {
+    Answer answer;
+    Say(text, answer);
+    return Await(answer);
+  }
+  std::string Spoken(const std::string& name) const { return peer_.folder() / ("spoken/" + name); }
+
+  test::ActuatorPeer peer_{"audio", kAllStates, "musher-audio-manager"};
+  bool sounds_ = false;
+  Duration world_time_ = std::chrono::seconds(1'000);
+  Duration world_step_{};  // of each 5 ms
+  std::unique_ptr<transport::Publisher<msg::Clock>> world_;
+  std::unique_ptr<transport::Client<msg::AudioTextPlay>> text_;
+  std::unique_ptr<transport::Publisher<msg::AudioPlay>> play_;
+  std::unique_ptr<transport::Subscription> report_;
+  transport::LoopHandlePtr ticker_;
+};
+
+TEST_F(AudioManagerProcess, AnswersATextWhenItsSoundHasEnded) {
+  Start(kWav);
+  const Time begun = std::chrono::steady_clock::now();
+  EXPECT_EQ(Said("Good morning"), (Response{0, 0})) << peer_.Output();
+  const Duration took = std::chrono::steady_clock::now() - begun;
+  const Result<Sound> heard = ReadSound(Spoken("0001.wav"));
+  ASSERT_TRUE(heard);
+  EXPECT_GT(heard.value().Length(), Milliseconds(300));
+  EXPECT_GE(took, heard.value().Length());
+}
+
+TEST_F(AudioManagerProcess, SpeaksInEveryStateAndFallsSilentAtTearDown) {
+  Start("output = \"silent\"\n" + kPhrases);
+  for (const std::string state : {"SelfCheck", "Active", "DeActive", "Protected", "OTA", "Error"}) {
+    const auto done = peer_.Switch(state);
+    ASSERT_TRUE(done);
+    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone) << state << peer_.Output();
+  }
+  EXPECT_EQ(peer_.Switch("LowPower").value().verdict, ActuatorCommand::kVerdictDone);
+  EXPECT_EQ(Said("One"), (Response{0, 0}));
+  Answer answer;
+  Say("One two three four five six seven eight nine ten eleven twelve thirteen", answer);
+  ASSERT_TRUE(peer_.Until([this] { return sounds_; }));
+  peer_.Send("TearDown");
+  EXPECT_EQ(Await(answer), (Response{1, 5022}));
+  ASSERT_TRUE(peer_.AwaitReply());
+  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+}
+
+TEST_F(AudioManagerProcess, SwitchesVoiceControlOffForAnUpgrade) {
+  Start("output = \"silent\"\n" + kPhrases);
+  EXPECT_EQ(peer_.Switch("OTA").value().verdict, ActuatorCommand::kVerdictDone);
+  const auto client = transport::MakeClient<msg::Trigger>(peer_.node(), "audio_action_get").value();
+  std::optional<Result<msg::Trigger::Response>> answer;
+  client->Call({}, std::chrono::seconds(20), [&](auto reply) { answer = reply; });
+  ASSERT_TRUE(peer_.Until([&] { return answer.has_value(); }));
+  EXPECT_EQ(answer->value(), (msg::Trigger::Response{false, "off"}));
+}
+
+TEST_F(AudioManagerProcess, IsInterruptedByATopic) {
+  Start("output = \"silent\"\n" + kPhrases);
+  Answer answer;
+  Say("One two three four five six seven eight nine ten eleven twelve thirteen", answer);
+  ASSERT_TRUE(peer_.Until([this] { return sounds_; }));
+  ASSERT_TRUE(play_->Publish({"test", msg::AudioPlay::kReady}));
+  EXPECT_EQ(Await(answer), (Response{1, 5021}));
+  EXPECT_TRUE(peer_.Until([this] { return !sounds_; })) << "and the phrase comes to its end";
+  EXPECT_THAT(peer_.Output(), HasSubstr("says \"Good day. I am awake.\" for \"test\""));
+}
+
+TEST_F(AudioManagerProcess, TakesItsTimesFromTheWorldAndAnswersAfterTenSecondsOfIt) {
+  StartInAWorld("output = \"silent\"\n" + kPhrases);
+  world_step_ = Milliseconds(10);
+  EXPECT_EQ(Said("One"), (Response{0, 0})) << "as the world goes on";
+  world_step_ = Duration::zero();
+  std::string text;
+  for (int i = 0; i < 150; ++i) text += "word ";
+  Answer answer;
+  Say(text, answer);
+  ASSERT_TRUE(peer_.Until([this] { return sounds_; }));
+  world_time_ += Milliseconds(9'900);
+  EXPECT_EQ(Said(""), (Response{1, 5024}));
+  EXPECT_FALSE(answer);
+  world_time_ += Milliseconds(200);
+  EXPECT_EQ(Await(answer), (Response{1, 5007}));
+}
+
+TEST_F(AudioManagerProcess, RefusesWhatCannotBeSaidEachWithItsCode) {
+  Start("output = \"silent\"\n" + kPhrases);
+  EXPECT_EQ(Said(""), (Response{1, 5024}));
+  EXPECT_EQ(Said(std::string(10'240, 'x')), (Response{1, 5025}));
+  EXPECT_EQ(Said("a\xFF"), (Response{1, 5026}));
+  Answer unknown;
+  Ask({"test", false, {"test", 4711}, ""}, unknown);
+  EXPECT_EQ(Await(unknown), (Response{1, 5023}));
+  EXPECT_THAT(peer_.Output(), HasSubstr("refused for \"test\": there is no phrase 4711"));
+}
+
+TEST_F(AudioManagerProcess, GoesOnWhereTheOutputIsLostAndSaysSoOnce) {
+  Start(kWav);
+  EXPECT_EQ(Said("One"), (Response{0, 0}));
+  std::filesystem::remove_all(peer_.folder() / "spoken");
+  std::ofstream(peer_.folder() / "spoken") << "in the way";
+  EXPECT_EQ(Said("Two"), (Response{1, 5012}));
+  EXPECT_EQ(Said("Three"), (Response{1, 5012}));
+  const std::string log = peer_.Output();
+  EXPECT_EQ(log.find("is not heard"), log.rfind("is not heard")) << log;
+  EXPECT_EQ(peer_.Switch("SelfCheck").value().code, 5109);
+  std::filesystem::remove(peer_.folder() / "spoken");
+  EXPECT_EQ(Said("Four"), (Response{0, 0}));
+  EXPECT_EQ(peer_.Switch("SelfCheck").value().code, 0);
+  EXPECT_THAT(peer_.Output(), HasSubstr("the sound device is back"));
+}
+
+TEST_F(AudioManagerProcess, FailsItsSelfCheckWhereAVoiceIsMissing) {
+  Start("output = \"silent\"\n" + kPhrases + "[voice]\nchinese = \"nobody\"\n");
+  const auto checked = peer_.Switch("SelfCheck");
+  ASSERT_TRUE(checked);
+  EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
+  EXPECT_EQ(checked.value().code, 5009);
+  EXPECT_EQ(checked.value().message, "espeak-ng: there is no voice \"nobody\"");
+  EXPECT_EQ(Said("早上好"), (Response{1, 5027}));
+  EXPECT_EQ(Said("One"), (Response{0, 0}));
+}
+
+TEST_F(AudioManagerProcess, ExplainsAFaultyFileAndEndsWithTwo) {
+  peer_.Start("output = \"radio\"\n" + kPhrases);
+  EXPECT_EQ(peer_.AwaitExit(), 2);
+  EXPECT_THAT(peer_.Output(), HasSubstr("audio.toml:1:10: error: output"));
+}
+
+// What a program said and how it ended.
+struct Ran {
+  int exit = -1;
+  std::string output;  // both streams
+};
+
+Ran RunTool(const std::string& arguments) {
+  FILE* pipe =  // NOLINTNEXTLINE(cert-env33-c)
+      popen((MUSHER_BIN_DIR "/musher-audio " + arguments + " 2>&1").c_str(), "r");
+  Ran ran;
+  std::array<char, 4096> chunk{};
+  while (const std::size_t size = std::fread(chunk.data(), 1, chunk.size(), pipe)) {
+    ran.output.append(chunk.data(), size);
+  }
+  ran.exit = WEXITSTATUS(pclose(pipe));
+  return ran;
+}
+
+TEST_F(AudioManagerProcess, IsWorkedByTheTool) {
+  Start(kWav);
+  const Ran loud = RunTool("volume 20");
+  EXPECT_EQ(loud.exit, 0) << loud.output;
+  EXPECT_EQ(loud.output, "volume 20 %\n");
+  EXPECT_THAT(RunTool("--json volume").output, HasSubstr("\"volume\": 20"));
+  const Ran said = RunTool("say One");
+  EXPECT_EQ(said.exit, 0);
+  EXPECT_EQ(said.output, "said to the end\n");
+  const Ran played = RunTool("play 1055 --json");
+  EXPECT_EQ(played.exit, 0);
+  EXPECT_THAT(played.output, HasSubstr("\"status\": 0"));
+  const Ran unknown = RunTool("play 4711");
+  EXPECT_EQ(unknown.exit, 1);
+  EXPECT_EQ(unknown.output, "musher-audio: there is no phrase of that number (5023)\n");
+  EXPECT_EQ(RunTool("say '早上好' --now").exit, 0);
+  ASSERT_TRUE(peer_.Until([this] { return sounds_; }));
+  EXPECT_EQ(RunTool("stop").output, "silent\n");
+  EXPECT_TRUE(peer_.Until([this] { return !sounds_; }));
+}
+
+TEST(AudioTool, SaysWhatIsWrongWithACommandLine) {
+  for (const std::string wrong :
+       {"", "sing", "say", "play", "play hello", "play 70000", "volume 101", "volume -1",
+        "volume loud", "stop now", "say One --clock sun"}) {
+    const Ran ran = RunTool(wrong);
+    EXPECT_EQ(ran.exit, 2) << wrong;
+    EXPECT_THAT(ran.output, HasSubstr("musher-audio: ")) << wrong;
+  }
+}
+
+TEST(AudioTool, ListsThePhrases) {
+  const Ran text = RunTool("phrases");
+  EXPECT_EQ(text.exit, 0);
+  EXPECT_THAT(text.output, HasSubstr("1000 to 1100  The battery is at {number} percent."));
+  const Ran json = RunTool("phrases --json");
+  EXPECT_THAT(json.output, HasSubstr("\"zh\": \"准备好了。\""));
+  const Ran absent = RunTool("phrases --phrases /absent.toml");
+  EXPECT_EQ(absent.exit, 2);
+  EXPECT_THAT(absent.output, HasSubstr("/absent.toml: error: the file cannot be read"));
+}
+
+TEST(AudioTool, SaysThatThereIsNoAudioModule) {
+  for (const std::string command : {"say One", "say One --now"}) {
+    const Ran ran = RunTool("--namespace nowhere_at_all " + command);
+    EXPECT_EQ(ran.exit, 1) << command;
+    EXPECT_THAT(ran.output, HasSubstr("no audio module in namespace 'nowhere_at_all'"));
+  }
+  EXPECT_THAT(RunTool("--clock topic --namespace nowhere_at_all stop").output,
+              HasSubstr("nobody publishes /clock"));
+}
+
+}  // namespace
+}  // namespace musher::audio

@@ -1,0 +1,200 @@
+// Topics and services of the voice, on the simulated network, in virtual time. A stand-in makes the
+// sound, 100 ms for each character, so that no thread is needed.
+
+#include "musher/modules/audio/audio_shell.hpp"
+
+#include <gmock/gmock.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/test/modules/audio/stage.hpp"
+#include "musher/transport/sim/network.hpp"
+
+namespace musher::audio {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class StandInMaker : public SoundMaker {
+ public:
+  explicit StandInMaker(transport::EventLoop& loop) : loop_(loop) {}
+
+  void Make(const Utterance& what, Done done) override {
+    Sound sound;
+    sound.samples.resize(what.text.size() * static_cast<std::size_t>(sound.rate_hz) / 10);
+    timer_ = loop_.At(loop_.Now() + Milliseconds(5), [sound, done = std::move(done)] {
+      const Done then = done;  // the timer may be dropped in there
+      then(sound);
+    });
+  }
+  void Cancel() override { timer_.reset(); }
+
+ private:
+  transport::EventLoop& loop_;
+  transport::LoopHandlePtr timer_;
+};
+
+class VoiceOnANetwork : public ::testing::Test {
+ protected:
+  VoiceOnANetwork() {
+    config_.phrases = testing::ThePhrases();
+    shell_ = AudioShell::Make(
+                 {*dog_, *clock_, "dog1", [this](const std::string& line) { log_ += line + "\n"; }},
+                 config_, maker_, output_)
+                 .value();
+    report_ = transport::MakeSubscription<msg::Bool>(
+                  *desk_, "dog1/audio_notification_report",
+                  [this](const msg::Bool& report, const auto&) { reports_.push_back(report.data); })
+                  .value();
+    play_ = transport::MakePublisher<msg::AudioPlay>(*desk_, "dog1/speech_play").value();
+    extended_ =
+        transport::MakePublisher<msg::AudioPlayExtend>(*desk_, "dog1/speech_play_extend").value();
+    text_ = transport::MakeClient<msg::AudioTextPlay>(*desk_, "dog1/speech_text_play").value();
+    network_.RunFor(Milliseconds(500));  // discovery
+  }
+
+  using Answer = std::optional<msg::AudioTextPlay::Response>;
+
+  void Ask(const msg::AudioTextPlay::Request& request, Answer& answer) {
+    text_->Call(request, std::chrono::seconds(60), [&answer](const auto& reply) {
+      ASSERT_TRUE(reply) << reply.error().message;
+      answer = reply.value();
+    });
+  }
+  void Say(const std::string& text, Answer& answer) { Ask({"app", true, {}, text}, answer); }
+
+  template <msg::Service S>
+  typename S::Response Call(const std::string& service, const typename S::Request& request) {
+    const auto client = transport::MakeClient<S>(*desk_, "dog1/" + service).value();
+    std::optional<Result<typename S::Response>> answer;
+    client->Call(request, Milliseconds(5000), [&answer](auto reply) { answer = reply; });
+    network_.RunUntil([&] { return answer.has_value(); }, network_.now() + Milliseconds(6000));
+    EXPECT_TRUE(answer && *answer) << service;
+    return answer && *answer ? answer->value() : typename S::Response{};
+  }
+
+  transport::sim::Network network_{1};
+  std::unique_ptr<transport::Node> dog_ = network_.MakeNode("dog");
+  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
+  std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(dog_->loop());
+  AudioConfig config_;
+  StandInMaker maker_{dog_->loop()};
+  SilentOutput output_{*clock_};
+  std::string log_;
+  std::vector<bool> reports_;
+  std::unique_ptr<AudioShell> shell_;
+  std::unique_ptr<transport::Subscription> report_;
+  std::unique_ptr<transport::Publisher<msg::AudioPlay>> play_;
+  std::unique_ptr<transport::Publisher<msg::AudioPlayExtend>> extended_;
+  std::unique_ptr<transport::Client<msg::AudioTextPlay>> text_;
+};
+
+TEST_F(VoiceOnANetwork, AnswersATextAtTheEndOfItsSound) {
+  Answer answer;
+  Say("twenty characters...", answer);
+  network_.RunFor(Milliseconds(1'950));
+  EXPECT_FALSE(answer);
+  network_.RunFor(Milliseconds(100));
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(*answer, (msg::AudioTextPlay::Response{0, 0}));
+  EXPECT_THAT(reports_, ElementsAre(true, true, true, true, false));
+}
+
+TEST_F(VoiceOnANetwork, AnswersALongerTextAfterTenSeconds) {
+  Answer answer;
+  Say(std::string(200, 'a'), answer);
+  network_.RunFor(Milliseconds(9'950));
+  EXPECT_FALSE(answer);
+  network_.RunFor(Milliseconds(100));
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(*answer, (msg::AudioTextPlay::Response{1, 5007}));
+}
+
+TEST_F(VoiceOnANetwork, PlaysAPhraseWhereTheRequestIsNotOnline) {
+  Answer answer;
+  Ask({"manager", false, {"manager", 60}, "not this"}, answer);
+  network_.RunFor(Milliseconds(1'000));
+  EXPECT_EQ(answer, (msg::AudioTextPlay::Response{0, 0}));
+  EXPECT_THAT(log_, HasSubstr(R"(says "all well" for "manager")"));
+}
+
+TEST_F(VoiceOnANetwork, IsInterruptedByBothTopics) {
+  Answer first;
+  Say(std::string(50, 'a'), first);
+  network_.RunFor(Milliseconds(500));
+  ASSERT_TRUE(play_->Publish({"app", 60}));
+  network_.RunFor(Milliseconds(100));
+  EXPECT_EQ(first, (msg::AudioTextPlay::Response{1, 5021}));
+  ASSERT_TRUE(extended_->Publish({"app", true, {}, "hello"}));
+  network_.RunFor(Milliseconds(300));
+  EXPECT_THAT(log_, HasSubstr(R"(says "hello" for "app")"));
+  ASSERT_TRUE(extended_->Publish({"app", false, {"app", 60}, "not this"}));
+  network_.RunFor(Milliseconds(2'000));
+  EXPECT_THAT(log_, ::testing::Not(HasSubstr("not this")));
+  EXPECT_FALSE(reports_.back());
+}
+
+TEST_F(VoiceOnANetwork, FallsSilentByStopPlay) {
+  Answer first;
+  Answer second;
+  Say(std::string(50, 'a'), first);
+  Say(std::string(50, 'b'), second);
+  network_.RunFor(Milliseconds(500));
+  Call<msg::EmptyService>("stop_play", {});
+  EXPECT_EQ(first, (msg::AudioTextPlay::Response{1, 5022}));
+  EXPECT_EQ(second, (msg::AudioTextPlay::Response{1, 5022}));
+  EXPECT_FALSE(reports_.back());
+  network_.RunFor(Milliseconds(10'000));
+  EXPECT_THAT(log_, ::testing::Not(HasSubstr("bbb")));
+}
+
+TEST_F(VoiceOnANetwork, KeepsItsVolumeAndRefusesOneOutOfRange) {
+  EXPECT_EQ(Call<msg::AudioVolumeGet>("audio_volume_get", {}),
+            (msg::AudioVolumeGet::Response{60, 0}));
+  EXPECT_EQ(Call<msg::AudioVolumeSet>("audio_volume_set", {25}),
+            (msg::AudioVolumeSet::Response{true, 0}));
+  EXPECT_EQ(Call<msg::AudioVolumeSet>("audio_volume_set", {101}),
+            (msg::AudioVolumeSet::Response{false, 5010}));
+  EXPECT_EQ(Call<msg::AudioVolumeGet>("audio_volume_get", {}),
+            (msg::AudioVolumeGet::Response{25, 0}));
+}
+
+TEST_F(VoiceOnANetwork, KeepsTheMicrophoneAndTheVoiceControl) {
+  using Execute = msg::AudioExecute;
+  EXPECT_EQ(Call<Execute>("get_audio_state", {}), (Execute::Response{false, 0}));
+  EXPECT_EQ(Call<Execute>("set_audio_state", {"app", {msg::AudioStatus::kOffMic}}),
+            (Execute::Response{true, 0}));
+  EXPECT_EQ(Call<Execute>("get_audio_state", {}), (Execute::Response{true, 0}));
+  EXPECT_EQ(Call<Execute>("set_audio_state", {"app", {9}}), (Execute::Response{false, 5010}));
+
+  EXPECT_EQ(Call<msg::Trigger>("audio_action_get", {}), (msg::Trigger::Response{true, "on"}));
+  shell_->Enter(State(kOta));
+  EXPECT_EQ(Call<msg::Trigger>("audio_action_get", {}), (msg::Trigger::Response{false, "off"}));
+  EXPECT_EQ(Call<msg::SetBool>("audio_action_set", {true}),
+            (msg::SetBool::Response{false, "the state of the machine does not allow it"}));
+  shell_->Enter(State(kActive));
+  EXPECT_EQ(Call<msg::SetBool>("audio_action_set", {true}), (msg::SetBool::Response{true, ""}));
+}
+
+TEST_F(VoiceOnANetwork, KnowsWhichPhrasesItHas) {
+  using Query = msg::SdcardPlayIdQuery;
+  EXPECT_EQ(Call<Query>("sdcard_playid_query", {1042}), (Query::Response{true, 0}));
+  EXPECT_EQ(Call<Query>("sdcard_playid_query", {1101}), (Query::Response{false, 0}));
+}
+
+TEST_F(VoiceOnANetwork, AnswersNobodyAnyMoreWhenItIsDropped) {
+  Answer answer;
+  Say("hello", answer);
+  network_.RunFor(Milliseconds(100));
+  shell_.reset();
+  network_.RunFor(Milliseconds(2'000));
+  EXPECT_FALSE(answer);
+}
+
+}  // namespace
+}  // namespace musher::audio

@@ -1,0 +1,144 @@
+// What holds for every order of requests, sounds, failures and times.
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <functional>
+#include <map>
+#include <set>
+
+#include "musher/test/modules/audio/stage.hpp"
+
+namespace musher::audio::testing {
+namespace {
+
+using Pick = std::function<std::size_t(std::size_t below)>;
+
+// Plays the world around a player and looks at everything it does.
+class Trial {
+ public:
+  explicit Trial(Pick pick) : pick_(std::move(pick)) {}
+
+  // Why a promise is broken, or nothing.
+  std::optional<std::string> Run(int steps) {
+    for (int i = 0; i < steps && !broken_; ++i) Look(Next());
+    for (int i = 0; i < 100 && !broken_ && (making_ != 0 || playing_ != 0); ++i) Look(Finish());
+    Check(open_.empty(), "somebody is never answered");
+    Check(!stage_.player().current && stage_.player().waiting.empty(), "something never plays");
+    Check(!reported_, "sound is reported for ever");
+    return broken_;
+  }
+
+ private:
+  PlayActions Next() {
+    switch (pick_(10)) {
+      case 0:
+        return Ask(0);
+      case 1:
+      case 2:
+        return Ask(Open(stage_.now() + kAnswerTime));
+      case 3:
+        return stage_.Do(play_event::StopAsked{Open(stage_.now())});
+      case 4:
+        return stage_.Do(play_event::VolumeAsked{Open(stage_.now()), Number(150)});
+      case 5:
+        return stage_.Do(play_event::Ended{pick_(20), {}});  // often of another sound
+      case 6:
+        return stage_.Do(play_event::Made{pick_(20), {}});
+      case 7:
+        return stage_.Pass(Milliseconds(Number(4'000)));
+      default:
+        return Finish();
+    }
+  }
+
+  PlayActions Ask(CallToken token) {
+    static const std::vector<std::string> kTexts = {"hello", "", "\xFF", std::string(101, 'a')};
+    if (pick_(2) == 0) return stage_.Say(token, kTexts[pick_(kTexts.size())]);
+    static const std::vector<std::uint16_t> kIds = {60, 1050, 4711, 9999};
+    return stage_.PlayId(token, kIds[pick_(kIds.size())]);
+  }
+
+  // What is under way comes to its end, one way or the other.
+  PlayActions Finish() {
+    const Result<> result = pick_(4) == 0 ? Result<>(Error{5012, "lost"}) : Ok();
+    if (making_ != 0) return stage_.Do(play_event::Made{making_, result});
+    if (playing_ != 0) return stage_.Do(play_event::Ended{playing_, result});
+    return stage_.Pass(Milliseconds(1));
+  }
+
+  CallToken Open(Time deadline) {
+    open_[++last_token_] = deadline;
+    return last_token_;
+  }
+
+  void Look(const PlayActions& actions) {
+    // Made and Ended of a number that is under way are true whoever said them.
+    const auto* current = stage_.player().current ? &*stage_.player().current : nullptr;
+    for (const PlayAction& action : actions) {
+      std::visit([this](const auto& a) { See(a); }, action);
+    }
+    making_ = current != nullptr && !current->sounding ? current->number : 0;
+    playing_ = current != nullptr && current->sounding ? current->number : 0;
+    for (const auto& [token, deadline] : open_) {
+      Check(stage_.now() < deadline, "an answer comes too late");
+    }
+    Check(stage_.player().waiting.size() <= kMostWaiting, "too many wait");
+    Check(current != nullptr || stage_.player().waiting.empty(), "one waits for nothing");
+    Check(stage_.player().volume <= kFullVolume, "the volume is out of its range");
+    Check(playing_ == 0 || reported_, "there is sound and nobody is told");
+  }
+  void See(const play_action::Answer& answer) {
+    Check(open_.erase(answer.token) == 1, "one is answered twice, or was never asked");
+  }
+  void See(const play_action::Make& make) {
+    Check(made_.insert(make.number).second, "a sound is made twice");
+  }
+  void See(const play_action::Play& play) {
+    Check(made_.contains(play.number), "a sound is played that was not made");
+    Check(played_.insert(play.number).second, "a sound is played twice");
+  }
+  void See(const play_action::Report& report) { reported_ = report.sounds; }
+  void See(const play_action::Silence& /*silence*/) {
+    Check(making_ != 0 || playing_ != 0, "nothing is silenced");
+  }
+  template <class Other>
+  void See(const Other& /*other*/) {}
+
+  void Check(bool holds, const char* why) {
+    if (!holds && !broken_) broken_ = why;
+  }
+  int Number(std::size_t below) { return static_cast<int>(pick_(below)); }
+
+  Pick pick_;
+  Stage stage_;
+  CallToken last_token_ = 0;
+  std::map<CallToken, Time> open_;  // and when they have to be answered at the latest
+  std::set<SoundNumber> made_;
+  std::set<SoundNumber> played_;
+  SoundNumber making_ = 0;
+  SoundNumber playing_ = 0;
+  bool reported_ = false;
+  std::optional<std::string> broken_;
+};
+
+RC_GTEST_PROP(Player, KeepsItsPromisesWhateverHappens, ()) {
+  Trial trial([](std::size_t below) { return *rc::gen::inRange<std::size_t>(0, below); });
+  const auto broken = trial.Run(*rc::gen::inRange(1, 150));
+  if (broken) RC_FAIL(*broken);
+}
+
+// The same from a plain generator, without shrinking and so a lot more of it.
+TEST(Player, KeepsItsPromisesInManyLives) {
+  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
+    std::uint64_t state = seed;
+    Trial trial([&](std::size_t below) {
+      state = state * 6364136223846793005U + 1442695040888963407U;
+      return static_cast<std::size_t>(state >> 33U) % below;
+    });
+    ASSERT_EQ(trial.Run(200), std::nullopt) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace musher::audio::testing

@@ -1,0 +1,321 @@
+// What is heard, in which order, and what everybody is answered: the decision code alone.
+
+#include "musher/messages/protocol/audio.hpp"
+#include "musher/test/modules/audio/stage.hpp"
+
+namespace musher::audio::testing {
+namespace {
+
+using play_action::Answer;
+using play_action::Make;
+using play_action::Play;
+using play_action::Report;
+using play_action::SetVolume;
+using play_action::Silence;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class PlayerDecision : public ::testing::Test, protected Stage {};
+
+TEST_F(PlayerDecision, MakesTheSoundThenPlaysItAndAnswersAtItsEnd) {
+  Say(7, "Hello");
+  EXPECT_THAT(Those<Make>(), ElementsAre(Make{1, {"Hello", Language::kEnglish, {}}}));
+  EXPECT_THAT(Answers(), IsEmpty());
+  Made();
+  EXPECT_THAT(Those<Play>(), ElementsAre(Play{1}));
+  EXPECT_THAT(LogText(), HasSubstr(R"(says "Hello" for "app")"));
+  Pass(Milliseconds(9'999));
+  EXPECT_THAT(Answers(), IsEmpty());
+  Ended();
+  EXPECT_THAT(Answers(), ElementsAre(Answer{7, 0}));
+}
+
+TEST_F(PlayerDecision, SpeaksChineseByTheTextsCharactersAndPhrasesInTheConfigsLanguage) {
+  Say(1, "你好 Bob");
+  EXPECT_EQ(Those<Make>().at(0).what.language, Language::kChinese);
+  Made(), Ended();
+  Say(2, "42");
+  EXPECT_EQ(Those<Make>().at(0).what.language, Language::kEnglish);
+  Made(), Ended();
+  PlayId(3, 60);
+  EXPECT_THAT(Those<Make>(), ElementsAre(Make{3, {"all well", Language::kEnglish, {}}}));
+}
+
+TEST_F(PlayerDecision, SaysTheBatterysLevelAsANumberAndPlaysRecordings) {
+  PlayId(1, 1055);
+  EXPECT_THAT(Those<Make>(), ElementsAre(Make{1, {"at 55 percent", Language::kEnglish, {}}}));
+  Made(), Ended();
+  PlayId(2, 60'000);
+  EXPECT_EQ(Those<Make>().at(0).what.recording, "/music/waltz.wav");
+}
+
+TEST_F(PlayerDecision, LetsASecondRequestWaitForTheEndOfTheFirst) {
+  Say(1, "first");
+  Made();
+  Say(2, "second");
+  EXPECT_THAT(Those<Make>(), IsEmpty());
+  Ended();
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 0}));
+  EXPECT_THAT(Those<Make>(), ElementsAre(Make{2, {"second", Language::kEnglish, {}}}));
+}
+
+TEST_F(PlayerDecision, CountsTheTenSecondsOfOneThatWaitsFromItsRequest) {
+  Say(1, "first");
+  Made();
+  Pass(Milliseconds(2'000));
+  Say(2, "second");
+  Pass(Milliseconds(8'000));
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5007}));
+  EXPECT_THAT(Those<Silence>(), IsEmpty()) << "what sounds goes on";
+  Pass(Milliseconds(2'000));
+  EXPECT_THAT(Answers(), ElementsAre(Answer{2, 5007}));
+  Ended();
+  EXPECT_THAT(Those<Make>(), IsEmpty()) << "what had not begun by then never does";
+  EXPECT_THAT(Answers(), IsEmpty()) << "each is answered once";
+}
+
+TEST_F(PlayerDecision, AnswersTheLimitAlsoWhenTheSoundIsNeverMade) {
+  Say(1, "first");
+  EXPECT_EQ(NextTime(player()), now() + kAnswerTime);
+  Pass(kAnswerTime);
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5007}));
+  EXPECT_THAT(Those<Silence>(), SizeIs(1));
+  EXPECT_EQ(NextTime(player()), std::nullopt);
+}
+
+TEST_F(PlayerDecision, TakesASoundThatEndsWithItsLimitForOneInTime) {
+  Say(1, "ten seconds");
+  Made();
+  now() += kAnswerTime;
+  Ended();
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 0}));
+}
+
+TEST_F(PlayerDecision, InterruptsWhatPlaysByATopicAndSaysSoToTheInterrupted) {
+  Say(1, "long story");
+  Made();
+  Say(2, "waits");
+  PlayId(0, 60);
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5021}));
+  EXPECT_THAT(Those<Silence>(), SizeIs(1));
+  EXPECT_THAT(Those<Make>(), ElementsAre(Make{3, {"all well", Language::kEnglish, {}}}));
+  Made(), Ended();
+  EXPECT_THAT(Those<Make>(), ElementsAre(Make{2, {"waits", Language::kEnglish, {}}}))
+      << "those that wait go on waiting";
+}
+
+TEST_F(PlayerDecision, LetsTheNewestOfManyTopicsBeHeard) {
+  Say(0, "one");
+  Say(0, "two");
+  Say(0, "three");
+  EXPECT_EQ(player().current->what.text, "three");
+  EXPECT_THAT(player().waiting, IsEmpty());
+  EXPECT_EQ(NextTime(player()), std::nullopt) << "nobody waits for it";
+}
+
+TEST_F(PlayerDecision, DoesNotTakeTheEndOfAnInterruptedSoundForThatOfItsSuccessor) {
+  Say(1, "one");
+  Made();
+  Say(0, "two");
+  Made();
+  Do(play_event::Ended{1, {}});
+  EXPECT_EQ(player().current->what.text, "two");
+  EXPECT_THAT(Answers(), IsEmpty());
+}
+
+TEST_F(PlayerDecision, LeavesWhatPlaysAloneWhenItRefuses) {
+  Say(1, "plays");
+  Made();
+  PlayId(0, 4711);
+  EXPECT_EQ(player().current->what.text, "plays");
+  EXPECT_THAT(LogText(), HasSubstr("there is no phrase 4711"));
+}
+
+TEST_F(PlayerDecision, RefusesWhatCannotBeSaidEachWithItsCode) {
+  PlayId(1, 4711);
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5023}));
+  Say(2, "");
+  EXPECT_THAT(Answers(), ElementsAre(Answer{2, 5024}));
+  Say(3, " \n\xE3\x80\x80\t");
+  EXPECT_THAT(Answers(), ElementsAre(Answer{3, 5024}));
+  Say(4, std::string(10'240, 'a'));
+  EXPECT_THAT(Answers(), ElementsAre(Answer{4, 5025}));
+  EXPECT_THAT(LogText(), HasSubstr("the text has 10240 characters, of at most 100"));
+  Say(5, "a\xFF");
+  EXPECT_THAT(Answers(), ElementsAre(Answer{5, 5026}));
+  EXPECT_EQ(player().current, std::nullopt);
+}
+
+TEST_F(PlayerDecision, CountsCharactersNotBytes) {
+  std::string chinese;
+  for (int i = 0; i < 100; ++i) chinese += "好";
+  Say(1, chinese);
+  EXPECT_THAT(Answers(), IsEmpty());
+  Say(2, chinese + "好");
+  EXPECT_THAT(Answers(), ElementsAre(Answer{2, 5025}));
+}
+
+TEST_F(PlayerDecision, SpeaksPastAZeroInTheText) {
+  Say(1, std::string("one\0two", 7));
+  EXPECT_EQ(Those<Make>().at(0).what.text, "one two");
+}
+
+TEST_F(PlayerDecision, LetsAtMostSixteenWait) {
+  Say(1, "plays");
+  for (CallToken token = 2; token < 18; ++token) Say(token, "waits");
+  EXPECT_THAT(Answers(), IsEmpty());
+  Say(18, "one too many");
+  EXPECT_THAT(Answers(), ElementsAre(Answer{18, 5011}));
+  Say(0, "a topic");
+  EXPECT_EQ(player().current->what.text, "a topic");
+}
+
+TEST_F(PlayerDecision, StopsAllThatPlaysAndWaits) {
+  Say(1, "plays");
+  Made();
+  Say(2, "waits");
+  Do(play_event::StopAsked{3});
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5022}, Answer{2, 5022}, Answer{3, 0}));
+  EXPECT_THAT(Those<Silence>(), SizeIs(1));
+  EXPECT_EQ(player().current, std::nullopt);
+}
+
+TEST_F(PlayerDecision, StopsByTheId9999Too) {
+  Say(1, "plays");
+  PlayId(2, msg::AudioPlay::kStop);
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5022}, Answer{2, 0}));
+  Say(0, "plays");
+  PlayId(0, msg::AudioPlay::kStop);
+  EXPECT_EQ(player().current, std::nullopt);
+}
+
+TEST_F(PlayerDecision, AnswersAStopOfSilence) {
+  Do(play_event::StopAsked{1});
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 0}));
+}
+
+TEST_F(PlayerDecision, ReportsSoundEvery500MillisecondsAndItsEndOnce) {
+  Say(0, "hello");
+  EXPECT_THAT(Those<Report>(), IsEmpty()) << "not heard yet";
+  Made();
+  EXPECT_THAT(Those<Report>(), ElementsAre(Report{true}));
+  EXPECT_EQ(NextTime(player()), now() + Milliseconds(500));
+  Pass(Milliseconds(499));
+  EXPECT_THAT(Those<Report>(), IsEmpty());
+  Pass(Milliseconds(1));
+  EXPECT_THAT(Those<Report>(), ElementsAre(Report{true}));
+  Ended();
+  EXPECT_THAT(Those<Report>(), ElementsAre(Report{false}));
+  EXPECT_EQ(NextTime(player()), std::nullopt);
+  Pass(Milliseconds(500));
+  EXPECT_THAT(Those<Report>(), IsEmpty());
+}
+
+TEST_F(PlayerDecision, ReportsNoSilenceBetweenTwoSoundsOfARow) {
+  Say(1, "one");
+  Made();
+  Say(2, "two");
+  Ended();
+  EXPECT_THAT(Those<Report>(), IsEmpty());
+  Made();
+  EXPECT_THAT(Those<Report>(), ElementsAre(Report{true}));
+}
+
+TEST_F(PlayerDecision, TellsWhyASoundCouldNotBeMade) {
+  Say(1, "hello");
+  Do(play_event::Made{1, Error{5027, "espeak-ng: no"}});
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5027}));
+  EXPECT_THAT(LogText(), HasSubstr("espeak-ng: no"));
+}
+
+TEST_F(PlayerDecision, TellsALostDeviceOnceAndAnswersEveryoneAndTellsItsReturn) {
+  const Error lost{5012, "sound device hw:0: No such device"};
+  Say(1, "one");
+  Made();
+  Say(2, "two");
+  Do(play_event::Ended{Number(), lost});
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5012}));
+  EXPECT_THAT(LogText(), HasSubstr("No such device"));
+  Made();
+  Do(play_event::Ended{Number(), lost});
+  EXPECT_THAT(Answers(), ElementsAre(Answer{2, 5012}));
+  EXPECT_EQ(LogText(), "");
+  Say(3, "three");
+  Made(), Ended();
+  EXPECT_THAT(Answers(), ElementsAre(Answer{3, 0}));
+  EXPECT_THAT(LogText(), HasSubstr("the sound device is back"));
+}
+
+TEST_F(PlayerDecision, ChangesTheVolumeWithinItsRange) {
+  Do(play_event::VolumeAsked{1, 0});
+  EXPECT_THAT(Those<SetVolume>(), ElementsAre(SetVolume{0}));
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 0}));
+  Do(play_event::VolumeAsked{2, 101});
+  EXPECT_THAT(Those<SetVolume>(), IsEmpty());
+  EXPECT_THAT(Answers(), ElementsAre(Answer{2, 5010}));
+  EXPECT_EQ(player().volume, 0);
+}
+
+TEST_F(PlayerDecision, KeepsTheMicrophonesStateWithoutFallingSilent) {
+  Say(1, "plays");
+  Made();
+  Do(play_event::MicrophoneAsked{2, msg::AudioStatus::kOffMic});
+  EXPECT_THAT(Answers(), ElementsAre(Answer{2, 0}));
+  EXPECT_TRUE(player().microphone_off);
+  EXPECT_NE(player().current, std::nullopt);
+  Do(play_event::MicrophoneAsked{3, 2});
+  EXPECT_THAT(Answers(), ElementsAre(Answer{3, 5010}));
+  EXPECT_TRUE(player().microphone_off);
+}
+
+TEST_F(PlayerDecision, SwitchesVoiceControlOffForAnUpgradeAndKeepsItOff) {
+  Do(play_event::StateEntered{State(kOta)});
+  EXPECT_FALSE(player().voice_control);
+  Do(play_event::VoiceControlAsked{1, true});
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5003}));
+  Do(play_event::StateEntered{State(kActive)});
+  EXPECT_FALSE(player().voice_control) << "until somebody wants it";
+  Do(play_event::VoiceControlAsked{2, true});
+  EXPECT_TRUE(player().voice_control);
+}
+
+TEST_F(PlayerDecision, GoesOnSpeakingInEveryStateButTearDown) {
+  Say(1, "plays");
+  Made();
+  for (const auto state : {kSelfCheck, kActive, kDeActive, kProtected, kLowPower, kOta, kError}) {
+    EXPECT_THAT(Do(play_event::StateEntered{State(state)}), IsEmpty()) << state;
+  }
+  Do(play_event::StateEntered{State(kTearDown)});
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5022}));
+  EXPECT_THAT(Those<Silence>(), SizeIs(1));
+  Say(2, "hello");
+  EXPECT_THAT(Answers(), ElementsAre(Answer{2, 5003}));
+}
+
+TEST_F(PlayerDecision, KeepsWhatWasLeftOfItsTimesWhenTheWorldIsRestarted) {
+  Say(1, "plays");
+  Made();
+  Pass(Milliseconds(4'000));
+  now() = Time{} + Milliseconds(100);
+  Do(play_event::TimePassed{});
+  EXPECT_THAT(Answers(), IsEmpty());
+  Pass(Milliseconds(5'999));
+  EXPECT_THAT(Answers(), IsEmpty());
+  Pass(Milliseconds(1));
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5007}));
+}
+
+TEST_F(PlayerDecision, CountsFromTheFirstTimeOfAWorldThatWasNotThereYet) {
+  now() = Time{};
+  Say(1, "early");
+  now() = Time{} + std::chrono::hours(2);
+  Do(play_event::TimePassed{});
+  EXPECT_THAT(Answers(), IsEmpty());
+  Pass(kAnswerTime);
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5007}));
+}
+
+}  // namespace
+}  // namespace musher::audio::testing

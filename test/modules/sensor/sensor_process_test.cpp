@@ -1,0 +1,264 @@
+// musher-sensor-manager as a controller meets it, with a real musher-world: programs over DDS.
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/messages/protocol/manager.hpp"
+#include "musher/messages/protocol/motion.hpp"
+#include "musher/messages/protocol/sensor.hpp"
+#include "musher/messages/sensor_msgs/laser_scan.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/test/modules/actuator_peer.hpp"
+
+namespace musher::sensor {
+namespace {
+
+using msg::ActuatorCommand;
+using msg::SensorOperation;
+using testing::HasSubstr;
+
+const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
+                                             "Active",   "DeActive", "Protected",
+                                             "LowPower", "OTA",      "Error"};
+
+// The robot looks at a wall across the place, 2 m ahead.
+constexpr const char* kScene = R"(
+speed = 2
+start.standing = true
+body.noise = 0
+lidar.noise_m = 0
+[[wall]]
+from_m = [2.0, -3.0]
+to_m = [2.0, 3.0]
+thickness_m = 0.02
+)";
+
+constexpr const char* kFile = R"(
+self_check_ms = 3000
+start_ms = 1500
+critical = ["lidar"]
+stamp_tolerance_ms = 2000
+[lidar]
+source = "world/scan"
+[ultrasonic]
+source = "world/ultrasonic"
+[tof]
+left_head = "world/tof/left_head"
+right_head = "world/tof/right_head"
+left_rear = "world/tof/left_rear"
+right_rear = "world/tof/right_rear"
+[gps]
+source = "world/gps"
+silence_ms = 3000
+)";
+
+class SensorManagerProcess : public testing::Test {
+ protected:
+  // The machine goes by the world's clock.
+  void Start(const std::string& file = kFile) {
+    const std::string machine = peer_.folder() / "topic.toml";
+    std::string names;
+    std::string times;
+    for (const std::string& state : kAllStates) {
+      names += "\"" + state + "\", ";
+      times += "20000, ";
+    }
+    std::ofstream(machine) << "[controller]\nactuators = [\"sensor_manager\"]\nstates = [" << names
+                           << "]\ndefault_time = 20000\ndefault_state = \"Uninitialized\"\n"
+                              "clock = \"topic\"\n[actuator.sensor_manager]\nstates = ["
+                           << names << "]\ntimes = [" << times << "]\n";
+    std::ofstream(peer_.folder() / "sensors.toml") << file;
+    peer_.StartWith(
+        {"--actuator", "sensor_manager", "--config", machine, peer_.folder() / "sensors.toml"});
+  }
+  void StartWorld() {
+    std::ofstream(peer_.folder() / "scene.toml") << kScene;
+    exec::ChildSpec spec;
+    spec.argv = {MUSHER_BIN_DIR "/musher-world", peer_.folder() / "scene.toml", "--alone"};
+    spec.cwd = peer_.folder().path();
+    world_.emplace(exec::Child::Start(spec, keeper_).value());
+  }
+  void StartBoth() {
+    StartWorld();
+    Start();
+    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  }
+  void Tell(const std::string& fault) {
+    const auto faults = transport::MakePublisher<msg::String>(peer_.node(), "world/fault").value();
+    ASSERT_TRUE(peer_.Until([&] { return faults->MatchedReaders() > 0; }));
+    ASSERT_TRUE(faults->Publish({fault}));
+    ASSERT_TRUE(faults->Flush(std::chrono::seconds(5)));
+  }
+  void ExpectDone(const State& state) {
+    const auto done = peer_.Switch(state);
+    ASSERT_TRUE(done) << state;
+    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone)
+        << state << ": " << done.value().message << peer_.Output();
+  }
+  template <msg::Message M>
+  void Listen(const std::string& topic, std::optional<M>& last, int& count) {
+    subscriptions_.push_back(
+        transport::MakeSubscription<M>(peer_.node(), topic, [&](const M& message, const auto&) {
+          last = message;
+          ++count;
+        }).value());
+  }
+
+  const exec::Keeper keeper_ = exec::Keeper::Start().value();
+  test::ActuatorPeer peer_{"sensor_manager", kAllStates, "musher-sensor-manager"};
+  std::optional<exec::Child> world_;
+  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
+};
+
+TEST_F(SensorManagerProcess, SeesTheWallComeNearerWhileTheRobotWalks) {
+  std::optional<msg::LaserScan> scan;
+  std::optional<msg::Range> range;
+  std::optional<msg::HeadTofPayload> head;
+  std::optional<msg::GpsPayload> gps;
+  int scans = 0, ranges = 0, heads = 0, fixes = 0;
+  Listen("scan", scan, scans);
+  Listen("ultrasonic_payload", range, ranges);
+  Listen("head_tof_payload", head, heads);
+  Listen("gps_payload", gps, fixes);
+  StartBoth();
+  ExpectDone("SelfCheck");
+  ExpectDone("Active");
+  ASSERT_TRUE(peer_.Until([&] { return scan && range && head && gps; })) << peer_.Output();
+  const float before = scan->ranges[scan->ranges.size() / 2];
+  EXPECT_NEAR(before, 1.83, 0.1);
+  EXPECT_TRUE(std::isinf(range->range));
+  EXPECT_TRUE(head->left_head.data_available && head->right_head.data_available);
+  EXPECT_EQ(gps->fix_type, 3);
+
+  const auto board =
+      transport::MakePublisher<msg::MotionCustomCommand>(peer_.node(), "world/body_command")
+          .value();
+  ASSERT_TRUE(peer_.Until([&] { return board->MatchedReaders() > 0; }));
+  msg::MotionCustomCommand walk;
+  walk.mode = 11;
+  walk.gait_id = 27;
+  walk.life_count = 1;
+  walk.vel_des = {0.5F, 0, 0};
+  walk.duration = 2400;
+  ASSERT_TRUE(board->Publish(walk));
+  ASSERT_TRUE(peer_.Until([&] { return scan->ranges[scan->ranges.size() / 2] < before - 0.8F; }));
+  EXPECT_TRUE(peer_.Until([&] { return std::isfinite(range->range); })) << peer_.Output();
+  EXPECT_LT(range->range, 1);
+}
+
+TEST_F(SensorManagerProcess, LetsTheWorldRestInLowPowerAndWakesItAgain) {
+  std::optional<msg::LaserScan> scan;
+  int scans = 0;
+  Listen("scan", scan, scans);
+  StartBoth();
+  // A world's publisher that nobody is matched with makes nothing: our own stands in for it.
+  const auto probe = transport::MakePublisher<msg::LaserScan>(peer_.node(), "world/scan",
+                                                              transport::kSensorDataQos)
+                         .value();
+  const auto tof = transport::MakePublisher<msg::SingleTofPayload>(
+                       peer_.node(), "world/tof/left_rear", transport::kSensorDataQos)
+                       .value();
+  ASSERT_TRUE(peer_.Until([&] { return probe->MatchedReaders() == 1; }));
+  ExpectDone("Active");
+  ASSERT_TRUE(peer_.Until([&] { return scans > 0; })) << peer_.Output();
+  ExpectDone("LowPower");
+  EXPECT_TRUE(
+      peer_.Until([&] { return probe->MatchedReaders() == 0 && tof->MatchedReaders() == 0; }));
+  ExpectDone("Active");
+  EXPECT_EQ(probe->MatchedReaders(), 1);
+  const int before = scans;
+  EXPECT_TRUE(peer_.Until([&] { return scans > before; }));
+  ExpectDone("TearDown");
+  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+}
+
+TEST_F(SensorManagerProcess, LivesThroughAllStates) {
+  StartBoth();
+  for (const char* state :
+       {"SelfCheck", "Active", "DeActive", "Protected", "OTA", "Error", "SelfCheck", "TearDown"}) {
+    ExpectDone(state);
+  }
+  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+}
+
+TEST_F(SensorManagerProcess, ChecksItselfAlsoWhereItsSensorsSleep) {
+  StartBoth();
+  ExpectDone("LowPower");
+  ExpectDone("SelfCheck");
+}
+
+TEST_F(SensorManagerProcess, FailsItsSelfCheckWithTheCriticalCodeAlone) {
+  Start("self_check_ms = 200\ncritical = [\"tof\"]\n" +
+        std::string(kFile).substr(std::string(kFile).find("[lidar]")));
+  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  const auto checked = peer_.Switch("SelfCheck");
+  ASSERT_TRUE(checked);
+  EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
+  EXPECT_EQ(checked.value().code, 2209);
+  EXPECT_THAT(checked.value().message, HasSubstr("tof (critical): left_head: nothing was heard"));
+  EXPECT_THAT(checked.value().message, testing::Not(HasSubstr("lidar")));
+}
+
+TEST_F(SensorManagerProcess, NamesAllThatFailUnderTheCodeOfTheFirst) {
+  Start("self_check_ms = 200\nskip = [\"ultrasonic\"]\n" +
+        std::string(kFile).substr(std::string(kFile).find("[lidar]")));
+  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  const auto checked = peer_.Switch("SelfCheck");
+  ASSERT_TRUE(checked);
+  EXPECT_EQ(checked.value().code, 2109);
+  EXPECT_THAT(checked.value().message,
+              testing::AllOf(HasSubstr("lidar: nothing was heard of it yet, 2109; tof: "),
+                             HasSubstr("gps: "), testing::Not(HasSubstr("ultrasonic"))));
+}
+
+TEST_F(SensorManagerProcess, ReportsALidarThatFallsSilentAndDoesNotGetUpWithoutIt) {
+  std::optional<msg::NodeError> error;
+  int errors = 0;
+  Listen("node_errors", error, errors);
+  StartBoth();
+  ExpectDone("Active");
+  Tell("lidar");
+  ASSERT_TRUE(peer_.Until([&] { return error.has_value(); })) << peer_.Output();
+  EXPECT_EQ(error->name, "sensor_manager");
+  EXPECT_EQ(error->code, 2107);
+  EXPECT_THAT(peer_.Output(), HasSubstr("lidar: silent for 1000 ms (2107 (Lidar: Timeout))"));
+  ExpectDone("LowPower");
+  const auto up = peer_.Switch("Active");
+  ASSERT_TRUE(up);
+  EXPECT_EQ(up.value().verdict, ActuatorCommand::kVerdictFailed);
+  EXPECT_EQ(up.value().code, 2101);
+  EXPECT_EQ(up.value().status.state, "LowPower");
+  Tell("none");
+  ExpectDone("Active");
+}
+
+TEST_F(SensorManagerProcess, IsOperatedByHand) {
+  StartBoth();
+  const auto client =
+      transport::MakeClient<SensorOperation>(peer_.node(), "sensor_operation").value();
+  const auto ask = [&](std::uint16_t id, std::uint8_t operation) {
+    std::optional<Result<SensorOperation::Response>> answer;
+    client->Call({id, operation}, std::chrono::seconds(20), [&](auto reply) { answer = reply; });
+    EXPECT_TRUE(peer_.Until([&] { return answer.has_value(); }));
+    return answer->value().code;
+  };
+  EXPECT_EQ(ask(SensorOperation::kLidar, SensorOperation::kClose), 2103);
+  EXPECT_EQ(ask(SensorOperation::kAll, SensorOperation::kStop), 0);
+  EXPECT_EQ(ask(SensorOperation::kAll, SensorOperation::kClose), 0);
+  EXPECT_EQ(ask(SensorOperation::kTof, SensorOperation::kStart), 2203);
+}
+
+TEST_F(SensorManagerProcess, ExplainsAFaultyFileAndEndsWithTwo) {
+  Start("[lidar]\nsource = \"scan\"\n");
+  EXPECT_EQ(peer_.AwaitExit(), 2);
+  EXPECT_THAT(peer_.Output(), HasSubstr("sensors.toml:2:10: error: lidar.source"));
+}
+
+}  // namespace
+}  // namespace musher::sensor
