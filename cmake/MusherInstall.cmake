@@ -16,6 +16,10 @@ foreach(folder lifecycle messages transport actuator controller simulation)
           PATTERN "controller/cli" EXCLUDE
           PATTERN "idl" EXCLUDE)
 endforeach()
+foreach(header document findings module_file table_reader)  # for the TOML file of a module
+  install(FILES ${CMAKE_SOURCE_DIR}/lifecycle/toml/${header}.hpp
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/lifecycle/toml)
+endforeach()
 install(FILES ${CMAKE_SOURCE_DIR}/transport/dds/dds_node.hpp
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/transport/dds)
 
