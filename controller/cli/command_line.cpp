@@ -29,12 +29,13 @@ A first tour:
   musher history --why             why the machine is in its state
   musher replay journal.sqlite     the same decisions once more, without a robot
   musher keys init robot.toml      from now on let in only those with keys
+  musher ota install BUNDLE        a new version, or the one before if it does not come up
   musher down                      take the machine down
 
 Exit codes: 0 done; 1 refused, undone or done without some (reason on stderr); 2 wrong usage or
 config; 3 no controller found; 4 the controller did not answer in time; 130 interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS,
-MUSHER_IDENTITY, CYCLONEDDS_URI, NO_COLOR.)";
+MUSHER_IDENTITY, MUSHER_OTA_ROOT, CYCLONEDDS_URI, NO_COLOR.)";
 
 // Not CLI::Range, for which "nan" is in every range.
 CLI::Validator InSeconds() {
@@ -75,6 +76,7 @@ Grammar::Grammar() : app_(std::make_unique<CLI::App>(kDescription, "musher")) {
   AddConfigCommands();
   AddMachineCommands();
   AddKeysCommands();
+  AddOtaCommands();
 }
 
 std::variant<CommandLine, ParseEnd> Grammar::Parse(int argc, const char* const* argv) {

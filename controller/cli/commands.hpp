@@ -32,6 +32,15 @@ ExitCode KeysAdd(const KeysAddOptions& options, const GlobalOptions& global, Con
 ExitCode KeysRevoke(const KeysRevokeOptions& options, const GlobalOptions& global,
                     Console& console);
 ExitCode KeysList(const GlobalOptions& global, Console& console);
+ExitCode OtaKeygen(const OtaKeygenOptions& options, Console& console);
+ExitCode OtaBundle(const OtaBundleOptions& options, Console& console);
+ExitCode OtaInit(const OtaInitOptions& options, Console& console);
+ExitCode OtaVerify(const OtaVerifyOptions& options, const GlobalOptions& global, Console& console);
+ExitCode OtaInstall(const OtaInstallOptions& options, const GlobalOptions& global,
+                    Console& console);
+ExitCode OtaStatus(const OtaStatusOptions& options, const GlobalOptions& global, Console& console);
+ExitCode OtaRollback(const OtaRollbackOptions& options, const GlobalOptions& global,
+                     Console& console);
 ExitCode Completion(const CompletionOptions& options, Console& console);
 
 }  // namespace musher::cli

@@ -57,6 +57,11 @@ void Console::Print(std::string_view text) {
   out_.flush();
 }
 
+void Console::Redraw(std::string_view text) {
+  out_ << text;
+  out_.flush();
+}
+
 void Console::Note(std::string_view text) {
   err_ << Printable(text) << '\n';
   err_.flush();

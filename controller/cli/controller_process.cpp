@@ -35,13 +35,15 @@ void PutOwnFolderFirstInPath() {
 
 }  // namespace
 
-ControllerProcess::ControllerProcess(const MachineConfig& config, transport::UniqueFd progress,
-                                     pid_t front, bool takeover)
+ControllerProcess::ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
+                                     transport::UniqueFd progress, pid_t front, bool takeover)
     : config_(config),
+      run_(std::move(run)),
       front_(front),
       takeover_(takeover),
       signals_(TakeEndSignals()),
       let_go_(TakeSignals({kLetGoSignal})),
+      again_(run_ ? TakeSignals({kStartAgainSignal}) : transport::UniqueFd()),
       progress_(loop_, std::move(progress)),
       log_(config.log.empty() ? config.state_dir + "/controller.log" : config.log),
       service_manager_(loop_, config) {}
@@ -54,6 +56,8 @@ int ControllerProcess::Run() {
   LeaveTerminal();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full
   PutOwnFolderFirstInPath();
+  if (run_) PutSlotFirstInPath(*run_);
+  if (run_) EndOtherSlot(*run_);
   if (const auto begun = Begin(); !begun) {
     Tell(Progress::kNotStarted, begun.error().message, begun.error().code);
     return static_cast<int>(ExitCode::kUsage);
@@ -61,6 +65,7 @@ int ControllerProcess::Run() {
   loop_.Run();
   controller_->FlushJournal(kLastWords);
   loop_.RunUntil([] { return false; }, loop_.Now());  // what the journal had to say about that
+  if (start_again_) return static_cast<int>(exit_);
   if (exit_ == ExitCode::kDone) Tell(Progress::kStopped, config_.name + " is stopped");
   return static_cast<int>(exit_);
 }
@@ -86,7 +91,45 @@ Result<> ControllerProcess::Begin() {
     if (NextSignal(let_go_, &sender) == 0) return;
     controller_->shell().LetGo("process " + std::to_string(sender) + " of this host");
   });
+  if (run_) BeginRun();
   return Ok();
+}
+
+void ControllerProcess::BeginRun() {
+  if (auto claimed = claim_.Take(run_->root); !claimed) OnTrouble(claimed.error().message);
+  if (!run_->told.empty()) {
+    controller_->shell().Remark(run_->on_trial ? kCodeOk : kCodeFailed, run_->told);
+  }
+  again_watch_ = loop_.WhenReadable(again_.get(), [this] {
+    pid_t sender = 0;
+    if (NextSignal(again_, &sender) == 0) return;
+    StartAgain("process " + std::to_string(sender) + " asks for a start from the slot that is due");
+  });
+  if (!run_->on_trial) return;
+  trial_.emplace(
+      loop_, *run_, config_, [this] { return &controller_->shell().machine(); },
+      [this](const Result<>& outcome) { OnTrialEnd(outcome); });
+  if (start_up_ && !start_up_->usable) trial_->Fail({kCodeFailed, start_up_->message});
+}
+
+void ControllerProcess::OnTrialEnd(const Result<>& outcome) {
+  const std::string what =
+      "version " + run_->version + " in slot " + std::string(ota::SlotName(run_->slot));
+  if (!outcome) {
+    return StartAgain(what + " is not kept: " + outcome.error().message);
+  }
+  controller_->shell().Remark(kCodeOk, what + " is kept: it is up, and its self-check is good");
+  if (start_up_) OnStartUpEnded(*start_up_);
+}
+
+// As `musher down`, but this process goes on as a new one.
+void ControllerProcess::StartAgain(const std::string& why) {
+  const Phase phase = controller_->shell().machine().phase;
+  if (start_again_ || phase == Phase::kStopping || phase == Phase::kStopped) return;
+  start_again_ = true;
+  service_manager_.StartsAgain();
+  controller_->shell().Remark(kCodeOk, why);
+  TakeDown();
 }
 
 ControllerOptions ControllerProcess::Options() {
@@ -94,7 +137,11 @@ ControllerOptions ControllerProcess::Options() {
   options.takeover = takeover_;
   options.hooks.on_record = [this](const action::Record& record) { OnRecord(record); };
   options.hooks.on_start_up_ended = [this](const action::StartUpEnded& e) { OnStartUpEnded(e); };
-  options.hooks.on_stopped = [this] { loop_.Stop(); };
+  options.hooks.on_stopped = [this] {
+    // Somebody took it down before it was known whether it is any good.
+    if (trial_) trial_->Fail({kCodeFailed, "the machine was taken down before it was up"});
+    loop_.Stop();
+  };
   options.hooks.on_fenced = [this](const std::string& message) { OnFenced(message); };
   options.on_trouble = [this](const std::string& message) {  // from any thread
     loop_.Post([this, message] { OnTrouble(message); });
@@ -118,6 +165,12 @@ void ControllerProcess::OnRecord(const action::Record& record) {
 void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
   // It ends what an earlier controller had begun to end: nothing stays up, and the front stays.
   if (controller_->shell().machine().phase == Phase::kStopping) return;
+  const bool judged = trial_ && !trial_->under_way();
+  if (run_ && run_->on_trial && !judged) {
+    start_up_ = ended;
+    if (trial_ && !ended.usable) trial_->Fail({kCodeFailed, ended.message});
+    return;
+  }
   // The front leaves after a failed start, and the machine stays up for inspection.
   if (!ended.usable) prctl(PR_SET_PDEATHSIG, 0);
   service_manager_.StartUpEnded(ended);

@@ -7,19 +7,24 @@
 //                 └──────────────────┴─▶ "not-started" to the front ─▶ exit code 2
 //   led by another controller from now on: "fenced" to the front ─▶ exit code 1
 //
-// In every case the actuators' processes go on.
+// In the latter two the actuators' processes go on.
+//
+// A machine that was started from a root (slot_run.hpp) may end to start again, from another slot:
+// Run() returns when it is stopped, and StartsAgain() holds.
 //
 // Threads: the loop's; the journal and Cyclone have their own.
 
 #include <sys/types.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "musher/controller/cli/controller_log.hpp"
 #include "musher/controller/cli/exit_code.hpp"
 #include "musher/controller/cli/progress.hpp"
 #include "musher/controller/cli/service_manager.hpp"
+#include "musher/controller/cli/slot_run.hpp"
 #include "musher/controller/controller.hpp"
 #include "musher/lifecycle/config.hpp"
 #include "musher/transport/linux_event_loop.hpp"
@@ -30,14 +35,18 @@ class ControllerProcess {
  public:
   // `front`: the process that must not outlive us in the foreground - if it dies, so do we, until
   // start-up has failed; 0: nobody.
-  ControllerProcess(const MachineConfig& config, transport::UniqueFd progress, pid_t front,
-                    bool takeover);
+  ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
+                    transport::UniqueFd progress, pid_t front, bool takeover);
 
   // In a new process, before it has threads. Gives its exit code.
   int Run();
+  bool StartsAgain() const { return start_again_; }
 
  private:
   Result<> Begin();
+  void BeginRun();
+  void OnTrialEnd(const Result<>& outcome);
+  void StartAgain(const std::string& why);
   ControllerOptions Options();
   void OnRecord(const action::Record& record);
   void OnStartUpEnded(const action::StartUpEnded& ended);
@@ -47,11 +56,14 @@ class ControllerProcess {
   void Tell(const std::string& kind, const std::string& message, std::int32_t code = kCodeOk);
 
   const MachineConfig& config_;
+  const std::optional<SlotRun> run_;
   const pid_t front_;
   const bool takeover_;
+  bool start_again_ = false;
   ExitCode exit_ = ExitCode::kDone;
   transport::UniqueFd signals_;
   transport::UniqueFd let_go_;
+  transport::UniqueFd again_;
   transport::LinuxEventLoop loop_;
   ProgressSender progress_;
   ControllerLog log_;
@@ -60,6 +72,10 @@ class ControllerProcess {
   std::unique_ptr<Controller> controller_;
   transport::LoopHandlePtr signal_watch_;
   transport::LoopHandlePtr let_go_watch_;
+  transport::LoopHandlePtr again_watch_;
+  RootClaim claim_;
+  std::optional<action::StartUpEnded> start_up_;  // of a version on trial, not told yet
+  std::optional<Trial> trial_;
 };
 
 }  // namespace musher::cli

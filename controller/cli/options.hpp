@@ -29,9 +29,15 @@ struct CheckOptions {
   std::vector<std::string> files;
 };
 struct UpOptions {
-  std::string file;
+  std::string file;  // or a root of upgrades
   bool detach = false;
   bool takeover = false;  // from a living controller
+  // A controller that starts again: its connection to the front, and the front's pid or 0.
+  struct Resume {
+    int progress = -1;
+    int front = 0;
+  };
+  std::optional<Resume> resume;
 };
 struct DownOptions {};
 struct StatusOptions {
@@ -111,6 +117,40 @@ struct KeysRevokeOptions {
   std::string name;
 };
 struct KeysListOptions {};
+struct OtaKeygenOptions {
+  std::string name;  // of the two files, without .key and .pub
+};
+struct OtaBundleOptions {
+  std::string folder;
+  std::string version;
+  std::string min_version;  // may be empty
+  std::string robot;        // empty: the machine's name, from the config
+  std::string config = "robot.toml";
+  std::string key;  // file of the private key
+  std::string out;
+};
+struct OtaInitOptions {
+  std::string root;
+  std::string bundle;
+  std::string key;  // file of the public key
+  std::string config = "robot.toml";
+};
+struct OtaVerifyOptions {
+  std::string bundle;
+  std::string root;  // empty: $MUSHER_OTA_ROOT, else that of the machine that runs
+  std::string key;   // of a bundle that no root is there for
+};
+struct OtaInstallOptions {
+  std::string bundle;
+  std::string root;
+  bool allow_downgrade = false;
+};
+struct OtaStatusOptions {
+  std::string root;
+};
+struct OtaRollbackOptions {
+  std::string root;
+};
 struct CompletionOptions {
   std::string shell;  // "bash" or "zsh"
 };
@@ -120,7 +160,9 @@ using CommandOptions =
                  EstopOptions, CapabilitiesOptions, WakeOptions, KeepOptions, LowPowerOptions,
                  PowerOffOptions, RebootOptions, PlanOptions, HistoryOptions, ReplayOptions,
                  GraphOptions, SimulateOptions, KeysInitOptions, KeysAddOptions, KeysRevokeOptions,
-                 KeysListOptions, CompletionOptions>;
+                 KeysListOptions, OtaKeygenOptions, OtaBundleOptions, OtaInitOptions,
+                 OtaVerifyOptions, OtaInstallOptions, OtaStatusOptions, OtaRollbackOptions,
+                 CompletionOptions>;
 
 struct CommandLine {
   GlobalOptions global;

@@ -44,6 +44,13 @@ struct Dispatch {
   ExitCode operator()(const KeysAddOptions& o) const { return KeysAdd(o, global, console); }
   ExitCode operator()(const KeysRevokeOptions& o) const { return KeysRevoke(o, global, console); }
   ExitCode operator()(const KeysListOptions&) const { return KeysList(global, console); }
+  ExitCode operator()(const OtaKeygenOptions& o) const { return OtaKeygen(o, console); }
+  ExitCode operator()(const OtaBundleOptions& o) const { return OtaBundle(o, console); }
+  ExitCode operator()(const OtaInitOptions& o) const { return OtaInit(o, console); }
+  ExitCode operator()(const OtaVerifyOptions& o) const { return OtaVerify(o, global, console); }
+  ExitCode operator()(const OtaInstallOptions& o) const { return OtaInstall(o, global, console); }
+  ExitCode operator()(const OtaStatusOptions& o) const { return OtaStatus(o, global, console); }
+  ExitCode operator()(const OtaRollbackOptions& o) const { return OtaRollback(o, global, console); }
   ExitCode operator()(const CompletionOptions& o) const { return Completion(o, console); }
 };
 

@@ -26,6 +26,8 @@ class ServiceManager {
   void StartUpEnded(const action::StartUpEnded& ended);
   // STATUS= whenever the words change, STOPPING=1 as soon as the machine is taken down.
   void Follow(const Machine& machine);
+  // The machine will be taken down to be started again: that is no end of the service.
+  void StartsAgain() { stopping_ = true; }
   // STOPPING=1, and STATUS= with why: another controller leads the machine.
   void Fenced(const std::string& why);
 

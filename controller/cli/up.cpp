@@ -1,6 +1,11 @@
-// musher up FILE: starts a machine. The controller gets a process of its own, forked before there
-// is a thread or a socket of DDS; this one stays in the foreground and shows what happens.
+// musher up FILE|ROOT: starts a machine. The controller gets a process of its own, forked before
+// there is a thread or a socket of DDS; this one stays in the foreground and shows what happens.
+//
+// The controller of a root's machine may have to start again from another slot. It executes this
+// program anew, in the same process and with --resume: so its front, systemd and whoever else knows
+// it by its pid notice nothing, and nothing of the machine before is left in its memory.
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -8,12 +13,15 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/config_file.hpp"
 #include "musher/controller/cli/controller_process.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/signals.hpp"
+#include "musher/controller/cli/slot_run.hpp"
 #include "musher/controller/cli/up_front.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/host.hpp"
@@ -24,13 +32,76 @@ namespace {
 
 constexpr unsigned kLeaveTime = 2;  // seconds, for leaving the domain
 
-volatile std::sig_atomic_t exit_code_in_time = 0;
+// How a controller process ends when it has been left by DDS or its time for that is over.
+struct End {
+  int exit_code = 0;
+  std::vector<char*> argv;  // of the program to execute instead; may be empty
+  std::vector<char*> environment;
+  std::string program;
+};
+End the_end;  // for a signal handler, which has no other way to it
+
+// Async-signal-safe.
+[[noreturn]] void EndNow() {
+  if (!the_end.argv.empty()) {
+    alarm(0);  // it would go on
+    sigset_t alarms;
+    sigemptyset(&alarms);
+    sigaddset(&alarms, SIGALRM);
+    sigprocmask(SIG_UNBLOCK, &alarms, nullptr);
+    execve(the_end.program.c_str(), the_end.argv.data(), the_end.environment.data());
+    the_end.exit_code = static_cast<int>(ExitCode::kUsage);
+  }
+  _exit(the_end.exit_code);
+}
 
 // DDS waits for ever to leave a network that has gone. By now all is said and done.
-void EndWithin(unsigned seconds, int exit_code) {
-  exit_code_in_time = exit_code;
-  std::signal(SIGALRM, [](int) { _exit(exit_code_in_time); });
+void EndWithin(unsigned seconds) {
+  std::signal(SIGALRM, [](int) { EndNow(); });
   alarm(seconds);
+}
+
+// What a controller needs to start again.
+struct Again {
+  std::vector<std::string> words;
+  std::vector<std::string> environment;  // as it was before this process changed it
+
+  Again(const UpOptions& options, int progress, pid_t front)
+      : words{"musher", "up", options.file, "--resume",
+              std::to_string(progress) + "," + std::to_string(front)} {
+    for (char** variable = environ; *variable != nullptr; ++variable) {
+      environment.emplace_back(*variable);
+    }
+  }
+  void Prepare() {
+    std::error_code error;
+    the_end.program = std::filesystem::read_symlink("/proc/self/exe", error);
+    // A package may have replaced it meanwhile, or be just about to.
+    if (error || !std::filesystem::exists(the_end.program, error)) {
+      the_end.program = "/proc/self/exe";
+    }
+    for (std::string& word : words) the_end.argv.push_back(word.data());
+    for (std::string& variable : environment) the_end.environment.push_back(variable.data());
+    the_end.argv.push_back(nullptr);
+    the_end.environment.push_back(nullptr);
+  }
+};
+
+// What is to be started: a state config, or the slot of a root that is due.
+struct Target {
+  MachineConfig config;
+  std::optional<SlotRun> run;
+};
+
+std::optional<Target> ChooseTarget(const UpOptions& options, Console& console) {
+  if (std::filesystem::is_directory(options.file)) {
+    auto chosen = ChooseSlot(options.file, options.takeover, console);
+    if (!chosen) return std::nullopt;
+    return Target{std::move(chosen->config), std::move(chosen->run)};
+  }
+  auto config = LoadConfig(options.file, console);
+  if (!config) return std::nullopt;
+  return Target{std::move(*config), std::nullopt};
 }
 
 constexpr std::chrono::days kSoon(30);
@@ -60,26 +131,57 @@ Result<> CheckKeys(const MachineConfig& config, Console& console) {
 
 }  // namespace
 
-ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& console) {
-  auto config = LoadConfig(options.file, console);
-  if (!config) return ExitCode::kUsage;
-  config->file = std::filesystem::absolute(config->file);  // for actuators that run elsewhere
-  transport::DdsOptions dds;
-  dds.profile = config->transport;
-  const auto profile = transport::Profile(dds);
-  if (!profile) return console.Fail({ExitCode::kUsage, profile.error()});
-  config->transport = profile.value();  // what is made of silence goes by it, too
-  if (global.name_space_given && global.name_space != config->name_space) {
-    return console.Fail(
-        {ExitCode::kUsage,
-         {kCodeParametersInvalid,
-          "the namespace of a machine is in its config, since its actuators read it "
-          "there: " +
-              options.file + " says '" + config->name_space + "'"}});
+namespace {
+
+// Leads the machine in this process, which has neither threads nor DDS yet.
+[[noreturn]] void Lead(const UpOptions& options, Target& target, transport::UniqueFd progress,
+                       pid_t front) {
+  fcntl(progress.get(), F_SETFD, FD_CLOEXEC);  // the one that was handed on is not
+  // Kept for the program that comes after this one; those that the machine is made of get none.
+  const transport::UniqueFd kept(fcntl(progress.get(), F_DUPFD_CLOEXEC, 0));
+  Again again(options, kept.get(), front);
+  {
+    ControllerProcess process(target.config, target.run, std::move(progress), front,
+                              options.takeover);
+    the_end.exit_code = process.Run();
+    if (process.StartsAgain()) again.Prepare();
+    EndWithin(kLeaveTime);
   }
-  if (auto good = CheckKeys(*config, console); !good)
+  if (the_end.argv.empty()) std::exit(the_end.exit_code);  // NOLINT(concurrency-mt-unsafe)
+  fcntl(kept.get(), F_SETFD, 0);
+  EndNow();
+}
+
+Result<> Judge(Target& target, const UpOptions& options, const GlobalOptions& global,
+               Console& console) {
+  MachineConfig& config = target.config;
+  config.file = std::filesystem::absolute(config.file);  // for actuators that run elsewhere
+  transport::DdsOptions dds;
+  dds.profile = config.transport;
+  const auto profile = transport::Profile(dds);
+  if (!profile) return profile.error();
+  config.transport = profile.value();  // what is made of silence goes by it, too
+  if (global.name_space_given && global.name_space != config.name_space) {
+    return Error{kCodeParametersInvalid,
+                 "the namespace of a machine is in its config, since its actuators read it "
+                 "there: " +
+                     options.file + " says '" + config.name_space + "'"};
+  }
+  return CheckKeys(config, console);
+}
+
+}  // namespace
+
+ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& console) {
+  auto target = ChooseTarget(options, console);
+  if (!target) return ExitCode::kUsage;
+  if (auto good = Judge(*target, options, global, console); !good) {
     return console.Fail({ExitCode::kUsage, good.error()});
-  if (!console.mode().json) console.Print(config->name + ": " + ConfigSummary(*config));
+  }
+  if (options.resume)
+    Lead(options, *target, transport::UniqueFd(options.resume->progress), options.resume->front);
+  const MachineConfig& config = target->config;
+  if (!console.mode().json) console.Print(config.name + ": " + ConfigSummary(config));
 
   transport::UniqueFd signals = TakeEndSignals();  // before: none may come in between
   auto [ours, theirs] = MakeProgressPair();
@@ -89,17 +191,10 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
   if (controller == 0) {
     signals = {};
     ours = {};
-    int exit_code = 0;
-    {
-      ControllerProcess process(*config, std::move(theirs), options.detach ? 0 : front,
-                                options.takeover);
-      exit_code = process.Run();
-      EndWithin(kLeaveTime, exit_code);
-    }
-    std::exit(exit_code);  // NOLINT(concurrency-mt-unsafe)
+    Lead(options, *target, std::move(theirs), options.detach ? 0 : front);
   }
   theirs = {};
-  return UpFront(console, config->name, controller, std::move(ours), std::move(signals),
+  return UpFront(console, config.name, controller, std::move(ours), std::move(signals),
                  options.detach)
       .Run();
 }

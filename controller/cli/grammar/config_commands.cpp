@@ -13,12 +13,27 @@ void Grammar::AddConfigCommands() {
 
   auto up = std::make_shared<UpOptions>();
   command = AddCommand("up", "Start a machine and stay with it; Ctrl-C takes it down", up);
-  command->add_option("FILE", up->file, "State config (TOML)")->required()->type_name("");
+  command
+      ->add_option("FILE", up->file,
+                   "State config (TOML), or a folder with upgrades as\n"
+                   "`musher ota init` makes it")
+      ->required()
+      ->type_name("");
   command->add_flag("-d,--detach", up->detach,
                     "Return when the start has ended; the machine stays up");
   command->add_flag("--takeover", up->takeover,
                     "End a controller that leads this machine; its actuators\n"
                     "go on and are taken over");
+  // How a controller executes this program when it starts again; for nobody else.
+  command
+      ->add_option_function<std::vector<int>>(
+          "--resume",
+          [up](const std::vector<int>& values) {
+            up->resume = UpOptions::Resume{values.at(0), values.at(1)};
+          })
+      ->expected(2)
+      ->delimiter(',')
+      ->group("");
 
   auto graph = std::make_shared<GraphOptions>();
   command = AddCommand("graph", "Draw the states of a config, or its actuators", graph);

@@ -33,9 +33,9 @@ class Grammar {
     return AddTo(*app_, name, what, [options] { return *options; });
   }
   template <class Options>
-  CLI::App* AddKeysCommand(CLI::App& keys, const std::string& name, const std::string& what,
-                           std::shared_ptr<Options> options) {
-    return AddTo(keys, name, what, [options] { return *options; });
+  CLI::App* AddSubcommand(CLI::App& group, const std::string& name, const std::string& what,
+                          std::shared_ptr<Options> options) {
+    return AddTo(group, name, what, [options] { return *options; });
   }
   CLI::App* AddTo(CLI::App& parent, const std::string& name, const std::string& what,
                   std::function<CommandOptions()> take);
@@ -47,6 +47,7 @@ class Grammar {
   void AddSwitchingCommands();
   void AddPolicyCommands();
   void AddKeysCommands();
+  void AddOtaCommands();
   std::string Complaint(const CLI::ParseError& e) const;
   void TakeGlobalOptions();
 

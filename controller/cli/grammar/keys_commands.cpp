@@ -18,7 +18,7 @@ void Grammar::AddKeysCommands() {
   };
 
   auto init = std::make_shared<KeysInitOptions>();
-  auto* command = AddKeysCommand(*keys, "init", "Make a machine's CAs and first identities", init);
+  auto* command = AddSubcommand(*keys, "init", "Make a machine's CAs and first identities", init);
   command
       ->add_option("WHERE", init->where,
                    "A state config with [security]: for the controller,\n"
@@ -31,7 +31,7 @@ void Grammar::AddKeysCommands() {
   command->add_flag("--force", init->force, "Replace those that are there");
 
   auto add = std::make_shared<KeysAddOptions>();
-  command = AddKeysCommand(*keys, "add", "Make one more identity", add);
+  command = AddSubcommand(*keys, "add", "Make one more identity", add);
   command->add_option("NAME", add->name, "An actuator's, or a person's")->required()->type_name("");
   command->add_option("--role", add->role, "What it may do; default actuator")
       ->check(CLI::IsMember({"controller", "actuator", "operator", "observer"}).description(""))
@@ -40,11 +40,11 @@ void Grammar::AddKeysCommands() {
   command->add_flag("--force", add->force, "Replace it, and revoke the one before");
 
   auto revoke = std::make_shared<KeysRevokeOptions>();
-  command = AddKeysCommand(*keys, "revoke", "Let an identity in no more", revoke);
+  command = AddSubcommand(*keys, "revoke", "Let an identity in no more", revoke);
   command->add_option("NAME", revoke->name, "Whose certificate")->required()->type_name("");
 
-  AddKeysCommand(*keys, "list", "Show who has keys, as what, until when",
-                 std::make_shared<KeysListOptions>());
+  AddSubcommand(*keys, "list", "Show who has keys, as what, until when",
+                std::make_shared<KeysListOptions>());
 }
 
 }  // namespace musher::cli

@@ -2,6 +2,7 @@
 // The JSON documents of `--json`, each on one line. Their keys are a contract: keys may be added,
 // none is renamed or removed.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "musher/controller/cli/latching.hpp"
 #include "musher/controller/cli/progress.hpp"
 #include "musher/controller/cli/why.hpp"
+#include "musher/controller/ota/manifest.hpp"
+#include "musher/controller/ota/slots.hpp"
 #include "musher/controller/recording/replay.hpp"
 #include "musher/lifecycle/diagnostic.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
@@ -36,6 +39,27 @@ std::string CheckJson(const std::vector<Diagnostic>& diagnostics);
 std::string BadConfigJson(const std::string& file, const std::vector<Diagnostic>& diagnostics);
 std::string KeysJson(const std::string& folder,
                      const std::vector<transport::keys::Identity>& identities);
+// A robot with upgrades, as `musher ota status` shows it.
+struct OtaRobot {
+  struct SlotInfo {
+    std::string slot;
+    std::string role;
+    std::string version;  // empty: none that may be started
+    std::string fault;    // why not
+  };
+  std::string robot;
+  std::string root;
+  int pid = 0;  // of its controller; 0: it does not run
+  std::optional<ota::TrialEnd> last;
+  std::vector<SlotInfo> slots;
+};
+std::string OtaStatusJson(const OtaRobot& robot);
+std::string OtaStepJson(const std::string& step, std::uint64_t bytes);
+// `outcome`: "kept", "gone back", or "waiting" for the next start.
+std::string OtaResultJson(const std::string& version, const std::string& outcome,
+                          const std::string& reason);
+std::string OtaKeysJson(const std::string& secret, const std::string& open);
+std::string OtaBundleJson(const ota::Manifest& manifest, const std::string& where);
 std::string GraphJson(const std::string& format, const std::string& drawing);
 std::string GraphFileJson(const std::string& format, const std::string& file);
 std::string ProgressJson(const Progress& progress);  // a line of `up --json`

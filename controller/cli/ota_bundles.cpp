@@ -1,0 +1,191 @@
+// musher ota keygen|bundle|init|verify: what is done with files alone.
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+
+#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/config_file.hpp"
+#include "musher/controller/cli/ota_progress.hpp"
+#include "musher/controller/cli/ota_root.hpp"
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/ota/fault.hpp"
+#include "musher/controller/ota/install.hpp"
+#include "musher/controller/ota/posix_disk.hpp"
+#include "musher/controller/ota/signature.hpp"
+#include "musher/transport/keys/authority.hpp"
+
+namespace musher::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestKey = 16 << 10;  // bytes
+constexpr unsigned kOthers = 077;
+
+ExitCode Fail(Console& console, const Error& error) {
+  return console.Fail({ExitCode::kUsage, error});
+}
+
+std::string Absolute(const std::string& path) {
+  return fs::absolute(path).lexically_normal();
+}
+
+Result<std::string> ReadPrivateKey(ota::Disk& disk, const std::string& file) {
+  const auto info = disk.Look(file);
+  if (info && (info.value().mode & kOthers) != 0) {
+    return Error{kCodePermissionDenied,
+                 file + " can be read by others; a key that signs is for its owner: chmod 600"};
+  }
+  return ota::ReadAll(disk, file, kLargestKey);
+}
+
+std::string Now() {
+  return transport::keys::IsoTime(
+      std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()));
+}
+
+// Of the options of a bundle; nullopt: all is said.
+std::optional<ota::Manifest> ManifestFor(const OtaBundleOptions& options, Console& console) {
+  ota::Manifest manifest;
+  const auto read = [&](const std::string& text, const char* option) {
+    auto version = ota::ParseVersion(text);
+    if (!version) {
+      Fail(console, {kCodeParametersInvalid,
+                     fmt::format("{} '{}' is not MAJOR.MINOR.PATCH, as in 1.4.0", option, text)});
+    }
+    return version;
+  };
+  const auto version = read(options.version, "--version");
+  if (!version) return std::nullopt;
+  manifest.version = *version;
+  if (!options.min_version.empty()) {
+    manifest.min_version = read(options.min_version, "--min-version");
+    if (!manifest.min_version) return std::nullopt;
+  }
+  const auto config = LoadConfig(options.folder + "/" + options.config, console);
+  if (!config) return std::nullopt;
+  manifest.robot = options.robot.empty() ? config->name : options.robot;
+  manifest.created = Now();
+  return manifest;
+}
+
+// Runs `work` with a progress of `step`.
+template <class T>
+Result<T> Show(Console& console, const std::string& step,
+               const std::function<Result<T>(const ota::OnBytes&)>& work) {
+  OtaProgress progress(console);
+  progress.Begin(step);
+  auto result = work([&](std::uint64_t bytes) {
+    progress.Add(bytes);
+    return true;
+  });
+  if (result) progress.End();
+  return result;
+}
+
+ExitCode DoneWith(Console& console, const ota::Manifest& manifest, const std::string& where,
+                  const std::string& text) {
+  console.Print(console.mode().json ? OtaBundleJson(manifest, where) : text);
+  return ExitCode::kDone;
+}
+
+std::string Size(const ota::Manifest& manifest) {
+  return fmt::format("{} files, {:.1f} MB", manifest.files.size(),
+                     static_cast<double>(manifest.SizeBytes()) / 1e6);
+}
+
+}  // namespace
+
+ExitCode OtaKeygen(const OtaKeygenOptions& options, Console& console) {
+  ota::PosixDisk disk;
+  const std::string secret = options.name + ".key";
+  const std::string open = options.name + ".pub";
+  for (const std::string& file : {secret, open}) {
+    const auto there = disk.Look(file);
+    if (!there || there.value().kind == ota::Disk::Kind::kNothing) continue;
+    return Fail(console, {kCodeParametersInvalid, file + " is there already"});
+  }
+  const auto keys = ota::MakeKeyPair();
+  if (!keys) return Fail(console, keys.error());
+  if (auto w = ota::Replace(disk, secret, keys.value().private_pem, 0600); !w) {
+    return Fail(console, w.error());
+  }
+  if (auto w = ota::Replace(disk, open, keys.value().public_pem, 0644); !w) {
+    return Fail(console, w.error());
+  }
+  console.Print(console.mode().json
+                    ? OtaKeysJson(secret, open)
+                    : fmt::format("{} signs bundles: it never goes to a robot, and who has it can "
+                                  "upgrade every robot.\n{} goes to the robots.",
+                                  secret, open));
+  return ExitCode::kDone;
+}
+
+ExitCode OtaBundle(const OtaBundleOptions& options, Console& console) {
+  ota::PosixDisk disk;
+  const auto manifest = ManifestFor(options, console);
+  if (!manifest) return ExitCode::kUsage;
+  const auto key = ReadPrivateKey(disk, options.key);
+  if (!key) return Fail(console, key.error());
+  const auto made = Show<ota::Manifest>(console, "bundle", [&](const ota::OnBytes& on_bytes) {
+    return ota::MakeBundle(disk, options.folder, *manifest, key.value(), options.out, on_bytes);
+  });
+  if (!made) return Fail(console, made.error());
+  return DoneWith(console, made.value(), options.out,
+                  fmt::format("{}: version {} for {}, {}", options.out, made.value().version.text,
+                              made.value().robot, Size(made.value())));
+}
+
+ExitCode OtaInit(const OtaInitOptions& options, Console& console) {
+  ota::PosixDisk disk;
+  const auto key = ota::ReadAll(disk, options.key, kLargestKey);
+  if (!key) return Fail(console, key.error());
+  const std::string root = Absolute(options.root);
+  ota::RootConfig config;
+  config.config = options.config;
+  const auto made = Show<void>(console, "init", [&](const ota::OnBytes& on_bytes) {
+    return ota::InitRoot(disk, root, options.bundle, key.value(), config, on_bytes);
+  });
+  if (!made) return console.Fail({ExitCode::kNotDone, made.error()});
+  const auto manifest = ota::ReadManifest(disk, root + "/slots/a", key.value());
+  if (!manifest) return console.Fail({ExitCode::kNotDone, manifest.error()});
+  const ota::Manifest& first = manifest.value().manifest;
+  return DoneWith(console, first, root,
+                  fmt::format("{}: version {} of {}; start it with: musher up {}", root,
+                              first.version.text, first.robot, root));
+}
+
+ExitCode OtaVerify(const OtaVerifyOptions& options, const GlobalOptions& global, Console& console) {
+  ota::PosixDisk disk;
+  std::optional<ota::Root> root;
+  std::string key_file = options.key;
+  if (key_file.empty()) {
+    const auto path = FindRoot(options.root, global);
+    if (!path) return Fail(console, {path.error().code, path.error().message + "; or --key FILE"});
+    auto opened = ota::Root::Open(disk, path.value());
+    if (!opened) return Fail(console, opened.error());
+    root.emplace(std::move(opened).value());
+  }
+  const auto key =
+      root ? Result<std::string>(root->public_key()) : ota::ReadAll(disk, key_file, kLargestKey);
+  if (!key) return Fail(console, key.error());
+  const auto read = Show<ota::SignedManifest>(console, "check", [&](const ota::OnBytes& on_bytes) {
+    return ota::CheckBundle(disk, options.bundle, key.value(), on_bytes);
+  });
+  if (!read) return console.Fail({ExitCode::kNotDone, read.error()});
+  const ota::Manifest& manifest = read.value().manifest;
+  if (root && manifest.robot != root->config().robot) {
+    return console.Fail({ExitCode::kNotDone, Refusal(ota::Fault::kOtherRobot,
+                                                     "it is for the robot " + manifest.robot +
+                                                         ", this one is " + root->config().robot)});
+  }
+  return DoneWith(
+      console, manifest, options.bundle,
+      fmt::format("{}: version {} for {}, {}; whole, and signed for this key", options.bundle,
+                  manifest.version.text, manifest.robot, Size(manifest)));
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,65 @@
+// musher ota status: which versions a robot has, and what became of the last one.
+
+#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/ota_root.hpp"
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/table.hpp"
+#include "musher/controller/ota/posix_disk.hpp"
+
+namespace musher::cli {
+namespace {
+
+using ota::Slot;
+
+// What a slot is for, in a word.
+std::string RoleOf(const ota::SlotState& state, Slot slot) {
+  if (slot == state.confirmed) return "confirmed";
+  if (state.on_trial) return state.started ? "on trial" : "tried at the next start";
+  return state.other_good ? "the one before" : "not used";
+}
+
+}  // namespace
+
+ExitCode OtaStatus(const OtaStatusOptions& options, const GlobalOptions& global, Console& console) {
+  const auto path = FindRoot(options.root, global);
+  if (!path) return console.Fail({ExitCode::kUsage, path.error()});
+  ota::PosixDisk disk;
+  const auto root = ota::Root::Open(disk, path.value());
+  if (!root) return console.Fail({ExitCode::kUsage, root.error()});
+  const auto state = root.value().State();
+  if (!state) return console.Fail({ExitCode::kNotDone, state.error()});
+
+  OtaRobot robot{root.value().config().robot,
+                 path.value(),
+                 ota::HolderOf(root.value().RunLock()),
+                 state.value().last,
+                 {}};
+  for (const Slot slot : {Slot::kA, Slot::kB}) {
+    const auto content = root.value().Look(slot);
+    robot.slots.push_back({std::string(ota::SlotName(slot)), RoleOf(state.value(), slot),
+                           content ? content.value().text : "",
+                           content ? "" : content.error().message});
+  }
+  if (console.mode().json) {
+    console.Print(OtaStatusJson(robot));
+    return ExitCode::kDone;
+  }
+  console.Print(
+      robot.robot + "  " + robot.root +
+      (robot.pid == 0 ? "  (does not run)" : "  controller " + std::to_string(robot.pid)));
+  Table table({"SLOT", "VERSION", "ROLE", "NOTE"});
+  for (const OtaRobot::SlotInfo& slot : robot.slots) {
+    const bool bad = slot.version.empty() && slot.role != "not used";
+    table.Add({{slot.slot},
+               {slot.version.empty() ? "-" : slot.version},
+               {slot.role, slot.role == "confirmed" ? Style::kGood : Style::kPlain},
+               {slot.fault, bad ? Style::kBad : Style::kDim}});
+  }
+  console.Print(table.Text(console.mode().colour));
+  if (robot.last && !robot.last->kept) {
+    console.Print("version " + robot.last->version + " was not kept: " + robot.last->reason);
+  }
+  return ExitCode::kDone;
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,173 @@
+#include "musher/controller/cli/slot_run.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "musher/controller/cli/config_file.hpp"
+#include "musher/controller/ota/posix_disk.hpp"
+#include "musher/controller/ota/root.hpp"
+#include "musher/controller/ota/trial.hpp"
+#include "musher/transport/host.hpp"
+
+namespace musher::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr Duration kJudgeEvery = Milliseconds(100);
+constexpr Duration kTermTime = Milliseconds(3000);  // from SIGTERM to SIGKILL
+constexpr Duration kKillTime = Milliseconds(2000);
+
+// Slots are replaced: what the controller writes is not to go with one.
+std::string OutsideOfSlot(const std::string& path, const SlotRun& run) {
+  const std::string slot = run.Folder() + "/";
+  return path.starts_with(slot) ? run.root + "/" + path.substr(slot.size()) : path;
+}
+
+// The processes whose state config lies in `folder`, and what they have started.
+std::vector<pid_t> ProcessesOf(const std::string& folder) {
+  std::vector<pid_t> pids;
+  std::error_code error;
+  const std::string wanted = "MUSHER_CONFIG=" + folder + "/";
+  for (const auto& entry : fs::directory_iterator("/proc", error)) {
+    const std::string name = entry.path().filename();
+    pid_t pid = 0;
+    const auto [end, bad] = std::from_chars(name.data(), name.data() + name.size(), pid);
+    if (bad != std::errc() || end != name.data() + name.size() || pid == getpid()) continue;
+    std::ifstream file(entry.path() / "environ", std::ios::binary);
+    const std::string variables(std::istreambuf_iterator<char>(file), {});
+    const std::size_t found = variables.find(wanted);
+    if (found == 0 || (found != std::string::npos && variables[found - 1] == '\0')) {
+      pids.push_back(pid);
+    }
+  }
+  return pids;
+}
+
+// Sends the signal to all, and waits for their ends.
+void SignalAll(std::vector<transport::UniqueFd>& processes, int signal, Duration timeout) {
+  for (const auto& process : processes) {
+    syscall(SYS_pidfd_send_signal, process.get(), signal, nullptr, 0);
+  }
+  const Time deadline = std::chrono::steady_clock::now() + timeout;
+  while (!processes.empty()) {
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    pollfd ended{processes.back().get(), POLLIN, 0};
+    if (left.count() <= 0 || poll(&ended, 1, static_cast<int>(left.count())) != 1) return;
+    processes.pop_back();
+  }
+}
+
+}  // namespace
+
+std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover,
+                                     Console& console) {
+  ota::PosixDisk disk;
+  const auto fail = [&](const Error& error) {
+    console.Fail({ExitCode::kUsage, error});
+    return std::nullopt;
+  };
+  const auto root = ota::Root::Open(disk, fs::canonical(root_path));
+  if (!root) return fail(root.error());
+  const int holder = ota::HolderOf(root.value().RunLock());
+  if (holder != 0 && !takeover) {
+    return fail({kCodeTargetBusy, fmt::format("process {} leads the machine of {} already; `musher "
+                                              "status` shows it, --takeover ends it",
+                                              holder, root.value().path())});
+  }
+  while (true) {
+    const auto boot = root.value().Boot();
+    if (!boot) return fail(boot.error());
+    const ota::Boot& b = boot.value();
+    ChosenSlot chosen{{root.value().path(), b.start, b.on_trial, b.version.text,
+                       root.value().config().trial, b.told},
+                      {}};
+    auto config = LoadConfig(root.value().ConfigFile(b.start), console);
+    if (config) {
+      chosen.config = std::move(*config);
+      chosen.config.state_dir = OutsideOfSlot(chosen.config.state_dir, chosen.run);
+      chosen.config.log = OutsideOfSlot(chosen.config.log, chosen.run);
+      return chosen;
+    }
+    if (!b.on_trial) return std::nullopt;
+    const auto ended =
+        root.value().EndTrial(b.version.text, Error{kCodeFailed, "its state config is faulty"});
+    if (!ended) return fail(ended.error());
+  }
+}
+
+void PutSlotFirstInPath(const SlotRun& run) {
+  const char* path = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
+  const std::string programs = run.Folder() + "/bin";
+  setenv("PATH", (path == nullptr ? programs : programs + ":" + path).c_str(), 1);
+}
+
+void EndOtherSlot(const SlotRun& run) {
+  SlotRun other = run;
+  other.slot = ota::Other(run.slot);
+  std::vector<transport::UniqueFd> processes;
+  for (const pid_t pid : ProcessesOf(other.Folder())) {
+    auto process = transport::OpenPidfd(pid);
+    if (process) processes.push_back(std::move(process).value());
+  }
+  SignalAll(processes, SIGTERM, kTermTime);
+  SignalAll(processes, SIGKILL, kKillTime);
+}
+
+Result<> RootClaim::Take(const std::string& root_path) {
+  disk_ = std::make_unique<ota::PosixDisk>();
+  const auto root = ota::Root::Open(*disk_, root_path);
+  if (!root) return root.error();
+  auto lock = disk_->Take(root.value().RunLock(), /*wait=*/false);
+  if (!lock) return lock.error();
+  lock_ = std::move(lock).value();
+  return Ok();
+}
+
+Trial::Trial(transport::EventLoop& loop, const SlotRun& run, const MachineConfig& config,
+             std::function<const Machine*()> machine, OnEnd on_end)
+    : run_(run),
+      config_(config),
+      machine_(std::move(machine)),
+      on_end_(std::move(on_end)),
+      judge_(loop.Every(kJudgeEvery, [this] { Judge(); })),
+      deadline_(loop.At(loop.Now() + run.trial, [this] {
+        Fail({kCodeTimeout, fmt::format("it was not up within {:g} s",
+                                        std::chrono::duration<double>(run_.trial).count())});
+      })) {}
+
+void Trial::Judge() {
+  const Machine* machine = machine_();
+  if (machine == nullptr || !under_way_) return;
+  if (const auto verdict = ota::JudgeTrial(config_, *machine)) End(*verdict);
+}
+
+void Trial::Fail(const Error& why) {
+  if (under_way_) End(why);
+}
+
+// A version that cannot be remembered as kept is not kept: the next start would leave it anyway.
+void Trial::End(Result<> outcome) {
+  under_way_ = false;
+  ota::PosixDisk disk;
+  const auto root = ota::Root::Open(disk, run_.root);
+  const Result<> saved =
+      root ? root.value().EndTrial(run_.version, outcome) : Result<>(root.error());
+  if (outcome && !saved) {
+    outcome = Error{saved.error().code, "it cannot be remembered: " + saved.error().message};
+  }
+  on_end_(outcome);
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,69 @@
+#include "musher/controller/ota/install_flow.hpp"
+
+#include <cassert>
+
+namespace musher::ota {
+
+std::string_view StepName(Step step) {
+  switch (step) {
+    case Step::kCheck:
+      return "check";
+    case Step::kEnterOta:
+      return "enter OTA";
+    case Step::kPrepare:
+      return "prepare";
+    case Step::kCopy:
+      return "copy";
+    case Step::kCheckWritten:
+      return "check what was written";
+    case Step::kMarkTrial:
+      return "mark for trial";
+    case Step::kStartAgain:
+      return "start again";
+    case Step::kTrial:
+      return "trial";
+    case Step::kLeaveOta:
+      break;
+  }
+  return "leave OTA";
+}
+
+Flow InstallFlow(bool machine_runs) {
+  Flow flow;
+  if (machine_runs) {
+    flow.left = {Step::kCheck,        Step::kEnterOta,  Step::kPrepare,    Step::kCopy,
+                 Step::kCheckWritten, Step::kMarkTrial, Step::kStartAgain, Step::kTrial};
+  } else {
+    flow.left = {Step::kCheck, Step::kPrepare, Step::kCopy, Step::kCheckWritten, Step::kMarkTrial};
+  }
+  return flow;
+}
+
+Flow RollbackFlow(bool machine_runs) {
+  Flow flow;
+  flow.left = {Step::kMarkTrial};
+  if (machine_runs) {
+    flow.left = {Step::kEnterOta, Step::kMarkTrial, Step::kStartAgain, Step::kTrial};
+  }
+  return flow;
+}
+
+void Advance(Flow& flow, const Result<>& outcome) {
+  assert(!flow.left.empty());
+  const Step step = flow.left.front();
+  flow.left.pop_front();
+  // Also one that failed may have taken the machine there in part.
+  if (step == Step::kEnterOta) flow.in_ota = true;
+  if (step == Step::kStartAgain && outcome) flow.in_ota = false;
+  if (outcome) return;
+  if (step == Step::kLeaveOta) {
+    flow.afterwards = outcome.error();
+    return;
+  }
+  flow.failure = outcome.error();
+  flow.left.clear();
+  // Once it is on trial, whoever starts the machine next tries it; until then it rests in OTA.
+  if (flow.in_ota && step != Step::kStartAgain) flow.left.push_back(Step::kLeaveOta);
+}
+
+}  // namespace musher::ota

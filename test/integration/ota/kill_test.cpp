@@ -1,0 +1,110 @@
+// Whoever is killed in the middle of an upgrade, the robot has a version that runs.
+
+#include "musher/test/integration/ota/root.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Killed : public RobotWithUpgrades {
+ protected:
+  // Until a program of the new version says that it runs, by making this file.
+  void AwaitFile(const std::string& path) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (!std::filesystem::exists(path)) {
+      ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+      sched_yield();
+    }
+  }
+  std::string Waits() const { return "touch " + (folder_ / "runs") + "; exec sleep 60"; }
+};
+
+TEST_F(Killed, InstallerLeavesTheMachineInOtaUntilItIsInstalledAgain) {
+  Make("1.1.0", {.large_bytes = 64 << 20});  // it cannot be copied before the kill
+  ASSERT_EQ(UpDetached().exit, 0);
+  Process installer(Command({"ota", "install", Bundle("1.1.0")}));
+  ASSERT_NE(installer.LineWith("prepare"), "");
+  installer.Signal(SIGKILL);
+  EXPECT_EQ(installer.Wait().exit, -1);
+  EXPECT_EQ(Where(), "OTA from a");
+  const Ended again = Install("1.1.0");
+  EXPECT_EQ(again.exit, 0) << again.err;
+  EXPECT_EQ(Where(), "Active from b");
+}
+
+TEST_F(Killed, InstallerIsInterruptedByCtrlCAndTheMachineIsBackWhereItWas) {
+  Make("1.1.0", {.large_bytes = 64 << 20});
+  ASSERT_EQ(UpDetached().exit, 0);
+  Process installer(Command({"ota", "install", Bundle("1.1.0")}));
+  ASSERT_NE(installer.LineWith("prepare"), "");
+  installer.Signal(SIGINT);
+  const Ended ended = installer.Wait();
+  EXPECT_EQ(ended.exit, 130) << ended.err;
+  EXPECT_EQ(Where(), "Active from a");
+}
+
+TEST_F(Killed, MachineInOtaCanBeTakenOutOfItByHand) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"set", "OTA"}).exit, 0);
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
+  EXPECT_EQ(Where(), "Active from a");
+}
+
+TEST_F(Killed, ControllerInTheTrialIsFollowedByOneFromTheVersionBefore) {
+  Make("1.1.0", {.set_up = Waits()});
+  ASSERT_EQ(UpDetached().exit, 0);
+  Process installer(Command({"ota", "install", Bundle("1.1.0")}));
+  AwaitFile(folder_ / "runs");
+  const int controller = Status()["pid"];
+  ASSERT_EQ(kill(controller, SIGKILL), 0);
+  const Ended ended = installer.Wait();
+  EXPECT_EQ(ended.exit, 1);
+  EXPECT_THAT(ended.err, HasSubstr("the controller has ended during the trial"));
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 0) << up.err;
+  EXPECT_EQ(Where(), "Active from a");
+  EXPECT_THAT(History(), HasSubstr("its first start did not come to its end"));
+  // Nothing of the version that was left is left.
+  for (const auto& actuator : Status()["actuators"]) EXPECT_EQ(actuator["state"], "Active");
+}
+
+TEST_F(Killed, MachineIsTakenDownInTheTrialAndStartsFromTheVersionBefore) {
+  Make("1.1.0", {.set_up = Waits()});
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  Process up(Command({"up", root_}));
+  AwaitFile(folder_ / "runs");
+  up.Signal(SIGINT);
+  EXPECT_EQ(up.Wait().exit, 1);  // it was stopped before it was up
+  EXPECT_THAT(std::string(Versions()["last"]["reason"]), HasSubstr("taken down before it was up"));
+  ASSERT_EQ(UpDetached().exit, 0);
+  EXPECT_EQ(Where(), "Active from a");
+}
+
+TEST_F(Killed, TwoInstallersDoNotMeet) {
+  Make("1.1.0", {.set_up = Waits()});
+  ASSERT_EQ(UpDetached().exit, 0);
+  Process first(Command({"ota", "install", Bundle("1.1.0")}));
+  AwaitFile(folder_ / "runs");
+  const Ended second = Install("1.1.0");
+  EXPECT_EQ(second.exit, 1);
+  EXPECT_THAT(second.err, HasSubstr("another installation is under way"));
+  first.Signal(SIGKILL);
+  first.Wait();
+  const Ended third = Install("1.1.0");
+  EXPECT_EQ(third.exit, 1);
+  EXPECT_THAT(third.err, HasSubstr("a version is on trial"));
+}
+
+TEST_F(Killed, AMachineThatRunsIsNotStartedTwice) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  const Ended second = UpDetached();
+  EXPECT_EQ(second.exit, 2);
+  EXPECT_THAT(second.err, HasSubstr("leads the machine of " + root_ + " already"));
+  const Ended takeover = Musher({"up", root_, "--detach", "--takeover"});
+  EXPECT_EQ(takeover.exit, 0) << takeover.err;
+  EXPECT_EQ(Where(), "Active from a");
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,130 @@
+#pragma once
+// A machine of two musher-exec actuators that is started from a root, in a domain and a namespace
+// of its own, and bundles for it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "musher/test/contract/domain.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/integration/cli/process.hpp"
+
+namespace musher::testing {
+
+class RobotWithUpgrades : public ::testing::Test {
+ protected:
+  RobotWithUpgrades() {
+    AdoptOrphans();
+    setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
+    setenv("MUSHER_NAMESPACE", name_space_.c_str(), 1);
+    setenv("MUSHER_OTA_ROOT", root_.c_str(), 1);
+    EXPECT_EQ(Musher({"ota", "keygen", folder_ / "key"}).exit, 0);
+    Make("1.0.0", {});
+    const Ended init =
+        Musher({"ota", "init", root_, "--from", Bundle("1.0.0"), "--key", folder_ / "key.pub"});
+    EXPECT_EQ(init.exit, 0) << init.err;
+  }
+  ~RobotWithUpgrades() override { KillChildren(); }
+
+  // What differs from a version that is all right.
+  struct Version {
+    std::string check = "exit 0";        // the program of the self-check, from the slot's bin
+    std::string set_up = "exit 0";       // … and that of SetUp
+    std::string policy{};                // more of the config
+    std::size_t large_bytes = 0;         // of a file that takes its time
+    std::vector<std::string> options{};  // of `musher ota bundle`
+  };
+
+  void Make(const std::string& version, const Version& content) const {
+    const std::string built = folder_ / ("built-" + version);
+    std::filesystem::create_directories(built + "/bin");
+    WriteConfig(built + "/robot.toml", content.policy);
+    std::ofstream(built + "/legs.toml")
+        << "[state.SetUp]\nrun = [\"set-up\"]\n[state.SelfCheck]\nrun = [\"self-check\"]\n"
+           "[state.OTA]\nrun = [\"true\"]\n";
+    if (content.large_bytes > 0) {
+      std::ofstream(built + "/large") << std::string(content.large_bytes, 'x');
+    }
+    Script(built + "/bin/self-check", content.check);
+    Script(built + "/bin/set-up", content.set_up);
+    std::vector<std::string> words = {
+        "ota",   "bundle",       built, "--version", version, "--key", folder_ / "key.key",
+        "--out", Bundle(version)};
+    words.insert(words.end(), content.options.begin(), content.options.end());
+    const Ended made = Musher(words);
+    EXPECT_EQ(made.exit, 0) << made.err;
+  }
+
+  std::string Bundle(const std::string& version) const { return folder_ / version; }
+
+  static std::vector<std::string> Command(std::vector<std::string> words) {
+    words.insert(words.begin(), MUSHER_BIN_DIR "/musher");
+    return words;
+  }
+  static Ended Musher(std::vector<std::string> words) {
+    return RunToEnd(Command(std::move(words)));
+  }
+  Ended Install(const std::string& version) const {
+    return Musher({"ota", "install", Bundle(version)});
+  }
+  Ended UpDetached() const { return Musher({"up", root_, "--detach"}); }
+
+  static nlohmann::json Json(const std::string& text) {
+    auto json = nlohmann::json::parse(text, nullptr, false);
+    EXPECT_FALSE(json.is_discarded()) << text;
+    return json;
+  }
+  // The machine's status; null when there is no controller.
+  static nlohmann::json Status() {
+    const Ended status = Musher({"status", "--json"});
+    return status.exit == 0 ? Json(status.out) : nlohmann::json();
+  }
+  static nlohmann::json Versions() { return Json(Musher({"ota", "status", "--json"}).out); }
+  static std::string History() { return Musher({"history"}).out; }
+
+  // "Active from b": where the machine is, and which slot it runs from.
+  static std::string Where() {
+    const auto status = Status();
+    if (status.is_null()) return "nowhere";
+    const std::string file = status["config"];
+    const std::size_t slot = file.find("/slots/");
+    return std::string(status["state"]) + " from " + file.substr(slot + 7, 1);
+  }
+
+  const TempFolder folder_;
+  const std::string name_space_ = "test_" + std::to_string(getpid());
+  const std::string root_ = folder_ / "robot";
+
+ private:
+  static void Script(const std::string& file, const std::string& line) {
+    std::ofstream(file) << "#!/bin/sh\n" << line << "\n";
+    std::filesystem::permissions(file, std::filesystem::perms(0755));
+  }
+
+  void WriteConfig(const std::string& path, const std::string& policy) const {
+    const std::string states = R"(["SetUp", "TearDown", "SelfCheck", "Active", "LowPower", "OTA"])";
+    std::ofstream file(path);
+    file << "[controller]\nname = \"dog\"\nactuators = [\"legs\", \"voice\"]\nstates = " << states
+         << "\ndefault_time = 2000\ndefault_state = \"Uninitialized\"\nnamespace = \""
+         << name_space_ << "\"\nstate_dir = \"state\"\n";
+    for (const char* actuator : {"legs", "voice"}) {
+      file << "[actuator." << actuator << "]\nstates = " << states
+           << "\ntimes = [10000, 5000, 5000, 5000, 5000, 5000]\ncommand = [\"musher-exec\", "
+              "\"legs.toml\"]\ncwd = \".\"\nrestart_delay_ms = 10\nrestart_limit = 1\n";
+      if (actuator == std::string("legs")) file << "critical = true\n";
+      if (actuator == std::string("voice")) file << "stage = 2\n";
+    }
+    file << policy;
+  }
+};
+
+}  // namespace musher::testing
