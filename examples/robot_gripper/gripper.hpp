@@ -5,6 +5,7 @@
 // used on the loop.
 
 #include <fstream>
+#include <iostream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -23,7 +24,7 @@ constexpr auto kGripper = static_cast<musher::ModuleCode>(6100);
 class Gripper : public musher::MachineActuator {
  public:
   explicit Gripper(const GripperConfig& config = {})
-      : MachineActuator("gripper"), config_(config), jaw_(config.opening_mm, config.speed_mm_s) {
+      : MachineActuator("gripper"), config_(config), jaw_(0, config.speed_mm_s) {
     RegisterStateCallback("SetUp", [this] { return SetUp(); });
     RegisterStateCallback("SelfCheck", [this] { return CheckTemperature(); });
     RegisterStateCallback("Active", [this] { return SetPower(true); });
@@ -60,8 +61,10 @@ class Gripper : public musher::MachineActuator {
     return OpenEndpoints([this](musher::transport::Endpoints& wire) {
       clock_ = &wire.clock();
       tell_width_ = wire.Tell<musher::msg::Float32>("gripper/width_mm");
-      wire.Hear<musher::msg::Float32>("gripper/wanted_mm",
-                                      [this](const auto& wanted) { Grip(wanted.data); });
+      wire.Hear<musher::msg::Float32>("gripper/wanted_mm", [this](const auto& wanted) {
+        const auto begun = Grip(wanted.data);
+        if (!begun) std::cerr << "gripper: " << begun.error().message << std::endl;
+      });
       wire.Serve<SetBool>("gripper/close", [this](const auto& request, const Reply& reply) {
         OnClose(request.data, reply);
       });
@@ -108,7 +111,10 @@ class Gripper : public musher::MachineActuator {
   // Lets go of what it holds. A callback may block; it looks whether it is still waited for, and
   // says that it gets on.
   musher::Result<> Open() {
-    if (EmergencyStopped()) return musher::Ok();  // nothing moves; the jaw stays as it is
+    if (EmergencyStopped()) {
+      return musher::Error{MakeCode(kGripper, musher::KeyCode::kStateInvalid),
+                           "nothing opens during an emergency stop"};
+    }
     RunOnLoop([this] {
       AnswerWaiting(false, "the gripper opens");
       jaw_.MoveTo(config_.opening_mm, Now());
@@ -124,7 +130,9 @@ class Gripper : public musher::MachineActuator {
   }
   // [open end]
 
+  // Without power the jaw gives way by hand: so that is also how it ends in an emergency stop.
   musher::Result<> OpenAndSleep() {
+    if (EmergencyStopped()) return SetPower(false);
     if (auto open = Open(); !open) return open;
     return SetPower(false);
   }
@@ -144,8 +152,10 @@ class Gripper : public musher::MachineActuator {
   }
 
   // [time]
-  // The world's time where the robot goes by /clock. In a trial there is none, and all is done.
-  musher::Time Now() const { return clock_ != nullptr ? clock_->Now() : musher::Time::max(); }
+  // The world's, where the robot goes by /clock. In a trial there is no wire, and the computer's.
+  musher::Time Now() const {
+    return clock_ != nullptr ? clock_->Now() : std::chrono::steady_clock::now();
+  }
   // [time end]
   bool Moves() {
     bool moves = false;
