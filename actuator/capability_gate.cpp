@@ -19,6 +19,11 @@ State CapabilityGate::state() const {
   return state_;
 }
 
+bool CapabilityGate::emergency_stop() const {
+  const std::lock_guard lock(mutex_);
+  return emergency_stop_;
+}
+
 Result<> CapabilityGate::Judge(const MachineConfig& config, std::string_view actuator,
                                std::string_view capability, ModuleCode module) const {
   const std::lock_guard lock(mutex_);

@@ -16,6 +16,7 @@ class CapabilityGate {
   void SetBattery(std::optional<int> percent);  // nullopt: not known
 
   State state() const;
+  bool emergency_stop() const;
   Result<> Judge(const MachineConfig& config, std::string_view actuator,
                  std::string_view capability, ModuleCode module) const;
 

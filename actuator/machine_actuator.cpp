@@ -17,6 +17,7 @@
 #include "musher/actuator/actuator_shell.hpp"
 #include "musher/actuator/capability_gate.hpp"
 #include "musher/lifecycle/config_toml.hpp"
+#include "musher/transport/endpoints.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher {
@@ -111,7 +112,12 @@ class MachineActuator::Impl {
       const std::lock_guard lock(mutex_);
       checkpoints_ = nullptr;
     }
-    if (node_) node_->RunOnLoop([this] { shell_.reset(); });
+    if (node_) {
+      node_->RunOnLoop([this] {
+        endpoints_.reset();
+        shell_.reset();
+      });
+    }
     SetNode(nullptr);
     name_lock_.reset();
     Finish(0);
@@ -129,6 +135,7 @@ class MachineActuator::Impl {
   }
 
   State current_state() const { return gate_.state(); }
+  bool emergency_stopped() const { return gate_.emergency_stop(); }
 
   Result<> Allowed(const std::string& capability, ModuleCode module) const {
     if (!config_) {
@@ -146,6 +153,26 @@ class MachineActuator::Impl {
   std::shared_ptr<transport::NodeThread> node() const {
     const std::lock_guard lock(mutex_);
     return node_;
+  }
+
+  Result<> OpenEndpoints(const std::function<void(transport::Endpoints&)>& open) {
+    const auto node = this->node();
+    if (!node) return Ok();
+    Result<> opened;
+    node->RunOnLoop([&] {
+      endpoints_ = std::make_unique<transport::Endpoints>(node->node(), *config_);
+      opened = RunGuarded([&]() -> Result<> {
+        open(*endpoints_);
+        return endpoints_->opened();
+      });
+      if (!opened) endpoints_.reset();
+    });
+    return opened;
+  }
+
+  void RunOnLoop(const std::function<void()>& work) {
+    if (const auto node = this->node()) return node->RunOnLoop(work);
+    work();
   }
 
   Result<> CheckCallbacks() const {
@@ -252,6 +279,7 @@ class MachineActuator::Impl {
   std::shared_ptr<transport::NodeThread> node_;
   std::optional<WorkerThread> worker_;
   std::unique_ptr<ActuatorShell> shell_;
+  std::unique_ptr<transport::Endpoints> endpoints_;
 };
 
 MachineActuator::MachineActuator(const std::string& actuator_name)
@@ -314,6 +342,15 @@ State MachineActuator::CurrentState() const {
 }
 Result<> MachineActuator::Allowed(const std::string& capability, ModuleCode module) const {
   return impl_->Allowed(capability, module);
+}
+bool MachineActuator::EmergencyStopped() const {
+  return impl_->emergency_stopped();
+}
+Result<> MachineActuator::OpenEndpoints(const std::function<void(transport::Endpoints&)>& open) {
+  return impl_->OpenEndpoints(open);
+}
+void MachineActuator::RunOnLoop(const std::function<void()>& work) {
+  impl_->RunOnLoop(work);
 }
 const std::string& MachineActuator::name() const {
   return impl_->name();

@@ -40,6 +40,10 @@
 #include "musher/lifecycle/state.hpp"
 #include "musher/transport/node_thread.hpp"
 
+namespace musher::transport {
+class Endpoints;
+}  // namespace musher::transport
+
 namespace musher {
 
 class ActuatorRehearsal;
@@ -109,15 +113,27 @@ class MachineActuator {
   // costs less than a microsecond where the answer is yes.
   Result<> Allowed(const std::string& capability, ModuleCode module = ModuleCode::kRobot) const;
 
+  // Whether an emergency stop is engaged. The callbacks of less active states run during one, and
+  // then must not move what has been stopped. From any thread.
+  bool EmergencyStopped() const;
+
   const std::string& name() const;
 
   // What was read by Init(), which must have succeeded.
   const MachineConfig& machine_config() const;
-  // For topics and services of your own: the participant and its loop. There from Start() on, so in
-  // every state callback; null before, after Shutdown(), and in a trial. What is made from it is
-  // made, used and dropped on its loop (RunOnLoop()), in the namespace of the config. A class that
-  // keeps such things keeps the pointer too, and drops them in its destructor, after Shutdown().
-  // Handlers run on the loop and must come back at once: whatever takes time is not for them.
+  // For topics and services of your own, in the SetUp callback: `open` runs on the loop and makes
+  // them from what it is given. They are kept until Shutdown(), or until the next call of this.
+  // Their handlers run on the loop and must come back at once: whatever takes time is not for them.
+  // Fails when one of them could not be opened. In a trial there is no wire: `open` does not run.
+  Result<> OpenEndpoints(const std::function<void(transport::Endpoints&)>& open);
+  // Runs `work` between two handlers, on the loop, and waits for it: so a callback shares data with
+  // them. From any thread but the loop's. In a trial it runs at once.
+  void RunOnLoop(const std::function<void()>& work);
+
+  // What those two stand on: the participant and its loop. There from Start() on, so in every state
+  // callback; null before, after Shutdown(), and in a trial. What is made from it is made, used and
+  // dropped on its loop. A class that keeps such things keeps the pointer too, and drops them in
+  // its destructor, after Shutdown().
   std::shared_ptr<transport::NodeThread> node() const;
 
  protected:

@@ -16,12 +16,18 @@ foreach(folder lifecycle messages transport actuator controller simulation)
           PATTERN "controller/cli" EXCLUDE
           PATTERN "idl" EXCLUDE)
 endforeach()
+foreach(header document findings module_file table_reader)  # for the TOML file of a module
+  install(FILES ${CMAKE_SOURCE_DIR}/lifecycle/toml/${header}.hpp
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/lifecycle/toml)
+endforeach()
 install(FILES ${CMAKE_SOURCE_DIR}/transport/dds/dds_node.hpp
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/transport/dds)
 
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/messages/idl DESTINATION ${CMAKE_INSTALL_DATADIR}/musher)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/config DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
         USE_SOURCE_PERMISSIONS)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
+        PATTERN "examples/CMakeLists.txt" EXCLUDE)
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # The unit names the installed program, wherever that is by then.

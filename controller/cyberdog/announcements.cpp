@@ -14,7 +14,7 @@ constexpr int kReadyTimes = 3000;
 
 }  // namespace
 
-Announcements::Announcements(Endpoints& endpoints, const MachineConfig& config,
+Announcements::Announcements(transport::Endpoints& endpoints, const MachineConfig& config,
                              const Machine& machine)
     : loop_(endpoints.node().loop()),
       config_(config),

@@ -8,18 +8,19 @@
 #include <functional>
 #include <optional>
 
-#include "musher/controller/cyberdog/endpoints.hpp"
 #include "musher/lifecycle/config.hpp"
 #include "musher/lifecycle/coordinator.hpp"
 #include "musher/messages/protocol/manager.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::cyberdog {
 
 class Announcements {
  public:
   // All must outlive it.
-  Announcements(Endpoints& endpoints, const MachineConfig& config, const Machine& machine);
+  Announcements(transport::Endpoints& endpoints, const MachineConfig& config,
+                const Machine& machine);
 
   // Every change of the machine leaves a record.
   void OnRecord(const action::Record& record);

@@ -27,7 +27,8 @@ std::string Text(const Json& json) {
 
 }  // namespace
 
-Information::Information(Endpoints& endpoints, const MachineConfig& config, const Machine& machine)
+Information::Information(transport::Endpoints& endpoints, const MachineConfig& config,
+                         const Machine& machine)
     : loop_(endpoints.node().loop()), config_(config), machine_(machine) {
   endpoints.HearResolved<msg::BmsStatus>(
       transport::BatteryTopic(config),

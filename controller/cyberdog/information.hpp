@@ -8,18 +8,18 @@
 #include <string>
 #include <vector>
 
-#include "musher/controller/cyberdog/endpoints.hpp"
 #include "musher/lifecycle/config.hpp"
 #include "musher/lifecycle/machine.hpp"
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/protocol/manager.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::cyberdog {
 
 class Information {
  public:
   // All must outlive it.
-  Information(Endpoints& endpoints, const MachineConfig& config, const Machine& machine);
+  Information(transport::Endpoints& endpoints, const MachineConfig& config, const Machine& machine);
 
  private:
   msg::BmsInfo::Response Battery() const;

@@ -3,7 +3,7 @@
 namespace musher::cyberdog {
 
 Manager::Manager(transport::Node& node, ControllerShell& shell)
-    : endpoints_(node, shell.config().name_space),
+    : endpoints_(node, shell.config()),
       announcements_(endpoints_, shell.config(), shell.machine()),
       information_(endpoints_, shell.config(), shell.machine()),
       requests_(endpoints_, shell) {}

@@ -8,10 +8,10 @@
 #include <memory>
 
 #include "musher/controller/cyberdog/announcements.hpp"
-#include "musher/controller/cyberdog/endpoints.hpp"
 #include "musher/controller/cyberdog/information.hpp"
 #include "musher/controller/cyberdog/requests.hpp"
 #include "musher/controller/cyberdog/speaker.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::cyberdog {
 
@@ -26,7 +26,7 @@ class Manager {
  private:
   Manager(transport::Node& node, ControllerShell& shell);
 
-  Endpoints endpoints_;
+  transport::Endpoints endpoints_;
   Announcements announcements_;
   Information information_;
   Requests requests_;

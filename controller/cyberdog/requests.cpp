@@ -23,12 +23,12 @@ std::string NoState(std::uint8_t number) {
 
 }  // namespace
 
-Requests::Requests(Endpoints& endpoints, ControllerShell& shell) : shell_(shell) {
+Requests::Requests(transport::Endpoints& endpoints, ControllerShell& shell) : shell_(shell) {
   ServeStates(endpoints);
   ServePower(endpoints);
 }
 
-void Requests::ServeStates(Endpoints& endpoints) {
+void Requests::ServeStates(transport::Endpoints& endpoints) {
   endpoints.Hear<msg::UInt8>("machine_state_switch",
                              [this](const msg::UInt8& wanted) { OnSwitch(wanted.data); });
   endpoints.Serve<msg::MachineState>(
@@ -46,7 +46,7 @@ void Requests::ServeStates(Endpoints& endpoints) {
   });
 }
 
-void Requests::ServePower(Endpoints& endpoints) {
+void Requests::ServePower(transport::Endpoints& endpoints) {
   const auto enable = [&](const char* name, PolicyRequest what) {
     endpoints.Serve<msg::SetBool>(name, [this, what](const auto& request, const auto& reply) {
       event::PolicyRequested asked;

@@ -8,21 +8,21 @@
 #include <string>
 
 #include "musher/controller/controller_shell.hpp"
-#include "musher/controller/cyberdog/endpoints.hpp"
 #include "musher/messages/protocol/manager.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::cyberdog {
 
 class Requests {
  public:
   // Both must outlive it.
-  Requests(Endpoints& endpoints, ControllerShell& shell);
+  Requests(transport::Endpoints& endpoints, ControllerShell& shell);
 
  private:
   using KeepReply = transport::Server<msg::MachineState>::Reply;
 
-  void ServeStates(Endpoints& endpoints);
-  void ServePower(Endpoints& endpoints);
+  void ServeStates(transport::Endpoints& endpoints);
+  void ServePower(transport::Endpoints& endpoints);
   void OnSwitch(std::uint8_t number);
   void OnKeep(const msg::MachineState::Request& request, const KeepReply& reply);
   void OnWakeWord();

@@ -15,14 +15,15 @@ constexpr Duration kStandUpTime = std::chrono::seconds(20);
 
 }  // namespace
 
-Result<std::unique_ptr<Speaker>> Speaker::Make(Endpoints& endpoints, ControllerShell& shell) {
+Result<std::unique_ptr<Speaker>> Speaker::Make(transport::Endpoints& endpoints,
+                                               ControllerShell& shell) {
   if (shell.config().policy->voice.say.empty()) return std::unique_ptr<Speaker>();
   std::unique_ptr<Speaker> speaker(new Speaker(shell));
   if (auto opened = speaker->Open(endpoints); !opened) return opened.error();
   return speaker;
 }
 
-Result<> Speaker::Open(Endpoints& endpoints) {
+Result<> Speaker::Open(transport::Endpoints& endpoints) {
   loop_ = &endpoints.node().loop();
   auto clock = transport::Clock::Of(shell_.config(), endpoints.node(),
                                     [this] { Hear(heard::TimePassed{}); });

@@ -12,25 +12,26 @@
 #include <optional>
 
 #include "musher/controller/controller_shell.hpp"
-#include "musher/controller/cyberdog/endpoints.hpp"
 #include "musher/controller/cyberdog/voice.hpp"
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/transport/clock.hpp"
+#include "musher/transport/endpoints.hpp"
 
 namespace musher::cyberdog {
 
 class Speaker {
  public:
   // Null where nothing is to be said. Both must outlive it.
-  static Result<std::unique_ptr<Speaker>> Make(Endpoints& endpoints, ControllerShell& shell);
+  static Result<std::unique_ptr<Speaker>> Make(transport::Endpoints& endpoints,
+                                               ControllerShell& shell);
 
   // To be told of every record of the shell.
   void OnRecord(const action::Record& record);
 
  private:
   explicit Speaker(ControllerShell& shell) : shell_(shell) {}
-  Result<> Open(Endpoints& endpoints);
+  Result<> Open(transport::Endpoints& endpoints);
 
   void Hear(const Heard& heard);
   void Look();

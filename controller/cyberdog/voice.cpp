@@ -119,7 +119,7 @@ void Speaking::TellStart() {
   const auto& all = config_.actuators;
   const bool staged =
       std::any_of(all.begin(), all.end(), [](const auto& a) { return a.stage > 1; });
-  if (staged) Say(Occasion::kStart, {kStageTwoUp, ""});
+  if (staged) Say(Occasion::kStart, {Play::kStarted, ""});
 }
 
 void Speaking::TellFaults() {

@@ -11,10 +11,10 @@
 namespace musher::audio {
 namespace {
 
-constexpr unsigned kLatency_us = 100'000;  // of the device's buffer
-constexpr std::size_t kChunk = 512;        // samples; a stop is heard after so many
-constexpr int kWait_ms = 20;               // for room in the buffer
-constexpr int kDrainLook_ms = 5;
+constexpr unsigned kLatencyUs = 100'000;  // of the device's buffer
+constexpr std::size_t kChunk = 512;       // samples; a stop is heard after so many
+constexpr int kWaitMs = 20;               // for room in the buffer
+constexpr int kDrainLookMs = 5;
 constexpr Duration kPatience = Milliseconds(2'000);  // without progress
 
 struct Close {
@@ -40,7 +40,7 @@ Result<Pcm> Open(const std::string& device, int rate_hz) {
   if (error < 0) return Failed(device, error);
   Pcm pcm(opened);
   const int set = snd_pcm_set_params(opened, SND_PCM_FORMAT_S16, SND_PCM_ACCESS_RW_INTERLEAVED, 1,
-                                     static_cast<unsigned>(rate_hz), 1, kLatency_us);
+                                     static_cast<unsigned>(rate_hz), 1, kLatencyUs);
   if (set < 0) return Failed(device, set);
   return pcm;
 }
@@ -56,7 +56,7 @@ AlsaOutput::AlsaOutput(transport::EventLoop& loop, std::string device)
 }
 
 AlsaOutput::~AlsaOutput() {
-  Stop();
+  AlsaOutput::Stop();
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
@@ -121,7 +121,7 @@ Result<> AlsaOutput::PlayOut(const Job& job) {
       continue;
     }
     if (Now() - progress > kPatience) return Failed(device_, -ETIMEDOUT);
-    const int error = written == -EAGAIN ? snd_pcm_wait(pcm, kWait_ms) : static_cast<int>(written);
+    const int error = written == -EAGAIN ? snd_pcm_wait(pcm, kWaitMs) : static_cast<int>(written);
     if (error < 0 && snd_pcm_recover(pcm, error, 1) < 0) return Failed(device_, error);
   }
   const int drained = Drain(pcm, job);
@@ -137,7 +137,7 @@ int AlsaOutput::Drain(snd_pcm_t* pcm, const Job& job) {
     if (error != -EAGAIN) return error;
     if (Now() > deadline) return -ETIMEDOUT;
     std::unique_lock lock(mutex_);
-    given_.wait_for(lock, Milliseconds(kDrainLook_ms), [&] { return ending_ || !Wanted(job); });
+    given_.wait_for(lock, Milliseconds(kDrainLookMs), [&] { return ending_ || !Wanted(job); });
   }
   return 0;
 }

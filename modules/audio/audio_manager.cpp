@@ -67,7 +67,7 @@ Result<> AudioManager::MakeAll() {
 // The voice and the output, both looked at: the message names all that fails.
 Result<> AudioManager::SelfCheck() {
   const Result<> voice = maker_->Check();
-  const Result<> output = output_->Check();
+  Result<> output = output_->Check();
   if (voice && output) return Ok();
   if (voice) return output;
   Error error{AudioCode(KeyCode::kSelfCheckFailed), voice.error().message};

@@ -1,5 +1,6 @@
 #include "musher/modules/audio/audio_shell.hpp"
 
+#include <cassert>
 #include <utility>
 
 namespace musher::audio {
@@ -157,6 +158,7 @@ void AudioShell::Do(const play_action::SetVolume& action) {
 
 void AudioShell::Do(const play_action::Answer& action) {
   const auto call = calls_.extract(action.token);
+  assert(!call.empty());
   call.mapped()(action.code);
 }
 

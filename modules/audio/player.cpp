@@ -33,6 +33,7 @@ class Decision {
       if (player_.current) player_.current->deadline += jump;
       for (Player::Sound& sound : player_.waiting) sound.deadline += jump;
       player_.next_report += jump;
+      player_.refusal_again += jump;
     }
     player_.now = now_;
   }
@@ -45,8 +46,8 @@ class Decision {
     }
     const Result<Utterance> what = Judge(order);
     if (!what) {
-      Log("refused for " + config_toml::Quote(order.module) + ": " + what.error().message);
-      return Answer(order.token, what.error().code);
+      return Refuse(order.token, {what.error().code, "for " + config_toml::Quote(order.module) +
+                                                         ": " + what.error().message});
     }
     Player::Sound sound{++player_.last_number, order.token,  now_ + kAnswerTime,
                         order.module,          what.value(), false};
@@ -82,8 +83,9 @@ class Decision {
 
   void Take(const play_event::VolumeAsked& event) {
     if (event.volume < 0 || event.volume > kFullVolume) {
-      Log("refused: a volume of " + std::to_string(event.volume) + ", of at most 100");
-      return Answer(event.token, AudioCode(KeyCode::kParametersInvalid));
+      return Refuse(event.token,
+                    {AudioCode(KeyCode::kParametersInvalid),
+                     "a volume of " + std::to_string(event.volume) + ", of at most 100"});
     }
     player_.volume = event.volume;
     Do(play_action::SetVolume{event.volume});
@@ -92,8 +94,8 @@ class Decision {
 
   void Take(const play_event::MicrophoneAsked& event) {
     if (event.state != msg::AudioStatus::kNormal && event.state != msg::AudioStatus::kOffMic) {
-      Log("refused: there is no audio state " + std::to_string(event.state));
-      return Answer(event.token, AudioCode(KeyCode::kParametersInvalid));
+      return Refuse(event.token, {AudioCode(KeyCode::kParametersInvalid),
+                                  "an audio state " + std::to_string(event.state)});
     }
     player_.microphone_off = event.state == msg::AudioStatus::kOffMic;
     Answer(event.token, kCodeOk);
@@ -101,8 +103,8 @@ class Decision {
 
   void Take(const play_event::VoiceControlAsked& event) {
     if (event.on && player_.state == kOta) {
-      Log("refused: no voice control during an upgrade");
-      return Answer(event.token, AudioCode(KeyCode::kStateInvalid));
+      return Refuse(event.token,
+                    {AudioCode(KeyCode::kStateInvalid), "voice control during an upgrade"});
     }
     player_.voice_control = event.on;
     Answer(event.token, kCodeOk);
@@ -213,6 +215,17 @@ class Decision {
 
   bool IsCurrent(SoundNumber number) const {
     return player_.current && player_.current->number == number;
+  }
+
+  // Said once, however often somebody tries.
+  void Refuse(CallToken token, const Error& error) {
+    const std::string text = "refused " + error.message;
+    if (text != player_.refusal || now_ >= player_.refusal_again) {
+      Log(text);
+      player_.refusal = text;
+      player_.refusal_again = now_ + kRefusalPause;
+    }
+    Answer(token, error.code);
   }
 
   void Answer(CallToken token, std::int32_t code) {

@@ -39,6 +39,7 @@ namespace musher::audio {
 
 inline constexpr Duration kAnswerTime = Milliseconds(10'000);  // from the request
 inline constexpr Duration kReportPeriod = Milliseconds(500);
+inline constexpr Duration kRefusalPause = Milliseconds(10'000);  // of the log, for the same words
 inline constexpr std::size_t kMostWaiting = 16;
 inline constexpr int kFullVolume = 100;
 
@@ -166,6 +167,8 @@ struct Player {
   bool microphone_off = false;
   bool voice_control = true;
   bool device_lost = false;  // and that is told
+  std::string refusal;       // the last one that was said …
+  Time refusal_again{};      // … and when it may be again
   State state;
 
   friend bool operator==(const Player&, const Player&) = default;

@@ -22,7 +22,9 @@ Result<File> Open(const std::string& path, SF_INFO& info) {
   };
   if (!file) return refuse(sf_strerror(nullptr));
   if (info.frames <= 0) return refuse("there is no sound in it");
-  if (info.frames / info.samplerate >= kLongestRecording_s) return refuse("longer than 10 minutes");
+  if (std::chrono::seconds(info.frames / info.samplerate) >= kLongestRecording) {
+    return refuse("it is longer than 10 minutes");
+  }
   return file;
 }
 

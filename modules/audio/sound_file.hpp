@@ -10,10 +10,10 @@
 
 namespace musher::audio {
 
-inline constexpr int kLongestRecording_s = 600;
+inline constexpr std::chrono::minutes kLongestRecording(10);
 
 // Several channels become one. Fails with kRecording's code on a file that is missing, no sound, or
-// longer than kLongestRecording_s.
+// longer than kLongestRecording.
 Result<Sound> ReadSound(const std::string& path);
 
 // Whether ReadSound() would succeed, as far as the file's beginning tells.

@@ -13,7 +13,7 @@ VoiceMaker::VoiceMaker(transport::EventLoop& loop, const VoiceConfig& config)
 }
 
 VoiceMaker::~VoiceMaker() {
-  Cancel();
+  VoiceMaker::Cancel();
 }
 
 void VoiceMaker::Make(const Utterance& what, Done done) {

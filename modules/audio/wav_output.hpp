@@ -15,7 +15,7 @@ class WavOutput : public Output {
  public:
   // The folder need not be there yet. Files in it stay; the numbers go on.
   WavOutput(transport::EventLoop& loop, transport::Clock& clock, std::string folder);
-  ~WavOutput() override { Stop(); }
+  ~WavOutput() override { WavOutput::Stop(); }
 
   void Play(std::shared_ptr<const Sound> sound, Ended ended) override;
   void Stop() override;

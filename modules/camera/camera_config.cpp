@@ -53,6 +53,12 @@ class Reader {
       ReadService(reader);
       reader.RefuseOthers();
     }
+    for (const CameraConfig& camera : config_.cameras) {
+      if (camera.topic != config_.service.topic) continue;
+      findings_.Error(root.At("camera"), "camera." + camera.name +
+                                             ".topic: " + Quote(camera.topic) +
+                                             " is that of camera_service ([service] topic)");
+    }
     if (config_.service.camera.empty() && !config_.cameras.empty()) {
       config_.service.camera = config_.cameras.front().name;
     }
@@ -135,7 +141,8 @@ class Reader {
     camera.format.width_px = size("width_px");
     camera.format.height_px = size("height_px");
     if ((camera.format.width_px == 0) != (camera.format.height_px == 0)) {
-      reader.Fault(reader.at(), "width_px", "expected both width_px and height_px, or none");
+      const std::string_view given = camera.format.width_px != 0 ? "width_px" : "height_px";
+      reader.Fault(reader.At(given), given, "expected both width_px and height_px, or none");
     }
     camera.format.encoding =
         reader
@@ -155,11 +162,6 @@ class Reader {
     if (const auto topic = reader.String("topic")) {
       service.topic = topic->text;
       CheckTopic(reader, "topic", *topic);
-    }
-    for (const CameraConfig& camera : config_.cameras) {
-      if (camera.topic != service.topic) continue;
-      reader.Fault(reader.At("topic"), "topic",
-                   Quote(service.topic) + " is that of camera." + camera.name + " already");
     }
     if (const auto folder = reader.String("folder")) {
       service.folder = config_toml::Absolute(folder_, folder->text);

@@ -2,13 +2,34 @@
 
 #include <dlfcn.h>
 
+#include <cstdlib>
+#include <filesystem>
+
 namespace musher::camera {
+namespace {
+
+// Beside the program, as it is built; in the folder of libraries, as it is installed.
+std::string PathOfLibrary() {
+  constexpr const char* kName = "libmusher_camera_media.so";
+  std::error_code failed;
+  const auto folder = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
+  const auto beside = folder / kName;
+  if (std::filesystem::exists(beside, failed)) return beside;
+  return folder / ".." / MUSHER_LIBRARY_FOLDER / kName;
+}
+
+}  // namespace
+
+void SetUpCodecs() {
+  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+  setenv("OPENCV_LOG_LEVEL", "SILENT", 0);
+  setenv("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", "2", 0);
+}
 
 Result<Media*> LoadMedia() {
-  // By its name alone: the loader looks where the program's RUNPATH says.
   static const Result<Media*> media = []() -> Result<Media*> {
     constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kUninitialized);
-    void* library = dlopen("libmusher_camera_media.so", RTLD_NOW | RTLD_LOCAL);
+    void* library = dlopen(PathOfLibrary().c_str(), RTLD_NOW | RTLD_LOCAL);
     const auto failed = [] {
       const char* why = dlerror();
       return Error{kCode, std::string("no video and picture files: ") + (why ? why : "unknown")};

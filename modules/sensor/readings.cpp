@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,7 +39,9 @@ Result<> JudgeDistances(const std::vector<float>& distances) {
 }
 
 std::string Seconds(Duration duration) {
-  return Number(std::chrono::duration<double>(duration).count()) + " s";
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3g s", std::chrono::duration<double>(duration).count());
+  return text;
 }
 
 }  // namespace
@@ -92,7 +95,7 @@ Result<> Judge(const msg::SingleTofPayload& tof, std::uint8_t position) {
 
 Result<> Judge(const msg::NavSatFix& fix) {
   using Status = msg::NavSatStatus;
-  const int status = fix.status.status;
+  const auto status = fix.status.status;
   if (status < Status::kUnknown || status > Status::kGbasFix) {
     return Refused("its status is " + std::to_string(status));
   }

@@ -71,8 +71,8 @@ class Reader {
     const auto words = root.Strings(key, {.may_be_empty = true});
     std::vector<SensorKind> kinds;
     if (!words) return kinds;
-    std::vector<std::string_view> known;
-    for (const SensorKind kind : kSensorKinds) known.push_back(NameOf(kind));
+    std::vector<std::string_view> known(kSensorKinds.size());
+    std::transform(kSensorKinds.begin(), kSensorKinds.end(), known.begin(), NameOf);
     for (const Word& word : *words) {
       const std::optional<SensorKind> kind = KindOfName(word.text);
       if (!kind) {

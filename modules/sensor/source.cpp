@@ -3,6 +3,12 @@
 #include <utility>
 
 namespace musher::sensor {
+namespace {
+
+// A process that was kept from running hears what waits for it before it calls anybody silent.
+constexpr Duration kGrace = Milliseconds(200);  // of the steady clock
+
+}  // namespace
 
 Source::Source(const Surroundings& around, SourceOptions options)
     : around_(around), options_(std::move(options)), stamps_(options_.stamp_tolerance) {}
@@ -29,6 +35,7 @@ void Source::Ignore() {
   silence_.reset();
   stamps_.Forget();
   last_refused_.reset();
+  wrong_stamp_.clear();
   said_ = false;
   complaint_ = "it is not heard";
 }
@@ -40,23 +47,37 @@ void Source::OnTimeJumped() {
 
 void Source::AwaitNext() {
   silence_ = around_.clock.At(around_.clock.Now() + options_.silence, [this] {
-    silence_.reset();
-    Complain(KeyCode::kTimeout,
-             "silent for " + std::to_string(ToMilliseconds(options_.silence)) + " ms");
+    transport::EventLoop& loop = around_.node.loop();
+    silence_ = loop.At(loop.Now() + kGrace, [this] {
+      silence_.reset();
+      const std::string silent =
+          "silent for " + std::to_string(ToMilliseconds(options_.silence)) + " ms";
+      Complain(KeyCode::kTimeout, wrong_stamp_.empty()
+                                      ? silent
+                                      : silent + ", its readings are refused: " + wrong_stamp_);
+    });
   });
 }
 
 bool Source::Take(const Result<>& judged, const msg::Header& header) {
   const Time now = around_.clock.Now();
-  AwaitNext();
-  const Result<> fine =
-      judged ? stamps_.Take(msg::FromStamp(header.stamp), msg::FromStamp(around_.stamp())) : judged;
-  if (!fine) {
+  if (!judged) {
+    AwaitNext();
     ++refused_;
     last_refused_ = now;
-    Complain(KeyCode::kDeviceError, "its readings are refused: " + fine.error().message);
+    Complain(KeyCode::kDeviceError, "its readings are refused: " + judged.error().message);
     return false;
   }
+  const Result<> timely =
+      stamps_.Take(msg::FromStamp(header.stamp), msg::FromStamp(around_.stamp()));
+  if (!timely) {
+    // As if it had not come: late ones may be the fault of who hears them.
+    ++refused_;
+    wrong_stamp_ = timely.error().message;
+    return false;
+  }
+  AwaitNext();
+  wrong_stamp_.clear();
   complaint_.clear();
   // One good reading among bad ones is no recovery that is worth a line.
   if (said_ && !(last_refused_ && now - *last_refused_ < options_.silence)) {

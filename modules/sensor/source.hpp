@@ -61,7 +61,8 @@ class Source {
 
   StampJudge stamps_;
   std::string complaint_ = "it is not heard";
-  bool said_ = false;  // the complaint, or one before it that is not over
+  std::string wrong_stamp_;  // what was wrong with that of the last reading
+  bool said_ = false;        // the complaint, or one before it that is not over
   std::uint64_t refused_ = 0;
   std::uint64_t refused_before_ = 0;  // when it was well
   std::optional<Time> last_refused_;

@@ -4,46 +4,38 @@
 #include <cmath>
 
 namespace musher::world {
+namespace {
 
-using Eigen::Vector2d;
-using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-Lens::Lens(const CameraSpec& camera) : intrinsics_(IntrinsicsOf(camera)) {
-  pixel_rad_ = static_cast<float>(1 / intrinsics_.focal_px);
-  const auto count = static_cast<std::size_t>(width()) * static_cast<std::size_t>(height());
-  for (auto* rays : {&rays_x_, &rays_y_, &rays_z_}) rays->reserve(count);
-  gains_.reserve(count);
-  // A fisheye ends at its circle, a pinhole in its corners.
-  const double rim_px = camera.model == CameraModel::kFisheye
-                            ? intrinsics_.focal_px * intrinsics_.farthest_rad
-                            : Vector2d(width(), height()).norm() / 2;
-  for (int y = 0; y < height(); ++y) {
-    for (int x = 0; x < width(); ++x) {
-      const Vector3d ray = RayOf(intrinsics_, {x, y});
-      rays_x_.push_back(static_cast<float>(ray.x()));
-      rays_y_.push_back(static_cast<float>(ray.y()));
-      rays_z_.push_back(static_cast<float>(ray.z()));
-      const double out = (Vector2d(x, y) - intrinsics_.center_px).norm() / rim_px;
-      const bool seen = std::acos(std::clamp(ray.z(), -1.0, 1.0)) <= intrinsics_.farthest_rad;
-      const double gain = camera.exposure * (1 - camera.vignette * out * out);
-      gains_.push_back(seen ? static_cast<float>(std::max(gain, 0.0)) : 0);
-    }
-  }
-  MakeTiles();
+// Of the square of an angle up to pi, to seven digits: the power series of cos(a) and sin(a) / a
+// have even powers only.
+float CosOfRoot(float a2) {
+  constexpr float kOver[] = {1 / 2.F,   1 / 12.F,  1 / 30.F,  1 / 56.F, 1 / 90.F,
+                             1 / 132.F, 1 / 182.F, 1 / 240.F, 1 / 306.F};  // 1 2, 3 4, 5 6, ...
+  float sum = 1;
+  for (int i = 8; i >= 0; --i) sum = 1 - a2 * kOver[i] * sum;
+  return sum;
+}
+float SincOfRoot(float a2) {
+  constexpr float kOver[] = {1 / 6.F,   1 / 20.F,  1 / 42.F,  1 / 72.F, 1 / 110.F,
+                             1 / 156.F, 1 / 210.F, 1 / 272.F, 1 / 342.F};  // 2 3, 4 5, 6 7, ...
+  float sum = 1;
+  for (int i = 8; i >= 0; --i) sum = 1 - a2 * kOver[i] * sum;
+  return sum;
 }
 
-Vector3f Lens::Ray(int x, int y, float right, float down) const {
-  const int beside = x + 1 < width() ? 1 : -1;
-  const int below = y + 1 < height() ? 1 : -1;
-  const Vector3f ray = Ray(x, y);
-  const float across = right * static_cast<float>(beside);
-  const float along = down * static_cast<float>(below);
-  return (ray + across * (Ray(x + beside, y) - ray) + along * (Ray(x, y + below) - ray))
-      .normalized();
-}
+}  // namespace
 
-void Lens::MakeTiles() {
+Lens::Lens(const CameraSpec& camera)
+    : intrinsics_(IntrinsicsOf(camera)),
+      focal_px_(static_cast<float>(intrinsics_.focal_px)),
+      exposure_(static_cast<float>(camera.exposure)),
+      vignette_(static_cast<float>(camera.vignette)) {
+  const double rim = camera.model == CameraModel::kFisheye
+                         ? intrinsics_.farthest_rad
+                         : intrinsics_.center_px.norm() / intrinsics_.focal_px;
+  rim2_ = static_cast<float>(rim * rim) * 1.0001F;  // the corner itself is in the picture
   for (int y = 0; y < height(); y += kTilePx) {
     for (int x = 0; x < width(); x += kTilePx) {
       Tile tile;
@@ -51,19 +43,67 @@ void Lens::MakeTiles() {
       tile.y = y;
       tile.end_x = std::min(x + kTilePx, width());
       tile.end_y = std::min(y + kTilePx, height());
-      tile.axis = Ray((x + tile.end_x) / 2, (y + tile.end_y) / 2);
-      float least_cosine = 1;
-      tile.dark = true;
-      for (int row = y; row < tile.end_y; ++row) {
-        for (int column = x; column < tile.end_x; ++column) {
-          least_cosine = std::min(least_cosine, tile.axis.dot(Ray(column, row)));
-          tile.dark = tile.dark && Gain(column, row) <= 0;
-        }
-      }
-      tile.half_angle_rad = std::acos(std::max(least_cosine, -1.0F)) + pixel_rad_;
+      MakeTile(tile);
       tiles_.push_back(tile);
     }
   }
+}
+
+void Lens::Look(const Places& places, Rays& rays, Each<float>& gains) const {
+  const float each = 1 / focal_px_;
+  const auto center_x = static_cast<float>(intrinsics_.center_px.x());
+  const auto center_y = static_cast<float>(intrinsics_.center_px.y());
+  const float vignette = vignette_ / rim2_;
+  Each<float> out2;
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    rays.x[i] = (places.x[i] - center_x) * each;
+    rays.y[i] = (places.y[i] - center_y) * each;
+    out2[i] = rays.x[i] * rays.x[i] + rays.y[i] * rays.y[i];
+    gains[i] = out2[i] <= rim2_ ? exposure_ * (1 - vignette * out2[i]) : 0;
+  }
+  if (intrinsics_.model == CameraModel::kPinhole) {
+    for (std::size_t i = 0; i < kBundle; ++i) {
+      const float z = 1 / std::sqrt(1 + out2[i]);
+      rays.x[i] *= z;
+      rays.y[i] *= z;
+      rays.z[i] = z;
+    }
+    return;
+  }
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    constexpr float kMost = 9.8696F;  // pi squared
+    const float angle2 = out2[i] < kMost ? out2[i] : kMost;
+    const float aside = SincOfRoot(angle2);
+    rays.x[i] *= aside;
+    rays.y[i] *= aside;
+    rays.z[i] = CosOfRoot(angle2);
+  }
+}
+
+void Lens::MakeTile(Tile& tile) const {
+  std::vector<Vector3f> seen;
+  Vector3f sum = Vector3f::Zero();
+  Places places;
+  Rays rays;
+  Each<float> gains;
+  for (int y = tile.y; y < tile.end_y; ++y) {
+    for (std::size_t i = 0; i < kBundle; ++i) {
+      places.x[i] = static_cast<float>(tile.x + static_cast<int>(i));
+      places.y[i] = static_cast<float>(y);
+    }
+    Look(places, rays, gains);
+    for (int i = 0; i < tile.end_x - tile.x; ++i) {
+      if (gains[i] <= 0) continue;
+      seen.emplace_back(rays.x[i], rays.y[i], rays.z[i]);
+      sum += seen.back();
+    }
+  }
+  tile.dark = seen.empty();
+  if (tile.dark) return;
+  tile.axis = sum.normalized();
+  float least_cosine = 1;
+  for (const Vector3f& ray : seen) least_cosine = std::min(least_cosine, tile.axis.dot(ray));
+  tile.half_angle_rad = std::acos(std::max(least_cosine, -1.0F)) + pixel_rad();
 }
 
 }  // namespace musher::world

@@ -1,23 +1,24 @@
 #pragma once
-// All about a camera that stays the same from picture to picture: where each pixel looks, how much
-// light it gets, and tiles of pixels with the cones they look into.
+// Which way the places of a picture look and how much light they get, as camera_model.hpp says it
+// for one, but for many at once; and tiles of the picture with the cones they look into.
 //
 // Threads: never changed once it is made.
 
 #include <Eigen/Core>
 #include <vector>
 
+#include "musher/modules/world/bundle.hpp"
 #include "musher/modules/world/camera_model.hpp"
 
 namespace musher::world {
 
 class Lens {
  public:
-  static constexpr int kTilePx = 32;
+  static constexpr int kTilePx = static_cast<int>(kBundle);
 
   struct Tile {
     int x = 0, y = 0, end_x = 0, end_y = 0;  // pixels
-    Eigen::Vector3f axis;                    // in the camera's frame
+    Eigen::Vector3f axis{0, 0, 1};           // in the camera's frame
     float half_angle_rad = 0;
     bool dark = false;  // nothing is seen in it
   };
@@ -28,34 +29,20 @@ class Lens {
   int width() const { return intrinsics_.width_px; }
   int height() const { return intrinsics_.height_px; }
   const std::vector<Tile>& tiles() const { return tiles_; }
-  // Of a pixel, of length 1.
-  Eigen::Vector3f Ray(int x, int y) const {
-    const std::size_t index = Index(x, y);
-    return {rays_x_[index], rays_y_[index], rays_z_[index]};
-  }
-  // Of that pixel and those to its right, one coordinate of each.
-  const float* RaysX(int x, int y) const { return &rays_x_[Index(x, y)]; }
-  const float* RaysY(int x, int y) const { return &rays_y_[Index(x, y)]; }
-  const float* RaysZ(int x, int y) const { return &rays_z_[Index(x, y)]; }
-  // Of a place between pixels, in pixels from one.
-  Eigen::Vector3f Ray(int x, int y, float right, float down) const;
-  // Factor on the light of a pixel; 0 where the lens shows nothing.
-  float Gain(int x, int y) const { return gains_[Index(x, y)]; }
-  const float* Gains(int x, int y) const { return &gains_[Index(x, y)]; }
   // Angle between neighbouring pixels in the middle.
-  float pixel_rad() const { return pixel_rad_; }
+  float pixel_rad() const { return 1 / focal_px_; }
+
+  // Leaves the dither alone. `gains` are factors on the light, 0 where the lens shows nothing.
+  void Look(const Places& places, Rays& rays, Each<float>& gains) const;
 
  private:
-  std::size_t Index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(intrinsics_.width_px) +
-           static_cast<std::size_t>(x);
-  }
-  void MakeTiles();
+  void MakeTile(Tile& tile) const;
 
   Intrinsics intrinsics_;
-  float pixel_rad_ = 0;
-  std::vector<float> rays_x_, rays_y_, rays_z_;
-  std::vector<float> gains_;
+  float focal_px_ = 1;
+  float exposure_ = 1;
+  float vignette_ = 0;
+  float rim2_ = 1;  // where the picture's corner or the fisheye's circle is, (r / f)^2
   std::vector<Tile> tiles_;
 };
 

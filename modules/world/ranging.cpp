@@ -108,7 +108,8 @@ double Surroundings::DistanceAlong(const Vector3d& along) const {
     CutRound<Vector3d>(span, round.from_m, along, round.radius_m);
     if (!span.empty()) nearest = std::min(nearest, span.enter_m);
   }
-  return nearest <= most_m_ ? nearest : kNothing;
+  if (nearest > most_m_) return kNothing;
+  return nearest;
 }
 
 double Surroundings::ToFence(const Vector3d& along) const {

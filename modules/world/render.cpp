@@ -21,10 +21,12 @@ constexpr float kDither[4][4] = {{0.03F, 0.53F, 0.16F, 0.66F},
                                  {0.97F, 0.47F, 0.84F, 0.34F}};
 
 constexpr std::size_t kEdgesAtOnce = kBundle / 4;
-static_assert(Lens::kTilePx == kBundle);
+constexpr std::uint16_t kDark = 0;  // a surface where the lens shows nothing
 
-std::uint8_t Byte(float value) {
-  return static_cast<std::uint8_t>(std::clamp(static_cast<int>(value + 0.5F), 0, 255));
+// From 0 to 255.
+std::int32_t Level(float light) {
+  const float most = light < 255 ? light : 255;
+  return static_cast<std::int32_t>((most > 0 ? most : 0) + 0.5F);
 }
 
 // One picture while it is drawn.
@@ -70,25 +72,39 @@ class Drawing {
 
   void DrawTile(std::size_t index) {
     const Lens::Tile& tile = lens_.tiles()[index];
-    Rays rays = Ahead();
+    const auto width = static_cast<std::size_t>(tile.end_x - tile.x);
+    Places places;
+    Rays rays;
+    Each<float> gains;
     Sights sights;
-    const int width = tile.end_x - tile.x;
+    for (std::size_t i = 0; i < kBundle; ++i) {
+      places.x[i] = static_cast<float>(tile.x + static_cast<int>(i));
+    }
     for (int y = tile.y; y < tile.end_y; ++y) {
-      std::copy_n(lens_.RaysX(tile.x, y), width, rays.x.begin());
-      std::copy_n(lens_.RaysY(tile.x, y), width, rays.y.begin());
-      std::copy_n(lens_.RaysZ(tile.x, y), width, rays.z.begin());
+      places.y.fill(static_cast<float>(y));
       for (std::size_t i = 0; i < kBundle; ++i) rays.dither[i] = kDither[y & 3][i & 3];
+      lens_.Look(places, rays, gains);
       tracer_.Look(rays, things_[index], sights);
-      std::copy_n(sights.surface.begin(), width, surfaces_.begin() + Index(tile.x, y));
-      PutRow(sights, lens_.Gains(tile.x, y), width, image_.bgr.data() + 3 * Index(tile.x, y));
+      const std::size_t first = Index(tile.x, y);
+      for (std::size_t i = 0; i < width; ++i) {
+        surfaces_[first + i] = gains[i] > 0 ? sights.surface[i] : kDark;
+      }
+      PutRow(sights, gains, width, image_.bgr.data() + 3 * first);
     }
   }
 
-  static void PutRow(const Sights& sights, const float* gains, int width, std::uint8_t* bgr) {
-    for (int i = 0; i < width; ++i) {
-      bgr[3 * i] = Byte(sights.blue[i] * gains[i]);
-      bgr[3 * i + 1] = Byte(sights.green[i] * gains[i]);
-      bgr[3 * i + 2] = Byte(sights.red[i] * gains[i]);
+  static void PutRow(const Sights& sights, const Each<float>& gains, std::size_t width,
+                     std::uint8_t* bgr) {
+    Each<std::int32_t> blue, green, red;
+    for (std::size_t i = 0; i < kBundle; ++i) {
+      blue[i] = Level(sights.blue[i] * gains[i]);
+      green[i] = Level(sights.green[i] * gains[i]);
+      red[i] = Level(sights.red[i] * gains[i]);
+    }
+    for (std::size_t i = 0; i < width; ++i) {
+      bgr[3 * i] = static_cast<std::uint8_t>(blue[i]);
+      bgr[3 * i + 1] = static_cast<std::uint8_t>(green[i]);
+      bgr[3 * i + 2] = static_cast<std::uint8_t>(red[i]);
     }
   }
 
@@ -96,11 +112,7 @@ class Drawing {
   void SmoothTile(std::size_t index) {
     const Lens::Tile& tile = lens_.tiles()[index];
     edges_.clear();
-    for (int y = tile.y; y < tile.end_y; ++y) {
-      for (int x = tile.x; x < tile.end_x; ++x) {
-        if (IsEdge(x, y) && lens_.Gain(x, y) > 0) edges_.emplace_back(x, y);
-      }
-    }
+    for (int y = tile.y; y < tile.end_y; ++y) FindEdges(tile, y);
     for (std::size_t begin = 0; begin < edges_.size(); begin += kEdgesAtOnce) {
       const std::size_t count = std::min(kEdgesAtOnce, edges_.size() - begin);
       SmoothPixels(&edges_[begin], count, things_[index]);
@@ -111,22 +123,24 @@ class Drawing {
                     const Tracer::Things& things) {
     constexpr std::pair<float, float> kWithin[] = {
         {-0.375F, -0.125F}, {0.125F, -0.375F}, {0.375F, 0.125F}, {-0.125F, 0.375F}};
-    Rays rays = Ahead();
-    for (std::size_t i = 0; i < 4 * count; ++i) {
-      const auto& [x, y] = pixels[i / 4];
-      const auto& [right, down] = kWithin[i % 4];
-      const Vector3f ray = lens_.Ray(x, y, right, down);
-      rays.x[i] = ray.x();
-      rays.y[i] = ray.y();
-      rays.z[i] = ray.z();
+    Places places;
+    Rays rays;
+    for (std::size_t i = 0; i < kBundle; ++i) {
+      const auto& [x, y] = pixels[std::min(i / 4, count - 1)];
+      places.x[i] = static_cast<float>(x) + kWithin[i % 4].first;
+      places.y[i] = static_cast<float>(y) + kWithin[i % 4].second;
     }
+    rays.dither.fill(0.5F);
+    Each<float> gains;
     Sights sights;
+    lens_.Look(places, rays, gains);
     tracer_.Look(rays, things, sights);
     for (std::size_t i = 0; i < count; ++i) {
       const auto& [x, y] = pixels[i];
-      const auto mean = [&, gain = lens_.Gain(x, y)](const Each<float>& light) {
-        const float* four = &light[4 * i];
-        return Byte((four[0] + four[1] + four[2] + four[3]) / 4 * gain);
+      const auto mean = [&](const Each<float>& light) {
+        float sum = 0;
+        for (std::size_t ray = 4 * i; ray < 4 * i + 4; ++ray) sum += light[ray] * gains[ray];
+        return static_cast<std::uint8_t>(Level(sum / 4));
       };
       std::uint8_t* pixel = image_.bgr.data() + 3 * Index(x, y);
       pixel[0] = mean(sights.blue);
@@ -135,20 +149,22 @@ class Drawing {
     }
   }
 
-  static Rays Ahead() {
-    Rays rays;
-    rays.x.fill(0);
-    rays.y.fill(0);
-    rays.z.fill(1);
-    rays.dither.fill(0.5F);
-    return rays;
-  }
-  bool IsEdge(int x, int y) const {
-    const std::uint32_t own = surfaces_[Index(x, y)];
-    return (x > 0 && surfaces_[Index(x - 1, y)] != own) ||
-           (x + 1 < image_.width && surfaces_[Index(x + 1, y)] != own) ||
-           (y > 0 && surfaces_[Index(x, y - 1)] != own) ||
-           (y + 1 < image_.height && surfaces_[Index(x, y + 1)] != own);
+  void FindEdges(const Lens::Tile& tile, int y) {
+    const int width = tile.end_x - tile.x;
+    const std::uint16_t* own = &surfaces_[Index(tile.x, y)];
+    const std::uint16_t* above = y > 0 ? own - image_.width : own;
+    const std::uint16_t* below = y + 1 < image_.height ? own + image_.width : own;
+    int any = 0;
+    Each<int> differs;
+    for (int i = 0; i < width; ++i) differs[i] = (own[i] ^ above[i]) | (own[i] ^ below[i]);
+    const int first = tile.x > 0 ? 0 : 1;
+    for (int i = first; i < width; ++i) differs[i] |= own[i] ^ own[i - 1];
+    const int last = tile.end_x < image_.width ? width : width - 1;
+    for (int i = 0; i < last; ++i) differs[i] |= own[i] ^ own[i + 1];
+    for (int i = 0; i < width; ++i) any |= differs[i];
+    for (int i = 0; any != 0 && i < width; ++i) {
+      if (differs[i] != 0) edges_.emplace_back(tile.x + i, y);
+    }
   }
 
   std::size_t Index(int x, int y) const {
@@ -160,8 +176,8 @@ class Drawing {
   const Lens& lens_;
   const Tracer& tracer_;
   Image& image_;
-  std::vector<std::uint32_t> surfaces_;  // 0 where the lens shows nothing
-  std::vector<Tracer::Things> things_;   // of each tile
+  std::vector<std::uint16_t> surfaces_;
+  std::vector<Tracer::Things> things_;  // of each tile
   std::vector<std::pair<int, int>> edges_;
 };
 

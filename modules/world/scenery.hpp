@@ -61,7 +61,9 @@ class Scenery {
   }
   // Share of the light that comes to a place.
   float LightAt(float x_m, float y_m) const {
-    return std::clamp(dim_from_ - dim_x_ * x_m - dim_y_ * y_m, least_light_, 1.0F);
+    const float share = dim_from_ - dim_x_ * x_m - dim_y_ * y_m;
+    const float most = share < 1 ? share : 1;
+    return most > least_light_ ? most : least_light_;
   }
   const Light3& tint() const { return tint_; }
 

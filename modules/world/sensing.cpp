@@ -57,7 +57,8 @@ Eye Open(const World& world, const Mount& mount, double most_m) {
 double Reading(const Reach& reach, double distance_m, Chance& chance) {
   const double reading = distance_m + reach.noise_m * chance.Normal();
   if (reading < reach.least_m) return -kNothing;
-  return reading > reach.most_m ? kNothing : reading;
+  if (reading > reach.most_m) return kNothing;
+  return reading;
 }
 
 // Rays end a little beyond the reach: noise may bring back what is there.

@@ -20,7 +20,7 @@ const char* const kTellings =
     "  battery PERCENT     how full the battery is\n"
     "  cable in|out        the charging cable\n"
     "  touch KIND          single, double, hold, circle, or a number from 1 to 17\n"
-    "  fault NAME [MOTOR]  of the body: see the module's README\n"
+    "  fault NAME [MOTOR]  of the body or a sensor: see the module's README\n"
     "  place X Y [YAW]     carries the body there, m and rad\n"
     "  speed FACTOR        how fast the world's time goes\n"
     "  pause on|off        whether it stands still\n"

@@ -16,14 +16,12 @@ constexpr float kFar = std::numeric_limits<float>::max();
 constexpr float kNearest = 1e-3F;  // metres; what is nearer is not seen
 constexpr float kLevel = -1e-6F;   // rays that go down less than this meet no ground
 
-enum Surface : std::uint32_t {
-  kSky = 1,
-  kFarGround,
-  kGround,
-  kFence,
-  kThings = 16
-};                                   // kFence + side
-constexpr std::uint32_t kFaces = 8;  // numbers that each thing has
+constexpr std::uint16_t kSky = 1;
+constexpr std::uint16_t kFarGround = 2;
+constexpr std::uint16_t kGround = 3;
+constexpr std::uint16_t kFence = 4;  // and three more, one for each side
+constexpr std::uint16_t kThings = 16;
+constexpr std::uint16_t kFaces = 8;  // numbers that each thing has
 
 // Of a thing: x and y are its sides, z is its upper and lower side.
 enum Face { kFaceX, kFaceY, kFaceZ, kRound, kFront, kBack };
@@ -176,19 +174,26 @@ void Tracer::Look(const Rays& rays, const Things& things, Sights& sights) const 
   Ways ways;
   Turn(rays, ways);
   FindBackground(ways, sights);
-  FindGround(rays, ways);
-  ColorSky(ways, sights);
+  // Most bundles are all sky or all ground.
+  const auto begin = sights.surface.begin();
+  if (std::find(begin, sights.surface.end(), kSky) != sights.surface.end()) ColorSky(ways, sights);
+  if (std::find(begin, sights.surface.end(), kGround) != sights.surface.end()) {
+    FindGround(rays, ways);
+    ColorGround(ways, sights);
+  }
   ColorBackground(ways, sights);
   for (const std::uint16_t thing : things) FindThing(thing, ways, sights);
 }
 
 void Tracer::Turn(const Rays& rays, Ways& ways) const {
-  const Eigen::Matrix3f& m = turn_;
-  for (std::size_t i = 0; i < kBundle; ++i) {
-    ways.x[i] = m(0, 0) * rays.x[i] + m(0, 1) * rays.y[i] + m(0, 2) * rays.z[i];
-    ways.y[i] = m(1, 0) * rays.x[i] + m(1, 1) * rays.y[i] + m(1, 2) * rays.z[i];
-    ways.z[i] = m(2, 0) * rays.x[i] + m(2, 1) * rays.y[i] + m(2, 2) * rays.z[i];
-  }
+  const auto turn = [&rays](float x, float y, float z, Each<float>& into) {
+    for (std::size_t i = 0; i < kBundle; ++i) {
+      into[i] = x * rays.x[i] + y * rays.y[i] + z * rays.z[i];
+    }
+  };
+  turn(turn_(0, 0), turn_(0, 1), turn_(0, 2), ways.x);
+  turn(turn_(1, 0), turn_(1, 1), turn_(1, 2), ways.y);
+  turn(turn_(2, 0), turn_(2, 1), turn_(2, 2), ways.z);
 }
 
 // Which of fence, ground and sky, and how far.
@@ -196,23 +201,37 @@ void Tracer::FindBackground(Ways& ways, Sights& sights) const {
   constexpr float kTiny = 1e-9F;
   const Vector2f to_most = scenery_.most_m() - from_m_.head<2>();
   const Vector2f to_least = scenery_.least_m() - from_m_.head<2>();
+  const auto to_edge = [](float least, float most, const Each<float>& along, Each<float>& far) {
+    for (std::size_t i = 0; i < kBundle; ++i) {
+      const float way = along[i];
+      const float edge = way >= 0 ? most : least;
+      const float tiny = way >= 0 ? kTiny : -kTiny;
+      far[i] = edge / (way + tiny);
+    }
+  };
+  Each<float> by_x, by_y;
+  to_edge(to_least.x(), to_most.x(), ways.x, by_x);
+  to_edge(to_least.y(), to_most.y(), ways.y, by_y);
   const float height = from_m_.z();
-  const float fence = fenced_ ? scenery_.fence_height_m() : 0;
+  const float fence = fenced_ ? scenery_.fence_height_m() : -kFar;
+  Each<std::int32_t> surface;
   for (std::size_t i = 0; i < kBundle; ++i) {
-    const float x = ways.x[i];
-    const float y = ways.y[i];
     const float z = ways.z[i];
-    const float by_x = x >= 0 ? to_most.x() / (x + kTiny) : to_least.x() / (x - kTiny);
-    const float by_y = y >= 0 ? to_most.y() / (y + kTiny) : to_least.y() / (y - kTiny);
-    const float to_edge = by_x < by_y ? by_x : by_y;
-    const float to_ground = z < kLevel ? -height / z : kFar;
-    const float above = height + to_edge * z;  // where it leaves the place
-    const std::uint32_t side = kFence + (by_x < by_y ? (x >= 0 ? 0U : 1U) : (y >= 0 ? 2U : 3U));
-    const std::uint32_t beyond = z < kLevel ? kFarGround : kSky;
-    const std::uint32_t outside = above < fence ? side : beyond;
-    const bool ends = above < fence && to_edge < to_ground;
-    sights.surface[i] = to_ground <= to_edge ? kGround : outside;
-    ways.far_m[i] = ends ? to_edge : to_ground;
+    const std::int32_t side_x = ways.x[i] >= 0 ? kFence : kFence + 1;
+    const std::int32_t side_y = ways.y[i] >= 0 ? kFence + 2 : kFence + 3;
+    const std::int32_t side = by_x[i] < by_y[i] ? side_x : side_y;
+    const float far = by_x[i] < by_y[i] ? by_x[i] : by_y[i];
+    const float down = z < kLevel ? z : -1;
+    const float to_ground = z < kLevel ? -height / down : kFar;
+    const std::int32_t beyond = z < kLevel ? kFarGround : kSky;
+    const float above = height + far * z;  // where it leaves the place
+    const std::int32_t outside = above < fence ? side : beyond;
+    surface[i] = to_ground <= far ? kGround : outside;
+    const float least = above < fence ? far : kFar;
+    ways.far_m[i] = least < to_ground ? least : to_ground;
+  }
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    sights.surface[i] = static_cast<std::uint16_t>(surface[i]);
   }
 }
 
@@ -223,6 +242,7 @@ void Tracer::FindGround(const Rays& rays, Ways& ways) const {
   const Vector2f from = from_m_.head<2>() - scenery_.least_m();
   const Vector2f most = (scenery_.most_m() - scenery_.least_m()) * fine;
   const float covered = pixel_rad_ * per_m;
+  const Vector2f at = from_m_.head<2>();
   for (std::size_t i = 0; i < kBundle; ++i) {
     const float far = ways.far_m[i] < 1e4F ? ways.far_m[i] : 1e4F;
     const float x = (from.x() + far * ways.x[i]) * fine;
@@ -238,7 +258,7 @@ void Tracer::FindGround(const Rays& rays, Ways& ways) const {
   }
   for (std::size_t i = 0; i < kBundle; ++i) {
     const float far = ways.far_m[i] < 1e4F ? ways.far_m[i] : 1e4F;
-    ways.light[i] = scenery_.LightAt(from_m_.x() + far * ways.x[i], from_m_.y() + far * ways.y[i]);
+    ways.light[i] = scenery_.LightAt(at.x() + far * ways.x[i], at.y() + far * ways.y[i]);
   }
   if (scenery_.shadows()) ShadowOfBody(ways);
 }
@@ -274,19 +294,33 @@ void Tracer::ColorSky(const Ways& ways, Sights& sights) const {
   }
 }
 
-void Tracer::ColorBackground(const Ways& ways, Sights& sights) const {
+void Tracer::ColorGround(const Ways& ways, Sights& sights) const {
   const Texture& ground = scenery_.ground();
+  Each<std::int32_t> texels;
   for (std::size_t i = 0; i < kBundle; ++i) {
-    const std::uint32_t surface = sights.surface[i];
-    if (surface == kSky) continue;
-    if (surface == kGround) {
-      const Texel texel = ground.At(ways.column[i], ways.row[i], ways.halvings[i]);
-      Put(world::LightOf(texel) * (light_on_ground_ * ways.light[i]), i, sights);
-    } else if (surface == kFarGround) {
+    texels[i] = static_cast<std::int32_t>(ground.At(ways.column[i], ways.row[i], ways.halvings[i]));
+  }
+  const Light3 light = light_on_ground_;
+  const auto color = [&](Each<float>& own, int shift, float part) {
+    for (std::size_t i = 0; i < kBundle; ++i) {
+      const float here = static_cast<float>(texels[i] >> shift & 0xFF) * part * ways.light[i];
+      own[i] = sights.surface[i] == kGround ? here : own[i];
+    }
+  };
+  color(sights.red, 16, light[0]);
+  color(sights.green, 8, light[1]);
+  color(sights.blue, 0, light[2]);
+}
+
+void Tracer::ColorBackground(const Ways& ways, Sights& sights) const {
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    const std::uint16_t surface = sights.surface[i];
+    if (surface == kSky || surface == kGround) continue;
+    if (surface == kFarGround) {
       Put(FarGround(ways.far_m[i]), i, sights);
     } else {
       const Vector3f ray(ways.x[i], ways.y[i], ways.z[i]);
-      Put(Fence(ray, ways.far_m[i], static_cast<int>(surface - kFence)), i, sights);
+      Put(Fence(ray, ways.far_m[i], surface - kFence), i, sights);
     }
   }
 }
@@ -318,14 +352,14 @@ Light3 Tracer::Fence(const Vector3f& ray, float far_m, int side) const {
 void Tracer::FindThing(std::size_t index, Ways& ways, Sights& sights) const {
   const Thing& thing = scenery_.things()[index];
   const Vector3f from = from_local_[index];
-  const auto first = kThings + static_cast<std::uint32_t>(index) * kFaces;
+  const auto first = kThings + index * kFaces;
   for (std::size_t i = 0; i < kBundle; ++i) {
     const Vector3f ray(thing.cos_yaw * ways.x[i] + thing.sin_yaw * ways.y[i],
                        thing.cos_yaw * ways.y[i] - thing.sin_yaw * ways.x[i], ways.z[i]);
     Hit hit;
     if (!Meets(thing, from, ray, hit.far_m, hit.face) || hit.far_m >= ways.far_m[i]) continue;
     ways.far_m[i] = hit.far_m;
-    sights.surface[i] = first + static_cast<std::uint32_t>(hit.face);
+    sights.surface[i] = static_cast<std::uint16_t>(first + static_cast<std::size_t>(hit.face));
     Put(LightOf(thing, from, ray, hit), i, sights);
   }
 }

@@ -1,35 +1,16 @@
 #pragma once
-// Where rays end in a scenery, and what is to be seen there. Rays are followed in bundles, so that
-// the compiler can do the same to several at once.
+// Where rays end in a scenery, and what is to be seen there.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "musher/modules/world/bundle.hpp"
 #include "musher/modules/world/scene.hpp"
 #include "musher/modules/world/scenery.hpp"
 
 namespace musher::world {
-
-inline constexpr std::size_t kBundle = 32;
-
-// One number for each ray of a bundle.
-template <typename T>
-using Each = std::array<T, kBundle>;
-
-// Directions of length 1 in the camera's frame. All must be some direction, used or not.
-struct Rays {
-  Each<float> x, y, z;
-  Each<float> dither;  // 0 to 1: hides the borders between coarser and finer ground
-};
-
-// What the rays see. Neighbours that see one surface have the same number.
-struct Sights {
-  Each<std::uint32_t> surface;
-  Each<float> red, green, blue;  // 255 is white
-};
 
 // Looks from one place, for one picture.
 class Tracer {
@@ -65,6 +46,7 @@ class Tracer {
   void FindGround(const Rays& rays, Ways& ways) const;
   void ShadowOfBody(Ways& ways) const;
   void ColorSky(const Ways& ways, Sights& sights) const;
+  void ColorGround(const Ways& ways, Sights& sights) const;
   void ColorBackground(const Ways& ways, Sights& sights) const;
   Light3 Fence(const Eigen::Vector3f& ray, float far_m, int side) const;
   Light3 FarGround(float far_m) const;

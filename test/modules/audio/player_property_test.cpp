@@ -42,9 +42,9 @@ class Trial {
       case 4:
         return stage_.Do(play_event::VolumeAsked{Open(stage_.now()), Number(150)});
       case 5:
-        return stage_.Do(play_event::Ended{pick_(20), {}});  // often of another sound
+        return Stray(playing_, [](SoundNumber n) { return play_event::Ended{n, {}}; });
       case 6:
-        return stage_.Do(play_event::Made{pick_(20), {}});
+        return Stray(making_, [](SoundNumber n) { return play_event::Made{n, {}}; });
       case 7:
         return stage_.Pass(Milliseconds(Number(4'000)));
       default:
@@ -57,6 +57,15 @@ class Trial {
     if (pick_(2) == 0) return stage_.Say(token, kTexts[pick_(kTexts.size())]);
     static const std::vector<std::uint16_t> kIds = {60, 1050, 4711, 9999};
     return stage_.PlayId(token, kIds[pick_(kIds.size())]);
+  }
+
+  // Something is said of a sound that is not under way, or only seems so.
+  template <class MakeEvent>
+  PlayActions Stray(SoundNumber true_one, MakeEvent make_event) {
+    const SoundNumber number = pick_(20);
+    const PlayActions actions = stage_.Do(make_event(number));
+    Check(number == true_one || actions.empty(), "a sound that is gone is taken for another");
+    return actions;
   }
 
   // What is under way comes to its end, one way or the other.

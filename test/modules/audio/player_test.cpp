@@ -93,6 +93,14 @@ TEST_F(PlayerDecision, TakesASoundThatEndsWithItsLimitForOneInTime) {
   EXPECT_THAT(Answers(), ElementsAre(Answer{1, 0}));
 }
 
+TEST_F(PlayerDecision, TakesASoundThatEndsAfterItsLimitForOneTooLate) {
+  Say(1, "ten seconds and a bit");
+  Made();
+  now() += kAnswerTime + Milliseconds(1);
+  Ended();
+  EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5007}));
+}
+
 TEST_F(PlayerDecision, InterruptsWhatPlaysByATopicAndSaysSoToTheInterrupted) {
   Say(1, "long story");
   Made();
@@ -120,9 +128,9 @@ TEST_F(PlayerDecision, DoesNotTakeTheEndOfAnInterruptedSoundForThatOfItsSuccesso
   Made();
   Say(0, "two");
   Made();
-  Do(play_event::Ended{1, {}});
+  EXPECT_THAT(Do(play_event::Ended{1, {}}), IsEmpty());
+  ASSERT_TRUE(player().current);
   EXPECT_EQ(player().current->what.text, "two");
-  EXPECT_THAT(Answers(), IsEmpty());
 }
 
 TEST_F(PlayerDecision, LeavesWhatPlaysAloneWhenItRefuses) {
@@ -146,6 +154,23 @@ TEST_F(PlayerDecision, RefusesWhatCannotBeSaidEachWithItsCode) {
   Say(5, "a\xFF");
   EXPECT_THAT(Answers(), ElementsAre(Answer{5, 5026}));
   EXPECT_EQ(player().current, std::nullopt);
+}
+
+TEST_F(PlayerDecision, SaysTheSameRefusalOnceInTenSecondsAndAnswersEach) {
+  PlayId(1, 4711);
+  EXPECT_THAT(LogText(), HasSubstr("4711"));
+  PlayId(2, 4711);
+  EXPECT_EQ(LogText(), "");
+  EXPECT_THAT(Answers(), ElementsAre(Answer{2, 5023}));
+  PlayId(3, 4712);
+  EXPECT_THAT(LogText(), HasSubstr("4712"));
+  Pass(Milliseconds(9'000));
+  now() = Time{} + Milliseconds(1);  // the world was restarted
+  PlayId(4, 4712);
+  EXPECT_EQ(LogText(), "");
+  Pass(Milliseconds(1'000));
+  PlayId(5, 4712);
+  EXPECT_THAT(LogText(), HasSubstr("4712"));
 }
 
 TEST_F(PlayerDecision, CountsCharactersNotBytes) {

@@ -1,0 +1,40 @@
+// grip close | grip open: asks the gripper by hand.
+
+#include <future>
+#include <iostream>
+#include <string>
+
+#include "musher/messages/std_srvs/set_bool.hpp"
+#include "musher/transport/node_thread.hpp"
+#include "musher/transport/service.hpp"
+
+// [grip]
+int main(int argc, char** argv) {
+  const std::string wish = argc == 2 ? argv[1] : "";
+  if (wish != "close" && wish != "open") {
+    std::cerr << "usage: grip close|open\n";
+    return 2;
+  }
+  const auto node = musher::transport::NodeThread::Start();
+  if (!node) {
+    std::cerr << "grip: " << node.error().message << "\n";
+    return 1;
+  }
+  using SetBool = musher::msg::SetBool;
+  std::unique_ptr<musher::transport::Client<SetBool>> gripper;
+  std::promise<musher::Result<SetBool::Response>> promise;
+  node.value()->RunOnLoop([&] {
+    gripper = musher::transport::MakeClient<SetBool>(node.value()->node(), "gripper/close").value();
+    gripper->Call({wish == "close"}, std::chrono::seconds(10),
+                  [&](auto answer) { promise.set_value(std::move(answer)); });
+  });
+  const auto answer = promise.get_future().get();
+  node.value()->RunOnLoop([&] { gripper.reset(); });
+  const bool done = answer && answer.value().success;
+  std::cout << (done     ? wish == "close" ? "the gripper is closed" : "the gripper is open"
+                : answer ? "refused: " + answer.value().message
+                         : "no answer: " + answer.error().message)
+            << std::endl;
+  return done ? 0 : 1;
+}
+// [grip end]

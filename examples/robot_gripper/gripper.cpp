@@ -1,0 +1,18 @@
+// The program of the gripper.
+
+#include "gripper.hpp"
+
+#include <iostream>
+
+// [main]
+int main(int argc, char** argv) {
+  const auto config = ReadGripper(argc > 1 ? argv[1] : "gripper.toml");
+  if (!config) {
+    std::cerr << config.error().message << std::endl;
+    return 2;
+  }
+  Gripper gripper(config.value());
+  if (!gripper.MachineActuatorInit() || !gripper.ActuatorStart()) return 1;
+  return gripper.Wait();
+}
+// [main end]

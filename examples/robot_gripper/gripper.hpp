@@ -1,0 +1,172 @@
+#pragma once
+// A gripper as one of the robot's modules.
+//
+// Threads: state callbacks on the actuator's worker, everything else on the loop. What both use is
+// used on the loop.
+
+#include <fstream>
+#include <iostream>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "gripper_config.hpp"
+#include "jaw.hpp"
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_srvs/set_bool.hpp"
+#include "musher/transport/endpoints.hpp"
+
+// Codes of this module are 6100 plus a key: 6109 is "self-check failed".
+constexpr auto kGripper = static_cast<musher::ModuleCode>(6100);
+
+// [states]
+class Gripper : public musher::MachineActuator {
+ public:
+  explicit Gripper(const GripperConfig& config = {})
+      : MachineActuator("gripper"), config_(config), jaw_(0, config.speed_mm_s) {
+    RegisterStateCallback("SetUp", [this] { return SetUp(); });
+    RegisterStateCallback("SelfCheck", [this] { return CheckTemperature(); });
+    RegisterStateCallback("Active", [this] { return SetPower(true); });
+    RegisterStateCallback("Protected", [this] { return Open(); });
+    RegisterStateCallback("DeActive", [this] { return SetPower(false); });
+    for (const char* state : {"LowPower", "OTA", "Error", "TearDown"}) {
+      RegisterStateCallback(state, [this] { return OpenAndSleep(); });
+    }
+  }
+  // Callbacks and handlers use the members below, so they have to end before those do.
+  ~Gripper() override { Shutdown(); }
+  // [states end]
+
+  // For tests.
+  bool powered() const { return powered_; }
+  bool moves() const { return jaw_.MovesAt(Now()); }
+  double width_mm() const { return jaw_.WidthAt(Now()); }
+
+ protected:
+  // [estop]
+  // On the loop, beside whatever callback runs.
+  void OnEmergencyStop() override {
+    jaw_.Halt(Now());
+    AnswerWaiting(false, "an emergency stop came");
+  }
+  // [estop end]
+
+ private:
+  using SetBool = musher::msg::SetBool;
+  using Reply = musher::transport::Server<SetBool>::Reply;
+
+  // [setup]
+  musher::Result<> SetUp() {
+    return OpenEndpoints([this](musher::transport::Endpoints& wire) {
+      clock_ = &wire.clock();
+      tell_width_ = wire.Tell<musher::msg::Float32>("gripper/width_mm");
+      wire.Hear<musher::msg::Float32>("gripper/wanted_mm", [this](const auto& wanted) {
+        const auto begun = Grip(wanted.data);
+        if (!begun) std::cerr << "gripper: " << begun.error().message << std::endl;
+      });
+      wire.Serve<SetBool>("gripper/close", [this](const auto& request, const Reply& reply) {
+        OnClose(request.data, reply);
+      });
+      wire.Every(musher::Milliseconds(50), [this] { Cycle(); });
+    });
+  }
+  // [setup end]
+
+  // [grip]
+  // Whoever asks, by topic or service: may the gripper do that now?
+  musher::Result<> Grip(double width_mm) {
+    if (auto allowed = Allowed("grip", kGripper); !allowed) return allowed;
+    if (!(width_mm >= 0) || width_mm > config_.opening_mm) {
+      return musher::Error{MakeCode(kGripper, musher::KeyCode::kParametersInvalid),
+                           "it opens from 0 to " + std::to_string(config_.opening_mm) + " mm"};
+    }
+    AnswerWaiting(false, "another command came");
+    jaw_.MoveTo(width_mm, Now());
+    return musher::Ok();
+  }
+  // [grip end]
+
+  // [service]
+  // Answered when the jaw is there, which takes it seconds: the reply is kept, the loop goes on.
+  void OnClose(bool close, const Reply& reply) {
+    if (auto begun = Grip(close ? 0 : config_.opening_mm); !begun) {
+      return reply(
+          {false, begun.error().message + " (" + std::to_string(begun.error().code) + ")"});
+    }
+    waiting_ = reply;
+  }
+
+  void Cycle() {
+    tell_width_({static_cast<float>(width_mm())});
+    if (!moves()) AnswerWaiting(true, "");
+  }
+
+  void AnswerWaiting(bool done, const std::string& why) {
+    if (const Reply reply = std::exchange(waiting_, nullptr)) reply({done, why});
+  }
+  // [service end]
+
+  // [open]
+  // Lets go of what it holds. A callback may block; it looks whether it is still waited for, and
+  // says that it gets on.
+  musher::Result<> Open() {
+    if (EmergencyStopped()) {
+      return musher::Error{MakeCode(kGripper, musher::KeyCode::kStateInvalid),
+                           "nothing opens during an emergency stop"};
+    }
+    RunOnLoop([this] {
+      AnswerWaiting(false, "the gripper opens");
+      jaw_.MoveTo(config_.opening_mm, Now());
+    });
+    while (Moves()) {
+      if (StopRequested()) {
+        return musher::Error{MakeCode(kGripper, musher::KeyCode::kTimeout), "still not open"};
+      }
+      Checkpoint();
+      std::this_thread::sleep_for(musher::Milliseconds(10));
+    }
+    return musher::Ok();
+  }
+  // [open end]
+
+  // Without power the jaw gives way by hand: so that is also how it ends in an emergency stop.
+  musher::Result<> OpenAndSleep() {
+    if (EmergencyStopped()) return SetPower(false);
+    if (auto open = Open(); !open) return open;
+    return SetPower(false);
+  }
+
+  musher::Result<> SetPower(bool on) {
+    RunOnLoop([&] { powered_ = on; });
+    return musher::Ok();
+  }
+
+  // A thermometer that is easy to break: a file in the robot's folder.
+  musher::Result<> CheckTemperature() const {
+    int temperature_c = 20;
+    std::ifstream("temperature") >> temperature_c;
+    if (temperature_c <= config_.hottest_c) return musher::Ok();
+    return musher::Error{MakeCode(kGripper, musher::KeyCode::kSelfCheckFailed),
+                         "its motor has " + std::to_string(temperature_c) + " °C"};
+  }
+
+  // [time]
+  // The world's, where the robot goes by /clock. In a trial there is no wire, and the computer's.
+  musher::Time Now() const {
+    return clock_ != nullptr ? clock_->Now() : std::chrono::steady_clock::now();
+  }
+  // [time end]
+  bool Moves() {
+    bool moves = false;
+    RunOnLoop([&] { moves = jaw_.MovesAt(Now()); });
+    return moves;
+  }
+
+  const GripperConfig config_;
+  Jaw jaw_;
+  bool powered_ = false;
+  Reply waiting_;  // to who has asked and is not answered yet
+  std::function<void(const musher::msg::Float32&)> tell_width_;
+  musher::transport::Clock* clock_ = nullptr;  // from SetUp on
+};

@@ -1,0 +1,36 @@
+#pragma once
+// A jaw that moves as fast as it can to where it is told. On a robot of metal this would speak with
+// a motor; here it is arithmetic, so the rest can be tried without one.
+
+#include <algorithm>
+#include <cmath>
+
+#include "musher/lifecycle/time.hpp"
+
+// [jaw]
+class Jaw {
+ public:
+  Jaw(double width_mm, double speed_mm_s)
+      : from_mm_(width_mm), to_mm_(width_mm), speed_mm_s_(speed_mm_s) {}
+
+  void MoveTo(double width_mm, musher::Time now) {
+    from_mm_ = WidthAt(now);
+    to_mm_ = width_mm;
+    since_ = now;
+  }
+  void Halt(musher::Time now) { MoveTo(WidthAt(now), now); }
+
+  double WidthAt(musher::Time now) const {
+    const double moved_mm = std::chrono::duration<double>(now - since_).count() * speed_mm_s_;
+    const double way_mm = to_mm_ - from_mm_;
+    return moved_mm >= std::abs(way_mm) ? to_mm_ : from_mm_ + std::copysign(moved_mm, way_mm);
+  }
+  bool MovesAt(musher::Time now) const { return WidthAt(now) != to_mm_; }
+
+ private:
+  double from_mm_;
+  double to_mm_;
+  double speed_mm_s_;
+  musher::Time since_{};
+};
+// [jaw end]

@@ -1,0 +1,55 @@
+// The gripper in the robot, as a user has it: the world, motion and all the others, over DDS.
+
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "musher/controller/machine_controller.hpp"
+#include "musher/messages/std_srvs/set_bool.hpp"
+#include "musher/transport/service.hpp"
+
+using musher::msg::SetBool;
+
+// [robot]
+class Robot : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(robot_.MachineControllerInit("robot.toml", node_));
+    ASSERT_TRUE(robot_.WaitActuatorsSetUp());
+    node_->RunOnLoop([&] {
+      gripper_ = musher::transport::MakeClient<SetBool>(node_->node(), "gripper/close").value();
+    });
+  }
+  ~Robot() override {
+    node_->RunOnLoop([&] { gripper_.reset(); });
+    robot_.SetState("TearDown");
+  }
+  SetBool::Response Close(bool close) {
+    std::promise<SetBool::Response> promise;
+    node_->RunOnLoop([&] {
+      gripper_->Call({close}, std::chrono::seconds(10), [&](const auto& answer) {
+        promise.set_value(answer ? answer.value()
+                                 : SetBool::Response{false, answer.error().message});
+      });
+    });
+    return promise.get_future().get();
+  }
+
+  std::shared_ptr<musher::transport::NodeThread> node_ =
+      musher::transport::NodeThread::Start().value();
+  std::unique_ptr<musher::transport::Client<SetBool>> gripper_;
+  musher::MachineController robot_;
+};
+// [robot end]
+
+// [tests]
+TEST_F(Robot, GripsInActiveAndLetsGoInProtected) {
+  ASSERT_TRUE(robot_.SetState("SelfCheck"));
+  ASSERT_TRUE(robot_.SetState("Active"));
+  EXPECT_TRUE(Close(true).success);
+  ASSERT_TRUE(robot_.SetState("Protected"));
+  const SetBool::Response refused = Close(true);
+  EXPECT_FALSE(refused.success);
+  EXPECT_NE(refused.message.find("6113"), std::string::npos) << refused.message;
+}
+// [tests end]

@@ -1,0 +1,43 @@
+#include "musher/lifecycle/toml/module_file.hpp"
+
+#include <iostream>
+#include <utility>
+#include <variant>
+
+#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/lifecycle/toml/file.hpp"
+
+namespace musher {
+namespace {
+
+constexpr std::size_t kLargestFile = 1U << 20;
+
+}  // namespace
+
+Result<> ReadModuleFile(const std::string& path,
+                        const std::function<void(config_toml::TableReader&)>& read) {
+  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
+  if (!text) return Error{kCodeParametersInvalid, path + ": error: " + text.error().message};
+  if (text.value().size() > kLargestFile) {
+    return Error{kCodeParametersInvalid, path + ": error: larger than 1 MiB"};
+  }
+  config_toml::Findings findings;
+  const auto document = config_toml::ParseDocument(text.value());
+  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
+    findings.Error(fault->at, fault->message);
+  } else {
+    config_toml::TableReader root(std::get<config_toml::Table>(document), {1, 1}, "", findings);
+    read(root);
+    root.RefuseOthers();
+  }
+  const bool faulty = findings.HasErrors();
+  std::string told;
+  for (const Diagnostic& diagnostic : std::move(findings).Take(path, text.value())) {
+    told += (told.empty() ? "" : "\n") + FormatDiagnostic(diagnostic);
+  }
+  if (faulty) return Error{kCodeParametersInvalid, told};
+  if (!told.empty()) std::cerr << told << std::endl;
+  return Ok();
+}
+
+}  // namespace musher

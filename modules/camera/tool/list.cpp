@@ -1,0 +1,83 @@
+// musher-camera list: which pictures come.
+
+#include <iomanip>
+#include <iostream>
+#include <list>
+#include <nlohmann/json.hpp>
+
+#include "musher/modules/camera/tool/commands.hpp"
+#include "musher/modules/camera/tool/picture_count.hpp"
+
+namespace musher::camera::tool {
+namespace {
+
+const std::vector<std::string> kUsual = {"image_rgb", "image_left", "image_right", "image"};
+
+struct Row {
+  std::string topic;
+  PictureCount seen;
+  double age_ms = 0;  // of the last
+  std::unique_ptr<transport::Subscription> subscription;
+};
+
+void Print(const std::list<Row>& rows, const HandOptions& global) {
+  if (global.json) {
+    nlohmann::json json = nlohmann::json::array();
+    for (const Row& row : rows) {
+      nlohmann::json entry = {{"topic", row.topic}, {"pictures", row.seen.count()}};
+      if (row.seen.count() > 0) {
+        entry["shape"] = row.seen.shape();
+        entry["rate_hz"] = row.seen.RateHz();
+        entry["age_ms"] = row.age_ms;
+      }
+      json.push_back(entry);
+    }
+    std::cout << json.dump(2) << std::endl;
+    return;
+  }
+  std::cout << std::left << std::setw(24) << "TOPIC" << std::setw(18) << "PICTURE" << std::setw(10)
+            << "RATE"
+            << "AGE\n";
+  for (const Row& row : rows) {
+    std::cout << std::setw(24) << row.topic;
+    if (row.seen.count() == 0) {
+      std::cout << "no picture\n";
+      continue;
+    }
+    std::cout << std::setw(18) << row.seen.shape() << std::setw(10)
+              << Decimal(row.seen.RateHz(), 1) + " Hz" << Decimal(row.age_ms, 1) << " ms\n";
+  }
+  std::cout << std::flush;
+}
+
+}  // namespace
+
+ExitCode Run(const HandOptions& global, const ListOptions& options) {
+  const auto opened = program::HandLink::Open(global);
+  if (!opened) return Fail(ExitCode::kUsage, opened.error());
+  program::HandLink& link = *opened.value();
+  if (!link.AwaitClock())
+    return Fail(ExitCode::kNotDone, {kCodeNetError, "nobody publishes /clock"});
+  std::list<Row> rows;
+  for (const std::string& topic : options.topics.empty() ? kUsual : options.topics) {
+    Row& row = rows.emplace_back();
+    row.topic = topic;
+    auto subscription = Hear(link, topic, [&](msg::Image&& picture, const auto&) {
+      const Duration age = AgeOf(picture, link, global);
+      row.age_ms = std::chrono::duration<double, std::milli>(age).count();
+      row.seen.Add(picture, age, std::chrono::steady_clock::now());
+    });
+    if (!subscription) return Fail(ExitCode::kUsage, subscription.error());
+    row.subscription = std::move(subscription).value();
+  }
+  link.RunUntil([] { return false; }, link.discovery() + Seconds(options.seconds));
+  // What nobody publishes and nobody asked for is not there.
+  if (options.topics.empty()) {
+    rows.remove_if([](const Row& row) { return row.subscription->MatchedWriters() == 0; });
+  }
+  if (rows.empty()) return Fail(ExitCode::kNotDone, link.Nobody("pictures are published"));
+  Print(rows, global);
+  return ExitCode::kDone;
+}
+
+}  // namespace musher::camera::tool

@@ -1,0 +1,49 @@
+#pragma once
+// What a person can ask of `musher-camera`, as values.
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "musher/modules/program/hand_tool.hpp"
+
+namespace musher::camera::tool {
+
+using program::ExitCode;
+using program::HandOptions;
+using program::ParseEnd;
+
+struct ListOptions {
+  std::vector<std::string> topics;  // empty: those of a dog
+  double seconds = 2;
+};
+struct ShotOptions {
+  std::string topic;
+  std::string file;
+  double timeout_s = 10;
+};
+struct StripOptions {
+  std::string topic;
+  std::string file;
+  double every_s = 2;  // of the pictures' own time
+  int count = 8;
+  int columns = 0;     // 0: as many as pictures, up to 8
+  int width_px = 320;  // of one picture
+  double timeout_s = 30;
+};
+struct WatchOptions {
+  std::string topic;
+  double seconds = 0;  // 0: until Ctrl-C
+  double timeout_s = 10;
+};
+
+using CommandOptions = std::variant<ListOptions, ShotOptions, StripOptions, WatchOptions>;
+
+struct CommandLine {
+  HandOptions global;
+  CommandOptions command;
+};
+
+std::variant<CommandLine, ParseEnd> ParseCommandLine(int argc, const char* const* argv);
+
+}  // namespace musher::camera::tool

@@ -1,0 +1,86 @@
+// musher-camera strip: what a camera saw over time, side by side.
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "musher/modules/camera/pace.hpp"
+#include "musher/modules/camera/tool/commands.hpp"
+#include "musher/modules/camera/tool/strip_picture.hpp"
+
+namespace musher::camera::tool {
+namespace {
+
+constexpr int kMostColumns = 8;
+
+// Takes a picture when its time has come, by the pictures' own stamps.
+class Collector {
+ public:
+  explicit Collector(const StripOptions& options) : options_(options), pace_(1 / options.every_s) {}
+
+  void Take(msg::Image picture) {
+    last_heard_ = std::chrono::steady_clock::now();
+    const std::int64_t stamp_ns = msg::FromStamp(picture.header.stamp).count();
+    if (done() || !pace_.Due(stamp_ns)) return;
+    auto tile = TileOf(std::move(picture), static_cast<std::uint32_t>(options_.width_px));
+    if (!tile) {
+      unreadable_ = tile.error();
+      return;
+    }
+    if (tiles_.empty()) first_ns_ = stamp_ns;
+    tiles_.push_back({std::move(tile).value(), LabelOf(stamp_ns, first_ns_)});
+  }
+
+  bool done() const { return static_cast<int>(tiles_.size()) >= options_.count; }
+  bool Silent() const {
+    return std::chrono::steady_clock::now() > last_heard_ + Seconds(options_.timeout_s);
+  }
+  const std::vector<StripTile>& tiles() const { return tiles_; }
+  const std::optional<Error>& unreadable() const { return unreadable_; }
+
+ private:
+  const StripOptions options_;
+  Pace pace_;
+  std::int64_t first_ns_ = 0;
+  Time last_heard_ = std::chrono::steady_clock::now();
+  std::vector<StripTile> tiles_;
+  std::optional<Error> unreadable_;
+};
+
+}  // namespace
+
+ExitCode Run(const HandOptions& global, const StripOptions& options) {
+  const auto opened = program::HandLink::Open(global);
+  if (!opened) return Fail(ExitCode::kUsage, opened.error());
+  program::HandLink& link = *opened.value();
+  Collector collector(options);
+  const auto subscription = Hear(link, options.topic, [&](msg::Image&& picture, const auto&) {
+    collector.Take(std::move(picture));
+  });
+  if (!subscription) return Fail(ExitCode::kUsage, subscription.error());
+  while (!collector.done() && !collector.Silent() && !link.interrupted()) {
+    link.RunUntil([&] { return collector.done(); }, Milliseconds(200));
+  }
+  if (collector.tiles().empty()) {
+    if (link.interrupted()) {
+      return Fail(ExitCode::kInterrupted, {kCodeFailed, "interrupted before a picture came"});
+    }
+    if (collector.unreadable()) return Fail(ExitCode::kNotDone, *collector.unreadable());
+    return Fail(ExitCode::kNotDone,
+                NothingCame(*subscription.value(), options.topic, global, options.timeout_s));
+  }
+  const int columns = options.columns > 0 ? options.columns : kMostColumns;
+  if (Result<> saved = Save(DrawStrip(collector.tiles(), columns), options.file); !saved) {
+    return Fail(ExitCode::kNotDone, saved.error());
+  }
+  if (global.json) {
+    nlohmann::json json = {{"file", options.file}, {"topic", options.topic}};
+    for (const StripTile& tile : collector.tiles()) json["times"].push_back(tile.label);
+    std::cout << json.dump(2) << std::endl;
+  } else {
+    std::cout << options.file << ": " << collector.tiles().size() << " of " << options.count
+              << " pictures of " << options.topic << std::endl;
+  }
+  return ExitCode::kDone;
+}
+
+}  // namespace musher::camera::tool

@@ -1,0 +1,32 @@
+#pragma once
+// Rays that are followed together, so that the compiler can do the same to several at once.
+
+#include <array>
+#include <cstdint>
+
+namespace musher::world {
+
+inline constexpr std::size_t kBundle = 32;
+
+// One number for each ray of a bundle.
+template <typename T>
+using Each = std::array<T, kBundle>;
+
+// Where in the picture; whole numbers are the middles of pixels.
+struct Places {
+  Each<float> x, y;
+};
+
+// Directions of length 1 in the camera's frame.
+struct Rays {
+  Each<float> x, y, z;
+  Each<float> dither;  // 0 to 1: hides the borders between coarser and finer ground
+};
+
+// What the rays see. Neighbours that see one surface have the same number, which is not 0.
+struct Sights {
+  Each<std::uint16_t> surface;
+  Each<float> red, green, blue;  // 255 is white
+};
+
+}  // namespace musher::world

@@ -1,0 +1,146 @@
+// The module's file, good and bad.
+
+#include "musher/modules/camera/camera_config.hpp"
+
+#include <gmock/gmock.h>
+
+namespace musher::camera {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+CamerasConfig Good(const std::string& text) {
+  const CamerasReading reading = ReadCamerasText(text, "/etc/dog/cameras.toml");
+  for (const Diagnostic& found : reading.diagnostics) ADD_FAILURE() << FormatDiagnostic(found);
+  return reading.config.value_or(CamerasConfig{});
+}
+std::vector<std::string> Faults(const std::string& text) {
+  const CamerasReading reading = ReadCamerasText(text, "/etc/dog/cameras.toml");
+  std::vector<std::string> faults;
+  for (const Diagnostic& found : reading.diagnostics) faults.push_back(FormatDiagnostic(found));
+  return faults;
+}
+
+TEST(CamerasConfig, OfTheRepositoryIsGood) {
+  const CamerasReading reading =
+      ReadCamerasFile(std::string(MUSHER_SOURCE_DIR) + "/config/camera/cameras.toml");
+  ASSERT_TRUE(reading.config) << FormatDiagnostic(reading.diagnostics.at(0));
+  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  ASSERT_EQ(reading.config->cameras.size(), 3u);
+  EXPECT_EQ(reading.config->cameras[0].topic, "image_rgb");
+  EXPECT_EQ(reading.config->cameras[2].frame_id, "camera_right");
+}
+
+TEST(CamerasConfig, ReadsEveryKey) {
+  const CamerasConfig config = Good(R"(
+self_check_ms = 100
+silence_ms = 200
+retry_ms = 300
+skip = ["ir"]
+critical = ["front"]
+on_in = ["Active"]
+[service]
+camera = "ir"
+topic = "ai/image"
+folder = "../saved"
+[camera.front]
+topic = "image_rgb"
+frame_id = "lens"
+source = "video"
+from = "walk.avi"
+at_end = "stop"
+width_px = 320
+height_px = 240
+encoding = "mono8"
+rate_hz = 7.5
+hfov_deg = 69
+on_demand = true
+[camera.ir]
+topic = "image_ir"
+source = "device"
+from = "2"
+)");
+  const CameraConfig front = {"front",
+                              "image_rgb",
+                              "lens",
+                              SourceKind::kVideo,
+                              "/etc/dog/walk.avi",
+                              false,
+                              {320, 240, "mono8"},
+                              7.5,
+                              true,
+                              69};
+  CameraConfig ir;
+  ir.name = "ir";
+  ir.topic = "image_ir";
+  ir.frame_id = "camera_ir";
+  ir.source = SourceKind::kDevice;
+  ir.from = "2";
+  EXPECT_THAT(config.cameras, ElementsAre(front, ir));
+  EXPECT_EQ(config.service, (ServiceConfig{"ir", "ai/image", "/etc/saved"}));
+  EXPECT_EQ(config.self_check_time, Milliseconds(100));
+  EXPECT_EQ(config.silence, Milliseconds(200));
+  EXPECT_EQ(config.retry, Milliseconds(300));
+  EXPECT_THAT(config.skip, ElementsAre("ir"));
+  EXPECT_THAT(config.on_in, ElementsAre("Active"));
+}
+
+TEST(CamerasConfig, ToldAllFaultsAtOnceWithTheirPlace) {
+  EXPECT_THAT(
+      Faults(R"(skip = ["fornt"]
+[camera.front]
+topic = "/image"
+source = "vidio"
+from = "x"
+width_px = 640
+colour = true
+[camera.left]
+topic = "image_left"
+source = "world"
+from = "world/camera/left"
+)"),
+      ElementsAre(HasSubstr("cameras.toml:1:9: error: skip: expected one of front and left"),
+                  HasSubstr("cameras.toml:3:9: error: camera.front.topic: expected a topic"),
+                  HasSubstr("cameras.toml:4:10: error: camera.front.source"),
+                  HasSubstr("cameras.toml:6:12: error: camera.front.width_px: expected both"),
+                  HasSubstr("cameras.toml:7:1: error: camera.front: unknown key \"colour\"")));
+}
+
+TEST(CamerasConfig, NeedsACamera) {
+  EXPECT_THAT(Faults(""), ElementsAre(HasSubstr("camera")));
+  EXPECT_THAT(Faults("[camera]"), ElementsAre(HasSubstr("camera")));
+}
+
+TEST(CamerasConfig, RefusesTwoCamerasOnOneTopicAndACriticalOneThatIsSkipped) {
+  const std::string two = R"(
+skip = ["a"]
+critical = ["a"]
+[camera.a]
+topic = "t"
+source = "world"
+from = "w"
+[camera.b]
+topic = "t"
+source = "world"
+from = "w"
+)";
+  EXPECT_THAT(Faults(two), ElementsAre(HasSubstr("cannot be critical"),
+                                       HasSubstr("\"t\" is that of camera.a already")));
+}
+
+TEST(CamerasConfig, KeepsTheServicesTopicForItself) {
+  EXPECT_THAT(Faults("[camera.a]\ntopic = \"image\"\nsource = \"world\"\nfrom = \"w\"\n"),
+              ElementsAre(HasSubstr("error: camera.a.topic: \"image\" is that of "
+                                    "camera_service")));
+}
+
+TEST(CamerasConfig, SaysThatAFileIsMissing) {
+  const CamerasReading reading = ReadCamerasFile("/nowhere/cameras.toml");
+  EXPECT_FALSE(reading.config);
+  ASSERT_EQ(reading.diagnostics.size(), 1u);
+}
+
+}  // namespace
+}  // namespace musher::camera

@@ -1,0 +1,188 @@
+#pragma once
+// The cameras on a simulated network, in virtual time, with the other side on a node of its own:
+// the world that has the pictures, those who watch, and the clients of the service. Sources that
+// are no topic, and the folder, are played by the test.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/modules/camera/cameras.hpp"
+#include "musher/transport/sim/network.hpp"
+
+namespace musher::camera {
+
+template <class T>
+T Must(Result<T> result) {
+  if (!result) ADD_FAILURE() << result.error().message;
+  return std::move(result).value();
+}
+
+// A device whose pictures and failures the test makes.
+struct FakeDevice {
+  bool open = false;
+  int opened = 0;
+  SourceEvents events;
+};
+
+class FakeSource : public Source {
+ public:
+  explicit FakeSource(FakeDevice& device) : device_(device) { device_.open = true; }
+  FakeSource(const FakeSource&) = delete;
+  FakeSource& operator=(const FakeSource&) = delete;
+  ~FakeSource() override { device_.open = false; }
+
+ private:
+  FakeDevice& device_;
+};
+
+// Keeps pictures in memory and answers at once, or with the error it is told.
+class FakeStore : public Store {
+ public:
+  struct Content {
+    std::map<std::string, msg::Image> pictures;
+    std::map<std::string, std::vector<msg::Image>> videos;
+    std::string recording;
+    std::optional<Error> error;
+  };
+  explicit FakeStore(Content& content) : content_(content) {}
+
+  void Save(msg::Image picture, const std::string& file, Done<std::string> done) override {
+    if (content_.error) return done(*content_.error);
+    content_.pictures[file] = std::move(picture);
+    done("/saved/" + file);
+  }
+  void BeginVideo(msg::Image first, const std::string& file, double /*rate_hz*/,
+                  Done<std::string> done) override {
+    if (content_.error) return done(*content_.error);
+    content_.recording = file;
+    content_.videos[file].push_back(std::move(first));
+    done("/saved/" + file);
+  }
+  void AddFrame(msg::Image picture) override {
+    content_.videos.at(content_.recording).push_back(std::move(picture));
+  }
+  void EndVideo(Done<std::string> done) override {
+    if (content_.error) return done(*content_.error);
+    done("/saved/" + std::exchange(content_.recording, ""));
+  }
+  void List(Done<std::vector<std::string>> done) override {
+    std::vector<std::string> files;
+    for (const auto& [file, picture] : content_.pictures) files.push_back(file);
+    done(files);
+  }
+  void Delete(const std::string& file, Done<void> done) override {
+    if (content_.pictures.erase(file) == 1) return done(Ok());
+    done(Error{4410, "there is no file " + file});
+  }
+
+ private:
+  Content& content_;
+};
+
+inline msg::Image Picture(std::uint32_t width = 64, std::uint32_t height = 48) {
+  msg::Image picture;
+  picture.width = width;
+  picture.height = height;
+  picture.encoding = "bgr8";
+  picture.step = width * 3;
+  picture.data.assign(std::size_t{picture.step} * height, 7);
+  return picture;
+}
+
+class CamerasOnANetwork : public testing::Test {
+ protected:
+  CamerasOnANetwork() {
+    for (const std::string name : {"front", "left"}) {
+      CameraConfig camera;
+      camera.name = name;
+      camera.topic = "image_" + name;
+      camera.frame_id = "camera_" + name;
+      camera.source = name == "front" ? SourceKind::kWorld : SourceKind::kDevice;
+      camera.from = name == "front" ? "world/camera/front" : "0";
+      config_.cameras.push_back(camera);
+    }
+    config_.service.camera = "front";
+  }
+
+  void Start(const State& state = "Active") {
+    cameras_ = Must(Cameras::Make(Around(), config_, std::make_unique<FakeStore>(saved_)));
+    cameras_->Enter(state);
+    Run(Milliseconds(500));  // discovery
+  }
+  Surroundings Around() {
+    return {
+        *dog_,
+        "dog1",
+        [this] { return msg::ToStamp(dog_->loop().Now().time_since_epoch()); },
+        [this](const Told& told) { log_.push_back(told); },
+        [this] { return may_; },
+        [this](const CameraConfig& camera, SourceEvents events) -> Result<std::unique_ptr<Source>> {
+          if (camera.source == SourceKind::kWorld) {
+            return OpenTopic(*dog_, "dog1/" + camera.from, std::move(events));
+          }
+          ++device_.opened;
+          device_.events = std::move(events);
+          return std::unique_ptr<Source>(new FakeSource(device_));
+        }};
+  }
+  void Run(Duration duration) { network_.RunFor(duration); }
+
+  // The world's front camera: 20 pictures a second, while somebody is subscribed.
+  void MakeWorld() {
+    shots_ = Must(transport::MakePublisher<msg::Image>(*world_, "dog1/world/camera/front",
+                                                       transport::kSensorDataQos));
+    ticker_ = world_->loop().Every(Milliseconds(50), [this] {
+      if (shots_->MatchedReaders() == 0) return;
+      ++drawn_;
+      msg::Image picture = shot_;
+      picture.header.stamp = msg::ToStamp(world_->loop().Now().time_since_epoch());
+      static_cast<void>(shots_->Publish(picture));
+    });
+  }
+  template <msg::Message M>
+  std::unique_ptr<transport::Subscription> Listen(
+      const std::string& topic, std::vector<M>& heard,
+      const transport::Qos& qos = transport::kSensorDataQos) {
+    return Must(transport::MakeSubscription<M>(
+        *world_, topic, [&heard](const M& message, const auto&) { heard.push_back(message); },
+        qos));
+  }
+  msg::CameraService::Response Call(const msg::CameraService::Request& request) {
+    std::optional<Result<msg::CameraService::Response>> answer;
+    if (!client_) {
+      client_ = Must(transport::MakeClient<msg::CameraService>(*world_, "dog1/camera_service"));
+    }
+    client_->Call(request, Milliseconds(5000), [&answer](auto reply) { answer = reply; });
+    EXPECT_TRUE(
+        network_.RunUntil([&] { return answer.has_value(); }, network_.now() + Milliseconds(6000)));
+    return Must(*answer);
+  }
+  std::vector<std::string> Lines() const {
+    std::vector<std::string> lines;
+    for (const Told& told : log_) lines.push_back(std::to_string(told.code) + " " + told.text);
+    return lines;
+  }
+
+  transport::sim::Network network_{1};
+  std::unique_ptr<transport::Node> dog_ = network_.MakeNode("dog");
+  std::unique_ptr<transport::Node> world_ = network_.MakeNode("desk");
+  CamerasConfig config_;
+  std::vector<Told> log_;
+  Result<> may_;
+  FakeDevice device_;
+  FakeStore::Content saved_;
+  msg::Image shot_ = Picture();
+  int drawn_ = 0;
+  std::unique_ptr<transport::Publisher<msg::Image>> shots_;
+  std::unique_ptr<transport::Client<msg::CameraService>> client_;
+  transport::LoopHandlePtr ticker_;
+  std::unique_ptr<Cameras> cameras_;
+};
+
+}  // namespace musher::camera

@@ -1,0 +1,117 @@
+// The folder of pictures and videos, on a real disk.
+
+#include "musher/modules/camera/store.hpp"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/core.hpp>
+#include <opencv2/videoio.hpp>
+#include <optional>
+
+#include "musher/test/controller/temp_folder.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::camera {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+msg::Image Picture() {
+  msg::Image picture;
+  picture.width = 64;
+  picture.height = 48;
+  picture.encoding = "bgr8";
+  picture.step = 64 * 3;
+  picture.data.assign(std::size_t{picture.step} * 48, 100);
+  return picture;
+}
+
+class StoreTest : public testing::Test {
+ protected:
+  template <class T>
+  Result<T> Await(const std::function<void(Store::Done<T>)>& ask) {
+    std::optional<Result<T>> answer;
+    ask([&answer](const Result<T>& result) { answer = result; });
+    EXPECT_FALSE(answer) << "never inside the call";
+    EXPECT_TRUE(
+        loop_.RunUntil([&] { return answer.has_value(); }, loop_.Now() + std::chrono::seconds(30)));
+    return *answer;
+  }
+  Result<std::string> Save(const std::string& file) {
+    return Await<std::string>([&](auto done) { store_->Save(Picture(), file, done); });
+  }
+  std::vector<std::string> List() {
+    return Await<std::vector<std::string>>([&](auto done) { store_->List(done); }).value();
+  }
+  Result<> Delete(const std::string& file) {
+    return Await<void>([&](auto done) { store_->Delete(file, done); });
+  }
+
+  const TempFolder folder_;
+  const std::string saved_ = folder_ / "deep/saved";
+  transport::LinuxEventLoop loop_;
+  std::unique_ptr<Store> store_ = MakeStore(loop_, saved_);
+};
+
+TEST_F(StoreTest, SavesListsAndDeletesPictures) {
+  EXPECT_THAT(List(), IsEmpty()) << "there is no folder yet";
+  const auto path = Save("a.png");
+  ASSERT_TRUE(path) << path.error().message;
+  EXPECT_EQ(path.value(), saved_ + "/a.png");
+  EXPECT_TRUE(Save("b.jpg"));
+  EXPECT_THAT(List(), ElementsAre("a.png", "b.jpg"));
+  EXPECT_EQ(Save("a.png").error().code, 4410) << "nothing is written over";
+  EXPECT_TRUE(Delete("a.png"));
+  EXPECT_EQ(Delete("a.png").error().code, 4410);
+  EXPECT_THAT(List(), ElementsAre("b.jpg"));
+}
+
+TEST_F(StoreTest, DeletesNeitherALinkNorAFolderNorWhatALinkLeadsTo) {
+  std::filesystem::create_directories(saved_ + "/folder.jpg");
+  std::ofstream(folder_ / "precious") << "keep me";
+  std::filesystem::create_symlink(folder_ / "precious", saved_ + "/link.jpg");
+  EXPECT_FALSE(Delete("link.jpg"));
+  EXPECT_FALSE(Delete("folder.jpg"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "precious"));
+  EXPECT_THAT(List(), IsEmpty());
+  EXPECT_EQ(Save("link.jpg").error().code, 4410) << "nor is it written through";
+}
+
+TEST_F(StoreTest, RecordsAVideoThatCanBePlayed) {
+  const auto begun =
+      Await<std::string>([&](auto done) { store_->BeginVideo(Picture(), "walk.avi", 10, done); });
+  ASSERT_TRUE(begun) << begun.error().message;
+  for (int i = 0; i < 9; ++i) store_->AddFrame(Picture());
+  EXPECT_EQ(Delete("walk.avi").error().code, 4411) << "while it is being recorded";
+  const auto ended = Await<std::string>([&](auto done) { store_->EndVideo(done); });
+  ASSERT_TRUE(ended) << ended.error().message;
+  cv::VideoCapture capture(ended.value(), cv::CAP_FFMPEG);
+  cv::Mat frame;
+  int frames = 0;
+  while (capture.read(frame)) ++frames;
+  EXPECT_EQ(frames, 10);
+  EXPECT_EQ(capture.get(cv::CAP_PROP_FPS), 10);
+}
+
+TEST_F(StoreTest, SaysWhyAFolderCannotBeWrittenTo) {
+  std::ofstream(folder_ / "deep") << "a file where the folder should be";
+  const auto path = Save("a.png");
+  ASSERT_FALSE(path);
+  EXPECT_EQ(path.error().code, 4401);
+  EXPECT_THAT(path.error().message, HasSubstr("deep/saved"));
+}
+
+TEST_F(StoreTest, EndsAVideoWhenItIsDropped) {
+  ASSERT_TRUE(
+      Await<std::string>([&](auto done) { store_->BeginVideo(Picture(), "walk.avi", 10, done); }));
+  store_.reset();
+  cv::VideoCapture capture(saved_ + "/walk.avi", cv::CAP_FFMPEG);
+  EXPECT_TRUE(capture.grab());
+}
+
+}  // namespace
+}  // namespace musher::camera
