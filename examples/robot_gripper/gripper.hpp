@@ -4,6 +4,7 @@
 // Threads: state callbacks on the actuator's worker, everything else on the loop. What both use is
 // used on the loop.
 
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <string>
@@ -78,8 +79,9 @@ class Gripper : public musher::MachineActuator {
   musher::Result<> Grip(double width_mm) {
     if (auto allowed = Allowed("grip", kGripper); !allowed) return allowed;
     if (!(width_mm >= 0) || width_mm > config_.opening_mm) {
-      return musher::Error{MakeCode(kGripper, musher::KeyCode::kParametersInvalid),
-                           "it opens from 0 to " + std::to_string(config_.opening_mm) + " mm"};
+      return musher::Error{
+          MakeCode(kGripper, musher::KeyCode::kParametersInvalid),
+          "it opens from 0 to " + std::to_string(std::lround(config_.opening_mm)) + " mm"};
     }
     AnswerWaiting(false, "another command came");
     jaw_.MoveTo(width_mm, Now());
