@@ -72,7 +72,7 @@ struct Board {
   double height_m = 0.3;
   double bottom_m = 0.2;  // of its lower edge over the ground
   Color color{244, 244, 242};
-  Sign sign;
+  Sign sign = {};
 };
 
 // Painted on the ground, from point to point.
@@ -203,6 +203,7 @@ struct Event {
 struct Picture {
   std::string file = "world.png";  // relative: to the machine's state folder, alone to the cwd
   bool at_teardown = false;
+  bool scan = false;  // what the lidar sees, as dots
 };
 
 struct Scene {
