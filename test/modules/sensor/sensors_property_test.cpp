@@ -42,7 +42,7 @@ RC_GTEST_PROP(SensorsProperty, AreHeardExactlyWhileTheyAreStartedAndAwake, ()) {
   phases.fill(Phase::kStarted);
   bool low = false;
   const auto steps = *rc::gen::container<std::vector<std::tuple<int, int, int>>>(
-      12, rc::gen::tuple(rc::gen::inRange(0, 3), rc::gen::inRange(0, 5), rc::gen::inRange(1, 5)));
+      40, rc::gen::tuple(rc::gen::inRange(0, 3), rc::gen::inRange(0, 5), rc::gen::inRange(1, 5)));
   for (const auto& [what, which, operation] : steps) {
     if (what == 0) {
       const State state = states.at(static_cast<std::size_t>(which));
