@@ -12,30 +12,30 @@ namespace {
 
 constexpr std::uintmax_t kLargestFile = 64U << 20;
 
-Error Bad(const std::string& path, const std::string& why) {
-  return {kCodeFailed, "the picture " + path + " cannot be shown: " + why};
+Error Bad(const std::string& why) {
+  return {kCodeFailed, why};
 }
 
 }  // namespace
 
 Result<> CheckPicture(const std::string& path) {
   std::error_code error;
-  if (std::filesystem::is_directory(path, error)) return Bad(path, "it is a folder");
+  if (std::filesystem::is_directory(path, error)) return Bad("it is a folder");
   errno = 0;
   if (!std::ifstream(path, std::ios::binary)) {
-    return Bad(path, errno != 0 ? std::strerror(errno) : "it cannot be opened");
+    return Bad(errno != 0 ? std::strerror(errno) : "it cannot be opened");
   }
   if (std::filesystem::file_size(path, error) > kLargestFile && !error) {
-    return Bad(path, "it is larger than 64 MiB");
+    return Bad("it is larger than 64 MiB");
   }
   try {
     const cv::Mat image = cv::imread(path, cv::IMREAD_COLOR);
-    if (image.empty()) return Bad(path, "it is no picture that can be decoded");
+    if (image.empty()) return Bad("it is no picture that can be decoded");
     if (image.cols > kMostPicturePx || image.rows > kMostPicturePx) {
-      return Bad(path, "it has more than 8192 pixels on a side");
+      return Bad("it has more than 8192 pixels on a side");
     }
   } catch (const std::exception& fault) {  // OpenCV's, out of memory
-    return Bad(path, "it is no picture that can be decoded");
+    return Bad("it is no picture that can be decoded");
   }
   return Ok();
 }

@@ -10,7 +10,7 @@ namespace musher::world {
 
 inline constexpr int kMostPicturePx = 8192;  // on a side
 
-// The error says what is wrong with it and names it. Never throws.
+// The error says what is wrong with it. Never throws.
 Result<> CheckPicture(const std::string& path);
 
 }  // namespace musher::world

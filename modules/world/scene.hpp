@@ -72,7 +72,7 @@ struct Board {
   double height_m = 0.3;
   double bottom_m = 0.2;  // of its lower edge over the ground
   Color color{244, 244, 242};
-  Sign sign;
+  Sign sign = {};
 };
 
 // Painted on the ground, from point to point.
@@ -93,6 +93,7 @@ struct Ground {
   Texture texture = Texture::kPlain;
   Color color{150, 152, 140};
   Color other_color{128, 130, 120};  // the other squares of a checker, the blades of grass
+  double finest_per_m = 320;         // texels in a metre, if the place is not too large for it
   double tile_m = 1;                 // a square of a checker, a picture that is laid side by side
   std::string file;                  // of a picture, absolute
   bool once = false;  // the picture is laid out once, from least_m to most_m, else side by side

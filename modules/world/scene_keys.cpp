@@ -126,7 +126,9 @@ std::optional<std::string> PictureFile(TableReader& reader, std::string_view key
   std::string path = config_toml::Absolute(folder, word->text);
   const Result<> readable = CheckPicture(path);
   if (readable) return path;
-  reader.Fault(word->at, key, readable.error().message);
+  reader.Fault(word->at, key,
+               "the picture " + config_toml::Quote(word->text) +
+                   " cannot be shown: " + readable.error().message);
   return std::nullopt;
 }
 

@@ -24,6 +24,12 @@ std::string At(const Eigen::Vector2d& point_m) {
 
 }  // namespace
 
+bool IsDue(Duration now, double rate_hz) {
+  const auto period =
+      std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / rate_hz));
+  return now / period != (now - kStep) / period;
+}
+
 World::World(Scene scene)
     : scene_(std::make_shared<const Scene>(std::move(scene))),
       chance_(scene_->seed),

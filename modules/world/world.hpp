@@ -17,6 +17,9 @@ namespace musher::world {
 
 inline constexpr Duration kStep = Milliseconds(20);
 
+// Whether the step that ends at `now` came to a multiple of the period.
+bool IsDue(Duration now, double rate_hz);
+
 // What a step brought forth for those outside.
 struct Happenings {
   std::vector<int> touches;       // touch_state codes

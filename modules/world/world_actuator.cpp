@@ -49,6 +49,7 @@ Result<> WorldActuator::SetUp() {
     if (drawer_.joinable()) drawer_.join();
     drawer_ = std::thread(std::move(work));
   };
+  options.shooter = &shooter_;
   Result<> started;
   node_->RunOnLoop([&] {
     if (host_) return;

@@ -2,14 +2,15 @@
 // The world as an actuator of a machine, usually its first: the others are `after` it. Its states
 // mean little: time goes on in all of them, from SetUp to TearDown.
 //
-// Threads: the world lives on the loop of the actuator's node; pictures are drawn on a thread of
-// their own.
+// Threads: the world lives on the loop of the actuator's node; pictures, and what the cameras
+// see, are drawn on threads of their own.
 
 #include <memory>
 #include <string>
 #include <thread>
 
 #include "musher/actuator/machine_actuator.hpp"
+#include "musher/actuator/worker.hpp"
 #include "musher/modules/world/world_host.hpp"
 
 namespace musher::world {
@@ -33,6 +34,7 @@ class WorldActuator : public MachineActuator {
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<WorldHost> host_;  // on the loop
   std::thread drawer_;               // the loop starts it, and the destructor waits for it
+  WorkerThread shooter_;             // draws what the cameras see
 };
 
 }  // namespace musher::world

@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "musher/actuator/worker.hpp"
 #include "musher/modules/world/picture.hpp"
 #include "musher/modules/world/shot.hpp"
 #include "musher/modules/world/world_host.hpp"
@@ -59,6 +60,8 @@ int RunAlone(const Scene& scene, const std::string& name_space) {
     if (drawer.joinable()) drawer.join();
     drawer = std::thread(std::move(work));
   };
+  WorkerThread shooter;
+  options.shooter = &shooter;
   std::unique_ptr<WorldHost> host;
   std::string why_not;
   node.value()->RunOnLoop([&] {

@@ -54,6 +54,17 @@ Result<> WorldHost::Publish() {
   auto sensors = WorldSensors::Make(node_, world_.scene(), options_.name_space);
   if (!sensors) return sensors.error();
   sensors_ = std::move(sensors).value();
+  return MakeCameras();
+}
+
+Result<> WorldHost::MakeCameras() {
+  const auto go_on = [this] {
+    if (std::exchange(late_, false) && !pacer_.paused()) OnStep();
+  };
+  auto cameras = WorldCameras::Make(node_, world_.scene(),
+                                    {options_.name_space, options_.log, options_.shooter, go_on});
+  if (!cameras) return cameras.error();
+  cameras_ = std::move(cameras).value();
   return Ok();
 }
 
@@ -124,6 +135,10 @@ void WorldHost::Arm(Time when) {
 }
 
 void WorldHost::OnStep() {
+  if (cameras_->waits()) {
+    late_ = true;
+    return;
+  }
   const Happenings happenings = world_.Step();
   static_cast<void>(clock_->Publish({msg::ToStamp(world_.now())}));  // the next one comes soon
   static_cast<void>(body_state_->Publish(ToBodyState(world_)));
@@ -132,6 +147,7 @@ void WorldHost::OnStep() {
     static_cast<void>(battery_->Publish(ToBatteryState(world_)));
   }
   sensors_->OnStep(world_);
+  cameras_->OnStep(world_);
   for (const int touch : happenings.touches) Touch(touch);
   for (const std::string& line : happenings.said) Log(line);
   if (happenings.speed) return SetSpeed(*happenings.speed);

@@ -25,6 +25,7 @@
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/modules/world/pacer.hpp"
 #include "musher/modules/world/world.hpp"
+#include "musher/modules/world/world_cameras.hpp"
 #include "musher/modules/world/world_sensors.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
@@ -37,6 +38,7 @@ struct HostOptions {
   std::function<void(const std::string&)> log;
   // Runs work beside the loop, from any thread; posts its end to the loop by itself.
   std::function<void(std::function<void()>)> in_background;
+  Worker* shooter = nullptr;  // draws what the cameras see; outlives the host
 };
 
 class WorldHost {
@@ -60,6 +62,8 @@ class WorldHost {
   Result<> Publish();
   Result<> Listen();
   Result<> Serve();
+
+  Result<> MakeCameras();
 
   void Arm(Time when);
   void OnStep();
@@ -85,12 +89,14 @@ class WorldHost {
   World world_;
   Pacer pacer_;
   bool drawing_ = false;
+  bool late_ = false;  // a step was due while the cameras kept time waiting
   transport::LoopHandlePtr next_step_;
   std::unique_ptr<transport::Publisher<msg::Clock>> clock_;
   std::unique_ptr<transport::Publisher<msg::BodyState>> body_state_;
   std::unique_ptr<transport::Publisher<msg::BatteryState>> battery_;
   std::unique_ptr<transport::Publisher<msg::Int32>> touch_;
   std::unique_ptr<WorldSensors> sensors_;
+  std::unique_ptr<WorldCameras> cameras_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for what comes back from afar
   std::vector<Endpoint> endpoints_;  // last: their callbacks use the rest
 };

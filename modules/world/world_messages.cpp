@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace musher::world {
 namespace {
@@ -27,6 +28,10 @@ Result<Vector3d> ToVector(const std::vector<float>& values, const char* name) {
   const Vector3d vector(values[0], values[1], values[2]);
   if (!vector.allFinite()) return Error{kCodeFailed, std::string(name) + " is not a number"};
   return vector;
+}
+
+std::string FrameOf(std::size_t camera) {
+  return "camera_" + std::string(kCameraNames[camera]);
 }
 
 }  // namespace
@@ -85,6 +90,34 @@ msg::BatteryState ToBatteryState(const World& world) {
   state.present = true;
   state.location = battery.cable() ? "cable" : battery.charging() ? "pad" : "";
   return state;
+}
+
+msg::CameraInfo ToCameraInfo(const Intrinsics& intrinsics, std::size_t index) {
+  msg::CameraInfo info;
+  info.header.frame_id = FrameOf(index);
+  info.width = static_cast<std::uint32_t>(intrinsics.width_px);
+  info.height = static_cast<std::uint32_t>(intrinsics.height_px);
+  const bool pinhole = intrinsics.model == CameraModel::kPinhole;
+  info.distortion_model = pinhole ? msg::CameraInfo::kPlumbBob : msg::CameraInfo::kEquidistant;
+  info.d.assign(pinhole ? 5 : 4, 0);
+  const double f = intrinsics.focal_px;
+  const double x = intrinsics.center_px.x();
+  const double y = intrinsics.center_px.y();
+  info.k = {f, 0, x, 0, f, y, 0, 0, 1};
+  info.r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  info.p = {f, 0, x, 0, 0, f, y, 0, 0, 0, 1, 0};
+  return info;
+}
+
+msg::Image ToMessage(Image image, std::size_t index, Duration at) {
+  msg::Image message;
+  message.header = {msg::ToStamp(at), FrameOf(index)};
+  message.width = static_cast<std::uint32_t>(image.width);
+  message.height = static_cast<std::uint32_t>(image.height);
+  message.encoding = "bgr8";
+  message.step = 3 * message.width;
+  message.data = std::move(image.bgr);
+  return message;
 }
 
 Result<BoardCommand> FromMessage(const msg::MotionCustomCommand& message) {

@@ -6,12 +6,19 @@
 #include "musher/messages/musher_msgs/body.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
+#include "musher/messages/sensor_msgs/camera_info.hpp"
+#include "musher/messages/sensor_msgs/image.hpp"
+#include "musher/modules/world/render.hpp"
 #include "musher/modules/world/world.hpp"
 
 namespace musher::world {
 
 msg::BodyState ToBodyState(const World& world);
 msg::BatteryState ToBatteryState(const World& world);
+
+// Of camera `index` of kCameraNames, whose frame is camera_front and so on.
+msg::CameraInfo ToCameraInfo(const Intrinsics& intrinsics, std::size_t index);
+msg::Image ToMessage(Image image, std::size_t index, Duration at);
 
 // Fails when a number is none, or an array has another length than the board's. An empty array is
 // one of zeros.

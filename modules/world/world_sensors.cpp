@@ -5,13 +5,6 @@
 namespace musher::world {
 namespace {
 
-// Whether the last step has come to a multiple of the sensor's period.
-bool IsDue(Duration now, double rate_hz) {
-  const auto period =
-      std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / rate_hz));
-  return now / period != (now - kStep) / period;
-}
-
 template <msg::Message M, class Measure>
 void Publish(const std::unique_ptr<transport::Publisher<M>>& publisher, const World& world,
              double rate_hz, const std::string& fault, Measure measure) {

@@ -35,6 +35,7 @@ class WorldHostTest : public testing::Test {
     options.picture_path = folder_ / "world.png";
     options.log = [this](const std::string& line) { log_.push_back(line); };
     options.in_background = [](const std::function<void()>& work) { work(); };
+    options.shooter = &shooter_;
     host_ = WorldHost::Start(*world_node_, scene, options).value();
     clock_ = Listen<msg::Clock>("clock", clocks_, transport::kClockQos);
     bodies_ = Listen<msg::BodyState>("dog1/world/body_state", states_);
@@ -92,6 +93,7 @@ class WorldHostTest : public testing::Test {
     return command;
   }
 
+  PromptWorker shooter_;
   transport::sim::Network network_{3};
   const TempFolder folder_;
   std::vector<std::string> log_;

@@ -33,6 +33,7 @@ class MotionBoard : public testing::Test {
     HostOptions options;
     options.log = [this](const std::string& line) { log_ += "world: " + line + "\n"; };
     options.in_background = [](const std::function<void()>& work) { work(); };
+    options.shooter = &shooter_;
     Scene scene = EmptyYard();
     scene.start_standing = false;
     world_ = WorldHost::Start(*world_node_, scene, options).value();
@@ -72,6 +73,7 @@ class MotionBoard : public testing::Test {
   transport::sim::Network network_{5};
   std::string log_;
   motion::MotionConfig config_;
+  PromptWorker shooter_;
   std::unique_ptr<transport::Node> world_node_ = network_.MakeNode("world");
   std::unique_ptr<transport::Node> robot_ = network_.MakeNode("robot");
   std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");

@@ -3,7 +3,10 @@
 
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <utility>
 
+#include "musher/actuator/worker.hpp"
 #include "musher/modules/world/world.hpp"
 
 namespace musher::world {
@@ -34,6 +37,25 @@ inline Scene FullYard() {
   scene.circles = {{"tree", {2, -2}, 0.6}, {"post", {0, 4}, 0.1}};
   return scene;
 }
+
+// Works while it is told to.
+class PromptWorker : public Worker {
+ public:
+  void Run(Work work, Done done) override { done(work()); }
+};
+
+// Works when it is let go.
+class HeldWorker : public Worker {
+ public:
+  void Run(Work work, Done done) override {
+    held_ = [work = std::move(work), done = std::move(done)] { done(work()); };
+  }
+  bool holds() const { return held_ != nullptr; }
+  void LetGo() { std::exchange(held_, nullptr)(); }
+
+ private:
+  std::function<void()> held_;
+};
 
 // A commander: each command is a new one.
 class Commander {

@@ -1,0 +1,70 @@
+#pragma once
+// Pictures of scenes, for tests that look at them.
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <string>
+
+#include "musher/modules/world/render.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+
+namespace musher::world {
+
+inline View Standing() {
+  return {{}, {0.29, 0, 0}};
+}
+
+inline Image ShotOf(const Scene& scene, const CameraSpec& spec, const View& view) {
+  const auto scenery = Scenery::Make(scene);
+  EXPECT_TRUE(scenery);
+  return Camera(spec).Shoot(*scenery.value(), view);
+}
+
+inline CameraSpec FrontCamera() {
+  CameraSpec spec = CameraSet().cameras[0];
+  spec.noise = 0;
+  return spec;
+}
+
+// From (0, 0), looking along x.
+inline Image FrontShot(const Scene& scene) {
+  return ShotOf(scene, FrontCamera(), Standing());
+}
+
+// Where FrontShot shows a point.
+inline Eigen::Vector2i PixelOf(const Eigen::Vector3d& point_m) {
+  const auto camera = CameraInPlace(FrontCamera(), {}, Standing().attitude);
+  const auto pixel = Project(IntrinsicsOf(FrontCamera()), camera.inverse() * point_m);
+  EXPECT_TRUE(pixel);
+  return pixel.value_or(Eigen::Vector2d(0, 0)).array().round().cast<int>();
+}
+
+// Of all pixels that are such.
+inline std::optional<Eigen::Vector2d> MiddleOf(
+    const Image& image, const std::function<bool(const std::uint8_t*)>& is_such) {
+  Eigen::Vector2d sum(0, 0);
+  int count = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (!is_such(image.At(x, y))) continue;
+      sum += Eigen::Vector2d(x, y);
+      ++count;
+    }
+  }
+  if (count == 0) return std::nullopt;
+  return sum / count;
+}
+
+// A picture with red in the upper left quarter, blue in the upper right one and yellow below.
+inline std::string WriteQuarters(const std::string& path) {
+  cv::Mat image(200, 200, CV_8UC3, cv::Scalar(20, 206, 246));
+  image(cv::Rect(0, 0, 100, 100)).setTo(cv::Scalar(10, 10, 220));
+  image(cv::Rect(100, 0, 100, 100)).setTo(cv::Scalar(220, 10, 10));
+  EXPECT_TRUE(cv::imwrite(path, image));
+  return path;
+}
+
+}  // namespace musher::world
