@@ -4,6 +4,8 @@
 // Threads: state callbacks on the actuator's worker, everything else on the loop. What both use is
 // used on the loop.
 
+// [head]
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <string>
@@ -19,6 +21,7 @@
 
 // Codes of this module are 6100 plus a key: 6109 is "self-check failed".
 constexpr auto kGripper = static_cast<musher::ModuleCode>(6100);
+// [head end]
 
 // [states]
 class Gripper : public musher::MachineActuator {
@@ -38,10 +41,12 @@ class Gripper : public musher::MachineActuator {
   ~Gripper() override { Shutdown(); }
   // [states end]
 
+  // [seen]
   // For tests.
   bool powered() const { return powered_; }
   bool moves() const { return jaw_.MovesAt(Now()); }
   double width_mm() const { return jaw_.WidthAt(Now()); }
+  // [seen end]
 
  protected:
   // [estop]
@@ -53,10 +58,10 @@ class Gripper : public musher::MachineActuator {
   // [estop end]
 
  private:
+  // [setup]
   using SetBool = musher::msg::SetBool;
   using Reply = musher::transport::Server<SetBool>::Reply;
 
-  // [setup]
   musher::Result<> SetUp() {
     return OpenEndpoints([this](musher::transport::Endpoints& wire) {
       clock_ = &wire.clock();
@@ -78,8 +83,9 @@ class Gripper : public musher::MachineActuator {
   musher::Result<> Grip(double width_mm) {
     if (auto allowed = Allowed("grip", kGripper); !allowed) return allowed;
     if (!(width_mm >= 0) || width_mm > config_.opening_mm) {
-      return musher::Error{MakeCode(kGripper, musher::KeyCode::kParametersInvalid),
-                           "it opens from 0 to " + std::to_string(config_.opening_mm) + " mm"};
+      return musher::Error{
+          MakeCode(kGripper, musher::KeyCode::kParametersInvalid),
+          "it opens from 0 to " + std::to_string(std::lround(config_.opening_mm)) + " mm"};
     }
     AnswerWaiting(false, "another command came");
     jaw_.MoveTo(width_mm, Now());
@@ -130,6 +136,7 @@ class Gripper : public musher::MachineActuator {
   }
   // [open end]
 
+  // [rest]
   // Without power the jaw gives way by hand: so that is also how it ends in an emergency stop.
   musher::Result<> OpenAndSleep() {
     if (EmergencyStopped()) return SetPower(false);
@@ -150,6 +157,7 @@ class Gripper : public musher::MachineActuator {
     return musher::Error{MakeCode(kGripper, musher::KeyCode::kSelfCheckFailed),
                          "its motor has " + std::to_string(temperature_c) + " °C"};
   }
+  // [rest end]
 
   // [time]
   // The world's, where the robot goes by /clock. In a trial there is no wire, and the computer's.
@@ -157,6 +165,7 @@ class Gripper : public musher::MachineActuator {
     return clock_ != nullptr ? clock_->Now() : std::chrono::steady_clock::now();
   }
   // [time end]
+  // [members]
   bool Moves() {
     bool moves = false;
     RunOnLoop([&] { moves = jaw_.MovesAt(Now()); });
@@ -170,3 +179,4 @@ class Gripper : public musher::MachineActuator {
   std::function<void(const musher::msg::Float32&)> tell_width_;
   musher::transport::Clock* clock_ = nullptr;  // from SetUp on
 };
+// [members end]
