@@ -29,4 +29,13 @@ Result<std::string> ReadTextFile(const std::string& path, std::size_t most) {
   return text;
 }
 
+Result<std::string> ReadModuleText(const std::string& path) {
+  constexpr std::size_t kLargest = 1U << 20;
+  Result<std::string> text = ReadTextFile(path, kLargest);
+  if (text && text.value().size() > kLargest) {
+    return Error{kCodeParametersInvalid, "the file is larger than 1 MiB"};
+  }
+  return text;
+}
+
 }  // namespace musher::config_toml

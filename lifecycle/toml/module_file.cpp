@@ -8,19 +8,11 @@
 #include "musher/lifecycle/toml/file.hpp"
 
 namespace musher {
-namespace {
-
-constexpr std::size_t kLargestFile = 1U << 20;
-
-}  // namespace
 
 Result<> ReadModuleFile(const std::string& path,
                         const std::function<void(config_toml::TableReader&)>& read) {
-  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
+  const Result<std::string> text = config_toml::ReadModuleText(path);
   if (!text) return Error{kCodeParametersInvalid, path + ": error: " + text.error().message};
-  if (text.value().size() > kLargestFile) {
-    return Error{kCodeParametersInvalid, path + ": error: larger than 1 MiB"};
-  }
   config_toml::Findings findings;
   const auto document = config_toml::ParseDocument(text.value());
   if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {

@@ -187,11 +187,12 @@ const Table* TableReader::SubTable(std::string_view key) {
 }
 
 void TableReader::RefuseOthers() {
+  const std::vector<std::string_view> known(asked_.begin(), asked_.end());
   for (const Member& member : table_) {
     if (std::find(asked_.begin(), asked_.end(), member.key) != asked_.end()) continue;
     std::string message = "unknown key " + Quote(member.key);
-    const std::string guess = findings_.Guess(member.key, asked_);
-    message += guess.empty() ? "; expected one of " + Listing(asked_) : guess;
+    const std::string guess = findings_.Guess(member.key, known);
+    message += guess.empty() ? "; expected one of " + Listing(known) : guess;
     findings_.Error(member.at, (path_.empty() ? "" : path_ + ": ") + message);
   }
 }
@@ -215,7 +216,7 @@ void TableReader::Warn(Position at, std::string_view key, std::string_view messa
 }
 
 const Member* TableReader::Ask(std::string_view key) {
-  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.push_back(key);
+  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.emplace_back(key);
   return Find(table_, key);
 }
 

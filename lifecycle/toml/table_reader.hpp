@@ -93,7 +93,7 @@ class TableReader {
   Position at_;
   std::string path_;
   Findings& findings_;
-  std::vector<std::string_view> asked_;
+  std::vector<std::string> asked_;
 };
 
 template <typename T>

@@ -18,7 +18,6 @@ using config_toml::Findings;
 using config_toml::Table;
 using config_toml::TableReader;
 
-constexpr std::size_t kLargestFile = 1U << 20;
 constexpr std::int64_t kLongestText = 10'000;
 constexpr std::int64_t kSlowestVoice = 80;  // words a minute, of espeak-ng
 constexpr std::int64_t kFastestVoice = 450;
@@ -123,13 +122,7 @@ AudioReading ReadAudioText(std::string_view text, const std::string& path) {
 }
 
 AudioReading ReadAudioFile(const std::string& path) {
-  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
-  const auto refuse = [&path](const std::string& reason) {
-    return AudioReading{std::nullopt, {{path, 0, 0, Severity::kError, reason}}};
-  };
-  if (!text) return refuse(text.error().message);
-  if (text.value().size() > kLargestFile) return refuse("the file is larger than 1 MiB");
-  return ReadAudioText(text.value(), path);
+  return config_toml::ReadFileWith(path, ReadAudioText);
 }
 
 }  // namespace musher::audio

@@ -21,7 +21,6 @@ using config_toml::Table;
 using config_toml::TableReader;
 using config_toml::Value;
 
-constexpr std::size_t kLargestFile = 1U << 20;
 constexpr std::int64_t kLargestId = 65'535;
 
 class Reader {
@@ -118,13 +117,7 @@ PhrasesReading ReadPhrasesText(std::string_view text, const std::string& path) {
 }
 
 PhrasesReading ReadPhrasesFile(const std::string& path) {
-  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
-  const auto refuse = [&path](const std::string& reason) {
-    return PhrasesReading{std::nullopt, {{path, 0, 0, Severity::kError, reason}}};
-  };
-  if (!text) return refuse(text.error().message);
-  if (text.value().size() > kLargestFile) return refuse("the file is larger than 1 MiB");
-  return ReadPhrasesText(text.value(), path);
+  return config_toml::ReadFileWith(path, ReadPhrasesText);
 }
 
 }  // namespace musher::audio

@@ -1,7 +1,6 @@
 #include "musher/modules/camera/camera_config.hpp"
 
 #include <algorithm>
-#include <cstddef>
 #include <filesystem>
 #include <utility>
 #include <variant>
@@ -21,7 +20,6 @@ using config_toml::Table;
 using config_toml::TableReader;
 using config_toml::Word;
 
-constexpr std::size_t kLargestFile = 1U << 20;
 constexpr std::int64_t kLargestPx = 8192;
 constexpr double kFastestHz = 240;
 constexpr double kWidestDeg = 175;  // a wider one is no pinhole
@@ -221,13 +219,7 @@ CamerasReading ReadCamerasText(std::string_view text, const std::string& path) {
 }
 
 CamerasReading ReadCamerasFile(const std::string& path) {
-  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
-  const auto refuse = [&path](const std::string& reason) {
-    return CamerasReading{std::nullopt, {{path, 0, 0, Severity::kError, reason}}};
-  };
-  if (!text) return refuse(text.error().message);
-  if (text.value().size() > kLargestFile) return refuse("the file is larger than 1 MiB");
-  return ReadCamerasText(text.value(), path);
+  return config_toml::ReadFileWith(path, ReadCamerasText);
 }
 
 }  // namespace musher::camera

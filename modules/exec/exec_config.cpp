@@ -1,6 +1,5 @@
 #include "musher/modules/exec/exec_config.hpp"
 
-#include <cstddef>
 #include <filesystem>
 #include <utility>
 #include <variant>
@@ -23,7 +22,6 @@ using config_toml::TableReader;
 using config_toml::Word;
 
 constexpr std::int64_t kHighestModule = 100'000;
-constexpr std::size_t kLargestFile = 1U << 20;
 
 class Reader {
  public:
@@ -126,13 +124,9 @@ ExecReading ReadExecText(std::string_view text, const std::string& path,
 }
 
 ExecReading ReadExecFile(const std::string& path, const ActuatorConfig& actuator) {
-  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
-  const auto refuse = [&path](const std::string& reason) {
-    return ExecReading{std::nullopt, {{path, 0, 0, Severity::kError, reason}}};
-  };
-  if (!text) return refuse(text.error().message);
-  if (text.value().size() > kLargestFile) return refuse("the file is larger than 1 MiB");
-  return ReadExecText(text.value(), path, actuator);
+  return config_toml::ReadFileWith(path, [&](const std::string& text, const std::string& name) {
+    return ReadExecText(text, name, actuator);
+  });
 }
 
 ExecConfig ConfigForProgram(std::vector<std::string> program) {

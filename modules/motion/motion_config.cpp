@@ -5,10 +5,10 @@
 #include <variant>
 
 #include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/file.hpp"
 #include "musher/lifecycle/toml/findings.hpp"
 #include "musher/lifecycle/toml/names.hpp"
 #include "musher/lifecycle/toml/table_reader.hpp"
-#include "musher/modules/motion/toml_file.hpp"
 
 namespace musher::motion {
 namespace {
@@ -69,9 +69,7 @@ ConfigReading ReadMotionConfigText(std::string_view text, const std::string& pat
 }
 
 ConfigReading ReadMotionConfigFile(const std::string& path) {
-  const auto text = ReadText(path);
-  if (!text) return {std::nullopt, {Unreadable(path, text.error().message)}};
-  return ReadMotionConfigText(text.value(), path);
+  return config_toml::ReadFileWith(path, ReadMotionConfigText);
 }
 
 }  // namespace musher::motion

@@ -5,11 +5,11 @@
 #include <variant>
 
 #include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/file.hpp"
 #include "musher/lifecycle/toml/findings.hpp"
 #include "musher/lifecycle/toml/names.hpp"
 #include "musher/lifecycle/toml/table_reader.hpp"
 #include "musher/modules/motion/motion_table.hpp"
-#include "musher/modules/motion/toml_file.hpp"
 
 namespace musher::motion {
 namespace {
@@ -187,9 +187,7 @@ TableReading ReadTableText(std::string_view text, const std::string& path) {
 }
 
 TableReading ReadTableFile(const std::string& path) {
-  const auto text = ReadText(path);
-  if (!text) return {std::nullopt, {Unreadable(path, text.error().message)}};
-  return ReadTableText(text.value(), path);
+  return config_toml::ReadFileWith(path, ReadTableText);
 }
 
 }  // namespace musher::motion

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstddef>
 #include <set>
 #include <utility>
 #include <variant>
@@ -21,7 +20,6 @@ using config_toml::Table;
 using config_toml::TableReader;
 using config_toml::Word;
 
-constexpr std::size_t kLargestFile = 1U << 20;
 constexpr double kLeastHz = 0.01;
 constexpr double kMostHz = 1000;
 
@@ -140,13 +138,7 @@ ManagerReading ReadManagerText(std::string_view text, const std::string& path) {
 }
 
 ManagerReading ReadManagerFile(const std::string& path) {
-  const Result<std::string> text = config_toml::ReadTextFile(path, kLargestFile);
-  const auto refuse = [&path](const std::string& reason) {
-    return ManagerReading{std::nullopt, {{path, 0, 0, Severity::kError, reason}}};
-  };
-  if (!text) return refuse(text.error().message);
-  if (text.value().size() > kLargestFile) return refuse("the file is larger than 1 MiB");
-  return ReadManagerText(text.value(), path);
+  return config_toml::ReadFileWith(path, ReadManagerText);
 }
 
 }  // namespace musher::sensor

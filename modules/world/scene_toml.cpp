@@ -1,17 +1,13 @@
 #include "musher/modules/world/scene_toml.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <system_error>
 #include <utility>
 #include <variant>
 
 #include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/file.hpp"
 #include "musher/lifecycle/toml/findings.hpp"
 #include "musher/lifecycle/toml/names.hpp"
 #include "musher/lifecycle/toml/table_reader.hpp"
@@ -31,7 +27,6 @@ using config_toml::TableReader;
 using keys::Coordinate;
 using keys::Set;
 
-constexpr std::uintmax_t kLargestFile = 1U << 20;
 constexpr double kMostW = 10'000;
 constexpr double kMostWh = 100'000;
 constexpr double kLongestS = 1e6;  // eleven days
@@ -226,10 +221,6 @@ class Reader {
   std::vector<PlacedPose> placed_;
 };
 
-SceneReading Unreadable(const std::string& path, const std::string& reason) {
-  return {std::nullopt, {{path, 0, 0, Severity::kError, "the file cannot be read: " + reason}}};
-}
-
 }  // namespace
 
 SceneReading ReadSceneText(std::string_view text, const std::string& path) {
@@ -247,16 +238,7 @@ SceneReading ReadSceneText(std::string_view text, const std::string& path) {
 }
 
 SceneReading ReadSceneFile(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) return Unreadable(path, "it is a folder");
-  if (std::filesystem::file_size(path, error) > kLargestFile && !error) {
-    return Unreadable(path, "it is larger than 1 MiB");
-  }
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return Unreadable(path, errno != 0 ? std::strerror(errno) : "it cannot be opened");
-  const std::string text(std::istreambuf_iterator<char>(file), {});
-  return ReadSceneText(text, path);
+  return config_toml::ReadFileWith(path, ReadSceneText);
 }
 
 }  // namespace musher::world
