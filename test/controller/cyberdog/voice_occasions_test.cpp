@@ -9,8 +9,7 @@ using std::chrono::seconds;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-// --- who touches it
-// ---------------------------------------------------------------------------------
+// --- who touches it ---
 
 TEST_F(Voices, ADoubleTapIsAnsweredWithTheChargeAtMostEveryTwoSeconds) {
   BringUp();
@@ -38,8 +37,7 @@ TEST_F(Voices, AnUnknownChargeIsSaidInWords) {
   EXPECT_THAT(Said(), ElementsAre("the charge of the battery is not known"));
 }
 
-// --- refusals and failures
-// --------------------------------------------------------------------------
+// --- refusals and failures ---
 
 TEST_F(Voices, WhatThePolicyRefusesIsSaidAsItsSentenceAndNotAgainForHalfAMinute) {
   BringUp();
@@ -97,8 +95,7 @@ TEST_F(Voices, ALongSentenceIsCutBetweenCharacters) {
   EXPECT_THAT(Said(), ElementsAre(std::string(239, 'a')));
 }
 
-// --- the app, sleep and silence
-// ---------------------------------------------------------------------
+// --- the app, sleep and silence ---
 
 TEST_F(Voices, TheFirstAppIsGreetedAndThenTheRobotStandsUp) {
   BringUp();
@@ -162,8 +159,7 @@ TEST_F(Voices, ATornDownRobotSaysNothingMore) {
   EXPECT_THAT(Said(), IsEmpty());
 }
 
-// --- time
-// -------------------------------------------------------------------------------------------
+// --- time ---
 
 TEST_F(Voices, AWorldThatBeginsAnewTakesNoTimeFromWhatWaits) {
   answers_ = false;

@@ -12,8 +12,7 @@ using std::chrono::seconds;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-// --- the start
-// ------------------------------------------------------------------------------------
+// --- the start ---
 
 TEST_F(Voices, ARobotThatIsUpSaysThatItIsReadyAndWellAndThenThatAllIsLoaded) {
   Start();
@@ -86,8 +85,7 @@ TEST_F(Voices, AReporterThatFallsSilentPlaysNoMore) {
   EXPECT_THAT(Said(Milliseconds(1)), ElementsAre("9000"));
 }
 
-// --- a player that is not there, or does not answer
-// -----------------------------------------------
+// --- a player that is not there, or does not answer ---
 
 TEST_F(Voices, WithoutAPlayerNothingIsSaidAndThatIsToldOnce) {
   Hear(heard::PlayerMatched{false});
@@ -124,8 +122,7 @@ TEST_F(Voices, APlayerThatDiesEndsWhatItPlays) {
   EXPECT_THAT(Said(seconds(0)), ElementsAre("9000", "60"));
 }
 
-// --- the battery
-// ----------------------------------------------------------------------------------
+// --- the battery ---
 
 TEST_F(Voices, EachLevelOfTheBatteryIsSaidOnceEachWay) {
   BringUp();
@@ -172,8 +169,7 @@ TEST_F(Voices, ALowBatteryAtTheStartIsSaidAfterReady) {
   EXPECT_THAT(Said(), ElementsAre("9000", "60", "10030"));
 }
 
-// --- the tables
-// -------------------------------------------------------------------------------------
+// --- the tables ---
 
 TEST(Sounds, AreCyberdogs) {
   const auto check = [](std::int32_t code) { return SelfCheckSound("", code).value_or(0); };
@@ -181,7 +177,7 @@ TEST(Sounds, AreCyberdogs) {
                            check(1109), check(1209), check(1509), check(1609), check(5109),
                            check(3009), check(4409), check(5309)}),
               ElementsAre(31006, 31007, 31008, 31009, 31010, 31011, 31011, 31012, 31013, 31014,
-                          31015, 31054));
+                          31015, 31054, 31058));
   const auto change = [](std::int32_t code) { return SwitchSound(code).value_or(0); };
   EXPECT_THAT((std::vector{change(2401), change(2101), change(2201), change(2301), change(1401),
                            change(1103), change(1203), change(1501), change(1601), change(5001),
