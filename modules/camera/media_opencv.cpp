@@ -54,10 +54,11 @@ cv::Mat View(msg::Image& picture) {
           picture.encoding == "mono8" ? CV_8UC1 : CV_8UC3, picture.data.data(), picture.step};
 }
 
+// OpenCV's objects are handles: a copy is the same video or device.
 class VideoReader : public PictureReader {
  public:
-  VideoReader(std::string path, cv::VideoCapture capture)
-      : path_(std::move(path)), capture_(std::move(capture)) {}
+  VideoReader(std::string path, const cv::VideoCapture& capture)
+      : path_(std::move(path)), capture_(capture) {}
 
   Result<std::optional<msg::Image>> Next() override {
     using Next = Result<std::optional<msg::Image>>;
@@ -89,8 +90,8 @@ class VideoReader : public PictureReader {
 
 class DeviceReader : public PictureReader {
  public:
-  DeviceReader(std::string device, cv::VideoCapture capture)
-      : device_(std::move(device)), capture_(std::move(capture)) {}
+  DeviceReader(std::string device, const cv::VideoCapture& capture)
+      : device_(std::move(device)), capture_(capture) {}
 
   Result<std::optional<msg::Image>> Next() override {
     using Next = Result<std::optional<msg::Image>>;
@@ -135,8 +136,8 @@ class FolderReader : public PictureReader {
 
 class VideoRecorder : public Recorder {
  public:
-  VideoRecorder(std::string path, cv::VideoWriter writer)
-      : path_(std::move(path)), writer_(std::move(writer)) {}
+  VideoRecorder(std::string path, const cv::VideoWriter& writer)
+      : path_(std::move(path)), writer_(writer) {}
 
   Result<> Write(msg::Image& picture) override {
     return Guarded(path_, [&]() -> Result<> {
@@ -171,7 +172,7 @@ class OpenCvMedia : public Media {
     return Guarded(path, [&]() -> Reader {
       cv::VideoCapture capture(path, cv::CAP_FFMPEG);
       if (!capture.isOpened()) return Failure(path + " is no video");
-      return std::unique_ptr<PictureReader>(new VideoReader(path, std::move(capture)));
+      return std::unique_ptr<PictureReader>(new VideoReader(path, capture));
     });
   }
 
@@ -195,7 +196,7 @@ class OpenCvMedia : public Media {
       ask(cv::CAP_PROP_FRAME_WIDTH, wish.width_px);
       ask(cv::CAP_PROP_FRAME_HEIGHT, wish.height_px);
       ask(cv::CAP_PROP_FPS, wish.rate_hz);
-      return std::unique_ptr<PictureReader>(new DeviceReader(path, std::move(capture)));
+      return std::unique_ptr<PictureReader>(new DeviceReader(path, capture));
     });
   }
 
@@ -233,7 +234,7 @@ class OpenCvMedia : public Media {
                              rate_hz,
                              cv::Size(static_cast<int>(width_px), static_cast<int>(height_px)));
       if (!writer.isOpened()) return Failure(path + ": cannot be written", KeyCode::kFailed);
-      return std::unique_ptr<Recorder>(new VideoRecorder(path, std::move(writer)));
+      return std::unique_ptr<Recorder>(new VideoRecorder(path, writer));
     });
   }
 };

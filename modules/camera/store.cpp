@@ -163,7 +163,8 @@ class ThreadStore : public Store {
   void AddFrame(msg::Image picture) override {
     const std::lock_guard lock(mutex_);
     if (work_.size() >= kMostWaiting) return;
-    work_.push_back([this, picture = std::move(picture)]() mutable { shelf_.AddFrame(picture); });
+    work_.emplace_back(
+        [this, picture = std::move(picture)]() mutable { shelf_.AddFrame(picture); });
     changed_.notify_all();
   }
   void EndVideo(Done<std::string> done) override {
