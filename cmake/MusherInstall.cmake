@@ -26,6 +26,8 @@ install(FILES ${CMAKE_SOURCE_DIR}/transport/dds/dds_node.hpp
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/messages/idl DESTINATION ${CMAKE_INSTALL_DATADIR}/musher)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/config DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
         USE_SOURCE_PERMISSIONS)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/musher
+        PATTERN "examples/CMakeLists.txt" EXCLUDE)
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # The unit names the installed program, wherever that is by then.

@@ -19,6 +19,12 @@ std::uint64_t Scramble(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
   return dice.Next();
 }
 
+// Nobody publishes /clock: the time of a story is that of its world.
+MachineConfig InStorysTime(MachineConfig config) {
+  config.clock = ClockSource::kSteady;
+  return config;
+}
+
 }  // namespace
 
 Story::Story(const MachineConfig& config, std::uint64_t seed, Incidents incidents,
@@ -29,7 +35,7 @@ Story::Story(const MachineConfig& config, std::uint64_t seed, Incidents incident
       options_(options),
       moods_(config.actuators.size()),
       runs_(config.actuators.size()),
-      robot_(seed, config,
+      robot_(seed, InStorysTime(config),
              [this](const std::string& name, const State& state) { return DrawAct(name, state); }),
       judge_(robot_) {
   for (std::size_t i = 0; i < config.actuators.size(); ++i) {

@@ -19,7 +19,7 @@ struct Row {
 
 // CyberDog's manager says 31024 and 31025 for sensor and device manager, which are those of audio
 // and motion; its AudioPlay.msg has these.
-constexpr std::array<Row, 17> kRows = {{
+constexpr std::array<Row, 18> kRows = {{
     {ModuleCode::kGps, 31006, 31016},
     {ModuleCode::kLidar, 31007, 31017},
     {ModuleCode::kTof, 31008, 31018},
@@ -37,6 +37,7 @@ constexpr std::array<Row, 17> kRows = {{
     {ModuleCode::kSensorManager, 0, 31026},
     {ModuleCode::kDeviceManager, 0, 31027},
     {ModuleCode::kCameraServer, 31054, 0},
+    {ModuleCode::kNavigation, 31058, 0},
 }};
 
 struct Owner {

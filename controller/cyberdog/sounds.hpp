@@ -7,9 +7,6 @@
 
 namespace musher::cyberdog {
 
-// Of phrases that audio.hpp does not name.
-inline constexpr std::uint16_t kStageTwoUp = 31058;  // what the manager notifies as 5300
-
 // What is wrong with `actuator` after a failed self-check, by its code; nullopt: there is no phrase
 // for that.
 std::optional<std::uint16_t> SelfCheckSound(std::string_view actuator, std::int32_t code);

@@ -119,7 +119,7 @@ void Speaking::TellStart() {
   const auto& all = config_.actuators;
   const bool staged =
       std::any_of(all.begin(), all.end(), [](const auto& a) { return a.stage > 1; });
-  if (staged) Say(Occasion::kStart, {kStageTwoUp, ""});
+  if (staged) Say(Occasion::kStart, {Play::kStarted, ""});
 }
 
 void Speaking::TellFaults() {
@@ -210,8 +210,11 @@ void Speaking::On(const heard::AppConnected&) {
   const bool awake = machine.state == kActive || machine.state == kProtected;
   if (machine.phase != Phase::kRunning || !awake || machine.charging) return;
   if (!May(Occasion::kApp) || std::exchange(voice_.greeted, true)) return;
-  if (!voice_.player) return actions_.push_back(voice_action::StandUp{});
-  Queue({{Play::kAppConnected, ""}, now_ + kVoicePatience, true}, false);
+  if (voice_.player) {
+    Queue({{Play::kAppConnected, ""}, now_ + kVoicePatience, true}, false);
+  } else {
+    actions_.emplace_back(voice_action::StandUp{});
+  }
 }
 
 void Speaking::On(const heard::PlayerMatched& matched) {
@@ -266,7 +269,7 @@ void Speaking::End() {
   const bool stand_up = voice_.playing->stand_up;
   voice_.playing.reset();
   voice_.busy_until = now_;
-  if (stand_up) actions_.push_back(voice_action::StandUp{});
+  if (stand_up) actions_.emplace_back(voice_action::StandUp{});
 }
 
 void Speaking::Settle() {
@@ -279,7 +282,7 @@ void Speaking::DropWhatNobodyPlays() {
   const auto dropped =
       std::erase_if(voice_.waiting, [&](const auto& w) { return now_ >= w.until; });
   if (dropped == 0 || std::exchange(voice_.silence_told, true)) return;
-  actions_.push_back(voice_action::TellDropped{});
+  actions_.emplace_back(voice_action::TellDropped{});
 }
 
 void Speaking::PlayNext() {
@@ -287,7 +290,7 @@ void Speaking::PlayNext() {
   VoiceState::Waiting next = voice_.waiting.front();
   if (now_ < std::min(voice_.busy_until, next.until)) return;
   voice_.waiting.erase(voice_.waiting.begin());
-  actions_.push_back(voice_action::Play{++voice_.number, next.utterance});
+  actions_.emplace_back(voice_action::Play{++voice_.number, next.utterance});
   next.until = now_ + (next.utterance.text.empty() ? kPhraseTime : kSentenceTime);
   voice_.playing = std::move(next);
 }

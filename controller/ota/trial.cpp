@@ -23,10 +23,7 @@ std::string Why(const MachineConfig& config, std::size_t actuator, const Error& 
 }  // namespace
 
 std::optional<Result<>> JudgeTrial(const MachineConfig& config, const Machine& machine) {
-  if (machine.phase == Phase::kIdle || machine.phase == Phase::kStarting) return std::nullopt;
-  if (machine.phase == Phase::kStopping || machine.phase == Phase::kStopped) {
-    return Result<>(Error{kCodeFailed, "the machine was taken down before the new version was up"});
-  }
+  if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) return std::nullopt;
   bool settled = machine.phase == Phase::kRunning && !machine.current;
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     const auto& fault = machine.actuators[i].fault;
@@ -37,7 +34,6 @@ std::optional<Result<>> JudgeTrial(const MachineConfig& config, const Machine& m
     settled = settled && !coming_back && Settled(config, machine, i);
   }
   if (machine.phase == Phase::kFailed) return Result<>(Error{kCodeFailed, "the start-up failed"});
-  if (machine.phase == Phase::kFenced) return std::nullopt;  // another controller leads
   return settled ? std::optional(Ok()) : std::nullopt;
 }
 

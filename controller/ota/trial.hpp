@@ -10,7 +10,7 @@
 namespace musher::ota {
 
 // Ok: every stage has come up and every critical actuator is well. An Error: it cannot come to that
-// any more, and why. nullopt: it is not known yet.
+// any more, and why. nullopt: it is not known yet, or the machine is being taken down.
 //
 // An actuator that is not critical may fail; it is listed as degraded, as in any start.
 std::optional<Result<>> JudgeTrial(const MachineConfig& config, const Machine& machine);

@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
   const auto answer = promise.get_future().get();
   node.value()->RunOnLoop([&] { gripper.reset(); });
   const bool done = answer && answer.value().success;
-  std::cout << (done     ? "the gripper is " + wish
+  std::cout << (done     ? wish == "close" ? "the gripper is closed" : "the gripper is open"
                 : answer ? "refused: " + answer.value().message
                          : "no answer: " + answer.error().message)
             << std::endl;

@@ -4,7 +4,10 @@
 // Threads: state callbacks on the actuator's worker, everything else on the loop. What both use is
 // used on the loop.
 
+// [head]
+#include <cmath>
 #include <fstream>
+#include <iostream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -18,12 +21,13 @@
 
 // Codes of this module are 6100 plus a key: 6109 is "self-check failed".
 constexpr auto kGripper = static_cast<musher::ModuleCode>(6100);
+// [head end]
 
 // [states]
 class Gripper : public musher::MachineActuator {
  public:
   explicit Gripper(const GripperConfig& config = {})
-      : MachineActuator("gripper"), config_(config), jaw_(config.opening_mm, config.speed_mm_s) {
+      : MachineActuator("gripper"), config_(config), jaw_(0, config.speed_mm_s) {
     RegisterStateCallback("SetUp", [this] { return SetUp(); });
     RegisterStateCallback("SelfCheck", [this] { return CheckTemperature(); });
     RegisterStateCallback("Active", [this] { return SetPower(true); });
@@ -37,10 +41,12 @@ class Gripper : public musher::MachineActuator {
   ~Gripper() override { Shutdown(); }
   // [states end]
 
+  // [seen]
   // For tests.
   bool powered() const { return powered_; }
   bool moves() const { return jaw_.MovesAt(Now()); }
   double width_mm() const { return jaw_.WidthAt(Now()); }
+  // [seen end]
 
  protected:
   // [estop]
@@ -52,16 +58,18 @@ class Gripper : public musher::MachineActuator {
   // [estop end]
 
  private:
+  // [setup]
   using SetBool = musher::msg::SetBool;
   using Reply = musher::transport::Server<SetBool>::Reply;
 
-  // [setup]
   musher::Result<> SetUp() {
     return OpenEndpoints([this](musher::transport::Endpoints& wire) {
       clock_ = &wire.clock();
       tell_width_ = wire.Tell<musher::msg::Float32>("gripper/width_mm");
-      wire.Hear<musher::msg::Float32>("gripper/wanted_mm",
-                                      [this](const auto& wanted) { Grip(wanted.data); });
+      wire.Hear<musher::msg::Float32>("gripper/wanted_mm", [this](const auto& wanted) {
+        const auto begun = Grip(wanted.data);
+        if (!begun) std::cerr << "gripper: " << begun.error().message << std::endl;
+      });
       wire.Serve<SetBool>("gripper/close", [this](const auto& request, const Reply& reply) {
         OnClose(request.data, reply);
       });
@@ -75,8 +83,9 @@ class Gripper : public musher::MachineActuator {
   musher::Result<> Grip(double width_mm) {
     if (auto allowed = Allowed("grip", kGripper); !allowed) return allowed;
     if (!(width_mm >= 0) || width_mm > config_.opening_mm) {
-      return musher::Error{MakeCode(kGripper, musher::KeyCode::kParametersInvalid),
-                           "it opens from 0 to " + std::to_string(config_.opening_mm) + " mm"};
+      return musher::Error{
+          MakeCode(kGripper, musher::KeyCode::kParametersInvalid),
+          "it opens from 0 to " + std::to_string(std::lround(config_.opening_mm)) + " mm"};
     }
     AnswerWaiting(false, "another command came");
     jaw_.MoveTo(width_mm, Now());
@@ -108,7 +117,10 @@ class Gripper : public musher::MachineActuator {
   // Lets go of what it holds. A callback may block; it looks whether it is still waited for, and
   // says that it gets on.
   musher::Result<> Open() {
-    if (EmergencyStopped()) return musher::Ok();  // nothing moves; the jaw stays as it is
+    if (EmergencyStopped()) {
+      return musher::Error{MakeCode(kGripper, musher::KeyCode::kStateInvalid),
+                           "nothing opens during an emergency stop"};
+    }
     RunOnLoop([this] {
       AnswerWaiting(false, "the gripper opens");
       jaw_.MoveTo(config_.opening_mm, Now());
@@ -124,7 +136,10 @@ class Gripper : public musher::MachineActuator {
   }
   // [open end]
 
+  // [rest]
+  // Without power the jaw gives way by hand: so that is also how it ends in an emergency stop.
   musher::Result<> OpenAndSleep() {
+    if (EmergencyStopped()) return SetPower(false);
     if (auto open = Open(); !open) return open;
     return SetPower(false);
   }
@@ -142,11 +157,15 @@ class Gripper : public musher::MachineActuator {
     return musher::Error{MakeCode(kGripper, musher::KeyCode::kSelfCheckFailed),
                          "its motor has " + std::to_string(temperature_c) + " °C"};
   }
+  // [rest end]
 
   // [time]
-  // The world's time where the robot goes by /clock. In a trial there is none, and all is done.
-  musher::Time Now() const { return clock_ != nullptr ? clock_->Now() : musher::Time::max(); }
+  // The world's, where the robot goes by /clock. In a trial there is no wire, and the computer's.
+  musher::Time Now() const {
+    return clock_ != nullptr ? clock_->Now() : std::chrono::steady_clock::now();
+  }
   // [time end]
+  // [members]
   bool Moves() {
     bool moves = false;
     RunOnLoop([&] { moves = jaw_.MovesAt(Now()); });
@@ -160,3 +179,4 @@ class Gripper : public musher::MachineActuator {
   std::function<void(const musher::msg::Float32&)> tell_width_;
   musher::transport::Clock* clock_ = nullptr;  // from SetUp on
 };
+// [members end]

@@ -75,32 +75,29 @@ void CameraDevice::Open() {
     info_ = info;
     core_.OnAnnounced(info.width, info.height);
   };
-  // The source is dropped by what follows, which it must not be in its own callback.
-  const auto later = [this](std::function<void()> work) {
-    around_.node.loop().Post([alive = std::weak_ptr(alive_), work = std::move(work)] {
-      if (alive.lock()) work();
-    });
-  };
-  events.on_failed = [this, later](const Error& error) {
-    later([this, error] { Do(core_.OnFailed(error, Now())); });
-  };
-  events.on_ended = [this, later] { later([this] { Do(core_.OnEnded(Now())); }); };
+  events.on_failed = [this](const Error& error) { Fail(error); };
+  events.on_ended = [this] { Later([this] { Do(core_.OnEnded(Now())); }); };
   auto source = around_.open(camera_, events);
   if (source) {
     source_ = std::move(source).value();
   } else {
-    events.on_failed(source.error());
+    Fail(source.error());
   }
 }
 
+// The source is dropped by it, which it must not be in its own callback.
+void CameraDevice::Fail(const Error& error) {
+  Later([this, error] { Do(core_.OnFailed(error, Now())); });
+}
+
+void CameraDevice::Later(std::function<void()> work) {
+  around_.node.loop().Post([alive = std::weak_ptr(alive_), work = std::move(work)] {
+    if (alive.lock()) work();
+  });
+}
+
 void CameraDevice::OnFrame(msg::Image picture) {
-  if (Result<> good = CheckPicture(picture); !good) {
-    const CameraActions actions = core_.OnFailed(good.error(), Now());
-    around_.node.loop().Post([alive = std::weak_ptr(alive_), this, actions] {
-      if (alive.lock()) Do(actions);
-    });
-    return;
-  }
+  if (Result<> good = CheckPicture(picture); !good) return Fail(good.error());
   if (picture.header.stamp == msg::Stamp{}) picture.header.stamp = around_.stamp();
   CameraActions actions = core_.OnFrame(
       {FromStamp(picture.header.stamp).count(), picture.width, picture.height}, Now());
@@ -113,13 +110,11 @@ void CameraDevice::Publish(msg::Image picture) {
   if (!listener_ && !Watched()) return;
   picture.header.frame_id = camera_.frame_id;
   auto fitted = Fit(std::move(picture), camera_.format);
-  if (!fitted) {
-    return Do(core_.OnFailed(fitted.error(), Now()));
-  }
+  if (!fitted) return Fail(fitted.error());
   const msg::Image& image = fitted.value();
   if (pictures_->MatchedReaders() > 0) static_cast<void>(pictures_->Publish(image));
   if (infos_->MatchedReaders() > 0) PublishInfo(image);
-  if (listener_) listener_(image);
+  if (const auto listener = listener_) listener(image);  // it may set another
 }
 
 void CameraDevice::PublishInfo(const msg::Image& picture) {

@@ -42,6 +42,8 @@ class CameraDevice {
   void Reconsider();
   void Do(CameraActions actions);
   void Open();
+  void Fail(const Error& error);
+  void Later(std::function<void()> work);
   void OnFrame(msg::Image picture);
   void Publish(msg::Image picture);
   void PublishInfo(const msg::Image& picture);

@@ -179,6 +179,7 @@ void CameraServer::Take(Waiting waiting, const msg::Image& picture) {
         if (path) recording_ = Recording{shape, pace, file};
         Listen();
         reply(PathOrRefusal(path));
+        if (!camera_.on()) OnOff();  // meanwhile
       });
 }
 
@@ -218,6 +219,7 @@ void CameraServer::OnOff() {
                                " is ended, for the camera is switched off"});
     EndRecording({});
   }
+  Listen();
 }
 
 CameraServer::Response CameraServer::State() const {

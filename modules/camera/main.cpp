@@ -4,6 +4,7 @@
 
 #include "musher/modules/camera/camera_config.hpp"
 #include "musher/modules/camera/camera_manager.hpp"
+#include "musher/modules/camera/media.hpp"
 #include "musher/modules/program/module_main.hpp"
 
 namespace {
@@ -26,6 +27,7 @@ int Run(const musher::program::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  musher::camera::SetUpCodecs();
   return musher::program::Main(
       argc, argv,
       {"musher-camera-manager", "The cameras of a robot, as the actuator RealSenseActuator.",

@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 
+#include <cstdlib>
 #include <filesystem>
 
 namespace musher::camera {
@@ -18,6 +19,12 @@ std::string PathOfLibrary() {
 }
 
 }  // namespace
+
+void SetUpCodecs() {
+  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+  setenv("OPENCV_LOG_LEVEL", "SILENT", 0);
+  setenv("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", "2", 0);
+}
 
 Result<Media*> LoadMedia() {
   static const Result<Media*> media = []() -> Result<Media*> {

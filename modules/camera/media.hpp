@@ -64,6 +64,10 @@ class Media {
                                                    std::uint32_t height_px, double rate_hz) = 0;
 };
 
+// What OpenCV and FFmpeg would write to stderr we say ourselves; and a device that gives nothing is
+// left after 2 s. In main(), before there are threads.
+void SetUpCodecs();
+
 // There for the rest of the program. Fails when the library is not where it was installed.
 Result<Media*> LoadMedia();
 

@@ -3,7 +3,6 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
@@ -243,9 +242,6 @@ class OpenCvMedia : public Media {
 }  // namespace musher::camera
 
 extern "C" __attribute__((visibility("default"))) musher::camera::Media* MusherCameraMedia() {
-  // OpenCV and FFmpeg would write to stderr what we say ourselves.
-  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
-  setenv("OPENCV_LOG_LEVEL", "SILENT", 0);
   static musher::camera::OpenCvMedia media;
   return &media;
 }

@@ -88,6 +88,7 @@ Result<> HandLink::Join() {
   transport::DdsOptions dds;
   dds.domain_id = options_.domain;
   dds.impatient = true;
+  dds.unicast = true;  // it may read pictures
   if (!options_.keys.empty()) {
     dds.credentials =
         transport::Credentials{std::filesystem::absolute(options_.keys), options_.identity};

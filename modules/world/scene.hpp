@@ -204,6 +204,7 @@ struct Event {
 struct Picture {
   std::string file = "world.png";  // relative: to the machine's state folder, alone to the cwd
   bool at_teardown = false;
+  bool scan = false;  // what the lidar sees, as dots
 };
 
 struct Scene {

@@ -143,6 +143,7 @@ class Reader {
       }
     }
     Set(scene_.picture.at_teardown, reader.Bool("at_teardown"));
+    Set(scene_.picture.scan, reader.Bool("scan"));
   }
 
   void ReadMotion(TableReader& reader) {

@@ -8,6 +8,7 @@
 
 #include "musher/modules/world/marks.hpp"
 #include "musher/modules/world/palette.hpp"
+#include "musher/modules/world/sensing.hpp"
 #include "musher/modules/world/strip_chart.hpp"
 
 namespace musher::world {
@@ -66,6 +67,7 @@ class TopView {
     for (const Board& board : scene_.boards) DrawBoard(board);
     Way();
     for (const Bump& bump : world_.track().bumps()) Cross(At(bump.where_m), 5);
+    if (scene_.picture.scan && scene_.sensors.lidar.enabled) Scan();
     DrawBody(scene_.start, false);
     DrawBody(world_.body().pose(), true);
   }
@@ -170,6 +172,20 @@ class TopView {
   void Cross(const Pixel& at, double half) {
     canvas_.Line(at - Pixel(half, half), at + Pixel(half, half), kBumpRed, 2);
     canvas_.Line(at + Pixel(-half, half), at + Pixel(half, -half), kBumpRed, 2);
+  }
+
+  void Scan() {
+    constexpr double kDot = 1.6;
+    const msg::LaserScan scan = MeasureScan(world_);
+    const Pose2& pose = world_.body().pose();
+    const Mount& mount = scene_.sensors.lidar.mount;
+    const Vector2d eye = pose.position_m + Rotation2Dd(pose.yaw_rad) * mount.position_m.head<2>();
+    double angle = pose.yaw_rad + mount.yaw_rad + scan.angle_min;
+    for (const float range : scan.ranges) {
+      const Vector2d hit = eye + range * Vector2d(std::cos(angle), std::sin(angle));
+      if (std::isfinite(range)) canvas_.Disc(At(hit), kDot, kScanRed);
+      angle += scan.angle_increment;
+    }
   }
 
   // A trunk with its head ahead; where it began hollow, where it is now full.

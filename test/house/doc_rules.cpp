@@ -124,7 +124,10 @@ std::vector<std::string> DeadLinks(const SourceFile& document,
   static const std::regex link(R"(\]\(([^)#:]+)(#[^)]*)?\))");
   std::vector<std::string> complaints;
   const auto folder = std::filesystem::path(document.path).parent_path();
+  bool code = false;  // where a lambda looks like a link
   for (const Line& line : Lines(document.text)) {
+    if (line.text.starts_with("```")) code = !code;
+    if (code) continue;
     for (std::sregex_iterator i(line.text.begin(), line.text.end(), link), end; i != end; ++i) {
       std::string target = (folder / (*i)[1].str()).lexically_normal().string();
       if (target.ends_with('/')) target.pop_back();

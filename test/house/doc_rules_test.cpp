@@ -60,6 +60,9 @@ TEST(DocRules, FindLinksThatLeadNowhere) {
       IsEmpty());
   EXPECT_THAT(DeadLinks(Document("\n[a](gone.md#there)"), kTree),
               ElementsAre("docs/guide.md:2: there is no docs/gone.md"));
+  EXPECT_THAT(DeadLinks(Document("```cpp\n[&](auto& table) {}\n```\n[a](gone.md)"), kTree),
+              ElementsAre("docs/guide.md:4: there is no docs/gone.md"))
+      << "code has no links";
 }
 
 TEST(DocRules, FindWhatADocumentDoesNotExplain) {

@@ -108,6 +108,21 @@ TEST(AStory, IsTheSameToTheByteFromTheSameSeed) {
   }
 }
 
+// Found by trying a module in the robot that walks: a keep by /clock never ended, since nobody
+// publishes that.
+TEST(AStory, OfARobotThatGoesByAWorldsClockHasATimeOfItsOwn) {
+  MachineConfig config = DrawConfig(0);
+  config.policy.emplace();
+  config.clock = ClockSource::kTopic;
+  simulation::Incident keep;
+  keep.kind = simulation::IncidentKind::kKeep;
+  keep.at = std::chrono::seconds(5);
+  keep.state = kActive;
+  keep.chance = 7;  // seconds
+  const Ending ending = simulation::TellStory(config, 1, {keep}, OptionsFor(config));
+  EXPECT_FALSE(ending.violation) << ending.violation->what;
+}
+
 TEST(AStory, StaysAsItIsForTheOtherIncidentsWhenSomeAreLeftOut) {
   const MachineConfig config = DrawConfig(12);
   const Incidents all = simulation::DrawIncidents(config, 12);

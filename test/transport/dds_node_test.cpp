@@ -131,6 +131,14 @@ TEST(Settings, KeepOneHostOnLoopbackAndLetItsProcessesBeMany) {
   }
 }
 
+TEST(Settings, MeetByMulticastAndReadByUnicastWhoReadsPictures) {
+  for (const auto profile : {TransportProfile::kLocal, TransportProfile::kLan}) {
+    EXPECT_THAT(dds::SettingsXml(profile, {}), Not(HasSubstr("AllowMulticast")));
+    EXPECT_THAT(dds::SettingsXml(profile, {}, false, true),
+                HasSubstr("<AllowMulticast>spdp</AllowMulticast>"));
+  }
+}
+
 TEST(Settings, TakeTheLeaseThatIsAskedFor) {
   const std::string xml = dds::SettingsXml(TransportProfile::kLocal, Milliseconds(800));
   EXPECT_THAT(xml, HasSubstr("<LeaseDuration>800ms</LeaseDuration>"));

@@ -116,8 +116,9 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
     if (auto good = keys::Check(folder, options.credentials->identity); !good) return good.error();
   }
   const bool impatient = options.impatient || std::getenv("MUSHER_IMPATIENT") != nullptr;
+  const bool unicast = options.unicast || std::getenv("MUSHER_UNICAST") != nullptr;
   auto participant = dds::OpenParticipant(
-      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, impatient),
+      domain_id.value(), dds::SettingsXml(profile.value(), options.lease, impatient, unicast),
       options.credentials);
   if (!participant) return participant.error();
   return std::unique_ptr<Node>(std::make_unique<DdsNode>(loop, std::move(participant).value()));

@@ -32,6 +32,11 @@ struct DdsOptions {
   // when they are patient. MUSHER_IMPATIENT in the environment says the same: a controller sets it
   // for a process that it starts again while the others stay.
   bool impatient = false;
+  // Gets the samples that it reads sent to itself alone. By default a sample that several processes
+  // read goes out once, by multicast, and the kernel copies it to every process of the domain,
+  // whether it reads that topic or not: right for what is small, dear for pictures. For programs
+  // that read pictures; MUSHER_UNICAST in the environment says the same.
+  bool unicast = false;
   // With them the node meets only those whose certificate is of the same CA, and may do only what
   // its permissions say; without them only those without. All nodes of a process that are in one
   // domain have the same.

@@ -44,17 +44,23 @@ constexpr const char* kImpatientTiming =
     "<NackDelay>5ms</NackDelay><AutoReschedNackDelay>10ms</AutoReschedNackDelay>"
     "<AckDelay>0ms</AckDelay>";
 
-std::string LocalXml(Duration lease, bool impatient) {
+// Processes are met by multicast, samples come by unicast.
+std::string Multicast(bool unicast) {
+  return unicast ? Element("AllowMulticast", "spdp") : "";
+}
+
+std::string LocalXml(Duration lease, bool impatient, bool unicast) {
   return Element("General",
-                 Element("Interfaces", "<NetworkInterface name=\"lo\" multicast=\"true\"/>") +
+                 Multicast(unicast) +
+                     Element("Interfaces", "<NetworkInterface name=\"lo\" multicast=\"true\"/>") +
                      Element("MaxMessageSize", "65500B")) +
          Discovery(lease) +
          Element("Internal", (impatient ? kImpatientTiming : kPatientTiming) + Buffers("20ms"));
 }
 
 // Links that lose packets: losses are noticed and repaired within tens of milliseconds.
-std::string LanXml(Duration lease) {
-  return Discovery(lease) +
+std::string LanXml(Duration lease, bool unicast) {
+  return (unicast ? Element("General", Multicast(true)) : "") + Discovery(lease) +
          Element("Internal",
                  "<HeartbeatInterval min=\"2ms\" minsched=\"5ms\" max=\"8s\">10ms"
                  "</HeartbeatInterval>" +
@@ -74,10 +80,12 @@ Result<TransportProfile> ChosenProfile(TransportProfile configured) {
                "MUSHER_TRANSPORT is \"" + profile + "\": expected \"local\" or \"lan\""};
 }
 
-std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease, bool impatient) {
-  const std::string domain = profile == TransportProfile::kLocal
-                                 ? LocalXml(lease.value_or(std::chrono::seconds(10)), impatient)
-                                 : LanXml(lease.value_or(std::chrono::seconds(2)));
+std::string SettingsXml(TransportProfile profile, std::optional<Duration> lease, bool impatient,
+                        bool unicast) {
+  const std::string domain =
+      profile == TransportProfile::kLocal
+          ? LocalXml(lease.value_or(std::chrono::seconds(10)), impatient, unicast)
+          : LanXml(lease.value_or(std::chrono::seconds(2)), unicast);
   return Element("CycloneDDS", Element("Domain", domain));
 }
 

@@ -2,7 +2,7 @@
 
 _musher() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
-  local commands="check up down status capabilities set restart estop wake keep low-power poweroff reboot plan history replay simulate graph keys completion"
+  local commands="check up down status capabilities set restart estop wake keep low-power poweroff reboot plan history replay simulate graph keys ota completion"
   local options="--help --json --namespace --domain --transport --timeout --keys --identity --color"
   local states="SelfCheck Active DeActive Protected LowPower OTA Error TearDown"
   COMPREPLY=()
@@ -12,11 +12,11 @@ _musher() {
     --color) COMPREPLY=($(compgen -W "auto always never" -- "$cur")); return ;;
     --format) COMPREPLY=($(compgen -W "dot mermaid svg" -- "$cur")); return ;;
     --what) COMPREPLY=($(compgen -W "flow actuators" -- "$cur")); return ;;
-    --keys) COMPREPLY=($(compgen -d -S / -- "$cur")); return ;;
+    --keys | --root | --out | --from) COMPREPLY=($(compgen -d -S / -- "$cur")); return ;;
     --role) COMPREPLY=($(compgen -W "controller actuator operator observer" -- "$cur")); return ;;
     --why | --home) COMPREPLY=($(compgen -W "$states" -- "$cur")); return ;;
-    --output | -o | --journal | --config | --svg) COMPREPLY=($(compgen -f -- "$cur")); return ;;
-    --namespace | --domain | --timeout | --for | --identity | --days | --since | --limit | --epoch | --seeds | --seed | --only | --bound | --jobs | -j) return ;;
+    --output | -o | --journal | --config | --svg | --key) COMPREPLY=($(compgen -f -- "$cur")); return ;;
+    --namespace | --domain | --timeout | --for | --identity | --days | --since | --limit | --epoch | --seeds | --seed | --only | --bound | --jobs | -j | --min-version | --robot) return ;;
   esac
 
   local command="" word
@@ -39,6 +39,7 @@ _musher() {
     simulate) options+=" --seeds --seed --only --bound --home --svg --jobs" ;;
     graph) options+=" --what --format --output" ;;
     keys) options+=" --role --days --signed-only --force" ;;
+    ota) options+=" --root --key --version --min-version --robot --config --out --from --allow-downgrade" ;;
   esac
   if [[ $cur == -* ]]; then
     COMPREPLY=($(compgen -W "$options" -- "$cur"))
@@ -47,6 +48,11 @@ _musher() {
 
   case $command in
     "") COMPREPLY=($(compgen -W "$commands" -- "$cur")) ;;
+    ota)
+      case $prev in
+        ota) COMPREPLY=($(compgen -W "keygen bundle init verify install status rollback" -- "$cur")) ;;
+        *) COMPREPLY=($(compgen -d -S / -- "$cur")) ;;
+      esac ;;
     check | up | simulate | graph) COMPREPLY=($(compgen -f -X '!*.toml' -- "$cur") $(compgen -d -S / -- "$cur")) ;;
     keys)
       case $prev in

@@ -2,10 +2,12 @@
 
 #include <variant>
 
+#include "musher/modules/camera/media.hpp"
 #include "musher/modules/camera/tool/commands.hpp"
 
 int main(int argc, char** argv) {
   namespace tool = musher::camera::tool;
+  musher::camera::SetUpCodecs();
   const auto parsed = tool::ParseCommandLine(argc, argv);
   if (const auto* end = std::get_if<tool::ParseEnd>(&parsed)) {
     return musher::program::Say(*end, "musher-camera");

@@ -3,14 +3,18 @@
 //
 //   benchmark_camera [SECONDS [HZ...]]
 
-#include <array>
+#include <unistd.h>
+
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "musher/controller/machine_controller.hpp"
 #include "musher/test/benchmark/common/child.hpp"
+#include "musher/test/benchmark/common/fleet.hpp"
 #include "musher/test/benchmark/common/process.hpp"
 #include "musher/test/benchmark/common/statistics.hpp"
 
@@ -21,6 +25,7 @@ constexpr const char* kWidth = "640";
 constexpr const char* kHeight = "480";
 const std::vector<std::string> kWorldTopics = {"world/camera/front", "world/camera/left",
                                                "world/camera/right"};
+const std::vector<std::string> kManagerTopics = {"image_front", "image_left", "image_right"};
 
 using Arguments = std::vector<std::string>;
 
@@ -66,14 +71,63 @@ Seen Read(const std::string& file) {
 // A process whose share of a core is told.
 struct Payer {
   std::string name;
-  const Child* child;
-  Duration before{};
+  pid_t pid = 0;
+  Duration before = {};
 };
 
 struct Setting {
   std::string what;
   int sinks = 1;
   int bystanders = 0;
+  bool unicast = false;  // the sinks ask for it
+  bool manager = false;  // between cameras and sinks
+};
+
+// That program, as a child of this process.
+pid_t ChildNamed(const std::string& name) {
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::ifstream stat(entry.path() / "stat");
+    pid_t pid = 0;
+    pid_t parent = 0;
+    std::string command;
+    std::string state;
+    stat >> pid >> command >> state >> parent;
+    // The kernel keeps 15 characters of the name.
+    if (parent == getpid() && command == "(" + name.substr(0, 15) + ")") return pid;
+  }
+  Fail("there is no " + name);
+}
+
+// musher-camera-manager in Active, as a controller has it.
+class Manager {
+ public:
+  Manager() : fleet_([this](const Fleet& fleet, const std::string&) { return Command(fleet); }, 1) {
+    if (!controller_.MachineControllerInit(fleet_.config_file()) ||
+        !controller_.WaitActuatorsSetUp()) {
+      Fail("the camera manager is not set up");
+    }
+    MustBeDone(controller_.Switch("SelfCheck"));
+    MustBeDone(controller_.Switch("Active"));
+  }
+  Manager(const Manager&) = delete;
+  Manager& operator=(const Manager&) = delete;
+  ~Manager() { static_cast<void>(controller_.SetState("TearDown")); }
+
+  pid_t pid() const { return ChildNamed("musher-camera-manager"); }
+
+ private:
+  std::string Command(const Fleet&) {
+    std::ofstream file(folder_.File("cameras.toml"));
+    for (const std::string name : {"front", "left", "right"}) {
+      file << "[camera." << name << "]\ntopic = \"image_" << name
+           << "\"\nsource = \"world\"\nfrom = \"world/camera/" << name << "\"\n";
+    }
+    return CommandKey({Program("musher-camera-manager"), folder_.File("cameras.toml")});
+  }
+
+  const Folder folder_;
+  const Fleet fleet_;
+  MachineController controller_;
 };
 
 void Measure(const Setting& setting, int seconds, int hz, int number) {
@@ -84,19 +138,23 @@ void Measure(const Setting& setting, int seconds, int hz, int number) {
       kWorldTopics);
   std::vector<Child> sinks;
   std::vector<Child> bystanders;
-  std::vector<Payer> payers = {{"the cameras", &source}};
+  std::vector<Payer> payers = {{"the cameras", source.pid()}};
+  std::optional<Manager> manager;
+  if (setting.manager) payers.push_back({"musher-camera-manager", manager.emplace().pid()});
   for (int i = 0; i < setting.bystanders; ++i) {
     bystanders.emplace_back(Arguments{Program("benchmark_picture_source"), "8", "8", "1", "other"});
   }
-  if (!bystanders.empty()) payers.push_back({"a bystander", &bystanders.front()});
+  if (!bystanders.empty()) payers.push_back({"a bystander", bystanders.front().pid()});
   for (int i = 0; i < setting.sinks; ++i) {
-    sinks.emplace_back(Arguments{Program("benchmark_picture_sink"),
-                                 folder.File("sink" + std::to_string(i)), std::to_string(seconds)} +
-                           kWorldTopics,
-                       Child::Environment{}, Child::Output::kPiped);
+    sinks.emplace_back(
+        Arguments{Program("benchmark_picture_sink"), folder.File("sink" + std::to_string(i)),
+                  std::to_string(seconds)} +
+            (setting.manager ? kManagerTopics : kWorldTopics),
+        setting.unicast ? Child::Environment{{"MUSHER_UNICAST", "1"}} : Child::Environment{},
+        Child::Output::kPiped);
   }
   for (const Child& sink : sinks) sink.AwaitOutput();
-  for (Payer& payer : payers) payer.before = CostOf(payer.child->pid()).cpu;
+  for (Payer& payer : payers) payer.before = CostOf(payer.pid).cpu;
   const Time begun = std::chrono::steady_clock::now();
   for (Child& sink : sinks) {
     if (sink.Wait() != 0) Fail("a sink has failed");
@@ -114,7 +172,7 @@ void Measure(const Setting& setting, int seconds, int hz, int number) {
   }
   table.Row("lost", lost, "%");
   for (const Payer& payer : payers) {
-    const double used = Seconds(CostOf(payer.child->pid()).cpu - payer.before);
+    const double used = Seconds(CostOf(payer.pid).cpu - payer.before);
     table.Row("CPU of " + payer.name, {100 * used / elapsed}, "% of a core");
   }
   table.Row("CPU of a program that watches", cpu, "% of a core");
@@ -133,5 +191,8 @@ int main(int argc, char** argv) {
   for (const int hz : rates) {
     Measure({"Straight to one program"}, seconds, hz, number++);
     Measure({"Straight to two programs, eight others beside", 2, 8}, seconds, hz, number++);
+    Measure({"The same, MUSHER_UNICAST set for the two", 2, 8, true}, seconds, hz, number++);
+    Measure({"Through musher-camera-manager to one program", 1, 0, false, true}, seconds, hz,
+            number++);
   }
 }

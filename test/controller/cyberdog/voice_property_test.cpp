@@ -101,7 +101,7 @@ class Life {
                                std::holds_alternative<heard::PlayerMatched>(what);
     RC_ASSERT(one_at_a_time);
     const std::uint16_t id = play->utterance.id;
-    const bool once = id == 9000 || id == 60 || id == 61 || id == 2002 || id == 31058;
+    const bool once = id == 9000 || id == 60 || id == 61 || id == 2002 || id == 5300;
     const bool both_failed_and_up = id == 61 && voice_.failure_told && voice_.start_told;
     if (once) RC_ASSERT(once_.insert(id).second || both_failed_and_up);
   }

@@ -53,6 +53,15 @@ TEST_F(Picture, HasItsSizeAndIsNoEmptySheet) {
   EXPECT_GT(CountAbove(image, kGround), 100'000);
 }
 
+TEST_F(Picture, ShowsWhatTheLidarSeesWhereTheSceneWantsIt) {
+  Scene scene = FullYard();
+  EXPECT_EQ(CountAbove(Of(World(scene)), kScanRed), 0);
+  scene.picture.scan = true;
+  EXPECT_GT(CountAbove(Of(World(scene)), kScanRed), 500);
+  scene.sensors.lidar.enabled = false;
+  EXPECT_EQ(CountAbove(Of(World(scene)), kScanRed), 0);
+}
+
 TEST_F(Picture, IsLowerForAWidePlaceAndNoWiderForAHighOne) {
   Scene scene = EmptyYard();
   scene.least_m.y() = -1;

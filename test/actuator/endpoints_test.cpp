@@ -1,0 +1,109 @@
+// Topics and services that a module opens in SetUp.
+
+#include "musher/transport/endpoints.hpp"
+
+#include <gmock/gmock.h>
+
+#include <future>
+
+#include "musher/actuator/actuator_rehearsal.hpp"
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_srvs/set_bool.hpp"
+#include "musher/test/actuator/robot_file.hpp"
+
+namespace musher {
+namespace {
+
+using testing::kAllStates;
+using testing::RobotFile;
+
+// Counts how often it was asked, and says whether it ticks.
+class Counter : public MachineActuator {
+ public:
+  explicit Counter(std::string service = "count") : MachineActuator("counter") {
+    for (const std::string& state : kAllStates) {
+      if (state != kSetUp) RegisterStateCallback(state, [] { return kCodeOk; });
+    }
+    RegisterStateCallback(std::string(kSetUp), [this, service = std::move(service)] {
+      return OpenEndpoints([this, service](transport::Endpoints& wire) {
+        const auto kept = std::make_shared<bool>(true);
+        kept_ = kept;
+        wire.Serve<msg::SetBool>(service, [this, kept](const auto&, const auto& reply) {
+          reply({*kept, std::to_string(++asked_)});
+        });
+        wire.Every(Milliseconds(1), [this] {
+          if (++ticks_ == 1) ticked_.set_value();
+        });
+      });
+    });
+  }
+  ~Counter() override { Shutdown(); }
+
+  std::future<void> ticked() { return ticked_.get_future(); }
+  // Lives as long as what was opened.
+  const std::weak_ptr<bool>& kept() const { return kept_; }
+
+ private:
+  std::weak_ptr<bool> kept_;
+  int asked_ = 0;
+  int ticks_ = 0;
+  std::promise<void> ticked_;
+};
+
+Result<msg::SetBool::Response> AskToCount(transport::NodeThread& node, const std::string& name) {
+  std::unique_ptr<transport::Client<msg::SetBool>> client;
+  std::promise<Result<msg::SetBool::Response>> promise;
+  node.RunOnLoop([&] {
+    client = transport::MakeClient<msg::SetBool>(node.node(), name).value();
+    client->Call({true}, std::chrono::seconds(10),
+                 [&](auto answer) { promise.set_value(std::move(answer)); });
+  });
+  auto answer = promise.get_future().get();
+  node.RunOnLoop([&] { client.reset(); });
+  return answer;
+}
+
+TEST(Endpoints, AreOpenInTheRobotsNamespaceUntilTheModuleEnds) {
+  const RobotFile file({"counter"}, kAllStates);
+  const auto other = transport::NodeThread::Start().value();
+  Counter counter;
+  ASSERT_TRUE(counter.MachineActuatorInit(file.path()));
+  ASSERT_TRUE(counter.ActuatorStart());
+  const auto answer = AskToCount(*other, file.name_space() + "/count");
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_EQ(answer.value().message, "1");
+  EXPECT_EQ(counter.ticked().wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  counter.Shutdown();
+  EXPECT_TRUE(counter.kept().expired());
+}
+
+TEST(Endpoints, ThatCannotBeOpenedFailSetUp) {
+  const RobotFile file({"counter"}, kAllStates);
+  Counter counter("no such name");
+  ASSERT_TRUE(counter.MachineActuatorInit(file.path()));
+  EXPECT_FALSE(counter.Start());
+}
+
+TEST(Endpoints, AreNotThereInATrial) {
+  Counter counter;
+  ActuatorRehearsal rehearsal(counter);
+  EXPECT_TRUE(rehearsal.Run(State(kSetUp)));
+  EXPECT_TRUE(counter.kept().expired()) << "nothing was opened";
+  int runs = 0;
+  counter.RunOnLoop([&] { ++runs; });
+  EXPECT_EQ(runs, 1) << "at once";
+}
+
+TEST(EmergencyStopped, IsWhatTheMachineSaid) {
+  Counter counter;
+  ActuatorRehearsal rehearsal(counter);
+  EXPECT_FALSE(counter.EmergencyStopped());
+  ActuatorReport report;
+  report.emergency_stop = 7;
+  rehearsal.SetReport(report);
+  EXPECT_TRUE(counter.EmergencyStopped());
+}
+
+}  // namespace
+}  // namespace musher

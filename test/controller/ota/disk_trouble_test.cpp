@@ -1,0 +1,126 @@
+// A disk that fills up, fails or is read-only, at any operation.
+
+#include "musher/test/controller/ota/robot_on_disk.hpp"
+
+namespace musher::ota::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class DiskTrouble : public ::testing::Test {
+ protected:
+  DiskTrouble() : disk_(DiskWith({"1.0.0", "1.1.0", "1.2.0"})) {}
+
+  // Every operation from this one on fails, as on a disk that is full.
+  void FailFrom(int operation) {
+    count_ = 0;
+    disk_->hinder = [this, operation](const std::string& what) -> Result<> {
+      if (++count_ < operation || what.starts_with("remove")) return Ok();
+      return Refusal(Fault::kNoSpace, what + ": No space left on device");
+    };
+  }
+
+  std::unique_ptr<SimDisk> disk_;
+  int count_ = 0;
+};
+
+TEST_F(DiskTrouble, FullAtAnyOperationEndsTheInstallationAndHarmsNothing) {
+  int failures = 0;
+  for (int operation = 1;; ++operation) {
+    SCOPED_TRACE(operation);
+    disk_ = DiskWith({"1.0.0", "1.1.0", "1.2.0"});
+    FailFrom(operation);
+    const auto installed = Install(*disk_, BundleOf("1.1.0"));
+    disk_->hinder = nullptr;
+    if (installed) break;
+    ++failures;
+    ASSERT_TRUE(Is(installed.error(), Fault::kNoSpace)) << installed.error().message;
+    const auto boot = OpenRoot(*disk_).Boot();
+    ASSERT_TRUE(boot);
+    // Only once the last rename is done it is not known whether it will survive.
+    ASSERT_TRUE(Holds(*disk_, boot.value().start, boot.value().version.text));
+    if (boot.value().on_trial) {
+      ASSERT_TRUE(OpenRoot(*disk_).EndTrial("1.1.0", Ok()));
+    }
+    ASSERT_TRUE(Install(*disk_, BundleOf("1.2.0")));
+    ASSERT_TRUE(Holds(*disk_, OpenRoot(*disk_).Boot().value().start, "1.2.0"));
+  }
+  EXPECT_GT(failures, 30);
+  std::cout << failures << " operations on a full disk\n";
+}
+
+TEST_F(DiskTrouble, ATrialThatCannotBeRememberedIsNotBegun) {
+  ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
+  FailFrom(1);
+  const auto boot = OpenRoot(*disk_).Boot();
+  ASSERT_TRUE(boot);
+  EXPECT_FALSE(boot.value().on_trial);
+  EXPECT_EQ(boot.value().version.text, "1.0.0");
+  EXPECT_THAT(boot.value().told, HasSubstr("but not now"));
+  disk_->hinder = nullptr;
+  EXPECT_TRUE(OpenRoot(*disk_).Boot().value().on_trial);
+}
+
+TEST_F(DiskTrouble, ATrialWhoseEndCannotBeWrittenIsLeftByTheNextStart) {
+  ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
+  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial);
+  FailFrom(1);
+  EXPECT_FALSE(OpenRoot(*disk_).EndTrial("1.1.0", Ok()));
+  const auto boot = OpenRoot(*disk_).Boot();  // nor can this be written
+  ASSERT_TRUE(boot);
+  EXPECT_EQ(boot.value().version.text, "1.0.0");
+  EXPECT_THAT(boot.value().told, HasSubstr("this cannot be remembered"));
+}
+
+TEST_F(DiskTrouble, ReadOnlyRobotsStart) {
+  FailFrom(1);
+  const auto boot = OpenRoot(*disk_).Boot();
+  ASSERT_TRUE(boot);
+  EXPECT_EQ(boot.value().version.text, "1.0.0");
+  EXPECT_EQ(boot.value().told, "");
+}
+
+TEST_F(DiskTrouble, ADamagedConfirmedVersionIsReplacedByTheOther) {
+  ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
+  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial);
+  ASSERT_TRUE(OpenRoot(*disk_).EndTrial("1.1.0", Ok()));
+  disk_->Put("/robot/slots/b/bin/legs", "?");
+  const auto boot = OpenRoot(*disk_).Boot();
+  ASSERT_TRUE(boot);
+  EXPECT_EQ(boot.value().version.text, "1.0.0");
+  EXPECT_THAT(boot.value().told, HasSubstr("slot b is damaged"));
+  EXPECT_EQ(OpenRoot(*disk_).Boot().value().told, "");
+}
+
+TEST_F(DiskTrouble, AStateThatIsDamagedOrLostLeavesTheVersionThatTheLinkNames) {
+  ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
+  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial);
+  ASSERT_TRUE(OpenRoot(*disk_).EndTrial("1.1.0", Ok()));
+  const std::string whole = disk_->Content("/robot/ota_state");
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    disk_->Put("/robot/ota_state", whole.substr(0, size));
+    const auto boot = OpenRoot(*disk_).Boot();
+    ASSERT_TRUE(boot);
+    ASSERT_EQ(boot.value().version.text, "1.1.0") << size;
+    ASSERT_THAT(boot.value().told, HasSubstr("is lost"));
+  }
+}
+
+TEST_F(DiskTrouble, WithoutStateAndLinkTheOlderVersionIsStarted) {
+  ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
+  ASSERT_TRUE(disk_->Remove("/robot/ota_state"));
+  ASSERT_TRUE(disk_->Remove("/robot/current"));
+  EXPECT_EQ(OpenRoot(*disk_).Boot().value().version.text, "1.0.0");
+}
+
+TEST_F(DiskTrouble, WithoutAnyVersionThatIsWholeItSaysWhatIsWrongWithEach) {
+  disk_->Put("/robot/slots/a/bin/legs", "?");
+  const auto boot = OpenRoot(*disk_).Boot();
+  ASSERT_FALSE(boot);
+  EXPECT_TRUE(Is(boot.error(), Fault::kNoVersion));
+  EXPECT_THAT(boot.error().message, HasSubstr("bin/legs has 1 bytes instead of 705"));
+  EXPECT_THAT(boot.error().message, HasSubstr("slot b: /robot/slots/b/manifest.toml is not there"));
+}
+
+}  // namespace
+}  // namespace musher::ota::testing
