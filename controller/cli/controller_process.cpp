@@ -59,6 +59,10 @@ int ControllerProcess::Run() {
   if (run_) PutSlotFirstInPath(*run_);
   if (run_) EndOtherSlot(*run_);
   if (const auto begun = Begin(); !begun) {
+    // A version that cannot even be started is left for the one before.
+    start_again_ = run_ && run_->on_trial && EndTrial(*run_, begun.error());
+    if (start_again_) OnTrouble("version " + run_->version + " is left: " + begun.error().message);
+    if (start_again_) return static_cast<int>(ExitCode::kUsage);
     Tell(Progress::kNotStarted, begun.error().message, begun.error().code);
     return static_cast<int>(ExitCode::kUsage);
   }

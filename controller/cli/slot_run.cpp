@@ -86,12 +86,13 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
                                               "status` shows it, --takeover ends it",
                                               holder, root.value().path())});
   }
+  std::string left;  // a version that had to be left
   while (true) {
     const auto boot = root.value().Boot();
     if (!boot) return fail(boot.error());
     const ota::Boot& b = boot.value();
     ChosenSlot chosen{{root.value().path(), b.start, b.on_trial, b.version.text,
-                       root.value().config().trial, b.told},
+                       root.value().config().trial, left.empty() ? b.told : left},
                       {}};
     auto config = LoadConfig(root.value().ConfigFile(b.start), console);
     if (config) {
@@ -101,10 +102,16 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
       return chosen;
     }
     if (!b.on_trial) return std::nullopt;
-    const auto ended =
-        root.value().EndTrial(b.version.text, Error{kCodeFailed, "its state config is faulty"});
+    const auto ended = EndTrial(chosen.run, Error{kCodeFailed, "its state config is faulty"});
     if (!ended) return fail(ended.error());
+    left = "version " + b.version.text + " is left: its state config is faulty";
   }
+}
+
+Result<> EndTrial(const SlotRun& run, const Result<>& outcome) {
+  ota::PosixDisk disk;
+  const auto root = ota::Root::Open(disk, run.root);
+  return root ? root.value().EndTrial(run.version, outcome) : Result<>(root.error());
 }
 
 void PutSlotFirstInPath(const SlotRun& run) {
@@ -160,10 +167,7 @@ void Trial::Fail(const Error& why) {
 // A version that cannot be remembered as kept is not kept: the next start would leave it anyway.
 void Trial::End(Result<> outcome) {
   under_way_ = false;
-  ota::PosixDisk disk;
-  const auto root = ota::Root::Open(disk, run_.root);
-  const Result<> saved =
-      root ? root.value().EndTrial(run_.version, outcome) : Result<>(root.error());
+  const Result<> saved = EndTrial(run_, outcome);
   if (outcome && !saved) {
     outcome = Error{saved.error().code, "it cannot be remembered: " + saved.error().message};
   }

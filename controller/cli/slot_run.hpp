@@ -44,6 +44,9 @@ struct ChosenSlot {
 // or when the machine of this root runs already and is not to be taken over.
 std::optional<ChosenSlot> ChooseSlot(const std::string& root, bool takeover, Console& console);
 
+// Remembers how the trial has ended: the version is kept, or why not.
+Result<> EndTrial(const SlotRun& run, const Result<>& outcome);
+
 // The programs of the slot are found before all others, from now on in this process and in those it
 // starts.
 void PutSlotFirstInPath(const SlotRun& run);

@@ -175,9 +175,17 @@ Result<> Judge(Target& target, const UpOptions& options, const GlobalOptions& gl
 ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& console) {
   auto target = ChooseTarget(options, console);
   if (!target) return ExitCode::kUsage;
-  if (auto good = Judge(*target, options, global, console); !good) {
-    return console.Fail({ExitCode::kUsage, good.error()});
+  auto good = Judge(*target, options, global, console);
+  if (!good && target->run && target->run->on_trial && EndTrial(*target->run, good)) {
+    const std::string told =
+        "version " + target->run->version + " is left: " + good.error().message;
+    console.Complain(told);
+    target = ChooseTarget(options, console);
+    if (!target) return ExitCode::kUsage;
+    if (target->run) target->run->told = told;
+    good = Judge(*target, options, global, console);
   }
+  if (!good) return console.Fail({ExitCode::kUsage, good.error()});
   if (options.resume)
     Lead(options, *target, transport::UniqueFd(options.resume->progress), options.resume->front);
   const MachineConfig& config = target->config;

@@ -76,6 +76,26 @@ TEST_F(Upgrade, WhoseCriticalModuleCrashesAtItsStartGoesBack) {
   EXPECT_EQ(Where(), "Active from a");
 }
 
+// A start that is refused ends `musher up`, and systemd would not try again.
+TEST_F(Upgrade, WhoseControllerCannotEvenBeginGoesBack) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  Make("1.1.0", {.policy = "[security]\nkeys = \"nowhere\"\n"});
+  const Ended keyless = Install("1.1.0");
+  EXPECT_EQ(keyless.exit, 1);
+  EXPECT_THAT(keyless.err, HasSubstr("nowhere"));
+  EXPECT_EQ(Where(), "Active from a");
+
+  const std::string taken = "elsewhere_" + std::to_string(getpid());
+  const auto leads = transport::NameLock::Acquire(
+      transport::NameLock::NameOf(transport::TestDomain(), taken, "musher/controller"));
+  ASSERT_TRUE(leads);
+  Make("1.2.0", {.name_space = taken});
+  const Ended second = Install("1.2.0");
+  EXPECT_EQ(second.exit, 1);
+  EXPECT_THAT(second.err, HasSubstr("leads the actuators of namespace"));
+  EXPECT_EQ(Where(), "Active from a");
+}
+
 TEST_F(Upgrade, ThatIsUnknownAfterItsTimeGoesBack) {
   std::ofstream(root_ + "/ota.toml") << "robot = \"dog\"\ntrial_s = 1\n";
   Make("1.1.0", {.set_up = "exec sleep 8"});

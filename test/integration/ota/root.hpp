@@ -39,6 +39,7 @@ class RobotWithUpgrades : public ::testing::Test {
   struct Version {
     std::string check = "exit 0";        // the program of the self-check, from the slot's bin
     std::string set_up = "exit 0";       // … and that of SetUp
+    std::string name_space{};            // another one
     std::string policy{};                // more of the config
     std::size_t large_bytes = 0;         // of a file that takes its time
     std::vector<std::string> options{};  // of `musher ota bundle`
@@ -47,7 +48,8 @@ class RobotWithUpgrades : public ::testing::Test {
   void Make(const std::string& version, const Version& content) const {
     const std::string built = folder_ / ("built-" + version);
     std::filesystem::create_directories(built + "/bin");
-    WriteConfig(built + "/robot.toml", content.policy);
+    WriteConfig(built + "/robot.toml",
+                content.name_space.empty() ? name_space_ : content.name_space, content.policy);
     std::ofstream(built + "/legs.toml")
         << "[state.SetUp]\nrun = [\"set-up\"]\n[state.SelfCheck]\nrun = [\"self-check\"]\n"
            "[state.OTA]\nrun = [\"true\"]\n";
@@ -110,12 +112,13 @@ class RobotWithUpgrades : public ::testing::Test {
     std::filesystem::permissions(file, std::filesystem::perms(0755));
   }
 
-  void WriteConfig(const std::string& path, const std::string& policy) const {
+  static void WriteConfig(const std::string& path, const std::string& name_space,
+                          const std::string& policy) {
     const std::string states = R"(["SetUp", "TearDown", "SelfCheck", "Active", "LowPower", "OTA"])";
     std::ofstream file(path);
     file << "[controller]\nname = \"dog\"\nactuators = [\"legs\", \"voice\"]\nstates = " << states
-         << "\ndefault_time = 2000\ndefault_state = \"Uninitialized\"\nnamespace = \""
-         << name_space_ << "\"\nstate_dir = \"state\"\n";
+         << "\ndefault_time = 2000\ndefault_state = \"Uninitialized\"\nnamespace = \"" << name_space
+         << "\"\nstate_dir = \"state\"\n";
     for (const char* actuator : {"legs", "voice"}) {
       file << "[actuator." << actuator << "]\nstates = " << states
            << "\ntimes = [10000, 5000, 5000, 5000, 5000, 5000]\ncommand = [\"musher-exec\", "
