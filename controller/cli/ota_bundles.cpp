@@ -72,18 +72,16 @@ std::optional<ota::Manifest> ManifestFor(const OtaBundleOptions& options, Consol
   return manifest;
 }
 
-// Runs `work` with a progress of `step`.
+// Runs `work`, and shows on a terminal that it gets on.
 template <class T>
 Result<T> Show(Console& console, const std::string& step,
                const std::function<Result<T>(const ota::OnBytes&)>& work) {
   OtaProgress progress(console);
   progress.Begin(step);
-  auto result = work([&](std::uint64_t bytes) {
+  return work([&](std::uint64_t bytes) {
     progress.Add(bytes);
     return true;
   });
-  if (result) progress.End();
-  return result;
 }
 
 ExitCode DoneWith(Console& console, const ota::Manifest& manifest, const std::string& where,

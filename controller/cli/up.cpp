@@ -66,8 +66,8 @@ struct Again {
   std::vector<std::string> words;
   std::vector<std::string> environment;  // as it was before this process changed it
 
-  Again(const UpOptions& options, int progress, pid_t front)
-      : words{"musher", "up", options.file, "--resume",
+  Again(const std::string& root, int progress, pid_t front)
+      : words{"musher", "up", root, "--resume",
               std::to_string(progress) + "," + std::to_string(front)} {
     for (char** variable = environ; *variable != nullptr; ++variable) {
       environment.emplace_back(*variable);
@@ -139,7 +139,7 @@ namespace {
   fcntl(progress.get(), F_SETFD, FD_CLOEXEC);  // the one that was handed on is not
   // Kept for the program that comes after this one; those that the machine is made of get none.
   const transport::UniqueFd kept(fcntl(progress.get(), F_DUPFD_CLOEXEC, 0));
-  Again again(options, kept.get(), front);
+  Again again(target.run ? target.run->root : "", kept.get(), front);
   {
     ControllerProcess process(target.config, target.run, std::move(progress), front,
                               options.takeover);

@@ -60,7 +60,8 @@ class Disk {
   virtual Result<> Rename(const std::string& from, const std::string& to) = 0;
   virtual Result<> Remove(const std::string& path) = 0;  // a file, a link, an empty folder
 
-  // Fails with kCodeTargetBusy when somebody else has it, unless it is to `wait` for that.
+  // Fails with kCodeTargetBusy when somebody else has it; with `wait` only when that one keeps it
+  // for longer than anybody here does, 10 s.
   virtual Result<std::unique_ptr<Lock>> Take(const std::string& path, bool wait) = 0;
 };
 

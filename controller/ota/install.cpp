@@ -72,11 +72,11 @@ Result<> JudgeVersion(const Manifest& manifest, const Version& present,
                       const InstallOptions& options) {
   const auto order = Compare(manifest.version, present);
   const std::string both = "version " + manifest.version.text + ", the robot has " + present.text;
-  if (order == 0) return Refusal(Fault::kNotNewer, "it is the same version: " + both);
-  if (order < 0 && !options.allow_downgrade) {
+  if (std::is_eq(order)) return Refusal(Fault::kNotNewer, "it is the same version: " + both);
+  if (std::is_lt(order) && !options.allow_downgrade) {
     return Refusal(Fault::kNotNewer, "it is older: " + both + "; --allow-downgrade takes it");
   }
-  if (manifest.min_version && Compare(present, *manifest.min_version) < 0) {
+  if (manifest.min_version && std::is_lt(Compare(present, *manifest.min_version))) {
     return Refusal(Fault::kTooFar, "it can only follow version " + manifest.min_version->text +
                                        " or newer, the robot has " + present.text);
   }

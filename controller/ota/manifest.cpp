@@ -15,10 +15,8 @@ namespace musher::ota {
 namespace {
 
 using config_toml::Findings;
-using config_toml::Position;
 using config_toml::Table;
 using config_toml::TableReader;
-using config_toml::Word;
 
 constexpr std::size_t kMostFiles = 20'000;
 constexpr std::size_t kLongestPath = 1024;  // characters

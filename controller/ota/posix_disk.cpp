@@ -1,6 +1,7 @@
 #include "musher/controller/ota/posix_disk.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -22,6 +23,10 @@ namespace {
 
 using transport::SystemError;
 using transport::UniqueFd;
+
+// For whoever holds a lock and is stopped: a robot's start must not wait for that for ever.
+constexpr int kTries = 500;
+constexpr int kTryEveryMs = 20;
 
 // A full disk has a code of its own.
 Error DiskError(const std::string& what) {
@@ -186,11 +191,12 @@ Result<std::unique_ptr<Disk::Lock>> PosixDisk::Take(const std::string& path, boo
   UniqueFd fd(open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0644));
   if (!fd.valid()) return DiskError("can't open " + path);
   struct flock whole = Whole(F_WRLCK);
-  int taken = 0;
-  do {
-    taken = fcntl(fd.get(), wait ? F_OFD_SETLKW : F_OFD_SETLK, &whole);
-  } while (taken != 0 && errno == EINTR);
-  if (taken != 0 && (errno == EAGAIN || errno == EACCES)) {
+  int taken = fcntl(fd.get(), F_OFD_SETLK, &whole);
+  for (int tries = wait ? kTries : 0; taken != 0 && errno == EAGAIN && tries > 0; --tries) {
+    poll(nullptr, 0, kTryEveryMs);
+    taken = fcntl(fd.get(), F_OFD_SETLK, &whole);
+  }
+  if (taken != 0 && errno == EAGAIN) {
     return Error{kCodeTargetBusy,
                  path + " is held by process " + std::to_string(ReadPid(fd.get()))};
   }

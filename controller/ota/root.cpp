@@ -137,7 +137,8 @@ Result<> Root::Change(const std::function<Result<SlotState>(const SlotState&)>& 
 }
 
 Result<Boot> Root::Boot() const {
-  const auto lock = LockState();  // where there is none, the disk is read-only: nobody changes it
+  // Where it cannot be had the disk is read-only, or who has it does not move: a start goes on.
+  const auto lock = LockState();
   const auto look = [this](Slot slot) { return Look(slot); };
   const auto state = LoadState();
   auto boot = DecideBoot(state, CurrentSlot(), look);
@@ -162,7 +163,7 @@ Result<Boot> Root::Boot() const {
 }
 
 Result<> Root::EndTrial(const std::string& version, const Result<>& outcome) const {
-  const auto changed = Change([&](const SlotState& state) -> Result<SlotState> {
+  auto changed = Change([&](const SlotState& state) -> Result<SlotState> {
     if (!state.on_trial) return Error{kCodeStateInvalid, "no version is on trial"};
     return AfterTrial(state, version, outcome);
   });

@@ -53,7 +53,7 @@ Result<Boot> DecideWithoutState(std::optional<Slot> link, const LookIntoSlot& lo
     return Refusal(Fault::kNoVersion, "no version can be started. Slot a: " + a.error().message +
                                           ". Slot b: " + b.error().message);
   }
-  const bool a_is_older = a && b && Compare(a.value(), b.value()) <= 0;
+  const bool a_is_older = a && b && std::is_lteq(Compare(a.value(), b.value()));
   Slot start = a_is_older || !b ? Slot::kA : Slot::kB;
   if (a && b && link) start = *link;
   const SlotContent& content = start == Slot::kA ? a : b;

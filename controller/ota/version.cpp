@@ -47,22 +47,22 @@ std::strong_ordering CompareIdentifiers(const std::string& a, const std::string&
     return IsNumber(a) ? std::strong_ordering::less : std::strong_ordering::greater;
   }
   if (IsNumber(a) && a.size() != b.size()) return a.size() <=> b.size();
-  return a.compare(b) <=> 0;
+  return a <=> b;
 }
 
 }  // namespace
 
 std::strong_ordering Compare(const Version& a, const Version& b) {
-  if (const auto order = a.major <=> b.major; order != 0) return order;
-  if (const auto order = a.minor <=> b.minor; order != 0) return order;
-  if (const auto order = a.patch <=> b.patch; order != 0) return order;
+  if (const auto order = a.major <=> b.major; std::is_neq(order)) return order;
+  if (const auto order = a.minor <=> b.minor; std::is_neq(order)) return order;
+  if (const auto order = a.patch <=> b.patch; std::is_neq(order)) return order;
   if (a.pre_release.empty() || b.pre_release.empty()) {
     return b.pre_release.size() <=> a.pre_release.size();  // without one is newer
   }
   const std::size_t common = std::min(a.pre_release.size(), b.pre_release.size());
   for (std::size_t i = 0; i < common; ++i) {
     const auto order = CompareIdentifiers(a.pre_release[i], b.pre_release[i]);
-    if (order != 0) return order;
+    if (std::is_neq(order)) return order;
   }
   return a.pre_release.size() <=> b.pre_release.size();
 }

@@ -20,15 +20,15 @@ int ChannelsOf(const std::string& encoding) {
 
 // OpenCV's number for a change of encoding; none: there is none.
 std::optional<int> Conversion(const std::string& from, const std::string& to) {
-  static const std::map<std::pair<std::string, std::string>, int> kConversions = {
+  static const std::map<std::pair<std::string, std::string>, int> conversions = {
       {{"bgr8", "rgb8"}, cv::COLOR_BGR2RGB},     {{"bgr8", "mono8"}, cv::COLOR_BGR2GRAY},
       {{"rgb8", "bgr8"}, cv::COLOR_RGB2BGR},     {{"rgb8", "mono8"}, cv::COLOR_RGB2GRAY},
       {{"mono8", "bgr8"}, cv::COLOR_GRAY2BGR},   {{"mono8", "rgb8"}, cv::COLOR_GRAY2RGB},
       {{"bgra8", "bgr8"}, cv::COLOR_BGRA2BGR},   {{"bgra8", "rgb8"}, cv::COLOR_BGRA2RGB},
       {{"bgra8", "mono8"}, cv::COLOR_BGRA2GRAY}, {{"rgba8", "rgb8"}, cv::COLOR_RGBA2RGB},
       {{"rgba8", "bgr8"}, cv::COLOR_RGBA2BGR},   {{"rgba8", "mono8"}, cv::COLOR_RGBA2GRAY}};
-  const auto found = kConversions.find({from, to});
-  if (found == kConversions.end()) return std::nullopt;
+  const auto found = conversions.find({from, to});
+  if (found == conversions.end()) return std::nullopt;
   return found->second;
 }
 

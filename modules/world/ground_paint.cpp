@@ -19,7 +19,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kMostTexels = 8e6;
-constexpr double kFinestPerM = 400;
 constexpr int kFractionBits = 4;
 constexpr double kSoftEdgeM = 0.04;  // of shadows
 
@@ -53,7 +52,7 @@ class GroundPainter {
  public:
   explicit GroundPainter(const Scene& scene) : scene_(scene) {
     const Vector2d size = scene.most_m - scene.least_m;
-    per_m_ = std::min(kFinestPerM, std::sqrt(kMostTexels / size.prod()));
+    per_m_ = std::min(scene.ground.finest_per_m, std::sqrt(kMostTexels / size.prod()));
     const auto pixels = [&](double length_m) {
       return std::max(1, static_cast<int>(std::ceil(length_m * per_m_)));
     };
@@ -132,13 +131,16 @@ class GroundPainter {
       cv::resize(coarse, full, image_.size(), 0, 0, cv::INTER_CUBIC);
       share += full;
     }
-    for (int y = 0; y < image_.rows; ++y) {
-      for (int x = 0; x < image_.cols; ++x) {
-        const double here = std::clamp(0.5 + share.at<float>(y, x), 0.0, 1.0);
-        const Color mixed = Mix(scene_.ground.color, scene_.ground.other_color, here);
-        image_.at<cv::Vec3b>(y, x) = {mixed.blue, mixed.green, mixed.red};
-      }
+    // From one colour to the other in steps that a table holds.
+    cv::Mat steps;
+    share.convertTo(steps, CV_8U, 255, 127.5);
+    cv::Mat mixed(1, 256, CV_8UC3);
+    for (int i = 0; i < 256; ++i) {
+      const Color color = Mix(scene_.ground.color, scene_.ground.other_color, i / 255.0);
+      mixed.at<cv::Vec3b>(i) = {color.blue, color.green, color.red};
     }
+    cv::cvtColor(steps, image_, cv::COLOR_GRAY2BGR);
+    cv::LUT(image_, mixed, image_);
   }
 
   Result<> LayPicture() {
@@ -225,13 +227,12 @@ class GroundPainter {
     per_m_ = per_m;
     cv::Mat full;
     cv::resize(mask, full, mask.size() * kCoarser, 0, 0, cv::INTER_LINEAR);
+    // What is left of the light, in 255ths.
     const double missing = 1 - LightInShadow(scene_.light);
-    for (int y = 0; y < image_.rows; ++y) {
-      for (int x = 0; x < image_.cols; ++x) {
-        const int shade = full.at<std::uint8_t>(y, x);
-        if (shade > 0) image_.at<cv::Vec3b>(y, x) *= 1 - missing * shade / 255;
-      }
-    }
+    full.convertTo(full, CV_8U, -missing, 255);
+    cv::Mat left;
+    cv::cvtColor(full(cv::Rect({0, 0}, image_.size())), left, cv::COLOR_GRAY2BGR);
+    cv::multiply(image_, left, image_, 1 / 255.0);
   }
 
   // What stands from `bottom_m` on: its outline there, its outline above, and all between.

@@ -13,12 +13,12 @@ namespace musher::world {
 
 Texture TextureOf(const cv::Mat& image) {
   assert(image.type() == CV_8UC3);
-  std::vector<Texel> texels;
-  texels.reserve(image.total());
+  std::vector<Texel> texels(image.total());
   for (int y = 0; y < image.rows; ++y) {
-    const auto* row = image.ptr<cv::Vec3b>(y);
-    for (int x = 0; x < image.cols; ++x) {
-      texels.push_back(Texel{row[x][0]} | Texel{row[x][1]} << 8 | Texel{row[x][2]} << 16);
+    const std::uint8_t* bgr = image.ptr(y);
+    Texel* row = &texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.cols)];
+    for (int x = 0; x < image.cols; ++x, bgr += 3) {
+      row[x] = Texel{bgr[0]} | Texel{bgr[1]} << 8 | Texel{bgr[2]} << 16;
     }
   }
   return {image.cols, image.rows, std::move(texels)};

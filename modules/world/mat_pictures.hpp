@@ -1,11 +1,14 @@
 #pragma once
 // What becomes of OpenCV's pictures, for the files that know OpenCV.
 
-#include <opencv2/core/mat.hpp>
 #include <string>
 
 #include "musher/lifecycle/result.hpp"
 #include "musher/modules/world/texture.hpp"
+
+namespace cv {
+class Mat;
+}
 
 namespace musher::world {
 

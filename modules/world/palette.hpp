@@ -14,7 +14,7 @@ inline constexpr Color kGrid{228, 226, 219};
 inline constexpr Color kInk{38, 42, 48};
 inline constexpr Color kGreyInk{112, 117, 124};
 inline constexpr Color kObstacle{196, 188, 174};
-inline constexpr Color kObstacleEdge{128, 120, 106};
+inline constexpr Color kBoard{60, 72, 100};
 inline constexpr Color kPad{205, 233, 212};
 inline constexpr Color kPadEdge{58, 148, 92};
 inline constexpr Color kBumpRed{206, 42, 42};

@@ -93,6 +93,7 @@ struct Ground {
   Texture texture = Texture::kPlain;
   Color color{150, 152, 140};
   Color other_color{128, 130, 120};  // the other squares of a checker, the blades of grass
+  double finest_per_m = 320;         // texels in a metre, if the place is not too large for it
   double tile_m = 1;                 // a square of a checker, a picture that is laid side by side
   std::string file;                  // of a picture, absolute
   bool once = false;  // the picture is laid out once, from least_m to most_m, else side by side

@@ -34,6 +34,7 @@ void ReadGround(TableReader& reader, const std::string& folder, Findings& findin
   Set(ground.color, keys::ReadColor(reader, "color", findings));
   Set(ground.other_color, keys::ReadColor(reader, "other_color", findings));
   Set(ground.tile_m, keys::Length(reader, "tile_m"));
+  Set(ground.finest_per_m, reader.Number("texels_per_m", 1, 2000));
   const bool picture = ground.texture == Texture::kPicture;
   if (picture) reader.Require("file", "a picture, relative to the scene");
   Set(ground.file, keys::PictureFile(reader, "file", folder));

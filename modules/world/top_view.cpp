@@ -20,6 +20,7 @@ using Eigen::Vector2d;
 constexpr double kLetters = 12;
 constexpr double kTiny = 11;
 constexpr double kWayWidth = 3.5;
+constexpr double kOverhead = 1;  // metres
 
 std::vector<Vector2d> Corners(const Vector2d& center, const Vector2d& half, double yaw_rad) {
   const Rotation2Dd turn(yaw_rad);
@@ -46,17 +47,24 @@ class TopView {
   void Draw() {
     Ground();
     for (const Pad& pad : scene_.pads) DrawPad(pad);
+    for (const Line& line : scene_.lines) {
+      canvas_.Polyline(At(line.points_m), line.color, std::max(line.width_m * scale_, 1.0));
+    }
     for (const Box& box : scene_.boxes) {
       const std::vector<Pixel> corners = At(Corners(box.center_m, box.half_m, box.yaw_rad));
-      canvas_.Fill(corners, kObstacle);
-      canvas_.Outline(corners, kObstacleEdge, 1.2);
-      Label(box.name, box.center_m, 2 * box.half_m.minCoeff());
+      canvas_.Fill(corners, box.color);
+      canvas_.Outline(corners, EdgeOf(box.color), 1.2);
+      Label(box.name, box.center_m, 2 * box.half_m.minCoeff(), InkOn(box.color));
     }
     for (const Circle& circle : scene_.circles) {
-      canvas_.Disc(At(circle.center_m), circle.radius_m * scale_, kObstacle);
-      canvas_.Ring(At(circle.center_m), circle.radius_m * scale_, kObstacleEdge, 1.2);
-      Label(circle.name, circle.center_m, 2 * circle.radius_m);
+      DrawDisc(circle.center_m, circle.radius_m, circle.color);
+      Label(circle.name, circle.center_m, 2 * circle.radius_m, InkOn(circle.color));
     }
+    for (const Ball& ball : scene_.balls) {
+      if (ball.center_m.z() - ball.radius_m > kOverhead) continue;  // it would hide what is below
+      DrawDisc(ball.center_m.head<2>(), ball.radius_m, ball.color);
+    }
+    for (const Board& board : scene_.boards) DrawBoard(board);
     Way();
     for (const Bump& bump : world_.track().bumps()) Cross(At(bump.where_m), 5);
     if (scene_.picture.scan && scene_.sensors.lidar.enabled) Scan();
@@ -103,9 +111,25 @@ class TopView {
     return text;
   }
 
-  void Label(const std::string& name, const Vector2d& center_m, double narrow_m) {
+  void Label(const std::string& name, const Vector2d& center_m, double narrow_m, const Color& ink) {
     if (name.empty() || narrow_m * scale_ < kTiny + 4) return;
-    canvas_.Text(name, At(center_m) + Pixel(0, 4), kTiny, kInk, Align::kCenter);
+    canvas_.Text(name, At(center_m) + Pixel(0, 4), kTiny, ink, Align::kCenter);
+  }
+
+  static Color EdgeOf(const Color& color) { return Mix(color, kInk, 0.4); }
+
+  void DrawDisc(const Vector2d& center_m, double radius_m, const Color& color) {
+    canvas_.Disc(At(center_m), radius_m * scale_, color);
+    canvas_.Ring(At(center_m), radius_m * scale_, EdgeOf(color), 1.2);
+  }
+
+  // A stroke, with a short one in the direction it is read from.
+  void DrawBoard(const Board& board) {
+    const Rotation2Dd turn(board.yaw_rad);
+    const Vector2d along = turn * Vector2d(0, board.width_m / 2);
+    canvas_.Line(At(board.center_m - along), At(board.center_m + along), kBoard, 2.5);
+    const Vector2d front = turn * Vector2d(1, 0) * (5 / scale_);
+    canvas_.Line(At(board.center_m), At(board.center_m + front), kBoard, 1.5);
   }
 
   void DrawPad(const Pad& pad) {
@@ -262,6 +286,11 @@ void DrawLegend(const World& world, const Pixel& corner, Canvas& canvas) {
   if (!world.scene().boxes.empty() || !world.scene().circles.empty()) {
     swatch(kObstacle);
     row("obstacle");
+  }
+  if (!world.scene().boards.empty()) {
+    canvas.Line(at + Pixel(2, -4), at + Pixel(24, -4), kBoard, 2.5);
+    canvas.Line(at + Pixel(13, -4), at + Pixel(13, 1), kBoard, 1.5);
+    row("board, its front");
   }
   if (!world.scene().pads.empty()) {
     swatch(kPad);

@@ -72,6 +72,15 @@ TEST_F(Service, TellsTheStateInWordsWheneverTheyChange) {
   EXPECT_THAT(socket_->Take(), ElementsAre("STATUS=LowPower, 2 actuators"));
 }
 
+TEST_F(Service, DoesNotStopWhenTheMachineIsTakenDownToStartAgain) {
+  Listen();
+  ServiceManager manager(loop_, config_);
+  manager.StartsAgain();
+  machine_.phase = Phase::kStopping;
+  manager.Follow(machine_);
+  EXPECT_THAT(socket_->Take(), ElementsAre("STATUS=stopping, Active, 2 actuators"));
+}
+
 TEST_F(Service, TellsOnceThatTheMachineIsTakenDownAndHowLongThatMayTake) {
   Listen();
   ServiceManager manager(loop_, config_);

@@ -55,6 +55,18 @@ TEST_F(Upgrade, WhoseCriticalModuleFailsItsSelfCheckGoesBackAndSaysWhy) {
   EXPECT_EQ(Versions()["last"]["kept"], false);
 }
 
+TEST_F(Upgrade, ThatIsNotKeptDoesNotEndTheFront) {
+  Make("1.1.0", {.check = "exit 9"});
+  Process up(Command({"up", root_}));
+  ASSERT_NE(up.LineWith("voice: Active done"), "");
+  EXPECT_EQ(Install("1.1.0").exit, 1);
+  EXPECT_NE(up.LineWith("version 1.1.0 in slot b is not kept"), "");
+  EXPECT_NE(up.LineWith("the machine is Active"), "");
+  up.Signal(SIGINT);
+  EXPECT_EQ(up.Wait().exit, 0);
+  EXPECT_TRUE(AwaitNoChildren());
+}
+
 TEST_F(Upgrade, WhoseCriticalModuleCrashesAtItsStartGoesBack) {
   Make("1.1.0", {.set_up = "kill -9 $PPID"});
   ASSERT_EQ(UpDetached().exit, 0);

@@ -31,6 +31,11 @@ const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck"
 const std::string kPhrases = "phrases = \"" MUSHER_SOURCE_DIR "/config/audio/phrases.toml\"\n";
 const std::string kWav = "output = \"wav\"\nfolder = \"spoken\"\n" + kPhrases;
 
+// Some eight seconds.
+constexpr const char* kLongText =
+    "One two three four five six seven eight nine ten eleven twelve thirteen. "
+    "And all of it once more, since it is a long way to go with so few words on a day like this.";
+
 using Answer = std::optional<Result<msg::AudioTextPlay::Response>>;
 using Response = msg::AudioTextPlay::Response;
 
@@ -127,7 +132,7 @@ TEST_F(AudioManagerProcess, SpeaksInEveryStateAndFallsSilentAtTearDown) {
   EXPECT_EQ(peer_.Switch("LowPower").value().verdict, ActuatorCommand::kVerdictDone);
   EXPECT_EQ(Said("One"), (Response{0, 0}));
   Answer answer;
-  Say("One two three four five six seven eight nine ten eleven twelve thirteen", answer);
+  Say(kLongText, answer);
   ASSERT_TRUE(peer_.Until([this] { return sounds_; }));
   peer_.Send("TearDown");
   EXPECT_EQ(Await(answer), (Response{1, 5022}));
@@ -148,7 +153,7 @@ TEST_F(AudioManagerProcess, SwitchesVoiceControlOffForAnUpgrade) {
 TEST_F(AudioManagerProcess, IsInterruptedByATopic) {
   Start("output = \"silent\"\n" + kPhrases);
   Answer answer;
-  Say("One two three four five six seven eight nine ten eleven twelve thirteen", answer);
+  Say(kLongText, answer);
   ASSERT_TRUE(peer_.Until([this] { return sounds_; }));
   ASSERT_TRUE(play_->Publish({"test", msg::AudioPlay::kReady}));
   EXPECT_EQ(Await(answer), (Response{1, 5021}));

@@ -15,10 +15,8 @@
 namespace musher::audio {
 namespace {
 
-using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 class StandInMaker : public SoundMaker {
  public:

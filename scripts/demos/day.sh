@@ -1,10 +1,12 @@
 # shellcheck shell=bash
 # shellcheck disable=SC2154,SC2034  # what scripts/demo sets, and what it uses
-# Sourced by scripts/demo: a day of a robot that walks in a simulated yard. The battery, the cable and
-# the finger on its back are told to the world; whatever follows is the robot's own doing.
+# Sourced by scripts/demo: a day in a robot's life, in a simulated yard. The battery, the cable and the
+# finger on its back are told to the world, its upgrades come from a folder; whatever follows is the
+# robot's own doing.
 
-config=$scratch/config/robot.toml
+root_of_robot=$scratch/robot  # with its versions
 journal=$XDG_STATE_HOME/musher/robot/journal.sqlite
+logs=$XDG_STATE_HOME/musher/robot/logs
 speed=4  # of the world's time
 
 # shown COMMAND...: shows the command, runs it; what it says goes to `result`, its exit code to `code`.
@@ -19,24 +21,76 @@ world() {
 motion() {
   shown musher-motion --clock topic --json "$@"
 }
+# ota COMMAND...: with the folders shown as short as they are meant.
+ota() {
+  say "\$ musher ota ${*//$scratch\//}"
+  result=$(musher ota "$@" 2>&1)
+  code=$?
+}
+# has_said TEXT: whether the robot has said it since its voice was started.
+has_said() {
+  grep -q "says \"$1" "$logs/audio.log" && echo yes
+}
+
+# The yard is no part of the robot: it goes on when that is upgraded or switched off.
+make_yard() {
+  (cd "$scratch" && MUSHER_DEMO=$scratch exec musher-world config/scenes/yard.toml --alone) \
+    > "$scratch/yard.log" 2>&1 &
+  yard=$!
+}
+
+# The robot's files: all of config/, but without the yard in the state config.
+make_versions() {
+  local files=$scratch/files
+  cp -r "$scratch/config" "$files"
+  sed -i -e 's/"world", //' -e '/^after = \["world"\]$/d' -e '/^\[actuator\.world\]$/,/^$/d' \
+    "$files/robot.toml"
+  musher ota keygen "$scratch/maker" > /dev/null &&
+    musher ota bundle "$files" --version 1.0.0 --key "$scratch/maker.key" -o "$scratch/v1.0.0" &&
+    sed -i 's/"Good day\. I am awake\."/"Good day. I am awake, and I have learnt something."/' \
+      "$files/audio/phrases.toml" &&
+    musher ota bundle "$files" --version 1.1.0 --key "$scratch/maker.key" -o "$scratch/v1.1.0" &&
+    cp -r "$scratch/v1.1.0" "$scratch/altered" &&
+    sed -i 's/awake/asleep/' "$scratch/altered/payload/audio/phrases.toml" &&
+    musher ota init "$root_of_robot" --from "$scratch/v1.0.0" --key "$scratch/maker.pub"
+}
 
 boot() {
-  act "The robot boots and stands up"
-  say "\$ musher up --detach robot.toml"
-  musher_up "$config" > "$scratch/up.log" 2>&1
+  act "The robot boots, says that it is ready, and stands up"
+  make_yard
+  make_versions > "$scratch/versions.log" 2>&1
+  expect "its first version is made: exit code" 0 $?
+  say "\$ musher up --detach robot"
+  musher_up "$root_of_robot" > "$scratch/up.log" 2>&1
   expect "exit code of up" 0 $?
   expect "the machine" Active "$(status .state)"
+  await '.actuators | all(.state == "Active")'
+  expect "those that are Active" 5 "$(status '[.actuators[] | select(.state == "Active")] | length')"
   world speed $speed
   expect "the world's time goes $speed times as fast: exit code" 0 "$code"
   motion result 111
   expect "recovery stand" "true 0" "$(answer '"\(.result) \(.code)"')"
+  expect "it has said that it is awake" yes "$(has_said "Good day")"
 }
 
 walk() {
-  act "It walks a square of two metres"
+  local process films
+  act "It walks a square of two metres and looks about; a module dies on the way"
+  say "\$ musher-camera strip image_rgb …"
+  musher-camera --clock topic strip image_rgb "$strip" --every 3 --count 8 --columns 4 > "$scratch/strip.log" 2>&1 &
+  films=$!
+  process=$(status .actuators.sensor_manager.pid)
+  say "\$ kill -KILL $process  # sensor_manager"
+  kill -KILL "$process"
   motion walk --square 2 --speed 0.6
   expect "exit code" 0 "$code"
   at_most "away from where it began" 30 "$(answer '.gap_m * 100 | round')" cm
+  await '.actuators | all(.state == "Active")'
+  expect "sensor_manager, started again" Active "$(status .actuators.sensor_manager.state)"
+  kill -TERM "$films"
+  wait "$films"
+  expect "the strip of pictures: exit code" 0 $?
+  [[ -s $strip ]] && say "what it saw is in $strip"
 }
 
 be_protected() {
@@ -64,6 +118,8 @@ rest() {
   expect "standing up is refused with" "false 3003" "$(answer '"\(.result) \(.code)"')"
   motion result 0
   expect "emergency stop is not refused" "true 0" "$(answer '"\(.result) \(.code)"')"
+  shown musher-camera shot image_rgb "$scratch/dark.png" --timeout 2
+  expect "its cameras are off: exit code of a picture" 1 "$code"
   musher_set Active
   expect "Active is refused with" "refused 113" "$(answer '"\(.outcome) \(.code)"')"
 }
@@ -109,6 +165,29 @@ keep_state() {
   expect "the machine after the keep" LowPower "$(status .state)"
 }
 
+refuse_upgrade() {
+  act "A bundle that somebody has altered: refused, and nothing changes"
+  ota install "$scratch/altered" --root "$root_of_robot"
+  expect "exit code" 1 "$code"
+  expect "why" yes "$(grep -q phrases.toml <<< "$result" && echo yes)"
+  expect "the machine" Active "$(status .state)"
+}
+
+upgrade() {
+  act "A good bundle: the robot lies down, is upgraded and checks itself"
+  motion result 111
+  expect "recovery stand" "true 0" "$(answer '"\(.result) \(.code)"')"
+  ota install "$scratch/v1.1.0" --root "$root_of_robot"
+  expect "exit code" 0 "$code"
+  expect "the machine" Active "$(status .state)"
+  expect "it was in OTA" true "$(history_of 'any(.message | test("to OTA from Active"))')"
+  ota status --root "$root_of_robot" --json
+  expect "its version" 1.1.0 "$(answer '.slots[] | select(.role == "confirmed") | .version')"
+  await '.actuators | all(.state == "Active")'
+  expect "those that are Active" 5 "$(status '[.actuators[] | select(.state == "Active")] | length')"
+  expect "it says what is new" yes "$(has_said "Good day. I am awake, and I have learnt")"
+}
+
 power_off() {
   act "Power-off: TearDown, and everything ends"
   world draw
@@ -116,6 +195,7 @@ power_off() {
   [[ -s $result ]] && cp "$result" "$picture" && say "the picture is in $picture"
   shown musher poweroff
   expect "exit code" 0 "$code"
+  kill "$yard"
   await_end
   expect "the last thing on record" "power-off; no command is configured" \
     "$(history_of '.[-1].message')"
@@ -131,8 +211,10 @@ ${bold}The robot stays up.${plain} To play with it, from another terminal too:
   musher capabilities
   musher-world tell battery 60
   musher-motion result 111 && musher-motion walk --square 1
+  musher-audio say "Good morning"
+  musher-camera shot image_rgb seen.png
   musher-world tell draw
-  musher down && rm -r $scratch
+  musher down && kill $yard && rm -r $scratch
 END
 }
 
@@ -144,6 +226,8 @@ play() {
     rest
     charge
     lie_still
+    refuse_upgrade
+    upgrade
     keep_state
   fi
   [[ $keep == yes ]] || power_off

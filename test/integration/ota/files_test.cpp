@@ -1,0 +1,121 @@
+// musher ota keygen, bundle, init, verify: what a person types wrong, and what comes of it.
+
+#include "musher/test/integration/ota/root.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class OtaFiles : public RobotWithUpgrades {
+ protected:
+  void ExpectRefused(std::vector<std::string> words, int exit, const std::string& message) const {
+    words.insert(words.begin(), "ota");
+    const Ended ended = Musher(words);
+    EXPECT_EQ(ended.exit, exit);
+    EXPECT_THAT(ended.err, HasSubstr(message));
+    words.push_back("--json");
+    EXPECT_THAT(std::string(Json(Musher(words).out)["error"]), HasSubstr(message));
+  }
+  const std::string key_ = folder_ / "key.key";
+  const std::string open_ = folder_ / "key.pub";
+  const std::string built_ = folder_ / "built-1.0.0";
+};
+
+TEST_F(OtaFiles, KeysAreNotReplacedAndNotShown) {
+  namespace fs = std::filesystem;
+  EXPECT_EQ(fs::status(key_).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  ExpectRefused({"keygen", folder_ / "key"}, 2, "key.key is there already");
+}
+
+TEST_F(OtaFiles, AKeyThatOthersCanReadDoesNotSign) {
+  std::filesystem::permissions(key_, std::filesystem::perms(0644));
+  ExpectRefused({"bundle", built_, "--version", "2.0.0", "--key", key_, "--out", folder_ / "x"}, 2,
+                "can be read by others");
+}
+
+TEST_F(OtaFiles, ABundleNeedsAVersionAndAGoodConfig) {
+  ExpectRefused({"bundle", built_, "--version", "2.0", "--key", key_, "--out", folder_ / "x"}, 2,
+                "--version '2.0' is not MAJOR.MINOR.PATCH");
+  std::ofstream(built_ + "/robot.toml") << "[controller]\n";
+  const Ended ended = Musher(
+      {"ota", "bundle", built_, "--version", "2.0.0", "--key", key_, "--out", folder_ / "x"});
+  EXPECT_EQ(ended.exit, 2);
+  EXPECT_THAT(ended.err, HasSubstr("robot.toml:1:1: error:"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "x"));
+}
+
+TEST_F(OtaFiles, ARootIsNotMadeTwice) {
+  ExpectRefused({"init", root_, "--from", Bundle("1.0.0"), "--key", open_}, 1,
+                "is a root already; `musher ota install` upgrades it");
+}
+
+TEST_F(OtaFiles, ARootIsNotMadeFromABundleOfAnotherKey) {
+  ASSERT_EQ(Musher({"ota", "keygen", folder_ / "other"}).exit, 0);
+  ExpectRefused(
+      {"init", folder_ / "new", "--from", Bundle("1.0.0"), "--key", folder_ / "other.pub"}, 1,
+      "made with another key, or altered");
+  ExpectRefused({"init", folder_ / "new", "--from", Bundle("1.0.0"), "--key", key_}, 1,
+                "not an Ed25519 public key");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "new"));
+}
+
+TEST_F(OtaFiles, VerifyReadsAllAndChangesNothing) {
+  Make("1.1.0", {});
+  const Ended good = Musher({"ota", "verify", Bundle("1.1.0"), "--json"});
+  EXPECT_EQ(good.exit, 0) << good.err;
+  EXPECT_THAT(good.out, HasSubstr(R"("version":"1.1.0")"));
+  EXPECT_EQ(Musher({"ota", "verify", Bundle("1.1.0"), "--key", open_}).exit, 0);
+  Make("1.2.0", {.options = {"--robot", "cat"}});
+  ExpectRefused({"verify", Bundle("1.2.0")}, 1, "it is for the robot cat, this one is dog");
+  std::filesystem::remove(Bundle("1.1.0") + "/manifest.sig");
+  ExpectRefused({"verify", Bundle("1.1.0")}, 1, "there is no signature");
+}
+
+TEST_F(OtaFiles, ConfigsThatAreFaultyAreFoundBeforeTheRobotLiesDown) {
+  const std::string built = folder_ / "built-1.1.0";
+  Make("1.1.0", {});
+  // A bundle of another tool: signed, whole, and of no use.
+  std::filesystem::remove_all(Bundle("1.1.0"));
+  std::ofstream(built + "/robot.toml", std::ios::app) << "[nonsense]\n";
+  std::ofstream(built + "/good.toml") << std::ifstream(built_ + "/robot.toml").rdbuf();
+  ASSERT_EQ(Musher({"ota", "bundle", built, "--version", "1.1.0", "--key", key_, "--out",
+                    Bundle("1.1.0"), "--config", "good.toml"})
+                .exit,
+            0);
+  ASSERT_EQ(UpDetached().exit, 0);
+  ExpectRefused({"install", Bundle("1.1.0")}, 1, "its state config is faulty");
+  EXPECT_EQ(Where(), "Active from a");
+}
+
+TEST_F(OtaFiles, AFolderThatIsNoRootIsTold) {
+  const Ended up = Musher({"up", folder_.path()});
+  EXPECT_EQ(up.exit, 2);
+  EXPECT_THAT(up.err, HasSubstr("is no root of upgrades"));
+  EXPECT_THAT(up.err, HasSubstr("`musher ota init` makes one"));
+}
+
+TEST_F(OtaFiles, TheRootIsThatOfTheRunningMachineWhereNoneIsGiven) {
+  unsetenv("MUSHER_OTA_ROOT");
+  ASSERT_EQ(UpDetached().exit, 0);
+  EXPECT_EQ(Versions()["root"], root_);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  const Ended status = Musher({"ota", "status"});
+  EXPECT_EQ(status.exit, 2);
+  EXPECT_THAT(status.err, HasSubstr("which root? --root FOLDER or $MUSHER_OTA_ROOT says it"));
+}
+
+TEST_F(OtaFiles, AVersionThatRottedIsLeftForTheOther) {
+  Make("1.1.0", {});
+  ASSERT_EQ(Install("1.1.0").exit, 0);
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  std::ofstream(root_ + "/slots/b/legs.toml", std::ios::app) << "#";
+  const Ended up = UpDetached();
+  EXPECT_EQ(up.exit, 0) << up.err;
+  EXPECT_EQ(Where(), "Active from a");
+  EXPECT_THAT(History(), HasSubstr("slot b is damaged"));
+}
+
+}  // namespace
+}  // namespace musher::testing
