@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "musher/lifecycle/toml/text.hpp"
@@ -50,11 +52,26 @@ Table Convert(const toml::table& table) {
   return members;
 }
 
+// On one line: toml++ shows a word as it saw it, with the end of the line.
+std::string OneLine(std::string_view text) {
+  std::string line;
+  for (const char c : text) {
+    if (c == '\n') {
+      line += "\\n";
+    } else if (c == '\r') {
+      line += "\\r";
+    } else {
+      line += c;
+    }
+  }
+  return line;
+}
+
 SyntaxFault Translate(const toml::parse_error& error) {
   constexpr std::string_view kPrefix = "Error while parsing ";
   std::string message(error.description());
   if (message.starts_with(kPrefix)) message.replace(0, kPrefix.size(), "in ");
-  return {PositionOf(error.source()), "not TOML: " + message};
+  return {PositionOf(error.source()), "not TOML: " + OneLine(message)};
 }
 
 }  // namespace

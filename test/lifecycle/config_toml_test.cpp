@@ -258,6 +258,14 @@ TEST(ReadValidConfig, TakesTheFileThatTheEnvironmentNamesWhereNoneIsGiven) {
   EXPECT_EQ(config.value().name, "valid");
 }
 
+// Found by ConfigTomlProperty: the parser shows a broken word with the end of its line.
+TEST(ConfigToml, TellsABrokenWordOnOneLine) {
+  const ConfigReading reading = ReadConfigText("[policy]\nmanager = t\r\n", "robot.toml");
+  ASSERT_EQ(reading.diagnostics.size(), 1U);
+  EXPECT_EQ(reading.diagnostics.front().message.find_first_of("\r\n"), std::string::npos)
+      << reading.diagnostics.front().message;
+}
+
 TEST(ReadValidConfig, IsAnErrorWhereNoFileIsNamedAtAll) {
   const ScopedEnvironment environment("MUSHER_CONFIG", nullptr);
   EXPECT_EQ(ReadValidConfig("").error().code, kCodeParametersInvalid);
