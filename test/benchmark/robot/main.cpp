@@ -72,16 +72,29 @@ void Idle(Robot& robot, const State& state, int seconds, const Table& table) {
     }
     return all;
   };
+  const auto each = [&] {
+    std::vector<Cost> costs;
+    for (const auto& actuator : robot.Now().machine->actuators) {
+      costs.push_back(CostOf(actuator.pid));
+    }
+    return costs;
+  };
   const Cost before = sum();
+  const std::vector<Cost> each_before = each();
   const Time begun = std::chrono::steady_clock::now();
   const Time ended = robot.AwaitUntil(begun + std::chrono::seconds(seconds));
   const Cost after = sum();
   table.Row("the whole robot in " + state + ": CPU",
             {100 * Seconds(after.cpu - before.cpu) / Seconds(ended - begun)}, "% of a core");
   table.Row("the whole robot in " + state + ": memory (PSS)", {after.proportional_mb}, "MB");
+  const std::vector<Cost> each_after = each();
   const Robot::Heard heard = robot.Now();
-  for (const auto& actuator : heard.machine->actuators) {
-    table.Row("  " + actuator.name + ": RSS", {CostOf(actuator.pid).resident_mb}, "MB");
+  for (std::size_t i = 0; i < each_after.size(); ++i) {
+    const std::string& name = heard.machine->actuators[i].name;
+    table.Row("  " + name + ": CPU",
+              {100 * Seconds(each_after[i].cpu - each_before[i].cpu) / Seconds(ended - begun)},
+              "% of a core");
+    table.Row("  " + name + ": RSS", {each_after[i].resident_mb}, "MB");
   }
 }
 

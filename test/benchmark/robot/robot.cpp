@@ -1,5 +1,6 @@
 #include "musher/test/benchmark/robot/robot.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <future>
@@ -13,11 +14,15 @@ namespace {
 constexpr Duration kPatience = std::chrono::seconds(120);
 constexpr double kMoving_m_s = 0.02;
 
-bool robot_is_up = false;  // there is one in a benchmark
+// Of the one robot that is up in a benchmark; empty: there is none.
+std::filesystem::path folder_of_robot;
 
 void TakeDown() {
-  if (!std::exchange(robot_is_up, false)) return;
+  const std::filesystem::path folder = std::exchange(folder_of_robot, {});
+  if (folder.empty()) return;
   Child({Program("musher"), "down"}, {}, Child::Output::kNowhere).Wait();
+  std::error_code none;
+  std::filesystem::remove_all(folder, none);
 }
 
 template <class T>
@@ -41,12 +46,14 @@ Robot::Robot(const std::filesystem::path& configs) {
       1);
   node_ = Must(transport::NodeThread::Start());
   node_->RunOnLoop([this] { Listen(); });
-  robot_is_up = true;
+  folder_of_robot = folder_;
   std::atexit(TakeDown);  // Fail() ends the process without destructors
   Run({"up", "--detach", config_});
   Run({"low-power", "off"});  // at a hundred times the speed half a minute is soon over
-  Await("the machine in Active", [](const Heard& heard) {
-    return heard.machine && heard.machine->state == kActive && heard.body && heard.clock;
+  Await("the machine and all its actuators in Active", [](const Heard& heard) {
+    return heard.machine && heard.machine->state == kActive && heard.body && heard.clock &&
+           std::all_of(heard.machine->actuators.begin(), heard.machine->actuators.end(),
+                       [](const auto& actuator) { return actuator.state == kActive; });
   });
   Await("the hand to reach the robot", [this](const Heard&) {
     return servo_->MatchedReaders() > 0 && battery_->MatchedReaders() > 0 &&
@@ -64,8 +71,6 @@ Robot::~Robot() {
     servo_.reset();
   });
   node_.reset();
-  std::error_code none;
-  std::filesystem::remove_all(folder_, none);
 }
 
 void Robot::Listen() {
