@@ -103,15 +103,15 @@ class GroundPainter {
 
   void LayChecker() {
     const double tile = scene_.ground.tile_m;
-    const Vector2d first = (scene_.least_m / tile).array().floor();
-    const Vector2d last = (scene_.most_m / tile).array().ceil();
-    if ((last - first).prod() > kMostTexels) return;  // finer than can be painted
-    for (double y = first.y(); y < last.y(); ++y) {
-      for (double x = first.x(); x < last.x(); ++x) {
-        if (std::fmod(std::abs(x + y), 2) < 0.5) continue;
-        const Vector2d corner = Vector2d(x, y) * tile;
-        Fill(CornersOf(corner + Vector2d::Constant(tile / 2), Vector2d::Constant(tile / 2), 0),
-             scene_.ground.other_color);
+    const Eigen::Array2i first = (scene_.least_m / tile).array().floor().cast<int>();
+    const Eigen::Array2i last = (scene_.most_m / tile).array().ceil().cast<int>();
+    const Eigen::Array2d tiles = (last - first).cast<double>();
+    if (tiles.prod() > kMostTexels) return;  // finer than can be painted
+    for (int y = first.y(); y < last.y(); ++y) {
+      for (int x = first.x(); x < last.x(); ++x) {
+        if ((x + y) % 2 == 0) continue;
+        const Vector2d middle = Vector2d(x + 0.5, y + 0.5) * tile;
+        Fill(CornersOf(middle, Vector2d::Constant(tile / 2), 0), scene_.ground.other_color);
       }
     }
   }

@@ -23,10 +23,11 @@ constexpr float kDither[4][4] = {{0.03F, 0.53F, 0.16F, 0.66F},
 constexpr std::size_t kEdgesAtOnce = kBundle / 4;
 constexpr std::uint16_t kDark = 0;  // a surface where the lens shows nothing
 
-// From 0 to 255.
+// From 0 to 255, to the nearest.
 std::int32_t Level(float light) {
-  const float most = light < 255 ? light : 255;
-  return static_cast<std::int32_t>((most > 0 ? most : 0) + 0.5F);
+  const float raised = light + 0.5F;
+  const float most = raised < 255 ? raised : 255;
+  return static_cast<std::int32_t>(most > 0 ? most : 0);
 }
 
 // One picture while it is drawn.

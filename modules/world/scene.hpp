@@ -196,7 +196,7 @@ struct Carry {
 struct Speed {
   double factor = 1;
 };
-struct Event {
+struct SceneEvent {
   Duration at{};
   std::variant<ChargeTo, Cable, Touch, FaultOn, Carry, Speed> what;
 };
@@ -225,8 +225,8 @@ struct Scene {
   std::vector<Line> lines;
   std::vector<Pad> pads;
   std::vector<MotionTime> motion_times;
-  std::vector<Event> events;    // by time
-  double fence_height_m = 0.6;  // around the place; 0: there is none to be seen
+  std::vector<SceneEvent> events;  // by time
+  double fence_height_m = 0.6;     // around the place; 0: there is none to be seen
   Color fence_color{176, 138, 96};
   Ground ground;
   Lighting light;

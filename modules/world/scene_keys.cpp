@@ -60,7 +60,7 @@ std::optional<double> Angle(TableReader& reader, std::string_view key, double le
 std::optional<Vector2d> Pair(TableReader& reader, std::string_view key) {
   const Value* value = reader.Get(key);
   if (value == nullptr) return std::nullopt;
-  const auto pair = PairOf(*value);
+  auto pair = PairOf(*value);
   if (!pair) {
     reader.Fault(value->at, key, "expected two numbers from -1000 to 1000, as in [1.5, -2.0]");
   }
@@ -86,7 +86,7 @@ std::optional<std::vector<Vector2d>> Points(TableReader& reader, std::string_vie
 }
 
 std::optional<Vector2d> Range(TableReader& reader, std::string_view key, double gap) {
-  const auto range = Pair(reader, key);
+  auto range = Pair(reader, key);
   if (!range) return std::nullopt;
   if (range->y() - range->x() >= gap) return range;
   reader.Fault(reader.At(key), key,

@@ -67,7 +67,7 @@ class Reader {
     root.RefuseOthers();
     if (!findings_.HasErrors()) CheckPoses();
     std::stable_sort(scene_.events.begin(), scene_.events.end(),
-                     [](const Event& a, const Event& b) { return a.at < b.at; });
+                     [](const SceneEvent& a, const SceneEvent& b) { return a.at < b.at; });
     return std::move(scene_);
   }
 
@@ -158,7 +158,7 @@ class Reader {
   void ReadEvent(TableReader& reader) {
     reader.Require("at_s", "when it happens, in seconds of world time");
     const double at_s = reader.Number("at_s", 0, kLongestS).value_or(0);
-    Event event;
+    SceneEvent event;
     event.at = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(at_s));
     int found = 0;
     const auto take = [&](auto what) {

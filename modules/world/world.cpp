@@ -104,7 +104,7 @@ bool World::on_pad() const {
   return IsOnPad(*scene_, body_.pose().position_m);
 }
 
-void World::Happen(const Event& event, Happenings& happenings) {
+void World::Happen(const SceneEvent& event, Happenings& happenings) {
   const auto objection = std::visit(
       [&](const auto& what) -> std::optional<std::string> {
         using What = std::decay_t<decltype(what)>;

@@ -58,7 +58,7 @@ class World {
   bool IsSilent(const std::string& sensor) const { return silent_.contains(sensor); }
 
  private:
-  void Happen(const Event& event, Happenings& happenings);
+  void Happen(const SceneEvent& event, Happenings& happenings);
   void Record();
 
   std::shared_ptr<const Scene> scene_;  // never changed
