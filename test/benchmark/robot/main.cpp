@@ -74,7 +74,8 @@ void Idle(Robot& robot, const State& state, int seconds, const Table& table) {
   };
   const auto each = [&] {
     std::vector<Cost> costs;
-    for (const auto& actuator : robot.Now().machine->actuators) {
+    const Robot::Heard heard = robot.Now();
+    for (const auto& actuator : heard.machine->actuators) {
       costs.push_back(CostOf(actuator.pid));
     }
     return costs;
