@@ -14,18 +14,16 @@
 namespace musher::cli {
 namespace {
 
-const std::vector<std::string> kCommands = {"check",      "up",      "down",    "status",
-                                            "set",        "plan",    "history", "graph",
-                                            "completion", "restart", "estop",   "keys",
-                                            "ota"};
+const std::vector<std::string> kCommands = {"check", "up",      "down",  "status",     "set",
+                                            "plan",  "history", "graph", "completion", "restart",
+                                            "estop", "keys",    "ota"};
 
 // Every long option that the help of the program and of its commands tells.
 std::set<std::string> AllOptions() {
   std::string help = RunProgram({"--help"}).out;
   for (const std::string& command : kCommands) help += RunProgram({command, "--help"}).out;
   for (const char* one : {"init", "add"}) help += RunProgram({"keys", one, "--help"}).out;
-  for (const char* one :
-       {"keygen", "bundle", "init", "verify", "install", "status", "rollback"}) {
+  for (const char* one : {"keygen", "bundle", "init", "verify", "install", "status", "rollback"}) {
     help += RunProgram({"ota", one, "--help"}).out;
   }
   const std::regex at_begin("(^|\\n)  (-[a-z],)?(--[a-z-]+)");

@@ -192,11 +192,11 @@ TEST_F(MusherWorld, ShowsWhatItsCamerasSeeToThoseWhoWatch) {
                           [&](const msg::Image& image, const auto&) { seen.push_back(image); },
                           transport::kSensorDataQos)
                           .value();
-  const auto infos = transport::MakeSubscription<msg::CameraInfo>(
-                         *node_, "dog1/world/camera/right/info",
-                         [&](const msg::CameraInfo& heard, const auto&) { info = heard; },
-                         transport::kLatchedQos)
-                         .value();
+  const auto infos =
+      transport::MakeSubscription<msg::CameraInfo>(
+          *node_, "dog1/world/camera/right/info",
+          [&](const msg::CameraInfo& heard, const auto&) { info = heard; }, transport::kLatchedQos)
+          .value();
   EXPECT_TRUE(Until([&] { return seen.size() >= 3 && info; }));
   ASSERT_GE(seen.size(), 3U);
   EXPECT_EQ(seen[0].data.size(), 640U * 480 * 3);
@@ -212,8 +212,13 @@ TEST_F(MusherWorld, DrawsWhatACameraSeesIntoAFile) {
   ASSERT_TRUE(keeper);
   const auto shoot = [&](const std::string& camera) {
     exec::ChildSpec spec;
-    spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--shot", camera,
-                 folder_ / "shot.png", "--for", "0.5"};
+    spec.argv = {MUSHER_BIN_DIR "/musher-world",
+                 folder_ / "scene.toml",
+                 "--shot",
+                 camera,
+                 folder_ / "shot.png",
+                 "--for",
+                 "0.5"};
     auto child = exec::Child::Start(spec, keeper.value());
     return child ? child.value().Reap().number : -1;
   };
