@@ -21,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr Duration kAnswerTimeout = std::chrono::seconds(5);
 constexpr Duration kSwitchTimeout = std::chrono::minutes(5);  // lying down takes its time
 constexpr Duration kGrace = std::chrono::seconds(60);  // beside the trial's own: down, and up again
 
@@ -99,7 +100,6 @@ std::optional<Failure> RootMachine::Connect() {
   }
   slot_ = status.config_file.starts_with(root_.SlotFolder(ota::Slot::kB) + "/") ? ota::Slot::kB
                                                                                 : ota::Slot::kA;
-  if (before_.empty()) before_ = status.state;
   return std::nullopt;
 }
 
@@ -125,8 +125,13 @@ Result<> RootMachine::Switch(const std::string& state) {
 }
 
 Result<> RootMachine::EnterOta() {
+  // By its own word: the topic may be a moment behind.
+  const auto answer = link_->Ask<msg::GetStatus>("get_status", {}, kAnswerTimeout);
+  if (const auto* failure = std::get_if<Failure>(&answer)) return failure->error;
+  const msg::MachineStatus& status = std::get<msg::GetStatus::Response>(answer).status;
   // One that did not come up is in nobody's use, and may need nothing more than this upgrade.
-  if (link_->status() && link_->status()->phase == "failed") return Ok();
+  if (status.phase == "failed") return Ok();
+  before_ = status.state;
   asked_for_ota_ = true;
   auto entered = AskPolicy(true);
   // A robot without [policy] has no rules about it.

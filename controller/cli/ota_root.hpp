@@ -50,7 +50,7 @@ class RootMachine {
   const GlobalOptions global_;
   const int pid_;
   ota::Slot slot_ = ota::Slot::kA;
-  std::string before_;  // its state when we came
+  std::string before_;  // its state before it went to OTA
   bool asked_for_ota_ = false;
   bool interrupted_ = false;
   std::unique_ptr<Link> link_;
