@@ -1,26 +1,17 @@
 // musher-audio-manager: the voice of a robot. See README.md beside this.
 
-#include <iostream>
-
 #include "musher/modules/audio/audio_config.hpp"
 #include "musher/modules/audio/audio_manager.hpp"
 #include "musher/modules/program/module_main.hpp"
 
 namespace {
 
-using musher::program::kUsageError;
-
 int Run(const musher::program::Options& options) {
   const musher::audio::AudioReading reading = musher::audio::ReadAudioFile(options.file);
   musher::program::PrintErrors(reading.diagnostics);
-  if (!reading.config) return kUsageError;
+  if (!reading.config) return musher::program::kUsageError;
   musher::audio::AudioManager manager(options.actuator, *reading.config);
-  if (const musher::Result<> ready = manager.Prepare(options.state_config); !ready) {
-    std::cerr << options.actuator << ": " << ready.error().message << std::endl;
-    return kUsageError;
-  }
-  if (!manager.ActuatorStart()) return musher::program::kNotStarted;
-  return manager.Wait();
+  return musher::program::RunToEnd(manager, options);
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 // musher-camera-manager: the cameras of a robot. See README.md beside this.
 
-#include <iostream>
-
 #include "musher/modules/camera/camera_config.hpp"
 #include "musher/modules/camera/camera_manager.hpp"
 #include "musher/modules/camera/media.hpp"
@@ -9,19 +7,12 @@
 
 namespace {
 
-using musher::program::kUsageError;
-
 int Run(const musher::program::Options& options) {
   const musher::camera::CamerasReading reading = musher::camera::ReadCamerasFile(options.file);
   musher::program::PrintErrors(reading.diagnostics);
-  if (!reading.config) return kUsageError;
+  if (!reading.config) return musher::program::kUsageError;
   musher::camera::CameraManager manager(options.actuator, *reading.config);
-  if (const musher::Result<> ready = manager.Prepare(options.state_config); !ready) {
-    std::cerr << options.actuator << ": " << ready.error().message << std::endl;
-    return kUsageError;
-  }
-  if (!manager.ActuatorStart()) return musher::program::kNotStarted;
-  return manager.Wait();
+  return musher::program::RunToEnd(manager, options);
 }
 
 }  // namespace

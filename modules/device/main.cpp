@@ -1,26 +1,17 @@
 // musher-device-manager: battery, lights and touch of a robot. See README.md beside this.
 
-#include <iostream>
-
 #include "musher/modules/device/device_config.hpp"
 #include "musher/modules/device/device_manager.hpp"
 #include "musher/modules/program/module_main.hpp"
 
 namespace {
 
-using musher::program::kUsageError;
-
 int Run(const musher::program::Options& options) {
   const musher::device::DeviceReading reading = musher::device::ReadDeviceFile(options.file);
   musher::program::PrintErrors(reading.diagnostics);
-  if (!reading.config) return kUsageError;
+  if (!reading.config) return musher::program::kUsageError;
   musher::device::DeviceManager manager(options.actuator, *reading.config);
-  if (const musher::Result<> ready = manager.Prepare(options.state_config); !ready) {
-    std::cerr << options.actuator << ": " << ready.error().message << std::endl;
-    return kUsageError;
-  }
-  if (!manager.ActuatorStart()) return musher::program::kNotStarted;
-  return manager.Wait();
+  return musher::program::RunToEnd(manager, options);
 }
 
 }  // namespace

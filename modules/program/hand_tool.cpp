@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <sstream>
 
 #include "musher/transport/dds/dds_node.hpp"
 
@@ -27,10 +28,27 @@ void TakeVariable(std::string& value, const char* variable, const char* otherwis
   if (value.empty()) value = set != nullptr ? set : otherwise;
 }
 
+void TakeEnvironment(HandOptions& options) {
+  TakeVariable(options.name_space, "MUSHER_NAMESPACE", "");
+  TakeVariable(options.keys, "MUSHER_KEYS", "");
+  TakeVariable(options.identity, "MUSHER_IDENTITY", "operator");
+  if (!options.name_space.empty() && options.name_space.front() == '/') {
+    options.name_space.erase(0, 1);
+  }
+}
+
 }  // namespace
 
-void AddHandOptions(CLI::App& app, HandOptions& options, const std::string& clock_use) {
+void SetUpHandTool(CLI::App& app, HandOptions& options, const std::string& clock_use,
+                   const std::string& footer) {
   constexpr int kMostDomain = 232;
+  constexpr std::size_t kHelpColumn = 32;
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.footer(footer);
+  app.get_formatter()->column_width(kHelpColumn);
+  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
+  app.get_formatter()->label("REQUIRED", "");
   app.add_flag("--json", options.json, "Print a JSON document");
   app.add_option("--namespace", options.name_space,
                  "Namespace of the machine; default $MUSHER_NAMESPACE, else none")
@@ -54,13 +72,29 @@ void AddHandOptions(CLI::App& app, HandOptions& options, const std::string& cloc
       ->type_name("NAME");
 }
 
-void TakeEnvironment(HandOptions& options) {
-  TakeVariable(options.name_space, "MUSHER_NAMESPACE", "");
-  TakeVariable(options.keys, "MUSHER_KEYS", "");
-  TakeVariable(options.identity, "MUSHER_IDENTITY", "operator");
-  if (!options.name_space.empty() && options.name_space.front() == '/') {
-    options.name_space.erase(0, 1);
+std::optional<ParseEnd> Parse(CLI::App& app, int argc, const char* const* argv,
+                              HandOptions& options) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    std::ostringstream out;
+    std::ostringstream ignored;
+    if (app.exit(e, out, ignored) == 0) return ParseEnd{ExitCode::kDone, out.str()};
+    return ParseEnd{ExitCode::kUsage,
+                    std::string(e.what()) + "; see " + app.get_name() + " --help"};
   }
+  TakeEnvironment(options);
+  return std::nullopt;
+}
+
+std::function<std::string(const std::string&)> Between(double least, double most) {
+  return [least, most](const std::string& text) {
+    double value = 0;
+    const bool good = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+    std::ostringstream complaint;
+    complaint << text << " is not between " << least << " and " << most;
+    return good ? std::string() : complaint.str();
+  };
 }
 
 int Say(const ParseEnd& end, const std::string& program) {

@@ -45,10 +45,16 @@ struct HandOptions {
   std::string identity;
 };
 
-// `options` must outlive the app's parsing. `clock_use` is for --help: what goes by that clock.
-void AddHandOptions(CLI::App& app, HandOptions& options, const std::string& clock_use);
-// After the parsing: what was not given, from MUSHER_NAMESPACE, MUSHER_KEYS, MUSHER_IDENTITY.
-void TakeEnvironment(HandOptions& options);
+// Makes the app a tool of commands with these options. `options` must outlive its parsing.
+// `clock_use` is for --help: what goes by that clock.
+void SetUpHandTool(CLI::App& app, HandOptions& options, const std::string& clock_use,
+                   const std::string& footer);
+// Reads the command line, and what it does not give from MUSHER_NAMESPACE, MUSHER_KEYS and
+// MUSHER_IDENTITY. Nothing: a command was chosen.
+std::optional<ParseEnd> Parse(CLI::App& app, int argc, const char* const* argv,
+                              HandOptions& options);
+// A check of an option: a number, and not "nan", which is in every CLI::Range.
+std::function<std::string(const std::string&)> Between(double least, double most);
 
 // Prints the end on stdout or stderr; the exit code.
 int Say(const ParseEnd& end, const std::string& program);

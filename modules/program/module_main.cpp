@@ -26,6 +26,11 @@ int Main(int argc, char** argv, const About& about, const std::function<int(cons
   return run(options);
 }
 
+int Refuse(const std::string& actuator, const Error& error) {
+  std::cerr << actuator << ": " << error.message << std::endl;
+  return kUsageError;
+}
+
 std::optional<ActuatorConfig> ReadActuator(const std::string& state_config,
                                            const std::string& actuator) {
   const ConfigReading machine = ReadConfigFile(state_config);

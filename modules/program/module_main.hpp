@@ -13,6 +13,7 @@
 
 #include "musher/lifecycle/config.hpp"
 #include "musher/lifecycle/diagnostic.hpp"
+#include "musher/lifecycle/result.hpp"
 
 namespace musher::program {
 
@@ -34,6 +35,19 @@ struct Options {
 // Reads the command line and runs the module; the exit code. Usage errors and --help are dealt with
 // here.
 int Main(int argc, char** argv, const About& about, const std::function<int(const Options&)>& run);
+
+// Says it on stderr; kUsageError.
+int Refuse(const std::string& actuator, const Error& error);
+
+// Prepares the module, starts it and waits for its end; the exit code.
+template <class Manager>
+int RunToEnd(Manager& manager, const Options& options) {
+  if (const Result<> ready = manager.Prepare(options.state_config); !ready) {
+    return Refuse(options.actuator, ready.error());
+  }
+  if (!manager.ActuatorStart()) return kNotStarted;
+  return manager.Wait();
+}
 
 // Its part of the state config. Nothing: what is wrong was said on stderr.
 std::optional<ActuatorConfig> ReadActuator(const std::string& state_config,

@@ -1,26 +1,17 @@
 // musher-sensor-manager: range sensors and GPS of a robot. See README.md beside this.
 
-#include <iostream>
-
 #include "musher/modules/program/module_main.hpp"
 #include "musher/modules/sensor/sensor_config.hpp"
 #include "musher/modules/sensor/sensor_manager.hpp"
 
 namespace {
 
-using musher::program::kUsageError;
-
 int Run(const musher::program::Options& options) {
   const musher::sensor::ManagerReading reading = musher::sensor::ReadManagerFile(options.file);
   musher::program::PrintErrors(reading.diagnostics);
-  if (!reading.config) return kUsageError;
+  if (!reading.config) return musher::program::kUsageError;
   musher::sensor::SensorManager manager(options.actuator, *reading.config);
-  if (const musher::Result<> ready = manager.Prepare(options.state_config); !ready) {
-    std::cerr << options.actuator << ": " << ready.error().message << std::endl;
-    return kUsageError;
-  }
-  if (!manager.ActuatorStart()) return musher::program::kNotStarted;
-  return manager.Wait();
+  return musher::program::RunToEnd(manager, options);
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <sstream>
 
 #include "musher/modules/audio/tool/options.hpp"
 
@@ -28,13 +27,8 @@ constexpr int kMostPlayId = 65'535;
 class Grammar {
  public:
   Grammar() {
-    app_.require_subcommand(1);
-    app_.fallthrough();
-    app_.footer(kFooter);
-    app_.get_formatter()->column_width(32);
-    app_.get_formatter()->label("SUBCOMMAND", "COMMAND");
-    app_.get_formatter()->label("REQUIRED", "");
-    program::AddHandOptions(app_, global_, "Whose time a wait of 15 s goes by; topic: /clock");
+    program::SetUpHandTool(app_, global_, "Whose time a wait of 15 s goes by; topic: /clock",
+                           kFooter);
     app_.add_option("--phrases", global_.phrases,
                     "The table of phrases to list; default the one that came with this program")
         ->type_name("FILE");
@@ -50,15 +44,7 @@ class Grammar {
   }
 
   std::variant<CommandLine, ParseEnd> Parse(int argc, const char* const* argv) {
-    try {
-      app_.parse(argc, argv);
-      program::TakeEnvironment(global_);
-    } catch (const CLI::ParseError& e) {
-      std::ostringstream out;
-      std::ostringstream ignored;
-      if (app_.exit(e, out, ignored) == 0) return ParseEnd{ExitCode::kDone, out.str()};
-      return ParseEnd{ExitCode::kUsage, std::string(e.what()) + "; see musher-audio --help"};
-    }
+    if (auto end = program::Parse(app_, argc, argv, global_)) return *std::move(end);
     return CommandLine{global_, command_};
   }
 

@@ -1,10 +1,11 @@
 #include <CLI/CLI.hpp>
-#include <sstream>
 
 #include "musher/modules/camera/tool/options.hpp"
 
 namespace musher::camera::tool {
 namespace {
+
+using program::Between;
 
 constexpr const char* kDescription = "Looks at the robot's pictures by hand.";
 
@@ -22,19 +23,6 @@ Exit codes: 0 done; 1 nothing came, or a file cannot be written (reason on stder
 130 interrupted with nothing to show. A strip that is interrupted is written as far as it is.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
 
-// Not CLI::Range, for which "nan" is in every range.
-CLI::Validator Between(double least, double most) {
-  return {[least, most](const std::string& text) {
-            double value = 0;
-            const bool good =
-                CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
-            std::ostringstream complaint;
-            complaint << text << " is not between " << least << " and " << most;
-            return good ? std::string() : complaint.str();
-          },
-          ""};
-}
-
 CLI::Validator PictureFile() {
   return {[](std::string& file) {
             for (const char* ending : {".png", ".jpg", ".jpeg", ".bmp"}) {
@@ -50,13 +38,7 @@ constexpr double kLongestS = 86'400;
 class Grammar {
  public:
   Grammar() {
-    app_.require_subcommand(1);
-    app_.fallthrough();
-    app_.footer(kFooter);
-    app_.get_formatter()->column_width(32);
-    app_.get_formatter()->label("SUBCOMMAND", "COMMAND");
-    app_.get_formatter()->label("REQUIRED", "");
-    program::AddHandOptions(app_, global_, "Whose time pictures have; topic: /clock");
+    program::SetUpHandTool(app_, global_, "Whose time pictures have; topic: /clock", kFooter);
     AddList();
     AddShot();
     AddStrip();
@@ -64,15 +46,7 @@ class Grammar {
   }
 
   std::variant<CommandLine, ParseEnd> Parse(int argc, const char* const* argv) {
-    try {
-      app_.parse(argc, argv);
-    } catch (const CLI::ParseError& e) {
-      std::ostringstream out;
-      std::ostringstream ignored;
-      if (app_.exit(e, out, ignored) == 0) return ParseEnd{ExitCode::kDone, out.str()};
-      return ParseEnd{ExitCode::kUsage, std::string(e.what()) + "; see musher-camera --help"};
-    }
-    program::TakeEnvironment(global_);
+    if (auto end = program::Parse(app_, argc, argv, global_)) return *std::move(end);
     return CommandLine{global_, command_};
   }
 

@@ -1,13 +1,14 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <map>
-#include <sstream>
 
 #include "musher/modules/motion/motion_source.hpp"
 #include "musher/modules/motion/tool/options.hpp"
 
 namespace musher::motion::tool {
 namespace {
+
+using program::Between;
 
 constexpr const char* kDescription =
     "Moves the robot's body by hand, through the topics and services of the motion manager.";
@@ -26,28 +27,11 @@ Exit codes: 0 done; 1 refused, failed or nobody answered (reason on stderr); 2 w
 130 interrupted. A walk that is interrupted is stopped.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
 
-// Not CLI::Range, for which "nan" is in every range.
-CLI::Validator Between(double least, double most) {
-  return {[least, most](const std::string& text) {
-            double value = 0;
-            const bool good =
-                CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
-            std::ostringstream complaint;
-            complaint << text << " is not between " << least << " and " << most;
-            return good ? std::string() : complaint.str();
-          },
-          ""};
-}
-
 class Grammar {
  public:
   Grammar() {
-    app_.require_subcommand(1);
-    app_.fallthrough();
-    app_.footer(kFooter);
-    app_.get_formatter()->column_width(32);
-    app_.get_formatter()->label("SUBCOMMAND", "COMMAND");
-    app_.get_formatter()->label("REQUIRED", "");
+    program::SetUpHandTool(app_, global_, "Whose time --seconds and 20 Hz go by; topic: /clock",
+                           kFooter);
     AddGlobalOptions();
     AddResult();
     AddServo();
@@ -61,21 +45,12 @@ class Grammar {
   }
 
   std::variant<CommandLine, ParseEnd> Parse(int argc, const char* const* argv) {
-    try {
-      app_.parse(argc, argv);
-      program::TakeEnvironment(global_);
-    } catch (const CLI::ParseError& e) {
-      std::ostringstream out;
-      std::ostringstream ignored;
-      if (app_.exit(e, out, ignored) == 0) return ParseEnd{ExitCode::kDone, out.str()};
-      return ParseEnd{ExitCode::kUsage, std::string(e.what()) + "; see musher-motion --help"};
-    }
+    if (auto end = program::Parse(app_, argc, argv, global_)) return *std::move(end);
     return CommandLine{global_, command_};
   }
 
  private:
   void AddGlobalOptions() {
-    program::AddHandOptions(app_, global_, "Whose time --seconds and 20 Hz go by; topic: /clock");
     app_.add_option("--motions", global_.motions,
                     "The motion id table; default the one that came with this program")
         ->type_name("FILE");
