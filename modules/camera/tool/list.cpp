@@ -1,5 +1,6 @@
 // musher-camera list: which pictures come.
 
+#include <cmath>
 #include <iomanip>
 #include <iostream>
 #include <list>
@@ -19,6 +20,13 @@ struct Row {
   double age_ms = 0;  // of the last
   std::unique_ptr<transport::Subscription> subscription;
 };
+
+// Stamps of a simulated world are no time of day.
+std::string AgeText(double age_ms) {
+  constexpr double kOldestMs = 3'600'000;
+  if (std::abs(age_ms) > kOldestMs) return "stamped by another clock; see --clock";
+  return Decimal(age_ms, 1) + " ms";
+}
 
 void Print(const std::list<Row>& rows, const HandOptions& global) {
   if (global.json) {
@@ -45,7 +53,7 @@ void Print(const std::list<Row>& rows, const HandOptions& global) {
       continue;
     }
     std::cout << std::setw(18) << row.seen.shape() << std::setw(10)
-              << Decimal(row.seen.RateHz(), 1) + " Hz" << Decimal(row.age_ms, 1) << " ms\n";
+              << Decimal(row.seen.RateHz(), 1) + " Hz" << AgeText(row.age_ms) << "\n";
   }
   std::cout << std::flush;
 }
