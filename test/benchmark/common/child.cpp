@@ -12,7 +12,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <map>
+#include <string>
 #include <utility>
+
+#include "musher/transport/host.hpp"
 
 namespace musher::benchmark {
 namespace {
@@ -101,7 +105,16 @@ void DieWithParent() {
 }
 
 int Domain(int number) {
-  return 40 + (getpid() * 8 + number) % 190;
+  constexpr int kLeast = 101;  // tests have those below
+  constexpr int kCount = 129;
+  // One that is in use is locked by a name, which the kernel frees when its process ends.
+  static std::map<int, std::pair<int, transport::NameLock>> taken;
+  for (int i = 0; !taken.contains(number); ++i) {
+    const int candidate = kLeast + (getpid() * 8 + number + i) % kCount;
+    auto lock = transport::NameLock::Acquire("musher-test-domain/" + std::to_string(candidate));
+    if (lock) taken.emplace(number, std::pair(candidate, std::move(lock).value()));
+  }
+  return taken.at(number).first;
 }
 
 }  // namespace musher::benchmark

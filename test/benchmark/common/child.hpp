@@ -46,8 +46,8 @@ std::string Program(const std::string& name);
 // Makes a process that somebody else starts for us (a controller) end with its starter.
 void DieWithParent();
 
-// A DDS domain for this run: processes of an earlier run, killed, are still known in theirs.
-// `number` tells several domains of a run apart.
+// A DDS domain that only this run is in, up to its end: processes of an earlier run, killed, are
+// still known in theirs. `number` tells several domains of a run apart.
 int Domain(int number = 0);
 
 }  // namespace musher::benchmark
