@@ -1,16 +1,12 @@
 #include "musher/modules/camera/camera_manager.hpp"
 
 #include <chrono>
-#include <future>
 #include <iostream>
 #include <utility>
 
+#include "musher/modules/program/await.hpp"
+
 namespace musher::camera {
-namespace {
-
-constexpr Duration kCheckPeriod = Milliseconds(20);
-
-}  // namespace
 
 CameraManager::CameraManager(const std::string& actuator_name, CamerasConfig config)
     : MachineActuator(actuator_name), config_(std::move(config)) {}
@@ -94,26 +90,16 @@ void CameraManager::Log(const Told& told) const {
 // A camera may need a moment to its first picture: what fails is looked at again until its time is
 // over.
 Result<> CameraManager::SelfCheck() {
-  std::promise<SelfCheckVerdict> verdict;
-  bool given = false;
-  transport::LoopHandlePtr again;
-  node_->RunOnLoop([&] {
-    cameras_->SetChecked(true);
-    const Time deadline = node_->loop().Now() + config_.self_check_time;
-    const auto judge = [&, deadline] {
-      if (given) return;
-      SelfCheckVerdict result = JudgeSelfCheck(cameras_->Check(), config_.critical);
-      const bool waits = !StopRequested() && node_->loop().Now() < deadline;
-      if (!result.failing.empty() && waits) return;
-      given = true;
-      cameras_->SetChecked(false);
-      verdict.set_value(std::move(result));
-    };
-    again = node_->loop().Every(kCheckPeriod, judge);
-    judge();
-  });
-  SelfCheckVerdict result = verdict.get_future().get();
-  node_->RunOnLoop([&] { again.reset(); });
+  SelfCheckVerdict result;
+  node_->RunOnLoop([&] { cameras_->SetChecked(true); });
+  const auto judge = [&]() -> Result<> {
+    result = JudgeSelfCheck(cameras_->Check(), config_.critical);
+    if (result.failing.empty()) return Ok();
+    return Error{kCodeFailed, result.failing};
+  };
+  static_cast<void>(program::AwaitOnLoop(*node_, config_.self_check_time, judge,
+                                         [this] { return StopRequested(); }));
+  node_->RunOnLoop([&] { cameras_->SetChecked(false); });
   if (result.result && !result.failing.empty()) {
     constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kSelfCheckFailed);
     Log({kCode, "self-check: " + result.failing});

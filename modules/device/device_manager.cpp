@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <future>
 #include <iostream>
 #include <utility>
 
+#include "musher/modules/program/await.hpp"
+
 namespace musher::device {
-namespace {
-
-constexpr Duration kCheckPeriod = Milliseconds(20);
-
-}  // namespace
 
 DeviceManager::DeviceManager(const std::string& actuator_name, DeviceConfig config)
     : MachineActuator(actuator_name), config_(std::move(config)) {}
@@ -80,24 +76,10 @@ Result<> DeviceManager::MakeDevices() {
 
 // Devices may need a moment after a start: what fails is looked at again until its time is over.
 Result<> DeviceManager::SelfCheck() {
-  std::promise<Result<>> verdict;
-  bool given = false;
-  transport::LoopHandlePtr again;
-  node_->RunOnLoop([&] {
-    const Time deadline = node_->loop().Now() + config_.self_check_time;
-    const auto judge = [&, deadline] {
-      if (given) return;
-      Result<> result = JudgeSelfCheck(devices_->Check(), config_.critical);
-      if (!result && !StopRequested() && node_->loop().Now() < deadline) return;
-      given = true;
-      verdict.set_value(std::move(result));
-    };
-    again = node_->loop().Every(kCheckPeriod, judge);
-    judge();
-  });
-  Result<> result = verdict.get_future().get();
-  node_->RunOnLoop([&] { again.reset(); });
-  return result;
+  return program::AwaitOnLoop(
+      *node_, config_.self_check_time,
+      [this] { return JudgeSelfCheck(devices_->Check(), config_.critical); },
+      [this] { return StopRequested(); });
 }
 
 }  // namespace musher::device

@@ -1,16 +1,12 @@
 #include "musher/modules/sensor/sensor_manager.hpp"
 
 #include <chrono>
-#include <future>
 #include <iostream>
 #include <utility>
 
+#include "musher/modules/program/await.hpp"
+
 namespace musher::sensor {
-namespace {
-
-constexpr Duration kCheckPeriod = Milliseconds(20);
-
-}  // namespace
 
 SensorManager::SensorManager(const std::string& actuator_name, ManagerConfig config)
     : MachineActuator(actuator_name), config_(std::move(config)) {}
@@ -109,24 +105,7 @@ Result<> SensorManager::Activate() {
 }
 
 Result<> SensorManager::Await(Duration time, const std::function<Result<>()>& judge) {
-  std::promise<Result<>> verdict;
-  bool given = false;
-  transport::LoopHandlePtr again;
-  node_->RunOnLoop([&] {
-    const Time deadline = node_->loop().Now() + time;
-    const auto look = [&, deadline] {
-      if (given) return;
-      Result<> result = judge();
-      if (!result && !StopRequested() && node_->loop().Now() < deadline) return;
-      given = true;
-      verdict.set_value(std::move(result));
-    };
-    again = node_->loop().Every(kCheckPeriod, look);
-    look();
-  });
-  Result<> result = verdict.get_future().get();
-  node_->RunOnLoop([&] { again.reset(); });
-  return result;
+  return program::AwaitOnLoop(*node_, time, judge, [this] { return StopRequested(); });
 }
 
 }  // namespace musher::sensor

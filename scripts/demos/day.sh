@@ -75,9 +75,10 @@ boot() {
 
 walk() {
   local process films
-  act "It walks a square of two metres and looks about; a module dies on the way"
+  act "It walks a square of two metres and looks about; a module dies as it sets out"
   say "\$ musher-camera strip image_rgb …"
-  musher-camera --clock topic strip image_rgb "$strip" --every 3 --count 8 --columns 4 > "$scratch/strip.log" 2>&1 &
+  musher-camera --clock topic strip image_rgb "$strip" --every 3 --count 8 --columns 4 \
+    > "$scratch/strip.log" 2>&1 &
   films=$!
   process=$(status .actuators.sensor_manager.pid)
   say "\$ kill -KILL $process  # sensor_manager"
@@ -86,6 +87,8 @@ walk() {
   expect "exit code" 0 "$code"
   at_most "away from where it began" 30 "$(answer '.gap_m * 100 | round')" cm
   await '.actuators | all(.state == "Active")'
+  expect "sensor_manager has a new process" true \
+    "$(status ".actuators.sensor_manager.pid | . > 0 and . != $process")"
   expect "sensor_manager, started again" Active "$(status .actuators.sensor_manager.state)"
   kill -TERM "$films"
   wait "$films"

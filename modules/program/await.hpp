@@ -1,0 +1,41 @@
+#pragma once
+// Waiting in a state callback for what only the loop knows: devices that need a moment after a
+// start.
+
+#include <functional>
+#include <future>
+#include <utility>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/transport/node_thread.hpp"
+
+namespace musher::program {
+
+// Asks `judge` on the node's loop, at once and every 20 ms, until it is content, `time` of the
+// steady clock is over, or `stop` holds; the judge's last word. Called on the actuator's worker,
+// which waits.
+inline Result<> AwaitOnLoop(transport::NodeThread& node, Duration time,
+                            const std::function<Result<>()>& judge,
+                            const std::function<bool()>& stop) {
+  constexpr Duration kPeriod = Milliseconds(20);
+  std::promise<Result<>> verdict;
+  bool given = false;
+  transport::LoopHandlePtr again;
+  node.RunOnLoop([&] {
+    const Time deadline = node.loop().Now() + time;
+    const auto look = [&, deadline] {
+      if (given) return;
+      Result<> result = judge();
+      if (!result && !stop() && node.loop().Now() < deadline) return;
+      given = true;
+      verdict.set_value(std::move(result));
+    };
+    again = node.loop().Every(kPeriod, look);
+    look();
+  });
+  Result<> result = verdict.get_future().get();
+  node.RunOnLoop([&] { again.reset(); });
+  return result;
+}
+
+}  // namespace musher::program
