@@ -52,6 +52,8 @@ struct Counts {
   std::uint64_t refused = 0;     // commands that found no room
   std::uint64_t faults = 0;
   std::uint64_t listener_faults = 0;
+
+  friend bool operator==(const Counts&, const Counts&) = default;
 };
 
 class Machine {
@@ -76,6 +78,9 @@ class Machine {
   EventId AddEvent(std::string name, Urgency urgency = Urgency::kNormal);
   // `is_safe` is asked at the beginning and at the end of each tick; false leads to the safe state.
   void AddSafetyCheck(std::string name, std::function<bool(const Tick&)> is_safe);
+
+  // What the states share, to be saved and restored with them. See archive.hpp.
+  void AddData(std::string name, std::function<void(Archive&)> persist);
 
   // Asks the states what they declare, and judges the whole (check.hpp). Fails with every fault of
   // it, a line each; the machine cannot be started then.
@@ -154,6 +159,10 @@ class Machine {
     std::string name;
     std::function<bool(const Tick&)> is_safe;
   };
+  struct Data {
+    std::string name;
+    std::function<void(Archive&)> persist;
+  };
   class Declaring;
 
   void DeclareStates();
@@ -187,6 +196,7 @@ class Machine {
   std::vector<Node> nodes_;
   std::vector<Event> events_;
   std::vector<SafetyCheck> checks_;
+  std::vector<Data> data_;
   std::vector<std::string> wrong_;  // found so far
   std::vector<std::string> warnings_;
   Chart chart_;

@@ -112,6 +112,12 @@ void Machine::AddSafetyCheck(std::string name, std::function<bool(const Tick&)> 
   checks_.push_back({std::move(name), std::move(is_safe)});
 }
 
+void Machine::AddData(std::string name, std::function<void(Archive&)> persist) {
+  assert(!built_ && persist);
+  if (Find<std::size_t>(data_, name)) wrong_.push_back("data " + name + ": registered twice");
+  data_.push_back({std::move(name), std::move(persist)});
+}
+
 void Machine::DeclareStates() {
   row_ = (nodes_.size() + 63) / 64;
   declared_.assign(nodes_.size() * row_, 0);
