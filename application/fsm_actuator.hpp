@@ -70,7 +70,7 @@ class FsmActuator : public MachineActuator {
   struct Options {
     double rate_hz = 50;  // of ticks; more than 0
     Resume resume = Resume::kWhereItWas;
-    fsm::Machine::Options machine;  // a name that is left as it is becomes the actuator's
+    fsm::Machine::Options machine{};  // a name that is left as it is becomes the actuator's
   };
 
   explicit FsmActuator(const std::string& actuator_name) : FsmActuator(actuator_name, Options{}) {}
