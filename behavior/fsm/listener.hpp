@@ -1,0 +1,61 @@
+#pragma once
+// What a machine tells those who watch it. A listener cannot break the machine: what it throws is
+// caught and counted, and it can do no more to it than send it a command.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "musher/behavior/fsm/ids.hpp"
+#include "musher/lifecycle/time.hpp"
+
+namespace musher::fsm {
+
+enum class Cause : std::uint8_t {
+  kStarted,
+  kDecided,  // by the state; by a command, if the change names one
+  kForced,
+  kReset,
+  kUnsafe,   // a safety check
+  kFault,    // a state failed
+  kStopped,  // to no state
+};
+std::string_view Name(Cause cause);  // "started", "decided", ...
+
+// One change of state.
+struct Change {
+  Duration at{};           // machine time
+  std::uint64_t tick = 0;  // of how many; 0: before the first
+  StateId from = kNoState;
+  StateId to = kNoState;
+  EventId command = kNoEvent;
+  Cause cause = Cause::kDecided;
+
+  friend bool operator==(const Change&, const Change&) = default;
+};
+
+// In which function of a state.
+enum class Phase : std::uint8_t { kEnter, kRun, kCheck, kTransition, kExit, kSafetyCheck };
+std::string_view Name(Phase phase);  // "OnEnter", "Run", ...
+
+struct Fault {
+  StateId state = kNoState;
+  Phase phase = Phase::kRun;
+  Duration at{};
+  std::string what;
+};
+
+class Machine;
+
+class Listener {
+ public:
+  virtual ~Listener() = default;
+  // The machine is in its new state, whose OnEnter comes next.
+  virtual void OnChange(const Machine& /*machine*/, const Change& /*change*/) {}
+  // A command came to nothing in this state.
+  virtual void OnUnheeded(const Machine& /*machine*/, EventId /*command*/, StateId /*state*/) {}
+  // Before the machine goes to its safe state.
+  virtual void OnFault(const Machine& /*machine*/, const Fault& /*fault*/) {}
+};
+
+}  // namespace musher::fsm

@@ -1,0 +1,209 @@
+#pragma once
+// A state machine for applications: states are classes, registered at run time, so that a new one
+// touches nothing else. See state.hpp for what a state is.
+//
+//   fsm::Machine machine({.name = "show"});
+//   machine.AddEvent("photo");
+//   machine.Add("IDLE", std::make_unique<Idle>(robot));
+//   machine.Add("TRACKING", std::make_unique<Tracking>(robot));
+//   machine.Add("SAFE_STOP", std::make_unique<SafeStop>(robot), fsm::Role::kSafe);
+//   machine.AddSafetyCheck("too close", [&](const fsm::Tick&) { return !robot.too_close; });
+//   if (const Result<> built = machine.Build("IDLE"); !built) ...  every fault of it, a line each
+//   machine.Start(now);
+//   ... each 20 ms: machine.RunOnce(now);
+//
+// Modes: Normal; Transitioning while a gradual transition goes on; SafeStop while it is in its safe
+// state. A safety check that fails, or a state that throws, breaks every promise or goes where it
+// did not declare to go, leads to the safe state in the same tick, and out of it only when the safe
+// state decides so and every check is well again. A safe state that fails itself stops the machine.
+//
+// A tick makes at most one transition. It allocates nothing, locks nothing and reads no clock.
+//
+// Threads: one at a time. A state or a listener may call Send(); the calls that change the machine
+// refuse to run inside of a tick.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/behavior/fsm/chart.hpp"
+#include "musher/behavior/fsm/history.hpp"
+#include "musher/behavior/fsm/listener.hpp"
+#include "musher/behavior/fsm/state.hpp"
+#include "musher/lifecycle/result.hpp"
+
+namespace musher::fsm {
+
+enum class Mode : std::uint8_t { kNormal, kTransitioning, kSafeStop };
+std::string_view Name(Mode mode);  // NORMAL, TRANSITIONING, SAFE_STOP
+
+enum class Urgency : std::uint8_t { kNormal, kUrgent };
+
+// Of a machine's life, since it was built.
+struct Counts {
+  std::uint64_t changes = 0;
+  std::uint64_t unheeded = 0;    // commands that came to nothing
+  std::uint64_t superseded = 0;  // commands that an urgent one swept away
+  std::uint64_t refused = 0;     // commands that found no room
+  std::uint64_t faults = 0;
+  std::uint64_t listener_faults = 0;
+};
+
+class Machine {
+ public:
+  struct Options {
+    std::string name = "machine";
+    std::size_t history = 64;                                // changes that are remembered; 0: none
+    std::size_t commands = 32;                               // that may wait
+    Duration longest_transition = std::chrono::seconds(10);  // a longer one is a fault
+  };
+
+  Machine() : Machine(Options{}) {}
+  explicit Machine(Options options);
+  ~Machine();  // leaves no state: Stop() does
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
+
+  // --- before Build() ---
+
+  StateId Add(std::string name, std::unique_ptr<State> state, Role role = Role::kNormal);
+  // A command by its name. An urgent one goes before all that wait, and sweeps them away.
+  EventId AddEvent(std::string name, Urgency urgency = Urgency::kNormal);
+  // `is_safe` is asked at the beginning and at the end of each tick; false leads to the safe state.
+  void AddSafetyCheck(std::string name, std::function<bool(const Tick&)> is_safe);
+
+  // Asks the states what they declare, and judges the whole. Fails with every fault of it, a line
+  // each; the machine cannot be started then.
+  Result<> Build(std::string_view start);
+
+  // --- its life ---
+
+  // Enters the start state. Also again, after Stop(): with no commands and an empty history. Like
+  // the other calls that change the state it fails, with the fault, when a state failed by it.
+  Result<> Start(Time now);
+  // Does nothing while the machine is not running. A time before the last one counts as no time.
+  void RunOnce(Time now);
+  // The time until the next tick does not count.
+  void Pause() { last_tick_.reset(); }
+  // Leaves the state for good.
+  Result<> Stop();
+
+  // A command for the state to heed. Fails when nobody registered it, or when too many wait.
+  Result<> Send(EventId event);
+  Result<> Send(std::string_view event);
+  // At once, whether declared or not; waiting commands stay.
+  Result<> Force(StateId target);
+  Result<> Force(std::string_view target);
+  // Forces the start state and sweeps commands away.
+  Result<> Reset();
+
+  // `listener` outlives the machine, or is taken away. Not in a tick.
+  void Listen(Listener* listener);
+  void Forget(Listener* listener);
+
+  // --- what it is like ---
+
+  bool running() const { return running_; }
+  Mode mode() const { return mode_; }
+  StateId current() const { return current_; }  // kNoState: not running
+  std::uint64_t ticks() const { return ticks_; }
+  Duration time() const { return time_; }
+  Duration elapsed() const { return time_ - entered_; }
+  const Counts& counts() const { return counts_; }
+  const History& history() const { return history_; }
+  // The last one; the machine has stopped by it if it is not running.
+  const std::optional<Fault>& fault() const { return fault_; }
+  // The safety check that brought it to its safe state; empty: none.
+  std::string_view unsafe() const;
+  std::size_t waiting_commands() const { return waiting_; }
+
+  const std::string& name() const { return options_.name; }
+  std::string_view Name(StateId state) const;  // "" of kNoState
+  std::string_view Name(EventId event) const;
+  std::optional<StateId> FindState(std::string_view name) const;
+  std::optional<EventId> FindEvent(std::string_view name) const;
+  // "SHOW/PHOTO" where a state holds a machine.
+  std::string Path() const;
+  // "IDLE: OnEnter: ..." of a fault.
+  std::string Describe(const Fault& fault) const;
+  // As it was built.
+  const Chart& chart() const { return chart_; }
+
+ private:
+  struct Node {
+    std::string name;
+    std::unique_ptr<State> state;
+    Role role;
+  };
+  struct Event {
+    std::string name;
+    Urgency urgency;
+  };
+  struct SafetyCheck {
+    std::string name;
+    std::function<bool(const Tick&)> is_safe;
+  };
+  class Declaring;
+
+  void DeclareStates();
+  void Judge(std::string_view start);
+  Tick Now() const;
+  void Advance(Time now);
+  void Decide();
+  void Begin(const Next& next, EventId command);
+  void Proceed();
+  void Enter(StateId target, Cause cause, EventId command);
+  void Switch(StateId target, Cause cause, EventId command);
+  bool IsSafe();
+  void Fail(Phase phase, std::string what);
+  void Halt();
+  bool Declared(StateId from, StateId to) const;
+  Result<> Reached(StateId target) const;
+  EventId TakeCommand();
+  void Unheeded(EventId command);
+  void Remember(const Change& change);
+  template <class Call>
+  bool Guard(Phase phase, Call&& call);
+  template <class Call>
+  void TellAll(Call&& call);
+  State& state(StateId id) const { return *nodes_[Index(id)].state; }
+
+  const Options options_;
+  std::vector<Node> nodes_;
+  std::vector<Event> events_;
+  std::vector<SafetyCheck> checks_;
+  std::vector<std::string> wrong_;  // found while it was registered
+  Chart chart_;
+  std::vector<std::uint64_t> declared_;  // a bit for each pair of states
+  std::size_t row_ = 0;                  // words of one state in it
+  StateId safe_ = kNoState;
+  bool built_ = false;
+
+  bool running_ = false;
+  bool in_tick_ = false;
+  Mode mode_ = Mode::kNormal;
+  StateId current_ = kNoState;
+  StateId target_ = kNoState;  // while transitioning
+  EventId cause_ = kNoEvent;   // the command behind the transition
+  Duration transition_began_{};
+  Duration transition_time_{};
+  std::optional<Time> last_tick_;
+  Duration time_{};
+  Duration step_{};
+  Duration entered_{};
+  std::uint64_t ticks_ = 0;
+  std::size_t unsafe_;             // index of the check, or their number
+  std::vector<EventId> commands_;  // a ring
+  std::size_t first_command_ = 0;
+  std::size_t waiting_ = 0;
+  std::vector<Listener*> listeners_;
+  History history_;
+  std::optional<Fault> fault_;
+  Counts counts_;
+};
+
+}  // namespace musher::fsm
