@@ -41,8 +41,7 @@ Result<Faces> ReadFaces(std::string_view json) {
     if (area <= largest) continue;
     largest = area;
     const auto id = face.find("face_id");
-    faces.largest_frontal =
-        id != face.end() && id->is_number_integer() ? id->get<int>() : -1;
+    faces.largest_frontal = id != face.end() && id->is_number_integer() ? id->get<int>() : -1;
   }
   return faces;
 }

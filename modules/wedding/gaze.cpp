@@ -29,8 +29,7 @@ Gaze GazeAt(Gaze point, double yaw_rad, const GazeRules& rules) {
   const double edge = std::tan(rules.hfov_rad / 2);  // of the picture, at distance 1
   const double left = yaw_rad - std::atan(2 * (point.x - 0.5) * edge);
   const double down = std::atan(2 * (point.y - 0.5) * edge * rules.height_to_width);
-  const double y =
-      rules.pitch_limit_rad > 0 ? 0.5 + down / (2 * rules.pitch_limit_rad) : point.y;
+  const double y = rules.pitch_limit_rad > 0 ? 0.5 + down / (2 * rules.pitch_limit_rad) : point.y;
   return {Within(0.5 - left / (2 * rules.yaw_limit_rad)), Within(y)};
 }
 

@@ -26,10 +26,10 @@ enum class Mount {
 struct GazeRules {
   double follow = 0.3;  // share of the way to the target in each 20 ms
   Mount camera = Mount::kBody;
-  double hfov_rad = 1.2;            // opening of a camera on the head, from edge to edge
-  double height_to_width = 0.75;    // of its picture
-  double yaw_limit_rad = 2.0;       // of head and waist together, to each side
-  double pitch_limit_rad = 0;       // up and down; 0: the robot cannot nod
+  double hfov_rad = 1.2;                    // opening of a camera on the head, from edge to edge
+  double height_to_width = 0.75;            // of its picture
+  double yaw_limit_rad = 2.0;               // of head and waist together, to each side
+  double pitch_limit_rad = 0;               // up and down; 0: the robot cannot nod
   Duration joints_age = Milliseconds(500);  // how long it is known where the head is
 
   friend bool operator==(const GazeRules&, const GazeRules&) = default;

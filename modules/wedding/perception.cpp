@@ -20,7 +20,8 @@ std::string Text(const Target& target) {
 
 Result<> Perception::OnTarget(const Target& target, Time now) {
   if (!IsShare(target.point.x) || !IsShare(target.point.y)) {
-    return Error{kCodeFailed, "target " + Text(target) + " is not in the picture: x and y are 0 to 1"};
+    return Error{kCodeFailed,
+                 "target " + Text(target) + " is not in the picture: x and y are 0 to 1"};
   }
   if (!std::isfinite(target.distance_m) || target.distance_m < 0) {
     return Error{kCodeFailed, "target " + Text(target) + " has no distance: z is metres"};

@@ -10,7 +10,8 @@
 namespace musher::wedding {
 namespace {
 
-constexpr std::size_t kMostShown = 40;  // of a word that nobody knows
+constexpr std::string_view kInvalid = "INVALID";  // as the seed has it
+constexpr std::size_t kMostShown = 40;            // of a word that nobody knows
 
 std::string Shown(std::string_view word) {
   return "'" + std::string(word.substr(0, kMostShown)) + "'";
@@ -22,19 +23,25 @@ Show::Show(const ShowConfig& config, Stage& stage)
     : config_(config),
       stage_(stage),
       perception_(config.perception, config.gaze),
-      complaints_([&stage](const std::string& line) { stage.Log(line); }),
-      machine_({.name = "wedding"}) {
+      complaints_([&stage](const std::string& line) { stage.Log(line); }) {
   data_.follow = config.gaze.follow;
 }
 
-Show::~Show() = default;
+Show::~Show() {
+  if (machine_ != nullptr) machine_->Forget(this);
+}
 
-Result<std::unique_ptr<Show>> Show::Make(const ShowConfig& config, Stage& stage) {
-  std::unique_ptr<Show> show(new Show(config, stage));
-  AddCast(show->machine_, show->data_, config);
-  if (const Result<> built = show->machine_.Build(state::kIdle); !built) return built.error();
-  show->machine_.Listen(show.get());
-  return show;
+Result<> Show::Build(fsm::Machine& machine) {
+  AddCast(machine, data_, config_);
+  if (Result<> built = machine.Build(state::kIdle); !built) return built;
+  machine_ = &machine;
+  machine.Listen(this);
+  return Ok();
+}
+
+std::string_view Show::state() const {
+  const bool running = machine_ != nullptr && machine_->running();
+  return running ? machine_->Name(machine_->current()) : kInvalid;
 }
 
 void Show::Note(Time now) {
@@ -72,7 +79,7 @@ void Show::OnCommand(std::string_view word, Time now) {
   Note(now);
   const std::string command = Tidy(word);
   if (command == command::kReset) return Refuse(Complaint::kCommand, Reset(now));
-  const std::optional<fsm::EventId> event = machine_.FindEvent(command);
+  const auto event = machine_ == nullptr ? std::nullopt : machine_->FindEvent(command);
   if (!event) {
     return complaints_.Tell(Complaint::kCommand, "command " + Shown(command) + ": not in this show",
                             now);
@@ -81,14 +88,14 @@ void Show::OnCommand(std::string_view word, Time now) {
     return complaints_.Tell(Complaint::kUnheeded,
                             "command " + command + " comes to nothing: the show rests", now);
   }
-  Refuse(Complaint::kNoRoom, machine_.Send(*event));
+  Refuse(Complaint::kNoRoom, machine_->Send(*event));
 }
 
 void Show::OnVoiceCommand(std::string_view word, Time now) {
   Note(now);
   const std::string heard = Tidy(word);
-  for (const std::string_view known : {std::string_view("none"), command::kStop, command::kPhoto,
-                                       command::kInterview}) {
+  for (const std::string_view known :
+       {std::string_view("none"), command::kStop, command::kPhoto, command::kInterview}) {
     if (heard != known) continue;
     data_.audio.voice_command = known;
     if (known != "none") OnCommand(known, now);
@@ -102,8 +109,8 @@ void Show::OnVoiceCommand(std::string_view word, Time now) {
 void Show::OnVoiceLevel(double level, Time now) {
   Note(now);
   if (!(level >= 0 && level <= 1)) {
-    return complaints_.Tell(Complaint::kVoice, "voice level " + std::to_string(level) +
-                                                   ": it is 0 to 1", now);
+    return complaints_.Tell(Complaint::kVoice,
+                            "voice level " + std::to_string(level) + ": it is 0 to 1", now);
   }
   perception_.OnVoice(level, now);
 }
@@ -148,12 +155,13 @@ void Show::OnJointCommands(std::span<const std::string> names, std::span<const d
   Refuse(Complaint::kJoints, TakeJoints(data_.motion.joint_commands, names, positions));
 }
 
-void Show::Tick(Time now) {
+void Show::BeforeTick(Time now) {
   Note(now);
   complaints_.Tick(now);
-  if (resting_) return;
   perception_.Refresh(now, data_);
-  machine_.RunOnce(now);
+}
+
+void Show::AfterTick() {
   if (data_.gesture_used) perception_.UseGesture();
   Act();
 }
@@ -171,38 +179,36 @@ void Show::Act() {
 
 void Show::Rest(Time now, bool frozen) {
   Note(now);
-  Refuse(Complaint::kFault, Reset(now));
   resting_ = true;
+  perception_.Forget();
+  if (machine_ != nullptr && machine_->running()) Refuse(Complaint::kFault, machine_->Reset());
   data_.audio.pending_speech.Clear();
   data_.photo_requested = false;
+  data_.motion.target_pose = pose::kNeutral;
   data_.motion.look_at_target = Gaze{};
-  perception_.Forget();
-  data_.motion.current_pose = {};  // whoever was asked last may not be there any more
+  data_.motion.current_pose = {};  // it is said again: whoever was told may not be there any more
   if (!frozen) Act();
 }
 
 void Show::Resume(Time now) {
   Note(now);
-  if (!std::exchange(resting_, false)) return;
-  machine_.Pause();
-  Refuse(Complaint::kFault, Reset(now));
+  resting_ = false;
+  data_.motion.current_pose = {};
 }
 
 Result<> Show::Reset(Time now) {
   Note(now);
-  data_.safety_triggered = false;
-  return machine_.running() ? machine_.Reset() : machine_.Start(now);
+  return machine_ == nullptr ? Error{kCodeFailed, "there is no machine"} : machine_->Reset();
 }
 
 Result<> Show::Force(std::string_view state, Time now) {
   Note(now);
-  if (!machine_.running()) return Error{kCodeFailed, "the show does not run"};
-  return machine_.Force(state);
+  return machine_ == nullptr ? Error{kCodeFailed, "there is no machine"} : machine_->Force(state);
 }
 
 void Show::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
   const std::string_view to = machine.Name(change.to);
-  if (change.from != change.to) stage_.ShowState(to.empty() ? "INVALID" : to);
+  if (change.from != change.to) stage_.ShowState(to.empty() ? kInvalid : to);
 }
 
 void Show::OnUnheeded(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) {

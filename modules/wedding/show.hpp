@@ -28,19 +28,24 @@ namespace musher::wedding {
 class Stage {
  public:
   virtual ~Stage() = default;
-  virtual void TakePose(std::string_view pose) = 0;  // when it changes
-  virtual void LookAt(Gaze gaze) = 0;                // each tick
-  virtual void Play(std::string_view sound) = 0;     // once, in their order
-  virtual void TakePhoto() = 0;                      // at the shutter
+  virtual void TakePose(std::string_view pose) = 0;    // when it changes
+  virtual void LookAt(Gaze gaze) = 0;                  // each tick
+  virtual void Play(std::string_view sound) = 0;       // once, in their order
+  virtual void TakePhoto() = 0;                        // at the shutter
   virtual void ShowState(std::string_view state) = 0;  // when it changes
   virtual void Log(const std::string& line) = 0;
 };
 
 class Show : private fsm::Listener {
  public:
-  // `stage` outlives it. Fails where the states do not fit together, with every reason.
-  static Result<std::unique_ptr<Show>> Make(const ShowConfig& config, Stage& stage);
+  // `stage` outlives it.
+  Show(const ShowConfig& config, Stage& stage);
   ~Show() override;
+
+  // Registers its states with `machine`, which has none yet, and builds it; it outlives the show.
+  // Before all else, but for what comes in. Fails where the states do not fit together, with every
+  // reason.
+  Result<> Build(fsm::Machine& machine);
 
   // --- what comes in: each says on the stage what it refuses, and then changes nothing ---
 
@@ -60,31 +65,30 @@ class Show : private fsm::Listener {
   void OnJointCommands(std::span<const std::string> names, std::span<const double> positions,
                        Time now);
 
-  // --- its life: it begins at rest, in IDLE ---
+  // --- its life, around that of the machine: it begins at rest ---
 
-  // One step of the show, unless it rests.
-  void Tick(Time now);
-  // To the neutral pose, looking ahead, in IDLE; then no tick does anything. `frozen`: the robot
-  // must not be moved, so nothing is asked of it.
+  // Around each tick of the machine.
+  void BeforeTick(Time now);
+  void AfterTick();
+  // To the neutral pose, looking ahead, in IDLE. Until Resume() the machine is not ticked.
+  // `frozen`: the robot must not be moved, so nothing is asked of it.
   void Rest(Time now, bool frozen = false);
-  // Goes on, from IDLE.
   void Resume(Time now);
   bool resting() const { return resting_; }
+  // Now and then, also while it rests.
+  void PassTime(Time now) { complaints_.Tick(now); }
 
   // To IDLE, whatever there was; commands that wait are swept away.
   Result<> Reset(Time now);
   // At once. Fails for a state that there is not.
   Result<> Force(std::string_view state, Time now);
 
-  const fsm::Machine& machine() const { return machine_; }
-  fsm::Machine& machine() { return machine_; }
   const ShowData& data() const { return data_; }
-  std::string_view state() const { return machine_.Name(machine_.current()); }
+  // "INVALID" while the machine does not run.
+  std::string_view state() const;
   std::uint64_t complaints() const { return complaints_.total(); }
 
  private:
-  Show(const ShowConfig& config, Stage& stage);
-
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override;
   void OnUnheeded(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override;
   void OnFault(const fsm::Machine& machine, const fsm::Fault& fault) override;
@@ -101,7 +105,7 @@ class Show : private fsm::Listener {
   ShowData data_;
   Perception perception_;
   Complaints complaints_;
-  fsm::Machine machine_;
+  fsm::Machine* machine_ = nullptr;
   bool resting_ = true;
   Time now_{};
 };

@@ -4,8 +4,10 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
-#include "musher/lifecycle/result.hpp"
+#include "musher/lifecycle/diagnostic.hpp"
 #include "musher/modules/wedding/extension/interview.hpp"
 #include "musher/modules/wedding/extension/search.hpp"
 #include "musher/modules/wedding/gaze.hpp"
@@ -46,7 +48,15 @@ struct WeddingConfig {
   friend bool operator==(const WeddingConfig&, const WeddingConfig&) = default;
 };
 
-// The Error's message has a line for each fault of the file. Never throws.
-Result<WeddingConfig> ReadWeddingFile(const std::string& path);
+struct WeddingReading {
+  std::optional<WeddingConfig> config;  // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;  // by line
+};
+
+// Never throws; an unreadable file is a diagnostic.
+WeddingReading ReadWeddingFile(const std::string& path);
+
+// The same for a text; `path` is what diagnostics refer to.
+WeddingReading ReadWeddingText(std::string_view text, const std::string& path);
 
 }  // namespace musher::wedding

@@ -17,13 +17,13 @@ inline constexpr Duration kNever = Duration::max();
 
 // What is known of those before the robot; brought up to date at the beginning of each tick.
 struct PerceptionData {
-  bool face_detected = false;  // a face was seen, not too long ago
-  Gaze face_position;          // in the picture
-  Gaze face_gaze;              // where the robot looks to look at it
-  bool face_gaze_known = true; // false while nobody says how the head stood
+  bool face_detected = false;   // a face was seen, not too long ago
+  Gaze face_position;           // in the picture
+  Gaze face_gaze;               // where the robot looks to look at it
+  bool face_gaze_known = true;  // false while nobody says how the head stood
   double face_distance_m = 0;
   int face_count = 0;
-  int face_id = -1;            // of the largest frontal one, -1: none
+  int face_id = -1;                   // of the largest frontal one, -1: none
   Duration face_unseen_for = kNever;  // since the last sample
   Duration face_seen_for{};           // from the first to the last sample without a gap
 
@@ -71,7 +71,7 @@ struct AudioData {
   std::string_view voice_command = "none";  // the last one that was heard
   double voice_level = 0;                   // energy of what is heard, 0 to 1
   SoundQueue pending_speech;
-  std::string_view current_speech;          // the last one that was asked for
+  std::string_view current_speech;  // the last one that was asked for
 };
 
 struct ShowData {
@@ -80,8 +80,8 @@ struct ShowData {
   AudioData audio;
   double follow = 0.3;  // of GazeRules
   bool safety_triggered = false;
-  bool gesture_used = false;    // a photo was begun for the gesture that is still held
-  bool photo_requested = false; // the shutter
+  bool gesture_used = false;     // a photo was begun for the gesture that is still held
+  bool photo_requested = false;  // the shutter
 
   void Say(std::string_view sound) {
     audio.current_speech = sound;

@@ -6,8 +6,8 @@
 namespace musher::wedding {
 
 struct IdleRules {
-  Duration confirm{};         // so long a face has to be seen
-  double sway = 0.035;        // of the gaze, to each side
+  Duration confirm{};   // so long a face has to be seen
+  double sway = 0.035;  // of the gaze, to each side
   Duration sway_period = Milliseconds(2500);
 
   friend bool operator==(const IdleRules&, const IdleRules&) = default;

@@ -6,7 +6,10 @@ namespace musher::wedding {
 namespace {
 
 constexpr std::array<std::pair<std::string_view, Gesture>, 4> kGestures = {
-    {{"none", Gesture::kNone}, {"heart", Gesture::kHeart}, {"v", Gesture::kV}, {"ok", Gesture::kOk}}};
+    {{"none", Gesture::kNone},
+     {"heart", Gesture::kHeart},
+     {"v", Gesture::kV},
+     {"ok", Gesture::kOk}}};
 
 }  // namespace
 

@@ -28,7 +28,7 @@ inline constexpr std::string_view kInterviewThanks = "interview_thanks";
 
 struct InterviewRules {
   Duration greeting = Milliseconds(3000);
-  Duration question = Milliseconds(2000);   // at least
+  Duration question = Milliseconds(2000);           // at least
   Duration question_begin = Milliseconds(1500);     // a question takes so long,
   Duration question_character = Milliseconds(250);  // and so much for each of its characters
   std::vector<int> question_characters = {0, 0, 0};

@@ -17,8 +17,8 @@ void Search::OnEnter(const fsm::Tick& /*tick*/) {
 
 void Search::Run(const fsm::Tick& tick) {
   if (data().perception.face_detected) return FollowFace(tick);
-  const double turns = static_cast<double>(tick.elapsed.count()) /
-                       static_cast<double>(rules_.scan_period.count());
+  const double turns =
+      static_cast<double>(tick.elapsed.count()) / static_cast<double>(rules_.scan_period.count());
   LookTo({0.5 + rules_.scan * std::sin(2 * std::numbers::pi * turns), 0.5}, tick);
 }
 

@@ -16,10 +16,10 @@ inline constexpr std::string_view kSearch = "search";
 }  // namespace command
 
 struct SearchRules {
-  Duration confirm = Milliseconds(2000);    // a face that stays so long is tracked
-  Duration nobody = Milliseconds(5000);     // without a face for so long: back to IDLE
-  Duration timeout = Milliseconds(10000);   // so long in all
-  double scan = 0.25;                       // of the gaze, to each side
+  Duration confirm = Milliseconds(2000);   // a face that stays so long is tracked
+  Duration nobody = Milliseconds(5000);    // without a face for so long: back to IDLE
+  Duration timeout = Milliseconds(10000);  // so long in all
+  double scan = 0.25;                      // of the gaze, to each side
   Duration scan_period = Milliseconds(8000);
 
   friend bool operator==(const SearchRules&, const SearchRules&) = default;

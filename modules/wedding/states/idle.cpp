@@ -15,8 +15,8 @@ void Idle::OnEnter(const fsm::Tick& /*tick*/) {
 }
 
 void Idle::Run(const fsm::Tick& tick) {
-  const double turns = static_cast<double>(tick.elapsed.count()) /
-                       static_cast<double>(rules_.sway_period.count());
+  const double turns =
+      static_cast<double>(tick.elapsed.count()) / static_cast<double>(rules_.sway_period.count());
   LookTo({0.5 + rules_.sway * std::sin(2 * std::numbers::pi * turns), 0.5}, tick);
 }
 

@@ -8,8 +8,7 @@ namespace musher::wedding {
 
 class Idle : public WeddingState {
  public:
-  Idle(ShowData& data, const IdleRules& rules)
-      : WeddingState(data, state::kIdle), rules_(rules) {}
+  Idle(ShowData& data, const IdleRules& rules) : WeddingState(data, state::kIdle), rules_(rules) {}
 
   void Declare(fsm::Ways& ways) override;
   void OnEnter(const fsm::Tick& tick) override;
