@@ -43,6 +43,9 @@ class Reader {
     TableReader root(table, {1, 1}, "", findings_);
     Take(root, "rate_hz", config_.rate_hz, 1, 1000);
     Take(root, "state_rate_hz", config_.state_rate_hz, 0.1, 100);
+    if (const Table* tracking = root.SubTable("tracking")) {
+      gives_lost_ = TableReader(*tracking, {}, "", findings_).Has("lost_ms");
+    }
     In(root, "check", [&](TableReader& check) { ReadCheck(check); });
     In(root, "perception", [&](TableReader& perception) { ReadPerception(perception); });
     In(root, "gaze", [&](TableReader& gaze) { ReadGaze(gaze); });
@@ -87,6 +90,10 @@ class Reader {
   void ReadPerception(TableReader& perception) {
     PerceptionRules& rules = config_.show.perception;
     Take(perception, "age_ms", rules.age);
+    if (rules.age > config_.show.tracking.lost && !gives_lost_) {
+      perception.Fault(perception.At("age_ms"), "age_ms",
+                       "expected at most tracking.lost_ms: a face that still counts is not lost");
+    }
     Take(perception, "gesture_confidence", rules.gesture_confidence, 0, 1);
     Take(perception, "gesture_threshold", config_.show.tracking.gesture_threshold, 0, 1);
   }
@@ -112,7 +119,7 @@ class Reader {
     });
     In(root, "tracking", [&](TableReader& tracking) {
       Take(tracking, "lost_ms", show.tracking.lost);
-      if (show.tracking.lost < show.perception.age) {
+      if (show.tracking.lost < show.perception.age && tracking.Has("lost_ms")) {
         tracking.Fault(tracking.At("lost_ms"), "lost_ms",
                        "expected at least perception.age_ms: a face that still counts is not lost");
       }
@@ -133,6 +140,7 @@ class Reader {
   const std::filesystem::path folder_;
   Findings& findings_;
   WeddingConfig config_;
+  bool gives_lost_ = false;  // the file has tracking.lost_ms, to be judged there
 };
 
 }  // namespace
