@@ -70,6 +70,10 @@ class Endpoints {
     kept_.push_back(clock().Every(period, std::move(work)));
   }
 
+  // Something of the module's own that stands on them, a handle of the clock's, say: gone before
+  // the clock is.
+  void Keep(std::shared_ptr<void> thing) { kept_.push_back(std::move(thing)); }
+
   // Why one of them could not be opened.
   const Result<>& opened() const { return opened_; }
 
