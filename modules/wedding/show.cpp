@@ -218,8 +218,4 @@ void Show::OnUnheeded(const fsm::Machine& machine, fsm::EventId command, fsm::St
                    now_);
 }
 
-void Show::OnFault(const fsm::Machine& machine, const fsm::Fault& fault) {
-  complaints_.Tell(Complaint::kFault, machine.Describe(fault), now_);
-}
-
 }  // namespace musher::wedding

@@ -91,7 +91,6 @@ class Show : private fsm::Listener {
  private:
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override;
   void OnUnheeded(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override;
-  void OnFault(const fsm::Machine& machine, const fsm::Fault& fault) override;
 
   // Of each call: time that went back makes what was seen before meaningless.
   void Note(Time now);

@@ -62,7 +62,7 @@ TEST(WeddingConfigTest, SaysAllThatIsWrongAtOnceAndWhere) {
               ElementsAre(HasSubstr("show.toml:1:11: error: rate_hz"),
                           HasSubstr("show.toml:3:10: error: gaze.camera"),
                           HasSubstr("show.toml:4:10: error: gaze.follow"),
-                          HasSubstr("show.toml:6:1: error: idle: unknown key \"swai\"),
+                          HasSubstr("show.toml:6:1: error: idle: unknown key \"swai\""),
                           HasSubstr("show.toml:8:11: error: search.enabled")));
 }
 
