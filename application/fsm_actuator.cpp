@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "musher/application/behavior_report.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -92,6 +94,10 @@ class FsmActuator::Impl : public fsm::Listener {
           topics.Tell<msg::String>(owner_.name() + "/behavior_state", transport::kLatchedQos);
       topics.Keep(wire);
       wire_ = wire;
+      topics.Serve<msg::GetBehavior>(owner_.name() + "/get_behavior",
+                                     [this](const auto& request, auto reply) {
+                                       reply(ReportBehavior(*machine_, ticking_, request));
+                                     });
       published_.reset();
       Publish();
       owner_.OpenTopics(topics);
