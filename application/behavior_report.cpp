@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "musher/behavior/fsm/graph.hpp"
+
 namespace musher {
 namespace {
 
@@ -37,6 +39,13 @@ msg::GetBehavior::Response ReportBehavior(const fsm::Machine& machine, bool tick
   const std::size_t count = std::min<std::size_t>(history.size(), request.history);
   for (std::size_t i = history.size() - count; i < history.size(); ++i) {
     report.history.push_back(ToMessage(machine, history[i]));
+  }
+  if (request.format == "dot") {
+    report.graph = fsm::ToDot(machine.chart(), report.current_state);
+  } else if (request.format == "mermaid") {
+    report.graph = fsm::ToMermaid(machine.chart(), report.current_state);
+  } else if (!request.format.empty()) {
+    report.error = "a graph is dot or mermaid";
   }
   return report;
 }

@@ -87,6 +87,7 @@ class FsmActuator::Impl : public fsm::Listener {
     if (machine_->chart().start == fsm::kNoState) {
       return Error{kCodeFailed, "BuildMachine() has not called Build() of its machine"};
     }
+    for (const std::string& warning : machine_->warnings()) owner_.Log("warning: " + warning);
     return owner_.OpenEndpoints([this](transport::Endpoints& topics) {
       const auto wire = std::make_shared<Wire>();
       wire->clock = &topics.clock();
