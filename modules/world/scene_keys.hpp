@@ -46,7 +46,8 @@ void Each(TableReader& root, std::string_view key, Findings& findings, Read read
   if (!root.Has(key)) return;
   int number = 0;
   for (const Value* value : root.Tables(key)) {
-    const std::string path = std::string(key) + "[" + std::to_string(++number) + "]";
+    const std::string path = (root.path().empty() ? "" : root.path() + ".") + std::string(key) +
+                             "[" + std::to_string(++number) + "]";
     TableReader reader(*value->As<Table>(), value->at, path, findings);
     read(reader);
     reader.RefuseOthers();

@@ -64,6 +64,7 @@ class Reader {
     ReadSensors(root, findings_, scene_.sensors);
     Each(root, "motion", [&](TableReader& reader) { ReadMotion(reader); });
     Each(root, "event", [&](TableReader& reader) { ReadEvent(reader); });
+    ReadGuests(root, findings_, scene_);
     root.RefuseOthers();
     if (!findings_.HasErrors()) CheckPoses();
     std::stable_sort(scene_.events.begin(), scene_.events.end(),

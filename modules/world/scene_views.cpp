@@ -80,6 +80,7 @@ void ReadFieldOfView(TableReader& reader, CameraSpec& camera) {
 void ReadCamera(TableReader& reader, CameraSpec& camera) {
   constexpr double kFarthestOnBodyM = 2;
   Set(camera.enabled, reader.Bool("enabled"));
+  Set(camera.on_head, reader.Choice<bool>("on", {{"body", false}, {"head", true}}));
   Set(camera.model, reader.Choice<CameraModel>("model", {{"pinhole", CameraModel::kPinhole},
                                                          {"fisheye", CameraModel::kFisheye}}));
   for (const auto& [key, axis] : {std::pair("x_m", 0), std::pair("y_m", 1), std::pair("z_m", 2)}) {

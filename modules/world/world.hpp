@@ -2,6 +2,7 @@
 // A robot and the place it is in, moved in steps of 20 ms of world time. A plain value: the same
 // scene, seed and inputs give the same world, however the time is sliced into calls.
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <optional>
 #include <set>
@@ -10,6 +11,7 @@
 
 #include "musher/modules/world/battery.hpp"
 #include "musher/modules/world/body.hpp"
+#include "musher/modules/world/guests.hpp"
 #include "musher/modules/world/scene.hpp"
 #include "musher/modules/world/track.hpp"
 
@@ -53,6 +55,9 @@ class World {
   const Scene& scene() const { return *scene_; }
   const Body& body() const { return body_; }
   const Battery& battery() const { return battery_; }
+  const std::vector<Guest>& guests() const { return guests_.all(); }
+  // The frame of camera `index` in the place's.
+  Eigen::Isometry3d CameraPose(std::size_t index) const;
   bool on_pad() const;
   const Track& track() const { return track_; }
   bool IsSilent(const std::string& sensor) const { return silent_.contains(sensor); }
@@ -66,6 +71,7 @@ class World {
   Chance chance_;
   Body body_;
   Battery battery_;
+  Guests guests_;
   Supply supply_;
   std::size_t next_event_ = 0;
   bool touching_ = false;  // the body was stopped by something in the last step
