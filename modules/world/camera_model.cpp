@@ -57,19 +57,24 @@ Vector3d RayOf(const Intrinsics& intrinsics, const Vector2d& pixel) {
   return {aside.x(), aside.y(), std::cos(theta)};
 }
 
-Isometry3d CameraInPlace(const CameraSpec& camera, const Pose2& body, const Attitude& attitude,
-                         const Gaze& gaze) {
+Isometry3d BodyInPlace(const Pose2& body, const Attitude& attitude) {
   Isometry3d body_in_place = Isometry3d::Identity();
   body_in_place.linear() = Turned(body.yaw_rad, attitude.pitch_rad, attitude.roll_rad);
   body_in_place.translation() << body.position_m, attitude.height_m;
+  return body_in_place;
+}
+
+Isometry3d CameraInPlace(const CameraSpec& camera, const Pose2& body, const Attitude& attitude,
+                         const Gaze& gaze) {
   Matrix3d optical;  // its axes in a frame of x ahead, y to the left, z upwards
   optical << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  const Gaze turned = camera.on_head ? gaze : Gaze{};
+  const Gaze turned = camera.on == CameraMount::kHead ? gaze : Gaze{};
   Isometry3d mount = Isometry3d::Identity();
   mount.linear() =
       Turned(camera.yaw_rad, camera.pitch_rad + turned.pitch_rad, camera.roll_rad) * optical;
   mount.translation() = camera.position_m;
-  return body_in_place * AngleAxisd(turned.yaw_rad, Vector3d::UnitZ()) * mount;
+  if (camera.on == CameraMount::kPlace) return mount;
+  return BodyInPlace(body, attitude) * AngleAxisd(turned.yaw_rad, Vector3d::UnitZ()) * mount;
 }
 
 }  // namespace musher::world

@@ -38,8 +38,12 @@ struct Gaze {
   double pitch_rad = 0;  // downwards
 };
 
+// The body's frame in the place's.
+Eigen::Isometry3d BodyInPlace(const Pose2& body, const Attitude& attitude);
+
 // The camera's frame in the place's, for a body there. X_WC p_C = p_W. The gaze turns cameras on
-// the head: by its yaw round the body's upright axis, by its pitch where they are.
+// the head: by its yaw round the body's upright axis, by its pitch where they are. One that stands
+// in the place stays there.
 Eigen::Isometry3d CameraInPlace(const CameraSpec& camera, const Pose2& body,
                                 const Attitude& attitude, const Gaze& gaze = {});
 

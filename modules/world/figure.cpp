@@ -1,11 +1,10 @@
 #include "musher/modules/world/figure.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "musher/modules/world/face.hpp"
+#include "musher/modules/world/parts.hpp"
 
 namespace musher::world {
 namespace {
@@ -13,66 +12,6 @@ namespace {
 using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-// In slices across its longest axis: one ball round all of a limb would be as wide as it is long.
-void Bound(const Matrix3d& turned, const Vector3d& half_m, Thing& thing) {
-  constexpr int kMostSlices = 5;
-  int longest = 0;
-  const double along_m = half_m.maxCoeff(&longest);
-  Vector3d rest_m = half_m;
-  rest_m[longest] = 0;
-  const double thick_m = rest_m.maxCoeff();
-  const int slices = std::clamp(static_cast<int>(std::lround(along_m / thick_m)), 1, kMostSlices);
-  const double half_slice_m = along_m / slices;
-  for (int i = 0; i < slices; ++i) {
-    const double middle_m = half_slice_m * (2 * i + 1 - slices);
-    // It is thickest where it is nearest to its middle.
-    const double inner = std::max(0.0, std::abs(middle_m) - half_slice_m) / along_m;
-    const double radius_m = std::hypot(half_slice_m, thick_m * std::sqrt(1 - inner * inner));
-    const Vector3d at_m = turned.col(longest) * middle_m;
-    thing.bounds.push_back(
-        {thing.center_m + at_m.cast<float>(), static_cast<float>(std::min(radius_m, along_m))});
-  }
-}
-
-Thing Rounded(const Vector3d& center_m, const Matrix3d& turned, const Vector3d& half_m,
-              const Light3& color) {
-  Thing thing;
-  thing.shape = Thing::Shape::kEllipsoid;
-  thing.center_m = center_m.cast<float>();
-  thing.half_m = half_m.cast<float>();
-  const Matrix3d to_unit = half_m.cwiseInverse().asDiagonal() * turned.transpose();
-  thing.to_unit = to_unit.cast<float>();
-  thing.color = color;
-  Bound(turned, half_m, thing);
-  return thing;
-}
-
-// The parts of a body by how far ahead, to the left and up they are from the place it stands on.
-class Parts {
- public:
-  Parts(const Guest& guest, std::vector<Thing>& things)
-      : turned_(AngleAxisd(guest.yaw_rad, Vector3d::UnitZ()).toRotationMatrix()),
-        foot_m_(guest.position_m.x(), guest.position_m.y(), 0),
-        things_(things) {}
-
-  void Round(const Vector3d& at_m, const Vector3d& half_m, const Light3& color) {
-    things_.push_back(Rounded(foot_m_ + turned_ * at_m, turned_, half_m, color));
-  }
-  // From a joint to the next.
-  void Limb(const Vector3d& from_m, const Vector3d& to_m, double radius_m, const Light3& color) {
-    const Vector3d along = to_m - from_m;
-    const Matrix3d limb =
-        turned_ * Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), along).toRotationMatrix();
-    things_.push_back(Rounded(foot_m_ + turned_ * (from_m + along / 2), limb,
-                              {along.norm() / 2 + 0.6 * radius_m, radius_m, radius_m}, color));
-  }
-
- private:
-  const Matrix3d turned_;
-  const Vector3d foot_m_;
-  std::vector<Thing>& things_;
-};
 
 // Where the hands are for a sign, in heights of the guest; the other side is mirrored.
 struct ArmPose {
@@ -116,7 +55,8 @@ void Figure::Stand(const Guest& guest, std::vector<Thing>& things) const {
   const Light3 hair = ToLight(HairOf(spec_.face));
   const Light3 clothes = ToLight(spec_.color);
   const Light3 lower = spec_.gown ? clothes : Light3(clothes * 0.6F);
-  Parts parts(guest, things);
+  const Eigen::Translation3d foot_m(guest.position_m.x(), guest.position_m.y(), 0);
+  Parts parts(foot_m * AngleAxisd(guest.yaw_rad, Vector3d::UnitZ()), things);
   if (spec_.gown) {
     parts.Round(Vector3d(0, 0, 0.2) * tall, Vector3d(0.14, 0.15, 0.36) * tall, lower);
   } else {

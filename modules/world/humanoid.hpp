@@ -27,6 +27,7 @@ class Humanoid {
   void Step(Duration dt);
 
   const std::string& pose() const { return pose_name_; }
+  const std::array<HandShape, kSides>& hands() const { return spec_.poses[pose_].hands; }
   // What the adapter tells the joints, and how they stand: they are there a step later.
   const std::array<Axis, kJoints>& commands() const { return commands_; }
   const std::array<Axis, kJoints>& joints() const { return joints_; }

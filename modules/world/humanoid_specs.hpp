@@ -42,10 +42,15 @@ struct Swing {
   double period_s = 1;
 };
 
+// What a pose does with a hand: for the eye only, no joint moves it.
+enum class HandShape { kOpen, kCurled, kFist, kV, kThumb };
+inline constexpr std::size_t kSides = 2;  // left, right
+
 struct PoseSpec {
   std::vector<std::string> names;
   Angles angles{};
   std::vector<Swing> swings;
+  std::array<HandShape, kSides> hands{};
 };
 
 inline constexpr std::string_view kNeutralPose = "neutral";
@@ -58,7 +63,7 @@ struct HumanoidSpec {
   double waist_yaw_rad = 50 * 3.14159265358979323846 / 180;
   double pitch_rad = 20 * 3.14159265358979323846 / 180;  // the camera's mount; 0: it has none
   std::string poses_file;                                // absolute; empty: it knows neutral only
-  std::vector<PoseSpec> poses = {{{std::string(kNeutralPose)}, {}, {}}};
+  std::vector<PoseSpec> poses = {{{std::string(kNeutralPose)}, {}, {}, {}}};
   std::string pose_topic = "/wedding/motion/pose";
   std::string look_at_topic = "/wedding/motion/look_at";
   std::string joint_states_topic = "/wedding/motion/joint_states";

@@ -222,7 +222,11 @@ Image Camera::Shoot(const Scenery& scenery, const View& view) const {
   Image image{lens_.width(), lens_.height(), {}};
   image.bgr.resize(3 * static_cast<std::size_t>(image.width) *
                    static_cast<std::size_t>(image.height));
-  const std::vector<Thing> things = scenery.With(view.guests);
+  std::vector<Thing> things = scenery.With(view.guests);
+  if (view.humanoid) {
+    StandRobot(*view.humanoid, BodyInPlace(view.body, view.attitude),
+               spec_.on != CameraMount::kPlace, things);
+  }
   const Tracer tracer(scenery, things, CameraInPlace(spec_, view.body, view.attitude, view.gaze),
                       view.body, lens_.pixel_rad());
   Drawing(lens_, tracer, image).Draw();

@@ -7,10 +7,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "musher/modules/world/camera_model.hpp"
 #include "musher/modules/world/lens.hpp"
+#include "musher/modules/world/robot_figure.hpp"
 #include "musher/modules/world/scenery.hpp"
 
 namespace musher::world {
@@ -27,13 +29,14 @@ struct Image {
 };
 
 // Where the body is when the picture is taken, which casts a shadow, where its head looks, who else
-// is there, and what chance adds.
+// is there, what chance adds, and how a humanoid stands; other bodies are not drawn.
 struct View {
   Pose2 body;
   Attitude attitude;
   std::uint64_t seed = 0;  // of the noise
   Gaze gaze = {};
   std::vector<Guest> guests = {};  // as the scene lists them
+  std::optional<HumanoidStance> humanoid = {};
 };
 
 class Camera {

@@ -119,11 +119,15 @@ struct Lighting {
 
 enum class CameraModel { kPinhole, kFisheye };
 
-// A camera on the body. Its place is from the middle of the trunk, x ahead, y to the left, z
-// upwards; its angles turn it as the body's do: yaw to the left, then pitch downwards, then roll.
+// What a camera is fixed to: the trunk, the head, which turns, or the place.
+enum class CameraMount { kBody, kHead, kPlace };
+
+// On the robot its place is from the middle of the trunk, x ahead, y to the left, z upwards, else
+// from the place's origin; its angles turn it as the body's do: yaw to the left, then pitch
+// downwards, then roll.
 struct CameraSpec {
   bool enabled = true;
-  bool on_head = false;  // turns with it; else fixed to the trunk
+  CameraMount on = CameraMount::kBody;
   CameraModel model = CameraModel::kPinhole;
   Eigen::Vector3d position_m{0, 0, 0};
   double yaw_rad = 0;

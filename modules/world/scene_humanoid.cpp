@@ -58,6 +58,13 @@ class PoseReader {
       for (std::size_t i = 0; i < kJoints; ++i) ReadAngle(angles, i, pose);
     });
     keys::Each(reader, "swing", findings_, [&](TableReader& swing) { ReadSwing(swing, pose); });
+    for (const auto& [key, side] : {std::pair("hand_l", 0U), std::pair("hand_r", 1U)}) {
+      Set(pose.hands[side], reader.Choice<HandShape>(key, {{"open", HandShape::kOpen},
+                                                           {"curled", HandShape::kCurled},
+                                                           {"fist", HandShape::kFist},
+                                                           {"v", HandShape::kV},
+                                                           {"thumb", HandShape::kThumb}}));
+    }
     poses_.push_back(std::move(pose));
   }
 

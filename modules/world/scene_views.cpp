@@ -77,21 +77,37 @@ void ReadFieldOfView(TableReader& reader, CameraSpec& camera) {
                "expected at most 150 of a pinhole; a fisheye may have 220");
 }
 
-void ReadCamera(TableReader& reader, bool has_head, CameraSpec& camera) {
+void ReadMount(TableReader& reader, bool has_head, bool is_front, CameraSpec& camera) {
   constexpr double kFarthestOnBodyM = 2;
-  Set(camera.enabled, reader.Bool("enabled"));
-  Set(camera.on_head, reader.Choice<bool>("on", {{"body", false}, {"head", true}}));
-  if (camera.on_head && !has_head) {
+  Set(camera.on, reader.Choice<CameraMount>("on", {{"body", CameraMount::kBody},
+                                                   {"head", CameraMount::kHead},
+                                                   {"place", CameraMount::kPlace}}));
+  const bool in_place = camera.on == CameraMount::kPlace;
+  if (camera.on == CameraMount::kHead && !has_head) {
     reader.Fault(reader.At("on"), "on", "there is no head without [humanoid]");
   }
-  Set(camera.model, reader.Choice<CameraModel>("model", {{"pinhole", CameraModel::kPinhole},
-                                                         {"fisheye", CameraModel::kFisheye}}));
-  for (const auto& [key, axis] : {std::pair("x_m", 0), std::pair("y_m", 1), std::pair("z_m", 2)}) {
-    Set(camera.position_m[axis], reader.Number(key, -kFarthestOnBodyM, kFarthestOnBodyM));
+  if (in_place && is_front) {
+    reader.Fault(reader.At("on"), "on", "the front camera is the robot's own: it sees with it");
   }
+  if (in_place) {
+    for (const char* key : {"x_m", "y_m", "z_m"}) reader.Require(key, "where in the place it is");
+    camera = CameraSpec{.enabled = camera.enabled, .on = camera.on};  // as none on a dog
+  }
+  const double farthest_m = in_place ? keys::kFarthestM : kFarthestOnBodyM;
+  const double lowest_m = in_place ? keys::kSmallestM : -kFarthestOnBodyM;
+  Set(camera.position_m.x(), reader.Number("x_m", -farthest_m, farthest_m));
+  Set(camera.position_m.y(), reader.Number("y_m", -farthest_m, farthest_m));
+  Set(camera.position_m.z(), reader.Number("z_m", lowest_m, farthest_m));
   Set(camera.yaw_rad, keys::Angle(reader, "yaw_deg"));
   Set(camera.pitch_rad, keys::Angle(reader, "pitch_deg", -90, 90));
   Set(camera.roll_rad, keys::Angle(reader, "roll_deg"));
+}
+
+void ReadCamera(TableReader& reader, bool has_head, bool is_front, CameraSpec& camera) {
+  Set(camera.enabled, reader.Bool("enabled"));
+  ReadMount(reader, has_head, is_front, camera);
+  Set(camera.model, reader.Choice<CameraModel>("model", {{"pinhole", CameraModel::kPinhole},
+                                                         {"fisheye", CameraModel::kFisheye}}));
   const auto pixels = [&](const char* key, int& field) {
     const auto count = reader.Integer(key, kLeastPx, kMostPx);
     if (count) field = static_cast<int>(*count);
@@ -120,7 +136,7 @@ void ReadViews(TableReader& root, const std::string& folder, Findings& findings,
   keys::Section(root, "camera", findings, [&](TableReader& reader) {
     for (std::size_t i = 0; i < kCameras; ++i) {
       keys::Section(reader, kCameraNames[i], findings, [&](TableReader& camera) {
-        ReadCamera(camera, scene.humanoid.has_value(), scene.cameras.cameras[i]);
+        ReadCamera(camera, scene.humanoid.has_value(), i == 0, scene.cameras.cameras[i]);
       });
     }
   });

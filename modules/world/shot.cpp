@@ -9,12 +9,25 @@
 
 namespace musher::world {
 
+namespace {
+
+std::optional<HumanoidStance> StanceOf(const World& world) {
+  const std::optional<Humanoid>& humanoid = world.humanoid();
+  if (!humanoid) return std::nullopt;
+  HumanoidStance stance{{}, humanoid->hands(), world.scene().body.stand_height_m};
+  for (std::size_t i = 0; i < kJoints; ++i) stance.angles[i] = humanoid->joints()[i].position_rad;
+  return stance;
+}
+
+}  // namespace
+
 View ViewOf(const World& world, std::size_t index) {
   return {.body = world.body().pose(),
           .attitude = world.body().attitude(),
           .seed = NoiseSeed(world.scene(), index, world.now()),
           .gaze = world.gaze(),
-          .guests = world.guests()};
+          .guests = world.guests(),
+          .humanoid = StanceOf(world)};
 }
 
 Result<Image> TakeShot(const World& world, std::size_t index) {

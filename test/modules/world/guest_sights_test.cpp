@@ -140,7 +140,7 @@ TEST(HeadCamera, TurnsWithWaistAndHead) {
   EXPECT_NEAR((left.linear() * Vector3d::UnitZ() - Vector3d::UnitY()).norm(), 0, 1e-12);
   const Eigen::Isometry3d down = CameraInPlace(spec, {}, standing, {0, 0.3});
   EXPECT_NEAR((down.linear() * Vector3d::UnitZ()).z(), -std::sin(0.3), 1e-12);
-  spec.on_head = false;
+  spec.on = CameraMount::kBody;
   EXPECT_TRUE(CameraInPlace(spec, {}, standing, {1, 0.3})
                   .isApprox(CameraInPlace(spec, {}, standing), 1e-12));
 }

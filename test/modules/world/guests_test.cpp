@@ -45,7 +45,7 @@ Scene Hall(std::vector<GuestAct> acts) {
   scene.humanoid.emplace();
   scene.body.stand_height_m = 0.9;
   CameraSpec& camera = scene.cameras.cameras[0];
-  camera.on_head = true;
+  camera.on = CameraMount::kHead;
   camera.position_m = {0.1, 0, 0.6};
   GuestSpec guest;
   guest.from_m = {4, 3};

@@ -27,7 +27,7 @@ Scene Show() {
   scene.humanoid.emplace();
   scene.humanoid->poses.push_back({{"heart"}, {}, {}});
   scene.humanoid->poses.back().angles[18] = -0.4;
-  scene.cameras.cameras[0].on_head = true;
+  scene.cameras.cameras[0].on = CameraMount::kHead;
   GuestSpec guest;
   guest.from_m = {2, 0};
   guest.height_m = 0.5;
