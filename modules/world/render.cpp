@@ -228,7 +228,7 @@ Image Camera::Shoot(const Scenery& scenery, const View& view) const {
                spec_.on != CameraMount::kPlace, things);
   }
   const Tracer tracer(scenery, things, CameraInPlace(spec_, view.body, view.attitude, view.gaze),
-                      view.body, lens_.pixel_rad());
+                      view.body, view.attitude.height_m, lens_.pixel_rad());
   Drawing(lens_, tracer, image).Draw();
   if (spec_.noise > 0) AddNoise(view.seed, image);
   return image;

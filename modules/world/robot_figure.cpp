@@ -8,7 +8,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-const Light3 kShell{226, 229, 233};
+const Light3 kShell{230, 236, 246};
 const Light3 kGrey{150, 155, 163};
 const Light3 kDark{52, 56, 64};
 const Light3 kVisor{18, 21, 28};

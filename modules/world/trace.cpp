@@ -53,7 +53,8 @@ float Within1(float share) {
 }  // namespace
 
 Tracer::Tracer(const Scenery& scenery, const std::vector<Thing>& things,
-               const Eigen::Isometry3d& camera_in_place, const Pose2& body, double pixel_rad)
+               const Eigen::Isometry3d& camera_in_place, const Pose2& body, double trunk_m,
+               double pixel_rad)
     : scenery_(scenery),
       things_(things),
       turn_(camera_in_place.linear().cast<float>()),
@@ -81,9 +82,8 @@ Tracer::Tracer(const Scenery& scenery, const std::vector<Thing>& things,
   far_ground_ = world::LightOf(scenery.ground().mean()) * light_on_ground_;
   zenith_ = scenery.sky() * scenery.tint();
   horizon_ = (0.45F * scenery.sky() + 0.55F * Array3f(244, 246, 246)) * scenery.tint();
-  // As that of a trunk, at about half the camera's height.
   const Vector3f& light = scenery.towards_light();
-  shadow_m_ = body.position_m.cast<float>() - light.head<2>() / light.z() * (0.6F * from_m_.z());
+  shadow_m_ = body.position_m.cast<float>() - light.head<2>() / light.z() * (0.7F * float(trunk_m));
   shadow_cos_ = static_cast<float>(std::cos(body.yaw_rad));
   shadow_sin_ = static_cast<float>(std::sin(body.yaw_rad));
   shadow_half_m_ = {0.3F, 0.16F};

@@ -17,10 +17,11 @@ class Tracer {
  public:
   using Indices = std::vector<std::uint16_t>;  // of things
 
-  // `things` are all that can be seen, and outlive it. `pixel_rad` is the angle of a pixel, for how
-  // much of a surface it covers.
+  // `things` are all that can be seen, and outlive it. The body's trunk, so high over the ground,
+  // casts a shadow. `pixel_rad` is the angle of a pixel, for how much of a surface it covers.
   Tracer(const Scenery& scenery, const std::vector<Thing>& things,
-         const Eigen::Isometry3d& camera_in_place, const Pose2& body, double pixel_rad);
+         const Eigen::Isometry3d& camera_in_place, const Pose2& body, double trunk_m,
+         double pixel_rad);
 
   // Sees these things and all that is behind them.
   void Look(const Rays& rays, const Indices& things, Sights& sights) const;

@@ -101,6 +101,23 @@ TEST(GuestFace, IsNoneInAnEmptyHallWhereverTheHeadLooks) {
   }
 }
 
+TEST(GuestFace, IsNoneInItsOwnArmsWhateverPoseItTakes) {
+  const Scene& scene = Wedding();
+  const auto scenery = Scenery::Make(scene);
+  ASSERT_TRUE(scenery);
+  const Camera camera(scene.cameras.cameras[0]);
+  for (const PoseSpec& pose : scene.humanoid->poses) {
+    for (const double yaw_rad : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+      View view = Upright(scene);
+      view.gaze = {yaw_rad, 0.3};
+      view.humanoid = HumanoidStance{pose.angles, pose.hands, scene.body.stand_height_m};
+      view.humanoid->angles[kHeadYaw] = yaw_rad;
+      EXPECT_THAT(FacesIn(camera.Shoot(*scenery.value(), view)), SizeIs(0))
+          << pose.names[0] << " " << yaw_rad;
+    }
+  }
+}
+
 // A ball in an empty hall, and a head that looks about: it is where CameraInfo and the head say.
 RC_GTEST_PROP(HeadCameraProperty, ShowsAPointWhereCameraInfoAndTheHeadSayItIs, ()) {
   const auto within = [](int least, int most) { return *rc::gen::inRange(least, most) / 1000.0; };
