@@ -274,7 +274,7 @@ void Machine::Become(const Snapshot& saved, Time now) {
   const auto event = [this](const std::string& name) { return FindEvent(name).value_or(kNoEvent); };
   running_ = saved.running;
   mode_ = saved.mode;
-  current_ = state(saved.state);
+  SetCurrent(state(saved.state));
   ticks_ = saved.ticks;
   time_ = saved.time;
   step_ = saved.step;
