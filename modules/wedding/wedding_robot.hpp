@@ -42,7 +42,6 @@ class WeddingRobot : public FsmActuator, private Stage {
   Result<> BuildMachine(fsm::Machine& machine) override;
   void OpenTopics(transport::Endpoints& topics) override;
   Result<> SelfCheck() override;
-  void BeforeTick(Time now) override { show_.BeforeTick(now); }
   void AfterTick(Time /*now*/) override { show_.AfterTick(); }
   void OnPause() override { show_.Rest(Now(), EmergencyStopped()); }
   void OnResume() override { show_.Resume(Now()); }
