@@ -1,9 +1,12 @@
 // musher-wedding as a controller and a plain ROS 2-style program meet it: the real program on DDS,
 // driven through the topics of the show.
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -98,6 +101,21 @@ class WeddingProcess : public testing::Test {
   }
   void Face(double x = 0.5) { ASSERT_TRUE(target_->Publish({{{}, "camera"}, {x, 0.5, 1.5}})); }
   void Command(const std::string& word) { ASSERT_TRUE(command_->Publish({word})); }
+  // Runs the program as a person does; what it printed is in said_.
+  int Run(const std::vector<std::string>& words) {
+    exec::ChildSpec spec;
+    spec.argv = {MUSHER_BIN_DIR "/musher-wedding"};
+    spec.argv.insert(spec.argv.end(), words.begin(), words.end());
+    spec.cwd = peer_.folder().path();
+    const std::string output = peer_.folder() / "said";
+    const transport::UniqueFd file(
+        open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+    exec::Child child = exec::Child::Start(spec, keeper_, file.get()).value();
+    const bool ended = child.EndedBy(std::chrono::steady_clock::now() + std::chrono::seconds(20));
+    std::ifstream stream(output);
+    said_ = {std::istreambuf_iterator<char>(stream), {}};
+    return ended ? child.Reap().number : -1000;
+  }
   // Each state once, however often it was shown.
   std::vector<std::string> Changes() const {
     std::vector<std::string> changes = states_;
@@ -124,6 +142,8 @@ class WeddingProcess : public testing::Test {
     return transport::MakePublisher<M>(peer_.node(), topic).value();
   }
 
+  const exec::Keeper keeper_ = exec::Keeper::Start().value();
+  std::string said_;
   test::ActuatorPeer peer_{"wedding", kAllStates, "musher-wedding"};
   std::vector<std::string> states_;
   std::vector<std::string> poses_;
@@ -341,6 +361,41 @@ TEST_F(WeddingProcess, FailsItsSelfCheckInActiveWhenVisionHasFallenSilent) {
   ASSERT_TRUE(checked);
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
   EXPECT_THAT(checked.value().message, HasSubstr("camera: nothing was heard of"));
+}
+
+// --- its tools ---
+
+TEST_F(WeddingProcess, IsToldByHandWithoutRos) {
+  StartActive();
+  EXPECT_EQ(Run({"tell", "target", "0.5", "0.4", "--for", "0.3"}), 0) << said_;
+  ASSERT_TRUE(AwaitShown("TRACKING"));
+  EXPECT_EQ(Run({"tell", "command", "photo"}), 0) << said_;
+  ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
+  EXPECT_EQ(Run({"tell", "too-close", "true", "--json"}), 0) << said_;
+  EXPECT_EQ(said_, "{\"told\": true}\n");
+  ASSERT_TRUE(AwaitShown("SAFE_STOP"));
+  EXPECT_EQ(Run({"tell", "gesture"}), 2);
+  EXPECT_EQ(Run({"tell", "target", "left", "0.4"}), 2);
+}
+
+TEST_F(WeddingProcess, RecordsAndPlaysTheSameAgain) {
+  const std::string file = peer_.folder() / "show.toml";
+  const std::string record = peer_.folder() / "show.record";
+  StartActive(std::string(kFile) + "[record]\nfile = \"show.record\"\n");
+  ASSERT_TRUE(gesture_->Publish({"heart"}));
+  ASSERT_TRUE(AwaitWithFace("PHOTO_POSING"));
+  ASSERT_TRUE(AwaitWithFace("TRACKING"));
+  ExpectDone("LowPower");
+  ExpectDone("Active");
+  ASSERT_TRUE(AwaitWithFace("TRACKING"));
+  ExpectDone("TearDown");
+  ASSERT_EQ(peer_.AwaitExit(), 0);
+  EXPECT_EQ(Run({"replay", record, "--config", peer_.folder() / "wedding.toml"}), 0) << said_;
+  EXPECT_THAT(said_, HasSubstr("TRACKING -> PHOTO_POSING  decided"));
+  EXPECT_THAT(said_, HasSubstr("the same again"));
+  EXPECT_EQ(Run({"replay", record}), 1) << "photos of 6 s come to another history";
+  EXPECT_THAT(said_, HasSubstr("show.record:"));
+  EXPECT_EQ(Run({"replay", file}), 2) << "there is none";
 }
 
 TEST_F(WeddingProcess, ExplainsAFaultyFileAndEndsWithTwo) {
