@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "musher/application/behavior_report.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -85,6 +87,7 @@ class FsmActuator::Impl : public fsm::Listener {
     if (machine_->chart().start == fsm::kNoState) {
       return Error{kCodeFailed, "BuildMachine() has not called Build() of its machine"};
     }
+    for (const std::string& warning : machine_->warnings()) owner_.Log("warning: " + warning);
     return owner_.OpenEndpoints([this](transport::Endpoints& topics) {
       const auto wire = std::make_shared<Wire>();
       wire->clock = &topics.clock();
@@ -92,6 +95,10 @@ class FsmActuator::Impl : public fsm::Listener {
           topics.Tell<msg::String>(owner_.name() + "/behavior_state", transport::kLatchedQos);
       topics.Keep(wire);
       wire_ = wire;
+      topics.Serve<msg::GetBehavior>(owner_.name() + "/get_behavior",
+                                     [this](const auto& request, auto reply) {
+                                       reply(ReportBehavior(*machine_, ticking_, request));
+                                     });
       published_.reset();
       Publish();
       owner_.OpenTopics(topics);

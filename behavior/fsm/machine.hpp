@@ -56,6 +56,9 @@ struct Counts {
   friend bool operator==(const Counts&, const Counts&) = default;
 };
 
+struct Snapshot;  // snapshot.hpp
+struct SnapshotFault;
+
 class Machine {
  public:
   struct Options {
@@ -101,6 +104,13 @@ class Machine {
   void Pause();
   // Leaves the state for good.
   Result<> Stop();
+
+  // As it is between two ticks, by names. Fails, with the state, when one cannot persist itself.
+  Result<Snapshot> Save() const;
+  // Goes on from there, as if the last tick had been `now`. No state is entered. This machine is
+  // built like the one that was saved, and does not run. Gives all that is wrong with the snapshot;
+  // if anything is, nothing has changed.
+  [[nodiscard]] std::vector<SnapshotFault> Restore(const Snapshot& saved, Time now);
 
   // A command for the state to heed. Fails when nobody registered it, when too many wait, and when
   // the machine does not run.
@@ -164,9 +174,13 @@ class Machine {
     std::function<void(Archive&)> persist;
   };
   class Declaring;
+  class Restoring;
 
   void DeclareStates();
   void Judge(std::string_view start);
+  std::optional<std::size_t> FindCheck(std::string_view name) const;
+  Result<> SaveParts(Snapshot& saved) const;
+  void Become(const Snapshot& saved, Time now);
   Tick Now() const;
   void Advance(Time now);
   void Decide();

@@ -109,6 +109,7 @@ EventId Machine::AddEvent(std::string name, Urgency urgency) {
 
 void Machine::AddSafetyCheck(std::string name, std::function<bool(const Tick&)> is_safe) {
   assert(!built_ && is_safe);
+  if (FindCheck(name)) wrong_.push_back("safety check " + name + ": registered twice");
   checks_.push_back({std::move(name), std::move(is_safe)});
 }
 
@@ -202,6 +203,10 @@ std::optional<StateId> Machine::FindState(std::string_view name) const {
 
 std::optional<EventId> Machine::FindEvent(std::string_view name) const {
   return Find<EventId>(events_, name);
+}
+
+std::optional<std::size_t> Machine::FindCheck(std::string_view name) const {
+  return Find<std::size_t>(checks_, name);
 }
 
 std::string_view Machine::Name(StateId state) const {

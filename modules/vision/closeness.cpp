@@ -21,4 +21,10 @@ bool Closeness::OnPicture(std::int64_t stamp_ns, const std::vector<Sighting>& se
   return too_close();
 }
 
+std::set<int> Closeness::TooNear() const {
+  std::set<int> ids;
+  for (const auto& [id, unseen] : near_) ids.insert(id);
+  return ids;
+}
+
 }  // namespace musher::vision

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "musher/lifecycle/time.hpp"
@@ -40,6 +41,8 @@ class Closeness {
   bool OnPicture(std::int64_t stamp_ns, const std::vector<Sighting>& seen);
 
   bool too_close() const { return !near_.empty(); }
+  // Who has to be told from others until seen farther away.
+  std::set<int> TooNear() const;
 
  private:
   ClosenessRules rules_;

@@ -48,8 +48,9 @@ std::vector<Pair> Match(const std::vector<Track>& tracks, const std::vector<Face
 
 }  // namespace
 
-void FaceTracker::OnPicture(std::int64_t stamp_ns, const std::vector<FaceBox>& boxes) {
-  Forget(stamp_ns);
+void FaceTracker::OnPicture(std::int64_t stamp_ns, const std::vector<FaceBox>& boxes,
+                            const std::set<int>& kept) {
+  Forget(stamp_ns, kept);
   for (Track& track : tracks_) track.seen = false;
   std::vector<FaceBox> faces;
   std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(faces), [this](const FaceBox& box) {
@@ -79,8 +80,9 @@ void FaceTracker::OnPicture(std::int64_t stamp_ns, const std::vector<FaceBox>& b
   }
 }
 
-void FaceTracker::Forget(std::int64_t stamp_ns) {
+void FaceTracker::Forget(std::int64_t stamp_ns, const std::set<int>& kept) {
   std::erase_if(tracks_, [&](const Track& track) {
+    if (kept.contains(track.id)) return false;
     const Duration most = track.confirmed ? rules_.forget : rules_.confirm_within;
     return Duration(stamp_ns - track.last_ns) > most;
   });

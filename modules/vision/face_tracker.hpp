@@ -9,6 +9,7 @@
 // is of about its size. A number is never given twice.
 
 #include <cstdint>
+#include <set>
 #include <vector>
 
 #include "musher/lifecycle/time.hpp"
@@ -44,14 +45,16 @@ class FaceTracker {
  public:
   explicit FaceTracker(const TrackerRules& rules) : rules_(rules) {}
 
-  // What was found in a picture, of a later time than the one before.
-  void OnPicture(std::int64_t stamp_ns, const std::vector<FaceBox>& boxes);
+  // What was found in a picture, of a later time than the one before. Those with a number in `kept`
+  // are not forgotten.
+  void OnPicture(std::int64_t stamp_ns, const std::vector<FaceBox>& boxes,
+                 const std::set<int>& kept = {});
 
   // All that are remembered, the confirmed ones and the others, by id.
   const std::vector<Track>& tracks() const { return tracks_; }
 
  private:
-  void Forget(std::int64_t stamp_ns);
+  void Forget(std::int64_t stamp_ns, const std::set<int>& kept);
   void See(Track& track, const FaceBox& box, std::int64_t stamp_ns) const;
 
   TrackerRules rules_;

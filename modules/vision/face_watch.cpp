@@ -6,7 +6,7 @@ Sight FaceWatch::OnPicture(std::int64_t stamp_ns, const std::vector<FaceBox>& bo
                            const std::optional<Lens>& lens) {
   Sight sight;
   sight.stamp_ns = stamp_ns;
-  tracker_.OnPicture(stamp_ns, boxes);
+  tracker_.OnPicture(stamp_ns, boxes, near_.TooNear());
   std::vector<TargetChoice::Candidate> frontal;
   std::vector<Closeness::Sighting> distances;
   for (const Track& track : tracker_.tracks()) {

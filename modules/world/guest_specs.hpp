@@ -31,7 +31,7 @@ struct GuestAct {
   std::optional<double> speed_m_s;
   std::optional<GuestLook> look;
   std::optional<Gesture> gesture;
-  bool leave = false;  // walks to where it came from, and is gone there
+  bool leave = false;  // is gone when it gets to walk_to_m, else to where it came from
 };
 
 struct GuestSpec {

@@ -107,7 +107,7 @@ void Guests::Act(const GuestSpec& spec, const GuestAct& act, Guest& guest, Plan&
   if (act.look) plan.look = *act.look;
   if (act.gesture) guest.gesture = *act.gesture;
   if (act.walk_to_m) plan.walk_to_m = act.walk_to_m;
-  if (act.leave) plan.walk_to_m = spec.from_m;
+  if (act.leave && !act.walk_to_m) plan.walk_to_m = spec.from_m;
   if (act.walk_to_m || act.leave) plan.leaves = act.leave;
 }
 

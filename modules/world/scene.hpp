@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -13,6 +14,7 @@
 #include "musher/lifecycle/time.hpp"
 #include "musher/modules/world/color.hpp"
 #include "musher/modules/world/guest_specs.hpp"
+#include "musher/modules/world/humanoid_specs.hpp"
 #include "musher/modules/world/sensor_specs.hpp"
 
 namespace musher::world {
@@ -233,6 +235,7 @@ struct Scene {
   Ground ground;
   Lighting light;
   CameraSet cameras;
+  std::optional<HumanoidSpec> humanoid;  // else it has no joints and no head
   std::vector<GuestSpec> guests;
   Duration guests_repeat{};  // after which they come anew; zero: they do not
   std::string gesture_topic = "/wedding/perception/gesture";

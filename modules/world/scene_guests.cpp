@@ -113,10 +113,6 @@ class GuestReader {
     }
     act.gesture = reader.Choice("gesture", gestures);
     act.leave = reader.Bool("leave").value_or(false);
-    if (act.leave && act.walk_to_m) {
-      reader.Fault(reader.At("walk_to_m"), "walk_to_m",
-                   "expected none with leave: who leaves goes back to x_m, y_m");
-    }
     const Vector2 start = scene_.start.position_m;
     const double least_m = scene_.body.radius_m + kGuestRadiusM;
     if (act.walk_to_m && (*act.walk_to_m - start).norm() < least_m) {
@@ -180,7 +176,7 @@ void ReadGuests(TableReader& root, Findings& findings, Scene& scene) {
     if (const auto seconds = reader.Number("repeat_s", 0, kLongestS)) {
       scene.guests_repeat = FromSeconds(*seconds);
     }
-    if (const auto topic = reader.String("gesture_topic")) scene.gesture_topic = topic->text;
+    Set(scene.gesture_topic, keys::Topic(reader, "gesture_topic"));
   });
   GuestReader guests(findings, scene);
   keys::Each(root, "guest", findings, [&](TableReader& reader) { guests.Read(reader); });

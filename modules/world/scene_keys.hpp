@@ -70,6 +70,8 @@ std::optional<Eigen::Vector2d> Range(TableReader& reader, std::string_view key, 
 // x_m and y_m, both required.
 Eigen::Vector2d Center(TableReader& reader);
 std::string Name(TableReader& reader);
+// The name of a topic; with a slash before it whatever the namespace is.
+std::optional<std::string> Topic(TableReader& reader, std::string_view key);
 std::optional<Color> ReadColor(TableReader& reader, std::string_view key, Findings& findings);
 // The absolute path of a picture that can be read; `folder` is what it may be relative to.
 std::optional<std::string> PictureFile(TableReader& reader, std::string_view key,

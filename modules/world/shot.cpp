@@ -13,6 +13,7 @@ View ViewOf(const World& world, std::size_t index) {
   return {.body = world.body().pose(),
           .attitude = world.body().attitude(),
           .seed = NoiseSeed(world.scene(), index, world.now()),
+          .gaze = world.gaze(),
           .guests = world.guests()};
 }
 

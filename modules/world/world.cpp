@@ -37,6 +37,7 @@ World::World(Scene scene)
       body_(*scene_),
       battery_(scene_->battery),
       guests_(*scene_) {
+  if (scene_->humanoid) humanoid_.emplace(*scene_->humanoid);
   Record();
 }
 
@@ -57,6 +58,7 @@ Happenings World::Step() {
     happenings.said.push_back("the body bumped into something at " + At(body_.pose().position_m));
   }
   touching_ = body_.bumped();
+  if (humanoid_) humanoid_->Step(kStep);
   const Robot robot{body_.pose().position_m, scene_->body.radius_m, CameraPose(0).translation()};
   guests_.Step(*scene_, robot, now_, kStep);
   if (track_.IsDue(now_)) Record();
@@ -100,12 +102,20 @@ void World::SetFault(const FaultKind& fault, std::size_t motor) {
   body_.SetFault(fault, motor);
 }
 
+std::optional<std::string> World::SetPose(const std::string& name) {
+  return humanoid_ ? humanoid_->SetPose(name) : std::nullopt;
+}
+
+std::optional<std::string> World::LookAt(const Eigen::Vector2d& point) {
+  return humanoid_ ? humanoid_->LookAt(point) : std::nullopt;
+}
+
 void World::SetLight(int target, const Light& light) {
   track_.SetLight(target, light);
 }
 
 Eigen::Isometry3d World::CameraPose(std::size_t index) const {
-  return CameraInPlace(scene_->cameras.cameras.at(index), body_.pose(), body_.attitude());
+  return CameraInPlace(scene_->cameras.cameras.at(index), body_.pose(), body_.attitude(), gaze());
 }
 
 bool World::on_pad() const {

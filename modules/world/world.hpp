@@ -12,6 +12,7 @@
 #include "musher/modules/world/battery.hpp"
 #include "musher/modules/world/body.hpp"
 #include "musher/modules/world/guests.hpp"
+#include "musher/modules/world/humanoid.hpp"
 #include "musher/modules/world/scene.hpp"
 #include "musher/modules/world/track.hpp"
 
@@ -50,11 +51,16 @@ class World {
   // What others said, to be drawn: the machine's state, the colour of a light.
   void SetMachineState(const std::string& state) { machine_state_ = state; }
   void SetLight(int target, const Light& light);
+  // Of a humanoid; they say why when it is refused.
+  std::optional<std::string> SetPose(const std::string& name);
+  std::optional<std::string> LookAt(const Eigen::Vector2d& point);
 
   Duration now() const { return now_; }
   const Scene& scene() const { return *scene_; }
   const Body& body() const { return body_; }
   const Battery& battery() const { return battery_; }
+  const std::optional<Humanoid>& humanoid() const { return humanoid_; }
+  Gaze gaze() const { return humanoid_ ? humanoid_->gaze() : Gaze{}; }
   const std::vector<Guest>& guests() const { return guests_.all(); }
   // The frame of camera `index` in the place's.
   Eigen::Isometry3d CameraPose(std::size_t index) const;
@@ -71,6 +77,7 @@ class World {
   Chance chance_;
   Body body_;
   Battery battery_;
+  std::optional<Humanoid> humanoid_;
   Guests guests_;
   Supply supply_;
   std::size_t next_event_ = 0;
