@@ -1,23 +1,10 @@
-// musher-wedding as a controller and a plain ROS 2-style program meet it: the real program on DDS,
-// driven through the topics of the show.
+// musher-wedding as a controller and a plain ROS 2-style program meet it: driven through the topics
+// of the show.
 
-#include <fcntl.h>
-#include <gmock/gmock.h>
-
-#include <algorithm>
-#include <fstream>
-#include <iterator>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include "musher/messages/geometry_msgs/point_stamped.hpp"
+#include "musher/test/modules/wedding/wedding_process.hpp"
 #include "musher/messages/protocol/camera.hpp"
-#include "musher/messages/std_msgs/basic.hpp"
-#include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
-#include "musher/test/modules/actuator_peer.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
 namespace musher::wedding {
@@ -27,135 +14,6 @@ using msg::ActuatorCommand;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
-                                             "Active",   "DeActive", "Protected",
-                                             "LowPower", "OTA",      "Error"};
-
-// A show whose photos take half a second.
-constexpr const char* kFile = R"(
-[check]
-time_ms = 5000
-[photo]
-confirm_ms = 100
-pose_ms = 100
-countdown_ms = 200
-shutter_ms = 100
-[farewell]
-time_ms = 200
-[safe_stop]
-clear_ms = 300
-)";
-
-class WeddingProcess : public testing::Test {
- protected:
-  // The body, the voice and the eyes of the robot, and a person with a terminal.
-  void SetUp() override {
-    Hear("wedding/fsm/state", states_);
-    Hear("wedding/motion/pose", poses_);
-    Hear("wedding/audio/play", sounds_);
-    subscriptions_.push_back(
-        transport::MakeSubscription<msg::PointStamped>(
-            peer_.node(), "wedding/motion/look_at",
-            [this](const msg::PointStamped& look, const auto&) { looks_.push_back(look); })
-            .value());
-    target_ = Publisher<msg::PointStamped>("wedding/perception/target");
-    too_close_ = Publisher<msg::Bool>("wedding/perception/too_close");
-    gesture_ = Publisher<msg::String>("wedding/perception/gesture");
-    command_ = Publisher<msg::String>("wedding/fsm/command");
-    voice_ = Publisher<msg::String>("wedding/audio/voice_command");
-  }
-  void Start(const std::string& file = kFile) {
-    peer_.Start(file);
-    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
-    ASSERT_TRUE(peer_.Until([&] {
-      return target_->MatchedReaders() == 1 && too_close_->MatchedReaders() == 1 &&
-             gesture_->MatchedReaders() == 1 && command_->MatchedReaders() == 1 &&
-             voice_->MatchedReaders() == 1 &&
-             std::ranges::all_of(subscriptions_,
-                                 [](const auto& heard) { return heard->MatchedWriters() == 1; });
-    })) << peer_.Output();
-  }
-  void StartActive(const std::string& file = kFile) {
-    Start(file);
-    ExpectDone("Active");
-    ASSERT_TRUE(AwaitShown("IDLE"));
-  }
-  void ExpectDone(const State& state) {
-    const auto done = peer_.Switch(state);
-    ASSERT_TRUE(done) << state;
-    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone)
-        << state << ": " << done.value().message << peer_.Output();
-  }
-  // A guest stands there, seen ten times a second, until the show is in `state`.
-  bool AwaitWithFace(const std::string& state) {
-    const auto again = peer_.node().loop().Every(Milliseconds(100), [this] { Face(); });
-    Face();
-    return AwaitShown(state);
-  }
-  bool AwaitShown(const std::string& state) {
-    return peer_.Until([&] { return !states_.empty() && states_.back() == state; });
-  }
-  bool AwaitPose(const std::string& pose) {
-    return peer_.Until([&] { return !poses_.empty() && poses_.back() == pose; });
-  }
-  void Face(double x = 0.5) { ASSERT_TRUE(target_->Publish({{{}, "camera"}, {x, 0.5, 1.5}})); }
-  void Command(const std::string& word) { ASSERT_TRUE(command_->Publish({word})); }
-  // Runs the program as a person does; what it printed is in said_.
-  int Run(const std::vector<std::string>& words) {
-    exec::ChildSpec spec;
-    spec.argv = {MUSHER_BIN_DIR "/musher-wedding"};
-    spec.argv.insert(spec.argv.end(), words.begin(), words.end());
-    spec.cwd = peer_.folder().path();
-    const std::string output = peer_.folder() / "said";
-    const transport::UniqueFd file(
-        open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
-    exec::Child child = exec::Child::Start(spec, keeper_, file.get()).value();
-    const bool ended = child.EndedBy(std::chrono::steady_clock::now() + std::chrono::seconds(20));
-    std::ifstream stream(output);
-    said_ = {std::istreambuf_iterator<char>(stream), {}};
-    return ended ? child.Reap().number : -1000;
-  }
-  // Each state once, however often it was shown.
-  std::vector<std::string> Changes() const {
-    std::vector<std::string> changes = states_;
-    changes.erase(std::unique(changes.begin(), changes.end()), changes.end());
-    return changes;
-  }
-  template <msg::Service S>
-  typename S::Response Call(const std::string& name, const typename S::Request& request) {
-    const auto client = transport::MakeClient<S>(peer_.node(), name).value();
-    std::optional<Result<typename S::Response>> answer;
-    client->Call(request, std::chrono::seconds(20), [&](auto reply) { answer = reply; });
-    EXPECT_TRUE(peer_.Until([&] { return answer.has_value(); }));
-    return answer->value();
-  }
-  void Hear(const std::string& topic, std::vector<std::string>& words) {
-    subscriptions_.push_back(
-        transport::MakeSubscription<msg::String>(
-            peer_.node(), topic,
-            [&words](const msg::String& word, const auto&) { words.push_back(word.data); })
-            .value());
-  }
-  template <msg::Message M>
-  std::unique_ptr<transport::Publisher<M>> Publisher(const std::string& topic) {
-    return transport::MakePublisher<M>(peer_.node(), topic).value();
-  }
-
-  const exec::Keeper keeper_ = exec::Keeper::Start().value();
-  std::string said_;
-  test::ActuatorPeer peer_{"wedding", kAllStates, "musher-wedding"};
-  std::vector<std::string> states_;
-  std::vector<std::string> poses_;
-  std::vector<std::string> sounds_;
-  std::vector<msg::PointStamped> looks_;
-  std::unique_ptr<transport::Publisher<msg::PointStamped>> target_;
-  std::unique_ptr<transport::Publisher<msg::Bool>> too_close_;
-  std::unique_ptr<transport::Publisher<msg::String>> gesture_;
-  std::unique_ptr<transport::Publisher<msg::String>> command_;
-  std::unique_ptr<transport::Publisher<msg::String>> voice_;
-  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
-};
 
 TEST_F(WeddingProcess, PlaysTheShowFromGreetingOverPhotoToFarewell) {
   StartActive();
@@ -309,6 +167,8 @@ TEST_F(WeddingProcess, BeginsInIdleAndNeutralAfterItWasKilledInAPose) {
   ASSERT_TRUE(gesture_->Publish({"v"}));
   ASSERT_TRUE(AwaitWithFace("PHOTO_POSING"));
   ASSERT_TRUE(AwaitPose("v_sign"));
+  // So that the status of its successor is known from its own.
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
   peer_.Signal(SIGKILL);
   ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
   ASSERT_TRUE(peer_.Until([&] { return subscriptions_.front()->MatchedWriters() == 0; }));
@@ -361,41 +221,6 @@ TEST_F(WeddingProcess, FailsItsSelfCheckInActiveWhenVisionHasFallenSilent) {
   ASSERT_TRUE(checked);
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
   EXPECT_THAT(checked.value().message, HasSubstr("camera: nothing was heard of"));
-}
-
-// --- its tools ---
-
-TEST_F(WeddingProcess, IsToldByHandWithoutRos) {
-  StartActive();
-  EXPECT_EQ(Run({"tell", "target", "0.5", "0.4", "--for", "0.3"}), 0) << said_;
-  ASSERT_TRUE(AwaitShown("TRACKING"));
-  EXPECT_EQ(Run({"tell", "command", "photo"}), 0) << said_;
-  ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
-  EXPECT_EQ(Run({"tell", "too-close", "true", "--json"}), 0) << said_;
-  EXPECT_EQ(said_, "{\"told\": true}\n");
-  ASSERT_TRUE(AwaitShown("SAFE_STOP"));
-  EXPECT_EQ(Run({"tell", "gesture"}), 2);
-  EXPECT_EQ(Run({"tell", "target", "left", "0.4"}), 2);
-}
-
-TEST_F(WeddingProcess, RecordsAndPlaysTheSameAgain) {
-  const std::string file = peer_.folder() / "show.toml";
-  const std::string record = peer_.folder() / "show.record";
-  StartActive(std::string(kFile) + "[record]\nfile = \"show.record\"\n");
-  ASSERT_TRUE(gesture_->Publish({"heart"}));
-  ASSERT_TRUE(AwaitWithFace("PHOTO_POSING"));
-  ASSERT_TRUE(AwaitWithFace("TRACKING"));
-  ExpectDone("LowPower");
-  ExpectDone("Active");
-  ASSERT_TRUE(AwaitWithFace("TRACKING"));
-  ExpectDone("TearDown");
-  ASSERT_EQ(peer_.AwaitExit(), 0);
-  EXPECT_EQ(Run({"replay", record, "--config", peer_.folder() / "wedding.toml"}), 0) << said_;
-  EXPECT_THAT(said_, HasSubstr("TRACKING -> PHOTO_POSING  decided"));
-  EXPECT_THAT(said_, HasSubstr("the same again"));
-  EXPECT_EQ(Run({"replay", record}), 1) << "photos of 6 s come to another history";
-  EXPECT_THAT(said_, HasSubstr("show.record:"));
-  EXPECT_EQ(Run({"replay", file}), 2) << "there is none";
 }
 
 TEST_F(WeddingProcess, ExplainsAFaultyFileAndEndsWithTwo) {
