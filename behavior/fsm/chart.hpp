@@ -12,7 +12,7 @@ namespace musher::fsm {
 enum class Role {
   kNormal,
   kSafe,   // where the machine goes when something is unsafe or fails; one of a machine
-  kFinal,  // left by nothing but a force or a reset
+  kFinal,  // the end: decides nothing more; left by a force or a reset, and for the safe state
 };
 
 // One way from a state to another, as the state declared it.

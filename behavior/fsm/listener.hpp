@@ -43,6 +43,20 @@ struct Fault {
   Phase phase = Phase::kRun;
   Duration at{};
   std::string what;
+  // The path of the state, "SHOW/PHOTO". Phase and words are those of the innermost state, when a
+  // machine inside stopped by a fault of its own.
+  std::string where;
+};
+
+// What comes into a machine from outside. What the states are given and these, in their order,
+// decide all that it does.
+struct Input {
+  enum class Kind : std::uint8_t { kStart, kTick, kPause, kCommand, kForce, kReset, kStop };
+
+  Kind kind = Kind::kTick;
+  Time time{};                 // of kStart and kTick
+  EventId command = kNoEvent;  // of kCommand
+  StateId state = kNoState;    // of kStart and kForce
 };
 
 class Machine;
@@ -50,11 +64,14 @@ class Machine;
 class Listener {
  public:
   virtual ~Listener() = default;
+  // Before it takes effect. Of commands, also of one that will find no room; not of one that a
+  // state or a listener sends.
+  virtual void OnInput(const Machine& /*machine*/, const Input& /*input*/) {}
   // The machine is in its new state, whose OnEnter comes next.
   virtual void OnChange(const Machine& /*machine*/, const Change& /*change*/) {}
   // A command came to nothing in this state.
   virtual void OnUnheeded(const Machine& /*machine*/, EventId /*command*/, StateId /*state*/) {}
-  // Before the machine goes to its safe state.
+  // Before the machine goes to its safe state or stops.
   virtual void OnFault(const Machine& /*machine*/, const Fault& /*fault*/) {}
 };
 

@@ -2,9 +2,10 @@
 
 #include "musher/behavior/fsm/machine.hpp"
 
-#include <algorithm>
 #include <exception>
 #include <utility>
+
+#include "musher/behavior/fsm/nested.hpp"
 
 namespace musher::fsm {
 namespace {
@@ -25,6 +26,17 @@ Error Refusal(const std::string& machine, const char* why) {
   return {kCodeFailed, machine + ": " + why};
 }
 
+// Of the exception that is being handled.
+std::string WhatWasThrown() {
+  try {
+    throw;
+  } catch (const std::exception& thrown) {
+    return thrown.what();
+  } catch (...) {
+    return "threw something that is no std::exception";
+  }
+}
+
 constexpr const char* kInTick = "a state or a listener cannot change the machine; it may Send()";
 
 }  // namespace
@@ -35,19 +47,22 @@ bool Machine::Guard(Phase phase, Call&& call) {
   try {
     call();
     return true;
-  } catch (const std::exception& thrown) {
-    Fail(phase, thrown.what());
+  } catch (const InnerFault& inner) {
+    Fail(inner.fault().phase, inner.fault().what, inner.fault().where);
   } catch (...) {
-    Fail(phase, "threw something that is no std::exception");
+    Fail(phase, WhatWasThrown());
   }
   return false;
 }
 
+// By index: a listener may forget itself or bring another, who hears of what comes next.
 template <class Call>
 void Machine::TellAll(Call&& call) {
-  for (Listener* listener : listeners_) {
+  const std::size_t count = listeners_.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (listeners_[i] == nullptr) continue;
     try {
-      call(*listener);
+      call(*listeners_[i]);
     } catch (...) {
       ++counts_.listener_faults;
     }
@@ -70,11 +85,17 @@ void Machine::Advance(Time now) {
   time_ += step_;
 }
 
-Result<> Machine::Start(Time now) {
+void Machine::TellInput(const Input& input) {
+  TellAll([&](Listener& listener) { listener.OnInput(*this, input); });
+}
+
+Result<> Machine::StartAt(StateId state, Time now) {
   if (in_tick_) return Refusal(name(), kInTick);
   if (!built_) return Refusal(name(), "cannot start before Build() has succeeded");
   if (running_) return Refusal(name(), "runs already");
+  if (Index(state) >= nodes_.size()) return Refusal(name(), "has no such state");
   const InTick guard(in_tick_);
+  TellInput({.kind = Input::Kind::kStart, .time = now, .state = state});
   running_ = true;
   ticks_ = 0;
   time_ = step_ = entered_ = {};
@@ -83,13 +104,21 @@ Result<> Machine::Start(Time now) {
   unsafe_ = checks_.size();
   history_.Clear();
   fault_.reset();
-  Enter(chart_.start, Cause::kStarted, kNoEvent);
-  return Reached(chart_.start);
+  Enter(state, Cause::kStarted, kNoEvent);
+  return Reached(state);
+}
+
+void Machine::Pause() {
+  if (in_tick_ || !running_) return;
+  const InTick guard(in_tick_);
+  TellInput({.kind = Input::Kind::kPause});
+  last_tick_.reset();
 }
 
 void Machine::RunOnce(Time now) {
   if (!running_ || in_tick_) return;
   const InTick guard(in_tick_);
+  TellInput({.kind = Input::Kind::kTick, .time = now});
   Advance(now);
   ++ticks_;
   if (!IsSafe()) return;
@@ -101,15 +130,22 @@ void Machine::RunOnce(Time now) {
   if (running_) IsSafe();
 }
 
-// Whether every check is well. Goes to the safe state when one is not.
+// Whether every check is well. Goes to the safe state when one is not, or cannot tell.
 bool Machine::IsSafe() {
   for (std::size_t i = 0; i < checks_.size(); ++i) {
-    bool safe = true;
-    if (!Guard(Phase::kSafetyCheck, [&] { safe = checks_[i].is_safe(Now()); })) return false;
+    bool safe = false;
+    std::optional<std::string> thrown;
+    try {
+      safe = checks_[i].is_safe(Now());
+    } catch (...) {
+      thrown = WhatWasThrown();
+    }
     if (safe) continue;
+    const bool news = unsafe_ != i;
     unsafe_ = i;
+    if (thrown && news) Note(Phase::kSafetyCheck, checks_[i].name + ": " + *thrown);
     if (mode_ == Mode::kSafeStop) return true;  // is there; its state goes on
-    Switch(safe_, Cause::kUnsafe, kNoEvent);
+    Switch(safe_, thrown ? Cause::kFault : Cause::kUnsafe, kNoEvent);
     return false;
   }
   if (mode_ == Mode::kSafeStop) unsafe_ = checks_.size();
@@ -123,8 +159,9 @@ void Machine::Decide() {
   if (!Guard(Phase::kCheck, [&] { next = state(current_).CheckTransition(tick); })) return;
   // Not out of the safe state while a check fails.
   const bool held = mode_ == Mode::kSafeStop && unsafe_ != checks_.size();
+  if (next.keeps()) GiveBack(std::exchange(tick.command, kNoEvent));
   if (!next.stays() && !held) return Begin(next, tick.command);
-  if (tick.command != kNoEvent) Unheeded(tick.command);
+  if (tick.command != kNoEvent && !(next.stays() && next.heeds())) Unheeded(tick.command);
   Guard(Phase::kRun, [&] { state(current_).Run(tick); });
 }
 
@@ -172,13 +209,19 @@ void Machine::Enter(StateId target, Cause cause, EventId command) {
   Guard(Phase::kEnter, [&] { state(current_).OnEnter(Now()); });
 }
 
+void Machine::Note(Phase phase, std::string what, const std::string& inner) {
+  ++counts_.faults;
+  std::string where(Name(current_));
+  if (!inner.empty()) where += "/" + inner;
+  fault_ = Fault{current_, phase, time_, std::move(what), std::move(where)};
+  TellAll([&](Listener& listener) { listener.OnFault(*this, *fault_); });
+}
+
 // The current state failed. It is left for the safe one; where that has failed, or there is none,
 // the machine stops.
-void Machine::Fail(Phase phase, std::string what) {
-  ++counts_.faults;
-  fault_ = Fault{current_, phase, time_, std::move(what)};
-  TellAll([&](Listener& listener) { listener.OnFault(*this, *fault_); });
-  if (safe_ == kNoState || current_ == safe_) return Halt();
+void Machine::Fail(Phase phase, std::string what, const std::string& inner) {
+  Note(phase, std::move(what), inner);
+  if (safe_ == kNoState || current_ == safe_) return Halt(Cause::kFault);
   if (phase != Phase::kEnter && phase != Phase::kExit) {
     try {
       state(current_).OnExit(Now());
@@ -189,10 +232,10 @@ void Machine::Fail(Phase phase, std::string what) {
   Enter(safe_, Cause::kFault, kNoEvent);
 }
 
-void Machine::Halt() {
-  const Change change{time_, ticks_, current_, kNoState, kNoEvent, Cause::kFault};
+void Machine::Halt(Cause cause) {
+  const Change change{time_, ticks_, current_, kNoState, kNoEvent, cause};
   running_ = false;
-  mode_ = Mode::kSafeStop;
+  mode_ = cause == Cause::kFault ? Mode::kSafeStop : Mode::kNormal;
   current_ = target_ = kNoState;
   Remember(change);
 }
@@ -201,22 +244,18 @@ Result<> Machine::Stop() {
   if (in_tick_) return Refusal(name(), kInTick);
   if (!running_) return Ok();
   const InTick guard(in_tick_);
+  TellInput({.kind = Input::Kind::kStop});
+  bool left = false;
   try {
     state(current_).OnExit(Now());
-  } catch (const std::exception& thrown) {
-    ++counts_.faults;
-    fault_ = Fault{current_, Phase::kExit, time_, thrown.what()};
+    left = true;
+  } catch (const InnerFault& inner) {
+    Note(inner.fault().phase, inner.fault().what, inner.fault().where);
   } catch (...) {
-    ++counts_.faults;
-    fault_ = Fault{current_, Phase::kExit, time_, "threw something that is no std::exception"};
+    Note(Phase::kExit, WhatWasThrown());
   }
-  const Change change{time_, ticks_, current_, kNoState, kNoEvent, Cause::kStopped};
-  running_ = false;
-  mode_ = Mode::kNormal;
-  current_ = target_ = kNoState;
-  Remember(change);
-  TellAll([&](Listener& listener) { listener.OnChange(*this, change); });
-  return Ok();
+  Halt(Cause::kStopped);
+  return left ? Ok() : Failure();
 }
 
 Result<> Machine::Force(StateId target) {
@@ -224,6 +263,7 @@ Result<> Machine::Force(StateId target) {
   if (!running_) return Refusal(name(), "does not run");
   if (Index(target) >= nodes_.size()) return Refusal(name(), "has no such state");
   const InTick guard(in_tick_);
+  TellInput({.kind = Input::Kind::kForce, .state = target});
   Switch(target, Cause::kForced, kNoEvent);
   return Reached(target);
 }
@@ -232,6 +272,7 @@ Result<> Machine::Reset() {
   if (in_tick_) return Refusal(name(), kInTick);
   if (!running_) return Refusal(name(), "does not run");
   const InTick guard(in_tick_);
+  TellInput({.kind = Input::Kind::kReset});
   first_command_ = waiting_ = 0;
   fault_.reset();
   Switch(chart_.start, Cause::kReset, kNoEvent);
@@ -239,12 +280,20 @@ Result<> Machine::Reset() {
 }
 
 Result<> Machine::Reached(StateId target) const {
-  if (current_ == target) return Ok();
-  return Error{kCodeFailed, name() + ": " + Describe(*fault_)};
+  return current_ == target ? Ok() : Failure();
+}
+
+Error Machine::Failure() const {
+  return {kCodeFailed, name() + ": " + Describe(*fault_)};
 }
 
 Result<> Machine::Send(EventId event) {
   if (Index(event) >= events_.size()) return Refusal(name(), "has no such event");
+  if (!running_) return Refusal(name(), "does not run");
+  if (!in_tick_) {  // what a state or a listener sends is no input from outside
+    const InTick guard(in_tick_);
+    TellInput({.kind = Input::Kind::kCommand, .command = event});
+  }
   if (events_[Index(event)].urgency == Urgency::kUrgent) {
     counts_.superseded += waiting_;
     waiting_ = 0;
@@ -265,6 +314,21 @@ EventId Machine::TakeCommand() {
   first_command_ = first_command_ + 1 == commands_.size() ? 0 : first_command_ + 1;
   --waiting_;
   return event;
+}
+
+// To the front again, where it was, unless what was sent meanwhile is urgent or has filled the
+// room.
+void Machine::GiveBack(EventId event) {
+  if (event == kNoEvent) return;
+  const bool swept =
+      waiting_ > 0 && events_[Index(commands_[first_command_])].urgency == Urgency::kUrgent;
+  if (swept || waiting_ == commands_.size()) {
+    ++counts_.superseded;
+    return;
+  }
+  first_command_ = (first_command_ == 0 ? commands_.size() : first_command_) - 1;
+  commands_[first_command_] = event;
+  ++waiting_;
 }
 
 void Machine::Unheeded(EventId command) {

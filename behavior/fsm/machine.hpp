@@ -13,9 +13,10 @@
 //   ... each 20 ms: machine.RunOnce(now);
 //
 // Modes: Normal; Transitioning while a gradual transition goes on; SafeStop while it is in its safe
-// state. A safety check that fails, or a state that throws, breaks every promise or goes where it
-// did not declare to go, leads to the safe state in the same tick, and out of it only when the safe
-// state decides so and every check is well again. A safe state that fails itself stops the machine.
+// state. A safety check that fails or throws, or a state that throws, does not end a transition or
+// goes where it did not declare to go, leads to the safe state in the same tick, and out of it only
+// when the safe state decides so and every check is well again. A safe state that fails itself
+// stops the machine.
 //
 // A tick makes at most one transition. It allocates nothing, locks nothing and reads no clock.
 //
@@ -51,7 +52,12 @@ struct Counts {
   std::uint64_t refused = 0;     // commands that found no room
   std::uint64_t faults = 0;
   std::uint64_t listener_faults = 0;
+
+  friend bool operator==(const Counts&, const Counts&) = default;
 };
+
+struct Snapshot;  // snapshot.hpp
+struct SnapshotFault;
 
 class Machine {
  public:
@@ -76,23 +82,38 @@ class Machine {
   // `is_safe` is asked at the beginning and at the end of each tick; false leads to the safe state.
   void AddSafetyCheck(std::string name, std::function<bool(const Tick&)> is_safe);
 
-  // Asks the states what they declare, and judges the whole. Fails with every fault of it, a line
-  // each; the machine cannot be started then.
+  // What the states share, to be saved and restored with them. See archive.hpp.
+  void AddData(std::string name, std::function<void(Archive&)> persist);
+
+  // Asks the states what they declare, and judges the whole (check.hpp). Fails with every fault of
+  // it, a line each; the machine cannot be started then.
   Result<> Build(std::string_view start);
+  // What it found that may be meant, a line each; see check.hpp.
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
   // --- its life ---
 
   // Enters the start state. Also again, after Stop(): with no commands and an empty history. Like
   // the other calls that change the state it fails, with the fault, when a state failed by it.
-  Result<> Start(Time now);
+  Result<> Start(Time now) { return StartAt(chart_.start, now); }
+  // The same, in a state of your choice.
+  Result<> StartAt(StateId state, Time now);
   // Does nothing while the machine is not running. A time before the last one counts as no time.
   void RunOnce(Time now);
   // The time until the next tick does not count.
-  void Pause() { last_tick_.reset(); }
+  void Pause();
   // Leaves the state for good.
   Result<> Stop();
 
-  // A command for the state to heed. Fails when nobody registered it, or when too many wait.
+  // As it is between two ticks, by names. Fails, with the state, when one cannot persist itself.
+  Result<Snapshot> Save() const;
+  // Goes on from there, as if the last tick had been `now`. No state is entered. This machine is
+  // built like the one that was saved, and does not run. Gives all that is wrong with the snapshot;
+  // if anything is, nothing has changed.
+  [[nodiscard]] std::vector<SnapshotFault> Restore(const Snapshot& saved, Time now);
+
+  // A command for the state to heed. Fails when nobody registered it, when too many wait, and when
+  // the machine does not run.
   Result<> Send(EventId event);
   Result<> Send(std::string_view event);
   // At once, whether declared or not; waiting commands stay.
@@ -101,7 +122,7 @@ class Machine {
   // Forces the start state and sweeps commands away.
   Result<> Reset();
 
-  // `listener` outlives the machine, or is taken away. Not in a tick.
+  // `listener` outlives the machine, or is taken away. Both may be called by a listener.
   void Listen(Listener* listener);
   void Forget(Listener* listener);
 
@@ -128,8 +149,9 @@ class Machine {
   std::optional<EventId> FindEvent(std::string_view name) const;
   // "SHOW/PHOTO" where a state holds a machine.
   std::string Path() const;
-  // "IDLE: OnEnter: ..." of a fault.
+  // "SHOW/PHOTO: OnEnter: ..." of a fault.
   std::string Describe(const Fault& fault) const;
+  std::size_t event_count() const { return events_.size(); }
   // As it was built.
   const Chart& chart() const { return chart_; }
 
@@ -147,10 +169,18 @@ class Machine {
     std::string name;
     std::function<bool(const Tick&)> is_safe;
   };
+  struct Data {
+    std::string name;
+    std::function<void(Archive&)> persist;
+  };
   class Declaring;
+  class Restoring;
 
   void DeclareStates();
   void Judge(std::string_view start);
+  std::optional<std::size_t> FindCheck(std::string_view name) const;
+  Result<> SaveParts(Snapshot& saved) const;
+  void Become(const Snapshot& saved, Time now);
   Tick Now() const;
   void Advance(Time now);
   void Decide();
@@ -159,12 +189,16 @@ class Machine {
   void Enter(StateId target, Cause cause, EventId command);
   void Switch(StateId target, Cause cause, EventId command);
   bool IsSafe();
-  void Fail(Phase phase, std::string what);
-  void Halt();
+  void Note(Phase phase, std::string what, const std::string& inner = {});
+  void Fail(Phase phase, std::string what, const std::string& inner = {});
+  void Halt(Cause cause);
   bool Declared(StateId from, StateId to) const;
   Result<> Reached(StateId target) const;
+  Error Failure() const;
   EventId TakeCommand();
+  void GiveBack(EventId command);
   void Unheeded(EventId command);
+  void TellInput(const Input& input);
   void Remember(const Change& change);
   template <class Call>
   bool Guard(Phase phase, Call&& call);
@@ -176,7 +210,9 @@ class Machine {
   std::vector<Node> nodes_;
   std::vector<Event> events_;
   std::vector<SafetyCheck> checks_;
-  std::vector<std::string> wrong_;  // found while it was registered
+  std::vector<Data> data_;
+  std::vector<std::string> wrong_;  // found so far
+  std::vector<std::string> warnings_;
   Chart chart_;
   std::vector<std::uint64_t> declared_;  // a bit for each pair of states
   std::size_t row_ = 0;                  // words of one state in it
@@ -200,7 +236,7 @@ class Machine {
   std::vector<EventId> commands_;  // a ring
   std::size_t first_command_ = 0;
   std::size_t waiting_ = 0;
-  std::vector<Listener*> listeners_;
+  std::vector<Listener*> listeners_;  // null: forgotten while they were being told
   History history_;
   std::optional<Fault> fault_;
   Counts counts_;

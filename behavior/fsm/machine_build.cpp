@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <utility>
 
+#include "musher/behavior/fsm/check.hpp"
 #include "musher/behavior/fsm/machine.hpp"
 #include "musher/lifecycle/suggest.hpp"
 
@@ -25,6 +27,15 @@ std::string Unknown(std::string_view kind, std::string_view name, const Things& 
   const std::string near = Nearest(name, names);
   return "there is no " + std::string(kind) + " " + std::string(name) +
          (near.empty() ? "" : "; did you mean " + near + "?");
+}
+
+// Names stand in paths ("SHOW/PHOTO") and in lines of text.
+std::optional<std::string> NameFault(const std::string& kind, const std::string& name) {
+  if (name.empty()) return (kind == "event" ? "an " : "a ") + kind + " has no name";
+  const bool plain = std::ranges::all_of(
+      name, [](char c) { return c != '/' && c != 0x7f && static_cast<unsigned char>(c) >= 0x20; });
+  if (plain) return std::nullopt;
+  return kind + " " + name + ": a name has no slash and no control characters";
 }
 
 }  // namespace
@@ -50,8 +61,15 @@ class Machine::Declaring : public Ways {
     if (!found) Refuse(Unknown("event", event, machine_.events_));
     return found.value_or(kNoEvent);
   }
+  std::optional<EventId> Find(std::string_view event) const override {
+    return machine_.FindEvent(event);
+  }
+  // Of several lines each becomes one of this state.
   void Refuse(std::string_view why) override {
-    machine_.wrong_.push_back(std::string(machine_.Name(state_)) + ": " + std::string(why));
+    const std::size_t end = why.find('\n');
+    const std::string state(machine_.Name(state_));
+    machine_.wrong_.push_back(state + ": " + std::string(why.substr(0, end)));
+    if (end != std::string_view::npos) Refuse(why.substr(end + 1));
   }
 
  private:
@@ -69,7 +87,7 @@ Machine::~Machine() = default;
 
 StateId Machine::Add(std::string name, std::unique_ptr<State> state, Role role) {
   assert(!built_ && state != nullptr);
-  if (name.empty()) wrong_.emplace_back("a state has no name");
+  if (const auto fault = NameFault("state", name)) wrong_.push_back(*fault);
   if (FindState(name)) wrong_.push_back(name + ": registered twice");
   if (role == Role::kSafe && safe_ != kNoState) {
     wrong_.push_back(name + ": a second safe state; " + std::string(Name(safe_)) + " is one");
@@ -83,6 +101,7 @@ StateId Machine::Add(std::string name, std::unique_ptr<State> state, Role role) 
 
 EventId Machine::AddEvent(std::string name, Urgency urgency) {
   assert(!built_);
+  if (const auto fault = NameFault("event", name)) wrong_.push_back(*fault);
   if (FindEvent(name)) wrong_.push_back("event " + name + ": registered twice");
   events_.push_back({std::move(name), urgency});
   return static_cast<EventId>(events_.size() - 1);
@@ -90,7 +109,14 @@ EventId Machine::AddEvent(std::string name, Urgency urgency) {
 
 void Machine::AddSafetyCheck(std::string name, std::function<bool(const Tick&)> is_safe) {
   assert(!built_ && is_safe);
+  if (FindCheck(name)) wrong_.push_back("safety check " + name + ": registered twice");
   checks_.push_back({std::move(name), std::move(is_safe)});
+}
+
+void Machine::AddData(std::string name, std::function<void(Archive&)> persist) {
+  assert(!built_ && persist);
+  if (Find<std::size_t>(data_, name)) wrong_.push_back("data " + name + ": registered twice");
+  data_.push_back({std::move(name), std::move(persist)});
 }
 
 void Machine::DeclareStates() {
@@ -99,7 +125,11 @@ void Machine::DeclareStates() {
   chart_ = {.name = options_.name, .states = {}, .ways = {}, .start = kNoState};
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     Declaring ways(*this, static_cast<StateId>(i));
-    nodes_[i].state->Declare(ways);
+    try {
+      nodes_[i].state->Declare(ways);
+    } catch (const std::exception& thrown) {
+      ways.Refuse(std::string("Declare: ") + thrown.what());
+    }
     const Machine* inside = nodes_[i].state->inside();
     chart_.states.push_back({nodes_[i].name, nodes_[i].role, {}});
     if (inside != nullptr) chart_.states.back().inside.push_back(inside->chart());
@@ -116,6 +146,11 @@ void Machine::Judge(std::string_view start) {
   }
   if (!checks_.empty() && safe_ == kNoState) {
     wrong_.push_back("the safety check " + checks_.front().name + " has no safe state to go to");
+  }
+  if (!wrong_.empty()) return;  // what is missing would look like dead ends
+  for (const Problem& problem : Check(chart_)) {
+    auto& lines = problem.severity == Severity::kError ? wrong_ : warnings_;
+    lines.push_back(problem.where + ": " + problem.what);
   }
 }
 
@@ -153,13 +188,13 @@ Result<> Machine::Force(std::string_view target) {
 }
 
 void Machine::Listen(Listener* listener) {
-  assert(!in_tick_ && listener != nullptr);
+  assert(listener != nullptr);
   listeners_.push_back(listener);
 }
 
 void Machine::Forget(Listener* listener) {
-  assert(!in_tick_);
-  std::erase(listeners_, listener);
+  std::ranges::replace(listeners_, listener, nullptr);
+  if (!in_tick_) std::erase(listeners_, nullptr);
 }
 
 std::optional<StateId> Machine::FindState(std::string_view name) const {
@@ -168,6 +203,10 @@ std::optional<StateId> Machine::FindState(std::string_view name) const {
 
 std::optional<EventId> Machine::FindEvent(std::string_view name) const {
   return Find<EventId>(events_, name);
+}
+
+std::optional<std::size_t> Machine::FindCheck(std::string_view name) const {
+  return Find<std::size_t>(checks_, name);
 }
 
 std::string_view Machine::Name(StateId state) const {
@@ -184,14 +223,13 @@ std::string_view Machine::unsafe() const {
 
 std::string Machine::Path() const {
   if (current_ == kNoState) return "";
-  const Machine* inside = state(current_).inside();
+  Machine* inside = state(current_).inside();
   const std::string below = inside == nullptr ? "" : inside->Path();
   return std::string(Name(current_)) + (below.empty() ? "" : "/" + below);
 }
 
 std::string Machine::Describe(const Fault& fault) const {
-  return std::string(Name(fault.state)) + ": " + std::string(fsm::Name(fault.phase)) + ": " +
-         fault.what;
+  return fault.where + ": " + std::string(fsm::Name(fault.phase)) + ": " + fault.what;
 }
 
 std::string_view Name(Mode mode) {

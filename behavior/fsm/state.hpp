@@ -25,6 +25,7 @@
 // tick says. An exception leads to the safe state and is told with the state and the function.
 
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "musher/behavior/fsm/archive.hpp"
@@ -43,8 +44,9 @@ struct Tick {
   Duration step{};     // since the last tick
   Duration elapsed{};  // since this state was entered
 
-  // The oldest command that waits, for CheckTransition. It is used up by that call: by leading to a
-  // transition, or else by not being heeded, which is counted and told.
+  // The oldest command that waits, for CheckTransition. That call uses it up: by a transition, by
+  // Next::Heed(), or else by not heeding it, which is counted and told. Next::KeepCommand() does
+  // not.
   EventId command = kNoEvent;
 
   // For Transition: where it goes, for how long it has gone on, and how long Next said it takes.
@@ -63,19 +65,30 @@ struct Tick {
 // What CheckTransition decides.
 class Next {
  public:
-  static Next Stay() { return {kNoState, {}}; }
+  static Next Stay() { return {kNoState, {}, Use::kUnheeded}; }
+  // Stays, and the command that came with the tick was heeded all the same.
+  static Next Heed() { return {kNoState, {}, Use::kHeeded}; }
   // `gradually`: how long the transition takes; zero: it is complete in the same tick. To the
   // state itself: it is left and entered anew.
-  static Next To(StateId target, Duration gradually = {}) { return {target, gradually}; }
+  static Next To(StateId target, Duration gradually = {}) {
+    return {target, gradually, Use::kHeeded};
+  }
+  // The same, but not because of the command, which goes on to wait for the next check.
+  Next KeepCommand() const { return {target_, time_, Use::kKept}; }
 
   bool stays() const { return target_ == kNoState; }
+  bool heeds() const { return use_ == Use::kHeeded; }
+  bool keeps() const { return use_ == Use::kKept; }
   StateId target() const { return target_; }
   Duration time() const { return time_; }
 
  private:
-  Next(StateId target, Duration time) : target_(target), time_(time) {}
+  enum class Use : std::uint8_t { kUnheeded, kHeeded, kKept };  // of the command
+
+  Next(StateId target, Duration time, Use use) : target_(target), use_(use), time_(time) {}
 
   StateId target_;
+  Use use_;
   Duration time_;
 };
 
@@ -88,6 +101,8 @@ class Ways {
   virtual StateId To(std::string_view state, std::string_view when) = 0;
   // An event that was registered with Machine::AddEvent().
   virtual EventId On(std::string_view event) = 0;
+  // The same of one that need not be there.
+  virtual std::optional<EventId> Find(std::string_view event) const = 0;
   // Something is wrong with this state: the machine will not be built, and says so.
   virtual void Refuse(std::string_view why) = 0;
 };
@@ -116,8 +131,8 @@ class State {
   // What has to be kept to go on from here in another process. See archive.hpp.
   virtual void Persist(Archive& /*archive*/) {}
 
-  // The machine inside, of a state that holds one.
-  virtual const Machine* inside() const { return nullptr; }
+  // The machine inside, of a state that holds one. See nested.hpp.
+  virtual Machine* inside() { return nullptr; }
 };
 
 }  // namespace musher::fsm

@@ -33,8 +33,8 @@ std::int32_t Level(float light) {
 // One picture while it is drawn.
 class Drawing {
  public:
-  Drawing(const Scenery& scenery, const Lens& lens, const Tracer& tracer, Image& image)
-      : scenery_(scenery), lens_(lens), tracer_(tracer), image_(image) {
+  Drawing(const Lens& lens, const Tracer& tracer, Image& image)
+      : lens_(lens), tracer_(tracer), image_(image) {
     surfaces_.resize(static_cast<std::size_t>(image.width) *
                      static_cast<std::size_t>(image.height));
     things_.resize(lens.tiles().size());
@@ -63,7 +63,7 @@ class Drawing {
       const float angle = tile.half_angle_rad + std::asin(ball.radius_m / far);
       return angle >= float(M_PI) || axis.dot(towards) >= far * std::cos(angle);
     };
-    const std::vector<Thing>& things = scenery_.things();
+    const std::vector<Thing>& things = tracer_.things();
     for (std::size_t i = 0; i < things.size(); ++i) {
       if (std::any_of(things[i].bounds.begin(), things[i].bounds.end(), meets)) {
         things_[index].push_back(static_cast<std::uint16_t>(i));
@@ -121,7 +121,7 @@ class Drawing {
   }
 
   void SmoothPixels(const std::pair<int, int>* pixels, std::size_t count,
-                    const Tracer::Things& things) {
+                    const Tracer::Indices& things) {
     constexpr std::pair<float, float> kWithin[] = {
         {-0.375F, -0.125F}, {0.125F, -0.375F}, {0.375F, 0.125F}, {-0.125F, 0.375F}};
     Places places;
@@ -173,12 +173,11 @@ class Drawing {
            static_cast<std::size_t>(x);
   }
 
-  const Scenery& scenery_;
   const Lens& lens_;
   const Tracer& tracer_;
   Image& image_;
   std::vector<std::uint16_t> surfaces_;
-  std::vector<Tracer::Things> things_;  // of each tile
+  std::vector<Tracer::Indices> things_;  // of each tile
   std::vector<std::pair<int, int>> edges_;
 };
 
@@ -196,9 +195,10 @@ Image Camera::Shoot(const Scenery& scenery, const View& view) const {
   Image image{lens_.width(), lens_.height(), {}};
   image.bgr.resize(3 * static_cast<std::size_t>(image.width) *
                    static_cast<std::size_t>(image.height));
-  const Tracer tracer(scenery, CameraInPlace(spec_, view.body, view.attitude), view.body,
-                      lens_.pixel_rad());
-  Drawing(scenery, lens_, tracer, image).Draw();
+  const std::vector<Thing> things = scenery.With(view.guests);
+  const Tracer tracer(scenery, things, CameraInPlace(spec_, view.body, view.attitude, view.gaze),
+                      view.body, lens_.pixel_rad());
+  Drawing(lens_, tracer, image).Draw();
   if (spec_.noise > 0) AddNoise(view.seed, image);
   return image;
 }

@@ -45,9 +45,10 @@ float Tone(int plank) {
 
 }  // namespace
 
-Tracer::Tracer(const Scenery& scenery, const Eigen::Isometry3d& camera_in_place, const Pose2& body,
-               double pixel_rad)
+Tracer::Tracer(const Scenery& scenery, const std::vector<Thing>& things,
+               const Eigen::Isometry3d& camera_in_place, const Pose2& body, double pixel_rad)
     : scenery_(scenery),
+      things_(things),
       turn_(camera_in_place.linear().cast<float>()),
       from_m_(camera_in_place.translation().cast<float>()),
       pixel_rad_(static_cast<float>(pixel_rad)) {
@@ -55,8 +56,12 @@ Tracer::Tracer(const Scenery& scenery, const Eigen::Isometry3d& camera_in_place,
   const Vector2f at = from_m_.head<2>();
   fenced_ = scenery.fence_height_m() > 0 && (at - scenery.least_m()).minCoeff() > kNearest &&
             (scenery.most_m() - at).minCoeff() > kNearest;
-  for (const Thing& thing : scenery.things()) {
+  for (const Thing& thing : things_) {
     const Vector3f from = from_m_ - thing.center_m;
+    if (thing.shape == Thing::Shape::kEllipsoid) {
+      from_local_.emplace_back(thing.to_unit * from);
+      continue;
+    }
     from_local_.emplace_back(thing.cos_yaw * from.x() + thing.sin_yaw * from.y(),
                              -thing.sin_yaw * from.x() + thing.cos_yaw * from.y(), from.z());
   }
@@ -77,7 +82,7 @@ Tracer::Tracer(const Scenery& scenery, const Eigen::Isometry3d& camera_in_place,
   shadow_half_m_ = {0.3F, 0.16F};
 }
 
-void Tracer::Look(const Rays& rays, const Things& things, Sights& sights) const {
+void Tracer::Look(const Rays& rays, const Indices& things, Sights& sights) const {
   Ways ways;
   Turn(rays, ways);
   FindBackground(ways, sights);
@@ -89,7 +94,10 @@ void Tracer::Look(const Rays& rays, const Things& things, Sights& sights) const 
     ColorGround(ways, sights);
   }
   ColorBackground(ways, sights);
-  for (const std::uint16_t thing : things) FindThing(thing, ways, sights);
+  for (const std::uint16_t thing : things) {
+    const bool ellipsoid = things_[thing].shape == Thing::Shape::kEllipsoid;
+    ellipsoid ? FindEllipsoid(thing, ways, sights) : FindThing(thing, ways, sights);
+  }
 }
 
 void Tracer::Turn(const Rays& rays, Ways& ways) const {
@@ -257,7 +265,7 @@ Light3 Tracer::Fence(const Vector3f& ray, float far_m, int side) const {
 }
 
 void Tracer::FindThing(std::size_t index, Ways& ways, Sights& sights) const {
-  const Thing& thing = scenery_.things()[index];
+  const Thing& thing = things_[index];
   const Vector3f from = from_local_[index];
   const auto first = kThings + index * kFaces;
   for (std::size_t i = 0; i < kBundle; ++i) {
@@ -309,6 +317,53 @@ Light3 Tracer::LightOfBoard(const Thing& thing, const Vector3f& where, float sla
   return world::LightOf(front.Smooth((where.y() + thing.half_m.y()) * per_y,
                                      (thing.half_m.z() - where.z()) * per_z,
                                      0.5F * RoughLog2(area))) *
+         light;
+}
+
+// Guests are made of many, which fill the picture when they are near: all rays at once.
+void Tracer::FindEllipsoid(std::size_t index, Ways& ways, Sights& sights) const {
+  const Thing& thing = things_[index];
+  const Eigen::Matrix3f& unit = thing.to_unit;
+  const Vector3f from = from_local_[index];
+  Each<float> far_m;
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    const float x = unit(0, 0) * ways.x[i] + unit(0, 1) * ways.y[i] + unit(0, 2) * ways.z[i];
+    const float y = unit(1, 0) * ways.x[i] + unit(1, 1) * ways.y[i] + unit(1, 2) * ways.z[i];
+    const float z = unit(2, 0) * ways.x[i] + unit(2, 1) * ways.y[i] + unit(2, 2) * ways.z[i];
+    const float each = 1 / (x * x + y * y + z * z);
+    const float middle = -(from.x() * x + from.y() * y + from.z() * z) * each;
+    const float aside_x = from.x() + middle * x;
+    const float aside_y = from.y() + middle * y;
+    const float aside_z = from.z() + middle * z;
+    const float under = 1 - (aside_x * aside_x + aside_y * aside_y + aside_z * aside_z);
+    const float half2 = under * each;
+    const float far = middle - std::sqrt(half2 > 0 ? half2 : 0);
+    const float met = under > 0 ? far : kFar;
+    far_m[i] = met > kNearest ? met : kFar;
+  }
+  const auto surface = static_cast<std::uint16_t>(kThings + index * kFaces + kRound);
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    if (far_m[i] >= ways.far_m[i]) continue;
+    ways.far_m[i] = far_m[i];
+    sights.surface[i] = surface;
+    const Vector3f way = far_m[i] * Vector3f(ways.x[i], ways.y[i], ways.z[i]);
+    Put(LightOfEllipsoid(thing, from + unit * way, from_m_ + way, far_m[i]), i, sights);
+  }
+}
+
+Light3 Tracer::LightOfEllipsoid(const Thing& thing, const Vector3f& on_unit, const Vector3f& where,
+                                float far_m) const {
+  const Vector3f normal = (thing.to_unit.transpose() * on_unit).normalized();
+  const Light3 light = scenery_.LightOn(normal) * scenery_.LightAt(where.x(), where.y());
+  if (!thing.front || on_unit.x() <= 0) return thing.color * (light * NearGround(where.z()));
+  const Texture& front = *thing.front;
+  const auto half_width = static_cast<float>(front.width()) / 2;
+  const auto half_height = static_cast<float>(front.height()) / 2;
+  const float covered = far_m * pixel_rad_;
+  const float area =
+      covered * covered * half_width * half_height / (thing.half_m.y() * thing.half_m.z());
+  return world::LightOf(front.Smooth((on_unit.y() + 1) * half_width,
+                                     (1 - on_unit.z()) * half_height, 0.5F * RoughLog2(area))) *
          light;
 }
 

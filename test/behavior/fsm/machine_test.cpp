@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-#include "musher/test/behavior/fsm/logging_state.hpp"
+#include "musher/test/behavior/fsm/machine_fixture.hpp"
 
 namespace musher::fsm {
 namespace {
@@ -14,31 +14,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr Duration kStep = Milliseconds(20);
-
-class MachineTest : public testing::Test {
- protected:
-  LoggingState& Add(const std::string& name, std::vector<std::string> ways = {},
-                    Role role = Role::kNormal) {
-    auto state = std::make_unique<LoggingState>(name, log_, std::move(ways));
-    LoggingState& added = *state;
-    machine_.Add(name, std::move(state), role);
-    return added;
-  }
-  void Start(std::string_view at) {
-    const Result<> built = machine_.Build(at);
-    ASSERT_TRUE(built) << built.error().message;
-    ASSERT_TRUE(machine_.Start(now_));
-  }
-  void Run(int ticks = 1) {
-    for (int i = 0; i < ticks; ++i) machine_.RunOnce(now_ += kStep);
-  }
-  std::string_view Current() const { return machine_.Name(machine_.current()); }
-
-  Log log_;
-  Machine machine_{{.name = "show"}};
-  Time now_ = Time(std::chrono::hours(1));
-};
+using MachineTest = MachineFixture;
 
 TEST_F(MachineTest, EntersItsStartStateAndRunsItEachTick) {
   Add("IDLE");
@@ -51,7 +27,7 @@ TEST_F(MachineTest, EntersItsStartStateAndRunsItEachTick) {
 
 TEST_F(MachineTest, DecidesAndCompletesAnImmediateTransitionInOneTick) {
   LoggingState& idle = Add("IDLE", {"TRACKING"});
-  Add("TRACKING");
+  Add("TRACKING", {"IDLE"});
   Start("IDLE");
   idle.Go("TRACKING");
   Run();
@@ -63,7 +39,7 @@ TEST_F(MachineTest, DecidesAndCompletesAnImmediateTransitionInOneTick) {
 
 TEST_F(MachineTest, TakesTheTimeThatAGradualTransitionHas) {
   LoggingState& idle = Add("IDLE", {"TRACKING"});
-  Add("TRACKING");
+  Add("TRACKING", {"IDLE"});
   Start("IDLE");
   idle.Go("TRACKING", 2 * kStep);
   Run();
@@ -100,7 +76,7 @@ TEST_F(MachineTest, KeepsACommandThatArrivesDuringATransitionForTheNextState) {
   machine_.AddEvent("photo");
   LoggingState& idle = Add("IDLE", {"TRACKING"});
   LoggingState& tracking = Add("TRACKING", {"PHOTO"});
-  Add("PHOTO");
+  Add("PHOTO", {"IDLE"});
   Start("IDLE");
   const EventId photo = *machine_.FindEvent("photo");
   const StateId to = *machine_.FindState("PHOTO");
@@ -197,7 +173,7 @@ TEST_F(MachineTest, StopsWhenItsSafeStateFailsToo) {
 
 TEST_F(MachineTest, TakesAWayThatWasNotDeclaredForAFault) {
   LoggingState& idle = Add("IDLE");
-  Add("TRACKING");
+  Add("TRACKING", {"IDLE"});
   Add("SAFE_STOP", {}, Role::kSafe);
   Start("IDLE");
   const StateId tracking = *machine_.FindState("TRACKING");
@@ -209,7 +185,7 @@ TEST_F(MachineTest, TakesAWayThatWasNotDeclaredForAFault) {
 
 TEST_F(MachineTest, GivesUpATransitionThatDoesNotEnd) {
   LoggingState& idle = Add("IDLE", {"TRACKING"});
-  Add("TRACKING");
+  Add("TRACKING", {"IDLE"});
   Add("SAFE_STOP", {}, Role::kSafe);
   Start("IDLE");
   idle.Go("TRACKING", std::chrono::hours(1));
@@ -293,7 +269,7 @@ TEST_F(MachineTest, LeavesItsStateWhenItIsStoppedAndCanBeStartedAnew) {
 TEST_F(MachineTest, IsNotBuiltWithFaultsAndTellsAllOfThem) {
   Add("IDLE", {"TRAKCING"});
   Add("IDLE");
-  Add("TRACKING");
+  Add("TRACKING", {"IDLE"});
   machine_.AddSafetyCheck("distance", [](const Tick&) { return true; });
   const Result<> built = machine_.Build("IDLLE");
   ASSERT_FALSE(built);

@@ -131,6 +131,16 @@ TEST_F(CameraManagerProcess, LivesThroughAllStatesAndSeesInActiveAndProtectedOnl
   EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
 }
 
+TEST_F(CameraManagerProcess, IsOnInSelfCheckWhereItsConfigSaysSo) {
+  MakeWorld();
+  Start("on_in = [\"SelfCheck\", \"Active\"]\n" + std::string(kFile));
+  ASSERT_TRUE(peer_.Switch("SelfCheck"));
+  Watch();
+  EXPECT_TRUE(peer_.Until([&] { return seen_.has_value(); })) << peer_.Output();
+  ASSERT_TRUE(peer_.Switch("LowPower"));
+  EXPECT_TRUE(peer_.Until([&] { return shots_->MatchedReaders() == 0; }));
+}
+
 TEST_F(CameraManagerProcess, PassesItsSelfCheckWithoutACameraThatIsNotCriticalAndSaysSo) {
   MakeWorld();
   Start();

@@ -1,0 +1,134 @@
+#include "musher/behavior/fsm/check.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace musher::fsm {
+namespace {
+
+using Marks = std::vector<bool>;  // by state
+
+// Adds to `marked` whatever a way leads to from there; with `back`, whatever leads there.
+void Spread(const Chart& chart, Marks& marked, bool back) {
+  bool grows = true;
+  while (grows) {
+    grows = false;
+    for (const Way& way : chart.ways) {
+      const auto [from, to] = back ? std::pair(way.to, way.from) : std::pair(way.from, way.to);
+      if (!marked[Index(from)] || marked[Index(to)]) continue;
+      marked[Index(to)] = grows = true;
+    }
+  }
+}
+
+class Checking {
+ public:
+  explicit Checking(const Chart& chart) : chart_(chart), leads_on_(chart.states.size()) {
+    for (const Way& way : chart_.ways) {
+      if (way.from != way.to) leads_on_[Index(way.from)] = true;
+    }
+  }
+
+  std::vector<Problem> Run() && {
+    const Marks reached = Reached();
+    const Marks dead = DeadEnds(reached);
+    for (std::size_t i = 0; i < chart_.states.size(); ++i) {
+      if (!reached[i]) Warn(i, "only a force leads to it: no way does");
+      if (dead[i]) {
+        Fail(i, "is a dead end: it declares no way out; make it final if it is the end");
+      }
+      if (chart_.states[i].role == Role::kSafe && !leads_on_[i]) {
+        Warn(i, "declares no way out: only a force or a reset ends a safe stop");
+      }
+      JudgeWays(i);
+      for (const Chart& inside : chart_.states[i].inside) Descend(i, inside);
+    }
+    JudgeTraps(reached, dead);
+    return std::move(problems_);
+  }
+
+ private:
+  Marks Reached() const {
+    Marks reached(chart_.states.size());
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+      reached[i] = i == Index(chart_.start) || chart_.states[i].role == Role::kSafe;
+    }
+    Spread(chart_, reached, false);
+    return reached;
+  }
+
+  // A machine of one state, or one that begins in its end, is none.
+  Marks DeadEnds(const Marks& reached) const {
+    Marks dead(chart_.states.size());
+    for (std::size_t i = 0; i < dead.size(); ++i) {
+      dead[i] = reached[i] && !leads_on_[i] && i != Index(chart_.start) &&
+                chart_.states[i].role == Role::kNormal;
+    }
+    return dead;
+  }
+
+  void JudgeWays(std::size_t from) {
+    for (std::size_t i = 0; i < chart_.ways.size(); ++i) {
+      const Way& way = chart_.ways[i];
+      if (Index(way.from) != from) continue;
+      const std::string to = chart_.states[Index(way.to)].name;
+      if (chart_.states[from].role == Role::kFinal) {
+        Fail(from, "is final, but declares a way to " + to);
+      }
+      const auto before = chart_.ways.begin() + static_cast<std::ptrdiff_t>(i);
+      if (std::find(chart_.ways.begin(), before, way) != before) {
+        Warn(from, "declares its way to " + to + " twice");
+      }
+    }
+  }
+
+  // States from which nothing good is reached. Those that end in a dead end are not told again.
+  void JudgeTraps(const Marks& reached, const Marks& dead) {
+    Marks good = dead;
+    for (std::size_t i = 0; i < good.size(); ++i) {
+      if (i == Index(chart_.start) || chart_.states[i].role != Role::kNormal) good[i] = true;
+    }
+    Spread(chart_, good, true);
+    std::string trapped;
+    std::size_t first = good.size();
+    for (std::size_t i = good.size(); i-- > 0;) {
+      if (good[i] || !reached[i]) continue;
+      trapped = chart_.states[i].name + (trapped.empty() ? "" : ", ") + trapped;
+      first = i;
+    }
+    if (trapped.empty()) return;
+    Fail(first, "is in a trap: from " + trapped + " nothing leads to " +
+                    chart_.states[Index(chart_.start)].name +
+                    ", to a safe state or to a final one");
+  }
+
+  void Descend(std::size_t state, const Chart& inside) {
+    for (Problem& problem : Check(inside)) {
+      problem.where = chart_.states[state].name + "/" + problem.where;
+      problems_.push_back(std::move(problem));
+    }
+  }
+
+  void Fail(std::size_t state, std::string what) {
+    problems_.push_back({Severity::kError, chart_.states[state].name, std::move(what)});
+  }
+  void Warn(std::size_t state, std::string what) {
+    problems_.push_back({Severity::kWarning, chart_.states[state].name, std::move(what)});
+  }
+
+  const Chart& chart_;
+  Marks leads_on_;
+  std::vector<Problem> problems_;
+};
+
+}  // namespace
+
+std::vector<Problem> Check(const Chart& chart) {
+  if (Index(chart.start) >= chart.states.size()) {
+    return {{Severity::kError, chart.name, "has no start state"}};
+  }
+  return Checking(chart).Run();
+}
+
+}  // namespace musher::fsm

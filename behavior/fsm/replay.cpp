@@ -1,0 +1,143 @@
+#include "musher/behavior/fsm/replay.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "musher/behavior/fsm/recording_text.hpp"
+
+namespace musher::fsm {
+namespace {
+
+using Line = Recording::Line;
+using Kind = Line::Kind;
+
+// Compares the changes of a machine with those recorded.
+class Comparison : public Listener {
+ public:
+  void OnChange(const Machine& machine, const Change& change) override {
+    std::string text;
+    AppendChange(text, machine, change);
+    came_.push_back(text.substr(1));
+  }
+
+  // What came since the last line that was no change.
+  std::vector<std::string> Take() { return std::exchange(came_, {}); }
+
+ private:
+  std::vector<std::string> came_;
+};
+
+class Replaying {
+ public:
+  Replaying(const Recording& recording, Machine& machine, const ApplyInput& apply)
+      : recording_(recording), machine_(machine), apply_(apply) {
+    machine_.Listen(&comparison_);
+  }
+  ~Replaying() { machine_.Forget(&comparison_); }
+  Replaying(const Replaying&) = delete;
+  Replaying& operator=(const Replaying&) = delete;
+
+  Result<Replayed> Run() {
+    std::vector<const Line*> expected;
+    const Line* last = nullptr;
+    for (const Line& line : recording_.lines) {
+      if (line.kind == Kind::kChanged) {
+        expected.push_back(&line);
+        continue;
+      }
+      if (last != nullptr) Compare(*last, expected);
+      expected.clear();
+      last = &line;
+      if (const Result<> given = Give(line); !given) {
+        return Error{given.error().code, At(line) + "error: " + given.error().message};
+      }
+    }
+    if (last != nullptr) Compare(*last, expected, !recording_.cut_short);
+    return replayed_;
+  }
+
+ private:
+  Result<> Give(const Line& line) {
+    // What the machine or a state of it refuses by itself is part of the history.
+    switch (line.kind) {
+      case Kind::kStart:
+        return Start(line);
+      case Kind::kTick:
+        machine_.RunOnce(kOrigin + line.time);
+        ++replayed_.ticks;
+        break;
+      case Kind::kPause:
+        machine_.Pause();
+        break;
+      case Kind::kCommand: {
+        const Result<> sent = machine_.Send(line.name);
+        return machine_.FindEvent(line.name) ? Ok() : sent;
+      }
+      case Kind::kForce: {
+        const Result<> forced = machine_.Force(line.name);
+        return machine_.FindState(line.name) ? Ok() : forced;
+      }
+      case Kind::kReset:
+        (void)machine_.Reset().ok();
+        break;
+      case Kind::kStop:
+        (void)machine_.Stop().ok();
+        break;
+      case Kind::kInput:
+        return apply_(line.name, line.text);
+      case Kind::kChanged:
+        break;  // compared, not given
+    }
+    return Ok();
+  }
+
+  Result<> Start(const Line& line) {
+    const auto state = machine_.FindState(line.name);
+    if (!state) return machine_.Force(line.name);  // refuses it, with what may have been meant
+    const bool ran = machine_.running();
+    const Result<> started = machine_.StartAt(*state, kOrigin + line.time);
+    return ran || !machine_.fault() ? started : Ok();
+  }
+
+  // `all`: nothing may have come beyond what was expected.
+  void Compare(const Line& after, const std::vector<const Line*>& expected, bool all = true) {
+    const std::vector<std::string> came = comparison_.Take();
+    replayed_.changes += came.size();
+    if (replayed_.difference) return;
+    const std::size_t count = all ? std::max(came.size(), expected.size()) : expected.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string recorded = i < expected.size() ? expected[i]->text : "nothing";
+      const std::string again = i < came.size() ? came[i] : "nothing";
+      if (recorded == again) continue;
+      const Line& line = i < expected.size() ? *expected[i] : after;
+      replayed_.difference = At(line) + "recorded: " + recorded + "; now: " + again;
+      return;
+    }
+  }
+
+  std::string At(const Line& line) const {
+    return recording_.file + ":" + std::to_string(line.number) + ": ";
+  }
+
+  static constexpr Time kOrigin{Duration{kFarthestNs / 4}};
+
+  const Recording& recording_;
+  Machine& machine_;
+  const ApplyInput& apply_;
+  Comparison comparison_;
+  Replayed replayed_;
+};
+
+}  // namespace
+
+Result<Replayed> Replay(const Recording& recording, Machine& machine, const ApplyInput& apply) {
+  assert(apply && !machine.running());
+  if (machine.name() != recording.machine) {
+    return Error{kCodeParametersInvalid, recording.file + ":1: error: it is of the machine " +
+                                             recording.machine + ", not of " + machine.name()};
+  }
+  return Replaying(recording, machine, apply).Run();
+}
+
+}  // namespace musher::fsm

@@ -1,0 +1,302 @@
+// Machine::Restore(): judges a snapshot, gives states and data what they persisted, and only when
+// all of it was right becomes what the snapshot was.
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "musher/behavior/fsm/snapshot.hpp"
+#include "musher/lifecycle/suggest.hpp"
+
+namespace musher::fsm {
+namespace {
+
+using Faults = std::vector<SnapshotFault>;
+
+constexpr Duration kFarthest{kFarthestNs};
+
+// "there is no state TRAKCING; did you mean TRACKING?"
+std::string Unknown(const std::string& kind, const std::string& name,
+                    const std::vector<std::string>& known) {
+  const std::string near = Nearest(name, known);
+  return "there is no " + kind + " " + name + (near.empty() ? "" : "; did you mean " + near + "?");
+}
+
+std::string KindOf(const Snapshot::Value& value) {
+  constexpr const char* kKinds[] = {"true or false", "an integer", "a number", "a text"};
+  return kKinds[value.index()];
+}
+
+class RestoringArchive : public Archive {
+ public:
+  RestoringArchive(const Snapshot::Part& part, const std::string& key, Faults& faults)
+      : part_(part), key_(key), faults_(faults), asked_(part.fields.size()) {}
+
+  using Archive::Field;
+  void Field(std::string_view name, bool& value) override { Set(name, value); }
+  void Field(std::string_view name, std::int64_t& value) override { Set(name, value); }
+  void Field(std::string_view name, double& value) override { Set(name, value); }
+  void Field(std::string_view name, std::string& value) override { Set(name, value); }
+
+  bool asked_for_something() const { return !names_.empty(); }
+
+  void RefuseOthers() {
+    for (std::size_t i = 0; i < asked_.size(); ++i) {
+      if (asked_[i]) continue;
+      const std::string& name = part_.fields[i].name;
+      faults_.push_back({SnapshotKey(key_, name), Unknown("field", name, names_)});
+    }
+  }
+
+ private:
+  template <class T>
+  void Set(std::string_view name, T& value) {
+    names_.emplace_back(name);
+    const auto found = std::ranges::find(part_.fields, name, &Snapshot::Field::name);
+    if (found == part_.fields.end()) return;
+    asked_[static_cast<std::size_t>(found - part_.fields.begin())] = true;
+    if (Take(found->value, value)) return;
+    faults_.push_back(
+        {SnapshotKey(key_, found->name),
+         "has to be " + KindOf(Snapshot::Value(value)) + ", not " + KindOf(found->value)});
+  }
+
+  template <class T>
+  static bool Take(const Snapshot::Value& saved, T& value) {
+    if (const T* same = std::get_if<T>(&saved)) {
+      value = *same;
+      return true;
+    }
+    if constexpr (std::is_same_v<T, double>) {  // a person wrote 1 for 1.0
+      const auto* whole = std::get_if<std::int64_t>(&saved);
+      if (whole != nullptr) value = static_cast<double>(*whole);
+      return whole != nullptr;
+    }
+    return false;
+  }
+
+  const Snapshot::Part& part_;
+  const std::string& key_;
+  Faults& faults_;
+  std::vector<bool> asked_;         // by field of the part
+  std::vector<std::string> names_;  // that were asked for
+};
+
+}  // namespace
+
+// Holds a snapshot against a machine, and brings it in.
+class Machine::Restoring {
+ public:
+  Restoring(Machine& machine, const Snapshot& saved, std::string prefix, Faults& faults)
+      : machine_(machine), saved_(saved), prefix_(std::move(prefix)), faults_(faults) {}
+
+  void Judge() {
+    if (saved_.machine != machine_.name()) {
+      return Fail("machine", "it is of " + saved_.machine + ", not of " + machine_.name());
+    }
+    if (machine_.running_) return Fail("running", machine_.name() + " runs already");
+    JudgeState();
+    JudgeTimes();
+    Events("commands", saved_.commands);
+    if (saved_.commands.size() > machine_.commands_.size()) {
+      Fail("commands", "more than " + std::to_string(machine_.commands_.size()) + " cannot wait");
+    }
+    if (!saved_.unsafe.empty() && !machine_.FindCheck(saved_.unsafe)) {
+      Fail("unsafe", "there is no safety check " + saved_.unsafe);
+    }
+    if (saved_.fault) State("fault.state", saved_.fault->state);
+    for (const Snapshot::PastChange& change : saved_.history) {
+      State("history", change.from);
+      State("history", change.to);
+      Events("history", {change.command});
+    }
+    JudgeParts("data", saved_.data);
+    JudgeParts("states", saved_.states);
+    for (const Snapshot::Inside& inside : saved_.inside) {
+      if (!machine_.FindState(inside.state)) {
+        Fail(SnapshotKey("inside", inside.state), UnknownState(inside.state));
+      }
+    }
+    ForInside([](Restoring& inside) { inside.Judge(); });
+  }
+
+  // To states and data.
+  void Give() {
+    for (const Data& data : machine_.data_) GivePart("data", saved_.data, data.name, data.persist);
+    for (const Node& node : machine_.nodes_) {
+      GivePart("states", saved_.states, node.name,
+               [&](Archive& archive) { node.state->Persist(archive); });
+    }
+    ForInside([](Restoring& inside) { inside.Give(); });
+  }
+
+  void Become(Time now) {
+    machine_.Become(saved_, now);
+    // The clock of a machine inside is the machine time of the one around it.
+    ForInside([&](Restoring& inside) { inside.Become(Time(saved_.time)); });
+  }
+
+ private:
+  void JudgeState() {
+    State("state", saved_.state);
+    if (saved_.running == saved_.state.empty()) {
+      Fail("state", saved_.running ? "is missing" : "is there, though it does not run");
+    }
+    if (saved_.transition) {
+      State("transition.to", saved_.transition->to);
+      Events("transition.command", {saved_.transition->command});
+    }
+    const bool goes = saved_.mode == Mode::kTransitioning;
+    if (goes != saved_.transition.has_value() || (goes && !saved_.running)) {
+      Fail("mode", std::string(fsm::Name(saved_.mode)) +
+                       (goes ? " has a transition, which is missing" : " has no transition"));
+    }
+    const auto state = machine_.FindState(saved_.state);
+    if (!goes && state && (saved_.mode == Mode::kSafeStop) != (*state == machine_.safe_)) {
+      Fail("mode", std::string(fsm::Name(saved_.mode)) + " is not that of " + saved_.state);
+    }
+  }
+
+  void JudgeTimes() {
+    Within("time", saved_.time, kFarthest);
+    Within("step", saved_.step, saved_.time);
+    Within("elapsed", saved_.elapsed, saved_.time);
+    if (!saved_.transition) return;
+    Within("transition.elapsed", saved_.transition->elapsed, saved_.elapsed);
+  }
+
+  // From nothing to `most`.
+  void Within(const std::string& key, Duration time, Duration most) {
+    if (time >= Duration{} && time <= most) return;
+    Fail(key, "has to be between 0 and " + std::to_string(most.count()) + " ns");
+  }
+
+  void State(const std::string& key, const std::string& name) {
+    if (!name.empty() && !machine_.FindState(name)) Fail(key, UnknownState(name));
+  }
+  std::string UnknownState(const std::string& name) const {
+    std::vector<std::string> known;
+    for (const Node& node : machine_.nodes_) known.push_back(node.name);
+    return Unknown("state", name, known);
+  }
+
+  void Events(const std::string& key, const std::vector<std::string>& names) {
+    std::vector<std::string> known;
+    for (const Event& event : machine_.events_) known.push_back(event.name);
+    for (const std::string& name : names) {
+      if (!name.empty() && !machine_.FindEvent(name)) Fail(key, Unknown("event", name, known));
+    }
+  }
+
+  void JudgeParts(const std::string& key, const std::vector<Snapshot::Part>& parts) {
+    std::vector<std::string> known;
+    for (const Data& data : machine_.data_) known.push_back(data.name);
+    for (const Snapshot::Part& part : parts) {
+      if (key == "states" && !machine_.FindState(part.name)) {
+        Fail(SnapshotKey(key, part.name), UnknownState(part.name));
+      } else if (key == "data" && std::ranges::find(known, part.name) == known.end()) {
+        Fail(SnapshotKey(key, part.name), Unknown("data", part.name, known));
+      }
+    }
+  }
+
+  template <class Persist>
+  void GivePart(const std::string& kind, const std::vector<Snapshot::Part>& parts,
+                const std::string& name, Persist&& persist) {
+    const std::string local = SnapshotKey(kind, name);
+    const std::string key = SnapshotKey(prefix_, local);
+    const auto part = std::ranges::find(parts, name, &Snapshot::Part::name);
+    const Snapshot::Part none{name, {}};
+    Faults own;
+    RestoringArchive archive(part == parts.end() ? none : *part, key, own);
+    try {
+      persist(archive);
+      archive.RefuseOthers();
+    } catch (const std::exception& thrown) {
+      own.push_back({key, std::string("Persist: ") + thrown.what()});
+    }
+    if (part == parts.end() && archive.asked_for_something()) Fail(local, "is missing");
+    faults_.insert(faults_.end(), own.begin(), own.end());
+  }
+
+  // The machines inside that the snapshot has, and a fault for each that one of the two lacks.
+  template <class Do>
+  void ForInside(Do&& act) {
+    for (const Node& node : machine_.nodes_) {
+      Machine* const machine = node.state->inside();
+      const auto saved = std::ranges::find(saved_.inside, node.name, &Snapshot::Inside::state);
+      const bool is_saved = saved != saved_.inside.end();
+      const std::string local = SnapshotKey("inside", node.name);
+      if (machine != nullptr && is_saved) {
+        Restoring inside(*machine, saved->machine, SnapshotKey(prefix_, local), faults_);
+        act(inside);
+      } else if (machine != nullptr) {
+        Fail(local, "is missing");
+      } else if (is_saved) {
+        Fail(local, node.name + " holds no machine");
+      }
+    }
+  }
+
+  void Fail(const std::string& key, std::string what) {
+    faults_.push_back({SnapshotKey(prefix_, key), std::move(what)});
+  }
+
+  Machine& machine_;
+  const Snapshot& saved_;
+  const std::string prefix_;
+  Faults& faults_;
+};
+
+std::vector<SnapshotFault> Machine::Restore(const Snapshot& saved, Time now) {
+  if (!built_ || in_tick_) {
+    return {{"", name() + ": can be restored once it is built, and between ticks"}};
+  }
+  Faults faults;
+  Restoring restoring(*this, saved, "", faults);
+  restoring.Judge();
+  if (!faults.empty()) return faults;
+  const Result<Snapshot> before = Save();
+  if (!before) return {{"", before.error().message}};
+  restoring.Give();
+  if (faults.empty()) {
+    restoring.Become(now);
+    return faults;
+  }
+  Faults none;  // it takes back what it had given
+  Restoring(*this, before.value(), "", none).Give();
+  return faults;
+}
+
+void Machine::Become(const Snapshot& saved, Time now) {
+  const auto state = [this](const std::string& name) { return FindState(name).value_or(kNoState); };
+  const auto event = [this](const std::string& name) { return FindEvent(name).value_or(kNoEvent); };
+  running_ = saved.running;
+  mode_ = saved.mode;
+  current_ = state(saved.state);
+  ticks_ = saved.ticks;
+  time_ = saved.time;
+  step_ = saved.step;
+  entered_ = saved.time - saved.elapsed;
+  last_tick_ = saved.paused ? std::nullopt : std::optional(now);
+  unsafe_ = FindCheck(saved.unsafe).value_or(checks_.size());
+  const Snapshot::Transition transition = saved.transition.value_or(Snapshot::Transition{});
+  target_ = state(transition.to);
+  cause_ = event(transition.command);
+  transition_began_ = saved.time - transition.elapsed;
+  transition_time_ = transition.time;
+  first_command_ = waiting_ = 0;
+  for (const std::string& command : saved.commands) commands_[waiting_++] = event(command);
+  counts_ = saved.counts;
+  fault_.reset();
+  if (const auto& fault = saved.fault) {
+    fault_ = Fault{state(fault->state), fault->phase, fault->at, fault->what, fault->where};
+  }
+  history_.Clear();
+  for (const Snapshot::PastChange& change : saved.history) {
+    history_.Add({change.at, change.tick, state(change.from), state(change.to),
+                  event(change.command), change.cause});
+  }
+}
+
+}  // namespace musher::fsm

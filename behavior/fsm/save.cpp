@@ -1,0 +1,107 @@
+// What Machine::Save() takes out of a machine.
+
+#include <algorithm>
+#include <exception>
+#include <stdexcept>
+#include <utility>
+
+#include "musher/behavior/fsm/snapshot.hpp"
+
+namespace musher::fsm {
+namespace {
+
+class SavingArchive : public Archive {
+ public:
+  explicit SavingArchive(std::vector<Snapshot::Field>& fields) : fields_(fields) {}
+
+  using Archive::Field;
+  void Field(std::string_view name, bool& value) override { Add(name, value); }
+  void Field(std::string_view name, std::int64_t& value) override { Add(name, value); }
+  void Field(std::string_view name, double& value) override { Add(name, value); }
+  void Field(std::string_view name, std::string& value) override { Add(name, value); }
+
+ private:
+  void Add(std::string_view name, Snapshot::Value value) {
+    if (std::ranges::find(fields_, name, &Snapshot::Field::name) != fields_.end()) {
+      throw std::logic_error("the field " + std::string(name) + " is there twice");
+    }
+    fields_.push_back({std::string(name), std::move(value)});
+  }
+
+  std::vector<Snapshot::Field>& fields_;
+};
+
+template <class Persist>
+void SavePart(const std::string& name, std::vector<Snapshot::Part>& parts, Persist&& persist) {
+  Snapshot::Part part{name, {}};
+  SavingArchive archive(part.fields);
+  persist(archive);
+  if (!part.fields.empty()) parts.push_back(std::move(part));
+}
+
+}  // namespace
+
+std::string SnapshotKey(const std::string& prefix, const std::string& name) {
+  return prefix.empty() ? name : prefix + "." + name;
+}
+
+// What states and data persist, with the machines inside.
+Result<> Machine::SaveParts(Snapshot& saved) const {
+  const std::string* at = nullptr;
+  try {
+    for (const Data& data : data_) SavePart(*(at = &data.name), saved.data, data.persist);
+    for (const Node& node : nodes_) {
+      SavePart(*(at = &node.name), saved.states,
+               [&](Archive& archive) { node.state->Persist(archive); });
+    }
+  } catch (const std::exception& thrown) {
+    return Error{kCodeFailed, name() + ": " + *at + ": Persist: " + thrown.what()};
+  }
+  for (const Node& node : nodes_) {
+    const Machine* inside = node.state->inside();
+    if (inside == nullptr) continue;
+    Result<Snapshot> inner = inside->Save();
+    if (!inner) {
+      return Error{kCodeFailed, name() + ": " + node.name + ": " + inner.error().message};
+    }
+    saved.inside.push_back({node.name, std::move(inner).value()});
+  }
+  return Ok();
+}
+
+Result<Snapshot> Machine::Save() const {
+  if (in_tick_ || !built_) {
+    return Error{kCodeFailed, name() + ": can be saved once it is built, and between ticks"};
+  }
+  const auto text = [this](auto id) { return std::string(Name(id)); };
+  Snapshot saved;
+  saved.machine = name();
+  saved.running = running_;
+  saved.paused = running_ && !last_tick_;
+  saved.mode = mode_;
+  saved.state = text(current_);
+  saved.ticks = ticks_;
+  saved.time = time_;
+  saved.step = step_;
+  saved.elapsed = time_ - entered_;
+  saved.unsafe = unsafe();
+  if (mode_ == Mode::kTransitioning) {
+    saved.transition = {text(target_), text(cause_), time_ - transition_began_, transition_time_};
+  }
+  for (std::size_t i = 0; i < waiting_; ++i) {
+    saved.commands.push_back(text(commands_[(first_command_ + i) % commands_.size()]));
+  }
+  saved.counts = counts_;
+  if (fault_) {
+    saved.fault = {text(fault_->state), fault_->phase, fault_->at, fault_->what, fault_->where};
+  }
+  for (std::size_t i = 0; i < history_.size(); ++i) {
+    const Change& change = history_[i];
+    saved.history.push_back({change.at, change.tick, text(change.from), text(change.to),
+                             text(change.command), change.cause});
+  }
+  if (const Result<> parts = SaveParts(saved); !parts) return parts.error();
+  return saved;
+}
+
+}  // namespace musher::fsm

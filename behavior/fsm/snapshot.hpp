@@ -1,0 +1,95 @@
+#pragma once
+// A machine at rest between two ticks, by names: enough for another one, built alike, to go on as
+// it would have. A value; toml/snapshot_toml.hpp has it as a text.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "musher/behavior/fsm/machine.hpp"
+
+namespace musher::fsm {
+
+struct Snapshot {
+  using Value = std::variant<bool, std::int64_t, double, std::string>;
+  struct Field {
+    std::string name;
+    Value value;
+    friend bool operator==(const Field&, const Field&) = default;
+  };
+  // What a state, or what states share, gave to the archive.
+  struct Part {
+    std::string name;
+    std::vector<Field> fields;
+    friend bool operator==(const Part&, const Part&) = default;
+  };
+  // One under way, from the present state.
+  struct Transition {
+    std::string to;
+    std::string command;  // behind it; empty: none
+    Duration elapsed{};
+    Duration time{};
+    friend bool operator==(const Transition&, const Transition&) = default;
+  };
+  struct PastChange {
+    Duration at{};
+    std::uint64_t tick = 0;
+    std::string from;
+    std::string to;
+    std::string command;
+    Cause cause = Cause::kDecided;
+    friend bool operator==(const PastChange&, const PastChange&) = default;
+  };
+  struct PastFault {
+    std::string state;
+    Phase phase = Phase::kRun;
+    Duration at{};
+    std::string what;
+    std::string where;
+    friend bool operator==(const PastFault&, const PastFault&) = default;
+  };
+  struct Inside;
+
+  std::string machine;
+  bool running = false;
+  bool paused = false;  // since the last tick
+  Mode mode = Mode::kNormal;
+  std::string state;  // empty: not running
+  std::uint64_t ticks = 0;
+  Duration time{};
+  Duration step{};
+  Duration elapsed{};
+  std::string unsafe;
+  std::optional<Transition> transition;
+  std::vector<std::string> commands;  // that wait
+  Counts counts;
+  std::optional<PastFault> fault;
+  std::vector<PastChange> history;  // clear it to make the snapshot smaller
+  std::vector<Part> data;           // Machine::AddData()
+  std::vector<Part> states;         // those that persist something
+  std::vector<Inside> inside;
+
+  friend bool operator==(const Snapshot&, const Snapshot&) = default;
+};
+
+// The machine inside of a state.
+struct Snapshot::Inside {
+  std::string state;
+  Snapshot machine;
+  friend bool operator==(const Inside&, const Inside&) = default;
+};
+
+// Why a snapshot cannot be restored.
+struct SnapshotFault {
+  std::string key;  // what is wrong: "state", "states.TRACKING.lost_for", "inside.SHOW.commands"
+  std::string what;
+
+  friend bool operator==(const SnapshotFault&, const SnapshotFault&) = default;
+};
+
+// "states" and "TRACKING" make "states.TRACKING".
+std::string SnapshotKey(const std::string& prefix, const std::string& name);
+
+}  // namespace musher::fsm

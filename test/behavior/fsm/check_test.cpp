@@ -1,0 +1,140 @@
+#include "musher/behavior/fsm/check.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "musher/behavior/fsm/machine.hpp"
+#include "musher/test/behavior/fsm/logging_state.hpp"
+
+namespace musher::fsm {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+// A chart, written as "A>B, B>A"; a name with ! is final, one with * is safe. The first is the
+// start.
+Chart Drawn(const std::vector<std::string>& states, const std::vector<std::string>& ways) {
+  Chart chart;
+  chart.name = "show";
+  chart.start = StateId{0};
+  std::map<std::string, StateId> ids;
+  for (std::string name : states) {
+    Role role = Role::kNormal;
+    if (name.back() == '!') role = Role::kFinal;
+    if (name.back() == '*') role = Role::kSafe;
+    if (role != Role::kNormal) name.pop_back();
+    ids[name] = static_cast<StateId>(chart.states.size());
+    chart.states.push_back({name, role, {}});
+  }
+  for (const std::string& way : ways) {
+    const std::size_t arrow = way.find('>');
+    chart.ways.push_back({ids.at(way.substr(0, arrow)), ids.at(way.substr(arrow + 1)), ""});
+  }
+  return chart;
+}
+
+std::vector<std::string> Told(const Chart& chart) {
+  std::vector<std::string> lines;
+  for (const Problem& problem : Check(chart)) {
+    lines.push_back(SeverityName(problem.severity) + ": " + problem.where + ": " + problem.what);
+  }
+  return lines;
+}
+
+TEST(Check, FindsNothingInAShowThatComesBackToItsStartForEver) {
+  EXPECT_THAT(Told(Drawn({"IDLE", "PHOTO", "SAFE*"}, {"IDLE>PHOTO", "PHOTO>IDLE", "SAFE>IDLE"})),
+              IsEmpty());
+}
+
+TEST(Check, FindsNothingInOneThatEnds) {
+  EXPECT_THAT(Told(Drawn({"A", "B", "END!"}, {"A>B", "B>END"})), IsEmpty());
+}
+
+TEST(Check, FindsNothingInAMachineOfOneState) {
+  EXPECT_THAT(Told(Drawn({"IDLE"}, {})), IsEmpty());
+}
+
+TEST(Check, FindsAStateThatNothingLeadsTo) {
+  EXPECT_THAT(Told(Drawn({"IDLE", "PHOTO"}, {"PHOTO>IDLE"})),
+              ElementsAre("warning: PHOTO: only a force leads to it: no way does"));
+}
+
+TEST(Check, TakesWhatOnlyTheSafeStateLeadsToAsReachable) {
+  EXPECT_THAT(Told(Drawn({"IDLE", "REST", "SAFE*"}, {"SAFE>REST", "REST>IDLE"})), IsEmpty());
+}
+
+TEST(Check, FindsADeadEndAndDoesNotTellOfThoseThatLeadThere) {
+  EXPECT_THAT(Told(Drawn({"A", "B", "C"}, {"A>B", "B>C"})),
+              ElementsAre("error: C: is a dead end: it declares no way out; make it final if it is "
+                          "the end"));
+}
+
+TEST(Check, TakesAStateThatOnlyEntersItselfAnewAsADeadEnd) {
+  EXPECT_THAT(Told(Drawn({"A", "B"}, {"A>B", "B>B"})), testing::SizeIs(1));
+}
+
+TEST(Check, FindsATrapOfStatesThatLeadOnlyToEachOther) {
+  EXPECT_THAT(
+      Told(Drawn({"A", "B", "C", "D"}, {"A>B", "B>A", "B>C", "C>D", "D>C"})),
+      ElementsAre("error: C: is in a trap: from C, D nothing leads to A, to a safe state or "
+                  "to a final one"));
+}
+
+TEST(Check, TakesAWayToTheSafeStateAsAWayOut) {
+  EXPECT_THAT(Told(Drawn({"A", "B", "SAFE*"}, {"A>B", "B>SAFE", "SAFE>A"})), IsEmpty());
+}
+
+TEST(Check, FindsAFinalStateThatLeaves) {
+  EXPECT_THAT(Told(Drawn({"A", "END!"}, {"A>END", "END>A"})),
+              ElementsAre("error: END: is final, but declares a way to A"));
+}
+
+TEST(Check, WarnsOfASafeStateThatOnlyAForceOrAResetEnds) {
+  EXPECT_THAT(
+      Told(Drawn({"A", "SAFE*"}, {})),
+      ElementsAre("warning: SAFE: declares no way out: only a force or a reset ends a safe stop"));
+}
+
+TEST(Check, WarnsOfAWayThatIsDeclaredTwiceInTheSameWordsOnly) {
+  Chart chart = Drawn({"A", "B"}, {"A>B", "A>B", "B>A"});
+  EXPECT_THAT(Told(chart), ElementsAre("warning: A: declares its way to B twice"));
+  chart.ways[1].when = "something else";
+  EXPECT_THAT(Told(chart), IsEmpty());
+}
+
+TEST(Check, LooksIntoMachinesInsideAndTellsThePath) {
+  Chart outer = Drawn({"SHOW", "REST"}, {"SHOW>REST", "REST>SHOW"});
+  Chart middle = Drawn({"X"}, {});
+  middle.states[0].inside.push_back(Drawn({"A", "B"}, {"A>B"}));
+  outer.states[0].inside.push_back(middle);
+  EXPECT_THAT(Told(outer), ElementsAre("error: SHOW/X/B: is a dead end: it declares no way out; "
+                                       "make it final if it is the end"));
+}
+
+TEST(Check, RefusesAChartWithoutAStart) {
+  EXPECT_THAT(Told(Chart{.name = "show", .states = {}, .ways = {}, .start = kNoState}),
+              ElementsAre("error: show: has no start state"));
+}
+
+TEST(CheckedMachine, IsNotBuiltWithADeadEndAndKeepsItsWarnings) {
+  Log log;
+  Machine stuck({.name = "show"});
+  stuck.Add("A", std::make_unique<LoggingState>("A", log, std::vector<std::string>{"B"}));
+  stuck.Add("B", std::make_unique<LoggingState>("B", log));
+  const Result<> built = stuck.Build("A");
+  ASSERT_FALSE(built);
+  EXPECT_EQ(built.error().message,
+            "show: B: is a dead end: it declares no way out; make it final if it is the end");
+
+  Machine machine({.name = "show"});
+  machine.Add("A", std::make_unique<LoggingState>("A", log));
+  machine.Add("B", std::make_unique<LoggingState>("B", log));
+  ASSERT_TRUE(machine.Build("A"));
+  EXPECT_THAT(machine.warnings(), ElementsAre("B: only a force leads to it: no way does"));
+}
+
+}  // namespace
+}  // namespace musher::fsm
