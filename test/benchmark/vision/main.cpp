@@ -1,17 +1,17 @@
-// The face detector over the frames of the wedding scene: how long a picture takes it, which of the
-// guests who look at the robot it finds, what it finds where nobody is, and how far off its
-// distances are.
+// The face detector over the frames of the wedding scene: how much of a CPU a picture takes it,
+// which of the guests who look at the robot it finds, what it finds where nobody is, and how far
+// off its distances are.
 //
 //   benchmark_vision [SECONDS [MODEL]]
 //
-// The robot stands and looks ahead, a picture each 100 ms of the world's time. Guests whose face is
+// The robot stands and looks ahead, a picture each 200 ms of the world's time. Guests whose face is
 // hidden, by the edge of the picture or by another one, are not asked for.
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -91,8 +91,8 @@ std::vector<Frame> FramesOf(const std::string& file, int seconds) {
   if (!scenery) std::exit(1);
   const world::Camera camera(world.scene().cameras.cameras[0]);
   std::vector<Frame> frames;
-  constexpr int kSteps = 5;  // of 20 ms
-  for (int i = 0; i < seconds * 10; ++i) {
+  constexpr int kSteps = 10;  // of 20 ms
+  for (int i = 0; i < seconds * 5; ++i) {
     for (int step = 0; step < kSteps; ++step) world.Step();
     frames.push_back(
         {Message(camera.Shoot(*scenery.value(), ViewOf(world, 0))), GuestsIn(world, camera)});
@@ -105,12 +105,19 @@ struct Found {
   std::vector<double> times_ms;
 };
 
+// Of this thread, on which the detector works: other work on the machine does not count.
+double CpuMs() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) / 1e6;
+}
+
 Found Look(vision::Detector& detector, const std::vector<Frame>& frames) {
   Found found;
   for (const Frame& frame : frames) {
-    const auto begin = std::chrono::steady_clock::now();
+    const double begin_ms = CpuMs();
     found.faces.push_back(detector.Detect(frame.picture));
-    found.times_ms.push_back(Microseconds(std::chrono::steady_clock::now() - begin) / 1000);
+    found.times_ms.push_back(CpuMs() - begin_ms);
   }
   return found;
 }
@@ -161,35 +168,35 @@ void Run(int seconds, const std::string& model) {
   const Table table("A picture of 640 x 480 of the wedding scene, " +
                     std::to_string(frames.size()) + " of them");
   std::vector<std::string> lines;
-  for (const int width_px : {320, 400, 480, 640}) {
-    for (const double step : {1.1, 1.2}) {
-      vision::CascadeConfig config;
-      config.model = model;
-      config.width_px = width_px;
-      config.step = step;
-      auto detector = vision::MakeCascadeDetector(config);
-      if (!detector) {
-        std::fprintf(stderr, "%s\n", detector.error().message.c_str());
-        std::exit(1);
-      }
-      char setting[64];
-      std::snprintf(setting, sizeof setting, "%d px wide, steps of %.1f", width_px, step);
-      const Found found = Look(*detector.value(), frames);
-      const Score all = Judge(found, frames, lens, 0, 1e9);
-      table.Row(setting, found.times_ms, "ms");
-      std::string line = std::string("| ") + setting;
-      for (const auto& [from_m, to_m] :
-           {std::pair(0.0, 0.7), std::pair(0.7, 2.0), std::pair(2.0, 2.5), std::pair(2.5, 9.0)}) {
-        const Score score = Judge(found, frames, lens, from_m, to_m);
-        line += " | " + std::to_string(score.found) + " of " + std::to_string(score.asked);
-      }
-      line += " | " + std::to_string(all.found_turned) + " of " + std::to_string(all.turned) +
-              " | " + std::to_string(all.false_finds);
-      char off[64];
-      std::snprintf(off, sizeof off, " | %.3f (%.3f - %.3f) |", Median(all.ratios),
-                    Quantile(all.ratios, 0.05), Quantile(all.ratios, 0.95));
-      lines.push_back(line + off);
+  for (const auto& [width_px, step] :
+       {std::pair(320, 1.1), std::pair(320, 1.2), std::pair(400, 1.1), std::pair(480, 1.1),
+        std::pair(480, 1.2), std::pair(640, 1.1)}) {
+    vision::CascadeConfig config;
+    config.model = model;
+    config.width_px = width_px;
+    config.step = step;
+    auto detector = vision::MakeCascadeDetector(config);
+    if (!detector) {
+      std::fprintf(stderr, "%s\n", detector.error().message.c_str());
+      std::exit(1);
     }
+    char setting[64];
+    std::snprintf(setting, sizeof setting, "%d px wide, steps of %.1f", width_px, step);
+    const Found found = Look(*detector.value(), frames);
+    const Score all = Judge(found, frames, lens, 0, 1e9);
+    table.Row(setting, found.times_ms, "ms");
+    std::string line = std::string("| ") + setting;
+    for (const auto& [from_m, to_m] :
+         {std::pair(0.0, 0.7), std::pair(0.7, 2.0), std::pair(2.0, 2.5), std::pair(2.5, 9.0)}) {
+      const Score score = Judge(found, frames, lens, from_m, to_m);
+      line += " | " + std::to_string(score.found) + " of " + std::to_string(score.asked);
+    }
+    line += " | " + std::to_string(all.found_turned) + " of " + std::to_string(all.turned) + " | " +
+            std::to_string(all.false_finds);
+    char off[64];
+    std::snprintf(off, sizeof off, " | %.3f (%.3f - %.3f) |", Median(all.ratios),
+                  Quantile(all.ratios, 0.05), Quantile(all.ratios, 0.95));
+    lines.push_back(line + off);
   }
   std::puts(
       "\n| setting | found below 0.7 m | 0.7 to 2 m | 2 to 2.5 m | beyond | found of those who "
