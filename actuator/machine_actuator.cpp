@@ -103,6 +103,11 @@ class MachineActuator::Impl {
     return *finished_;
   }
 
+  void GiveUp(const Error& why) {
+    std::cerr << name_ << ": gives up: " << why.message << std::endl;
+    Finish(1);
+  }
+
   void Shutdown() {
     if (worker_) {
       stop_requested_ = true;
@@ -327,6 +332,9 @@ bool MachineActuator::ActuatorStart() {
 
 int MachineActuator::Wait() {
   return impl_->Wait();
+}
+void MachineActuator::GiveUp(const Error& why) {
+  impl_->GiveUp(why);
 }
 void MachineActuator::Shutdown() {
   impl_->Shutdown();

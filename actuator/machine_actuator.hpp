@@ -81,6 +81,10 @@ class MachineActuator {
   // Blocks until TearDown is done, or Shutdown() is called; gives the program's exit code.
   int Wait();
 
+  // It cannot go on: says why on stderr, and Wait() gives 1, so that the program ends and its
+  // restart policy acts. From any thread.
+  void GiveUp(const Error& why);
+
   // Ends without TearDown: waits for a running callback, then leaves the machine. Idempotent.
   void Shutdown();
 

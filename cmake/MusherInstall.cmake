@@ -6,7 +6,7 @@ install(TARGETS ${targets} EXPORT musherTargets ARCHIVE DESTINATION ${CMAKE_INST
 install(EXPORT musherTargets NAMESPACE musher:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)
 
 # What a robot's project includes; what only Musher's own sources include stays here.
-foreach(folder lifecycle behavior messages transport actuator controller simulation)
+foreach(folder lifecycle behavior messages transport actuator application controller simulation)
   install(DIRECTORY ${CMAKE_SOURCE_DIR}/${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/musher/${folder}
           FILES_MATCHING PATTERN "*.hpp"
           PATTERN "lifecycle/decision.hpp" EXCLUDE

@@ -29,16 +29,17 @@ class Endpoints {
   void Serve(const std::string& name, typename Server<S>::Handler handler) {
     Keep(MakeServer<S>(node_, Resolve(name), std::move(handler)));
   }
+  // Gives the subscription, which tells who speaks; null when it could not be opened.
   template <msg::Message M>
-  void Hear(const std::string& name, std::function<void(const M&)> handler,
-            const Qos& qos = kDefaultQos) {
-    HearResolved<M>(Resolve(name), std::move(handler), qos);
+  Subscription* Hear(const std::string& name, std::function<void(const M&)> handler,
+                     const Qos& qos = kDefaultQos) {
+    return HearResolved<M>(Resolve(name), std::move(handler), qos);
   }
   // `topic` with its namespace.
   template <msg::Message M>
-  void HearResolved(const std::string& topic, std::function<void(const M&)> handler,
-                    const Qos& qos) {
-    Keep(MakeSubscription<M>(
+  Subscription* HearResolved(const std::string& topic, std::function<void(const M&)> handler,
+                             const Qos& qos) {
+    return Keep(MakeSubscription<M>(
         node_, topic,
         [handler = std::move(handler)](const M& sample, const SampleInfo&) { handler(sample); },
         qos));
@@ -46,10 +47,15 @@ class Endpoints {
   // Gives what publishes one sample; it does nothing when the topic could not be opened.
   template <msg::Message M>
   std::function<void(const M&)> Tell(const std::string& name, const Qos& qos = kDefaultQos) {
-    auto* publisher = Keep(MakePublisher<M>(node_, Resolve(name), qos));
+    auto* publisher = Advertise<M>(name, qos);
     if (publisher == nullptr) return [](const M&) {};
     // What cannot be sent is followed by the next.
     return [publisher](const M& sample) { static_cast<void>(publisher->Publish(sample)); };
+  }
+  // A publisher, which also tells who listens; null when it could not be opened.
+  template <msg::Message M>
+  Publisher<M>* Advertise(const std::string& name, const Qos& qos = kDefaultQos) {
+    return Keep(MakePublisher<M>(node_, Resolve(name), qos));
   }
   // To call somebody else's service; null when it could not be opened.
   template <msg::Service S>
@@ -69,6 +75,10 @@ class Endpoints {
   void Every(Duration period, std::function<void()> work) {
     kept_.push_back(clock().Every(period, std::move(work)));
   }
+
+  // Something of the module's own that stands on them, a handle of the clock's, say: gone before
+  // the clock is.
+  void Keep(std::shared_ptr<void> thing) { kept_.push_back(std::move(thing)); }
 
   // Why one of them could not be opened.
   const Result<>& opened() const { return opened_; }

@@ -42,8 +42,10 @@ class Node {
                                                            ReaderCallbacks callbacks) = 0;
 };
 
-// Joins a namespace ("" or "dog1") and a relative name as ROS 2 resolves it.
+// A name as ROS 2 resolves it: a relative one joins the namespace ("" or "dog1"), an absolute one
+// ("/show/state") stands for itself.
 inline std::string ResolveName(std::string_view name_space, std::string_view name) {
+  if (name.starts_with('/')) return std::string(name.substr(1));
   return name_space.empty() ? std::string(name) : std::string(name_space) + "/" + std::string(name);
 }
 

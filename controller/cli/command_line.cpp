@@ -24,6 +24,7 @@ A first tour:
   musher set LowPower              switch the machine
   musher set Active audio          switch one actuator
   musher restart audio             end its process and start it again
+  musher behavior show             where an application's state machine is, and how it came there
   musher estop "smoke"             stop everything that moves, now; --release ends that
   musher history --since 10m       what happened
   musher history --why             why the machine is in its state

@@ -1,7 +1,9 @@
-// musher graph FILE: the states or the actuators of a config as a drawing.
+// musher graph FILE: the states or the actuators of a config as a drawing; or the state machine of
+// an application.
 
 #include <fstream>
 
+#include "musher/controller/cli/behavior_request.hpp"
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/config_file.hpp"
 #include "musher/controller/cli/render/graph.hpp"
@@ -26,20 +28,48 @@ Result<std::string> Draw(const MachineConfig& config, const std::string& what,
   return format == "svg" ? RenderSvg(dot) : Result<std::string>(dot);
 }
 
+using Drawing = std::variant<std::string, Failure>;
+
+Drawing OrFailure(Result<std::string> drawing) {
+  if (!drawing) return Failure{ExitCode::kUsage, drawing.error()};
+  return std::move(drawing).value();
+}
+
+Drawing DrawBehavior(const std::string& name, const std::string& format,
+                     const GlobalOptions& global) {
+  const auto link = Link::Open(global);
+  if (!link) return Failure{ExitCode::kUsage, link.error()};
+  const bool svg = format == "svg";
+  auto answer = AskBehavior(*link.value(), global, name, {svg ? "dot" : format, 0});
+  if (const auto* failure = std::get_if<Failure>(&answer)) return *failure;
+  std::string graph = std::move(std::get<msg::GetBehavior::Response>(answer).graph);
+  return svg ? OrFailure(RenderSvg(graph)) : Drawing(std::move(graph));
+}
+
 }  // namespace
 
-ExitCode Graph(const GraphOptions& options, Console& console) {
-  const auto config = LoadConfig(options.file, console);
-  if (!config) return ExitCode::kUsage;
+ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console& console) {
   const std::string format = FormatOf(options);
-  const auto drawing = Draw(*config, options.what, format);
-  if (!drawing) return console.Fail({ExitCode::kUsage, drawing.error()});
+  Drawing drawn;
+  if (!options.behavior.empty()) {
+    drawn = DrawBehavior(options.behavior, format, global);
+  } else if (options.file.empty()) {
+    drawn = Failure{
+        ExitCode::kUsage,
+        {kCodeParametersInvalid, "FILE or --behavior NAME is required; see musher graph --help"}};
+  } else {
+    const auto config = LoadConfig(options.file, console);
+    if (!config) return ExitCode::kUsage;
+    drawn = OrFailure(Draw(*config, options.what, format));
+  }
+  if (const auto* failure = std::get_if<Failure>(&drawn)) return console.Fail(*failure);
+  const std::string& drawing = std::get<std::string>(drawn);
   if (options.output.empty()) {
-    console.Print(console.mode().json ? GraphJson(format, drawing.value()) : drawing.value());
+    console.Print(console.mode().json ? GraphJson(format, drawing) : drawing);
     return ExitCode::kDone;
   }
   std::ofstream file(options.output);
-  file << drawing.value();
+  file << drawing;
   file.close();
   if (!file) {
     return console.Fail({ExitCode::kUsage, {kCodeFailed, "cannot write " + options.output}});

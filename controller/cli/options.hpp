@@ -85,8 +85,14 @@ struct ReplayOptions {
   std::string since;   // empty: all
   std::optional<std::uint64_t> epoch;
 };
+struct BehaviorOptions {
+  std::string name;
+  std::uint32_t history = 10;  // changes
+  bool watch = false;
+};
 struct GraphOptions {
-  std::string file;
+  std::string file;           // empty: of `behavior`
+  std::string behavior;       // the application whose machine is drawn; empty: a config
   std::string what = "flow";  // or "actuators"
   std::string format;         // "dot", "mermaid" or "svg"
   std::string output;         // empty: standard output
@@ -159,10 +165,10 @@ using CommandOptions =
     std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions, RestartOptions,
                  EstopOptions, CapabilitiesOptions, WakeOptions, KeepOptions, LowPowerOptions,
                  PowerOffOptions, RebootOptions, PlanOptions, HistoryOptions, ReplayOptions,
-                 GraphOptions, SimulateOptions, KeysInitOptions, KeysAddOptions, KeysRevokeOptions,
-                 KeysListOptions, OtaKeygenOptions, OtaBundleOptions, OtaInitOptions,
-                 OtaVerifyOptions, OtaInstallOptions, OtaStatusOptions, OtaRollbackOptions,
-                 CompletionOptions>;
+                 BehaviorOptions, GraphOptions, SimulateOptions, KeysInitOptions, KeysAddOptions,
+                 KeysRevokeOptions, KeysListOptions, OtaKeygenOptions, OtaBundleOptions,
+                 OtaInitOptions, OtaVerifyOptions, OtaInstallOptions, OtaStatusOptions,
+                 OtaRollbackOptions, CompletionOptions>;
 
 struct CommandLine {
   GlobalOptions global;

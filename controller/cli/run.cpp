@@ -38,7 +38,8 @@ struct Dispatch {
   ExitCode operator()(const PlanOptions& o) const { return Plan(o, global, console); }
   ExitCode operator()(const HistoryOptions& o) const { return History(o, global, console); }
   ExitCode operator()(const ReplayOptions& o) const { return Replay(o, console); }
-  ExitCode operator()(const GraphOptions& o) const { return Graph(o, console); }
+  ExitCode operator()(const BehaviorOptions& o) const { return Behavior(o, global, console); }
+  ExitCode operator()(const GraphOptions& o) const { return Graph(o, global, console); }
   ExitCode operator()(const SimulateOptions& o) const { return Simulate(o, console); }
   ExitCode operator()(const KeysInitOptions& o) const { return KeysInit(o, console); }
   ExitCode operator()(const KeysAddOptions& o) const { return KeysAdd(o, global, console); }

@@ -15,6 +15,7 @@ namespace musher::audio {
 namespace {
 
 using config_toml::Findings;
+using config_toml::Quote;
 using config_toml::Table;
 using config_toml::TableReader;
 
@@ -42,6 +43,11 @@ class Reader {
     root.Require("phrases", "the file of the phrases");
     if (const auto phrases = root.String("phrases")) {
       config_.phrases_file = config_toml::Absolute(folder_, phrases->text);
+    }
+    for (const config_toml::Value* value : root.Tables("cues")) {
+      TableReader reader(*value->As<Table>(), value->at, "cues", findings_);
+      ReadCueTopic(reader);
+      reader.RefuseOthers();
     }
     if (const Table* voice = root.SubTable("voice")) {
       TableReader reader(*voice, root.At("voice"), "voice", findings_);
@@ -76,6 +82,33 @@ class Reader {
     }
   }
 
+  void ReadCueTopic(TableReader& reader) {
+    CueTopic cue_topic;
+    reader.Require("topic", "the topic that carries the names of cues");
+    if (const auto topic = reader.String("topic")) {
+      cue_topic.topic = topic->text;
+      CheckTopic(reader, *topic);
+    }
+    cue_topic.interrupts = reader.Bool("interrupts").value_or(cue_topic.interrupts);
+    reader.Require("file", "the file of the cues");
+    const auto file = Named(reader, "file");
+    config_.cue_files.push_back(file ? config_toml::Absolute(folder_, *file) : "");
+    config_.cue_topics.push_back(std::move(cue_topic));
+  }
+
+  void CheckTopic(TableReader& reader, const config_toml::Word& topic) const {
+    std::string_view name = topic.text;
+    if (name.starts_with('/')) name.remove_prefix(1);
+    if (name.empty() || !config_toml::IsNamespace(name)) {
+      reader.Fault(topic.at, "topic",
+                   "expected a topic, as in \"/show/play\", found " + Quote(topic.text));
+    }
+    for (const CueTopic& other : config_.cue_topics) {
+      if (other.topic != topic.text) continue;
+      reader.Fault(topic.at, "topic", Quote(topic.text) + " has its cues already");
+    }
+  }
+
   void ReadVoice(TableReader& reader) {
     VoiceConfig& voice = config_.voice;
     if (const auto speed = reader.Integer("words_per_minute", kSlowestVoice, kFastestVoice)) {
@@ -89,14 +122,38 @@ class Reader {
   static std::optional<std::string> Named(TableReader& reader, std::string_view key) {
     const auto word = reader.String(key);
     if (!word) return std::nullopt;
-    if (word->text.empty()) reader.Fault(word->at, key, "expected a name, found nothing");
-    return word->text;
+    if (!word->text.empty()) return word->text;
+    reader.Fault(word->at, key, "expected a name, found nothing");
+    return std::nullopt;
   }
 
   const std::filesystem::path folder_;
   Findings& findings_;
   AudioConfig config_;
 };
+
+void Append(std::vector<Diagnostic>&& more, std::vector<Diagnostic>& diagnostics) {
+  std::move(more.begin(), more.end(), std::back_inserter(diagnostics));
+}
+
+// The files that the config names. Gives whether all are good.
+bool ReadFiles(AudioConfig& config, std::vector<Diagnostic>& diagnostics) {
+  bool good = true;
+  if (!config.phrases_file.empty()) {
+    PhrasesReading reading = ReadPhrasesFile(config.phrases_file);
+    Append(std::move(reading.diagnostics), diagnostics);
+    good = reading.phrases.has_value();
+    config.phrases = std::move(reading.phrases).value_or(Phrases());
+  }
+  for (std::size_t i = 0; i < config.cue_topics.size(); ++i) {
+    if (config.cue_files[i].empty()) continue;  // which is told already
+    CuesReading reading = ReadCuesFile(config.cue_files[i]);
+    Append(std::move(reading.diagnostics), diagnostics);
+    good = good && reading.cues;
+    config.cue_topics[i].cues = std::move(reading.cues).value_or(Cues());
+  }
+  return good;
+}
 
 }  // namespace
 
@@ -109,15 +166,10 @@ AudioReading ReadAudioText(std::string_view text, const std::string& path) {
   } else {
     config = Reader(path, findings).Read(std::get<Table>(document));
   }
-  const bool good = !findings.HasErrors();
+  bool good = config && !findings.HasErrors();
   AudioReading reading{std::nullopt, std::move(findings).Take(path, text)};
-  if (!config || config->phrases_file.empty()) return reading;
-  PhrasesReading phrases = ReadPhrasesFile(config->phrases_file);
-  std::move(phrases.diagnostics.begin(), phrases.diagnostics.end(),
-            std::back_inserter(reading.diagnostics));
-  if (!good || !phrases.phrases) return reading;
-  config->phrases = *std::move(phrases.phrases);
-  reading.config = std::move(config);
+  if (config) good = ReadFiles(*config, reading.diagnostics) && good;
+  if (good) reading.config = std::move(config);
   return reading;
 }
 

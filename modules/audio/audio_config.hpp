@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "musher/lifecycle/diagnostic.hpp"
+#include "musher/modules/audio/cues.hpp"
 #include "musher/modules/audio/phrases.hpp"
 
 namespace musher::audio {
@@ -40,19 +41,22 @@ struct AudioConfig {
   VoiceConfig voice;
   std::string phrases_file;  // absolute
   Phrases phrases;
+  std::vector<std::string> cue_files;  // of each of the topics; absolute
+  std::vector<CueTopic> cue_topics;
 
   friend bool operator==(const AudioConfig&, const AudioConfig&) = default;
 };
 
 struct AudioReading {
   std::optional<AudioConfig> config;    // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // of this file, then of that of the phrases
+  std::vector<Diagnostic> diagnostics;  // of this file, then of those that it names
 };
 
 // Never throws; an unreadable file is a diagnostic.
 AudioReading ReadAudioFile(const std::string& path);
 
-// The same for a text; `path` is what diagnostics and relative paths refer to. Reads the phrases.
+// The same for a text; `path` is what diagnostics and relative paths refer to. Reads the phrases
+// and cues.
 AudioReading ReadAudioText(std::string_view text, const std::string& path);
 
 }  // namespace musher::audio

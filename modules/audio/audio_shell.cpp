@@ -8,7 +8,7 @@ namespace musher::audio {
 AudioShell::AudioShell(const Surroundings& around, const AudioConfig& config, SoundMaker& maker,
                        Output& output)
     : around_(around),
-      rules_{config.phrases, config.language, config.longest_text},
+      rules_{config.phrases, config.language, config.longest_text, config.cue_topics},
       maker_(maker),
       output_(output) {
   player_.volume = config.volume;
@@ -34,6 +34,7 @@ Result<> AudioShell::Connect() {
   if (!report) return report.error();
   report_ = std::move(report).value();
   if (Result<> connected = ConnectPlay(); !connected) return connected;
+  if (Result<> connected = ConnectCues(); !connected) return connected;
   return ConnectSettings();
 }
 
@@ -63,6 +64,19 @@ Result<> AudioShell::ConnectPlay() {
   return Serve<msg::EmptyService>("stop_play", [this](const msg::Empty&, auto reply) {
     Take(play_event::StopAsked{Expect([reply](std::int32_t) { reply({}); })});
   });
+}
+
+Result<> AudioShell::ConnectCues() {
+  for (std::size_t i = 0; i < rules_.cue_topics.size(); ++i) {
+    auto cues = transport::MakeSubscription<msg::String>(
+        around_.node, around_.Name(rules_.cue_topics[i].topic),
+        [this, i](const msg::String& cue, const auto&) {
+          Take(play_event::CueAsked{i, cue.data});
+        });
+    if (!cues) return cues.error();
+    subscriptions_.push_back(std::move(cues).value());
+  }
+  return Ok();
 }
 
 Result<> AudioShell::ConnectSettings() {

@@ -11,6 +11,7 @@
 
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/empty.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
@@ -51,6 +52,7 @@ class AudioShell {
              Output& output);
   Result<> Connect();
   Result<> ConnectPlay();
+  Result<> ConnectCues();
   Result<> ConnectSettings();
   template <msg::Service S>
   Result<> Serve(const char* name, typename transport::Server<S>::Handler handler);

@@ -18,6 +18,13 @@ std::string WithNumber(std::string text, int number) {
 
 }  // namespace
 
+Utterance Spoken::In(Language language) const {
+  auto text = texts.find(language);
+  if (text == texts.end()) text = texts.begin();
+  if (text == texts.end()) return {{}, language, recording};
+  return {text->second, text->first, recording};
+}
+
 Phrases::Phrases(std::vector<Phrase> phrases) : phrases_(std::move(phrases)) {
   std::sort(phrases_.begin(), phrases_.end(),
             [](const Phrase& a, const Phrase& b) { return a.first < b.first; });
@@ -35,13 +42,8 @@ const Phrase* Phrases::PhraseOf(std::uint16_t id) const {
 std::optional<Utterance> Phrases::Find(std::uint16_t id, Language language) const {
   const Phrase* phrase = PhraseOf(id);
   if (phrase == nullptr) return std::nullopt;
-  Utterance utterance{{}, language, phrase->recording};
-  auto text = phrase->texts.find(language);
-  if (text == phrase->texts.end()) text = phrase->texts.begin();
-  if (text != phrase->texts.end()) {
-    utterance.language = text->first;
-    utterance.text = WithNumber(text->second, id - phrase->first);
-  }
+  Utterance utterance = phrase->spoken.In(language);
+  utterance.text = WithNumber(std::move(utterance.text), id - phrase->first);
   return utterance;
 }
 

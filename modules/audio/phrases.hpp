@@ -22,14 +22,24 @@ struct Utterance {
   friend bool operator==(const Utterance&, const Utterance&) = default;
 };
 
+// How a phrase or a cue is heard: as a recording, or in a language.
+struct Spoken {
+  std::map<Language, std::string> texts;
+  std::string recording;  // absolute path; empty: none
+
+  // In `language`, or in the other one where there is no text in it.
+  Utterance In(Language language) const;
+
+  friend bool operator==(const Spoken&, const Spoken&) = default;
+};
+
 inline constexpr std::string_view kNumberMark = "{number}";
 
 // One phrase, or a row of them that differ by a number: of id `first` + n it says n.
 struct Phrase {
   std::uint16_t first = 0;
   std::uint16_t last = 0;
-  std::map<Language, std::string> texts;
-  std::string recording;
+  Spoken spoken;
 
   friend bool operator==(const Phrase&, const Phrase&) = default;
 };

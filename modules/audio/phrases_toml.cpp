@@ -10,7 +10,7 @@
 #include "musher/lifecycle/toml/table_reader.hpp"
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/modules/audio/phrases.hpp"
-#include "musher/modules/audio/sound_file.hpp"
+#include "musher/modules/audio/spoken_toml.hpp"
 
 namespace musher::audio {
 namespace {
@@ -48,16 +48,8 @@ class Reader {
     reader.Require("id", "the phrase's number, 0 to 65535");
     const auto id = reader.Integer("id", 0, kLargestId);
     const auto last = reader.Integer("last_id", id.value_or(0), kLargestId);
-    ReadText(reader, "en", Language::kEnglish, phrase);
-    ReadText(reader, "zh", Language::kChinese, phrase);
-    if (const auto recording = reader.String("recording")) {
-      phrase.recording = config_toml::Absolute(folder_, recording->text);
-      if (const Result<> good = CheckSound(phrase.recording); !good) {
-        reader.Fault(recording->at, "recording", good.error().message);
-      }
-    } else if (!reader.Has("en") && !reader.Has("zh") && !reader.Has("recording")) {
-      reader.Fault(reader.at(), "id", "expected a text (en, zh) or a recording with it");
-    }
+    phrase.spoken = ReadSpoken(reader, folder_);
+    for (const char* key : {"en", "zh"}) CheckMark(reader, key);
     if (!id) return;
     phrase.first = static_cast<std::uint16_t>(*id);
     phrase.last = static_cast<std::uint16_t>(last.value_or(*id));
@@ -67,16 +59,12 @@ class Reader {
     found_.emplace_back(std::move(phrase), reader.At("id"));
   }
 
-  void ReadText(TableReader& reader, std::string_view key, Language language, Phrase& phrase) {
-    const auto text = reader.String(key);
-    if (!text) return;
-    if (!HasSomethingToSay(text->text)) {
-      return reader.Fault(text->at, key, "expected a text, found nothing to say");
-    }
-    if (text->text.find(kNumberMark) != std::string::npos && !reader.Has("last_id")) {
-      reader.Fault(text->at, key, "{number} needs a last_id: it is the id minus the first one");
-    }
-    phrase.texts[language] = text->text;
+  static void CheckMark(TableReader& reader, std::string_view key) {
+    const Value* value = reader.Get(key);
+    const auto* text = value == nullptr ? nullptr : value->As<std::string>();
+    if (text == nullptr || text->find(kNumberMark) == std::string::npos) return;
+    if (reader.Has("last_id")) return;
+    reader.Fault(value->at, key, "{number} needs a last_id: it is the id minus the first one");
   }
 
   void FindOverlaps() {

@@ -44,16 +44,28 @@ class Decision {
       StopAll();
       return Answer(order.token, kCodeOk);
     }
-    const Result<Utterance> what = Judge(order);
+    const Result<> may = MayBeHeard(order.token != 0);
+    const Result<Utterance> what = may ? Judge(order) : Result<Utterance>(may.error());
     if (!what) {
       return Refuse(order.token, {what.error().code, "for " + config_toml::Quote(order.module) +
                                                          ": " + what.error().message});
     }
     Player::Sound sound{++player_.last_number, order.token,  now_ + kAnswerTime,
                         order.module,          what.value(), false};
-    if (order.token != 0) return player_.waiting.push_back(std::move(sound));
-    EndCurrent(AudioCode(AudioKey::kInterrupted));
-    Begin(std::move(sound));
+    Enqueue(std::move(sound), order.token == 0);
+  }
+
+  void Take(const play_event::CueAsked& event) {
+    const CueTopic& topic = rules_.cue_topics[event.topic];
+    const auto cue = topic.cues.find(event.id);
+    if (cue == topic.cues.end()) return TellUnknown(topic, event.id);
+    if (const Result<> may = MayBeHeard(!topic.interrupts); !may) {
+      return Refuse(0, {may.error().code,
+                        "cue " + config_toml::Quote(event.id) + ": " + may.error().message});
+    }
+    Enqueue({++player_.last_number, 0, now_ + kAnswerTime, event.id,
+             cue->second.In(rules_.language), false},
+            topic.interrupts);
   }
 
   void Take(const play_event::StopAsked& event) {
@@ -118,14 +130,18 @@ class Decision {
 
   void Take(const play_event::TimePassed& /*event*/) {}
 
-  Result<Utterance> Judge(const PlayOrder& order) const {
+  Result<> MayBeHeard(bool waits) const {
     if (player_.state == kTearDown) {
       return Error{AudioCode(KeyCode::kStateInvalid), "the robot is being shut down"};
     }
-    if (order.token != 0 && player_.waiting.size() >= kMostWaiting) {
+    if (waits && player_.waiting.size() >= kMostWaiting) {
       return Error{AudioCode(KeyCode::kTargetBusy),
                    std::to_string(kMostWaiting) + " wait to be heard already"};
     }
+    return Ok();
+  }
+
+  Result<Utterance> Judge(const PlayOrder& order) const {
     return order.is_text ? JudgeText(order.text) : JudgePhrase(order.play_id);
   }
 
@@ -146,6 +162,12 @@ class Decision {
                        std::to_string(rules_.longest_text)};
     }
     return Utterance{Speakable(text), LanguageOf(text, rules_.language), {}};
+  }
+
+  void Enqueue(Player::Sound sound, bool interrupts) {
+    if (!interrupts) return player_.waiting.push_back(std::move(sound));
+    EndCurrent(AudioCode(AudioKey::kInterrupted));
+    Begin(std::move(sound));
   }
 
   void Begin(Player::Sound sound) {
@@ -188,15 +210,15 @@ class Decision {
 
   // Those whose deadline is not later than `time`.
   void ReleaseOverdue(Time time) {
-    const auto overdue = [time](const Player::Sound& sound) {
-      return sound.token != 0 && sound.deadline <= time;
-    };
+    const auto overdue = [time](const Player::Sound& sound) { return sound.deadline <= time; };
     const std::int32_t code = AudioCode(KeyCode::kTimeout);
     for (const Player::Sound& sound : player_.waiting) {
-      if (overdue(sound)) Answer(sound.token, code);
+      if (!overdue(sound)) continue;
+      Answer(sound.token, code);
+      if (sound.token == 0) Log(config_toml::Quote(sound.module) + " waited too long");
     }
     std::erase_if(player_.waiting, overdue);
-    if (!player_.current || !overdue(*player_.current)) return;
+    if (!player_.current || player_.current->token == 0 || !overdue(*player_.current)) return;
     if (!player_.current->sounding) return EndCurrent(code);
     Answer(std::exchange(player_.current->token, 0), code);
   }
@@ -228,6 +250,14 @@ class Decision {
     Answer(token, error.code);
   }
 
+  void TellUnknown(const CueTopic& topic, const std::string& id) {
+    std::string text = topic.topic + " has no cue " + config_toml::Quote(id);
+    if (player_.unknown_cues.size() == kMostUnknownCues) return;
+    if (!player_.unknown_cues.insert(text).second) return;
+    if (player_.unknown_cues.size() == kMostUnknownCues) text += "; no more of them are told";
+    Log(std::move(text));
+  }
+
   void Answer(CallToken token, std::int32_t code) {
     if (token != 0) Do(play_action::Answer{token, code});
   }
@@ -250,11 +280,8 @@ std::optional<Time> NextTime(const Player& player) {
   std::optional<Time> next;
   const auto consider = [&next](Time time) { next = next ? std::min(*next, time) : time; };
   if (player.reporting) consider(player.next_report);
-  const auto of_sound = [&](const Player::Sound& sound) {
-    if (sound.token != 0) consider(sound.deadline);
-  };
-  if (player.current) of_sound(*player.current);
-  for (const Player::Sound& sound : player.waiting) of_sound(sound);
+  if (player.current && player.current->token != 0) consider(player.current->deadline);
+  for (const Player::Sound& sound : player.waiting) consider(sound.deadline);
   return next;
 }
 

@@ -17,6 +17,8 @@
 //   - What is asked by the service waits for its turn. It is answered at the end of its sound, or
 //     when its time is over: 10 s from the moment it was asked. What has not begun by then never
 //     is; what sounds goes on to its end.
+//   - A cue, a sound asked for by its name on a topic, does the one or the other, as its topic is
+//     configured; nobody is answered. One that is not known is told in the log, once.
 //   - A stop ends what plays and all that waits.
 //   - Whatever is refused changes nothing that plays, and is told why, with a code.
 //   - The microphone and the voice control are kept and told; nothing here listens.
@@ -25,6 +27,8 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -33,6 +37,7 @@
 #include "musher/lifecycle/state.hpp"
 #include "musher/lifecycle/time.hpp"
 #include "musher/modules/audio/audio_code.hpp"
+#include "musher/modules/audio/cues.hpp"
 #include "musher/modules/audio/phrases.hpp"
 
 namespace musher::audio {
@@ -41,6 +46,7 @@ inline constexpr Duration kAnswerTime = Milliseconds(10'000);  // from the reque
 inline constexpr Duration kReportPeriod = Milliseconds(500);
 inline constexpr Duration kRefusalPause = Milliseconds(10'000);  // of the log, for the same words
 inline constexpr std::size_t kMostWaiting = 16;
+inline constexpr std::size_t kMostUnknownCues = 32;  // that are told
 inline constexpr int kFullVolume = 100;
 
 // A request that must be answered exactly once; the shell knows to whom. 0: nobody waits.
@@ -52,6 +58,7 @@ struct PlayRules {
   const Phrases& phrases;
   Language language;         // of phrases, and of texts whose characters do not tell
   std::size_t longest_text;  // characters
+  std::span<const CueTopic> cue_topics{};
 };
 
 struct PlayOrder {
@@ -67,6 +74,10 @@ struct PlayOrder {
 namespace play_event {
 struct Asked {
   PlayOrder order;
+};
+struct CueAsked {
+  std::size_t topic = 0;  // which of the rules'
+  std::string id;
 };
 struct StopAsked {
   CallToken token = 0;
@@ -99,8 +110,8 @@ struct TimePassed {};
 }  // namespace play_event
 
 using PlayEvent =
-    std::variant<play_event::Asked, play_event::StopAsked, play_event::Made, play_event::Ended,
-                 play_event::VolumeAsked, play_event::MicrophoneAsked,
+    std::variant<play_event::Asked, play_event::CueAsked, play_event::StopAsked, play_event::Made,
+                 play_event::Ended, play_event::VolumeAsked, play_event::MicrophoneAsked,
                  play_event::VoiceControlAsked, play_event::StateEntered, play_event::TimePassed>;
 
 namespace play_action {
@@ -149,7 +160,7 @@ struct Player {
   struct Sound {
     SoundNumber number = 0;
     CallToken token = 0;  // 0: nobody waits (any more)
-    Time deadline{};      // of its answer
+    Time deadline{};      // of its answer, and of its beginning
     std::string module;
     Utterance what;
     bool sounding = false;
@@ -166,9 +177,10 @@ struct Player {
   int volume = kFullVolume;
   bool microphone_off = false;
   bool voice_control = true;
-  bool device_lost = false;  // and that is told
-  std::string refusal;       // the last one that was said …
-  Time refusal_again{};      // … and when it may be again
+  bool device_lost = false;            // and that is told
+  std::string refusal;                 // the last one that was said …
+  Time refusal_again{};                // … and when it may be again
+  std::set<std::string> unknown_cues;  // what was said of them
   State state;
 
   friend bool operator==(const Player&, const Player&) = default;

@@ -99,7 +99,13 @@ Result<> CameraManager::SelfCheck() {
   };
   static_cast<void>(program::AwaitOnLoop(*node_, config_.self_check_time, judge,
                                          [this] { return StopRequested(); }));
-  node_->RunOnLoop([&] { cameras_->SetChecked(false); });
+  // Else it is only a check, and the state stays.
+  const State from = CurrentState();
+  const bool enters = from == kSetUp || from == kSelfCheck || from == kError;
+  node_->RunOnLoop([&] {
+    if (result.result && enters) cameras_->Enter(State(kSelfCheck));
+    cameras_->SetChecked(false);
+  });
   if (result.result && !result.failing.empty()) {
     constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kSelfCheckFailed);
     Log({kCode, "self-check: " + result.failing});

@@ -57,16 +57,19 @@ Vector3d RayOf(const Intrinsics& intrinsics, const Vector2d& pixel) {
   return {aside.x(), aside.y(), std::cos(theta)};
 }
 
-Isometry3d CameraInPlace(const CameraSpec& camera, const Pose2& body, const Attitude& attitude) {
+Isometry3d CameraInPlace(const CameraSpec& camera, const Pose2& body, const Attitude& attitude,
+                         const Gaze& gaze) {
   Isometry3d body_in_place = Isometry3d::Identity();
   body_in_place.linear() = Turned(body.yaw_rad, attitude.pitch_rad, attitude.roll_rad);
   body_in_place.translation() << body.position_m, attitude.height_m;
   Matrix3d optical;  // its axes in a frame of x ahead, y to the left, z upwards
   optical << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  Isometry3d on_body = Isometry3d::Identity();
-  on_body.linear() = Turned(camera.yaw_rad, camera.pitch_rad, camera.roll_rad) * optical;
-  on_body.translation() = camera.position_m;
-  return body_in_place * on_body;
+  const Gaze turned = camera.on_head ? gaze : Gaze{};
+  Isometry3d mount = Isometry3d::Identity();
+  mount.linear() =
+      Turned(camera.yaw_rad, camera.pitch_rad + turned.pitch_rad, camera.roll_rad) * optical;
+  mount.translation() = camera.position_m;
+  return body_in_place * AngleAxisd(turned.yaw_rad, Vector3d::UnitZ()) * mount;
 }
 
 }  // namespace musher::world

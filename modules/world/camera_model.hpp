@@ -32,8 +32,15 @@ std::optional<Eigen::Vector2d> Project(const Intrinsics& intrinsics,
 // Of length 1, in the camera's frame. The inverse of Project().
 Eigen::Vector3d RayOf(const Intrinsics& intrinsics, const Eigen::Vector2d& pixel);
 
-// The camera's frame in the place's, for a body there. X_WC p_C = p_W.
+// Where a head is turned from straight ahead.
+struct Gaze {
+  double yaw_rad = 0;    // to the left
+  double pitch_rad = 0;  // downwards
+};
+
+// The camera's frame in the place's, for a body there. X_WC p_C = p_W. The gaze turns cameras on
+// the head: by its yaw round the body's upright axis, by its pitch where they are.
 Eigen::Isometry3d CameraInPlace(const CameraSpec& camera, const Pose2& body,
-                                const Attitude& attitude);
+                                const Attitude& attitude, const Gaze& gaze = {});
 
 }  // namespace musher::world

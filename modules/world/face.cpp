@@ -25,17 +25,20 @@ const Color& Pick(const Color (&colors)[N], int number) {
 // In units of the face's half width, from the middle between the eyes.
 class Face {
  public:
-  Face(int number, double width, double height, Canvas& canvas)
+  Face(int number, double unit_px, const Vector2d& middle_px, Canvas& canvas)
       : canvas_(canvas),
-        unit_(std::min(width / 3.4, height / 4.0)),
-        middle_(width / 2, height * 0.44),
+        unit_(unit_px),
+        middle_(middle_px),
         number_(number),
-        skin_(Pick(kSkins, number)),
-        hair_(Pick(kHairs, number * 3 + number / 4)) {}
+        skin_(SkinOf(number)),
+        hair_(HairOf(number)) {}
 
   void Draw() {
     Body();
     Hair();
+    DrawHead();
+  }
+  void DrawHead() {
     Skin();
     for (const int side : {-1, 1}) Eye(side);
     Nose();
@@ -49,7 +52,6 @@ class Face {
   }
   Color Dark(double share) const { return Mix(skin_, {96, 56, 44}, share); }
   Color Bright(double share) const { return Mix(skin_, {255, 246, 236}, share); }
-  bool long_hair() const { return number_ % 2 == 1; }
 
   void Body() {
     Spot({0, 3.3}, {1.75, 1.25}, Pick(kShirts, number_ * 2 + 1), 0.97);
@@ -57,7 +59,7 @@ class Face {
   }
   void Hair() {
     Spot({0, -0.35}, {1.14, 1.28}, hair_, 0.95);
-    if (!long_hair()) return;
+    if (!HasLongHair(number_)) return;
     for (const int side : {-1, 1}) Spot({0.86 * side, 0.7}, {0.42, 1.5}, hair_, 0.85);
   }
   void Skin() {
@@ -106,7 +108,24 @@ class Face {
 }  // namespace
 
 void DrawFace(int number, double width, double height, Canvas& canvas) {
-  Face(number, width, height, canvas).Draw();
+  Face(number, std::min(width / 3.4, height / 4.0), {width / 2, height * 0.44}, canvas).Draw();
+}
+
+void DrawHead(int number, double width, double height, Canvas& canvas) {
+  constexpr double kHalfWidth = 1.14;  // of the hair
+  Face(number, width / 2 / kHalfWidth, {width / 2, height / 2}, canvas).DrawHead();
+}
+
+Color SkinOf(int number) {
+  return Pick(kSkins, number);
+}
+
+Color HairOf(int number) {
+  return Pick(kHairs, number * 3 + number / 4);
+}
+
+bool HasLongHair(int number) {
+  return number % 2 == 1;
 }
 
 }  // namespace musher::world

@@ -6,7 +6,15 @@
 
 namespace musher::world {
 
-// On all of a canvas of that size. The same number is the same face; neighbours look different.
+// Head and shoulders on all of a canvas of that size. The same number is the same face; neighbours
+// look different.
 void DrawFace(int number, double width, double height, Canvas& canvas);
+
+// The head alone, from the top of its hair to its chin, on a canvas of its hair's colour.
+void DrawHead(int number, double width, double height, Canvas& canvas);
+
+Color SkinOf(int number);
+Color HairOf(int number);
+bool HasLongHair(int number);
 
 }  // namespace musher::world

@@ -102,6 +102,8 @@ inline bool Meets(const Thing& thing, const Eigen::Vector3f& from, const Eigen::
       return MeetsSphere(thing.half_m.x(), from, ray, far_m);
     case Thing::Shape::kBoard:
       return MeetsBoard(thing.half_m, from, ray, far_m, face);
+    case Thing::Shape::kEllipsoid:  // Tracer's
+      break;
   }
   return false;
 }

@@ -21,12 +21,12 @@ double BottomOf(const Thing& thing) {
   return thing.bottom_m;
 }
 
-// Calls `visit` with everything that a standing body bumps into.
+// Calls `visit` with everything that a body of that height bumps into.
 template <class Visit>
-void EachObstacle(const Scene& scene, Visit visit) {
+void EachObstacle(const Scene& scene, double height_m, Visit visit) {
   const auto all = [&](const auto& things) {
     for (const auto& thing : things) {
-      if (BottomOf(thing) < scene.body.stand_height_m) visit(thing);
+      if (BottomOf(thing) < height_m) visit(thing);
     }
   };
   all(scene.boxes);
@@ -39,7 +39,7 @@ void EachObstacle(const Scene& scene, Visit visit) {
 bool PushOut(const Scene& scene, Vector2d& point) {
   bool touched = false;
   const double radius = scene.body.radius_m;
-  EachObstacle(scene, [&](const auto& obstacle) {
+  EachObstacle(scene, scene.body.stand_height_m, [&](const auto& obstacle) {
     const Clearance clearance = From(obstacle, point);
     if (clearance.distance_m >= radius) return;
     point += clearance.away * (radius - clearance.distance_m);
@@ -85,12 +85,16 @@ Clearance From(const Ball& ball, const Vector2d& point_m) {
 }
 
 bool IsFree(const Scene& scene, const Vector2d& point_m) {
-  const double radius = scene.body.radius_m - kTouchingM;
+  return IsFree(scene, point_m, scene.body.radius_m, scene.body.stand_height_m);
+}
+
+bool IsFree(const Scene& scene, const Vector2d& point_m, double radius_m, double height_m) {
+  const double radius = radius_m - kTouchingM;
   const Vector2d margin = Vector2d::Constant(radius);
   if ((point_m - scene.least_m - margin).minCoeff() < 0) return false;
   if ((scene.most_m - point_m - margin).minCoeff() < 0) return false;
   bool clear = true;
-  EachObstacle(scene, [&](const auto& obstacle) {
+  EachObstacle(scene, height_m, [&](const auto& obstacle) {
     clear = clear && From(obstacle, point_m).distance_m >= radius;
   });
   return clear;

@@ -19,8 +19,10 @@ Clearance From(const Circle& circle, const Eigen::Vector2d& point_m);
 Clearance From(const Board& board, const Eigen::Vector2d& point_m);
 Clearance From(const Ball& ball, const Eigen::Vector2d& point_m);
 
-// Whether a body of that radius can stand there.
+// Whether the robot's body can stand there.
 bool IsFree(const Scene& scene, const Eigen::Vector2d& point_m);
+// The same for another body.
+bool IsFree(const Scene& scene, const Eigen::Vector2d& point_m, double radius_m, double height_m);
 
 struct Step2 {
   Eigen::Vector2d to_m;

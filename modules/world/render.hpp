@@ -26,11 +26,14 @@ struct Image {
   }
 };
 
-// Where the body is when the picture is taken, which casts a shadow, and what chance adds.
+// Where the body is when the picture is taken, which casts a shadow, where its head looks, who else
+// is there, and what chance adds.
 struct View {
   Pose2 body;
   Attitude attitude;
   std::uint64_t seed = 0;  // of the noise
+  Gaze gaze = {};
+  std::vector<Guest> guests = {};  // as the scene lists them
 };
 
 class Camera {

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -12,6 +13,8 @@
 
 #include "musher/lifecycle/time.hpp"
 #include "musher/modules/world/color.hpp"
+#include "musher/modules/world/guest_specs.hpp"
+#include "musher/modules/world/humanoid_specs.hpp"
 #include "musher/modules/world/sensor_specs.hpp"
 
 namespace musher::world {
@@ -120,6 +123,7 @@ enum class CameraModel { kPinhole, kFisheye };
 // upwards; its angles turn it as the body's do: yaw to the left, then pitch downwards, then roll.
 struct CameraSpec {
   bool enabled = true;
+  bool on_head = false;  // turns with it; else fixed to the trunk
   CameraModel model = CameraModel::kPinhole;
   Eigen::Vector3d position_m{0, 0, 0};
   double yaw_rad = 0;
@@ -231,6 +235,10 @@ struct Scene {
   Ground ground;
   Lighting light;
   CameraSet cameras;
+  std::optional<HumanoidSpec> humanoid;  // else it has no joints and no head
+  std::vector<GuestSpec> guests;
+  Duration guests_repeat{};  // after which they come anew; zero: they do not
+  std::string gesture_topic = "/wedding/perception/gesture";
   SensorSpecs sensors;
 };
 

@@ -106,6 +106,17 @@ std::string Name(TableReader& reader) {
   return name ? name->text : "";
 }
 
+std::optional<std::string> Topic(TableReader& reader, std::string_view key) {
+  const auto word = reader.String(key);
+  if (!word) return std::nullopt;
+  const std::string_view name = word->text;
+  const std::string_view rest = name.substr(name.starts_with('/') ? 1 : 0);
+  if (!rest.empty() && config_toml::IsNamespace(rest)) return word->text;
+  reader.Fault(word->at, key,
+               "expected a topic, as in \"/show/pose\", found " + config_toml::Quote(name));
+  return std::nullopt;
+}
+
 std::optional<Color> ReadColor(TableReader& reader, std::string_view key, Findings& findings) {
   const auto word = reader.String(key);
   if (!word) return std::nullopt;

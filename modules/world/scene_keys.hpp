@@ -46,7 +46,8 @@ void Each(TableReader& root, std::string_view key, Findings& findings, Read read
   if (!root.Has(key)) return;
   int number = 0;
   for (const Value* value : root.Tables(key)) {
-    const std::string path = std::string(key) + "[" + std::to_string(++number) + "]";
+    const std::string path = (root.path().empty() ? "" : root.path() + ".") + std::string(key) +
+                             "[" + std::to_string(++number) + "]";
     TableReader reader(*value->As<Table>(), value->at, path, findings);
     read(reader);
     reader.RefuseOthers();
@@ -69,6 +70,8 @@ std::optional<Eigen::Vector2d> Range(TableReader& reader, std::string_view key, 
 // x_m and y_m, both required.
 Eigen::Vector2d Center(TableReader& reader);
 std::string Name(TableReader& reader);
+// The name of a topic; with a slash before it whatever the namespace is.
+std::optional<std::string> Topic(TableReader& reader, std::string_view key);
 std::optional<Color> ReadColor(TableReader& reader, std::string_view key, Findings& findings);
 // The absolute path of a picture that can be read; `folder` is what it may be relative to.
 std::optional<std::string> PictureFile(TableReader& reader, std::string_view key,

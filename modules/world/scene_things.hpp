@@ -14,6 +14,9 @@ namespace musher::world {
 void ReadThings(config_toml::TableReader& root, const std::string& folder,
                 config_toml::Findings& findings, Scene& scene);
 
+// [guests] and [[guest]]. After everything else: where guests go is judged by what is in their way.
+void ReadGuests(config_toml::TableReader& root, config_toml::Findings& findings, Scene& scene);
+
 // [ground], [light], [cameras] and [camera.*].
 void ReadViews(config_toml::TableReader& root, const std::string& folder,
                config_toml::Findings& findings, Scene& scene);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 #include <variant>
 
@@ -13,6 +14,7 @@
 #include "musher/lifecycle/toml/table_reader.hpp"
 #include "musher/modules/world/body.hpp"
 #include "musher/modules/world/place.hpp"
+#include "musher/modules/world/scene_humanoid.hpp"
 #include "musher/modules/world/scene_keys.hpp"
 #include "musher/modules/world/scene_sensors.hpp"
 #include "musher/modules/world/scene_things.hpp"
@@ -60,10 +62,12 @@ class Reader {
     Section(root, "start", [&](TableReader& reader) { ReadStart(reader); });
     const std::string folder = config_toml::FolderOf(path).string();
     ReadThings(root, folder, findings_, scene_);
+    scene_.humanoid = ReadHumanoid(root, folder, findings_);
     ReadViews(root, folder, findings_, scene_);
     ReadSensors(root, findings_, scene_.sensors);
     Each(root, "motion", [&](TableReader& reader) { ReadMotion(reader); });
     Each(root, "event", [&](TableReader& reader) { ReadEvent(reader); });
+    ReadGuests(root, findings_, scene_);
     root.RefuseOthers();
     if (!findings_.HasErrors()) CheckPoses();
     std::stable_sort(scene_.events.begin(), scene_.events.end(),
@@ -221,6 +225,21 @@ class Reader {
   std::vector<PlacedPose> placed_;
 };
 
+// Reads the file that the humanoid's poses are in, if it names one.
+void ReadPoses(SceneReading& reading) {
+  if (!reading.scene || !reading.scene->humanoid) return;
+  HumanoidSpec& humanoid = *reading.scene->humanoid;
+  if (humanoid.poses_file.empty()) return;
+  PosesReading poses = ReadPosesFile(humanoid.poses_file);
+  std::move(poses.diagnostics.begin(), poses.diagnostics.end(),
+            std::back_inserter(reading.diagnostics));
+  if (poses.poses) {
+    humanoid.poses = std::move(*poses.poses);
+  } else {
+    reading.scene.reset();
+  }
+}
+
 }  // namespace
 
 SceneReading ReadSceneText(std::string_view text, const std::string& path) {
@@ -234,6 +253,7 @@ SceneReading ReadSceneText(std::string_view text, const std::string& path) {
     if (!findings.HasErrors()) reading.scene = std::move(scene);
   }
   reading.diagnostics = std::move(findings).Take(path, text);
+  ReadPoses(reading);
   return reading;
 }
 

@@ -77,9 +77,13 @@ void ReadFieldOfView(TableReader& reader, CameraSpec& camera) {
                "expected at most 150 of a pinhole; a fisheye may have 220");
 }
 
-void ReadCamera(TableReader& reader, CameraSpec& camera) {
+void ReadCamera(TableReader& reader, bool has_head, CameraSpec& camera) {
   constexpr double kFarthestOnBodyM = 2;
   Set(camera.enabled, reader.Bool("enabled"));
+  Set(camera.on_head, reader.Choice<bool>("on", {{"body", false}, {"head", true}}));
+  if (camera.on_head && !has_head) {
+    reader.Fault(reader.At("on"), "on", "there is no head without [humanoid]");
+  }
   Set(camera.model, reader.Choice<CameraModel>("model", {{"pinhole", CameraModel::kPinhole},
                                                          {"fisheye", CameraModel::kFisheye}}));
   for (const auto& [key, axis] : {std::pair("x_m", 0), std::pair("y_m", 1), std::pair("z_m", 2)}) {
@@ -115,8 +119,9 @@ void ReadViews(TableReader& root, const std::string& folder, Findings& findings,
   });
   keys::Section(root, "camera", findings, [&](TableReader& reader) {
     for (std::size_t i = 0; i < kCameras; ++i) {
-      keys::Section(reader, kCameraNames[i], findings,
-                    [&](TableReader& camera) { ReadCamera(camera, scene.cameras.cameras[i]); });
+      keys::Section(reader, kCameraNames[i], findings, [&](TableReader& camera) {
+        ReadCamera(camera, scene.humanoid.has_value(), scene.cameras.cameras[i]);
+      });
     }
   });
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "musher/modules/world/figure.hpp"
 #include "musher/modules/world/surface_paint.hpp"
 
 namespace musher::world {
@@ -14,10 +15,6 @@ using Eigen::Vector2f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-Light3 LightOf(const Color& color) {
-  return {float(color.red), float(color.green), float(color.blue)};
-}
-
 Thing Upright(Thing::Shape shape, const Vector2d& center, double bottom_m, double height_m,
               const Vector2d& half, double yaw_rad, const Color& color) {
   Thing thing;
@@ -26,7 +23,7 @@ Thing Upright(Thing::Shape shape, const Vector2d& center, double bottom_m, doubl
   thing.half_m = Vector3d(half.x(), half.y(), height_m / 2).cast<float>();
   thing.cos_yaw = static_cast<float>(std::cos(yaw_rad));
   thing.sin_yaw = static_cast<float>(std::sin(yaw_rad));
-  thing.color = LightOf(color);
+  thing.color = ToLight(color);
   return thing;
 }
 
@@ -62,6 +59,10 @@ double Radiance(double wavelength_m, double temperature_k) {
 
 }  // namespace
 
+Light3 ToLight(const Color& color) {
+  return {float(color.red), float(color.green), float(color.blue)};
+}
+
 Light3 TintOf(double temperature_k) {
   constexpr double kDaylightK = 6500;
   constexpr double kWavelengthsM[] = {600e-9, 550e-9, 450e-9};
@@ -83,11 +84,26 @@ Result<std::unique_ptr<Scenery>> Scenery::Make(const Scene& scene) {
     if (!front) return front.error();
     Thing thing = Upright(Thing::Shape::kBoard, board.center_m, board.bottom_m, board.height_m,
                           {0, board.width_m / 2}, board.yaw_rad, board.color);
-    thing.front = std::move(front).value();
+    thing.front = std::make_shared<const Texture>(std::move(front).value());
     Bound(thing);
     scenery->things_.push_back(std::move(thing));
   }
+  for (const GuestSpec& guest : scene.guests) {
+    auto face = PaintHead(guest.face);
+    if (!face) return face.error();
+    scenery->figures_.emplace_back(guest, std::move(face).value());
+  }
   return scenery;
+}
+
+Scenery::~Scenery() = default;
+
+std::vector<Thing> Scenery::With(const std::vector<Guest>& guests) const {
+  std::vector<Thing> all = things_;
+  for (std::size_t i = 0; i < std::min(guests.size(), figures_.size()); ++i) {
+    if (guests[i].here) figures_[i].Stand(guests[i], all);
+  }
+  return all;
 }
 
 Scenery::Scenery(const Scene& scene, Texture ground)
@@ -95,8 +111,8 @@ Scenery::Scenery(const Scene& scene, Texture ground)
       least_m_(scene.least_m.cast<float>()),
       most_m_(scene.most_m.cast<float>()),
       fence_height_m_(static_cast<float>(scene.fence_height_m)),
-      fence_color_(LightOf(scene.fence_color)),
-      sky_(LightOf(scene.light.sky)),
+      fence_color_(ToLight(scene.fence_color)),
+      sky_(ToLight(scene.light.sky)),
       tint_(TintOf(scene.light.temperature_k) * static_cast<float>(scene.light.brightness)),
       towards_light_(TowardsLight(scene.light).cast<float>()),
       ambient_(static_cast<float>(scene.light.ambient)),
@@ -118,7 +134,7 @@ Scenery::Scenery(const Scene& scene, Texture ground)
     thing.shape = Thing::Shape::kSphere;
     thing.center_m = ball.center_m.cast<float>();
     thing.half_m = Vector3f::Constant(static_cast<float>(ball.radius_m));
-    thing.color = LightOf(ball.color);
+    thing.color = ToLight(ball.color);
     thing.glows = ball.glows;
     things_.push_back(std::move(thing));
   }

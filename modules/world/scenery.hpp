@@ -6,14 +6,16 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "musher/lifecycle/result.hpp"
+#include "musher/modules/world/guests.hpp"
 #include "musher/modules/world/scene.hpp"
 #include "musher/modules/world/texture.hpp"
 
 namespace musher::world {
+
+struct Figure;  // see figure.hpp
 
 using Light3 = Eigen::Array3f;  // red, green, blue; 255 is white
 
@@ -23,15 +25,18 @@ struct Ball3 {
   float radius_m = 0;
 };
 
-// A box, an upright cylinder, a sphere or an upright rectangle.
+// A box, an upright cylinder, a sphere, an upright rectangle, or an ellipsoid turned any way.
 struct Thing {
-  enum class Shape { kBox, kCylinder, kSphere, kBoard };
+  enum class Shape { kBox, kCylinder, kSphere, kBoard, kEllipsoid };
   Shape shape = Shape::kBox;
   Eigen::Vector3f center_m;
   Eigen::Vector3f half_m;  // a cylinder's and a sphere's radius is x, a board's x is 0
   float cos_yaw = 1, sin_yaw = 0;
   Light3 color;
-  std::optional<Texture> front;  // of a board
+  // Of an ellipsoid, in place of its yaw: from its middle into a frame in which it is the ball of
+  // radius 1.
+  Eigen::Matrix3f to_unit = Eigen::Matrix3f::Identity();
+  std::shared_ptr<const Texture> front;  // of a board, or of an ellipsoid's half towards its x
   bool glows = false;
   std::vector<Ball3> bounds;  // all of it is within these
 };
@@ -40,8 +45,12 @@ class Scenery {
  public:
   // Fails when a picture is not there any more. Takes some tenths of a second.
   static Result<std::unique_ptr<Scenery>> Make(const Scene& scene);
+  ~Scenery();
 
+  // What stands still.
   const std::vector<Thing>& things() const { return things_; }
+  // That and the guests where they are now, as the scene lists them.
+  std::vector<Thing> With(const std::vector<Guest>& guests) const;
   const Texture& ground() const { return ground_; }
   float texels_per_m() const { return texels_per_m_; }
   const Eigen::Vector2f& least_m() const { return least_m_; }
@@ -72,6 +81,7 @@ class Scenery {
   void Dim(const Scene& scene);
 
   std::vector<Thing> things_;
+  std::vector<Figure> figures_;  // of the guests
   Texture ground_;
   float texels_per_m_ = 1;
   Eigen::Vector2f least_m_, most_m_;
@@ -83,6 +93,8 @@ class Scenery {
   float light_in_shadow_ = 1;
   float dim_from_ = 1, dim_x_ = 0, dim_y_ = 0, least_light_ = 0;
 };
+
+Light3 ToLight(const Color& color);
 
 // What the light of a black body of that temperature is to one of 6500 K, of the same brightness.
 Light3 TintOf(double temperature_k);

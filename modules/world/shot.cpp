@@ -9,13 +9,20 @@
 
 namespace musher::world {
 
+View ViewOf(const World& world, std::size_t index) {
+  return {.body = world.body().pose(),
+          .attitude = world.body().attitude(),
+          .seed = NoiseSeed(world.scene(), index, world.now()),
+          .gaze = world.gaze(),
+          .guests = world.guests()};
+}
+
 Result<Image> TakeShot(const World& world, std::size_t index) {
   const Scene& scene = world.scene();
   auto scenery = Scenery::Make(scene);
   if (!scenery) return scenery.error();
   const Camera camera(scene.cameras.cameras.at(index));
-  return camera.Shoot(*scenery.value(), {world.body().pose(), world.body().attitude(),
-                                         NoiseSeed(scene, index, world.now())});
+  return camera.Shoot(*scenery.value(), ViewOf(world, index));
 }
 
 Result<> SaveImage(const Image& image, const std::string& path) {

@@ -9,6 +9,9 @@
 
 namespace musher::world {
 
+// What camera `index` of the scene would take a picture of now.
+View ViewOf(const World& world, std::size_t index);
+
 // Of camera `index` of the scene, from where the body of `world` is.
 Result<Image> TakeShot(const World& world, std::size_t index);
 

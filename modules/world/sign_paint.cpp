@@ -116,6 +116,18 @@ Result<Texture> Paint(const Board& board) {
 
 }  // namespace
 
+Result<Texture> PaintHead(int face) {
+  constexpr int kWidthPx = 256;
+  constexpr int kHeightPx = 366;
+  try {
+    Canvas canvas(kWidthPx, kHeightPx, HairOf(face));
+    DrawHead(face, kWidthPx, kHeightPx, canvas);
+    return canvas.ToTexture();
+  } catch (const std::exception& error) {
+    return Error{kCodeFailed, std::string("a guest cannot be painted: ") + error.what()};
+  }
+}
+
 Result<Texture> PaintSign(const Board& board) {
   try {
     return Paint(board);

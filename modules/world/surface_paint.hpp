@@ -13,6 +13,9 @@ namespace musher::world {
 // The front of a board, its first row uppermost. Fails when its picture is not there any more.
 Result<Texture> PaintSign(const Board& board);
 
+// What a head shows to those in front of it, hair and all; its edge is an ellipse.
+Result<Texture> PaintHead(int face);
+
 // The ground of the place with all that is painted on it and the shadows that fall on it. Its first
 // row lies along least_m.y, its first column along least_m.x.
 Result<Texture> PaintGround(const Scene& scene);

@@ -1,6 +1,7 @@
 #include "musher/modules/world/trace.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "musher/modules/world/meet.hpp"
@@ -35,19 +36,26 @@ void Put(const Light3& light, std::size_t i, Sights& sights) {
 
 // It is darker near the ground.
 float NearGround(float height_m) {
-  return std::min(1.0F, 0.72F + 1.4F * height_m);
+  const float share = 0.72F + 1.4F * height_m;
+  return share < 1 ? share : 1;
 }
 
-float Tone(int plank) {
+float Tone(std::int32_t plank) {
   const auto mixed = static_cast<std::uint32_t>(plank) * 2654435761U;
-  return static_cast<float>(mixed >> 24) / 255 - 0.5F;
+  return static_cast<float>(static_cast<std::int32_t>(mixed >> 24)) / 255 - 0.5F;
+}
+
+float Within1(float share) {
+  const float least = share > 0 ? share : 0;
+  return least < 1 ? least : 1;
 }
 
 }  // namespace
 
-Tracer::Tracer(const Scenery& scenery, const Eigen::Isometry3d& camera_in_place, const Pose2& body,
-               double pixel_rad)
+Tracer::Tracer(const Scenery& scenery, const std::vector<Thing>& things,
+               const Eigen::Isometry3d& camera_in_place, const Pose2& body, double pixel_rad)
     : scenery_(scenery),
+      things_(things),
       turn_(camera_in_place.linear().cast<float>()),
       from_m_(camera_in_place.translation().cast<float>()),
       pixel_rad_(static_cast<float>(pixel_rad)) {
@@ -55,8 +63,12 @@ Tracer::Tracer(const Scenery& scenery, const Eigen::Isometry3d& camera_in_place,
   const Vector2f at = from_m_.head<2>();
   fenced_ = scenery.fence_height_m() > 0 && (at - scenery.least_m()).minCoeff() > kNearest &&
             (scenery.most_m() - at).minCoeff() > kNearest;
-  for (const Thing& thing : scenery.things()) {
+  for (const Thing& thing : things_) {
     const Vector3f from = from_m_ - thing.center_m;
+    if (thing.shape == Thing::Shape::kEllipsoid) {
+      from_local_.emplace_back(thing.to_unit * from);
+      continue;
+    }
     from_local_.emplace_back(thing.cos_yaw * from.x() + thing.sin_yaw * from.y(),
                              -thing.sin_yaw * from.x() + thing.cos_yaw * from.y(), from.z());
   }
@@ -77,7 +89,7 @@ Tracer::Tracer(const Scenery& scenery, const Eigen::Isometry3d& camera_in_place,
   shadow_half_m_ = {0.3F, 0.16F};
 }
 
-void Tracer::Look(const Rays& rays, const Things& things, Sights& sights) const {
+void Tracer::Look(const Rays& rays, const Indices& things, Sights& sights) const {
   Ways ways;
   Turn(rays, ways);
   FindBackground(ways, sights);
@@ -89,7 +101,10 @@ void Tracer::Look(const Rays& rays, const Things& things, Sights& sights) const 
     ColorGround(ways, sights);
   }
   ColorBackground(ways, sights);
-  for (const std::uint16_t thing : things) FindThing(thing, ways, sights);
+  for (const std::uint16_t thing : things) {
+    const bool ellipsoid = things_[thing].shape == Thing::Shape::kEllipsoid;
+    ellipsoid ? FindEllipsoid(thing, ways, sights) : FindThing(thing, ways, sights);
+  }
 }
 
 void Tracer::Turn(const Rays& rays, Ways& ways) const {
@@ -220,15 +235,13 @@ void Tracer::ColorGround(const Ways& ways, Sights& sights) const {
 }
 
 void Tracer::ColorBackground(const Ways& ways, Sights& sights) const {
-  for (std::size_t i = 0; i < kBundle; ++i) {
-    const std::uint16_t surface = sights.surface[i];
-    if (surface == kSky || surface == kGround) continue;
-    if (surface == kFarGround) {
-      Put(FarGround(ways.far_m[i]), i, sights);
-    } else {
-      const Vector3f ray(ways.x[i], ways.y[i], ways.z[i]);
-      Put(Fence(ray, ways.far_m[i], surface - kFence), i, sights);
-    }
+  std::array<bool, kThings> is_there{};
+  for (const std::uint16_t surface : sights.surface) is_there[surface] = true;
+  for (std::uint16_t side = kFence; side < kFence + 4; ++side) {
+    if (is_there[side]) ColorFence(ways, side, sights);
+  }
+  for (std::size_t i = 0; is_there[kFarGround] && i < kBundle; ++i) {
+    if (sights.surface[i] == kFarGround) Put(FarGround(ways.far_m[i]), i, sights);
   }
 }
 
@@ -239,25 +252,43 @@ Light3 Tracer::FarGround(float far_m) const {
 }
 
 // Planks, as long as they can be told apart.
-Light3 Tracer::Fence(const Vector3f& ray, float far_m, int side) const {
+void Tracer::ColorFence(const Ways& ways, std::uint16_t surface, Sights& sights) const {
   constexpr float kPlankM = 0.14F;
-  const bool by_x = side < 2;
-  const Vector3f where = from_m_ + far_m * ray;
-  const float place = (by_x ? where.y() : where.x()) / kPlankM + 0x10000;  // never below 0
-  const int plank = static_cast<int>(place);
-  const float in_plank = place - static_cast<float>(plank);
-  const float from_edge = std::min(in_plank, 1 - in_plank);
-  const float slant = std::max(std::abs(by_x ? ray.x() : ray.y()), 0.05F);
-  const float covered = far_m * pixel_rad_ / (slant * kPlankM);
-  const float told_apart = std::clamp(1.3F - 3 * covered, 0.0F, 1.0F);
-  const float gap = std::clamp(1 - from_edge / 0.09F, 0.0F, 1.0F);
-  const float shade = 1 + told_apart * (0.16F * Tone(plank) - 0.45F * gap);
-  return fence_light_[side] *
-         (shade * NearGround(where.z()) * scenery_.LightAt(where.x(), where.y()));
+  const bool by_x = surface < kFence + 2;
+  const Each<float>& across = by_x ? ways.x : ways.y;
+  const Each<float>& along = by_x ? ways.y : ways.x;
+  const float from = by_x ? from_m_.y() : from_m_.x();
+  const float at_x = from_m_.x(), at_y = from_m_.y(), height = from_m_.z();
+  const float pixel_rad = pixel_rad_;
+  Each<float> share;  // of the light
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    const float far = ways.far_m[i] < 1e4F ? ways.far_m[i] : 1e4F;
+    const float place = (from + far * along[i]) / kPlankM + 0x10000;  // never below 0
+    const auto plank = static_cast<std::int32_t>(place);
+    const float in_plank = place - static_cast<float>(plank);
+    const float from_edge = in_plank < 0.5F ? in_plank : 1 - in_plank;
+    const float steep = std::abs(across[i]);
+    const float covered = far * pixel_rad / ((steep > 0.05F ? steep : 0.05F) * kPlankM);
+    const float told_apart = Within1(1.3F - 3 * covered);
+    const float gap = Within1(1 - from_edge / 0.09F);
+    const float shade = 1 + told_apart * (0.16F * Tone(plank) - 0.45F * gap);
+    share[i] = shade * NearGround(height + far * ways.z[i]) *
+               scenery_.LightAt(at_x + far * ways.x[i], at_y + far * ways.y[i]);
+  }
+  const Light3& light = fence_light_[surface - kFence];
+  const auto color = [&](Each<float>& own, float part) {
+    for (std::size_t i = 0; i < kBundle; ++i) {
+      const float here = part * share[i];
+      own[i] = sights.surface[i] == surface ? here : own[i];
+    }
+  };
+  color(sights.red, light[0]);
+  color(sights.green, light[1]);
+  color(sights.blue, light[2]);
 }
 
 void Tracer::FindThing(std::size_t index, Ways& ways, Sights& sights) const {
-  const Thing& thing = scenery_.things()[index];
+  const Thing& thing = things_[index];
   const Vector3f from = from_local_[index];
   const auto first = kThings + index * kFaces;
   for (std::size_t i = 0; i < kBundle; ++i) {
@@ -309,6 +340,53 @@ Light3 Tracer::LightOfBoard(const Thing& thing, const Vector3f& where, float sla
   return world::LightOf(front.Smooth((where.y() + thing.half_m.y()) * per_y,
                                      (thing.half_m.z() - where.z()) * per_z,
                                      0.5F * RoughLog2(area))) *
+         light;
+}
+
+// Guests are made of many, which fill the picture when they are near: all rays at once.
+void Tracer::FindEllipsoid(std::size_t index, Ways& ways, Sights& sights) const {
+  const Thing& thing = things_[index];
+  const Eigen::Matrix3f& unit = thing.to_unit;
+  const Vector3f from = from_local_[index];
+  Each<float> far_m;
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    const float x = unit(0, 0) * ways.x[i] + unit(0, 1) * ways.y[i] + unit(0, 2) * ways.z[i];
+    const float y = unit(1, 0) * ways.x[i] + unit(1, 1) * ways.y[i] + unit(1, 2) * ways.z[i];
+    const float z = unit(2, 0) * ways.x[i] + unit(2, 1) * ways.y[i] + unit(2, 2) * ways.z[i];
+    const float each = 1 / (x * x + y * y + z * z);
+    const float middle = -(from.x() * x + from.y() * y + from.z() * z) * each;
+    const float aside_x = from.x() + middle * x;
+    const float aside_y = from.y() + middle * y;
+    const float aside_z = from.z() + middle * z;
+    const float under = 1 - (aside_x * aside_x + aside_y * aside_y + aside_z * aside_z);
+    const float half2 = under * each;
+    const float far = middle - std::sqrt(half2 > 0 ? half2 : 0);
+    const float met = under > 0 ? far : kFar;
+    far_m[i] = met > kNearest ? met : kFar;
+  }
+  const auto surface = static_cast<std::uint16_t>(kThings + index * kFaces + kRound);
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    if (far_m[i] >= ways.far_m[i]) continue;
+    ways.far_m[i] = far_m[i];
+    sights.surface[i] = surface;
+    const Vector3f way = far_m[i] * Vector3f(ways.x[i], ways.y[i], ways.z[i]);
+    Put(LightOfEllipsoid(thing, from + unit * way, from_m_ + way, far_m[i]), i, sights);
+  }
+}
+
+Light3 Tracer::LightOfEllipsoid(const Thing& thing, const Vector3f& on_unit, const Vector3f& where,
+                                float far_m) const {
+  const Vector3f normal = (thing.to_unit.transpose() * on_unit).normalized();
+  const Light3 light = scenery_.LightOn(normal) * scenery_.LightAt(where.x(), where.y());
+  if (!thing.front || on_unit.x() <= 0) return thing.color * (light * NearGround(where.z()));
+  const Texture& front = *thing.front;
+  const auto half_width = static_cast<float>(front.width()) / 2;
+  const auto half_height = static_cast<float>(front.height()) / 2;
+  const float covered = far_m * pixel_rad_;
+  const float area =
+      covered * covered * half_width * half_height / (thing.half_m.y() * thing.half_m.z());
+  return world::LightOf(front.Smooth((on_unit.y() + 1) * half_width,
+                                     (1 - on_unit.z()) * half_height, 0.5F * RoughLog2(area))) *
          light;
 }
 

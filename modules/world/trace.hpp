@@ -15,15 +15,17 @@ namespace musher::world {
 // Looks from one place, for one picture.
 class Tracer {
  public:
-  using Things = std::vector<std::uint16_t>;  // by their index in the scenery
+  using Indices = std::vector<std::uint16_t>;  // of things
 
-  // `pixel_rad` is the angle of a pixel, for how much of a surface it covers.
-  Tracer(const Scenery& scenery, const Eigen::Isometry3d& camera_in_place, const Pose2& body,
-         double pixel_rad);
+  // `things` are all that can be seen, and outlive it. `pixel_rad` is the angle of a pixel, for how
+  // much of a surface it covers.
+  Tracer(const Scenery& scenery, const std::vector<Thing>& things,
+         const Eigen::Isometry3d& camera_in_place, const Pose2& body, double pixel_rad);
 
-  // Sees these things of the scenery and all that is behind them.
-  void Look(const Rays& rays, const Things& things, Sights& sights) const;
+  // Sees these things and all that is behind them.
+  void Look(const Rays& rays, const Indices& things, Sights& sights) const;
 
+  const std::vector<Thing>& things() const { return things_; }
   // Of the camera's frame in the place's.
   const Eigen::Matrix3f& turn() const { return turn_; }
   const Eigen::Vector3f& from_m() const { return from_m_; }
@@ -48,20 +50,24 @@ class Tracer {
   void ColorSky(const Ways& ways, Sights& sights) const;
   void ColorGround(const Ways& ways, Sights& sights) const;
   void ColorBackground(const Ways& ways, Sights& sights) const;
-  Light3 Fence(const Eigen::Vector3f& ray, float far_m, int side) const;
+  void ColorFence(const Ways& ways, std::uint16_t surface, Sights& sights) const;
   Light3 FarGround(float far_m) const;
   void FindThing(std::size_t index, Ways& ways, Sights& sights) const;
+  void FindEllipsoid(std::size_t index, Ways& ways, Sights& sights) const;
+  Light3 LightOfEllipsoid(const Thing& thing, const Eigen::Vector3f& on_unit,
+                          const Eigen::Vector3f& where, float far_m) const;
   Light3 LightOf(const Thing& thing, const Eigen::Vector3f& from, const Eigen::Vector3f& ray,
                  const Hit& hit) const;
   Light3 LightOfBoard(const Thing& thing, const Eigen::Vector3f& where, float slant,
                       const Hit& hit) const;
 
   const Scenery& scenery_;
+  const std::vector<Thing>& things_;
   Eigen::Matrix3f turn_;
   Eigen::Vector3f from_m_;
   float pixel_rad_;
   bool fenced_ = false;
-  std::vector<Eigen::Vector3f> from_local_;  // seen by each thing
+  std::vector<Eigen::Vector3f> from_local_;  // as each thing sees it
   Light3 light_on_ground_;
   Light3 fence_light_[4];
   Light3 far_ground_;

@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "musher/modules/world/camera_model.hpp"
 #include "musher/modules/world/place.hpp"
 
 namespace musher::world {
@@ -34,7 +35,9 @@ World::World(Scene scene)
     : scene_(std::make_shared<const Scene>(std::move(scene))),
       chance_(scene_->seed),
       body_(*scene_),
-      battery_(scene_->battery) {
+      battery_(scene_->battery),
+      guests_(*scene_) {
+  if (scene_->humanoid) humanoid_.emplace(*scene_->humanoid);
   Record();
 }
 
@@ -55,6 +58,9 @@ Happenings World::Step() {
     happenings.said.push_back("the body bumped into something at " + At(body_.pose().position_m));
   }
   touching_ = body_.bumped();
+  if (humanoid_) humanoid_->Step(kStep);
+  const Robot robot{body_.pose().position_m, scene_->body.radius_m, CameraPose(0).translation()};
+  guests_.Step(*scene_, robot, now_, kStep);
   if (track_.IsDue(now_)) Record();
   return happenings;
 }
@@ -96,8 +102,20 @@ void World::SetFault(const FaultKind& fault, std::size_t motor) {
   body_.SetFault(fault, motor);
 }
 
+std::optional<std::string> World::SetPose(const std::string& name) {
+  return humanoid_ ? humanoid_->SetPose(name) : std::nullopt;
+}
+
+std::optional<std::string> World::LookAt(const Eigen::Vector2d& point) {
+  return humanoid_ ? humanoid_->LookAt(point) : std::nullopt;
+}
+
 void World::SetLight(int target, const Light& light) {
   track_.SetLight(target, light);
+}
+
+Eigen::Isometry3d World::CameraPose(std::size_t index) const {
+  return CameraInPlace(scene_->cameras.cameras.at(index), body_.pose(), body_.attitude(), gaze());
 }
 
 bool World::on_pad() const {

@@ -2,6 +2,7 @@
 // A robot and the place it is in, moved in steps of 20 ms of world time. A plain value: the same
 // scene, seed and inputs give the same world, however the time is sliced into calls.
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <optional>
 #include <set>
@@ -10,6 +11,8 @@
 
 #include "musher/modules/world/battery.hpp"
 #include "musher/modules/world/body.hpp"
+#include "musher/modules/world/guests.hpp"
+#include "musher/modules/world/humanoid.hpp"
 #include "musher/modules/world/scene.hpp"
 #include "musher/modules/world/track.hpp"
 
@@ -48,11 +51,19 @@ class World {
   // What others said, to be drawn: the machine's state, the colour of a light.
   void SetMachineState(const std::string& state) { machine_state_ = state; }
   void SetLight(int target, const Light& light);
+  // Of a humanoid; they say why when it is refused.
+  std::optional<std::string> SetPose(const std::string& name);
+  std::optional<std::string> LookAt(const Eigen::Vector2d& point);
 
   Duration now() const { return now_; }
   const Scene& scene() const { return *scene_; }
   const Body& body() const { return body_; }
   const Battery& battery() const { return battery_; }
+  const std::optional<Humanoid>& humanoid() const { return humanoid_; }
+  Gaze gaze() const { return humanoid_ ? humanoid_->gaze() : Gaze{}; }
+  const std::vector<Guest>& guests() const { return guests_.all(); }
+  // The frame of camera `index` in the place's.
+  Eigen::Isometry3d CameraPose(std::size_t index) const;
   bool on_pad() const;
   const Track& track() const { return track_; }
   bool IsSilent(const std::string& sensor) const { return silent_.contains(sensor); }
@@ -66,6 +77,8 @@ class World {
   Chance chance_;
   Body body_;
   Battery battery_;
+  std::optional<Humanoid> humanoid_;
+  Guests guests_;
   Supply supply_;
   std::size_t next_event_ = 0;
   bool touching_ = false;  // the body was stopped by something in the last step

@@ -68,9 +68,7 @@ void WorldCameras::OnStep(const World& world) {
     if (!outlet.images || !IsDue(world.now(), spec.rate_hz)) continue;
     if (outlet.images->MatchedReaders() == 0) continue;
     if (world.IsSilent("camera " + std::string(kCameraNames[i]))) continue;
-    const Body& body = world.body();
-    Request(
-        {i, world.now(), {body.pose(), body.attitude(), NoiseSeed(world.scene(), i, world.now())}});
+    Request({i, world.now(), ViewOf(world, i)});
   }
 }
 

@@ -54,6 +54,9 @@ Result<> WorldHost::Publish() {
   auto sensors = WorldSensors::Make(node_, world_.scene(), options_.name_space);
   if (!sensors) return sensors.error();
   sensors_ = std::move(sensors).value();
+  auto show = WorldShow::Make(node_, world_, options_.name_space, options_.log);
+  if (!show) return show.error();
+  show_ = std::move(show).value();
   return MakeCameras();
 }
 
@@ -147,6 +150,7 @@ void WorldHost::OnStep() {
     static_cast<void>(battery_->Publish(ToBatteryState(world_)));
   }
   sensors_->OnStep(world_);
+  show_->OnStep();
   cameras_->OnStep(world_);
   for (const int touch : happenings.touches) Touch(touch);
   for (const std::string& line : happenings.said) Log(line);

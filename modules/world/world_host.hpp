@@ -7,7 +7,7 @@
 //   world/touch            when it happens     world/press           a finger on the robot
 //   world/charge           cable in, or out    world/place           puts the body there
 //   world/draw, pause      services            world/fault, speed, led, motor_power
-//   world/scan, ultrasonic, tof/..., gps: see world_sensors.hpp
+//   world/scan, ultrasonic, tof/..., gps: see world_sensors.hpp; of humanoids: world_show.hpp
 //   musher/machine_status  of the controller, for the picture
 //
 // Input that cannot be is refused with a line in the log, and nothing moves.
@@ -27,6 +27,7 @@
 #include "musher/modules/world/world.hpp"
 #include "musher/modules/world/world_cameras.hpp"
 #include "musher/modules/world/world_sensors.hpp"
+#include "musher/modules/world/world_show.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
 
@@ -97,6 +98,7 @@ class WorldHost {
   std::unique_ptr<transport::Publisher<msg::Int32>> touch_;
   std::unique_ptr<WorldSensors> sensors_;
   std::unique_ptr<WorldCameras> cameras_;
+  std::unique_ptr<WorldShow> show_;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for what comes back from afar
   std::vector<Endpoint> endpoints_;  // last: their callbacks use the rest
 };

@@ -92,6 +92,17 @@ msg::BatteryState ToBatteryState(const World& world) {
   return state;
 }
 
+msg::JointState ToJointState(const std::array<Axis, kJoints>& joints, Duration at) {
+  msg::JointState message;
+  message.header.stamp = msg::ToStamp(at);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    message.name.emplace_back(JointTable()[i].name);
+    message.position.push_back(joints[i].position_rad);
+    message.velocity.push_back(joints[i].speed_rad_s);
+  }
+  return message;
+}
+
 msg::CameraInfo ToCameraInfo(const Intrinsics& intrinsics, std::size_t index) {
   msg::CameraInfo info;
   info.header.frame_id = FrameOf(index);

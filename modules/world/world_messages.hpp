@@ -8,6 +8,7 @@
 #include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/messages/sensor_msgs/camera_info.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
+#include "musher/messages/sensor_msgs/joint_state.hpp"
 #include "musher/modules/world/render.hpp"
 #include "musher/modules/world/world.hpp"
 
@@ -15,6 +16,8 @@ namespace musher::world {
 
 msg::BodyState ToBodyState(const World& world);
 msg::BatteryState ToBatteryState(const World& world);
+
+msg::JointState ToJointState(const std::array<Axis, kJoints>& joints, Duration at);
 
 // Of camera `index` of kCameraNames, whose frame is camera_front and so on.
 msg::CameraInfo ToCameraInfo(const Intrinsics& intrinsics, std::size_t index);

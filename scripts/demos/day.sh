@@ -7,6 +7,7 @@
 root_of_robot=$scratch/robot  # with its versions
 journal=$XDG_STATE_HOME/musher/robot/journal.sqlite
 logs=$XDG_STATE_HOME/musher/robot/logs
+picture=$pictures/robot-day.png strip=$pictures/robot-saw.jpg
 speed=4  # of the world's time
 
 # shown COMMAND...: shows the command, runs it; what it says goes to `result`, its exit code to `code`.

@@ -18,12 +18,16 @@ const std::map<std::string, Folders>& MayInclude() {
       {"messages", {"messages"}},
       {"transport", {"transport", "lifecycle", "messages"}},
       {"actuator", {"actuator", "lifecycle", "messages", "transport"}},
+      {"application",
+       {"application", "actuator", "lifecycle", "messages", "transport", "behavior"}},
       {"controller", {"controller", "lifecycle", "messages", "transport"}},
       {"simulation",
        {"simulation", "actuator", "controller", "lifecycle", "messages", "transport"}},
-      {"modules", {"modules", "actuator", "lifecycle", "messages", "transport", "behavior"}},
+      {"modules",
+       {"modules", "application", "actuator", "lifecycle", "messages", "transport", "behavior"}},
       {"examples",
-       {"actuator", "controller", "simulation", "lifecycle", "messages", "transport", "behavior"}},
+       {"application", "actuator", "controller", "simulation", "lifecycle", "messages", "transport",
+        "behavior"}},
   };
   return table;
 }

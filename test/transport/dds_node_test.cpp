@@ -34,6 +34,13 @@ class DdsNodes : public testing::Test {
   const DdsOptions test_domain_{.domain_id = TestDomain()};
 };
 
+TEST(Names, JoinTheNamespaceUnlessTheyAreAbsolute) {
+  EXPECT_EQ(ResolveName("dog1", "chat"), "dog1/chat");
+  EXPECT_EQ(ResolveName("", "chat"), "chat");
+  EXPECT_EQ(ResolveName("dog1", "/show/state"), "show/state");
+  EXPECT_EQ(ResolveName("", "/show/state"), "show/state");
+}
+
 TEST_F(DdsNodes, UseTheDomainOfTheEnvironmentUnlessTheyAreGivenOne) {
   EXPECT_EQ(DomainId({}).value(), 0);
   setenv("ROS_DOMAIN_ID", "42", 1);

@@ -2,7 +2,7 @@
 
 _musher() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
-  local commands="check up down status capabilities set restart estop wake keep low-power poweroff reboot plan history replay simulate graph keys ota completion"
+  local commands="check up down status capabilities set restart estop wake keep low-power poweroff reboot plan history behavior replay simulate graph keys ota completion"
   local options="--help --json --namespace --domain --transport --timeout --keys --identity --color"
   local states="SelfCheck Active DeActive Protected LowPower OTA Error TearDown"
   COMPREPLY=()
@@ -16,7 +16,7 @@ _musher() {
     --role) COMPREPLY=($(compgen -W "controller actuator operator observer" -- "$cur")); return ;;
     --why | --home) COMPREPLY=($(compgen -W "$states" -- "$cur")); return ;;
     --output | -o | --journal | --config | --svg | --key) COMPREPLY=($(compgen -f -- "$cur")); return ;;
-    --namespace | --domain | --timeout | --for | --identity | --days | --since | --limit | --epoch | --seeds | --seed | --only | --bound | --jobs | -j | --min-version | --robot) return ;;
+    --namespace | --domain | --timeout | --for | --identity | --days | --since | --limit | --history | --behavior | --epoch | --seeds | --seed | --only | --bound | --jobs | -j | --min-version | --robot) return ;;
   esac
 
   local command="" word
@@ -35,9 +35,10 @@ _musher() {
     keep) options+=" --for --end" ;;
     low-power) options+=" --this-run" ;;
     history) options+=" --since --limit --journal --why" ;;
+    behavior) options+=" --history --watch" ;;
     replay) options+=" --config --since --epoch" ;;
     simulate) options+=" --seeds --seed --only --bound --home --svg --jobs" ;;
-    graph) options+=" --what --format --output" ;;
+    graph) options+=" --what --behavior --format --output" ;;
     keys) options+=" --role --days --signed-only --force" ;;
     ota) options+=" --root --key --version --min-version --robot --config --out --from --allow-downgrade" ;;
   esac

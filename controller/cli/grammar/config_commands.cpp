@@ -35,22 +35,7 @@ void Grammar::AddConfigCommands() {
       ->delimiter(',')
       ->group("");
 
-  auto graph = std::make_shared<GraphOptions>();
-  command = AddCommand("graph", "Draw the states of a config, or its actuators", graph);
-  command->add_option("FILE", graph->file, "State config (TOML)")->required()->type_name("");
-  command
-      ->add_option("--what", graph->what,
-                   "flow: which state follows which (default);\n"
-                   "actuators: their stages and what comes after what")
-      ->check(CLI::IsMember({"flow", "actuators"}).description(""))
-      ->type_name("flow|actuators");
-  command
-      ->add_option("--format", graph->format,
-                   "svg needs Graphviz; default: by the output file's name, else dot")
-      ->check(CLI::IsMember({"dot", "mermaid", "svg"}).description(""))
-      ->type_name("dot|mermaid|svg");
-  command->add_option("-o,--output", graph->output, "Default standard output")->type_name("FILE");
-
+  AddGraph();
   AddSimulate();
 
   auto completion = std::make_shared<CompletionOptions>();
@@ -59,6 +44,32 @@ void Grammar::AddConfigCommands() {
       ->required()
       ->check(CLI::IsMember({"bash", "zsh"}).description(""))
       ->type_name("");
+}
+
+void Grammar::AddGraph() {
+  auto graph = std::make_shared<GraphOptions>();
+  auto* command =
+      AddCommand("graph", "Draw a config, or the state machine of an application", graph);
+  auto* file = command->add_option("FILE", graph->file, "State config (TOML)")->type_name("");
+  auto* what = command
+                   ->add_option("--what", graph->what,
+                                "flow: which state follows which (default);\n"
+                                "actuators: their stages and what comes after what")
+                   ->check(CLI::IsMember({"flow", "actuators"}).description(""))
+                   ->type_name("flow|actuators");
+  command
+      ->add_option("--behavior", graph->behavior,
+                   "Instead of a config: the state machine of this\n"
+                   "application that runs, its present state marked")
+      ->excludes(file)
+      ->excludes(what)
+      ->type_name("NAME");
+  command
+      ->add_option("--format", graph->format,
+                   "svg needs Graphviz; default: by the output file's name, else dot")
+      ->check(CLI::IsMember({"dot", "mermaid", "svg"}).description(""))
+      ->type_name("dot|mermaid|svg");
+  command->add_option("-o,--output", graph->output, "Default standard output")->type_name("FILE");
 }
 
 void Grammar::AddSimulate() {

@@ -42,6 +42,7 @@ class Grammar {
   static const char* const kCommandFooter;
   void AddGlobalOptions();
   void AddConfigCommands();
+  void AddGraph();
   void AddSimulate();
   void AddMachineCommands();
   void AddSwitchingCommands();

@@ -53,6 +53,16 @@ void Grammar::AddMachineCommands() {
   command->add_option("ACTUATOR", plan->actuator, "Only this one; default the whole machine")
       ->type_name("");
 
+  auto behavior = std::make_shared<BehaviorOptions>();
+  command = AddCommand("behavior", "Show the state machine of an application", behavior);
+  command->add_option("NAME", behavior->name, "The application's actuator")
+      ->required()
+      ->type_name("");
+  command->add_option("--history", behavior->history, "The last so many changes; default 10")
+      ->check(CLI::Range(0U, 1000U).description(""))
+      ->type_name("N");
+  command->add_flag("-w,--watch", behavior->watch, "Show every change as it happens");
+
   auto history = std::make_shared<HistoryOptions>();
   command = AddCommand("history", "Show what happened, oldest first", history);
   command->add_option("--since", history->since, "90s, 10m, 2h, 1d ago, or a date and time")

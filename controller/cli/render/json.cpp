@@ -250,6 +250,30 @@ std::string KeysJson(const std::string& folder,
   return Text({{"folder", folder}, {"identities", all}});
 }
 
+std::string BehaviorJson(const std::string& name, const msg::GetBehavior::Response& report) {
+  Json changes = Json::array();
+  for (const msg::BehaviorChange& change : report.history) {
+    changes.push_back({{"time_s", change.time_s},
+                       {"tick", change.tick},
+                       {"from", change.from},
+                       {"to", change.to},
+                       {"cause", change.cause},
+                       {"command", change.command}});
+  }
+  return Text({{"name", name},
+               {"running", report.running},
+               {"ticking", report.ticking},
+               {"state", report.current_state},
+               {"mode", report.operating_mode},
+               {"ticks", report.iter_count},
+               {"safety_triggered", report.safety_triggered},
+               {"unsafe", report.unsafe},
+               {"time_s", report.time_s},
+               {"time_in_state_s", report.time_in_state_s},
+               {"last_fault", report.last_fault},
+               {"history", changes}});
+}
+
 std::string GraphJson(const std::string& format, const std::string& drawing) {
   return Text({{"format", format}, {"graph", drawing}});
 }

@@ -14,6 +14,7 @@
 #include "musher/controller/ota/slots.hpp"
 #include "musher/controller/recording/replay.hpp"
 #include "musher/lifecycle/diagnostic.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/musher_msgs/policy_request.hpp"
@@ -60,6 +61,7 @@ std::string OtaResultJson(const std::string& version, const std::string& outcome
                           const std::string& reason);
 std::string OtaKeysJson(const std::string& secret, const std::string& open);
 std::string OtaBundleJson(const ota::Manifest& manifest, const std::string& where);
+std::string BehaviorJson(const std::string& name, const msg::GetBehavior::Response& report);
 std::string GraphJson(const std::string& format, const std::string& drawing);
 std::string GraphFileJson(const std::string& format, const std::string& file);
 std::string ProgressJson(const Progress& progress);  // a line of `up --json`

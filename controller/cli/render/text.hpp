@@ -10,6 +10,7 @@
 #include "musher/controller/cli/why.hpp"
 #include "musher/controller/recording/replay.hpp"
 #include "musher/lifecycle/config.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 
@@ -35,6 +36,12 @@ std::string RestartText(const msg::ActuatorInfo& actuator, bool colour);
 
 std::string CapabilitiesText(const msg::Capabilities& all, bool colour);
 std::string CapabilityText(const msg::Capability& one, bool colour);
+
+std::string BehaviorText(const std::string& name, const msg::GetBehavior::Response& report,
+                         bool colour);
+// Its changes, a line each, as they happen.
+std::string BehaviorLines(const msg::GetBehavior::Response& report, std::int64_t wall_ns,
+                          bool colour);
 
 std::string PlanText(const msg::GetPlan::Response& plan, bool colour);
 // "the machine went to ...", then a line "because ..." for each cause.

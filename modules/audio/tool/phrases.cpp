@@ -23,18 +23,18 @@ std::string PhrasesFile() {
 }
 
 std::string TextOf(const Phrase& phrase, Language language) {
-  const auto text = phrase.texts.find(language);
-  return text == phrase.texts.end() ? "" : text->second;
+  const auto text = phrase.spoken.texts.find(language);
+  return text == phrase.spoken.texts.end() ? "" : text->second;
 }
 
 void PrintJson(const Phrases& phrases) {
   nlohmann::json list = nlohmann::json::array();
   for (const Phrase& phrase : phrases.all()) {
     nlohmann::json row = {{"id", phrase.first}, {"last_id", phrase.last}};
-    for (const auto& [language, text] : phrase.texts) {
+    for (const auto& [language, text] : phrase.spoken.texts) {
       row[language == Language::kChinese ? "zh" : "en"] = text;
     }
-    if (!phrase.recording.empty()) row["recording"] = phrase.recording;
+    if (!phrase.spoken.recording.empty()) row["recording"] = phrase.spoken.recording;
     list.push_back(std::move(row));
   }
   std::cout << list.dump(2) << std::endl;
@@ -47,7 +47,7 @@ void PrintText(const Phrases& phrases) {
     if (phrase.last != phrase.first) id += " to " + std::to_string(phrase.last);
     std::cout << std::string(id.size() < kIdWidth ? kIdWidth - id.size() : 0, ' ') << id;
     for (const std::string& part : {TextOf(phrase, Language::kEnglish),
-                                    TextOf(phrase, Language::kChinese), phrase.recording}) {
+                                    TextOf(phrase, Language::kChinese), phrase.spoken.recording}) {
       if (!part.empty()) std::cout << "  " << part;
     }
     std::cout << "\n";

@@ -70,6 +70,12 @@ class Grammar {
     CLI::App* command = app_.add_subcommand("strip", "Save pictures over time, side by side");
     AddTopicAndFile(command, strip_.topic, strip_.file);
     AddSeconds(command, "--every", strip_.every_s, "From one to the next; default 2");
+    command
+        ->add_option(
+            "--changes", strip_.changes,
+            "One --every seconds after each change of this topic's text (std_msgs/String), "
+            "with the text under it")
+        ->type_name("TOPIC");
     command->add_option("--count", strip_.count, "How many; default 8")
         ->check(Between(1, 200))
         ->type_name("N");

@@ -25,7 +25,8 @@ struct ShotOptions {
 struct StripOptions {
   std::string topic;
   std::string file;
-  double every_s = 2;  // of the pictures' own time
+  double every_s = 2;   // of the pictures' own time
+  std::string changes;  // a topic of texts: a picture `every_s` after each change; empty: none
   int count = 8;
   int columns = 0;     // 0: as many as pictures, up to 8
   int width_px = 320;  // of one picture

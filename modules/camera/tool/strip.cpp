@@ -3,7 +3,9 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/camera/pace.hpp"
+#include "musher/modules/camera/tool/caption.hpp"
 #include "musher/modules/camera/tool/commands.hpp"
 #include "musher/modules/camera/tool/strip_picture.hpp"
 
@@ -15,19 +17,24 @@ constexpr int kMostColumns = 8;
 // Takes a picture when its time has come, by the pictures' own stamps.
 class Collector {
  public:
-  explicit Collector(const StripOptions& options) : options_(options), pace_(1 / options.every_s) {}
+  explicit Collector(const StripOptions& options)
+      : options_(options), pace_(1 / options.every_s), caption_(Seconds(options.every_s).count()) {}
+
+  void OnText(const std::string& text) { caption_.OnText(text); }
 
   void Take(msg::Image picture) {
     last_heard_ = std::chrono::steady_clock::now();
     const std::int64_t stamp_ns = msg::FromStamp(picture.header.stamp).count();
-    if (done() || !pace_.Due(stamp_ns)) return;
+    if (done() || !Due(stamp_ns)) return;
     auto tile = TileOf(std::move(picture), static_cast<std::uint32_t>(options_.width_px));
     if (!tile) {
       unreadable_ = tile.error();
       return;
     }
     if (tiles_.empty()) first_ns_ = stamp_ns;
-    tiles_.push_back({std::move(tile).value(), LabelOf(stamp_ns, first_ns_)});
+    std::string label = LabelOf(stamp_ns, first_ns_);
+    if (!caption_.text().empty()) label += "  " + caption_.text();
+    tiles_.push_back({std::move(tile).value(), std::move(label)});
   }
 
   bool done() const { return static_cast<int>(tiles_.size()) >= options_.count; }
@@ -38,13 +45,28 @@ class Collector {
   const std::optional<Error>& unreadable() const { return unreadable_; }
 
  private:
+  bool Due(std::int64_t stamp_ns) {
+    return options_.changes.empty() ? pace_.Due(stamp_ns) : caption_.Due(stamp_ns);
+  }
+
   const StripOptions options_;
   Pace pace_;
+  Caption caption_;
   std::int64_t first_ns_ = 0;
   Time last_heard_ = std::chrono::steady_clock::now();
   std::vector<StripTile> tiles_;
   std::optional<Error> unreadable_;
 };
+
+// Null when no topic is given.
+Result<std::unique_ptr<transport::Subscription>> HearTexts(program::HandLink& link,
+                                                           const std::string& topic,
+                                                           Collector& collector) {
+  if (topic.empty()) return std::unique_ptr<transport::Subscription>();
+  return transport::MakeSubscription<msg::String>(
+      link.node(), link.Name(topic),
+      [&collector](const msg::String& text, const auto&) { collector.OnText(text.data); });
+}
 
 }  // namespace
 
@@ -57,6 +79,8 @@ ExitCode Run(const HandOptions& global, const StripOptions& options) {
     collector.Take(std::move(picture));
   });
   if (!subscription) return Fail(ExitCode::kUsage, subscription.error());
+  const auto texts = HearTexts(link, options.changes, collector);
+  if (!texts) return Fail(ExitCode::kUsage, texts.error());
   while (!collector.done() && !collector.Silent() && !link.interrupted()) {
     link.RunUntil([&] { return collector.done(); }, Milliseconds(200));
   }

@@ -14,6 +14,7 @@
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/audio/sound_file.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
@@ -159,6 +160,21 @@ TEST_F(AudioManagerProcess, IsInterruptedByATopic) {
   EXPECT_EQ(Await(answer), (Response{1, 5021}));
   EXPECT_TRUE(peer_.Until([this] { return !sounds_; })) << "and the phrase comes to its end";
   EXPECT_THAT(peer_.Output(), HasSubstr("says \"Good day. I am awake.\" for \"test\""));
+}
+
+TEST_F(AudioManagerProcess, SaysTheCuesOfTheWedding) {
+  const std::string config = MUSHER_SOURCE_DIR "/config/audio/";
+  Start("output = \"silent\"\nlanguage = \"zh\"\n" + kPhrases +
+        "[[cues]]\ntopic = \"/wedding/audio/play\"\nfile = \"" + config + "wedding_cues.toml\"\n");
+  const auto cues =
+      transport::MakePublisher<msg::String>(peer_.node(), "wedding/audio/play").value();
+  ASSERT_TRUE(peer_.Until([&] { return cues->MatchedReaders() > 0; }));
+  ASSERT_TRUE(cues->Publish({"hiccup"}));
+  ASSERT_TRUE(cues->Publish({"greeting"}));
+  ASSERT_TRUE(peer_.Until([this] { return sounds_; }));
+  EXPECT_TRUE(peer_.Until([this] { return !sounds_; })) << "it comes to its end";
+  EXPECT_THAT(peer_.Output(), HasSubstr("audio: /wedding/audio/play has no cue \"hiccup\""));
+  EXPECT_THAT(peer_.Output(), HasSubstr("says \"欢迎来到婚礼现场！\" for \"greeting\""));
 }
 
 TEST_F(AudioManagerProcess, TakesItsTimesFromTheWorldAndAnswersAfterTenSecondsOfIt) {

@@ -41,6 +41,7 @@ class VoiceOnANetwork : public ::testing::Test {
  protected:
   VoiceOnANetwork() {
     config_.phrases = testing::ThePhrases();
+    config_.cue_topics = testing::TheCueTopics();
     shell_ = AudioShell::Make(
                  {*dog_, *clock_, "dog1", [this](const std::string& line) { log_ += line + "\n"; }},
                  config_, maker_, output_)
@@ -135,6 +136,29 @@ TEST_F(VoiceOnANetwork, IsInterruptedByBothTopics) {
   network_.RunFor(Milliseconds(2'000));
   EXPECT_THAT(log_, ::testing::Not(HasSubstr("not this")));
   EXPECT_FALSE(reports_.back());
+}
+
+TEST_F(VoiceOnANetwork, SaysCuesOfAbsoluteTopicsAndOfThoseInItsNamespace) {
+  const auto urgent = transport::MakePublisher<msg::String>(*desk_, "show/play").value();
+  const auto patient = transport::MakePublisher<msg::String>(*desk_, "dog1/show/say").value();
+  network_.RunFor(Milliseconds(500));
+  EXPECT_EQ(urgent->MatchedReaders(), 1);
+  EXPECT_EQ(patient->MatchedReaders(), 1);
+  Answer first;
+  Say(std::string(30, 'a'), first);
+  network_.RunFor(Milliseconds(100));
+  ASSERT_TRUE(patient->Publish({"greeting"}));
+  network_.RunFor(Milliseconds(2'500));
+  EXPECT_THAT(log_, ::testing::Not(HasSubstr("welcome")));
+  network_.RunFor(Milliseconds(1'000));
+  EXPECT_THAT(log_, HasSubstr(R"(says "welcome" for "greeting")"));
+  Answer second;
+  Say(std::string(30, 'b'), second);
+  network_.RunFor(Milliseconds(1'000));
+  ASSERT_TRUE(urgent->Publish({"shutter"}));
+  network_.RunFor(Milliseconds(100));
+  EXPECT_EQ(second, (msg::AudioTextPlay::Response{1, 5021}));
+  EXPECT_THAT(log_, HasSubstr(R"(says "/sounds/shutter.wav" for "shutter")"));
 }
 
 TEST_F(VoiceOnANetwork, FallsSilentByStopPlay) {

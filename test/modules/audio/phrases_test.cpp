@@ -173,7 +173,7 @@ chinese = "yue"
   expected.longest_text = 50;
   expected.phrases_file = folder / "phrases.toml";
   expected.voice = {120, "en-gb", "yue"};
-  expected.phrases = Phrases({{1, 1, {{kEn, "one"}}, {}}});
+  expected.phrases = Phrases({{1, 1, {{{kEn, "one"}}, {}}}});
   EXPECT_EQ(*reading.config, expected);
 }
 

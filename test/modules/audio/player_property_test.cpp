@@ -31,7 +31,7 @@ class Trial {
 
  private:
   PlayActions Next() {
-    switch (pick_(10)) {
+    switch (pick_(11)) {
       case 0:
         return Ask(0);
       case 1:
@@ -47,6 +47,10 @@ class Trial {
         return Stray(making_, [](SoundNumber n) { return play_event::Made{n, {}}; });
       case 7:
         return stage_.Pass(Milliseconds(Number(4'000)));
+      case 8: {
+        static const std::vector<std::string> ids = {"greeting", "shutter", "unknown"};
+        return stage_.Cue(pick_(2), ids[pick_(ids.size())]);
+      }
       default:
         return Finish();
     }

@@ -12,9 +12,17 @@
 namespace musher::audio::testing {
 
 inline Phrases ThePhrases() {
-  return Phrases({{60, 60, {{Language::kEnglish, "all well"}, {Language::kChinese, "正常"}}, {}},
-                  {1000, 1100, {{Language::kEnglish, "at {number} percent"}}, {}},
-                  {60'000, 60'000, {}, "/music/waltz.wav"}});
+  return Phrases({{60, 60, {{{Language::kEnglish, "all well"}, {Language::kChinese, "正常"}}, {}}},
+                  {1000, 1100, {{{Language::kEnglish, "at {number} percent"}}, {}}},
+                  {60'000, 60'000, {{}, "/music/waltz.wav"}}});
+}
+
+inline constexpr std::size_t kPatientCues = 1;  // of these: they wait for their turn
+inline std::vector<CueTopic> TheCueTopics() {
+  const Cues cues = {
+      {"greeting", {{{Language::kEnglish, "welcome"}, {Language::kChinese, "欢迎"}}, {}}},
+      {"shutter", {{}, "/sounds/shutter.wav"}}};
+  return {{"/show/play", true, cues}, {"show/say", false, cues}};
 }
 
 class Stage {
@@ -35,6 +43,9 @@ class Stage {
   }
   PlayActions PlayId(CallToken token, std::uint16_t id) {
     return Do(play_event::Asked{{token, "app", false, id, {}}});
+  }
+  PlayActions Cue(std::size_t topic, const std::string& id) {
+    return Do(play_event::CueAsked{topic, id});
   }
   // The present sound is made, and begins.
   PlayActions Made() { return Do(play_event::Made{Number(), {}}); }
@@ -62,7 +73,8 @@ class Stage {
 
  private:
   const Phrases phrases_ = ThePhrases();
-  const PlayRules rules_{phrases_, Language::kEnglish, 100};
+  const std::vector<CueTopic> cue_topics_ = TheCueTopics();
+  const PlayRules rules_{phrases_, Language::kEnglish, 100, cue_topics_};
   Time now_ = Time{} + std::chrono::hours(1);
   Player player_;
   PlayActions actions_;

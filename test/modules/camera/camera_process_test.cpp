@@ -13,6 +13,7 @@
 
 #include "musher/messages/protocol/camera.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
+#include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 
@@ -130,6 +131,16 @@ TEST_F(CameraManagerProcess, LivesThroughAllStatesAndSeesInActiveAndProtectedOnl
   EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
 }
 
+TEST_F(CameraManagerProcess, IsOnInSelfCheckWhereItsConfigSaysSo) {
+  MakeWorld();
+  Start("on_in = [\"SelfCheck\", \"Active\"]\n" + std::string(kFile));
+  ASSERT_TRUE(peer_.Switch("SelfCheck"));
+  Watch();
+  EXPECT_TRUE(peer_.Until([&] { return seen_.has_value(); })) << peer_.Output();
+  ASSERT_TRUE(peer_.Switch("LowPower"));
+  EXPECT_TRUE(peer_.Until([&] { return shots_->MatchedReaders() == 0; }));
+}
+
 TEST_F(CameraManagerProcess, PassesItsSelfCheckWithoutACameraThatIsNotCriticalAndSaysSo) {
   MakeWorld();
   Start();
@@ -201,6 +212,23 @@ TEST_F(CameraManagerProcess, IsSeenAsAStripThatIsWrittenWhenItIsInterrupted) {
   EXPECT_EQ(Await(cut), 0) << Said();
   EXPECT_THAT(Said(), HasSubstr("cut.jpg: 1 of 3 pictures"));
   EXPECT_TRUE(std::filesystem::exists(peer_.folder() / "cut.jpg"));
+}
+
+TEST_F(CameraManagerProcess, IsSeenAsAStripWithAPictureForEachChangeOfAText) {
+  MakeWorld();
+  Start();
+  ASSERT_TRUE(peer_.Switch("Active"));
+  const auto state = transport::MakePublisher<msg::String>(peer_.node(), "state").value();
+  exec::Child tool = Tool({"strip", "image_rgb", "states.png", "--changes", "state", "--every",
+                           "0.1", "--count", "2", "--json"});
+  // Said again and again, as states are; it changes once the first one has been seen.
+  int said = 0;
+  const auto speaker = peer_.node().loop().Every(Milliseconds(20), [&] {
+    if (state->MatchedReaders() > 0) ++said;
+    EXPECT_TRUE(state->Publish({said < 50 ? "IDLE" : "TRACKING"}));
+  });
+  EXPECT_EQ(Await(tool), 0) << Said();
+  EXPECT_THAT(Said(), AllOf(HasSubstr("s  IDLE"), HasSubstr("s  TRACKING")));
 }
 
 TEST_F(CameraManagerProcess, IsMissedByHandWithAClearWord) {

@@ -1,0 +1,266 @@
+#include "musher/application/fsm_actuator.hpp"
+
+#include <cassert>
+#include <exception>
+#include <functional>
+#include <iostream>
+#include <optional>
+#include <utility>
+
+#include "musher/application/behavior_report.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher {
+namespace {
+
+constexpr int kMostTold = 20;  // changes and faults in a second
+
+// What the endpoints give, and keep for as long as they are there.
+struct Wire {
+  transport::Clock* clock = nullptr;
+  transport::LoopHandlePtr ticks;
+  std::function<void(const msg::String&)> tell_state;
+};
+
+}  // namespace
+
+class FsmActuator::Impl : public fsm::Listener {
+ public:
+  Impl(FsmActuator& owner, Options options) : owner_(owner), options_(std::move(options)) {
+    assert(options_.rate_hz > 0);
+    if (options_.machine.name == fsm::Machine::Options{}.name) {
+      options_.machine.name = owner.name();
+    }
+  }
+
+  Result<> Run(const State& state) {
+    if (state == kSetUp) return SetUp();
+    if (state == kSelfCheck) return owner_.SelfCheck();
+    Result<> result;
+    owner_.RunOnLoop([&] {
+      if (state == kActive) {
+        result = GoOn();
+      } else if (state == kTearDown) {
+        End();
+      } else {
+        Pause();
+      }
+    });
+    return result;
+  }
+
+  void Pause() {
+    Rest();
+    Guard("OnPause", [&] { owner_.OnPause(); });
+  }
+
+  fsm::Machine& machine() {
+    assert(machine_ != nullptr);
+    return *machine_;
+  }
+  bool ticking() const { return ticking_; }
+  Time Now() const {
+    const auto wire = wire_.lock();
+    return wire ? wire->clock->Now() : Time{};
+  }
+
+  void OnChange(const fsm::Machine& machine, const fsm::Change& change) override {
+    std::string line = std::string(machine.Name(change.from)) + " -> " +
+                       std::string(machine.Name(change.to)) + ": " +
+                       std::string(fsm::Name(change.cause));
+    if (change.command != fsm::kNoEvent) line += " by " + std::string(machine.Name(change.command));
+    if (change.cause == fsm::Cause::kUnsafe) line += ", " + std::string(machine.unsafe());
+    Tell(change.at, line);
+    if (!in_tick_) Publish();
+  }
+  void OnFault(const fsm::Machine& machine, const fsm::Fault& fault) override {
+    Tell(fault.at, "fault: " + machine.Describe(fault));
+  }
+
+ private:
+  Result<> SetUp() {
+    machine_ = std::make_unique<fsm::Machine>(options_.machine);
+    machine_->Listen(this);
+    if (Result<> built = owner_.BuildMachine(*machine_); !built) return built;
+    if (machine_->chart().start == fsm::kNoState) {
+      return Error{kCodeFailed, "BuildMachine() has not called Build() of its machine"};
+    }
+    for (const std::string& warning : machine_->warnings()) owner_.Log("warning: " + warning);
+    return owner_.OpenEndpoints([this](transport::Endpoints& topics) {
+      const auto wire = std::make_shared<Wire>();
+      wire->clock = &topics.clock();
+      wire->tell_state =
+          topics.Tell<msg::String>(owner_.name() + "/behavior_state", transport::kLatchedQos);
+      topics.Keep(wire);
+      wire_ = wire;
+      topics.Serve<msg::GetBehavior>(owner_.name() + "/get_behavior",
+                                     [this](const auto& request, auto reply) {
+                                       reply(ReportBehavior(*machine_, ticking_, request));
+                                     });
+      published_.reset();
+      Publish();
+      owner_.OpenTopics(topics);
+    });
+  }
+
+  Result<> GoOn() {
+    if (owner_.EmergencyStopped()) {
+      return Error{MakeCode(ModuleCode::kRobot, KeyCode::kStateInvalid),
+                   "an emergency stop was engaged meanwhile"};
+    }
+    if (ticking_) return Ok();
+    owner_.OnResume();
+    if (!machine_->running()) {
+      static_cast<void>(machine_->Start(Now()));  // what failed is told by OnFault
+      if (!machine_->running()) {
+        return Error{kCodeFailed,
+                     "the machine stopped as it began: " + machine_->Describe(*machine_->fault())};
+      }
+    } else if (options_.resume == Resume::kAnew) {
+      static_cast<void>(machine_->Reset());
+    }
+    // A world whose clock has not been heard of yet may be at any time when it is.
+    if (Now() == Time{}) machine_->Pause();
+    ticking_ = true;
+    if (const auto wire = wire_.lock()) {
+      const std::chrono::duration<double> period(1 / options_.rate_hz);
+      wire->ticks =
+          wire->clock->Every(std::chrono::duration_cast<Duration>(period), [this] { Tick(); });
+    }
+    return Ok();
+  }
+
+  void Tick() {
+    const Time now = Now();
+    in_tick_ = true;
+    if (GuardTick("BeforeTick", [&] { owner_.BeforeTick(now); })) machine_->RunOnce(now);
+    GuardTick("AfterTick", [&] { owner_.AfterTick(now); });
+    in_tick_ = false;
+    Publish();
+    if (!machine_->running()) Ended();
+  }
+
+  // The machine stopped: by a fault, or because the application wanted it.
+  void Ended() {
+    const bool by_fault =
+        !machine_->history().empty() && machine_->history().back().cause == fsm::Cause::kFault;
+    Pause();
+    if (!by_fault || !machine_->fault()) return owner_.Log("the machine has ended");
+    owner_.GiveUp({kCodeFailed, machine_->Describe(*machine_->fault())});
+  }
+
+  void End() {
+    Rest();
+    const auto faults = machine_->counts().faults;
+    static_cast<void>(machine_->Stop());
+    if (machine_->counts().faults != faults) {
+      owner_.Log("fault: " + machine_->Describe(*machine_->fault()));
+    }
+    Guard("OnPause", [&] { owner_.OnPause(); });
+  }
+
+  void Rest() {
+    if (const auto wire = wire_.lock()) wire->ticks.reset();
+    ticking_ = false;
+    if (machine_) machine_->Pause();
+  }
+
+  // Runs a hook; nothing, or what it threw.
+  std::optional<std::string> Thrown(const char* name, const std::function<void()>& hook) {
+    try {
+      hook();
+      return std::nullopt;
+    } catch (const std::exception& thrown) {
+      return std::string(name) + ": " + thrown.what();
+    } catch (...) {
+      return std::string(name) + ": threw something that is no std::exception";
+    }
+  }
+  void Guard(const char* name, const std::function<void()>& hook) {
+    if (const auto thrown = Thrown(name, hook)) owner_.Log("fault: " + *thrown);
+  }
+  // Of a hook around the tick: as if a state had failed. Said once for as long as it is the same.
+  bool GuardTick(const char* name, const std::function<void()>& hook) {
+    const auto thrown = Thrown(name, hook);
+    if (!thrown) return true;
+    if (*thrown != hook_fault_) owner_.Log("fault: " + *thrown);
+    hook_fault_ = *thrown;
+    const auto& states = machine_->chart().states;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (states[i].role != fsm::Role::kSafe) continue;
+      const auto safe = static_cast<fsm::StateId>(i);
+      if (machine_->current() != safe) static_cast<void>(machine_->Force(safe));
+      return false;
+    }
+    Pause();
+    owner_.GiveUp({kCodeFailed, *thrown + "; and there is no safe state to go to"});
+    return false;
+  }
+
+  void Publish() {
+    const auto wire = wire_.lock();
+    std::string path = machine_->Path();
+    if (!wire || published_ == path) return;
+    wire->tell_state({path});
+    published_ = std::move(path);
+  }
+
+  // A machine that goes to and fro fills no disk.
+  void Tell(Duration at, const std::string& line) {
+    if (at < telling_since_ || at - telling_since_ >= std::chrono::seconds(1)) {
+      telling_since_ = at;
+      told_ = 0;
+    }
+    if (++told_ <= kMostTold) owner_.Log(line);
+    if (told_ == kMostTold) owner_.Log("more of this within a second is not told");
+  }
+
+  FsmActuator& owner_;
+  Options options_;
+  std::unique_ptr<fsm::Machine> machine_;
+  std::weak_ptr<Wire> wire_;
+  bool ticking_ = false;
+  bool in_tick_ = false;
+  std::string hook_fault_;  // the last one
+  std::optional<std::string> published_;
+  Duration telling_since_{};
+  int told_ = 0;
+};
+
+FsmActuator::FsmActuator(const std::string& actuator_name, Options options)
+    : MachineActuator(actuator_name), impl_(std::make_unique<Impl>(*this, std::move(options))) {}
+
+FsmActuator::~FsmActuator() {
+  Shutdown();
+}
+
+Result<> FsmActuator::Prepare(const std::string& state_config) {
+  if (Result<> read = Init(state_config); !read) return read;
+  const auto index = machine_config().IndexOf(name());
+  for (const State& state : machine_config().actuators[*index].states) {
+    RegisterStateCallback(state,
+                          std::function<Result<>()>([this, state] { return impl_->Run(state); }));
+  }
+  return Ok();
+}
+
+fsm::Machine& FsmActuator::machine() {
+  return impl_->machine();
+}
+bool FsmActuator::ticking() const {
+  return impl_->ticking();
+}
+Time FsmActuator::Now() const {
+  return impl_->Now();
+}
+void FsmActuator::Log(const std::string& line) const {
+  std::cerr << name() + ": " + line + "\n" << std::flush;
+}
+
+void FsmActuator::OnEmergencyStop() {
+  impl_->Pause();
+}
+
+}  // namespace musher

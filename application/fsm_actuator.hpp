@@ -1,0 +1,119 @@
+#pragma once
+// The base class of an application that is written as a state machine (behavior/fsm): an actuator
+// that runs the machine while the robot is Active and pauses it in every other state.
+//
+//   class Show : public musher::FsmActuator {
+//    public:
+//     Show() : FsmActuator("show", {.rate_hz = 50}) {}
+//     ~Show() override { Shutdown(); }  // its hooks use the members below
+//
+//    private:
+//     Result<> BuildMachine(fsm::Machine& machine) override {
+//       machine.Add("IDLE", std::make_unique<Idle>(data_));
+//       ...
+//       return machine.Build("IDLE");
+//     }
+//     void OpenTopics(transport::Endpoints& topics) override {
+//       topics.Hear<msg::String>("show/command", [this](const msg::String& word) { ... });
+//     }
+//     void AfterTick(Time now) override { ... publish what the states have put into data_ ... }
+//     void OnPause() override { ... bring the outputs to neutral ... }
+//
+//     ShowData data_;
+//   };
+//
+//   int main() {
+//     Show show;
+//     if (const Result<> ready = show.Prepare(); !ready) return Complain(ready.error());
+//     if (!show.ActuatorStart()) return 1;
+//     return show.Wait();
+//   }
+//
+// clang-format off
+//   robot          machine
+//   SetUp          is built; topics are opened
+//   SelfCheck      SelfCheck() is asked
+//   Active         is started, or goes on where it was (or anew: Options::resume); ticks
+//   TearDown       is stopped: its state is left; OnPause()
+//   all others     rests, its time stands still; OnPause()
+//   an emergency stop: OnPause() at once, and it rests until the robot goes to Active anew
+// clang-format on
+//
+// A machine that stops because its safe state failed, or because it has none, ends the process with
+// a code that is not 0, so that its restart policy acts. A state that blocks blocks the loop: with
+// checkpoint_ms in the config the actuator is then called hung.
+//
+// Others see it by `<actuator>/get_behavior` (musher behavior, musher graph --behavior) and
+// `<actuator>/behavior_state` (std_msgs/String, latched: "PHOTO/COUNTDOWN"; "" when it does not
+// run).
+//
+// Threads: the machine, the hooks and the handlers of topics run on the loop, one at a time, so
+// they share data without locks. BuildMachine() and SelfCheck() run on the actuator's worker. All
+// times are the machine's, see [controller] clock: a world at four times the speed ticks four times
+// as often.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/behavior/fsm/machine.hpp"
+
+namespace musher {
+
+class FsmActuator : public MachineActuator {
+ public:
+  enum class Resume : std::uint8_t {
+    kWhereItWas,
+    kAnew  // Machine::Reset(): the start state, no commands
+  };
+  struct Options {
+    double rate_hz = 50;  // of ticks; more than 0
+    Resume resume = Resume::kWhereItWas;
+    fsm::Machine::Options machine{};  // a name that is left as it is becomes the actuator's
+  };
+
+  explicit FsmActuator(const std::string& actuator_name) : FsmActuator(actuator_name, Options{}) {}
+  FsmActuator(const std::string& actuator_name, Options options);
+  ~FsmActuator() override;
+
+  // Reads the state config ("": $MUSHER_CONFIG) and registers a callback for each state that it
+  // lists; ActuatorStart() follows.
+  Result<> Prepare(const std::string& state_config = "");
+
+ protected:
+  // In SetUp: register states, events and safety checks, and Build(). A failure fails SetUp.
+  virtual Result<> BuildMachine(fsm::Machine& machine) = 0;
+  // After that, on the loop: topics and services. Their handlers may look at the machine and send
+  // it commands, force and reset it. Does not run in a trial, where there is no wire.
+  virtual void OpenTopics(transport::Endpoints& /*topics*/) {}
+  // Whether what it needs is there. May take its time.
+  virtual Result<> SelfCheck() { return Ok(); }
+
+  // Around each tick. An exception is told, and the machine goes to its safe state as if one of its
+  // states had failed.
+  virtual void BeforeTick(Time /*now*/) {}
+  virtual void AfterTick(Time /*now*/) {}
+  // The robot has gone to a state in which the machine rests, or was stopped in an emergency: bring
+  // the outputs to neutral. Comes back at once; may come twice. An exception is told.
+  virtual void OnPause() {}
+  // It goes to Active; before the machine is started or goes on.
+  virtual void OnResume() {}
+
+  // From SetUp on. On the loop only.
+  fsm::Machine& machine();
+  // Whether the machine is ticked now. On the loop only.
+  bool ticking() const;
+  // What the machine's clock says. On the loop only.
+  Time Now() const;
+  // A line in the actuator's log, with its name.
+  void Log(const std::string& line) const;
+
+  void OnEmergencyStop() override;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace musher

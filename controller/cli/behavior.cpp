@@ -1,0 +1,109 @@
+// musher behavior NAME [--watch]: the state machine of an application that runs.
+
+#include <algorithm>
+
+#include "musher/controller/cli/behavior_request.hpp"
+#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/wall_time.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+
+namespace musher::cli {
+namespace {
+
+using Report = msg::GetBehavior::Response;
+
+constexpr std::uint32_t kAllChanges = 1000;  // more than a machine remembers
+
+void Print(const std::string& name, const Report& report, Console& console) {
+  console.Print(console.mode().json ? BehaviorJson(name, report)
+                                    : BehaviorText(name, report, console.mode().colour));
+}
+
+// What has happened since: the changes after `last`, all of them when it is not among them.
+std::vector<msg::BehaviorChange> Since(const std::optional<msg::BehaviorChange>& last,
+                                       std::vector<msg::BehaviorChange> changes) {
+  if (!last) return changes;
+  const auto found = std::find(changes.rbegin(), changes.rend(), *last);
+  if (found != changes.rend()) changes.erase(changes.begin(), found.base());
+  return changes;
+}
+
+class Watch {
+ public:
+  Watch(Link& link, const GlobalOptions& global, const std::string& name, Console& console)
+      : link_(link), global_(global), name_(name), console_(console) {}
+
+  ExitCode Run(const Report& begin) {
+    Remember(begin);
+    transport::SubscriptionEvents events;
+    events.on_writer_lost = [this](transport::PeerId) { gone_ = true; };
+    const auto states = transport::MakeSubscription<msg::String>(
+        link_.node(), transport::ResolveName(global_.name_space, name_ + "/behavior_state"),
+        [this](const msg::String&, const transport::SampleInfo&) { changed_ = true; },
+        transport::kLatchedQos, std::move(events));
+    if (!states) return console_.Fail({ExitCode::kUsage, states.error()});
+    while (!link_.interrupted()) {
+      link_.RunUntil([this] { return changed_ || gone_; }, std::chrono::hours(24));
+      if (std::exchange(changed_, false)) Look();
+      if (std::exchange(gone_, false))
+        Tell({ExitCode::kNoController, {kCodeNetError, name_ + " has gone"}});
+    }
+    return ExitCode::kDone;
+  }
+
+ private:
+  void Look() {
+    const auto answer = AskBehavior(link_, global_, name_, {"", kAllChanges});
+    if (link_.interrupted()) return;
+    if (const auto* failure = std::get_if<Failure>(&answer)) return Tell(*failure);
+    Report report = std::get<Report>(answer);
+    const bool moved = report.current_state != state_;
+    report.history = Since(last_, std::move(report.history));
+    if (report.history.empty() && !moved) return;
+    if (console_.mode().json) {
+      console_.Print(BehaviorJson(name_, report));
+    } else {
+      console_.Print(BehaviorLines(report, WallNow(), console_.mode().colour));
+    }
+    Remember(report);
+  }
+  void Tell(const Failure& failure) {
+    if (console_.mode().json) return console_.Print(FailureJson(failure));
+    console_.Print(LocalTime(WallNow()) + "  " + failure.error.message);
+  }
+  void Remember(const Report& report) {
+    state_ = report.current_state;
+    if (!report.history.empty()) last_ = report.history.back();
+  }
+
+  Link& link_;
+  const GlobalOptions& global_;
+  const std::string& name_;
+  Console& console_;
+  bool changed_ = false;
+  bool gone_ = false;
+  std::string state_;
+  std::optional<msg::BehaviorChange> last_;
+};
+
+}  // namespace
+
+ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, Console& console) {
+  const auto link = Link::Open(global);
+  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  const auto answer = AskBehavior(*link.value(), global, options.name,
+                                  {"", options.watch ? kAllChanges : options.history});
+  if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
+  const auto& report = std::get<Report>(answer);
+  Report shown = report;
+  if (shown.history.size() > options.history) {
+    shown.history.erase(shown.history.begin(), shown.history.end() - options.history);
+  }
+  Print(options.name, shown, console);
+  if (!options.watch) return ExitCode::kDone;
+  return Watch(*link.value(), global, options.name, console).Run(report);
+}
+
+}  // namespace musher::cli

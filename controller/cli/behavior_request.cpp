@@ -1,0 +1,76 @@
+#include "musher/controller/cli/behavior_request.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "musher/lifecycle/suggest.hpp"
+#include "musher/lifecycle/toml/names.hpp"
+
+namespace musher::cli {
+namespace {
+
+constexpr Duration kAnswerTime = std::chrono::seconds(5);
+
+Failure NoSuchActuator(const Link& link, const GlobalOptions& global, const std::string& name,
+                       const std::set<std::string>& there) {
+  if (there.empty()) return link.Nobody("actuator");
+  const std::vector<std::string> names(there.begin(), there.end());
+  const std::string near = Nearest(name, names);
+  return {
+      ExitCode::kNoController,
+      {kCodeNetError, fmt::format("no actuator '{}' in namespace '{}'; {}", name, global.name_space,
+                                  near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
+                                               : fmt::format("did you mean '{}'?", near))}};
+}
+
+}  // namespace
+
+BehaviorAnswer AskBehavior(Link& link, const GlobalOptions& global, const std::string& name,
+                           const msg::GetBehavior::Request& request) {
+  if (!config_toml::IsName(name)) {
+    return Failure{ExitCode::kUsage, {kCodeParametersInvalid, "'" + name + "' is no actuator"}};
+  }
+  std::set<std::string> there;
+  const auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
+      link.node(), transport::ActuatorStatusTopic(global.name_space),
+      [&there](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
+        there.insert(status.name);
+      },
+      transport::kLatchedFromManyQos);
+  const auto client = transport::MakeClient<msg::GetBehavior>(
+      link.node(), transport::ResolveName(global.name_space, name + "/get_behavior"));
+  if (!statuses) return Failure{ExitCode::kUsage, statuses.error()};
+  if (!client) return Failure{ExitCode::kUsage, client.error()};
+
+  const Duration wait = global.timeout.value_or(kAnswerTime);
+  std::optional<Result<msg::GetBehavior::Response>> reply;
+  client.value()->Call(request, wait * 2, [&reply](auto result) { reply = std::move(result); });
+  const auto answered = [&reply] { return reply.has_value(); };
+  link.RunUntil([&] { return answered() || client.value()->Ready(); },
+                std::min(link.discovery(), wait));
+  const bool found = answered() || client.value()->Ready();
+  if (found) link.RunUntil(answered, wait);
+  if (link.interrupted()) {
+    return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
+  }
+  if (!found && !there.contains(name)) return NoSuchActuator(link, global, name, there);
+  if (!found) {
+    return Failure{ExitCode::kNotDone,
+                   {kCodeUnSupport, name + " runs, but it is no state machine: it does not serve " +
+                                        name + "/get_behavior"}};
+  }
+  if (!reply || !*reply) {
+    return Failure{ExitCode::kNoAnswer,
+                   {kCodeTimeout, fmt::format("{} did not answer within {:g} s", name,
+                                              std::chrono::duration<double>(wait).count())}};
+  }
+  if (!reply->value().error.empty()) {
+    return Failure{ExitCode::kNotDone, {kCodeFailed, name + ": " + reply->value().error}};
+  }
+  return std::move(*reply).value();
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,30 @@
+#include "musher/modules/vision/closeness.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace musher::vision {
+
+bool Closeness::OnPicture(std::int64_t stamp_ns, const std::vector<Sighting>& seen) {
+  const Duration passed(stamp_ns - std::exchange(last_ns_, stamp_ns));
+  for (auto& [id, unseen] : near_) unseen += std::min(passed, rules_.longest_gap);
+  for (const Sighting& sighting : seen) {
+    const auto known = near_.find(sighting.id);
+    const double limit_m = known == near_.end() ? rules_.near_m : rules_.clear_m;
+    if (sighting.distance_m < limit_m) {
+      near_[sighting.id] = Duration::zero();
+    } else if (known != near_.end()) {
+      near_.erase(known);
+    }
+  }
+  std::erase_if(near_, [this](const auto& entry) { return entry.second > rules_.hold; });
+  return too_close();
+}
+
+std::set<int> Closeness::TooNear() const {
+  std::set<int> ids;
+  for (const auto& [id, unseen] : near_) ids.insert(id);
+  return ids;
+}
+
+}  // namespace musher::vision

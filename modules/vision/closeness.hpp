@@ -1,0 +1,53 @@
+#pragma once
+// Whether somebody is too close. Pure: time is the pictures' own.
+//
+//            seen nearer than near_m
+//   clear ────────────────────────────▶ too close ◀──┐ not seen: it stays so for `hold`
+//     ▲                                    │  └──────┘
+//     └────────────────────────────────────┘
+//        each of those who were too near: seen beyond clear_m, or unseen for `hold`
+//
+// A face that is very near fills the picture or leaves it, and then no detector finds it. So that
+// one is not seen any more says nothing: only pictures in which it could have been seen again, for
+// `hold`, or to see it farther away. Time without pictures does not count.
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "musher/lifecycle/time.hpp"
+
+namespace musher::vision {
+
+struct ClosenessRules {
+  double near_m = 0.8;
+  double clear_m = 1.0;
+  Duration hold = Milliseconds(10000);
+  Duration longest_gap = Milliseconds(2000);  // between two pictures; of more, so much counts
+
+  friend bool operator==(const ClosenessRules&, const ClosenessRules&) = default;
+};
+
+class Closeness {
+ public:
+  explicit Closeness(const ClosenessRules& rules) : rules_(rules) {}
+
+  struct Sighting {
+    int id = 0;  // never of two people
+    double distance_m = 0;
+  };
+  // All that are seen in a picture. The same answer as too_close().
+  bool OnPicture(std::int64_t stamp_ns, const std::vector<Sighting>& seen);
+
+  bool too_close() const { return !near_.empty(); }
+  // Who has to be told from others until seen farther away.
+  std::set<int> TooNear() const;
+
+ private:
+  ClosenessRules rules_;
+  std::map<int, Duration> near_;  // who was too near when last seen, and for how long unseen
+  std::int64_t last_ns_ = 0;
+};
+
+}  // namespace musher::vision

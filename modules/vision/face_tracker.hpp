@@ -1,0 +1,65 @@
+#pragma once
+// Which face of a picture is which of the last one. Pure: time is the pictures' own.
+//
+//             seen in `confirm_pictures`
+//   new ────────────────────────────────────▶ confirmed ──▶ forgotten: unseen for `forget`
+//    └──▶ dropped: unseen for `confirm_within`, as a false find is
+//
+// A box continues the track that it overlaps most, or else the nearest one within `distance` that
+// is of about its size. A number is never given twice.
+
+#include <cstdint>
+#include <set>
+#include <vector>
+
+#include "musher/lifecycle/time.hpp"
+#include "musher/modules/vision/face_box.hpp"
+
+namespace musher::vision {
+
+struct TrackerRules {
+  double smallest = 0.05;  // of the picture's width, and of its height
+  double iou = 0.15;       // at least, to be the same face
+  double distance = 0.30;  // between the centres at most, to be the same face without overlap
+  int confirm_pictures = 2;
+  Duration confirm_within = Milliseconds(500);
+  Duration forget = Milliseconds(5000);
+  Duration smoothing = Milliseconds(150);  // time constant of the size; zero: none
+
+  friend bool operator==(const TrackerRules&, const TrackerRules&) = default;
+};
+
+struct Track {
+  int id = 0;
+  FaceBox box;        // as it was last seen
+  double height = 0;  // of the box, smoothed
+  std::int64_t last_ns = 0;
+  int sightings = 0;
+  bool confirmed = false;
+  bool seen = false;  // in the last picture
+
+  friend bool operator==(const Track&, const Track&) = default;
+};
+
+class FaceTracker {
+ public:
+  explicit FaceTracker(const TrackerRules& rules) : rules_(rules) {}
+
+  // What was found in a picture, of a later time than the one before. Those with a number in `kept`
+  // are not forgotten.
+  void OnPicture(std::int64_t stamp_ns, const std::vector<FaceBox>& boxes,
+                 const std::set<int>& kept = {});
+
+  // All that are remembered, the confirmed ones and the others, by id.
+  const std::vector<Track>& tracks() const { return tracks_; }
+
+ private:
+  void Forget(std::int64_t stamp_ns, const std::set<int>& kept);
+  void See(Track& track, const FaceBox& box, std::int64_t stamp_ns) const;
+
+  TrackerRules rules_;
+  std::vector<Track> tracks_;
+  int next_id_ = 1;
+};
+
+}  // namespace musher::vision

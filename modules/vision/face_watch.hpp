@@ -1,0 +1,56 @@
+#pragma once
+// From the faces that a detector finds in one picture after the other to what the robot is told of
+// them: who is there, whom to look at, whether somebody is too close. Pure: time is the pictures'
+// own.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "musher/modules/vision/closeness.hpp"
+#include "musher/modules/vision/face_tracker.hpp"
+#include "musher/modules/vision/lens.hpp"
+#include "musher/modules/vision/target_choice.hpp"
+
+namespace musher::vision {
+
+struct FaceRules {
+  double face_m = 0.18;  // height of what the detector's box encloses
+  TrackerRules tracker;
+  TargetRules target;
+  ClosenessRules closeness;
+
+  friend bool operator==(const FaceRules&, const FaceRules&) = default;
+};
+
+// What one picture shows.
+struct Sight {
+  struct Face {
+    int id = 0;
+    FaceBox box;
+    std::optional<double> distance_m;  // nothing: the lens is not known
+  };
+  std::int64_t stamp_ns = 0;
+  std::vector<Face> faces;        // confirmed ones that are seen in it
+  std::optional<Face> target;     // one of them
+  std::optional<bool> too_close;  // nothing: the lens is not known
+};
+
+class FaceWatch {
+ public:
+  explicit FaceWatch(const FaceRules& rules)
+      : rules_(rules), tracker_(rules.tracker), target_(rules.target), near_(rules.closeness) {}
+
+  // `stamp_ns` is later than that of the picture before. Without a lens nobody knows how far away a
+  // face is; the largest one is still the nearest.
+  Sight OnPicture(std::int64_t stamp_ns, const std::vector<FaceBox>& boxes,
+                  const std::optional<Lens>& lens);
+
+ private:
+  FaceRules rules_;
+  FaceTracker tracker_;
+  TargetChoice target_;
+  Closeness near_;
+};
+
+}  // namespace musher::vision

@@ -1,0 +1,121 @@
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <utility>
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/modules/vision/looker.hpp"
+
+namespace musher::vision {
+namespace {
+
+constexpr Duration kNoMore = Duration::max();  // as MachineActuator::Checkpoint() has it
+
+std::int64_t SteadyNs() {
+  return std::chrono::steady_clock::now().time_since_epoch().count();
+}
+
+Error Failed(const std::string& what) {
+  return {MakeCode(ModuleCode::kFace, KeyCode::kDeviceError), what};
+}
+
+}  // namespace
+
+LookThread::LookThread(transport::EventLoop& loop, DetectorMaker maker, const Rules& rules,
+                       LookThreadEvents events)
+    : loop_(loop),
+      maker_(std::move(maker)),
+      rules_(rules),
+      events_(std::make_shared<const LookThreadEvents>(std::move(events))),
+      thread_([this] { Run(); }) {}
+
+LookThread::~LookThread() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  given_changed_.notify_one();
+  thread_.join();
+}
+
+Result<> LookThread::Load() {
+  // One that is at a picture is there, and may be at it for long.
+  if (busy_since_ns_ != 0) return Ok();
+  const std::lock_guard lock(detector_mutex_);
+  return LoadLocked();
+}
+
+Result<> LookThread::LoadLocked() {
+  if (detector_) return Ok();
+  auto made = maker_();
+  if (!made) return made.error();
+  detector_ = std::move(made).value();
+  return Ok();
+}
+
+void LookThread::Look(std::int64_t stamp_ns, msg::Image picture) {
+  bool left_out = false;
+  {
+    const std::lock_guard lock(mutex_);
+    left_out = given_.has_value();
+    given_ = Given{stamp_ns, std::move(picture)};
+  }
+  given_changed_.notify_one();
+  if (left_out) events_->on_left_out();
+}
+
+Duration LookThread::Busy() const {
+  const std::int64_t since_ns = busy_since_ns_;
+  return since_ns == 0 ? Duration::zero() : Duration(SteadyNs() - since_ns);
+}
+
+void LookThread::Run() {
+  int failures = 0;
+  std::unique_lock lock(mutex_);
+  while (true) {
+    given_changed_.wait(lock, [this] { return ending_ || given_.has_value(); });
+    if (ending_) return;
+    const Given given = std::move(*std::exchange(given_, std::nullopt));
+    lock.unlock();
+    LookResult result = LookAt(given);
+    failures = result.faces ? 0 : failures + 1;
+    const std::string why = result.faces ? "" : result.faces.error().message;
+    loop_.Post([events = std::weak_ptr(events_), result = std::move(result)]() mutable {
+      if (const auto alive = events.lock()) alive->on_result(std::move(result));
+    });
+    if (failures >= rules_.failures) {
+      return events_->on_detector_lost(
+          Failed(std::to_string(failures) + " pictures in a row: " + why));
+    }
+    lock.lock();
+  }
+}
+
+LookResult LookThread::LookAt(const Given& given) {
+  const std::int64_t begin_ns = SteadyNs();
+  busy_since_ns_ = begin_ns;
+  events_->checkpoint(rules_.hang);
+  LookResult result{
+      given.stamp_ns, given.picture.width, given.picture.height, Detect(given.picture), {}};
+  events_->checkpoint(kNoMore);
+  busy_since_ns_ = 0;
+  result.took = Duration(SteadyNs() - begin_ns);
+  return result;
+}
+
+Result<std::vector<FaceBox>> LookThread::Detect(const msg::Image& picture) {
+  const std::lock_guard lock(detector_mutex_);
+  if (Result<> loaded = LoadLocked(); !loaded) return loaded.error();
+  try {
+    return detector_->Detect(picture);
+  } catch (const std::exception& thrown) {
+    detector_.reset();
+    const std::string why = thrown.what();
+    return Failed("the detector failed: " + why.substr(0, why.find('\n')));
+  } catch (...) {
+    detector_.reset();
+    return Failed("the detector failed");
+  }
+}
+
+}  // namespace musher::vision

@@ -1,0 +1,29 @@
+// musher-vision-manager: finds faces in the robot's pictures. See README.md beside this.
+
+#include "musher/modules/program/module_main.hpp"
+#include "musher/modules/vision/vision_config.hpp"
+#include "musher/modules/vision/vision_manager.hpp"
+
+namespace {
+
+int Run(const musher::program::Options& options) {
+  const musher::vision::VisionReading reading = musher::vision::ReadVisionFile(options.file);
+  musher::program::PrintErrors(reading.diagnostics);
+  if (!reading.config) return musher::program::kUsageError;
+  musher::vision::VisionManager manager(
+      options.actuator, *reading.config,
+      [cascade = reading.config->cascade] { return musher::vision::MakeCascadeDetector(cascade); });
+  return musher::program::RunToEnd(manager, options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return musher::program::Main(
+      argc, argv,
+      {"musher-vision-manager",
+       "Finds faces in the robot's pictures: whom to look at, and whether somebody is too close.",
+       "Exit codes: 0 torn down; 1 not started, or the detector failed again and again, which is "
+       "said on stderr; 2 usage or config."},
+      Run);
+}

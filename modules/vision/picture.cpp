@@ -1,0 +1,64 @@
+#include "musher/modules/vision/picture.hpp"
+
+#include <array>
+#include <string>
+#include <utility>
+
+#include "musher/lifecycle/code.hpp"
+
+namespace musher::vision {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, std::uint32_t>, 5> kEncodings = {
+    {{"rgb8", 3}, {"bgr8", 3}, {"rgba8", 4}, {"bgra8", 4}, {"mono8", 1}}};
+constexpr std::uint32_t kMostPx = 8192;  // of a side
+constexpr std::int64_t kNewerNs = 1'000'000;
+constexpr std::int64_t kJumpNs = 1'000'000'000;  // no picture is so late
+
+Error Fault(const std::string& what) {
+  return {MakeCode(ModuleCode::kFace, KeyCode::kParametersInvalid), what};
+}
+
+}  // namespace
+
+Result<> JudgePicture(const msg::Image& picture) {
+  std::uint32_t channels = 0;
+  for (const auto& [name, count] : kEncodings) {
+    if (picture.encoding == name) channels = count;
+  }
+  if (channels == 0) {
+    return Fault("pictures are rgb8, bgr8, rgba8, bgra8 or mono8, this one is '" +
+                 picture.encoding.substr(0, 20) + "'");
+  }
+  const std::string size = std::to_string(picture.width) + " x " + std::to_string(picture.height);
+  if (picture.width == 0 || picture.height == 0 || picture.width > kMostPx ||
+      picture.height > kMostPx) {
+    return Fault("a picture of " + size + " pixels");
+  }
+  if (picture.step < picture.width * channels) {
+    return Fault("a row of " + std::to_string(picture.step) + " bytes in a picture of " + size);
+  }
+  if (picture.data.size() != std::size_t{picture.step} * picture.height) {
+    return Fault(std::to_string(picture.data.size()) + " bytes of a picture of " + size + " with " +
+                 std::to_string(picture.step) + " in a row");
+  }
+  return Ok();
+}
+
+StampGate::StampGate(double rate_hz)
+    : period_ns_(rate_hz > 0 ? static_cast<std::int64_t>(1e9 / rate_hz) : 0) {}
+
+StampGate::Verdict StampGate::Judge(std::int64_t stamp_ns) {
+  const bool jumped = last_ns_ && stamp_ns < *last_ns_ - kJumpNs;
+  if (last_ns_ && !jumped) {
+    if (stamp_ns < *last_ns_ + kNewerNs) return Verdict::kNotNewer;
+    // One that comes a little early is taken: the camera has a clock of its own.
+    if (stamp_ns < due_ns_ - period_ns_ / 4) return Verdict::kTooSoon;
+  }
+  const bool in_step = last_ns_ && !jumped && stamp_ns < due_ns_ + period_ns_;
+  due_ns_ = (in_step ? due_ns_ : stamp_ns) + period_ns_;
+  last_ns_ = stamp_ns;
+  return jumped ? Verdict::kLookAnew : Verdict::kLook;
+}
+
+}  // namespace musher::vision

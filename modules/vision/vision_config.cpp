@@ -1,0 +1,158 @@
+#include "musher/modules/vision/vision_config.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include "musher/lifecycle/toml/document.hpp"
+#include "musher/lifecycle/toml/file.hpp"
+#include "musher/lifecycle/toml/findings.hpp"
+#include "musher/lifecycle/toml/table_reader.hpp"
+
+namespace musher::vision {
+namespace {
+
+using config_toml::Findings;
+using config_toml::Table;
+using config_toml::TableReader;
+
+// "image_rgb", "/camera/head/image": as ROS 2 has names.
+bool IsTopic(std::string_view name) {
+  if (name.starts_with('/')) name.remove_prefix(1);
+  if (name.empty() || name.ends_with('/')) return false;
+  char before = '/';
+  for (const char c : name) {
+    const bool begins = before == '/';
+    const bool digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
+    const bool letter = std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_';
+    if (begins ? !letter : !letter && !digit && c != '/') return false;
+    before = c;
+  }
+  return true;
+}
+
+class Reader {
+ public:
+  explicit Reader(Findings& findings) : findings_(findings) {}
+
+  VisionConfig Read(const Table& table) {
+    TableReader root(table, {1, 1}, "", findings_);
+    config_.picture = Topic(root, "picture", config_.picture);
+    config_.camera_info = Topic(root, "camera_info", config_.camera_info);
+    config_.publish_under = Topic(root, "publish_under", config_.publish_under);
+    if (const auto frame = root.String("frame_id")) config_.frame_id = frame->text;
+    if (const auto degrees = root.Number("hfov_deg", 1, 170)) {
+      config_.hfov_rad = *degrees * M_PI / 180;
+    }
+    if (const auto states = root.Strings("look_in")) {
+      config_.look_in.clear();
+      for (const auto& state : *states) config_.look_in.emplace_back(state.text);
+    }
+    config_.rate_hz = root.Number("rate_hz", 0, 1000).value_or(config_.rate_hz);
+    config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
+    config_.silence = root.Time("silence_ms").value_or(config_.silence);
+    Sub(root, "detector", &Reader::ReadDetector);
+    Sub(root, "faces", &Reader::ReadFaces);
+    Sub(root, "target", &Reader::ReadTarget);
+    Sub(root, "too_close", &Reader::ReadTooClose);
+    root.RefuseOthers();
+    config_.cascade.smallest = config_.faces.tracker.smallest;
+    config_.faces.closeness.longest_gap = config_.silence;
+    return std::move(config_);
+  }
+
+ private:
+  void Sub(TableReader& root, std::string_view name, void (Reader::*read)(TableReader&)) {
+    const Table* table = root.SubTable(name);
+    if (table == nullptr) return;
+    TableReader reader(*table, root.At(name), std::string(name), findings_);
+    (this->*read)(reader);
+    reader.RefuseOthers();
+  }
+
+  void ReadDetector(TableReader& reader) {
+    CascadeConfig& cascade = config_.cascade;
+    if (const auto model = reader.String("model")) cascade.model = model->text;
+    cascade.width_px = Integer(reader, "width_px", 40, 4096, cascade.width_px);
+    cascade.step = reader.Number("step", 1.01, 2).value_or(cascade.step);
+    cascade.neighbours = Integer(reader, "neighbours", 1, 50, cascade.neighbours);
+    config_.look.hang = reader.Time("hang_ms").value_or(config_.look.hang);
+    config_.look.failures = Integer(reader, "failures", 1, 1000, config_.look.failures);
+  }
+
+  void ReadFaces(TableReader& reader) {
+    TrackerRules& tracker = config_.faces.tracker;
+    config_.faces.face_m = reader.Number("face_m", 0.01, 10).value_or(config_.faces.face_m);
+    tracker.smallest = reader.Number("smallest", 0.001, 1).value_or(tracker.smallest);
+    tracker.iou = reader.Number("iou", 0.01, 1).value_or(tracker.iou);
+    tracker.distance = reader.Number("distance", 0, 1).value_or(tracker.distance);
+    tracker.confirm_pictures =
+        Integer(reader, "confirm_pictures", 1, 1000, tracker.confirm_pictures);
+    tracker.confirm_within = reader.Time("confirm_within_ms").value_or(tracker.confirm_within);
+    tracker.forget = reader.Time("forget_ms").value_or(tracker.forget);
+    tracker.smoothing = reader.Time("smoothing_ms", 0).value_or(tracker.smoothing);
+  }
+
+  void ReadTarget(TableReader& reader) {
+    TargetRules& target = config_.faces.target;
+    target.lost = reader.Time("lost_ms").value_or(target.lost);
+    target.nearer = reader.Number("nearer", 0, 0.99).value_or(target.nearer);
+  }
+
+  void ReadTooClose(TableReader& reader) {
+    ClosenessRules& rules = config_.faces.closeness;
+    rules.near_m = reader.Number("near_m", 0, 100).value_or(rules.near_m);
+    rules.clear_m = reader.Number("clear_m", 0, 100).value_or(rules.clear_m);
+    rules.hold = reader.Time("hold_ms", 0).value_or(rules.hold);
+    if (rules.clear_m < rules.near_m) {
+      reader.Fault(reader.At("clear_m"), "clear_m", "must not be less than near_m");
+    }
+  }
+
+  static int Integer(TableReader& reader, std::string_view key, int least, int most,
+                     int otherwise) {
+    const auto value = reader.Integer(key, least, most);
+    return value ? static_cast<int>(*value) : otherwise;
+  }
+
+  std::string Topic(TableReader& reader, std::string_view key, const std::string& otherwise) {
+    const auto topic = reader.String(key);
+    if (!topic) return otherwise;
+    if (!IsTopic(topic->text)) {
+      reader.Fault(topic->at, key, "expected the name of a topic, as in \"image_rgb\"");
+    }
+    return topic->text;
+  }
+
+  Findings& findings_;
+  VisionConfig config_;
+};
+
+}  // namespace
+
+bool VisionConfig::LooksIn(std::string_view state) const {
+  return std::any_of(look_in.begin(), look_in.end(),
+                     [&](const State& each) { return each == state; });
+}
+
+VisionReading ReadVisionText(std::string_view text, const std::string& path) {
+  Findings findings;
+  VisionReading reading;
+  const auto document = config_toml::ParseDocument(text);
+  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
+    findings.Error(fault->at, fault->message);
+  } else {
+    VisionConfig config = Reader(findings).Read(std::get<Table>(document));
+    if (!findings.HasErrors()) reading.config = std::move(config);
+  }
+  reading.diagnostics = std::move(findings).Take(path, text);
+  return reading;
+}
+
+VisionReading ReadVisionFile(const std::string& path) {
+  return config_toml::ReadFileWith(path, ReadVisionText);
+}
+
+}  // namespace musher::vision

@@ -1,0 +1,51 @@
+#pragma once
+// The config of the vision module, a TOML file; README.md and config/vision/faces.toml explain its
+// keys.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/lifecycle/state.hpp"
+#include "musher/lifecycle/time.hpp"
+#include "musher/modules/vision/detector.hpp"
+#include "musher/modules/vision/face_watch.hpp"
+#include "musher/modules/vision/looker.hpp"
+
+namespace musher::vision {
+
+struct VisionConfig {
+  std::string picture = "image_rgb";  // topics; relative ones are in the machine's namespace
+  std::string camera_info;            // empty: camera_info below the picture's
+  std::string publish_under = "/wedding/perception";
+  std::string frame_id = "camera";  // of the target's header
+  std::optional<double> hfov_rad;   // of the picture, where no CameraInfo comes
+  std::vector<State> look_in = {"Active"};
+  double rate_hz = 10;  // pictures looked at in a second of their own time; 0: all
+  Duration self_check_time = Milliseconds(5000);
+  Duration silence = Milliseconds(2000);  // without a picture that was looked at
+  CascadeConfig cascade;
+  LookThread::Rules look;
+  FaceRules faces;
+
+  VisionConfig() { cascade.model = DefaultModel(); }
+  std::string CameraInfoTopic() const {
+    return camera_info.empty() ? picture + "/camera_info" : camera_info;
+  }
+  bool LooksIn(std::string_view state) const;
+};
+
+struct VisionReading {
+  std::optional<VisionConfig> config;   // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;  // by line
+};
+
+// Never throws; an unreadable file is a diagnostic.
+VisionReading ReadVisionFile(const std::string& path);
+
+// The same for a text; `path` is what diagnostics refer to.
+VisionReading ReadVisionText(std::string_view text, const std::string& path);
+
+}  // namespace musher::vision

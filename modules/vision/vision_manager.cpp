@@ -1,0 +1,132 @@
+#include "musher/modules/vision/vision_manager.hpp"
+
+#include <chrono>
+#include <iostream>
+#include <utility>
+
+#include "musher/modules/program/await.hpp"
+
+namespace musher::vision {
+
+VisionManager::VisionManager(const std::string& actuator_name, VisionConfig config,
+                             DetectorMaker maker)
+    : MachineActuator(actuator_name), config_(std::move(config)), maker_(std::move(maker)) {}
+
+VisionManager::~VisionManager() {
+  End();
+  looker_.reset();
+  if (!node_) return;
+  node_->RunOnLoop([this] {
+    topics_.reset();
+    clock_.reset();
+  });
+}
+
+void VisionManager::End() {
+  const std::lock_guard lock(ending_);
+  Shutdown();
+}
+
+int VisionManager::Wait() {
+  const int code = MachineActuator::Wait();
+  return detector_lost_ ? 1 : code;
+}
+
+Result<> VisionManager::Prepare(const std::string& state_config,
+                                std::shared_ptr<transport::NodeThread> node) {
+  if (Result<> read = Init(state_config, std::move(node)); !read) return read;
+  const auto index = machine_config().IndexOf(name());
+  for (const State& state : machine_config().actuators[*index].states) {
+    RegisterStateCallback(state, std::function<Result<>()>([this, state] { return Run(state); }));
+  }
+  return Ok();
+}
+
+Result<> VisionManager::Run(const State& state) {
+  if (state == kSetUp) return SetUp();
+  if (state == kSelfCheck) return SelfCheck();
+  if (config_.LooksIn(state)) {
+    if (Result<> loaded = looker_->Load(); !loaded) return loaded;
+  }
+  return Enter(state);
+}
+
+Result<> VisionManager::SetUp() {
+  node_ = node();
+  Result<> made;
+  node_->RunOnLoop([&] {
+    if (!topics_) made = MakeTopics();
+  });
+  return made;
+}
+
+Result<> VisionManager::MakeTopics() {
+  auto clock = transport::Clock::Of(machine_config(), node_->node());
+  if (!clock) return clock.error();
+  clock_ = std::move(clock).value();
+  looker_ = std::make_unique<LookThread>(
+      node_->loop(), maker_, config_.look,
+      LookThreadEvents{.on_result = [this](const LookResult& result) { topics_->OnResult(result); },
+                       .on_left_out = [this] { topics_->OnLeftOut(); },
+                       .checkpoint = [this](Duration allowance) { Checkpoint(allowance); },
+                       .on_detector_lost =
+                           [this](const Error& error) {
+                             detector_lost_ = true;
+                             Log({error.code, "the detector is lost: " + error.message});
+                             End();
+                           }});
+  const Surroundings around = {node_->node(),
+                               *clock_,
+                               machine_config().name_space,
+                               [this] { return StampNs(); },
+                               [this](const Error& error) { Log(error); },
+                               *looker_};
+  auto topics = FaceTopics::Make(around, config_);
+  if (!topics) return topics.error();
+  topics_ = std::move(topics).value();
+  return Ok();
+}
+
+Result<> VisionManager::Enter(const State& state) {
+  Result<> entered;
+  node_->RunOnLoop([&] {
+    const bool looked = topics_->looks();
+    entered = topics_->SetOn(config_.LooksIn(state));
+    if (looked && !topics_->looks()) {
+      Log({kCodeOk, "does not look in " + state + "; so far " +
+                        std::to_string(topics_->looked_at()) + " pictures, and " +
+                        std::to_string(topics_->left_out()) + " left out for a newer one"});
+    }
+  });
+  return entered;
+}
+
+Result<> VisionManager::SelfCheck() {
+  if (Result<> loaded = looker_->Load(); !loaded) {
+    return Error{MakeCode(ModuleCode::kFace, KeyCode::kSelfCheckFailed), loaded.error().message};
+  }
+  Result<> result;
+  node_->RunOnLoop([&] { result = topics_->SetChecked(true); });
+  if (result) {
+    result = program::AwaitOnLoop(
+        *node_, config_.self_check_time, [this] { return topics_->Check(); },
+        [this] { return StopRequested(); });
+  }
+  node_->RunOnLoop([&] { static_cast<void>(topics_->SetChecked(false)); });
+  return result;
+}
+
+std::int64_t VisionManager::StampNs() const {
+  const bool on_topic = machine_config().clock == ClockSource::kTopic;
+  const auto time = on_topic ? clock_->Now().time_since_epoch()
+                             : std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(time).count();
+}
+
+void VisionManager::Log(const Error& error) const {
+  std::string line = name() + ": " + error.message;
+  if (error.code != kCodeOk) line += " (" + CodeText(error.code) + ")";
+  std::cerr << line + "\n" << std::flush;
+}
+
+}  // namespace musher::vision

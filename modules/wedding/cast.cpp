@@ -1,0 +1,51 @@
+#include "musher/modules/wedding/cast.hpp"
+
+#include <memory>
+#include <string>
+
+#include "musher/modules/wedding/states/farewell.hpp"
+#include "musher/modules/wedding/states/photo_posing.hpp"
+#include "musher/modules/wedding/states/safe_stop.hpp"
+
+namespace musher::wedding {
+namespace {
+
+void AddCommands(fsm::Machine& machine) {
+  machine.AddEvent(std::string(command::kStop), fsm::Urgency::kUrgent);
+  machine.AddEvent(std::string(command::kIdle), fsm::Urgency::kUrgent);
+  machine.AddEvent(std::string(command::kPhoto));
+  machine.AddEvent(std::string(command::kTracking));
+}
+
+}  // namespace
+
+void AddCast(fsm::Machine& machine, ShowData& data, const ShowConfig& config) {
+  AddCommands(machine);
+  std::unique_ptr<Idle> idle = std::make_unique<Idle>(data, config.idle);
+  std::unique_ptr<Tracking> tracking = std::make_unique<Tracking>(data, config.tracking);
+  if (config.search) {
+    machine.AddEvent(std::string(command::kSearch));
+    idle = std::make_unique<SearchingIdle>(data, config.idle);
+  }
+  if (config.interview) {
+    machine.AddEvent(std::string(command::kInterview));
+    tracking = std::make_unique<InterviewingTracking>(data, config.tracking, *config.interview);
+  }
+  machine.Add(std::string(state::kIdle), std::move(idle));
+  machine.Add(std::string(state::kTracking), std::move(tracking));
+  machine.Add(std::string(state::kPhotoPosing), std::make_unique<PhotoPosing>(data, config.photo));
+  machine.Add(std::string(state::kFarewell), std::make_unique<Farewell>(data, config.farewell));
+  machine.Add(std::string(state::kSafeStop), std::make_unique<SafeStop>(data, config.safe_stop),
+              fsm::Role::kSafe);
+  if (config.search) {
+    machine.Add(std::string(state::kSearch), std::make_unique<Search>(data, *config.search));
+  }
+  if (config.interview) {
+    machine.Add(std::string(state::kInterview),
+                std::make_unique<Interview>(data, *config.interview));
+  }
+  machine.AddSafetyCheck("nobody is too close",
+                         [&data](const fsm::Tick&) { return !data.perception.too_close; });
+}
+
+}  // namespace musher::wedding

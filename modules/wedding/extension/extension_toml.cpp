@@ -1,0 +1,66 @@
+#include "musher/modules/wedding/extension/extension_toml.hpp"
+
+#include <algorithm>
+
+namespace musher::wedding {
+namespace {
+
+using config_toml::TableReader;
+
+void Read(TableReader& table, const char* key, Duration& time) {
+  time = table.Time(key).value_or(time);
+}
+
+// Of a UTF-8 text.
+int CharactersIn(const std::string& text) {
+  constexpr unsigned char kKind = 0xc0;
+  constexpr unsigned char kContinuation = 0x80;
+  return static_cast<int>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & kKind) != kContinuation;
+  }));
+}
+
+}  // namespace
+
+std::optional<SearchRules> ReadSearch(TableReader& table) {
+  const bool enabled = table.Bool("enabled").value_or(false);
+  SearchRules rules;
+  Read(table, "confirm_ms", rules.confirm);
+  Read(table, "nobody_ms", rules.nobody);
+  Read(table, "timeout_ms", rules.timeout);
+  rules.scan = table.Number("scan", 0, 0.5).value_or(rules.scan);
+  Read(table, "scan_period_ms", rules.scan_period);
+  if (!enabled) return std::nullopt;
+  return rules;
+}
+
+std::optional<InterviewRules> ReadInterview(TableReader& table) {
+  const bool enabled = table.Bool("enabled").value_or(false);
+  InterviewRules rules;
+  Read(table, "greeting_ms", rules.greeting);
+  Read(table, "question_ms", rules.question);
+  Read(table, "question_begin_ms", rules.question_begin);
+  rules.question_character =
+      table.Time("question_character_ms", 0).value_or(rules.question_character);
+  if (const auto questions = table.Strings("questions", {.may_repeat = true})) {
+    rules.question_characters.clear();
+    for (const auto& question : *questions) {
+      rules.question_characters.push_back(CharactersIn(question.text));
+    }
+  }
+  Read(table, "listening_ms", rules.listening);
+  Read(table, "silence_ms", rules.silence);
+  rules.voice_threshold = table.Number("voice_threshold", 0, 1).value_or(rules.voice_threshold);
+  Read(table, "ending_ms", rules.ending);
+  Read(table, "done_ms", rules.done);
+  Read(table, "lost_ms", rules.lost);
+  rules.unasked = table.Bool("unasked").value_or(rules.unasked);
+  Read(table, "stable_ms", rules.stable);
+  Read(table, "stays_ms", rules.stays);
+  Read(table, "lost_least_ms", rules.lost_least);
+  Read(table, "lost_most_ms", rules.lost_most);
+  if (!enabled) return std::nullopt;
+  return rules;
+}
+
+}  // namespace musher::wedding

@@ -1,0 +1,71 @@
+#include "musher/modules/wedding/gaze.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace musher::wedding {
+namespace {
+
+constexpr Duration kFollowStep = Milliseconds(20);
+constexpr Duration kLongestStep = Milliseconds(100);
+
+double Within(double value) {
+  return std::clamp(value, 0.0, 1.0);
+}
+
+}  // namespace
+
+Gaze Follow(Gaze from, Gaze target, double follow, Duration step) {
+  const Duration counted = std::clamp(step, Duration(0), kLongestStep);
+  const double steps =
+      static_cast<double>(counted.count()) / static_cast<double>(kFollowStep.count());
+  const double share = 1 - std::pow(1 - follow, steps);
+  return {Within(from.x + share * (target.x - from.x)),
+          Within(from.y + share * (target.y - from.y))};
+}
+
+Gaze GazeAt(Gaze point, double yaw_rad, const GazeRules& rules) {
+  if (rules.camera == Mount::kBody) return point;
+  const double edge = std::tan(rules.hfov_rad / 2);  // of the picture, at distance 1
+  const double left = yaw_rad - std::atan(2 * (point.x - 0.5) * edge);
+  const double down = std::atan(2 * (point.y - 0.5) * edge * rules.height_to_width);
+  const double y = rules.pitch_limit_rad > 0 ? 0.5 + down / (2 * rules.pitch_limit_rad) : point.y;
+  return {Within(0.5 - left / (2 * rules.yaw_limit_rad)), Within(y)};
+}
+
+void YawTrail::Add(Duration stamp, double yaw_rad) {
+  if (size_ > 0 && stamp < Back(0).stamp) size_ = 0;
+  // Those that come faster than the trail is fine take the place of the last one.
+  if (size_ >= 2 && stamp - Back(1).stamp < kSpacing) {
+    next_ = (next_ + kCapacity - 1) % kCapacity;
+    --size_;
+  }
+  ring_[next_] = {stamp, yaw_rad};
+  next_ = (next_ + 1) % kCapacity;
+  size_ = std::min(size_ + 1, kCapacity);
+}
+
+std::optional<double> YawTrail::At(Duration stamp) const {
+  if (size_ == 0) return std::nullopt;
+  if (stamp >= Back(0).stamp) return Back(0).yaw_rad;
+  for (std::size_t i = 1; i < size_; ++i) {
+    const Entry& before = Back(i);
+    if (stamp < before.stamp) continue;
+    const Entry& after = Back(i - 1);
+    const double share = static_cast<double>((stamp - before.stamp).count()) /
+                         static_cast<double>((after.stamp - before.stamp).count());
+    return before.yaw_rad + share * (after.yaw_rad - before.yaw_rad);
+  }
+  return std::nullopt;
+}
+
+std::optional<double> YawTrail::Last() const {
+  if (size_ == 0) return std::nullopt;
+  return Back(0).yaw_rad;
+}
+
+const YawTrail::Entry& YawTrail::Back(std::size_t i) const {
+  return ring_[(next_ + kCapacity - 1 - i) % kCapacity];
+}
+
+}  // namespace musher::wedding

@@ -1,0 +1,72 @@
+#pragma once
+// Where the robot looks. A gaze is what /wedding/motion/look_at carries: 0.5 is straight ahead, x
+// from 0 (fully to the left) to 1 (fully to the right), y from 0 (up) to 1 (down).
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "musher/lifecycle/time.hpp"
+
+namespace musher::wedding {
+
+struct Gaze {
+  double x = 0.5;
+  double y = 0.5;
+
+  friend bool operator==(const Gaze&, const Gaze&) = default;
+};
+
+// Where the camera sits.
+enum class Mount {
+  kBody,  // it stands still: a point of its picture is a gaze
+  kHead,  // it turns with the head: how the head stood when the picture was taken counts too
+};
+
+struct GazeRules {
+  double follow = 0.3;  // share of the way to the target in each 20 ms
+  Mount camera = Mount::kBody;
+  double hfov_rad = 1.2;                    // opening of a camera on the head, from edge to edge
+  double height_to_width = 0.75;            // of its picture
+  double yaw_limit_rad = 2.0;               // of head and waist together, to each side
+  double pitch_limit_rad = 0;               // up and down; 0: the robot cannot nod
+  Duration joints_age = Milliseconds(500);  // how long it is known where the head is
+
+  friend bool operator==(const GazeRules&, const GazeRules&) = default;
+};
+
+// One step of the way to `target`: the same way at every rate of ticks. A long step counts as 100
+// ms, so that nothing jumps after a pause.
+Gaze Follow(Gaze from, Gaze target, double follow, Duration step);
+
+// The gaze at a point of a picture, 0 to 1 each, that was taken while the head looked `yaw_rad` to
+// the left.
+Gaze GazeAt(Gaze point, double yaw_rad, const GazeRules& rules);
+
+// How the head stood in the last second, so that a picture that has been on its way for a while is
+// understood as it was when it was taken.
+class YawTrail {
+ public:
+  // `stamp` since any epoch. One that is before the last begins a new trail: a clock was set back.
+  void Add(Duration stamp, double yaw_rad);
+  // Between the two next to that time; the last one after the end of the trail, nothing before its
+  // beginning.
+  std::optional<double> At(Duration stamp) const;
+  std::optional<double> Last() const;
+  void Clear() { size_ = 0; }
+
+ private:
+  struct Entry {
+    Duration stamp{};
+    double yaw_rad = 0;
+  };
+  static constexpr std::size_t kCapacity = 128;
+  static constexpr Duration kSpacing = Milliseconds(10);
+  const Entry& Back(std::size_t i) const;  // 0 is the newest
+
+  std::array<Entry, kCapacity> ring_{};
+  std::size_t next_ = 0;
+  std::size_t size_ = 0;
+};
+
+}  // namespace musher::wedding

@@ -1,0 +1,78 @@
+#pragma once
+// What the robot was told of those before it, and for how long it counts. Samples come when they
+// come; the states are shown, tick by tick, what holds now.
+//
+// A sample counts for `age`, by the time and not by the tick: a detector may be slower than the
+// loop, and a person who publishes by hand once a second is understood.
+
+#include <optional>
+#include <string_view>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/lifecycle/time.hpp"
+#include "musher/modules/wedding/faces.hpp"
+#include "musher/modules/wedding/gaze.hpp"
+#include "musher/modules/wedding/show_data.hpp"
+
+namespace musher::wedding {
+
+struct PerceptionRules {
+  Duration age = Milliseconds(1500);
+  double gesture_confidence = 0.8;  // of each gesture that is told: the topic has no number
+
+  friend bool operator==(const PerceptionRules&, const PerceptionRules&) = default;
+};
+
+struct Target {
+  Gaze point;             // of the picture, 0 to 1
+  double distance_m = 0;  // 0: unknown
+  Duration stamp{};       // of the shot; zero: none
+};
+
+class Perception {
+ public:
+  Perception(const PerceptionRules& rules, const GazeRules& gaze) : rules_(rules), gaze_(gaze) {}
+
+  // Each refuses what cannot be, and then has changed nothing.
+  Result<> OnTarget(const Target& target, Time now);
+  // `word` as on the topic, in any case.
+  Result<> OnGesture(std::string_view word, Time now);
+  void OnFaces(const Faces& faces, Time now);
+  void OnVoice(double level, Time now);
+  void OnTooClose(bool too_close, Time now);
+  // How the head stood when the joints were measured.
+  void OnHead(Duration stamp, double yaw_rad, Time now);
+
+  // What holds at `now`.
+  void Refresh(Time now, ShowData& data) const;
+  // A photo is begun for the present gesture: it does not count any more, however long it is held.
+  void UseGesture() { gesture_used_ = true; }
+  // Time went back, or the robot rested: nothing counts any more.
+  void Forget();
+
+ private:
+  bool Counts(const std::optional<Time>& at, Time now) const {
+    return at && now - *at <= rules_.age;
+  }
+
+  const PerceptionRules rules_;
+  const GazeRules gaze_;
+
+  std::optional<Time> face_first_;
+  std::optional<Time> face_last_;
+  Target target_;
+  std::optional<Gaze> target_gaze_;
+  std::optional<Time> faces_at_;
+  Faces faces_;
+  std::optional<Time> gesture_at_;
+  Gesture gesture_ = Gesture::kNone;
+  bool gesture_used_ = false;
+  std::optional<Time> too_close_at_;
+  bool too_close_ = false;
+  std::optional<Time> voice_at_;
+  double voice_level_ = 0;
+  YawTrail head_;
+  std::optional<Time> head_at_;
+};
+
+}  // namespace musher::wedding

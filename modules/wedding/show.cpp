@@ -1,0 +1,250 @@
+#include "musher/modules/wedding/show.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "musher/modules/wedding/cast.hpp"
+#include "musher/modules/wedding/faces.hpp"
+#include "musher/modules/wedding/recording.hpp"
+
+namespace musher::wedding {
+namespace {
+
+constexpr std::string_view kInvalid = "INVALID";  // as the seed has it
+constexpr std::size_t kMostShown = 40;            // of a word that nobody knows
+
+std::string Shown(std::string_view word) {
+  return "'" + std::string(word.substr(0, kMostShown)) + "'";
+}
+
+}  // namespace
+
+Show::Show(const ShowConfig& config, Stage& stage)
+    : config_(config),
+      stage_(stage),
+      perception_(config.perception, config.gaze),
+      complaints_([&stage](const std::string& line) { stage.Log(line); }) {
+  data_.follow = config.gaze.follow;
+}
+
+Show::~Show() {
+  if (machine_ != nullptr) machine_->Forget(this);
+}
+
+Result<> Show::Build(fsm::Machine& machine) {
+  AddCast(machine, data_, config_);
+  if (Result<> built = machine.Build(state::kIdle); !built) return built;
+  machine_ = &machine;
+  machine.Listen(this);
+  return Ok();
+}
+
+std::string_view Show::state() const {
+  const bool running = machine_ != nullptr && machine_->running();
+  return running ? machine_->Name(machine_->current()) : kInvalid;
+}
+
+void Show::Note(Time now) {
+  if (now < now_) perception_.Forget();
+  now_ = now;
+}
+
+void Show::Refuse(Complaint kind, const Result<>& result) {
+  if (!result) complaints_.Tell(kind, result.error().message, now_);
+}
+
+// What happened at now_.
+void Show::Record(std::string_view input, std::initializer_list<double> numbers) {
+  if (recorder_ == nullptr || !first_start_) return;
+  recorder_->Input(input, InputText(now_ - *first_start_, numbers));
+}
+
+void Show::OnTarget(const Target& target, Time now) {
+  Note(now);
+  const Result<> taken = perception_.OnTarget(target, now);
+  if (!taken) return Refuse(Complaint::kTarget, taken);
+  Record(input::kTarget, {target.point.x, target.point.y, target.distance_m,
+                          static_cast<double>(target.stamp.count())});
+}
+
+void Show::OnGesture(std::string_view word, Time now) {
+  Note(now);
+  const Result<> taken = perception_.OnGesture(word, now);
+  if (!taken) return Refuse(Complaint::kGesture, taken);
+  if (recorder_ != nullptr && first_start_) {
+    recorder_->Input(input::kGesture, InputText(now - *first_start_, word));
+  }
+}
+
+void Show::OnTooClose(bool too_close, Time now) {
+  Note(now);
+  perception_.OnTooClose(too_close, now);
+  Record(input::kTooClose, {too_close ? 1.0 : 0.0});
+}
+
+void Show::OnFaces(std::string_view json, Time now) {
+  Note(now);
+  const Result<Faces> faces = ReadFaces(json);
+  if (!faces) return Refuse(Complaint::kFaces, faces.error());
+  perception_.OnFaces(faces.value(), now);
+  Record(input::kFaces, {static_cast<double>(faces.value().count),
+                         static_cast<double>(faces.value().largest_frontal)});
+}
+
+void Show::OnCommand(std::string_view word, Time now) {
+  Note(now);
+  const std::string command = Tidy(word);
+  if (command == command::kReset) return Refuse(Complaint::kCommand, Reset(now));
+  const auto event = machine_ == nullptr ? std::nullopt : machine_->FindEvent(command);
+  if (!event) {
+    return complaints_.Tell(Complaint::kCommand, "command " + Shown(command) + ": not in this show",
+                            now);
+  }
+  if (resting_) {
+    return complaints_.Tell(Complaint::kUnheeded,
+                            "command " + command + " comes to nothing: the show rests", now);
+  }
+  Refuse(Complaint::kNoRoom, machine_->Send(*event));
+}
+
+void Show::OnVoiceCommand(std::string_view word, Time now) {
+  Note(now);
+  const std::string heard = Tidy(word);
+  for (const std::string_view known :
+       {std::string_view("none"), command::kStop, command::kPhoto, command::kInterview}) {
+    if (heard != known) continue;
+    data_.audio.voice_command = known;
+    if (known != "none") OnCommand(known, now);
+    return;
+  }
+  complaints_.Tell(Complaint::kVoice,
+                   "voice command " + Shown(heard) + ": none, stop, photo or interview are known",
+                   now);
+}
+
+void Show::OnVoiceLevel(double level, Time now) {
+  Note(now);
+  if (!(level >= 0 && level <= 1)) {
+    return complaints_.Tell(Complaint::kVoice,
+                            "voice level " + std::to_string(level) + ": it is 0 to 1", now);
+  }
+  perception_.OnVoice(level, now);
+  Record(input::kVoiceLevel, {level});
+}
+
+Result<> Show::TakeJoints(JointAngles& joints, std::span<const std::string> names,
+                          std::span<const double> positions) {
+  const std::size_t count = names.empty() ? kJointCount : names.size();
+  if (positions.size() != count) {
+    return Error{kCodeFailed, "joints: " + std::to_string(positions.size()) + " positions for " +
+                                  std::to_string(count) + " joints"};
+  }
+  JointAngles taken = joints;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!std::isfinite(positions[i])) {
+      return Error{kCodeFailed, "joints: a position that is no number"};
+    }
+    std::size_t joint = i;
+    if (!names.empty()) {
+      const auto* known = std::find(kJointNames.begin(), kJointNames.end(), names[i]);
+      if (known == kJointNames.end()) {
+        return Error{kCodeFailed, "joints: there is no " + Shown(names[i])};
+      }
+      joint = static_cast<std::size_t>(known - kJointNames.begin());
+    }
+    taken.at(joint) = positions[i];
+  }
+  joints = taken;
+  return Ok();
+}
+
+void Show::OnJointStates(std::span<const std::string> names, std::span<const double> positions,
+                         Duration stamp, Time now) {
+  Note(now);
+  const Result<> taken = TakeJoints(data_.motion.joint_positions, names, positions);
+  if (!taken) return Refuse(Complaint::kJoints, taken);
+  const double yaw_rad = LookYaw(data_.motion.joint_positions);
+  perception_.OnHead(stamp, yaw_rad, now);
+  Record(input::kHead, {static_cast<double>(stamp.count()), yaw_rad});
+}
+
+void Show::OnJointCommands(std::span<const std::string> names, std::span<const double> positions,
+                           Time now) {
+  Note(now);
+  Refuse(Complaint::kJoints, TakeJoints(data_.motion.joint_commands, names, positions));
+}
+
+void Show::AfterTick() {
+  Act();
+}
+
+void Show::Act() {
+  MotionData& motion = data_.motion;
+  if (motion.target_pose != motion.current_pose) {
+    motion.current_pose = motion.target_pose;
+    stage_.TakePose(motion.current_pose);
+  }
+  while (const auto sound = data_.audio.pending_speech.Pop()) stage_.Play(*sound);
+  if (std::exchange(data_.photo_requested, false)) stage_.TakePhoto();
+  stage_.LookAt(motion.look_at_target);
+}
+
+void Show::Rest(Time now, bool frozen) {
+  Note(now);
+  Record(input::kRest, {});
+  Settle();
+  resting_ = true;
+  if (machine_ != nullptr && machine_->running()) Refuse(Complaint::kFault, machine_->Reset());
+  if (!frozen) Act();
+}
+
+void Show::Resume(Time now) {
+  Note(now);
+  Record(input::kResume, {});
+  Settle();
+  resting_ = false;
+}
+
+// As if nothing had been seen, said or done.
+void Show::Settle() {
+  perception_.Forget();
+  data_.audio.pending_speech.Clear();
+  data_.photo_requested = false;
+  data_.motion.target_pose = pose::kNeutral;
+  data_.motion.look_at_target = Gaze{};
+  data_.motion.current_pose = {};  // it is said again: whoever was told may not be there any more
+}
+
+Result<> Show::Reset(Time now) {
+  Note(now);
+  return machine_ == nullptr ? Error{kCodeFailed, "there is no machine"} : machine_->Reset();
+}
+
+Result<> Show::Force(std::string_view state, Time now) {
+  Note(now);
+  return machine_ == nullptr ? Error{kCodeFailed, "there is no machine"} : machine_->Force(state);
+}
+
+void Show::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
+  if (input.kind == fsm::Input::Kind::kStart && !first_start_) first_start_ = input.time;
+  if (input.kind != fsm::Input::Kind::kTick) return;
+  Note(input.time);
+  complaints_.Tick(input.time);
+  perception_.Refresh(input.time, data_);
+}
+
+void Show::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
+  if (data_.gesture_used) perception_.UseGesture();
+  const std::string_view to = machine.Name(change.to);
+  if (change.from != change.to) stage_.ShowState(to.empty() ? kInvalid : to);
+}
+
+void Show::OnUnheeded(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) {
+  complaints_.Tell(Complaint::kUnheeded,
+                   "command " + std::string(machine.Name(command)) + " comes to nothing in " +
+                       std::string(machine.Name(state)),
+                   now_);
+}
+
+}  // namespace musher::wedding

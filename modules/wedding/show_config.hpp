@@ -1,0 +1,62 @@
+#pragma once
+// The config of the wedding robot, a TOML file; README.md and config/wedding/wedding.toml explain
+// its keys.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/diagnostic.hpp"
+#include "musher/modules/wedding/extension/interview.hpp"
+#include "musher/modules/wedding/extension/search.hpp"
+#include "musher/modules/wedding/gaze.hpp"
+#include "musher/modules/wedding/perception.hpp"
+#include "musher/modules/wedding/show_rules.hpp"
+
+namespace musher::wedding {
+
+struct ShowConfig {
+  PerceptionRules perception;
+  GazeRules gaze;
+  IdleRules idle;
+  TrackingRules tracking;
+  PhotoRules photo;
+  FarewellRules farewell;
+  SafeStopRules safe_stop;
+  std::optional<SearchRules> search;        // nothing: there is no such state
+  std::optional<InterviewRules> interview;  // the same
+
+  friend bool operator==(const ShowConfig&, const ShowConfig&) = default;
+};
+
+// What a self-check wants of another program.
+enum class Need { kRequired, kOptional, kNone };
+
+struct WeddingConfig {
+  ShowConfig show;
+  double rate_hz = 50;
+  double state_rate_hz = 5;
+  std::string camera_service = "camera_service";
+  Duration photo_timeout = Milliseconds(5000);  // of the steady clock
+  Duration self_check_time = Milliseconds(3000);
+  Need camera = Need::kRequired;
+  Need audio = Need::kRequired;
+  Need motion = Need::kRequired;
+  std::string record;  // a file; empty: nothing is recorded
+
+  friend bool operator==(const WeddingConfig&, const WeddingConfig&) = default;
+};
+
+struct WeddingReading {
+  std::optional<WeddingConfig> config;  // present exactly when no diagnostic is an error
+  std::vector<Diagnostic> diagnostics;  // by line
+};
+
+// Never throws; an unreadable file is a diagnostic.
+WeddingReading ReadWeddingFile(const std::string& path);
+
+// The same for a text; `path` is what diagnostics refer to.
+WeddingReading ReadWeddingText(std::string_view text, const std::string& path);
+
+}  // namespace musher::wedding

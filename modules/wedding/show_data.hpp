@@ -1,0 +1,92 @@
+#pragma once
+// What the states of the show share: the seed's data, as of the present tick.
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "musher/modules/wedding/gaze.hpp"
+#include "musher/modules/wedding/joints.hpp"
+#include "musher/modules/wedding/words.hpp"
+
+namespace musher::wedding {
+
+inline constexpr Duration kNever = Duration::max();
+
+// What is known of those before the robot; brought up to date at the beginning of each tick.
+struct PerceptionData {
+  bool face_detected = false;   // a face was seen, not too long ago
+  Gaze face_position;           // in the picture
+  Gaze face_gaze;               // where the robot looks to look at it
+  bool face_gaze_known = true;  // false while nobody says how the head stood
+  double face_distance_m = 0;
+  int face_count = 0;
+  int face_id = -1;                   // of the largest frontal one, -1: none
+  Duration face_unseen_for = kNever;  // since the last sample
+  Duration face_seen_for{};           // from the first to the last sample without a gap
+
+  Gesture gesture = Gesture::kNone;
+  double gesture_confidence = 0;
+
+  bool too_close = false;
+};
+
+struct MotionData {
+  JointAngles joint_positions{};  // rad, as measured
+  JointAngles joint_commands{};   // rad, as its motion adapter commands them
+  std::string_view current_pose;  // as published; empty: none yet
+  std::string_view target_pose = pose::kNeutral;
+  Gaze look_at_target;
+};
+
+// Sounds that have been asked for and not been published yet, in their order.
+class SoundQueue {
+ public:
+  // The oldest gives way where there are too many; says whether none had to.
+  bool Push(std::string_view sound) {
+    const bool room = size_ < ring_.size();
+    if (!room) static_cast<void>(Pop());
+    ring_[(first_ + size_++) % ring_.size()] = sound;
+    return room;
+  }
+  std::optional<std::string_view> Pop() {
+    if (size_ == 0) return std::nullopt;
+    const std::string_view sound = ring_[first_];
+    first_ = (first_ + 1) % ring_.size();
+    --size_;
+    return sound;
+  }
+  std::size_t size() const { return size_; }
+  void Clear() { size_ = 0; }
+
+ private:
+  std::array<std::string_view, 16> ring_{};
+  std::size_t first_ = 0;
+  std::size_t size_ = 0;
+};
+
+struct AudioData {
+  std::string_view voice_command = "none";  // the last one that was heard
+  double voice_level = 0;                   // energy of what is heard, 0 to 1
+  SoundQueue pending_speech;
+  std::string_view current_speech;  // the last one that was asked for
+};
+
+struct ShowData {
+  PerceptionData perception;
+  MotionData motion;
+  AudioData audio;
+  double follow = 0.3;  // of GazeRules
+  bool safety_triggered = false;
+  bool gesture_used = false;     // a photo was begun for the gesture that is still held
+  bool photo_requested = false;  // the shutter
+
+  void Say(std::string_view sound) {
+    audio.current_speech = sound;
+    audio.pending_speech.Push(sound);
+  }
+};
+
+}  // namespace musher::wedding

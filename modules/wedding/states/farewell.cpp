@@ -1,0 +1,23 @@
+#include "musher/modules/wedding/states/farewell.hpp"
+
+namespace musher::wedding {
+
+void Farewell::Declare(fsm::Ways& ways) {
+  WeddingState::Declare(ways);
+  idle_ = ways.To(state::kIdle, "it has waved");
+}
+
+void Farewell::OnEnter(const fsm::Tick& /*tick*/) {
+  data().Say(sound::kFarewell);
+  data().motion.target_pose = pose::kWave;
+}
+
+fsm::Next Farewell::Decide(const fsm::Tick& tick) {
+  return tick.elapsed >= rules_.time ? fsm::Next::To(idle_) : fsm::Next::Stay();
+}
+
+void Farewell::OnExit(const fsm::Tick& /*tick*/) {
+  data().motion.target_pose = pose::kNeutral;
+}
+
+}  // namespace musher::wedding

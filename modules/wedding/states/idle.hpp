@@ -1,0 +1,25 @@
+#pragma once
+// IDLE: the robot looks about a little and waits for somebody to come.
+
+#include "musher/modules/wedding/show_rules.hpp"
+#include "musher/modules/wedding/states/wedding_state.hpp"
+
+namespace musher::wedding {
+
+class Idle : public WeddingState {
+ public:
+  Idle(ShowData& data, const IdleRules& rules) : WeddingState(data, state::kIdle), rules_(rules) {}
+
+  void Declare(fsm::Ways& ways) override;
+  void OnEnter(const fsm::Tick& tick) override;
+  void Run(const fsm::Tick& tick) override;
+
+ protected:
+  fsm::Next Decide(const fsm::Tick& tick) override;
+
+ private:
+  const IdleRules rules_;
+  fsm::StateId tracking_ = fsm::kNoState;
+};
+
+}  // namespace musher::wedding

@@ -1,0 +1,63 @@
+#include "musher/modules/wedding/states/photo_posing.hpp"
+
+namespace musher::wedding {
+namespace {
+
+std::string_view PoseFor(Gesture gesture) {
+  switch (gesture) {
+    case Gesture::kHeart:
+      return pose::kHeart;
+    case Gesture::kV:
+      return pose::kVSign;
+    default:
+      return pose::kThumbsUp;
+  }
+}
+
+}  // namespace
+
+PhotoPosing::PhotoPosing(ShowData& data, const PhotoRules& rules)
+    : WeddingState(data, state::kPhotoPosing),
+      ends_{rules.confirm, rules.confirm + rules.pose, rules.confirm + rules.pose + rules.countdown,
+            rules.confirm + rules.pose + rules.countdown + rules.shutter} {}
+
+void PhotoPosing::Declare(fsm::Ways& ways) {
+  WeddingState::Declare(ways);
+  tracking_ = ways.To(state::kTracking, "the picture is taken");
+}
+
+void PhotoPosing::OnEnter(const fsm::Tick& /*tick*/) {
+  phase_ = Phase::kConfirm;
+  data().Say(sound::kPhotoConfirm);
+  data().motion.target_pose = PoseFor(data().perception.gesture);
+}
+
+// A late tick brings what it missed, in its order.
+fsm::Next PhotoPosing::Decide(const fsm::Tick& tick) {
+  while (phase_ != Phase::kDone && tick.elapsed >= ends_.at(static_cast<std::size_t>(phase_))) {
+    Begin(static_cast<Phase>(static_cast<int>(phase_) + 1));
+  }
+  return phase_ == Phase::kDone ? fsm::Next::To(tracking_) : fsm::Next::Stay();
+}
+
+void PhotoPosing::Begin(Phase phase) {
+  phase_ = phase;
+  switch (phase) {
+    case Phase::kCountdown:
+      return data().Say(sound::kCountdown);
+    case Phase::kShutter:
+      data().photo_requested = true;
+      return data().Say(sound::kShutter);
+    case Phase::kDone:
+      return data().Say(sound::kPhotoDone);
+    default:
+      return;
+  }
+}
+
+void PhotoPosing::OnExit(const fsm::Tick& /*tick*/) {
+  data().motion.target_pose = pose::kNeutral;
+  data().gesture_used = true;  // one that is still held asked for the photo that there was
+}
+
+}  // namespace musher::wedding

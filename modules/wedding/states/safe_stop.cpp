@@ -1,0 +1,34 @@
+#include "musher/modules/wedding/states/safe_stop.hpp"
+
+namespace musher::wedding {
+
+void SafeStop::Declare(fsm::Ways& ways) {
+  stop_ = ways.On(command::kStop);
+  idle_ = ways.On(command::kIdle);
+  to_idle_ = ways.To(state::kIdle, "nobody has been too close for a while; stop or idle");
+}
+
+void SafeStop::OnEnter(const fsm::Tick& /*tick*/) {
+  clear_from_ = {};
+  data_.safety_triggered = true;
+  data_.motion.target_pose = pose::kNeutral;
+  data_.motion.look_at_target = Gaze{};
+  if (data_.perception.too_close) data_.Say(sound::kTooClose);
+}
+
+fsm::Next SafeStop::CheckTransition(const fsm::Tick& tick) {
+  if (data_.perception.too_close) {
+    clear_from_ = tick.elapsed;
+    return fsm::Next::Stay();
+  }
+  const bool commanded =
+      tick.command != fsm::kNoEvent && (tick.command == stop_ || tick.command == idle_);
+  if (commanded || tick.elapsed - clear_from_ >= rules_.clear) return fsm::Next::To(to_idle_);
+  return fsm::Next::Stay();
+}
+
+void SafeStop::OnExit(const fsm::Tick& /*tick*/) {
+  data_.safety_triggered = false;
+}
+
+}  // namespace musher::wedding

@@ -1,0 +1,31 @@
+#pragma once
+// SAFE_STOP: somebody is too close, or a state failed. The robot stands neutral and looks ahead
+// until there has been no cause for a while.
+
+#include "musher/behavior/fsm/state.hpp"
+#include "musher/modules/wedding/show_data.hpp"
+#include "musher/modules/wedding/show_rules.hpp"
+
+namespace musher::wedding {
+
+// Of the commands it obeys stop and idle alone, and only while nobody is too close.
+class SafeStop : public fsm::State {
+ public:
+  SafeStop(ShowData& data, const SafeStopRules& rules) : data_(data), rules_(rules) {}
+
+  void Declare(fsm::Ways& ways) override;
+  void OnEnter(const fsm::Tick& tick) override;
+  fsm::Next CheckTransition(const fsm::Tick& tick) override;
+  void OnExit(const fsm::Tick& tick) override;
+  void Persist(fsm::Archive& archive) override { archive.Field("clear_from", clear_from_); }
+
+ private:
+  ShowData& data_;
+  const SafeStopRules rules_;
+  Duration clear_from_{};  // when there was last a cause, since the state was entered
+  fsm::EventId stop_ = fsm::kNoEvent;
+  fsm::EventId idle_ = fsm::kNoEvent;
+  fsm::StateId to_idle_ = fsm::kNoState;
+};
+
+}  // namespace musher::wedding

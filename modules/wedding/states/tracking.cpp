@@ -1,0 +1,29 @@
+#include "musher/modules/wedding/states/tracking.hpp"
+
+namespace musher::wedding {
+
+void Tracking::Declare(fsm::Ways& ways) {
+  WeddingState::Declare(ways);
+  photo_ = ways.To(state::kPhotoPosing, "a heart or a V");
+  farewell_ = ways.To(state::kFarewell, "the face is lost");
+}
+
+void Tracking::OnEnter(const fsm::Tick& /*tick*/) {
+  data().Say(sound::kGreeting);
+}
+
+void Tracking::Run(const fsm::Tick& tick) {
+  FollowFace(tick);
+}
+
+fsm::Next Tracking::Decide(const fsm::Tick& tick) {
+  const PerceptionData& seen = data().perception;
+  const bool asks = seen.gesture == Gesture::kHeart || seen.gesture == Gesture::kV;
+  if (asks && seen.gesture_confidence > rules_.gesture_threshold && !data().gesture_used) {
+    return fsm::Next::To(photo_);
+  }
+  if (Lost(tick) >= rules_.lost) return fsm::Next::To(farewell_);
+  return fsm::Next::Stay();
+}
+
+}  // namespace musher::wedding

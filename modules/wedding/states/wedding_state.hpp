@@ -1,0 +1,44 @@
+#pragma once
+// What the states of the show have in common: the commands that each of them obeys.
+
+#include "musher/behavior/fsm/state.hpp"
+#include "musher/modules/wedding/show_data.hpp"
+
+namespace musher::wedding {
+
+class WeddingState : public fsm::State {
+ public:
+  // `name` is under which it is registered: nobody is sent where he is.
+  WeddingState(ShowData& data, std::string_view name) : data_(data), name_(name) {}
+
+  void Declare(fsm::Ways& ways) override;
+  // stop and idle lead to IDLE, photo to PHOTO_POSING, tracking to TRACKING; the rest is Decide's.
+  fsm::Next CheckTransition(const fsm::Tick& tick) final;
+
+ protected:
+  virtual fsm::Next Decide(const fsm::Tick& tick) = 0;
+
+  ShowData& data() { return data_; }
+
+  // Looks a little further towards the face before the robot, where it is known which way that is.
+  void FollowFace(const fsm::Tick& tick);
+  // The same towards `target`.
+  void LookTo(Gaze target, const fsm::Tick& tick);
+  // Since the face was last seen, or the state was entered.
+  Duration Lost(const fsm::Tick& tick) const;
+  // How long the face has been seen without a gap, in this state.
+  Duration Seen(const fsm::Tick& tick) const;
+
+ private:
+  ShowData& data_;
+  const std::string_view name_;
+  fsm::EventId stop_ = fsm::kNoEvent;
+  fsm::EventId idle_ = fsm::kNoEvent;
+  fsm::EventId photo_ = fsm::kNoEvent;
+  fsm::EventId tracking_ = fsm::kNoEvent;
+  fsm::StateId to_idle_ = fsm::kNoState;
+  fsm::StateId to_photo_ = fsm::kNoState;
+  fsm::StateId to_tracking_ = fsm::kNoState;
+};
+
+}  // namespace musher::wedding

@@ -1,0 +1,207 @@
+#include "musher/modules/wedding/wedding_robot.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_srvs/set_bool.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/modules/program/await.hpp"
+#include "musher/modules/wedding/topic_names.hpp"
+
+namespace musher::wedding {
+namespace {
+
+constexpr Duration kVisionSilence = Milliseconds(2000);  // beyond it, in Active, it is not well
+
+FsmActuator::Options OptionsOf(const WeddingConfig& config) {
+  FsmActuator::Options options;
+  options.rate_hz = config.rate_hz;
+  options.resume = FsmActuator::Resume::kAnew;
+  return options;
+}
+
+Duration ToDuration(const msg::Stamp& stamp) {
+  return std::chrono::seconds(stamp.sec) + std::chrono::nanoseconds(stamp.nanosec);
+}
+
+// "No publisher of" and the like; nothing when somebody is there.
+std::string Missing(int matched, const char* what, const char* name) {
+  return matched > 0 ? "" : std::string(what) + " " + name;
+}
+
+}  // namespace
+
+WeddingRobot::WeddingRobot(const std::string& actuator_name, WeddingConfig config)
+    : FsmActuator(actuator_name, OptionsOf(config)),
+      config_(std::move(config)),
+      show_(config_.show, *this) {}
+
+WeddingRobot::~WeddingRobot() {
+  Shutdown();
+}
+
+Result<> WeddingRobot::BuildMachine(fsm::Machine& machine) {
+  if (Result<> built = show_.Build(machine); !built) return built;
+  return config_.record.empty() ? Ok() : Record(machine);
+}
+
+Result<> WeddingRobot::Record(fsm::Machine& machine) {
+  auto file = RecordFile::Open(config_.record);
+  if (!file) return file.error();
+  record_ = std::move(file).value();
+  recorder_ = std::make_unique<fsm::Recorder>(machine, [this](std::string_view line) {
+    const bool good = record_->good();
+    record_->Write(line);
+    if (good && !record_->good()) Log("the recording ends here: its file cannot be written to");
+  });
+  show_.RecordTo(*recorder_);
+  return Ok();
+}
+
+void WeddingRobot::OpenTopics(transport::Endpoints& topics) {
+  const auto wire = std::make_shared<Wire>();
+  wire->state = topics.Advertise<msg::String>(topic::kState);
+  wire->pose = topics.Advertise<msg::String>(topic::kPose);
+  wire->look_at = topics.Advertise<msg::PointStamped>(topic::kLookAt);
+  wire->play = topics.Advertise<msg::String>(topic::kPlay);
+  if (auto* camera = topics.Ask<msg::CameraService>(config_.camera_service)) {
+    wire->photographer.emplace(*camera, config_.photo_timeout,
+                               [this](const std::string& line) { Log(line); });
+  }
+  Hear(topics, *wire);
+  HearJoints(topics);
+  Serve(topics);
+  if (!topics.opened()) return;  // SetUp fails with it
+  wire_ = wire;
+  topics.Keep(wire);
+  const std::chrono::duration<double> period(1 / config_.state_rate_hz);
+  topics.Every(std::chrono::duration_cast<Duration>(period), [this] {
+    ShowState(show_.state());
+    show_.PassTime(Now());
+  });
+}
+
+void WeddingRobot::Hear(transport::Endpoints& topics, Wire& wire) {
+  wire.target = topics.Hear<msg::PointStamped>(topic::kTarget, [this](const auto& target) {
+    seen_at_ = Now();
+    show_.OnTarget(
+        {{target.point.x, target.point.y}, target.point.z, ToDuration(target.header.stamp)}, Now());
+  });
+  constexpr transport::Qos kNewest{transport::Qos::Reliability::kBestEffort,
+                                   transport::Qos::Durability::kVolatile, 1};
+  wire.faces = topics.Hear<msg::String>(
+      topic::kFaces,
+      [this](const auto& faces) {
+        seen_at_ = Now();
+        show_.OnFaces(faces.data, Now());
+      },
+      kNewest);
+  topics.Hear<msg::String>(topic::kGesture,
+                           [this](const auto& word) { show_.OnGesture(word.data, Now()); });
+  topics.Hear<msg::Bool>(topic::kTooClose,
+                         [this](const auto& close) { show_.OnTooClose(close.data, Now()); });
+  topics.Hear<msg::String>(topic::kCommand,
+                           [this](const auto& word) { show_.OnCommand(word.data, Now()); });
+  topics.Hear<msg::String>(topic::kVoiceCommand,
+                           [this](const auto& word) { show_.OnVoiceCommand(word.data, Now()); });
+  topics.Hear<msg::Float32>(topic::kVoiceLevel,
+                            [this](const auto& level) { show_.OnVoiceLevel(level.data, Now()); });
+}
+
+// Best effort, so that both kinds of publishers are heard.
+void WeddingRobot::HearJoints(transport::Endpoints& topics) {
+  topics.Hear<msg::JointState>(
+      topic::kJointStates,
+      [this](const auto& joints) {
+        show_.OnJointStates(joints.name, joints.position, ToDuration(joints.header.stamp), Now());
+      },
+      transport::kSensorDataQos);
+  topics.Hear<msg::JointState>(
+      topic::kJointCommands,
+      [this](const auto& joints) { show_.OnJointCommands(joints.name, joints.position, Now()); },
+      transport::kSensorDataQos);
+}
+
+void WeddingRobot::Serve(transport::Endpoints& topics) {
+  topics.Serve<msg::Trigger>(topic::kReset, [this](const auto&, const auto& reply) {
+    const Result<> done = show_.Reset(Now());
+    reply({done.ok(), done ? "FSM reset to IDLE" : done.error().message});
+  });
+  topics.Serve<msg::SetBool>(topic::kSetIdle, [this](const auto&, const auto& reply) {
+    const Result<> done = show_.Force(state::kIdle, Now());
+    reply({done.ok(), done ? "Set to IDLE" : done.error().message});
+  });
+  topics.Serve<msg::Trigger>(topic::kStop, [this](const auto&, const auto& reply) {
+    if (!show_.resting()) show_.OnCommand(command::kStop, Now());
+    reply({true, show_.resting() ? "the show rests" : "FSM stop command sent"});
+  });
+}
+
+// Those that were started just now may not have been found yet.
+Result<> WeddingRobot::SelfCheck() {
+  CheckVerdict verdict;
+  const auto look = [&]() -> Result<> {
+    verdict = JudgeSelfCheck(Look(), config_);
+    if (!verdict.result || verdict.missing.empty()) return verdict.result;
+    return Error{kCodeFailed, verdict.missing};
+  };
+  static_cast<void>(program::AwaitOnLoop(*node(), config_.self_check_time, look,
+                                         [this] { return StopRequested(); }));
+  if (!verdict.missing.empty()) Log("self-check: without " + verdict.missing);
+  return verdict.result;
+}
+
+Findings WeddingRobot::Look() {
+  const auto wire = wire_.lock();
+  if (!wire) return {};
+  Findings found;
+  const int eyes = wire->faces->MatchedWriters() + wire->target->MatchedWriters();
+  found.camera = Missing(eyes, "nobody publishes", topic::kFaces);
+  if (found.camera.empty() && ticking() && (!seen_at_ || Now() - *seen_at_ > kVisionSilence)) {
+    found.camera = "nothing was heard of " + std::string(topic::kFaces) + " for 2 s";
+  }
+  found.audio = Missing(wire->play->MatchedReaders(), "nobody listens to", topic::kPlay);
+  found.motion = Missing(wire->pose->MatchedReaders(), "nobody listens to", topic::kPose);
+  return found;
+}
+
+void WeddingRobot::TakePose(std::string_view pose) {
+  if (const auto wire = wire_.lock()) {
+    static_cast<void>(wire->pose->Publish({std::string(pose)}));
+  }
+}
+
+void WeddingRobot::LookAt(Gaze gaze) {
+  const auto wire = wire_.lock();
+  if (!wire) return;
+  msg::PointStamped look;
+  look.header = {Stamp(), "camera"};
+  look.point = {gaze.x, gaze.y, 0};
+  static_cast<void>(wire->look_at->Publish(look));
+}
+
+void WeddingRobot::Play(std::string_view sound) {
+  if (const auto wire = wire_.lock()) {
+    static_cast<void>(wire->play->Publish({std::string(sound)}));
+  }
+}
+
+void WeddingRobot::TakePhoto() {
+  if (const auto wire = wire_.lock()) wire->photographer->TakePhoto();
+}
+
+void WeddingRobot::ShowState(std::string_view state) {
+  if (const auto wire = wire_.lock()) {
+    static_cast<void>(wire->state->Publish({std::string(state)}));
+  }
+}
+
+msg::Stamp WeddingRobot::Stamp() const {
+  const bool on_topic = machine_config().clock == ClockSource::kTopic;
+  const auto time =
+      on_topic ? Now().time_since_epoch() : std::chrono::system_clock::now().time_since_epoch();
+  return msg::ToStamp(std::chrono::duration_cast<std::chrono::nanoseconds>(time));
+}
+
+}  // namespace musher::wedding

@@ -1,0 +1,74 @@
+#pragma once
+// The actuator `wedding`: the show on its topics. See README.md beside this.
+//
+//   Active                                     the show goes on, from IDLE
+//   DeActive, Protected, LowPower, OTA, Error  neutral pose, gaze ahead, and it rests
+//   an emergency stop                          it rests, and asks nothing of the robot
+//
+// Threads: as FsmActuator has it.
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "musher/application/fsm_actuator.hpp"
+#include "musher/messages/geometry_msgs/point_stamped.hpp"
+#include "musher/messages/sensor_msgs/joint_state.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/modules/wedding/photographer.hpp"
+#include "musher/modules/wedding/record_file.hpp"
+#include "musher/modules/wedding/self_check.hpp"
+#include "musher/modules/wedding/show.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher::wedding {
+
+class WeddingRobot : public FsmActuator, private Stage {
+ public:
+  WeddingRobot(const std::string& actuator_name, WeddingConfig config);
+  ~WeddingRobot() override;
+
+ private:
+  // What there is while the topics are open.
+  struct Wire {
+    transport::Publisher<msg::String>* state = nullptr;
+    transport::Publisher<msg::String>* pose = nullptr;
+    transport::Publisher<msg::PointStamped>* look_at = nullptr;
+    transport::Publisher<msg::String>* play = nullptr;
+    transport::Subscription* target = nullptr;
+    transport::Subscription* faces = nullptr;
+    std::optional<Photographer> photographer;
+  };
+
+  Result<> BuildMachine(fsm::Machine& machine) override;
+  void OpenTopics(transport::Endpoints& topics) override;
+  Result<> SelfCheck() override;
+  void AfterTick(Time /*now*/) override { show_.AfterTick(); }
+  void OnPause() override { show_.Rest(Now(), EmergencyStopped()); }
+  void OnResume() override { show_.Resume(Now()); }
+
+  Result<> Record(fsm::Machine& machine);
+  void Hear(transport::Endpoints& topics, Wire& wire);
+  void HearJoints(transport::Endpoints& topics);
+  void Serve(transport::Endpoints& topics);
+  Findings Look();
+
+  void TakePose(std::string_view pose) override;
+  void LookAt(Gaze gaze) override;
+  void Play(std::string_view sound) override;
+  void TakePhoto() override;
+  void ShowState(std::string_view state) override;
+  void Log(const std::string& line) override { FsmActuator::Log(line); }
+
+  // Now, as stamps have it.
+  msg::Stamp Stamp() const;
+
+  const WeddingConfig config_;
+  std::unique_ptr<RecordFile> record_;  // before those that write to it
+  std::unique_ptr<fsm::Recorder> recorder_;
+  Show show_;
+  std::weak_ptr<Wire> wire_;
+  std::optional<Time> seen_at_;  // when vision was last heard
+};
+
+}  // namespace musher::wedding

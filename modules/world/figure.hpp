@@ -1,0 +1,26 @@
+#pragma once
+// What a guest looks like: a head that shows its face, on a body of rounded parts.
+//
+// Threads: never changed once it is made; as many as like may look.
+
+#include <memory>
+#include <vector>
+
+#include "musher/modules/world/guests.hpp"
+#include "musher/modules/world/scenery.hpp"
+#include "musher/modules/world/texture.hpp"
+
+namespace musher::world {
+
+struct Figure {
+  Figure(const GuestSpec& guest, Texture head);
+
+  // Adds the parts of a guest who is there.
+  void Stand(const Guest& guest, std::vector<Thing>& things) const;
+
+ private:
+  GuestSpec spec_;
+  std::shared_ptr<const Texture> head_;
+};
+
+}  // namespace musher::world

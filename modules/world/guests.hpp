@@ -1,0 +1,71 @@
+#pragma once
+// The guests of a scene: people who come, look, make signs and go by timetables of their own.
+//
+//   nobody - first act -> here - leave -> nobody, and again from the start where the scene repeats
+//
+// A plain value: time and where the robot is come in as arguments. They walk straight on and are
+// never in the robot's place: where it is in their way they go along its edge.
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "musher/modules/world/scene.hpp"
+
+namespace musher::world {
+
+// How one stands at a moment.
+struct Guest {
+  bool here = false;
+  Eigen::Vector2d position_m{0, 0};
+  double yaw_rad = 0;         // of its body
+  double head_yaw_rad = 0;    // in the place
+  double head_pitch_rad = 0;  // downwards
+  bool looks_at_robot = false;
+  Gesture gesture = Gesture::kNone;
+
+  friend bool operator==(const Guest&, const Guest&) = default;
+};
+
+// The robot as guests meet it.
+struct Robot {
+  Eigen::Vector2d position_m{0, 0};
+  double radius_m = 0;
+  Eigen::Vector3d eyes_m{0, 0, 0};
+};
+
+class Guests {
+ public:
+  // As they are at the beginning; the scene's guests are to be those of each Step().
+  explicit Guests(const Scene& scene);
+
+  void Step(const Scene& scene, const Robot& robot, Duration now, Duration dt);
+
+  const std::vector<Guest>& all() const { return guests_; }  // as the scene lists them
+
+ private:
+  // What one is about to do.
+  struct Plan {
+    std::size_t next_act = 0;
+    std::optional<Eigen::Vector2d> walk_to_m;
+    double speed_m_s = 0;
+    GuestLook look;
+    bool leaves = false;
+  };
+
+  void Begin(const Scene& scene);
+  static void Act(const GuestSpec& spec, const GuestAct& act, Guest& guest, Plan& plan);
+  static void Move(const GuestSpec& spec, const Robot& robot, double seconds, Guest& guest,
+                   Plan& plan);
+
+  std::vector<Guest> guests_;
+  std::vector<Plan> plans_;
+  Duration within_{};  // of the timetables
+};
+
+// From the top of its hair to the chin.
+double HeadHeightM(const GuestSpec& guest);
+// The middle of its head, between the eyes.
+Eigen::Vector3d HeadOf(const GuestSpec& spec, const Guest& guest);
+
+}  // namespace musher::world

@@ -1,0 +1,52 @@
+#pragma once
+// The upper body of a humanoid as its motion adapter moves it: poses by name, and a gaze that turns
+// waist and head. Nothing jumps: each joint keeps its limits of speed and acceleration.
+//
+// A plain value; time comes in as an argument.
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+#include "musher/modules/world/camera_model.hpp"
+#include "musher/modules/world/humanoid_specs.hpp"
+#include "musher/modules/world/trapezoid.hpp"
+
+namespace musher::world {
+
+class Humanoid {
+ public:
+  explicit Humanoid(HumanoidSpec spec);  // stands in its neutral pose, looking ahead
+
+  // From the next step on. Says why when it is refused: it does not know the pose.
+  std::optional<std::string> SetPose(const std::string& name);
+  // x from 0, fully to the left, to 1, fully to the right; y from 0, up, to 1, down. Says what is
+  // wrong with it, once for each kind of fault: no numbers are refused, others are brought within.
+  std::optional<std::string> LookAt(const Eigen::Vector2d& point);
+
+  void Step(Duration dt);
+
+  const std::string& pose() const { return pose_name_; }
+  // What the adapter tells the joints, and how they stand: they are there a step later.
+  const std::array<Axis, kJoints>& commands() const { return commands_; }
+  const std::array<Axis, kJoints>& joints() const { return joints_; }
+  // Of the head in the body's frame.
+  Gaze gaze() const;
+
+ private:
+  Angles Goals() const;
+
+  HumanoidSpec spec_;
+  std::string pose_name_;
+  std::size_t pose_ = 0;  // of those it knows
+  Duration held_{};       // for so long
+  Eigen::Vector2d look_{0.5, 0.5};
+  std::array<Axis, kJoints> commands_;
+  std::array<Axis, kJoints> joints_;
+  Axis pitch_;
+  std::string refused_pose_;  // the last one
+  bool told_nan_ = false;
+  bool told_outside_ = false;
+};
+
+}  // namespace musher::world

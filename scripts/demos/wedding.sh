@@ -1,0 +1,152 @@
+# shellcheck shell=bash
+# shellcheck disable=SC2154,SC2034  # what scripts/demo sets, and what it uses
+# Sourced by scripts/demo: the wedding robot in a simulated hall. The guests come by themselves, as
+# scenes/wedding.toml has it; what the robot does follows from what it sees through its camera.
+
+journal=$XDG_STATE_HOME/musher/wedding/journal.sqlite
+logs=$XDG_STATE_HOME/musher/wedding/logs
+strip=$pictures/wedding-show.jpg graph=$pictures/wedding-machine.svg
+
+# shown COMMAND...: shows the command, runs it; what it says goes to `result`, its exit code to `code`.
+shown() {
+  say "\$ $*"
+  result=$("$@" 2>&1)
+  code=$?
+}
+# behavior FILTER: what the application says of itself.
+behavior() {
+  musher behavior wedding --history 64 --json 2> /dev/null | jq -r "$1"
+}
+# Its changes so far, as "IDLE>TRACKING TRACKING>PHOTO_POSING …".
+changes() {
+  behavior '[.history[] | "\(.from)>\(.to)"] | join(" ")'
+}
+# await_change CHANGE [TIMES]: waits up to a minute until it has come, or come so often; says "yes".
+await_change() {
+  local _
+  for _ in {1..300}; do
+    (($(changes | tr ' ' '\n' | grep -cx "$1") >= ${2:-1})) && echo yes && return
+    sleep 0.2
+  done
+}
+# photographs N: waits up to ten seconds until so many are saved; says how many.
+photographs() {
+  local _ saved
+  for _ in {1..100}; do
+    saved=$(find "$XDG_STATE_HOME/musher/wedding/camera" -name '*.jpg' 2> /dev/null | wc -l)
+    ((saved >= $1)) && break
+    sleep 0.1
+  done
+  echo "$saved"
+}
+# has_said TEXT: whether it has been said since the voice was started.
+has_said() {
+  grep -q "says \"$1" "$logs/audio.log" && echo yes
+}
+
+boot() {
+  act "The robot boots, checks its camera, its voice and its body, and waits for guests"
+  say "\$ musher up --detach config/wedding.toml"
+  musher_up "$scratch/config/wedding.toml" > "$scratch/up.log" 2>&1
+  expect "exit code of up" 0 $?
+  expect "the machine" Active "$(status .state)"
+  expect "those that are Active" 5 "$(status '[.actuators[] | select(.state == "Active")] | length')"
+  say "\$ musher-camera strip image_rgb … --changes /wedding/fsm/state"
+  musher-camera --clock topic strip image_rgb "$strip" --changes /wedding/fsm/state --every 0.6 \
+    --count 15 --columns 5 --width 256 > "$scratch/strip.log" 2>&1 &
+  films=$!
+}
+
+greet() {
+  act "The bride comes, and the robot greets her"
+  expect "from IDLE to TRACKING" yes "$(await_change 'IDLE>TRACKING')"
+  expect "it has said welcome" yes "$(has_said "Welcome")"
+}
+
+photograph() {
+  act "She makes a heart with her hands: a pose, a countdown, a photograph"
+  expect "from TRACKING to PHOTO_POSING" yes "$(await_change 'TRACKING>PHOTO_POSING')"
+  shown musher graph --behavior wedding -o "$graph"
+  expect "its machine is drawn: exit code" 0 "$code"
+  expect "and back" yes "$(await_change 'PHOTO_POSING>TRACKING')"
+  expect "photographs" 1 "$(photographs 1)"
+}
+
+farewell() {
+  act "She leaves, and it waves"
+  expect "from TRACKING to FAREWELL" yes "$(await_change 'TRACKING>FAREWELL')"
+  expect "and home to IDLE" yes "$(await_change 'FAREWELL>IDLE')"
+  expect "it has said goodbye" yes "$(has_said "Goodbye")"
+}
+
+be_close() {
+  act "The groom is photographed, too; then a child comes too close: it stops at once, and goes on"
+  expect "from TRACKING to SAFE_STOP" yes "$(await_change 'TRACKING>SAFE_STOP')"
+  expect "photographs" 2 "$(photographs 2)"
+  expect "it asks for room" yes "$(has_said "Please step back")"
+  expect "from SAFE_STOP to IDLE" yes "$(await_change 'SAFE_STOP>IDLE')"
+}
+
+lose_sight() {
+  local process
+  act "Its eyes are killed while bride and groom stand there: nobody notices"
+  expect "they are being looked at" yes "$(await_change 'IDLE>TRACKING' 5)"
+  process=$(status .actuators.vision.pid)
+  say "\$ kill -KILL $process  # vision"
+  kill -KILL "$process"
+  expect "they are photographed" yes "$(await_change 'PHOTO_POSING>TRACKING' 3)"
+  await '.actuators | all(.state == "Active")'
+  expect "vision has a new process" true \
+    "$(status ".actuators.vision.pid | . > 0 and . != $process")"
+  expect "photographs" 3 "$(photographs 3)"
+}
+
+rest() {
+  act "LowPower: it stands straight and its show rests; Active: it waits for guests again"
+  musher_set LowPower
+  expect "LowPower" "done" "$(answer .outcome)"
+  expect "its show" "paused IDLE" "$(behavior '"\(if .ticking then "runs" else "paused" end) \(.state)"')"
+  musher_set Active
+  expect "Active" "done" "$(answer .outcome)"
+}
+
+go_home() {
+  act "Power-off: TearDown, and everything ends"
+  shown musher down
+  expect "exit code" 0 "$code"
+  await_end
+}
+
+show_pictures() {
+  kill -TERM "$films" 2> /dev/null
+  wait "$films"
+  expect "the strip of pictures: exit code" 0 $?
+  [[ -s $strip ]] && say "what it saw is in $strip, its machine in $graph"
+}
+
+explain_keeping() {
+  cat << END
+
+${bold}The robot stays up.${plain} To play with it, from another terminal too:
+
+  export PATH=$bin:\$PATH ROS_DOMAIN_ID=$ROS_DOMAIN_ID XDG_STATE_HOME=$XDG_STATE_HOME
+  musher behavior wedding --watch
+  musher graph --behavior wedding -o machine.svg
+  musher-camera shot image_rgb seen.png
+  musher down && rm -r $scratch
+END
+}
+
+play() {
+  boot
+  if ((failures == 0)); then
+    greet
+    photograph
+    farewell
+    be_close
+    lose_sight
+    rest
+  fi
+  show_pictures
+  [[ $keep == yes ]] || go_home
+}

@@ -1,0 +1,207 @@
+// `musher behavior` and `musher graph --behavior` at an application that runs.
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <future>
+#include <iterator>
+
+#include "musher/behavior/fsm/graph.hpp"
+#include "musher/test/actuator/robot_file.hpp"
+#include "musher/test/application/show.hpp"
+#include "musher/test/controller/cli/program.hpp"
+#include "musher/test/integration/cli/process.hpp"
+
+namespace musher {
+namespace {
+
+using cli::Ran;
+using cli::RunProgram;
+using ::testing::HasSubstr;
+using testing::Process;
+using testing::RobotFile;
+using testing::Show;
+using testing::Stage;
+
+const std::string kMusher = MUSHER_BIN_DIR "/musher";
+
+class BehaviorCommand : public ::testing::Test {
+ protected:
+  // In PLAY for 40 ms.
+  void Begin(Show& show) {
+    stage_.Open(show);
+    ASSERT_TRUE(stage_.controller().SetState("SelfCheck"));
+    ASSERT_TRUE(stage_.controller().SetState("Active"));
+    stage_.Tick(show, 7);
+  }
+  std::string Dot(Show& show) {
+    return show.Of([](Show& s) { return fsm::ToDot(s.machine().chart(), s.machine().Path()); });
+  }
+
+  Stage stage_;
+};
+
+TEST_F(BehaviorCommand, ShowsStateModeTicksTimeAndTheLastChanges) {
+  Show show;
+  Begin(show);
+  const Ran ran = RunProgram({"behavior", "show"});
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_EQ(ran.out,
+            "show  PLAY  NORMAL  for 0.040 s\n"
+            "7 ticks in 0.140 s of its time\n"
+            "AT       TICK  FROM   TO     CAUSE\n"
+            "0.000 s  0     -      GREET  started\n"
+            "0.100 s  5     GREET  PLAY   decided\n");
+  const Ran last = RunProgram({"behavior", "show", "--history", "1"});
+  EXPECT_THAT(last.out, ::testing::Not(HasSubstr("started")));
+  EXPECT_THAT(last.out, HasSubstr("decided"));
+}
+
+TEST_F(BehaviorCommand, SaysThatTheMachineIsPausedAndWhyItIsInItsSafeState) {
+  Show show;
+  Begin(show);
+  show.RunOnLoop([&] { show.data().unsafe = true; });
+  stage_.Tick(show, 1);
+  ASSERT_TRUE(stage_.controller().SetState("Protected"));
+  const Ran ran = RunProgram({"behavior", "show", "--history", "1"});
+  EXPECT_EQ(ran.out,
+            "show  STOP  SAFE_STOP  for 0.000 s  paused\n"
+            "8 ticks in 0.160 s of its time\n"
+            "unsafe: too close\n"
+            "AT       TICK  FROM  TO    CAUSE\n"
+            "0.160 s  8     PLAY  STOP  unsafe\n");
+}
+
+TEST_F(BehaviorCommand, SpeaksJson) {
+  Show show;
+  Begin(show);
+  const Ran ran = RunProgram({"--json", "behavior", "show", "--history", "1"});
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_EQ(ran.out,
+            R"({"name":"show","running":true,"ticking":true,"state":"PLAY","mode":"NORMAL",)"
+            R"("ticks":7,"safety_triggered":false,"unsafe":"","time_s":0.14,)"
+            R"("time_in_state_s":0.04,"last_fault":"","history":[{"time_s":0.1,"tick":5,)"
+            R"("from":"GREET","to":"PLAY","cause":"decided","command":""}]})"
+            "\n");
+}
+
+TEST_F(BehaviorCommand, FollowsEveryChangeUntilItIsInterrupted) {
+  Show show;
+  Begin(show);
+  Process text({kMusher, "behavior", "show", "--watch"});
+  Process json({kMusher, "--json", "behavior", "show", "--watch"});
+  ASSERT_NE(text.LineWith("decided"), "");
+  ASSERT_NE(json.LineWith("\"decided\""), "");
+  show.RunOnLoop([&] { show.data().unsafe = true; });
+  stage_.Tick(show, 1);
+  EXPECT_THAT(text.LineWith("unsafe"), HasSubstr("0.160 s  PLAY -> STOP  unsafe"));
+  EXPECT_THAT(json.LineWith("unsafe\""), HasSubstr(R"("from":"PLAY","to":"STOP")"));
+  show.RunOnLoop([&] { show.data().unsafe = false; });
+  stage_.Tick(show, 6);
+  EXPECT_THAT(text.LineWith("decided"), HasSubstr("STOP -> GREET"));
+  text.Signal(SIGINT);
+  EXPECT_EQ(text.Wait().exit, 0);
+}
+
+TEST_F(BehaviorCommand, TellsThatTheApplicationHasGoneAndThatItIsBack) {
+  auto show = std::make_unique<Show>();
+  Begin(*show);
+  Process watch({kMusher, "behavior", "show", "--watch"});
+  ASSERT_NE(watch.LineWith("decided"), "");
+  show.reset();
+  EXPECT_NE(watch.LineWith("show has gone"), "");
+}
+
+TEST_F(BehaviorCommand, NamesTheNearestActuatorWhereNobodyOfThatNameRuns) {
+  Show show;
+  Begin(show);
+  const Ran ran = RunProgram({"behavior", "shwo"});
+  EXPECT_EQ(ran.exit, 3);
+  EXPECT_EQ(ran.err, "musher: no actuator 'shwo' in namespace ''; did you mean 'show'?\n");
+  const Ran graph = RunProgram({"graph", "--behavior", "camera"});
+  EXPECT_EQ(graph.exit, 3);
+  EXPECT_EQ(graph.err, "musher: no actuator 'camera' in namespace ''; there are show\n");
+}
+
+TEST_F(BehaviorCommand, SaysThatNobodyIsThereAtAll) {
+  const Ran ran = RunProgram({"--namespace", "nowhere", "behavior", "show"});
+  EXPECT_EQ(ran.exit, 3);
+  EXPECT_THAT(ran.err, HasSubstr("no actuator in namespace 'nowhere'"));
+  EXPECT_EQ(RunProgram({"behavior", "not a name"}).exit, 2);
+}
+
+TEST_F(BehaviorCommand, SaysThatAnActuatorIsNoStateMachine) {
+  const RobotFile file({"lamp"}, {"SetUp"});
+  MachineActuator lamp("lamp");
+  lamp.RegisterStateCallback("SetUp", [] { return kCodeOk; });
+  ASSERT_TRUE(lamp.Init(file.path()).ok());
+  ASSERT_TRUE(lamp.Start().ok());
+  const Ran ran = RunProgram({"--namespace", RobotFile::name_space(), "behavior", "lamp"});
+  EXPECT_EQ(ran.exit, 1);
+  EXPECT_THAT(ran.err, HasSubstr("lamp runs, but it is no state machine"));
+}
+
+TEST_F(BehaviorCommand, DoesNotWaitForAnApplicationThatBlocks) {
+  Show show;
+  Begin(show);
+  std::promise<void> blocked;
+  std::promise<void> release;
+  auto block = std::async(std::launch::async, [&] {
+    show.RunOnLoop([&] {
+      blocked.set_value();
+      release.get_future().wait();
+    });
+  });
+  blocked.get_future().wait();
+  const Ran ran = RunProgram({"--timeout", "0.3", "behavior", "show"});
+  release.set_value();
+  EXPECT_EQ(ran.exit, 4);
+  EXPECT_EQ(ran.err, "musher: show did not answer within 0.3 s\n");
+}
+
+TEST_F(BehaviorCommand, DrawsTheMachineWithItsPresentStateMarked) {
+  Show show;
+  Begin(show);
+  const Ran dot = RunProgram({"graph", "--behavior", "show"});
+  EXPECT_EQ(dot.exit, 0) << dot.err;
+  EXPECT_EQ(dot.out, Dot(show));
+  EXPECT_THAT(RunProgram({"graph", "--behavior", "show", "--format", "mermaid"}).out,
+              HasSubstr("stateDiagram-v2"));
+  const Ran json = RunProgram({"--json", "graph", "--behavior", "show"});
+  EXPECT_THAT(json.out, HasSubstr(R"({"format":"dot","graph":"digraph)"));
+}
+
+TEST_F(BehaviorCommand, DrawsSvgThroughGraphvizIntoAFile) {
+  if (std::system("dot -V 2>/dev/null") != 0) GTEST_SKIP() << "there is no Graphviz here";
+  Show show;
+  Begin(show);
+  const TempFolder folder;
+  const Ran ran = RunProgram({"graph", "--behavior", "show", "-o", folder / "now.svg"});
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  std::ifstream file(folder / "now.svg");
+  const std::string svg{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_THAT(svg, HasSubstr("PLAY"));
+  EXPECT_THAT(svg, HasSubstr("</svg>"));
+}
+
+TEST_F(BehaviorCommand, SaysWhatToInstallWhereThereIsNoGraphviz) {
+  Show show;
+  Begin(show);
+  const TempFolder empty;
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", empty.path().c_str(), 1);
+  const Ran ran = RunProgram({"graph", "--behavior", "show", "--format", "svg"});
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr("install the package graphviz"));
+}
+
+TEST(GraphCommandLine, TakesAConfigOrAnApplication) {
+  EXPECT_THAT(RunProgram({"graph"}).err, HasSubstr("FILE or --behavior NAME is required"));
+  EXPECT_EQ(RunProgram({"graph"}).exit, 2);
+  EXPECT_EQ(RunProgram({"graph", "robot.toml", "--behavior", "show"}).exit, 2);
+  EXPECT_EQ(RunProgram({"graph", "--what", "flow", "--behavior", "show"}).exit, 2);
+}
+
+}  // namespace
+}  // namespace musher

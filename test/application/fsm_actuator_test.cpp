@@ -1,0 +1,251 @@
+// An application as an actuator: when its machine is ticked, rests and ends, and what becomes of
+// what it throws.
+
+#include <future>
+
+#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/test/application/show.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::Show;
+using testing::Stage;
+
+class AnFsmActuator : public ::testing::Test {
+ protected:
+  // In Active.
+  void Begin(Show& show) {
+    stage_.Open(show);
+    ASSERT_TRUE(stage_.controller().SetState("SelfCheck"));
+    ASSERT_TRUE(stage_.controller().SetState("Active"));
+  }
+  bool Go(const std::string& state) { return stage_.controller().SetState(state); }
+
+  Stage stage_;
+};
+
+TEST_F(AnFsmActuator, TicksItsMachineAtItsRateOfTheWorldsTimeWhileItIsActive) {
+  Show show({.rate_hz = 50});
+  stage_.Open(show);
+  stage_.Tick(show, 3);
+  EXPECT_EQ(show.Path(), "") << "not before";
+  ASSERT_TRUE(Go("SelfCheck"));
+  ASSERT_TRUE(Go("Active"));
+  EXPECT_EQ(show.Path(), "GREET");
+  EXPECT_EQ(show.Ticks(), 0U);
+  stage_.Tick(show, 4);
+  EXPECT_EQ(show.Ticks(), 4U);
+  EXPECT_EQ(show.Path(), "GREET");
+  stage_.Tick(show, 1);
+  EXPECT_EQ(show.Path(), "PLAY") << "after 100 ms";
+  EXPECT_THAT(show.TakeLog(),
+              ElementsAre("resumes", "GREET enters", "GREET leaves", "PLAY enters"));
+}
+
+TEST_F(AnFsmActuator, RestsInEveryOtherStateAndGoesOnWhereItWas) {
+  Show show;
+  Begin(show);
+  stage_.Tick(show, 3);
+  for (const std::string state : {"Protected", "DeActive", "LowPower", "OTA"}) {
+    show.TakeLog();
+    ASSERT_TRUE(Go(state)) << state;
+    EXPECT_THAT(show.TakeLog(), ElementsAre("pauses")) << state;
+    const std::uint64_t ticks = show.Ticks();
+    stage_.Advance(show, std::chrono::hours(1));
+    EXPECT_EQ(show.Ticks(), ticks) << state;
+    ASSERT_TRUE(Go("Active"));
+    EXPECT_THAT(show.TakeLog(), ElementsAre("resumes")) << state;
+    stage_.Tick(show, 1);
+    EXPECT_EQ(show.Ticks(), ticks + 1);
+    EXPECT_EQ(show.Path(), "GREET") << "the hour does not count";
+  }
+  EXPECT_EQ(show.Of([](Show& s) { return s.machine().time(); }), Milliseconds(60));
+}
+
+TEST_F(AnFsmActuator, BeginsAnewWhereItIsToldTo) {
+  Show show({.resume = FsmActuator::Resume::kAnew});
+  Begin(show);
+  stage_.Tick(show, 5);
+  ASSERT_EQ(show.Path(), "PLAY");
+  ASSERT_TRUE(Go("LowPower"));
+  EXPECT_EQ(show.Path(), "PLAY");
+  ASSERT_TRUE(Go("Active"));
+  EXPECT_EQ(show.Path(), "GREET");
+}
+
+TEST_F(AnFsmActuator, LeavesItsStateAtTearDown) {
+  Show show;
+  Begin(show);
+  show.TakeLog();
+  ASSERT_TRUE(Go("TearDown"));
+  EXPECT_EQ(show.Wait(), 0);
+  EXPECT_THAT(show.TakeLog(), ElementsAre("GREET leaves", "pauses"));
+  EXPECT_EQ(show.Path(), "");
+}
+
+TEST_F(AnFsmActuator, RestsAtAnEmergencyStopUntilItGoesToActiveAnew) {
+  Show show;
+  Begin(show);
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
+  stage_.node().RunOnLoop([&] {
+    button = transport::MakePublisher<msg::EmergencyStop>(
+                 stage_.node().node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                 .value();
+    static_cast<void>(button->Publish({7, true, "a test", ""}));
+  });
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (show.Of([](Show& s) { return s.ticking(); })) {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    std::this_thread::yield();
+  }
+  EXPECT_EQ(show.TakeLog().back(), "pauses");
+  std::unique_ptr<transport::Client<msg::ReleaseEmergencyStop>> release;
+  std::promise<Result<msg::ReleaseEmergencyStop::Response>> released;
+  stage_.node().RunOnLoop([&] {
+    release = transport::MakeClient<msg::ReleaseEmergencyStop>(
+                  stage_.node().node(), transport::MachineService("", "release_emergency_stop"))
+                  .value();
+    release->Call({"a test"}, std::chrono::seconds(20),
+                  [&](auto answer) { released.set_value(std::move(answer)); });
+  });
+  const auto answer = released.get_future().get();
+  ASSERT_TRUE(answer && answer.value().code == kCodeOk);
+  stage_.Tick(show, 2);
+  EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); })) << "the release moves nothing";
+  ASSERT_TRUE(Go("Protected"));
+  ASSERT_TRUE(Go("Active"));
+  EXPECT_TRUE(show.Of([](Show& s) { return s.ticking(); }));
+  stage_.node().RunOnLoop([&] {
+    release.reset();
+    button.reset();
+  });
+}
+
+TEST_F(AnFsmActuator, FailsItsSelfCheckWithTheReasonOfTheApplication) {
+  Show show;
+  show.data().unsafe = true;
+  stage_.Open(show);
+  const SwitchResult checked = stage_.controller().Switch("SelfCheck");
+  ASSERT_EQ(checked.actuators.size(), 1U);
+  EXPECT_EQ(checked.actuators[0].code, 5109);
+}
+
+TEST_F(AnFsmActuator, FailsItsSetUpWithEveryFaultOfItsMachine) {
+  class Faulty : public FsmActuator {
+   public:
+    Faulty() : FsmActuator("show") {}
+    ~Faulty() override { Shutdown(); }
+    Result<> BuildMachine(fsm::Machine& machine) override { return machine.Build("NOWHERE"); }
+  };
+  Faulty show;
+  ASSERT_TRUE(show.Prepare(stage_.path()).ok());
+  const Result<> started = show.Start();
+  ASSERT_FALSE(started.ok());
+  EXPECT_THAT(started.error().message, HasSubstr("no states are registered"));
+}
+
+TEST_F(AnFsmActuator, FailsItsSetUpWhenNobodyHasBuiltTheMachine) {
+  class Empty : public FsmActuator {
+   public:
+    Empty() : FsmActuator("show") {}
+    ~Empty() override { Shutdown(); }
+    Result<> BuildMachine(fsm::Machine& /*machine*/) override { return Ok(); }
+  };
+  Empty show;
+  ASSERT_TRUE(show.Prepare(stage_.path()).ok());
+  EXPECT_THAT(show.Start().error().message, HasSubstr("Build()"));
+}
+
+TEST_F(AnFsmActuator, GoesToItsSafeStateWhenAHookAroundTheTickThrowsAndOutOfItAfter) {
+  for (const std::string hook : {"before", "after"}) {
+    Stage stage;
+    Show show;
+    stage.Open(show);
+    ASSERT_TRUE(stage.controller().SetState("SelfCheck"));
+    ASSERT_TRUE(stage.controller().SetState("Active"));
+    show.RunOnLoop([&] { show.data().throws[hook] = "the camera is gone"; });
+    stage.Tick(show, 10);
+    EXPECT_EQ(show.Path(), "STOP") << hook << ": for as long as it throws";
+    show.RunOnLoop([&] { show.data().throws.clear(); });
+    stage.Tick(show, 10);
+    EXPECT_NE(show.Path(), "STOP") << hook;
+  }
+}
+
+TEST_F(AnFsmActuator, EndsTheProgramWhenItsMachineStopsByAFault) {
+  Show show;
+  show.data().throws = {{"GREET runs", "no"}, {"STOP enters", "no, neither"}};
+  Begin(show);
+  stage_.Tick(show, 2);
+  EXPECT_EQ(show.Wait(), 1);
+  EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
+  EXPECT_EQ(show.TakeLog().back(), "pauses");
+}
+
+TEST_F(AnFsmActuator, EndsTheProgramWhenAHookThrowsAndThereIsNoSafeState) {
+  Show show;
+  show.data().safe_state = false;
+  Begin(show);
+  show.RunOnLoop([&] { show.data().throws["before"] = "no"; });
+  stage_.Tick(show, 1);
+  EXPECT_EQ(show.Wait(), 1);
+}
+
+TEST_F(AnFsmActuator, RestsWhenItsApplicationStopsTheMachineAndStartsItAtTheNextActive) {
+  Show show;
+  Begin(show);
+  show.RunOnLoop([&] { show.data().left_early = true; });
+  stage_.Tick(show, 2);
+  EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
+  show.RunOnLoop([&] { show.data().left_early = false; });
+  ASSERT_TRUE(Go("Protected"));
+  ASSERT_TRUE(Go("Active"));
+  EXPECT_EQ(show.Path(), "GREET");
+}
+
+TEST_F(AnFsmActuator, FailsToBecomeActiveWhenItsMachineStopsAsItBegins) {
+  Show show;
+  show.data().throws = {{"GREET enters", "no"}, {"STOP enters", "no, neither"}};
+  stage_.Open(show);
+  ASSERT_TRUE(Go("SelfCheck"));
+  const SwitchResult result = stage_.controller().Switch("Active");
+  ASSERT_EQ(result.actuators.size(), 1U);
+  EXPECT_THAT(result.actuators[0].message, HasSubstr("STOP: OnEnter: no, neither"));
+}
+
+TEST_F(AnFsmActuator, GoesOnInItsSafeStateWhenOnlyTheStartStateFails) {
+  Show show;
+  show.data().throws = {{"GREET enters", "no"}};
+  Begin(show);
+  EXPECT_EQ(show.Path(), "STOP");
+  EXPECT_TRUE(show.Of([](Show& s) { return s.ticking(); }));
+}
+
+TEST_F(AnFsmActuator, SurvivesAPauseThatThrows) {
+  Show show;
+  show.data().throws = {{"pauses", "no"}};
+  Begin(show);
+  EXPECT_TRUE(Go("Protected"));
+  EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
+}
+
+TEST_F(AnFsmActuator, DoesNotTakeTheFirstTimeOfAWorldForTheLengthOfATick) {
+  Show show;
+  ASSERT_TRUE(show.Prepare(stage_.path()).ok());
+  ASSERT_TRUE(show.Start().ok());
+  ASSERT_TRUE(stage_.controller().Init(stage_.path()).ok());
+  ASSERT_TRUE(stage_.controller().AwaitSetUp().ok());
+  ASSERT_TRUE(Go("SelfCheck"));
+  ASSERT_TRUE(Go("Active"));
+  stage_.Tick(show, 4);
+  EXPECT_EQ(show.Path(), "GREET") << "1000 s are not 100 ms of it";
+}
+
+}  // namespace
+}  // namespace musher

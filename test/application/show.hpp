@@ -1,0 +1,194 @@
+#pragma once
+// A small application in a process with its controller, on the time of a world that the test moves.
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "musher/application/fsm_actuator.hpp"
+#include "musher/controller/machine_controller.hpp"
+#include "musher/messages/rosgraph_msgs/clock.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/test/contract/domain.hpp"
+#include "musher/test/controller/temp_folder.hpp"
+#include "musher/transport/clock.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher::testing {
+
+// What the application is to do, and what it did; touched on the loop, or by RunOnLoop().
+struct ShowData {
+  std::vector<std::string> log;
+  std::map<std::string, std::string> throws;  // what a hook or a state's function throws
+  bool unsafe = false;
+  bool safe_state = true;
+  bool left_early = false;  // it stops its machine itself
+
+  void Do(const std::string& what) {
+    log.push_back(what);
+    if (const auto found = throws.find(what); found != throws.end()) {
+      throw std::runtime_error(found->second);
+    }
+  }
+};
+
+// Greets for 100 ms, then plays until a word comes.
+class Scene : public fsm::State {
+ public:
+  Scene(ShowData& data, std::string name, std::string next, Duration time)
+      : data_(data), name_(std::move(name)), next_name_(std::move(next)), time_(time) {}
+
+  void Declare(fsm::Ways& ways) override { next_ = ways.To(next_name_, "its time is over"); }
+  void OnEnter(const fsm::Tick&) override { data_.Do(name_ + " enters"); }
+  void Run(const fsm::Tick&) override {
+    if (data_.throws.contains(name_ + " runs")) data_.Do(name_ + " runs");
+  }
+  fsm::Next CheckTransition(const fsm::Tick& tick) override {
+    return tick.elapsed >= time_ ? fsm::Next::To(next_) : fsm::Next::Stay();
+  }
+  void OnExit(const fsm::Tick&) override { data_.Do(name_ + " leaves"); }
+
+ private:
+  ShowData& data_;
+  const std::string name_;
+  const std::string next_name_;
+  const Duration time_;
+  fsm::StateId next_ = fsm::kNoState;
+};
+
+class Show : public FsmActuator {
+ public:
+  explicit Show(Options options = {.rate_hz = 50}) : FsmActuator("show", std::move(options)) {}
+  ~Show() override { Shutdown(); }
+
+  ShowData& data() { return data_; }  // before Start(), or by RunOnLoop()
+  // What `look` says of it, between two ticks.
+  template <class Look>
+  auto Of(Look look) {
+    decltype(look(*this)) found{};
+    RunOnLoop([&] { found = look(*this); });
+    return found;
+  }
+  std::string Path() {
+    return Of([](Show& show) { return show.machine().Path(); });
+  }
+  std::uint64_t Ticks() {
+    return Of([](Show& show) { return show.machine().ticks(); });
+  }
+  std::vector<std::string> TakeLog() {
+    return Of([](Show& show) { return std::exchange(show.data_.log, {}); });
+  }
+
+  using FsmActuator::machine;
+  using FsmActuator::Now;
+  using FsmActuator::ticking;
+
+ private:
+  Result<> BuildMachine(fsm::Machine& machine) override {
+    if (data_.throws.contains("builds")) data_.Do("builds");
+    const Duration for_ever = std::chrono::hours(1'000);
+    machine.Add("GREET", std::make_unique<Scene>(data_, "GREET", "PLAY", Milliseconds(100)));
+    machine.Add("PLAY", std::make_unique<Scene>(data_, "PLAY", "GREET", for_ever));
+    if (data_.safe_state) {
+      machine.Add("STOP", std::make_unique<Scene>(data_, "STOP", "GREET", Milliseconds(100)),
+                  fsm::Role::kSafe);
+      machine.AddSafetyCheck("too close", [this](const fsm::Tick&) { return !data_.unsafe; });
+    }
+    return machine.Build("GREET");
+  }
+  void OpenTopics(transport::Endpoints& topics) override {
+    topics.Hear<msg::String>("show/force", [this](const msg::String& state) {
+      static_cast<void>(machine().Force(state.data));
+    });
+  }
+  void BeforeTick(Time) override {
+    if (data_.throws.contains("before")) data_.Do("before");
+    if (data_.left_early) static_cast<void>(machine().Stop());
+  }
+  void AfterTick(Time) override {
+    if (data_.throws.contains("after")) data_.Do("after");
+  }
+  void OnPause() override { data_.Do("pauses"); }
+  void OnResume() override { data_.Do("resumes"); }
+  Result<> SelfCheck() override {
+    if (!data_.unsafe) return Ok();
+    return Error{5109, "no loudspeaker"};
+  }
+
+  ShowData data_;
+};
+
+// The controller of a machine that has the show as its only actuator, and the world's clock.
+class Stage {
+ public:
+  explicit Stage(const std::string& clock = "topic") {
+    setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
+    const std::string states =
+        R"(["SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "Protected", "LowPower", "OTA",
+            "Error"])";
+    std::ofstream(path()) << "[controller]\nactuators = [\"show\"]\nstates = " << states
+                          << "\ndefault_time = 5000\ndefault_state = \"Uninitialized\""
+                          << "\nclock = \"" << clock << "\"\nstate_dir = \"" << folder_ / "state"
+                          << "\"\n[actuator.show]\nstates = " << states
+                          << "\ntimes = [5000, 5000, 5000, 5000, 5000, 5000, 5000, 5000, 5000]\n"
+                          << "checkpoint_ms = 400\n";
+    node_ = transport::NodeThread::Start().value();
+    node_->RunOnLoop([this] {
+      world_ = transport::MakePublisher<msg::Clock>(node_->node(), "clock", transport::kClockQos)
+                   .value();
+    });
+  }
+  ~Stage() {
+    node_->RunOnLoop([this] { world_.reset(); });
+  }
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  std::string path() const { return folder_ / "robot.toml"; }
+  std::string state_dir() const { return folder_ / "state"; }
+  transport::NodeThread& node() { return *node_; }
+  MachineController& controller() { return controller_; }
+
+  // The show is set up and the world's time has come to it.
+  void Open(Show& show) {
+    const Result<> ready = show.Prepare(path());
+    ASSERT_TRUE(ready) << ready.error().message;
+    const Result<> started = show.Start();
+    ASSERT_TRUE(started) << started.error().message;
+    ASSERT_TRUE(controller_.Init(path()).ok());
+    ASSERT_TRUE(controller_.AwaitSetUp().ok());
+    Advance(show, Milliseconds(20));
+  }
+  // Moves the world's time, and waits until the show has it.
+  void Advance(Show& show, Duration step) {
+    now_ += step;
+    const Time there = Time{} + now_;
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (show.Of([](Show& s) { return s.Now(); }) != there) {
+      ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+      node_->RunOnLoop([this] { static_cast<void>(world_->Publish({msg::ToStamp(now_)})); });
+      std::this_thread::yield();
+    }
+  }
+  // So many ticks of 20 ms.
+  void Tick(Show& show, int count) {
+    for (int i = 0; i < count; ++i) Advance(show, Milliseconds(20));
+  }
+
+ private:
+  const TempFolder folder_;
+  std::shared_ptr<transport::NodeThread> node_;
+  std::unique_ptr<transport::Publisher<msg::Clock>> world_;
+  Duration now_ = std::chrono::seconds(1'000);
+  MachineController controller_;
+};
+
+}  // namespace musher::testing

@@ -1,0 +1,309 @@
+// The topics on a simulated network, in virtual time, with a camera and a listener on a node of
+// their own, and a detector that finds what the test says.
+
+#include "musher/modules/vision/face_topics.hpp"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "musher/test/modules/vision/faces.hpp"
+#include "musher/transport/sim/network.hpp"
+
+namespace musher::vision {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+template <class T>
+T Must(Result<T> result) {
+  if (!result) ADD_FAILURE() << result.error().message;
+  return std::move(result).value();
+}
+
+class FakeLooker : public Looker {
+ public:
+  Result<> Load() override { return Ok(); }
+  void Look(std::int64_t stamp_ns, msg::Image picture) override {
+    looks.push_back(stamp_ns);
+    if (hangs) return;
+    on_result({stamp_ns, picture.width, picture.height, found, Milliseconds(1)});
+  }
+  Duration Busy() const override { return busy; }
+
+  Result<std::vector<FaceBox>> found = std::vector<FaceBox>();
+  bool hangs = false;
+  Duration busy{};
+  std::vector<std::int64_t> looks;
+  std::function<void(LookResult)> on_result;
+};
+
+class FaceTopicsTest : public testing::Test {
+ protected:
+  FaceTopicsTest() {
+    config_.rate_hz = 0;
+    looker_.on_result = [this](const LookResult& result) { topics_->OnResult(result); };
+    target_ = Listen<msg::PointStamped>("wedding/perception/target", targets_);
+    too_close_ = Listen<msg::Bool>("wedding/perception/too_close", closes_);
+    faces_ = Must(transport::MakeSubscription<msg::String>(
+        *desk_, "wedding/perception/faces_json",
+        [this](const msg::String& text, const auto&) {
+          counts_.push_back(nlohmann::json::parse(text.data).at("count"));
+        },
+        transport::kSensorDataQos));
+    pictures_ = Must(transport::MakePublisher<msg::Image>(*desk_, "robot1/image_rgb",
+                                                          transport::kSensorDataQos));
+    infos_ = Must(transport::MakePublisher<msg::CameraInfo>(*desk_, "robot1/image_rgb/camera_info",
+                                                            transport::kSensorDataQos));
+  }
+
+  void Start(bool on = true) {
+    topics_ = Must(FaceTopics::Make(
+        {*robot_, *clock_, "robot1", [this] { return clock_->Now().time_since_epoch().count(); },
+         [this](const Error& error) {
+           log_.push_back(std::to_string(error.code) + " " + error.message);
+         },
+         looker_},
+        config_));
+    EXPECT_TRUE(topics_->SetOn(on));
+    Run(Milliseconds(500));  // discovery
+  }
+  void Run(Duration duration) { network_.RunFor(duration); }
+  // The camera sends so many, each 100 ms, with the lens.
+  void Shoot(int pictures = 1, const msg::Image& picture = Picture()) {
+    for (int i = 0; i < pictures; ++i) {
+      msg::Image shot = picture;
+      shot.header.stamp = msg::ToStamp(network_.now().time_since_epoch());
+      EXPECT_TRUE(infos_->Publish(info_));
+      EXPECT_TRUE(pictures_->Publish(shot));
+      Run(Milliseconds(100));
+    }
+  }
+  template <msg::Message M>
+  std::unique_ptr<transport::Subscription> Listen(const std::string& topic, std::vector<M>& heard) {
+    return Must(transport::MakeSubscription<M>(
+        *desk_, topic, [&heard](const M& message, const auto&) { heard.push_back(message); }));
+  }
+  void Forget() {
+    targets_.clear();
+    closes_.clear();
+    counts_.clear();
+    log_.clear();
+  }
+  std::string Failing() const {
+    const Result<> checked = topics_->Check();
+    EXPECT_EQ(checked ? 5909 : checked.error().code, 5909);
+    return checked ? "" : checked.error().message;
+  }
+
+  transport::sim::Network network_{1};
+  std::unique_ptr<transport::Node> robot_ = network_.MakeNode("robot");
+  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
+  std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(robot_->loop());
+  VisionConfig config_;
+  msg::CameraInfo info_ = FrontInfo();
+  FakeLooker looker_;
+  std::vector<std::string> log_;
+  std::vector<msg::PointStamped> targets_;
+  std::vector<msg::Bool> closes_;
+  std::vector<int> counts_;
+  std::unique_ptr<transport::Subscription> target_;
+  std::unique_ptr<transport::Subscription> too_close_;
+  std::unique_ptr<transport::Subscription> faces_;
+  std::unique_ptr<transport::Publisher<msg::Image>> pictures_;
+  std::unique_ptr<transport::Publisher<msg::CameraInfo>> infos_;
+  std::unique_ptr<FaceTopics> topics_;
+};
+
+TEST_F(FaceTopicsTest, TellWhomToLookAtAndHowFarAwayThatIs) {
+  looker_.found = std::vector{FaceAt(0.3, 0.4, HeightAt(1, 0.18))};
+  Start();
+  Shoot();
+  EXPECT_THAT(targets_, IsEmpty()) << "one picture is not enough";
+  Shoot();
+  ASSERT_EQ(targets_.size(), 1U);
+  EXPECT_NEAR(targets_[0].point.x, 0.3, 1e-9);
+  EXPECT_NEAR(targets_[0].point.y, 0.4, 1e-9);
+  EXPECT_NEAR(targets_[0].point.z, 1.03, 0.01) << "it is aside";
+  EXPECT_EQ(targets_[0].header.frame_id, "camera");
+  EXPECT_EQ(targets_[0].header.stamp, msg::ToStamp(Duration(looker_.looks.back())));
+  EXPECT_EQ(closes_.back(), msg::Bool{false});
+  EXPECT_THAT(counts_, ElementsAre(0, 1));
+}
+
+TEST_F(FaceTopicsTest, SayThatSomebodyIsTooClose) {
+  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
+  Start();
+  Shoot(2);
+  EXPECT_EQ(closes_.back().data, true);
+}
+
+// Neither true for ever nor false for ever: who hears them counts old ones as unknown.
+TEST_F(FaceTopicsTest, SayNothingOfWhoIsTooCloseWhilePicturesAreMissing) {
+  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
+  Start();
+  Shoot(3);
+  Forget();
+  Run(Milliseconds(7000));
+  EXPECT_THAT(closes_, IsEmpty());
+  EXPECT_THAT(targets_, IsEmpty());
+  EXPECT_THAT(counts_, ElementsAre(0, 0, 0)) << "each 2 s";
+  EXPECT_THAT(log_, ElementsAre("5907 no picture for 2000 ms: none that can be looked at comes on "
+                                "robot1/image_rgb"));
+  looker_.found = std::vector<FaceBox>();
+  Shoot();
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("5907"), "0 pictures come again"));
+  EXPECT_EQ(closes_.back().data, true) << "nobody was seen to leave";
+}
+
+TEST_F(FaceTopicsTest, SayWhenNobodyPublishesPictures) {
+  pictures_.reset();
+  Start();
+  Run(Milliseconds(3000));
+  EXPECT_THAT(log_, ElementsAre("5907 no picture for 2000 ms: nobody publishes robot1/image_rgb"));
+}
+
+TEST_F(FaceTopicsTest, HearNoPictureWhileTheyDoNotLook) {
+  Start(false);
+  EXPECT_EQ(pictures_->MatchedReaders(), 0);
+  EXPECT_TRUE(topics_->SetOn(true));
+  Run(Milliseconds(100));
+  EXPECT_EQ(pictures_->MatchedReaders(), 1);
+  Shoot(2);
+  EXPECT_EQ(looker_.looks.size(), 2U);
+  Forget();
+  EXPECT_TRUE(topics_->SetOn(false));
+  Run(Milliseconds(5000));
+  EXPECT_EQ(pictures_->MatchedReaders(), 0);
+  EXPECT_THAT(counts_, ElementsAre(0)) << "once";
+  EXPECT_THAT(closes_, IsEmpty());
+  EXPECT_THAT(log_, IsEmpty()) << "silence is wanted";
+}
+
+TEST_F(FaceTopicsTest, KnowAfterAPauseWhoWasTooCloseBeforeIt) {
+  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
+  Start();
+  Shoot(2);
+  EXPECT_TRUE(topics_->SetOn(false));
+  Run(Milliseconds(20000));
+  Forget();
+  EXPECT_TRUE(topics_->SetOn(true));
+  Run(Milliseconds(100));
+  looker_.found = std::vector<FaceBox>();
+  Shoot();
+  EXPECT_THAT(closes_, ElementsAre(msg::Bool{true}));
+}
+
+TEST_F(FaceTopicsTest, DropAResultThatComesAfterTheyStoppedLooking) {
+  looker_.hangs = true;
+  Start();
+  Shoot();
+  EXPECT_TRUE(topics_->SetOn(false));
+  Run(Milliseconds(100));
+  Forget();
+  topics_->OnResult({looker_.looks[0], 64, 48, std::vector{FaceAt(0.5, 0.5)}, {}});
+  Run(Milliseconds(100));
+  EXPECT_THAT(counts_, IsEmpty());
+}
+
+TEST_F(FaceTopicsTest, RefuseAPictureThatIsNoneOnceInTheLog) {
+  Start();
+  msg::Image broken = Picture();
+  broken.data.pop_back();
+  Shoot(3, broken);
+  EXPECT_THAT(looker_.looks, IsEmpty());
+  EXPECT_THAT(log_, ElementsAre("5910 9215 bytes of a picture of 64 x 48 with 192 in a row"));
+  Shoot(1);
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("5910"), "0 pictures are well again"));
+}
+
+TEST_F(FaceTopicsTest, TakeAPictureWithoutAStampForOneOfNow) {
+  Start();
+  const std::int64_t now_ns = clock_->Now().time_since_epoch().count();
+  EXPECT_TRUE(pictures_->Publish(Picture()));
+  Run(Milliseconds(100));
+  ASSERT_EQ(looker_.looks.size(), 1U);
+  EXPECT_NEAR(double(looker_.looks[0] - now_ns), 0, double(10 * kMs));
+}
+
+TEST_F(FaceTopicsTest, StartAnewWhenTheWorldIsStartedAgain) {
+  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
+  Start();
+  Run(Milliseconds(60000));
+  Shoot(2);
+  EXPECT_EQ(closes_.back().data, true);
+  Forget();
+  looker_.found = std::vector<FaceBox>();
+  msg::Image early = Picture();
+  early.header.stamp = {3, 0};
+  EXPECT_TRUE(pictures_->Publish(early));
+  Run(Milliseconds(100));
+  EXPECT_THAT(closes_, ElementsAre(msg::Bool{false}));
+  EXPECT_THAT(log_, ElementsAre("0 time has jumped back: all faces are new"));
+  topics_->OnResult({60'000 * kMs, 64, 48, std::vector{FaceAt(0.5, 0.5)}, {}});
+  Run(Milliseconds(100));
+  EXPECT_EQ(counts_.size(), 1U) << "a result of the old time is none any more";
+}
+
+TEST_F(FaceTopicsTest, CheckThemselves) {
+  pictures_.reset();
+  Start(false);
+  EXPECT_TRUE(topics_->SetChecked(true));
+  Run(Milliseconds(100));
+  EXPECT_EQ(Failing(), "nobody publishes robot1/image_rgb");
+  pictures_ = Must(
+      transport::MakePublisher<msg::Image>(*desk_, "robot1/image_rgb", transport::kSensorDataQos));
+  Run(Milliseconds(100));
+  EXPECT_EQ(Failing(), "no picture came on robot1/image_rgb");
+  EXPECT_TRUE(pictures_->Publish(Picture()));
+  Run(Milliseconds(100));
+  EXPECT_EQ(Failing(),
+            "no CameraInfo came on robot1/image_rgb/camera_info, and the config has no hfov_deg: "
+            "distances are not known");
+  info_.k[0] = 0;
+  Shoot();
+  EXPECT_EQ(Failing(), "CameraInfo: it has no focal length");
+  info_ = FrontInfo();
+  Shoot();
+  EXPECT_EQ(Failing(), "");
+  EXPECT_TRUE(topics_->SetChecked(false));
+  EXPECT_FALSE(topics_->looks());
+}
+
+TEST_F(FaceTopicsTest, FailTheirCheckWithADetectorThatHangsOrFails) {
+  looker_.found = Error{5912, "the detector failed: out of luck"};
+  Start();
+  Shoot(2);
+  EXPECT_EQ(Failing(), "the detector failed: out of luck");
+  EXPECT_THAT(log_, ElementsAre("5912 the detector failed: out of luck"));
+  EXPECT_THAT(counts_, IsEmpty());
+  looker_.found = std::vector<FaceBox>();
+  Shoot();
+  EXPECT_EQ(Failing(), "");
+  looker_.busy = Milliseconds(5001);
+  EXPECT_EQ(Failing(), "the detector hangs: it has been at one picture for 5001 ms");
+  looker_.hangs = true;
+  Run(Milliseconds(3000));
+  EXPECT_THAT(log_.back(), HasSubstr("the detector has been at one for 5001 ms"));
+}
+
+TEST_F(FaceTopicsTest, KnowDistancesByTheConfigsAngleWhereNoCameraInfoComes) {
+  infos_.reset();
+  config_.hfov_rad = 2 * std::atan(320.0 / 600);
+  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
+  Start();
+  for (int i = 1; i <= 2; ++i) {
+    msg::Image picture = Picture(640, 480);
+    picture.header.stamp = {1, std::uint32_t(i) * 100'000'000U};
+    EXPECT_TRUE(pictures_->Publish(picture));
+    Run(Milliseconds(100));
+  }
+  ASSERT_EQ(targets_.size(), 1U);
+  EXPECT_NEAR(targets_[0].point.z, 0.4, 0.001);
+  EXPECT_EQ(closes_.back().data, true);
+}
+
+}  // namespace
+}  // namespace musher::vision

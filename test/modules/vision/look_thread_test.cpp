@@ -1,0 +1,163 @@
+// A real thread and a real loop, with a detector that does what the test says.
+
+#include <gmock/gmock.h>
+
+#include <future>
+#include <stdexcept>
+
+#include "musher/modules/vision/looker.hpp"
+#include "musher/test/modules/vision/faces.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher::vision {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class ScriptedDetector : public Detector {
+ public:
+  using Script = std::function<std::vector<FaceBox>(const msg::Image&)>;
+  explicit ScriptedDetector(const Script& script) : script_(script) {}
+  std::vector<FaceBox> Detect(const msg::Image& picture) override { return script_(picture); }
+
+ private:
+  const Script& script_;
+};
+
+class LookThreadTest : public testing::Test {
+ protected:
+  void Start() {
+    thread_.emplace(
+        loop_,
+        [this]() -> Result<std::unique_ptr<Detector>> {
+          ++made_;
+          if (broken_) return Error{5912, "there is no such model"};
+          return std::unique_ptr<Detector>(new ScriptedDetector(script_));
+        },
+        LookThread::Rules{Milliseconds(700), 3},
+        LookThreadEvents{[this](LookResult result) { results_.push_back(std::move(result)); },
+                         [this] { ++left_out_; },
+                         [this](Duration allowance) {
+                           const std::lock_guard lock(mutex_);
+                           checkpoints_.push_back(allowance);
+                         },
+                         [this](const Error& error) { lost_.set_value(error.message); }});
+  }
+  bool AwaitResults(std::size_t count) {
+    return loop_.RunUntil([&] { return results_.size() >= count; },
+                          loop_.Now() + std::chrono::seconds(20));
+  }
+  std::vector<std::int64_t> Stamps() const {
+    std::vector<std::int64_t> stamps;
+    for (const LookResult& result : results_) stamps.push_back(result.stamp_ns);
+    return stamps;
+  }
+
+  transport::LinuxEventLoop loop_;
+  ScriptedDetector::Script script_ = [](const msg::Image&) {
+    return std::vector{FaceAt(0.5, 0.5)};
+  };
+  std::atomic<int> made_ = 0;
+  std::atomic<bool> broken_ = false;
+  std::vector<LookResult> results_;
+  int left_out_ = 0;
+  std::mutex mutex_;
+  std::vector<Duration> checkpoints_;
+  std::promise<std::string> lost_;
+  std::optional<LookThread> thread_;  // last: it uses the rest
+};
+
+TEST_F(LookThreadTest, GivesWhatTheDetectorFinds) {
+  Start();
+  thread_->Look(7, Picture());
+  ASSERT_TRUE(AwaitResults(1));
+  EXPECT_EQ(results_[0].stamp_ns, 7);
+  EXPECT_EQ(results_[0].width_px, 64U);
+  EXPECT_THAT(results_[0].faces.value(), ElementsAre(FaceAt(0.5, 0.5)));
+  EXPECT_EQ(thread_->Busy(), Duration::zero());
+}
+
+TEST_F(LookThreadTest, TakesTheNewestPictureAndCountsTheOthers) {
+  std::promise<void> begun;
+  std::promise<void> let_go;
+  bool first = true;
+  script_ = [&](const msg::Image&) {
+    if (std::exchange(first, false)) {
+      begun.set_value();
+      let_go.get_future().wait();
+    }
+    return std::vector<FaceBox>();
+  };
+  Start();
+  thread_->Look(1, Picture());
+  begun.get_future().wait();
+  EXPECT_GT(thread_->Busy(), Duration::zero());
+  for (const std::int64_t stamp_ns : {2, 3, 4}) thread_->Look(stamp_ns, Picture());
+  EXPECT_EQ(left_out_, 2);
+  let_go.set_value();
+  ASSERT_TRUE(AwaitResults(2));
+  EXPECT_THAT(Stamps(), ElementsAre(1, 4));
+}
+
+TEST_F(LookThreadTest, ReplacesADetectorThatThrew) {
+  int call = 0;
+  script_ = [&](const msg::Image&) -> std::vector<FaceBox> {
+    if (++call == 1) throw std::runtime_error("out of luck\nand more");
+    if (call == 2) throw 5;
+    return {};
+  };
+  Start();
+  for (const std::size_t count : {1, 2, 3}) {
+    thread_->Look(std::int64_t(count), Picture());
+    ASSERT_TRUE(AwaitResults(count));
+  }
+  EXPECT_EQ(results_[0].faces.error().message, "the detector failed: out of luck");
+  EXPECT_EQ(results_[0].faces.error().code, 5912);
+  EXPECT_EQ(results_[1].faces.error().message, "the detector failed");
+  EXPECT_TRUE(results_[2].faces);
+  EXPECT_EQ(made_, 3);
+}
+
+TEST_F(LookThreadTest, GivesADetectorUpThatFailsAgainAndAgain) {
+  script_ = [](const msg::Image&) -> std::vector<FaceBox> { throw std::runtime_error("dead"); };
+  Start();
+  auto lost = lost_.get_future();
+  for (const std::size_t count : {1, 2, 3}) {
+    thread_->Look(std::int64_t(count), Picture());
+    ASSERT_TRUE(AwaitResults(count));
+  }
+  EXPECT_EQ(lost.get(), "3 pictures in a row: the detector failed: dead");
+  thread_->Look(4, Picture());  // nobody is there, and nothing hangs
+}
+
+TEST_F(LookThreadTest, LoadsTheModelAheadOrSaysWhyNot) {
+  broken_ = true;
+  Start();
+  EXPECT_EQ(thread_->Load().error().message, "there is no such model");
+  thread_->Look(1, Picture());
+  ASSERT_TRUE(AwaitResults(1));
+  EXPECT_EQ(results_[0].faces.error().message, "there is no such model");
+  broken_ = false;
+  EXPECT_TRUE(thread_->Load());
+  EXPECT_TRUE(thread_->Load());
+  EXPECT_EQ(made_, 3) << "once it is there it is kept";
+}
+
+TEST_F(LookThreadTest, SaysBeforeEachPictureHowLongItMayTake) {
+  Start();
+  thread_->Look(1, Picture());
+  ASSERT_TRUE(AwaitResults(1));
+  EXPECT_THAT(checkpoints_, ElementsAre(Duration(Milliseconds(700)), Duration::max()));
+}
+
+TEST_F(LookThreadTest, IsDroppedWithAPictureOnItsWay) {
+  Start();
+  thread_->Look(1, Picture());
+  thread_.reset();
+  loop_.RunUntil([] { return false; }, loop_.Now() + Milliseconds(20));
+  EXPECT_THAT(results_, testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace musher::vision

@@ -1,0 +1,93 @@
+#include "musher/modules/vision/picture.hpp"
+
+#include <gmock/gmock.h>
+
+#include <functional>
+
+#include "musher/test/modules/vision/faces.hpp"
+
+namespace musher::vision {
+namespace {
+
+using testing::HasSubstr;
+using Verdict = StampGate::Verdict;
+
+std::string Said(const std::function<void(msg::Image&)>& spoil) {
+  msg::Image picture = Picture();
+  spoil(picture);
+  const Result<> judged = JudgePicture(picture);
+  return judged ? "" : judged.error().message;
+}
+
+TEST(PictureJudge, TakesWhatCamerasSend) {
+  for (const auto& [encoding, channels] :
+       {std::pair("rgb8", 3), std::pair("bgr8", 3), std::pair("rgba8", 4), std::pair("bgra8", 4),
+        std::pair("mono8", 1)}) {
+    EXPECT_EQ(Said([&](msg::Image& picture) {
+                picture.encoding = encoding;
+                picture.step = picture.width * static_cast<std::uint32_t>(channels);
+                picture.data.resize(std::size_t{picture.step} * picture.height);
+              }),
+              "")
+        << encoding;
+  }
+  EXPECT_EQ(Said([](msg::Image& picture) {
+              picture.step += 5;  // rows may be longer than their pixels
+              picture.data.resize(std::size_t{picture.step} * picture.height);
+            }),
+            "");
+}
+
+TEST(PictureJudge, RefusesWhatIsNoPicture) {
+  EXPECT_THAT(Said([](msg::Image& picture) { picture.encoding = "32FC1"; }),
+              HasSubstr("this one is '32FC1'"));
+  EXPECT_THAT(Said([](msg::Image& picture) { picture.encoding = std::string(100000, 'x'); }),
+              HasSubstr("xxx'"));
+  EXPECT_EQ(Said([](msg::Image& picture) { picture.width = 0; }), "a picture of 0 x 48 pixels");
+  EXPECT_EQ(Said([](msg::Image& picture) { picture.height = 0; }), "a picture of 64 x 0 pixels");
+  EXPECT_EQ(Said([](msg::Image& picture) { picture.step -= 1; }),
+            "a row of 191 bytes in a picture of 64 x 48");
+  EXPECT_EQ(Said([](msg::Image& picture) { picture.data.pop_back(); }),
+            "9215 bytes of a picture of 64 x 48 with 192 in a row");
+  EXPECT_EQ(Said([](msg::Image& picture) { picture.data.clear(); }),
+            "0 bytes of a picture of 64 x 48 with 192 in a row");
+  // 2^32 / 4 pixels in a row: the product of width and channels is 0 in 32 bits.
+  EXPECT_NE(Said([](msg::Image& picture) {
+              picture.encoding = "rgba8";
+              picture.width = 1U << 30U;
+              picture.step = 0;
+              picture.data.clear();
+            }),
+            "");
+}
+
+TEST(StampGate, LetsNoPicturePassTwice) {
+  StampGate gate(0);
+  EXPECT_EQ(gate.Judge(100 * kMs), Verdict::kLook);
+  EXPECT_EQ(gate.Judge(100 * kMs), Verdict::kNotNewer);
+  EXPECT_EQ(gate.Judge(100 * kMs + 999'999), Verdict::kNotNewer);
+  EXPECT_EQ(gate.Judge(60 * kMs), Verdict::kNotNewer);
+  EXPECT_EQ(gate.Judge(101 * kMs), Verdict::kLook);
+}
+
+TEST(StampGate, KeepsToItsRateWhateverThatOfTheCamera) {
+  for (const std::int64_t camera_hz : {11, 15, 20, 30, 60}) {
+    StampGate gate(10);
+    int looked = 0;
+    for (std::int64_t i = 1; i <= 10 * camera_hz; ++i) {
+      looked += gate.Judge(i * 1'000'000'000 / camera_hz) == Verdict::kLook ? 1 : 0;
+    }
+    EXPECT_NEAR(looked, 100, 1) << camera_hz << " Hz";
+  }
+}
+
+TEST(StampGate, SeesTimeJumpBack) {
+  StampGate gate(10);
+  gate.Judge(100'000 * kMs);
+  EXPECT_EQ(gate.Judge(40 * kMs), Verdict::kLookAnew);
+  EXPECT_EQ(gate.Judge(50 * kMs), Verdict::kTooSoon);
+  EXPECT_EQ(gate.Judge(140 * kMs), Verdict::kLook);
+}
+
+}  // namespace
+}  // namespace musher::vision

@@ -1,0 +1,122 @@
+#include "musher/modules/vision/vision_config.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+namespace musher::vision {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::vector<std::string> Said(const std::string& text) {
+  std::vector<std::string> said;
+  for (const Diagnostic& diagnostic : ReadVisionText(text, "/robot/faces.toml").diagnostics) {
+    said.push_back(FormatDiagnostic(diagnostic));
+  }
+  return said;
+}
+
+TEST(VisionConfig, OfTheRepositoryIsGood) {
+  const VisionReading reading = ReadVisionFile(MUSHER_SOURCE_DIR "/config/vision/faces.toml");
+  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  ASSERT_TRUE(reading.config);
+  EXPECT_TRUE(reading.config->LooksIn("Active"));
+  for (const char* state : {"DeActive", "Protected", "LowPower", "OTA", "Error", "TearDown"}) {
+    EXPECT_FALSE(reading.config->LooksIn(state)) << state;
+  }
+}
+
+TEST(VisionConfig, IsWholeWithoutAKey) {
+  const VisionReading reading = ReadVisionText("", "/robot/faces.toml");
+  ASSERT_TRUE(reading.config);
+  EXPECT_EQ(reading.config->picture, "image_rgb");
+  EXPECT_EQ(reading.config->CameraInfoTopic(), "image_rgb/camera_info");
+  EXPECT_THAT(reading.config->cascade.model, HasSubstr("haarcascade_frontalface_alt2.xml"));
+}
+
+TEST(VisionConfig, HasWhatTheFileSays) {
+  const VisionReading reading = ReadVisionText(R"(
+picture = "/camera/head/image_raw"
+hfov_deg = 90
+publish_under = "faces"
+look_in = ["Active", "Show"]
+rate_hz = 0
+self_check_ms = 700
+silence_ms = 900
+[detector]
+model = "mine.xml"
+width_px = 640
+step = 1.2
+neighbours = 5
+hang_ms = 100
+failures = 2
+[faces]
+face_m = 0.21
+smallest = 0.1
+iou = 0.3
+distance = 0.2
+confirm_pictures = 3
+confirm_within_ms = 400
+forget_ms = 2000
+smoothing_ms = 0
+[target]
+lost_ms = 300
+nearer = 0.1
+[too_close]
+near_m = 0.5
+clear_m = 0.5
+hold_ms = 0
+)",
+                                               "/robot/faces.toml");
+  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  ASSERT_TRUE(reading.config);
+  const VisionConfig& config = *reading.config;
+  EXPECT_EQ(config.CameraInfoTopic(), "/camera/head/image_raw/camera_info");
+  EXPECT_NEAR(*config.hfov_rad, M_PI / 2, 1e-9);
+  EXPECT_EQ(config.publish_under, "faces");
+  EXPECT_THAT(config.look_in, ElementsAre("Active", "Show"));
+  EXPECT_EQ(config.rate_hz, 0);
+  EXPECT_EQ(config.self_check_time, Milliseconds(700));
+  EXPECT_EQ(config.cascade, (CascadeConfig{"mine.xml", 640, 1.2, 5, 0.1}));
+  EXPECT_EQ(config.look.hang, Milliseconds(100));
+  EXPECT_EQ(config.look.failures, 2);
+  FaceRules expected;
+  expected.face_m = 0.21;
+  expected.tracker = {0.1, 0.3, 0.2, 3, Milliseconds(400), Milliseconds(2000), Duration::zero()};
+  expected.target = {Milliseconds(300), 0.1};
+  expected.closeness = {0.5, 0.5, Duration::zero(), Milliseconds(900)};
+  EXPECT_EQ(config.faces, expected);
+}
+
+TEST(VisionConfig, TellsEveryFaultWithItsPlace) {
+  EXPECT_THAT(
+      Said(R"(picture = "image rgb"
+rate_hz = -1
+lookin = ["Active"]
+[detector]
+step = 1.0
+width_px = "320"
+[too_close]
+near_m = 0.6
+clear_m = 0.5
+)"),
+      ElementsAre(HasSubstr("faces.toml:1:11: error: picture: expected the name of a topic"),
+                  HasSubstr("faces.toml:2:11: error: rate_hz"),
+                  HasSubstr("faces.toml:3:1: error: unknown key \"lookin\""),
+                  HasSubstr("faces.toml:5:8: error: detector.step"),
+                  HasSubstr("faces.toml:6:12: error: detector.width_px"),
+                  HasSubstr("faces.toml:9:11: error: too_close.clear_m: must not be less")));
+  EXPECT_THAT(Said("picture ="), ElementsAre(HasSubstr("faces.toml:1:")));
+}
+
+TEST(VisionConfig, ThatCannotBeReadIsTold) {
+  const VisionReading reading = ReadVisionFile("/no/faces.toml");
+  EXPECT_FALSE(reading.config);
+  EXPECT_FALSE(reading.diagnostics.empty());
+}
+
+}  // namespace
+}  // namespace musher::vision

@@ -1,0 +1,83 @@
+// The file of the wedding robot, read and judged.
+
+#include "musher/modules/wedding/show_config.hpp"
+
+#include <gmock/gmock.h>
+
+namespace musher::wedding {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::vector<std::string> Faults(const std::string& text) {
+  std::vector<std::string> lines;
+  for (const Diagnostic& diagnostic : ReadWeddingText(text, "show.toml").diagnostics) {
+    lines.push_back(FormatDiagnostic(diagnostic));
+  }
+  return lines;
+}
+
+WeddingConfig Shipped(const char* file) {
+  const WeddingReading reading =
+      ReadWeddingFile(std::string(MUSHER_SOURCE_DIR) + "/config/wedding/" + file);
+  for (const Diagnostic& diagnostic : reading.diagnostics) {
+    ADD_FAILURE() << FormatDiagnostic(diagnostic);
+  }
+  return reading.config.value_or(WeddingConfig{});
+}
+
+TEST(WeddingConfigTest, IsTheSeedsWhereTheFileIsEmpty) {
+  const WeddingReading reading = ReadWeddingText("", "show.toml");
+  EXPECT_THAT(reading.diagnostics, IsEmpty());
+  EXPECT_EQ(reading.config, WeddingConfig{});
+}
+
+TEST(WeddingConfigTest, OfTheShippedShowDiffersFromTheSeedsInItsCameraAlone) {
+  const WeddingConfig config = Shipped("wedding.toml");
+  EXPECT_EQ(config.show.gaze.camera, Mount::kHead);
+  WeddingConfig plain = config;
+  plain.show.gaze = {};
+  EXPECT_EQ(plain, WeddingConfig{});
+}
+
+TEST(WeddingConfigTest, OfTheSecondGenerationHasBothExtensions) {
+  const ShowConfig show = Shipped("second_generation.toml").show;
+  EXPECT_EQ(show.search, SearchRules{});
+  ASSERT_TRUE(show.interview);
+  EXPECT_EQ(show.interview->question_characters.size(), 3);
+  EXPECT_EQ(show.idle.confirm, Milliseconds(500));
+}
+
+TEST(WeddingConfigTest, SaysAllThatIsWrongAtOnceAndWhere) {
+  EXPECT_THAT(Faults("rate_hz = 0\n"
+                     "[gaze]\n"
+                     "camera = \"hat\"\n"
+                     "follow = 1.5\n"
+                     "[idle]\n"
+                     "swai = 0.1\n"
+                     "[search]\n"
+                     "enabled = \"yes\"\n"),
+              ElementsAre(HasSubstr("show.toml:1:11: error: rate_hz"),
+                          HasSubstr("show.toml:3:10: error: gaze.camera"),
+                          HasSubstr("show.toml:4:10: error: gaze.follow"),
+                          HasSubstr("show.toml:6:1: error: idle: unknown key \"swai\""),
+                          HasSubstr("show.toml:8:11: error: search.enabled")));
+}
+
+TEST(WeddingConfigTest, RefusesToLoseAFaceThatStillCounts) {
+  EXPECT_THAT(Faults("[perception]\nage_ms = 3000\n[tracking]\nlost_ms = 1500\n"),
+              ElementsAre(HasSubstr("show.toml:4:11: error: tracking.lost_ms")));
+  EXPECT_THAT(Faults("[perception]\nage_ms = 3000\n"),
+              ElementsAre(HasSubstr("show.toml:2:10: error: perception.age_ms")));
+}
+
+TEST(WeddingConfigTest, CountsTheCharactersOfQuestionsAsPeopleDo) {
+  const auto reading =
+      ReadWeddingText("[interview]\nenabled = true\nquestions = [\"ab\", \"你好吗\"]\n", "");
+  EXPECT_THAT(reading.config->show.interview->question_characters, ElementsAre(2, 3));
+}
+
+}  // namespace
+}  // namespace musher::wedding

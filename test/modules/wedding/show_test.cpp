@@ -1,0 +1,374 @@
+// What the show promises beyond the acceptance table: the faults of its model that it does not
+// have, and what it does with nonsense.
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "musher/test/modules/wedding/show_rig.hpp"
+
+namespace musher::wedding {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+class ShowTest : public ShowRig {};
+
+// --- perception ages by the time, not by the tick ---
+
+TEST_F(ShowTest, UnderstandsAPersonWhoPublishesOnceASecond) {
+  for (int second = 0; second < 5; ++second) {
+    Face();
+    Tick(50);
+    EXPECT_EQ(state(), "TRACKING") << second;
+  }
+  EXPECT_EQ(TicksTo("FAREWELL", 100), 25) << "1.5 s after the last face";
+}
+
+TEST_F(ShowTest, LosesAFaceAfterTheSameTimeAtEveryRate) {
+  for (const int period_ms : {1, 20, 100, 250}) {
+    Begin({}, Milliseconds(period_ms));
+    Track();
+    const Time seen = now_ - step_;
+    ASSERT_GT(TicksTo("FAREWELL", 2000), 0);
+    EXPECT_GE(now_ - seen, Milliseconds(1500)) << period_ms;
+    EXPECT_LE(now_ - seen, Milliseconds(1500 + period_ms)) << period_ms;
+  }
+}
+
+TEST_F(ShowTest, FollowsTheSameWayAtEveryRate) {
+  std::vector<double> reached;
+  for (const int period_ms : {5, 20, 40}) {
+    Begin({}, Milliseconds(period_ms));
+    Track();
+    TickWithFace(Ticks(Milliseconds(200)), {0.9, 0.5});
+    reached.push_back(data().motion.look_at_target.x);
+  }
+  EXPECT_NEAR(reached[0], reached[1], 1e-9);
+  EXPECT_NEAR(reached[2], reached[1], 1e-9);
+}
+
+TEST_F(ShowTest, DoesNotJumpAfterALongPause) {
+  Track();
+  now_ += std::chrono::hours(1);
+  TickWithFace(1, {1, 0.5});
+  EXPECT_LT(data().motion.look_at_target.x, 0.95);
+}
+
+TEST_F(ShowTest, ForgetsWhatItSawWhenTimeGoesBack) {
+  Track();
+  now_ -= Milliseconds(900);
+  Tick();
+  EXPECT_FALSE(data().perception.face_detected);
+}
+
+// --- safety ---
+
+TEST_F(ShowTest, CountsTheTimeAnewEachTimeSomebodyIsTooClose) {
+  TooClose(true);
+  Tick();
+  TooClose(false);
+  Tick(90);
+  TooClose(true);
+  Tick();
+  TooClose(false);
+  EXPECT_EQ(TicksTo("IDLE", 150), 100);
+  EXPECT_THAT(script_.sounds, ElementsAre("too_close")) << "asked once";
+}
+
+TEST_F(ShowTest, LeavesSafeStopWhenItsDetectorHasDied) {
+  TooClose(true);
+  EXPECT_EQ(TicksTo("SAFE_STOP", 1), 1);
+  const int ticks = TicksTo("IDLE", 200);
+  EXPECT_EQ(ticks, 174) << "1.5 s until it does not count any more, and 2.0 s";
+}
+
+TEST_F(ShowTest, ObeysStopInSafeStopOnlyOnceNobodyIsTooClose) {
+  TooClose(true);
+  Tick();
+  Command("stop");
+  Tick();
+  EXPECT_EQ(state(), "SAFE_STOP");
+  EXPECT_THAT(script_.log, ElementsAre("command stop comes to nothing in SAFE_STOP"));
+  TooClose(false);
+  Tick();
+  Command("stop");
+  Tick();
+  EXPECT_EQ(state(), "IDLE");
+}
+
+TEST_F(ShowTest, StandsNeutralAndLooksAheadInSafeStop) {
+  Track();
+  TickWithFace(20, {0.1, 0.1});
+  Gesture("v");
+  TickWithFace(1, {0.1, 0.1});
+  ASSERT_EQ(script_.poses.back(), "v_sign");
+  TooClose(true);
+  Tick();
+  EXPECT_EQ(script_.poses.back(), "neutral");
+  EXPECT_EQ(script_.gazes.back(), Gaze{});
+}
+
+// --- photo ---
+
+TEST_F(ShowTest, ShowsAVForAVAndAThumbWithoutAGesture) {
+  Track();
+  Gesture("V");
+  Tick();
+  EXPECT_EQ(data().motion.target_pose, "v_sign");
+  Begin({});
+  Command("photo");
+  Tick();
+  EXPECT_EQ(data().motion.target_pose, "thumbs_up");
+}
+
+TEST_F(ShowTest, TakesOnePhotoForAHeartThatIsHeldForTwentySeconds) {
+  Track();
+  for (int i = 0; i < 1000; ++i) {
+    Gesture("heart");
+    TickWithFace(1);
+  }
+  EXPECT_EQ(script_.photos, 1);
+  EXPECT_EQ(state(), "TRACKING");
+}
+
+TEST_F(ShowTest, TakesAnotherPhotoForAnotherHeart) {
+  Track();
+  Gesture("heart");
+  ASSERT_GT(TicksToWithFace("PHOTO_POSING", 5), 0);
+  ASSERT_GT(TicksToWithFace("TRACKING", 400), 0);
+  Gesture("none");
+  TickWithFace(1);
+  EXPECT_EQ(state(), "TRACKING");
+  Gesture("heart");
+  TickWithFace(1);
+  EXPECT_EQ(state(), "PHOTO_POSING");
+}
+
+TEST_F(ShowTest, DoesNothingForAnOkOrAnUnsureGesture) {
+  Track();
+  Gesture("ok");
+  TickWithFace(5);
+  EXPECT_EQ(state(), "TRACKING");
+  ShowConfig config;
+  config.tracking.gesture_threshold = 0.8;
+  Begin(config);
+  Track();
+  Gesture("heart");
+  TickWithFace(5);
+  EXPECT_EQ(state(), "TRACKING") << "surer than the threshold";
+}
+
+TEST_F(ShowTest, CatchesUpWithAllSoundsInTheirOrderAfterALateTick) {
+  Force("PHOTO_POSING");
+  Tick();
+  now_ += Milliseconds(7000);
+  Tick();
+  EXPECT_THAT(script_.sounds,
+              ElementsAre("photo_confirm", "countdown", "shutter", "photo_done", "greeting"));
+  EXPECT_EQ(script_.photos, 1);
+  EXPECT_EQ(state(), "TRACKING");
+}
+
+TEST_F(ShowTest, TakesNoPhotoWhenItIsStoppedBeforeTheShutter) {
+  Force("PHOTO_POSING");
+  Tick(200);
+  Command("stop");
+  Tick(300);
+  EXPECT_EQ(script_.photos, 0);
+  EXPECT_EQ(script_.poses.back(), "neutral");
+}
+
+// --- commands ---
+
+TEST_F(ShowTest, HeedsCommandsOneATickInTheirOrder) {
+  Command("photo");
+  Command("tracking");
+  Tick();
+  EXPECT_EQ(state(), "PHOTO_POSING");
+  Tick();
+  EXPECT_EQ(state(), "TRACKING");
+}
+
+TEST_F(ShowTest, UnderstandsCommandsInAnyCaseAndWithBlanks) {
+  Command("  Photo\n");
+  Tick();
+  EXPECT_EQ(state(), "PHOTO_POSING");
+  Command("RESET");
+  EXPECT_EQ(state(), "IDLE");
+}
+
+TEST_F(ShowTest, SurvivesTenThousandCommandsAtOnceAndObeysTheStopAmongThem) {
+  for (int i = 0; i < 10'000; ++i) Command("photo");
+  Command("stop");
+  Tick();
+  EXPECT_EQ(state(), "IDLE") << "stop goes before all that wait";
+  EXPECT_EQ(machine_->waiting_commands(), 0);
+  EXPECT_EQ(machine_->counts().refused + machine_->counts().superseded, 10'000);
+  EXPECT_THAT(script_.log, testing::SizeIs(2));
+  Tick(150);
+  EXPECT_THAT(script_.log.back(), HasSubstr("(and 9966 like it)"));
+}
+
+TEST_F(ShowTest, TakesOnePhotoForTenThousandCommands) {
+  for (int i = 0; i < 10'000; ++i) Command("photo");
+  Tick(500);
+  EXPECT_EQ(script_.photos, 1);
+}
+
+TEST_F(ShowTest, SaysWhichCommandsNobodyKnows) {
+  Command("dance");
+  Command("search");
+  Tick();
+  EXPECT_EQ(state(), "IDLE");
+  EXPECT_THAT(script_.log, ElementsAre("command 'dance': not in this show"));
+  EXPECT_EQ(show_->complaints(), 2);
+}
+
+TEST_F(ShowTest, ObeysTheVoice) {
+  show_->OnVoiceCommand("photo", now_);
+  Tick();
+  EXPECT_EQ(state(), "PHOTO_POSING");
+  EXPECT_EQ(data().audio.voice_command, "photo");
+  show_->OnVoiceCommand("none", now_);
+  show_->OnVoiceCommand("stop", now_);
+  Tick();
+  EXPECT_EQ(state(), "IDLE");
+  show_->OnVoiceCommand("abracadabra", now_);
+  show_->OnVoiceCommand("interview", now_);
+  EXPECT_THAT(script_.log,
+              ElementsAre(HasSubstr("voice command 'abracadabra'"), HasSubstr("'interview'")));
+}
+
+// --- nonsense ---
+
+TEST_F(ShowTest, RefusesTargetsThatCannotBe) {
+  for (const Target& target :
+       {Target{{kNan, 0.5}, 1, {}}, Target{{0.5, kNan}, 1, {}}, Target{{1.01, 0.5}, 1, {}},
+        Target{{0.5, -0.1}, 1, {}}, Target{{320, 240}, 1, {}}, Target{{0.5, 0.5}, kNan, {}},
+        Target{{0.5, 0.5}, -1, {}},
+        Target{{0.5, 0.5}, std::numeric_limits<double>::infinity(), {}}}) {
+    show_->OnTarget(target, now_);
+  }
+  Tick();
+  EXPECT_EQ(state(), "IDLE");
+  EXPECT_EQ(show_->complaints(), 8);
+  EXPECT_THAT(script_.log, ElementsAre(HasSubstr("target (nan, 0.5, 1) is not in the picture")));
+}
+
+TEST_F(ShowTest, RefusesGesturesItDoesNotKnowAndKeepsTheOneItHas) {
+  Track();
+  Gesture("heart");
+  Gesture(std::string(100'000, 'x'));
+  EXPECT_LT(script_.log.back().size(), 120);
+  Tick();
+  EXPECT_EQ(state(), "PHOTO_POSING");
+}
+
+TEST_F(ShowTest, ReadsFacesAndRefusesWhatIsNone) {
+  show_->OnFaces(R"({"faces": [
+      {"area": 0.1, "is_frontal": true, "face_id": 3},
+      {"area": 0.3, "is_frontal": false, "face_id": 4},
+      {"area": 0.2, "is_frontal": true, "face_id": 5}], "count": 3, "timestamp": 12.5})",
+                 now_);
+  Tick();
+  EXPECT_EQ(data().perception.face_count, 3);
+  EXPECT_EQ(data().perception.face_id, 5);
+  for (const char* nonsense :
+       {"", "{", "[]", "{\"faces\": 3}", "{\"faces\": [1]}", "{\"faces\": [], \"count\": -1}"}) {
+    show_->OnFaces(nonsense, now_);
+  }
+  Tick();
+  EXPECT_EQ(data().perception.face_count, 3);
+  EXPECT_EQ(show_->complaints(), 6);
+  Tick(80);
+  EXPECT_EQ(data().perception.face_count, 0) << "too old";
+}
+
+TEST_F(ShowTest, KnowsTwentyFourJointsByNameOrInTheirOrder) {
+  std::vector<double> angles(kJointCount, 0.25);
+  show_->OnJointStates({}, angles, Duration(1), now_);
+  const std::vector<std::string> names = {"j23_head_yaw", "j12_waist_yaw"};
+  const std::vector<double> two = {0.5, -0.125};
+  show_->OnJointStates(names, two, Duration(2), now_);
+  show_->OnJointCommands(names, two, now_);
+  EXPECT_EQ(data().motion.joint_positions[0], 0.25);
+  EXPECT_EQ(data().motion.joint_positions[kHeadYaw], 0.5);
+  EXPECT_EQ(data().motion.joint_positions[kWaistYaw], -0.125);
+  EXPECT_EQ(data().motion.joint_commands[kHeadYaw], 0.5);
+  EXPECT_EQ(LookYaw(data().motion.joint_positions), 0.375);
+
+  const std::vector<std::string> strange = {"j23_head_yaw", "j99_tail"};
+  show_->OnJointStates(strange, two, Duration(3), now_);
+  show_->OnJointStates(names, angles, Duration(3), now_);
+  show_->OnJointStates({}, two, Duration(3), now_);
+  const std::vector<double> broken = {1, kNan};
+  show_->OnJointStates(names, broken, Duration(3), now_);
+  EXPECT_EQ(data().motion.joint_positions[kHeadYaw], 0.5) << "nothing of them is taken";
+  EXPECT_EQ(show_->complaints(), 4);
+}
+
+// --- rest ---
+
+TEST_F(ShowTest, RestsNeutralAndGoesOnFromIdle) {
+  Track();
+  Gesture("heart");
+  TickWithFace(10, {0.9, 0.5});
+  ASSERT_EQ(state(), "PHOTO_POSING");
+  show_->Rest(now_);
+  EXPECT_EQ(state(), "IDLE");
+  EXPECT_EQ(script_.poses.back(), "neutral");
+  EXPECT_EQ(script_.gazes.back(), Gaze{});
+  Command("photo");
+  EXPECT_THAT(script_.log, ElementsAre("command photo comes to nothing: the show rests"));
+  show_->Resume(now_);
+  Tick(2);
+  EXPECT_EQ(state(), "IDLE") << "what was seen before does not count any more";
+  EXPECT_EQ(script_.poses.back(), "neutral");
+  EXPECT_EQ(script_.photos, 0);
+}
+
+TEST_F(ShowTest, AsksNothingOfARobotThatMustNotBeMoved) {
+  Track();
+  TickWithFace(10, {0.9, 0.5});
+  const std::size_t gazes = script_.gazes.size();
+  const std::size_t poses = script_.poses.size();
+  show_->Rest(now_, true);
+  EXPECT_EQ(script_.gazes.size(), gazes);
+  EXPECT_EQ(script_.poses.size(), poses);
+  EXPECT_EQ(state(), "IDLE");
+}
+
+TEST_F(ShowTest, SaysItsPoseAgainToAMotionThatWasStartedAnew) {
+  Tick();
+  show_->Rest(now_);
+  show_->Resume(now_);
+  Tick();
+  EXPECT_THAT(script_.poses, ElementsAre("neutral", "neutral", "neutral"));
+}
+
+// --- who is there ---
+
+TEST_F(ShowTest, WaitsForAFaceToStayWhereItsConfigSaysSo) {
+  ShowConfig config;
+  config.idle.confirm = Milliseconds(300);
+  Begin(config);
+  EXPECT_EQ(TicksToWithFace("TRACKING", 20), 16);
+}
+
+TEST_F(ShowTest, ComesHomeWhereverItIsLeftAlone) {
+  for (const char* from : {"IDLE", "TRACKING", "PHOTO_POSING", "FAREWELL", "SAFE_STOP"}) {
+    Force(from);
+    Tick(Ticks(Milliseconds(10'000)));
+    EXPECT_EQ(state(), "IDLE") << from;
+  }
+}
+
+}  // namespace
+}  // namespace musher::wedding

@@ -1,0 +1,233 @@
+// musher-wedding as a controller and a plain ROS 2-style program meet it: driven through the topics
+// of the show.
+
+#include "musher/test/modules/wedding/wedding_process.hpp"
+#include "musher/messages/protocol/camera.hpp"
+#include "musher/messages/std_srvs/set_bool.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher::wedding {
+namespace {
+
+using msg::ActuatorCommand;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST_F(WeddingProcess, PlaysTheShowFromGreetingOverPhotoToFarewell) {
+  StartActive();
+  ASSERT_TRUE(AwaitWithFace("TRACKING")) << peer_.Output();
+  ASSERT_TRUE(gesture_->Publish({"heart"}));
+  ASSERT_TRUE(AwaitWithFace("PHOTO_POSING")) << peer_.Output();
+  ASSERT_TRUE(AwaitWithFace("TRACKING")) << peer_.Output();
+  ASSERT_TRUE(AwaitShown("FAREWELL")) << peer_.Output();
+  ASSERT_TRUE(AwaitShown("IDLE")) << peer_.Output();
+  ASSERT_TRUE(peer_.Until(
+      [&] { return !poses_.empty() && poses_.back() == "neutral" && sounds_.size() == 7; }));
+  EXPECT_THAT(sounds_, ElementsAre("greeting", "photo_confirm", "countdown", "shutter",
+                                   "photo_done", "greeting", "farewell"));
+  EXPECT_THAT(poses_, ElementsAre("neutral", "heart", "neutral", "wave", "neutral"));
+  EXPECT_THAT(peer_.Output(), HasSubstr("no photo: there is no camera service"));
+}
+
+TEST_F(WeddingProcess, TellsItsStateFiveTimesASecondAndItsGazeFiftyTimes) {
+  StartActive();
+  const std::size_t looks = looks_.size();
+  const std::size_t states = states_.size();
+  ASSERT_TRUE(peer_.Until([&] { return looks_.size() >= looks + 50; }));
+  EXPECT_GE(states_.size() - states, 3);
+  EXPECT_LE(states_.size() - states, 8);
+  EXPECT_EQ(looks_.back().header.frame_id, "camera");
+  EXPECT_GT(looks_.back().header.stamp.sec, 0);
+  EXPECT_NEAR(looks_.back().point.x, 0.5, 0.036);
+  EXPECT_EQ(looks_.back().point.z, 0);
+}
+
+TEST_F(WeddingProcess, IsDrivenByAPersonWhoTypesWhatItsManualSays) {
+  StartActive();
+  Face();
+  ASSERT_TRUE(AwaitShown("TRACKING"));
+  Command("photo");
+  ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
+  Command("stop");
+  ASSERT_TRUE(AwaitShown("IDLE"));
+  ASSERT_TRUE(voice_->Publish({"photo"}));
+  ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
+  EXPECT_THAT(poses_, Contains("thumbs_up"));
+}
+
+TEST_F(WeddingProcess, StopsForSomebodyWhoIsTooCloseAndGoesOn) {
+  StartActive();
+  ASSERT_TRUE(too_close_->Publish({true}));
+  ASSERT_TRUE(AwaitShown("SAFE_STOP"));
+  ASSERT_TRUE(too_close_->Publish({false}));
+  ASSERT_TRUE(AwaitShown("IDLE"));
+  EXPECT_THAT(sounds_, ElementsAre("too_close"));
+}
+
+TEST_F(WeddingProcess, AnswersItsServices) {
+  StartActive();
+  Command("photo");
+  ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
+  const auto idle = Call<msg::SetBool>("wedding/fsm/set_idle", {true});
+  EXPECT_TRUE(idle.success);
+  EXPECT_EQ(idle.message, "Set to IDLE");
+  ASSERT_TRUE(AwaitShown("IDLE"));
+  Command("photo");
+  ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
+  const auto reset = Call<msg::Trigger>("wedding/fsm/reset", {});
+  EXPECT_TRUE(reset.success);
+  EXPECT_EQ(reset.message, "FSM reset to IDLE");
+  ASSERT_TRUE(AwaitShown("IDLE"));
+  Command("photo");
+  ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
+  EXPECT_EQ(Call<msg::Trigger>("wedding/fsm/stop", {}).message, "FSM stop command sent");
+  ASSERT_TRUE(AwaitShown("IDLE"));
+}
+
+TEST_F(WeddingProcess, HasTheCameraTakeThePictureAtTheShutter) {
+  int asked = 0;
+  const auto camera = transport::MakeServer<msg::CameraService>(
+                          peer_.node(), "camera_service",
+                          [&](const msg::CameraService::Request& request, const auto& reply) {
+                            EXPECT_EQ(request.command, msg::CameraService::kTakePicture);
+                            ++asked;
+                            if (asked == 1) return reply({0, "/photos/1.jpg", 0});
+                            reply({msg::CameraService::kInvalidState, "the camera is off", 4403});
+                          })
+                          .value();
+  StartActive();
+  Command("photo");
+  ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
+  ASSERT_TRUE(peer_.Until([&] { return asked == 1; })) << peer_.Output();
+  ASSERT_TRUE(AwaitShown("TRACKING"));
+  Command("photo");
+  ASSERT_TRUE(peer_.Until([&] { return asked == 2; }));
+  ASSERT_TRUE(AwaitWithFace("TRACKING"));
+  EXPECT_TRUE(peer_.Until([&] {
+    return peer_.Output().find("no photo: the camera is off (result 5, 4403") != std::string::npos;
+  })) << peer_.Output();
+  EXPECT_THAT(peer_.Output(), HasSubstr("photo 1: /photos/1.jpg"));
+}
+
+TEST_F(WeddingProcess, RestsNeutralInEveryOtherStateAndGoesOnFromIdle) {
+  StartActive();
+  for (const char* rest : {"LowPower", "DeActive", "Protected", "OTA", "Error"}) {
+    Command("photo");
+    ASSERT_TRUE(AwaitShown("PHOTO_POSING")) << rest;
+    ASSERT_TRUE(AwaitPose("thumbs_up"));
+    ExpectDone(rest);
+    ASSERT_TRUE(AwaitPose("neutral")) << rest;
+    ASSERT_TRUE(AwaitShown("IDLE")) << rest;
+    EXPECT_EQ(looks_.back().point.x, 0.5) << rest;
+    const std::size_t looks = looks_.size();
+    const std::size_t states = states_.size();
+    Command("photo");
+    ASSERT_TRUE(peer_.Until([&] { return states_.size() >= states + 2; }));
+    EXPECT_EQ(states_.back(), "IDLE") << rest;
+    EXPECT_EQ(looks_.size(), looks) << rest << ": nothing moves it";
+    ExpectDone("Active");
+    ASSERT_TRUE(peer_.Until([&] { return looks_.size() > looks; })) << rest;
+  }
+  EXPECT_THAT(peer_.Output(), HasSubstr("command photo comes to nothing: the show rests"));
+}
+
+TEST_F(WeddingProcess, AsksNothingOfARobotThatIsStoppedInAnEmergency) {
+  StartActive();
+  Command("photo");
+  ASSERT_TRUE(AwaitPose("thumbs_up"));
+  const auto stop = transport::MakePublisher<msg::EmergencyStop>(
+                        peer_.node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                        .value();
+  msg::EmergencyStop engaged;
+  engaged.id = 1;
+  engaged.engaged = true;
+  ASSERT_TRUE(stop->Publish(engaged));
+  ASSERT_TRUE(AwaitShown("IDLE")) << peer_.Output();
+  const std::size_t looks = looks_.size();
+  const std::size_t states = states_.size();
+  ASSERT_TRUE(peer_.Until([&] { return states_.size() >= states + 3; }));
+  EXPECT_EQ(poses_.back(), "thumbs_up");
+  EXPECT_EQ(looks_.size(), looks);
+}
+
+TEST_F(WeddingProcess, SurvivesTenThousandCommandsAtOnce) {
+  StartActive();
+  for (int i = 0; i < 10'000; ++i) Command(i % 3 == 0 ? "photo" : i % 3 == 1 ? "dance" : "idle");
+  Command("stop");
+  ASSERT_TRUE(command_->Flush(std::chrono::seconds(20)));
+  Command("photo");
+  ASSERT_TRUE(AwaitShown("PHOTO_POSING")) << "it goes on as before";
+  EXPECT_LT(peer_.Output().size(), 20'000) << "and has not filled the disk";
+}
+
+TEST_F(WeddingProcess, BeginsInIdleAndNeutralAfterItWasKilledInAPose) {
+  StartActive();
+  ASSERT_TRUE(gesture_->Publish({"v"}));
+  ASSERT_TRUE(AwaitWithFace("PHOTO_POSING"));
+  ASSERT_TRUE(AwaitPose("v_sign"));
+  // So that the status of its successor is known from its own.
+  ASSERT_TRUE(peer_.AwaitStatus([](const auto& report) { return report.state == "Active"; }));
+  peer_.Signal(SIGKILL);
+  ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
+  ASSERT_TRUE(peer_.Until([&] { return subscriptions_.front()->MatchedWriters() == 0; }));
+  poses_.clear();
+  states_.clear();
+  StartActive();
+  ASSERT_TRUE(peer_.Until([&] { return !poses_.empty(); }));
+  EXPECT_EQ(poses_.front(), "neutral");
+  EXPECT_EQ(Changes().back(), "IDLE");
+}
+
+TEST_F(WeddingProcess, LivesThroughAllStates) {
+  Start();
+  const auto seen = peer_.node().loop().Every(Milliseconds(100), [this] { Face(); });
+  for (const char* state : {"SelfCheck", "Active", "SelfCheck", "DeActive", "Protected", "OTA",
+                            "Error", "SelfCheck", "TearDown"}) {
+    ExpectDone(state);
+  }
+  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+  EXPECT_EQ(states_.back(), "INVALID");
+}
+
+TEST_F(WeddingProcess, FailsItsSelfCheckByNameWithoutEyesVoiceOrBody) {
+  target_.reset();
+  subscriptions_.clear();
+  peer_.Start("[check]\ntime_ms = 100\n");
+  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  const auto checked = peer_.Switch("SelfCheck");
+  ASSERT_TRUE(checked);
+  EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
+  EXPECT_THAT(checked.value().message,
+              testing::AllOf(HasSubstr("camera: nobody publishes /wedding/perception/faces_json"),
+                             HasSubstr("audio: nobody listens to /wedding/audio/play"),
+                             HasSubstr("motion: nobody listens to /wedding/motion/pose")));
+}
+
+TEST_F(WeddingProcess, GoesOnWithoutWhatIsOptionalAndSaysSo) {
+  target_.reset();
+  subscriptions_.clear();
+  peer_.Start(
+      "[check]\ntime_ms = 100\ncamera = \"optional\"\naudio = \"none\"\nmotion = \"none\"\n");
+  ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  ExpectDone("SelfCheck");
+  EXPECT_THAT(peer_.Output(), HasSubstr("self-check: without camera: nobody publishes"));
+}
+
+TEST_F(WeddingProcess, FailsItsSelfCheckInActiveWhenVisionHasFallenSilent) {
+  StartActive("[check]\ntime_ms = 100\n");
+  const auto checked = peer_.Switch("SelfCheck");
+  ASSERT_TRUE(checked);
+  EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
+  EXPECT_THAT(checked.value().message, HasSubstr("camera: nothing was heard of"));
+}
+
+TEST_F(WeddingProcess, ExplainsAFaultyFileAndEndsWithTwo) {
+  peer_.Start("[idle]\nsway = 3\n");
+  EXPECT_EQ(peer_.AwaitExit(), 2);
+  EXPECT_THAT(peer_.Output(), HasSubstr("wedding.toml:2:8: error: idle.sway"));
+}
+
+}  // namespace
+}  // namespace musher::wedding
