@@ -84,7 +84,7 @@ class ActuatorTrial {
   // A callback that has neither ended nor asked StopRequested() for so long is stuck.
   std::chrono::milliseconds real_time_limit{10'000};
 
-  // Fails the running test at the first bad story. What actuators say on std::cout is only to be
+  // Fails the running test at the first bad story. What actuators say is only to be
   // heard when a story is told again.
   void Run() {
     const auto told = StoryFromEnvironment();
@@ -118,16 +118,20 @@ class ActuatorTrial {
  private:
   using Answer = Result<std::optional<TrialFailure>>;
 
-  // Of std::cout.
+  // Of std::cout and std::cerr.
   class Silence {
    public:
-    Silence() : loud_(std::cout.rdbuf(nullptr)) {}
-    ~Silence() { std::cout.rdbuf(loud_); }
+    Silence() : out_(std::cout.rdbuf(nullptr)), error_(std::cerr.rdbuf(nullptr)) {}
+    ~Silence() {
+      std::cout.rdbuf(out_);
+      std::cerr.rdbuf(error_);
+    }
     Silence(const Silence&) = delete;
     Silence& operator=(const Silence&) = delete;
 
    private:
-    std::streambuf* loud_;
+    std::streambuf* out_;
+    std::streambuf* error_;
   };
 
   std::unique_ptr<MachineActuator> Make(Faults& faults) {

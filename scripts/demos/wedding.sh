@@ -21,13 +21,23 @@ behavior() {
 changes() {
   behavior '[.history[] | "\(.from)>\(.to)"] | join(" ")'
 }
-# await_change CHANGE SECONDS: waits for it; "yes" when it came.
+# await_change CHANGE [TIMES]: waits up to a minute until it has come, or come so often; says "yes".
 await_change() {
   local _
-  for ((_ = 0; _ < $2 * 5; ++_)); do
-    [[ " $(changes) " == *" $1 "* ]] && echo yes && return
+  for _ in {1..300}; do
+    (($(changes | tr ' ' '\n' | grep -cx "$1") >= ${2:-1})) && echo yes && return
     sleep 0.2
   done
+}
+# photographs N: waits up to ten seconds until so many are saved; says how many.
+photographs() {
+  local _ saved
+  for _ in {1..100}; do
+    saved=$(find "$XDG_STATE_HOME/musher/wedding/camera" -name '*.jpg' 2> /dev/null | wc -l)
+    ((saved >= $1)) && break
+    sleep 0.1
+  done
+  echo "$saved"
 }
 # has_said TEXT: whether it has been said since the voice was started.
 has_said() {
@@ -41,54 +51,77 @@ boot() {
   expect "exit code of up" 0 $?
   expect "the machine" Active "$(status .state)"
   expect "those that are Active" 5 "$(status '[.actuators[] | select(.state == "Active")] | length')"
-  musher-camera --clock topic strip image_rgb "$strip" --changes /wedding/fsm/state --every 0.5 \
-    --count 12 --columns 4 --timeout 60 > "$scratch/strip.log" 2>&1 &
+  say "\$ musher-camera strip image_rgb … --changes /wedding/fsm/state"
+  musher-camera --clock topic strip image_rgb "$strip" --changes /wedding/fsm/state --every 0.6 \
+    --count 15 --columns 5 --width 256 > "$scratch/strip.log" 2>&1 &
   films=$!
 }
 
 greet() {
-  act "A guest comes, and the robot greets her"
-  expect "IDLE>TRACKING" yes "$(await_change 'IDLE>TRACKING' 30)"
-  expect "it says so" yes "$(has_said "Welcome")"
+  act "The bride comes, and the robot greets her"
+  expect "from IDLE to TRACKING" yes "$(await_change 'IDLE>TRACKING')"
+  expect "it has said welcome" yes "$(has_said "Welcome")"
 }
 
 photograph() {
   act "She makes a heart with her hands: a pose, a countdown, a photograph"
-  expect "TRACKING>PHOTO_POSING" yes "$(await_change 'TRACKING>PHOTO_POSING' 30)"
+  expect "from TRACKING to PHOTO_POSING" yes "$(await_change 'TRACKING>PHOTO_POSING')"
   shown musher graph --behavior wedding -o "$graph"
   expect "its machine is drawn: exit code" 0 "$code"
-  expect "PHOTO_POSING>TRACKING" yes "$(await_change 'PHOTO_POSING>TRACKING' 30)"
-  expect "photographs" yes "$([[ -n $(find "$XDG_STATE_HOME" -name '*.jpg') ]] && echo yes)"
-}
-
-be_close() {
-  act "A child comes too close: the robot stops at once, and goes on when it has stepped back"
-  expect "into SAFE_STOP" yes "$(await_change 'TRACKING>SAFE_STOP' 60)"
-  expect "SAFE_STOP>IDLE" yes "$(await_change 'SAFE_STOP>IDLE' 30)"
+  expect "and back" yes "$(await_change 'PHOTO_POSING>TRACKING')"
+  expect "photographs" 1 "$(photographs 1)"
 }
 
 farewell() {
-  act "The guests leave, and it waves"
-  expect "TRACKING>FAREWELL" yes "$(await_change 'TRACKING>FAREWELL' 60)"
-  expect "FAREWELL>IDLE" yes "$(await_change 'FAREWELL>IDLE' 30)"
+  act "She leaves, and it waves"
+  expect "from TRACKING to FAREWELL" yes "$(await_change 'TRACKING>FAREWELL')"
+  expect "and home to IDLE" yes "$(await_change 'FAREWELL>IDLE')"
+  expect "it has said goodbye" yes "$(has_said "Goodbye")"
+}
+
+be_close() {
+  act "The groom is photographed, too; then a child comes too close: it stops at once, and goes on"
+  expect "from TRACKING to SAFE_STOP" yes "$(await_change 'TRACKING>SAFE_STOP')"
+  expect "photographs" 2 "$(photographs 2)"
+  expect "it asks for room" yes "$(has_said "Please step back")"
+  expect "from SAFE_STOP to IDLE" yes "$(await_change 'SAFE_STOP>IDLE')"
+}
+
+lose_sight() {
+  local process
+  act "Its eyes are killed while bride and groom stand there: nobody notices"
+  expect "they are being looked at" yes "$(await_change 'IDLE>TRACKING' 5)"
+  process=$(status .actuators.vision.pid)
+  say "\$ kill -KILL $process  # vision"
+  kill -KILL "$process"
+  expect "they are photographed" yes "$(await_change 'PHOTO_POSING>TRACKING' 3)"
+  await '.actuators | all(.state == "Active")'
+  expect "vision has a new process" true \
+    "$(status ".actuators.vision.pid | . > 0 and . != $process")"
+  expect "photographs" 3 "$(photographs 3)"
 }
 
 rest() {
-  act "LowPower: it stands straight and rests; Active: it goes on"
+  act "LowPower: it stands straight and its show rests; Active: it waits for guests again"
   musher_set LowPower
   expect "LowPower" "done" "$(answer .outcome)"
+  expect "its show" "paused IDLE" "$(behavior '"\(if .ticking then "runs" else "paused" end) \(.state)"')"
   musher_set Active
   expect "Active" "done" "$(answer .outcome)"
 }
 
 go_home() {
   act "Power-off: TearDown, and everything ends"
+  shown musher down
+  expect "exit code" 0 "$code"
+  await_end
+}
+
+show_pictures() {
+  kill -TERM "$films" 2> /dev/null
   wait "$films"
   expect "the strip of pictures: exit code" 0 $?
-  [[ -s $strip ]] && say "what it saw is in $strip"
-  shown musher down
-  expect "exit code of down" 0 "$code"
-  await_end
+  [[ -s $strip ]] && say "what it saw is in $strip, its machine in $graph"
 }
 
 explain_keeping() {
@@ -109,9 +142,11 @@ play() {
   if ((failures == 0)); then
     greet
     photograph
-    be_close
     farewell
+    be_close
+    lose_sight
     rest
   fi
+  show_pictures
   [[ $keep == yes ]] || go_home
 }

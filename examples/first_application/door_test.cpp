@@ -1,0 +1,63 @@
+// The door without a robot, in as little time as it takes to compute.
+
+#include "door.hpp"
+
+#include <gtest/gtest.h>
+
+#include "musher/simulation/actuator_trial.hpp"
+
+// [machine]
+TEST(Door, OpensInTwoSecondsAndShutsItselfAfterFive) {
+  DoorData door;
+  fsm::Machine machine({.name = "door"});
+  ASSERT_TRUE(BuildDoor(machine, door));
+  musher::Time now;
+  const auto wait = [&](musher::Duration time) {
+    for (const musher::Time end = now + time; now < end;) machine.RunOnce(now += 20ms);
+  };
+  ASSERT_TRUE(machine.Start(now));
+  ASSERT_TRUE(machine.Send("open"));
+  wait(1s);
+  EXPECT_NEAR(door.opening, 0.5, 0.02);
+  wait(1s + 100ms);
+  EXPECT_EQ(machine.Path(), "OPEN");
+  wait(8s);
+  EXPECT_EQ(machine.Path(), "CLOSED");
+}
+// [machine end]
+
+// [obstacle]
+TEST(Door, StopsWhereItIsAtAnObstacleAndOpensOnceTheWayIsFree) {
+  DoorData door;
+  fsm::Machine machine({.name = "door"});
+  ASSERT_TRUE(BuildDoor(machine, door));
+  musher::Time now;
+  ASSERT_TRUE(machine.Start(now));
+  ASSERT_TRUE(machine.Send("open"));
+  for (int i = 0; i < 50; ++i) machine.RunOnce(now += 20ms);
+  const double before = door.opening;
+  door.obstacle = true;
+  for (int i = 0; i < 50; ++i) machine.RunOnce(now += 20ms);
+  EXPECT_EQ(machine.mode(), fsm::Mode::kSafeStop);
+  EXPECT_EQ(door.opening, before);
+  door.obstacle = false;
+  machine.RunOnce(now += 20ms);
+  EXPECT_EQ(machine.Path(), "OPEN");
+}
+// [obstacle end]
+
+// [trial]
+TEST(Door, BearsWhateverBefallsTheRobot) {
+  musher::simulation::ActuatorTrial<Door> trial;
+  trial.config_file = "robot.toml";
+  trial.make = [] {
+    auto door = std::make_unique<Door>();
+    EXPECT_TRUE(door->Prepare("robot.toml"));
+    return door;
+  };
+  trial.always = [](const Door& door, const musher::ActuatorReport&) {
+    EXPECT_EQ(door.opening(), 0) << "nobody has told it to open";
+  };
+  trial.Run();
+}
+// [trial end]
