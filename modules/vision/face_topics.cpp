@@ -112,6 +112,7 @@ void FaceTopics::OnPicture(msg::Image picture) {
     case StampGate::Verdict::kLookAnew:
       around_.log({kCodeOk, "time has jumped back: all faces are new"});
       watch_ = FaceWatch(config_.faces);
+      too_close_now_ = false;
       break;
     case StampGate::Verdict::kLook:
       break;
@@ -151,6 +152,7 @@ void FaceTopics::OnSilence() {
                               : "none that can be looked at comes on " + PictureTopic();
   Set(silence_, Wrong(KeyCode::kTimeout, "no picture for " + Ms(config_.silence) + ": " + why), "");
   TellNobody();
+  if (too_close_now_) static_cast<void>(too_close_->Publish({true}));
   AwaitNext();
 }
 
@@ -162,7 +164,10 @@ void FaceTopics::Tell(const Sight& sight) {
                     sight.target->distance_m.value_or(0)};
     static_cast<void>(target_->Publish(target));
   }
-  if (sight.too_close) static_cast<void>(too_close_->Publish({*sight.too_close}));
+  if (sight.too_close) {
+    too_close_now_ = *sight.too_close;
+    static_cast<void>(too_close_->Publish({too_close_now_}));
+  }
   static_cast<void>(faces_->Publish({FacesJson(sight)}));
 }
 
