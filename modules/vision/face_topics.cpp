@@ -110,15 +110,27 @@ void FaceTopics::OnPicture(msg::Image picture) {
     case StampGate::Verdict::kTooSoon:
       return;
     case StampGate::Verdict::kLookAnew:
-      around_.log({kCodeOk, "time has jumped back: all faces are new"});
-      watch_ = FaceWatch(config_.faces);
-      too_close_now_ = false;
+      OnJump();
       break;
     case StampGate::Verdict::kLook:
       break;
   }
   newest_ns_ = stamp_ns;
   around_.looker.Look(stamp_ns, std::move(picture));
+}
+
+void FaceTopics::OnJump() {
+  watch_ = FaceWatch(config_.faces);
+  too_close_now_ = false;
+  // Two cameras on one topic would say it with each picture.
+  constexpr Duration kQuiet = std::chrono::minutes(1);
+  const Time now = around_.node.loop().Now();
+  if (jump_told_ && now < *jump_told_ + kQuiet) return;
+  jump_told_ = now;
+  around_.log({kCodeOk,
+               "time has jumped back: all faces are new. A world that was started again, or "
+               "two cameras on " +
+                   PictureTopic()});
 }
 
 void FaceTopics::OnResult(const LookResult& result) {

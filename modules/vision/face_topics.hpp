@@ -70,6 +70,7 @@ class FaceTopics {
   void Leave();
   void OnPicture(msg::Image picture);
   void OnInfo(const msg::CameraInfo& info);
+  void OnJump();
   void OnSilence();
   void AwaitNext();
   void Tell(const Sight& sight);
@@ -96,6 +97,7 @@ class FaceTopics {
   Trouble info_trouble_;
   Trouble detector_trouble_;
   Trouble silence_;
+  std::optional<Time> jump_told_;
   std::unique_ptr<transport::Publisher<msg::PointStamped>> target_;
   std::unique_ptr<transport::Publisher<msg::Bool>> too_close_;
   std::unique_ptr<transport::Publisher<msg::String>> faces_;
