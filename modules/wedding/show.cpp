@@ -231,6 +231,7 @@ void Show::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
   if (input.kind != fsm::Input::Kind::kTick) return;
   Note(input.time);
   complaints_.Tick(input.time);
+  perception_.OnGaze(data_.motion.look_at_target, input.time);
   perception_.Refresh(input.time, data_);
 }
 
