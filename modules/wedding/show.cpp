@@ -166,6 +166,7 @@ void Show::OnJointStates(std::span<const std::string> names, std::span<const dou
   if (!taken) return Refuse(Complaint::kJoints, taken);
   const double yaw_rad = LookYaw(data_.motion.joint_positions);
   perception_.OnHead(stamp, yaw_rad, now);
+  if (config_.gaze.camera == Mount::kBody) return;  // it does not matter there
   Record(input::kHead, {static_cast<double>(stamp.count()), yaw_rad});
 }
 
