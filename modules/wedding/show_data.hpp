@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "musher/behavior/fsm/archive.hpp"
 #include "musher/modules/wedding/gaze.hpp"
 #include "musher/modules/wedding/joints.hpp"
 #include "musher/modules/wedding/words.hpp"
@@ -36,8 +37,8 @@ struct PerceptionData {
 struct MotionData {
   JointAngles joint_positions{};  // rad, as measured
   JointAngles joint_commands{};   // rad, as its motion adapter commands them
-  std::string_view current_pose;  // as published; empty: none yet
-  std::string_view target_pose = pose::kNeutral;
+  std::string current_pose;       // as published; empty: none yet
+  std::string target_pose{pose::kNeutral};
   Gaze look_at_target;
 };
 
@@ -82,6 +83,9 @@ struct ShowData {
   bool safety_triggered = false;
   bool gesture_used = false;     // a photo was begun for the gesture that is still held
   bool photo_requested = false;  // the shutter
+
+  // What is not seen, heard or measured anew.
+  void Persist(fsm::Archive& archive);
 
   void Say(std::string_view sound) {
     audio.current_speech = sound;
