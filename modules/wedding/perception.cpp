@@ -54,7 +54,7 @@ Result<> Perception::OnGesture(std::string_view word, Time now) {
                                   "': none, heart, v or ok are known"};
   }
   // The same again is the same gesture, held.
-  if (*gesture != gesture_ || !Counts(gesture_at_, now)) gesture_used_ = false;
+  if (*gesture != gesture_ || !Counts(gesture_at_, now)) ++gesture_number_;
   gesture_ = *gesture;
   gesture_at_ = now;
   return Ok();
@@ -103,7 +103,7 @@ void Perception::Refresh(Time now, ShowData& data) const {
   seen.gesture = gesture ? gesture_ : Gesture::kNone;
   seen.gesture_confidence = gesture ? rules_.gesture_confidence : 0;
   seen.too_close = Counts(too_close_at_, now) && too_close_;
-  data.gesture_used = gesture_used_;
+  seen.gesture_number = gesture_number_;
   data.audio.voice_level = Counts(voice_at_, now) ? voice_level_ : 0;
 }
 
@@ -112,7 +112,6 @@ void Perception::Forget() {
   face_last_.reset();
   faces_at_.reset();
   gesture_at_.reset();
-  gesture_used_ = false;
   too_close_at_.reset();
   voice_at_.reset();
   yaw_at_.reset();

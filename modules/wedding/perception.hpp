@@ -48,8 +48,6 @@ class Perception {
 
   // What holds at `now`.
   void Refresh(Time now, ShowData& data) const;
-  // A photo is begun for the present gesture: it does not count any more, however long it is held.
-  void UseGesture() { gesture_used_ = true; }
   // Time went back, or the robot rested: nothing counts any more.
   void Forget();
 
@@ -70,7 +68,7 @@ class Perception {
   Faces faces_;
   std::optional<Time> gesture_at_;
   Gesture gesture_ = Gesture::kNone;
-  bool gesture_used_ = false;
+  std::uint64_t gesture_number_ = 0;
   std::optional<Time> too_close_at_;
   bool too_close_ = false;
   std::optional<Time> voice_at_;

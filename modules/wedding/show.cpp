@@ -177,10 +177,6 @@ void Show::OnJointCommands(std::span<const std::string> names, std::span<const d
 }
 
 void Show::AfterTick() {
-  Act();
-}
-
-void Show::Act() {
   MotionData& motion = data_.motion;
   if (motion.target_pose != motion.current_pose) {
     motion.current_pose = motion.target_pose;
@@ -197,7 +193,7 @@ void Show::Rest(Time now, bool frozen) {
   Settle();
   resting_ = true;
   if (machine_ != nullptr && machine_->running()) Refuse(Complaint::kFault, machine_->Reset());
-  if (!frozen) Act();
+  if (!frozen) AfterTick();
 }
 
 void Show::Resume(Time now) {
@@ -237,7 +233,6 @@ void Show::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
 }
 
 void Show::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
-  if (data_.gesture_used) perception_.UseGesture();
   const std::string_view to = machine.Name(change.to);
   if (change.from != change.to) stage_.ShowState(to.empty() ? kInvalid : to);
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,6 +31,7 @@ struct PerceptionData {
 
   Gesture gesture = Gesture::kNone;
   double gesture_confidence = 0;
+  std::uint64_t gesture_number = 0;  // of which; one that is held is one
 
   bool too_close = false;
 };
@@ -81,8 +83,8 @@ struct ShowData {
   AudioData audio;
   double follow = 0.3;  // of GazeRules
   bool safety_triggered = false;
-  bool gesture_used = false;     // a photo was begun for the gesture that is still held
-  bool photo_requested = false;  // the shutter
+  std::uint64_t gesture_answered = 0;  // the number of the last one that was held at a photo
+  bool photo_requested = false;        // the shutter
 
   // What is not seen, heard or measured anew.
   void Persist(fsm::Archive& archive);
