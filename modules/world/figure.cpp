@@ -1,6 +1,8 @@
 #include "musher/modules/world/figure.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "musher/modules/world/face.hpp"
@@ -12,6 +14,27 @@ using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+// In slices across its longest axis: one ball round all of a limb would be as wide as it is long.
+void Bound(const Matrix3d& turned, const Vector3d& half_m, Thing& thing) {
+  constexpr int kMostSlices = 5;
+  int longest = 0;
+  const double along_m = half_m.maxCoeff(&longest);
+  Vector3d rest_m = half_m;
+  rest_m[longest] = 0;
+  const double thick_m = rest_m.maxCoeff();
+  const int slices = std::clamp(static_cast<int>(std::lround(along_m / thick_m)), 1, kMostSlices);
+  const double half_slice_m = along_m / slices;
+  for (int i = 0; i < slices; ++i) {
+    const double middle_m = half_slice_m * (2 * i + 1 - slices);
+    // It is thickest where it is nearest to its middle.
+    const double inner = std::max(0.0, std::abs(middle_m) - half_slice_m) / along_m;
+    const double radius_m = std::hypot(half_slice_m, thick_m * std::sqrt(1 - inner * inner));
+    const Vector3d at_m = turned.col(longest) * middle_m;
+    thing.bounds.push_back(
+        {thing.center_m + at_m.cast<float>(), static_cast<float>(std::min(radius_m, along_m))});
+  }
+}
+
 Thing Rounded(const Vector3d& center_m, const Matrix3d& turned, const Vector3d& half_m,
               const Light3& color) {
   Thing thing;
@@ -21,7 +44,7 @@ Thing Rounded(const Vector3d& center_m, const Matrix3d& turned, const Vector3d& 
   const Matrix3d to_unit = half_m.cwiseInverse().asDiagonal() * turned.transpose();
   thing.to_unit = to_unit.cast<float>();
   thing.color = color;
-  thing.bounds = {{thing.center_m, thing.half_m.maxCoeff()}};
+  Bound(turned, half_m, thing);
   return thing;
 }
 

@@ -19,6 +19,7 @@ inline constexpr Color kPad{205, 233, 212};
 inline constexpr Color kPadEdge{58, 148, 92};
 inline constexpr Color kBumpRed{206, 42, 42};
 inline constexpr Color kScanRed{232, 96, 40};
+inline constexpr Color kSight{250, 238, 196};
 inline constexpr Color kBatteryLine{40, 96, 170};
 
 // A colour of its own for each state; grey where none is known.

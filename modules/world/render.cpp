@@ -41,6 +41,7 @@ class Drawing {
   }
 
   void Draw() {
+    FindCones();
     for (std::size_t i = 0; i < lens_.tiles().size(); ++i) {
       if (lens_.tiles()[i].dark) continue;
       FindThings(i);
@@ -52,22 +53,47 @@ class Drawing {
   }
 
  private:
+  // A ball round a part of a thing, as the camera sees it.
+  struct Cone {
+    std::uint16_t thing = 0;
+    Vector3f towards;  // of length 1
+    float cos_half = 0, sin_half = 0;
+    bool around = false;  // the camera is in it
+  };
+
+  void FindCones() {
+    const std::vector<Thing>& things = tracer_.things();
+    for (std::size_t i = 0; i < things.size(); ++i) {
+      for (const Ball3& ball : things[i].bounds) {
+        Cone cone;
+        cone.thing = static_cast<std::uint16_t>(i);
+        cone.towards = ball.center_m - tracer_.from_m();
+        const float far = cone.towards.norm();
+        cone.around = far <= ball.radius_m;
+        if (!cone.around) {
+          cone.towards /= far;
+          cone.sin_half = ball.radius_m / far;
+          cone.cos_half = std::sqrt(1 - cone.sin_half * cone.sin_half);
+        }
+        cones_.push_back(cone);
+      }
+    }
+  }
+
   // Those that may be in a tile: whose bounds the cone of the tile meets.
   void FindThings(std::size_t index) {
     const Lens::Tile& tile = lens_.tiles()[index];
     const Vector3f axis = tracer_.turn() * tile.axis;
-    const auto meets = [&](const Ball3& ball) {
-      const Vector3f towards = ball.center_m - tracer_.from_m();
-      const float far = towards.norm();
-      if (far <= ball.radius_m) return true;
-      const float angle = tile.half_angle_rad + std::asin(ball.radius_m / far);
-      return angle >= float(M_PI) || axis.dot(towards) >= far * std::cos(angle);
-    };
-    const std::vector<Thing>& things = tracer_.things();
-    for (std::size_t i = 0; i < things.size(); ++i) {
-      if (std::any_of(things[i].bounds.begin(), things[i].bounds.end(), meets)) {
-        things_[index].push_back(static_cast<std::uint16_t>(i));
-      }
+    const float cos_tile = std::cos(tile.half_angle_rad);
+    const float sin_tile = std::sin(tile.half_angle_rad);
+    Tracer::Indices& things = things_[index];
+    for (const Cone& cone : cones_) {
+      if (!things.empty() && things.back() == cone.thing) continue;
+      // Both half angles together are so wide that everything is in reach, or the axes are nearer.
+      const bool wide =
+          cone.around || tile.half_angle_rad >= float(M_PI) || cone.cos_half < -cos_tile;
+      const float reach = cos_tile * cone.cos_half - sin_tile * cone.sin_half;
+      if (wide || axis.dot(cone.towards) >= reach) things.push_back(cone.thing);
     }
   }
 
@@ -177,6 +203,7 @@ class Drawing {
   const Tracer& tracer_;
   Image& image_;
   std::vector<std::uint16_t> surfaces_;
+  std::vector<Cone> cones_;
   std::vector<Tracer::Indices> things_;  // of each tile
   std::vector<std::pair<int, int>> edges_;
 };

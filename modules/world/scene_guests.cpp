@@ -25,7 +25,7 @@ constexpr double kLeastTallM = 0.5;
 constexpr double kMostTallM = 2.5;
 constexpr double kLeastSpeed = 0.05;
 constexpr double kMostSpeed = 3;
-constexpr double kLongestS = 86'400;  // a timetable of a day
+constexpr double kLongestS = 3600;  // of a timetable
 constexpr std::size_t kMostGuests = 50;
 
 Duration FromSeconds(double seconds) {
@@ -130,14 +130,13 @@ class GuestReader {
 
   // When all have done everything, or come anew.
   Duration End() const {
-    constexpr Duration kLongestTry = std::chrono::hours(2);
     constexpr Duration kLastWalk = std::chrono::minutes(2);
     if (scene_.guests_repeat > Duration::zero()) return scene_.guests_repeat;
     Duration end{};
     for (const GuestSpec& guest : scene_.guests) {
       if (!guest.acts.empty()) end = std::max(end, guest.acts.back().at);
     }
-    return std::min(end, kLongestTry) + kLastWalk;
+    return end + kLastWalk;
   }
 
   void Judge(const std::vector<Guest>& guests, std::size_t i, Duration now) {

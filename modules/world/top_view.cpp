@@ -68,6 +68,8 @@ class TopView {
     Way();
     for (const Bump& bump : world_.track().bumps()) Cross(At(bump.where_m), 5);
     if (scene_.picture.scan && scene_.sensors.lidar.enabled) Scan();
+    if (scene_.humanoid) Sight();
+    for (std::size_t i = 0; i < scene_.guests.size(); ++i) DrawGuest(i);
     DrawBody(scene_.start, false);
     DrawBody(world_.body().pose(), true);
   }
@@ -188,6 +190,43 @@ class TopView {
     }
   }
 
+  // What the front camera can see of it, where it looks now.
+  void Sight() {
+    constexpr double kReachM = 2;
+    const CameraSpec& camera = scene_.cameras.cameras[0];
+    if (!camera.enabled) return;
+    const Eigen::Isometry3d pose = world_.CameraPose(0);
+    const Vector2d eye = pose.translation().head<2>();
+    const Vector2d ahead = pose.linear().col(2).head<2>().normalized();
+    const auto edge = [&](double turned) {
+      return At(eye + Rotation2Dd(turned * camera.hfov_rad / 2) * ahead * kReachM);
+    };
+    std::vector<Pixel> fan = {At(eye)};
+    for (const double turned : {-1.0, -0.5, 0.0, 0.5, 1.0}) fan.push_back(edge(turned));
+    canvas_.Fill(fan, kSight);
+  }
+
+  // As wide as its shoulders, with a stroke to where it looks.
+  void DrawGuest(std::size_t index) {
+    const GuestSpec& spec = scene_.guests[index];
+    const Guest& guest = world_.guests()[index];
+    if (!guest.here) return;
+    const std::vector<Pixel> shoulders =
+        At(Corners(guest.position_m, {0.4 * kGuestRadiusM, kGuestRadiusM}, guest.yaw_rad));
+    canvas_.Fill(shoulders, spec.color);
+    canvas_.Outline(shoulders, EdgeOf(spec.color), 1.2);
+    const Vector2d look = Rotation2Dd(guest.head_yaw_rad) * Vector2d(0.3, 0);
+    canvas_.Line(At(guest.position_m), At(guest.position_m + look), kInk, 1.5);
+    DrawDisc(guest.position_m, 0.45 * kGuestRadiusM, spec.color);
+    std::string text = spec.name;
+    if (guest.gesture != Gesture::kNone) {
+      text += text.empty() ? "" : ": ";
+      text += kGestureNames[static_cast<std::size_t>(guest.gesture)];
+    }
+    canvas_.Text(text, At(guest.position_m) + Pixel(0, kGuestRadiusM * scale_ + 12), kTiny, kInk,
+                 Align::kCenter);
+  }
+
   // A trunk with its head ahead; where it began hollow, where it is now full.
   void DrawBody(const Pose2& pose, bool now) {
     const double unit = scene_.body.radius_m;
@@ -195,8 +234,11 @@ class TopView {
     const auto part = [&](const Vector2d& center, const Vector2d& half) {
       return At(Corners(pose.position_m + turn * (center * unit), half * unit, pose.yaw_rad));
     };
-    const std::vector<Pixel> trunk = part({-0.1, 0}, {0.75, 0.42});
-    const std::vector<Pixel> head = part({0.85, 0}, {0.2, 0.26});
+    const bool upright = scene_.humanoid.has_value();  // its shoulders, and a foot ahead
+    const std::vector<Pixel> trunk =
+        upright ? part({0, 0}, {0.4, 0.9}) : part({-0.1, 0}, {0.75, 0.42});
+    const std::vector<Pixel> head =
+        upright ? part({0.6, 0}, {0.2, 0.3}) : part({0.85, 0}, {0.2, 0.26});
     if (now) {
       for (const auto& shape : {trunk, head}) {
         canvas_.Fill(shape, kInk);
@@ -295,6 +337,10 @@ void DrawLegend(const World& world, const Pixel& corner, Canvas& canvas) {
   if (!world.scene().pads.empty()) {
     swatch(kPad);
     row("charging pad");
+  }
+  if (world.humanoid()) {
+    swatch(kSight);
+    row("what it can see");
   }
   if (!track.bumps().empty()) {
     canvas.Line(at + Pixel(8, -9), at + Pixel(18, 1), kBumpRed, 2);

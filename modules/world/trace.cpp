@@ -1,6 +1,7 @@
 #include "musher/modules/world/trace.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "musher/modules/world/meet.hpp"
@@ -35,12 +36,18 @@ void Put(const Light3& light, std::size_t i, Sights& sights) {
 
 // It is darker near the ground.
 float NearGround(float height_m) {
-  return std::min(1.0F, 0.72F + 1.4F * height_m);
+  const float share = 0.72F + 1.4F * height_m;
+  return share < 1 ? share : 1;
 }
 
-float Tone(int plank) {
+float Tone(std::int32_t plank) {
   const auto mixed = static_cast<std::uint32_t>(plank) * 2654435761U;
-  return static_cast<float>(mixed >> 24) / 255 - 0.5F;
+  return static_cast<float>(static_cast<std::int32_t>(mixed >> 24)) / 255 - 0.5F;
+}
+
+float Within1(float share) {
+  const float least = share > 0 ? share : 0;
+  return least < 1 ? least : 1;
 }
 
 }  // namespace
@@ -228,15 +235,13 @@ void Tracer::ColorGround(const Ways& ways, Sights& sights) const {
 }
 
 void Tracer::ColorBackground(const Ways& ways, Sights& sights) const {
-  for (std::size_t i = 0; i < kBundle; ++i) {
-    const std::uint16_t surface = sights.surface[i];
-    if (surface == kSky || surface == kGround) continue;
-    if (surface == kFarGround) {
-      Put(FarGround(ways.far_m[i]), i, sights);
-    } else {
-      const Vector3f ray(ways.x[i], ways.y[i], ways.z[i]);
-      Put(Fence(ray, ways.far_m[i], surface - kFence), i, sights);
-    }
+  std::array<bool, kThings> is_there{};
+  for (const std::uint16_t surface : sights.surface) is_there[surface] = true;
+  for (std::uint16_t side = kFence; side < kFence + 4; ++side) {
+    if (is_there[side]) ColorFence(ways, side, sights);
+  }
+  for (std::size_t i = 0; is_there[kFarGround] && i < kBundle; ++i) {
+    if (sights.surface[i] == kFarGround) Put(FarGround(ways.far_m[i]), i, sights);
   }
 }
 
@@ -247,21 +252,39 @@ Light3 Tracer::FarGround(float far_m) const {
 }
 
 // Planks, as long as they can be told apart.
-Light3 Tracer::Fence(const Vector3f& ray, float far_m, int side) const {
+void Tracer::ColorFence(const Ways& ways, std::uint16_t surface, Sights& sights) const {
   constexpr float kPlankM = 0.14F;
-  const bool by_x = side < 2;
-  const Vector3f where = from_m_ + far_m * ray;
-  const float place = (by_x ? where.y() : where.x()) / kPlankM + 0x10000;  // never below 0
-  const int plank = static_cast<int>(place);
-  const float in_plank = place - static_cast<float>(plank);
-  const float from_edge = std::min(in_plank, 1 - in_plank);
-  const float slant = std::max(std::abs(by_x ? ray.x() : ray.y()), 0.05F);
-  const float covered = far_m * pixel_rad_ / (slant * kPlankM);
-  const float told_apart = std::clamp(1.3F - 3 * covered, 0.0F, 1.0F);
-  const float gap = std::clamp(1 - from_edge / 0.09F, 0.0F, 1.0F);
-  const float shade = 1 + told_apart * (0.16F * Tone(plank) - 0.45F * gap);
-  return fence_light_[side] *
-         (shade * NearGround(where.z()) * scenery_.LightAt(where.x(), where.y()));
+  const bool by_x = surface < kFence + 2;
+  const Each<float>& across = by_x ? ways.x : ways.y;
+  const Each<float>& along = by_x ? ways.y : ways.x;
+  const float from = by_x ? from_m_.y() : from_m_.x();
+  const float at_x = from_m_.x(), at_y = from_m_.y(), height = from_m_.z();
+  const float pixel_rad = pixel_rad_;
+  Each<float> share;  // of the light
+  for (std::size_t i = 0; i < kBundle; ++i) {
+    const float far = ways.far_m[i] < 1e4F ? ways.far_m[i] : 1e4F;
+    const float place = (from + far * along[i]) / kPlankM + 0x10000;  // never below 0
+    const auto plank = static_cast<std::int32_t>(place);
+    const float in_plank = place - static_cast<float>(plank);
+    const float from_edge = in_plank < 0.5F ? in_plank : 1 - in_plank;
+    const float steep = std::abs(across[i]);
+    const float covered = far * pixel_rad / ((steep > 0.05F ? steep : 0.05F) * kPlankM);
+    const float told_apart = Within1(1.3F - 3 * covered);
+    const float gap = Within1(1 - from_edge / 0.09F);
+    const float shade = 1 + told_apart * (0.16F * Tone(plank) - 0.45F * gap);
+    share[i] = shade * NearGround(height + far * ways.z[i]) *
+               scenery_.LightAt(at_x + far * ways.x[i], at_y + far * ways.y[i]);
+  }
+  const Light3& light = fence_light_[surface - kFence];
+  const auto color = [&](Each<float>& own, float part) {
+    for (std::size_t i = 0; i < kBundle; ++i) {
+      const float here = part * share[i];
+      own[i] = sights.surface[i] == surface ? here : own[i];
+    }
+  };
+  color(sights.red, light[0]);
+  color(sights.green, light[1]);
+  color(sights.blue, light[2]);
 }
 
 void Tracer::FindThing(std::size_t index, Ways& ways, Sights& sights) const {

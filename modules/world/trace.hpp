@@ -50,7 +50,7 @@ class Tracer {
   void ColorSky(const Ways& ways, Sights& sights) const;
   void ColorGround(const Ways& ways, Sights& sights) const;
   void ColorBackground(const Ways& ways, Sights& sights) const;
-  Light3 Fence(const Eigen::Vector3f& ray, float far_m, int side) const;
+  void ColorFence(const Ways& ways, std::uint16_t surface, Sights& sights) const;
   Light3 FarGround(float far_m) const;
   void FindThing(std::size_t index, Ways& ways, Sights& sights) const;
   void FindEllipsoid(std::size_t index, Ways& ways, Sights& sights) const;

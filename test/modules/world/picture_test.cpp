@@ -53,6 +53,22 @@ TEST_F(Picture, HasItsSizeAndIsNoEmptySheet) {
   EXPECT_GT(CountAbove(image, kGround), 100'000);
 }
 
+TEST_F(Picture, ShowsGuestsWhereTheyAreAndWhatAHumanoidSees) {
+  const Color red{220, 20, 60};
+  Scene scene = EmptyYard();
+  scene.least_m = {-2, -2};
+  scene.most_m = {2, 2};
+  GuestSpec guest;
+  guest.from_m = {1, 1};
+  guest.color = red;
+  scene.guests = {guest};
+  const cv::Mat with_guest = Of(World(scene));
+  EXPECT_GT(CountAbove(with_guest, red), 50);
+  EXPECT_EQ(CountAbove(with_guest, kSight), 0);
+  scene.humanoid.emplace();
+  EXPECT_GT(CountAbove(Of(World(scene)), kSight), 1000);
+}
+
 TEST_F(Picture, ShowsWhatTheLidarSeesWhereTheSceneWantsIt) {
   Scene scene = FullYard();
   EXPECT_EQ(CountAbove(Of(World(scene)), kScanRed), 0);
