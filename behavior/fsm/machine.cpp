@@ -86,6 +86,7 @@ void Machine::Advance(Time now) {
 }
 
 void Machine::TellInput(const Input& input) {
+  if (listeners_.empty()) return;
   TellAll([&](Listener& listener) { listener.OnInput(*this, input); });
 }
 
@@ -131,7 +132,7 @@ void Machine::RunOnce(Time now) {
 }
 
 // Whether every check is well. Goes to the safe state when one is not, or cannot tell.
-bool Machine::IsSafe() {
+bool Machine::PassesChecks() {
   for (std::size_t i = 0; i < checks_.size(); ++i) {
     bool safe = false;
     std::optional<std::string> thrown;
@@ -156,13 +157,13 @@ void Machine::Decide() {
   Tick tick = Now();
   tick.command = TakeCommand();
   Next next = Next::Stay();
-  if (!Guard(Phase::kCheck, [&] { next = state(current_).CheckTransition(tick); })) return;
+  if (!Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick); })) return;
   // Not out of the safe state while a check fails.
   const bool held = mode_ == Mode::kSafeStop && unsafe_ != checks_.size();
   if (next.keeps()) GiveBack(std::exchange(tick.command, kNoEvent));
   if (!next.stays() && !held) return Begin(next, tick.command);
   if (tick.command != kNoEvent && !(next.stays() && next.heeds())) Unheeded(tick.command);
-  Guard(Phase::kRun, [&] { state(current_).Run(tick); });
+  Guard(Phase::kRun, [&] { present_->Run(tick); });
 }
 
 void Machine::Begin(const Next& next, EventId command) {
@@ -184,7 +185,7 @@ void Machine::Begin(const Next& next, EventId command) {
 void Machine::Proceed() {
   bool done = false;
   const Tick tick = Now();
-  if (!Guard(Phase::kTransition, [&] { done = state(current_).Transition(tick); })) return;
+  if (!Guard(Phase::kTransition, [&] { done = present_->Transition(tick); })) return;
   if (done) {
     Switch(target_, Cause::kDecided, cause_);
   } else if (tick.transition_elapsed > options_.longest_transition) {
@@ -194,19 +195,19 @@ void Machine::Proceed() {
 
 // From the current state to `target`.
 void Machine::Switch(StateId target, Cause cause, EventId command) {
-  if (Guard(Phase::kExit, [&] { state(current_).OnExit(Now()); })) Enter(target, cause, command);
+  if (Guard(Phase::kExit, [&] { present_->OnExit(Now()); })) Enter(target, cause, command);
 }
 
 // The current state has been left, or there was none.
 void Machine::Enter(StateId target, Cause cause, EventId command) {
   const Change change{time_, ticks_, current_, target, command, cause};
-  current_ = target;
+  SetCurrent(target);
   entered_ = time_;
   mode_ = target == safe_ ? Mode::kSafeStop : Mode::kNormal;
   target_ = kNoState;
   if (mode_ == Mode::kNormal) unsafe_ = checks_.size();
   Remember(change);
-  Guard(Phase::kEnter, [&] { state(current_).OnEnter(Now()); });
+  Guard(Phase::kEnter, [&] { present_->OnEnter(Now()); });
 }
 
 void Machine::Note(Phase phase, std::string what, const std::string& inner) {
@@ -224,7 +225,7 @@ void Machine::Fail(Phase phase, std::string what, const std::string& inner) {
   if (safe_ == kNoState || current_ == safe_) return Halt(Cause::kFault);
   if (phase != Phase::kEnter && phase != Phase::kExit) {
     try {
-      state(current_).OnExit(Now());
+      present_->OnExit(Now());
     } catch (...) {
       ++counts_.faults;  // it is being left because it failed; the first failure is the one told
     }
@@ -236,7 +237,8 @@ void Machine::Halt(Cause cause) {
   const Change change{time_, ticks_, current_, kNoState, kNoEvent, cause};
   running_ = false;
   mode_ = cause == Cause::kFault ? Mode::kSafeStop : Mode::kNormal;
-  current_ = target_ = kNoState;
+  SetCurrent(kNoState);
+  target_ = kNoState;
   Remember(change);
 }
 
@@ -247,7 +249,7 @@ Result<> Machine::Stop() {
   TellInput({.kind = Input::Kind::kStop});
   bool left = false;
   try {
-    state(current_).OnExit(Now());
+    present_->OnExit(Now());
     left = true;
   } catch (const InnerFault& inner) {
     Note(inner.fault().phase, inner.fault().what, inner.fault().where);

@@ -188,7 +188,8 @@ class Machine {
   void Proceed();
   void Enter(StateId target, Cause cause, EventId command);
   void Switch(StateId target, Cause cause, EventId command);
-  bool IsSafe();
+  bool IsSafe() { return checks_.empty() || PassesChecks(); }
+  bool PassesChecks();
   void Note(Phase phase, std::string what, const std::string& inner = {});
   void Fail(Phase phase, std::string what, const std::string& inner = {});
   void Halt(Cause cause);
@@ -204,7 +205,10 @@ class Machine {
   bool Guard(Phase phase, Call&& call);
   template <class Call>
   void TellAll(Call&& call);
-  State& state(StateId id) const { return *nodes_[Index(id)].state; }
+  void SetCurrent(StateId state) {
+    current_ = state;
+    present_ = state == kNoState ? nullptr : nodes_[Index(state)].state.get();
+  }
 
   const Options options_;
   std::vector<Node> nodes_;
@@ -223,6 +227,7 @@ class Machine {
   bool in_tick_ = false;
   Mode mode_ = Mode::kNormal;
   StateId current_ = kNoState;
+  State* present_ = nullptr;   // the same, ready to be called
   StateId target_ = kNoState;  // while transitioning
   EventId cause_ = kNoEvent;   // the command behind the transition
   Duration transition_began_{};

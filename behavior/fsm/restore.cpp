@@ -105,10 +105,11 @@ class Machine::Restoring {
       Fail("unsafe", "there is no safety check " + saved_.unsafe);
     }
     if (saved_.fault) State("fault.state", saved_.fault->state);
-    for (const Snapshot::PastChange& change : saved_.history) {
-      State("history", change.from);
-      State("history", change.to);
-      Events("history", {change.command});
+    for (std::size_t i = 0; i < saved_.history.size(); ++i) {
+      const std::string key = "history[" + std::to_string(i) + "].";
+      State(key + "from", saved_.history[i].from);
+      State(key + "to", saved_.history[i].to);
+      Events(key + "command", {saved_.history[i].command});
     }
     JudgeParts("data", saved_.data);
     JudgeParts("states", saved_.states);
@@ -273,7 +274,7 @@ void Machine::Become(const Snapshot& saved, Time now) {
   const auto event = [this](const std::string& name) { return FindEvent(name).value_or(kNoEvent); };
   running_ = saved.running;
   mode_ = saved.mode;
-  current_ = state(saved.state);
+  SetCurrent(state(saved.state));
   ticks_ = saved.ticks;
   time_ = saved.time;
   step_ = saved.step;

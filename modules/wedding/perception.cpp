@@ -55,9 +55,8 @@ Result<> Perception::OnGesture(std::string_view word, Time now) {
   return Ok();
 }
 
-void Perception::OnFaces(int count, int face_id, Time now) {
-  face_count_ = count;
-  face_id_ = face_id;
+void Perception::OnFaces(const Faces& faces, Time now) {
+  faces_ = faces;
   faces_at_ = now;
 }
 
@@ -86,8 +85,8 @@ void Perception::Refresh(Time now, ShowData& data) const {
   seen.face_unseen_for = face_last_ ? now - *face_last_ : kNever;
   seen.face_seen_for = face_last_ ? *face_last_ - *face_first_ : Duration(0);
   const bool faces = Counts(faces_at_, now);
-  seen.face_count = faces ? face_count_ : seen.face_detected ? 1 : 0;
-  seen.face_id = faces ? face_id_ : -1;
+  seen.face_count = faces ? faces_.count : seen.face_detected ? 1 : 0;
+  seen.face_id = faces ? faces_.largest_frontal : -1;
   const bool gesture = Counts(gesture_at_, now) && gesture_ != Gesture::kNone;
   seen.gesture = gesture ? gesture_ : Gesture::kNone;
   seen.gesture_confidence = gesture ? rules_.gesture_confidence : 0;

@@ -10,6 +10,7 @@
 
 #include "musher/lifecycle/result.hpp"
 #include "musher/lifecycle/time.hpp"
+#include "musher/modules/wedding/faces.hpp"
 #include "musher/modules/wedding/gaze.hpp"
 #include "musher/modules/wedding/show_data.hpp"
 
@@ -36,7 +37,7 @@ class Perception {
   Result<> OnTarget(const Target& target, Time now);
   // `word` as on the topic, in any case.
   Result<> OnGesture(std::string_view word, Time now);
-  void OnFaces(int count, int face_id, Time now);
+  void OnFaces(const Faces& faces, Time now);
   void OnVoice(double level, Time now);
   void OnTooClose(bool too_close, Time now);
   // How the head stood when the joints were measured.
@@ -62,8 +63,7 @@ class Perception {
   Target target_;
   std::optional<Gaze> target_gaze_;
   std::optional<Time> faces_at_;
-  int face_count_ = 0;
-  int face_id_ = -1;
+  Faces faces_;
   std::optional<Time> gesture_at_;
   Gesture gesture_ = Gesture::kNone;
   bool gesture_used_ = false;

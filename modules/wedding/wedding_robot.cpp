@@ -42,7 +42,21 @@ WeddingRobot::~WeddingRobot() {
 }
 
 Result<> WeddingRobot::BuildMachine(fsm::Machine& machine) {
-  return show_.Build(machine);
+  if (Result<> built = show_.Build(machine); !built) return built;
+  return config_.record.empty() ? Ok() : Record(machine);
+}
+
+Result<> WeddingRobot::Record(fsm::Machine& machine) {
+  auto file = RecordFile::Open(config_.record);
+  if (!file) return file.error();
+  record_ = std::move(file).value();
+  recorder_ = std::make_unique<fsm::Recorder>(machine, [this](std::string_view line) {
+    const bool good = record_->good();
+    record_->Write(line);
+    if (good && !record_->good()) Log("the recording ends here: its file cannot be written to");
+  });
+  show_.RecordTo(*recorder_);
+  return Ok();
 }
 
 void WeddingRobot::OpenTopics(transport::Endpoints& topics) {
