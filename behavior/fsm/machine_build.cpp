@@ -223,7 +223,7 @@ std::string_view Machine::unsafe() const {
 
 std::string Machine::Path() const {
   if (current_ == kNoState) return "";
-  Machine* inside = state(current_).inside();
+  const Machine* inside = present_->inside();
   const std::string below = inside == nullptr ? "" : inside->Path();
   return std::string(Name(current_)) + (below.empty() ? "" : "/" + below);
 }

@@ -43,7 +43,7 @@ class InnerFault : public std::exception {
 class Nested : public State {
  public:
   struct Options {
-    std::string finished;  // the outer state after a final inner one; empty: Decide() sees to it
+    std::string finished{};  // the outer state after a final inner one; empty: Decide() sees to it
     // Entered again, the inner machine goes on in the state in which it was left, which is entered
     // anew. After a final or a safe one it starts from the beginning all the same.
     bool resumes = false;

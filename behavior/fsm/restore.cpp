@@ -105,10 +105,11 @@ class Machine::Restoring {
       Fail("unsafe", "there is no safety check " + saved_.unsafe);
     }
     if (saved_.fault) State("fault.state", saved_.fault->state);
-    for (const Snapshot::PastChange& change : saved_.history) {
-      State("history", change.from);
-      State("history", change.to);
-      Events("history", {change.command});
+    for (std::size_t i = 0; i < saved_.history.size(); ++i) {
+      const std::string key = "history[" + std::to_string(i) + "].";
+      State(key + "from", saved_.history[i].from);
+      State(key + "to", saved_.history[i].to);
+      Events(key + "command", {saved_.history[i].command});
     }
     JudgeParts("data", saved_.data);
     JudgeParts("states", saved_.states);
@@ -273,18 +274,18 @@ void Machine::Become(const Snapshot& saved, Time now) {
   const auto event = [this](const std::string& name) { return FindEvent(name).value_or(kNoEvent); };
   running_ = saved.running;
   mode_ = saved.mode;
-  current_ = state(saved.state);
+  SetCurrent(state(saved.state));
   ticks_ = saved.ticks;
-  time_ = saved.time;
-  step_ = saved.step;
+  tick_ = {.now = saved.time, .step = saved.step, .elapsed = saved.elapsed};
   entered_ = saved.time - saved.elapsed;
   last_tick_ = saved.paused ? std::nullopt : std::optional(now);
   unsafe_ = FindCheck(saved.unsafe).value_or(checks_.size());
   const Snapshot::Transition transition = saved.transition.value_or(Snapshot::Transition{});
-  target_ = state(transition.to);
+  tick_.target = state(transition.to);
+  tick_.transition_elapsed = transition.elapsed;
+  tick_.transition_time = transition.time;
   cause_ = event(transition.command);
   transition_began_ = saved.time - transition.elapsed;
-  transition_time_ = transition.time;
   first_command_ = waiting_ = 0;
   for (const std::string& command : saved.commands) commands_[waiting_++] = event(command);
   counts_ = saved.counts;

@@ -21,8 +21,8 @@
 namespace musher::vision {
 
 struct ClosenessRules {
-  double near_m = 0.6;
-  double clear_m = 0.8;
+  double near_m = 0.8;
+  double clear_m = 1.0;
   Duration hold = Milliseconds(10000);
   Duration longest_gap = Milliseconds(2000);  // between two pictures; of more, so much counts
 

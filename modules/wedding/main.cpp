@@ -1,7 +1,10 @@
 // musher-wedding: the wedding robot's show. See README.md beside this.
 
+#include <string_view>
+
 #include "musher/modules/program/module_main.hpp"
 #include "musher/modules/wedding/show_config.hpp"
+#include "musher/modules/wedding/tool/tool.hpp"
 #include "musher/modules/wedding/wedding_robot.hpp"
 
 namespace {
@@ -17,9 +20,14 @@ int Run(const musher::program::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const std::string_view command = argc > 1 ? argv[1] : "";
+  if (command == "replay") return musher::wedding::tool::Replay(argc - 1, argv + 1);
+  if (command == "tell") return musher::wedding::tool::Tell(argc - 1, argv + 1);
   return musher::program::Main(
       argc, argv,
       {"musher-wedding", "The show of the wedding robot, as the actuator wedding.",
+       "To a running show speaks `musher-wedding tell`, a recorded one plays `musher-wedding\n"
+       "replay`; see their --help.\n\n"
        "Exit codes: 0 torn down; 1 not started, which is said on stderr; 2 usage or config."},
       Run);
 }

@@ -10,6 +10,7 @@
 
 #include "musher/lifecycle/result.hpp"
 #include "musher/lifecycle/time.hpp"
+#include "musher/modules/wedding/faces.hpp"
 #include "musher/modules/wedding/gaze.hpp"
 #include "musher/modules/wedding/show_data.hpp"
 
@@ -36,20 +37,22 @@ class Perception {
   Result<> OnTarget(const Target& target, Time now);
   // `word` as on the topic, in any case.
   Result<> OnGesture(std::string_view word, Time now);
-  void OnFaces(int count, int face_id, Time now);
+  void OnFaces(const Faces& faces, Time now);
   void OnVoice(double level, Time now);
   void OnTooClose(bool too_close, Time now);
   // How the head stood when the joints were measured.
   void OnHead(Duration stamp, double yaw_rad, Time now);
 
+  // Where the robot looks from now on, each tick.
+  void OnGaze(Gaze gaze, Time now);
+
   // What holds at `now`.
   void Refresh(Time now, ShowData& data) const;
-  // A photo is begun for the present gesture: it does not count any more, however long it is held.
-  void UseGesture() { gesture_used_ = true; }
   // Time went back, or the robot rested: nothing counts any more.
   void Forget();
 
  private:
+  std::optional<HeadAngles> HeadAt(Duration stamp, Time now) const;
   bool Counts(const std::optional<Time>& at, Time now) const {
     return at && now - *at <= rules_.age;
   }
@@ -62,17 +65,19 @@ class Perception {
   Target target_;
   std::optional<Gaze> target_gaze_;
   std::optional<Time> faces_at_;
-  int face_count_ = 0;
-  int face_id_ = -1;
+  Faces faces_;
   std::optional<Time> gesture_at_;
   Gesture gesture_ = Gesture::kNone;
-  bool gesture_used_ = false;
+  std::uint64_t gesture_number_ = 0;
   std::optional<Time> too_close_at_;
   bool too_close_ = false;
   std::optional<Time> voice_at_;
   double voice_level_ = 0;
-  YawTrail head_;
-  std::optional<Time> head_at_;
+  AngleTrail yaw_;
+  std::optional<Time> yaw_at_;  // when it was last measured
+  AngleTrail pitch_;
+  double pitch_rad_ = 0;
+  std::optional<Time> nodded_at_;
 };
 
 }  // namespace musher::wedding

@@ -6,6 +6,7 @@
 
 #include "musher/modules/wedding/cast.hpp"
 #include "musher/modules/wedding/faces.hpp"
+#include "musher/modules/wedding/recording.hpp"
 
 namespace musher::wedding {
 namespace {
@@ -53,26 +54,42 @@ void Show::Refuse(Complaint kind, const Result<>& result) {
   if (!result) complaints_.Tell(kind, result.error().message, now_);
 }
 
+// What happened at now_.
+void Show::Record(std::string_view input, std::initializer_list<double> numbers) {
+  if (recorder_ == nullptr || !first_start_) return;
+  recorder_->Input(input, InputText(now_ - *first_start_, numbers));
+}
+
 void Show::OnTarget(const Target& target, Time now) {
   Note(now);
-  Refuse(Complaint::kTarget, perception_.OnTarget(target, now));
+  const Result<> taken = perception_.OnTarget(target, now);
+  if (!taken) return Refuse(Complaint::kTarget, taken);
+  Record(input::kTarget, {target.point.x, target.point.y, target.distance_m,
+                          static_cast<double>(target.stamp.count())});
 }
 
 void Show::OnGesture(std::string_view word, Time now) {
   Note(now);
-  Refuse(Complaint::kGesture, perception_.OnGesture(word, now));
+  const Result<> taken = perception_.OnGesture(word, now);
+  if (!taken) return Refuse(Complaint::kGesture, taken);
+  if (recorder_ != nullptr && first_start_) {
+    recorder_->Input(input::kGesture, InputText(now - *first_start_, word));
+  }
 }
 
 void Show::OnTooClose(bool too_close, Time now) {
   Note(now);
   perception_.OnTooClose(too_close, now);
+  Record(input::kTooClose, {too_close ? 1.0 : 0.0});
 }
 
 void Show::OnFaces(std::string_view json, Time now) {
   Note(now);
   const Result<Faces> faces = ReadFaces(json);
   if (!faces) return Refuse(Complaint::kFaces, faces.error());
-  perception_.OnFaces(faces.value().count, faces.value().largest_frontal, now);
+  perception_.OnFaces(faces.value(), now);
+  Record(input::kFaces, {static_cast<double>(faces.value().count),
+                         static_cast<double>(faces.value().largest_frontal)});
 }
 
 void Show::OnCommand(std::string_view word, Time now) {
@@ -113,6 +130,7 @@ void Show::OnVoiceLevel(double level, Time now) {
                             "voice level " + std::to_string(level) + ": it is 0 to 1", now);
   }
   perception_.OnVoice(level, now);
+  Record(input::kVoiceLevel, {level});
 }
 
 Result<> Show::TakeJoints(JointAngles& joints, std::span<const std::string> names,
@@ -146,7 +164,10 @@ void Show::OnJointStates(std::span<const std::string> names, std::span<const dou
   Note(now);
   const Result<> taken = TakeJoints(data_.motion.joint_positions, names, positions);
   if (!taken) return Refuse(Complaint::kJoints, taken);
-  perception_.OnHead(stamp, LookYaw(data_.motion.joint_positions), now);
+  const double yaw_rad = LookYaw(data_.motion.joint_positions);
+  perception_.OnHead(stamp, yaw_rad, now);
+  if (config_.gaze.camera == Mount::kBody) return;  // it does not matter there
+  Record(input::kHead, {static_cast<double>(stamp.count()), yaw_rad});
 }
 
 void Show::OnJointCommands(std::span<const std::string> names, std::span<const double> positions,
@@ -155,18 +176,7 @@ void Show::OnJointCommands(std::span<const std::string> names, std::span<const d
   Refuse(Complaint::kJoints, TakeJoints(data_.motion.joint_commands, names, positions));
 }
 
-void Show::BeforeTick(Time now) {
-  Note(now);
-  complaints_.Tick(now);
-  perception_.Refresh(now, data_);
-}
-
 void Show::AfterTick() {
-  if (data_.gesture_used) perception_.UseGesture();
-  Act();
-}
-
-void Show::Act() {
   MotionData& motion = data_.motion;
   if (motion.target_pose != motion.current_pose) {
     motion.current_pose = motion.target_pose;
@@ -179,21 +189,28 @@ void Show::Act() {
 
 void Show::Rest(Time now, bool frozen) {
   Note(now);
+  Record(input::kRest, {});
+  Settle();
   resting_ = true;
-  perception_.Forget();
   if (machine_ != nullptr && machine_->running()) Refuse(Complaint::kFault, machine_->Reset());
+  if (!frozen) AfterTick();
+}
+
+void Show::Resume(Time now) {
+  Note(now);
+  Record(input::kResume, {});
+  Settle();
+  resting_ = false;
+}
+
+// As if nothing had been seen, said or done.
+void Show::Settle() {
+  perception_.Forget();
   data_.audio.pending_speech.Clear();
   data_.photo_requested = false;
   data_.motion.target_pose = pose::kNeutral;
   data_.motion.look_at_target = Gaze{};
   data_.motion.current_pose = {};  // it is said again: whoever was told may not be there any more
-  if (!frozen) Act();
-}
-
-void Show::Resume(Time now) {
-  Note(now);
-  resting_ = false;
-  data_.motion.current_pose = {};
 }
 
 Result<> Show::Reset(Time now) {
@@ -204,6 +221,15 @@ Result<> Show::Reset(Time now) {
 Result<> Show::Force(std::string_view state, Time now) {
   Note(now);
   return machine_ == nullptr ? Error{kCodeFailed, "there is no machine"} : machine_->Force(state);
+}
+
+void Show::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
+  if (input.kind == fsm::Input::Kind::kStart && !first_start_) first_start_ = input.time;
+  if (input.kind != fsm::Input::Kind::kTick) return;
+  Note(input.time);
+  complaints_.Tick(input.time);
+  perception_.OnGaze(data_.motion.look_at_target, input.time);
+  perception_.Refresh(input.time, data_);
 }
 
 void Show::OnChange(const fsm::Machine& machine, const fsm::Change& change) {

@@ -17,6 +17,7 @@
 #include <string_view>
 
 #include "musher/behavior/fsm/machine.hpp"
+#include "musher/behavior/fsm/recorder.hpp"
 #include "musher/modules/wedding/complaints.hpp"
 #include "musher/modules/wedding/perception.hpp"
 #include "musher/modules/wedding/show_config.hpp"
@@ -47,6 +48,11 @@ class Show : private fsm::Listener {
   // reason.
   Result<> Build(fsm::Machine& machine);
 
+  // What comes in is written down there from now on; after Build(). It outlives the show.
+  void RecordTo(fsm::Recorder& recorder) { recorder_ = &recorder; }
+  // The same again, for fsm::Replay().
+  Result<> Apply(std::string_view input, std::string_view text);
+
   // --- what comes in: each says on the stage what it refuses, and then changes nothing ---
 
   void OnTarget(const Target& target, Time now);
@@ -67,8 +73,7 @@ class Show : private fsm::Listener {
 
   // --- its life, around that of the machine: it begins at rest ---
 
-  // Around each tick of the machine.
-  void BeforeTick(Time now);
+  // After each tick of the machine: asks the stage for what the states want.
   void AfterTick();
   // To the neutral pose, looking ahead, in IDLE. Until Resume() the machine is not ticked.
   // `frozen`: the robot must not be moved, so nothing is asked of it.
@@ -89,6 +94,8 @@ class Show : private fsm::Listener {
   std::uint64_t complaints() const { return complaints_.total(); }
 
  private:
+  // Before a tick: brings the data up to date.
+  void OnInput(const fsm::Machine& machine, const fsm::Input& input) override;
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override;
   void OnUnheeded(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override;
 
@@ -97,7 +104,8 @@ class Show : private fsm::Listener {
   void Refuse(Complaint kind, const Result<>& result);
   Result<> TakeJoints(JointAngles& joints, std::span<const std::string> names,
                       std::span<const double> positions);
-  void Act();
+  void Record(std::string_view input, std::initializer_list<double> numbers);
+  void Settle();
 
   const ShowConfig config_;
   Stage& stage_;
@@ -105,6 +113,8 @@ class Show : private fsm::Listener {
   Perception perception_;
   Complaints complaints_;
   fsm::Machine* machine_ = nullptr;
+  fsm::Recorder* recorder_ = nullptr;
+  std::optional<Time> first_start_;  // of the machine; times of a recording count from there
   bool resting_ = true;
   Time now_{};
 };

@@ -42,7 +42,21 @@ WeddingRobot::~WeddingRobot() {
 }
 
 Result<> WeddingRobot::BuildMachine(fsm::Machine& machine) {
-  return show_.Build(machine);
+  if (Result<> built = show_.Build(machine); !built) return built;
+  return config_.record.empty() ? Ok() : Record(machine);
+}
+
+Result<> WeddingRobot::Record(fsm::Machine& machine) {
+  auto file = RecordFile::Open(config_.record);
+  if (!file) return file.error();
+  record_ = std::move(file).value();
+  recorder_ = std::make_unique<fsm::Recorder>(machine, [this](std::string_view line) {
+    const bool good = record_->good();
+    record_->Write(line);
+    if (good && !record_->good()) Log("the recording ends here: its file cannot be written to");
+  });
+  show_.RecordTo(*recorder_);
+  return Ok();
 }
 
 void WeddingRobot::OpenTopics(transport::Endpoints& topics) {
@@ -51,7 +65,10 @@ void WeddingRobot::OpenTopics(transport::Endpoints& topics) {
   wire->pose = topics.Advertise<msg::String>(topic::kPose);
   wire->look_at = topics.Advertise<msg::PointStamped>(topic::kLookAt);
   wire->play = topics.Advertise<msg::String>(topic::kPlay);
-  if (auto* camera = topics.Ask<msg::CameraService>(config_.camera_service)) {
+  auto* camera = config_.camera_service.empty()
+                     ? nullptr
+                     : topics.Ask<msg::CameraService>(config_.camera_service);
+  if (camera != nullptr) {
     wire->photographer.emplace(*camera, config_.photo_timeout,
                                [this](const std::string& line) { Log(line); });
   }
@@ -174,7 +191,8 @@ void WeddingRobot::Play(std::string_view sound) {
 }
 
 void WeddingRobot::TakePhoto() {
-  if (const auto wire = wire_.lock()) wire->photographer->TakePhoto();
+  const auto wire = wire_.lock();
+  if (wire && wire->photographer) wire->photographer->TakePhoto();
 }
 
 void WeddingRobot::ShowState(std::string_view state) {

@@ -16,6 +16,7 @@
 #include "musher/messages/sensor_msgs/joint_state.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/modules/wedding/photographer.hpp"
+#include "musher/modules/wedding/record_file.hpp"
 #include "musher/modules/wedding/self_check.hpp"
 #include "musher/modules/wedding/show.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -36,17 +37,17 @@ class WeddingRobot : public FsmActuator, private Stage {
     transport::Publisher<msg::String>* play = nullptr;
     transport::Subscription* target = nullptr;
     transport::Subscription* faces = nullptr;
-    std::optional<Photographer> photographer;
+    std::optional<Photographer> photographer;  // where the config names a camera
   };
 
   Result<> BuildMachine(fsm::Machine& machine) override;
   void OpenTopics(transport::Endpoints& topics) override;
   Result<> SelfCheck() override;
-  void BeforeTick(Time now) override { show_.BeforeTick(now); }
   void AfterTick(Time /*now*/) override { show_.AfterTick(); }
   void OnPause() override { show_.Rest(Now(), EmergencyStopped()); }
   void OnResume() override { show_.Resume(Now()); }
 
+  Result<> Record(fsm::Machine& machine);
   void Hear(transport::Endpoints& topics, Wire& wire);
   void HearJoints(transport::Endpoints& topics);
   void Serve(transport::Endpoints& topics);
@@ -63,6 +64,8 @@ class WeddingRobot : public FsmActuator, private Stage {
   msg::Stamp Stamp() const;
 
   const WeddingConfig config_;
+  std::unique_ptr<RecordFile> record_;  // before those that write to it
+  std::unique_ptr<fsm::Recorder> recorder_;
   Show show_;
   std::weak_ptr<Wire> wire_;
   std::optional<Time> seen_at_;  // when vision was last heard

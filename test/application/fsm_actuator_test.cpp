@@ -1,7 +1,10 @@
 // An application as an actuator: when its machine is ticked, rests and ends, and what becomes of
 // what it throws.
 
+#include <future>
+
 #include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/application/show.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
@@ -10,7 +13,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using testing::Show;
 using testing::Stage;
 
@@ -102,7 +104,26 @@ TEST_F(AnFsmActuator, RestsAtAnEmergencyStopUntilItGoesToActiveAnew) {
     std::this_thread::yield();
   }
   EXPECT_EQ(show.TakeLog().back(), "pauses");
-  stage_.node().RunOnLoop([&] { button.reset(); });
+  std::unique_ptr<transport::Client<msg::ReleaseEmergencyStop>> release;
+  std::promise<Result<msg::ReleaseEmergencyStop::Response>> released;
+  stage_.node().RunOnLoop([&] {
+    release = transport::MakeClient<msg::ReleaseEmergencyStop>(
+                  stage_.node().node(), transport::MachineService("", "release_emergency_stop"))
+                  .value();
+    release->Call({"a test"}, std::chrono::seconds(20),
+                  [&](auto answer) { released.set_value(std::move(answer)); });
+  });
+  const auto answer = released.get_future().get();
+  ASSERT_TRUE(answer && answer.value().code == kCodeOk);
+  stage_.Tick(show, 2);
+  EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); })) << "the release moves nothing";
+  ASSERT_TRUE(Go("Protected"));
+  ASSERT_TRUE(Go("Active"));
+  EXPECT_TRUE(show.Of([](Show& s) { return s.ticking(); }));
+  stage_.node().RunOnLoop([&] {
+    release.reset();
+    button.reset();
+  });
 }
 
 TEST_F(AnFsmActuator, FailsItsSelfCheckWithTheReasonOfTheApplication) {
@@ -211,6 +232,17 @@ TEST_F(AnFsmActuator, SurvivesAPauseThatThrows) {
   Begin(show);
   EXPECT_TRUE(Go("Protected"));
   EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
+}
+
+TEST_F(AnFsmActuator, GoesOnWhenTheWorldIsRestarted) {
+  Show show;
+  Begin(show);
+  stage_.Tick(show, 3);
+  stage_.Advance(show, -std::chrono::seconds(900));
+  stage_.Tick(show, 1);
+  EXPECT_EQ(show.Path(), "GREET") << "time that runs back is no time";
+  stage_.Tick(show, 3);
+  EXPECT_EQ(show.Path(), "PLAY");
 }
 
 TEST_F(AnFsmActuator, DoesNotTakeTheFirstTimeOfAWorldForTheLengthOfATick) {

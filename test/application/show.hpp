@@ -153,6 +153,7 @@ class Stage {
   Stage& operator=(const Stage&) = delete;
 
   std::string path() const { return folder_ / "robot.toml"; }
+  std::string state_dir() const { return folder_ / "state"; }
   transport::NodeThread& node() { return *node_; }
   MachineController& controller() { return controller_; }
 

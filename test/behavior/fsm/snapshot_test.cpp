@@ -219,7 +219,7 @@ TEST(Snapshot, IsRefusedWithWhatIsWrong) {
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.unsafe = "heat"; }),
               ElementsAre("unsafe: there is no safety check heat"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.history[0].to = "IDEL"; }),
-              ElementsAre("history: there is no state IDEL; did you mean IDLE?"));
+              ElementsAre("history[0].to: there is no state IDEL; did you mean IDLE?"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) {
                 s.fault = {"IDEL", Phase::kRun, {}, "", ""};
               }),

@@ -114,9 +114,9 @@ inline std::unique_ptr<Machine> WhimMachine(std::uint64_t seed, Facts& facts, in
        private:
         StateId back_ = kNoState;
       };
-      machine->Add(kWhimStates[i], std::make_unique<Outer>(
-                                       WhimMachine(own, facts, depth - 1, history), "A",
-                                       Nested::Options{.finished = "", .resumes = seed % 2 == 0}));
+      machine->Add(kWhimStates[i],
+                   std::make_unique<Outer>(WhimMachine(own, facts, depth - 1, history), "A",
+                                           Nested::Options{.resumes = seed % 2 == 0}));
     } else {
       machine->Add(kWhimStates[i], std::make_unique<Whim>(own, facts, *machine), role);
     }

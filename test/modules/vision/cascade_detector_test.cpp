@@ -4,9 +4,12 @@
 
 #include <cmath>
 #include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
 
 #include "musher/modules/vision/detector.hpp"
 #include "musher/modules/vision/lens.hpp"
+#include "musher/modules/vision/tool/look.hpp"
 #include "musher/modules/world/render.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/test/modules/vision/faces.hpp"
@@ -131,6 +134,43 @@ TEST(CascadeDetector, IsNotMadeOfAFileThatIsNoModel) {
     EXPECT_EQ(made.error().code, 5912);
     EXPECT_THAT(made.error().message, HasSubstr("broken.xml: this is no cascade"));
   }
+}
+
+std::string WritePicture(const std::string& file, msg::Image picture) {
+  const cv::Mat mat(int(picture.height), int(picture.width), CV_8UC3, picture.data.data());
+  EXPECT_TRUE(cv::imwrite(file, mat));
+  return file;
+}
+
+TEST(LookTool, TellsWhatIsFoundAndDrawsIt) {
+  const TempFolder folder;
+  tool::LookOptions options;
+  options.pictures = {WritePicture(folder / "face.png", PictureOfFace(3, 1))};
+  options.out = folder / "boxes.png";
+  options.hfov_deg = 2 * std::atan(320.0 / 600) * 180 / M_PI;
+  options.at_m = 1;
+  std::ostringstream out;
+  ASSERT_TRUE(tool::Look({}, options, out));
+  EXPECT_THAT(out.str(), testing::ContainsRegex("face.png: 640 x 480, 1 face in [0-9]+ ms"));
+  EXPECT_THAT(out.str(), testing::ContainsRegex("  at 0.[45][0-9]+ 0.[45][0-9]+, .* m away"));
+  EXPECT_THAT(out.str(), testing::ContainsRegex("it is 1.00 m away when face_m = 0.(19|2[0-3])"));
+  const cv::Mat before = cv::imread(options.pictures[0]);
+  const cv::Mat after = cv::imread(options.out);
+  ASSERT_EQ(after.size(), before.size());
+  EXPECT_GT(cv::norm(before, after), 0);
+}
+
+TEST(LookTool, SaysWhatItCannotReadOrWrite) {
+  const TempFolder folder;
+  tool::LookOptions options;
+  options.pictures = {folder / "missing.png"};
+  std::ostringstream out;
+  EXPECT_THAT(tool::Look({}, options, out).error().message,
+              HasSubstr("missing.png is no picture that can be read"));
+  options.pictures = {WritePicture(folder / "face.png", Picture())};
+  options.out = "/no/such/folder/boxes.png";
+  EXPECT_THAT(tool::Look({}, options, out).error().message,
+              HasSubstr("/no/such/folder/boxes.png cannot be written"));
 }
 
 }  // namespace

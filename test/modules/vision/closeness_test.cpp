@@ -9,7 +9,7 @@
 namespace musher::vision {
 namespace {
 
-// Near below 0.6 m, clear beyond 0.8 m, held for 10 s; a picture each 100 ms.
+// Near below 0.8 m, clear beyond 1 m, held for 10 s; a picture each 100 ms.
 class ClosenessTest : public testing::Test {
  protected:
   bool See(const std::vector<Closeness::Sighting>& seen, std::int64_t after_ms = 100) {
@@ -27,14 +27,14 @@ class ClosenessTest : public testing::Test {
 
 TEST_F(ClosenessTest, NobodyIsTooCloseWhereNobodyIs) {
   EXPECT_FALSE(See({}));
-  EXPECT_FALSE(See({{1, 0.7}}));
+  EXPECT_FALSE(See({{1, 0.9}}));
 }
 
 TEST_F(ClosenessTest, HasTwoLimitsSoThatItDoesNotFlicker) {
-  EXPECT_TRUE(See({{1, 0.59}}));
-  for (const double distance_m : {0.61, 0.79, 0.59, 0.79}) EXPECT_TRUE(See({{1, distance_m}}));
+  EXPECT_TRUE(See({{1, 0.79}}));
+  for (const double distance_m : {0.81, 0.99, 0.79, 0.99}) EXPECT_TRUE(See({{1, distance_m}}));
+  EXPECT_FALSE(See({{1, 1.01}}));
   EXPECT_FALSE(See({{1, 0.81}}));
-  EXPECT_FALSE(See({{1, 0.61}}));
 }
 
 TEST_F(ClosenessTest, AMissedPictureIsNotTakenForOneWhoLeft) {
@@ -65,13 +65,13 @@ TEST_F(ClosenessTest, WithoutPicturesTimeShowsNothing) {
 TEST_F(ClosenessTest, AnotherOneFartherAwayDoesNotClearTheFirst) {
   See({{1, 0.4}, {2, 2.0}});
   EXPECT_TRUE(See({{2, 2.0}}));
-  EXPECT_FALSE(See({{1, 1.0}, {2, 2.0}}));
+  EXPECT_FALSE(See({{1, 1.1}, {2, 2.0}}));
 }
 
 TEST_F(ClosenessTest, LastsUntilAllWhoWereTooCloseHaveGone) {
   See({{1, 0.4}, {2, 0.5}});
-  EXPECT_TRUE(See({{1, 1.0}, {2, 0.5}}));
-  EXPECT_FALSE(See({{1, 1.0}, {2, 1.0}}));
+  EXPECT_TRUE(See({{1, 1.1}, {2, 0.5}}));
+  EXPECT_FALSE(See({{1, 1.1}, {2, 1.1}}));
 }
 
 RC_GTEST_PROP(ClosenessProperty, IsNeverClearOfOneWhoWasNotSeenToLeave, ()) {

@@ -67,7 +67,7 @@ TEST_F(FaceWatchTest, AGuestWhoComesUntilTheFaceFillsThePictureAndGoesBack) {
     EXPECT_FALSE(sight.target);
   }
   Sight sight;
-  for (double distance_m = 0.35; distance_m < 1; distance_m += 0.05)
+  for (double distance_m = 0.35; distance_m < 1.3; distance_m += 0.05)
     sight = See({FaceOf(distance_m)});
   EXPECT_EQ(sight.too_close, false);
   EXPECT_EQ(sight.target->id, 1) << "the same guest";

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "musher/behavior/fsm/replay.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
 namespace musher::wedding {
@@ -18,12 +19,11 @@ constexpr int kKinds = 9;
 class WildShow : public ShowRig {
  public:
   explicit WildShow(bool extended) {
-    ShowConfig config;
     if (extended) {
-      config.search.emplace();
-      config.interview.emplace();
+      config_.search.emplace();
+      config_.interview.emplace();
     }
-    Begin(config);
+    Begin(config_);
     for (const fsm::Way& way : machine_->chart().ways) ways_.insert({way.from, way.to});
   }
   void TestBody() override {}
@@ -81,11 +81,34 @@ class WildShow : public ShowRig {
   bool IsHome() const { return state() == "IDLE" && data().motion.current_pose == "neutral"; }
   int photos() const { return script_.photos; }
 
+  // The recording, played by another show: it does the same.
+  void Replay() {
+    const auto read = fsm::ReadRecording(recording_, "wild.record");
+    RC_ASSERT(read.ok());
+    Script script;
+    fsm::Machine machine({.name = "wedding"});
+    Show show(config_, script);
+    RC_ASSERT(show.Build(machine).ok());
+    show.Resume({});
+    const auto replayed = fsm::Replay(
+        read.value(), machine,
+        [&](std::string_view input, std::string_view text) { return show.Apply(input, text); });
+    RC_ASSERT(replayed.ok());
+    RC_ASSERT(replayed.value().difference.value_or("") == "");
+    RC_ASSERT(show.state() == state());
+    RC_ASSERT(machine.ticks() == machine_->ticks());
+    const Gaze gaze = show.data().motion.look_at_target;
+    RC_ASSERT(gaze == data().motion.look_at_target);
+  }
+  void Rest() { show_->Rest(now_); }
+  void Resume() { show_->Resume(now_); }
+
   using ShowRig::Gesture;
   using ShowRig::TickWithFace;
   using ShowRig::Track;
 
  private:
+  ShowConfig config_;
   std::set<std::pair<fsm::StateId, fsm::StateId>> ways_;
   bool too_close_ = false;
 };
@@ -99,6 +122,20 @@ RC_GTEST_PROP(ShowProperty, GoesDeclaredWaysOnlyIsSafeInOneTickAndComesHomeWhenL
   // Some commands wait, each for its tick; the longest way home is an interview that is due.
   show.TickFor(Milliseconds(20'000));
   RC_ASSERT(show.IsHome());
+}
+
+RC_GTEST_PROP(ShowProperty, DoesTheSameAgainWhenItsRecordingIsPlayed, (bool extended)) {
+  WildShow show(extended);
+  const auto events = *rc::gen::container<std::vector<std::pair<int, int>>>(
+      200, rc::gen::pair(rc::gen::inRange(0, kKinds), rc::gen::inRange(0, 100)));
+  for (const auto& [kind, value] : events) {
+    if (kind == 7 && value > 80) {  // the robot goes to LowPower and comes back
+      show.Rest();
+      show.Resume();
+    }
+    show.Happen(kind, value);
+  }
+  show.Replay();
 }
 
 RC_GTEST_PROP(ShowProperty, TakesNoMorePhotosThanGesturesWereRaised, ()) {

@@ -35,11 +35,16 @@ class ShowRig : public testing::Test {
   void Begin(const ShowConfig& config, Duration step = Milliseconds(20)) {
     step_ = step;
     show_.reset();
+    recorder_.reset();
     machine_ = std::make_unique<fsm::Machine>(fsm::Machine::Options{.name = "wedding"});
     script_ = {};
     show_ = std::make_unique<Show>(config, script_);
     const Result<> built = show_->Build(*machine_);
     ASSERT_TRUE(built) << built.error().message;
+    recording_.clear();
+    recorder_ = std::make_unique<fsm::Recorder>(
+        *machine_, [this](std::string_view line) { recording_ += line; });
+    show_->RecordTo(*recorder_);
     show_->Resume(now_);
     ASSERT_TRUE(machine_->Start(now_));
   }
@@ -47,7 +52,6 @@ class ShowRig : public testing::Test {
   void Tick(int count = 1) {
     for (int i = 0; i < count; ++i) {
       now_ += step_;
-      show_->BeforeTick(now_);
       machine_->RunOnce(now_);
       show_->AfterTick();
     }
@@ -100,6 +104,8 @@ class ShowRig : public testing::Test {
   Time now_{Milliseconds(1000)};
   Script script_;
   std::unique_ptr<fsm::Machine> machine_;
+  std::string recording_;
+  std::unique_ptr<fsm::Recorder> recorder_;
   std::unique_ptr<Show> show_;
 };
 

@@ -1,0 +1,26 @@
+#pragma once
+// musher-vision look: what the detector finds in a picture's file. For who tunes it.
+
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/modules/vision/vision_config.hpp"
+
+namespace musher::vision::tool {
+
+struct LookOptions {
+  std::string file;  // of the module's config
+  std::vector<std::string> pictures;
+  std::string out;                 // the picture with boxes; empty: none
+  std::optional<double> hfov_deg;  // of the pictures; else the config's
+  std::optional<double> at_m;      // how far away the largest face is known to be
+};
+
+// Prints a line for each picture and each face. Fails with the first picture that cannot be read or
+// written.
+Result<> Look(const VisionConfig& config, const LookOptions& options, std::ostream& out);
+
+}  // namespace musher::vision::tool

@@ -1,0 +1,128 @@
+// musher-wedding tell: a guest, a detector or a person with a remote, for those without ROS.
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <variant>
+
+#include "musher/messages/geometry_msgs/point_stamped.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/modules/program/hand_tool.hpp"
+#include "musher/modules/wedding/tool/tool.hpp"
+#include "musher/modules/wedding/topic_names.hpp"
+
+namespace musher::wedding::tool {
+namespace {
+
+using program::ExitCode;
+using program::HandLink;
+
+constexpr const char* kFooter = R"(
+Examples:
+  musher-wedding tell target 0.5 0.4 --for 5   a face in the middle, 5 s long
+  musher-wedding tell gesture heart            and it asks for a photo
+  musher-wedding tell too-close true
+  musher-wedding tell command photo            stop, idle, photo, tracking, reset
+  musher-wedding tell voice stop               as if it had been heard
+
+Exit codes: 0 told; 1 nobody listens (said on stderr); 2 usage; 130 interrupted.
+Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
+
+constexpr Duration kLongest = std::chrono::hours(24);  // however slow a clock goes
+
+struct Told {
+  const char* topic = nullptr;
+  std::variant<msg::String, msg::Bool, msg::PointStamped> message;
+};
+
+int Fail(ExitCode exit, const std::string& message) {
+  std::cerr << "musher-wedding: " << message << std::endl;
+  return static_cast<int>(exit);
+}
+
+template <msg::Message M>
+int Publish(HandLink& link, const std::string& topic, const M& message, Duration time) {
+  const auto publisher = transport::MakePublisher<M>(link.node(), link.Name(topic));
+  if (!publisher) return Fail(ExitCode::kUsage, publisher.error().message);
+  const auto heard = [&] { return publisher.value()->MatchedReaders() > 0; };
+  if (!link.RunUntil(heard, link.discovery())) {
+    if (link.interrupted()) return static_cast<int>(ExitCode::kInterrupted);
+    return Fail(ExitCode::kNotDone, "nobody listens to " + topic + "; is the show running?");
+  }
+  Result<> sent = publisher.value()->Publish(message);
+  if (time > Duration(0)) {
+    if (!link.AwaitClock()) return Fail(ExitCode::kNotDone, "nobody publishes /clock");
+    const Time end = link.clock().Now() + time;
+    const auto again = link.clock().Every(Milliseconds(100), [&] {
+      if (sent) sent = publisher.value()->Publish(message);
+    });
+    link.RunUntil([&] { return !sent.ok() || link.clock().Now() >= end; }, kLongest);
+    if (link.interrupted()) return static_cast<int>(ExitCode::kInterrupted);
+  }
+  if (sent) sent = publisher.value()->Flush(link.discovery());
+  if (!sent) return Fail(ExitCode::kNotDone, sent.error().message);
+  return static_cast<int>(ExitCode::kDone);
+}
+
+class Grammar {
+ public:
+  Grammar() {
+    program::SetUpHandTool(app_, options_, "Whose time --for goes by; topic: /clock", kFooter);
+    app_.add_option("--for", seconds_, "Say it again and again, 10 times a second, for so many s")
+        ->check(program::Between(0, 3600))
+        ->type_name("SECONDS");
+    AddTarget();
+    AddWord("gesture", topic::kGesture, "none, heart, v or ok");
+    AddWord("command", topic::kCommand, "stop, idle, photo, tracking, reset, search, interview");
+    AddWord("voice", topic::kVoiceCommand, "none, photo, interview or stop");
+    CLI::App* close = app_.add_subcommand("too-close", "Whether somebody is");
+    close->add_option("BOOL", too_close_, "true or false")->required()->type_name("");
+    close->callback([this] { told_ = {topic::kTooClose, msg::Bool{too_close_}}; });
+  }
+
+  int Run(int argc, const char* const* argv) {
+    if (const auto end = program::Parse(app_, argc, argv, options_)) {
+      return program::Say(*end, "musher-wedding");
+    }
+    const auto link = HandLink::Open(options_);
+    if (!link) return Fail(ExitCode::kUsage, link.error().message);
+    const auto time = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds_));
+    const int exit = std::visit(
+        [&](const auto& message) { return Publish(*link.value(), told_.topic, message, time); },
+        told_.message);
+    if (options_.json) std::cout << (exit == 0 ? "{\"told\": true}" : "{\"told\": false}") << "\n";
+    return exit;
+  }
+
+ private:
+  void AddTarget() {
+    CLI::App* command = app_.add_subcommand("target", "A face, where it is in the picture");
+    command->add_option("X", point_.x, "0 left, 1 right")->required()->type_name("");
+    command->add_option("Y", point_.y, "0 up, 1 down")->required()->type_name("");
+    command->add_option("Z", point_.z, "How far, m; default 1.5")->type_name("");
+    command->callback([this] {
+      told_ = {topic::kTarget, msg::PointStamped{{{}, "camera"}, point_}};
+    });
+  }
+  void AddWord(const char* name, const char* topic, const char* words) {
+    CLI::App* command = app_.add_subcommand(name, std::string(words));
+    command->add_option("WORD", word_, words)->required()->type_name("");
+    command->callback([this, topic] { told_ = {topic, msg::String{word_}}; });
+  }
+
+  CLI::App app_{"Tells the wedding robot's show something, on its topics.", "musher-wedding tell"};
+  program::HandOptions options_;
+  double seconds_ = 0;
+  msg::Point point_{0.5, 0.5, 1.5};
+  bool too_close_ = false;
+  std::string word_;
+  Told told_;
+};
+
+}  // namespace
+
+int Tell(int argc, const char* const* argv) {
+  return Grammar().Run(argc, argv);
+}
+
+}  // namespace musher::wedding::tool

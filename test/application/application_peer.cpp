@@ -1,0 +1,59 @@
+// An application in a process of its own that blocks or fails when it is told to.
+
+#include <unistd.h>
+
+#include <iostream>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "musher/application/fsm_actuator.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/transport/endpoints.hpp"
+
+namespace musher {
+namespace {
+
+class Work : public fsm::State {
+ public:
+  explicit Work(const std::string& order) : order_(order) {}
+
+  void Declare(fsm::Ways& ways) override { ways.To("WORK", "never"); }
+  void Run(const fsm::Tick&) override {
+    if (order_ == "fail") throw std::runtime_error("the lamp is broken");
+    while (order_ == "block") pause();
+  }
+
+ private:
+  const std::string& order_;
+};
+
+class Peer : public FsmActuator {
+ public:
+  Peer() : FsmActuator("show", {.rate_hz = 100}) {}
+  ~Peer() override { Shutdown(); }
+
+ private:
+  Result<> BuildMachine(fsm::Machine& machine) override {
+    machine.Add("WORK", std::make_unique<Work>(order_));
+    return machine.Build("WORK");
+  }
+  void OpenTopics(transport::Endpoints& topics) override {
+    topics.Hear<msg::String>("order", [this](const msg::String& order) { order_ = order.data; });
+  }
+
+  std::string order_;
+};
+
+}  // namespace
+}  // namespace musher
+
+int main() {
+  musher::Peer peer;
+  if (const auto ready = peer.Prepare(); !ready) {
+    std::cerr << ready.error().message << std::endl;
+    return 2;
+  }
+  if (!peer.ActuatorStart()) return 1;
+  return peer.Wait();
+}

@@ -1,0 +1,85 @@
+// An application in a process of its own: what becomes of one that blocks, and of one whose machine
+// has stopped by a fault.
+
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+#include "musher/test/application/show.hpp"
+#include "musher/test/controller/cli/program.hpp"
+
+namespace musher {
+namespace {
+
+using cli::RunProgram;
+using ::testing::HasSubstr;
+using testing::Stage;
+
+class AnApplicationsProcess : public ::testing::Test {
+ protected:
+  AnApplicationsProcess() {
+    std::ofstream(stage_.path(), std::ios::app)
+        << "command = [\"" MUSHER_BIN_DIR "/application_peer\"]\nrestart_delay_ms = 10\n";
+    stage_.node().RunOnLoop([this] {
+      order_ = transport::MakePublisher<msg::String>(stage_.node().node(), "order").value();
+    });
+  }
+  ~AnApplicationsProcess() override {
+    stage_.controller().SetState("TearDown");
+    stage_.node().RunOnLoop([this] { order_.reset(); });
+  }
+
+  void Begin() {
+    ASSERT_TRUE(stage_.controller().Init(stage_.path()).ok());
+    ASSERT_TRUE(stage_.controller().AwaitSetUp().ok());
+    ASSERT_TRUE(stage_.controller().SetState("SelfCheck"));
+    ASSERT_TRUE(stage_.controller().SetState("Active"));
+    EXPECT_THAT(RunProgram({"behavior", "show"}).out, HasSubstr("WORK"));
+  }
+  void Order(const std::string& order) {
+    ASSERT_TRUE(Until([this] {
+      int readers = 0;
+      stage_.node().RunOnLoop([&] { readers = order_->MatchedReaders(); });
+      return readers > 0;
+    }));
+    stage_.node().RunOnLoop([&] { static_cast<void>(order_->Publish({order})); });
+  }
+  static bool Until(const std::function<bool()>& holds) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (!holds()) {
+      if (std::chrono::steady_clock::now() > deadline) return false;
+      std::this_thread::yield();
+    }
+    return true;
+  }
+  // It was started again, and ticks.
+  static bool IsBack() {
+    const std::string status = RunProgram({"--json", "status"}).out;
+    return status.find(R"("restarts":1,"restarting":false)") != std::string::npos &&
+           RunProgram({"--json", "behavior", "show"}).out.find(R"("ticking":true)") !=
+               std::string::npos;
+  }
+
+  Stage stage_{"steady"};
+  std::unique_ptr<transport::Publisher<msg::String>> order_;
+};
+
+TEST_F(AnApplicationsProcess, IsCalledHungWhenAStateBlocksAndIsStartedAgain) {
+  Begin();
+  Order("block");
+  EXPECT_TRUE(Until(IsBack)) << RunProgram({"history"}).out;
+  EXPECT_THAT(RunProgram({"history"}).out, HasSubstr("hung"));
+}
+
+TEST_F(AnApplicationsProcess, SaysWhyItsMachineStoppedAndIsStartedAgain) {
+  Begin();
+  Order("fail");
+  EXPECT_TRUE(Until(IsBack)) << RunProgram({"history"}).out;
+  EXPECT_THAT(RunProgram({"history"}).out, HasSubstr("exit code 1"));
+  std::ifstream log(stage_.state_dir() + "/logs/show.log");
+  EXPECT_THAT(std::string(std::istreambuf_iterator<char>(log), {}),
+              HasSubstr("show: gives up: WORK: Run: the lamp is broken"));
+}
+
+}  // namespace
+}  // namespace musher

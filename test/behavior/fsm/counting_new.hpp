@@ -1,0 +1,16 @@
+#pragma once
+// An operator new that counts what the program it is linked to asks for, on any thread.
+
+#include <cstddef>
+
+namespace musher::testing {
+
+struct Asked {
+  std::size_t times = 0;
+  std::size_t bytes = 0;
+};
+
+// Since the program began.
+Asked AskedOfNew();
+
+}  // namespace musher::testing

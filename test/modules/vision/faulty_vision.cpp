@@ -1,0 +1,46 @@
+// musher-vision-manager with a detector that does what stands in the file `detector` of its working
+// folder: "throw", "hang" until that is something else, or nothing.
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "musher/modules/program/module_main.hpp"
+#include "musher/modules/vision/vision_manager.hpp"
+
+namespace musher::vision {
+namespace {
+
+std::string Told() {
+  std::string told;
+  std::ifstream("detector") >> told;
+  return told;
+}
+
+class FaultyDetector : public Detector {
+ public:
+  std::vector<FaceBox> Detect(const msg::Image&) override {
+    while (Told() == "hang") std::this_thread::yield();
+    if (Told() == "throw") throw std::runtime_error("as it was told");
+    return {};
+  }
+};
+
+int Run(const program::Options& options) {
+  const VisionReading reading = ReadVisionFile(options.file);
+  program::PrintErrors(reading.diagnostics);
+  if (!reading.config) return program::kUsageError;
+  VisionManager manager(options.actuator, *reading.config,
+                        [] { return std::unique_ptr<Detector>(new FaultyDetector); });
+  return program::RunToEnd(manager, options);
+}
+
+}  // namespace
+}  // namespace musher::vision
+
+int main(int argc, char** argv) {
+  return musher::program::Main(argc, argv, {"faulty-vision", "For tests.", ""},
+                               musher::vision::Run);
+}

@@ -1,0 +1,220 @@
+// musher-vision-manager as a controller and the robot's other modules meet it: the real programs
+// over DDS.
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/messages/geometry_msgs/point_stamped.hpp"
+#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/sensor_msgs/image.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/test/modules/actuator_peer.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher::vision {
+namespace {
+
+using msg::ActuatorCommand;
+using testing::HasSubstr;
+
+const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
+                                             "Active",   "DeActive", "Protected",
+                                             "LowPower", "OTA",      "Error"};
+
+// A face 1 m before the front camera, as high as it.
+constexpr const char* kScene = R"(
+speed = 2
+start.standing = true
+body.noise = 0
+[camera.front]
+x_m = 0.2
+z_m = 0.1
+hfov_deg = 56.0
+[[board]]
+x_m = 1.2
+y_m = 0.0
+yaw_deg = 180.0
+width_m = 0.35
+height_m = 0.35
+bottom_m = 0.215
+face = 3
+)";
+
+constexpr const char* kFile = R"(
+picture = "world/camera/front"
+hfov_deg = 56.0
+self_check_ms = 15000
+[faces]
+face_m = 0.208
+)";
+
+class VisionProcess : public testing::Test {
+ protected:
+  explicit VisionProcess(const std::string& program = "musher-vision-manager")
+      : peer_("vision", kAllStates, program) {}
+
+  void Start(const std::string& file = kFile) {
+    peer_.Start(file);
+    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+  }
+  void StartWorld() {
+    std::ofstream(peer_.folder() / "scene.toml") << kScene;
+    exec::ChildSpec spec;
+    spec.argv = {MUSHER_BIN_DIR "/musher-world", peer_.folder() / "scene.toml", "--alone"};
+    spec.cwd = peer_.folder().path();
+    world_.emplace(exec::Child::Start(spec, keeper_).value());
+  }
+  void ExpectDone(const State& state) {
+    const auto done = peer_.Switch(state);
+    ASSERT_TRUE(done) << state;
+    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictDone)
+        << state << ": " << done.value().message << peer_.Output();
+  }
+  std::string Failure(const State& state) {
+    const auto done = peer_.Switch(state);
+    if (!done) return "no answer";
+    EXPECT_EQ(done.value().verdict, ActuatorCommand::kVerdictFailed);
+    return std::to_string(done.value().code) + " " + done.value().message;
+  }
+  template <msg::Message M>
+  void Listen(const std::string& topic, std::optional<M>& last) {
+    subscriptions_.push_back(transport::MakeSubscription<M>(
+                                 peer_.node(), topic,
+                                 [&last](const M& message, const auto&) { last = message; },
+                                 transport::kSensorDataQos)
+                                 .value());
+  }
+
+  const exec::Keeper keeper_ = exec::Keeper::Start().value();
+  test::ActuatorPeer peer_;
+  std::optional<exec::Child> world_;
+  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
+};
+
+TEST_F(VisionProcess, SeesTheFaceInTheWorldAndHowFarAwayItIs) {
+  std::optional<msg::PointStamped> target;
+  std::optional<msg::Bool> too_close;
+  std::optional<msg::String> faces;
+  Listen("wedding/perception/target", target);
+  Listen("wedding/perception/too_close", too_close);
+  Listen("wedding/perception/faces_json", faces);
+  StartWorld();
+  Start();
+  ExpectDone("SelfCheck");
+  EXPECT_FALSE(target) << "a check is no looking";
+  ExpectDone("Active");
+  ASSERT_TRUE(peer_.Until([&] { return target && too_close && faces; })) << peer_.Output();
+  EXPECT_NEAR(target->point.x, 0.5, 0.03);
+  EXPECT_NEAR(target->point.y, 0.5, 0.08);
+  EXPECT_NEAR(target->point.z, 1, 0.15);
+  EXPECT_EQ(target->header.frame_id, "camera");
+  EXPECT_FALSE(too_close->data);
+  ASSERT_TRUE(
+      peer_.Until([&] { return nlohmann::json::parse(faces->data).at("count").get<int>() == 1; }));
+  ExpectDone("TearDown");
+  EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
+}
+
+TEST_F(VisionProcess, LooksInActiveOnlySoThatTheWorldNeedNotDraw) {
+  const auto camera = transport::MakePublisher<msg::Image>(peer_.node(), "world/camera/front",
+                                                           transport::kSensorDataQos)
+                          .value();
+  StartWorld();
+  Start();
+  for (const char* state : {"DeActive", "Protected", "LowPower", "OTA", "Error"}) {
+    ExpectDone("Active");
+    EXPECT_TRUE(peer_.Until([&] { return camera->MatchedReaders() == 1; })) << state;
+    ExpectDone(state);
+    EXPECT_TRUE(peer_.Until([&] { return camera->MatchedReaders() == 0; })) << state;
+  }
+  ExpectDone("SelfCheck");
+  EXPECT_TRUE(peer_.Until([&] { return camera->MatchedReaders() == 0; }));
+}
+
+TEST_F(VisionProcess, FailsItsSelfCheckWithoutPictures) {
+  Start("self_check_ms = 100\n");
+  EXPECT_THAT(Failure("SelfCheck"), HasSubstr("5909 nobody publishes image_rgb"));
+}
+
+TEST_F(VisionProcess, FailsItsSelfCheckAndDoesNotLookWithoutAModel) {
+  Start("[detector]\nmodel = \"/no/such/model.xml\"\n");
+  EXPECT_THAT(Failure("SelfCheck"), HasSubstr("5909 /no/such/model.xml: there is no such model"));
+  EXPECT_THAT(Failure("Active"), HasSubstr("5912 /no/such/model.xml: there is no such model"));
+}
+
+TEST_F(VisionProcess, IsNotStartedWithAFileThatIsWrong) {
+  peer_.Start("rate = 3\n");
+  EXPECT_EQ(peer_.AwaitExit(), 2);
+  EXPECT_THAT(peer_.Output(), HasSubstr("vision.toml:1:1: error: unknown key \"rate\""));
+}
+
+// With a detector that does what it is told, and a camera of the test's.
+class FaultyVision : public VisionProcess {
+ protected:
+  FaultyVision() : VisionProcess("faulty_vision") {}
+
+  void Tell(const std::string& what) {
+    std::ofstream(peer_.folder() / "detector.new") << what;
+    rename((peer_.folder() / "detector.new").c_str(), (peer_.folder() / "detector").c_str());
+  }
+  void StartWithCamera() {
+    camera_ =
+        transport::MakePublisher<msg::Image>(peer_.node(), "image_rgb", transport::kSensorDataQos)
+            .value();
+    Start("rate_hz = 0\nhfov_deg = 60\n[detector]\nhang_ms = 300\nfailures = 5\n");
+    picture_.width = 8;
+    picture_.height = 8;
+    picture_.encoding = "mono8";
+    picture_.step = 8;
+    picture_.data.assign(64, 100);
+    ticker_ = peer_.node().loop().Every(Milliseconds(20), [this] {
+      picture_.header.stamp = msg::ToStamp(peer_.node().loop().Now().time_since_epoch());
+      static_cast<void>(camera_->Publish(picture_));
+    });
+    ExpectDone("SelfCheck");
+    ExpectDone("Active");
+  }
+
+  msg::Image picture_;
+  std::unique_ptr<transport::Publisher<msg::Image>> camera_;
+  transport::LoopHandlePtr ticker_;
+};
+
+TEST_F(FaultyVision, EndsWithExitCodeOneWhenTheDetectorFailsAgainAndAgain) {
+  StartWithCamera();
+  Tell("throw");
+  ASSERT_TRUE(
+      peer_.Until([&] { return peer_.Output().find("detector is lost") != std::string::npos; }));
+  EXPECT_EQ(peer_.AwaitExit(), 1);
+  EXPECT_THAT(
+      peer_.Output(),
+      HasSubstr("vision: the detector is lost: 5 pictures in a row: the detector failed: as "
+                "it was told (5912"));
+}
+
+TEST_F(FaultyVision, IsHungWhenTheDetectorDoesNotComeBackAndWellWhenItDoes) {
+  std::optional<msg::ActuatorBeat> beat;
+  subscriptions_.push_back(
+      transport::MakeSubscription<msg::ActuatorBeat>(
+          peer_.node(), transport::ActuatorBeatTopic(""),
+          [&](const msg::ActuatorBeat& message, const auto&) { beat = message; },
+          transport::kBeatQos)
+          .value());
+  StartWithCamera();
+  Tell("hang");
+  ASSERT_TRUE(peer_.Until([&] { return beat && beat->work == msg::ActuatorBeat::kWorkHung; }));
+  Tell("work");
+  EXPECT_TRUE(peer_.Until([&] { return beat->work == msg::ActuatorBeat::kWorkWell; }));
+  ExpectDone("TearDown");
+  EXPECT_EQ(peer_.AwaitExit(), 0);
+}
+
+}  // namespace
+}  // namespace musher::vision

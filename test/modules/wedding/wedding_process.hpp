@@ -1,0 +1,151 @@
+#pragma once
+// The real musher-wedding on DDS, with the body, the voice and the eyes of the robot, and a person
+// with a terminal.
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/messages/geometry_msgs/point_stamped.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/test/modules/actuator_peer.hpp"
+
+namespace musher::wedding {
+
+inline const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
+                                                    "Active",   "DeActive", "Protected",
+                                                    "LowPower", "OTA",      "Error"};
+
+// A show whose photos take half a second.
+inline constexpr const char* kFile = R"(
+[check]
+time_ms = 5000
+[photo]
+confirm_ms = 100
+pose_ms = 100
+countdown_ms = 200
+shutter_ms = 100
+[farewell]
+time_ms = 200
+[safe_stop]
+clear_ms = 300
+)";
+
+class WeddingProcess : public testing::Test {
+ protected:
+  void SetUp() override {
+    Hear("wedding/fsm/state", states_);
+    Hear("wedding/motion/pose", poses_);
+    Hear("wedding/audio/play", sounds_);
+    subscriptions_.push_back(
+        transport::MakeSubscription<msg::PointStamped>(
+            peer_.node(), "wedding/motion/look_at",
+            [this](const msg::PointStamped& look, const auto&) { looks_.push_back(look); })
+            .value());
+    target_ = Publisher<msg::PointStamped>("wedding/perception/target");
+    too_close_ = Publisher<msg::Bool>("wedding/perception/too_close");
+    gesture_ = Publisher<msg::String>("wedding/perception/gesture");
+    command_ = Publisher<msg::String>("wedding/fsm/command");
+    voice_ = Publisher<msg::String>("wedding/audio/voice_command");
+  }
+  void Start(const std::string& file = kFile) {
+    peer_.Start(file);
+    ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
+    ASSERT_TRUE(peer_.Until([&] {
+      return target_->MatchedReaders() == 1 && too_close_->MatchedReaders() == 1 &&
+             gesture_->MatchedReaders() == 1 && command_->MatchedReaders() == 1 &&
+             voice_->MatchedReaders() == 1 &&
+             std::ranges::all_of(subscriptions_,
+                                 [](const auto& heard) { return heard->MatchedWriters() == 1; });
+    })) << peer_.Output();
+  }
+  void StartActive(const std::string& file = kFile) {
+    Start(file);
+    ExpectDone("Active");
+    ASSERT_TRUE(AwaitShown("IDLE"));
+  }
+  void ExpectDone(const State& state) {
+    const auto done = peer_.Switch(state);
+    ASSERT_TRUE(done) << state;
+    EXPECT_EQ(done.value().verdict, msg::ActuatorCommand::kVerdictDone)
+        << state << ": " << done.value().message << peer_.Output();
+  }
+  // A guest stands there, seen ten times a second, until the show is in `state`.
+  bool AwaitWithFace(const std::string& state) {
+    const auto again = peer_.node().loop().Every(Milliseconds(100), [this] { Face(); });
+    Face();
+    return AwaitShown(state);
+  }
+  bool AwaitShown(const std::string& state) {
+    return peer_.Until([&] { return !states_.empty() && states_.back() == state; });
+  }
+  bool AwaitPose(const std::string& pose) {
+    return peer_.Until([&] { return !poses_.empty() && poses_.back() == pose; });
+  }
+  void Face(double x = 0.5) { ASSERT_TRUE(target_->Publish({{{}, "camera"}, {x, 0.5, 1.5}})); }
+  void Command(const std::string& word) { ASSERT_TRUE(command_->Publish({word})); }
+  // Runs the program as a person does; what it printed is in said_.
+  int Run(const std::vector<std::string>& words) {
+    exec::ChildSpec spec;
+    spec.argv = {MUSHER_BIN_DIR "/musher-wedding"};
+    spec.argv.insert(spec.argv.end(), words.begin(), words.end());
+    spec.cwd = peer_.folder().path();
+    const std::string output = peer_.folder() / "said";
+    const transport::UniqueFd file(
+        open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+    exec::Child child = exec::Child::Start(spec, keeper_, file.get()).value();
+    const bool ended = child.EndedBy(std::chrono::steady_clock::now() + std::chrono::seconds(20));
+    std::ifstream stream(output);
+    said_ = {std::istreambuf_iterator<char>(stream), {}};
+    return ended ? child.Reap().number : -1000;
+  }
+  // Each state once, however often it was shown.
+  std::vector<std::string> Changes() const {
+    std::vector<std::string> changes = states_;
+    changes.erase(std::unique(changes.begin(), changes.end()), changes.end());
+    return changes;
+  }
+  template <msg::Service S>
+  typename S::Response Call(const std::string& name, const typename S::Request& request) {
+    const auto client = transport::MakeClient<S>(peer_.node(), name).value();
+    std::optional<Result<typename S::Response>> answer;
+    client->Call(request, std::chrono::seconds(20), [&](auto reply) { answer = reply; });
+    EXPECT_TRUE(peer_.Until([&] { return answer.has_value(); }));
+    return answer->value();
+  }
+  void Hear(const std::string& topic, std::vector<std::string>& words) {
+    subscriptions_.push_back(
+        transport::MakeSubscription<msg::String>(
+            peer_.node(), topic,
+            [&words](const msg::String& word, const auto&) { words.push_back(word.data); })
+            .value());
+  }
+  template <msg::Message M>
+  std::unique_ptr<transport::Publisher<M>> Publisher(const std::string& topic) {
+    return transport::MakePublisher<M>(peer_.node(), topic).value();
+  }
+
+  const exec::Keeper keeper_ = exec::Keeper::Start().value();
+  std::string said_;
+  test::ActuatorPeer peer_{"wedding", kAllStates, "musher-wedding"};
+  std::vector<std::string> states_;
+  std::vector<std::string> poses_;
+  std::vector<std::string> sounds_;
+  std::vector<msg::PointStamped> looks_;
+  std::unique_ptr<transport::Publisher<msg::PointStamped>> target_;
+  std::unique_ptr<transport::Publisher<msg::Bool>> too_close_;
+  std::unique_ptr<transport::Publisher<msg::String>> gesture_;
+  std::unique_ptr<transport::Publisher<msg::String>> command_;
+  std::unique_ptr<transport::Publisher<msg::String>> voice_;
+  std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
+};
+
+}  // namespace musher::wedding

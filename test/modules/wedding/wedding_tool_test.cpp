@@ -1,0 +1,46 @@
+// What musher-wedding does for people beside the show.
+
+#include "musher/test/modules/wedding/wedding_process.hpp"
+
+namespace musher::wedding {
+namespace {
+
+using testing::HasSubstr;
+
+class WeddingTool : public WeddingProcess {};
+
+TEST_F(WeddingTool, IsToldByHandWithoutRos) {
+  StartActive();
+  EXPECT_EQ(Run({"tell", "target", "0.5", "0.4", "--for", "0.3"}), 0) << said_;
+  ASSERT_TRUE(AwaitShown("TRACKING"));
+  EXPECT_EQ(Run({"tell", "command", "photo"}), 0) << said_;
+  ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
+  EXPECT_EQ(Run({"tell", "too-close", "true", "--json"}), 0) << said_;
+  EXPECT_EQ(said_, "{\"told\": true}\n");
+  ASSERT_TRUE(AwaitShown("SAFE_STOP"));
+  EXPECT_EQ(Run({"tell", "gesture"}), 2);
+  EXPECT_EQ(Run({"tell", "target", "left", "0.4"}), 2);
+}
+
+TEST_F(WeddingTool, RecordsAndPlaysTheSameAgain) {
+  const std::string file = peer_.folder() / "show.toml";
+  const std::string record = peer_.folder() / "show.record";
+  StartActive(std::string(kFile) + "[record]\nfile = \"show.record\"\n");
+  ASSERT_TRUE(gesture_->Publish({"heart"}));
+  ASSERT_TRUE(AwaitWithFace("PHOTO_POSING"));
+  ASSERT_TRUE(AwaitWithFace("TRACKING"));
+  ExpectDone("LowPower");
+  ExpectDone("Active");
+  ASSERT_TRUE(AwaitWithFace("TRACKING"));
+  ExpectDone("TearDown");
+  ASSERT_EQ(peer_.AwaitExit(), 0);
+  EXPECT_EQ(Run({"replay", record, "--config", peer_.folder() / "wedding.toml"}), 0) << said_;
+  EXPECT_THAT(said_, HasSubstr("TRACKING -> PHOTO_POSING  decided"));
+  EXPECT_THAT(said_, HasSubstr("the same again"));
+  EXPECT_EQ(Run({"replay", record}), 1) << "photos of 6 s come to another history";
+  EXPECT_THAT(said_, HasSubstr("show.record:"));
+  EXPECT_EQ(Run({"replay", file}), 2) << "there is none";
+}
+
+}  // namespace
+}  // namespace musher::wedding
