@@ -69,20 +69,12 @@ void Machine::TellAll(Call&& call) {
   }
 }
 
-Tick Machine::Now() const {
-  Tick tick{.now = time_, .step = step_, .elapsed = time_ - entered_};
-  if (mode_ == Mode::kTransitioning) {
-    tick.target = target_;
-    tick.transition_elapsed = time_ - transition_began_;
-    tick.transition_time = transition_time_;
-  }
-  return tick;
-}
-
 void Machine::Advance(Time now) {
-  step_ = last_tick_ && now > *last_tick_ ? now - *last_tick_ : Duration{};
+  tick_.step = last_tick_ && now > *last_tick_ ? now - *last_tick_ : Duration{};
   last_tick_ = now;
-  time_ += step_;
+  tick_.now += tick_.step;
+  tick_.elapsed = tick_.now - entered_;
+  if (mode_ == Mode::kTransitioning) tick_.transition_elapsed = tick_.now - transition_began_;
 }
 
 void Machine::TellInput(const Input& input) {
@@ -99,7 +91,8 @@ Result<> Machine::StartAt(StateId state, Time now) {
   TellInput({.kind = Input::Kind::kStart, .time = now, .state = state});
   running_ = true;
   ticks_ = 0;
-  time_ = step_ = entered_ = {};
+  tick_ = {};
+  entered_ = {};
   last_tick_ = now;
   first_command_ = waiting_ = 0;
   unsafe_ = checks_.size();
@@ -137,7 +130,7 @@ bool Machine::PassesChecks() {
     bool safe = false;
     std::optional<std::string> thrown;
     try {
-      safe = checks_[i].is_safe(Now());
+      safe = checks_[i].is_safe(tick_);
     } catch (...) {
       thrown = WhatWasThrown();
     }
@@ -154,19 +147,18 @@ bool Machine::PassesChecks() {
 }
 
 void Machine::Decide() {
-  Tick tick = Now();
-  tick.command = TakeCommand();
+  tick_.command = TakeCommand();
   Next next = Next::Stay();
-  if (!Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick); })) return;
+  if (!Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick_); })) return;
   // Not out of the safe state while a check fails.
   const bool held = mode_ == Mode::kSafeStop && unsafe_ != checks_.size();
-  if (next.keeps()) GiveBack(std::exchange(tick.command, kNoEvent));
-  if (!next.stays() && !held) return Begin(next, tick.command);
-  if (tick.command != kNoEvent && !(next.stays() && next.heeds())) Unheeded(tick.command);
-  Guard(Phase::kRun, [&] { present_->Run(tick); });
+  if (next.keeps()) GiveBack(std::exchange(tick_.command, kNoEvent));
+  if (!next.stays() && !held) return Begin(next);
+  if (tick_.command != kNoEvent && !(next.stays() && next.heeds())) Unheeded(tick_.command);
+  if (Guard(Phase::kRun, [&] { present_->Run(tick_); })) tick_.command = kNoEvent;
 }
 
-void Machine::Begin(const Next& next, EventId command) {
+void Machine::Begin(const Next& next) {
   if (!Declared(current_, next.target())) {
     return Fail(Phase::kCheck,
                 "it went to " +
@@ -175,46 +167,46 @@ void Machine::Begin(const Next& next, EventId command) {
                     ", which it has not declared");
   }
   mode_ = Mode::kTransitioning;
-  target_ = next.target();
-  cause_ = command;
-  transition_began_ = time_;
-  transition_time_ = next.time();
+  cause_ = std::exchange(tick_.command, kNoEvent);
+  transition_began_ = tick_.now;
+  tick_.target = next.target();
+  tick_.transition_time = next.time();
   Proceed();
 }
 
 void Machine::Proceed() {
   bool done = false;
-  const Tick tick = Now();
-  if (!Guard(Phase::kTransition, [&] { done = present_->Transition(tick); })) return;
+  if (!Guard(Phase::kTransition, [&] { done = present_->Transition(tick_); })) return;
   if (done) {
-    Switch(target_, Cause::kDecided, cause_);
-  } else if (tick.transition_elapsed > options_.longest_transition) {
-    Fail(Phase::kTransition, "the transition to " + std::string(Name(target_)) + " does not end");
+    Switch(tick_.target, Cause::kDecided, cause_);
+  } else if (tick_.transition_elapsed > options_.longest_transition) {
+    Fail(Phase::kTransition,
+         "the transition to " + std::string(Name(tick_.target)) + " does not end");
   }
 }
 
 // From the current state to `target`.
 void Machine::Switch(StateId target, Cause cause, EventId command) {
-  if (Guard(Phase::kExit, [&] { present_->OnExit(Now()); })) Enter(target, cause, command);
+  if (Guard(Phase::kExit, [&] { present_->OnExit(tick_); })) Enter(target, cause, command);
 }
 
 // The current state has been left, or there was none.
 void Machine::Enter(StateId target, Cause cause, EventId command) {
-  const Change change{time_, ticks_, current_, target, command, cause};
+  const Change change{tick_.now, ticks_, current_, target, command, cause};
   SetCurrent(target);
-  entered_ = time_;
+  entered_ = tick_.now;
+  tick_ = {.now = tick_.now, .step = tick_.step};
   mode_ = target == safe_ ? Mode::kSafeStop : Mode::kNormal;
-  target_ = kNoState;
   if (mode_ == Mode::kNormal) unsafe_ = checks_.size();
   Remember(change);
-  Guard(Phase::kEnter, [&] { present_->OnEnter(Now()); });
+  Guard(Phase::kEnter, [&] { present_->OnEnter(tick_); });
 }
 
 void Machine::Note(Phase phase, std::string what, const std::string& inner) {
   ++counts_.faults;
   std::string where(Name(current_));
   if (!inner.empty()) where += "/" + inner;
-  fault_ = Fault{current_, phase, time_, std::move(what), std::move(where)};
+  fault_ = Fault{current_, phase, tick_.now, std::move(what), std::move(where)};
   TellAll([&](Listener& listener) { listener.OnFault(*this, *fault_); });
 }
 
@@ -222,10 +214,11 @@ void Machine::Note(Phase phase, std::string what, const std::string& inner) {
 // the machine stops.
 void Machine::Fail(Phase phase, std::string what, const std::string& inner) {
   Note(phase, std::move(what), inner);
+  tick_.command = kNoEvent;
   if (safe_ == kNoState || current_ == safe_) return Halt(Cause::kFault);
   if (phase != Phase::kEnter && phase != Phase::kExit) {
     try {
-      present_->OnExit(Now());
+      present_->OnExit(tick_);
     } catch (...) {
       ++counts_.faults;  // it is being left because it failed; the first failure is the one told
     }
@@ -234,11 +227,10 @@ void Machine::Fail(Phase phase, std::string what, const std::string& inner) {
 }
 
 void Machine::Halt(Cause cause) {
-  const Change change{time_, ticks_, current_, kNoState, kNoEvent, cause};
+  const Change change{tick_.now, ticks_, current_, kNoState, kNoEvent, cause};
   running_ = false;
   mode_ = cause == Cause::kFault ? Mode::kSafeStop : Mode::kNormal;
   SetCurrent(kNoState);
-  target_ = kNoState;
   Remember(change);
 }
 
@@ -249,7 +241,7 @@ Result<> Machine::Stop() {
   TellInput({.kind = Input::Kind::kStop});
   bool left = false;
   try {
-    present_->OnExit(Now());
+    present_->OnExit(tick_);
     left = true;
   } catch (const InnerFault& inner) {
     Note(inner.fault().phase, inner.fault().what, inner.fault().where);

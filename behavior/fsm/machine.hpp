@@ -132,8 +132,8 @@ class Machine {
   Mode mode() const { return mode_; }
   StateId current() const { return current_; }  // kNoState: not running
   std::uint64_t ticks() const { return ticks_; }
-  Duration time() const { return time_; }
-  Duration elapsed() const { return time_ - entered_; }
+  Duration time() const { return tick_.now; }
+  Duration elapsed() const { return tick_.now - entered_; }
   const Counts& counts() const { return counts_; }
   const History& history() const { return history_; }
   // The last one; the machine has stopped by it if it is not running.
@@ -181,10 +181,9 @@ class Machine {
   std::optional<std::size_t> FindCheck(std::string_view name) const;
   Result<> SaveParts(Snapshot& saved) const;
   void Become(const Snapshot& saved, Time now);
-  Tick Now() const;
   void Advance(Time now);
   void Decide();
-  void Begin(const Next& next, EventId command);
+  void Begin(const Next& next);
   void Proceed();
   void Enter(StateId target, Cause cause, EventId command);
   void Switch(StateId target, Cause cause, EventId command);
@@ -227,14 +226,11 @@ class Machine {
   bool in_tick_ = false;
   Mode mode_ = Mode::kNormal;
   StateId current_ = kNoState;
-  State* present_ = nullptr;   // the same, ready to be called
-  StateId target_ = kNoState;  // while transitioning
-  EventId cause_ = kNoEvent;   // the command behind the transition
+  State* present_ = nullptr;  // the same, ready to be called
+  Tick tick_;                 // what states are told; of a transition, too, while one goes on
+  EventId cause_ = kNoEvent;  // the command behind the transition
   Duration transition_began_{};
-  Duration transition_time_{};
   std::optional<Time> last_tick_;
-  Duration time_{};
-  Duration step_{};
   Duration entered_{};
   std::uint64_t ticks_ = 0;
   std::size_t unsafe_;             // index of the check, or their number

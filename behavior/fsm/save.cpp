@@ -81,12 +81,13 @@ Result<Snapshot> Machine::Save() const {
   saved.mode = mode_;
   saved.state = text(current_);
   saved.ticks = ticks_;
-  saved.time = time_;
-  saved.step = step_;
-  saved.elapsed = time_ - entered_;
+  saved.time = tick_.now;
+  saved.step = tick_.step;
+  saved.elapsed = elapsed();
   saved.unsafe = unsafe();
   if (mode_ == Mode::kTransitioning) {
-    saved.transition = {text(target_), text(cause_), time_ - transition_began_, transition_time_};
+    saved.transition = {text(tick_.target), text(cause_), tick_.now - transition_began_,
+                        tick_.transition_time};
   }
   for (std::size_t i = 0; i < waiting_; ++i) {
     saved.commands.push_back(text(commands_[(first_command_ + i) % commands_.size()]));

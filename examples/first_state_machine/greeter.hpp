@@ -1,0 +1,103 @@
+#pragma once
+// A robot that greets who comes, and keeps still when somebody is too close.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/behavior/fsm/machine.hpp"
+
+namespace fsm = musher::fsm;
+
+// [robot]
+// What the states see and what they do. On a real robot topics would fill the one and read the
+// other.
+struct Robot {
+  bool sees_somebody = false;
+  bool somebody_is_too_close = false;
+
+  std::string pose;
+  std::vector<std::string> said;
+};
+// [robot end]
+
+// [idle]
+class Idle : public fsm::State {
+ public:
+  explicit Idle(Robot& robot) : robot_(robot) {}
+
+  void Declare(fsm::Ways& ways) override {
+    greeting_ = ways.To("GREETING", "somebody comes");
+    greet_ = ways.On("greet");
+  }
+  void OnEnter(const fsm::Tick&) override { robot_.pose = "neutral"; }
+  fsm::Next CheckTransition(const fsm::Tick& tick) override {
+    const bool shall_greet = robot_.sees_somebody || tick.command == greet_;
+    return shall_greet ? fsm::Next::To(greeting_) : fsm::Next::Stay();
+  }
+
+ private:
+  Robot& robot_;
+  fsm::StateId greeting_ = fsm::kNoState;
+  fsm::EventId greet_ = fsm::kNoEvent;
+};
+// [idle end]
+
+// [greeting]
+class Greeting : public fsm::State {
+ public:
+  explicit Greeting(Robot& robot) : robot_(robot) {}
+
+  void Declare(fsm::Ways& ways) override { idle_ = ways.To("IDLE", "alone for 2 s"); }
+  void OnEnter(const fsm::Tick&) override {
+    robot_.pose = "wave";
+    robot_.said.emplace_back("Hello!");
+    alone_for_ = {};
+  }
+  void Run(const fsm::Tick& tick) override {
+    alone_for_ = robot_.sees_somebody ? musher::Duration{} : alone_for_ + tick.step;
+  }
+  fsm::Next CheckTransition(const fsm::Tick&) override {
+    // The arm takes half a second to come down.
+    return alone_for_ >= std::chrono::seconds(2)
+               ? fsm::Next::To(idle_, std::chrono::milliseconds(500))
+               : fsm::Next::Stay();
+  }
+  void Persist(fsm::Archive& archive) override { archive.Field("alone_for", alone_for_); }
+
+ private:
+  Robot& robot_;
+  fsm::StateId idle_ = fsm::kNoState;
+  musher::Duration alone_for_{};
+};
+// [greeting end]
+
+// [safe]
+class SafeStop : public fsm::State {
+ public:
+  explicit SafeStop(Robot& robot) : robot_(robot) {}
+
+  void Declare(fsm::Ways& ways) override { idle_ = ways.To("IDLE", "safe again"); }
+  void OnEnter(const fsm::Tick&) override { robot_.pose = "still"; }
+  fsm::Next CheckTransition(const fsm::Tick& tick) override {
+    return tick.elapsed >= std::chrono::seconds(1) ? fsm::Next::To(idle_) : fsm::Next::Stay();
+  }
+
+ private:
+  Robot& robot_;
+  fsm::StateId idle_ = fsm::kNoState;
+};
+// [safe end]
+
+// [machine]
+inline std::unique_ptr<fsm::Machine> MakeGreeter(Robot& robot) {
+  auto machine = std::make_unique<fsm::Machine>(fsm::Machine::Options{.name = "greeter"});
+  machine->AddEvent("greet");
+  machine->Add("IDLE", std::make_unique<Idle>(robot));
+  machine->Add("GREETING", std::make_unique<Greeting>(robot));
+  machine->Add("SAFE_STOP", std::make_unique<SafeStop>(robot), fsm::Role::kSafe);
+  machine->AddSafetyCheck("distance",
+                          [&robot](const fsm::Tick&) { return !robot.somebody_is_too_close; });
+  return machine;
+}
+// [machine end]

@@ -1,0 +1,26 @@
+// The pictures of docs/state-machines.md are those that the code draws.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "first_state_machine/greeter.hpp"
+#include "musher/behavior/fsm/graph.hpp"
+
+namespace musher::fsm {
+namespace {
+
+TEST(Tutorial, ShowsTheMachineAsItIsDrawn) {
+  std::ifstream file(MUSHER_SOURCE_DIR "/docs/state-machines.md", std::ios::binary);
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  Robot robot;
+  const auto machine = MakeGreeter(robot);
+  ASSERT_TRUE(machine->Build("IDLE"));
+  EXPECT_THAT(machine->warnings(), testing::IsEmpty());
+  EXPECT_THAT(page, testing::HasSubstr("```mermaid\n" + ToMermaid(machine->chart()) + "```\n"));
+}
+
+}  // namespace
+}  // namespace musher::fsm
