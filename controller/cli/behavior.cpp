@@ -45,6 +45,9 @@ class Watch {
         [this](const msg::String&, const transport::SampleInfo&) { changed_ = true; },
         transport::kLatchedQos, std::move(events));
     if (!states) return console_.Fail({ExitCode::kUsage, states.error()});
+    // The latched state comes at once, unless it has gone before it was found.
+    const bool found = link_.RunUntil([this] { return changed_ || gone_; }, link_.discovery());
+    if (!found) gone_ = true;
     while (!link_.interrupted()) {
       link_.RunUntil([this] { return changed_ || gone_; }, std::chrono::hours(24));
       if (std::exchange(changed_, false)) Look();
