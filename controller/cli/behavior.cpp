@@ -47,8 +47,7 @@ class Watch {
     while (!link_.interrupted()) {
       link_.RunUntil([this] { return changed_ || gone_; }, std::chrono::hours(24));
       if (std::exchange(changed_, false)) Look();
-      if (std::exchange(gone_, false))
-        Tell({ExitCode::kNoController, {kCodeNetError, name_ + " has gone"}});
+      if (std::exchange(gone_, false)) TellItHasGone();
     }
     return ExitCode::kDone;
   }
@@ -68,6 +67,12 @@ class Watch {
       console_.Print(BehaviorLines(report, WallNow(), console_.mode().colour));
     }
     Remember(report);
+  }
+  // Its next life has a history of its own.
+  void TellItHasGone() {
+    last_.reset();
+    state_.clear();
+    Tell({ExitCode::kNoController, {kCodeNetError, name_ + " has gone"}});
   }
   void Tell(const Failure& failure) {
     if (console_.mode().json) return console_.Print(FailureJson(failure));

@@ -33,16 +33,18 @@ BehaviorAnswer AskBehavior(Link& link, const GlobalOptions& global, const std::s
   if (!config_toml::IsName(name)) {
     return Failure{ExitCode::kUsage, {kCodeParametersInvalid, "'" + name + "' is no actuator"}};
   }
+  // Who else is there, for the complaint. Observers may not hear that, and are told less.
   std::set<std::string> there;
+  transport::Qos qos = transport::kLatchedFromManyQos;
+  qos.partition = transport::HearingPartition(!global.keys.empty());
   const auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
       link.node(), transport::ActuatorStatusTopic(global.name_space),
       [&there](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
         there.insert(status.name);
       },
-      transport::kLatchedFromManyQos);
+      qos);
   const auto client = transport::MakeClient<msg::GetBehavior>(
       link.node(), transport::ResolveName(global.name_space, name + "/get_behavior"));
-  if (!statuses) return Failure{ExitCode::kUsage, statuses.error()};
   if (!client) return Failure{ExitCode::kUsage, client.error()};
 
   const Duration wait = global.timeout.value_or(kAnswerTime);

@@ -59,10 +59,18 @@ class Open : public fsm::State {
 // Something is in the way: the door stays where it is, and opens once nothing is.
 class Blocked : public fsm::State {
  public:
+  explicit Blocked(DoorData& door) : door_(door) {}
   void Declare(fsm::Ways& ways) override { open_ = ways.To("OPEN", "the way is free"); }
-  fsm::Next CheckTransition(const fsm::Tick&) override { return fsm::Next::To(open_); }
+  void OnEnter(const fsm::Tick&) override { from_ = door_.opening; }
+  fsm::Next CheckTransition(const fsm::Tick&) override { return fsm::Next::To(open_, 2s); }
+  bool Transition(const fsm::Tick& tick) override {
+    door_.opening = from_ + (1 - from_) * tick.progress();
+    return State::Transition(tick);
+  }
 
  private:
+  DoorData& door_;
+  double from_ = 0;
   fsm::StateId open_ = fsm::kNoState;
 };
 // [states end]
@@ -72,7 +80,7 @@ inline musher::Result<> BuildDoor(fsm::Machine& machine, DoorData& door) {
   machine.AddEvent("open");
   machine.Add("CLOSED", std::make_unique<Closed>(door));
   machine.Add("OPEN", std::make_unique<Open>(door));
-  machine.Add("BLOCKED", std::make_unique<Blocked>(), fsm::Role::kSafe);
+  machine.Add("BLOCKED", std::make_unique<Blocked>(door), fsm::Role::kSafe);
   machine.AddSafetyCheck("an obstacle", [&door](const fsm::Tick&) { return !door.obstacle; });
   return machine.Build("CLOSED");
 }

@@ -13,7 +13,13 @@
 
 namespace musher::audio {
 
-using Cues = std::map<std::string, Spoken, std::less<>>;  // by id
+struct Cue {
+  Spoken spoken;
+  std::optional<bool> interrupts = std::nullopt;  // none: as its topic says
+
+  friend bool operator==(const Cue&, const Cue&) = default;
+};
+using Cues = std::map<std::string, Cue, std::less<>>;  // by id
 
 // A topic on which cues are asked for.
 struct CueTopic {

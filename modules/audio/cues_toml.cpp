@@ -27,7 +27,7 @@ Cues Read(const Table& table, const std::filesystem::path& folder, Findings& fin
   for (const Value* value : root.Tables("cue")) {
     TableReader reader(*value->As<Table>(), value->at, "cue", findings);
     reader.Require("id", "the cue's name, as the topic carries it");
-    Spoken spoken = ReadSpoken(reader, folder);
+    Cue cue{ReadSpoken(reader, folder), reader.Bool("interrupts")};
     if (const auto id = reader.String("id")) {
       const auto [first, is_new] = places.emplace(id->text, id->at);
       if (id->text.empty()) reader.Fault(id->at, "id", "expected a name, found nothing");
@@ -36,7 +36,7 @@ Cues Read(const Table& table, const std::filesystem::path& folder, Findings& fin
             id->at, "id",
             Quote(id->text) + " is a cue already, at line " + std::to_string(first->second.line));
       }
-      cues.emplace(id->text, std::move(spoken));
+      cues.emplace(id->text, std::move(cue));
     }
     reader.RefuseOthers();
   }

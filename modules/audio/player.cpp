@@ -59,13 +59,14 @@ class Decision {
     const CueTopic& topic = rules_.cue_topics[event.topic];
     const auto cue = topic.cues.find(event.id);
     if (cue == topic.cues.end()) return TellUnknown(topic, event.id);
-    if (const Result<> may = MayBeHeard(!topic.interrupts); !may) {
+    const bool interrupts = cue->second.interrupts.value_or(topic.interrupts);
+    if (const Result<> may = MayBeHeard(!interrupts); !may) {
       return Refuse(0, {may.error().code,
                         "cue " + config_toml::Quote(event.id) + ": " + may.error().message});
     }
     Enqueue({++player_.last_number, 0, now_ + kAnswerTime, event.id,
-             cue->second.In(rules_.language), false},
-            topic.interrupts);
+             cue->second.spoken.In(rules_.language), false},
+            interrupts);
   }
 
   void Take(const play_event::StopAsked& event) {

@@ -17,8 +17,8 @@
 //   - What is asked by the service waits for its turn. It is answered at the end of its sound, or
 //     when its time is over: 10 s from the moment it was asked. What has not begun by then never
 //     is; what sounds goes on to its end.
-//   - A cue, a sound asked for by its name on a topic, does the one or the other, as its topic is
-//     configured; nobody is answered. One that is not known is told in the log, once.
+//   - A cue, a sound asked for by its name on a topic, does the one or the other, as it or its
+//     topic is configured; nobody is answered. One that is not known is told in the log, once.
 //   - A stop ends what plays and all that waits.
 //   - Whatever is refused changes nothing that plays, and is told why, with a code.
 //   - The microphone and the voice control are kept and told; nothing here listens.

@@ -18,8 +18,8 @@ cv::Mat GreyOf(const msg::Image& picture) {
                                                                                   : 4;
   // Only looked at.
   auto* data = const_cast<std::uint8_t*>(picture.data.data());
-  const cv::Mat all(static_cast<int>(picture.height), static_cast<int>(picture.width),
-                    CV_8UC(channels), data, picture.step);
+  cv::Mat all(static_cast<int>(picture.height), static_cast<int>(picture.width), CV_8UC(channels),
+              data, picture.step);
   if (channels == 1) return all;
   const bool red_first = picture.encoding.starts_with('r');
   cv::Mat grey;
@@ -31,8 +31,9 @@ cv::Mat GreyOf(const msg::Image& picture) {
 
 class CascadeDetector : public Detector {
  public:
-  CascadeDetector(CascadeConfig config, cv::CascadeClassifier cascade)
-      : config_(std::move(config)), cascade_(std::move(cascade)) {}
+  // OpenCV's objects are handles: a copy is the same cascade.
+  CascadeDetector(CascadeConfig config, const cv::CascadeClassifier& cascade)
+      : config_(std::move(config)), cascade_(cascade) {}
 
   std::vector<FaceBox> Detect(const msg::Image& picture) override {
     cv::Mat grey = GreyOf(picture);

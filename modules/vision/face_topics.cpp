@@ -110,14 +110,27 @@ void FaceTopics::OnPicture(msg::Image picture) {
     case StampGate::Verdict::kTooSoon:
       return;
     case StampGate::Verdict::kLookAnew:
-      around_.log({kCodeOk, "time has jumped back: all faces are new"});
-      watch_ = FaceWatch(config_.faces);
+      OnJump();
       break;
     case StampGate::Verdict::kLook:
       break;
   }
   newest_ns_ = stamp_ns;
   around_.looker.Look(stamp_ns, std::move(picture));
+}
+
+void FaceTopics::OnJump() {
+  watch_ = FaceWatch(config_.faces);
+  too_close_now_ = false;
+  // Two cameras on one topic would say it with each picture.
+  constexpr Duration kQuiet = std::chrono::minutes(1);
+  const Time now = around_.node.loop().Now();
+  if (jump_told_ && now < *jump_told_ + kQuiet) return;
+  jump_told_ = now;
+  around_.log({kCodeOk,
+               "time has jumped back: all faces are new. A world that was started again, or "
+               "two cameras on " +
+                   PictureTopic()});
 }
 
 void FaceTopics::OnResult(const LookResult& result) {
@@ -151,6 +164,7 @@ void FaceTopics::OnSilence() {
                               : "none that can be looked at comes on " + PictureTopic();
   Set(silence_, Wrong(KeyCode::kTimeout, "no picture for " + Ms(config_.silence) + ": " + why), "");
   TellNobody();
+  if (too_close_now_) static_cast<void>(too_close_->Publish({true}));
   AwaitNext();
 }
 
@@ -162,7 +176,10 @@ void FaceTopics::Tell(const Sight& sight) {
                     sight.target->distance_m.value_or(0)};
     static_cast<void>(target_->Publish(target));
   }
-  if (sight.too_close) static_cast<void>(too_close_->Publish({*sight.too_close}));
+  if (sight.too_close) {
+    too_close_now_ = *sight.too_close;
+    static_cast<void>(too_close_->Publish({too_close_now_}));
+  }
   static_cast<void>(faces_->Publish({FacesJson(sight)}));
 }
 

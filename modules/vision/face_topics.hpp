@@ -2,8 +2,9 @@
 // Faces on the network: hears pictures while it looks, gives them to a looker, and tells what they
 // show. Runs on any transport.
 //
-// target and too_close are published with a picture that shows them and at no other time: who hears
-// them judges by their age. faces_json says an empty list, again and again, while no picture comes.
+// target and too_close are published with a picture that shows them: who hears them judges by their
+// age. While it should look and no picture comes, faces_json says an empty list again and again,
+// and too_close says true if it was: nobody has been seen to leave.
 //
 // Threads: the loop's.
 
@@ -69,6 +70,7 @@ class FaceTopics {
   void Leave();
   void OnPicture(msg::Image picture);
   void OnInfo(const msg::CameraInfo& info);
+  void OnJump();
   void OnSilence();
   void AwaitNext();
   void Tell(const Sight& sight);
@@ -88,12 +90,14 @@ class FaceTopics {
   std::optional<Lens> lens_;  // of the CameraInfo
   std::uint64_t looked_at_ = 0;
   std::uint64_t left_out_ = 0;
+  bool too_close_now_ = false;  // by the last picture that was looked at
   bool seen_ = false;           // a picture was looked at since pictures are heard
   std::int64_t newest_ns_ = 0;  // stamp of the last picture that was given to the looker
   Trouble picture_trouble_;
   Trouble info_trouble_;
   Trouble detector_trouble_;
   Trouble silence_;
+  std::optional<Time> jump_told_;
   std::unique_ptr<transport::Publisher<msg::PointStamped>> target_;
   std::unique_ptr<transport::Publisher<msg::Bool>> too_close_;
   std::unique_ptr<transport::Publisher<msg::String>> faces_;

@@ -1,5 +1,6 @@
 #include "musher/modules/vision/picture.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <utility>
@@ -19,6 +20,12 @@ Error Fault(const std::string& what) {
   return {MakeCode(ModuleCode::kFace, KeyCode::kParametersInvalid), what};
 }
 
+std::string Printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
 }  // namespace
 
 Result<> JudgePicture(const msg::Image& picture) {
@@ -28,7 +35,7 @@ Result<> JudgePicture(const msg::Image& picture) {
   }
   if (channels == 0) {
     return Fault("pictures are rgb8, bgr8, rgba8, bgra8 or mono8, this one is '" +
-                 picture.encoding.substr(0, 20) + "'");
+                 Printable(picture.encoding.substr(0, 20)) + "'");
   }
   const std::string size = std::to_string(picture.width) + " x " + std::to_string(picture.height);
   if (picture.width == 0 || picture.height == 0 || picture.width > kMostPx ||

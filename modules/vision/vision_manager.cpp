@@ -14,12 +14,11 @@ VisionManager::VisionManager(const std::string& actuator_name, VisionConfig conf
 
 VisionManager::~VisionManager() {
   End();
-  looker_.reset();
   if (!node_) return;
-  node_->RunOnLoop([this] {
-    topics_.reset();
-    clock_.reset();
-  });
+  // Pictures may come until here, and are given to the looker.
+  node_->RunOnLoop([this] { topics_.reset(); });
+  looker_.reset();
+  node_->RunOnLoop([this] { clock_.reset(); });
 }
 
 void VisionManager::End() {
@@ -66,7 +65,10 @@ Result<> VisionManager::MakeTopics() {
   clock_ = std::move(clock).value();
   looker_ = std::make_unique<LookThread>(
       node_->loop(), maker_, config_.look,
-      LookThreadEvents{.on_result = [this](const LookResult& result) { topics_->OnResult(result); },
+      LookThreadEvents{.on_result =
+                           [this](const LookResult& result) {
+                             if (topics_) topics_->OnResult(result);
+                           },
                        .on_left_out = [this] { topics_->OnLeftOut(); },
                        .checkpoint = [this](Duration allowance) { Checkpoint(allowance); },
                        .on_detector_lost =

@@ -21,6 +21,7 @@ void AddCommands(fsm::Machine& machine) {
 
 void AddCast(fsm::Machine& machine, ShowData& data, const ShowConfig& config) {
   AddCommands(machine);
+  machine.AddData("show", [&data](fsm::Archive& archive) { data.Persist(archive); });
   std::unique_ptr<Idle> idle = std::make_unique<Idle>(data, config.idle);
   std::unique_ptr<Tracking> tracking = std::make_unique<Tracking>(data, config.tracking);
   if (config.search) {

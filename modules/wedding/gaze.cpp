@@ -24,47 +24,56 @@ Gaze Follow(Gaze from, Gaze target, double follow, Duration step) {
           Within(from.y + share * (target.y - from.y))};
 }
 
-Gaze GazeAt(Gaze point, double yaw_rad, const GazeRules& rules) {
+Gaze GazeAt(Gaze point, const HeadAngles& head, const GazeRules& rules) {
   if (rules.camera == Mount::kBody) return point;
   const double edge = std::tan(rules.hfov_rad / 2);  // of the picture, at distance 1
-  const double left = yaw_rad - std::atan(2 * (point.x - 0.5) * edge);
-  const double down = std::atan(2 * (point.y - 0.5) * edge * rules.height_to_width);
-  const double y = rules.pitch_limit_rad > 0 ? 0.5 + down / (2 * rules.pitch_limit_rad) : point.y;
-  return {Within(0.5 - left / (2 * rules.yaw_limit_rad)), Within(y)};
+  const double left = head.yaw_rad - std::atan(2 * (point.x - 0.5) * edge);
+  const double x = 0.5 - left / (2 * rules.yaw_limit_rad);
+  if (rules.pitch_limit_rad <= 0) return {Within(x), point.y};
+  const double down =
+      head.pitch_rad + std::atan(2 * (point.y - 0.5) * edge * rules.height_to_width);
+  return {Within(x), Within(0.5 + down / (2 * rules.pitch_limit_rad))};
 }
 
-void YawTrail::Add(Duration stamp, double yaw_rad) {
+double Nod(double pitch_rad, Gaze gaze, const GazeRules& rules, Duration step) {
+  const double wanted = 2 * (gaze.y - 0.5) * rules.pitch_limit_rad;
+  const double most =
+      rules.pitch_speed_rad_s * std::chrono::duration<double>(std::max(step, Duration(0))).count();
+  return pitch_rad + std::clamp(wanted - pitch_rad, -most, most);
+}
+
+void AngleTrail::Add(Duration stamp, double angle_rad) {
   if (size_ > 0 && stamp < Back(0).stamp) size_ = 0;
   // Those that come faster than the trail is fine take the place of the last one.
   if (size_ >= 2 && stamp - Back(1).stamp < kSpacing) {
     next_ = (next_ + kCapacity - 1) % kCapacity;
     --size_;
   }
-  ring_[next_] = {stamp, yaw_rad};
+  ring_[next_] = {stamp, angle_rad};
   next_ = (next_ + 1) % kCapacity;
   size_ = std::min(size_ + 1, kCapacity);
 }
 
-std::optional<double> YawTrail::At(Duration stamp) const {
+std::optional<double> AngleTrail::At(Duration stamp) const {
   if (size_ == 0) return std::nullopt;
-  if (stamp >= Back(0).stamp) return Back(0).yaw_rad;
+  if (stamp >= Back(0).stamp) return Back(0).angle_rad;
   for (std::size_t i = 1; i < size_; ++i) {
     const Entry& before = Back(i);
     if (stamp < before.stamp) continue;
     const Entry& after = Back(i - 1);
     const double share = static_cast<double>((stamp - before.stamp).count()) /
                          static_cast<double>((after.stamp - before.stamp).count());
-    return before.yaw_rad + share * (after.yaw_rad - before.yaw_rad);
+    return before.angle_rad + share * (after.angle_rad - before.angle_rad);
   }
   return std::nullopt;
 }
 
-std::optional<double> YawTrail::Last() const {
+std::optional<double> AngleTrail::Last() const {
   if (size_ == 0) return std::nullopt;
-  return Back(0).yaw_rad;
+  return Back(0).angle_rad;
 }
 
-const YawTrail::Entry& YawTrail::Back(std::size_t i) const {
+const AngleTrail::Entry& AngleTrail::Back(std::size_t i) const {
   return ring_[(next_ + kCapacity - 1 - i) % kCapacity];
 }
 

@@ -30,6 +30,7 @@ struct GazeRules {
   double height_to_width = 0.75;            // of its picture
   double yaw_limit_rad = 2.0;               // of head and waist together, to each side
   double pitch_limit_rad = 0;               // up and down; 0: the robot cannot nod
+  double pitch_speed_rad_s = 0.5;           // of a nod
   Duration joints_age = Milliseconds(500);  // how long it is known where the head is
 
   friend bool operator==(const GazeRules&, const GazeRules&) = default;
@@ -39,16 +40,24 @@ struct GazeRules {
 // ms, so that nothing jumps after a pause.
 Gaze Follow(Gaze from, Gaze target, double follow, Duration step);
 
-// The gaze at a point of a picture, 0 to 1 each, that was taken while the head looked `yaw_rad` to
-// the left.
-Gaze GazeAt(Gaze point, double yaw_rad, const GazeRules& rules);
+// How the head stood: to the left and down.
+struct HeadAngles {
+  double yaw_rad = 0;
+  double pitch_rad = 0;
+};
 
-// How the head stood in the last second, so that a picture that has been on its way for a while is
-// understood as it was when it was taken.
-class YawTrail {
+// The gaze at a point of a picture, 0 to 1 each, that was taken while the head stood so.
+Gaze GazeAt(Gaze point, const HeadAngles& head, const GazeRules& rules);
+
+// One step of a head that nods towards a gaze. No joint measures that: it is reckoned.
+double Nod(double pitch_rad, Gaze gaze, const GazeRules& rules, Duration step);
+
+// An angle of the head in the last second, so that a picture that has been on its way for a while
+// is understood as it was when it was taken.
+class AngleTrail {
  public:
   // `stamp` since any epoch. One that is before the last begins a new trail: a clock was set back.
-  void Add(Duration stamp, double yaw_rad);
+  void Add(Duration stamp, double angle_rad);
   // Between the two next to that time; the last one after the end of the trail, nothing before its
   // beginning.
   std::optional<double> At(Duration stamp) const;
@@ -58,7 +67,7 @@ class YawTrail {
  private:
   struct Entry {
     Duration stamp{};
-    double yaw_rad = 0;
+    double angle_rad = 0;
   };
   static constexpr std::size_t kCapacity = 128;
   static constexpr Duration kSpacing = Milliseconds(10);

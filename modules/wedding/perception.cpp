@@ -29,17 +29,22 @@ Result<> Perception::OnTarget(const Target& target, Time now) {
   if (!Counts(face_last_, now)) face_first_ = now;
   face_last_ = now;
   target_ = target;
-  std::optional<double> yaw_rad = 0;
-  if (gaze_.camera == Mount::kHead) {
-    yaw_rad.reset();
-    if (head_at_ && now - *head_at_ <= gaze_.joints_age) {
-      yaw_rad = target.stamp > Duration(0) ? head_.At(target.stamp) : head_.Last();
-      if (!yaw_rad) yaw_rad = head_.Last();
-    }
-  }
+  const std::optional<HeadAngles> head =
+      gaze_.camera == Mount::kBody ? HeadAngles{} : HeadAt(target.stamp, now);
   target_gaze_.reset();
-  if (yaw_rad) target_gaze_ = GazeAt(target.point, *yaw_rad, gaze_);
+  if (head) target_gaze_ = GazeAt(target.point, *head, gaze_);
   return Ok();
+}
+
+// How it stood when a picture was taken; without a stamp that is known, how it stands now. Nothing
+// while nobody says so.
+std::optional<HeadAngles> Perception::HeadAt(Duration stamp, Time now) const {
+  if (!yaw_at_ || now - *yaw_at_ > gaze_.joints_age) return std::nullopt;
+  const auto then = [stamp](const AngleTrail& trail) {
+    const auto known = stamp > Duration(0) ? trail.At(stamp) : trail.Last();
+    return known ? known : trail.Last();
+  };
+  return HeadAngles{then(yaw_).value_or(0), then(pitch_).value_or(0)};
 }
 
 Result<> Perception::OnGesture(std::string_view word, Time now) {
@@ -49,7 +54,7 @@ Result<> Perception::OnGesture(std::string_view word, Time now) {
                                   "': none, heart, v or ok are known"};
   }
   // The same again is the same gesture, held.
-  if (*gesture != gesture_ || !Counts(gesture_at_, now)) gesture_used_ = false;
+  if (*gesture != gesture_ || !Counts(gesture_at_, now)) ++gesture_number_;
   gesture_ = *gesture;
   gesture_at_ = now;
   return Ok();
@@ -71,8 +76,15 @@ void Perception::OnTooClose(bool too_close, Time now) {
 }
 
 void Perception::OnHead(Duration stamp, double yaw_rad, Time now) {
-  head_.Add(stamp, yaw_rad);
-  head_at_ = now;
+  yaw_.Add(stamp, yaw_rad);
+  yaw_at_ = now;
+}
+
+void Perception::OnGaze(Gaze gaze, Time now) {
+  const Duration step = nodded_at_ ? now - *nodded_at_ : Duration(0);
+  nodded_at_ = now;
+  pitch_rad_ = Nod(pitch_rad_, gaze, gaze_, step);
+  pitch_.Add(now.time_since_epoch(), pitch_rad_);
 }
 
 void Perception::Refresh(Time now, ShowData& data) const {
@@ -91,7 +103,7 @@ void Perception::Refresh(Time now, ShowData& data) const {
   seen.gesture = gesture ? gesture_ : Gesture::kNone;
   seen.gesture_confidence = gesture ? rules_.gesture_confidence : 0;
   seen.too_close = Counts(too_close_at_, now) && too_close_;
-  data.gesture_used = gesture_used_;
+  seen.gesture_number = gesture_number_;
   data.audio.voice_level = Counts(voice_at_, now) ? voice_level_ : 0;
 }
 
@@ -100,11 +112,12 @@ void Perception::Forget() {
   face_last_.reset();
   faces_at_.reset();
   gesture_at_.reset();
-  gesture_used_ = false;
   too_close_at_.reset();
   voice_at_.reset();
-  head_at_.reset();
-  head_.Clear();
+  yaw_at_.reset();
+  yaw_.Clear();
+  nodded_at_.reset();
+  pitch_.Clear();
 }
 
 }  // namespace musher::wedding

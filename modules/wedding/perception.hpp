@@ -43,14 +43,16 @@ class Perception {
   // How the head stood when the joints were measured.
   void OnHead(Duration stamp, double yaw_rad, Time now);
 
+  // Where the robot looks from now on, each tick.
+  void OnGaze(Gaze gaze, Time now);
+
   // What holds at `now`.
   void Refresh(Time now, ShowData& data) const;
-  // A photo is begun for the present gesture: it does not count any more, however long it is held.
-  void UseGesture() { gesture_used_ = true; }
   // Time went back, or the robot rested: nothing counts any more.
   void Forget();
 
  private:
+  std::optional<HeadAngles> HeadAt(Duration stamp, Time now) const;
   bool Counts(const std::optional<Time>& at, Time now) const {
     return at && now - *at <= rules_.age;
   }
@@ -66,13 +68,16 @@ class Perception {
   Faces faces_;
   std::optional<Time> gesture_at_;
   Gesture gesture_ = Gesture::kNone;
-  bool gesture_used_ = false;
+  std::uint64_t gesture_number_ = 0;
   std::optional<Time> too_close_at_;
   bool too_close_ = false;
   std::optional<Time> voice_at_;
   double voice_level_ = 0;
-  YawTrail head_;
-  std::optional<Time> head_at_;
+  AngleTrail yaw_;
+  std::optional<Time> yaw_at_;  // when it was last measured
+  AngleTrail pitch_;
+  double pitch_rad_ = 0;
+  std::optional<Time> nodded_at_;
 };
 
 }  // namespace musher::wedding

@@ -166,6 +166,7 @@ void Show::OnJointStates(std::span<const std::string> names, std::span<const dou
   if (!taken) return Refuse(Complaint::kJoints, taken);
   const double yaw_rad = LookYaw(data_.motion.joint_positions);
   perception_.OnHead(stamp, yaw_rad, now);
+  if (config_.gaze.camera == Mount::kBody) return;  // it does not matter there
   Record(input::kHead, {static_cast<double>(stamp.count()), yaw_rad});
 }
 
@@ -176,10 +177,6 @@ void Show::OnJointCommands(std::span<const std::string> names, std::span<const d
 }
 
 void Show::AfterTick() {
-  Act();
-}
-
-void Show::Act() {
   MotionData& motion = data_.motion;
   if (motion.target_pose != motion.current_pose) {
     motion.current_pose = motion.target_pose;
@@ -196,7 +193,7 @@ void Show::Rest(Time now, bool frozen) {
   Settle();
   resting_ = true;
   if (machine_ != nullptr && machine_->running()) Refuse(Complaint::kFault, machine_->Reset());
-  if (!frozen) Act();
+  if (!frozen) AfterTick();
 }
 
 void Show::Resume(Time now) {
@@ -231,11 +228,11 @@ void Show::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
   if (input.kind != fsm::Input::Kind::kTick) return;
   Note(input.time);
   complaints_.Tick(input.time);
+  perception_.OnGaze(data_.motion.look_at_target, input.time);
   perception_.Refresh(input.time, data_);
 }
 
 void Show::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
-  if (data_.gesture_used) perception_.UseGesture();
   const std::string_view to = machine.Name(change.to);
   if (change.from != change.to) stage_.ShowState(to.empty() ? kInvalid : to);
 }

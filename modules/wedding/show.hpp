@@ -106,7 +106,6 @@ class Show : private fsm::Listener {
                       std::span<const double> positions);
   void Record(std::string_view input, std::initializer_list<double> numbers);
   void Settle();
-  void Act();
 
   const ShowConfig config_;
   Stage& stage_;

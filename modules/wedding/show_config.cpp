@@ -107,6 +107,7 @@ class Reader {
     Take(gaze, "height_to_width", rules.height_to_width, 0.1, 10);
     TakeAngle(gaze, "yaw_limit_deg", rules.yaw_limit_rad, 1, 360);
     TakeAngle(gaze, "pitch_limit_deg", rules.pitch_limit_rad, 0, 180);
+    Take(gaze, "pitch_speed_rad_s", rules.pitch_speed_rad_s, 0.01, 100);
     Take(gaze, "joints_age_ms", rules.joints_age);
   }
 

@@ -37,8 +37,8 @@ struct WeddingConfig {
   ShowConfig show;
   double rate_hz = 50;
   double state_rate_hz = 5;
-  std::string camera_service = "camera_service";
-  Duration photo_timeout = Milliseconds(5000);  // of the steady clock
+  std::string camera_service = "camera_service";  // empty: no pictures are taken
+  Duration photo_timeout = Milliseconds(5000);    // of the steady clock
   Duration self_check_time = Milliseconds(3000);
   Need camera = Need::kRequired;
   Need audio = Need::kRequired;

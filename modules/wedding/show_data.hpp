@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "musher/behavior/fsm/archive.hpp"
 #include "musher/modules/wedding/gaze.hpp"
 #include "musher/modules/wedding/joints.hpp"
 #include "musher/modules/wedding/words.hpp"
@@ -29,6 +31,7 @@ struct PerceptionData {
 
   Gesture gesture = Gesture::kNone;
   double gesture_confidence = 0;
+  std::uint64_t gesture_number = 0;  // of which; one that is held is one
 
   bool too_close = false;
 };
@@ -36,8 +39,8 @@ struct PerceptionData {
 struct MotionData {
   JointAngles joint_positions{};  // rad, as measured
   JointAngles joint_commands{};   // rad, as its motion adapter commands them
-  std::string_view current_pose;  // as published; empty: none yet
-  std::string_view target_pose = pose::kNeutral;
+  std::string current_pose;       // as published; empty: none yet
+  std::string target_pose{pose::kNeutral};
   Gaze look_at_target;
 };
 
@@ -80,8 +83,11 @@ struct ShowData {
   AudioData audio;
   double follow = 0.3;  // of GazeRules
   bool safety_triggered = false;
-  bool gesture_used = false;     // a photo was begun for the gesture that is still held
-  bool photo_requested = false;  // the shutter
+  std::uint64_t gesture_answered = 0;  // the number of the last one that was held at a photo
+  bool photo_requested = false;        // the shutter
+
+  // What is not seen, heard or measured anew.
+  void Persist(fsm::Archive& archive);
 
   void Say(std::string_view sound) {
     audio.current_speech = sound;

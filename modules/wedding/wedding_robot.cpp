@@ -65,7 +65,10 @@ void WeddingRobot::OpenTopics(transport::Endpoints& topics) {
   wire->pose = topics.Advertise<msg::String>(topic::kPose);
   wire->look_at = topics.Advertise<msg::PointStamped>(topic::kLookAt);
   wire->play = topics.Advertise<msg::String>(topic::kPlay);
-  if (auto* camera = topics.Ask<msg::CameraService>(config_.camera_service)) {
+  auto* camera = config_.camera_service.empty()
+                     ? nullptr
+                     : topics.Ask<msg::CameraService>(config_.camera_service);
+  if (camera != nullptr) {
     wire->photographer.emplace(*camera, config_.photo_timeout,
                                [this](const std::string& line) { Log(line); });
   }
@@ -188,7 +191,8 @@ void WeddingRobot::Play(std::string_view sound) {
 }
 
 void WeddingRobot::TakePhoto() {
-  if (const auto wire = wire_.lock()) wire->photographer->TakePhoto();
+  const auto wire = wire_.lock();
+  if (wire && wire->photographer) wire->photographer->TakePhoto();
 }
 
 void WeddingRobot::ShowState(std::string_view state) {

@@ -37,7 +37,7 @@ class WeddingRobot : public FsmActuator, private Stage {
     transport::Publisher<msg::String>* play = nullptr;
     transport::Subscription* target = nullptr;
     transport::Subscription* faces = nullptr;
-    std::optional<Photographer> photographer;
+    std::optional<Photographer> photographer;  // where the config names a camera
   };
 
   Result<> BuildMachine(fsm::Machine& machine) override;

@@ -79,7 +79,7 @@ struct ArmPose {
   Vector3d elbow, hand;
 };
 ArmPose ArmOf(Gesture gesture, int side) {
-  const ArmPose down{{0.0, 0.145, 0.62}, {0.04, 0.145, 0.46}};
+  ArmPose down{{0.0, 0.145, 0.62}, {0.04, 0.145, 0.46}};
   if (gesture == Gesture::kHeart) return {{0.05, 0.165, 0.68}, {0.14, 0.022, 0.75}};
   // One hand is enough for the others.
   if (gesture == Gesture::kNone || side > 0) return down;

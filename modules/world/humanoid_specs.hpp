@@ -2,12 +2,11 @@
 // A humanoid's joints, how fast they move and which poses it knows, as a scene has it.
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "musher/lifecycle/time.hpp"
 
 namespace musher::world {
 
@@ -54,10 +53,10 @@ struct HumanoidSpec {
   // By JointGroup.
   std::array<MotionLimits, 4> limits = {{{0.5, 1.0}, {0.3, 0.8}, {0.3, 0.5}, {0.5, 1.0}}};
   // How far a gaze of 0 or 1 turns them from straight ahead.
-  double head_yaw_rad = 70 * 3.14159265358979323846 / 180;
-  double waist_yaw_rad = 50 * 3.14159265358979323846 / 180;
-  double pitch_rad = 20 * 3.14159265358979323846 / 180;  // the camera's mount; 0: it has none
-  std::string poses_file;                                // absolute; empty: it knows neutral only
+  double head_yaw_rad = 70 * M_PI / 180;
+  double waist_yaw_rad = 50 * M_PI / 180;
+  double pitch_rad = 20 * M_PI / 180;  // the camera's mount; 0: it has none
+  std::string poses_file;              // absolute; empty: it knows neutral only
   std::vector<PoseSpec> poses = {{{std::string(kNeutralPose)}, {}, {}}};
   std::string pose_topic = "/wedding/motion/pose";
   std::string look_at_topic = "/wedding/motion/look_at";

@@ -16,7 +16,6 @@ namespace musher::world {
 namespace {
 
 using config_toml::Findings;
-using config_toml::Position;
 using config_toml::Table;
 using config_toml::TableReader;
 using keys::Set;

@@ -34,6 +34,11 @@ class BehaviorCommand : public ::testing::Test {
     ASSERT_TRUE(stage_.controller().SetState("Active"));
     stage_.Tick(show, 7);
   }
+  static bool Until(const std::function<bool()>& holds) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!holds() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+    return holds();
+  }
   std::string Dot(Show& show) {
     return show.Of([](Show& s) { return fsm::ToDot(s.machine().chart(), s.machine().Path()); });
   }
@@ -110,6 +115,11 @@ TEST_F(BehaviorCommand, TellsThatTheApplicationHasGoneAndThatItIsBack) {
   ASSERT_NE(watch.LineWith("decided"), "");
   show.reset();
   EXPECT_NE(watch.LineWith("show has gone"), "");
+  show = std::make_unique<Show>();
+  ASSERT_TRUE(show->Prepare(stage_.path()).ok());
+  ASSERT_TRUE(show->Start().ok());
+  ASSERT_TRUE(Until([&] { return stage_.controller().SetState("Active"); }));
+  EXPECT_NE(watch.LineWith("- -> GREET  started"), "");
 }
 
 TEST_F(BehaviorCommand, NamesTheNearestActuatorWhereNobodyOfThatNameRuns) {
@@ -188,7 +198,9 @@ TEST_F(BehaviorCommand, SaysWhatToInstallWhereThereIsNoGraphviz) {
   Show show;
   Begin(show);
   const TempFolder empty;
-  const std::string path = std::getenv("PATH");
+  const char* const usual = std::getenv("PATH");
+  ASSERT_NE(usual, nullptr);
+  const std::string path = usual;
   setenv("PATH", empty.path().c_str(), 1);
   const Ran ran = RunProgram({"graph", "--behavior", "show", "--format", "svg"});
   setenv("PATH", path.c_str(), 1);

@@ -13,7 +13,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using testing::Show;
 using testing::Stage;
 
@@ -233,6 +232,17 @@ TEST_F(AnFsmActuator, SurvivesAPauseThatThrows) {
   Begin(show);
   EXPECT_TRUE(Go("Protected"));
   EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
+}
+
+TEST_F(AnFsmActuator, GoesOnWhenTheWorldIsRestarted) {
+  Show show;
+  Begin(show);
+  stage_.Tick(show, 3);
+  stage_.Advance(show, -std::chrono::seconds(900));
+  stage_.Tick(show, 1);
+  EXPECT_EQ(show.Path(), "GREET") << "time that runs back is no time";
+  stage_.Tick(show, 3);
+  EXPECT_EQ(show.Path(), "PLAY");
 }
 
 TEST_F(AnFsmActuator, DoesNotTakeTheFirstTimeOfAWorldForTheLengthOfATick) {

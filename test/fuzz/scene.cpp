@@ -1,5 +1,5 @@
 // A scene file of musher-world, and a life in it: what comes after a zero byte are commands for the
-// body, eight bytes each.
+// body, or for a humanoid's pose and gaze, eight bytes each.
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +16,7 @@ using fuzz::Require;
 
 constexpr std::size_t kCommandSize = 8;
 constexpr int kStepsOfACommand = 25;
+constexpr const char* kPath = "/scenes/yard.toml";
 
 double Speed(char byte) {
   return byte / 50.0;
@@ -42,6 +43,22 @@ void RequireSense(const World& world) {
               body.acceleration().allFinite() && std::isfinite(body.pose().yaw_rad) &&
               body.odometry().position_m.allFinite() && std::isfinite(body.motor_temperature_c(0)),
           "what a body reports are numbers");
+  const double apart_m = world.scene().body.radius_m + kGuestRadiusM - 1e-6;
+  for (const Guest& guest : world.guests()) {
+    Require(!guest.here || (guest.position_m - body.pose().position_m).norm() >= apart_m,
+            "no guest is in the robot's place");
+  }
+  if (!world.humanoid()) return;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const Joint& joint = JointTable()[i];
+    const Axis& axis = world.humanoid()->joints()[i];
+    const MotionLimits& limits =
+        world.scene().humanoid->limits[static_cast<std::size_t>(joint.group)];
+    Require(axis.position_rad >= joint.least_rad - 1e-6 &&
+                axis.position_rad <= joint.most_rad + 1e-6 &&
+                std::abs(axis.speed_rad_s) <= limits.speed_rad_s + 1e-6,
+            "joints keep their limits");
+  }
 }
 
 void Live(const Scene& scene, std::string_view commands) {
@@ -53,6 +70,8 @@ void Live(const Scene& scene, std::string_view commands) {
     if (extra == 2) world.SetMotorPower(false);
     if (extra == 3) world.SetMotorPower(true);
     if (extra == 4) static_cast<void>(world.SetBattery(Speed(commands[3]) * 50));
+    if (extra == 5) static_cast<void>(world.LookAt({Speed(commands[3]), Speed(commands[4])}));
+    if (extra == 6) static_cast<void>(world.SetPose(std::string(commands.substr(0, 7))));
     for (int i = 0; i < kStepsOfACommand; ++i) {
       world.Step();
       RequireSense(world);
@@ -62,10 +81,12 @@ void Live(const Scene& scene, std::string_view commands) {
 }
 
 void Judge(std::string_view text, std::string_view commands) {
-  const SceneReading reading = ReadSceneText(text, "/scenes/yard.toml");
+  const SceneReading reading = ReadSceneText(text, kPath);
   const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
   for (const Diagnostic& diagnostic : reading.diagnostics) {
-    Require(diagnostic.line >= 0 && diagnostic.line <= lines, "a diagnostic is inside the file");
+    const bool of_poses = diagnostic.file != kPath;  // which are in a file of their own
+    Require(diagnostic.line >= 0 && (of_poses || diagnostic.line <= lines),
+            "a diagnostic is inside the file");
   }
   Require(reading.scene.has_value() != HasError(reading.diagnostics),
           "there is a scene, or an error says why not");

@@ -61,6 +61,10 @@ Topics Questions() {
 }
 const std::string kAllMachineServices = "musher/*";
 
+// Where the state machine of an application is. Free for all that may exchange data.
+const Topics kBehaviorQuestions = {"*/get_behavior"};
+const Topics kBehaviorTells = {"*/behavior_state"};
+
 // CyberDog's manager (controller/cyberdog): what it tells, what anybody may ask it, what modules of
 // the robot may tell it and ask it for, and what only an operator may.
 const Topics kManagerTells = {"state_switch_status", "self_check_status", "ready_notify",
@@ -157,9 +161,9 @@ std::vector<Criteria> OfOperator() {
 }
 
 std::vector<Criteria> OfObserver() {
-  return {{"publish", Requests(Questions()) + Requests(kManagerQuestions)},
-          {"subscribe", kMachine + Replies(Questions()) + DataTopics(kManagerTells) +
-                            Replies(kManagerQuestions)}};
+  const Topics asked = Questions() + kManagerQuestions + kBehaviorQuestions;
+  return {{"publish", Requests(asked)},
+          {"subscribe", kMachine + Replies(asked) + DataTopics(kManagerTells + kBehaviorTells)}};
 }
 
 std::vector<Criteria> Of(const Grant& grant) {

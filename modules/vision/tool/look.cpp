@@ -26,11 +26,11 @@ msg::Image MessageOf(const cv::Mat& mat) {
 }
 
 void Draw(const std::vector<FaceBox>& faces, cv::Mat& mat) {
-  const cv::Scalar kGreen(60, 200, 60);
+  const cv::Scalar green(60, 200, 60);
   for (const FaceBox& face : faces) {
     const cv::Rect box(cvRound(face.x * mat.cols), cvRound(face.y * mat.rows),
                        cvRound(face.width * mat.cols), cvRound(face.height * mat.rows));
-    cv::rectangle(mat, box, kGreen, std::max(1, mat.cols / 320));
+    cv::rectangle(mat, box, green, std::max(1, mat.cols / 320));
   }
 }
 

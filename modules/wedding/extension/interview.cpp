@@ -101,8 +101,8 @@ void Interview::Persist(fsm::Archive& archive) {
 void InterviewingTracking::Declare(fsm::Ways& ways) {
   Tracking::Declare(ways);
   command_ = ways.On(command::kInterview);
-  interview_ =
-      ways.To(state::kInterview, rules_.unasked ? "somebody stays, or interview" : "interview");
+  interview_ = ways.To(state::kInterview, rules_.unasked ? "somebody stays, or command interview"
+                                                         : "command interview");
 }
 
 void InterviewingTracking::OnEnter(const fsm::Tick& tick) {

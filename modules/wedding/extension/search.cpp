@@ -31,7 +31,7 @@ fsm::Next Search::Decide(const fsm::Tick& tick) {
 void SearchingIdle::Declare(fsm::Ways& ways) {
   Idle::Declare(ways);
   command_ = ways.On(command::kSearch);
-  search_ = ways.To(state::kSearch, "a face is seen, or search");
+  search_ = ways.To(state::kSearch, "a face is seen, or command search");
 }
 
 // Of a face alone: the command tracking is none of Decide's.

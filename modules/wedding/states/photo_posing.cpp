@@ -57,7 +57,8 @@ void PhotoPosing::Begin(Phase phase) {
 
 void PhotoPosing::OnExit(const fsm::Tick& /*tick*/) {
   data().motion.target_pose = pose::kNeutral;
-  data().gesture_used = true;  // one that is still held asked for the photo that there was
+  // One that is still held asked for the photo that there was.
+  data().gesture_answered = data().perception.gesture_number;
 }
 
 }  // namespace musher::wedding

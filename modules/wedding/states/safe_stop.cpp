@@ -5,7 +5,7 @@ namespace musher::wedding {
 void SafeStop::Declare(fsm::Ways& ways) {
   stop_ = ways.On(command::kStop);
   idle_ = ways.On(command::kIdle);
-  to_idle_ = ways.To(state::kIdle, "nobody has been too close for a while; stop or idle");
+  to_idle_ = ways.To(state::kIdle, "nobody is too close for a while");
 }
 
 void SafeStop::OnEnter(const fsm::Tick& /*tick*/) {

@@ -9,9 +9,9 @@ void WeddingState::Declare(fsm::Ways& ways) {
   idle_ = ways.On(command::kIdle);
   photo_ = ways.On(command::kPhoto);
   tracking_ = ways.On(command::kTracking);
-  if (name_ != state::kIdle) to_idle_ = ways.To(state::kIdle, "stop or idle");
-  if (name_ != state::kPhotoPosing) to_photo_ = ways.To(state::kPhotoPosing, "photo");
-  if (name_ != state::kTracking) to_tracking_ = ways.To(state::kTracking, "tracking");
+  if (name_ != state::kIdle) to_idle_ = ways.To(state::kIdle, "command stop or idle");
+  if (name_ != state::kPhotoPosing) to_photo_ = ways.To(state::kPhotoPosing, "command photo");
+  if (name_ != state::kTracking) to_tracking_ = ways.To(state::kTracking, "command tracking");
 }
 
 fsm::Next WeddingState::CheckTransition(const fsm::Tick& tick) {

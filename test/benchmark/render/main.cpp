@@ -1,5 +1,6 @@
 // How long a picture of the world's cameras takes to draw: of the yard, from where the robot
-// starts, standing; and to prepare its surfaces once.
+// starts, standing, and of the wedding hall while its guests come and go; and to prepare the yard's
+// surfaces once. And what a step of the world costs with a humanoid and guests.
 
 #include <benchmark/benchmark.h>
 
@@ -8,17 +9,26 @@
 
 #include "musher/modules/world/render.hpp"
 #include "musher/modules/world/scene_toml.hpp"
+#include "musher/modules/world/shot.hpp"
 
 namespace musher::world {
 namespace {
 
-Scene Yard() {
-  SceneReading reading = ReadSceneFile(MUSHER_CONFIGS "/scenes/yard.toml");
+Scene Read(const char* path) {
+  SceneReading reading = ReadSceneFile(path);
   if (!reading.scene) {
-    std::fputs("the yard cannot be read\n", stderr);
+    std::fprintf(stderr, "%s cannot be read\n", path);
     std::exit(1);
   }
   return std::move(*reading.scene);
+}
+
+Scene Yard() {
+  return Read(MUSHER_CONFIGS "/scenes/yard.toml");
+}
+
+Scene Hall() {
+  return Read(MUSHER_CONFIGS "/scenes/wedding.toml");
 }
 
 void Shoot(benchmark::State& state, std::size_t index) {
@@ -33,6 +43,28 @@ void Shoot(benchmark::State& state, std::size_t index) {
   }
 }
 
+// All of its 90 s, a picture a second.
+void ShootGuests(benchmark::State& state) {
+  constexpr int kSeconds = 90;
+  World world(Hall());
+  std::vector<View> views;
+  for (int step = 0; step < kSeconds * 50; ++step) {
+    world.Step();
+    if (step % 50 == 0) views.push_back(ViewOf(world, 0));
+  }
+  const auto scenery = Scenery::Make(world.scene());
+  const Camera camera(world.scene().cameras.cameras[0]);
+  std::size_t next = 0;
+  for ([[maybe_unused]] auto each : state) {
+    benchmark::DoNotOptimize(camera.Shoot(*scenery.value(), views[next++ % views.size()]));
+  }
+}
+
+void Step(benchmark::State& state) {
+  World world(Hall());
+  for ([[maybe_unused]] auto each : state) benchmark::DoNotOptimize(world.Step());
+}
+
 void Prepare(benchmark::State& state) {
   const Scene scene = Yard();
   for ([[maybe_unused]] auto each : state) benchmark::DoNotOptimize(Scenery::Make(scene));
@@ -40,6 +72,8 @@ void Prepare(benchmark::State& state) {
 
 BENCHMARK_CAPTURE(Shoot, front, 0)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(Shoot, left, 1)->Unit(benchmark::kMillisecond);
+BENCHMARK(ShootGuests)->Unit(benchmark::kMillisecond);
+BENCHMARK(Step)->Unit(benchmark::kMicrosecond);
 BENCHMARK(Prepare)->Unit(benchmark::kMillisecond);
 
 }  // namespace

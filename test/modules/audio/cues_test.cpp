@@ -55,6 +55,17 @@ TEST_F(CueDecision, WaitsForItsTurnWhereItsTopicDoesNotInterrupt) {
   EXPECT_EQ(Those<Make>().at(0).what.recording, "/sounds/shutter.wav");
 }
 
+TEST_F(CueDecision, GoesByTheCueItselfWhereThatSaysWhetherItInterrupts) {
+  Say(1, "long story");
+  Made();
+  Cue(kUrgent, "by the way");
+  EXPECT_EQ(player().current->what.text, "long story");
+  Cue(kPatientCues, "fire");
+  EXPECT_EQ(player().current->what.text, "fire");
+  Made(), Ended();
+  EXPECT_EQ(player().current->what.text, "by the way");
+}
+
 TEST_F(CueDecision, DropsACueWhoseTurnComesTooLate) {
   Say(0, "endless");
   Made();
@@ -119,12 +130,16 @@ TEST(Cues, AreReadWithTheirTextsAndRecordings) {
   ASSERT_TRUE(WriteWav(folder / "click.wav", {8000, {1, 2, 3}}));
   const auto reading = ReadCuesText(
       "[[cue]]\nid = \"hello\"\nen = \"Hello\"\nzh = \"你好\"\n"
-      "[[cue]]\nid = \"shutter\"\nrecording = \"click.wav\"\n",
+      "[[cue]]\nid = \"shutter\"\nrecording = \"click.wav\"\n"
+      "interrupts = true\n",
       folder / "c.toml");
   ASSERT_TRUE(reading.cues) << ::testing::PrintToString(Texts(reading.diagnostics));
-  EXPECT_EQ(reading.cues->at("hello").In(Language::kChinese),
+  EXPECT_EQ(reading.cues->at("hello").spoken.In(Language::kChinese),
             (Utterance{"你好", Language::kChinese, {}}));
-  EXPECT_EQ(reading.cues->at("shutter").In(Language::kEnglish).recording, folder / "click.wav");
+  EXPECT_EQ(reading.cues->at("hello").interrupts, std::nullopt);
+  const musher::audio::Cue& shutter = reading.cues->at("shutter");
+  EXPECT_EQ(shutter.spoken.In(Language::kEnglish).recording, folder / "click.wav");
+  EXPECT_EQ(shutter.interrupts, true);
 }
 
 TEST(Cues, TellAllFaultsOfAFileAtOnce) {
@@ -167,7 +182,7 @@ TEST(CueTopics, AreReadWithTheConfig) {
       "[[cues]]\ntopic = \"show/say\"\nfile = \"cues.toml\"\ninterrupts = false\n",
       folder / "audio.toml");
   ASSERT_TRUE(reading.config) << ::testing::PrintToString(Texts(reading.diagnostics));
-  const Cues cues = {{"a", {{{Language::kEnglish, "an a"}}, {}}}};
+  const Cues cues = {{"a", {{{{Language::kEnglish, "an a"}}, {}}}}};
   EXPECT_THAT(reading.config->cue_topics,
               ElementsAre(CueTopic{"/show/play", true, cues}, CueTopic{"show/say", false, cues}));
 }
@@ -207,9 +222,11 @@ TEST(CueTopics, OfTheWeddingRobotHaveEverySoundInBothLanguages) {
         "interview_thanks", "idle_greeting"}) {
     ASSERT_TRUE(topic.cues.contains(id)) << id;
   }
-  for (const auto& [id, spoken] : topic.cues) {
+  EXPECT_FALSE(topic.interrupts) << "photo_done and greeting follow each other at once";
+  EXPECT_EQ(topic.cues.at("too_close").interrupts, true);
+  for (const auto& [id, cue] : topic.cues) {
     for (const Language language : {Language::kEnglish, Language::kChinese}) {
-      const Utterance what = spoken.In(language);
+      const Utterance what = cue.spoken.In(language);
       EXPECT_EQ(what.language, language) << id;
       EXPECT_EQ(LanguageOf(what.text, language), language) << id;
     }

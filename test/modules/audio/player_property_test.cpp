@@ -48,7 +48,7 @@ class Trial {
       case 7:
         return stage_.Pass(Milliseconds(Number(4'000)));
       case 8: {
-        static const std::vector<std::string> ids = {"greeting", "shutter", "unknown"};
+        static const std::vector<std::string> ids = {"greeting", "shutter", "fire", "unknown"};
         return stage_.Cue(pick_(2), ids[pick_(ids.size())]);
       }
       default:

@@ -20,8 +20,10 @@ inline Phrases ThePhrases() {
 inline constexpr std::size_t kPatientCues = 1;  // of these: they wait for their turn
 inline std::vector<CueTopic> TheCueTopics() {
   const Cues cues = {
-      {"greeting", {{{Language::kEnglish, "welcome"}, {Language::kChinese, "欢迎"}}, {}}},
-      {"shutter", {{}, "/sounds/shutter.wav"}}};
+      {"greeting", {{{{Language::kEnglish, "welcome"}, {Language::kChinese, "欢迎"}}, {}}}},
+      {"shutter", {{{}, "/sounds/shutter.wav"}}},
+      {"fire", {{{{Language::kEnglish, "fire"}}, {}}, true}},
+      {"by the way", {{{{Language::kEnglish, "by the way"}}, {}}, false}}};
   return {{"/show/play", true, cues}, {"show/say", false, cues}};
 }
 

@@ -43,6 +43,9 @@ TEST(PictureJudge, RefusesWhatIsNoPicture) {
               HasSubstr("this one is '32FC1'"));
   EXPECT_THAT(Said([](msg::Image& picture) { picture.encoding = std::string(100000, 'x'); }),
               HasSubstr("xxx'"));
+  EXPECT_THAT(Said([](msg::Image& picture) { picture.encoding = "\x1b[2J\n"; }),
+              HasSubstr("this one is '?[2J?'"))
+      << "what a log may show";
   EXPECT_EQ(Said([](msg::Image& picture) { picture.width = 0; }), "a picture of 0 x 48 pixels");
   EXPECT_EQ(Said([](msg::Image& picture) { picture.height = 0; }), "a picture of 64 x 0 pixels");
   EXPECT_EQ(Said([](msg::Image& picture) { picture.step -= 1; }),

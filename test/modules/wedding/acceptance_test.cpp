@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
+#include "musher/behavior/fsm/graph.hpp"
 #include "musher/modules/wedding/cast.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
@@ -31,6 +34,12 @@ TEST_F(WeddingShow, DoesNotStartInInvalidNorWithoutAnyState) {
   EXPECT_FALSE(machine.Start({}));
   fsm::Machine empty;
   EXPECT_THAT(empty.Build("IDLE").error().message, HasSubstr("no states are registered"));
+}
+
+TEST_F(WeddingShow, IsDrawnInItsManualAsItIs) {
+  std::ifstream file(MUSHER_SOURCE_DIR "/modules/wedding/README.md");
+  const std::string manual((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_THAT(manual, HasSubstr("```mermaid\n" + fsm::ToMermaid(machine_->chart()) + "```\n"));
 }
 
 TEST_F(WeddingShow, CountsOneTickAndIsStillInIdle) {

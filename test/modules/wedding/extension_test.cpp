@@ -26,7 +26,8 @@ TEST(Extension, IsKnownNeitherToTheEngineNorToTheFiveStates) {
   const std::filesystem::path source = MUSHER_SOURCE_DIR;
   int files = 0;
   for (const char* folder : {"behavior/fsm", "modules/wedding/states"}) {
-    for (const auto& entry : std::filesystem::directory_iterator(source / folder)) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(source / folder)) {
+      if (!entry.is_regular_file()) continue;
       std::ifstream file(entry.path());
       const std::string text((std::istreambuf_iterator<char>(file)), {});
       ++files;

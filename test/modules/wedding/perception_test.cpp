@@ -38,32 +38,40 @@ TEST(GazeTest, StandsStillWhenNoTimePassesOrItWentBack) {
 }
 
 TEST(GazeTest, TakesThePointOfThePictureWhereTheCameraStandsStill) {
-  EXPECT_EQ(GazeAt({0.2, 0.8}, 1.0, {}), (Gaze{0.2, 0.8}));
+  EXPECT_EQ(GazeAt({0.2, 0.8}, {1.0, 0.5}, {}), (Gaze{0.2, 0.8}));
 }
 
 TEST(GazeTest, IsTheSameHoweverTheHeadStoodWhenItTurnsWithIt) {
   const double expected = 0.5 - 0.4 / (2 * kYawLimit);  // 0.4 rad to the left
   for (const double head : {-0.1, 0.0, 0.4, 0.9}) {
-    const Gaze gaze = GazeAt(InPicture(0.4, head, 1.2), head, OnTheHead());
+    const Gaze gaze = GazeAt(InPicture(0.4, head, 1.2), {head, 0}, OnTheHead());
     EXPECT_NEAR(gaze.x, expected, 1e-9) << head;
   }
 }
 
 TEST(GazeTest, StopsAtTheLimitsOfTheHead) {
-  EXPECT_EQ(GazeAt({0, 0.5}, kYawLimit, OnTheHead()).x, 0);
-  EXPECT_EQ(GazeAt({1, 0.5}, -kYawLimit, OnTheHead()).x, 1);
+  EXPECT_EQ(GazeAt({0, 0.5}, {kYawLimit, 0}, OnTheHead()).x, 0);
+  EXPECT_EQ(GazeAt({1, 0.5}, {-kYawLimit, 0}, OnTheHead()).x, 1);
 }
 
 TEST(GazeTest, TurnsHeightIntoANodWhereTheRobotCanNod) {
   GazeRules rules = OnTheHead();
-  EXPECT_EQ(GazeAt({0.5, 0.8}, 0, rules).y, 0.8);
+  EXPECT_EQ(GazeAt({0.5, 0.8}, {}, rules).y, 0.8);
   rules.pitch_limit_rad = 0.5;
   const double down = std::atan(0.6 * std::tan(0.6) * 0.75);
-  EXPECT_NEAR(GazeAt({0.5, 0.8}, 0, rules).y, 0.5 + down, 1e-9);
+  EXPECT_NEAR(GazeAt({0.5, 0.8}, {}, rules).y, 0.5 + down, 1e-9);
 }
 
-TEST(YawTrailTest, TellsHowTheHeadStoodBetweenTwoMeasurements) {
-  YawTrail trail;
+TEST(GazeTest, ReckonsHowFarAHeadHasNodded) {
+  GazeRules rules;
+  rules.pitch_limit_rad = 0.4;
+  EXPECT_NEAR(Nod(0, {0.5, 1}, rules, Milliseconds(20)), 0.01, 1e-12);
+  EXPECT_NEAR(Nod(0.39, {0.5, 1}, rules, Milliseconds(1000)), 0.4, 1e-12);
+  EXPECT_EQ(Nod(0.1, {0.5, 0}, rules, Milliseconds(-20)), 0.1);
+}
+
+TEST(AngleTrailTest, TellsHowTheHeadStoodBetweenTwoMeasurements) {
+  AngleTrail trail;
   EXPECT_FALSE(trail.At(Milliseconds(100)));
   trail.Add(Milliseconds(100), 0.1);
   trail.Add(Milliseconds(120), 0.2);
@@ -72,15 +80,15 @@ TEST(YawTrailTest, TellsHowTheHeadStoodBetweenTwoMeasurements) {
   EXPECT_EQ(trail.At(Milliseconds(500)), 0.2) << "after its end";
 }
 
-TEST(YawTrailTest, GoesBackASecondHoweverOftenTheHeadIsMeasured) {
-  YawTrail trail;
+TEST(AngleTrailTest, GoesBackASecondHoweverOftenTheHeadIsMeasured) {
+  AngleTrail trail;
   for (int ms = 0; ms <= 3000; ++ms) trail.Add(Milliseconds(ms), ms / 1000.0);
   EXPECT_NEAR(trail.At(Milliseconds(2000)).value(), 2, 1e-9);
   EXPECT_EQ(trail.Last(), 3);
 }
 
-TEST(YawTrailTest, BeginsAnewWhenTheClockWasSetBack) {
-  YawTrail trail;
+TEST(AngleTrailTest, BeginsAnewWhenTheClockWasSetBack) {
+  AngleTrail trail;
   trail.Add(Milliseconds(5000), 1);
   trail.Add(Milliseconds(100), 0.5);
   EXPECT_EQ(trail.At(Milliseconds(5000)), 0.5);
@@ -112,6 +120,34 @@ TEST_F(HeadCamera, TurnsToAFaceAndStaysThereWhileThePictureMovesWithTheHead) {
     head += std::clamp(wanted - head, -0.01, 0.01);  // 0.5 rad/s
   }
   EXPECT_NEAR(head, 0.4, 0.001);
+}
+
+// Its picture comes ten times a second and is a tenth of a second old: whoever took the point
+// itself for the gaze would nod to and fro.
+TEST_F(HeadCamera, NodsToATallGuestWithoutSwinging) {
+  ShowConfig config;
+  config.gaze = OnTheHead();
+  config.gaze.pitch_limit_rad = 0.35;
+  Begin(config);
+  const double up = 0.2;
+  const double edge = std::tan(0.6) * 0.75;
+  double pitch = 0;  // of the robot, as told and as fast as it can
+  std::vector<std::pair<Duration, double>> shots;
+  std::vector<double> pitches;
+  for (int i = 0; i < 300; ++i) {
+    const Duration stamp = now_.time_since_epoch();
+    Head(0, stamp);
+    if (i % 5 == 0) shots.emplace_back(stamp, 0.5 + std::tan(-up - pitch) / edge / 2);
+    if (i % 5 == 0 && i > 5) {
+      const auto& [taken, y] = shots.at(shots.size() - 2);
+      show_->OnTarget({{0.5, y}, 1.5, taken}, now_);
+    }
+    Tick();
+    pitch = Nod(pitch, data().motion.look_at_target, config.gaze, step_);
+    pitches.push_back(pitch);
+  }
+  EXPECT_NEAR(pitch, -up, 0.002);
+  for (const double each : pitches) EXPECT_GT(each, -up - 0.02) << "it does not swing";
 }
 
 TEST_F(HeadCamera, UnderstandsAPictureThatWasOnItsWayForATenthOfASecond) {

@@ -39,6 +39,7 @@ TEST(WeddingConfigTest, OfTheShippedShowDiffersFromTheSeedsInItsCameraAlone) {
   EXPECT_EQ(config.show.gaze.camera, Mount::kHead);
   WeddingConfig plain = config;
   plain.show.gaze = {};
+  EXPECT_EQ(Shipped("second_generation.toml").show.gaze, config.show.gaze);
   EXPECT_EQ(plain, WeddingConfig{});
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "musher/behavior/fsm/snapshot.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
 namespace musher::wedding {
@@ -351,6 +352,25 @@ TEST_F(ShowTest, SaysItsPoseAgainToAMotionThatWasStartedAnew) {
   show_->Resume(now_);
   Tick();
   EXPECT_THAT(script_.poses, ElementsAre("neutral", "neutral", "neutral"));
+}
+
+TEST_F(ShowTest, GoesOnFromASavedPhotoInAnotherProcess) {
+  Track();
+  Gesture("heart");
+  TickWithFace(150);
+  ASSERT_EQ(script_.sounds.back(), "countdown");
+  const Gaze gaze = data().motion.look_at_target;
+  const Result<fsm::Snapshot> saved = machine_->Save();
+  ASSERT_TRUE(saved) << saved.error().message;
+
+  Begin({});
+  ASSERT_TRUE(machine_->Stop());
+  ASSERT_THAT(machine_->Restore(saved.value(), now_), IsEmpty());
+  EXPECT_EQ(state(), "PHOTO_POSING");
+  EXPECT_EQ(data().motion.look_at_target, gaze);
+  EXPECT_EQ(TicksToWithFace("TRACKING", 400), 151) << "6.0 s in all";
+  EXPECT_THAT(script_.sounds, ElementsAre("shutter", "photo_done", "greeting"));
+  EXPECT_THAT(script_.poses, ElementsAre("heart", "neutral"));
 }
 
 // --- who is there ---

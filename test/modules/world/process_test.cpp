@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -15,8 +16,11 @@
 #include "musher/messages/sensor_msgs/battery_state.hpp"
 #include "musher/messages/sensor_msgs/camera_info.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
+#include "musher/messages/sensor_msgs/joint_state.hpp"
+#include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/exec/child.hpp"
+#include "musher/modules/world/humanoid_specs.hpp"
 #include "musher/modules/world/tell.hpp"
 #include "musher/test/contract/domain.hpp"
 #include "musher/test/controller/temp_folder.hpp"
@@ -203,6 +207,40 @@ TEST_F(MusherWorld, ShowsWhatItsCamerasSeeToThoseWhoWatch) {
   EXPECT_EQ(seen[0].header.frame_id, "camera_right");
   EXPECT_LT(msg::FromStamp(seen[0].header.stamp), msg::FromStamp(seen[1].header.stamp));
   EXPECT_EQ(info->distortion_model, "equidistant");
+  child.value().Signal(SIGTERM);
+  EXPECT_EQ(child.value().Reap().number, 0);
+}
+
+TEST_F(MusherWorld, PlaysTheWeddingForWhomeverLooks) {
+  const auto keeper = exec::Keeper::Start();
+  ASSERT_TRUE(keeper);
+  exec::ChildSpec spec;
+  spec.argv = {MUSHER_BIN_DIR "/musher-world", MUSHER_SOURCE_DIR "/config/scenes/wedding.toml",
+               "--alone", "--namespace", "dog1"};
+  spec.cwd = folder_.path();
+  auto child = exec::Child::Start(spec, keeper.value());
+  ASSERT_TRUE(child);
+  msg::JointState joints;
+  std::vector<std::string> gestures;
+  const auto listening = transport::MakeSubscription<msg::JointState>(
+                             *node_, "wedding/motion/joint_states",
+                             [&](const msg::JointState& heard, const auto&) { joints = heard; })
+                             .value();
+  const auto hearing =
+      transport::MakeSubscription<msg::String>(
+          *node_, "wedding/perception/gesture",
+          [&](const msg::String& heard, const auto&) { gestures.push_back(heard.data); })
+          .value();
+  const auto poses = transport::MakePublisher<msg::String>(*node_, "wedding/motion/pose").value();
+  ASSERT_TRUE(Until([&] { return poses->MatchedReaders() > 0; }));
+  ASSERT_TRUE(poses->Publish({"heart"}));
+  ASSERT_TRUE(Tell(Speed{10}, "dog1", seconds(20)));
+  const auto elbow = [&] { return joints.position.size() == kJoints ? joints.position[16] : 0; };
+  EXPECT_TRUE(Until([&] { return elbow() < -1.8; })) << "the left one is bent, at " << elbow();
+  const auto heard = [&](const char* gesture) {
+    return std::find(gestures.begin(), gestures.end(), gesture) != gestures.end();
+  };
+  EXPECT_TRUE(Until([&] { return heard("heart") && heard("v"); })) << "bride and groom";
   child.value().Signal(SIGTERM);
   EXPECT_EQ(child.value().Reap().number, 0);
 }

@@ -1,0 +1,44 @@
+// Where an application's state machine is, asked of a machine with [security].
+
+#include <filesystem>
+
+#include "musher/test/security/secured_machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SecuredApplication : public SecuredMachine {
+ protected:
+  SecuredApplication() {
+    const std::string states = R"(["SetUp", "TearDown", "SelfCheck", "Active"])";
+    std::ofstream(config_) << "[controller]\nname = \"robot\"\nactuators = [\"show\"]\nstates = "
+                           << states << "\ndefault_time = 5000\nnamespace = \"" << name_space_
+                           << "\"\ndefault_state = \"Uninitialized\"\nstate_dir = \"state\"\n"
+                           << "[actuator.show]\nstates = " << states
+                           << "\ntimes = [9000, 5000, 5000, 5000]\ncritical = true\n"
+                           << "command = [\"" MUSHER_BIN_DIR "/application_peer\"]\n"
+                           << "[security]\nkeys = \"keys\"\n";
+    std::filesystem::remove_all(keys_);
+    EXPECT_EQ(Musher({"keys", "init", config_}).exit, 0);
+  }
+};
+
+TEST_F(SecuredApplication, TellsWhereItIsToThoseWithKeysAlsoToWhoMayOnlyLook) {
+  const Ended up = UpDetached();
+  ASSERT_EQ(up.exit, 0) << up.out << up.err;
+  Identity("visitor", "observer");
+  for (const char* identity : {"operator", "visitor"}) {
+    const Ended told = As(identity, {"behavior", "show"});
+    EXPECT_EQ(told.exit, 0) << told.err;
+    EXPECT_THAT(told.out, HasSubstr("show  WORK  NORMAL"));
+  }
+  const Ended nobody = As("operator", {"behavior", "shwo"});
+  EXPECT_THAT(nobody.err, HasSubstr("did you mean 'show'?"));
+  unsetenv("MUSHER_KEYS");
+  EXPECT_EQ(Musher({"behavior", "show"}).exit, 3) << "a stranger hears nothing";
+}
+
+}  // namespace
+}  // namespace musher::testing
