@@ -99,10 +99,20 @@ class FsmActuator::Impl : public fsm::Listener {
                                      [this](const auto& request, auto reply) {
                                        reply(ReportBehavior(*machine_, ticking_, request));
                                      });
+      topics.Serve<msg::SendCommand>(
+          owner_.name() + "/send_command",
+          [this](const auto& request, auto reply) { reply(Send(request.command)); });
       published_.reset();
       Publish();
       owner_.OpenTopics(topics);
     });
+  }
+
+  msg::SendCommand::Response Send(const std::string& command) {
+    // One that waits for hours would do what nobody wants any more.
+    if (!ticking_) return {false, owner_.name() + " is paused in " + owner_.CurrentState()};
+    const Result<> sent = machine_->Send(command);
+    return {sent.ok(), sent ? "" : sent.error().message};
   }
 
   Result<> GoOn() {

@@ -45,7 +45,7 @@
 //
 // Others see it by `<actuator>/get_behavior` (musher behavior, musher graph --behavior) and
 // `<actuator>/behavior_state` (std_msgs/String, latched: "PHOTO/COUNTDOWN"; "" when it does not
-// run).
+// run), and send it its commands by `<actuator>/send_command` (musher behavior --send).
 //
 // Threads: the machine, the hooks and the handlers of topics run on the loop, one at a time, so
 // they share data without locks. BuildMachine() and SelfCheck() run on the actuator's worker. All

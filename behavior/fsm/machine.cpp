@@ -193,7 +193,8 @@ void Machine::Switch(StateId target, Cause cause, EventId command) {
 // The current state has been left, or there was none.
 void Machine::Enter(StateId target, Cause cause, EventId command) {
   const Change change{tick_.now, ticks_, current_, target, command, cause};
-  SetCurrent(target);
+  current_ = target;
+  present_ = nodes_[Index(target)].state.get();
   entered_ = tick_.now;
   tick_ = {.now = tick_.now, .step = tick_.step};
   mode_ = target == safe_ ? Mode::kSafeStop : Mode::kNormal;
@@ -230,7 +231,8 @@ void Machine::Halt(Cause cause) {
   const Change change{tick_.now, ticks_, current_, kNoState, kNoEvent, cause};
   running_ = false;
   mode_ = cause == Cause::kFault ? Mode::kSafeStop : Mode::kNormal;
-  SetCurrent(kNoState);
+  current_ = kNoState;
+  present_ = nullptr;
   Remember(change);
 }
 

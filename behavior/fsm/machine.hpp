@@ -204,10 +204,6 @@ class Machine {
   bool Guard(Phase phase, Call&& call);
   template <class Call>
   void TellAll(Call&& call);
-  void SetCurrent(StateId state) {
-    current_ = state;
-    present_ = state == kNoState ? nullptr : nodes_[Index(state)].state.get();
-  }
 
   const Options options_;
   std::vector<Node> nodes_;

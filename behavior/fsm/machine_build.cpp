@@ -23,6 +23,7 @@ std::optional<Id> Find(const Things& things, std::string_view name) {
 template <class Things>
 std::string Unknown(std::string_view kind, std::string_view name, const Things& things) {
   std::vector<std::string_view> names;
+  names.reserve(things.size());
   for (const auto& thing : things) names.push_back(thing.name);
   const std::string near = Nearest(name, names);
   return "there is no " + std::string(kind) + " " + std::string(name) +

@@ -177,12 +177,14 @@ class Machine::Restoring {
   }
   std::string UnknownState(const std::string& name) const {
     std::vector<std::string> known;
+    known.reserve(machine_.nodes_.size());
     for (const Node& node : machine_.nodes_) known.push_back(node.name);
     return Unknown("state", name, known);
   }
 
   void Events(const std::string& key, const std::vector<std::string>& names) {
     std::vector<std::string> known;
+    known.reserve(machine_.events_.size());
     for (const Event& event : machine_.events_) known.push_back(event.name);
     for (const std::string& name : names) {
       if (!name.empty() && !machine_.FindEvent(name)) Fail(key, Unknown("event", name, known));
@@ -191,6 +193,7 @@ class Machine::Restoring {
 
   void JudgeParts(const std::string& key, const std::vector<Snapshot::Part>& parts) {
     std::vector<std::string> known;
+    known.reserve(machine_.data_.size());
     for (const Data& data : machine_.data_) known.push_back(data.name);
     for (const Snapshot::Part& part : parts) {
       if (key == "states" && !machine_.FindState(part.name)) {
@@ -274,7 +277,8 @@ void Machine::Become(const Snapshot& saved, Time now) {
   const auto event = [this](const std::string& name) { return FindEvent(name).value_or(kNoEvent); };
   running_ = saved.running;
   mode_ = saved.mode;
-  SetCurrent(state(saved.state));
+  current_ = state(saved.state);
+  present_ = running_ ? nodes_[Index(current_)].state.get() : nullptr;
   ticks_ = saved.ticks;
   tick_ = {.now = saved.time, .step = saved.step, .elapsed = saved.elapsed};
   entered_ = saved.time - saved.elapsed;

@@ -115,24 +115,22 @@ class State {
   State& operator=(const State&) = delete;
 
   // Once, when the machine is built: the states it may go to and the events it heeds.
-  virtual void Declare(Ways& /*ways*/) {}
+  virtual void Declare(Ways& ways);
 
-  virtual void OnEnter(const Tick& /*tick*/) {}
+  virtual void OnEnter(const Tick& tick);
   // Each tick in which the state stays. Not in the one in which it was entered.
-  virtual void Run(const Tick& /*tick*/) {}
-  virtual Next CheckTransition(const Tick& /*tick*/) { return Next::Stay(); }
+  virtual void Run(const Tick& tick);
+  virtual Next CheckTransition(const Tick& tick);
   // Each tick from the one in which the transition was decided, until it says that it is done.
-  virtual bool Transition(const Tick& tick) {
-    return tick.transition_elapsed >= tick.transition_time;
-  }
+  virtual bool Transition(const Tick& tick);
   // Also when the machine is forced, made safe or stopped; not when OnEnter failed.
-  virtual void OnExit(const Tick& /*tick*/) {}
+  virtual void OnExit(const Tick& tick);
 
   // What has to be kept to go on from here in another process. See archive.hpp.
-  virtual void Persist(Archive& /*archive*/) {}
+  virtual void Persist(Archive& archive);
 
   // The machine inside, of a state that holds one. See nested.hpp.
-  virtual Machine* inside() { return nullptr; }
+  virtual Machine* inside();
 };
 
 }  // namespace musher::fsm

@@ -1,4 +1,4 @@
-// musher behavior NAME [--watch]: the state machine of an application that runs.
+// musher behavior NAME [--watch] [--send COMMAND]: the state machine of an application that runs.
 
 #include <algorithm>
 
@@ -15,6 +15,7 @@ namespace {
 using Report = msg::GetBehavior::Response;
 
 constexpr std::uint32_t kAllChanges = 1000;  // more than a machine remembers
+constexpr Duration kSendTime = std::chrono::seconds(5);
 
 void Print(const std::string& name, const Report& report, Console& console) {
   console.Print(console.mode().json ? BehaviorJson(name, report)
@@ -44,6 +45,9 @@ class Watch {
         [this](const msg::String&, const transport::SampleInfo&) { changed_ = true; },
         transport::kLatchedQos, std::move(events));
     if (!states) return console_.Fail({ExitCode::kUsage, states.error()});
+    // The latched state comes at once, unless it has gone before it was found.
+    const bool found = link_.RunUntil([this] { return changed_ || gone_; }, link_.discovery());
+    if (!found) gone_ = true;
     while (!link_.interrupted()) {
       link_.RunUntil([this] { return changed_ || gone_; }, std::chrono::hours(24));
       if (std::exchange(changed_, false)) Look();
@@ -93,6 +97,28 @@ class Watch {
   std::optional<msg::BehaviorChange> last_;
 };
 
+// Of an application that has just answered.
+std::optional<Failure> Send(Link& link, const GlobalOptions& global,
+                            const BehaviorOptions& options) {
+  using Reply = Result<msg::SendCommand::Response>;
+  const auto client = transport::MakeClient<msg::SendCommand>(
+      link.node(), transport::ResolveName(global.name_space, options.name + "/send_command"));
+  if (!client) return Failure{ExitCode::kUsage, client.error()};
+  std::optional<Reply> reply;
+  const Duration wait = global.timeout.value_or(kSendTime);
+  client.value()->Call({options.send}, wait, [&reply](auto result) { reply = std::move(result); });
+  link.RunUntil([&reply] { return reply.has_value(); }, wait);
+  if (link.interrupted()) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
+  if (!reply || !*reply) {
+    return Failure{ExitCode::kNoAnswer,
+                   {kCodeTimeout, options.name + " did not say whether it takes " + options.send}};
+  }
+  if (!reply->value().success) {
+    return Failure{ExitCode::kNotDone, {kCodeFailed, reply->value().message}};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, Console& console) {
@@ -102,6 +128,14 @@ ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, C
                                   {"", options.watch ? kAllChanges : options.history});
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
   const auto& report = std::get<Report>(answer);
+  if (!options.send.empty()) {
+    if (const auto failure = Send(*link.value(), global, options)) return console.Fail(*failure);
+    if (!options.watch) {
+      console.Print(console.mode().json ? BehaviorSentJson(options.name, options.send)
+                                        : options.send + " is sent to " + options.name + "\n");
+      return ExitCode::kDone;
+    }
+  }
   Report shown = report;
   if (shown.history.size() > options.history) {
     shown.history.erase(shown.history.begin(), shown.history.end() - options.history);

@@ -89,6 +89,7 @@ struct BehaviorOptions {
   std::string name;
   std::uint32_t history = 10;  // changes
   bool watch = false;
+  std::string send;  // a command; empty: it is only looked at
 };
 struct GraphOptions {
   std::string file;           // empty: of `behavior`

@@ -61,4 +61,28 @@ struct GetBehavior {
   };
 };
 
+// musher_msgs/srv/SendCommand: service `<actuator>/send_command`.
+struct SendCommand {
+  static constexpr std::string_view kTypeName = "musher_msgs::srv::dds_::SendCommand_";
+  struct Request {
+    std::string command;
+
+    template <class Self>
+    static auto Fields(Self& m) {
+      return std::tie(m.command);
+    }
+    friend bool operator==(const Request&, const Request&) = default;
+  };
+  struct Response {
+    bool success = false;
+    std::string message;
+
+    template <class Self>
+    static auto Fields(Self& m) {
+      return std::tie(m.success, m.message);
+    }
+    friend bool operator==(const Response&, const Response&) = default;
+  };
+};
+
 }  // namespace musher::msg

@@ -45,7 +45,7 @@ void AddCast(fsm::Machine& machine, ShowData& data, const ShowConfig& config) {
     machine.Add(std::string(state::kInterview),
                 std::make_unique<Interview>(data, *config.interview));
   }
-  machine.AddSafetyCheck("nobody is too close",
+  machine.AddSafetyCheck("somebody is too close",
                          [&data](const fsm::Tick&) { return !data.perception.too_close; });
 }
 

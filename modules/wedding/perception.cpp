@@ -70,10 +70,6 @@ void Perception::OnVoice(double level, Time now) {
   voice_at_ = now;
 }
 
-void Perception::OnTooClose(bool too_close, Time now) {
-  too_close_ = too_close;
-  too_close_at_ = now;
-}
 
 void Perception::OnHead(Duration stamp, double yaw_rad, Time now) {
   yaw_.Add(stamp, yaw_rad);
@@ -102,7 +98,7 @@ void Perception::Refresh(Time now, ShowData& data) const {
   const bool gesture = Counts(gesture_at_, now) && gesture_ != Gesture::kNone;
   seen.gesture = gesture ? gesture_ : Gesture::kNone;
   seen.gesture_confidence = gesture ? rules_.gesture_confidence : 0;
-  seen.too_close = Counts(too_close_at_, now) && too_close_;
+  seen.too_close = too_close_;
   seen.gesture_number = gesture_number_;
   data.audio.voice_level = Counts(voice_at_, now) ? voice_level_ : 0;
 }
@@ -112,7 +108,6 @@ void Perception::Forget() {
   face_last_.reset();
   faces_at_.reset();
   gesture_at_.reset();
-  too_close_at_.reset();
   voice_at_.reset();
   yaw_at_.reset();
   yaw_.Clear();

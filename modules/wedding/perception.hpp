@@ -39,7 +39,8 @@ class Perception {
   Result<> OnGesture(std::string_view word, Time now);
   void OnFaces(const Faces& faces, Time now);
   void OnVoice(double level, Time now);
-  void OnTooClose(bool too_close, Time now);
+  // Holds until the opposite is said, however long that takes: who is not heard of may be there.
+  void OnTooClose(bool too_close) { too_close_ = too_close; }
   // How the head stood when the joints were measured.
   void OnHead(Duration stamp, double yaw_rad, Time now);
 
@@ -48,7 +49,7 @@ class Perception {
 
   // What holds at `now`.
   void Refresh(Time now, ShowData& data) const;
-  // Time went back, or the robot rested: nothing counts any more.
+  // Time went back, or the robot rested: nothing counts any more, but that somebody is too close.
   void Forget();
 
  private:
@@ -69,7 +70,6 @@ class Perception {
   std::optional<Time> gesture_at_;
   Gesture gesture_ = Gesture::kNone;
   std::uint64_t gesture_number_ = 0;
-  std::optional<Time> too_close_at_;
   bool too_close_ = false;
   std::optional<Time> voice_at_;
   double voice_level_ = 0;

@@ -90,6 +90,28 @@ TEST_F(BehaviorCommand, SpeaksJson) {
             "\n");
 }
 
+TEST_F(BehaviorCommand, SendsACommandThatTheApplicationRegistered) {
+  Show show;
+  Begin(show);
+  const Ran ran = RunProgram({"behavior", "show", "--send", "again"});
+  EXPECT_EQ(ran.exit, 0) << ran.err;
+  EXPECT_EQ(ran.out, "again is sent to show\n");
+  stage_.Tick(show, 1);
+  EXPECT_THAT(RunProgram({"behavior", "show"}).out, HasSubstr("decided by again"));
+}
+
+TEST_F(BehaviorCommand, IsToldWhyACommandIsRefused) {
+  Show show;
+  Begin(show);
+  const Ran unknown = RunProgram({"behavior", "show", "--send", "agian"});
+  EXPECT_EQ(unknown.exit, 1);
+  EXPECT_EQ(unknown.err, "musher: show: there is no event agian; did you mean again?\n");
+  ASSERT_TRUE(stage_.controller().SetState("Protected"));
+  const Ran paused = RunProgram({"behavior", "show", "--send", "again"});
+  EXPECT_EQ(paused.exit, 1);
+  EXPECT_EQ(paused.err, "musher: show is paused in Protected\n");
+}
+
 TEST_F(BehaviorCommand, FollowsEveryChangeUntilItIsInterrupted) {
   Show show;
   Begin(show);

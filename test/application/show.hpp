@@ -40,19 +40,23 @@ struct ShowData {
   }
 };
 
-// Greets for 100 ms, then plays until a word comes.
+// Greets for 100 ms, then plays until the word "again" comes.
 class Scene : public fsm::State {
  public:
   Scene(ShowData& data, std::string name, std::string next, Duration time)
       : data_(data), name_(std::move(name)), next_name_(std::move(next)), time_(time) {}
 
-  void Declare(fsm::Ways& ways) override { next_ = ways.To(next_name_, "its time is over"); }
+  void Declare(fsm::Ways& ways) override {
+    next_ = ways.To(next_name_, "its time is over");
+    again_ = ways.On("again");
+  }
   void OnEnter(const fsm::Tick&) override { data_.Do(name_ + " enters"); }
   void Run(const fsm::Tick&) override {
     if (data_.throws.contains(name_ + " runs")) data_.Do(name_ + " runs");
   }
   fsm::Next CheckTransition(const fsm::Tick& tick) override {
-    return tick.elapsed >= time_ ? fsm::Next::To(next_) : fsm::Next::Stay();
+    const bool over = tick.elapsed >= time_ || tick.command == again_;
+    return over ? fsm::Next::To(next_) : fsm::Next::Stay();
   }
   void OnExit(const fsm::Tick&) override { data_.Do(name_ + " leaves"); }
 
@@ -62,6 +66,7 @@ class Scene : public fsm::State {
   const std::string next_name_;
   const Duration time_;
   fsm::StateId next_ = fsm::kNoState;
+  fsm::EventId again_ = fsm::kNoEvent;
 };
 
 class Show : public FsmActuator {
@@ -95,6 +100,7 @@ class Show : public FsmActuator {
   Result<> BuildMachine(fsm::Machine& machine) override {
     if (data_.throws.contains("builds")) data_.Do("builds");
     const Duration for_ever = std::chrono::hours(1'000);
+    machine.AddEvent("again");
     machine.Add("GREET", std::make_unique<Scene>(data_, "GREET", "PLAY", Milliseconds(100)));
     machine.Add("PLAY", std::make_unique<Scene>(data_, "PLAY", "GREET", for_ever));
     if (data_.safe_state) {

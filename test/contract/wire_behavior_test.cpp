@@ -38,6 +38,15 @@ MUSHER_SAME(musher_msgs_srv_dds__GetBehavior_Response_, GetBehavior::Response) {
   SAME_ITEMS(history);
 }
 
+MUSHER_SAME(musher_msgs_srv_dds__SendCommand_Request_, SendCommand::Request) {
+  SAME(command);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__SendCommand_Response_, SendCommand::Response) {
+  SAME(success);
+  SAME(message);
+}
+
 }  // namespace musher::msg
 
 namespace musher::transport {
@@ -45,6 +54,7 @@ namespace {
 
 MESSAGE(musher_msgs, BehaviorChange)
 SERVICE(musher_msgs, GetBehavior)
+SERVICE(musher_msgs, SendCommand)
 
 }  // namespace
 }  // namespace musher::transport

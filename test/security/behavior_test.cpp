@@ -34,6 +34,8 @@ TEST_F(SecuredApplication, TellsWhereItIsToThoseWithKeysAlsoToWhoMayOnlyLook) {
     EXPECT_EQ(told.exit, 0) << told.err;
     EXPECT_THAT(told.out, HasSubstr("show  WORK  NORMAL"));
   }
+  const Ended looker = As("visitor", {"behavior", "show", "--send", "go", "--timeout", "2"});
+  EXPECT_NE(looker.exit, 0) << "who may only look commands nothing";
   const Ended nobody = As("operator", {"behavior", "shwo"});
   EXPECT_THAT(nobody.err, HasSubstr("did you mean 'show'?"));
   unsetenv("MUSHER_KEYS");

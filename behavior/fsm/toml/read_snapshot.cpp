@@ -117,7 +117,7 @@ class SnapshotReader {
   void ReadTransition(TableReader& table, Snapshot& snapshot) {
     auto entry = Below(table, "transition");
     if (!entry) return;
-    Snapshot::Transition& transition = snapshot.transition.emplace();
+    Snapshot::Transition transition;
     transition.to = Text(*entry, "to");
     if (const auto command = entry->String("command")) transition.command = command->text;
     Note(SnapshotKey(entry->path(), "command"), entry->At("command"));
@@ -125,12 +125,13 @@ class SnapshotReader {
     transition.time =
         Duration(Needed(*entry, "time_ns").Integer("time_ns", -kMost, kMost).value_or(0));
     entry->RefuseOthers();
+    snapshot.transition = std::move(transition);
   }
 
   void ReadFault(TableReader& table, Snapshot& snapshot) {
     auto entry = Below(table, "fault");
     if (!entry) return;
-    Snapshot::PastFault& fault = snapshot.fault.emplace();
+    Snapshot::PastFault fault;
     fault.state = Text(*entry, "state");
     if (const auto phase = Needed(*entry, "phase").Choice("phase", Words(Phase::kSafetyCheck))) {
       fault.phase = *phase;
@@ -139,6 +140,7 @@ class SnapshotReader {
     fault.what = Text(*entry, "what");
     fault.where = Text(*entry, "where");
     entry->RefuseOthers();
+    snapshot.fault = std::move(fault);
   }
 
   std::vector<Snapshot::Part> ReadParts(TableReader& table, std::string_view kind) {

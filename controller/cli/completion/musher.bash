@@ -35,7 +35,7 @@ _musher() {
     keep) options+=" --for --end" ;;
     low-power) options+=" --this-run" ;;
     history) options+=" --since --limit --journal --why" ;;
-    behavior) options+=" --history --watch" ;;
+    behavior) options+=" --history --watch --send" ;;
     replay) options+=" --config --since --epoch" ;;
     simulate) options+=" --seeds --seed --only --bound --home --svg --jobs" ;;
     graph) options+=" --what --behavior --format --output" ;;

@@ -62,6 +62,8 @@ void Grammar::AddMachineCommands() {
       ->check(CLI::Range(0U, 1000U).description(""))
       ->type_name("N");
   command->add_flag("-w,--watch", behavior->watch, "Show every change as it happens");
+  command->add_option("--send", behavior->send, "Send it this command; one that it registered")
+      ->type_name("COMMAND");
 
   auto history = std::make_shared<HistoryOptions>();
   command = AddCommand("history", "Show what happened, oldest first", history);

@@ -274,6 +274,10 @@ std::string BehaviorJson(const std::string& name, const msg::GetBehavior::Respon
                {"history", changes}});
 }
 
+std::string BehaviorSentJson(const std::string& name, const std::string& command) {
+  return Text({{"name", name}, {"sent", command}});
+}
+
 std::string GraphJson(const std::string& format, const std::string& drawing) {
   return Text({{"format", format}, {"graph", drawing}});
 }

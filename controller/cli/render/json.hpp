@@ -62,6 +62,7 @@ std::string OtaResultJson(const std::string& version, const std::string& outcome
 std::string OtaKeysJson(const std::string& secret, const std::string& open);
 std::string OtaBundleJson(const ota::Manifest& manifest, const std::string& where);
 std::string BehaviorJson(const std::string& name, const msg::GetBehavior::Response& report);
+std::string BehaviorSentJson(const std::string& name, const std::string& command);
 std::string GraphJson(const std::string& format, const std::string& drawing);
 std::string GraphFileJson(const std::string& format, const std::string& file);
 std::string ProgressJson(const Progress& progress);  // a line of `up --json`

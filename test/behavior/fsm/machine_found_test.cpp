@@ -79,13 +79,14 @@ TEST_F(MachineFound, LetsAListenerForgetItselfWhileItIsTold) {
   Add("PHOTO");
   Counting once;
   Counting other;
-  machine_.Listen(&once);
-  machine_.Listen(&other);
+  Counting third;
+  for (Counting* listener : {&once, &other, &third}) machine_.Listen(listener);
   once.during = [&](const Machine&) { machine_.Forget(&once); };
   Start("IDLE");
   ASSERT_TRUE(machine_.Force("PHOTO"));
   EXPECT_THAT(once.seen, ElementsAre("started"));
   EXPECT_THAT(other.seen, ElementsAre("started", "forced"));
+  EXPECT_THAT(third.seen, ElementsAre("started", "forced"));
 }
 
 TEST_F(MachineFound, LetsAListenerBringAnotherWhileItIsTold) {

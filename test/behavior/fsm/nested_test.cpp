@@ -279,6 +279,9 @@ TEST_F(NestedTest, DoesNotResumeInAFinalOrASafeState) {
   Make({.resumes = true});
   for (const char* state : {"DONE", "CALM"}) {
     ASSERT_TRUE(machine_.Force("SHOW"));
+    ASSERT_TRUE(inner_->Force("TAKE"));
+    ASSERT_TRUE(machine_.Force("SHOW"));
+    EXPECT_EQ(machine_.Path(), "SHOW/TAKE");
     ASSERT_TRUE(inner_->Force(state));
     ASSERT_TRUE(machine_.Force("IDLE"));
     ASSERT_TRUE(machine_.Force("SHOW"));

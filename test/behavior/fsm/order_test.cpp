@@ -249,6 +249,15 @@ TEST_F(OrderTest, ATransitionDoesNotGoBackWithTheClock) {
   EXPECT_EQ(Current(), "B");
 }
 
+TEST_F(OrderTest, ATransitionMayTakeAsLongAsTheLongestOne) {
+  Make();
+  const Duration longest = Machine::Options().longest_transition;
+  a_->Go("B", longest + kStep);
+  Run(static_cast<int>(longest / kStep) + 2);
+  EXPECT_EQ(Current(), "B");
+  EXPECT_FALSE(machine_.fault());
+}
+
 TEST_F(OrderTest, AForcedStateThatFailsIsToldToWhoForcedIt) {
   Make();
   b_->on["enter"] = [](const Tick&) { throw std::runtime_error("one"); };

@@ -105,6 +105,7 @@ class WildShow : public ShowRig {
 
   using ShowRig::Gesture;
   using ShowRig::TickWithFace;
+  using ShowRig::TooClose;
   using ShowRig::Track;
 
  private:
@@ -119,6 +120,7 @@ RC_GTEST_PROP(ShowProperty, GoesDeclaredWaysOnlyIsSafeInOneTickAndComesHomeWhenL
   const auto events = *rc::gen::container<std::vector<std::pair<int, int>>>(
       200, rc::gen::pair(rc::gen::inRange(0, kKinds), rc::gen::inRange(0, 100)));
   for (const auto& [kind, value] : events) show.Happen(kind, value);
+  show.TooClose(false);
   // Some commands wait, each for its tick; the longest way home is an interview that is due.
   show.TickFor(Milliseconds(20'000));
   RC_ASSERT(show.IsHome());

@@ -1,0 +1,23 @@
+// What a state does that overrides nothing. Here and not in the header, or the compiler bets at
+// each call of a state that it is this one.
+
+#include "musher/behavior/fsm/state.hpp"
+
+namespace musher::fsm {
+
+void State::Declare(Ways& /*ways*/) {}
+void State::OnEnter(const Tick& /*tick*/) {}
+void State::Run(const Tick& /*tick*/) {}
+Next State::CheckTransition(const Tick& /*tick*/) {
+  return Next::Stay();
+}
+bool State::Transition(const Tick& tick) {
+  return tick.transition_elapsed >= tick.transition_time;
+}
+void State::OnExit(const Tick& /*tick*/) {}
+void State::Persist(Archive& /*archive*/) {}
+Machine* State::inside() {
+  return nullptr;
+}
+
+}  // namespace musher::fsm
