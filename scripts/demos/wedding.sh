@@ -5,7 +5,7 @@
 
 journal=$XDG_STATE_HOME/musher/wedding/journal.sqlite
 logs=$XDG_STATE_HOME/musher/wedding/logs
-strip=$pictures/wedding-show.jpg graph=$pictures/wedding-machine.svg
+strip=$pictures/wedding-saw.jpg hall=$pictures/wedding-show.jpg graph=$pictures/wedding-machine.svg
 
 # shown COMMAND...: shows the command, runs it; what it says goes to `result`, its exit code to `code`.
 shown() {
@@ -44,6 +44,15 @@ has_said() {
   grep -q "says \"$1" "$logs/audio.log" && echo yes
 }
 
+# film TOPIC FILE OPTION...: a picture of the topic after each change of the show's state.
+films=()
+film() {
+  say "\$ musher-camera strip $1 … --changes /wedding/fsm/state ${*:3}"
+  musher-camera --clock topic strip "$1" "$2" --changes /wedding/fsm/state --columns 5 \
+    "${@:3}" > "$scratch/$1.log" 2>&1 &
+  films+=($!)
+}
+
 boot() {
   act "The robot boots, checks its camera, its voice and its body, and waits for guests"
   say "\$ musher up --detach config/wedding.toml"
@@ -51,10 +60,8 @@ boot() {
   expect "exit code of up" 0 $?
   expect "the machine" Active "$(status .state)"
   expect "those that are Active" 5 "$(status '[.actuators[] | select(.state == "Active")] | length')"
-  say "\$ musher-camera strip image_rgb … --changes /wedding/fsm/state"
-  musher-camera --clock topic strip image_rgb "$strip" --changes /wedding/fsm/state --every 0.6 \
-    --count 15 --columns 5 --width 256 > "$scratch/strip.log" 2>&1 &
-  films=$!
+  film image_rgb "$strip" --every 0.6 --count 15 --width 256
+  film image_hall "$hall" --every 1.7 --count 10
 }
 
 greet() {
@@ -118,10 +125,13 @@ go_home() {
 }
 
 show_pictures() {
-  kill -TERM "$films" 2> /dev/null
-  wait "$films"
-  expect "the strip of pictures: exit code" 0 $?
-  [[ -s $strip ]] && say "what it saw is in $strip, its machine in $graph"
+  local film
+  for film in "${films[@]}"; do
+    kill -TERM "$film" 2> /dev/null
+    wait "$film"
+    expect "a strip of pictures: exit code" 0 $?
+  done
+  say "the show is in $hall, what it saw in $strip, its machine in $graph"
 }
 
 explain_keeping() {
