@@ -70,7 +70,6 @@ void Perception::OnVoice(double level, Time now) {
   voice_at_ = now;
 }
 
-
 void Perception::OnHead(Duration stamp, double yaw_rad, Time now) {
   yaw_.Add(stamp, yaw_rad);
   yaw_at_ = now;
