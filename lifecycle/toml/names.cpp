@@ -42,6 +42,14 @@ bool IsNamespace(std::string_view text) {
   }
 }
 
+bool IsTopic(std::string_view text) {
+  return IsRelativeTopic(text.substr(text.starts_with('/') ? 1 : 0));
+}
+
+bool IsRelativeTopic(std::string_view text) {
+  return !text.empty() && IsNamespace(text);
+}
+
 std::filesystem::path FolderOf(const std::string& file) {
   std::error_code ignored;  // without a working directory the path stays as it is
   const std::filesystem::path absolute = std::filesystem::absolute(file, ignored);

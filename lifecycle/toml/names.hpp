@@ -18,6 +18,10 @@ bool IsName(std::string_view text);
 // Names separated by '/', or nothing.
 bool IsNamespace(std::string_view text);
 
+// A topic as ROS 2 names it, relative to the namespace, "image_rgb", or absolute, "/show/pose".
+bool IsTopic(std::string_view text);
+bool IsRelativeTopic(std::string_view text);
+
 // The folder of a config file, absolute.
 std::filesystem::path FolderOf(const std::string& file);
 

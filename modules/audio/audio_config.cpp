@@ -97,9 +97,7 @@ class Reader {
   }
 
   void CheckTopic(TableReader& reader, const config_toml::Word& topic) const {
-    std::string_view name = topic.text;
-    if (name.starts_with('/')) name.remove_prefix(1);
-    if (name.empty() || !config_toml::IsNamespace(name)) {
+    if (!config_toml::IsTopic(topic.text)) {
       reader.Fault(topic.at, "topic",
                    "expected a topic, as in \"/show/play\", found " + Quote(topic.text));
     }

@@ -24,10 +24,6 @@ constexpr std::int64_t kLargestPx = 8192;
 constexpr double kFastestHz = 240;
 constexpr double kWidestDeg = 175;  // a wider one is no pinhole
 
-bool IsTopic(const std::string& name) {
-  return !name.empty() && config_toml::IsNamespace(name);
-}
-
 class Reader {
  public:
   Reader(const std::string& path, Findings& findings)
@@ -167,7 +163,7 @@ class Reader {
   }
 
   static void CheckTopic(TableReader& reader, std::string_view key, const Word& topic) {
-    if (IsTopic(topic.text)) return;
+    if (config_toml::IsRelativeTopic(topic.text)) return;
     reader.Fault(topic.at, key,
                  "expected a topic relative to the namespace, as in \"image_rgb\", found " +
                      Quote(topic.text));

@@ -1,7 +1,6 @@
 #include "musher/modules/sensor/sensor_config.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 #include <utility>
 #include <variant>
@@ -26,20 +25,6 @@ constexpr double kMostHz = 1000;
 // What the module publishes: heard by itself it would go round and round.
 const std::set<std::string, std::less<>> kOwnTopics = {
     "scan", "ultrasonic_payload", "head_tof_payload", "rear_tof_payload", "gps_payload"};
-
-// "world/scan": relative, as ROS 2 has names.
-bool IsTopic(std::string_view name) {
-  if (name.empty() || name.ends_with('/')) return false;
-  char before = '/';
-  for (const char c : name) {
-    const bool begins = before == '/';
-    const bool digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
-    const bool letter = std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_';
-    if (begins ? !letter : !letter && !digit && c != '/') return false;
-    before = c;
-  }
-  return true;
-}
 
 class Reader {
  public:
@@ -106,7 +91,7 @@ class Reader {
     reader.Require(key, "the topic of its readings, as in \"world/scan\"");
     const auto topic = reader.String(key);
     if (!topic) return "";
-    if (!IsTopic(topic->text)) {
+    if (!config_toml::IsRelativeTopic(topic->text)) {
       reader.Fault(topic->at, key, "expected a relative topic name, as in \"world/scan\"");
     } else if (kOwnTopics.contains(topic->text)) {
       reader.Fault(topic->at, key, "this is a topic that the module publishes itself");

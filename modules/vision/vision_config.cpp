@@ -1,7 +1,6 @@
 #include "musher/modules/vision/vision_config.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <utility>
 #include <variant>
@@ -9,6 +8,7 @@
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/file.hpp"
 #include "musher/lifecycle/toml/findings.hpp"
+#include "musher/lifecycle/toml/names.hpp"
 #include "musher/lifecycle/toml/table_reader.hpp"
 
 namespace musher::vision {
@@ -17,21 +17,6 @@ namespace {
 using config_toml::Findings;
 using config_toml::Table;
 using config_toml::TableReader;
-
-// "image_rgb", "/camera/head/image": as ROS 2 has names.
-bool IsTopic(std::string_view name) {
-  if (name.starts_with('/')) name.remove_prefix(1);
-  if (name.empty() || name.ends_with('/')) return false;
-  char before = '/';
-  for (const char c : name) {
-    const bool begins = before == '/';
-    const bool digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
-    const bool letter = std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_';
-    if (begins ? !letter : !letter && !digit && c != '/') return false;
-    before = c;
-  }
-  return true;
-}
 
 class Reader {
  public:
@@ -120,7 +105,7 @@ class Reader {
   std::string Topic(TableReader& reader, std::string_view key, const std::string& otherwise) {
     const auto topic = reader.String(key);
     if (!topic) return otherwise;
-    if (!IsTopic(topic->text)) {
+    if (!config_toml::IsTopic(topic->text)) {
       reader.Fault(topic->at, key, "expected the name of a topic, as in \"image_rgb\"");
     }
     return topic->text;

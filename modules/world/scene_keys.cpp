@@ -109,11 +109,9 @@ std::string Name(TableReader& reader) {
 std::optional<std::string> Topic(TableReader& reader, std::string_view key) {
   const auto word = reader.String(key);
   if (!word) return std::nullopt;
-  const std::string_view name = word->text;
-  const std::string_view rest = name.substr(name.starts_with('/') ? 1 : 0);
-  if (!rest.empty() && config_toml::IsNamespace(rest)) return word->text;
+  if (config_toml::IsTopic(word->text)) return word->text;
   reader.Fault(word->at, key,
-               "expected a topic, as in \"/show/pose\", found " + config_toml::Quote(name));
+               "expected a topic, as in \"/show/pose\", found " + config_toml::Quote(word->text));
   return std::nullopt;
 }
 
