@@ -38,8 +38,9 @@ Result<> WorldShow::ConnectHumanoid(transport::Node& node, const std::string& na
   const auto publish = [&](PublisherPtr<msg::JointState>& publisher, const std::string& topic) {
     auto made =
         transport::MakePublisher<msg::JointState>(node, transport::ResolveName(name_space, topic));
-    if (made) publisher = std::move(made).value();
-    return made ? Ok() : Result<>(made.error());
+    if (!made) return Result<>(made.error());
+    publisher = std::move(made).value();
+    return Ok();
   };
   if (auto made = publish(joint_states_, spec.joint_states_topic); !made) return made;
   if (auto made = publish(joint_commands_, spec.joint_commands_topic); !made) return made;
