@@ -162,6 +162,13 @@ TEST_F(BehaviorCommand, SaysThatNobodyIsThereAtAll) {
   EXPECT_EQ(RunProgram({"behavior", "not a name"}).exit, 2);
 }
 
+TEST_F(BehaviorCommand, SaysThatNoneRunsWhereThereIsOnlyAController) {
+  ASSERT_TRUE(stage_.controller().Init(stage_.path()).ok());
+  const Ran ran = RunProgram({"behavior", "show"});
+  EXPECT_EQ(ran.exit, 3);
+  EXPECT_EQ(ran.err, "musher: no actuator 'show' in namespace '': none runs there\n");
+}
+
 TEST_F(BehaviorCommand, SaysThatAnActuatorIsNoStateMachine) {
   const RobotFile file({"lamp"}, {"SetUp"});
   MachineActuator lamp("lamp");
