@@ -64,8 +64,8 @@ class Replaying {
       case Kind::kStart:
         return Start(line);
       case Kind::kTick:
+        replayed_.ticks += machine_.running() ? 1 : 0;  // one that does not run is not ticked
         machine_.RunOnce(kOrigin + line.time);
-        ++replayed_.ticks;
         break;
       case Kind::kPause:
         machine_.Pause();
