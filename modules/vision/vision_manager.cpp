@@ -13,22 +13,12 @@ VisionManager::VisionManager(const std::string& actuator_name, VisionConfig conf
     : MachineActuator(actuator_name), config_(std::move(config)), maker_(std::move(maker)) {}
 
 VisionManager::~VisionManager() {
-  End();
+  Shutdown();
   if (!node_) return;
   // Pictures may come until here, and are given to the looker.
   node_->RunOnLoop([this] { topics_.reset(); });
   looker_.reset();
   node_->RunOnLoop([this] { clock_.reset(); });
-}
-
-void VisionManager::End() {
-  const std::lock_guard lock(ending_);
-  Shutdown();
-}
-
-int VisionManager::Wait() {
-  const int code = MachineActuator::Wait();
-  return detector_lost_ ? 1 : code;
 }
 
 Result<> VisionManager::Prepare(const std::string& state_config,
@@ -73,9 +63,8 @@ Result<> VisionManager::MakeTopics() {
                        .checkpoint = [this](Duration allowance) { Checkpoint(allowance); },
                        .on_detector_lost =
                            [this](const Error& error) {
-                             detector_lost_ = true;
                              Log({error.code, "the detector is lost: " + error.message});
-                             End();
+                             GiveUp({error.code, "it cannot see any more"});
                            }});
   const Surroundings around = {node_->node(),
                                *clock_,

@@ -4,9 +4,7 @@
 // Threads: state callbacks on the actuator's worker, topics on the loop of its node, the detector
 // on a thread of its own, which ends the actuator when it loses its detector.
 
-#include <atomic>
 #include <memory>
-#include <mutex>
 #include <string>
 
 #include "musher/actuator/machine_actuator.hpp"
@@ -27,11 +25,7 @@ class VisionManager : public MachineActuator {
   Result<> Prepare(const std::string& state_config,
                    std::shared_ptr<transport::NodeThread> node = nullptr);
 
-  // As MachineActuator's, and 1 when the detector was lost.
-  int Wait();
-
  private:
-  void End();
   Result<> Run(const State& state);
   Result<> SetUp();
   Result<> SelfCheck();
@@ -42,8 +36,6 @@ class VisionManager : public MachineActuator {
 
   const VisionConfig config_;
   const DetectorMaker maker_;
-  std::atomic<bool> detector_lost_ = false;
-  std::mutex ending_;  // of Shutdown(), by the looker's thread or by the destructor
   std::shared_ptr<transport::NodeThread> node_;  // from SetUp on
   std::unique_ptr<transport::Clock> clock_;
   std::unique_ptr<LookThread> looker_;

@@ -5,11 +5,7 @@ namespace musher::wedding {
 using msg::CameraService;
 
 void Photographer::TakePhoto() {
-  ++counts_.asked;
-  if (!camera_.Ready()) {
-    ++counts_.failed;
-    return log_("no photo: there is no camera service");
-  }
+  if (!camera_.Ready()) return log_("no photo: there is no camera service");
   CameraService::Request request;
   request.command = CameraService::kTakePicture;
   camera_.Call(request, timeout_, [this](const auto& answer) { OnAnswer(answer); });
@@ -17,10 +13,8 @@ void Photographer::TakePhoto() {
 
 void Photographer::OnAnswer(const Result<CameraService::Response>& answer) {
   if (answer && answer.value().result == CameraService::kSuccess) {
-    ++counts_.taken;
-    return log_("photo " + std::to_string(counts_.taken) + ": " + answer.value().msg);
+    return log_("photo " + std::to_string(++taken_) + ": " + answer.value().msg);
   }
-  ++counts_.failed;
   if (!answer) return log_("no photo: " + answer.error().message);
   log_("no photo: " + answer.value().msg + " (result " + std::to_string(answer.value().result) +
        ", " + CodeText(answer.value().code) + ")");

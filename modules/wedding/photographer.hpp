@@ -1,6 +1,6 @@
 #pragma once
 // Has the camera's service take the picture at the shutter. Nobody waits for it: its outcome is
-// said and counted.
+// said.
 //
 // Threads: the loop's.
 
@@ -13,12 +13,6 @@
 
 namespace musher::wedding {
 
-struct PhotoCounts {
-  std::uint64_t asked = 0;
-  std::uint64_t taken = 0;
-  std::uint64_t failed = 0;
-};
-
 class Photographer {
  public:
   using CameraClient = transport::Client<msg::CameraService>;
@@ -28,9 +22,6 @@ class Photographer {
       : camera_(camera), timeout_(timeout), log_(std::move(log)) {}
 
   void TakePhoto();
-  // Whether there is a service.
-  bool Ready() const { return camera_.Ready(); }
-  const PhotoCounts& counts() const { return counts_; }
 
  private:
   void OnAnswer(const Result<msg::CameraService::Response>& answer);
@@ -38,7 +29,7 @@ class Photographer {
   CameraClient& camera_;
   const Duration timeout_;
   const std::function<void(const std::string&)> log_;
-  PhotoCounts counts_;
+  std::uint64_t taken_ = 0;
 };
 
 }  // namespace musher::wedding
