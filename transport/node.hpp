@@ -1,6 +1,6 @@
 #pragma once
-// A participant of the robot's domain with its loop, and what is made from it: publishers,
-// subscriptions, service clients and servers. Topic and service names are ROS 2's, without "rt/",
+// A part of the robot's domain with its loop, and what is made from it: publishers, subscriptions,
+// service clients and servers. Topic and service names are ROS 2's, without "rt/",
 // "rq/" or "rr/" and without a leading '/': "chat" is ROS 2's /chat.
 //
 //   auto chat = MakePublisher<msg::String>(node, "chat");

@@ -1,7 +1,6 @@
 #pragma once
 // A node on DDS with its loop on a thread of its own, for programs whose main thread does something
-// else. Actuators of one process that share a NodeThread share one participant, which is what keeps
-// a robot with hundreds of actuators discoverable.
+// else. All actuators of a process may share one.
 
 #include <functional>
 #include <memory>

@@ -29,7 +29,7 @@ std::vector<std::string> EstopReport::Missing() const {
 }
 
 bool EstopReport::settled() const {
-  return controller == controller_took &&
+  return controller == controller_took && (!controller || knows_who) &&
          std::all_of(actuators.begin(), actuators.end(),
                      [](const Actuator& actuator) { return actuator.stopped || actuator.deaf; });
 }
@@ -98,6 +98,9 @@ EstopReport Latching::Report(const std::optional<msg::MachineStatus>& controller
                       controller->emergency_stop_reason != stop_.reason);
   const bool before = std::any_of(report.actuators.begin(), report.actuators.end(),
                                   [](const auto& actuator) { return actuator.before; });
+  // It may have heard of the stop from an actuator first. Whoever engaged this one must not go
+  // before he was heard himself.
+  report.knows_who = before || (controller && !controller->emergency_stop_by.empty());
   if (before || other) report.earlier.emplace();
   if (report.earlier && controller) {
     *report.earlier = {controller->emergency_stop_by, controller->emergency_stop_reason};

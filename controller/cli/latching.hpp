@@ -36,7 +36,8 @@ struct EstopReport {
   std::string by;
   std::string reason;
   bool controller = false;       // there is one …
-  bool controller_took = false;  // … and it will tell those who come later
+  bool controller_took = false;  // … and it will tell those who come later …
+  bool knows_who = false;        // … by whom and why, unless that was lost with an earlier one
   std::optional<Earlier> earlier;
   std::vector<Actuator> actuators;
 

@@ -182,15 +182,14 @@ TEST_P(Publish, DoesNotMatchATopicOfAnotherType) {
 }
 
 TEST_P(Publish, TellsWhoWroteASample) {
-  const auto a = MakeNode(), b = MakeNode(), there = MakeNode();
+  const auto here = MakeNode(), there = MakeNode();
   const std::string topic = Unique("chat");
   std::vector<SampleInfo> from;
   const auto subscription = Must(MakeSubscription<msg::String>(
       *there, topic, [&](const msg::String&, const SampleInfo& info) { from.push_back(info); }));
-  const auto first = Must(MakePublisher<msg::String>(*a, topic));
-  const auto second = Must(MakePublisher<msg::String>(*a, topic));
-  const auto other = Must(MakePublisher<msg::String>(*b, topic));
-  for (const auto* publisher : {&first, &second, &other}) {
+  const auto first = Must(MakePublisher<msg::String>(*here, topic));
+  const auto second = Must(MakePublisher<msg::String>(*here, topic));
+  for (const auto* publisher : {&first, &second}) {
     ASSERT_TRUE(RunUntil([&] { return (*publisher)->MatchedReaders() == 1; }));
     ASSERT_TRUE((*publisher)->Publish({"hello"}));
     const std::size_t before = from.size();
@@ -198,7 +197,6 @@ TEST_P(Publish, TellsWhoWroteASample) {
   }
   EXPECT_NE(from[0].writer, from[1].writer);
   EXPECT_EQ(from[0].participant, from[1].participant);
-  EXPECT_NE(from[0].participant, from[2].participant);
 }
 
 TEST_P(Publish, TellsWhichWriterWasLostAfterItsLastSample) {

@@ -16,7 +16,8 @@ class World {
  public:
   virtual ~World() = default;
 
-  // A node with a participant of its own. All nodes of a world run when the world does.
+  // All nodes of a world run when the world does. A simulated one is a participant of its own; the
+  // real ones of this process are one.
   virtual std::unique_ptr<Node> MakeNode() = 0;
   virtual EventLoop& loop() = 0;
   // Runs all nodes until `done` holds; false when it never does within the time a test may take.

@@ -4,12 +4,16 @@
 #include <gmock/gmock.h>
 
 #include <future>
+#include <sstream>
+#include <string>
+#include <tuple>
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/actuator/robot_file.hpp"
+#include "musher/test/integration/cli/process.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/service.hpp"
 
@@ -19,6 +23,7 @@ namespace {
 using msg::ActuatorCommand;
 using msg::GetPlan;
 using msg::SetState;
+using ::testing::FieldsAre;
 using ::testing::HasSubstr;
 using testing::kAllStates;
 using testing::RobotFile;
@@ -44,22 +49,19 @@ class StrangeRequests : public ::testing::Test {
 
   std::string NameSpace() const { return "test_" + std::to_string(getpid()); }
 
-  // Calls a service as any program of the domain could; from the controller's own participant
-  // unless another one is given.
+  // Calls a service from the controller's own participant.
   template <class S>
-  typename S::Response Call(const std::string& service, const typename S::Request& request,
-                            std::shared_ptr<transport::NodeThread> from = nullptr) {
-    const std::shared_ptr<transport::NodeThread> node = from ? from : node_;
+  typename S::Response Call(const std::string& service, const typename S::Request& request) {
     std::unique_ptr<transport::Client<S>> client;
     std::promise<Result<typename S::Response>> promise;
-    node->RunOnLoop([&] {
-      client = transport::MakeClient<S>(node->node(), service).value();
+    node_->RunOnLoop([&] {
+      client = transport::MakeClient<S>(node_->node(), service).value();
       client->Call(request, std::chrono::seconds(20), [&](Result<typename S::Response> reply) {
         promise.set_value(std::move(reply));
       });
     });
     const auto reply = promise.get_future().get();
-    node->RunOnLoop([&] { client.reset(); });
+    node_->RunOnLoop([&] { client.reset(); });
     EXPECT_TRUE(reply.ok());
     return reply.ok() ? reply.value() : typename S::Response{};
   }
@@ -69,8 +71,7 @@ class StrangeRequests : public ::testing::Test {
   }
 
   // A command as the controller would send it now, but for what the test changes.
-  ActuatorCommand::Response Command(std::function<void(ActuatorCommand::Request&)> change,
-                                    std::shared_ptr<transport::NodeThread> from = nullptr) {
+  ActuatorCommand::Response Command(std::function<void(ActuatorCommand::Request&)> change) {
     const std::string service = transport::CommandService(NameSpace(), "arm");
     ActuatorCommand::Request ask;
     ask.kind = ActuatorCommand::kKindAsk;
@@ -85,7 +86,19 @@ class StrangeRequests : public ::testing::Test {
     request.status_stamp_ns = status.stamp_ns;
     request.incarnation = status.incarnation;
     change(request);
-    return Call<ActuatorCommand>(service, request, from);
+    return Call<ActuatorCommand>(service, request);
+  }
+
+  // What a command of another process, with an epoch that is so much ahead, comes to: verdict,
+  // code, and the arm's epoch then.
+  std::tuple<int, int, std::uint64_t> OfAStranger(std::uint64_t ahead) const {
+    const testing::Ended stranger =
+        testing::RunToEnd({MUSHER_BIN_DIR "/controller_stranger",
+                           transport::CommandService(NameSpace(), "arm"), std::to_string(ahead)});
+    std::tuple<int, int, std::uint64_t> said{-1, -1, 0};
+    std::istringstream(stranger.out) >> std::get<0>(said) >> std::get<1>(said) >> std::get<2>(said);
+    EXPECT_EQ(stranger.exit, 0) << stranger.err;
+    return said;
   }
 
   RobotFile file_;
@@ -133,19 +146,15 @@ TEST_F(StrangeRequests, ACommandOfAnOldNumberIsRefusedByTheActuator) {
 }
 
 TEST_F(StrangeRequests, ACommandOfAStrangerIsRefusedHoweverWellItIsMade) {
-  const std::shared_ptr<transport::NodeThread> stranger = transport::NodeThread::Start().value();
   for (const std::uint64_t ahead : {0, 1, 1000}) {
-    const auto response = Command([&](auto& request) { request.epoch += ahead; }, stranger);
-    EXPECT_EQ(response.verdict, ActuatorCommand::kVerdictRefused);
-    EXPECT_EQ(response.code, kCodePermissionDenied);
+    EXPECT_THAT(OfAStranger(ahead),
+                FieldsAre(ActuatorCommand::kVerdictRefused, kCodePermissionDenied, 1));
   }
 }
 
 TEST_F(StrangeRequests, AnEpochThatNoOtherCouldExceedIsRefused) {
-  const std::shared_ptr<transport::NodeThread> stranger = transport::NodeThread::Start().value();
-  const auto response = Command([](auto& request) { request.epoch = UINT64_MAX; }, stranger);
-  EXPECT_EQ(response.code, kCodeParametersInvalid);
-  EXPECT_LT(response.status.epoch, 100U);
+  EXPECT_THAT(OfAStranger(UINT64_MAX),
+              FieldsAre(ActuatorCommand::kVerdictRefused, kCodeParametersInvalid, 1));
 }
 
 TEST_F(StrangeRequests, ACommandForAnotherProcessIsRefusedByTheActuator) {

@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/contract/domain.hpp"
@@ -74,6 +75,24 @@ TEST_F(DdsNodes, UseTheUsersConfigurationInsteadOfTheProfile) {
          "</Interfaces></General></Domain></CycloneDDS>",
          1);
   EXPECT_THAT(Failure(test_domain_), HasSubstr("no_such_interface"));
+}
+
+// With one for each node, Cyclone missed the endpoints of a process that it met just when another
+// node went: a process that was started again was never seen.
+TEST_F(DdsNodes, OfOneProcessAreOneParticipant) {
+  const auto here = MakeDdsNode(loop_, test_domain_);
+  std::vector<PeerId> from;
+  const auto heard = MakeSubscription<msg::String>(
+      *here.value(), "chat",
+      [&](const msg::String&, const SampleInfo& info) { from.push_back(info.participant); });
+  for (int i = 0; i < 2; ++i) {
+    const auto there = MakeDdsNode(loop_, test_domain_);
+    const auto chat = MakePublisher<msg::String>(*there.value(), "chat");
+    ASSERT_TRUE(chat.value()->Publish({"hello"}));
+    ASSERT_TRUE(loop_.RunUntil([&] { return from.size() > static_cast<std::size_t>(i); },
+                               loop_.Now() + std::chrono::seconds(20)));
+  }
+  EXPECT_EQ(from[0], from[1]);
 }
 
 TEST_F(DdsNodes, ShareTheDomainOfTheProcessAndOpenItAgain) {

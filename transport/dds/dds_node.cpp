@@ -19,8 +19,10 @@ namespace {
 
 class DdsNode : public Node {
  public:
-  DdsNode(EventLoop& loop, dds::Participant participant)
-      : loop_(loop), participant_(std::move(participant)), tags_(participant_.entity.get()) {}
+  DdsNode(EventLoop& loop, std::shared_ptr<dds::Participant> participant)
+      : loop_(loop),
+        participant_(std::move(participant)),
+        tags_(participant_->get(), participant_->NextNode()) {}
 
   EventLoop& loop() override { return loop_; }
 
@@ -47,7 +49,7 @@ class DdsNode : public Node {
   template <class Core>
   Result<> Open(Core& core, const std::string& topic_name, const std::string& type, const Qos& qos,
                 const std::string& user_data) {
-    const dds_entity_t participant = participant_.entity.get();
+    const dds_entity_t participant = participant_->get();
     const dds_entity_t topic = dds::CreateRawTopic(participant, topic_name, type);
     if (topic < 0) return Named(topic_name, dds::DdsError(type + ": no topic", topic));
     const Result<> opened =
@@ -58,7 +60,7 @@ class DdsNode : public Node {
 
   // What failed with a topic; where the permissions forbid it, whose they are.
   Error Named(const std::string& topic_name, const Error& error) const {
-    const auto& credentials = participant_.domain->credentials;
+    const auto& credentials = participant_->credentials();
     if (!credentials || error.code != kCodePermissionDenied) {
       return {error.code, topic_name + ": " + error.message};
     }
@@ -68,7 +70,7 @@ class DdsNode : public Node {
   }
 
   EventLoop& loop_;
-  dds::Participant participant_;
+  std::shared_ptr<dds::Participant> participant_;
   dds::ServiceTags tags_;
 };
 

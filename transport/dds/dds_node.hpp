@@ -1,7 +1,8 @@
 #pragma once
 // A node on Cyclone DDS: speaks ROS 2's wire. Nothing of Cyclone is needed to include this.
 //
-// The nodes of a process that are in the same domain share its configuration, that of the first.
+// The nodes of a process that are in the same domain are one participant, with the configuration of
+// the first.
 
 #include <memory>
 #include <optional>

@@ -65,47 +65,22 @@ std::string NameOf(const std::optional<Credentials>& credentials) {
   return credentials ? credentials->identity + " of " + credentials->keys : "nobody";
 }
 
-Result<std::shared_ptr<Domain>> OpenDomain(int domain_id, const std::string& settings,
-                                           const std::optional<Credentials>& credentials,
-                                           LogCapture& log) {
-  auto domain = std::make_shared<Domain>();
-  domain->credentials = credentials;
-  if (UserHasSettings()) return domain;
+Result<Entity> OpenDomain(int domain_id, const std::string& settings, LogCapture& log) {
+  if (UserHasSettings()) return Entity();
   const dds_entity_t entity =
       dds_create_domain(static_cast<dds_domainid_t>(domain_id), settings.c_str());
   // One that exists was made by other code of this process, and is used as it is.
   if (entity < 0 && entity != DDS_RETCODE_PRECONDITION_NOT_MET) {
     return SetupError(domain_id, entity, log);
   }
-  domain->entity = Entity(entity);
-  return domain;
+  return Entity(entity);
 }
 
-}  // namespace
-
-Result<Participant> OpenParticipant(int domain_id, const std::string& settings,
-                                    const std::optional<Credentials>& credentials) {
-  static std::mutex mutex;
-  static std::map<int, std::weak_ptr<Domain>> domains;
-  const std::lock_guard lock(mutex);
+Result<Participant*> Join(int domain_id, const std::string& settings,
+                          const std::optional<Credentials>& credentials) {
   LogCapture log(credentials ? TellOnceAMinute : nullptr);
-
-  Participant participant;
-  participant.domain = domains[domain_id].lock();
-  if (!participant.domain) {
-    auto domain = OpenDomain(domain_id, settings, credentials, log);
-    if (!domain) return domain.error();
-    participant.domain = std::move(domain).value();
-    domains[domain_id] = participant.domain;
-  }
-  // Cyclone would give this participant the rights of the first.
-  if (participant.domain->credentials != credentials) {
-    return Error{kCodeParametersInvalid,
-                 "this process is in DDS domain " + std::to_string(domain_id) + " as " +
-                     NameOf(participant.domain->credentials) + " already, and cannot be " +
-                     NameOf(credentials) + " there, too"};
-  }
-
+  auto domain = OpenDomain(domain_id, settings, log);
+  if (!domain) return domain.error();
   const QosPtr qos(dds_create_qos());
   constexpr std::string_view kEnclave = "enclave=/;";  // as a ROS 2 node without security
   dds_qset_userdata(qos.get(), kEnclave.data(), kEnclave.size());
@@ -117,7 +92,35 @@ Result<Participant> OpenParticipant(int domain_id, const std::string& settings,
     if (credentials) error.message += kPluginsHint;
     return error;
   }
-  participant.entity = Entity(entity);
+  return new Participant(std::move(domain).value(), Entity(entity), credentials);
+}
+
+}  // namespace
+
+Result<std::shared_ptr<Participant>> OpenParticipant(
+    int domain_id, const std::string& settings, const std::optional<Credentials>& credentials) {
+  // One that goes takes its domain along, and whatever another thread opened in it meanwhile: so
+  // they come and go one after the other.
+  static std::mutex mutex;
+  static std::map<int, std::weak_ptr<Participant>> participants;
+  std::shared_ptr<Participant> participant;  // may be the last, and goes after the lock
+  const std::lock_guard lock(mutex);
+  participant = participants[domain_id].lock();
+  if (!participant) {
+    auto joined = Join(domain_id, settings, credentials);
+    if (!joined) return joined.error();
+    participant.reset(joined.value(), [](Participant* last) {
+      const std::lock_guard gone(mutex);
+      delete last;
+    });
+    participants[domain_id] = participant;
+  }
+  if (participant->credentials() != credentials) {
+    return Error{kCodeParametersInvalid,
+                 "this process is in DDS domain " + std::to_string(domain_id) + " as " +
+                     NameOf(participant->credentials()) + " already, and cannot be " +
+                     NameOf(credentials) + " there, too"};
+  }
   return participant;
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 // Opens the domain of a process and takes part in it.
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "musher/lifecycle/result.hpp"
 #include "musher/transport/dds/dds_node.hpp"
@@ -11,21 +13,32 @@
 
 namespace musher::transport::dds {
 
-// The domain as this process knows it.
-struct Domain {
-  Entity entity;  // none where the user brings the configuration
-  std::optional<Credentials> credentials;
+// This process's part in a domain. There is one participant for all nodes of the process, which
+// goes with the last of them: Cyclone 0.10 may miss endpoints of a process that it meets while
+// another participant of its own goes (eclipse-cyclonedds/cyclonedds#1874).
+class Participant {
+ public:
+  Participant(Entity domain, Entity participant, std::optional<Credentials> credentials)
+      : domain_(std::move(domain)),
+        participant_(std::move(participant)),
+        credentials_(std::move(credentials)) {}
+
+  dds_entity_t get() const { return participant_.get(); }
+  const std::optional<Credentials>& credentials() const { return credentials_; }
+
+  // A number for each node, from any thread.
+  int NextNode() { return next_node_++; }
+
+ private:
+  Entity domain_;  // its configuration; none where the user brings it
+  Entity participant_;
+  const std::optional<Credentials> credentials_;
+  std::atomic<int> next_node_ = 0;
 };
 
-// A participant and its part in the domain's configuration, which goes with the last participant.
-struct Participant {
-  std::shared_ptr<Domain> domain;
-  Entity entity;
-};
-
-// Fails with Cyclone's own words. `settings` are Cyclone's XML; they are used by the first of the
-// process in this domain and only when the user has not set CYCLONEDDS_URI. From any thread.
-Result<Participant> OpenParticipant(int domain_id, const std::string& settings,
-                                    const std::optional<Credentials>& credentials);
+// Fails with Cyclone's own words. `settings` are Cyclone's XML; they are used by the first node of
+// the process in this domain and only when the user has not set CYCLONEDDS_URI. From any thread.
+Result<std::shared_ptr<Participant>> OpenParticipant(int domain_id, const std::string& settings,
+                                                     const std::optional<Credentials>& credentials);
 
 }  // namespace musher::transport::dds

@@ -29,7 +29,7 @@ std::uint64_t Hash(std::string_view text) {
 
 }  // namespace
 
-ServiceTags::ServiceTags(dds_entity_t participant) {
+ServiceTags::ServiceTags(dds_entity_t participant, int node) : node_(node) {
   dds_guid_t guid{};
   dds_get_guid(participant, &guid);
   participant_ = Dotted(guid.v, sizeof(guid.v));
@@ -49,7 +49,8 @@ std::string ServiceTags::Tag(const std::string& topic, Counts& counts) {
   const std::string service = topic.substr(kPrefix, topic.size() - kPrefix - suffix);
   const int number = counts[role + ' ' + service]++;
 
-  const std::uint64_t id = Hash(role + ' ' + service + ' ' + std::to_string(number));
+  const std::uint64_t id =
+      Hash(role + ' ' + service + ' ' + std::to_string(node_) + ' ' + std::to_string(number));
   std::uint8_t bytes[sizeof(id)];
   std::memcpy(bytes, &id, sizeof(id));
   return role + '=' + participant_ + '.' + Dotted(bytes, sizeof(bytes)) + ';';

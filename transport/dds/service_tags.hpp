@@ -12,7 +12,8 @@ namespace musher::transport::dds {
 
 class ServiceTags {
  public:
-  explicit ServiceTags(dds_entity_t participant);
+  // `node`: its number among the nodes of the participant.
+  ServiceTags(dds_entity_t participant, int node);
 
   // Of the next writer or reader of a topic; the n-th writer of a service pairs with its n-th
   // reader.
@@ -25,7 +26,8 @@ class ServiceTags {
   std::string Tag(const std::string& topic, Counts& counts);
 
   std::string participant_;  // its GUID
-  Counts writers_;           // made so far, for each role in each service
+  int node_;
+  Counts writers_;  // made so far, for each role in each service
   Counts readers_;
 };
 

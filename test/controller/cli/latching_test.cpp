@@ -122,6 +122,24 @@ TEST_F(Stop, IsNotCompleteWithoutOneThatOnlyTheControllerKnows) {
   EXPECT_THAT(EstopText(report, false), HasSubstr("legs  hung\n"));
 }
 
+// A command line that ended before left the robot with "voice had latched it" for a reason.
+TEST_F(Stop, IsNotSettledBeforeAControllerThatHeardOfItFromAnActuatorKnowsByWhom) {
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.emergency_stop_by = "";
+  controller.emergency_stop_reason = "eyes had latched it";
+  EXPECT_FALSE(AfterASecond(controller).settled());
+  EXPECT_TRUE(AfterASecond(Controller()).settled());
+}
+
+TEST_F(Stop, IsSettledThoughNobodyKnowsWhoEngagedTheOneBefore) {
+  eyes_->Latch(3);
+  Engage();
+  msg::MachineStatus controller = Controller();
+  controller.emergency_stop_by = "";
+  EXPECT_TRUE(AfterASecond(controller).settled());
+}
+
 TEST_F(Stop, NamesOneWhoseProtocolKnowsNoStopAndDoesNotWaitForIt) {
   legs_.reset();
   Engage();
