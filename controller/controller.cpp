@@ -188,7 +188,7 @@ Result<> Controller::OpenShell() {
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
   auto services =
-      ControllerServices::Make(node_, *shell_, store_ ? store_->JournalFile() : std::string());
+      ControllerServices::Make(node_, *shell_, file_journal_);
   if (!services) return services.error();
   services_ = std::move(services).value();
   auto manager = cyberdog::Manager::Make(node_, *shell_);

@@ -13,6 +13,7 @@ namespace {
 // Longer than any name in a valid config; a request with a longer one is refused unread.
 constexpr std::size_t kLongestName = 256;
 constexpr std::uint32_t kMostEntries = 1000;
+constexpr Duration kFlushTimeout = std::chrono::seconds(1);
 
 template <class S>
 typename S::Response AnswerTo(const Result<>& result) {
@@ -28,10 +29,13 @@ std::optional<Error> JudgeLengths(const msg::SetState::Request& request) {
                "a name of more than " + std::to_string(kLongestName) + " bytes is not one of ours"};
 }
 
-msg::GetHistory::Response History(const std::string& file, std::int64_t since_wall_ns,
+// With all that had happened when it was asked for, if the disk is well.
+msg::GetHistory::Response History(Journal& journal, std::int64_t since_wall_ns,
                                   std::uint32_t limit) {
+  static_cast<void>(journal.Flush(kFlushTimeout));
   msg::GetHistory::Response response;
-  const auto reading = ReadJournal(file, since_wall_ns, limit == 0 ? kMostEntries : limit);
+  const auto reading =
+      ReadJournal(journal.path(), since_wall_ns, limit == 0 ? kMostEntries : limit);
   if (!reading) {
     response.error = reading.error().message;
     return response;
@@ -46,14 +50,13 @@ msg::GetHistory::Response History(const std::string& file, std::int64_t since_wa
 }  // namespace
 
 ControllerServices::ControllerServices(transport::Node& node, ControllerShell& shell,
-                                       std::string journal_file)
-    : node_(node), shell_(shell), journal_file_(std::move(journal_file)) {}
+                                       Journal* journal)
+    : node_(node), shell_(shell), journal_(journal) {}
 
 Result<std::unique_ptr<ControllerServices>> ControllerServices::Make(transport::Node& node,
                                                                      ControllerShell& shell,
-                                                                     std::string journal_file) {
-  std::unique_ptr<ControllerServices> services(
-      new ControllerServices(node, shell, std::move(journal_file)));
+                                                                     Journal* journal) {
+  std::unique_ptr<ControllerServices> services(new ControllerServices(node, shell, journal));
   if (auto opened = services->Open(); !opened) return opened.error();
   return services;
 }
@@ -165,14 +168,14 @@ msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request
 
 void ControllerServices::OnGetHistory(const msg::GetHistory::Request& request, HistoryReply reply) {
   msg::GetHistory::Response refusal;
-  if (journal_file_.empty())
+  if (journal_ == nullptr)
     refusal.error = "this controller has no journal: its folder is not usable";
   if (reading_history_) refusal.error = "somebody else is being told the history; ask again";
   if (!refusal.error.empty()) return reply(refusal);
   reading_history_ = true;
   history_reader_ = std::jthread([this, request, reply = std::move(reply),
                                   alive = std::weak_ptr<bool>(alive_), &loop = node_.loop()] {
-    auto response = History(journal_file_, request.since_wall_ns, request.limit);
+    auto response = History(*journal_, request.since_wall_ns, request.limit);
     loop.Post([this, alive, reply, response = std::move(response)] {
       if (alive.expired()) return;
       reading_history_ = false;

@@ -19,13 +19,12 @@ namespace musher {
 
 class ControllerServices {
  public:
-  // `journal_file` empty: there is no history. The shell must outlive the services.
+  // Without a journal there is no history. The shell and the journal must outlive the services.
   static Result<std::unique_ptr<ControllerServices>> Make(transport::Node& node,
-                                                          ControllerShell& shell,
-                                                          std::string journal_file);
+                                                          ControllerShell& shell, Journal* journal);
 
  private:
-  ControllerServices(transport::Node& node, ControllerShell& shell, std::string journal_file);
+  ControllerServices(transport::Node& node, ControllerShell& shell, Journal* journal);
   Result<> Open();
 
   using HistoryReply = transport::Server<msg::GetHistory>::Reply;
@@ -38,7 +37,7 @@ class ControllerServices {
 
   transport::Node& node_;
   ControllerShell& shell_;
-  const std::string journal_file_;
+  Journal* const journal_;
   bool reading_history_ = false;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   std::jthread history_reader_;

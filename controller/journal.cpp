@@ -201,7 +201,7 @@ void Journal::Writer::DropOldest() {
 }
 
 Journal::Journal(std::string path, JournalOptions options)
-    : writer_(std::make_unique<Writer>(std::move(path), std::move(options))) {}
+    : path_(std::move(path)), writer_(std::make_unique<Writer>(path_, std::move(options))) {}
 
 Journal::~Journal() = default;
 

@@ -86,13 +86,16 @@ class Journal : public JournalSink {
   void Append(JournalItem item) noexcept override;
   bool WantsSnapshot() noexcept override;
 
+  const std::string& path() const { return path_; }
+
   // Waits until everything appended before is written, at most `timeout`; says whether it is. In
-  // trouble it makes the writer try again at once and ends with that attempt. For shutdown and
-  // tests: the loop must not wait for a disk while the robot runs. From any thread.
+  // trouble it makes the writer try again at once and ends with that attempt. From any thread but
+  // the loop's, which must not wait for a disk while the robot runs.
   bool Flush(Duration timeout);
 
  private:
   class Writer;
+  const std::string path_;
   std::unique_ptr<Writer> writer_;
 };
 

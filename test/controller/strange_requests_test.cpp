@@ -115,6 +115,18 @@ TEST_F(StrangeRequests, AnUnknownStateIsRefusedAndTheNearestIsNamed) {
   EXPECT_EQ(response.state, "Active");
 }
 
+// What was asked for at once after a switch was answered with less than had happened.
+TEST_F(StrangeRequests, TheHistoryHasAllThatHappenedBeforeItWasAskedFor) {
+  for (int number = 4; number <= 12; number += 2) {
+    EXPECT_EQ(Set("LowPower").outcome, "done");
+    EXPECT_EQ(Set("Active").outcome, "done");
+    const auto history =
+        Call<msg::GetHistory>(transport::MachineService(NameSpace(), "get_history"), {0, 1});
+    ASSERT_EQ(history.entries.size(), 1U) << history.error;
+    EXPECT_EQ(history.entries[0].message, "switch " + std::to_string(number) + " is done");
+  }
+}
+
 TEST_F(StrangeRequests, AnUnknownActuatorIsRefused) {
   EXPECT_EQ(Set("Active", "tail").code, kCodeParametersInvalid);
 }
