@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "musher/modules/wedding/cast.hpp"
@@ -11,8 +12,9 @@
 namespace musher::wedding {
 namespace {
 
-constexpr std::string_view kInvalid = "INVALID";  // as the seed has it
-constexpr std::size_t kMostShown = 40;            // of a word that nobody knows
+constexpr std::string_view kInvalid = "INVALID";       // as the seed has it
+constexpr std::size_t kMostShown = 40;                 // of a word that nobody knows
+constexpr double kFarthestRad = 4 * std::numbers::pi;  // no joint of a body turns further
 
 std::string Shown(std::string_view word) {
   return "'" + std::string(word.substr(0, kMostShown)) + "'";
@@ -142,8 +144,9 @@ Result<> Show::TakeJoints(JointAngles& joints, std::span<const std::string> name
   }
   JointAngles taken = joints;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!std::isfinite(positions[i])) {
-      return Error{kCodeFailed, "joints: a position that is no number"};
+    if (!(std::abs(positions[i]) <= kFarthestRad)) {  // so is NaN
+      return Error{kCodeFailed, "joints: a position of " + std::to_string(positions[i]) +
+                                    " rad: at most two turns to each side"};
     }
     std::size_t joint = i;
     if (!names.empty()) {

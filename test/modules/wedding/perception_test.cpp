@@ -37,6 +37,13 @@ TEST(GazeTest, StandsStillWhenNoTimePassesOrItWentBack) {
   EXPECT_EQ(Follow({0.5, 0.5}, {1, 0}, 0.3, Milliseconds(-20)), (Gaze{0.5, 0.5}));
 }
 
+TEST(GazeTest, ComesBackFromWhatIsNoNumber) {
+  const double nan = std::nan("");
+  EXPECT_EQ(Follow({nan, nan}, {1, 0}, 0.3, Milliseconds(20)), Gaze{});
+  EXPECT_EQ(Follow({0.2, 0.2}, {nan, 0.2}, 0.3, Milliseconds(20)).x, 0.5);
+  EXPECT_EQ(GazeAt({0.5, 0.5}, {nan, 0}, OnTheHead()).x, 0.5);
+}
+
 TEST(GazeTest, TakesThePointOfThePictureWhereTheCameraStandsStill) {
   EXPECT_EQ(GazeAt({0.2, 0.8}, {1.0, 0.5}, {}), (Gaze{0.2, 0.8}));
 }

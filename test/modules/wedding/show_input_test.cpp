@@ -85,5 +85,23 @@ TEST_F(ShowInput, KnowsTwentyFourJointsByNameOrInTheirOrder) {
   EXPECT_EQ(show_->complaints(), 4);
 }
 
+TEST_F(ShowInput, RefusesJointsSoFarRoundThatTheirSumIsNoNumberAndLooksOnWhereAFaceIs) {
+  ShowConfig config;
+  config.gaze.camera = Mount::kHead;
+  Begin(config);
+  const std::vector<std::string> names = {"j23_head_yaw", "j12_waist_yaw"};
+  const std::vector<double> zero = {0, 0};
+  for (const double angle : {1e308, -1e308, 12.6, std::numeric_limits<double>::infinity()}) {
+    const std::vector<double> far = {angle, angle};
+    show_->OnJointStates(names, far, Milliseconds(1000), now_);
+    show_->OnJointCommands(names, far, now_);
+  }
+  EXPECT_EQ(show_->complaints(), 8);
+  show_->OnJointStates(names, zero, Milliseconds(1020), now_);
+  show_->OnTarget({{0.9, 0.5}, 1.5, Milliseconds(1010)}, now_);
+  Tick(3);
+  EXPECT_GT(data().motion.look_at_target.x, 0.5);
+}
+
 }  // namespace
 }  // namespace musher::wedding
