@@ -211,6 +211,7 @@ void Show::Settle() {
   perception_.Forget();
   data_.audio.pending_speech.Clear();
   data_.photo_requested = false;
+  data_.left_alone = false;
   data_.motion.target_pose = pose::kNeutral;
   data_.motion.look_at_target = Gaze{};
   data_.motion.current_pose = {};  // it is said again: whoever was told may not be there any more
@@ -237,6 +238,9 @@ void Show::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
 
 void Show::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
   const std::string_view to = machine.Name(change.to);
+  if (to == state::kIdle && change.cause == fsm::Cause::kForced) data_.LeaveAlone();
+  const bool anew = change.cause == fsm::Cause::kReset || change.cause == fsm::Cause::kStarted;
+  if (anew || (to != state::kIdle && to != state::kSafeStop)) data_.left_alone = false;
   if (change.from != change.to) stage_.ShowState(to.empty() ? kInvalid : to);
 }
 

@@ -85,7 +85,7 @@ class Show : private fsm::Listener {
 
   // To IDLE, whatever there was; commands that wait are swept away.
   Result<> Reset(Time now);
-  // At once. Fails for a state that there is not.
+  // At once. Fails for a state that there is not. To IDLE: as the command does it.
   Result<> Force(std::string_view state, Time now);
 
   const ShowData& data() const { return data_; }

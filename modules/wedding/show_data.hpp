@@ -83,12 +83,18 @@ struct ShowData {
   AudioData audio;
   double follow = 0.3;  // of GazeRules
   bool safety_triggered = false;
+  bool left_alone = false;   // IDLE was commanded: who stands there is not greeted
+  int left_alone_face = -1;  // the face_id of whom, -1: unknown
   std::uint64_t gesture_answered = 0;  // the number of the last one that was held at a photo
   bool photo_requested = false;        // the shutter
 
   // What is not seen, heard or measured anew.
   void Persist(fsm::Archive& archive);
 
+  void LeaveAlone() {
+    left_alone = perception.face_detected;
+    left_alone_face = perception.face_id;
+  }
   void Say(std::string_view sound) {
     audio.current_speech = sound;
     audio.pending_speech.Push(sound);

@@ -23,6 +23,7 @@ fsm::Next SafeStop::CheckTransition(const fsm::Tick& tick) {
   }
   const bool commanded =
       tick.command != fsm::kNoEvent && (tick.command == stop_ || tick.command == idle_);
+  if (commanded) data_.LeaveAlone();
   if (commanded || tick.elapsed - clear_from_ >= rules_.clear) return fsm::Next::To(to_idle_);
   return fsm::Next::Stay();
 }
