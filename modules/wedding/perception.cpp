@@ -26,6 +26,7 @@ Result<> Perception::OnTarget(const Target& target, Time now) {
   if (!std::isfinite(target.distance_m) || target.distance_m < 0) {
     return Error{kCodeFailed, "target " + Text(target) + " has no distance: z is metres"};
   }
+  watched_at_ = now;
   if (!Counts(face_last_, now)) face_first_ = now;
   face_last_ = now;
   target_ = target;
@@ -63,6 +64,12 @@ Result<> Perception::OnGesture(std::string_view word, Time now) {
 void Perception::OnFaces(const Faces& faces, Time now) {
   faces_ = faces;
   faces_at_ = now;
+  watched_at_ = now;
+}
+
+void Perception::OnTooClose(bool too_close, Time now) {
+  too_close_ = too_close;
+  watched_at_ = now;
 }
 
 void Perception::OnVoice(double level, Time now) {
@@ -82,8 +89,10 @@ void Perception::OnGaze(Gaze gaze, Time now) {
   pitch_.Add(now.time_since_epoch(), pitch_rad_);
 }
 
-void Perception::Refresh(Time now, ShowData& data) const {
+void Perception::Refresh(Time now, ShowData& data) {
   PerceptionData& seen = data.perception;
+  if (!watched_at_) watched_at_ = now;
+  seen.blind = rules_.blind > Duration(0) && now - *watched_at_ > rules_.blind;
   seen.face_detected = Counts(face_last_, now);
   seen.face_position = target_.point;
   seen.face_distance_m = target_.distance_m;
@@ -106,6 +115,7 @@ void Perception::Forget() {
   face_first_.reset();
   face_last_.reset();
   faces_at_.reset();
+  watched_at_.reset();
   gesture_at_.reset();
   voice_at_.reset();
   yaw_at_.reset();

@@ -81,7 +81,7 @@ void Show::OnGesture(std::string_view word, Time now) {
 
 void Show::OnTooClose(bool too_close, Time now) {
   Note(now);
-  perception_.OnTooClose(too_close);
+  perception_.OnTooClose(too_close, now);
   Record(input::kTooClose, {too_close ? 1.0 : 0.0});
 }
 

@@ -93,6 +93,7 @@ class Reader {
       perception.Fault(perception.At("age_ms"), "age_ms",
                        "expected at most tracking.lost_ms: a face that still counts is not lost");
     }
+    Take(perception, "blind_ms", rules.blind, 0);
     Take(perception, "gesture_confidence", rules.gesture_confidence, 0, 1);
     Take(perception, "gesture_threshold", config_.show.tracking.gesture_threshold, 0, 1);
   }

@@ -34,6 +34,7 @@ struct PerceptionData {
   std::uint64_t gesture_number = 0;  // of which; one that is held is one
 
   bool too_close = false;
+  bool blind = false;  // nobody watches: too_close is not to be trusted
 };
 
 struct MotionData {
@@ -83,8 +84,8 @@ struct ShowData {
   AudioData audio;
   double follow = 0.3;  // of GazeRules
   bool safety_triggered = false;
-  bool left_alone = false;   // IDLE was commanded: who stands there is not greeted
-  int left_alone_face = -1;  // the face_id of whom, -1: unknown
+  bool left_alone = false;             // IDLE was commanded: who stands there is not greeted
+  int left_alone_face = -1;            // the face_id of whom, -1: unknown
   std::uint64_t gesture_answered = 0;  // the number of the last one that was held at a photo
   bool photo_requested = false;        // the shutter
 

@@ -17,7 +17,7 @@ void SafeStop::OnEnter(const fsm::Tick& /*tick*/) {
 }
 
 fsm::Next SafeStop::CheckTransition(const fsm::Tick& tick) {
-  if (data_.perception.too_close) {
+  if (data_.perception.too_close || data_.perception.blind) {
     clear_from_ = tick.elapsed;
     return fsm::Next::Stay();
   }

@@ -34,12 +34,14 @@ TEST(WeddingConfigTest, IsTheSeedsWhereTheFileIsEmpty) {
   EXPECT_EQ(reading.config, WeddingConfig{});
 }
 
-TEST(WeddingConfigTest, OfTheShippedShowDiffersFromTheSeedsInItsCameraAlone) {
+TEST(WeddingConfigTest, OfTheShippedShowDiffersFromTheSeedsInItsCameraAndInNotGoingOnBlindAlone) {
   const WeddingConfig config = Shipped("wedding.toml");
   EXPECT_EQ(config.show.gaze.camera, Mount::kHead);
   WeddingConfig plain = config;
   plain.show.gaze = {};
+  plain.show.perception.blind = {};
   EXPECT_EQ(Shipped("second_generation.toml").show.gaze, config.show.gaze);
+  EXPECT_EQ(Shipped("second_generation.toml").show.perception, config.show.perception);
   EXPECT_EQ(plain, WeddingConfig{});
 }
 
@@ -49,6 +51,12 @@ TEST(WeddingConfigTest, OfTheSecondGenerationHasBothExtensions) {
   ASSERT_TRUE(show.interview);
   EXPECT_EQ(show.interview->question_characters.size(), 3);
   EXPECT_EQ(show.idle.confirm, Milliseconds(500));
+}
+
+// scripts/demo wedding kills it: 1.5 s of real time in a world at speed 2, and as much again.
+TEST(WeddingConfigTest, OfTheShippedShowOutlastsADetectorThatIsStartedAgain) {
+  EXPECT_GE(Shipped("wedding.toml").show.perception.blind, Milliseconds(6000));
+  EXPECT_LE(Shipped("wedding.toml").show.perception.blind, Milliseconds(10'000));
 }
 
 TEST(WeddingConfigTest, SaysAllThatIsWrongAtOnceAndWhere) {
