@@ -41,11 +41,11 @@ Result<> Perception::OnTarget(const Target& target, Time now) {
 // while nobody says so.
 std::optional<HeadAngles> Perception::HeadAt(Duration stamp, Time now) const {
   if (!yaw_at_ || now - *yaw_at_ > gaze_.joints_age) return std::nullopt;
-  const auto then = [stamp](const AngleTrail& trail) {
-    const auto known = stamp > Duration(0) ? trail.At(stamp) : trail.Last();
+  const auto then = [stamp](const AngleTrail& trail, Duration at) {
+    const auto known = stamp > Duration(0) ? trail.At(at) : trail.Last();
     return known ? known : trail.Last();
   };
-  return HeadAngles{then(yaw_).value_or(0), then(pitch_).value_or(0)};
+  return HeadAngles{then(yaw_, stamp).value_or(0), then(pitch_, stamp - ahead_).value_or(0)};
 }
 
 Result<> Perception::OnGesture(std::string_view word, Time now) {
@@ -80,6 +80,7 @@ void Perception::OnVoice(double level, Time now) {
 void Perception::OnHead(Duration stamp, double yaw_rad, Time now) {
   yaw_.Add(stamp, yaw_rad);
   yaw_at_ = now;
+  if (stamp > Duration(0)) ahead_ = stamp - now.time_since_epoch();
 }
 
 void Perception::OnGaze(Gaze gaze, Time now) {

@@ -42,6 +42,7 @@ class Perception {
   void OnVoice(double level, Time now);
   // Holds until the opposite is said, however long that takes: who is not heard of may be there.
   void OnTooClose(bool too_close, Time now);
+  bool too_close() const { return too_close_; }
   // How the head stood when the joints were measured.
   void OnHead(Duration stamp, double yaw_rad, Time now);
 
@@ -77,6 +78,7 @@ class Perception {
   double voice_level_ = 0;
   AngleTrail yaw_;
   std::optional<Time> yaw_at_;  // when it was last measured
+  Duration ahead_{};            // of the clock that stamps, to the machine's
   AngleTrail pitch_;
   double pitch_rad_ = 0;
   std::optional<Time> nodded_at_;
