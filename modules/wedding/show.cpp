@@ -231,6 +231,8 @@ void Show::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
   if (input.kind == fsm::Input::Kind::kStart && !first_start_) first_start_ = input.time;
   if (input.kind != fsm::Input::Kind::kTick) return;
   Note(input.time);
+  // A recording begins with the start; somebody who was too close before it still is.
+  if (!std::exchange(first_told_, true) && perception_.too_close()) Record(input::kTooClose, {1});
   complaints_.Tick(input.time);
   perception_.OnGaze(data_.motion.look_at_target, input.time);
   perception_.Refresh(input.time, data_);

@@ -115,6 +115,7 @@ class Show : private fsm::Listener {
   fsm::Machine* machine_ = nullptr;
   fsm::Recorder* recorder_ = nullptr;
   std::optional<Time> first_start_;  // of the machine; times of a recording count from there
+  bool first_told_ = false;          // what was known before the first start is in the recording
   bool resting_ = true;
   Time now_{};
 };
