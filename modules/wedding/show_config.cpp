@@ -111,6 +111,16 @@ class Reader {
     Take(gaze, "joints_age_ms", rules.joints_age);
   }
 
+  void ReadService(TableReader& photo) {
+    const auto service = photo.String("service");
+    if (!service) return;
+    config_.camera_service = service->text;
+    if (service->text.empty() || config_toml::IsTopic(service->text)) return;
+    photo.Fault(service->at, "service",
+                "expected the name of a service, as in \"camera_service\", or \"\", found " +
+                    config_toml::Quote(service->text));
+  }
+
   void ReadStates(TableReader& root) {
     ShowConfig& show = config_.show;
     In(root, "idle", [&](TableReader& idle) {
@@ -130,7 +140,7 @@ class Reader {
       Take(photo, "pose_ms", show.photo.pose);
       Take(photo, "countdown_ms", show.photo.countdown);
       Take(photo, "shutter_ms", show.photo.shutter);
-      if (const auto service = photo.String("service")) config_.camera_service = service->text;
+      ReadService(photo);
       Take(photo, "timeout_ms", config_.photo_timeout);
     });
     In(root, "farewell",

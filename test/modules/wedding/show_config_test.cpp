@@ -82,6 +82,24 @@ TEST(WeddingConfigTest, RefusesToLoseAFaceThatStillCounts) {
               ElementsAre(HasSubstr("show.toml:2:10: error: perception.age_ms")));
 }
 
+TEST(WeddingConfigTest, RefusesACameraServiceThatIsNoName) {
+  EXPECT_THAT(Faults("[photo]\nservice = \"camera service!\"\n"),
+              ElementsAre(HasSubstr("show.toml:2:11: error: photo.service")));
+  EXPECT_THAT(Faults("[photo]\nservice = \"\"\n"), IsEmpty()) << "no camera";
+  EXPECT_THAT(Faults("[photo]\nservice = \"/hall/camera_service\"\n"), IsEmpty());
+}
+
+TEST(WeddingConfigTest, RefusesTimesThatContradictEachOther) {
+  EXPECT_THAT(Faults("[search]\nenabled = true\nconfirm_ms = 20000\n"),
+              ElementsAre(HasSubstr("show.toml:3:14: error: search.confirm_ms")));
+  EXPECT_THAT(Faults("[search]\nenabled = true\ntimeout_ms = 1000\n"),
+              ElementsAre(HasSubstr("show.toml:3:14: error: search.timeout_ms")));
+  EXPECT_THAT(Faults("[interview]\nenabled = true\nlost_least_ms = 1500\nlost_most_ms = 500\n"),
+              ElementsAre(HasSubstr("show.toml:3:17: error: interview.lost_least_ms")));
+  EXPECT_THAT(Faults("[interview]\nlost_most_ms = 500\n"),
+              ElementsAre(HasSubstr("show.toml:2:16: error: interview.lost_most_ms")));
+}
+
 TEST(WeddingConfigTest, CountsTheCharactersOfQuestionsAsPeopleDo) {
   const auto reading =
       ReadWeddingText("[interview]\nenabled = true\nquestions = [\"ab\", \"你好吗\"]\n", "");
