@@ -68,6 +68,7 @@ void Perception::OnFaces(const Faces& faces, Time now) {
 }
 
 void Perception::OnTooClose(bool too_close, Time now) {
+  if (too_close && !too_close_) ++too_close_number_;
   too_close_ = too_close;
   watched_at_ = now;
 }
@@ -108,6 +109,7 @@ void Perception::Refresh(Time now, ShowData& data) {
   seen.gesture = gesture ? gesture_ : Gesture::kNone;
   seen.gesture_confidence = gesture ? rules_.gesture_confidence : 0;
   seen.too_close = too_close_;
+  seen.too_close_number = too_close_number_;
   seen.gesture_number = gesture_number_;
   data.audio.voice_level = Counts(voice_at_, now) ? voice_level_ : 0;
 }

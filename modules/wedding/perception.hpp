@@ -73,6 +73,7 @@ class Perception {
   Gesture gesture_ = Gesture::kNone;
   std::uint64_t gesture_number_ = 0;
   bool too_close_ = false;
+  std::uint64_t too_close_number_ = 0;
   std::optional<Time> watched_at_;  // when one of the three was last heard
   std::optional<Time> voice_at_;
   double voice_level_ = 0;

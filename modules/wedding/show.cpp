@@ -212,6 +212,7 @@ void Show::Settle() {
   data_.audio.pending_speech.Clear();
   data_.photo_requested = false;
   data_.left_alone = false;
+  data_.too_close_asked = 0;
   data_.motion.target_pose = pose::kNeutral;
   data_.motion.look_at_target = Gaze{};
   data_.motion.current_pose = {};  // it is said again: whoever was told may not be there any more

@@ -13,12 +13,17 @@ void SafeStop::OnEnter(const fsm::Tick& /*tick*/) {
   data_.safety_triggered = true;
   data_.motion.target_pose = pose::kNeutral;
   data_.motion.look_at_target = Gaze{};
-  if (data_.perception.too_close) data_.Say(sound::kTooClose);
+  const PerceptionData& seen = data_.perception;
+  if (seen.too_close && seen.too_close_number != data_.too_close_asked) {
+    data_.Say(sound::kTooClose);
+  }
+  data_.too_close_asked = seen.too_close_number;
 }
 
 fsm::Next SafeStop::CheckTransition(const fsm::Tick& tick) {
   if (data_.perception.too_close || data_.perception.blind) {
     clear_from_ = tick.elapsed;
+    data_.too_close_asked = data_.perception.too_close_number;
     return fsm::Next::Stay();
   }
   const bool commanded =

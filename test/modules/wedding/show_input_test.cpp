@@ -52,12 +52,15 @@ TEST_F(ShowInput, ReadsFacesAndRefusesWhatIsNone) {
   EXPECT_EQ(data().perception.face_count, 3);
   EXPECT_EQ(data().perception.face_id, 5);
   for (const char* nonsense :
-       {"", "{", "[]", "{\"faces\": 3}", "{\"faces\": [1]}", "{\"faces\": [], \"count\": -1}"}) {
+       {"", "{", "[]", "{\"faces\": 3}", "{\"faces\": [1]}", "{\"faces\": [], \"count\": -1}",
+        R"({"faces": [{"is_frontal": true, "face_id": 4294967297}]})",
+        R"({"faces": [{"is_frontal": true, "face_id": -2}]})"}) {
     show_->OnFaces(nonsense, now_);
   }
   Tick();
   EXPECT_EQ(data().perception.face_count, 3);
-  EXPECT_EQ(show_->complaints(), 6);
+  EXPECT_EQ(data().perception.face_id, 5);
+  EXPECT_EQ(show_->complaints(), 8);
   Tick(80);
   EXPECT_EQ(data().perception.face_count, 0) << "too old";
 }
