@@ -195,7 +195,11 @@ void Show::Rest(Time now, bool frozen) {
   Record(input::kRest, {});
   Settle();
   resting_ = true;
-  if (machine_ != nullptr && machine_->running()) Refuse(Complaint::kFault, machine_->Reset());
+  // One that is at home already does not come home: pauses fill no history.
+  const bool home = state() == state::kIdle && machine_->waiting_commands() == 0;
+  if (machine_ != nullptr && machine_->running() && !home) {
+    Refuse(Complaint::kFault, machine_->Reset());
+  }
   if (!frozen) AfterTick();
 }
 

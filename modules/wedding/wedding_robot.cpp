@@ -17,7 +17,7 @@ constexpr Duration kVisionSilence = Milliseconds(2000);  // beyond it, in Active
 FsmActuator::Options OptionsOf(const WeddingConfig& config) {
   FsmActuator::Options options;
   options.rate_hz = config.rate_hz;
-  options.resume = FsmActuator::Resume::kAnew;
+  options.resume = FsmActuator::Resume::kWhereItWas;  // in IDLE: Rest() brought it there
   return options;
 }
 

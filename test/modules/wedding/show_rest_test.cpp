@@ -43,5 +43,42 @@ TEST_F(RestingShow, HasInItsRecordingThatSomebodyWasTooCloseBeforeItWasStarted) 
   EXPECT_EQ(show.state(), "SAFE_STOP");
 }
 
+TEST_F(RestingShow, DoesNotFillItsHistoryWithPausesInIdle) {
+  Track();
+  const std::size_t before = machine_->history().size();
+  for (int i = 0; i < 40; ++i) {
+    machine_->Pause();
+    show_->Rest(now_);
+    show_->Resume(now_);
+    Tick(10);
+  }
+  EXPECT_EQ(state(), "IDLE");
+  EXPECT_EQ(machine_->history().size(), before + 1) << "home from TRACKING, once";
+}
+
+TEST_F(RestingShow, AsksWhoIsTooCloseOnceHoweverOftenItIsSentHome) {
+  TooClose(true);
+  Tick(2);
+  for (int i = 0; i < 5; ++i) {
+    Force("IDLE");
+    Tick(5);
+  }
+  EXPECT_EQ(state(), "SAFE_STOP");
+  EXPECT_THAT(script_.sounds, testing::ElementsAre("too_close"));
+  TooClose(false);
+  ASSERT_GT(TicksTo("IDLE", 150), 0);
+  TooClose(true);
+  Tick();
+  EXPECT_THAT(script_.sounds, testing::ElementsAre("too_close", "too_close")) << "another time";
+}
+
+TEST_F(RestingShow, SweepsACommandAwayThatWaitsInIdle) {
+  Command("photo");
+  show_->Rest(now_);
+  show_->Resume(now_);
+  Tick(2);
+  EXPECT_EQ(state(), "IDLE");
+}
+
 }  // namespace
 }  // namespace musher::wedding
