@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "musher/lifecycle/toml/file.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
 namespace musher::wedding {
@@ -159,6 +160,27 @@ TEST_F(InterviewShow, AsksThreeQuestionsAndThanks) {
               ElementsAre("greeting", "interview_start", "interview_question_1",
                           "interview_question_2", "interview_question_3", "interview_thanks"));
   EXPECT_EQ(script_.poses.back(), "neutral");
+}
+
+TEST_F(InterviewShow, OfTheShippedConfigAsksWhatTheVoiceSaysAndTakesAsLongAsItsManualSays) {
+  const std::string source = MUSHER_SOURCE_DIR;
+  const std::string file = source + "/config/wedding/second_generation.toml";
+  const std::string config = config_toml::ReadTextFile(file, 1 << 20).value();
+  const std::string cues =
+      config_toml::ReadTextFile(source + "/config/audio/wedding_cues.toml", 1 << 20).value();
+  for (const char* id : {"interview_question_1", "interview_question_2", "interview_question_3"}) {
+    const std::string key = "zh = \"";
+    const std::size_t begin = cues.find(key, cues.find("id = \"" + std::string(id))) + key.size();
+    const std::string spoken = cues.substr(begin, cues.find('"', begin) - begin);
+    EXPECT_THAT(config, HasSubstr("\"" + spoken + "\"")) << id;
+  }
+
+  const auto interview = ReadWeddingFile(file).config->show.interview;
+  Begin(With(std::nullopt, interview));
+  Ask();
+  EXPECT_NEAR(TicksToWithFace("IDLE", 5000), Ticks(Milliseconds(43'000)), 2) << "whole ticks";
+  EXPECT_THAT(config_toml::ReadTextFile(source + "/modules/wedding/README.md", 1 << 20).value(),
+              HasSubstr("43 s later at most"));
 }
 
 TEST_F(InterviewShow, GoesOnASecondAndAHalfAfterAnAnswer) {
