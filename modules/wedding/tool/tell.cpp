@@ -1,6 +1,7 @@
 // musher-wedding tell: a guest, a detector or a person with a remote, for those without ROS.
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <iostream>
 #include <variant>
 
@@ -25,10 +26,10 @@ Examples:
   musher-wedding tell command photo            stop, idle, photo, tracking, reset
   musher-wedding tell voice stop               as if it had been heard
 
-Exit codes: 0 told; 1 nobody listens (said on stderr); 2 usage; 130 interrupted.
+Exit codes: 0 told; 1 nobody listens, or /clock stands still (said on stderr); 2 usage; 130 interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
 
-constexpr Duration kLongest = std::chrono::hours(24);  // however slow a clock goes
+constexpr Duration kLongestStandstill = std::chrono::seconds(5);  // of a clock, in real time
 
 struct Told {
   const char* topic = nullptr;
@@ -38,6 +39,16 @@ struct Told {
 int Fail(ExitCode exit, const std::string& message) {
   std::cerr << "musher-wedding: " << message << std::endl;
   return static_cast<int>(exit);
+}
+
+// Until `done` holds, however slow the clock goes; false: it does not go, or there was a Ctrl-C.
+bool RunWhileClockGoes(HandLink& link, const std::function<bool()>& done) {
+  while (!done()) {
+    const Time before = link.clock().Now();
+    const auto moved = [&] { return done() || link.clock().Now() != before; };
+    if (!link.RunUntil(moved, kLongestStandstill)) return false;
+  }
+  return true;
 }
 
 template <msg::Message M>
@@ -56,8 +67,11 @@ int Publish(HandLink& link, const std::string& topic, const M& message, Duration
     const auto again = link.clock().Every(Milliseconds(100), [&] {
       if (sent) sent = publisher.value()->Publish(message);
     });
-    link.RunUntil([&] { return !sent.ok() || link.clock().Now() >= end; }, kLongest);
+    const auto over = [&] { return !sent.ok() || link.clock().Now() >= end; };
+    const bool stood = !RunWhileClockGoes(link, over);
     if (link.interrupted()) return static_cast<int>(ExitCode::kInterrupted);
+    if (stood)
+      return Fail(ExitCode::kNotDone, "/clock has stood still for 5 s; does the world run?");
   }
   if (sent) sent = publisher.value()->Flush(link.discovery());
   if (!sent) return Fail(ExitCode::kNotDone, sent.error().message);

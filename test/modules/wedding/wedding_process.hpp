@@ -102,7 +102,7 @@ class WeddingProcess : public testing::Test {
     const transport::UniqueFd file(
         open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
     exec::Child child = exec::Child::Start(spec, keeper_, file.get()).value();
-    const bool ended = child.EndedBy(std::chrono::steady_clock::now() + std::chrono::seconds(20));
+    const bool ended = peer_.Until([&] { return child.Ended(); });
     std::ifstream stream(output);
     said_ = {std::istreambuf_iterator<char>(stream), {}};
     return ended ? child.Reap().number : -1000;

@@ -1,6 +1,8 @@
 // What musher-wedding does for people beside the show.
 
+#include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/test/modules/wedding/wedding_process.hpp"
+#include "musher/transport/clock.hpp"
 
 namespace musher::wedding {
 namespace {
@@ -20,6 +22,18 @@ TEST_F(WeddingTool, IsToldByHandWithoutRos) {
   ASSERT_TRUE(AwaitShown("SAFE_STOP"));
   EXPECT_EQ(Run({"tell", "gesture"}), 2);
   EXPECT_EQ(Run({"tell", "target", "left", "0.4"}), 2);
+}
+
+TEST_F(WeddingTool, GivesUpOnAClockThatStandsStill) {
+  StartActive();
+  const auto clock = transport::MakePublisher<msg::Clock>(peer_.node(), transport::kClockTopic,
+                                                          transport::kClockQos)
+                         .value();
+  const auto ticks = peer_.node().loop().Every(Milliseconds(50), [&] {
+    static_cast<void>(clock->Publish({{7, 0}}));
+  });
+  EXPECT_EQ(Run({"tell", "target", "0.5", "0.4", "--for", "2", "--clock", "topic"}), 1) << said_;
+  EXPECT_THAT(said_, HasSubstr("/clock has stood still for 5 s"));
 }
 
 TEST_F(WeddingTool, RecordsAndPlaysTheSameAgain) {
