@@ -102,6 +102,7 @@ class WeddingProcess : public testing::Test {
     const transport::UniqueFd file(
         open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
     exec::Child child = exec::Child::Start(spec, keeper_, file.get()).value();
+    const auto look = peer_.node().loop().Every(Milliseconds(20), [] {});  // Until looks at events
     const bool ended = peer_.Until([&] { return child.Ended(); });
     std::ifstream stream(output);
     said_ = {std::istreambuf_iterator<char>(stream), {}};
