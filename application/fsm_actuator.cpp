@@ -41,6 +41,7 @@ class FsmActuator::Impl : public fsm::Listener {
     owner_.RunOnLoop([&] {
       if (state == kActive) {
         result = GoOn();
+        if (!result) Pause();  // what began is not left half done
       } else if (state == kTearDown) {
         End();
       } else {
@@ -124,7 +125,9 @@ class FsmActuator::Impl : public fsm::Listener {
                    "an emergency stop was engaged meanwhile"};
     }
     if (ticking_) return Ok();
-    owner_.OnResume();
+    if (const auto thrown = Thrown("OnResume", [&] { owner_.OnResume(); })) {
+      return Error{kCodeFailed, *thrown};
+    }
     if (!machine_->running()) {
       static_cast<void>(machine_->Start(Now()));  // what failed is told by OnFault
       if (!machine_->running()) {

@@ -96,7 +96,8 @@ class FsmActuator : public MachineActuator {
   // The robot has gone to a state in which the machine rests, or was stopped in an emergency: bring
   // the outputs to neutral. Comes back at once; may come twice. An exception is told.
   virtual void OnPause() {}
-  // It goes to Active; before the machine is started or goes on.
+  // It goes to Active; before the machine is started or goes on. An exception fails the switch to
+  // Active with its words, after OnPause().
   virtual void OnResume() {}
 
   // From SetUp on. On the loop only.
