@@ -160,10 +160,9 @@ class FsmActuator::Impl : public fsm::Listener {
 
   // The machine stopped: by a fault, or because the application wanted it.
   void Ended() {
-    const bool by_fault =
-        !machine_->history().empty() && machine_->history().back().cause == fsm::Cause::kFault;
+    const bool by_fault = machine_->fault() && machine_->mode() == fsm::Mode::kSafeStop;
     Pause();
-    if (!by_fault || !machine_->fault()) return owner_.Log("the machine has ended");
+    if (!by_fault) return owner_.Log("the machine has ended");
     owner_.GiveUp({kCodeFailed, machine_->Describe(*machine_->fault())});
   }
 

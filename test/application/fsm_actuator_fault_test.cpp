@@ -35,5 +35,17 @@ TEST_F(AnFsmActuator, FailsToBecomeActiveWhenItsResumeThrows) {
   EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
 }
 
+TEST_F(AnFsmActuator, EndsTheProgramByAFaultAlsoOfAMachineThatRemembersNoChanges) {
+  Show show({.machine = {.history = 0}});
+  show.data().throws = {{"GREET runs", "no"}, {"STOP enters", "no, neither"}};
+  Begin(show);
+  stage_.Tick(show, 2);
+  auto ended = std::async(std::launch::async, [&] { return show.Wait(); });
+  const bool in_time = ended.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+  show.Shutdown();
+  EXPECT_TRUE(in_time);
+  EXPECT_EQ(ended.get(), 1);
+}
+
 }  // namespace
 }  // namespace musher
