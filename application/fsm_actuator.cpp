@@ -151,7 +151,9 @@ class FsmActuator::Impl : public fsm::Listener {
   void Tick() {
     const Time now = Now();
     in_tick_ = true;
-    if (GuardTick("BeforeTick", [&] { owner_.BeforeTick(now); })) machine_->RunOnce(now);
+    const bool well = GuardTick("BeforeTick", [&] { owner_.BeforeTick(now); });
+    if (ticking_) machine_->RunOnce(now);
+    if (!well) GoSafe();  // also when it has just been left
     GuardTick("AfterTick", [&] { owner_.AfterTick(now); });
     in_tick_ = false;
     Publish();
@@ -202,15 +204,20 @@ class FsmActuator::Impl : public fsm::Listener {
     if (!thrown) return true;
     if (*thrown != hook_fault_) owner_.Log("fault: " + *thrown);
     hook_fault_ = *thrown;
+    if (GoSafe()) return false;
+    Pause();
+    owner_.GiveUp({kCodeFailed, *thrown + "; and there is no safe state to go to"});
+    return false;
+  }
+  // False when there is no safe state.
+  bool GoSafe() {
     const auto& states = machine_->chart().states;
     for (std::size_t i = 0; i < states.size(); ++i) {
       if (states[i].role != fsm::Role::kSafe) continue;
-      const auto safe = static_cast<fsm::StateId>(i);
-      if (machine_->current() != safe) static_cast<void>(machine_->Force(safe));
-      return false;
+      const bool there = machine_->mode() == fsm::Mode::kSafeStop;
+      if (!there) static_cast<void>(machine_->Force(static_cast<fsm::StateId>(i)));
+      return true;
     }
-    Pause();
-    owner_.GiveUp({kCodeFailed, *thrown + "; and there is no safe state to go to"});
     return false;
   }
 

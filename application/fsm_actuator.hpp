@@ -90,7 +90,7 @@ class FsmActuator : public MachineActuator {
   virtual Result<> SelfCheck() { return Ok(); }
 
   // Around each tick. An exception is told, and the machine goes to its safe state as if one of its
-  // states had failed.
+  // states had failed; it runs there, and is back there at the end of each tick that had one.
   virtual void BeforeTick(Time /*now*/) {}
   virtual void AfterTick(Time /*now*/) {}
   // The robot has gone to a state in which the machine rests, or was stopped in an emergency: bring

@@ -47,5 +47,18 @@ TEST_F(AnFsmActuator, EndsTheProgramByAFaultAlsoOfAMachineThatRemembersNoChanges
   EXPECT_EQ(ended.get(), 1);
 }
 
+TEST_F(AnFsmActuator, RunsItsSafeStateWhileTheHookBeforeTheTickThrows) {
+  Show show;
+  Begin(show);
+  show.RunOnLoop([&] { show.data().throws["before"] = "the camera is gone"; });
+  for (int i = 0; i < 20; ++i) {
+    stage_.Tick(show, 1);
+    EXPECT_EQ(show.Path(), "STOP") << i;
+  }
+  EXPECT_EQ(show.Ticks(), 20U);
+  EXPECT_GT(show.Of([](Show& s) { return s.data().runs["STOP"]; }), 10);
+  EXPECT_EQ(show.Of([](Show& s) { return s.data().runs["GREET"]; }), 0);
+}
+
 }  // namespace
 }  // namespace musher
