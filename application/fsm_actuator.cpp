@@ -151,10 +151,10 @@ class FsmActuator::Impl : public fsm::Listener {
   void Tick() {
     const Time now = Now();
     in_tick_ = true;
-    const bool well = GuardTick("BeforeTick", [&] { owner_.BeforeTick(now); });
+    const bool well = GuardTick("BeforeTick", before_fault_, [&] { owner_.BeforeTick(now); });
     if (ticking_) machine_->RunOnce(now);
     if (!well) GoSafe();  // also when it has just been left
-    GuardTick("AfterTick", [&] { owner_.AfterTick(now); });
+    GuardTick("AfterTick", after_fault_, [&] { owner_.AfterTick(now); });
     in_tick_ = false;
     Publish();
     if (!machine_->running()) Ended();
@@ -199,11 +199,12 @@ class FsmActuator::Impl : public fsm::Listener {
     if (const auto thrown = Thrown(name, hook)) owner_.Log("fault: " + *thrown);
   }
   // Of a hook around the tick: as if a state had failed. Said once for as long as it is the same.
-  bool GuardTick(const char* name, const std::function<void()>& hook) {
+  bool GuardTick(const char* name, std::string& last, const std::function<void()>& hook) {
     const auto thrown = Thrown(name, hook);
+    const bool news = thrown && *thrown != last;
+    last = thrown.value_or("");
     if (!thrown) return true;
-    if (*thrown != hook_fault_) owner_.Log("fault: " + *thrown);
-    hook_fault_ = *thrown;
+    if (news) Tell(machine_->time(), "fault: " + *thrown);
     if (GoSafe()) return false;
     Pause();
     owner_.GiveUp({kCodeFailed, *thrown + "; and there is no safe state to go to"});
@@ -245,7 +246,8 @@ class FsmActuator::Impl : public fsm::Listener {
   std::weak_ptr<Wire> wire_;
   bool ticking_ = false;
   bool in_tick_ = false;
-  std::string hook_fault_;  // the last one
+  std::string before_fault_;  // what BeforeTick() threw in the last tick
+  std::string after_fault_;
   std::optional<std::string> published_;
   Duration telling_since_{};
   int told_ = 0;

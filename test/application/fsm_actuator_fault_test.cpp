@@ -19,6 +19,12 @@ class AnFsmActuator : public ::testing::Test {
     ASSERT_TRUE(stage_.controller().SetState("SelfCheck"));
     ASSERT_TRUE(stage_.controller().SetState("Active"));
   }
+  // What the actuator logs meanwhile.
+  static std::string Logged(const std::function<void()>& work) {
+    ::testing::internal::CaptureStderr();
+    work();
+    return ::testing::internal::GetCapturedStderr();
+  }
 
   Stage stage_;
 };
@@ -58,6 +64,24 @@ TEST_F(AnFsmActuator, RunsItsSafeStateWhileTheHookBeforeTheTickThrows) {
   EXPECT_EQ(show.Ticks(), 20U);
   EXPECT_GT(show.Of([](Show& s) { return s.data().runs["STOP"]; }), 10);
   EXPECT_EQ(show.Of([](Show& s) { return s.data().runs["GREET"]; }), 0);
+}
+
+TEST_F(AnFsmActuator, TellsAFaultOfAHookOnceAndAgainWhenItComesBack) {
+  Show show;
+  Begin(show);
+  for (const std::string hook : {"before", "after"}) {
+    for (int i = 0; i < 3; ++i) {
+      const std::string log = Logged([&] {
+        show.RunOnLoop([&] { show.data().throws[hook] = "the camera is gone"; });
+        stage_.Tick(show, 3);
+        show.RunOnLoop([&] { show.data().throws.clear(); });
+        stage_.Tick(show, 1);
+      });
+      const auto told = log.find("the camera is gone");
+      ASSERT_NE(told, std::string::npos) << hook << " " << i;
+      EXPECT_EQ(log.find("the camera is gone", told + 1), std::string::npos) << log;
+    }
+  }
 }
 
 }  // namespace
