@@ -14,7 +14,7 @@
 namespace musher {
 namespace {
 
-constexpr int kMostTold = 20;  // changes and faults in a second
+constexpr int kMostTold = 20;  // changes, faults and unheeded commands in a second
 
 // What the endpoints give, and keep for as long as they are there.
 struct Wire {
@@ -78,6 +78,10 @@ class FsmActuator::Impl : public fsm::Listener {
     if (change.cause == fsm::Cause::kUnsafe) line += ", " + std::string(machine.unsafe());
     Tell(change.at, line);
     if (!in_tick_) Publish();
+  }
+  void OnUnheeded(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
+    Tell(machine.time(), "command " + std::string(machine.Name(command)) + " is not heeded in " +
+                             std::string(machine.Name(state)));
   }
   void OnFault(const fsm::Machine& machine, const fsm::Fault& fault) override {
     Tell(fault.at, "fault: " + machine.Describe(fault));

@@ -1,5 +1,6 @@
 // Faults of the base class of applications that were found and mended.
 
+#include <algorithm>
 #include <future>
 
 #include "musher/test/application/show.hpp"
@@ -82,6 +83,22 @@ TEST_F(AnFsmActuator, TellsAFaultOfAHookOnceAndAgainWhenItComesBack) {
       EXPECT_EQ(log.find("the camera is gone", told + 1), std::string::npos) << log;
     }
   }
+}
+
+TEST_F(AnFsmActuator, TellsACommandThatItsStateDoesNotHeedButFillsNoLogWithIt) {
+  Show show;
+  Begin(show);
+  show.RunOnLoop([&] { show.data().unsafe = true; });
+  stage_.Tick(show, 1);
+  const auto log = Logged([&] {
+    for (int i = 0; i < 40; ++i) {
+      show.RunOnLoop([&] { EXPECT_TRUE(show.machine().Send("again")); });
+      stage_.Tick(show, 1);
+    }
+  });
+  EXPECT_THAT(log, HasSubstr("command again is not heeded in STOP"));
+  EXPECT_EQ(show.Of([](Show& s) { return s.machine().counts().unheeded; }), 40U);
+  EXPECT_LE(std::count(log.begin(), log.end(), '\n'), 23) << "in 0.8 s";
 }
 
 }  // namespace
