@@ -4,6 +4,7 @@
 #include <exception>
 #include <functional>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "musher/application/behavior_report.hpp"
@@ -54,6 +55,15 @@ class FsmActuator::Impl : public fsm::Listener {
   void Pause() {
     Rest();
     Guard("OnPause", [&] { owner_.OnPause(); });
+  }
+
+  Result<> Send(std::string_view command) {
+    // One that waits for hours would do what nobody wants any more.
+    if (!ticking_) {
+      return Error{MakeCode(ModuleCode::kRobot, KeyCode::kStateInvalid),
+                   owner_.name() + " is paused in " + owner_.CurrentState()};
+    }
+    return machine_->Send(command);
   }
 
   fsm::Machine& machine() {
@@ -107,20 +117,15 @@ class FsmActuator::Impl : public fsm::Listener {
                                      [this](const auto& request, auto reply) {
                                        reply(ReportBehavior(*machine_, ticking_, request));
                                      });
-      topics.Serve<msg::SendCommand>(
-          owner_.name() + "/send_command",
-          [this](const auto& request, auto reply) { reply(Send(request.command)); });
+      topics.Serve<msg::SendCommand>(owner_.name() + "/send_command",
+                                     [this](const auto& request, auto reply) {
+                                       const Result<> sent = Send(request.command);
+                                       reply({sent.ok(), sent ? "" : sent.error().message});
+                                     });
       published_.reset();
       Publish();
       owner_.OpenTopics(topics);
     });
-  }
-
-  msg::SendCommand::Response Send(const std::string& command) {
-    // One that waits for hours would do what nobody wants any more.
-    if (!ticking_) return {false, owner_.name() + " is paused in " + owner_.CurrentState()};
-    const Result<> sent = machine_->Send(command);
-    return {sent.ok(), sent ? "" : sent.error().message};
   }
 
   Result<> GoOn() {
@@ -268,6 +273,9 @@ FsmActuator::~FsmActuator() {
 
 fsm::Machine& FsmActuator::machine() {
   return impl_->machine();
+}
+Result<> FsmActuator::Send(std::string_view command) {
+  return impl_->Send(command);
 }
 bool FsmActuator::ticking() const {
   return impl_->ticking();

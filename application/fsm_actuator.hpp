@@ -54,6 +54,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/behavior/fsm/machine.hpp"
@@ -83,8 +84,8 @@ class FsmActuator : public MachineActuator {
  protected:
   // In SetUp: register states, events and safety checks, and Build(). A failure fails SetUp.
   virtual Result<> BuildMachine(fsm::Machine& machine) = 0;
-  // After that, on the loop: topics and services. Their handlers may look at the machine and send
-  // it commands, force and reset it. Does not run in a trial, where there is no wire.
+  // After that, on the loop: topics and services. Their handlers may look at the machine, Send()
+  // commands, force and reset it. Does not run in a trial, where there is no wire.
   virtual void OpenTopics(transport::Endpoints& /*topics*/) {}
   // Whether what it needs is there. May take its time.
   virtual Result<> SelfCheck() { return Ok(); }
@@ -102,6 +103,10 @@ class FsmActuator : public MachineActuator {
 
   // From SetUp on. On the loop only.
   fsm::Machine& machine();
+  // A command from outside, for the machine to heed: that of <actuator>/send_command, and the one
+  // to be called by handlers of topics. Fails when the machine rests, so that nothing is done hours
+  // later, and where Machine::Send() does. On the loop only.
+  Result<> Send(std::string_view command);
   // Whether the machine is ticked now. On the loop only.
   bool ticking() const;
   // What the machine's clock says. On the loop only.

@@ -101,5 +101,23 @@ TEST_F(AnFsmActuator, TellsACommandThatItsStateDoesNotHeedButFillsNoLogWithIt) {
   EXPECT_LE(std::count(log.begin(), log.end(), '\n'), 23) << "in 0.8 s";
 }
 
+TEST_F(AnFsmActuator, KeepsNoCommandThatATopicBringsWhileItRests) {
+  Show show;
+  Begin(show);
+  stage_.Tick(show, 6);
+  ASSERT_TRUE(stage_.controller().SetState("LowPower"));
+  show.RunOnLoop([&] {
+    const Result<> sent = show.Send("again");
+    ASSERT_FALSE(sent);
+    EXPECT_EQ(sent.error().message, "show is paused in LowPower");
+  });
+  ASSERT_TRUE(stage_.controller().SetState("Active"));
+  stage_.Tick(show, 1);
+  EXPECT_EQ(show.Path(), "PLAY");
+  show.RunOnLoop([&] { EXPECT_TRUE(show.Send("again")); });
+  stage_.Tick(show, 1);
+  EXPECT_EQ(show.Path(), "GREET");
+}
+
 }  // namespace
 }  // namespace musher

@@ -96,6 +96,7 @@ class Show : public FsmActuator {
 
   using FsmActuator::machine;
   using FsmActuator::Now;
+  using FsmActuator::Send;
   using FsmActuator::Stamp;
   using FsmActuator::ticking;
 
