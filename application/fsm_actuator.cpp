@@ -52,6 +52,10 @@ class FsmActuator::Impl : public fsm::Listener {
     return result;
   }
 
+  void StopAtOnce() {
+    if (open_) Pause();
+  }
+
   void Pause() {
     Rest();
     Guard("OnPause", [&] { owner_.OnPause(); });
@@ -99,6 +103,7 @@ class FsmActuator::Impl : public fsm::Listener {
 
  private:
   Result<> SetUp() {
+    owner_.RunOnLoop([this] { open_ = false; });
     machine_ = std::make_unique<fsm::Machine>(options_.machine);
     machine_->Listen(this);
     if (Result<> built = owner_.BuildMachine(*machine_); !built) return built;
@@ -106,7 +111,7 @@ class FsmActuator::Impl : public fsm::Listener {
       return Error{kCodeFailed, "BuildMachine() has not called Build() of its machine"};
     }
     for (const std::string& warning : machine_->warnings()) owner_.Log("warning: " + warning);
-    return owner_.OpenEndpoints([this](transport::Endpoints& topics) {
+    Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
       const auto wire = std::make_shared<Wire>();
       wire->clock = &topics.clock();
       wire->tell_state =
@@ -126,6 +131,8 @@ class FsmActuator::Impl : public fsm::Listener {
       Publish();
       owner_.OpenTopics(topics);
     });
+    owner_.RunOnLoop([&] { open_ = opened.ok(); });
+    return opened;
   }
 
   Result<> GoOn() {
@@ -253,6 +260,7 @@ class FsmActuator::Impl : public fsm::Listener {
   Options options_;
   std::unique_ptr<fsm::Machine> machine_;
   std::weak_ptr<Wire> wire_;
+  bool open_ = false;  // SetUp is done; before, the machine is its worker's
   bool ticking_ = false;
   bool in_tick_ = false;
   std::string before_fault_;  // what BeforeTick() threw in the last tick
@@ -288,7 +296,7 @@ msg::Stamp FsmActuator::Stamp() const {
 }
 
 void FsmActuator::OnEmergencyStop() {
-  impl_->Pause();
+  impl_->StopAtOnce();
 }
 
 }  // namespace musher

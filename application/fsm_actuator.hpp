@@ -36,6 +36,7 @@
 //   TearDown       is stopped: its state is left; OnPause()
 //   all others     rests, its time stands still; OnPause()
 //   an emergency stop: OnPause() at once, and it rests until the robot goes to Active anew
+//                  (during SetUp nothing moves yet: there is nothing to pause)
 // clang-format on
 //
 // A machine that stops because its safe state failed, or because it has none, ends the process with

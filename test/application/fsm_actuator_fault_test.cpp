@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <future>
 
+#include "musher/messages/musher_msgs/beats.hpp"
 #include "musher/test/application/show.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
 
 namespace musher {
 namespace {
@@ -117,6 +119,45 @@ TEST_F(AnFsmActuator, KeepsNoCommandThatATopicBringsWhileItRests) {
   show.RunOnLoop([&] { EXPECT_TRUE(show.Send("again")); });
   stage_.Tick(show, 1);
   EXPECT_EQ(show.Path(), "GREET");
+}
+
+// Its hooks would use what SetUp is just making, on another thread.
+TEST_F(AnFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
+  class Early : public FsmActuator {
+   public:
+    Early() : FsmActuator("show") {}
+    ~Early() override { Shutdown(); }
+    bool heard = false;
+    bool paused_early = false;
+
+   private:
+    Result<> BuildMachine(fsm::Machine& machine) override {
+      const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+      while (!EmergencyStopped() && std::chrono::steady_clock::now() < deadline) {
+        std::this_thread::yield();
+      }
+      RunOnLoop([this] { paused_early = paused_; });
+      heard = EmergencyStopped();
+      machine.Add("A", std::make_unique<fsm::State>());
+      return machine.Build("A");
+    }
+    void OnPause() override { paused_ = true; }
+
+    bool paused_ = false;
+  };
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
+  stage_.node().RunOnLoop([&] {
+    button = transport::MakePublisher<msg::EmergencyStop>(
+                 stage_.node().node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                 .value();
+    static_cast<void>(button->Publish({7, true, "a test", ""}));
+  });
+  Early show;
+  ASSERT_TRUE(show.Prepare(stage_.path()).ok());
+  EXPECT_TRUE(show.Start().ok());
+  EXPECT_TRUE(show.heard);
+  EXPECT_FALSE(show.paused_early);
+  stage_.node().RunOnLoop([&] { button.reset(); });
 }
 
 }  // namespace
