@@ -19,6 +19,7 @@ constexpr int kMostTold = 20;  // changes, faults and unheeded commands in a sec
 
 // What the endpoints give, and keep for as long as they are there.
 struct Wire {
+  transport::EventLoop* loop = nullptr;
   transport::Clock* clock = nullptr;
   transport::LoopHandlePtr ticks;
   std::function<void(const msg::String&)> tell_state;
@@ -48,6 +49,7 @@ class FsmActuator::Impl : public fsm::Listener {
       } else {
         Pause();
       }
+      Publish();
     });
     return result;
   }
@@ -91,7 +93,7 @@ class FsmActuator::Impl : public fsm::Listener {
     if (change.command != fsm::kNoEvent) line += " by " + std::string(machine.Name(change.command));
     if (change.cause == fsm::Cause::kUnsafe) line += ", " + std::string(machine.unsafe());
     Tell(change.at, line);
-    if (!in_tick_) Publish();
+    if (!in_tick_) PublishSoon();
   }
   void OnUnheeded(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
     Tell(machine.time(), "command " + std::string(machine.Name(command)) + " is not heeded in " +
@@ -113,6 +115,7 @@ class FsmActuator::Impl : public fsm::Listener {
     for (const std::string& warning : machine_->warnings()) owner_.Log("warning: " + warning);
     Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
       const auto wire = std::make_shared<Wire>();
+      wire->loop = &topics.node().loop();
       wire->clock = &topics.clock();
       wire->tell_state =
           topics.Tell<msg::String>(owner_.name() + "/behavior_state", transport::kLatchedQos);
@@ -186,11 +189,7 @@ class FsmActuator::Impl : public fsm::Listener {
 
   void End() {
     Rest();
-    const auto faults = machine_->counts().faults;
-    static_cast<void>(machine_->Stop());
-    if (machine_->counts().faults != faults) {
-      owner_.Log("fault: " + machine_->Describe(*machine_->fault()));
-    }
+    static_cast<void>(machine_->Stop());  // what failed is told by OnFault
     Guard("OnPause", [&] { owner_.OnPause(); });
   }
 
@@ -238,10 +237,19 @@ class FsmActuator::Impl : public fsm::Listener {
     return false;
   }
 
+  // Once the state has been entered: it may hold a machine, which is somewhere only then.
+  void PublishSoon() {
+    const auto wire = wire_.lock();
+    if (!wire) return;
+    wire->loop->Post([this, still = wire_] {
+      if (still.lock()) Publish();
+    });
+  }
   void Publish() {
     const auto wire = wire_.lock();
+    if (!wire) return;
     std::string path = machine_->Path();
-    if (!wire || published_ == path) return;
+    if (published_ == path) return;
     wire->tell_state({path});
     published_ = std::move(path);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <future>
 
+#include "musher/behavior/fsm/nested.hpp"
 #include "musher/messages/musher_msgs/beats.hpp"
 #include "musher/test/application/show.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
@@ -10,6 +11,7 @@
 namespace musher {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::Show;
 using testing::Stage;
@@ -158,6 +160,78 @@ TEST_F(AnFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
   EXPECT_TRUE(show.heard);
   EXPECT_FALSE(show.paused_early);
   stage_.node().RunOnLoop([&] { button.reset(); });
+}
+
+TEST_F(AnFsmActuator, TellsAFaultOfTearDownOnce) {
+  Show show;
+  Begin(show);
+  show.RunOnLoop([&] { show.data().throws["GREET leaves"] = "no hinge"; });
+  const std::string log = Logged([&] { EXPECT_TRUE(stage_.controller().SetState("TearDown")); });
+  const auto told = log.find("no hinge");
+  ASSERT_NE(told, std::string::npos) << log;
+  EXPECT_EQ(log.find("no hinge", told + 1), std::string::npos) << log;
+}
+
+// A state that holds a machine, beside one that does not.
+class Nest : public FsmActuator {
+ public:
+  Nest() : FsmActuator("show") {}
+  ~Nest() override { Shutdown(); }
+  void Force(std::string_view state) {
+    RunOnLoop([&] { EXPECT_TRUE(machine().Force(state)); });
+  }
+
+ private:
+  class Idle : public fsm::State {
+    void Declare(fsm::Ways& ways) override { ways.To("SHOW", "never"); }
+  };
+  class Scenes : public fsm::Nested {
+   public:
+    using Nested::Nested;
+    void Declare(fsm::Ways& ways) override {
+      Nested::Declare(ways);
+      ways.To("IDLE", "never");
+    }
+  };
+  Result<> BuildMachine(fsm::Machine& machine) override {
+    auto inner = std::make_unique<fsm::Machine>(fsm::Machine::Options{.name = "scenes"});
+    inner->Add("A", std::make_unique<fsm::State>());
+    machine.Add("IDLE", std::make_unique<Idle>());
+    machine.Add("SHOW", std::make_unique<Scenes>(std::move(inner), "A"));
+    return machine.Build("IDLE");
+  }
+};
+
+TEST_F(AnFsmActuator, PublishesTheWholePathOfAStateThatItIsForcedIntoWhileItRests) {
+  Nest show;
+  ASSERT_TRUE(show.Prepare(stage_.path()).ok());
+  ASSERT_TRUE(show.Start().ok());
+  ASSERT_TRUE(stage_.controller().Init(stage_.path()).ok());
+  ASSERT_TRUE(stage_.controller().AwaitSetUp().ok());
+  for (const char* state : {"SelfCheck", "Active", "LowPower"}) {
+    ASSERT_TRUE(stage_.controller().SetState(state)) << state;
+  }
+  std::vector<std::string> told;
+  std::unique_ptr<transport::Subscription> topic;
+  const auto await = [&](const std::string& path) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    for (bool there = false; !there && std::chrono::steady_clock::now() < deadline;) {
+      stage_.node().RunOnLoop([&] { there = !told.empty() && told.back() == path; });
+      std::this_thread::yield();
+    }
+  };
+  stage_.node().RunOnLoop([&] {
+    topic = transport::MakeSubscription<msg::String>(
+                stage_.node().node(), "show/behavior_state",
+                [&](const msg::String& state, const auto&) { told.push_back(state.data); },
+                transport::kLatchedQos)
+                .value();
+  });
+  await("IDLE");
+  show.Force("SHOW");
+  await("SHOW/A");
+  stage_.node().RunOnLoop([&] { topic.reset(); });
+  EXPECT_THAT(told, ElementsAre("IDLE", "SHOW/A"));
 }
 
 }  // namespace
