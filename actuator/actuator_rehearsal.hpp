@@ -19,7 +19,8 @@ class ActuatorRehearsal {
   // Of one that is not started, and that outlives it.
   explicit ActuatorRehearsal(MachineActuator& actuator);
 
-  // Those that a callback is registered for.
+  // Those that a callback is registered for; with one for whatever the config lists, the built-in
+  // ones are among them.
   std::vector<State> States() const;
   // Fails where Init() and Start() would: the config does not fit the callbacks.
   Result<> Adopt(const MachineConfig& config);

@@ -5,10 +5,8 @@
 #include <atomic>
 #include <cassert>
 #include <condition_variable>
-#include <exception>
 #include <future>
 #include <iostream>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -16,6 +14,7 @@
 #include "musher/actuator/actuator_rehearsal.hpp"
 #include "musher/actuator/actuator_shell.hpp"
 #include "musher/actuator/capability_gate.hpp"
+#include "musher/actuator/state_callbacks.hpp"
 #include "musher/lifecycle/config_toml.hpp"
 #include "musher/transport/endpoints.hpp"
 #include "musher/transport/host.hpp"
@@ -23,17 +22,9 @@
 namespace musher {
 namespace {
 
-using Callback = std::function<Result<>()>;
-
-// The callback's own word, or what became of it.
-Result<> RunGuarded(const Callback& callback) {
-  try {
-    return callback();
-  } catch (const std::exception& e) {
-    return Error{kCodeFailed, std::string("the callback threw: ") + e.what()};
-  } catch (...) {
-    return Error{kCodeFailed, "the callback threw something that is no std::exception"};
-  }
+Result<> FromCode(std::int32_t code) {
+  if (code == kCodeOk) return Ok();
+  return Error{code, ""};
 }
 
 }  // namespace
@@ -62,9 +53,7 @@ class MachineActuator::Impl {
     return Ok();
   }
 
-  void Register(const std::string& state, Callback callback) {
-    if (!callbacks_.emplace(state, std::move(callback)).second) twice_ = state;
-  }
+  StateCallbacks& callbacks() { return callbacks_; }
 
   Result<> Start() {
     if (auto fit = CheckCallbacks(); !fit) return fit;
@@ -104,9 +93,11 @@ class MachineActuator::Impl {
   }
 
   void GiveUp(const Error& why) {
-    std::cerr << name_ << ": gives up: " << why.message << std::endl;
+    Log("gives up: " + why.message);
     Finish(1);
   }
+
+  void Log(const std::string& line) const { std::cerr << name_ + ": " + line + "\n" << std::flush; }
 
   void Shutdown() {
     if (worker_) {
@@ -182,30 +173,10 @@ class MachineActuator::Impl {
 
   Result<> CheckCallbacks() const {
     if (!index_) return Error{kCodeUninitialized, "Init has not succeeded"};
-    if (twice_) return Error{kCodeParametersInvalid, "two callbacks for state '" + *twice_ + "'"};
-    const ActuatorConfig& actuator = config_->actuators[*index_];
-    for (const State& state : actuator.states) {
-      if (callbacks_.count(state) == 0) {
-        return Error{kCodeParametersInvalid, config_->file + " lists state '" + state + "' for " +
-                                                 name_ + ", but there is no callback for it"};
-      }
-    }
-    for (const auto& [state, callback] : callbacks_) {
-      if (!actuator.Lists(state)) {
-        return Error{kCodeParametersInvalid, "there is a callback for state '" + state + "', but " +
-                                                 config_->file + " does not list it for " + name_};
-      }
-    }
-    return Ok();
+    return callbacks_.Check(*config_, config_->actuators[*index_]);
   }
 
   // What a rehearsal does instead of the shell.
-  std::vector<State> States() const {
-    std::vector<State> states;
-    for (const auto& [state, callback] : callbacks_) states.push_back(state);
-    return states;
-  }
-  Result<> RunCallback(const State& state) { return RunGuarded(callbacks_.at(state)); }
   Result<> RunEmergencyStop() {
     return RunGuarded([this]() -> Result<> {
       on_emergency_stop_();
@@ -226,13 +197,11 @@ class MachineActuator::Impl {
     ActuatorShell::Hooks hooks;
     hooks.run_callback = [this](const State& state) {
       shell_->checkpoints().OnWorker(gettid());
-      return RunCallback(state);
+      return callbacks_.Run(state);
     };
     hooks.on_emergency_stop = [this] {
       const Result<> result = RunEmergencyStop();
-      if (!result) {
-        std::cerr << name_ << ": OnEmergencyStop: " << result.error().message << std::endl;
-      }
+      if (!result) Log("OnEmergencyStop: " + result.error().message);
     };
     hooks.set_stop_requested = [this](bool requested) { set_stop_requested(requested); };
     hooks.on_report = [this](const ActuatorReport& report) { gate_.SetReport(report); };
@@ -269,8 +238,7 @@ class MachineActuator::Impl {
   const std::function<void()> on_emergency_stop_;
   std::optional<MachineConfig> config_;
   std::optional<std::size_t> index_;
-  std::map<State, Callback> callbacks_;
-  std::optional<State> twice_;
+  StateCallbacks callbacks_;
   CapabilityGate gate_;
   std::optional<transport::NameLock> name_lock_;
   std::atomic<bool> stop_requested_ = false;
@@ -299,21 +267,28 @@ Result<> MachineActuator::Init(const std::string& config_file,
 bool MachineActuator::MachineActuatorInit(const std::string& config_file,
                                           std::shared_ptr<transport::NodeThread> node) {
   const Result<> result = Init(config_file, std::move(node));
-  if (!result) std::cerr << name() << ": " << result.error().message << std::endl;
+  if (!result) Log(result.error().message);
   return result.ok();
 }
 
 void MachineActuator::RegisterStateCallback(const std::string& state,
                                             std::function<std::int32_t()> callback) {
-  impl_->Register(state, [callback = std::move(callback)]() -> Result<> {
-    if (const std::int32_t code = callback(); code != kCodeOk) return Error{code, ""};
-    return Ok();
-  });
+  impl_->callbacks().Register(state,
+                              [callback = std::move(callback)] { return FromCode(callback()); });
 }
 
 void MachineActuator::RegisterStateCallback(const std::string& state,
                                             std::function<Result<>()> callback) {
-  impl_->Register(state, std::move(callback));
+  impl_->callbacks().Register(state, std::move(callback));
+}
+
+void MachineActuator::RegisterStateCallback(std::function<std::int32_t(const State&)> callback) {
+  impl_->callbacks().Register(
+      [callback = std::move(callback)](const State& state) { return FromCode(callback(state)); });
+}
+
+void MachineActuator::RegisterStateCallback(std::function<Result<>(const State&)> callback) {
+  impl_->callbacks().Register(std::move(callback));
 }
 
 Result<> MachineActuator::Start() {
@@ -323,15 +298,21 @@ Result<> MachineActuator::Start() {
 bool MachineActuator::ActuatorStart() {
   const Result<> result = Start();
   if (!result) {
-    std::cerr << name() << ": not started: " << CodeText(result.error().code)
-              << (result.error().message.empty() ? "" : ", ") << result.error().message
-              << std::endl;
+    const Error& why = result.error();
+    Log("not started: " + CodeText(why.code) + (why.message.empty() ? "" : ", ") + why.message);
   }
   return result.ok();
 }
 
 int MachineActuator::Wait() {
   return impl_->Wait();
+}
+void MachineActuator::Log(const std::string& line) const {
+  impl_->Log(line);
+}
+void MachineActuator::Log(const Error& error) const {
+  const bool has_code = error.code != kCodeOk;
+  Log(error.message + (has_code ? " (" + CodeText(error.code) + ")" : ""));
 }
 void MachineActuator::GiveUp(const Error& why) {
   impl_->GiveUp(why);
@@ -372,14 +353,14 @@ std::shared_ptr<transport::NodeThread> MachineActuator::node() const {
 
 ActuatorRehearsal::ActuatorRehearsal(MachineActuator& actuator) : actuator_(actuator) {}
 std::vector<State> ActuatorRehearsal::States() const {
-  return actuator_.impl_->States();
+  return actuator_.impl_->callbacks().States();
 }
 Result<> ActuatorRehearsal::Adopt(const MachineConfig& config) {
   if (auto adopted = actuator_.impl_->Adopt(config); !adopted) return adopted;
   return actuator_.impl_->CheckCallbacks();
 }
 Result<> ActuatorRehearsal::Run(const State& state) {
-  return actuator_.impl_->RunCallback(state);
+  return actuator_.impl_->callbacks().Run(state);
 }
 Result<> ActuatorRehearsal::EmergencyStop() {
   return actuator_.impl_->RunEmergencyStop();

@@ -71,6 +71,10 @@ class MachineActuator {
   // The same with a reason for people; an Error's code must not be 0. An exception counts as
   // Failed.
   void RegisterStateCallback(const std::string& state, std::function<Result<>()> callback);
+  // What to do for each state that the config lists for this actuator and that has no callback of
+  // its own: it is given the state. A state that is not listed is never asked for, as without it.
+  void RegisterStateCallback(std::function<std::int32_t(const State&)> callback);
+  void RegisterStateCallback(std::function<Result<>(const State&)> callback);
 
   // Runs SetUp and becomes visible to the controller. Fails, saying which, when a state of the
   // config has no callback or a callback no state; when SetUp fails, with its code; when an
@@ -80,6 +84,11 @@ class MachineActuator {
 
   // Blocks until TearDown is done, or Shutdown() is called; gives the program's exit code.
   int Wait();
+
+  // A line on stderr, which is the actuator's log: its name, the line and, of an Error, the code
+  // that is not 0. Lines of several threads do not mix. From any thread.
+  void Log(const std::string& line) const;
+  void Log(const Error& error) const;
 
   // It cannot go on: says why on stderr, and Wait() gives 1, so that the program ends and its
   // restart policy acts. From any thread.

@@ -3,7 +3,6 @@
 #include <cassert>
 #include <exception>
 #include <functional>
-#include <iostream>
 #include <optional>
 #include <utility>
 
@@ -64,6 +63,10 @@ class FsmActuator::Impl : public fsm::Listener {
   Time Now() const {
     const auto wire = wire_.lock();
     return wire ? wire->clock->Now() : Time{};
+  }
+  msg::Stamp Stamp() const {
+    const auto wire = wire_.lock();
+    return wire ? wire->clock->Stamp() : msg::Stamp{};
   }
 
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override {
@@ -240,20 +243,12 @@ class FsmActuator::Impl : public fsm::Listener {
 };
 
 FsmActuator::FsmActuator(const std::string& actuator_name, Options options)
-    : MachineActuator(actuator_name), impl_(std::make_unique<Impl>(*this, std::move(options))) {}
+    : MachineActuator(actuator_name), impl_(std::make_unique<Impl>(*this, std::move(options))) {
+  RegisterStateCallback([this](const State& state) { return impl_->Run(state); });
+}
 
 FsmActuator::~FsmActuator() {
   Shutdown();
-}
-
-Result<> FsmActuator::Prepare(const std::string& state_config) {
-  if (Result<> read = Init(state_config); !read) return read;
-  const auto index = machine_config().IndexOf(name());
-  for (const State& state : machine_config().actuators[*index].states) {
-    RegisterStateCallback(state,
-                          std::function<Result<>()>([this, state] { return impl_->Run(state); }));
-  }
-  return Ok();
 }
 
 fsm::Machine& FsmActuator::machine() {
@@ -265,8 +260,8 @@ bool FsmActuator::ticking() const {
 Time FsmActuator::Now() const {
   return impl_->Now();
 }
-void FsmActuator::Log(const std::string& line) const {
-  std::cerr << name() + ": " + line + "\n" << std::flush;
+msg::Stamp FsmActuator::Stamp() const {
+  return impl_->Stamp();
 }
 
 void FsmActuator::OnEmergencyStop() {

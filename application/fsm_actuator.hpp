@@ -24,8 +24,7 @@
 //
 //   int main() {
 //     Show show;
-//     if (const Result<> ready = show.Prepare(); !ready) return Complain(ready.error());
-//     if (!show.ActuatorStart()) return 1;
+//     if (!show.MachineActuatorInit() || !show.ActuatorStart()) return 1;
 //     return show.Wait();
 //   }
 //
@@ -58,6 +57,7 @@
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/behavior/fsm/machine.hpp"
+#include "musher/messages/builtin_interfaces/time.hpp"
 
 namespace musher {
 
@@ -77,9 +77,8 @@ class FsmActuator : public MachineActuator {
   FsmActuator(const std::string& actuator_name, Options options);
   ~FsmActuator() override;
 
-  // Reads the state config ("": $MUSHER_CONFIG) and registers a callback for each state that it
-  // lists; ActuatorStart() follows.
-  Result<> Prepare(const std::string& state_config = "");
+  // The same as Init().
+  Result<> Prepare(const std::string& state_config = "") { return Init(state_config); }
 
  protected:
   // In SetUp: register states, events and safety checks, and Build(). A failure fails SetUp.
@@ -106,12 +105,15 @@ class FsmActuator : public MachineActuator {
   bool ticking() const;
   // What the machine's clock says. On the loop only.
   Time Now() const;
-  // A line in the actuator's log, with its name.
-  void Log(const std::string& line) const;
-
+  // The same as messages are stamped, see transport::Clock; nothing where there is no wire.
+  msg::Stamp Stamp() const;
   void OnEmergencyStop() override;
 
  private:
+  // What the states of the robot mean is said above; beside it a callback of one's own would keep
+  // the machine from hearing of its state. OnPause() and OnResume() are the places.
+  using MachineActuator::RegisterStateCallback;
+
   class Impl;
   std::unique_ptr<Impl> impl_;
 };

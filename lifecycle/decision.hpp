@@ -131,6 +131,7 @@ class Decision {
   bool StageSettled(int stage) const;
   bool AdvanceStart();
   void EndFirstStage();
+  void AnswerWhoAwaitsSetUp();
   void AdoptFrom(const State& lowest, std::uint64_t cause);
   void AfterStartUpCheck(std::uint64_t checked);
   void Activate(std::uint64_t cause);

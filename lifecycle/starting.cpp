@@ -152,6 +152,18 @@ bool Decision::AnotherIsThere(std::size_t i, std::int32_t pid) const {
 
 void Decision::On(const event::SetUpAwaited& awaited) {
   machine_.set_up_requests.push_back(awaited.request);
+  if (machine_.set_up) AnswerWhoAwaitsSetUp();
+}
+
+void Decision::AnswerWhoAwaitsSetUp() {
+  Result<> answer;
+  for (std::size_t i = 0; i < machine_.actuators.size() && answer; ++i) {
+    const auto& fault = Of(i).fault;
+    if (fault) answer = Error{kCodeTimeout, ConfigOf(i).name + " " + fault->message};
+  }
+  for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
+    Do(action::AnswerCall{request, answer});
+  }
 }
 
 void Decision::CheckSetUpDeadlines() {
@@ -214,11 +226,7 @@ void Decision::EndFirstStage() {
     if (record.fault) missing.push_back(ConfigOf(i).name + " " + record.fault->message);
     if (record.presence == Presence::kPresent) ++present;
   }
-  Result<> answer;
-  if (!missing.empty()) answer = Error{kCodeTimeout, missing.front()};
-  for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
-    Do(action::AnswerCall{request, answer});
-  }
+  AnswerWhoAwaitsSetUp();
   const std::uint64_t told =
       RecordMachine(kCodeOk, std::to_string(present) + " actuators are set up", kBegun);
   if (const auto lowest = LowestFound()) return AdoptFrom(*lowest, told);

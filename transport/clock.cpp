@@ -14,6 +14,9 @@ class SteadyClock : public Clock {
   explicit SteadyClock(EventLoop& loop) : loop_(loop) {}
 
   Time Now() const override { return loop_.Now(); }
+  msg::Stamp Stamp() const override {
+    return msg::ToStamp(std::chrono::system_clock::now().time_since_epoch());
+  }
   LoopHandlePtr At(Time when, std::function<void()> callback) override {
     return loop_.At(when, std::move(callback));
   }
@@ -46,6 +49,7 @@ class TopicClock : public Clock {
   }
 
   Time Now() const override { return now_; }
+  msg::Stamp Stamp() const override { return msg::ToStamp(now_.time_since_epoch()); }
   LoopHandlePtr At(Time when, std::function<void()> callback) override {
     return timers_.Add(when, Duration::zero(), std::move(callback));
   }

@@ -15,6 +15,7 @@
 #include <memory>
 
 #include "musher/lifecycle/config.hpp"
+#include "musher/messages/builtin_interfaces/time.hpp"
 #include "musher/transport/node.hpp"
 
 namespace musher::transport {
@@ -38,6 +39,10 @@ class Clock {
 
   // On /clock: Time{} plus what the world's clock shows.
   virtual Time Now() const = 0;
+
+  // Now, as the messages of modules are stamped: what /clock shows, else the time of day. Not for
+  // measuring: a time of day may be set.
+  virtual msg::Stamp Stamp() const = 0;
 
   // Runs `callback` once, at `when` or as soon after as the clock comes to it.
   virtual LoopHandlePtr At(Time when, std::function<void()> callback) = 0;

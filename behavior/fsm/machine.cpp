@@ -47,12 +47,21 @@ bool Machine::Guard(Phase phase, Call&& call) {
   try {
     call();
     return true;
+  } catch (...) {
+    FailByException(phase);
+    return false;
+  }
+}
+
+// By the exception that is being handled.
+void Machine::FailByException(Phase phase) {
+  try {
+    throw;
   } catch (const InnerFault& inner) {
     Fail(inner.fault().phase, inner.fault().what, inner.fault().where);
   } catch (...) {
     Fail(phase, WhatWasThrown());
   }
-  return false;
 }
 
 // By index: a listener may forget itself or bring another, who hears of what comes next.
@@ -73,12 +82,11 @@ void Machine::Advance(Time now) {
   tick_.step = last_tick_ && now > *last_tick_ ? now - *last_tick_ : Duration{};
   last_tick_ = now;
   tick_.now += tick_.step;
-  tick_.elapsed = tick_.now - entered_;
-  if (mode_ == Mode::kTransitioning) tick_.transition_elapsed = tick_.now - transition_began_;
+  tick_.elapsed += tick_.step;
+  if (mode_ == Mode::kTransitioning) tick_.transition_elapsed += tick_.step;
 }
 
 void Machine::TellInput(const Input& input) {
-  if (listeners_.empty()) return;
   TellAll([&](Listener& listener) { listener.OnInput(*this, input); });
 }
 
@@ -92,7 +100,6 @@ Result<> Machine::StartAt(StateId state, Time now) {
   running_ = true;
   ticks_ = 0;
   tick_ = {};
-  entered_ = {};
   last_tick_ = now;
   first_command_ = waiting_ = 0;
   unsafe_ = checks_.size();
@@ -109,56 +116,85 @@ void Machine::Pause() {
   last_tick_.reset();
 }
 
+// [[unlikely]] moves what a machine seldom does, or a bare one never, out of the straight line that
+// the common tick is: the state decides to stay, and runs.
 void Machine::RunOnce(Time now) {
   if (!running_ || in_tick_) return;
   const InTick guard(in_tick_);
-  TellInput({.kind = Input::Kind::kTick, .time = now});
+  if (!listeners_.empty()) [[unlikely]] {
+    TellInput({.kind = Input::Kind::kTick, .time = now});
+  }
   Advance(now);
   ++ticks_;
-  if (!IsSafe()) return;
-  if (mode_ == Mode::kTransitioning) {
-    Proceed();
-  } else {
-    Decide();
+  if (checks_.empty()) [[likely]] {
+    Step();
+  } else if (PassesChecks()) {
+    Step();
+    if (running_) PassesChecks();
   }
-  if (running_) IsSafe();
+}
+
+void Machine::Step() {
+  if (mode_ == Mode::kTransitioning) [[unlikely]] {
+    return Proceed();
+  }
+  if (waiting_ > 0) [[unlikely]] {
+    tick_.command = TakeCommand();
+  }
+  Next next = Next::Stay();
+  if (!Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick_); })) return;
+  if (!next.stays() || tick_.command != kNoEvent) [[unlikely]] {
+    return Follow(next);
+  }
+  Run();
+}
+
+// Does what the state decided, with the command or without one.
+void Machine::Follow(Next next) {
+  // Not out of the safe state while a check fails.
+  const bool held = mode_ == Mode::kSafeStop && unsafe_ != checks_.size();
+  const bool leaves = !next.stays() && !held;
+  if (tick_.command != kNoEvent) {
+    if (next.keeps()) {
+      GiveBack(std::exchange(tick_.command, kNoEvent));
+    } else if (!leaves && !(next.stays() && next.heeds())) {
+      Unheeded(tick_.command);
+    }
+  }
+  if (leaves) return Begin(next);
+  if (Run()) tick_.command = kNoEvent;
+}
+
+bool Machine::Run() {
+  return Guard(Phase::kRun, [&] { present_->Run(tick_); });
 }
 
 // Whether every check is well. Goes to the safe state when one is not, or cannot tell.
 bool Machine::PassesChecks() {
-  for (std::size_t i = 0; i < checks_.size(); ++i) {
-    bool safe = false;
-    std::optional<std::string> thrown;
+  for (const SafetyCheck& check : checks_) {
     try {
-      safe = checks_[i].is_safe(tick_);
+      if (check.is_safe(tick_)) continue;
     } catch (...) {
-      thrown = WhatWasThrown();
+      return GoesOnUnsafe(check, WhatWasThrown());
     }
-    if (safe) continue;
-    const bool news = unsafe_ != i;
-    unsafe_ = i;
-    if (thrown && news) Note(Phase::kSafetyCheck, checks_[i].name + ": " + *thrown);
-    if (mode_ == Mode::kSafeStop) return true;  // is there; its state goes on
-    Switch(safe_, thrown ? Cause::kFault : Cause::kUnsafe, kNoEvent);
-    return false;
+    return GoesOnUnsafe(check, std::nullopt);
   }
   if (mode_ == Mode::kSafeStop) unsafe_ = checks_.size();
   return true;
 }
 
-void Machine::Decide() {
-  tick_.command = TakeCommand();
-  Next next = Next::Stay();
-  if (!Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick_); })) return;
-  // Not out of the safe state while a check fails.
-  const bool held = mode_ == Mode::kSafeStop && unsafe_ != checks_.size();
-  if (next.keeps()) GiveBack(std::exchange(tick_.command, kNoEvent));
-  if (!next.stays() && !held) return Begin(next);
-  if (tick_.command != kNoEvent && !(next.stays() && next.heeds())) Unheeded(tick_.command);
-  if (Guard(Phase::kRun, [&] { present_->Run(tick_); })) tick_.command = kNoEvent;
+// `check` is not well, or threw. A machine in its safe state goes on all the same.
+bool Machine::GoesOnUnsafe(const SafetyCheck& check, const std::optional<std::string>& thrown) {
+  const auto index = static_cast<std::size_t>(&check - checks_.data());
+  const bool news = unsafe_ != index;
+  unsafe_ = index;
+  if (thrown && news) Note(Phase::kSafetyCheck, check.name + ": " + *thrown);
+  if (mode_ == Mode::kSafeStop) return true;
+  Switch(safe_, thrown ? Cause::kFault : Cause::kUnsafe, kNoEvent);
+  return false;
 }
 
-void Machine::Begin(const Next& next) {
+void Machine::Begin(Next next) {
   if (!Declared(current_, next.target())) {
     return Fail(Phase::kCheck,
                 "it went to " +
@@ -168,7 +204,6 @@ void Machine::Begin(const Next& next) {
   }
   mode_ = Mode::kTransitioning;
   cause_ = std::exchange(tick_.command, kNoEvent);
-  transition_began_ = tick_.now;
   tick_.target = next.target();
   tick_.transition_time = next.time();
   Proceed();
@@ -195,7 +230,6 @@ void Machine::Enter(StateId target, Cause cause, EventId command) {
   const Change change{tick_.now, ticks_, current_, target, command, cause};
   current_ = target;
   present_ = nodes_[Index(target)].state.get();
-  entered_ = tick_.now;
   tick_ = {.now = tick_.now, .step = tick_.step};
   mode_ = target == safe_ ? Mode::kSafeStop : Mode::kNormal;
   if (mode_ == Mode::kNormal) unsafe_ = checks_.size();
@@ -305,7 +339,6 @@ Result<> Machine::Send(EventId event) {
 }
 
 EventId Machine::TakeCommand() {
-  if (waiting_ == 0) return kNoEvent;
   const EventId event = commands_[first_command_];
   first_command_ = first_command_ + 1 == commands_.size() ? 0 : first_command_ + 1;
   --waiting_;
@@ -315,7 +348,6 @@ EventId Machine::TakeCommand() {
 // To the front again, where it was, unless what was sent meanwhile is urgent or has filled the
 // room.
 void Machine::GiveBack(EventId event) {
-  if (event == kNoEvent) return;
   const bool swept =
       waiting_ > 0 && events_[Index(commands_[first_command_])].urgency == Urgency::kUrgent;
   if (swept || waiting_ == commands_.size()) {

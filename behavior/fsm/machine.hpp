@@ -133,7 +133,7 @@ class Machine {
   StateId current() const { return current_; }  // kNoState: not running
   std::uint64_t ticks() const { return ticks_; }
   Duration time() const { return tick_.now; }
-  Duration elapsed() const { return tick_.now - entered_; }
+  Duration elapsed() const { return tick_.elapsed; }
   const Counts& counts() const { return counts_; }
   const History& history() const { return history_; }
   // The last one; the machine has stopped by it if it is not running.
@@ -181,16 +181,19 @@ class Machine {
   std::optional<std::size_t> FindCheck(std::string_view name) const;
   Result<> SaveParts(Snapshot& saved) const;
   void Become(const Snapshot& saved, Time now);
-  void Advance(Time now);
-  void Decide();
-  void Begin(const Next& next);
+  inline void Advance(Time now);
+  inline void Step();
+  void Follow(Next next);
+  inline bool Run();
+  void Begin(Next next);
   void Proceed();
   void Enter(StateId target, Cause cause, EventId command);
   void Switch(StateId target, Cause cause, EventId command);
-  bool IsSafe() { return checks_.empty() || PassesChecks(); }
   bool PassesChecks();
+  bool GoesOnUnsafe(const SafetyCheck& check, const std::optional<std::string>& thrown);
   void Note(Phase phase, std::string what, const std::string& inner = {});
   void Fail(Phase phase, std::string what, const std::string& inner = {});
+  void FailByException(Phase phase);
   void Halt(Cause cause);
   bool Declared(StateId from, StateId to) const;
   Result<> Reached(StateId target) const;
@@ -208,7 +211,6 @@ class Machine {
   const Options options_;
   std::vector<Node> nodes_;
   std::vector<Event> events_;
-  std::vector<SafetyCheck> checks_;
   std::vector<Data> data_;
   std::vector<std::string> wrong_;  // found so far
   std::vector<std::string> warnings_;
@@ -218,22 +220,23 @@ class Machine {
   StateId safe_ = kNoState;
   bool built_ = false;
 
+  // What every tick looks at, side by side.
   bool running_ = false;
   bool in_tick_ = false;
   Mode mode_ = Mode::kNormal;
   StateId current_ = kNoState;
   State* present_ = nullptr;  // the same, ready to be called
   Tick tick_;                 // what states are told; of a transition, too, while one goes on
-  EventId cause_ = kNoEvent;  // the command behind the transition
-  Duration transition_began_{};
   std::optional<Time> last_tick_;
-  Duration entered_{};
   std::uint64_t ticks_ = 0;
+  std::size_t waiting_ = 0;
+  std::vector<Listener*> listeners_;  // null: forgotten while they were being told
+  std::vector<SafetyCheck> checks_;
+
+  EventId cause_ = kNoEvent;       // the command behind the transition
   std::size_t unsafe_;             // index of the check, or their number
   std::vector<EventId> commands_;  // a ring
   std::size_t first_command_ = 0;
-  std::size_t waiting_ = 0;
-  std::vector<Listener*> listeners_;  // null: forgotten while they were being told
   History history_;
   std::optional<Fault> fault_;
   Counts counts_;

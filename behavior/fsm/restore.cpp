@@ -281,7 +281,6 @@ void Machine::Become(const Snapshot& saved, Time now) {
   present_ = running_ ? nodes_[Index(current_)].state.get() : nullptr;
   ticks_ = saved.ticks;
   tick_ = {.now = saved.time, .step = saved.step, .elapsed = saved.elapsed};
-  entered_ = saved.time - saved.elapsed;
   last_tick_ = saved.paused ? std::nullopt : std::optional(now);
   unsafe_ = FindCheck(saved.unsafe).value_or(checks_.size());
   const Snapshot::Transition transition = saved.transition.value_or(Snapshot::Transition{});
@@ -289,7 +288,6 @@ void Machine::Become(const Snapshot& saved, Time now) {
   tick_.transition_elapsed = transition.elapsed;
   tick_.transition_time = transition.time;
   cause_ = event(transition.command);
-  transition_began_ = saved.time - transition.elapsed;
   first_command_ = waiting_ = 0;
   for (const std::string& command : saved.commands) commands_[waiting_++] = event(command);
   counts_ = saved.counts;

@@ -86,7 +86,7 @@ Result<Snapshot> Machine::Save() const {
   saved.elapsed = elapsed();
   saved.unsafe = unsafe();
   if (mode_ == Mode::kTransitioning) {
-    saved.transition = {text(tick_.target), text(cause_), tick_.now - transition_began_,
+    saved.transition = {text(tick_.target), text(cause_), tick_.transition_elapsed,
                         tick_.transition_time};
   }
   for (std::size_t i = 0; i < waiting_; ++i) {

@@ -2,16 +2,10 @@
 
 #include "door.hpp"
 
-#include <iostream>
-
 // [main]
 int main() {
   Door door;
-  if (const musher::Result<> ready = door.Prepare(); !ready) {
-    std::cerr << ready.error().message << std::endl;
-    return 2;
-  }
-  if (!door.ActuatorStart()) return 1;
+  if (!door.MachineActuatorInit() || !door.ActuatorStart()) return 1;
   return door.Wait();
 }
 // [main end]

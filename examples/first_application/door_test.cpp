@@ -52,11 +52,6 @@ TEST(Door, StopsWhereItIsAtAnObstacleAndOpensOnceTheWayIsFree) {
 TEST(Door, BearsWhateverBefallsTheRobot) {
   musher::simulation::ActuatorTrial<Door> trial;
   trial.config_file = "robot.toml";
-  trial.make = [] {
-    auto door = std::make_unique<Door>();
-    EXPECT_TRUE(door->Prepare("robot.toml"));
-    return door;
-  };
   trial.always = [](const Door& door, const musher::ActuatorReport&) {
     EXPECT_EQ(door.opening(), 0) << "nobody has told it to open";
   };

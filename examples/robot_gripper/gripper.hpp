@@ -7,7 +7,6 @@
 // [head]
 #include <cmath>
 #include <fstream>
-#include <iostream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -33,9 +32,8 @@ class Gripper : public musher::MachineActuator {
     RegisterStateCallback("Active", [this] { return SetPower(true); });
     RegisterStateCallback("Protected", [this] { return Open(); });
     RegisterStateCallback("DeActive", [this] { return SetPower(false); });
-    for (const char* state : {"LowPower", "OTA", "Error", "TearDown"}) {
-      RegisterStateCallback(state, [this] { return OpenAndSleep(); });
-    }
+    // LowPower, OTA, Error, TearDown
+    RegisterStateCallback([this](const musher::State&) { return OpenAndSleep(); });
   }
   // Callbacks and handlers use the members below, so they have to end before those do.
   ~Gripper() override { Shutdown(); }
@@ -68,7 +66,7 @@ class Gripper : public musher::MachineActuator {
       tell_width_ = wire.Tell<musher::msg::Float32>("gripper/width_mm");
       wire.Hear<musher::msg::Float32>("gripper/wanted_mm", [this](const auto& wanted) {
         const auto begun = Grip(wanted.data);
-        if (!begun) std::cerr << "gripper: " << begun.error().message << std::endl;
+        if (!begun) Log(begun.error().message);
       });
       wire.Serve<SetBool>("gripper/close", [this](const auto& request, const Reply& reply) {
         OnClose(request.data, reply);

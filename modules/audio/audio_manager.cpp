@@ -1,6 +1,5 @@
 #include "musher/modules/audio/audio_manager.hpp"
 
-#include <iostream>
 #include <utility>
 
 #include "musher/modules/audio/audio_code.hpp"
@@ -8,7 +7,9 @@
 namespace musher::audio {
 
 AudioManager::AudioManager(const std::string& actuator_name, AudioConfig config)
-    : MachineActuator(actuator_name), config_(std::move(config)) {}
+    : MachineActuator(actuator_name), config_(std::move(config)) {
+  RegisterStateCallback([this](const State& state) { return Run(state); });
+}
 
 AudioManager::~AudioManager() {
   Shutdown();
@@ -19,15 +20,6 @@ AudioManager::~AudioManager() {
     maker_.reset();
     clock_.reset();
   });
-}
-
-Result<> AudioManager::Prepare(const std::string& state_config) {
-  if (Result<> read = Init(state_config); !read) return read;
-  const auto index = machine_config().IndexOf(name());
-  for (const State& state : machine_config().actuators[*index].states) {
-    RegisterStateCallback(state, std::function<Result<>()>([this, state] { return Run(state); }));
-  }
-  return Ok();
 }
 
 Result<> AudioManager::Run(const State& state) {
@@ -47,9 +39,7 @@ Result<> AudioManager::SetUp() {
 }
 
 Result<> AudioManager::MakeAll() {
-  const auto log = [this](const std::string& line) {
-    std::cerr << name() + ": " + line + "\n" << std::flush;
-  };
+  const auto log = [this](const std::string& line) { Log(line); };
   auto clock = transport::Clock::Of(machine_config(), node_->node(), [this] {
     if (shell_) shell_->OnTimeJumped();
   });

@@ -21,9 +21,6 @@ class AudioManager : public MachineActuator {
   AudioManager(const std::string& actuator_name, AudioConfig config);
   ~AudioManager() override;
 
-  // Reads the state config and registers a callback for each state that it lists; Start() follows.
-  Result<> Prepare(const std::string& state_config);
-
  private:
   Result<> Run(const State& state);
   Result<> SetUp();

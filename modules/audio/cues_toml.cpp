@@ -1,6 +1,5 @@
 #include <filesystem>
 #include <utility>
-#include <variant>
 
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/file.hpp"
@@ -47,17 +46,10 @@ Cues Read(const Table& table, const std::filesystem::path& folder, Findings& fin
 }  // namespace
 
 CuesReading ReadCuesText(std::string_view text, const std::string& path) {
-  Findings findings;
-  CuesReading reading;
-  const auto document = config_toml::ParseDocument(text);
-  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
-    findings.Error(fault->at, fault->message);
-  } else {
-    Cues cues = Read(std::get<Table>(document), config_toml::FolderOf(path), findings);
-    if (!findings.HasErrors()) reading.cues = std::move(cues);
-  }
-  reading.diagnostics = std::move(findings).Take(path, text);
-  return reading;
+  return config_toml::ReadTextWith<CuesReading>(
+      text, path, [&](const Table& root, Findings& findings) {
+        return Read(root, config_toml::FolderOf(path), findings);
+      });
 }
 
 CuesReading ReadCuesFile(const std::string& path) {

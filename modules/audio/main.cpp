@@ -7,11 +7,8 @@
 namespace {
 
 int Run(const musher::program::Options& options) {
-  const musher::audio::AudioReading reading = musher::audio::ReadAudioFile(options.file);
-  musher::program::PrintErrors(reading.diagnostics);
-  if (!reading.config) return musher::program::kUsageError;
-  musher::audio::AudioManager manager(options.actuator, *reading.config);
-  return musher::program::RunToEnd(manager, options);
+  return musher::program::RunModule<musher::audio::AudioManager>(
+      options, musher::audio::ReadAudioFile(options.file));
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <utility>
-#include <variant>
 
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/file.hpp"
@@ -91,17 +90,9 @@ class Reader {
 }  // namespace
 
 PhrasesReading ReadPhrasesText(std::string_view text, const std::string& path) {
-  Findings findings;
-  PhrasesReading reading;
-  const auto document = config_toml::ParseDocument(text);
-  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
-    findings.Error(fault->at, fault->message);
-  } else {
-    Phrases phrases = Reader(path, findings).Read(std::get<Table>(document));
-    if (!findings.HasErrors()) reading.phrases = std::move(phrases);
-  }
-  reading.diagnostics = std::move(findings).Take(path, text);
-  return reading;
+  return config_toml::ReadTextWith<PhrasesReading>(
+      text, path,
+      [&](const Table& root, Findings& findings) { return Reader(path, findings).Read(root); });
 }
 
 PhrasesReading ReadPhrasesFile(const std::string& path) {

@@ -1,7 +1,5 @@
 #include "musher/modules/camera/camera_manager.hpp"
 
-#include <chrono>
-#include <iostream>
 #include <utility>
 
 #include "musher/modules/program/await.hpp"
@@ -9,7 +7,9 @@
 namespace musher::camera {
 
 CameraManager::CameraManager(const std::string& actuator_name, CamerasConfig config)
-    : MachineActuator(actuator_name), config_(std::move(config)) {}
+    : MachineActuator(actuator_name), config_(std::move(config)) {
+  RegisterStateCallback([this](const State& state) { return Run(state); });
+}
 
 CameraManager::~CameraManager() {
   Shutdown();
@@ -18,19 +18,6 @@ CameraManager::~CameraManager() {
     cameras_.reset();
     clock_.reset();
   });
-}
-
-Result<> CameraManager::Prepare(const std::string& state_config,
-                                std::shared_ptr<transport::NodeThread> node) {
-  if (Result<> read = Init(state_config, std::move(node)); !read) return read;
-  if (config_.service.folder.empty()) {
-    config_.service.folder = machine_config().state_dir + "/camera";
-  }
-  const auto index = machine_config().IndexOf(name());
-  for (const State& state : machine_config().actuators[*index].states) {
-    RegisterStateCallback(state, std::function<Result<>()>([this, state] { return Run(state); }));
-  }
-  return Ok();
 }
 
 Result<> CameraManager::Run(const State& state) {
@@ -50,6 +37,9 @@ Result<> CameraManager::SetUp() {
 }
 
 Result<> CameraManager::MakeCameras() {
+  if (config_.service.folder.empty()) {
+    config_.service.folder = machine_config().state_dir + "/camera";
+  }
   transport::Node& node = node_->node();
   auto clock = transport::Clock::Of(machine_config(), node);
   if (!clock) return clock.error();
@@ -57,8 +47,10 @@ Result<> CameraManager::MakeCameras() {
   const Surroundings around = {
       node,
       machine_config().name_space,
-      [this] { return Stamp(); },
-      [this](const Told& told) { Log(told); },
+      [this] { return clock_->Stamp(); },
+      [this](const Told& told) {
+        Log({told.code, told.text});
+      },
       [this] { return Allowed("camera", ModuleCode::kCameraServer); },
       [this, &node](const CameraConfig& camera,
                     SourceEvents events) -> Result<std::unique_ptr<Source>> {
@@ -72,19 +64,6 @@ Result<> CameraManager::MakeCameras() {
   if (!cameras) return cameras.error();
   cameras_ = std::move(cameras).value();
   return Ok();
-}
-
-msg::Stamp CameraManager::Stamp() const {
-  const bool on_topic = machine_config().clock == ClockSource::kTopic;
-  const auto time = on_topic ? clock_->Now().time_since_epoch()
-                             : std::chrono::system_clock::now().time_since_epoch();
-  return msg::ToStamp(std::chrono::duration_cast<std::chrono::nanoseconds>(time));
-}
-
-void CameraManager::Log(const Told& told) const {
-  std::string line = name() + ": " + told.text;
-  if (told.code != kCodeOk) line += " (" + CodeText(told.code) + ")";
-  std::cerr << line + "\n" << std::flush;
 }
 
 // A camera may need a moment to its first picture: what fails is looked at again until its time is

@@ -19,18 +19,11 @@ class CameraManager : public MachineActuator {
   CameraManager(const std::string& actuator_name, CamerasConfig config);
   ~CameraManager() override;
 
-  // Reads the state config and registers a callback for each state that it lists; Start() follows.
-  // `node` as for Init().
-  Result<> Prepare(const std::string& state_config,
-                   std::shared_ptr<transport::NodeThread> node = nullptr);
-
  private:
   Result<> Run(const State& state);
   Result<> SetUp();
   Result<> SelfCheck();
   Result<> MakeCameras();
-  void Log(const Told& told) const;
-  msg::Stamp Stamp() const;
 
   CamerasConfig config_;
   std::shared_ptr<transport::NodeThread> node_;  // from SetUp on

@@ -8,11 +8,8 @@
 namespace {
 
 int Run(const musher::program::Options& options) {
-  const musher::camera::CamerasReading reading = musher::camera::ReadCamerasFile(options.file);
-  musher::program::PrintErrors(reading.diagnostics);
-  if (!reading.config) return musher::program::kUsageError;
-  musher::camera::CameraManager manager(options.actuator, *reading.config);
-  return musher::program::RunToEnd(manager, options);
+  return musher::program::RunModule<musher::camera::CameraManager>(
+      options, musher::camera::ReadCamerasFile(options.file));
 }
 
 }  // namespace

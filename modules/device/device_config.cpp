@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <utility>
-#include <variant>
 
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/file.hpp"
@@ -117,17 +116,9 @@ class Reader {
 }  // namespace
 
 DeviceReading ReadDeviceText(std::string_view text, const std::string& path) {
-  Findings findings;
-  DeviceReading reading;
-  const auto document = config_toml::ParseDocument(text);
-  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
-    findings.Error(fault->at, fault->message);
-  } else {
-    DeviceConfig config = Reader(path, findings).Read(std::get<Table>(document));
-    if (!findings.HasErrors()) reading.config = std::move(config);
-  }
-  reading.diagnostics = std::move(findings).Take(path, text);
-  return reading;
+  return config_toml::ReadTextWith<DeviceReading>(
+      text, path,
+      [&](const Table& root, Findings& findings) { return Reader(path, findings).Read(root); });
 }
 
 DeviceReading ReadDeviceFile(const std::string& path) {

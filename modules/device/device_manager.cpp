@@ -1,8 +1,6 @@
 #include "musher/modules/device/device_manager.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <iostream>
 #include <utility>
 
 #include "musher/modules/program/await.hpp"
@@ -10,7 +8,9 @@
 namespace musher::device {
 
 DeviceManager::DeviceManager(const std::string& actuator_name, DeviceConfig config)
-    : MachineActuator(actuator_name), config_(std::move(config)) {}
+    : MachineActuator(actuator_name), config_(std::move(config)) {
+  RegisterStateCallback([this](const State& state) { return Run(state); });
+}
 
 DeviceManager::~DeviceManager() {
   Shutdown();
@@ -20,16 +20,6 @@ DeviceManager::~DeviceManager() {
     devices_.reset();
     clock_.reset();
   });
-}
-
-Result<> DeviceManager::Prepare(const std::string& state_config,
-                                std::shared_ptr<transport::NodeThread> node) {
-  if (Result<> read = Init(state_config, std::move(node)); !read) return read;
-  const auto index = machine_config().IndexOf(name());
-  for (const State& state : machine_config().actuators[*index].states) {
-    RegisterStateCallback(state, std::function<Result<>()>([this, state] { return Run(state); }));
-  }
-  return Ok();
 }
 
 Result<> DeviceManager::Run(const State& state) {
@@ -54,20 +44,13 @@ Result<> DeviceManager::MakeDevices() {
   });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
-  const bool on_topic = machine_config().clock == ClockSource::kTopic;
-  const Surroundings around = {
-      node_->node(),
-      *clock_,
-      machine_config().name_space,
-      [this, on_topic] {
-        const auto time = on_topic ? clock_->Now().time_since_epoch()
-                                   : std::chrono::system_clock::now().time_since_epoch();
-        return msg::ToStamp(std::chrono::duration_cast<std::chrono::nanoseconds>(time));
-      },
-      [this](const std::string& line) { std::cerr << name() + ": " + line + "\n"
-                                                  << std::flush; },
-      [this] { return CurrentState(); },
-      [this] { return Allowed("motor_power", ModuleCode::kBms); }};
+  const Surroundings around = {node_->node(),
+                               *clock_,
+                               machine_config().name_space,
+                               [this] { return clock_->Stamp(); },
+                               [this](const std::string& line) { Log(line); },
+                               [this] { return CurrentState(); },
+                               [this] { return Allowed("motor_power", ModuleCode::kBms); }};
   auto devices = Devices::Make(around, config_);
   if (!devices) return devices.error();
   devices_ = std::move(devices).value();

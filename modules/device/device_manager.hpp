@@ -18,11 +18,6 @@ class DeviceManager : public MachineActuator {
   DeviceManager(const std::string& actuator_name, DeviceConfig config);
   ~DeviceManager() override;
 
-  // Reads the state config and registers a callback for each state that it lists; Start() follows.
-  // `node` as for Init().
-  Result<> Prepare(const std::string& state_config,
-                   std::shared_ptr<transport::NodeThread> node = nullptr);
-
  private:
   Result<> Run(const State& state);
   Result<> SetUp();

@@ -7,11 +7,8 @@
 namespace {
 
 int Run(const musher::program::Options& options) {
-  const musher::device::DeviceReading reading = musher::device::ReadDeviceFile(options.file);
-  musher::program::PrintErrors(reading.diagnostics);
-  if (!reading.config) return musher::program::kUsageError;
-  musher::device::DeviceManager manager(options.actuator, *reading.config);
-  return musher::program::RunToEnd(manager, options);
+  return musher::program::RunModule<musher::device::DeviceManager>(
+      options, musher::device::ReadDeviceFile(options.file));
 }
 
 }  // namespace

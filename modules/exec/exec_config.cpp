@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <utility>
-#include <variant>
 
 #include "musher/lifecycle/state.hpp"
 #include "musher/lifecycle/toml/document.hpp"
@@ -110,17 +109,10 @@ class Reader {
 
 ExecReading ReadExecText(std::string_view text, const std::string& path,
                          const ActuatorConfig& actuator) {
-  Findings findings;
-  ExecReading reading;
-  const auto document = config_toml::ParseDocument(text);
-  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
-    findings.Error(fault->at, fault->message);
-  } else {
-    ExecConfig config = Reader(path, actuator, findings).Read(std::get<Table>(document));
-    if (!findings.HasErrors()) reading.config = std::move(config);
-  }
-  reading.diagnostics = std::move(findings).Take(path, text);
-  return reading;
+  return config_toml::ReadTextWith<ExecReading>(
+      text, path, [&](const Table& root, Findings& findings) {
+        return Reader(path, actuator, findings).Read(root);
+      });
 }
 
 ExecReading ReadExecFile(const std::string& path, const ActuatorConfig& actuator) {

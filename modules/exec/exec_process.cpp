@@ -4,8 +4,6 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
-#include <functional>
-#include <iostream>
 #include <thread>
 #include <utility>
 
@@ -28,18 +26,15 @@ bool IsReadable(int fd) {
 
 }  // namespace
 
-ExecProcess::ExecProcess(const ActuatorConfig& actuator, ExecConfig config, const Keeper& keeper)
-    : runner_(actuator.name, std::move(config), keeper),
+ExecProcess::ExecProcess(const std::string& actuator_name, ExecConfig config, const Keeper& keeper)
+    : runner_(actuator_name, std::move(config), keeper),
       signals_(TakeSignals()),
-      actuator_(actuator.name) {
-  for (const State& state : actuator.states) {
-    actuator_.RegisterStateCallback(state, std::function<Result<>()>([this, state] {
-                                      auto result = runner_.Run(
-                                          state, [this] { return actuator_.StopRequested(); });
-                                      loop_.Post([this] { JudgeProgram(); });
-                                      return result;
-                                    }));
-  }
+      actuator_(actuator_name) {
+  actuator_.RegisterStateCallback([this](const State& state) {
+    auto result = runner_.Run(state, [this] { return actuator_.StopRequested(); });
+    loop_.Post([this] { JudgeProgram(); });
+    return result;
+  });
 }
 
 int ExecProcess::Run(const std::string& state_config) {
@@ -50,8 +45,7 @@ int ExecProcess::Run(const std::string& state_config) {
   actuator_.Shutdown();
   life.join();
   if (program_lost_) {
-    std::cerr << actuator_.name()
-              << ": its program ended by itself: " << runner_.AwaitProgram()->Text() << std::endl;
+    actuator_.Log("its program ended by itself: " + runner_.AwaitProgram()->Text());
   }
   runner_.StopProgram();
   return *exit_code_;

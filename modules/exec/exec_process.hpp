@@ -11,7 +11,6 @@
 #include <string>
 
 #include "musher/actuator/machine_actuator.hpp"
-#include "musher/lifecycle/config.hpp"
 #include "musher/modules/exec/state_runner.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/unique_fd.hpp"
@@ -22,7 +21,7 @@ class ExecProcess {
  public:
   // Blocks SIGTERM, SIGINT and SIGHUP, which it takes from a descriptor: to be made before any
   // thread is. The keeper must outlive the process.
-  ExecProcess(const ActuatorConfig& actuator, ExecConfig config, const Keeper& keeper);
+  ExecProcess(const std::string& actuator_name, ExecConfig config, const Keeper& keeper);
 
   // From SetUp to the end; gives the exit code: 0 after TearDown or a signal, 1 when SetUp failed
   // or the program ended by itself, which is said on stderr.

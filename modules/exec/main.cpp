@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/lifecycle/config_toml.hpp"
 #include "musher/modules/exec/exec_process.hpp"
 #include "musher/modules/program/module_main.hpp"
 
@@ -69,8 +70,22 @@ std::optional<Options> ReadOptions(int argc, char** argv, int& exit_code) {
   }
 }
 
+// Its part of the state config. Nothing: what is wrong was said on stderr.
+std::optional<musher::ActuatorConfig> ReadActuator(const std::string& state_config,
+                                                   const std::string& actuator) {
+  const musher::ConfigReading machine = musher::ReadConfigFile(state_config);
+  musher::program::PrintErrors(machine.diagnostics);
+  if (!machine.config) return std::nullopt;
+  const auto index = machine.config->IndexOf(actuator);
+  if (!index) {
+    std::cerr << state_config << ": there is no actuator '" << actuator << "'" << std::endl;
+    return std::nullopt;
+  }
+  return machine.config->actuators[*index];
+}
+
 int Run(const Options& options) {
-  const auto actuator = musher::program::ReadActuator(options.state_config, options.actuator);
+  const auto actuator = ReadActuator(options.state_config, options.actuator);
   if (!actuator) return kUsageError;
   std::optional<musher::exec::ExecConfig> config;
   if (options.file.empty()) {
@@ -86,7 +101,7 @@ int Run(const Options& options) {
     std::cerr << actuator->name << ": " << keeper.error().message << std::endl;
     return 1;
   }
-  return musher::exec::ExecProcess(*actuator, *std::move(config), keeper.value())
+  return musher::exec::ExecProcess(actuator->name, *std::move(config), keeper.value())
       .Run(options.state_config);
 }
 

@@ -19,19 +19,15 @@ FILE, every key of which may be left out:
 Exit codes: 0 torn down; 1 SetUp failed; 2 usage or config.)";
 
 int Run(const musher::program::Options& options) {
-  const auto actuator = musher::program::ReadActuator(options.state_config, options.actuator);
-  if (!actuator) return kUsageError;
   musher::motion::ConfigReading config = musher::motion::ReadMotionConfigFile(options.file);
   PrintErrors(config.diagnostics);
   if (!config.config) return kUsageError;
   musher::motion::TableReading table = musher::motion::ReadTableFile(config.config->motions);
   PrintErrors(table.diagnostics);
   if (!table.table) return kUsageError;
-  musher::motion::MotionManager manager(*actuator, *std::move(config.config),
+  musher::motion::MotionManager manager(options.actuator, *std::move(config.config),
                                         *std::move(table.table));
-  if (!manager.MachineActuatorInit(options.state_config) || !manager.ActuatorStart())
-    return musher::program::kNotStarted;
-  return manager.Wait();
+  return musher::program::RunToEnd(manager, options.state_config);
 }
 
 }  // namespace

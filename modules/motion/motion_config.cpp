@@ -2,7 +2,6 @@
 
 #include <array>
 #include <utility>
-#include <variant>
 
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/file.hpp"
@@ -55,17 +54,9 @@ MotionConfig Read(const Table& table, const std::string& path, Findings& finding
 }  // namespace
 
 ConfigReading ReadMotionConfigText(std::string_view text, const std::string& path) {
-  Findings findings;
-  ConfigReading reading;
-  const auto document = config_toml::ParseDocument(text);
-  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
-    findings.Error(fault->at, fault->message);
-  } else {
-    MotionConfig config = Read(std::get<Table>(document), path, findings);
-    if (!findings.HasErrors()) reading.config = std::move(config);
-  }
-  reading.diagnostics = std::move(findings).Take(path, text);
-  return reading;
+  return config_toml::ReadTextWith<ConfigReading>(
+      text, path,
+      [&](const Table& root, Findings& findings) { return Read(root, path, findings); });
 }
 
 ConfigReading ReadMotionConfigFile(const std::string& path) {

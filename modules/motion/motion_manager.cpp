@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <future>
-#include <iostream>
 #include <utility>
 
 #include "musher/modules/motion/topic_backend.hpp"
@@ -20,22 +19,10 @@ Time SteadyNow() {
 
 }  // namespace
 
-MotionManager::MotionManager(const ActuatorConfig& actuator, MotionConfig config, MotionTable table)
-    : MachineActuator(actuator.name), config_(std::move(config)), table_(std::move(table)) {
-  const auto callback_of = [this](const State& state) -> std::function<Result<>()> {
-    if (state == kSetUp) return [this] { return SetUp(); };
-    if (state == kSelfCheck) return [this] { return SelfCheck(); };
-    if (state == kDeActive || state == kError) return [this, state] { return Close(state); };
-    if (state == kLowPower) {
-      return [this, state] { return CloseLying(state, kGetDown, kLowPowerTries); };
-    }
-    if (state == kOta) return [this, state] { return CloseLying(state, kGetDown, kUntilItLies); };
-    if (state == kTearDown) {
-      return [this, state] { return CloseLying(state, kPassiveGetDown, kUntilItLies); };
-    }
-    return [this] { return Open(); };  // Active, Protected, and what a config adds
-  };
-  for (const State& state : actuator.states) RegisterStateCallback(state, callback_of(state));
+MotionManager::MotionManager(const std::string& actuator_name, MotionConfig config,
+                             MotionTable table)
+    : MachineActuator(actuator_name), config_(std::move(config)), table_(std::move(table)) {
+  RegisterStateCallback([this](const State& state) { return Run(state); });
 }
 
 MotionManager::~MotionManager() {
@@ -50,6 +37,16 @@ MotionManager::~MotionManager() {
 void MotionManager::OnEmergencyStop() {
   stopped_ = true;
   if (shell_) shell_->Do(motion_event::EmergencyStop{});
+}
+
+Result<> MotionManager::Run(const State& state) {
+  if (state == kSetUp) return SetUp();
+  if (state == kSelfCheck) return SelfCheck();
+  if (state == kDeActive || state == kError) return Close(state);
+  if (state == kLowPower) return CloseLying(state, kGetDown, kLowPowerTries);
+  if (state == kOta) return CloseLying(state, kGetDown, kUntilItLies);
+  if (state == kTearDown) return CloseLying(state, kPassiveGetDown, kUntilItLies);
+  return Open();  // Active, Protected, and what a config adds
 }
 
 Result<> MotionManager::SetUp() {
@@ -78,7 +75,7 @@ Result<> MotionManager::OpenShell() {
        [this](const std::string& capability) {
          return Allowed(capability, ModuleCode::kMotionManager);
        },
-       [this](const std::string& text) { std::cerr << name() << ": " << text << std::endl; }},
+       [this](const std::string& text) { Log(text); }},
       [&](MotionBackend::OnBody on_body) -> Result<std::unique_ptr<MotionBackend>> {
         auto backend = TopicBackend::Make(node, name_space, std::move(on_body));
         if (!backend) return backend.error();

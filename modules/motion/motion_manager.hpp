@@ -27,14 +27,14 @@ namespace musher::motion {
 
 class MotionManager : public MachineActuator {
  public:
-  // `actuator`: its entry in the state config.
-  MotionManager(const ActuatorConfig& actuator, MotionConfig config, MotionTable table);
+  MotionManager(const std::string& actuator_name, MotionConfig config, MotionTable table);
   ~MotionManager() override;
 
  protected:
   void OnEmergencyStop() override;
 
  private:
+  Result<> Run(const State& state);
   Result<> SetUp();
   Result<> OpenShell();
   Result<> AwaitBody();

@@ -2,7 +2,6 @@
 #include <map>
 #include <string>
 #include <utility>
-#include <variant>
 
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/file.hpp"
@@ -173,17 +172,9 @@ class Reader {
 }  // namespace
 
 TableReading ReadTableText(std::string_view text, const std::string& path) {
-  Findings findings;
-  TableReading reading;
-  const auto document = config_toml::ParseDocument(text);
-  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
-    findings.Error(fault->at, fault->message);
-  } else {
-    MotionTable table = Reader(findings).Read(std::get<Table>(document));
-    if (!findings.HasErrors()) reading.table = std::move(table);
-  }
-  reading.diagnostics = std::move(findings).Take(path, text);
-  return reading;
+  return config_toml::ReadTextWith<TableReading>(
+      text, path,
+      [](const Table& root, Findings& findings) { return Reader(findings).Read(root); });
 }
 
 TableReading ReadTableFile(const std::string& path) {

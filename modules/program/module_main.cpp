@@ -3,8 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "musher/lifecycle/config_toml.hpp"
-
 namespace musher::program {
 
 int Main(int argc, char** argv, const About& about, const std::function<int(const Options&)>& run) {
@@ -26,22 +24,10 @@ int Main(int argc, char** argv, const About& about, const std::function<int(cons
   return run(options);
 }
 
-int Refuse(const std::string& actuator, const Error& error) {
-  std::cerr << actuator << ": " << error.message << std::endl;
-  return kUsageError;
-}
-
-std::optional<ActuatorConfig> ReadActuator(const std::string& state_config,
-                                           const std::string& actuator) {
-  const ConfigReading machine = ReadConfigFile(state_config);
-  PrintErrors(machine.diagnostics);
-  if (!machine.config) return std::nullopt;
-  const auto index = machine.config->IndexOf(actuator);
-  if (!index) {
-    std::cerr << state_config << ": there is no actuator '" << actuator << "'" << std::endl;
-    return std::nullopt;
-  }
-  return machine.config->actuators[*index];
+int RunToEnd(MachineActuator& actuator, const std::string& state_config) {
+  if (!actuator.MachineActuatorInit(state_config)) return kUsageError;
+  if (!actuator.ActuatorStart()) return kNotStarted;
+  return actuator.Wait();
 }
 
 void PrintErrors(const std::vector<Diagnostic>& diagnostics) {

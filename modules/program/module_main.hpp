@@ -1,19 +1,16 @@
 #pragma once
-// What the programs of all modules have in common: their command line, and their place in the state
-// config.
+// What the programs of all modules have in common: their command line, and how they run.
 //
 //   musher-device-manager [--actuator NAME] [--config STATE_CONFIG] FILE
 //
 // The controller gives name and state config in MUSHER_ACTUATOR and MUSHER_CONFIG.
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "musher/lifecycle/config.hpp"
+#include "musher/actuator/machine_actuator.hpp"
 #include "musher/lifecycle/diagnostic.hpp"
-#include "musher/lifecycle/result.hpp"
 
 namespace musher::program {
 
@@ -36,24 +33,19 @@ struct Options {
 // here.
 int Main(int argc, char** argv, const About& about, const std::function<int(const Options&)>& run);
 
-// Says it on stderr; kUsageError.
-int Refuse(const std::string& actuator, const Error& error);
-
-// Prepares the module, starts it and waits for its end; the exit code.
-template <class Manager>
-int RunToEnd(Manager& manager, const Options& options) {
-  if (const Result<> ready = manager.Prepare(options.state_config); !ready) {
-    return Refuse(options.actuator, ready.error());
-  }
-  if (!manager.ActuatorStart()) return kNotStarted;
-  return manager.Wait();
-}
-
-// Its part of the state config. Nothing: what is wrong was said on stderr.
-std::optional<ActuatorConfig> ReadActuator(const std::string& state_config,
-                                           const std::string& actuator);
+// Starts the actuator and waits for its end; the exit code. What is wrong is said on stderr.
+int RunToEnd(MachineActuator& actuator, const std::string& state_config);
 
 // Errors on stderr, one a line. Warnings are for `musher check`.
 void PrintErrors(const std::vector<Diagnostic>& diagnostics);
+
+// The same with what Module(actuator, config) makes, where there were no errors in its config.
+template <class Module, class Reading>
+int RunModule(const Options& options, const Reading& reading) {
+  PrintErrors(reading.diagnostics);
+  if (!reading.config) return kUsageError;
+  Module module(options.actuator, *reading.config);
+  return RunToEnd(module, options.state_config);
+}
 
 }  // namespace musher::program

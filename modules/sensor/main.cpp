@@ -7,11 +7,8 @@
 namespace {
 
 int Run(const musher::program::Options& options) {
-  const musher::sensor::ManagerReading reading = musher::sensor::ReadManagerFile(options.file);
-  musher::program::PrintErrors(reading.diagnostics);
-  if (!reading.config) return musher::program::kUsageError;
-  musher::sensor::SensorManager manager(options.actuator, *reading.config);
-  return musher::program::RunToEnd(manager, options);
+  return musher::program::RunModule<musher::sensor::SensorManager>(
+      options, musher::sensor::ReadManagerFile(options.file));
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <set>
 #include <utility>
-#include <variant>
 
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/file.hpp"
@@ -109,17 +108,9 @@ class Reader {
 }  // namespace
 
 ManagerReading ReadManagerText(std::string_view text, const std::string& path) {
-  Findings findings;
-  ManagerReading reading;
-  const auto document = config_toml::ParseDocument(text);
-  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
-    findings.Error(fault->at, fault->message);
-  } else {
-    ManagerConfig config = Reader(findings).Read(std::get<Table>(document));
-    if (!findings.HasErrors()) reading.config = std::move(config);
-  }
-  reading.diagnostics = std::move(findings).Take(path, text);
-  return reading;
+  return config_toml::ReadTextWith<ManagerReading>(
+      text, path,
+      [](const Table& root, Findings& findings) { return Reader(findings).Read(root); });
 }
 
 ManagerReading ReadManagerFile(const std::string& path) {

@@ -1,7 +1,5 @@
 #include "musher/modules/sensor/sensor_manager.hpp"
 
-#include <chrono>
-#include <iostream>
 #include <utility>
 
 #include "musher/modules/program/await.hpp"
@@ -9,7 +7,9 @@
 namespace musher::sensor {
 
 SensorManager::SensorManager(const std::string& actuator_name, ManagerConfig config)
-    : MachineActuator(actuator_name), config_(std::move(config)) {}
+    : MachineActuator(actuator_name), config_(std::move(config)) {
+  RegisterStateCallback([this](const State& state) { return Run(state); });
+}
 
 SensorManager::~SensorManager() {
   Shutdown();
@@ -19,17 +19,6 @@ SensorManager::~SensorManager() {
     errors_.reset();
     clock_.reset();
   });
-}
-
-Result<> SensorManager::Prepare(const std::string& state_config,
-                                std::shared_ptr<transport::NodeThread> node) {
-  if (Result<> read = Init(state_config, std::move(node)); !read) return read;
-  const auto index = machine_config().IndexOf(name());
-  if (!index) return Error{kCodeFailed, "the state config has no actuator " + name()};
-  for (const State& state : machine_config().actuators[*index].states) {
-    RegisterStateCallback(state, std::function<Result<>()>([this, state] { return Run(state); }));
-  }
-  return Ok();
 }
 
 Result<> SensorManager::Run(const State& state) {
@@ -59,21 +48,14 @@ Result<> SensorManager::MakeSensors() {
       node_->node(), transport::ResolveName(name_space, "node_errors"));
   if (!errors) return errors.error();
   errors_ = std::move(errors).value();
-  const bool on_topic = machine_config().clock == ClockSource::kTopic;
-  const Surroundings around = {
-      node_->node(),
-      *clock_,
-      name_space,
-      [this, on_topic] {
-        const auto time = on_topic ? clock_->Now().time_since_epoch()
-                                   : std::chrono::system_clock::now().time_since_epoch();
-        return msg::ToStamp(std::chrono::duration_cast<std::chrono::nanoseconds>(time));
-      },
-      [this](const std::string& line) { std::cerr << name() + ": " + line + "\n"
-                                                  << std::flush; },
-      [this](std::int32_t code) {
-        static_cast<void>(errors_->Publish({name(), code}));
-      }};
+  const Surroundings around = {node_->node(),
+                               *clock_,
+                               name_space,
+                               [this] { return clock_->Stamp(); },
+                               [this](const std::string& line) { Log(line); },
+                               [this](std::int32_t code) {
+                                 static_cast<void>(errors_->Publish({name(), code}));
+                               }};
   auto sensors = Sensors::Make(around, config_);
   if (!sensors) return sensors.error();
   sensors_ = std::move(sensors).value();

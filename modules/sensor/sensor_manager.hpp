@@ -21,11 +21,6 @@ class SensorManager : public MachineActuator {
   SensorManager(const std::string& actuator_name, ManagerConfig config);
   ~SensorManager() override;
 
-  // Reads the state config and registers a callback for each state that it lists; Start() follows.
-  // `node` as for Init().
-  Result<> Prepare(const std::string& state_config,
-                   std::shared_ptr<transport::NodeThread> node = nullptr);
-
  private:
   Result<> Run(const State& state);
   Result<> SetUp();

@@ -13,7 +13,7 @@ int Run(const musher::program::Options& options) {
   musher::vision::VisionManager manager(
       options.actuator, *reading.config,
       [cascade = reading.config->cascade] { return musher::vision::MakeCascadeDetector(cascade); });
-  return musher::program::RunToEnd(manager, options);
+  return musher::program::RunToEnd(manager, options.state_config);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <variant>
 
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/file.hpp"
@@ -123,17 +122,9 @@ bool VisionConfig::LooksIn(std::string_view state) const {
 }
 
 VisionReading ReadVisionText(std::string_view text, const std::string& path) {
-  Findings findings;
-  VisionReading reading;
-  const auto document = config_toml::ParseDocument(text);
-  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
-    findings.Error(fault->at, fault->message);
-  } else {
-    VisionConfig config = Reader(findings).Read(std::get<Table>(document));
-    if (!findings.HasErrors()) reading.config = std::move(config);
-  }
-  reading.diagnostics = std::move(findings).Take(path, text);
-  return reading;
+  return config_toml::ReadTextWith<VisionReading>(
+      text, path,
+      [](const Table& root, Findings& findings) { return Reader(findings).Read(root); });
 }
 
 VisionReading ReadVisionFile(const std::string& path) {

@@ -1,7 +1,5 @@
 #include "musher/modules/vision/vision_manager.hpp"
 
-#include <chrono>
-#include <iostream>
 #include <utility>
 
 #include "musher/modules/program/await.hpp"
@@ -10,7 +8,9 @@ namespace musher::vision {
 
 VisionManager::VisionManager(const std::string& actuator_name, VisionConfig config,
                              DetectorMaker maker)
-    : MachineActuator(actuator_name), config_(std::move(config)), maker_(std::move(maker)) {}
+    : MachineActuator(actuator_name), config_(std::move(config)), maker_(std::move(maker)) {
+  RegisterStateCallback([this](const State& state) { return Run(state); });
+}
 
 VisionManager::~VisionManager() {
   Shutdown();
@@ -19,16 +19,6 @@ VisionManager::~VisionManager() {
   node_->RunOnLoop([this] { topics_.reset(); });
   looker_.reset();
   node_->RunOnLoop([this] { clock_.reset(); });
-}
-
-Result<> VisionManager::Prepare(const std::string& state_config,
-                                std::shared_ptr<transport::NodeThread> node) {
-  if (Result<> read = Init(state_config, std::move(node)); !read) return read;
-  const auto index = machine_config().IndexOf(name());
-  for (const State& state : machine_config().actuators[*index].states) {
-    RegisterStateCallback(state, std::function<Result<>()>([this, state] { return Run(state); }));
-  }
-  return Ok();
 }
 
 Result<> VisionManager::Run(const State& state) {
@@ -69,7 +59,7 @@ Result<> VisionManager::MakeTopics() {
   const Surroundings around = {node_->node(),
                                *clock_,
                                machine_config().name_space,
-                               [this] { return StampNs(); },
+                               [this] { return msg::FromStamp(clock_->Stamp()).count(); },
                                [this](const Error& error) { Log(error); },
                                *looker_};
   auto topics = FaceTopics::Make(around, config_);
@@ -84,9 +74,8 @@ Result<> VisionManager::Enter(const State& state) {
     const bool looked = topics_->looks();
     entered = topics_->SetOn(config_.LooksIn(state));
     if (looked && !topics_->looks()) {
-      Log({kCodeOk, "does not look in " + state + "; so far " +
-                        std::to_string(topics_->looked_at()) + " pictures, and " +
-                        std::to_string(topics_->left_out()) + " left out for a newer one"});
+      Log("does not look in " + state + "; so far " + std::to_string(topics_->looked_at()) +
+          " pictures, and " + std::to_string(topics_->left_out()) + " left out for a newer one");
     }
   });
   return entered;
@@ -105,19 +94,6 @@ Result<> VisionManager::SelfCheck() {
   }
   node_->RunOnLoop([&] { static_cast<void>(topics_->SetChecked(false)); });
   return result;
-}
-
-std::int64_t VisionManager::StampNs() const {
-  const bool on_topic = machine_config().clock == ClockSource::kTopic;
-  const auto time = on_topic ? clock_->Now().time_since_epoch()
-                             : std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(time).count();
-}
-
-void VisionManager::Log(const Error& error) const {
-  std::string line = name() + ": " + error.message;
-  if (error.code != kCodeOk) line += " (" + CodeText(error.code) + ")";
-  std::cerr << line + "\n" << std::flush;
 }
 
 }  // namespace musher::vision

@@ -20,19 +20,12 @@ class VisionManager : public MachineActuator {
   VisionManager(const std::string& actuator_name, VisionConfig config, DetectorMaker maker);
   ~VisionManager() override;
 
-  // Reads the state config and registers a callback for each state that it lists; Start() follows.
-  // `node` as for Init().
-  Result<> Prepare(const std::string& state_config,
-                   std::shared_ptr<transport::NodeThread> node = nullptr);
-
  private:
   Result<> Run(const State& state);
   Result<> SetUp();
   Result<> SelfCheck();
   Result<> Enter(const State& state);
   Result<> MakeTopics();
-  std::int64_t StampNs() const;
-  void Log(const Error& error) const;
 
   const VisionConfig config_;
   const DetectorMaker maker_;

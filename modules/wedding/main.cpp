@@ -10,11 +10,8 @@
 namespace {
 
 int Run(const musher::program::Options& options) {
-  const musher::wedding::WeddingReading reading = musher::wedding::ReadWeddingFile(options.file);
-  musher::program::PrintErrors(reading.diagnostics);
-  if (!reading.config) return musher::program::kUsageError;
-  musher::wedding::WeddingRobot robot(options.actuator, *reading.config);
-  return musher::program::RunToEnd(robot, options);
+  return musher::program::RunModule<musher::wedding::WeddingRobot>(
+      options, musher::wedding::ReadWeddingFile(options.file));
 }
 
 }  // namespace

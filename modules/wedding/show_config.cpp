@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <numbers>
 #include <utility>
-#include <variant>
 
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/file.hpp"
@@ -147,17 +146,9 @@ class Reader {
 }  // namespace
 
 WeddingReading ReadWeddingText(std::string_view text, const std::string& path) {
-  Findings findings;
-  WeddingReading reading;
-  const auto document = config_toml::ParseDocument(text);
-  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
-    findings.Error(fault->at, fault->message);
-  } else {
-    WeddingConfig config = Reader(path, findings).Read(std::get<Table>(document));
-    if (!findings.HasErrors()) reading.config = std::move(config);
-  }
-  reading.diagnostics = std::move(findings).Take(path, text);
-  return reading;
+  return config_toml::ReadTextWith<WeddingReading>(
+      text, path,
+      [&](const Table& root, Findings& findings) { return Reader(path, findings).Read(root); });
 }
 
 WeddingReading ReadWeddingFile(const std::string& path) {

@@ -201,11 +201,4 @@ void WeddingRobot::ShowState(std::string_view state) {
   }
 }
 
-msg::Stamp WeddingRobot::Stamp() const {
-  const bool on_topic = machine_config().clock == ClockSource::kTopic;
-  const auto time =
-      on_topic ? Now().time_since_epoch() : std::chrono::system_clock::now().time_since_epoch();
-  return msg::ToStamp(std::chrono::duration_cast<std::chrono::nanoseconds>(time));
-}
-
 }  // namespace musher::wedding

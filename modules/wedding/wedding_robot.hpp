@@ -60,9 +60,6 @@ class WeddingRobot : public FsmActuator, private Stage {
   void ShowState(std::string_view state) override;
   void Log(const std::string& line) override { FsmActuator::Log(line); }
 
-  // Now, as stamps have it.
-  msg::Stamp Stamp() const;
-
   const WeddingConfig config_;
   std::unique_ptr<RecordFile> record_;  // before those that write to it
   std::unique_ptr<fsm::Recorder> recorder_;

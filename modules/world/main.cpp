@@ -27,16 +27,6 @@ struct Options {
   double seconds = 0;
 };
 
-int RunAsActuator(const Options& options, const musher::world::Scene& scene) {
-  musher::world::WorldActuator world(options.actuator, scene);
-  if (const musher::Result<> ready = world.Prepare(options.state_config); !ready) {
-    std::cerr << options.actuator << ": " << ready.error().message << std::endl;
-    return kUsageError;
-  }
-  if (!world.ActuatorStart()) return 1;
-  return world.Wait();
-}
-
 int Run(const Options& options) {
   const musher::world::SceneReading reading = musher::world::ReadSceneFile(options.scene);
   musher::program::PrintErrors(reading.diagnostics);
@@ -55,7 +45,8 @@ int Run(const Options& options) {
               << std::endl;
     return kUsageError;
   }
-  return RunAsActuator(options, *reading.scene);
+  musher::world::WorldActuator world(options.actuator, *reading.scene);
+  return musher::program::RunToEnd(world, options.state_config);
 }
 
 // musher-world tell WORDS...

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <set>
 #include <utility>
-#include <variant>
 
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/file.hpp"
@@ -158,17 +157,9 @@ std::optional<HumanoidSpec> ReadHumanoid(TableReader& root, const std::string& f
 }
 
 PosesReading ReadPosesText(std::string_view text, const std::string& path) {
-  Findings findings;
-  PosesReading reading;
-  const auto document = config_toml::ParseDocument(text);
-  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
-    findings.Error(fault->at, fault->message);
-  } else {
-    std::vector<PoseSpec> poses = PoseReader(findings).Read(std::get<Table>(document));
-    if (!findings.HasErrors()) reading.poses = std::move(poses);
-  }
-  reading.diagnostics = std::move(findings).Take(path, text);
-  return reading;
+  return config_toml::ReadTextWith<PosesReading>(
+      text, path,
+      [](const Table& root, Findings& findings) { return PoseReader(findings).Read(root); });
 }
 
 PosesReading ReadPosesFile(const std::string& path) {

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <iterator>
 #include <utility>
-#include <variant>
 
 #include "musher/lifecycle/toml/document.hpp"
 #include "musher/lifecycle/toml/file.hpp"
@@ -243,16 +242,9 @@ void ReadPoses(SceneReading& reading) {
 }  // namespace
 
 SceneReading ReadSceneText(std::string_view text, const std::string& path) {
-  Findings findings;
-  SceneReading reading;
-  const auto document = config_toml::ParseDocument(text);
-  if (const auto* fault = std::get_if<config_toml::SyntaxFault>(&document)) {
-    findings.Error(fault->at, fault->message);
-  } else {
-    Scene scene = Reader(findings).Read(std::get<Table>(document), path);
-    if (!findings.HasErrors()) reading.scene = std::move(scene);
-  }
-  reading.diagnostics = std::move(findings).Take(path, text);
+  auto reading = config_toml::ReadTextWith<SceneReading>(
+      text, path,
+      [&](const Table& root, Findings& findings) { return Reader(findings).Read(root, path); });
   ReadPoses(reading);
   return reading;
 }

@@ -1,8 +1,6 @@
 #include "musher/modules/world/world_actuator.hpp"
 
 #include <filesystem>
-#include <functional>
-#include <iostream>
 #include <optional>
 #include <utility>
 
@@ -11,23 +9,14 @@
 namespace musher::world {
 
 WorldActuator::WorldActuator(const std::string& actuator_name, Scene scene)
-    : MachineActuator(actuator_name), scene_(std::move(scene)) {}
+    : MachineActuator(actuator_name), scene_(std::move(scene)) {
+  RegisterStateCallback([this](const State& state) { return Run(state); });
+}
 
 WorldActuator::~WorldActuator() {
   Shutdown();
   if (node_) node_->RunOnLoop([this] { host_.reset(); });
   if (drawer_.joinable()) drawer_.join();
-}
-
-Result<> WorldActuator::Prepare(const std::string& state_config,
-                                std::shared_ptr<transport::NodeThread> node) {
-  if (Result<> read = Init(state_config, std::move(node)); !read) return read;
-  const auto index = machine_config().IndexOf(name());
-  if (!index) return Error{kCodeFailed, "the state config has no actuator " + name()};
-  for (const State& state : machine_config().actuators[*index].states) {
-    RegisterStateCallback(state, std::function<Result<>()>([this, state] { return Run(state); }));
-  }
-  return Ok();
 }
 
 Result<> WorldActuator::Run(const State& state) {
@@ -41,9 +30,7 @@ Result<> WorldActuator::SetUp() {
   HostOptions options;
   options.name_space = machine_config().name_space;
   options.picture_path = PicturePath();
-  options.log = [who = name()](const std::string& line) {
-    std::cerr << who << ": " << line << std::endl;
-  };
+  options.log = [this](const std::string& line) { Log(line); };
   // Only one at a time: the one before has posted its end.
   options.in_background = [this](std::function<void()> work) {
     if (drawer_.joinable()) drawer_.join();
@@ -69,10 +56,10 @@ Result<> WorldActuator::TearDown() {
   node_->RunOnLoop([&] { world = host_->world(); });
   const std::string path = PicturePath();
   if (const Result<> drawn = Draw(*world, path); !drawn) {
-    std::cerr << name() << ": " << drawn.error().message << std::endl;  // no reason to stay
+    Log(drawn.error().message);  // no reason to stay
     return Ok();
   }
-  std::cerr << name() << ": drawn: " << path << std::endl;
+  Log("drawn: " + path);
   return Ok();
 }
 

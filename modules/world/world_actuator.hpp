@@ -20,10 +20,6 @@ class WorldActuator : public MachineActuator {
   WorldActuator(const std::string& actuator_name, Scene scene);
   ~WorldActuator() override;
 
-  // Reads the state config and takes the states it lists for this actuator.
-  Result<> Prepare(const std::string& state_config,
-                   std::shared_ptr<transport::NodeThread> node = nullptr);
-
  private:
   Result<> Run(const State& state);
   Result<> SetUp();

@@ -27,12 +27,10 @@ class Arm : public MachineActuator {
  public:
   explicit Arm(std::function<void(const std::string&)> on_state = {})
       : MachineActuator("arm"), on_state_(std::move(on_state)) {
-    for (const std::string& state : kStates) {
-      RegisterStateCallback(state, [this, state] {
-        if (on_state_) on_state_(state);
-        return kCodeOk;
-      });
-    }
+    RegisterStateCallback([this](const State& state) {
+      if (on_state_) on_state_(state);
+      return kCodeOk;
+    });
   }
   ~Arm() override { Shutdown(); }
 

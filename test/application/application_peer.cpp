@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <iostream>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -50,10 +49,6 @@ class Peer : public FsmActuator {
 
 int main() {
   musher::Peer peer;
-  if (const auto ready = peer.Prepare(); !ready) {
-    std::cerr << ready.error().message << std::endl;
-    return 2;
-  }
-  if (!peer.ActuatorStart()) return 1;
+  if (!peer.MachineActuatorInit() || !peer.ActuatorStart()) return 1;
   return peer.Wait();
 }

@@ -13,11 +13,6 @@ TEST(AnApplication, TicksInActiveOnlyAndNeverInAnEmergencyWhateverBefallsIt) {
   const Stage stage;
   simulation::ActuatorTrial<Show> trial;
   trial.config_file = stage.path();
-  trial.make = [&] {
-    auto show = std::make_unique<Show>();
-    EXPECT_TRUE(show->Prepare(stage.path()).ok());
-    return show;
-  };
   trial.always = [](const Show& show, const ActuatorReport& report) {
     // After the release of a stop it rests in Active too, until it is sent there anew.
     EXPECT_FALSE(show.ticking() && (report.state != kActive || report.emergency_stop != 0))

@@ -47,6 +47,22 @@ TEST_F(AnFsmActuator, TicksItsMachineAtItsRateOfTheWorldsTimeWhileItIsActive) {
               ElementsAre("resumes", "GREET enters", "GREET leaves", "PLAY enters"));
 }
 
+TEST_F(AnFsmActuator, StampsWithTheTimeOfItsMachine) {
+  Show show;
+  stage_.Open(show);
+  const auto stamp = show.Of([](Show& s) { return s.Stamp(); });
+  EXPECT_EQ(msg::FromStamp(stamp), show.Of([](Show& s) { return s.Now(); }).time_since_epoch());
+}
+
+// One of its own would keep the machine from hearing that the robot rests.
+template <class Actuator>
+concept TakesStateCallbacks = requires(Actuator& actuator) {
+  actuator.RegisterStateCallback("LowPower", [] { return kCodeOk; });
+};
+
+static_assert(TakesStateCallbacks<MachineActuator>);
+static_assert(!TakesStateCallbacks<Show>);
+
 TEST_F(AnFsmActuator, RestsInEveryOtherStateAndGoesOnWhereItWas) {
   Show show;
   Begin(show);

@@ -94,6 +94,7 @@ class Show : public FsmActuator {
 
   using FsmActuator::machine;
   using FsmActuator::Now;
+  using FsmActuator::Stamp;
   using FsmActuator::ticking;
 
  private:

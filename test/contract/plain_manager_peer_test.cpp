@@ -113,9 +113,7 @@ class ManagerOfPlainPeers : public ::testing::Test {
     std::ofstream(file_.path(), std::ios::app)
         << "critical = true\n[policy]\nmanager = true\n[policy.power_off]\ndelay_s = 0\n"
         << "command = [\"touch\", \"" << Mark() << "\"]\n";
-    for (const std::string& state : kAllStates) {
-      legs_.RegisterStateCallback(state, [] { return kCodeOk; });
-    }
+    legs_.RegisterStateCallback([](const State&) { return kCodeOk; });
   }
   ~ManagerOfPlainPeers() override { legs_.Shutdown(); }
 

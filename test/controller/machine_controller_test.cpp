@@ -25,16 +25,14 @@ class Puppet : public MachineActuator {
   Puppet(const std::string& name, const RobotFile& file,
          std::shared_ptr<transport::NodeThread> node)
       : MachineActuator(name) {
-    for (const std::string& state : kAllStates) {
-      RegisterStateCallback(state, [this, state]() -> Result<> {
-        if (state == blocks_in) {
-          entered.set_value();
-          gate.get_future().wait();
-        }
-        if (state == fails_in) return Error{5001, "told to"};
-        return Ok();
-      });
-    }
+    RegisterStateCallback([this](const State& state) -> Result<> {
+      if (state == blocks_in) {
+        entered.set_value();
+        gate.get_future().wait();
+      }
+      if (state == fails_in) return Error{5001, "told to"};
+      return Ok();
+    });
     started = Init(file.path(), std::move(node)).ok() && Start().ok();
   }
   ~Puppet() override { Shutdown(); }

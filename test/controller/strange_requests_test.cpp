@@ -32,9 +32,7 @@ class StrangeRequests : public ::testing::Test {
  protected:
   StrangeRequests()
       : file_({"arm"}, kAllStates), node_(transport::NodeThread::Start().value()), arm_("arm") {
-    for (const std::string& state : kAllStates) {
-      arm_.RegisterStateCallback(state, [] { return kCodeOk; });
-    }
+    arm_.RegisterStateCallback([](const State&) { return kCodeOk; });
     EXPECT_TRUE(arm_.Init(file_.path(), node_).ok());
     EXPECT_TRUE(arm_.Start().ok());
     EXPECT_TRUE(controller_.Init(file_.path(), node_).ok());

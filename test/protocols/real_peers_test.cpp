@@ -130,9 +130,7 @@ class AMachineOfRealPeers : public ::testing::Test {
 
 TEST_F(AMachineOfRealPeers, ComesUpSwitchesAndEndsThoughFirstRepliesAreLost) {
   MachineActuator dog("dog");
-  for (const std::string& state : kAllStates) {
-    dog.RegisterStateCallback(state, [] { return std::int32_t{0}; });
-  }
+  dog.RegisterStateCallback([](const State&) { return kCodeOk; });
   ASSERT_TRUE(dog.Init(file_.path()));
   ASSERT_TRUE(dog.Start());
   MachineController controller;
@@ -151,9 +149,7 @@ TEST_F(AMachineOfRealPeers, ComesUpSwitchesAndEndsThoughFirstRepliesAreLost) {
 TEST(OurActuatorOnDds, IsSwitchedByACyberdogManagerAndBeatsForIt) {
   const RobotFile file({"arm"}, kAllStates);
   MachineActuator arm("arm");
-  for (const std::string& state : kAllStates) {
-    arm.RegisterStateCallback(state, [] { return std::int32_t{0}; });
-  }
+  arm.RegisterStateCallback([](const State&) { return kCodeOk; });
   ASSERT_TRUE(arm.Init(file.path()));
   ASSERT_TRUE(arm.Start());
   transport::LinuxEventLoop loop;

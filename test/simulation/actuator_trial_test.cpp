@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <atomic>
+#include <set>
 #include <stdexcept>
 
 namespace musher::testing {
@@ -13,6 +14,7 @@ namespace {
 using simulation::ActuatorTrial;
 using simulation::Faults;
 using simulation::TrialFailure;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -363,6 +365,29 @@ class DancingMotor : public GoodMotor {
     RegisterStateCallback("Dancing", [] { return 0; });
   }
 };
+
+class SimpleMotor : public MachineActuator {
+ public:
+  SimpleMotor() : MachineActuator("motor") {
+    RegisterStateCallback([](const State& state) {
+      entered_.insert(state);
+      return 0;
+    });
+  }
+  ~SimpleMotor() override { Shutdown(); }
+
+  inline static std::set<State> entered_;
+};
+
+TEST(ActuatorTrial, WithoutAConfigTriesOneWithACallbackForAllStatesInTheBuiltInOnes) {
+  ActuatorTrial<SimpleMotor> trial;
+  trial.stories = 100;
+  const auto found = trial.Find();
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_FALSE(found.value());
+  EXPECT_THAT(SimpleMotor::entered_, ElementsAre("Active", "DeActive", "Error", "LowPower", "OTA",
+                                                 "Protected", "SelfCheck", "SetUp", "TearDown"));
+}
 
 TEST(ActuatorTrial, NeedsAConfigForStatesOfTheRobotsOwn) {
   EXPECT_THAT(MotorTrial<DancingMotor>().Find().error().message, HasSubstr("Dancing"));

@@ -31,6 +31,15 @@ TEST(SteadyClock, IsTheLoopsTime) {
   EXPECT_THAT(log, ElementsAre("tick", "once", "tick"));
 }
 
+TEST(SteadyClock, StampsWithTheTimeOfDay) {
+  sim::Network network(7);
+  const auto node = network.MakeNode("dog");
+  const auto before = std::chrono::system_clock::now().time_since_epoch();
+  const Duration stamped = msg::FromStamp(Clock::Steady(node->loop())->Stamp());
+  EXPECT_GE(stamped, before);
+  EXPECT_LE(stamped, std::chrono::system_clock::now().time_since_epoch());
+}
+
 TEST(Stamp, HoldsNanosecondsOnBothSidesOfZero) {
   EXPECT_EQ(msg::ToStamp(Milliseconds(1250)), (msg::Stamp{1, 250'000'000}));
   EXPECT_EQ(msg::ToStamp(Milliseconds(-250)), (msg::Stamp{-1, 750'000'000}));
@@ -81,6 +90,12 @@ TEST_F(TopicClock, ShowsWhatTheLastSampleSaid) {
   EXPECT_EQ(clock_->Now(), At(5000));
   Show(5020);
   EXPECT_EQ(clock_->Now(), At(5020));
+}
+
+TEST_F(TopicClock, StampsWithTheTimeOfTheWorld) {
+  EXPECT_EQ(clock_->Stamp(), msg::Stamp{});
+  Show(5020);
+  EXPECT_EQ(clock_->Stamp(), (msg::Stamp{5, 20'000'000}));
 }
 
 TEST_F(TopicClock, CountsTimersMadeBeforeTheFirstSampleFromIt) {

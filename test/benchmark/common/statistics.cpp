@@ -39,7 +39,10 @@ void Table::Row(const std::string& what, const std::vector<double>& values, cons
   std::printf("| %s | %.*f %s | %.*f – %.*f | %.*f | %.*f | %zu | ", what.c_str(), digits, median,
               unit.c_str(), digits, Quantile(values, 0.25), digits, Quantile(values, 0.75), digits,
               Quantile(values, 0.99), digits, Quantile(values, 1), values.size());
-  if (limit > 0) std::printf("≤ %g: %s ", limit, median <= limit ? "met" : "**missed**");
+  if (limit > 0) {
+    const bool met = !values.empty() && median <= limit;
+    std::printf("≤ %g: %s ", limit, met ? "met" : "**missed**");
+  }
   std::printf("|\n");
   std::fflush(stdout);
 }

@@ -22,8 +22,8 @@ class Table {
  public:
   explicit Table(const std::string& title);
 
-  // `unit` empty: the values are whole. `limit`: the median may not be above it; 0: there is no
-  // target.
+  // `unit` empty: the values are whole. `limit`: the median may not be above it, and there has to
+  // be one; 0: there is no target.
   void Row(const std::string& what, const std::vector<double>& values, const std::string& unit,
            double limit = 0) const;
 };

@@ -32,14 +32,11 @@ void Cycle(MachineActuator& actuator, Board& board, int hz) {
 
 int Main(const std::string& name, Board& board, int hz) {
   MachineActuator actuator(name);
-  for (const char* state : {"SetUp", "SelfCheck", "Active", "DeActive", "TearDown"}) {
-    const bool loads = state == std::string("SetUp") || state == std::string("SelfCheck");
-    actuator.RegisterStateCallback(state, [&board, loads] {
-      ++board.callbacks;
-      if (loads) Compute(board.load_ms.exchange(0));
-      return 0;
-    });
-  }
+  actuator.RegisterStateCallback([&board](const State& state) {
+    ++board.callbacks;
+    if (state == kSetUp || state == kSelfCheck) Compute(board.load_ms.exchange(0));
+    return 0;
+  });
   if (!actuator.MachineActuatorInit() || !actuator.ActuatorStart()) return 1;
   board.set_up_at = NowOnBoard();
   if (hz > 0) std::thread([&] { Cycle(actuator, board, hz); }).detach();

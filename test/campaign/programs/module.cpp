@@ -67,10 +67,8 @@ void Cycle(MachineActuator& actuator, Board& board, int hz) {
 int Main(const std::string& name, Board& board, int hz) {
   ++board.starts;
   MachineActuator actuator(name);
-  for (const char* state : kStates) {
-    actuator.RegisterStateCallback(
-        state, [&board, index = IndexOfState(state)] { return Callback(board, index); });
-  }
+  actuator.RegisterStateCallback(
+      [&board](const State& state) { return Callback(board, IndexOfState(state)); });
   if (!actuator.MachineActuatorInit() || !actuator.ActuatorStart()) return EXIT_FAILURE;
   std::thread([&] { Cycle(actuator, board, hz); }).detach();
   const int exit_code = actuator.Wait();

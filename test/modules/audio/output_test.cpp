@@ -41,6 +41,7 @@ int Loudest(const Sound& sound) {
 class HandClock : public transport::Clock {
  public:
   Time Now() const override { return now_; }
+  msg::Stamp Stamp() const override { return msg::ToStamp(now_.time_since_epoch()); }
   transport::LoopHandlePtr At(Time when, std::function<void()> callback) override {
     return timers_.Add(when, Duration::zero(), std::move(callback));
   }

@@ -34,7 +34,7 @@ int Run(const program::Options& options) {
   if (!reading.config) return program::kUsageError;
   VisionManager manager(options.actuator, *reading.config,
                         [] { return std::unique_ptr<Detector>(new FaultyDetector); });
-  return program::RunToEnd(manager, options);
+  return program::RunToEnd(manager, options.state_config);
 }
 
 }  // namespace

@@ -1,0 +1,178 @@
+// One callback for all the states that have none of their own, and what the others keep.
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <stdexcept>
+
+#include "musher/actuator/actuator_rehearsal.hpp"
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/controller/machine_controller.hpp"
+#include "musher/lifecycle/config_toml.hpp"
+#include "musher/test/actuator/robot_file.hpp"
+
+namespace musher {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::RobotFile;
+
+constexpr const char* kRobot = R"(
+  [controller]
+  actuators = ["arm", "leg"]
+  states = ["SetUp", "SelfCheck", "Active", "Waving", "LowPower", "TearDown"]
+  default_time = 5000
+  default_state = "Uninitialized"
+  [[state]]
+  name = "Waving"
+  rank = 5
+  [actuator.arm]
+  states = ["SetUp", "SelfCheck", "Active", "Waving"]
+  times = [5000, 5000, 5000, 5000]
+  [actuator.leg]
+  states = ["SetUp", "SelfCheck", "Active", "LowPower", "TearDown"]
+  times = [5000, 5000, 5000, 5000, 5000]
+)";
+
+class Arm : public MachineActuator {
+ public:
+  Arm() : MachineActuator("arm") {
+    RegisterStateCallback([this](const State& state) { return Enter(state); });
+  }
+  ~Arm() override { Shutdown(); }
+
+  std::vector<State> entered;
+  State fails_in;
+  State throws_in;
+
+ private:
+  Result<> Enter(const State& state) {
+    entered.push_back(state);
+    if (state == throws_in) throw std::runtime_error("cable loose");
+    if (state == fails_in) return Error{3012, "no motor"};
+    return Ok();
+  }
+};
+
+// Fails where Start() would.
+Result<> FitToRobot(MachineActuator& actuator) {
+  const ConfigReading reading = ReadConfigText(kRobot, "robot.toml");
+  EXPECT_TRUE(reading.config) << FormatDiagnostic(reading.diagnostics.at(0));
+  return ActuatorRehearsal(actuator).Adopt(*reading.config);
+}
+
+TEST(TheCallbackOfAllOtherStates, IsGivenTheStateAlsoOneOfTheRobotsOwn) {
+  Arm arm;
+  ASSERT_TRUE(FitToRobot(arm));
+  ActuatorRehearsal rehearsal(arm);
+  EXPECT_TRUE(rehearsal.Run("SetUp"));
+  EXPECT_TRUE(rehearsal.Run("Waving"));
+  EXPECT_THAT(arm.entered, ElementsAre("SetUp", "Waving"));
+}
+
+TEST(TheCallbackOfAllOtherStates, LeavesAStateToItsOwnCallbackWhicheverWasRegisteredFirst) {
+  Arm arm;
+  int active = 0;
+  arm.RegisterStateCallback("Active", [&] {
+    ++active;
+    return kCodeOk;
+  });
+  ASSERT_TRUE(FitToRobot(arm));
+  ActuatorRehearsal rehearsal(arm);
+  EXPECT_TRUE(rehearsal.Run("Active"));
+  EXPECT_TRUE(rehearsal.Run("SelfCheck"));
+  EXPECT_EQ(active, 1);
+  EXPECT_THAT(arm.entered, ElementsAre("SelfCheck"));
+
+  MachineActuator other("arm");
+  int rest = 0;
+  other.RegisterStateCallback("Active", [&] {
+    ++active;
+    return kCodeOk;
+  });
+  other.RegisterStateCallback([&](const State&) {
+    ++rest;
+    return kCodeOk;
+  });
+  EXPECT_TRUE(ActuatorRehearsal(other).Run("Active"));
+  EXPECT_EQ(active, 2);
+  EXPECT_EQ(rest, 0);
+}
+
+TEST(TheCallbackOfAllOtherStates, FailsWithItsErrorItsCodeOrWhatItThrows) {
+  Arm arm;
+  arm.fails_in = "Active";
+  arm.throws_in = "Waving";
+  ActuatorRehearsal rehearsal(arm);
+  EXPECT_EQ(rehearsal.Run("Active").error(), (Error{3012, "no motor"}));
+  const Result<> thrown = rehearsal.Run("Waving");
+  ASSERT_FALSE(thrown);
+  EXPECT_EQ(thrown.error().code, kCodeFailed);
+  EXPECT_THAT(thrown.error().message, HasSubstr("cable loose"));
+
+  MachineActuator plain("arm");
+  plain.RegisterStateCallback([](const State& state) { return state == "Active" ? 3012 : 0; });
+  EXPECT_EQ(ActuatorRehearsal(plain).Run("Active").error().code, 3012);
+  EXPECT_TRUE(ActuatorRehearsal(plain).Run("SetUp"));
+}
+
+TEST(TheCallbackOfAllOtherStates, IsOne) {
+  Arm arm;
+  arm.RegisterStateCallback([](const State&) { return kCodeOk; });
+  EXPECT_THAT(FitToRobot(arm).error().message,
+              HasSubstr("two callbacks for the states that have none of their own"));
+}
+
+TEST(TheCallbackOfAllOtherStates, DoesNotExcuseACallbackForAStateThatIsNotListed) {
+  Arm arm;
+  arm.RegisterStateCallback("Wavin", [] { return kCodeOk; });
+  EXPECT_THAT(FitToRobot(arm).error().message, HasSubstr("state 'Wavin'"));
+}
+
+TEST(TheCallbackOfAllOtherStates, IsRunOnARobotButNotForAStateThatIsNotListed) {
+  const TempFolder folder;
+  setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
+  const std::string file = folder / "robot.toml";
+  std::string text = kRobot;
+  const std::string controller = "[controller]";
+  text.insert(text.find(controller) + controller.size(),
+              "\nnamespace = \"" + RobotFile::name_space() + "\"\nstate_dir = \"" +
+                  std::string(folder / "state") + "\"\n");
+  std::ofstream(file) << text;
+  const auto node = transport::NodeThread::Start();
+  ASSERT_TRUE(node);
+  Arm arm;
+  MachineActuator leg("leg");
+  leg.RegisterStateCallback([](const State&) { return kCodeOk; });
+  for (MachineActuator* actuator : {static_cast<MachineActuator*>(&arm), &leg}) {
+    ASSERT_TRUE(actuator->Init(file, node.value()));
+    ASSERT_TRUE(actuator->Start());
+  }
+  MachineController machine;
+  ASSERT_TRUE(machine.Init(file).ok());
+  ASSERT_TRUE(machine.AwaitSetUp().ok());
+  ASSERT_TRUE(machine.SetState("SelfCheck"));
+  ASSERT_TRUE(machine.SetState("Active"));
+  const SwitchResult down = machine.Switch("LowPower");
+  EXPECT_EQ(down.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(down.degraded, ElementsAre("arm"));
+  const SwitchResult alone = machine.Switch("arm", "LowPower");
+  EXPECT_EQ(alone.outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(alone.code, kCodeUnSupport);
+  arm.Shutdown();
+  EXPECT_THAT(arm.entered, ElementsAre("SetUp", "SelfCheck", "Active"));
+}
+
+TEST(ALineOfTheLog, HasTheActuatorsNameAndTheCodeOfAnError) {
+  const MachineActuator arm("arm");
+  ::testing::internal::CaptureStderr();
+  arm.Log("waves");
+  arm.Log(Error{3, "may not wave"});
+  arm.Log(Error{kCodeOk, "is well again"});
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+            "arm: waves\narm: may not wave (3 (StateInvalid))\narm: is well again\n");
+}
+
+}  // namespace
+}  // namespace musher
