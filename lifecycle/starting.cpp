@@ -111,7 +111,7 @@ void Decision::On(const event::ProcessNotStarted& failed) {
   Of(failed.actuator).presence = Presence::kAbsent;
   Degrade(failed.actuator, kCodeFailed, "its process could not be started: " + failed.why,
           Of(failed.actuator).cause);
-  Recover(failed.actuator, false);
+  Recover(failed.actuator);
 }
 
 void Decision::On(const event::ProcessEnded& ended) {
@@ -129,9 +129,14 @@ void Decision::On(const event::ProcessEnded& ended) {
   if (record.health != Health::kHung) record.health = Health::kCrashed;
   if (record.presence == Presence::kStarting || record.presence == Presence::kPresent) {
     const bool in_set_up = record.presence == Presence::kStarting;
-    Lose(ended.actuator, "crashed: its " + how + (in_set_up ? " during SetUp" : ""), record.cause);
+    if (IsFinal(ended.actuator, ended)) {
+      Lose(ended.actuator, WhyFinal(ended), record.cause, kCodeFailed);
+    } else {
+      Lose(ended.actuator, "crashed: its " + how + (in_set_up ? " during SetUp" : ""),
+           record.cause);
+    }
   }
-  Recover(ended.actuator, ended.clean);
+  Recover(ended.actuator, ended);
 }
 
 // Whether a process of this host other than `pid` says that it is this actuator: somebody was
