@@ -58,7 +58,8 @@ void Machine::FailByException(Phase phase) {
   try {
     throw;
   } catch (const InnerFault& inner) {
-    Fail(inner.fault().phase, inner.fault().what, inner.fault().where);
+    Note(inner.fault().phase, inner.fault().what, inner.fault().where);
+    LeaveFailed(phase);
   } catch (...) {
     Fail(phase, WhatWasThrown());
   }
@@ -245,10 +246,14 @@ void Machine::Note(Phase phase, std::string what, const std::string& inner) {
   TellAll([&](Listener& listener) { listener.OnFault(*this, *fault_); });
 }
 
-// The current state failed. It is left for the safe one; where that has failed, or there is none,
-// the machine stops.
-void Machine::Fail(Phase phase, std::string what, const std::string& inner) {
-  Note(phase, std::move(what), inner);
+void Machine::Fail(Phase phase, std::string what) {
+  Note(phase, std::move(what));
+  LeaveFailed(phase);
+}
+
+// The current state failed in `phase`. It is left for the safe one; where that has failed, or there
+// is none, the machine stops.
+void Machine::LeaveFailed(Phase phase) {
   tick_.command = kNoEvent;
   if (safe_ == kNoState || current_ == safe_) return Halt(Cause::kFault);
   if (phase != Phase::kEnter && phase != Phase::kExit) {

@@ -192,7 +192,8 @@ class Machine {
   bool PassesChecks();
   bool GoesOnUnsafe(const SafetyCheck& check, const std::optional<std::string>& thrown);
   void Note(Phase phase, std::string what, const std::string& inner = {});
-  void Fail(Phase phase, std::string what, const std::string& inner = {});
+  void Fail(Phase phase, std::string what);
+  void LeaveFailed(Phase phase);
   void FailByException(Phase phase);
   void Halt(Cause cause);
   bool Declared(StateId from, StateId to) const;

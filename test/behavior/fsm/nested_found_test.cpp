@@ -1,0 +1,110 @@
+// Faults that were found in machines inside of states, each by its name.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "musher/behavior/fsm/nested.hpp"
+#include "musher/test/behavior/fsm/machine_fixture.hpp"
+
+namespace musher::fsm {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+void NoArm(const Tick& /*tick*/) {
+  throw std::runtime_error("no arm");
+}
+
+// IDLE, and SHOW with CONFIRM, TAKE and DONE inside, which has no safe state.
+class NestedFound : public MachineFixture {
+ protected:
+  class Show : public Nested {
+   public:
+    Show(std::unique_ptr<Machine> inner, Options options, Log& log)
+        : Nested(std::move(inner), "CONFIRM", std::move(options)), log_(log) {}
+    void OnEnter(const Tick& tick) override {
+      Nested::OnEnter(tick);
+      Do("enter");
+    }
+    void OnExit(const Tick& tick) override {
+      Do("exit");
+      Nested::OnExit(tick);
+    }
+    Next Decide(const Tick& /*tick*/) override { return decision; }
+
+    Next decision = Next::Stay();
+    std::string fails_to;  // once
+
+   private:
+    void Do(const std::string& what) {
+      log_.push_back("SHOW " + what);
+      if (fails_to != what) return;
+      fails_to.clear();
+      throw std::runtime_error("no light");
+    }
+    Log& log_;
+  };
+
+  void Make(Nested::Options options = {}) {
+    auto inner = std::make_unique<Machine>(Machine::Options{.name = "photo"});
+    inner_ = inner.get();
+    confirm_ = AddInner("CONFIRM", {"TAKE", "DONE"});
+    take_ = AddInner("TAKE", {"DONE", "CONFIRM"});
+    AddInner("DONE", {}, Role::kFinal);
+    inner_->AddEvent("yes");
+    machine_.AddEvent("yes");
+    idle_ = &Add("IDLE", {"SHOW"});
+    auto show = std::make_unique<Show>(std::move(inner), std::move(options), log_);
+    show_ = show.get();
+    machine_.Add("SHOW", std::move(show));
+    Add("SAFE", {"IDLE"}, Role::kSafe);
+    Start("IDLE");
+  }
+  // To SHOW, with an empty log.
+  void Enter() {
+    idle_->Go("SHOW");
+    Run();
+    log_.clear();
+  }
+
+  LoggingState* AddInner(const std::string& name, std::vector<std::string> ways,
+                         Role role = Role::kNormal) {
+    auto state = std::make_unique<LoggingState>(name, log_, std::move(ways));
+    LoggingState* const added = state.get();
+    inner_->Add(name, std::move(state), role);
+    return added;
+  }
+
+  Machine* inner_ = nullptr;
+  LoggingState* idle_ = nullptr;
+  Show* show_ = nullptr;
+  LoggingState* confirm_ = nullptr;
+  LoggingState* take_ = nullptr;
+};
+
+// The phase of the inner fault was taken for that of the outer state, which was thought left.
+TEST_F(NestedFound, LeavesTheOuterStateWhenAnInnerOneCannotBeEntered) {
+  Make();
+  take_->on["enter"] = NoArm;
+  Enter();
+  confirm_->Go("TAKE");
+  Run();
+  EXPECT_THAT(log_, ElementsAre("CONFIRM exit", "TAKE enter", "SHOW exit", "SAFE enter"));
+  EXPECT_EQ(machine_.Describe(*machine_.fault()), "SHOW/TAKE: OnEnter: no arm");
+}
+
+TEST_F(NestedFound, LeavesTheOuterStateWhenAnInnerOneCannotBeLeft) {
+  Make();
+  confirm_->on["exit"] = NoArm;
+  Enter();
+  confirm_->Go("TAKE");
+  Run();
+  EXPECT_THAT(log_, ElementsAre("CONFIRM exit", "SHOW exit", "SAFE enter"));
+  EXPECT_EQ(machine_.Describe(*machine_.fault()), "SHOW/CONFIRM: OnExit: no arm");
+}
+
+}  // namespace
+}  // namespace musher::fsm
