@@ -102,7 +102,7 @@ Result<> Machine::StartAt(StateId state, Time now) {
   ticks_ = 0;
   tick_ = {};
   last_tick_ = now;
-  first_command_ = waiting_ = 0;
+  SweepCommands();
   unsafe_ = checks_.size();
   history_.Clear();
   fault_.reset();
@@ -226,8 +226,19 @@ void Machine::Switch(StateId target, Cause cause, EventId command) {
   if (Guard(Phase::kExit, [&] { present_->OnExit(tick_); })) Enter(target, cause, command);
 }
 
+// The current state is behind it, by a change with `command`, if there was one. What it has begun
+// and not ended comes to an end: the machine inside, when its function threw before it stopped
+// that, and a transition that was broken off, whose command came to nothing.
+void Machine::EndPresent(EventId command) {
+  Machine* const inside = present_ == nullptr ? nullptr : present_->inside();
+  if (inside != nullptr) (void)inside->Stop().ok();
+  const EventId behind = std::exchange(cause_, kNoEvent);
+  if (behind != kNoEvent && behind != command) Unheeded(behind);
+}
+
 // The current state has been left, or there was none.
 void Machine::Enter(StateId target, Cause cause, EventId command) {
+  EndPresent(command);
   const Change change{tick_.now, ticks_, current_, target, command, cause};
   current_ = target;
   present_ = nodes_[Index(target)].state.get();
@@ -254,7 +265,8 @@ void Machine::Fail(Phase phase, std::string what) {
 // The current state failed in `phase`. It is left for the safe one; where that has failed, or there
 // is none, the machine stops.
 void Machine::LeaveFailed(Phase phase) {
-  tick_.command = kNoEvent;
+  const EventId command = std::exchange(tick_.command, kNoEvent);
+  if (phase == Phase::kCheck && command != kNoEvent) Unheeded(command);
   if (safe_ == kNoState || current_ == safe_) return Halt(Cause::kFault);
   if (phase != Phase::kEnter && phase != Phase::kExit) {
     try {
@@ -267,6 +279,8 @@ void Machine::LeaveFailed(Phase phase) {
 }
 
 void Machine::Halt(Cause cause) {
+  EndPresent(kNoEvent);
+  SweepCommands();
   const Change change{tick_.now, ticks_, current_, kNoState, kNoEvent, cause};
   running_ = false;
   mode_ = cause == Cause::kFault ? Mode::kSafeStop : Mode::kNormal;
@@ -308,7 +322,7 @@ Result<> Machine::Reset() {
   if (!running_) return Refusal(name(), "does not run");
   const InTick guard(in_tick_);
   TellInput({.kind = Input::Kind::kReset});
-  first_command_ = waiting_ = 0;
+  SweepCommands();
   fault_.reset();
   Switch(chart_.start, Cause::kReset, kNoEvent);
   return Reached(chart_.start);
@@ -329,10 +343,7 @@ Result<> Machine::Send(EventId event) {
     const InTick guard(in_tick_);
     TellInput({.kind = Input::Kind::kCommand, .command = event});
   }
-  if (events_[Index(event)].urgency == Urgency::kUrgent) {
-    counts_.superseded += waiting_;
-    waiting_ = 0;
-  }
+  if (events_[Index(event)].urgency == Urgency::kUrgent) SweepCommands();
   if (waiting_ == commands_.size()) {
     ++counts_.refused;
     return Error{kCodeFailed, name() + ": " + std::to_string(waiting_) + " commands wait; " +

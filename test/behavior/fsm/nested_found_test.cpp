@@ -6,13 +6,13 @@
 #include <stdexcept>
 
 #include "musher/behavior/fsm/nested.hpp"
+#include "musher/behavior/fsm/snapshot.hpp"
 #include "musher/test/behavior/fsm/machine_fixture.hpp"
 
 namespace musher::fsm {
 namespace {
 
 using testing::ElementsAre;
-using testing::IsEmpty;
 
 void NoArm(const Tick& /*tick*/) {
   throw std::runtime_error("no arm");
@@ -25,6 +25,10 @@ class NestedFound : public MachineFixture {
    public:
     Show(std::unique_ptr<Machine> inner, Options options, Log& log)
         : Nested(std::move(inner), "CONFIRM", std::move(options)), log_(log) {}
+    void Declare(Ways& ways) override {
+      Nested::Declare(ways);
+      ways.To("IDLE", "told");
+    }
     void OnEnter(const Tick& tick) override {
       Nested::OnEnter(tick);
       Do("enter");
@@ -104,6 +108,35 @@ TEST_F(NestedFound, LeavesTheOuterStateWhenAnInnerOneCannotBeLeft) {
   Run();
   EXPECT_THAT(log_, ElementsAre("CONFIRM exit", "SHOW exit", "SAFE enter"));
   EXPECT_EQ(machine_.Describe(*machine_.fault()), "SHOW/CONFIRM: OnExit: no arm");
+}
+
+// The machine inside ran on, and the next entry took "runs already" for a start.
+TEST_F(NestedFound, StopsTheInnerMachineWhenTheOuterStateFailsToBeEntered) {
+  Make();
+  idle_->Go("SHOW");
+  show_->fails_to = "enter";
+  Run();
+  EXPECT_THAT(log_, ElementsAre("IDLE enter", "IDLE exit", "CONFIRM enter", "SHOW enter",
+                                "CONFIRM exit", "SAFE enter"));
+  EXPECT_FALSE(inner_->running());
+  Run(5);
+  ASSERT_TRUE(machine_.Force("IDLE"));
+  Enter();
+  EXPECT_EQ(machine_.Path(), "SHOW/CONFIRM");
+  EXPECT_EQ(inner_->ticks(), 0U);
+}
+
+TEST_F(NestedFound, StopsTheInnerMachineWhenTheOuterStateFailsToBeLeft) {
+  Make();
+  Enter();
+  show_->fails_to = "exit";
+  ASSERT_FALSE(machine_.Force("IDLE"));
+  EXPECT_THAT(log_, ElementsAre("SHOW exit", "CONFIRM exit", "SAFE enter"));
+  EXPECT_FALSE(inner_->running());
+  ASSERT_TRUE(machine_.Force("SHOW"));
+  show_->fails_to = "exit";
+  ASSERT_FALSE(machine_.Stop());
+  EXPECT_FALSE(inner_->running());
 }
 
 }  // namespace
