@@ -98,6 +98,9 @@ class Machine::Restoring {
     JudgeState();
     JudgeTimes();
     Events("commands", saved_.commands);
+    if (std::ranges::find(saved_.commands, "") != saved_.commands.end()) {
+      Fail("commands", "one has no name");
+    }
     if (saved_.commands.size() > machine_.commands_.size()) {
       Fail("commands", "more than " + std::to_string(machine_.commands_.size()) + " cannot wait");
     }
@@ -148,6 +151,9 @@ class Machine::Restoring {
       Events("transition.command", {saved_.transition->command});
     }
     const bool goes = saved_.mode == Mode::kTransitioning;
+    if (goes && saved_.transition && saved_.transition->to.empty()) {
+      Fail("transition.to", "is missing");
+    }
     if (goes != saved_.transition.has_value() || (goes && !saved_.running)) {
       Fail("mode", std::string(fsm::Name(saved_.mode)) +
                        (goes ? " has a transition, which is missing" : " has no transition"));
