@@ -139,5 +139,42 @@ TEST_F(NestedFound, StopsTheInnerMachineWhenTheOuterStateFailsToBeLeft) {
   EXPECT_FALSE(inner_->running());
 }
 
+// It waited inside, and the inner machine was stopped before it looked at it.
+TEST_F(NestedFound, LosesNoCommandThatComesInTheInnerMachinesLastTransition) {
+  Make({.finished = "IDLE"});
+  Enter();
+  confirm_->Go("DONE", 3 * kStep);
+  Run();
+  ASSERT_TRUE(machine_.Send("yes"));
+  Run();
+  EXPECT_EQ(machine_.waiting_commands(), 1U);
+  Run(5);
+  EXPECT_EQ(Current(), "IDLE");
+  EXPECT_EQ(machine_.counts().unheeded, 1U);
+  EXPECT_EQ(inner_->waiting_commands(), 0U);
+}
+
+TEST_F(NestedFound, DoesNotKeepACommandThatItHeededAsTheInnerMachineHadFinished) {
+  Make({.finished = "IDLE"});
+  Enter();
+  ASSERT_TRUE(inner_->Force("DONE"));
+  show_->decision = Next::Heed();
+  ASSERT_TRUE(machine_.Send("yes"));
+  Run();
+  EXPECT_EQ(Current(), "IDLE");
+  EXPECT_EQ(machine_.waiting_commands(), 0U);
+  EXPECT_EQ(machine_.counts().unheeded, 0U);
+}
+
+TEST_F(NestedFound, GivesTheInnerMachineNoCommandThatTheOuterStateKeeps) {
+  Make();
+  Enter();
+  show_->decision = Next::Stay().KeepCommand();
+  ASSERT_TRUE(machine_.Send("yes"));
+  Run(3);
+  EXPECT_EQ(machine_.waiting_commands(), 1U);
+  EXPECT_EQ(inner_->counts().unheeded, 0U);
+}
+
 }  // namespace
 }  // namespace musher::fsm
