@@ -121,7 +121,13 @@ class Machine::Restoring {
         Fail(SnapshotKey("inside", inside.state), UnknownState(inside.state));
       }
     }
-    ForInside([](Restoring& inside) { inside.Judge(); });
+    const auto present = machine_.FindState(saved_.state);
+    const Machine* const runs =
+        present ? machine_.nodes_[Index(*present)].state->inside() : nullptr;
+    ForInside([&](Restoring& inside) {
+      inside.Judge();
+      if (present || saved_.state.empty()) inside.JudgeRunning(&inside.machine_ == runs);
+    });
   }
 
   // To states and data.
@@ -162,6 +168,13 @@ class Machine::Restoring {
     if (!goes && state && (saved_.mode == Mode::kSafeStop) != (*state == machine_.safe_)) {
       Fail("mode", std::string(fsm::Name(saved_.mode)) + " is not that of " + saved_.state);
     }
+  }
+
+  // Of a machine inside: it runs while the state around it is the present one.
+  void JudgeRunning(bool runs) {
+    if (saved_.running == runs) return;
+    Fail("running", runs ? "is false, though the state around it is the present one"
+                         : "is true, though the state around it is not the present one");
   }
 
   void JudgeTimes() {

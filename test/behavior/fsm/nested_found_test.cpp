@@ -176,5 +176,29 @@ TEST_F(NestedFound, GivesTheInnerMachineNoCommandThatTheOuterStateKeeps) {
   EXPECT_EQ(inner_->counts().unheeded, 0U);
 }
 
+// They were restored, into a state that could never be left and a machine that ran unseen.
+TEST_F(NestedFound, RefusesASnapshotThatRunsInsideOtherThanOutside) {
+  Make();
+  Enter();
+  const Snapshot saved = machine_.Save().value();
+  ASSERT_TRUE(machine_.Stop());
+  const auto fault_of = [&](const Snapshot& snapshot) {
+    const std::vector<SnapshotFault> faults = machine_.Restore(snapshot, now_);
+    EXPECT_EQ(faults.size(), 1U);
+    EXPECT_FALSE(machine_.running());
+    return faults.empty() ? "" : faults[0].key + ": " + faults[0].what;
+  };
+  Snapshot rests = saved;
+  rests.inside[0].machine.running = false;
+  rests.inside[0].machine.state = "";
+  EXPECT_EQ(fault_of(rests),
+            "inside.SHOW.running: is false, though the state around it is the present one");
+  Snapshot runs = saved;
+  runs.state = "IDLE";
+  EXPECT_EQ(fault_of(runs),
+            "inside.SHOW.running: is true, though the state around it is not the present one");
+  EXPECT_TRUE(machine_.Restore(saved, now_).empty());
+}
+
 }  // namespace
 }  // namespace musher::fsm
