@@ -2,6 +2,7 @@
 
 #include "musher/behavior/fsm/machine.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <utility>
 
@@ -79,8 +80,13 @@ void Machine::TellAll(Call&& call) {
   }
 }
 
+// Machine time stands still once it has come to its farthest, so that no sum of times overflows.
 void Machine::Advance(Time now) {
-  tick_.step = last_tick_ && now > *last_tick_ ? now - *last_tick_ : Duration{};
+  const auto ns = [](auto time) { return static_cast<std::uint64_t>(time.count()); };
+  const Time last = last_tick_.value_or(now);
+  const std::uint64_t passed =
+      now > last ? ns(now.time_since_epoch()) - ns(last.time_since_epoch()) : 0;
+  tick_.step = Duration(std::min(passed, kFarthestNs - ns(tick_.now)));
   last_tick_ = now;
   tick_.now += tick_.step;
   tick_.elapsed += tick_.step;

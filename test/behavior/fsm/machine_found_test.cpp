@@ -273,5 +273,18 @@ TEST_F(MachineFound, CountsTheCommandsThatAResetOrAStopSweepsAway) {
   EXPECT_EQ(machine_.counts().superseded, 5U);
 }
 
+// The sum overflowed, which is undefined, and was negative.
+TEST_F(MachineFound, LetsMachineTimeStandStillAtItsFarthest) {
+  Add("IDLE");
+  ASSERT_TRUE(machine_.Build("IDLE"));
+  ASSERT_TRUE(machine_.Start(Time::min()));
+  machine_.RunOnce(Time::max());
+  EXPECT_EQ(machine_.time(), Duration(kFarthestNs));
+  machine_.RunOnce(Time::min());
+  machine_.RunOnce(Time::max());
+  EXPECT_EQ(machine_.time(), Duration(kFarthestNs));
+  EXPECT_EQ(machine_.elapsed(), Duration(kFarthestNs));
+}
+
 }  // namespace
 }  // namespace musher::fsm
