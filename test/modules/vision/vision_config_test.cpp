@@ -112,6 +112,13 @@ clear_m = 0.5
   EXPECT_THAT(Said("picture ="), ElementsAre(HasSubstr("faces.toml:1:")));
 }
 
+TEST(VisionConfig, RefusesARateAtWhichAFaceIsForgottenFromOnePictureToTheNext) {
+  EXPECT_THAT(Said("rate_hz = 0.19\n"),
+              ElementsAre(HasSubstr("faces.toml:1:11: error: rate_hz: a face would be forgotten")));
+  EXPECT_THAT(Said("rate_hz = 0.2\n"), IsEmpty());
+  EXPECT_THAT(Said("rate_hz = 0.19\n[faces]\nforget_ms = 6000\n"), IsEmpty());
+}
+
 TEST(VisionConfig, ThatCannotBeReadIsTold) {
   const VisionReading reading = ReadVisionFile("/no/faces.toml");
   EXPECT_FALSE(reading.config);
