@@ -116,7 +116,6 @@ void ControllerShell::SetState(const State& target, const std::optional<std::str
 }
 
 void ControllerShell::AwaitSetUp(OnAnswer done) {
-  if (machine_.set_up) return done(Ok());
   const RequestId request = next_request_++;
   if (refused_) return done(*refused_);
   waiting_for_answer_[request] = std::move(done);

@@ -29,7 +29,7 @@ void ControllerShell::Do(const action::StartProcess& a) {
       world_.processes->Start(spec, [this, i = a.actuator, pid](const ProcessExit& exit) {
         health_->Forget(i);
         peers_[i].link->OnProcess(0);
-        Handle(event::ProcessEnded{i, *pid, exit.clean(), exit.Text()});
+        Handle(event::ProcessEnded{i, *pid, exit.clean(), exit.Text(), exit.code()});
       });
   if (!started) return Handle(event::ProcessNotStarted{a.actuator, started.error().message});
   *pid = started.value();

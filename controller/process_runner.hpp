@@ -38,6 +38,9 @@ struct ProcessExit {
   // Whether the process ended by itself and was content.
   bool clean() const { return kind == Kind::kExited && number == 0; }
 
+  // 0 as well where it did not end by itself, or that is not known.
+  int code() const { return kind == Kind::kExited ? number : 0; }
+
   // "exit code 3: no such port", "killed by SIGKILL", "ended (exit code unknown)".
   std::string Text() const;
 

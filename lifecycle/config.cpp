@@ -16,6 +16,11 @@ std::string_view ProtocolName(Protocol protocol) {
   return "musher";
 }
 
+bool RestartConfig::Prevents(int exit_code) const {
+  return std::find(prevent_exit_codes.begin(), prevent_exit_codes.end(), exit_code) !=
+         prevent_exit_codes.end();
+}
+
 bool ActuatorConfig::Lists(std::string_view state) const {
   return std::find(states.begin(), states.end(), state) != states.end();
 }

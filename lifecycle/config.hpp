@@ -40,6 +40,10 @@ enum class ClockSource {
   kTopic,  // /clock: the time of a simulated world
 };
 
+// By which programs tell that they were called or configured wrongly: starting them again does not
+// help.
+inline constexpr int kUsageExitCode = 2;
+
 struct RestartConfig {
   RestartPolicy policy = RestartPolicy::kNo;
   Duration delay = Milliseconds(100);
@@ -47,6 +51,9 @@ struct RestartConfig {
   Duration max_delay = Milliseconds(10'000);
   int limit = 5;                                // restarts in a row before the actuator is given up
   Duration reset_after = Milliseconds(60'000);  // healthy this long: counting starts anew
+  std::vector<int> prevent_exit_codes = {kUsageExitCode};  // not started again after one of them
+
+  bool Prevents(int exit_code) const;
 
   friend bool operator==(const RestartConfig&, const RestartConfig&) = default;
 };

@@ -82,8 +82,9 @@ struct ProcessNotStarted {
 struct ProcessEnded {
   std::size_t actuator = 0;
   std::int32_t pid = 0;
-  bool clean = false;  // exit code 0
-  std::string how;     // "exit code 3", "killed by SIGKILL"
+  bool clean = false;          // exit code 0
+  std::string how;             // "exit code 3", "killed by SIGKILL"
+  std::int32_t exit_code = 0;  // of one that ended by itself; else, and where it is not known, 0
   friend bool operator==(const ProcessEnded&, const ProcessEnded&) = default;
 };
 // The health monitor's verdict on a living process.

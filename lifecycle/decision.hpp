@@ -87,7 +87,8 @@ class Decision {
   Leg* LegUnderWay(std::size_t i);
   void AskOrLose(std::size_t i);
   OrderEnd JudgeReport(std::size_t i, const Order& order) const;
-  void Lose(std::size_t i, const std::string& how, std::uint64_t cause = 0);
+  void Lose(std::size_t i, const std::string& how, std::uint64_t cause = 0,
+            std::int32_t code = kCodeNetError);
   void LoseSight(std::size_t i, const std::string& how, std::uint64_t cause = 0);
   void TakeForTornDown(std::size_t i);
   void JudgeFoundBusy(std::size_t i);
@@ -130,6 +131,7 @@ class Decision {
   bool StageSettled(int stage) const;
   bool AdvanceStart();
   void EndFirstStage();
+  void AnswerWhoAwaitsSetUp();
   void AdoptFrom(const State& lowest, std::uint64_t cause);
   void AfterStartUpCheck(std::uint64_t checked);
   void Activate(std::uint64_t cause);
@@ -160,8 +162,10 @@ class Decision {
   void Doom(std::size_t i, std::int32_t pid, Duration grace);
   void Kill(std::size_t i);
   void TakeForEnded(std::size_t i);
-  void Recover(std::size_t i, bool clean);
-  void GiveUp(std::size_t i);
+  bool IsFinal(std::size_t i, const event::ProcessEnded& ended) const;
+  std::string WhyFinal(const event::ProcessEnded& ended) const;
+  void Recover(std::size_t i, const event::ProcessEnded& ended = {});
+  void GiveUp(std::size_t i, const std::string& why);
   void JudgeArrival(std::size_t i);
   void CheckRestarts();
   void ForgetEnd(std::size_t i);

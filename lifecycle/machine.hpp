@@ -83,7 +83,7 @@ struct ActuatorRecord {
   int restarts = 0;                // of its process, in a row
   std::optional<Time> restart_at;  // the next one
   std::optional<Time> healthy_at;  // there for so long by then that counting starts anew
-  bool given_up = false;           // it was restarted too often
+  bool given_up = false;           // restarted too often, or not to be restarted
   bool restart_asked = false;      // by a person: its process has to end, then it is started again
   std::vector<std::uint64_t> restart_requests;  // who is told when it is back
   std::int32_t doomed = 0;                      // the process that is about to be killed …

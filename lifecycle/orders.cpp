@@ -332,11 +332,11 @@ Leg* Decision::LegUnderWay(std::size_t i) {
   return found == legs.end() ? nullptr : &*found;
 }
 
-void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause) {
+void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause, std::int32_t code) {
   ActuatorRecord& record = Of(i);
   const bool torn_down = record.state() == kTearDown;
   const bool had_answered = record.presence == Presence::kPresent;
-  if (record.order) EndOrder(i, {ActuatorOutcome::kLost, kCodeNetError, how, true, cause});
+  if (record.order) EndOrder(i, {ActuatorOutcome::kLost, code, how, true, cause});
   record.presence = Presence::kLost;
   record.claim_again.reset();
   record.checked = false;
@@ -352,7 +352,7 @@ void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause) 
     return Degrade(i, kCodeStateInvalid, "is torn down; only a new start brings it back", cause);
   }
   // Why its SetUp failed says more than that its process is gone.
-  if (!record.fault || had_answered) Degrade(i, kCodeNetError, how, cause);
+  if (!record.fault || had_answered) Degrade(i, code, how, cause);
 }
 
 // Nothing reaches it any more. What a process of ours came to will be found out: if it has ended or
@@ -386,7 +386,7 @@ void Decision::On(const event::Vanished& vanished) {
   if (was_there) Lose(vanished.actuator, "crashed: " + vanished.how);
   if (record.restart_at || record.given_up) return;  // what we had started it with ended before
   if (record.process != 0) return Doom(vanished.actuator, record.process, kEndTime);
-  Recover(vanished.actuator, false);
+  Recover(vanished.actuator);
 }
 
 }  // namespace musher

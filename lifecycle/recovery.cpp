@@ -142,11 +142,24 @@ void Decision::TakeForEnded(std::size_t i) {
   if (record.process == record.doomed) record.process = 0;
   record.dead = record.report.incarnation;
   if (record.presence == Presence::kPresent) Lose(i, "it was killed");
-  Recover(i, false);
+  Recover(i);
+}
+
+// Whether it was said of this end that a new start does not help.
+bool Decision::IsFinal(std::size_t i, const event::ProcessEnded& ended) const {
+  return MayRestart(i) && !Of(i).restart_asked && ConfigOf(i).restart.Prevents(ended.exit_code);
+}
+
+std::string Decision::WhyFinal(const event::ProcessEnded& ended) const {
+  const std::string code = "exit code " + std::to_string(ended.exit_code);
+  return ended.how + "; it is not started again until `musher restart " +
+         ConfigOf(ended.actuator).name + "`, because " + code +
+         (ended.exit_code == kUsageExitCode ? " tells of a wrong configuration"
+                                            : " is one of its restart_prevent_exit_codes");
 }
 
 // Its process has ended, or could not be started: what now?
-void Decision::Recover(std::size_t i, bool clean) {
+void Decision::Recover(std::size_t i, const event::ProcessEnded& ended) {
   ActuatorRecord& record = Of(i);
   const ActuatorConfig& config = ConfigOf(i);
   record.doomed = 0;
@@ -162,9 +175,13 @@ void Decision::Recover(std::size_t i, bool clean) {
   }
   // Who was torn down alone is meant to stay so.
   if (record.state() == kTearDown && record.report.apart) return;
-  const bool content = clean && config.restart.policy == RestartPolicy::kOnFailure;
+  const bool content = ended.clean && config.restart.policy == RestartPolicy::kOnFailure;
   if (!MayRestart(i) || content) return Fall(i);
-  if (record.restarts >= config.restart.limit) return GiveUp(i);
+  if (IsFinal(i, ended)) return GiveUp(i, WhyFinal(ended));
+  if (record.restarts >= config.restart.limit) {
+    return GiveUp(i, "given up after " + std::to_string(record.restarts) + " restarts; " +
+                         (record.fault ? record.fault->message : "its process ended"));
+  }
   const Duration delay = DelayOf(config.restart, record.restarts);
   ++record.restarts;
   record.restart_at = now_ + delay;
@@ -176,12 +193,9 @@ void Decision::Recover(std::size_t i, bool clean) {
                     record.cause);
 }
 
-void Decision::GiveUp(std::size_t i) {
-  ActuatorRecord& record = Of(i);
-  record.given_up = true;
-  const std::string last = record.fault ? record.fault->message : "its process ended";
-  Degrade(i, kCodeFailed,
-          "given up after " + std::to_string(record.restarts) + " restarts; " + last, record.cause);
+void Decision::GiveUp(std::size_t i, const std::string& why) {
+  Of(i).given_up = true;
+  Degrade(i, kCodeFailed, why, Of(i).cause);
   Fall(i);
 }
 
@@ -276,7 +290,7 @@ void Decision::On(const event::RestartRequested& requested) {
 void Decision::EndForRestart(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const std::int32_t pid = ProcessOf(i);
-  if (pid == 0) return Recover(i, false);
+  if (pid == 0) return Recover(i);
   const bool can_be_told = record.presence == Presence::kPresent && !record.order &&
                            !record.report.busy() && !machine_.current &&
                            record.health != Health::kHung && ConfigOf(i).Lists(kTearDown) &&

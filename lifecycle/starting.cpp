@@ -111,7 +111,7 @@ void Decision::On(const event::ProcessNotStarted& failed) {
   Of(failed.actuator).presence = Presence::kAbsent;
   Degrade(failed.actuator, kCodeFailed, "its process could not be started: " + failed.why,
           Of(failed.actuator).cause);
-  Recover(failed.actuator, false);
+  Recover(failed.actuator);
 }
 
 void Decision::On(const event::ProcessEnded& ended) {
@@ -129,9 +129,14 @@ void Decision::On(const event::ProcessEnded& ended) {
   if (record.health != Health::kHung) record.health = Health::kCrashed;
   if (record.presence == Presence::kStarting || record.presence == Presence::kPresent) {
     const bool in_set_up = record.presence == Presence::kStarting;
-    Lose(ended.actuator, "crashed: its " + how + (in_set_up ? " during SetUp" : ""), record.cause);
+    if (IsFinal(ended.actuator, ended)) {
+      Lose(ended.actuator, WhyFinal(ended), record.cause, kCodeFailed);
+    } else {
+      Lose(ended.actuator, "crashed: its " + how + (in_set_up ? " during SetUp" : ""),
+           record.cause);
+    }
   }
-  Recover(ended.actuator, ended.clean);
+  Recover(ended.actuator, ended);
 }
 
 // Whether a process of this host other than `pid` says that it is this actuator: somebody was
@@ -147,6 +152,18 @@ bool Decision::AnotherIsThere(std::size_t i, std::int32_t pid) const {
 
 void Decision::On(const event::SetUpAwaited& awaited) {
   machine_.set_up_requests.push_back(awaited.request);
+  if (machine_.set_up) AnswerWhoAwaitsSetUp();
+}
+
+void Decision::AnswerWhoAwaitsSetUp() {
+  Result<> answer;
+  for (std::size_t i = 0; i < machine_.actuators.size() && answer; ++i) {
+    const auto& fault = Of(i).fault;
+    if (fault) answer = Error{kCodeTimeout, ConfigOf(i).name + " " + fault->message};
+  }
+  for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
+    Do(action::AnswerCall{request, answer});
+  }
 }
 
 void Decision::CheckSetUpDeadlines() {
@@ -209,11 +226,7 @@ void Decision::EndFirstStage() {
     if (record.fault) missing.push_back(ConfigOf(i).name + " " + record.fault->message);
     if (record.presence == Presence::kPresent) ++present;
   }
-  Result<> answer;
-  if (!missing.empty()) answer = Error{kCodeTimeout, missing.front()};
-  for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
-    Do(action::AnswerCall{request, answer});
-  }
+  AnswerWhoAwaitsSetUp();
   const std::uint64_t told =
       RecordMachine(kCodeOk, std::to_string(present) + " actuators are set up", kBegun);
   if (const auto lowest = LowestFound()) return AdoptFrom(*lowest, told);

@@ -84,6 +84,7 @@ void ControllerProcess::OnEnd(std::int32_t pid, const ProcessExit& exit) {
 Result<pid_t> ControllerProcess::Start(const ProcessSpec& spec, OnExit on_exit) {
   if (!config_.IndexOf(spec.name)) return Error{kCodeUnSupport, "there is no power to switch"};
   if (processes_.IsAlive(spec.name)) return Error{kCodeTargetBusy, "it runs already"};
+  if (hooks_.on_start) hooks_.on_start(spec.name);
   const std::int32_t pid = processes_.Launch(spec.name);
   watchers_[pid] = std::move(on_exit);
   return pid;

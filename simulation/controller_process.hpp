@@ -36,8 +36,9 @@ class ControllerProcess : private ProcessRunner, private ProcessWitness, private
     std::function<void()> on_input;  // before each step of the decision code
     std::function<void(const action::Record&)> on_record;
     std::function<void(const Machine&, const action::SendSwitch&)> on_send;
-    std::function<void()> on_power;  // the power command
-    std::function<void()> on_over;   // it is stopped, fenced or refused: its process may end
+    std::function<void(const std::string& name)> on_start;  // of a process
+    std::function<void()> on_power;                         // the power command
+    std::function<void()> on_over;  // it is stopped, fenced or refused: its process may end
   };
 
   // All must outlive it.

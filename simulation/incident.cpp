@@ -20,6 +20,7 @@ struct KindRow {
 
 constexpr std::array<KindRow, kIncidentKinds> kKinds = {{
     {IncidentKind::kCrash, "crash", 9},
+    {IncidentKind::kWrongConfig, "wrong-config", 0},  // some of the crashes are one
     {IncidentKind::kFreeze, "freeze", 4},
     {IncidentKind::kHang, "hang", 4},
     {IncidentKind::kSlow, "slow", 4},
@@ -52,6 +53,9 @@ constexpr std::array<KindRow, kIncidentKinds> kKinds = {{
     {IncidentKind::kLowPowerSwitch, "low-power-switch", 0},
     {IncidentKind::kPowerOff, "power-off", 0},
 }};
+
+// How often what makes a process end is its configuration.
+constexpr double kWrongConfigShare = 0.2;
 
 // How often a robot with a policy meets something that concerns it, and what.
 constexpr double kPolicyShare = 0.4;
@@ -124,7 +128,10 @@ State DrawState(const MachineConfig& config, Random& dice) {
 class Drawing {
  public:
   Drawing(const MachineConfig& config, std::uint64_t seed)
-      : config_(config), dice_(seed * 2 + 1), policy_dice_(seed * 2 + 0x706f6c) {}
+      : config_(config),
+        dice_(seed * 2 + 1),
+        policy_dice_(seed * 2 + 0x706f6c),
+        exit_dice_(seed * 2 + 0x65786974) {}
 
   Incidents Draw() {
     const std::uint64_t count = 1 + dice_.Next() % (1 + dice_.Next() % 16);
@@ -175,6 +182,9 @@ class Drawing {
   Incident& AddAny() {
     Incident& incident = Add(DrawKind(dice_), DrawState(config_, dice_));
     if (config_.policy && policy_dice_.Chance(kPolicyShare)) MakeOfPolicy(incident);
+    if (incident.kind == IncidentKind::kCrash && exit_dice_.Chance(kWrongConfigShare)) {
+      incident.kind = IncidentKind::kWrongConfig;
+    }
     return incident;
   }
 
@@ -243,6 +253,7 @@ class Drawing {
   const MachineConfig& config_;
   Random dice_;
   Random policy_dice_;  // so that the rest of a life does not depend on it
+  Random exit_dice_;    // nor on this
   Duration at_{};
   Incidents incidents_;
 };
@@ -279,6 +290,9 @@ std::string Describe(const MachineConfig& config, const Incident& incident) {
   switch (incident.kind) {
     case IncidentKind::kCrash:
       return "the process of " + who + " is killed";
+    case IncidentKind::kWrongConfig:
+      return "the configuration of " + who + " is wrong" + lasts +
+             ": its process ends with exit code 2";
     case IncidentKind::kFreeze:
       return "the process of " + who + " is stopped" + lasts;
     case IncidentKind::kHang:

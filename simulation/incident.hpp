@@ -17,6 +17,7 @@ namespace musher::simulation {
 
 enum class IncidentKind : std::uint8_t {
   kCrash,             // an actuator's process ends
+  kWrongConfig,       // it ends with exit code 2, and so does each that starts meanwhile
   kFreeze,            // it is stopped for a while, as by SIGSTOP
   kHang,              // callbacks that begin meanwhile do not end
   kSlow,              // they take about as long as they may, or longer
@@ -49,7 +50,7 @@ enum class IncidentKind : std::uint8_t {
   kLowPowerSwitch,  // a person switches LowPower by lying still on or off
   kPowerOff,        // a person switches the robot off by its button
 };
-inline constexpr std::size_t kIncidentKinds = 31;
+inline constexpr std::size_t kIncidentKinds = 32;
 
 std::string_view KindName(IncidentKind kind);  // "crash", "controller-freeze", …
 

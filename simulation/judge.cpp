@@ -25,6 +25,9 @@ Judge::Judge(SimRobot& robot)
   robot_.on_send = [this](const Machine& machine, const action::SendSwitch& command) {
     OnSend(machine, command);
   };
+  robot_.on_start = [this](const ControllerProcess& controller, const std::string& name) {
+    OnStart(controller, name);
+  };
   robot_.processes().on_report = [this](const std::string& name, const ActuatorReport& report) {
     OnReport(name, report);
   };
@@ -78,6 +81,33 @@ void Judge::OnBegun(const std::string& name, const ActuatorReport& before,
   if (rises && !order->second.may_rise) {
     Blame(Promise::kNothingRises, what + ", which nobody has asked for");
   }
+}
+
+// Only of its own child a controller knows by which exit code it ended.
+void Judge::FindsConfigWrong(const std::string& name) {
+  const ControllerProcess* leader = robot_.leader();
+  if (leader == nullptr) return;
+  const std::size_t i = *config_.IndexOf(name);
+  const RestartConfig& restart = config_.actuators[i].restart;
+  const ActuatorRecord& record = leader->shell().machine().actuators[i];
+  const bool its_child = record.process == robot_.processes().PidOf(name) && !record.found_running;
+  const bool counts = restart.policy != RestartPolicy::kNo && restart.Prevents(kUsageExitCode);
+  if (its_child && counts && !record.restart_asked) final_[name] = leader->pid();
+}
+
+void Judge::OnStart(const ControllerProcess& controller, const std::string& name) {
+  ++judgements_;
+  const auto ended = final_.find(name);
+  if (ended != final_.end() && ended->second == controller.pid()) {
+    Blame(Promise::kNotInVain,
+          name + ", which ended with exit code 2, is started again, and nobody has asked for it");
+  }
+  final_.erase(name);
+  const std::size_t i = *config_.IndexOf(name);
+  const RestartConfig& restart = config_.actuators[i].restart;
+  const bool ends_at_once = robot_.processes().IsMisconfigured(name);
+  const bool counts = restart.policy != RestartPolicy::kNo && restart.Prevents(kUsageExitCode);
+  if (ends_at_once && counts) final_[name] = controller.pid();
 }
 
 void Judge::AfterEvent() {
@@ -317,10 +347,12 @@ void Judge::JudgeLoss(const Machine& machine, std::size_t i, bool provided) {
   if (!provided || actuator.command.empty()) return;  // others are started by somebody else
   Blame(Promise::kProvidedFor,
         "the machine rests in " + machine.state + " without " + actuator.name + ", " +
-            (record.given_up
-                 ? "which was given up after " + std::to_string(record.restarts) + " restarts"
-                 : (robot_.IsAlive(actuator.name) ? "which hangs, and nothing ends that"
-                                                  : "which nothing will start again")) +
+            (record.given_up ? (record.restarts < actuator.restart.limit
+                                    ? "whose exit code said that a new start does not help"
+                                    : "which was given up after " +
+                                          std::to_string(record.restarts) + " restarts")
+                             : (robot_.IsAlive(actuator.name) ? "which hangs, and nothing ends that"
+                                                              : "which nothing will start again")) +
             "; it has no on_lost (\"Active\" if the machine may do without it)");
 }
 

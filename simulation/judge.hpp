@@ -46,6 +46,10 @@ class Judge {
   void ControllersHindered(bool forgetful);
   // The controllers have ended: who had asked them waits no longer.
   void ControllersEnded();
+  // A process that lives finds its configuration wrong, and is about to end with exit code 2.
+  void FindsConfigWrong(const std::string& name);
+  // A person asks for a restart.
+  void AskedRestart(const std::string& name) { final_.erase(name); }
   // What it says is no evidence from now on.
   void Lied(const std::string& name) { liars_.insert(name); }
 
@@ -76,6 +80,7 @@ class Judge {
   void OnBegun(const std::string& name, const ActuatorReport& before, const ActuatorReport& report);
   void LookAt(const ControllerProcess& controller);
   void OnSend(const Machine& machine, const action::SendSwitch& command);
+  void OnStart(const ControllerProcess& controller, const std::string& name);
   bool MayRise(const Machine& machine, const State& target) const;
   void JudgeDeadline(const Machine& machine, Seen& seen);
   void JudgeChange(const Machine& machine, Seen& seen);
@@ -112,6 +117,8 @@ class Judge {
   bool forgetful_ = false;     // a disk was full: a controller may remember what is over
   bool urgent_asked_ = false;  // for Error or TearDown, which supersede others
   std::optional<Time> power_due_;
+  // Who ended for good, since a new start does not help, and the controller whose child it was.
+  std::map<std::string, std::int32_t> final_;
   std::set<std::string> liars_;
   std::set<std::string> on_its_own_;  // went where it is without a command
 };

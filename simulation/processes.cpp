@@ -37,6 +37,10 @@ std::int32_t Processes::Launch(const std::string& name) {
   Process& process = alive_[name];
   process.pid = pid;
   process.node = network_.MakeNode(name);
+  if (IsMisconfigured(name)) {
+    EndLater(name, pid, WrongConfigExit());
+    return pid;
+  }
   if (const auto program = programs_.find(name); program != programs_.end()) {
     process.program = program->second(*process.node);
     return pid;
@@ -90,6 +94,14 @@ void Processes::End(const std::string& name, const ProcessExit& exit) {
   dead.worker.reset();
   dead.program.reset();
   if (on_end) on_end(dead.pid, exit);
+}
+
+void Processes::Misconfigure(const std::string& name, bool wrong) {
+  if (wrong) {
+    misconfigured_.insert(name);
+  } else {
+    misconfigured_.erase(name);
+  }
 }
 
 void Processes::Freeze(const std::string& name) {

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,11 @@ class Module {
   virtual void OnReport(const ActuatorReport& /*report*/) {}  // after each step of the actuator
 };
 
+// How one ends that finds its configuration wrong.
+inline ProcessExit WrongConfigExit() {
+  return {ProcessExit::Kind::kExited, kUsageExitCode, "its configuration is wrong"};
+}
+
 class Processes {
  public:
   // Both must outlive it.
@@ -66,6 +72,10 @@ class Processes {
   void End(const std::string& name, const ProcessExit& exit);
   // Ends it after the callback that is running now, if it is that process still.
   void EndLater(const std::string& name, std::int32_t pid, const ProcessExit& exit);
+  // Its configuration is wrong, or is mended: while it is wrong a process that starts ends with
+  // exit code 2 before it says a word.
+  void Misconfigure(const std::string& name, bool wrong);
+  bool IsMisconfigured(const std::string& name) const { return misconfigured_.count(name) > 0; }
   void Freeze(const std::string& name);  // SIGSTOP
   void Thaw(const std::string& name);    // SIGCONT
   bool IsFrozen(const std::string& name) const { return alive_.at(name).frozen; }
@@ -105,6 +115,7 @@ class Processes {
   std::unique_ptr<transport::Node> keeper_;  // whose loop runs what belongs to no process
   std::map<std::string, Program> programs_;
   std::map<std::string, Process> alive_;
+  std::set<std::string> misconfigured_;
   std::int32_t next_pid_ = 1000;
 };
 

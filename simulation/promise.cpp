@@ -24,6 +24,8 @@ std::string_view PromiseText(Promise promise) {
       return "at rest, who lives is where the machine is, or is listed with a reason";
     case Promise::kEndsWhenAsked:
       return "TearDown ends every process within its budget";
+    case Promise::kNotInVain:
+      return "who finds its configuration wrong is not started again until somebody asks";
     case Promise::kWithinBattery:
       return "nobody is more active than the battery allows";
     case Promise::kNoFlapping:

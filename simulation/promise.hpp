@@ -21,6 +21,7 @@ enum class Promise : std::uint8_t {
   kComesToRest,    // when faults cease, within the bound
   kOneTruth,       // at rest, who lives is where the machine is, or is listed with a reason
   kEndsWhenAsked,  // TearDown ends every process within its budget
+  kNotInVain,      // what found its configuration wrong is started again when somebody asks only
   // Of the policy.
   kWithinBattery,  // nobody is more active than the battery allows
   kNoFlapping,     // the battery raises only whom it has taken down, beyond its hysteresis
@@ -32,7 +33,7 @@ enum class Promise : std::uint8_t {
   kWayBack,              // from wherever it rests, people can bring it back to where it was of use
   kWholeAgain,           // and then all are there
 };
-inline constexpr std::size_t kPromises = 18;
+inline constexpr std::size_t kPromises = 19;
 
 std::string_view PromiseText(Promise promise);  // a sentence without its full stop
 // Whether a config, rather than the middleware, can be the reason why it does not hold.

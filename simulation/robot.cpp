@@ -64,6 +64,9 @@ void SimRobot::Open(std::size_t which) {
   hooks.on_send = [this](const Machine& machine, const action::SendSwitch& command) {
     if (on_send) on_send(machine, command);
   };
+  hooks.on_start = [this, which](const std::string& name) {
+    if (on_start) on_start(*controllers_[which], name);
+  };
   hooks.on_power = [this] {
     if (on_power) on_power();
   };

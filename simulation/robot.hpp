@@ -50,6 +50,8 @@ class SimRobot {
   std::function<void(const Machine&, const action::SendSwitch&)> on_send;
   // Told of every record of any controller; may be empty.
   std::function<void(const action::Record&)> on_record;
+  // Told of every process that a controller starts, before it does; may be empty.
+  std::function<void(const ControllerProcess&, const std::string& name)> on_start;
   // Told of every power command; may be empty.
   std::function<void()> on_power;
 

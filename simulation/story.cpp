@@ -173,6 +173,9 @@ Moment Story::Now() const {
 void Story::Cease() {
   if (config_.policy) robot_.SetMotion(303);  // who lies still goes to rest by itself
   std::fill(moods_.begin(), moods_.end(), Mood{});
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    robot_.processes().Misconfigure(actuator.name, false);
+  }
   if (!robot_.has_controller()) {
     Note("the controller is started again");
     robot_.CrashController();

@@ -91,6 +91,7 @@ class Story {
   void SwitchOff();
 
   void Do(const Incident& incident);
+  void Misconfigure(const std::string& name, Duration lasts);
   void DoToNetwork(const Incident& incident);
   void DoToController(const Incident& incident);
   void Ask(const State& target, const std::optional<std::string>& actuator = std::nullopt);

@@ -23,6 +23,8 @@ void Story::Do(const Incident& incident) {
   switch (incident.kind) {
     case IncidentKind::kCrash:
       return robot_.CrashActuator(name);
+    case IncidentKind::kWrongConfig:
+      return Misconfigure(name, incident.lasts);
     case IncidentKind::kFreeze:
       if (!robot_.IsAlive(name)) return;
       robot_.FreezeActuator(name);
@@ -53,12 +55,22 @@ void Story::Do(const Incident& incident) {
     case IncidentKind::kRelease:
       return robot_.ReleaseEmergencyStop();
     case IncidentKind::kRestart:
+      judge_.AskedRestart(name);
       return robot_.Restart(name);
     default:
       if (incident.kind > IncidentKind::kRestart) return DoToPolicy(incident);
       return incident.kind < IncidentKind::kControllerCrash ? DoToNetwork(incident)
                                                             : DoToController(incident);
   }
+}
+
+void Story::Misconfigure(const std::string& name, Duration lasts) {
+  robot_.processes().Misconfigure(name, true);
+  if (robot_.IsAlive(name)) {
+    judge_.FindsConfigWrong(name);
+    robot_.processes().End(name, WrongConfigExit());
+  }
+  Later(lasts, [this, name] { robot_.processes().Misconfigure(name, false); });
 }
 
 void Story::DoToPolicy(const Incident& incident) {
@@ -218,6 +230,7 @@ void Story::RepairActuators() {
     if (well) continue;
     Note("people restart " + actuator.name);
     if (!actuator.command.empty()) {
+      judge_.AskedRestart(actuator.name);
       robot_.Restart(actuator.name);
       continue;
     }

@@ -150,10 +150,9 @@ template <>
 inline constexpr std::string_view kEventName<event::ProcessEnded> = "ProcessEnded";
 template <>
 inline constexpr std::tuple kFields<event::ProcessEnded> = {
-    Field{"actuator", &event::ProcessEnded::actuator},
-    Field{"pid", &event::ProcessEnded::pid},
-    Field{"clean", &event::ProcessEnded::clean},
-    Field{"how", &event::ProcessEnded::how},
+    Field{"actuator", &event::ProcessEnded::actuator},   Field{"pid", &event::ProcessEnded::pid},
+    Field{"clean", &event::ProcessEnded::clean},         Field{"how", &event::ProcessEnded::how},
+    Field{"exit_code", &event::ProcessEnded::exit_code},
 };
 template <>
 inline constexpr std::string_view kEventName<event::HealthChanged> = "HealthChanged";

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kLastStage = 9;
 constexpr std::int64_t kMostRestarts = 10'000;
+constexpr std::int64_t kHighestExitCode = 255;
 constexpr double kFastestGrowth = 100.0;
 constexpr std::int64_t kShortestCheckpointMs = 20;        // below, a busy kernel looks like a hang
 constexpr std::int64_t kShortestControllerLostMs = 1000;  // two of a controller's signs of life
@@ -166,6 +167,9 @@ class ActuatorReader {
     restart.limit = static_cast<int>(limit.value_or(restart.limit));
     const auto reset_after = reader_.Time("restart_reset_ms");
     restart.reset_after = reset_after.value_or(restart.reset_after);
+    const auto prevent =
+        reader_.Integers("restart_prevent_exit_codes", 1, kHighestExitCode, {.may_be_empty = true});
+    if (prevent) restart.prevent_exit_codes.assign(prevent->begin(), prevent->end());
   }
 
   void ReadLosses() {

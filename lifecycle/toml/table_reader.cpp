@@ -159,7 +159,7 @@ std::optional<std::vector<Duration>> TableReader::Times(std::string_view key) {
 
 std::optional<std::vector<std::int64_t>> TableReader::Integers(std::string_view key,
                                                                std::int64_t least,
-                                                               std::int64_t most) {
+                                                               std::int64_t most, ListRule rule) {
   const Value* value = Get(key);
   if (value == nullptr) return std::nullopt;
   const auto* array = value->As<Array>();
@@ -167,13 +167,20 @@ std::optional<std::vector<std::int64_t>> TableReader::Integers(std::string_view 
     Mismatch(key, "an array of integers", *value);
     return std::nullopt;
   }
-  if (array->empty()) {
+  if (array->empty() && !rule.may_be_empty) {
     Fault(value->at, key, "expected one integer or more, found an empty array");
     return std::nullopt;
   }
   std::vector<std::int64_t> integers;
   for (const Value& item : *array) {
-    if (const auto integer = InRange(key, item, least, most, "")) integers.push_back(*integer);
+    const auto integer = InRange(key, item, least, most, "");
+    if (!integer) continue;
+    const bool is_new = std::find(integers.begin(), integers.end(), *integer) == integers.end();
+    if (is_new || rule.may_repeat) {
+      integers.push_back(*integer);
+    } else {
+      Fault(item.at, key, std::to_string(*integer) + " is listed twice");
+    }
   }
   return integers;
 }

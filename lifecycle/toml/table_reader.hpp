@@ -49,7 +49,8 @@ class TableReader {
   std::optional<std::vector<Word>> Strings(std::string_view key, ListRule rule = {});
   std::optional<std::vector<Duration>> Times(std::string_view key);
   std::optional<std::vector<std::int64_t>> Integers(std::string_view key, std::int64_t least,
-                                                    std::int64_t most);
+                                                    std::int64_t most,
+                                                    ListRule rule = {.may_repeat = true});
   const Table* SubTable(std::string_view key);
   // Those of an array of tables.
   std::vector<const Value*> Tables(std::string_view key);

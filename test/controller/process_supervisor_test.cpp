@@ -116,6 +116,7 @@ TEST_F(Supervisor, TellsTheExitCode) {
   MustStart(Script("exit 3"));
   EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kExited, 3, ""}));
   EXPECT_EQ(exit_->Text(), "exit code 3");
+  EXPECT_EQ(exit_->code(), 3);
   EXPECT_FALSE(exit_->clean());
 }
 
@@ -131,6 +132,7 @@ TEST_F(Supervisor, TellsTheSignalThatKilledAProcess) {
   kill(pid, SIGKILL);
   EXPECT_EQ(WaitForExit(), (ProcessExit{ProcessExit::Kind::kKilled, SIGKILL, ""}));
   EXPECT_EQ(exit_->Text(), "killed by SIGKILL");
+  EXPECT_EQ(exit_->code(), 0) << "a signal's number is no exit code";
 }
 
 TEST_F(Supervisor, TellsTheLastWordsOfAProcessThatGaveUp) {

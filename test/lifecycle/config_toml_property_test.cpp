@@ -49,6 +49,7 @@ RestartConfig AnyRestart() {
   restart.growth = *rc::gen::inRange(4, 40) * 0.25;
   restart.limit = *rc::gen::inRange(0, 10'001);
   restart.reset_after = AnyTime();
+  restart.prevent_exit_codes = AnySubset<int>({1, 2, 3, 78, 255});
   return restart;
 }
 
@@ -171,7 +172,10 @@ void WriteActuator(const ActuatorConfig& actuator, std::ostream& out) {
       << "\"\nrestart_delay_ms = " << ToMilliseconds(restart.delay)
       << "\nrestart_max_ms = " << ToMilliseconds(restart.max_delay)
       << "\nrestart_growth = " << restart.growth << "\nrestart_limit = " << restart.limit
-      << "\nrestart_reset_ms = " << ToMilliseconds(restart.reset_after) << "\n";
+      << "\nrestart_reset_ms = " << ToMilliseconds(restart.reset_after)
+      << "\nrestart_prevent_exit_codes = [";
+  for (const int code : restart.prevent_exit_codes) out << code << ", ";
+  out << "]\n";
   if (actuator.env.empty()) return;
   out << "[actuator." << actuator.name << ".env]\n";
   for (const auto& [name, value] : actuator.env) {

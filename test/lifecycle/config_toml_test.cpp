@@ -108,6 +108,15 @@ TEST(ConfigToml, RestartsOnFailureWhatItStartsItself) {
             RestartPolicy::kNo);
 }
 
+TEST(ConfigToml, StartsNothingAgainThatEndsWithExitCodeTwoUnlessOthersAreNamed) {
+  const auto codes = [](const std::string& keys) {
+    return ReadWith("command = [\"wheels\"]\n" + keys).actuators[0].restart.prevent_exit_codes;
+  };
+  EXPECT_EQ(codes(""), std::vector<int>{2});
+  EXPECT_EQ(codes("restart_prevent_exit_codes = [3, 255]"), (std::vector<int>{3, 255}));
+  EXPECT_EQ(codes("restart_prevent_exit_codes = []"), std::vector<int>{});
+}
+
 TEST(ConfigToml, ProtectsTheMachineWhenACriticalActuatorIsLost) {
   EXPECT_EQ(ReadWith("critical = true").actuators[0].on_lost, "Protected");
   EXPECT_EQ(ReadWith("critical = true\non_lost = \"Error\"").actuators[0].on_lost, "Error");

@@ -70,6 +70,14 @@ TEST(Encoding, KeepsDefaultsOfWhatIsMissingAndPassesOverWhatIsNotKnown) {
   EXPECT_EQ(read.value().event, Event(event::ProcessEnded{2, 0, false, ""}));
 }
 
+TEST(Encoding, OfTheEndOfAProcessHasItsExitCodeAndReadsEndsWithoutOne) {
+  const std::string before = R"({"event":"ProcessEnded","now":1,"pid":7,"how":"exit code 2: no"})";
+  const Event without = event::ProcessEnded{0, 7, false, "exit code 2: no"};
+  EXPECT_EQ(DecodeEvent(before).value().event, without) << "recorded before there was one";
+  EXPECT_EQ(EncodeEvent(event::ProcessEnded{0, 7, false, "exit code 2: no", 2}, Time(Duration(1))),
+            before.substr(0, before.size() - 1) + R"(,"exit_code":2})");
+}
+
 TEST(Encoding, SaysWhereItCannotBeRead) {
   const auto complaint = [](const char* text) {
     const auto read = DecodeEvent(text);

@@ -18,6 +18,12 @@ class Restart : public MachineByCli {
     voice_ = Voice()["pid"];
   }
   static nlohmann::json Voice() { return Status()["actuators"]["voice"]; }
+  static int CountOf(const std::string& words, const std::string& text) {
+    int count = 0;
+    for (auto at = text.find(words); at != std::string::npos; at = text.find(words, at + 1))
+      ++count;
+    return count;
+  }
   // It has a new process, and is as well as all others.
   void ExpectVoiceIsBack() const {
     const auto voice = Voice();
@@ -69,6 +75,28 @@ TEST_F(Restart, FollowsTheDeathOfAProcess) {
   ExpectVoiceIsBack();
   EXPECT_EQ(Voice()["restarts"], 1);
   EXPECT_THAT(Musher({"status"}).out, HasSubstr("  1 restart\n"));
+}
+
+TEST_F(Restart, OfOneWithAWrongConfigComesOnceAPersonHasMendedItAndAsks) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  Does("voice", "[state.Activ]\nrun = [\"true\"]\n");
+  kill(voice_, SIGKILL);
+  ASSERT_NE(up_->LineWith("voice is started again in 100 ms"), "");
+  const std::string told = up_->LineWith("voice is degraded: exit code 2: ");
+  EXPECT_THAT(told, HasSubstr("voice.toml:1:8: error: "));
+  EXPECT_THAT(told, HasSubstr("it is not started again until `musher restart voice`, because exit "
+                              "code 2 tells of a wrong configuration"));
+  EXPECT_THAT(Musher({"status"}).out, HasSubstr("exit code 2: "));
+  const Ended in_vain = Musher({"restart", "voice"});
+  EXPECT_EQ(in_vain.exit, 1);
+  EXPECT_THAT(in_vain.err, HasSubstr("voice.toml:1:8: error: "));
+  Does("voice", "[state.Active]\nrun = [\"true\"]\n");
+  EXPECT_EQ(Musher({"restart", "voice"}).exit, 0);
+  ExpectVoiceIsBack();
+  const std::string history = Musher({"history"}).out;
+  EXPECT_EQ(CountOf("voice is started as process", history), 4)
+      << "at first, after its death, and twice by hand:\n"
+      << history;
 }
 
 TEST_F(Restart, FollowsAHangOnceItIsKnownWhatTheProcessWasDoing) {

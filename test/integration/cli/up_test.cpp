@@ -96,6 +96,23 @@ TEST_F(Up, LeavesAFailedStartForInspection) {
   EXPECT_EQ(Musher({"status"}).exit, 3);
 }
 
+TEST_F(Up, SaysAtOnceThatTheConfigOfAModuleIsWrong) {
+  Does("legs", "[state.Activ]\nrun = [\"true\"]\n");
+  const Ended up = Musher({"up", config_});
+  EXPECT_EQ(up.exit, 1);
+  EXPECT_THAT(up.err, HasSubstr("critical legs: "));
+  EXPECT_THAT(up.err, HasSubstr("legs.toml:1:8: error: "));
+  EXPECT_THAT(up.err, HasSubstr("until `musher restart legs`, because exit code 2 tells of a wrong "
+                                "configuration"));
+  EXPECT_THAT(up.out, Not(HasSubstr("started again")));
+  Does("legs", "[state.Active]\nrun = [\"true\"]\n");
+  EXPECT_EQ(Musher({"restart", "legs"}).exit, 0);
+  EXPECT_EQ(Musher({"set", "SelfCheck"}).exit, 0);
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
+  EXPECT_EQ(Status()["state"], "Active");
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+}
+
 TEST_F(Up, EndsWithOneWhenItIsStoppedBeforeTheMachineIsUp) {
   Does("legs", "[state.SetUp]\nshell = \"sleep 5\"\n");
   Process up(Command({"up", config_}));

@@ -62,6 +62,16 @@ TEST_F(Stages, WhoWaitsForAllToBeSetUpHearsWhoIsMissing) {
   EXPECT_EQ(Did<action::AnswerCall>()[0].result.error().message, "a was not set up within 100 ms");
 }
 
+// Who asked after the first stage was over heard that all was well.
+TEST_F(Stages, WhoWaitsForAllToBeSetUpTooLateHearsWhoIsMissingAtOnce) {
+  Begin();
+  Come(1);
+  Pass(Milliseconds(100));
+  Do(event::SetUpAwaited{7});
+  ASSERT_THAT(Did<action::AnswerCall>(), SizeIs(1));
+  EXPECT_EQ(Did<action::AnswerCall>()[0].result.error().message, "a was not set up within 100 ms");
+}
+
 TEST_F(Stages, AFirstOneThatIsCriticalAndFailsItsCheckEndsTheStart) {
   config_.actuators[0].critical = true;
   Begin();

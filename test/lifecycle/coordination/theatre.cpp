@@ -140,13 +140,17 @@ void Theatre::Crash(const std::string& name) {
   EndProcess(Index(name), false, "killed by SIGKILL");
 }
 
-void Theatre::EndProcess(std::size_t i, bool clean, const std::string& how) {
+void Theatre::Exit(const std::string& name, int code, const std::string& words) {
+  EndProcess(Index(name), false, "exit code " + std::to_string(code) + ": " + words, code);
+}
+
+void Theatre::EndProcess(std::size_t i, bool clean, const std::string& how, int exit_code) {
   Actor& actor = actors_[i];
   if (!actor.alive) return;
   actor.alive = false;
   After(kWire, [=, this, pid = actor.pid] {
     const bool ours = machine_.actuators[i].process == pid;
-    if (ours) return Tell(event::ProcessEnded{i, pid, clean, how});
+    if (ours) return Tell(event::ProcessEnded{i, pid, clean, how, exit_code});
     Tell(event::Vanished{i, static_cast<std::uint64_t>(pid), true, "its process ended"});
   });
 }
@@ -285,8 +289,9 @@ void Theatre::Do(std::size_t i, const ActuatorAction& action) {
     actor.visible = true;
   } else if (const auto* finish = std::get_if<actuator_action::Finish>(&action)) {
     const bool clean = finish->code == kCodeOk;
-    After(kWire * 3,
-          [this, i, clean] { EndProcess(i, clean, clean ? "exit code 0" : "exit code 1"); });
+    After(kWire * 3, [this, i, clean] {
+      EndProcess(i, clean, clean ? "exit code 0" : "exit code 1", clean ? 0 : 1);
+    });
   }
 }
 
@@ -321,10 +326,13 @@ void Theatre::Do(const Action& action) {
       return ActuatorEvent{actuator_event::AskArrived{token, command, sender}};
     });
   } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
-    Behaviour& exec = actors_[start->actuator].script["exec"];
+    const Behaviour exec = actors_[start->actuator].script["exec"];
     if (exec.code != kCodeOk) return Tell(event::ProcessNotStarted{start->actuator, exec.message});
     StartActuator(config_.actuators[start->actuator].name);
     Tell(event::ProcessStarted{start->actuator, actors_[start->actuator].pid});
+    if (exec.exit_code != 0) {
+      Exit(config_.actuators[start->actuator].name, exec.exit_code, exec.message);
+    }
   } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
     signals.push_back(config_.actuators[signal->actuator].name +
                       (signal->kill ? ":KILL" : ":TERM"));

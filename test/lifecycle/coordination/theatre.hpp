@@ -22,6 +22,7 @@ struct Behaviour {
   std::string message;
   bool hangs = false;
   bool ends_when_asked = false;  // a long callback that honours RequestStop, ending with Failed
+  int exit_code = 0;             // of "exec": the process ends with it before it says a word
 };
 
 class Theatre {
@@ -38,6 +39,8 @@ class Theatre {
   void StartActuator(const std::string& name);
   // kill -9.
   void Crash(const std::string& name);
+  // Its process ends by itself, not content; the last line that it writes is `words`.
+  void Exit(const std::string& name, int code, const std::string& words);
   // No message passes between controller and actuator any more, in that direction or both.
   void Mute(const std::string& name, bool to_actuator, bool from_actuator);
   // What the actuator says takes so much longer to come.
@@ -118,7 +121,7 @@ class Theatre {
   void Do(const Action& action);
   void TellActuators(const action::TellEmergencyStop& stop);
   Sender ControllerId() const { return static_cast<Sender>(generation_) + 1; }
-  void EndProcess(std::size_t i, bool clean, const std::string& how);
+  void EndProcess(std::size_t i, bool clean, const std::string& how, int exit_code = 0);
   ActuatorReport ReportOf(std::size_t i) const;
   std::size_t Index(const std::string& name) const { return *config_.IndexOf(name); }
 

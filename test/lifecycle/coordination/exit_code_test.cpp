@@ -1,0 +1,255 @@
+// What ends with a code of its restart_prevent_exit_codes is not started again until a person asks:
+// a wrong configuration is not mended by the next start.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+constexpr const char* kWords = "b.toml:7:1: error: unknown key 'sped'; did you mean 'speed'?";
+
+class ExitCode : public Switching {
+ protected:
+  // From now on a start of b ends as soon as it has read its config.
+  static void Misconfigure(Theatre& t) {
+    t.On("b", "exec").exit_code = kUsageExitCode;
+    t.On("b", "exec").message = kWords;
+  }
+  static void Mend(Theatre& t) { t.On("b", "exec").exit_code = 0; }
+
+  static std::ptrdiff_t StartsOf(const Theatre& t, const std::string& name) {
+    return std::count_if(t.records.begin(), t.records.end(), [&](const std::string& record) {
+      return record.starts_with(name + " is started as process");
+    });
+  }
+
+  static Result<> RestartByHand(Theatre& t, const std::string& name) {
+    const RequestId call = t.Restart(name);
+    EXPECT_TRUE(t.RunUntil([&] { return t.calls.count(call) > 0; })) << "no answer";
+    return t.calls.at(call);
+  }
+};
+
+TEST_F(ExitCode, TwoIsNotStartedAgainAndToldWithItsLastWords) {
+  Theatre& t = In("Active", Ours(2));
+  t.Exit("b", 2, kWords);
+  t.Rest();
+  EXPECT_EQ(StartsOf(t, "b"), 1);
+  EXPECT_TRUE(t.RecordOf("b").given_up);
+  EXPECT_EQ(t.RecordOf("b").fault->code, kCodeFailed);
+  EXPECT_EQ(t.RecordOf("b").fault->message,
+            std::string("exit code 2: ") + kWords +
+                "; it is not started again until `musher restart b`, because exit code 2 tells of "
+                "a wrong configuration");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+  EXPECT_EQ(t.machine().state, "Active");
+}
+
+TEST_F(ExitCode, IsToldOnce) {
+  Theatre& t = In("Active", Ours(2));
+  t.Exit("b", 2, kWords);
+  t.Rest();
+  EXPECT_THAT(t.records, Contains(StartsWith("b is degraded")).Times(1));
+}
+
+TEST_F(ExitCode, OtherCodesAndSignalsAreStartedAgain) {
+  Theatre& t = In("Active", Ours(2));
+  t.Exit("b", 1, "the port is gone");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_EQ(StartsOf(t, "b"), 3);
+}
+
+// So that a recording that was made before there was an exit code is replayed as it was decided.
+TEST_F(ExitCode, ThatIsNotToldIsNotReadFromTheWords) {
+  Theatre& t = In("Active", Ours(2));
+  t.Tell(event::ProcessEnded{1, t.RecordOf("b").process, false, "exit code 2: no such map"});
+  EXPECT_TRUE(t.RecordOf("b").restart_at);
+}
+
+TEST_F(ExitCode, ThatTheConfigNamesCountsInsteadOfTwo) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "b").restart.prevent_exit_codes = {3, 78};
+  Theatre& t = In("Active", config);
+  t.Exit("b", 2, "panic: no such map");
+  t.Rest();
+  ASSERT_EQ(t.StateOf("b"), "Active");
+  t.Exit("b", 78, "no licence");
+  t.Rest();
+  EXPECT_FALSE(t.IsAlive("b"));
+  EXPECT_THAT(t.RecordOf("b").fault->message,
+              HasSubstr("because exit code 78 is one of its restart_prevent_exit_codes"));
+}
+
+TEST_F(ExitCode, NoneMeansThatAllAreStartedAgain) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "b").restart.prevent_exit_codes = {};
+  Theatre& t = In("Active", config);
+  t.Exit("b", 2, kWords);
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(ExitCode, CountsForAlwaysToo) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "b").restart.policy = RestartPolicy::kAlways;
+  Theatre& t = In("Active", config);
+  t.Exit("b", 2, kWords);
+  t.Rest();
+  EXPECT_FALSE(t.IsAlive("b"));
+}
+
+TEST_F(ExitCode, OfACriticalOneTakesTheMachineToItsOnLostAtOnce) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  t.Exit("b", 2, kWords);
+  t.RunFor(Milliseconds(50));
+  EXPECT_EQ(t.machine().state, "Protected") << "its first restart would come after 100 ms";
+  EXPECT_THAT(t.Set("Active").reason, HasSubstr("critical b"));
+}
+
+TEST_F(ExitCode, IsTheCauseOfWhatFollowsFromIt) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  t.Exit("b", 2, kWords);
+  t.Rest();
+  const auto fall = std::find_if(t.told.begin(), t.told.end(), [](const action::Record& record) {
+    return record.message == "an actuator is lost; falling back to Protected";
+  });
+  ASSERT_NE(fall, t.told.end());
+  const action::Record& degraded = t.told.at(fall->cause - 1);
+  EXPECT_THAT(degraded.message, StartsWith("b is degraded: exit code 2: "));
+  EXPECT_THAT(t.told.at(degraded.cause - 1).message, HasSubstr("ended: exit code 2: "));
+}
+
+TEST_F(ExitCode, InACrashLoopEndsIt) {
+  Theatre& t = In("Active", Ours(2));
+  Misconfigure(t);
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(StartsOf(t, "b"), 2);
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr(kWords));
+}
+
+TEST_F(ExitCode, InASwitchUpUndoesIt) {
+  Theatre& t = In("Protected", Ours(3));
+  t.On("b", "Active").takes = Milliseconds(80);
+  const RequestId request = t.Ask("Active");
+  t.RunFor(Milliseconds(30));
+  t.Exit("b", 2, kWords);
+  t.Rest();
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kUndone);
+  EXPECT_THAT(Of(t.answers.at(request), "b").message, HasSubstr(kWords));
+  EXPECT_EQ(StartsOf(t, "b"), 1);
+}
+
+TEST_F(ExitCode, OfOneThatIsTornDownAloneIsAsTornDownAsAnother) {
+  Theatre& t = In("Active", Ours(2));
+  EXPECT_TRUE(t.Set("TearDown", "b").done());
+  t.Exit("b", 2, kWords);
+  t.Rest();
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("is torn down"));
+}
+
+// By hand
+
+TEST_F(ExitCode, IsOverOnceAPersonHasMendedTheFileAndRestartsIt) {
+  Theatre& t = In("Active", OursWithCriticalB());
+  Misconfigure(t);
+  t.Exit("b", 2, kWords);
+  t.Rest();
+  const Result<> in_vain = RestartByHand(t, "b");
+  ASSERT_FALSE(in_vain);
+  EXPECT_THAT(in_vain.error().message, HasSubstr(kWords));
+  EXPECT_EQ(StartsOf(t, "b"), 2) << "once for each request";
+  Mend(t);
+  EXPECT_TRUE(RestartByHand(t, "b"));
+  EXPECT_FALSE(t.RecordOf("b").given_up);
+  EXPECT_EQ(t.StateOf("b"), "Protected") << "where the machine is";
+  EXPECT_TRUE(t.Set("Active").done());
+}
+
+TEST_F(ExitCode, OfOneThatWasToldToEndForARestartHindersNone) {
+  Theatre& t = In("Active", Ours(2));
+  t.On("b", "TearDown").hangs = true;
+  const RequestId call = t.Restart("b");
+  t.RunFor(Milliseconds(20));
+  t.Exit("b", 2, "interrupted");
+  t.Rest();
+  ASSERT_EQ(t.calls.count(call), 1U);
+  EXPECT_TRUE(t.calls.at(call));
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(ExitCode, IsTriedAnewByTheNextController) {
+  Theatre& t = In("Active", Ours(2));
+  t.Exit("b", 2, kWords);
+  t.Rest();
+  t.RestartController();
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+// While the machine starts
+
+TEST_F(ExitCode, AtTheStartOfACriticalOneFailsTheStartUpAtOnce) {
+  Theatre t(OursWithCriticalB());
+  Misconfigure(t);
+  t.Begin();
+  t.RunFor(Milliseconds(90));
+  ASSERT_TRUE(t.start_up()) << "its first restart would come after 100 ms";
+  EXPECT_FALSE(t.usable());
+  EXPECT_THAT(t.start_up()->message, HasSubstr(std::string("critical b: 101 (Robot: Failed), ") +
+                                               "exit code 2: " + kWords));
+  EXPECT_EQ(StartsOf(t, "b"), 1);
+  Mend(t);
+  EXPECT_TRUE(RestartByHand(t, "b"));
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_EQ(t.machine().phase, Phase::kRunning);
+}
+
+TEST_F(ExitCode, AtTheStartOfAnotherOneLeavesTheMachineWithoutIt) {
+  MachineConfig config = Ours(3);
+  ActuatorNamed(config, "c").after = {"b"};
+  Theatre t(config);
+  Misconfigure(t);
+  t.Begin();
+  t.Rest();
+  EXPECT_TRUE(t.usable());
+  EXPECT_EQ(t.StateOf("a"), "Active");
+  EXPECT_FALSE(t.IsAlive("c"));
+  EXPECT_THAT(t.RecordOf("c").fault->message, HasSubstr("needs b, which is degraded: exit code 2"));
+  Mend(t);
+  EXPECT_TRUE(RestartByHand(t, "b"));
+  t.Rest();
+  EXPECT_EQ(t.StateOf("c"), "Active") << "what was missing is there";
+  EXPECT_THAT(Degraded(t.config(), t.machine()), IsEmpty());
+}
+
+TEST_F(ExitCode, OfOneThatComesInALaterStageLeavesTheFirstAsItIs) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "b").stage = 2;
+  Theatre t(config);
+  Misconfigure(t);
+  t.Begin();
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_EQ(StartsOf(t, "b"), 1);
+  EXPECT_THAT(t.records, Not(Contains(HasSubstr("b is started again"))));
+}
+
+}  // namespace
+}  // namespace musher::testing
