@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <condition_variable>
 #include <future>
 #include <stdexcept>
 
@@ -142,6 +143,34 @@ TEST_F(LookThreadTest, LoadsTheModelAheadOrSaysWhyNot) {
   EXPECT_TRUE(thread_->Load());
   EXPECT_TRUE(thread_->Load());
   EXPECT_EQ(made_, 3) << "once it is there it is kept";
+}
+
+// Whichever of the two comes first.
+TEST_F(LookThreadTest, LoadsWithoutWaitingForAPictureThatHangs) {
+  std::mutex mutex;
+  std::condition_variable changed;
+  int let_go = 0;
+  int begun = 0;
+  script_ = [&](const msg::Image&) {
+    std::unique_lock lock(mutex);
+    const int mine = ++begun;
+    changed.wait_for(lock, std::chrono::seconds(20), [&] { return let_go >= mine; });
+    return std::vector<FaceBox>();
+  };
+  Start();
+  for (int i = 1; i <= 1000; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    thread_->Look(i, Picture());
+    EXPECT_TRUE(thread_->Load());
+    ASSERT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10))
+        << "picture " << i;
+    {
+      const std::lock_guard lock(mutex);
+      let_go = i;
+    }
+    changed.notify_all();
+    ASSERT_TRUE(AwaitResults(std::size_t(i)));
+  }
 }
 
 TEST_F(LookThreadTest, SaysBeforeEachPictureHowLongItMayTake) {
