@@ -16,6 +16,7 @@ Error Wrong(KeyCode key, const std::string& what) {
 }
 
 constexpr int kRareInARow = 5;
+constexpr Duration kQuiet = std::chrono::minutes(1);  // in the log
 
 std::string Ms(Duration time) {
   return std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(time).count()) +
@@ -91,6 +92,7 @@ void FaceTopics::Leave() {
   pictures_.reset();
   infos_.reset();
   silence_ = {};
+  asked_.reset();
   TellNobody();
 }
 
@@ -118,6 +120,7 @@ void FaceTopics::OnPicture(msg::Image picture) {
       break;
   }
   newest_ns_ = stamp_ns;
+  if (!asked_) asked_ = around_.clock.Now();
   around_.looker.Look(stamp_ns, std::move(picture));
 }
 
@@ -125,7 +128,6 @@ void FaceTopics::OnJump() {
   watch_ = FaceWatch(config_.faces);
   too_close_now_ = false;
   // Two cameras on one topic would say it with each picture.
-  constexpr Duration kQuiet = std::chrono::minutes(1);
   const Time now = around_.node.loop().Now();
   if (jump_told_ && now < *jump_told_ + kQuiet) return;
   jump_told_ = now;
@@ -136,6 +138,8 @@ void FaceTopics::OnJump() {
 }
 
 void FaceTopics::OnResult(const LookResult& result) {
+  asked_.reset();
+  if (result.stamp_ns != newest_ns_) asked_ = around_.clock.Now();
   // One of before a pause, or of a time that is over.
   if (!looks() || result.stamp_ns > newest_ns_) return;
   Set(detector_trouble_, result.faces ? Result<>() : result.faces.error(),
@@ -173,8 +177,9 @@ void FaceTopics::NoteGap(Duration gap) {
 }
 
 void FaceTopics::OnSilence() {
-  const Duration busy = around_.looker.Busy();
-  const std::string why = busy > config_.silence ? "the detector has been at one for " + Ms(busy)
+  // By the same clock as the silence: time in a world may pass faster than the detector's.
+  const bool hangs = asked_ && around_.clock.Now() - *asked_ >= config_.silence / 2;
+  const std::string why = hangs ? "the detector has been at one for " + Ms(around_.looker.Busy())
                           : pictures_->MatchedWriters() == 0
                               ? "nobody publishes " + PictureTopic()
                               : "none that can be looked at comes on " + PictureTopic();
@@ -211,17 +216,17 @@ Result<> FaceTopics::Check() const {
   if (busy > config_.look.hang) {
     return Wrong(kFailed, "the detector hangs: it has been at one picture for " + Ms(busy));
   }
-  if (detector_trouble_.told) return Wrong(kFailed, detector_trouble_.error.message);
+  if (detector_trouble_.error) return Wrong(kFailed, detector_trouble_.error->message);
   if (!seen_) {
-    if (picture_trouble_.told) return Wrong(kFailed, picture_trouble_.error.message);
+    if (picture_trouble_.error) return Wrong(kFailed, picture_trouble_.error->message);
     const bool published = pictures_ && pictures_->MatchedWriters() > 0;
     return Wrong(kFailed, published ? "no picture came on " + PictureTopic()
                                     : "nobody publishes " + PictureTopic());
   }
   if (!lens_ && !config_.hfov_rad) {
     return Wrong(kFailed,
-                 info_trouble_.told
-                     ? info_trouble_.error.message
+                 info_trouble_.error
+                     ? info_trouble_.error->message
                      : "no CameraInfo came on " +
                            transport::ResolveName(around_.name_space, config_.CameraInfoTopic()) +
                            ", and the config has no hfov_deg: distances are not known");
@@ -230,9 +235,12 @@ Result<> FaceTopics::Check() const {
 }
 
 void FaceTopics::Set(Trouble& trouble, const Result<>& result, const std::string& well) const {
+  trouble.error = result ? std::nullopt : std::optional(result.error());
   if (result.ok() != trouble.told) return;
+  const Time now = around_.node.loop().Now();
+  if (!result && trouble.told_at && now < *trouble.told_at + kQuiet) return;
   trouble.told = !result;
-  trouble.error = result ? Error{} : result.error();
+  if (!result) trouble.told_at = now;
   around_.log(result ? Error{kCodeOk, well} : result.error());
 }
 

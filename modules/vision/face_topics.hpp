@@ -59,10 +59,11 @@ class FaceTopics {
   std::uint64_t looked_at() const { return looked_at_; }
 
  private:
-  // What is said once, and once when it is over.
+  // What is said once, and once when it is over; again only after a quiet minute.
   struct Trouble {
+    std::optional<Error> error;
     bool told = false;
-    Error error;
+    std::optional<Time> told_at;
   };
 
   FaceTopics(const Surroundings& around, VisionConfig config);
@@ -104,6 +105,7 @@ class FaceTopics {
   int rare_ = 0;  // pictures in a row that were long after the one before
   Trouble silence_;
   std::optional<Time> jump_told_;
+  std::optional<Time> asked_;  // the looker, and no result has come since
   std::unique_ptr<transport::Publisher<msg::PointStamped>> target_;
   std::unique_ptr<transport::Publisher<msg::Bool>> too_close_;
   std::unique_ptr<transport::Publisher<msg::String>> faces_;

@@ -39,10 +39,12 @@ LookThread::~LookThread() {
 }
 
 Result<> LookThread::Load() {
-  // One that is at a picture is there, and may be at it for long.
-  if (busy_since_ns_ != 0) return Ok();
-  const std::lock_guard lock(detector_mutex_);
-  return LoadLocked();
+  // One that is at a picture is there, and may be at it for long, also where it has begun just now.
+  std::unique_lock lock(detector_mutex_, std::defer_lock);
+  while (busy_since_ns_ == 0) {
+    if (lock.try_lock_for(std::chrono::milliseconds(1))) return LoadLocked();
+  }
+  return Ok();
 }
 
 Result<> LookThread::LoadLocked() {

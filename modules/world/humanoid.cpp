@@ -52,17 +52,18 @@ std::optional<std::string> Humanoid::SetPose(const std::string& name) {
     const std::vector<std::string>& names = spec_.poses[i].names;
     known.insert(known.end(), names.begin(), names.end());
     if (std::find(names.begin(), names.end(), name) == names.end()) continue;
-    refused_pose_.clear();
     if (pose_name_ == name) return std::nullopt;
     pose_name_ = name;
     pose_ = i;
     held_ = {};
     return std::nullopt;
   }
-  if (refused_pose_ == name && !name.empty()) return std::nullopt;  // which is told
-  refused_pose_ = name;
+  constexpr std::size_t kMostTold = 16;
+  if (refused_poses_.size() == kMostTold) return std::nullopt;
+  if (!refused_poses_.insert(Shortened(name)).second) return std::nullopt;
   std::string complaint = "the pose \"" + Shortened(name) + "\" is refused: it is none of";
   for (const std::string_view one : known) complaint.append(" ").append(one);
+  if (refused_poses_.size() == kMostTold) complaint += "; no more of them are told";
   return complaint;
 }
 

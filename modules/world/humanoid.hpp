@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "musher/modules/world/camera_model.hpp"
@@ -45,7 +46,7 @@ class Humanoid {
   std::array<Axis, kJoints> commands_;
   std::array<Axis, kJoints> joints_;
   Axis pitch_;
-  std::string refused_pose_;  // the last one
+  std::set<std::string> refused_poses_;  // that were told
   bool told_nan_ = false;
   bool told_outside_ = false;
 };

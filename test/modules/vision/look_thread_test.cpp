@@ -32,6 +32,7 @@ class LookThreadTest : public testing::Test {
         loop_,
         [this]() -> Result<std::unique_ptr<Detector>> {
           ++made_;
+          if (on_make_) on_make_();
           if (broken_) return Error{5912, "there is no such model"};
           return std::unique_ptr<Detector>(new ScriptedDetector(script_));
         },
@@ -59,6 +60,7 @@ class LookThreadTest : public testing::Test {
     return std::vector{FaceAt(0.5, 0.5)};
   };
   std::atomic<int> made_ = 0;
+  std::function<void()> on_make_;
   std::atomic<bool> broken_ = false;
   std::vector<LookResult> results_;
   int left_out_ = 0;
@@ -142,6 +144,31 @@ TEST_F(LookThreadTest, LoadsTheModelAheadOrSaysWhyNot) {
   EXPECT_TRUE(thread_->Load());
   EXPECT_TRUE(thread_->Load());
   EXPECT_EQ(made_, 3) << "once it is there it is kept";
+}
+
+// One who waits to load, while another loads for long, does not wait for the picture's end either.
+TEST_F(LookThreadTest, LoadsWithoutWaitingForAPictureThatBeginsMeanwhile) {
+  std::promise<void> making;
+  std::promise<void> let_go;
+  on_make_ = [&] {
+    making.set_value();
+    let_go.get_future().wait();
+  };
+  Start();
+  auto first = std::async(std::launch::async, [&] { return thread_->Load().ok(); });
+  making.get_future().wait();
+  std::promise<void> begun;
+  auto second = std::async(std::launch::async, [&] {
+    begun.set_value();
+    return thread_->Load().ok();
+  });
+  begun.get_future().wait();
+  thread_->Look(1, Picture());
+  EXPECT_EQ(second.wait_for(std::chrono::seconds(10)), std::future_status::ready);
+  let_go.set_value();
+  EXPECT_TRUE(first.get());
+  EXPECT_TRUE(second.get());
+  EXPECT_TRUE(AwaitResults(1));
 }
 
 TEST_F(LookThreadTest, SaysBeforeEachPictureHowLongItMayTake) {

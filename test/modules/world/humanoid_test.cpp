@@ -60,6 +60,24 @@ TEST(Humanoid, RefusesAPoseThatItDoesNotKnowAndStaysInItsOwn) {
   EXPECT_THAT(humanoid.SetPose(std::string(10'000, 'x')), Optional(HasSubstr("xxx...")));
 }
 
+TEST(Humanoid, DoesNotFillTheLogWithPosesItDoesNotKnow) {
+  Humanoid humanoid(Spec());
+  int told = 0;
+  for (int i = 0; i < 1000; ++i) {
+    told += humanoid.SetPose(i % 2 == 0 ? "salto" : "dive") ? 1 : 0;
+    ASSERT_EQ(humanoid.SetPose("heart"), std::nullopt);
+  }
+  EXPECT_EQ(told, 2) << "each once";
+  std::string last;
+  for (int i = 0; i < 1000; ++i) {
+    const auto complaint = humanoid.SetPose("pose" + std::to_string(i));
+    told += complaint ? 1 : 0;
+    if (complaint) last = *complaint;
+  }
+  EXPECT_EQ(told, 16);
+  EXPECT_THAT(last, HasSubstr("no more of them are told"));
+}
+
 TEST(Humanoid, ComesToRestInItsPose) {
   const HumanoidSpec spec = Spec();
   Humanoid humanoid(spec);
