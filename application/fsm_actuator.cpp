@@ -4,6 +4,7 @@
 #include <exception>
 #include <functional>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "musher/application/behavior_report.hpp"
@@ -14,10 +15,11 @@
 namespace musher {
 namespace {
 
-constexpr int kMostTold = 20;  // changes and faults in a second
+constexpr int kMostTold = 20;  // changes, faults and unheeded commands in a second
 
 // What the endpoints give, and keep for as long as they are there.
 struct Wire {
+  transport::EventLoop* loop = nullptr;
   transport::Clock* clock = nullptr;
   transport::LoopHandlePtr ticks;
   std::function<void(const msg::String&)> tell_state;
@@ -41,18 +43,33 @@ class FsmActuator::Impl : public fsm::Listener {
     owner_.RunOnLoop([&] {
       if (state == kActive) {
         result = GoOn();
+        if (!result) Pause();  // what began is not left half done
       } else if (state == kTearDown) {
         End();
       } else {
         Pause();
       }
+      Publish();
     });
     return result;
+  }
+
+  void StopAtOnce() {
+    if (open_) Pause();
   }
 
   void Pause() {
     Rest();
     Guard("OnPause", [&] { owner_.OnPause(); });
+  }
+
+  Result<> Send(std::string_view command) {
+    // One that waits for hours would do what nobody wants any more.
+    if (!ticking_) {
+      return Error{MakeCode(ModuleCode::kRobot, KeyCode::kStateInvalid),
+                   owner_.name() + " is paused in " + owner_.CurrentState()};
+    }
+    return machine_->Send(command);
   }
 
   fsm::Machine& machine() {
@@ -76,7 +93,11 @@ class FsmActuator::Impl : public fsm::Listener {
     if (change.command != fsm::kNoEvent) line += " by " + std::string(machine.Name(change.command));
     if (change.cause == fsm::Cause::kUnsafe) line += ", " + std::string(machine.unsafe());
     Tell(change.at, line);
-    if (!in_tick_) Publish();
+    if (!in_tick_) PublishSoon();
+  }
+  void OnUnheeded(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
+    Tell(machine.time(), "command " + std::string(machine.Name(command)) + " is not heeded in " +
+                             std::string(machine.Name(state)));
   }
   void OnFault(const fsm::Machine& machine, const fsm::Fault& fault) override {
     Tell(fault.at, "fault: " + machine.Describe(fault));
@@ -84,6 +105,7 @@ class FsmActuator::Impl : public fsm::Listener {
 
  private:
   Result<> SetUp() {
+    owner_.RunOnLoop([this] { open_ = false; });
     machine_ = std::make_unique<fsm::Machine>(options_.machine);
     machine_->Listen(this);
     if (Result<> built = owner_.BuildMachine(*machine_); !built) return built;
@@ -91,8 +113,9 @@ class FsmActuator::Impl : public fsm::Listener {
       return Error{kCodeFailed, "BuildMachine() has not called Build() of its machine"};
     }
     for (const std::string& warning : machine_->warnings()) owner_.Log("warning: " + warning);
-    return owner_.OpenEndpoints([this](transport::Endpoints& topics) {
+    Result<> opened = owner_.OpenEndpoints([this](transport::Endpoints& topics) {
       const auto wire = std::make_shared<Wire>();
+      wire->loop = &topics.node().loop();
       wire->clock = &topics.clock();
       wire->tell_state =
           topics.Tell<msg::String>(owner_.name() + "/behavior_state", transport::kLatchedQos);
@@ -102,20 +125,17 @@ class FsmActuator::Impl : public fsm::Listener {
                                      [this](const auto& request, auto reply) {
                                        reply(ReportBehavior(*machine_, ticking_, request));
                                      });
-      topics.Serve<msg::SendCommand>(
-          owner_.name() + "/send_command",
-          [this](const auto& request, auto reply) { reply(Send(request.command)); });
+      topics.Serve<msg::SendCommand>(owner_.name() + "/send_command",
+                                     [this](const auto& request, auto reply) {
+                                       const Result<> sent = Send(request.command);
+                                       reply({sent.ok(), sent ? "" : sent.error().message});
+                                     });
       published_.reset();
       Publish();
       owner_.OpenTopics(topics);
     });
-  }
-
-  msg::SendCommand::Response Send(const std::string& command) {
-    // One that waits for hours would do what nobody wants any more.
-    if (!ticking_) return {false, owner_.name() + " is paused in " + owner_.CurrentState()};
-    const Result<> sent = machine_->Send(command);
-    return {sent.ok(), sent ? "" : sent.error().message};
+    owner_.RunOnLoop([&] { open_ = opened.ok(); });
+    return opened;
   }
 
   Result<> GoOn() {
@@ -124,7 +144,9 @@ class FsmActuator::Impl : public fsm::Listener {
                    "an emergency stop was engaged meanwhile"};
     }
     if (ticking_) return Ok();
-    owner_.OnResume();
+    if (const auto thrown = Thrown("OnResume", [&] { owner_.OnResume(); })) {
+      return Error{kCodeFailed, *thrown};
+    }
     if (!machine_->running()) {
       static_cast<void>(machine_->Start(Now()));  // what failed is told by OnFault
       if (!machine_->running()) {
@@ -148,8 +170,10 @@ class FsmActuator::Impl : public fsm::Listener {
   void Tick() {
     const Time now = Now();
     in_tick_ = true;
-    if (GuardTick("BeforeTick", [&] { owner_.BeforeTick(now); })) machine_->RunOnce(now);
-    GuardTick("AfterTick", [&] { owner_.AfterTick(now); });
+    const bool well = GuardTick("BeforeTick", before_fault_, [&] { owner_.BeforeTick(now); });
+    if (ticking_) machine_->RunOnce(now);
+    if (!well) GoSafe();  // also when it has just been left
+    GuardTick("AfterTick", after_fault_, [&] { owner_.AfterTick(now); });
     in_tick_ = false;
     Publish();
     if (!machine_->running()) Ended();
@@ -157,20 +181,15 @@ class FsmActuator::Impl : public fsm::Listener {
 
   // The machine stopped: by a fault, or because the application wanted it.
   void Ended() {
-    const bool by_fault =
-        !machine_->history().empty() && machine_->history().back().cause == fsm::Cause::kFault;
+    const bool by_fault = machine_->fault() && machine_->mode() == fsm::Mode::kSafeStop;
     Pause();
-    if (!by_fault || !machine_->fault()) return owner_.Log("the machine has ended");
+    if (!by_fault) return owner_.Log("the machine has ended");
     owner_.GiveUp({kCodeFailed, machine_->Describe(*machine_->fault())});
   }
 
   void End() {
     Rest();
-    const auto faults = machine_->counts().faults;
-    static_cast<void>(machine_->Stop());
-    if (machine_->counts().faults != faults) {
-      owner_.Log("fault: " + machine_->Describe(*machine_->fault()));
-    }
+    static_cast<void>(machine_->Stop());  // what failed is told by OnFault
     Guard("OnPause", [&] { owner_.OnPause(); });
   }
 
@@ -195,27 +214,42 @@ class FsmActuator::Impl : public fsm::Listener {
     if (const auto thrown = Thrown(name, hook)) owner_.Log("fault: " + *thrown);
   }
   // Of a hook around the tick: as if a state had failed. Said once for as long as it is the same.
-  bool GuardTick(const char* name, const std::function<void()>& hook) {
+  bool GuardTick(const char* name, std::string& last, const std::function<void()>& hook) {
     const auto thrown = Thrown(name, hook);
+    const bool news = thrown && *thrown != last;
+    last = thrown.value_or("");
     if (!thrown) return true;
-    if (*thrown != hook_fault_) owner_.Log("fault: " + *thrown);
-    hook_fault_ = *thrown;
-    const auto& states = machine_->chart().states;
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      if (states[i].role != fsm::Role::kSafe) continue;
-      const auto safe = static_cast<fsm::StateId>(i);
-      if (machine_->current() != safe) static_cast<void>(machine_->Force(safe));
-      return false;
-    }
+    if (news) Tell(machine_->time(), "fault: " + *thrown);
+    if (GoSafe()) return false;
     Pause();
     owner_.GiveUp({kCodeFailed, *thrown + "; and there is no safe state to go to"});
     return false;
   }
+  // False when there is no safe state.
+  bool GoSafe() {
+    const auto& states = machine_->chart().states;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (states[i].role != fsm::Role::kSafe) continue;
+      const bool there = machine_->mode() == fsm::Mode::kSafeStop;
+      if (!there) static_cast<void>(machine_->Force(static_cast<fsm::StateId>(i)));
+      return true;
+    }
+    return false;
+  }
 
+  // Once the state has been entered: it may hold a machine, which is somewhere only then.
+  void PublishSoon() {
+    const auto wire = wire_.lock();
+    if (!wire) return;
+    wire->loop->Post([this, still = wire_] {
+      if (still.lock()) Publish();
+    });
+  }
   void Publish() {
     const auto wire = wire_.lock();
+    if (!wire) return;
     std::string path = machine_->Path();
-    if (!wire || published_ == path) return;
+    if (published_ == path) return;
     wire->tell_state({path});
     published_ = std::move(path);
   }
@@ -234,9 +268,11 @@ class FsmActuator::Impl : public fsm::Listener {
   Options options_;
   std::unique_ptr<fsm::Machine> machine_;
   std::weak_ptr<Wire> wire_;
+  bool open_ = false;  // SetUp is done; before, the machine is its worker's
   bool ticking_ = false;
   bool in_tick_ = false;
-  std::string hook_fault_;  // the last one
+  std::string before_fault_;  // what BeforeTick() threw in the last tick
+  std::string after_fault_;
   std::optional<std::string> published_;
   Duration telling_since_{};
   int told_ = 0;
@@ -254,6 +290,9 @@ FsmActuator::~FsmActuator() {
 fsm::Machine& FsmActuator::machine() {
   return impl_->machine();
 }
+Result<> FsmActuator::Send(std::string_view command) {
+  return impl_->Send(command);
+}
 bool FsmActuator::ticking() const {
   return impl_->ticking();
 }
@@ -265,7 +304,7 @@ msg::Stamp FsmActuator::Stamp() const {
 }
 
 void FsmActuator::OnEmergencyStop() {
-  impl_->Pause();
+  impl_->StopAtOnce();
 }
 
 }  // namespace musher

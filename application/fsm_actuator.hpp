@@ -36,6 +36,7 @@
 //   TearDown       is stopped: its state is left; OnPause()
 //   all others     rests, its time stands still; OnPause()
 //   an emergency stop: OnPause() at once, and it rests until the robot goes to Active anew
+//                  (during SetUp nothing moves yet: there is nothing to pause)
 // clang-format on
 //
 // A machine that stops because its safe state failed, or because it has none, ends the process with
@@ -46,6 +47,9 @@
 // `<actuator>/behavior_state` (std_msgs/String, latched: "PHOTO/COUNTDOWN"; "" when it does not
 // run), and send it its commands by `<actuator>/send_command` (musher behavior --send).
 //
+// In a trial (simulation/actuator_trial.hpp) there is neither wire nor clock: the machine is built,
+// started, paused and stopped, and is not ticked.
+//
 // Threads: the machine, the hooks and the handlers of topics run on the loop, one at a time, so
 // they share data without locks. BuildMachine() and SelfCheck() run on the actuator's worker. All
 // times are the machine's, see [controller] clock: a world at four times the speed ticks four times
@@ -54,6 +58,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/behavior/fsm/machine.hpp"
@@ -83,24 +88,29 @@ class FsmActuator : public MachineActuator {
  protected:
   // In SetUp: register states, events and safety checks, and Build(). A failure fails SetUp.
   virtual Result<> BuildMachine(fsm::Machine& machine) = 0;
-  // After that, on the loop: topics and services. Their handlers may look at the machine and send
-  // it commands, force and reset it. Does not run in a trial, where there is no wire.
+  // After that, on the loop: topics and services. Their handlers may look at the machine, Send()
+  // commands, force and reset it. Does not run in a trial, where there is no wire.
   virtual void OpenTopics(transport::Endpoints& /*topics*/) {}
   // Whether what it needs is there. May take its time.
   virtual Result<> SelfCheck() { return Ok(); }
 
   // Around each tick. An exception is told, and the machine goes to its safe state as if one of its
-  // states had failed.
+  // states had failed; it runs there, and is back there at the end of each tick that had one.
   virtual void BeforeTick(Time /*now*/) {}
   virtual void AfterTick(Time /*now*/) {}
   // The robot has gone to a state in which the machine rests, or was stopped in an emergency: bring
   // the outputs to neutral. Comes back at once; may come twice. An exception is told.
   virtual void OnPause() {}
-  // It goes to Active; before the machine is started or goes on.
+  // It goes to Active; before the machine is started or goes on. An exception fails the switch to
+  // Active with its words, after OnPause().
   virtual void OnResume() {}
 
   // From SetUp on. On the loop only.
   fsm::Machine& machine();
+  // A command from outside, for the machine to heed: that of <actuator>/send_command, and the one
+  // to be called by handlers of topics. Fails when the machine rests, so that nothing is done hours
+  // later, and where Machine::Send() does. On the loop only.
+  Result<> Send(std::string_view command);
   // Whether the machine is ticked now. On the loop only.
   bool ticking() const;
   // What the machine's clock says. On the loop only.

@@ -2,6 +2,7 @@
 
 #include "musher/behavior/fsm/machine.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <utility>
 
@@ -58,7 +59,8 @@ void Machine::FailByException(Phase phase) {
   try {
     throw;
   } catch (const InnerFault& inner) {
-    Fail(inner.fault().phase, inner.fault().what, inner.fault().where);
+    Note(inner.fault().phase, inner.fault().what, inner.fault().where);
+    LeaveFailed(phase);
   } catch (...) {
     Fail(phase, WhatWasThrown());
   }
@@ -78,8 +80,13 @@ void Machine::TellAll(Call&& call) {
   }
 }
 
+// Machine time stands still once it has come to its farthest, so that no sum of times overflows.
 void Machine::Advance(Time now) {
-  tick_.step = last_tick_ && now > *last_tick_ ? now - *last_tick_ : Duration{};
+  const auto ns = [](auto time) { return static_cast<std::uint64_t>(time.count()); };
+  const Time last = last_tick_.value_or(now);
+  const std::uint64_t passed =
+      now > last ? ns(now.time_since_epoch()) - ns(last.time_since_epoch()) : 0;
+  tick_.step = Duration(std::min(passed, kFarthestNs - ns(tick_.now)));
   last_tick_ = now;
   tick_.now += tick_.step;
   tick_.elapsed += tick_.step;
@@ -101,7 +108,7 @@ Result<> Machine::StartAt(StateId state, Time now) {
   ticks_ = 0;
   tick_ = {};
   last_tick_ = now;
-  first_command_ = waiting_ = 0;
+  SweepCommands();
   unsafe_ = checks_.size();
   history_.Clear();
   fault_.reset();
@@ -225,8 +232,19 @@ void Machine::Switch(StateId target, Cause cause, EventId command) {
   if (Guard(Phase::kExit, [&] { present_->OnExit(tick_); })) Enter(target, cause, command);
 }
 
+// The current state is behind it, by a change with `command`, if there was one. What it has begun
+// and not ended comes to an end: the machine inside, when its function threw before it stopped
+// that, and a transition that was broken off, whose command came to nothing.
+void Machine::EndPresent(EventId command) {
+  Machine* const inside = present_ == nullptr ? nullptr : present_->inside();
+  if (inside != nullptr) (void)inside->Stop().ok();
+  const EventId behind = std::exchange(cause_, kNoEvent);
+  if (behind != kNoEvent && behind != command) Unheeded(behind);
+}
+
 // The current state has been left, or there was none.
 void Machine::Enter(StateId target, Cause cause, EventId command) {
+  EndPresent(command);
   const Change change{tick_.now, ticks_, current_, target, command, cause};
   current_ = target;
   present_ = nodes_[Index(target)].state.get();
@@ -245,11 +263,16 @@ void Machine::Note(Phase phase, std::string what, const std::string& inner) {
   TellAll([&](Listener& listener) { listener.OnFault(*this, *fault_); });
 }
 
-// The current state failed. It is left for the safe one; where that has failed, or there is none,
-// the machine stops.
-void Machine::Fail(Phase phase, std::string what, const std::string& inner) {
-  Note(phase, std::move(what), inner);
-  tick_.command = kNoEvent;
+void Machine::Fail(Phase phase, std::string what) {
+  Note(phase, std::move(what));
+  LeaveFailed(phase);
+}
+
+// The current state failed in `phase`. It is left for the safe one; where that has failed, or there
+// is none, the machine stops.
+void Machine::LeaveFailed(Phase phase) {
+  const EventId command = std::exchange(tick_.command, kNoEvent);
+  if (phase == Phase::kCheck && command != kNoEvent) Unheeded(command);
   if (safe_ == kNoState || current_ == safe_) return Halt(Cause::kFault);
   if (phase != Phase::kEnter && phase != Phase::kExit) {
     try {
@@ -262,6 +285,8 @@ void Machine::Fail(Phase phase, std::string what, const std::string& inner) {
 }
 
 void Machine::Halt(Cause cause) {
+  EndPresent(kNoEvent);
+  SweepCommands();
   const Change change{tick_.now, ticks_, current_, kNoState, kNoEvent, cause};
   running_ = false;
   mode_ = cause == Cause::kFault ? Mode::kSafeStop : Mode::kNormal;
@@ -303,7 +328,7 @@ Result<> Machine::Reset() {
   if (!running_) return Refusal(name(), "does not run");
   const InTick guard(in_tick_);
   TellInput({.kind = Input::Kind::kReset});
-  first_command_ = waiting_ = 0;
+  SweepCommands();
   fault_.reset();
   Switch(chart_.start, Cause::kReset, kNoEvent);
   return Reached(chart_.start);
@@ -324,10 +349,7 @@ Result<> Machine::Send(EventId event) {
     const InTick guard(in_tick_);
     TellInput({.kind = Input::Kind::kCommand, .command = event});
   }
-  if (events_[Index(event)].urgency == Urgency::kUrgent) {
-    counts_.superseded += waiting_;
-    waiting_ = 0;
-  }
+  if (events_[Index(event)].urgency == Urgency::kUrgent) SweepCommands();
   if (waiting_ == commands_.size()) {
     ++counts_.refused;
     return Error{kCodeFailed, name() + ": " + std::to_string(waiting_) + " commands wait; " +

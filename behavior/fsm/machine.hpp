@@ -47,8 +47,8 @@ enum class Urgency : std::uint8_t { kNormal, kUrgent };
 // Of a machine's life, since it was built.
 struct Counts {
   std::uint64_t changes = 0;
-  std::uint64_t unheeded = 0;    // commands that came to nothing
-  std::uint64_t superseded = 0;  // commands that an urgent one swept away
+  std::uint64_t unheeded = 0;    // commands that came to nothing, also when a transition broke off
+  std::uint64_t superseded = 0;  // commands that an urgent one, a reset or a stop swept away
   std::uint64_t refused = 0;     // commands that found no room
   std::uint64_t faults = 0;
   std::uint64_t listener_faults = 0;
@@ -192,12 +192,18 @@ class Machine {
   bool PassesChecks();
   bool GoesOnUnsafe(const SafetyCheck& check, const std::optional<std::string>& thrown);
   void Note(Phase phase, std::string what, const std::string& inner = {});
-  void Fail(Phase phase, std::string what, const std::string& inner = {});
+  void Fail(Phase phase, std::string what);
+  void LeaveFailed(Phase phase);
   void FailByException(Phase phase);
+  void EndPresent(EventId command);
   void Halt(Cause cause);
   bool Declared(StateId from, StateId to) const;
   Result<> Reached(StateId target) const;
   Error Failure() const;
+  void SweepCommands() {
+    counts_.superseded += waiting_;
+    waiting_ = 0;
+  }
   EventId TakeCommand();
   void GiveBack(EventId command);
   void Unheeded(EventId command);

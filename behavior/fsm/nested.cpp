@@ -49,10 +49,17 @@ void Nested::Run(const Tick& tick) {
 Next Nested::CheckTransition(const Tick& tick) {
   const Next decided = Decide(tick);
   if (!decided.stays()) return decided;
-  if (finished() && finished_way_ != kNoState) return Next::To(finished_way_).KeepCommand();
-  if (decided.heeds() || Index(tick.command) >= inner_events_.size()) return decided;
+  if (finished() && finished_way_ != kNoState) {
+    const Next on = Next::To(finished_way_);
+    return decided.heeds() ? on : on.KeepCommand();
+  }
+  if (decided.heeds() || decided.keeps()) return decided;
+  if (Index(tick.command) >= inner_events_.size()) return decided;
   const EventId event = inner_events_[Index(tick.command)];
-  return event != kNoEvent && inner_->Send(event) ? Next::Heed() : decided;
+  if (event == kNoEvent) return decided;
+  // It may be the last one inside, after which nobody would look at the command.
+  if (inner_->mode() == Mode::kTransitioning) return decided.KeepCommand();
+  return inner_->Send(event) ? Next::Heed() : decided;
 }
 
 void Nested::OnExit(const Tick& /*tick*/) {

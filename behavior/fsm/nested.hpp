@@ -9,12 +9,14 @@
 //
 //   the outer state is entered    the inner machine starts, or resumes
 //   stays                         the inner machine is ticked, with the outer one's machine time
+//   is left gradually             the inner machine rests; its safety checks are not asked
 //   is left, however              the inner machine is stopped: its state is left too
 //
-// A command that the outer state does not heed goes to the inner machine, if that has an event of
-// the same name. A fault of the inner machine is its own as long as its safe state deals with it;
-// one that stops it is a fault of the outer state, told with the path ("PHOTO/CONFIRM"). Once the
-// inner machine is in a final state the outer one goes to `finished`, in the next tick.
+// A command that the outer state neither heeds nor keeps goes to the inner machine, if that has an
+// event of the same name; while a gradual transition goes on inside it waits outside. A fault of
+// the inner machine is its own as long as its safe state deals with it; one that stops it is a
+// fault of the outer state, told with the path ("PHOTO/CONFIRM"). Once the inner machine is in a
+// final state the outer one goes to `finished`, in the next tick.
 //
 // To decide more, derive and override Decide(); call this class's functions from those you
 // override.

@@ -58,7 +58,7 @@ class LineReader {
   // As AppendTime() writes it.
   Duration Seconds() {
     const std::string word = Word();
-    const bool negative = word.front() == '-';
+    const bool negative = word.starts_with('-');
     std::int64_t seconds = 0;
     const char* const end = word.data() + word.size();
     auto [at, wrong] = std::from_chars(word.data() + (negative ? 1 : 0), end, seconds);
@@ -88,7 +88,7 @@ class LineReader {
 
  private:
   [[noreturn]] void FailTime(const std::string& word) const {
-    Fail(word + " is no time in seconds");
+    Fail((word.empty() ? "\"\"" : word) + " is no time in seconds");
   }
 
   char Character() {
@@ -146,6 +146,10 @@ Line ReadLine(LineReader& reader, int number) {
     line.text = reader.rest();
     while (!reader.AtEnd()) reader.Word();
     return line;
+  }
+  if (word == kRestored) {
+    reader.Fail(
+        "from here on the machine had been restored from a snapshot, which is not recorded");
   }
   const auto* const verb = std::ranges::find(kVerbs, word, &Verb::word);
   if (verb == std::end(kVerbs)) {

@@ -103,9 +103,15 @@ void Recorder::OnInput(const Machine& machine, const fsm::Input& input) {
   using Kind = fsm::Input::Kind;
   constexpr std::array<std::string_view, 7> kWords{"start", "tick",  "pause", "command",
                                                    "force", "reset", "stop"};
+  // Nobody tells of a restore. It shows here: what does not run is given nothing but a start.
+  if (input.kind != Kind::kStart && !running_) {
+    line_ = kRestored;
+    Write();
+  }
+  running_ = true;
   line_ = kWords[static_cast<std::size_t>(input.kind)];
-  if (input.kind == Kind::kStart && !first_start_) first_start_ = input.time;
   if (input.kind == Kind::kStart || input.kind == Kind::kTick) {
+    if (!first_start_) first_start_ = input.time;
     AppendTime(line_, input.time - *first_start_);
   }
   if (input.kind == Kind::kCommand) AppendWord(line_, machine.Name(input.command));
@@ -114,6 +120,7 @@ void Recorder::OnInput(const Machine& machine, const fsm::Input& input) {
 }
 
 void Recorder::OnChange(const Machine& machine, const Change& change) {
+  running_ = change.to != kNoState;
   line_ = "changed";
   AppendChange(line_, machine, change);
   Write();

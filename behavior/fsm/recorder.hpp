@@ -10,6 +10,8 @@
 //   command photo
 //   force PHOTO
 //   pause, reset, stop
+//   restored                          the machine had gone on from a snapshot, which is not here:
+//                                     such a recording is for people; ReadRecording() refuses it
 //
 // Words are bare where they can be, else in quotation marks with \", \\, \n and \x7f in them.
 
@@ -45,7 +47,8 @@ class Recorder : public Listener {
 
   Machine& machine_;
   const Sink sink_;
-  std::optional<Time> first_start_;
+  std::optional<Time> first_start_;  // or first tick, of a machine that was restored
+  bool running_ = false;             // by what was recorded
   std::string line_;
 };
 

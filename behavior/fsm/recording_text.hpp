@@ -9,6 +9,7 @@
 namespace musher::fsm {
 
 inline constexpr std::string_view kRecordingFormat = "musher-fsm-recording 1";
+inline constexpr std::string_view kRestored = "restored";
 
 // Puts a space before what it appends, but not at the beginning of a line.
 void AppendWord(std::string& line, std::string_view word);

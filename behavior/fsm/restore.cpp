@@ -98,6 +98,9 @@ class Machine::Restoring {
     JudgeState();
     JudgeTimes();
     Events("commands", saved_.commands);
+    if (std::ranges::find(saved_.commands, "") != saved_.commands.end()) {
+      Fail("commands", "one has no name");
+    }
     if (saved_.commands.size() > machine_.commands_.size()) {
       Fail("commands", "more than " + std::to_string(machine_.commands_.size()) + " cannot wait");
     }
@@ -118,7 +121,13 @@ class Machine::Restoring {
         Fail(SnapshotKey("inside", inside.state), UnknownState(inside.state));
       }
     }
-    ForInside([](Restoring& inside) { inside.Judge(); });
+    const auto present = machine_.FindState(saved_.state);
+    const Machine* const runs =
+        present ? machine_.nodes_[Index(*present)].state->inside() : nullptr;
+    ForInside([&](Restoring& inside) {
+      inside.Judge();
+      if (present || saved_.state.empty()) inside.JudgeRunning(&inside.machine_ == runs);
+    });
   }
 
   // To states and data.
@@ -148,6 +157,9 @@ class Machine::Restoring {
       Events("transition.command", {saved_.transition->command});
     }
     const bool goes = saved_.mode == Mode::kTransitioning;
+    if (goes && saved_.transition && saved_.transition->to.empty()) {
+      Fail("transition.to", "is missing");
+    }
     if (goes != saved_.transition.has_value() || (goes && !saved_.running)) {
       Fail("mode", std::string(fsm::Name(saved_.mode)) +
                        (goes ? " has a transition, which is missing" : " has no transition"));
@@ -156,6 +168,13 @@ class Machine::Restoring {
     if (!goes && state && (saved_.mode == Mode::kSafeStop) != (*state == machine_.safe_)) {
       Fail("mode", std::string(fsm::Name(saved_.mode)) + " is not that of " + saved_.state);
     }
+  }
+
+  // Of a machine inside: it runs while the state around it is the present one.
+  void JudgeRunning(bool runs) {
+    if (saved_.running == runs) return;
+    Fail("running", runs ? "is false, though the state around it is the present one"
+                         : "is true, though the state around it is not the present one");
   }
 
   void JudgeTimes() {

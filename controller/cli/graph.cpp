@@ -1,6 +1,7 @@
 // musher graph FILE: the states or the actuators of a config as a drawing; or the state machine of
 // an application.
 
+#include <filesystem>
 #include <fstream>
 
 #include "musher/controller/cli/behavior_request.hpp"
@@ -13,11 +14,15 @@
 namespace musher::cli {
 namespace {
 
-std::string FormatOf(const GraphOptions& options) {
+Result<std::string> FormatOf(const GraphOptions& options) {
   if (!options.format.empty()) return options.format;
-  const auto ends_in = [&](std::string_view end) { return options.output.ends_with(end); };
-  if (ends_in(".svg")) return "svg";
-  return ends_in(".mmd") || ends_in(".mermaid") ? "mermaid" : "dot";
+  const std::string end = std::filesystem::path(options.output).extension();
+  if (end == ".svg") return std::string("svg");
+  if (end == ".mmd" || end == ".mermaid") return std::string("mermaid");
+  if (end.empty() || end == ".dot" || end == ".gv") return std::string("dot");
+  return Error{kCodeParametersInvalid,
+               options.output + ": a graph is .dot, .gv, .mmd, .mermaid or .svg; for a file of " +
+                   "another name give --format"};
 }
 
 Result<std::string> Draw(const MachineConfig& config, const std::string& what,
@@ -49,7 +54,9 @@ Drawing DrawBehavior(const std::string& name, const std::string& format,
 }  // namespace
 
 ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console& console) {
-  const std::string format = FormatOf(options);
+  const Result<std::string> known = FormatOf(options);
+  if (!known) return console.Fail({ExitCode::kUsage, known.error()});
+  const std::string& format = known.value();
   Drawing drawn;
   if (!options.behavior.empty()) {
     drawn = DrawBehavior(options.behavior, format, global);

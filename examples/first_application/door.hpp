@@ -15,7 +15,7 @@ class Door : public musher::FsmActuator {
   Door() : FsmActuator("door", {.rate_hz = 50}) {}
   ~Door() override { Shutdown(); }  // before the members that the hooks use
 
-  double opening() const { return door_.opening; }
+  using FsmActuator::ticking;  // for its test
 
  private:
   musher::Result<> BuildMachine(fsm::Machine& machine) override {
@@ -23,7 +23,7 @@ class Door : public musher::FsmActuator {
   }
   void OpenTopics(musher::transport::Endpoints& topics) override {
     topics.Hear<musher::msg::String>("door/command", [this](const musher::msg::String& word) {
-      if (const musher::Result<> sent = machine().Send(word.data); !sent) Log(sent.error().message);
+      if (const musher::Result<> sent = Send(word.data); !sent) Log(sent.error().message);
     });
     topics.Hear<musher::msg::Bool>("door/obstacle", [this](const musher::msg::Bool& obstacle) {
       door_.obstacle = obstacle.data;

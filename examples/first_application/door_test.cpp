@@ -49,11 +49,14 @@ TEST(Door, StopsWhereItIsAtAnObstacleAndOpensOnceTheWayIsFree) {
 // [obstacle end]
 
 // [trial]
-TEST(Door, BearsWhateverBefallsTheRobot) {
+TEST(Door, RestsOutsideOfActiveWhateverBefallsTheRobot) {
   musher::simulation::ActuatorTrial<Door> trial;
   trial.config_file = "robot.toml";
-  trial.always = [](const Door& door, const musher::ActuatorReport&) {
-    EXPECT_EQ(door.opening(), 0) << "nobody has told it to open";
+  trial.always = [](const Door& door, const musher::ActuatorReport& report) {
+    EXPECT_FALSE(door.ticking() && report.state != "Active") << "it moves in " << report.state;
+  };
+  trial.after_emergency_stop = [](const Door& door, const musher::ActuatorReport&) {
+    EXPECT_FALSE(door.ticking()) << "it moves in an emergency";
   };
   trial.Run();
 }

@@ -64,8 +64,12 @@ class Decision {
       return Refuse(0, {may.error().code,
                         "cue " + config_toml::Quote(event.id) + ": " + may.error().message});
     }
+    if (interrupts) {
+      std::erase_if(player_.waiting,
+                    [&](const Player::Sound& sound) { return sound.cue_topic == event.topic; });
+    }
     Enqueue({++player_.last_number, 0, now_ + kAnswerTime, event.id,
-             cue->second.spoken.In(rules_.language), false},
+             cue->second.spoken.In(rules_.language), false, event.topic},
             interrupts);
   }
 

@@ -18,7 +18,9 @@
 //     when its time is over: 10 s from the moment it was asked. What has not begun by then never
 //     is; what sounds goes on to its end.
 //   - A cue, a sound asked for by its name on a topic, does the one or the other, as it or its
-//     topic is configured; nobody is answered. One that is not known is told in the log, once.
+//     topic is configured; nobody is answered. One that interrupts also takes the place of those of
+//     its topic that wait: they belong to what is over. One that is not known is told in the log,
+//     once.
 //   - A stop ends what plays and all that waits.
 //   - Whatever is refused changes nothing that plays, and is told why, with a code.
 //   - The microphone and the voice control are kept and told; nothing here listens.
@@ -164,6 +166,7 @@ struct Player {
     std::string module;
     Utterance what;
     bool sounding = false;
+    std::optional<std::size_t> cue_topic = std::nullopt;  // that asked for it
 
     friend bool operator==(const Sound&, const Sound&) = default;
   };

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "musher/modules/program/await.hpp"
+#include "musher/modules/program/states.hpp"
 
 namespace musher::camera {
 
@@ -28,6 +29,11 @@ Result<> CameraManager::Run(const State& state) {
 }
 
 Result<> CameraManager::SetUp() {
+  constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kParametersInvalid);
+  if (Result<> known = program::JudgeStates(machine_config(), "on_in", config_.on_in, kCode);
+      !known) {
+    return known;
+  }
   node_ = node();
   Result<> made;
   node_->RunOnLoop([&] {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <utility>
 
 #include "musher/modules/camera/fit.hpp"
@@ -157,7 +158,7 @@ void CameraServer::OnPicture(const msg::Image& picture) {
 
 void CameraServer::Take(Waiting waiting, const msg::Image& picture) {
   auto ready = ForFile(picture, waiting.shape);
-  const std::string file = NewName(waiting.file, waiting.video);
+  const NewFile file = FileFor(waiting.file, waiting.video);
   if (!ready) {
     beginning_ = beginning_ && !waiting.video;
     return waiting.reply(Refusal(ready.error()));
@@ -174,9 +175,11 @@ void CameraServer::Take(Waiting waiting, const msg::Image& picture) {
   pace.Due(FromStamp(picture.header.stamp).count());
   store_->BeginVideo(
       std::move(ready).value(), file, shape.rate_hz,
-      [this, shape, pace, file, reply = waiting.reply](const Result<std::string>& path) {
+      [this, shape, pace, reply = waiting.reply](const Result<std::string>& path) {
         beginning_ = false;
-        if (path) recording_ = Recording{shape, pace, file};
+        if (path) {
+          recording_ = Recording{shape, pace, std::filesystem::path(path.value()).filename()};
+        }
         Listen();
         reply(PathOrRefusal(path));
         if (!camera_.on()) OnOff();  // meanwhile
@@ -229,16 +232,14 @@ CameraServer::Response CameraServer::State() const {
   return Answer(CameraService::kSuccess, text);
 }
 
-std::string CameraServer::NewName(const std::string& asked, bool video) {
-  if (!asked.empty()) return asked;
+// The time of a world begins anew with each start of it, so the name may be there already.
+NewFile CameraServer::FileFor(const std::string& asked, bool video) const {
+  if (!asked.empty()) return {asked};
   const msg::Stamp stamp = around_.stamp();
   std::array<char, 64> name{};
-  std::snprintf(name.data(), name.size(), "%s_%d.%03u", video ? "video" : "picture", stamp.sec,
-                stamp.nanosec / 1'000'000);
-  same_names_ = last_name_ == name.data() ? same_names_ + 1 : 0;
-  last_name_ = name.data();
-  return last_name_ + (same_names_ > 0 ? "_" + std::to_string(same_names_ + 1) : "") +
-         (video ? ".avi" : ".jpg");
+  std::snprintf(name.data(), name.size(), "%s_%d.%03u.%s", video ? "video" : "picture", stamp.sec,
+                stamp.nanosec / 1'000'000, video ? "avi" : "jpg");
+  return {name.data(), true};
 }
 
 }  // namespace musher::camera

@@ -70,7 +70,7 @@ class CameraServer {
   void EndRecording(const Reply& reply);
   void Listen();  // while somebody needs pictures
   Response State() const;
-  std::string NewName(const std::string& asked, bool video);
+  NewFile FileFor(const std::string& asked, bool video) const;
 
   struct Obey;
 
@@ -82,8 +82,6 @@ class CameraServer {
   std::optional<Recording> recording_;
   bool beginning_ = false;  // a video is being opened
   std::optional<ImageTopic> image_;
-  std::string last_name_;
-  int same_names_ = 0;
   std::unique_ptr<transport::Publisher<msg::Image>> images_;
   std::unique_ptr<transport::Server<msg::CameraService>> server_;
   std::shared_ptr<int> alive_ = std::make_shared<int>();

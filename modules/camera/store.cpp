@@ -29,13 +29,13 @@ class Shelf {
  public:
   explicit Shelf(std::string folder) : folder_(std::move(folder)) {}
 
-  Result<std::string> Save(msg::Image& picture, const std::string& file) const {
+  Result<std::string> Save(msg::Image& picture, const NewFile& file) const {
     auto path = NewPath(file);
     if (!path) return path;
     auto media = LoadMedia();
     if (!media) return media.error();
     // Whoever looks sees a whole picture or none.
-    const std::string part = folder_ + "/.part-" + file;
+    const std::string part = folder_ + "/.part-" + fs::path(path.value()).filename().string();
     std::error_code failed;
     if (Result<> saved = media.value()->Save(picture, part); !saved) {
       fs::remove(part, failed);
@@ -46,7 +46,7 @@ class Shelf {
     return path;
   }
 
-  Result<std::string> BeginVideo(msg::Image& first, const std::string& file, double rate_hz) {
+  Result<std::string> BeginVideo(msg::Image& first, const NewFile& file, double rate_hz) {
     auto path = NewPath(file);
     if (!path) return path;
     auto media = LoadMedia();
@@ -106,16 +106,23 @@ class Shelf {
   }
 
  private:
-  Result<std::string> NewPath(const std::string& file) const {
+  Result<std::string> NewPath(const NewFile& file) const {
     std::error_code failed;
     fs::create_directories(folder_, failed);
     if (failed) return Failure(folder_ + ": " + failed.message());
     if (Result<> room = Room(); !room) return room.error();
-    const std::string path = folder_ + "/" + file;
-    if (fs::symlink_status(path, failed).type() != fs::file_type::not_found) {
-      return Failure("there is a " + file + " already", KeyCode::kParametersInvalid);
+    const fs::path name = file.name;
+    fs::path path = fs::path(folder_) / name;
+    for (int count = 2; fs::symlink_status(path, failed).type() != fs::file_type::not_found;
+         ++count) {
+      if (failed) return Failure(path.string() + ": " + failed.message());
+      if (!file.counts_on) {
+        return Failure("there is a " + file.name + " already", KeyCode::kParametersInvalid);
+      }
+      path.replace_filename(name.stem().string() + "_" + std::to_string(count) +
+                            name.extension().string());
     }
-    return path;
+    return path.string();
   }
 
   Result<> Room() const {
@@ -149,12 +156,12 @@ class ThreadStore : public Store {
     static_cast<void>(shelf_.EndVideo());
   }
 
-  void Save(msg::Image picture, const std::string& file, Done<std::string> done) override {
+  void Save(msg::Image picture, const NewFile& file, Done<std::string> done) override {
     Do<std::string>(
         [this, picture = std::move(picture), file]() mutable { return shelf_.Save(picture, file); },
         std::move(done));
   }
-  void BeginVideo(msg::Image first, const std::string& file, double rate_hz,
+  void BeginVideo(msg::Image first, const NewFile& file, double rate_hz,
                   Done<std::string> done) override {
     Do<std::string>([this, first = std::move(first), file,
                      rate_hz]() mutable { return shelf_.BeginVideo(first, file, rate_hz); },

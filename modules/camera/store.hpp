@@ -16,6 +16,14 @@
 
 namespace musher::camera {
 
+// A plain name (FaultOfName()) for a file that is not there yet.
+struct NewFile {
+  std::string name;
+  // Where there is such a file already: take the next free one of name_2, name_3 and so on, instead
+  // of failing with 4410.
+  bool counts_on = false;
+};
+
 class Store {
  public:
   template <class T>
@@ -23,12 +31,11 @@ class Store {
 
   virtual ~Store() = default;
 
-  // `file` is a plain name (FaultOfName()). Gives the path of what was written; fails with 4410
-  // where there is such a file already.
-  virtual void Save(msg::Image picture, const std::string& file, Done<std::string> done) = 0;
+  // Gives the path of what was written.
+  virtual void Save(msg::Image picture, const NewFile& file, Done<std::string> done) = 0;
 
   // One video at a time. Its pictures, bgr8, all have the size of `first`.
-  virtual void BeginVideo(msg::Image first, const std::string& file, double rate_hz,
+  virtual void BeginVideo(msg::Image first, const NewFile& file, double rate_hz,
                           Done<std::string> done) = 0;
   // Left out when too many wait.
   virtual void AddFrame(msg::Image picture) = 0;

@@ -6,8 +6,11 @@
 namespace musher::vision {
 
 bool Closeness::OnPicture(std::int64_t stamp_ns, const std::vector<Sighting>& seen) {
-  const Duration passed(stamp_ns - std::exchange(last_ns_, stamp_ns));
-  for (auto& [id, unseen] : near_) unseen += std::min(passed, rules_.longest_gap);
+  const Duration gap(stamp_ns - std::exchange(last_ns_, stamp_ns).value_or(stamp_ns));
+  const Duration passed = std::min(gap, rules_.longest_gap);
+  watched_ += passed;
+  known_ = known_ || !seen.empty() || watched_ >= rules_.hold;
+  for (auto& [id, unseen] : near_) unseen += passed;
   for (const Sighting& sighting : seen) {
     const auto known = near_.find(sighting.id);
     const double limit_m = known == near_.end() ? rules_.near_m : rules_.clear_m;

@@ -9,10 +9,13 @@
 //
 // A face that is very near fills the picture or leaves it, and then no detector finds it. So that
 // one is not seen any more says nothing: only pictures in which it could have been seen again, for
-// `hold`, or to see it farther away. Time without pictures does not count.
+// `hold`, or to see it farther away. Time without pictures does not count. For the same reason
+// nothing is known at the beginning, until somebody is seen or `hold` has passed: who is too near
+// may have been there before.
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -41,13 +44,17 @@ class Closeness {
   bool OnPicture(std::int64_t stamp_ns, const std::vector<Sighting>& seen);
 
   bool too_close() const { return !near_.empty(); }
+  // Whether too_close() goes by what was seen.
+  bool known() const { return known_; }
   // Who has to be told from others until seen farther away.
   std::set<int> TooNear() const;
 
  private:
   ClosenessRules rules_;
   std::map<int, Duration> near_;  // who was too near when last seen, and for how long unseen
-  std::int64_t last_ns_ = 0;
+  std::optional<std::int64_t> last_ns_;
+  Duration watched_{};  // while nobody was seen yet
+  bool known_ = false;
 };
 
 }  // namespace musher::vision

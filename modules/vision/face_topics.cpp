@@ -15,6 +15,8 @@ Error Wrong(KeyCode key, const std::string& what) {
   return {MakeCode(ModuleCode::kFace, key), what};
 }
 
+constexpr int kRareInARow = 5;
+
 std::string Ms(Duration time) {
   return std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(time).count()) +
          " ms";
@@ -141,6 +143,7 @@ void FaceTopics::OnResult(const LookResult& result) {
   if (!result.faces) return;
   ++looked_at_;
   seen_ = true;
+  NoteGap(Duration(result.stamp_ns - std::exchange(looked_ns_, result.stamp_ns)));
   Set(silence_, Ok(), "pictures come again");
   AwaitNext();
   Tell(watch_.OnPicture(result.stamp_ns, result.faces.value(), LensFor(result)));
@@ -154,6 +157,19 @@ std::optional<Lens> FaceTopics::LensFor(const LookResult& result) const {
 
 void FaceTopics::AwaitNext() {
   silence_timer_ = around_.clock.At(around_.clock.Now() + config_.silence, [this] { OnSilence(); });
+}
+
+// A single long gap is no more than that.
+void FaceTopics::NoteGap(Duration gap) {
+  const Duration longest = config_.faces.tracker.confirm_within;
+  rare_ = gap > longest ? rare_ + 1 : 0;
+  if (rare_ == 0) return Set(rarity_, Ok(), "pictures are looked at often enough again");
+  if (rare_ < kRareInARow) return;
+  Set(rarity_,
+      Wrong(KeyCode::kTimeout, "pictures are looked at " + Ms(gap) +
+                                   " apart, more than [faces] confirm_within_ms (" + Ms(longest) +
+                                   "): faces are told late"),
+      "");
 }
 
 void FaceTopics::OnSilence() {

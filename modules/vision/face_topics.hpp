@@ -3,8 +3,10 @@
 // show. Runs on any transport.
 //
 // target and too_close are published with a picture that shows them: who hears them judges by their
-// age. While it should look and no picture comes, faces_json says an empty list again and again,
-// and too_close says true if it was: nobody has been seen to leave.
+// age. A new one says nothing of too_close until it has seen somebody or looked for `hold`: one who
+// fills the picture is not seen, and may have been too close before. While it should look and no
+// picture comes, faces_json says an empty list again and again, and too_close says true if it was:
+// nobody has been seen to leave.
 //
 // Threads: the loop's.
 
@@ -73,6 +75,7 @@ class FaceTopics {
   void OnJump();
   void OnSilence();
   void AwaitNext();
+  void NoteGap(Duration gap);
   void Tell(const Sight& sight);
   void TellNobody();
   std::optional<Lens> LensFor(const LookResult& result) const;
@@ -93,9 +96,12 @@ class FaceTopics {
   bool too_close_now_ = false;  // by the last picture that was looked at
   bool seen_ = false;           // a picture was looked at since pictures are heard
   std::int64_t newest_ns_ = 0;  // stamp of the last picture that was given to the looker
+  std::int64_t looked_ns_ = 0;  // stamp of the last picture that was looked at
   Trouble picture_trouble_;
   Trouble info_trouble_;
   Trouble detector_trouble_;
+  Trouble rarity_;
+  int rare_ = 0;  // pictures in a row that were long after the one before
   Trouble silence_;
   std::optional<Time> jump_told_;
   std::unique_ptr<transport::Publisher<msg::PointStamped>> target_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <optional>
+#include <utility>
 
 namespace musher::vision {
 namespace {
@@ -50,7 +51,7 @@ std::vector<Pair> Match(const std::vector<Track>& tracks, const std::vector<Face
 
 void FaceTracker::OnPicture(std::int64_t stamp_ns, const std::vector<FaceBox>& boxes,
                             const std::set<int>& kept) {
-  Forget(stamp_ns, kept);
+  Forget(stamp_ns, Duration(stamp_ns - std::exchange(last_ns_, stamp_ns)), kept);
   for (Track& track : tracks_) track.seen = false;
   std::vector<FaceBox> faces;
   std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(faces), [this](const FaceBox& box) {
@@ -80,10 +81,11 @@ void FaceTracker::OnPicture(std::int64_t stamp_ns, const std::vector<FaceBox>& b
   }
 }
 
-void FaceTracker::Forget(std::int64_t stamp_ns, const std::set<int>& kept) {
+void FaceTracker::Forget(std::int64_t stamp_ns, Duration gap, const std::set<int>& kept) {
+  const Duration unconfirmed = std::max(rules_.confirm_within, 2 * gap);
   std::erase_if(tracks_, [&](const Track& track) {
     if (kept.contains(track.id)) return false;
-    const Duration most = track.confirmed ? rules_.forget : rules_.confirm_within;
+    const Duration most = track.confirmed ? rules_.forget : unconfirmed;
     return Duration(stamp_ns - track.last_ns) > most;
   });
 }

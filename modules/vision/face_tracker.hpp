@@ -3,7 +3,8 @@
 //
 //             seen in `confirm_pictures`
 //   new ────────────────────────────────────▶ confirmed ──▶ forgotten: unseen for `forget`
-//    └──▶ dropped: unseen for `confirm_within`, as a false find is
+//    └──▶ dropped: unseen for `confirm_within`, as a false find is, and for two pictures: where
+//         pictures are farther apart than that, the next one has to show it
 //
 // A box continues the track that it overlaps most, or else the nearest one within `distance` that
 // is of about its size. A number is never given twice.
@@ -23,7 +24,7 @@ struct TrackerRules {
   double distance = 0.30;  // between the centres at most, to be the same face without overlap
   int confirm_pictures = 2;
   Duration confirm_within = Milliseconds(500);
-  Duration forget = Milliseconds(5000);
+  Duration forget = Milliseconds(5000);    // of one that is confirmed
   Duration smoothing = Milliseconds(150);  // time constant of the size; zero: none
 
   friend bool operator==(const TrackerRules&, const TrackerRules&) = default;
@@ -54,11 +55,12 @@ class FaceTracker {
   const std::vector<Track>& tracks() const { return tracks_; }
 
  private:
-  void Forget(std::int64_t stamp_ns, const std::set<int>& kept);
+  void Forget(std::int64_t stamp_ns, Duration gap, const std::set<int>& kept);
   void See(Track& track, const FaceBox& box, std::int64_t stamp_ns) const;
 
   TrackerRules rules_;
   std::vector<Track> tracks_;
+  std::int64_t last_ns_ = 0;  // stamp of the last picture
   int next_id_ = 1;
 };
 

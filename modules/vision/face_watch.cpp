@@ -23,7 +23,8 @@ Sight FaceWatch::OnPicture(std::int64_t stamp_ns, const std::vector<FaceBox>& bo
   for (const Sight::Face& face : sight.faces) {
     if (face.id == target) sight.target = face;
   }
-  if (lens) sight.too_close = near_.OnPicture(stamp_ns, distances);
+  if (lens) near_.OnPicture(stamp_ns, distances);
+  if (lens && near_.known()) sight.too_close = near_.too_close();
   return sight;
 }
 

@@ -33,7 +33,7 @@ struct Sight {
   std::int64_t stamp_ns = 0;
   std::vector<Face> faces;        // confirmed ones that are seen in it
   std::optional<Face> target;     // one of them
-  std::optional<bool> too_close;  // nothing: the lens is not known
+  std::optional<bool> too_close;  // nothing: the lens is not known, or nobody was seen yet
 };
 
 class FaceWatch {

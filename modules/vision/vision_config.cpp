@@ -42,6 +42,7 @@ class Reader {
     Sub(root, "target", &Reader::ReadTarget);
     Sub(root, "too_close", &Reader::ReadTooClose);
     root.RefuseOthers();
+    CheckRate(root);
     config_.cascade.smallest = config_.faces.tracker.smallest;
     config_.faces.closeness.longest_gap = config_.silence;
     return std::move(config_);
@@ -93,6 +94,16 @@ class Reader {
     if (rules.clear_m < rules.near_m) {
       reader.Fault(reader.At("clear_m"), "clear_m", "must not be less than near_m");
     }
+  }
+
+  void CheckRate(TableReader& root) const {
+    const Duration forget = config_.faces.tracker.forget;
+    const double longest_s = std::chrono::duration<double>(forget).count();
+    if (config_.rate_hz == 0 || config_.rate_hz * longest_s >= 1) return;
+    root.Fault(root.At("rate_hz"), "rate_hz",
+               "a face would be forgotten from one picture to the next: expected two within "
+               "[faces] forget_ms, which are " +
+                   std::to_string(ToMilliseconds(forget)) + " ms");
   }
 
   static int Integer(TableReader& reader, std::string_view key, int least, int most,

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "musher/modules/program/await.hpp"
+#include "musher/modules/program/states.hpp"
 
 namespace musher::vision {
 
@@ -31,6 +32,11 @@ Result<> VisionManager::Run(const State& state) {
 }
 
 Result<> VisionManager::SetUp() {
+  constexpr std::int32_t kCode = MakeCode(ModuleCode::kFace, KeyCode::kParametersInvalid);
+  if (Result<> known = program::JudgeStates(machine_config(), "look_in", config_.look_in, kCode);
+      !known) {
+    return known;
+  }
   node_ = node();
   Result<> made;
   node_->RunOnLoop([&] {

@@ -47,6 +47,8 @@ void AddCast(fsm::Machine& machine, ShowData& data, const ShowConfig& config) {
   }
   machine.AddSafetyCheck("somebody is too close",
                          [&data](const fsm::Tick&) { return !data.perception.too_close; });
+  machine.AddSafetyCheck("nobody watches",
+                         [&data](const fsm::Tick&) { return !data.perception.blind; });
 }
 
 }  // namespace musher::wedding

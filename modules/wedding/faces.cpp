@@ -1,5 +1,7 @@
 #include "musher/modules/wedding/faces.hpp"
 
+#include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace musher::wedding {
@@ -41,7 +43,13 @@ Result<Faces> ReadFaces(std::string_view json) {
     if (area <= largest) continue;
     largest = area;
     const auto id = face.find("face_id");
-    faces.largest_frontal = id != face.end() && id->is_number_integer() ? id->get<int>() : -1;
+    faces.largest_frontal = -1;
+    if (id == face.end() || !id->is_number_integer()) continue;
+    const auto given = id->get<std::int64_t>();
+    if (given < -1 || given > std::numeric_limits<int>::max()) {
+      return Refusal("a face_id of " + id->dump());
+    }
+    faces.largest_frontal = static_cast<int>(given);
   }
   return faces;
 }

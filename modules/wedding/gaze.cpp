@@ -9,8 +9,9 @@ namespace {
 constexpr Duration kFollowStep = Milliseconds(20);
 constexpr Duration kLongestStep = Milliseconds(100);
 
+// Straight ahead for what is no number: a gaze is followed from, so it would stay none for good.
 double Within(double value) {
-  return std::clamp(value, 0.0, 1.0);
+  return std::isnan(value) ? 0.5 : std::clamp(value, 0.0, 1.0);
 }
 
 }  // namespace

@@ -26,6 +26,7 @@ Result<> Perception::OnTarget(const Target& target, Time now) {
   if (!std::isfinite(target.distance_m) || target.distance_m < 0) {
     return Error{kCodeFailed, "target " + Text(target) + " has no distance: z is metres"};
   }
+  watched_at_ = now;
   if (!Counts(face_last_, now)) face_first_ = now;
   face_last_ = now;
   target_ = target;
@@ -40,11 +41,11 @@ Result<> Perception::OnTarget(const Target& target, Time now) {
 // while nobody says so.
 std::optional<HeadAngles> Perception::HeadAt(Duration stamp, Time now) const {
   if (!yaw_at_ || now - *yaw_at_ > gaze_.joints_age) return std::nullopt;
-  const auto then = [stamp](const AngleTrail& trail) {
-    const auto known = stamp > Duration(0) ? trail.At(stamp) : trail.Last();
+  const auto then = [stamp](const AngleTrail& trail, Duration at) {
+    const auto known = stamp > Duration(0) ? trail.At(at) : trail.Last();
     return known ? known : trail.Last();
   };
-  return HeadAngles{then(yaw_).value_or(0), then(pitch_).value_or(0)};
+  return HeadAngles{then(yaw_, stamp).value_or(0), then(pitch_, stamp - ahead_).value_or(0)};
 }
 
 Result<> Perception::OnGesture(std::string_view word, Time now) {
@@ -63,6 +64,13 @@ Result<> Perception::OnGesture(std::string_view word, Time now) {
 void Perception::OnFaces(const Faces& faces, Time now) {
   faces_ = faces;
   faces_at_ = now;
+  watched_at_ = now;
+}
+
+void Perception::OnTooClose(bool too_close, Time now) {
+  if (too_close && !too_close_) ++too_close_number_;
+  too_close_ = too_close;
+  watched_at_ = now;
 }
 
 void Perception::OnVoice(double level, Time now) {
@@ -73,6 +81,7 @@ void Perception::OnVoice(double level, Time now) {
 void Perception::OnHead(Duration stamp, double yaw_rad, Time now) {
   yaw_.Add(stamp, yaw_rad);
   yaw_at_ = now;
+  if (stamp > Duration(0)) ahead_ = stamp - now.time_since_epoch();
 }
 
 void Perception::OnGaze(Gaze gaze, Time now) {
@@ -82,8 +91,10 @@ void Perception::OnGaze(Gaze gaze, Time now) {
   pitch_.Add(now.time_since_epoch(), pitch_rad_);
 }
 
-void Perception::Refresh(Time now, ShowData& data) const {
+void Perception::Refresh(Time now, ShowData& data) {
   PerceptionData& seen = data.perception;
+  if (!watched_at_) watched_at_ = now;
+  seen.blind = rules_.blind > Duration(0) && now - *watched_at_ > rules_.blind;
   seen.face_detected = Counts(face_last_, now);
   seen.face_position = target_.point;
   seen.face_distance_m = target_.distance_m;
@@ -98,6 +109,7 @@ void Perception::Refresh(Time now, ShowData& data) const {
   seen.gesture = gesture ? gesture_ : Gesture::kNone;
   seen.gesture_confidence = gesture ? rules_.gesture_confidence : 0;
   seen.too_close = too_close_;
+  seen.too_close_number = too_close_number_;
   seen.gesture_number = gesture_number_;
   data.audio.voice_level = Counts(voice_at_, now) ? voice_level_ : 0;
 }
@@ -106,6 +118,7 @@ void Perception::Forget() {
   face_first_.reset();
   face_last_.reset();
   faces_at_.reset();
+  watched_at_.reset();
   gesture_at_.reset();
   voice_at_.reset();
   yaw_at_.reset();

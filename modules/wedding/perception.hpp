@@ -19,6 +19,7 @@ namespace musher::wedding {
 struct PerceptionRules {
   Duration age = Milliseconds(1500);
   double gesture_confidence = 0.8;  // of each gesture that is told: the topic has no number
+  Duration blind{};                 // nothing heard of target, too_close, faces for longer; 0: off
 
   friend bool operator==(const PerceptionRules&, const PerceptionRules&) = default;
 };
@@ -40,15 +41,16 @@ class Perception {
   void OnFaces(const Faces& faces, Time now);
   void OnVoice(double level, Time now);
   // Holds until the opposite is said, however long that takes: who is not heard of may be there.
-  void OnTooClose(bool too_close) { too_close_ = too_close; }
+  void OnTooClose(bool too_close, Time now);
+  bool too_close() const { return too_close_; }
   // How the head stood when the joints were measured.
   void OnHead(Duration stamp, double yaw_rad, Time now);
 
   // Where the robot looks from now on, each tick.
   void OnGaze(Gaze gaze, Time now);
 
-  // What holds at `now`.
-  void Refresh(Time now, ShowData& data) const;
+  // What holds at `now`. Of a robot that has heard nothing yet, blindness counts from the first.
+  void Refresh(Time now, ShowData& data);
   // Time went back, or the robot rested: nothing counts any more, but that somebody is too close.
   void Forget();
 
@@ -71,10 +73,13 @@ class Perception {
   Gesture gesture_ = Gesture::kNone;
   std::uint64_t gesture_number_ = 0;
   bool too_close_ = false;
+  std::uint64_t too_close_number_ = 0;
+  std::optional<Time> watched_at_;  // when one of the three was last heard
   std::optional<Time> voice_at_;
   double voice_level_ = 0;
   AngleTrail yaw_;
   std::optional<Time> yaw_at_;  // when it was last measured
+  Duration ahead_{};            // of the clock that stamps, to the machine's
   AngleTrail pitch_;
   double pitch_rad_ = 0;
   std::optional<Time> nodded_at_;

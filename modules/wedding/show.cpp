@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "musher/modules/wedding/cast.hpp"
@@ -11,8 +12,9 @@
 namespace musher::wedding {
 namespace {
 
-constexpr std::string_view kInvalid = "INVALID";  // as the seed has it
-constexpr std::size_t kMostShown = 40;            // of a word that nobody knows
+constexpr std::string_view kInvalid = "INVALID";       // as the seed has it
+constexpr std::size_t kMostShown = 40;                 // of a word that nobody knows
+constexpr double kFarthestRad = 4 * std::numbers::pi;  // no joint of a body turns further
 
 std::string Shown(std::string_view word) {
   return "'" + std::string(word.substr(0, kMostShown)) + "'";
@@ -79,7 +81,7 @@ void Show::OnGesture(std::string_view word, Time now) {
 
 void Show::OnTooClose(bool too_close, Time now) {
   Note(now);
-  perception_.OnTooClose(too_close);
+  perception_.OnTooClose(too_close, now);
   Record(input::kTooClose, {too_close ? 1.0 : 0.0});
 }
 
@@ -142,8 +144,9 @@ Result<> Show::TakeJoints(JointAngles& joints, std::span<const std::string> name
   }
   JointAngles taken = joints;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!std::isfinite(positions[i])) {
-      return Error{kCodeFailed, "joints: a position that is no number"};
+    if (!(std::abs(positions[i]) <= kFarthestRad)) {  // so is NaN
+      return Error{kCodeFailed, "joints: a position of " + std::to_string(positions[i]) +
+                                    " rad: at most two turns to each side"};
     }
     std::size_t joint = i;
     if (!names.empty()) {
@@ -192,7 +195,11 @@ void Show::Rest(Time now, bool frozen) {
   Record(input::kRest, {});
   Settle();
   resting_ = true;
-  if (machine_ != nullptr && machine_->running()) Refuse(Complaint::kFault, machine_->Reset());
+  // One that is at home already does not come home: pauses fill no history.
+  const bool home = state() == state::kIdle && machine_->waiting_commands() == 0;
+  if (machine_ != nullptr && machine_->running() && !home) {
+    Refuse(Complaint::kFault, machine_->Reset());
+  }
   if (!frozen) AfterTick();
 }
 
@@ -208,6 +215,8 @@ void Show::Settle() {
   perception_.Forget();
   data_.audio.pending_speech.Clear();
   data_.photo_requested = false;
+  data_.left_alone = false;
+  data_.too_close_asked = 0;
   data_.motion.target_pose = pose::kNeutral;
   data_.motion.look_at_target = Gaze{};
   data_.motion.current_pose = {};  // it is said again: whoever was told may not be there any more
@@ -227,6 +236,8 @@ void Show::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
   if (input.kind == fsm::Input::Kind::kStart && !first_start_) first_start_ = input.time;
   if (input.kind != fsm::Input::Kind::kTick) return;
   Note(input.time);
+  // A recording begins with the start; somebody who was too close before it still is.
+  if (!std::exchange(first_told_, true) && perception_.too_close()) Record(input::kTooClose, {1});
   complaints_.Tick(input.time);
   perception_.OnGaze(data_.motion.look_at_target, input.time);
   perception_.Refresh(input.time, data_);
@@ -234,6 +245,9 @@ void Show::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
 
 void Show::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
   const std::string_view to = machine.Name(change.to);
+  if (to == state::kIdle && change.cause == fsm::Cause::kForced) data_.LeaveAlone();
+  const bool anew = change.cause == fsm::Cause::kReset || change.cause == fsm::Cause::kStarted;
+  if (anew || (to != state::kIdle && to != state::kSafeStop)) data_.left_alone = false;
   if (change.from != change.to) stage_.ShowState(to.empty() ? kInvalid : to);
 }
 

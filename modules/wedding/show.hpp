@@ -85,7 +85,7 @@ class Show : private fsm::Listener {
 
   // To IDLE, whatever there was; commands that wait are swept away.
   Result<> Reset(Time now);
-  // At once. Fails for a state that there is not.
+  // At once. Fails for a state that there is not. To IDLE: as the command does it.
   Result<> Force(std::string_view state, Time now);
 
   const ShowData& data() const { return data_; }
@@ -115,6 +115,7 @@ class Show : private fsm::Listener {
   fsm::Machine* machine_ = nullptr;
   fsm::Recorder* recorder_ = nullptr;
   std::optional<Time> first_start_;  // of the machine; times of a recording count from there
+  bool first_told_ = false;          // what was known before the first start is in the recording
   bool resting_ = true;
   Time now_{};
 };

@@ -93,6 +93,7 @@ class Reader {
       perception.Fault(perception.At("age_ms"), "age_ms",
                        "expected at most tracking.lost_ms: a face that still counts is not lost");
     }
+    Take(perception, "blind_ms", rules.blind, 0);
     Take(perception, "gesture_confidence", rules.gesture_confidence, 0, 1);
     Take(perception, "gesture_threshold", config_.show.tracking.gesture_threshold, 0, 1);
   }
@@ -108,6 +109,16 @@ class Reader {
     TakeAngle(gaze, "pitch_limit_deg", rules.pitch_limit_rad, 0, 180);
     Take(gaze, "pitch_speed_rad_s", rules.pitch_speed_rad_s, 0.01, 100);
     Take(gaze, "joints_age_ms", rules.joints_age);
+  }
+
+  void ReadService(TableReader& photo) {
+    const auto service = photo.String("service");
+    if (!service) return;
+    config_.camera_service = service->text;
+    if (service->text.empty() || config_toml::IsTopic(service->text)) return;
+    photo.Fault(service->at, "service",
+                "expected the name of a service, as in \"camera_service\", or \"\", found " +
+                    config_toml::Quote(service->text));
   }
 
   void ReadStates(TableReader& root) {
@@ -129,7 +140,7 @@ class Reader {
       Take(photo, "pose_ms", show.photo.pose);
       Take(photo, "countdown_ms", show.photo.countdown);
       Take(photo, "shutter_ms", show.photo.shutter);
-      if (const auto service = photo.String("service")) config_.camera_service = service->text;
+      ReadService(photo);
       Take(photo, "timeout_ms", config_.photo_timeout);
     });
     In(root, "farewell",

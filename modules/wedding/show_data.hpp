@@ -34,6 +34,8 @@ struct PerceptionData {
   std::uint64_t gesture_number = 0;  // of which; one that is held is one
 
   bool too_close = false;
+  std::uint64_t too_close_number = 0;  // of whom: one who stays is one
+  bool blind = false;                  // nobody watches: too_close is not to be trusted
 };
 
 struct MotionData {
@@ -83,12 +85,19 @@ struct ShowData {
   AudioData audio;
   double follow = 0.3;  // of GazeRules
   bool safety_triggered = false;
+  bool left_alone = false;             // IDLE was commanded: who stands there is not greeted
+  int left_alone_face = -1;            // the face_id of whom, -1: unknown
   std::uint64_t gesture_answered = 0;  // the number of the last one that was held at a photo
+  std::uint64_t too_close_asked = 0;   // the number of whom was last asked to step back
   bool photo_requested = false;        // the shutter
 
   // What is not seen, heard or measured anew.
   void Persist(fsm::Archive& archive);
 
+  void LeaveAlone() {
+    left_alone = perception.face_detected;
+    left_alone_face = perception.face_id;
+  }
   void Say(std::string_view sound) {
     audio.current_speech = sound;
     audio.pending_speech.Push(sound);

@@ -36,7 +36,7 @@ struct FarewellRules {
 };
 
 struct SafeStopRules {
-  Duration clear = Milliseconds(2000);  // so long in a row nobody is too close
+  Duration clear = Milliseconds(2000);  // so long in a row there was no cause
 
   friend bool operator==(const SafeStopRules&, const SafeStopRules&) = default;
 };

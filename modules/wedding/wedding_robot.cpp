@@ -17,7 +17,7 @@ constexpr Duration kVisionSilence = Milliseconds(2000);  // beyond it, in Active
 FsmActuator::Options OptionsOf(const WeddingConfig& config) {
   FsmActuator::Options options;
   options.rate_hz = config.rate_hz;
-  options.resume = FsmActuator::Resume::kAnew;
+  options.resume = FsmActuator::Resume::kWhereItWas;  // in IDLE: Rest() brought it there
   return options;
 }
 
@@ -93,7 +93,7 @@ void WeddingRobot::Hear(transport::Endpoints& topics, Wire& wire) {
   });
   constexpr transport::Qos kNewest{transport::Qos::Reliability::kBestEffort,
                                    transport::Qos::Durability::kVolatile, 1};
-  wire.faces = topics.Hear<msg::String>(
+  topics.Hear<msg::String>(
       topic::kFaces,
       [this](const auto& faces) {
         seen_at_ = Now();
@@ -159,10 +159,10 @@ Findings WeddingRobot::Look() {
   const auto wire = wire_.lock();
   if (!wire) return {};
   Findings found;
-  const int eyes = wire->faces->MatchedWriters() + wire->target->MatchedWriters();
-  found.camera = Missing(eyes, "nobody publishes", topic::kFaces);
+  found.camera = Missing(wire->target->MatchedWriters(), "nobody publishes", topic::kTarget);
   if (found.camera.empty() && ticking() && (!seen_at_ || Now() - *seen_at_ > kVisionSilence)) {
-    found.camera = "nothing was heard of " + std::string(topic::kFaces) + " for 2 s";
+    found.camera =
+        "nothing was heard of " + std::string(topic::kTarget) + " and faces_json for 2 s";
   }
   found.audio = Missing(wire->play->MatchedReaders(), "nobody listens to", topic::kPlay);
   found.motion = Missing(wire->pose->MatchedReaders(), "nobody listens to", topic::kPose);

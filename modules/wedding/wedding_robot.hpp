@@ -36,7 +36,6 @@ class WeddingRobot : public FsmActuator, private Stage {
     transport::Publisher<msg::PointStamped>* look_at = nullptr;
     transport::Publisher<msg::String>* play = nullptr;
     transport::Subscription* target = nullptr;
-    transport::Subscription* faces = nullptr;
     std::optional<Photographer> photographer;  // where the config names a camera
   };
 

@@ -17,7 +17,10 @@ class Work : public fsm::State {
  public:
   explicit Work(const std::string& order) : order_(order) {}
 
-  void Declare(fsm::Ways& ways) override { ways.To("WORK", "never"); }
+  void Declare(fsm::Ways& ways) override {
+    ways.To("WORK", "never");
+    ways.On("go");
+  }
   void Run(const fsm::Tick&) override {
     if (order_ == "fail") throw std::runtime_error("the lamp is broken");
     while (order_ == "block") pause();
@@ -34,6 +37,7 @@ class Peer : public FsmActuator {
 
  private:
   Result<> BuildMachine(fsm::Machine& machine) override {
+    machine.AddEvent("go");
     machine.Add("WORK", std::make_unique<Work>(order_));
     return machine.Build("WORK");
   }

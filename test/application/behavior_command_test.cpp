@@ -112,6 +112,23 @@ TEST_F(BehaviorCommand, IsToldWhyACommandIsRefused) {
   EXPECT_EQ(paused.err, "musher: show is paused in Protected\n");
 }
 
+TEST_F(BehaviorCommand, SendsNoCommandWithoutAName) {
+  const Ran ran = RunProgram({"behavior", "show", "--send", ""});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_EQ(ran.out, "");
+  EXPECT_THAT(ran.err, HasSubstr("--send"));
+}
+
+TEST_F(BehaviorCommand, DrawsNoGraphIntoAFileOfAKindThatItCannotWrite) {
+  const std::string file = stage_.state_dir() + ".pdf";
+  const Ran ran = RunProgram({"graph", "--behavior", "show", "-o", file});
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.err, HasSubstr(".pdf: a graph is .dot, .gv, .mmd, .mermaid or .svg"));
+  EXPECT_FALSE(std::ifstream(file).is_open());
+  EXPECT_EQ(RunProgram({"graph", stage_.path(), "-o", file}).exit, 2) << "of a config, too";
+  EXPECT_EQ(RunProgram({"graph", stage_.path(), "-o", file, "--format", "dot"}).exit, 0);
+}
+
 TEST_F(BehaviorCommand, FollowsEveryChangeUntilItIsInterrupted) {
   Show show;
   Begin(show);

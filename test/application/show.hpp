@@ -28,6 +28,7 @@ namespace musher::testing {
 struct ShowData {
   std::vector<std::string> log;
   std::map<std::string, std::string> throws;  // what a hook or a state's function throws
+  std::map<std::string, int> runs;            // of each state
   bool unsafe = false;
   bool safe_state = true;
   bool left_early = false;  // it stops its machine itself
@@ -52,6 +53,7 @@ class Scene : public fsm::State {
   }
   void OnEnter(const fsm::Tick&) override { data_.Do(name_ + " enters"); }
   void Run(const fsm::Tick&) override {
+    ++data_.runs[name_];
     if (data_.throws.contains(name_ + " runs")) data_.Do(name_ + " runs");
   }
   fsm::Next CheckTransition(const fsm::Tick& tick) override {
@@ -94,6 +96,7 @@ class Show : public FsmActuator {
 
   using FsmActuator::machine;
   using FsmActuator::Now;
+  using FsmActuator::Send;
   using FsmActuator::Stamp;
   using FsmActuator::ticking;
 

@@ -88,6 +88,7 @@ class Trial {
   Outcome outcome;
 
  private:
+  void ForgetWhatWasSaid();
   void JudgeOthers();
   void JudgeActivity();
   void JudgeSwitches();

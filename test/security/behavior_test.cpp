@@ -34,8 +34,12 @@ TEST_F(SecuredApplication, TellsWhereItIsToThoseWithKeysAlsoToWhoMayOnlyLook) {
     EXPECT_EQ(told.exit, 0) << told.err;
     EXPECT_THAT(told.out, HasSubstr("show  WORK  NORMAL"));
   }
+  const Ended sent = As("operator", {"behavior", "show", "--send", "go"});
+  EXPECT_EQ(sent.exit, 0) << sent.err;
+  EXPECT_EQ(sent.out, "go is sent to show\n");
   const Ended looker = As("visitor", {"behavior", "show", "--send", "go", "--timeout", "2"});
   EXPECT_NE(looker.exit, 0) << "who may only look commands nothing";
+  EXPECT_THAT(looker.err, HasSubstr("visitor may not do that"));
   const Ended nobody = As("operator", {"behavior", "shwo"});
   EXPECT_THAT(nobody.err, HasSubstr("did you mean 'show'?"));
   unsetenv("MUSHER_KEYS");

@@ -63,6 +63,7 @@ void Grammar::AddMachineCommands() {
       ->type_name("N");
   command->add_flag("-w,--watch", behavior->watch, "Show every change as it happens");
   command->add_option("--send", behavior->send, "Send it this command; one that it registered")
+      ->check([](const std::string& word) { return word.empty() ? "needs a command" : ""; })
       ->type_name("COMMAND");
 
   auto history = std::make_shared<HistoryOptions>();

@@ -11,6 +11,12 @@ void Read(TableReader& table, const char* key, Duration& time) {
   time = table.Time(key).value_or(time);
 }
 
+// At the key that the file has.
+void Contradict(TableReader& table, const char* key, const char* other, const char* message) {
+  const char* given = table.Has(key) ? key : other;
+  table.Fault(table.At(given), given, message);
+}
+
 // Of a UTF-8 text.
 int CharactersIn(const std::string& text) {
   constexpr unsigned char kKind = 0xc0;
@@ -30,6 +36,10 @@ std::optional<SearchRules> ReadSearch(TableReader& table) {
   Read(table, "timeout_ms", rules.timeout);
   rules.scan = table.Number("scan", 0, 0.5).value_or(rules.scan);
   Read(table, "scan_period_ms", rules.scan_period);
+  if (rules.confirm > rules.timeout) {
+    Contradict(table, "confirm_ms", "timeout_ms",
+               "expected confirm_ms to be at most timeout_ms: else no face can stay long enough");
+  }
   if (!enabled) return std::nullopt;
   return rules;
 }
@@ -59,6 +69,10 @@ std::optional<InterviewRules> ReadInterview(TableReader& table) {
   Read(table, "stays_ms", rules.stays);
   Read(table, "lost_least_ms", rules.lost_least);
   Read(table, "lost_most_ms", rules.lost_most);
+  if (rules.lost_least >= rules.lost_most) {
+    Contradict(table, "lost_least_ms", "lost_most_ms",
+               "expected lost_least_ms to be less than lost_most_ms: else nobody can be lost so");
+  }
   if (!enabled) return std::nullopt;
   return rules;
 }

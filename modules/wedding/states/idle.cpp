@@ -22,8 +22,19 @@ void Idle::Run(const fsm::Tick& tick) {
 
 fsm::Next Idle::Decide(const fsm::Tick& /*tick*/) {
   const PerceptionData& seen = data().perception;
+  if (LeavesAlone()) return fsm::Next::Stay();
   if (seen.face_detected && seen.face_seen_for >= rules_.confirm) return fsm::Next::To(tracking_);
   return fsm::Next::Stay();
+}
+
+// Who stands there when IDLE is commanded, until he has gone or another one is there.
+bool Idle::LeavesAlone() {
+  const PerceptionData& seen = data().perception;
+  int& whom = data().left_alone_face;
+  if (whom < 0) whom = seen.face_id;
+  const bool another = seen.face_id >= 0 && seen.face_id != whom;
+  if (!seen.face_detected || another) data().left_alone = false;
+  return data().left_alone;
 }
 
 }  // namespace musher::wedding

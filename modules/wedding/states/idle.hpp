@@ -18,6 +18,8 @@ class Idle : public WeddingState {
   fsm::Next Decide(const fsm::Tick& tick) override;
 
  private:
+  bool LeavesAlone();
+
   const IdleRules rules_;
   fsm::StateId tracking_ = fsm::kNoState;
 };

@@ -13,16 +13,22 @@ void SafeStop::OnEnter(const fsm::Tick& /*tick*/) {
   data_.safety_triggered = true;
   data_.motion.target_pose = pose::kNeutral;
   data_.motion.look_at_target = Gaze{};
-  if (data_.perception.too_close) data_.Say(sound::kTooClose);
+  const PerceptionData& seen = data_.perception;
+  if (seen.too_close && seen.too_close_number != data_.too_close_asked) {
+    data_.Say(sound::kTooClose);
+  }
+  data_.too_close_asked = seen.too_close_number;
 }
 
 fsm::Next SafeStop::CheckTransition(const fsm::Tick& tick) {
-  if (data_.perception.too_close) {
+  if (data_.perception.too_close || data_.perception.blind) {
     clear_from_ = tick.elapsed;
+    data_.too_close_asked = data_.perception.too_close_number;
     return fsm::Next::Stay();
   }
   const bool commanded =
       tick.command != fsm::kNoEvent && (tick.command == stop_ || tick.command == idle_);
+  if (commanded) data_.LeaveAlone();
   if (commanded || tick.elapsed - clear_from_ >= rules_.clear) return fsm::Next::To(to_idle_);
   return fsm::Next::Stay();
 }

@@ -1,6 +1,6 @@
 #pragma once
-// SAFE_STOP: somebody is too close, or a state failed. The robot stands neutral and looks ahead
-// until there has been no cause for a while.
+// SAFE_STOP: somebody is too close, nobody watches, or a state failed. The robot stands neutral and
+// looks ahead until there has been no cause for a while.
 
 #include "musher/behavior/fsm/state.hpp"
 #include "musher/modules/wedding/show_data.hpp"
@@ -8,7 +8,7 @@
 
 namespace musher::wedding {
 
-// Of the commands it obeys stop and idle alone, and only while nobody is too close.
+// Of the commands it obeys stop and idle alone, and only once there is no cause any more.
 class SafeStop : public fsm::State {
  public:
   SafeStop(ShowData& data, const SafeStopRules& rules) : data_(data), rules_(rules) {}

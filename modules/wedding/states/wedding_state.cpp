@@ -17,7 +17,11 @@ void WeddingState::Declare(fsm::Ways& ways) {
 fsm::Next WeddingState::CheckTransition(const fsm::Tick& tick) {
   fsm::StateId target = fsm::kNoState;
   if (tick.command != fsm::kNoEvent) {
-    if (tick.command == stop_ || tick.command == idle_) target = to_idle_;
+    if (tick.command == stop_ || tick.command == idle_) {
+      data_.LeaveAlone();
+      if (to_idle_ == fsm::kNoState) return fsm::Next::Heed();
+      target = to_idle_;
+    }
     if (tick.command == photo_) target = to_photo_;
     if (tick.command == tracking_) target = to_tracking_;
   }

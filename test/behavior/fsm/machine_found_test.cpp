@@ -22,7 +22,12 @@ class Counting : public Listener {
   void OnFault(const Machine& machine, const Fault& fault) override {
     faults.push_back(machine.Describe(fault));
   }
+  void OnUnheeded(const Machine& machine, EventId command, StateId state) override {
+    unheeded.push_back(std::string(machine.Name(command)) + " in " +
+                       std::string(machine.Name(state)));
+  }
   std::vector<std::string> seen;
+  std::vector<std::string> unheeded;
   std::vector<std::string> faults;
   std::function<void(const Machine&)> during;
 };
@@ -200,6 +205,85 @@ TEST_F(MachineFound, CountsNoCommandAsUnheededThatAStateHeedsAndStays) {
   Run();
   EXPECT_EQ(machine_.counts().unheeded, 0U);
   EXPECT_EQ(machine_.waiting_commands(), 0U);
+}
+
+// Three ways for a command to come to nothing that nobody was told of.
+TEST_F(MachineFound, TellsOfACommandWhoseTransitionBrokeOffOrWhoseCheckFailed) {
+  bool safe = true;
+  machine_.AddEvent("photo");
+  LoggingState& idle = Add("IDLE", {"PHOTO"});
+  LoggingState& photo = Add("PHOTO", {"IDLE"});
+  Add("SAFE_STOP", {"IDLE"}, Role::kSafe);
+  machine_.AddSafetyCheck("distance", [&](const Tick&) { return safe; });
+  Counting listener;
+  machine_.Listen(&listener);
+  Start("IDLE");
+  idle.check = [&](const Tick& tick) {
+    if (tick.command == kNoEvent) return Next::Stay();
+    return Next::To(*machine_.FindState("PHOTO"), 5 * kStep);
+  };
+  ASSERT_TRUE(machine_.Send("photo"));
+  Run(2);
+  safe = false;
+  Run();
+  EXPECT_EQ(Current(), "SAFE_STOP");
+  EXPECT_THAT(listener.unheeded, ElementsAre("photo in IDLE"));
+
+  safe = true;
+  ASSERT_TRUE(machine_.Force("PHOTO"));
+  photo.check = [](const Tick&) -> Next { throw std::runtime_error("no camera"); };
+  ASSERT_TRUE(machine_.Send("photo"));
+  Run();
+  EXPECT_THAT(listener.unheeded, ElementsAre("photo in IDLE", "photo in PHOTO"));
+
+  ASSERT_TRUE(machine_.Force("IDLE"));
+  ASSERT_TRUE(machine_.Send("photo"));
+  Run();
+  ASSERT_EQ(machine_.mode(), Mode::kTransitioning);
+  ASSERT_TRUE(machine_.Stop());
+  EXPECT_EQ(machine_.counts().unheeded, 3U);
+}
+
+TEST_F(MachineFound, CountsACommandThatEndsItsTransitionOnlyInTheHistory) {
+  machine_.AddEvent("photo");
+  LoggingState& idle = Add("IDLE", {"PHOTO"});
+  Add("PHOTO", {"IDLE"});
+  Start("IDLE");
+  idle.check = [&](const Tick& tick) {
+    if (tick.command == kNoEvent) return Next::Stay();
+    return Next::To(*machine_.FindState("PHOTO"), 2 * kStep);
+  };
+  ASSERT_TRUE(machine_.Send("photo"));
+  Run(3);
+  EXPECT_EQ(Current(), "PHOTO");
+  ASSERT_TRUE(machine_.Force("IDLE"));
+  EXPECT_EQ(machine_.counts().unheeded, 0U);
+}
+
+TEST_F(MachineFound, CountsTheCommandsThatAResetOrAStopSweepsAway) {
+  machine_.AddEvent("photo");
+  Add("IDLE");
+  Start("IDLE");
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(machine_.Send("photo"));
+  ASSERT_TRUE(machine_.Reset());
+  EXPECT_EQ(machine_.counts().superseded, 3U);
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(machine_.Send("photo"));
+  ASSERT_TRUE(machine_.Stop());
+  EXPECT_EQ(machine_.waiting_commands(), 0U);
+  EXPECT_EQ(machine_.counts().superseded, 5U);
+}
+
+// The sum overflowed, which is undefined, and was negative.
+TEST_F(MachineFound, LetsMachineTimeStandStillAtItsFarthest) {
+  Add("IDLE");
+  ASSERT_TRUE(machine_.Build("IDLE"));
+  ASSERT_TRUE(machine_.Start(Time::min()));
+  machine_.RunOnce(Time::max());
+  EXPECT_EQ(machine_.time(), Duration(kFarthestNs));
+  machine_.RunOnce(Time::min());
+  machine_.RunOnce(Time::max());
+  EXPECT_EQ(machine_.time(), Duration(kFarthestNs));
+  EXPECT_EQ(machine_.elapsed(), Duration(kFarthestNs));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "musher/behavior/fsm/recorder.hpp"
+#include "musher/behavior/fsm/snapshot.hpp"
 #include "musher/test/behavior/fsm/machine_fixture.hpp"
 #include "musher/test/behavior/fsm/whims.hpp"
 
@@ -123,6 +124,30 @@ TEST(Recorder, DoesNotRecordWhatStatesSendThemselves) {
   EXPECT_THAT(text, testing::Not(HasSubstr("command")));
 }
 
+// The first tick looked for the time of a start that there was not.
+TEST(Recorder, SaysWhereTheMachineWentOnFromASnapshotInsteadOfAStart) {
+  Show show;
+  ASSERT_TRUE(show.machine.Start(Time{}));
+  const Snapshot saved = show.machine.Save().value();
+  ASSERT_TRUE(show.machine.Stop());
+  std::string text;
+  const Recorder recorder(show.machine, [&](std::string_view line) { text += line; });
+  const Time now = Time(std::chrono::hours(9));
+  ASSERT_TRUE(show.machine.Restore(saved, now).empty());
+  show.machine.RunOnce(now + kStep);
+  show.machine.RunOnce(now + 2 * kStep);
+  EXPECT_EQ(text, "musher-fsm-recording 1 show\nrestored\ntick 0\ntick 0.02\n");
+  EXPECT_EQ(FaultOf(text),
+            "show.record:2:1: error: from here on the machine had been restored from a snapshot, "
+            "which is not recorded");
+
+  ASSERT_TRUE(show.machine.Stop());
+  text.clear();
+  ASSERT_TRUE(show.machine.Restore(saved, now).empty());
+  ASSERT_TRUE(show.machine.Send("stop now"));
+  EXPECT_EQ(text, "restored\ncommand \"stop now\"\n");
+}
+
 TEST(Replay, GivesTheSameHistoryAgain) {
   Show show;
   const Result<Replayed> replayed = show.Again(Read(kRecorded));
@@ -196,7 +221,7 @@ TEST(Recording, TellsWhereALineIsNone) {
   EXPECT_EQ(FaultOf(head + "tick 1s\n"), "show.record:2:6: error: 1s is no time in seconds");
   EXPECT_EQ(FaultOf(head + "tick 1.\n"), "show.record:2:6: error: 1. is no time in seconds");
   EXPECT_EQ(FaultOf(head + "tick --1\n"), "show.record:2:6: error: --1 is no time in seconds");
-  EXPECT_EQ(FaultOf(head + "tick \"\"\n"), "show.record:2:6: error:  is no time in seconds");
+  EXPECT_EQ(FaultOf(head + "tick \"\"\n"), "show.record:2:6: error: \"\" is no time in seconds");
   EXPECT_EQ(FaultOf(head + "tick 0.0000000001\n"),
             "show.record:2:6: error: 0.0000000001 is no time in seconds");
   EXPECT_EQ(FaultOf(head + "tick 99999999999999\n"),

@@ -226,6 +226,19 @@ TEST(Snapshot, IsRefusedWithWhatIsWrong) {
               ElementsAre("fault.state: there is no state IDEL; did you mean IDLE?"));
 }
 
+// It was restored, and the first tick that came to the name that was not there crashed.
+TEST(Snapshot, IsRefusedWhereATransitionOrACommandHasNoName) {
+  EXPECT_THAT(FaultsOf([](Snapshot& s) {
+                s.mode = Mode::kTransitioning;
+                s.transition = {"", "", Duration{}, Milliseconds(100)};
+              }),
+              ElementsAre("transition.to: is missing"));
+  EXPECT_THAT(FaultsOf([](Snapshot& s) {
+                s.commands = {"photo", ""};
+              }),
+              ElementsAre("commands: one has no name"));
+}
+
 TEST(Snapshot, IsRefusedWithWhatIsWrongInItsParts) {
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.states.clear(); }),
               ElementsAre("states.TRACKING: is missing"));

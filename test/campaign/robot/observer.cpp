@@ -152,6 +152,15 @@ std::vector<msg::MachineStatus> Observer::Since(Time since) {
   return statuses;
 }
 
+bool Observer::AwaitAllIn(const std::string& state, Duration patience) {
+  const auto all_in = [&]() -> std::optional<Time> {
+    const bool all = std::all_of(latest_of_actuators_.begin(), latest_of_actuators_.end(),
+                                 [&](const auto& said) { return said.second.state == state; });
+    return all ? std::optional(Now()) : std::nullopt;
+  };
+  return AwaitUntil(Now() + patience, all_in).has_value();
+}
+
 void Observer::Forget() {
   const std::lock_guard lock(mutex_);
   if (machine_.size() > 1) machine_.erase(machine_.begin(), machine_.end() - 1);

@@ -46,6 +46,9 @@ class Observer {
   std::optional<Time> Await(const Is& is, Duration patience);
   std::optional<msg::MachineStatus> Latest();
   std::vector<msg::MachineStatus> Since(Time since);
+  // Waits until the latest that each actuator has said of itself is that it is in `state`; what
+  // was said before comes no more then. False: not within `patience`.
+  bool AwaitAllIn(const std::string& state, Duration patience);
   // Everything from before is forgotten but the latest.
   void Forget();
 

@@ -66,6 +66,23 @@ TEST_F(CueDecision, GoesByTheCueItselfWhereThatSaysWhetherItInterrupts) {
   EXPECT_EQ(player().current->what.text, "by the way");
 }
 
+// No "Three, two, one!" after "Please step back".
+TEST_F(CueDecision, DropsTheWaitingCuesOfItsTopicWhenOneInterrupts) {
+  Cue(kPatientCues, "greeting");
+  Made();
+  Cue(kPatientCues, "shutter");
+  Say(1, "a request");
+  Cue(kUrgent, "by the way");
+  Cue(kPatientCues, "fire");
+  EXPECT_EQ(player().current->what.text, "fire");
+  Made(), Ended();
+  EXPECT_EQ(player().current->what.text, "a request") << "what others ask for goes on waiting";
+  Made(), Ended();
+  EXPECT_EQ(player().current->what.text, "by the way");
+  Made(), Ended();
+  EXPECT_FALSE(player().current);
+}
+
 TEST_F(CueDecision, DropsACueWhoseTurnComesTooLate) {
   Say(0, "endless");
   Made();

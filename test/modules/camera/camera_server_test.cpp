@@ -36,6 +36,9 @@ TEST_F(CameraServerTest, NamesPicturesByTheirTime) {
   EXPECT_THAT(Call({CameraService::kTakePicture, "", 0, 0, 0}).msg, HasSubstr("/saved/picture_"));
   EXPECT_THAT(Call({CameraService::kTakePicture, "", 0, 0, 0}).msg, HasSubstr(".jpg"));
   EXPECT_THAT(saved_.pictures, SizeIs(2));
+  EXPECT_TRUE(saved_.files.back().counts_on) << "that time may have been before";
+  EXPECT_EQ(Call({CameraService::kTakePicture, "me.jpg", 0, 0, 0}).result, 0);
+  EXPECT_FALSE(saved_.files.back().counts_on) << "who asks for a name gets that one or none";
 }
 
 TEST_F(CameraServerTest, SwitchesACameraOnThatIsOnDemand) {

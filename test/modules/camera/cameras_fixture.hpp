@@ -46,23 +46,25 @@ class FakeStore : public Store {
  public:
   struct Content {
     std::map<std::string, msg::Image> pictures;
+    std::vector<NewFile> files;  // what pictures were to be named
     std::map<std::string, std::vector<msg::Image>> videos;
     std::string recording;
     std::optional<Error> error;
   };
   explicit FakeStore(Content& content) : content_(content) {}
 
-  void Save(msg::Image picture, const std::string& file, Done<std::string> done) override {
+  void Save(msg::Image picture, const NewFile& file, Done<std::string> done) override {
     if (content_.error) return done(*content_.error);
-    content_.pictures[file] = std::move(picture);
-    done("/saved/" + file);
+    content_.pictures[file.name] = std::move(picture);
+    content_.files.push_back(file);
+    done("/saved/" + file.name);
   }
-  void BeginVideo(msg::Image first, const std::string& file, double /*rate_hz*/,
+  void BeginVideo(msg::Image first, const NewFile& file, double /*rate_hz*/,
                   Done<std::string> done) override {
     if (content_.error) return done(*content_.error);
-    content_.recording = file;
-    content_.videos[file].push_back(std::move(first));
-    done("/saved/" + file);
+    content_.recording = file.name;
+    content_.videos[file.name].push_back(std::move(first));
+    done("/saved/" + file.name);
   }
   void AddFrame(msg::Image picture) override {
     content_.videos.at(content_.recording).push_back(std::move(picture));

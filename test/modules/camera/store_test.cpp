@@ -19,6 +19,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 msg::Image Picture() {
   msg::Image picture;
@@ -41,7 +42,7 @@ class StoreTest : public testing::Test {
         loop_.RunUntil([&] { return answer.has_value(); }, loop_.Now() + std::chrono::seconds(30)));
     return *answer;
   }
-  Result<std::string> Save(const std::string& file) {
+  Result<std::string> Save(const NewFile& file) {
     return Await<std::string>([&](auto done) { store_->Save(Picture(), file, done); });
   }
   std::vector<std::string> List() {
@@ -59,15 +60,33 @@ class StoreTest : public testing::Test {
 
 TEST_F(StoreTest, SavesListsAndDeletesPictures) {
   EXPECT_THAT(List(), IsEmpty()) << "there is no folder yet";
-  const auto path = Save("a.png");
+  const auto path = Save({"a.png"});
   ASSERT_TRUE(path) << path.error().message;
   EXPECT_EQ(path.value(), saved_ + "/a.png");
-  EXPECT_TRUE(Save("b.jpg"));
+  EXPECT_TRUE(Save({"b.jpg"}));
   EXPECT_THAT(List(), ElementsAre("a.png", "b.jpg"));
-  EXPECT_EQ(Save("a.png").error().code, 4410) << "nothing is written over";
+  EXPECT_EQ(Save({"a.png"}).error().code, 4410) << "nothing is written over";
   EXPECT_TRUE(Delete("a.png"));
   EXPECT_EQ(Delete("a.png").error().code, 4410);
   EXPECT_THAT(List(), ElementsAre("b.jpg"));
+}
+
+// The time of a world begins at zero again with its next start, and so do names by the time.
+TEST_F(StoreTest, CountsOnWhereANameThatTheCameraMadeIsThereAlready) {
+  const NewFile again = {"picture_16.560.jpg", true};
+  EXPECT_EQ(Save(again).value(), saved_ + "/picture_16.560.jpg");
+  EXPECT_EQ(Save(again).value(), saved_ + "/picture_16.560_2.jpg");
+  store_ = MakeStore(loop_, saved_);
+  EXPECT_EQ(Save(again).value(), saved_ + "/picture_16.560_3.jpg") << "by another process, too";
+  const auto video = [&] {
+    return Await<std::string>([&](auto done) {
+      store_->BeginVideo(Picture(), {"video_3.000.avi", true}, 10, done);
+    });
+  };
+  EXPECT_EQ(video().value(), saved_ + "/video_3.000.avi");
+  EXPECT_TRUE(Await<std::string>([&](auto done) { store_->EndVideo(done); }));
+  EXPECT_EQ(video().value(), saved_ + "/video_3.000_2.avi");
+  EXPECT_THAT(List(), SizeIs(5));
 }
 
 TEST_F(StoreTest, DeletesNeitherALinkNorAFolderNorWhatALinkLeadsTo) {
@@ -78,12 +97,12 @@ TEST_F(StoreTest, DeletesNeitherALinkNorAFolderNorWhatALinkLeadsTo) {
   EXPECT_FALSE(Delete("folder.jpg"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "precious"));
   EXPECT_THAT(List(), IsEmpty());
-  EXPECT_EQ(Save("link.jpg").error().code, 4410) << "nor is it written through";
+  EXPECT_EQ(Save({"link.jpg"}).error().code, 4410) << "nor is it written through";
 }
 
 TEST_F(StoreTest, RecordsAVideoThatCanBePlayed) {
   const auto begun =
-      Await<std::string>([&](auto done) { store_->BeginVideo(Picture(), "walk.avi", 10, done); });
+      Await<std::string>([&](auto done) { store_->BeginVideo(Picture(), {"walk.avi"}, 10, done); });
   ASSERT_TRUE(begun) << begun.error().message;
   for (int i = 0; i < 9; ++i) store_->AddFrame(Picture());
   EXPECT_EQ(Delete("walk.avi").error().code, 4411) << "while it is being recorded";
@@ -99,15 +118,15 @@ TEST_F(StoreTest, RecordsAVideoThatCanBePlayed) {
 
 TEST_F(StoreTest, SaysWhyAFolderCannotBeWrittenTo) {
   std::ofstream(folder_ / "deep") << "a file where the folder should be";
-  const auto path = Save("a.png");
+  const auto path = Save({"a.png"});
   ASSERT_FALSE(path);
   EXPECT_EQ(path.error().code, 4401);
   EXPECT_THAT(path.error().message, HasSubstr("deep/saved"));
 }
 
 TEST_F(StoreTest, EndsAVideoWhenItIsDropped) {
-  ASSERT_TRUE(
-      Await<std::string>([&](auto done) { store_->BeginVideo(Picture(), "walk.avi", 10, done); }));
+  ASSERT_TRUE(Await<std::string>(
+      [&](auto done) { store_->BeginVideo(Picture(), {"walk.avi"}, 10, done); }));
   store_.reset();
   cv::VideoCapture capture(saved_ + "/walk.avi", cv::CAP_FFMPEG);
   EXPECT_TRUE(capture.grab());

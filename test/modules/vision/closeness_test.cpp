@@ -30,6 +30,19 @@ TEST_F(ClosenessTest, NobodyIsTooCloseWhereNobodyIs) {
   EXPECT_FALSE(See({{1, 0.9}}));
 }
 
+// As after a restart beside somebody whose face fills the picture.
+TEST_F(ClosenessTest, KnowsNothingUntilSomebodyIsSeenOrItHasLookedForLong) {
+  See({});
+  SeeNobodyFor(9900);
+  EXPECT_FALSE(closeness_.known());
+  See({});
+  EXPECT_TRUE(closeness_.known());
+  Closeness another{{}};
+  another.OnPicture(now_ns_, {{1, 2.0}});
+  EXPECT_TRUE(another.known());
+  EXPECT_FALSE(another.too_close());
+}
+
 TEST_F(ClosenessTest, HasTwoLimitsSoThatItDoesNotFlicker) {
   EXPECT_TRUE(See({{1, 0.79}}));
   for (const double distance_m : {0.81, 0.99, 0.79, 0.99}) EXPECT_TRUE(See({{1, distance_m}}));

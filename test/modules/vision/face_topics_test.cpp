@@ -13,9 +13,11 @@
 namespace musher::vision {
 namespace {
 
+using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 template <class T>
 T Must(Result<T> result) {
@@ -179,6 +181,23 @@ TEST_F(FaceTopicsTest, StickToSomebodyBeingTooCloseWhilePicturesAreMissing) {
   EXPECT_EQ(closes_.back().data, false);
 }
 
+TEST_F(FaceTopicsTest, SayNothingOfWhoIsTooCloseAfterANewStartUntilTheyHaveLookedForLong) {
+  Start();
+  Shoot(99);
+  EXPECT_THAT(closes_, IsEmpty()) << "one who fills the picture is not seen";
+  EXPECT_EQ(counts_.size(), 99U);
+  Shoot(4);
+  EXPECT_THAT(closes_, SizeIs(testing::Ge(1)));
+  EXPECT_THAT(closes_, Each(msg::Bool{false}));
+}
+
+TEST_F(FaceTopicsTest, SayThatNobodyIsTooCloseAsSoonAsTheySeeSomebodyFartherAway) {
+  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(2, 0.18))};
+  Start();
+  Shoot(2);
+  EXPECT_THAT(closes_, ElementsAre(msg::Bool{false}));
+}
+
 TEST_F(FaceTopicsTest, SayWhenNobodyPublishesPictures) {
   pictures_.reset();
   Start();
@@ -240,6 +259,20 @@ TEST_F(FaceTopicsTest, RefuseAPictureThatIsNoneOnceInTheLog) {
   EXPECT_THAT(log_, ElementsAre(HasSubstr("5910"), "0 pictures are well again"));
 }
 
+TEST_F(FaceTopicsTest, SeeAFaceInPicturesThatComeRarelyAndSayOnceThatTheyDo) {
+  looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
+  Start();
+  for (int i = 0; i < 20; ++i) {
+    Shoot();
+    Run(Milliseconds(500));
+  }
+  EXPECT_EQ(targets_.size(), 19U);
+  EXPECT_EQ(closes_.back().data, true);
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("pictures are looked at 600 ms apart, more than")));
+  Shoot(2);
+  EXPECT_THAT(log_.back(), HasSubstr("often enough again"));
+}
+
 TEST_F(FaceTopicsTest, TakeAPictureWithoutAStampForOneOfNow) {
   Start();
   const std::int64_t now_ns = clock_->Now().time_since_epoch().count();
@@ -261,7 +294,7 @@ TEST_F(FaceTopicsTest, StartAnewWhenTheWorldIsStartedAgain) {
   early.header.stamp = {3, 0};
   EXPECT_TRUE(pictures_->Publish(early));
   Run(Milliseconds(100));
-  EXPECT_THAT(closes_, ElementsAre(msg::Bool{false}));
+  EXPECT_THAT(closes_, IsEmpty()) << "nobody was seen to leave";
   EXPECT_THAT(log_, ElementsAre(HasSubstr("0 time has jumped back: all faces are new")));
   topics_->OnResult({60'000 * kMs, 64, 48, std::vector{FaceAt(0.5, 0.5)}, {}});
   Run(Milliseconds(100));

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "musher/modules/program/states.hpp"
+
 namespace musher::vision {
 namespace {
 
@@ -110,6 +112,28 @@ clear_m = 0.5
                   HasSubstr("faces.toml:6:12: error: detector.width_px"),
                   HasSubstr("faces.toml:9:11: error: too_close.clear_m: must not be less")));
   EXPECT_THAT(Said("picture ="), ElementsAre(HasSubstr("faces.toml:1:")));
+}
+
+TEST(VisionConfig, RefusesARateAtWhichAFaceIsForgottenFromOnePictureToTheNext) {
+  EXPECT_THAT(Said("rate_hz = 0.19\n"),
+              ElementsAre(HasSubstr("faces.toml:1:11: error: rate_hz: a face would be forgotten")));
+  EXPECT_THAT(Said("rate_hz = 0.2\n"), IsEmpty());
+  EXPECT_THAT(Said("rate_hz = 0.19\n[faces]\nforget_ms = 6000\n"), IsEmpty());
+}
+
+// Once the machine is known, which the file alone does not tell.
+TEST(StatesOfAModule, RefuseAMisspeltOneWithTheNearest) {
+  MachineConfig machine;
+  machine.states = {"Active", "DeActive", "Show"};
+  const auto judge = [&](const std::vector<std::string>& states) {
+    const Result<> judged = program::JudgeStates(machine, "look_in", states, 5910);
+    return judged ? "" : judged.error().message;
+  };
+  EXPECT_EQ(judge({"Active", "Actve"}),
+            "look_in: the machine has no state \"Actve\"; did you mean \"Active\"?");
+  EXPECT_EQ(judge({"Wedding"}), "look_in: the machine has no state \"Wedding\"");
+  EXPECT_EQ(judge({"Active", "Show"}), "");
+  EXPECT_EQ(judge({"Protected"}), "") << "of another machine with the same file";
 }
 
 TEST(VisionConfig, ThatCannotBeReadIsTold) {

@@ -52,7 +52,7 @@ TEST_F(WeddingScene, TheBrideIsSeenWhereSheStands) {
   const int bride = sights.back().target->id;
   int seen = 0;
   for (const Sight& sight : sights) {
-    EXPECT_EQ(sight.too_close, false);
+    EXPECT_NE(sight.too_close, true);
     if (sight.target) {
       EXPECT_EQ(sight.target->id, bride);
       ++seen;
@@ -65,7 +65,7 @@ TEST_F(WeddingScene, TheBrideIsSeenWhereSheStands) {
 }
 
 TEST_F(WeddingScene, TheChildComesTooCloseAndIsUntilItHasSteppedBack) {
-  for (const Sight& sight : Watch(49, 54.5)) EXPECT_EQ(sight.too_close, false);
+  for (const Sight& sight : Watch(49, 54.5)) EXPECT_NE(sight.too_close, true);
   const std::vector<Sight> near = Watch(54.5, 59);
   EXPECT_EQ(near.back().too_close, true);
   for (std::size_t i = 1; i < near.size(); ++i) {

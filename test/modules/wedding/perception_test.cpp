@@ -37,6 +37,13 @@ TEST(GazeTest, StandsStillWhenNoTimePassesOrItWentBack) {
   EXPECT_EQ(Follow({0.5, 0.5}, {1, 0}, 0.3, Milliseconds(-20)), (Gaze{0.5, 0.5}));
 }
 
+TEST(GazeTest, ComesBackFromWhatIsNoNumber) {
+  const double nan = std::nan("");
+  EXPECT_EQ(Follow({nan, nan}, {1, 0}, 0.3, Milliseconds(20)), Gaze{});
+  EXPECT_EQ(Follow({0.2, 0.2}, {nan, 0.2}, 0.3, Milliseconds(20)).x, 0.5);
+  EXPECT_EQ(GazeAt({0.5, 0.5}, {nan, 0}, OnTheHead()).x, 0.5);
+}
+
 TEST(GazeTest, TakesThePointOfThePictureWhereTheCameraStandsStill) {
   EXPECT_EQ(GazeAt({0.2, 0.8}, {1.0, 0.5}, {}), (Gaze{0.2, 0.8}));
 }
@@ -148,6 +155,34 @@ TEST_F(HeadCamera, NodsToATallGuestWithoutSwinging) {
   }
   EXPECT_NEAR(pitch, -up, 0.002);
   for (const double each : pitches) EXPECT_GT(each, -up - 0.02) << "it does not swing";
+}
+
+// Stamps of the system's clock, a nod that is reckoned by the machine's.
+TEST_F(HeadCamera, UnderstandsAPictureOfANodWhateverClockStampsIt) {
+  for (const Duration ahead : {Duration(0), Duration(std::chrono::hours(24 * 365 * 50))}) {
+    ShowConfig config;
+    config.gaze = OnTheHead();
+    config.gaze.pitch_limit_rad = 0.35;
+    Begin(config);
+    const double down = 0.2;
+    const double edge = std::tan(0.6) * 0.75;
+    double pitch = 0;
+    double most = 0;
+    std::vector<std::pair<Duration, double>> past;
+    for (int i = 0; i < 300; ++i) {
+      past.emplace_back(now_.time_since_epoch() + ahead, pitch);
+      Head(0, past.back().first);
+      if (i % 5 == 0 && i >= 10) {
+        const auto& [stamp, stood] = past.at(past.size() - 11);  // 200 ms ago
+        show_->OnTarget({{0.5, 0.5 + std::tan(down - stood) / edge / 2}, 1.5, stamp}, now_);
+      }
+      Tick();
+      pitch = Nod(pitch, data().motion.look_at_target, config.gaze, step_);
+      most = std::max(most, pitch);
+    }
+    EXPECT_NEAR(pitch, down, 0.002) << ahead.count();
+    EXPECT_LT(most, down + 0.02) << ahead.count() << ": it does not swing";
+  }
 }
 
 TEST_F(HeadCamera, UnderstandsAPictureThatWasOnItsWayForATenthOfASecond) {

@@ -34,12 +34,14 @@ TEST(WeddingConfigTest, IsTheSeedsWhereTheFileIsEmpty) {
   EXPECT_EQ(reading.config, WeddingConfig{});
 }
 
-TEST(WeddingConfigTest, OfTheShippedShowDiffersFromTheSeedsInItsCameraAlone) {
+TEST(WeddingConfigTest, OfTheShippedShowDiffersFromTheSeedsInItsCameraAndInNotGoingOnBlindAlone) {
   const WeddingConfig config = Shipped("wedding.toml");
   EXPECT_EQ(config.show.gaze.camera, Mount::kHead);
   WeddingConfig plain = config;
   plain.show.gaze = {};
+  plain.show.perception.blind = {};
   EXPECT_EQ(Shipped("second_generation.toml").show.gaze, config.show.gaze);
+  EXPECT_EQ(Shipped("second_generation.toml").show.perception, config.show.perception);
   EXPECT_EQ(plain, WeddingConfig{});
 }
 
@@ -49,6 +51,12 @@ TEST(WeddingConfigTest, OfTheSecondGenerationHasBothExtensions) {
   ASSERT_TRUE(show.interview);
   EXPECT_EQ(show.interview->question_characters.size(), 3);
   EXPECT_EQ(show.idle.confirm, Milliseconds(500));
+}
+
+// scripts/demo wedding kills it: 1.5 s of real time in a world at speed 2, and as much again.
+TEST(WeddingConfigTest, OfTheShippedShowOutlastsADetectorThatIsStartedAgain) {
+  EXPECT_GE(Shipped("wedding.toml").show.perception.blind, Milliseconds(6000));
+  EXPECT_LE(Shipped("wedding.toml").show.perception.blind, Milliseconds(10'000));
 }
 
 TEST(WeddingConfigTest, SaysAllThatIsWrongAtOnceAndWhere) {
@@ -72,6 +80,24 @@ TEST(WeddingConfigTest, RefusesToLoseAFaceThatStillCounts) {
               ElementsAre(HasSubstr("show.toml:4:11: error: tracking.lost_ms")));
   EXPECT_THAT(Faults("[perception]\nage_ms = 3000\n"),
               ElementsAre(HasSubstr("show.toml:2:10: error: perception.age_ms")));
+}
+
+TEST(WeddingConfigTest, RefusesACameraServiceThatIsNoName) {
+  EXPECT_THAT(Faults("[photo]\nservice = \"camera service!\"\n"),
+              ElementsAre(HasSubstr("show.toml:2:11: error: photo.service")));
+  EXPECT_THAT(Faults("[photo]\nservice = \"\"\n"), IsEmpty()) << "no camera";
+  EXPECT_THAT(Faults("[photo]\nservice = \"/hall/camera_service\"\n"), IsEmpty());
+}
+
+TEST(WeddingConfigTest, RefusesTimesThatContradictEachOther) {
+  EXPECT_THAT(Faults("[search]\nenabled = true\nconfirm_ms = 20000\n"),
+              ElementsAre(HasSubstr("show.toml:3:14: error: search.confirm_ms")));
+  EXPECT_THAT(Faults("[search]\nenabled = true\ntimeout_ms = 1000\n"),
+              ElementsAre(HasSubstr("show.toml:3:14: error: search.timeout_ms")));
+  EXPECT_THAT(Faults("[interview]\nenabled = true\nlost_least_ms = 1500\nlost_most_ms = 500\n"),
+              ElementsAre(HasSubstr("show.toml:3:17: error: interview.lost_least_ms")));
+  EXPECT_THAT(Faults("[interview]\nlost_most_ms = 500\n"),
+              ElementsAre(HasSubstr("show.toml:2:16: error: interview.lost_most_ms")));
 }
 
 TEST(WeddingConfigTest, CountsTheCharactersOfQuestionsAsPeopleDo) {

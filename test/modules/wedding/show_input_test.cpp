@@ -52,12 +52,15 @@ TEST_F(ShowInput, ReadsFacesAndRefusesWhatIsNone) {
   EXPECT_EQ(data().perception.face_count, 3);
   EXPECT_EQ(data().perception.face_id, 5);
   for (const char* nonsense :
-       {"", "{", "[]", "{\"faces\": 3}", "{\"faces\": [1]}", "{\"faces\": [], \"count\": -1}"}) {
+       {"", "{", "[]", "{\"faces\": 3}", "{\"faces\": [1]}", "{\"faces\": [], \"count\": -1}",
+        R"({"faces": [{"is_frontal": true, "face_id": 4294967297}]})",
+        R"({"faces": [{"is_frontal": true, "face_id": -2}]})"}) {
     show_->OnFaces(nonsense, now_);
   }
   Tick();
   EXPECT_EQ(data().perception.face_count, 3);
-  EXPECT_EQ(show_->complaints(), 6);
+  EXPECT_EQ(data().perception.face_id, 5);
+  EXPECT_EQ(show_->complaints(), 8);
   Tick(80);
   EXPECT_EQ(data().perception.face_count, 0) << "too old";
 }
@@ -83,6 +86,24 @@ TEST_F(ShowInput, KnowsTwentyFourJointsByNameOrInTheirOrder) {
   show_->OnJointStates(names, broken, Duration(3), now_);
   EXPECT_EQ(data().motion.joint_positions[kHeadYaw], 0.5) << "nothing of them is taken";
   EXPECT_EQ(show_->complaints(), 4);
+}
+
+TEST_F(ShowInput, RefusesJointsSoFarRoundThatTheirSumIsNoNumberAndLooksOnWhereAFaceIs) {
+  ShowConfig config;
+  config.gaze.camera = Mount::kHead;
+  Begin(config);
+  const std::vector<std::string> names = {"j23_head_yaw", "j12_waist_yaw"};
+  const std::vector<double> zero = {0, 0};
+  for (const double angle : {1e308, -1e308, 12.6, std::numeric_limits<double>::infinity()}) {
+    const std::vector<double> far = {angle, angle};
+    show_->OnJointStates(names, far, Milliseconds(1000), now_);
+    show_->OnJointCommands(names, far, now_);
+  }
+  EXPECT_EQ(show_->complaints(), 8);
+  show_->OnJointStates(names, zero, Milliseconds(1020), now_);
+  show_->OnTarget({{0.9, 0.5}, 1.5, Milliseconds(1010)}, now_);
+  Tick(3);
+  EXPECT_GT(data().motion.look_at_target.x, 0.5);
 }
 
 }  // namespace

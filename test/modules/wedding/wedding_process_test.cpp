@@ -200,7 +200,7 @@ TEST_F(WeddingProcess, FailsItsSelfCheckByNameWithoutEyesVoiceOrBody) {
   ASSERT_TRUE(checked);
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
   EXPECT_THAT(checked.value().message,
-              testing::AllOf(HasSubstr("camera: nobody publishes /wedding/perception/faces_json"),
+              testing::AllOf(HasSubstr("camera: nobody publishes /wedding/perception/target"),
                              HasSubstr("audio: nobody listens to /wedding/audio/play"),
                              HasSubstr("motion: nobody listens to /wedding/motion/pose")));
 }
@@ -213,6 +213,19 @@ TEST_F(WeddingProcess, GoesOnWithoutWhatIsOptionalAndSaysSo) {
   ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
   ExpectDone("SelfCheck");
   EXPECT_THAT(peer_.Output(), HasSubstr("self-check: without camera: nobody publishes"));
+}
+
+TEST_F(WeddingProcess, FailsItsSelfCheckWhereFacesAreCountedAndNobodySaysWhereTheyAre) {
+  Start("[check]\ntime_ms = 100\n");
+  const auto faces = Publisher<msg::String>("wedding/perception/faces_json");
+  ASSERT_TRUE(peer_.Until([&] { return faces->MatchedReaders() == 1; }));
+  ExpectDone("SelfCheck");
+  target_.reset();
+  ASSERT_TRUE(peer_.Until([&] {
+    const auto checked = peer_.Switch("SelfCheck");
+    return checked && checked.value().message.find("nobody publishes /wedding/perception/target") !=
+                          std::string::npos;
+  })) << peer_.Output();
 }
 
 TEST_F(WeddingProcess, FailsItsSelfCheckInActiveWhenVisionHasFallenSilent) {

@@ -1,0 +1,28 @@
+#pragma once
+// Whether the states that a module's own config names can ever come.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/result.hpp"
+#include "musher/lifecycle/state.hpp"
+#include "musher/lifecycle/suggest.hpp"
+
+namespace musher::program {
+
+// Fails, by `code`, for the first that is neither a state of the machine nor a built-in one: those
+// a config for several machines may name.
+inline Result<> JudgeStates(const MachineConfig& machine, std::string_view key,
+                            const std::vector<std::string>& states, std::int32_t code) {
+  for (const std::string& state : states) {
+    if (machine.HasState(state) || IsBuiltInState(state)) continue;
+    const std::string nearest = Nearest(state, machine.states);
+    return Error{code, std::string(key) + ": the machine has no state \"" + state + "\"" +
+                           (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?")};
+  }
+  return Ok();
+}
+
+}  // namespace musher::program

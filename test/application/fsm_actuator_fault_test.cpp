@@ -1,0 +1,238 @@
+// Faults of the base class of applications that were found and mended.
+
+#include <algorithm>
+#include <future>
+
+#include "musher/behavior/fsm/nested.hpp"
+#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/test/application/show.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::Show;
+using testing::Stage;
+
+class AnFsmActuator : public ::testing::Test {
+ protected:
+  // In Active.
+  void Begin(Show& show) {
+    stage_.Open(show);
+    ASSERT_TRUE(stage_.controller().SetState("SelfCheck"));
+    ASSERT_TRUE(stage_.controller().SetState("Active"));
+  }
+  // What the actuator logs meanwhile.
+  static std::string Logged(const std::function<void()>& work) {
+    ::testing::internal::CaptureStderr();
+    work();
+    return ::testing::internal::GetCapturedStderr();
+  }
+
+  Stage stage_;
+};
+
+TEST_F(AnFsmActuator, FailsToBecomeActiveWhenItsResumeThrows) {
+  Show show;
+  show.data().throws = {{"resumes", "no"}};
+  stage_.Open(show);
+  ASSERT_TRUE(stage_.controller().SetState("SelfCheck"));
+  const SwitchResult result = stage_.controller().Switch("Active");
+  ASSERT_EQ(result.actuators.size(), 1U);
+  EXPECT_THAT(result.actuators[0].message, HasSubstr("OnResume: no"));
+  EXPECT_EQ(show.TakeLog().back(), "pauses");
+  EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
+}
+
+TEST_F(AnFsmActuator, EndsTheProgramByAFaultAlsoOfAMachineThatRemembersNoChanges) {
+  Show show({.machine = {.history = 0}});
+  show.data().throws = {{"GREET runs", "no"}, {"STOP enters", "no, neither"}};
+  Begin(show);
+  stage_.Tick(show, 2);
+  auto ended = std::async(std::launch::async, [&] { return show.Wait(); });
+  const bool in_time = ended.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+  show.Shutdown();
+  EXPECT_TRUE(in_time);
+  EXPECT_EQ(ended.get(), 1);
+}
+
+TEST_F(AnFsmActuator, RunsItsSafeStateWhileTheHookBeforeTheTickThrows) {
+  Show show;
+  Begin(show);
+  show.RunOnLoop([&] { show.data().throws["before"] = "the camera is gone"; });
+  for (int i = 0; i < 20; ++i) {
+    stage_.Tick(show, 1);
+    EXPECT_EQ(show.Path(), "STOP") << i;
+  }
+  EXPECT_EQ(show.Ticks(), 20U);
+  EXPECT_GT(show.Of([](Show& s) { return s.data().runs["STOP"]; }), 10);
+  EXPECT_EQ(show.Of([](Show& s) { return s.data().runs["GREET"]; }), 0);
+}
+
+TEST_F(AnFsmActuator, TellsAFaultOfAHookOnceAndAgainWhenItComesBack) {
+  Show show;
+  Begin(show);
+  for (const std::string hook : {"before", "after"}) {
+    for (int i = 0; i < 3; ++i) {
+      const std::string log = Logged([&] {
+        show.RunOnLoop([&] { show.data().throws[hook] = "the camera is gone"; });
+        stage_.Tick(show, 3);
+        show.RunOnLoop([&] { show.data().throws.clear(); });
+        stage_.Tick(show, 1);
+      });
+      const auto told = log.find("the camera is gone");
+      ASSERT_NE(told, std::string::npos) << hook << " " << i;
+      EXPECT_EQ(log.find("the camera is gone", told + 1), std::string::npos) << log;
+    }
+  }
+}
+
+TEST_F(AnFsmActuator, TellsACommandThatItsStateDoesNotHeedButFillsNoLogWithIt) {
+  Show show;
+  Begin(show);
+  show.RunOnLoop([&] { show.data().unsafe = true; });
+  stage_.Tick(show, 1);
+  const auto log = Logged([&] {
+    for (int i = 0; i < 40; ++i) {
+      show.RunOnLoop([&] { EXPECT_TRUE(show.machine().Send("again")); });
+      stage_.Tick(show, 1);
+    }
+  });
+  EXPECT_THAT(log, HasSubstr("command again is not heeded in STOP"));
+  EXPECT_EQ(show.Of([](Show& s) { return s.machine().counts().unheeded; }), 40U);
+  EXPECT_LE(std::count(log.begin(), log.end(), '\n'), 23) << "in 0.8 s";
+}
+
+TEST_F(AnFsmActuator, KeepsNoCommandThatATopicBringsWhileItRests) {
+  Show show;
+  Begin(show);
+  stage_.Tick(show, 6);
+  ASSERT_TRUE(stage_.controller().SetState("LowPower"));
+  show.RunOnLoop([&] {
+    const Result<> sent = show.Send("again");
+    ASSERT_FALSE(sent);
+    EXPECT_EQ(sent.error().message, "show is paused in LowPower");
+  });
+  ASSERT_TRUE(stage_.controller().SetState("Active"));
+  stage_.Tick(show, 1);
+  EXPECT_EQ(show.Path(), "PLAY");
+  show.RunOnLoop([&] { EXPECT_TRUE(show.Send("again")); });
+  stage_.Tick(show, 1);
+  EXPECT_EQ(show.Path(), "GREET");
+}
+
+// Its hooks would use what SetUp is just making, on another thread.
+TEST_F(AnFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
+  class Early : public FsmActuator {
+   public:
+    Early() : FsmActuator("show") {}
+    ~Early() override { Shutdown(); }
+    bool heard = false;
+    bool paused_early = false;
+
+   private:
+    Result<> BuildMachine(fsm::Machine& machine) override {
+      const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+      while (!EmergencyStopped() && std::chrono::steady_clock::now() < deadline) {
+        std::this_thread::yield();
+      }
+      RunOnLoop([this] { paused_early = paused_; });
+      heard = EmergencyStopped();
+      machine.Add("A", std::make_unique<fsm::State>());
+      return machine.Build("A");
+    }
+    void OnPause() override { paused_ = true; }
+
+    bool paused_ = false;
+  };
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
+  stage_.node().RunOnLoop([&] {
+    button = transport::MakePublisher<msg::EmergencyStop>(
+                 stage_.node().node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                 .value();
+    static_cast<void>(button->Publish({7, true, "a test", ""}));
+  });
+  Early show;
+  ASSERT_TRUE(show.Prepare(stage_.path()).ok());
+  EXPECT_TRUE(show.Start().ok());
+  EXPECT_TRUE(show.heard);
+  EXPECT_FALSE(show.paused_early);
+  stage_.node().RunOnLoop([&] { button.reset(); });
+}
+
+TEST_F(AnFsmActuator, TellsAFaultOfTearDownOnce) {
+  Show show;
+  Begin(show);
+  show.RunOnLoop([&] { show.data().throws["GREET leaves"] = "no hinge"; });
+  const std::string log = Logged([&] { EXPECT_TRUE(stage_.controller().SetState("TearDown")); });
+  const auto told = log.find("no hinge");
+  ASSERT_NE(told, std::string::npos) << log;
+  EXPECT_EQ(log.find("no hinge", told + 1), std::string::npos) << log;
+}
+
+// A state that holds a machine, beside one that does not.
+class Nest : public FsmActuator {
+ public:
+  Nest() : FsmActuator("show") {}
+  ~Nest() override { Shutdown(); }
+  void Force(std::string_view state) {
+    RunOnLoop([&] { EXPECT_TRUE(machine().Force(state)); });
+  }
+
+ private:
+  class Idle : public fsm::State {
+    void Declare(fsm::Ways& ways) override { ways.To("SHOW", "never"); }
+  };
+  class Scenes : public fsm::Nested {
+   public:
+    using Nested::Nested;
+    void Declare(fsm::Ways& ways) override {
+      Nested::Declare(ways);
+      ways.To("IDLE", "never");
+    }
+  };
+  Result<> BuildMachine(fsm::Machine& machine) override {
+    auto inner = std::make_unique<fsm::Machine>(fsm::Machine::Options{.name = "scenes"});
+    inner->Add("A", std::make_unique<fsm::State>());
+    machine.Add("IDLE", std::make_unique<Idle>());
+    machine.Add("SHOW", std::make_unique<Scenes>(std::move(inner), "A"));
+    return machine.Build("IDLE");
+  }
+};
+
+TEST_F(AnFsmActuator, PublishesTheWholePathOfAStateThatItIsForcedIntoWhileItRests) {
+  Nest show;
+  ASSERT_TRUE(show.Prepare(stage_.path()).ok());
+  ASSERT_TRUE(show.Start().ok());
+  ASSERT_TRUE(stage_.controller().Init(stage_.path()).ok());
+  ASSERT_TRUE(stage_.controller().AwaitSetUp().ok());
+  for (const char* state : {"SelfCheck", "Active", "LowPower"}) {
+    ASSERT_TRUE(stage_.controller().SetState(state)) << state;
+  }
+  std::vector<std::string> told;
+  std::unique_ptr<transport::Subscription> topic;
+  const auto await = [&](const std::string& path) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    for (bool there = false; !there && std::chrono::steady_clock::now() < deadline;) {
+      stage_.node().RunOnLoop([&] { there = !told.empty() && told.back() == path; });
+      std::this_thread::yield();
+    }
+  };
+  stage_.node().RunOnLoop([&] {
+    topic = transport::MakeSubscription<msg::String>(
+                stage_.node().node(), "show/behavior_state",
+                [&](const msg::String& state, const auto&) { told.push_back(state.data); },
+                transport::kLatchedQos)
+                .value();
+  });
+  await("IDLE");
+  show.Force("SHOW");
+  await("SHOW/A");
+  stage_.node().RunOnLoop([&] { topic.reset(); });
+  EXPECT_THAT(told, ElementsAre("IDLE", "SHOW/A"));
+}
+
+}  // namespace
+}  // namespace musher

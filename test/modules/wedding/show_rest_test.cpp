@@ -1,0 +1,84 @@
+// The show before its first start, while it rests, and when it is sent home.
+
+#include <gmock/gmock.h>
+
+#include <string>
+
+#include "musher/behavior/fsm/replay.hpp"
+#include "musher/test/modules/wedding/show_rig.hpp"
+
+namespace musher::wedding {
+namespace {
+
+class RestingShow : public ShowRig {};
+
+TEST_F(RestingShow, HasInItsRecordingThatSomebodyWasTooCloseBeforeItWasStarted) {
+  show_.reset();
+  recorder_.reset();
+  machine_ = std::make_unique<fsm::Machine>(fsm::Machine::Options{.name = "wedding"});
+  show_ = std::make_unique<Show>(ShowConfig{}, script_);
+  ASSERT_TRUE(show_->Build(*machine_));
+  recording_.clear();
+  recorder_ = std::make_unique<fsm::Recorder>(
+      *machine_, [this](std::string_view line) { recording_ += line; });
+  show_->RecordTo(*recorder_);
+  TooClose(true);
+  show_->Resume(now_);
+  ASSERT_TRUE(machine_->Start(now_));
+  Tick(50);
+  ASSERT_EQ(state(), "SAFE_STOP");
+
+  const auto recording = fsm::ReadRecording(recording_, "show.record");
+  ASSERT_TRUE(recording) << recording.error().message;
+  Script again;
+  fsm::Machine machine({.name = "wedding"});
+  Show show(ShowConfig{}, again);
+  ASSERT_TRUE(show.Build(machine));
+  show.Resume({});
+  const auto replayed = fsm::Replay(
+      recording.value(), machine,
+      [&](std::string_view input, std::string_view text) { return show.Apply(input, text); });
+  ASSERT_TRUE(replayed) << replayed.error().message;
+  EXPECT_FALSE(replayed.value().difference) << *replayed.value().difference;
+  EXPECT_EQ(show.state(), "SAFE_STOP");
+}
+
+TEST_F(RestingShow, DoesNotFillItsHistoryWithPausesInIdle) {
+  Track();
+  const std::size_t before = machine_->history().size();
+  for (int i = 0; i < 40; ++i) {
+    machine_->Pause();
+    show_->Rest(now_);
+    show_->Resume(now_);
+    Tick(10);
+  }
+  EXPECT_EQ(state(), "IDLE");
+  EXPECT_EQ(machine_->history().size(), before + 1) << "home from TRACKING, once";
+}
+
+TEST_F(RestingShow, AsksWhoIsTooCloseOnceHoweverOftenItIsSentHome) {
+  TooClose(true);
+  Tick(2);
+  for (int i = 0; i < 5; ++i) {
+    Force("IDLE");
+    Tick(5);
+  }
+  EXPECT_EQ(state(), "SAFE_STOP");
+  EXPECT_THAT(script_.sounds, testing::ElementsAre("too_close"));
+  TooClose(false);
+  ASSERT_GT(TicksTo("IDLE", 150), 0);
+  TooClose(true);
+  Tick();
+  EXPECT_THAT(script_.sounds, testing::ElementsAre("too_close", "too_close")) << "another time";
+}
+
+TEST_F(RestingShow, SweepsACommandAwayThatWaitsInIdle) {
+  Command("photo");
+  show_->Rest(now_);
+  show_->Resume(now_);
+  Tick(2);
+  EXPECT_EQ(state(), "IDLE");
+}
+
+}  // namespace
+}  // namespace musher::wedding

@@ -1,0 +1,122 @@
+// What a person who says stop gets while somebody stands before the robot.
+
+#include <gmock/gmock.h>
+
+#include <string>
+
+#include "musher/test/modules/wedding/show_rig.hpp"
+
+namespace musher::wedding {
+namespace {
+
+using testing::IsEmpty;
+
+class StoppedShow : public ShowRig {
+ protected:
+  void SetUp() override {
+    Begin({});
+    Track();
+    script_ = {};
+  }
+  // Of the largest face; the target is told beside it.
+  void Id(int id) {
+    show_->OnFaces(
+        R"({"faces": [{"area": 0.1, "is_frontal": true, "face_id": )" + std::to_string(id) + "}]}",
+        now_);
+  }
+};
+
+TEST_F(StoppedShow, StaysInIdleInFrontOfTheFaceItWasStoppedBefore) {
+  for (const char* word : {"stop", "idle"}) {
+    Command("tracking");
+    TickWithFace(1);
+    script_ = {};
+    Command(word);
+    TickWithFace(2);
+    EXPECT_EQ(state(), "IDLE") << word << ": after two ticks";
+    TickWithFace(500);
+    EXPECT_EQ(state(), "IDLE") << word << ": for ten seconds";
+    EXPECT_THAT(script_.sounds, IsEmpty()) << word;
+  }
+}
+
+TEST_F(StoppedShow, StaysInIdleWhenItIsStoppedByVoiceOrService) {
+  show_->OnVoiceCommand("stop", now_);
+  TickWithFace(100);
+  EXPECT_EQ(state(), "IDLE");
+  Command("tracking");
+  TickWithFace(1);
+  ASSERT_EQ(state(), "TRACKING");
+  Force("IDLE");
+  TickWithFace(100);
+  EXPECT_EQ(state(), "IDLE");
+}
+
+TEST_F(StoppedShow, GreetsTheFirstOneWhoComesAfterTheFaceHasGone) {
+  Command("stop");
+  TickWithFace(50);
+  Tick(Ticks(Milliseconds(1600)));
+  EXPECT_EQ(TicksToWithFace("TRACKING", 5), 1);
+}
+
+TEST_F(StoppedShow, GreetsAnotherOneWhoComesMeanwhile) {
+  Id(3);
+  TickWithFace(1);
+  Command("stop");
+  TickWithFace(20);
+  Id(-1);  // turns away for a moment
+  TickWithFace(20);
+  Id(3);
+  TickWithFace(20);
+  EXPECT_EQ(state(), "IDLE");
+  Id(4);
+  TickWithFace(1);
+  EXPECT_EQ(state(), "TRACKING");
+}
+
+TEST_F(StoppedShow, GreetsWhoComesWhenNobodyStoodThere) {
+  Tick(Ticks(Milliseconds(5000)));
+  ASSERT_EQ(state(), "IDLE");
+  Command("stop");
+  Tick();
+  EXPECT_EQ(TicksToWithFace("TRACKING", 5), 1);
+  EXPECT_THAT(script_.log, IsEmpty()) << "a stop in IDLE is heeded";
+}
+
+TEST_F(StoppedShow, BeginsWithTheSameFaceAnewWhenItIsToldTo) {
+  Command("stop");
+  TickWithFace(10);
+  Command("tracking");
+  TickWithFace(1);
+  EXPECT_EQ(state(), "TRACKING");
+  Command("stop");
+  TickWithFace(10);
+  ASSERT_EQ(state(), "IDLE");
+  Command("reset");
+  TickWithFace(1);
+  EXPECT_EQ(state(), "TRACKING");
+}
+
+TEST_F(StoppedShow, StaysStoppedWhenSomebodyWasTooCloseMeanwhile) {
+  Command("stop");
+  TickWithFace(10);
+  TooClose(true);
+  TickWithFace(10);
+  ASSERT_EQ(state(), "SAFE_STOP");
+  TooClose(false);
+  TickWithFace(300);
+  EXPECT_EQ(state(), "IDLE");
+}
+
+TEST_F(StoppedShow, IsStoppedByACommandThatComesInIdleBeforeTheFaceIsConfirmed) {
+  ShowConfig config;
+  config.idle.confirm = Milliseconds(300);
+  Begin(config);
+  TickWithFace(10);
+  Command("stop");
+  TickWithFace(100);
+  EXPECT_EQ(state(), "IDLE");
+}
+
+}  // namespace
+}  // namespace musher::wedding
