@@ -348,7 +348,7 @@ void Judge::JudgeLoss(const Machine& machine, std::size_t i, bool provided) {
   Blame(Promise::kProvidedFor,
         "the machine rests in " + machine.state + " without " + actuator.name + ", " +
             (record.given_up ? (record.restarts < actuator.restart.limit
-                                    ? "whose exit code said that a new start does not help"
+                                    ? "which is not started again after its exit code"
                                     : "which was given up after " +
                                           std::to_string(record.restarts) + " restarts")
                              : (robot_.IsAlive(actuator.name) ? "which hangs, and nothing ends that"

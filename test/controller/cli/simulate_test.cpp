@@ -37,6 +37,7 @@ states = ["SetUp", "TearDown", "SelfCheck", "Active", "Protected", "DeActive", "
 times = [1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000]
 command = ["voice"]
 restart_limit = 2
+restart_prevent_exit_codes = []
 )" + of_the_voice +
          "\n" + more;
 }
@@ -75,6 +76,19 @@ TEST_F(Simulating, ARestartLimitWithoutOnLostIsFoundAndToldInTheFewestCrashes) {
               AllOf(HasSubstr("⚡"), HasSubstr("without voice, which"),
                     HasSubstr("it has no on_lost (\"Active\" if the machine may do without it)")));
   EXPECT_LE(story["only"].size(), 3U);  // no more than the crashes that two restarts take
+}
+
+TEST_F(Simulating, AWrongConfigWithoutOnLostIsFoundAndTakesOneIncident) {
+  std::string robot = Robot("");
+  const std::string key = "restart_prevent_exit_codes = []\n";
+  robot.erase(robot.find(key), key.size());
+  const Ran ran = RunProgram({"simulate", Config(robot), "--seeds", "300", "--json"});
+  EXPECT_EQ(ran.exit, 1);
+  const auto story = nlohmann::json::parse(ran.out)["shortest_bad_story"];
+  EXPECT_THAT(story["text"].get<std::string>(),
+              AllOf(HasSubstr("the configuration of voice is wrong"),
+                    HasSubstr("without voice, which is not started again after its exit code")));
+  EXPECT_EQ(story["only"].size(), 1U);
 }
 
 TEST_F(Simulating, AFlowWithNoWayBackFromOtaIsFoundAndDrawn) {

@@ -104,7 +104,7 @@ TEST_F(Up, SaysAtOnceThatTheConfigOfAModuleIsWrong) {
   EXPECT_THAT(up.err, HasSubstr("legs.toml:1:8: error: "));
   EXPECT_THAT(up.err, HasSubstr("until `musher restart legs`, because exit code 2 tells of a wrong "
                                 "configuration"));
-  EXPECT_THAT(up.out, Not(HasSubstr("started again")));
+  EXPECT_THAT(up.out, Not(HasSubstr("is started again in")));
   Does("legs", "[state.Active]\nrun = [\"true\"]\n");
   EXPECT_EQ(Musher({"restart", "legs"}).exit, 0);
   EXPECT_EQ(Musher({"set", "SelfCheck"}).exit, 0);
