@@ -187,8 +187,7 @@ Result<> Controller::OpenShell() {
   auto shell = ControllerShell::Make(std::move(world), config_, std::move(hooks));
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
-  auto services =
-      ControllerServices::Make(node_, *shell_, file_journal_);
+  auto services = ControllerServices::Make(node_, *shell_, file_journal_);
   if (!services) return services.error();
   services_ = std::move(services).value();
   auto manager = cyberdog::Manager::Make(node_, *shell_);

@@ -18,10 +18,10 @@ enum class Complaint {
   kFaces,
   kJoints,
   kVoice,
-  kCommand,   // nobody knows it
-  kUnheeded,  // nobody obeys it now
-  kNoRoom,    // too many wait
-  kFault,     // a state failed
+  kCommand,  // nobody knows it
+  kResting,  // a command while the show rests
+  kNoRoom,   // too many wait
+  kFault,    // a state failed
   kCount
 };
 

@@ -104,7 +104,7 @@ void Show::OnCommand(std::string_view word, Time now) {
                             now);
   }
   if (resting_) {
-    return complaints_.Tell(Complaint::kUnheeded,
+    return complaints_.Tell(Complaint::kResting,
                             "command " + command + " comes to nothing: the show rests", now);
   }
   Refuse(Complaint::kNoRoom, machine_->Send(*event));
@@ -249,13 +249,6 @@ void Show::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
   const bool anew = change.cause == fsm::Cause::kReset || change.cause == fsm::Cause::kStarted;
   if (anew || (to != state::kIdle && to != state::kSafeStop)) data_.left_alone = false;
   if (change.from != change.to) stage_.ShowState(to.empty() ? kInvalid : to);
-}
-
-void Show::OnUnheeded(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) {
-  complaints_.Tell(Complaint::kUnheeded,
-                   "command " + std::string(machine.Name(command)) + " comes to nothing in " +
-                       std::string(machine.Name(state)),
-                   now_);
 }
 
 }  // namespace musher::wedding

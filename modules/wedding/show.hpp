@@ -97,7 +97,6 @@ class Show : private fsm::Listener {
   // Before a tick: brings the data up to date.
   void OnInput(const fsm::Machine& machine, const fsm::Input& input) override;
   void OnChange(const fsm::Machine& machine, const fsm::Change& change) override;
-  void OnUnheeded(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override;
 
   // Of each call: time that went back makes what was seen before meaningless.
   void Note(Time now);
