@@ -14,24 +14,15 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::Show;
-using testing::Stage;
 
-class AnFsmActuator : public ::testing::Test {
+class AnFsmActuator : public testing::OnStage {
  protected:
-  // In Active.
-  void Begin(Show& show) {
-    stage_.Open(show);
-    ASSERT_TRUE(stage_.controller().SetState("SelfCheck"));
-    ASSERT_TRUE(stage_.controller().SetState("Active"));
-  }
   // What the actuator logs meanwhile.
   static std::string Logged(const std::function<void()>& work) {
     ::testing::internal::CaptureStderr();
     work();
     return ::testing::internal::GetCapturedStderr();
   }
-
-  Stage stage_;
 };
 
 TEST_F(AnFsmActuator, FailsToBecomeActiveWhenItsResumeThrows) {

@@ -16,17 +16,9 @@ using ::testing::HasSubstr;
 using testing::Show;
 using testing::Stage;
 
-class AnFsmActuator : public ::testing::Test {
+class AnFsmActuator : public testing::OnStage {
  protected:
-  // In Active.
-  void Begin(Show& show) {
-    stage_.Open(show);
-    ASSERT_TRUE(stage_.controller().SetState("SelfCheck"));
-    ASSERT_TRUE(stage_.controller().SetState("Active"));
-  }
   bool Go(const std::string& state) { return stage_.controller().SetState(state); }
-
-  Stage stage_;
 };
 
 TEST_F(AnFsmActuator, TicksItsMachineAtItsRateOfTheWorldsTimeWhileItIsActive) {

@@ -201,4 +201,16 @@ class Stage {
   MachineController controller_;
 };
 
+class OnStage : public ::testing::Test {
+ protected:
+  // In Active.
+  void Begin(Show& show) {
+    stage_.Open(show);
+    ASSERT_TRUE(stage_.controller().SetState("SelfCheck"));
+    ASSERT_TRUE(stage_.controller().SetState("Active"));
+  }
+
+  Stage stage_;
+};
+
 }  // namespace musher::testing
