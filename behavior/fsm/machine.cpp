@@ -237,7 +237,7 @@ void Machine::Switch(StateId target, Cause cause, EventId command) {
 // that, and a transition that was broken off, whose command came to nothing.
 void Machine::EndPresent(EventId command) {
   Machine* const inside = present_ == nullptr ? nullptr : present_->inside();
-  if (inside != nullptr) (void)inside->Stop().ok();
+  if (inside != nullptr) static_cast<void>(inside->Stop());
   const EventId behind = std::exchange(cause_, kNoEvent);
   if (behind != kNoEvent && behind != command) Unheeded(behind);
 }
