@@ -32,7 +32,7 @@ Robot& Campaign::RobotOf(Shape shape) {
     const fs::path folder = places_.work / ("robot" + std::to_string(robots_));
     fs::create_directories(folder / "disk");
     if (places_.own_mounts) MountMemory(folder / "disk", kDiskKilobytes);
-    const int domain = places_.own_network ? robots_ % 200 : benchmark::Domain(robots_ % 8);
+    const int domain = places_.own_network ? robots_ % 100 : benchmark::Domain(robots_ % 8);
     ++robots_;
     trials_of_robot_ = 0;
     robot_ = std::make_unique<Robot>(shape, folder, domain);

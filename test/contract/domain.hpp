@@ -6,8 +6,8 @@
 #include <unistd.h>
 
 #include <fstream>
-#include <optional>
 #include <string>
+#include <utility>
 
 #include "musher/transport/host.hpp"
 
@@ -23,19 +23,27 @@ inline bool RobotRunsIn(int domain) {
   return false;
 }
 
-// 1 to 100, the same for the whole life of this process.
+struct LockedDomain {
+  int id = 0;
+  NameLock lock;
+};
+
+// One that nobody is in, the first from `begin` on. 1 to 101: the ports of 102 to 214 are among
+// those that the kernel gives to any socket, so that now and then one of them is taken, and the
+// examples' tests, which have no locks, have those above.
+inline LockedDomain LockFreeDomain(int begin) {
+  constexpr int kCount = 101;
+  for (int i = begin;; ++i) {
+    const int candidate = 1 + i % kCount;
+    auto taken = NameLock::Acquire("musher-test-domain/" + std::to_string(candidate));
+    if (taken && !RobotRunsIn(candidate)) return {candidate, std::move(taken).value()};
+  }
+}
+
+// The same for the whole life of this process.
 inline int TestDomain() {
-  static std::optional<NameLock> lock;
-  static const int domain = [] {
-    for (int i = 0;; ++i) {
-      const int candidate = 1 + (getpid() + i) % 100;
-      auto taken = NameLock::Acquire("musher-test-domain/" + std::to_string(candidate));
-      if (!taken || RobotRunsIn(candidate)) continue;
-      lock.emplace(std::move(taken).value());
-      return candidate;
-    }
-  }();
-  return domain;
+  static const LockedDomain domain = LockFreeDomain(getpid());
+  return domain.id;
 }
 
 }  // namespace musher::transport

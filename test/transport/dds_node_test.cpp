@@ -2,8 +2,13 @@
 
 #include "musher/transport/dds/dds_node.hpp"
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <string>
 #include <vector>
@@ -19,6 +24,29 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
+
+// Another program's socket on a port of a DDS domain from 102 on.
+class UdpPortHolder {
+ public:
+  UdpPortHolder() {
+    for (domain_ = 102; domain_ < 215; ++domain_) {
+      sockaddr_in address = {};
+      address.sin_family = AF_INET;
+      address.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * domain_));
+      if (bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0) return;
+    }
+    ADD_FAILURE() << "all ports are taken";
+  }
+  ~UdpPortHolder() { close(socket_); }
+  UdpPortHolder(const UdpPortHolder&) = delete;
+  UdpPortHolder& operator=(const UdpPortHolder&) = delete;
+
+  int domain() const { return domain_; }
+
+ private:
+  const int socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  int domain_ = 0;
+};
 
 class DdsNodes : public testing::Test {
  protected:
@@ -54,6 +82,14 @@ TEST_F(DdsNodes, RefuseADomainThatDoesNotExist) {
     setenv("ROS_DOMAIN_ID", domain, 1);
     EXPECT_THAT(Failure({}), AllOf(HasSubstr("0 to 232"), HasSubstr(domain)));
   }
+}
+
+// The benchmarks ran in domains whose ports the kernel gives to any socket, and failed now and
+// then.
+TEST_F(DdsNodes, SayWhichDomainsHaveTheirPortsToThemselvesWhenAnotherProgramHasOne) {
+  const UdpPortHolder holder;
+  EXPECT_THAT(Failure({.domain_id = holder.domain()}),
+              AllOf(HasSubstr("address in use"), HasSubstr("0 to 101 and 215 to 232")));
 }
 
 TEST_F(DdsNodes, RefuseAProfileThatDoesNotExist) {

@@ -47,9 +47,20 @@ constexpr const char* kPluginsHint =
     " (the plugins of DDS Security are libdds_security_auth.so, _ac.so and _crypto.so, of the "
     "Debian package libddsc0debian)";
 
+// A domain has 250 UDP ports, from 7400 + 250 * its number on. Linux gives the ports 32768 to 60999
+// to any socket that asks for none in particular.
+bool SharesItsPorts(int domain_id) {
+  return domain_id >= 102 && domain_id <= 214;
+}
+
 Error SetupError(int domain_id, dds_return_t code, LogCapture& log) {
   Error error = DdsError("cannot join DDS domain " + std::to_string(domain_id), code);
   if (const std::string reason = log.Take(); !reason.empty()) error.message += ": " + reason;
+  if (SharesItsPorts(domain_id)) {
+    error.message +=
+        " (any program may hold a port of the domains 102 to 214: 0 to 101 and 215 to 232 have "
+        "theirs to themselves)";
+  }
   if (const char* uri = std::getenv("CYCLONEDDS_URI")) {
     error.message += " (CYCLONEDDS_URI is " + std::string(uri) + ")";
   }

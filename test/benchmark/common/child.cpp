@@ -16,7 +16,7 @@
 #include <string>
 #include <utility>
 
-#include "musher/transport/host.hpp"
+#include "musher/test/contract/domain.hpp"
 
 namespace musher::benchmark {
 namespace {
@@ -105,16 +105,13 @@ void DieWithParent() {
 }
 
 int Domain(int number) {
-  constexpr int kLeast = 101;  // tests have those below
-  constexpr int kCount = 129;
-  // One that is in use is locked by a name, which the kernel frees when its process ends.
-  static std::map<int, std::pair<int, transport::NameLock>> taken;
-  for (int i = 0; !taken.contains(number); ++i) {
-    const int candidate = kLeast + (getpid() * 8 + number + i) % kCount;
-    auto lock = transport::NameLock::Acquire("musher-test-domain/" + std::to_string(candidate));
-    if (lock) taken.emplace(number, std::pair(candidate, std::move(lock).value()));
+  constexpr int kMost = 60;  // the others are for the tests beside us
+  number %= kMost;
+  static std::map<int, transport::LockedDomain> taken;
+  if (!taken.contains(number)) {
+    taken.emplace(number, transport::LockFreeDomain(getpid() * 8 + number));
   }
-  return taken.at(number).first;
+  return taken.at(number).id;
 }
 
 }  // namespace musher::benchmark

@@ -47,7 +47,7 @@ std::string Program(const std::string& name);
 void DieWithParent();
 
 // A DDS domain that only this run is in, up to its end: processes of an earlier run, killed, are
-// still known in theirs. `number` tells several domains of a run apart.
+// still known in theirs. `number` tells up to 60 domains of a run apart; then they come again.
 int Domain(int number = 0);
 
 }  // namespace musher::benchmark
