@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -52,6 +53,15 @@ class MachineByCli : public ::testing::Test {
   static nlohmann::json Status() {
     const Ended status = Musher({"status", "--json"});
     return status.exit == 0 ? Json(status.out) : nlohmann::json();
+  }
+  // The first status in which the controller has met the actuator.
+  static nlohmann::json AwaitPresent(const std::string& actuator) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    for (;;) {
+      auto status = Status();
+      const bool met = status["actuators"][actuator]["presence"] == "present";
+      if (met || std::chrono::steady_clock::now() > deadline) return status;
+    }
   }
 
   const TempFolder folder_;

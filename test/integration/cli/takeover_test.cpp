@@ -32,9 +32,11 @@ class Takeover : public MachineByCli {
   static Ended TakeOver(const std::string& config) {
     return Musher({"up", config, "--takeover", "--detach"});
   }
-  // Another controller leads the same processes in the same states.
+  // Another controller leads the same processes in the same states. It may meet those of stage 2
+  // only after it has said that the machine is up.
   void ExpectAdopted() const {
-    const auto after = Status();
+    const auto after = AwaitPresent("eyes");
+    SCOPED_TRACE(after.dump());
     EXPECT_NE(after["pid"], before_["pid"]);
     EXPECT_GT(after["epoch"], before_["epoch"]);
     for (const char* actuator : {"legs", "voice", "eyes"}) {
