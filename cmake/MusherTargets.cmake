@@ -72,7 +72,7 @@ function(musher_test name)
   target_compile_definitions(${name} PRIVATE
     MUSHER_SOURCE_DIR="${CMAKE_SOURCE_DIR}" MUSHER_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
   if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 60)
+    set(ARG_TIMEOUT 180)
   endif()
   set(properties TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
   include(GoogleTest)

@@ -150,7 +150,8 @@ void FaceTopics::OnResult(const LookResult& result) {
   NoteGap(Duration(result.stamp_ns - std::exchange(looked_ns_, result.stamp_ns)));
   Set(silence_, Ok(), "pictures come again");
   AwaitNext();
-  Tell(watch_.OnPicture(result.stamp_ns, result.faces.value(), LensFor(result)));
+  const Sight sight = watch_.OnPicture(result.stamp_ns, result.faces.value(), LensFor(result));
+  if (on_) Tell(sight);
 }
 
 std::optional<Lens> FaceTopics::LensFor(const LookResult& result) const {
@@ -184,9 +185,10 @@ void FaceTopics::OnSilence() {
                               ? "nobody publishes " + PictureTopic()
                               : "none that can be looked at comes on " + PictureTopic();
   Set(silence_, Wrong(KeyCode::kTimeout, "no picture for " + Ms(config_.silence) + ": " + why), "");
+  AwaitNext();
+  if (!on_) return;
   TellNobody();
   if (too_close_now_) static_cast<void>(too_close_->Publish({true}));
-  AwaitNext();
 }
 
 void FaceTopics::Tell(const Sight& sight) {

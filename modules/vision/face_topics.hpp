@@ -42,8 +42,8 @@ class FaceTopics {
   static Result<std::unique_ptr<FaceTopics>> Make(const Surroundings& around,
                                                   const VisionConfig& config);
 
-  // The robot is in a state in which it looks; a self-check goes on. Fails when the pictures cannot
-  // be heard.
+  // The robot is in a state in which it looks; a self-check goes on, which tells nobody what it
+  // sees. Fails when the pictures cannot be heard.
   Result<> SetOn(bool on);
   Result<> SetChecked(bool checked);
 

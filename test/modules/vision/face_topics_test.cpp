@@ -362,6 +362,22 @@ TEST_F(FaceTopicsTest, CheckThemselves) {
   EXPECT_FALSE(topics_->looks());
 }
 
+// A self-check that lasted longer than two pictures told the show of a face.
+TEST_F(FaceTopicsTest, TellNobodyWhatTheySeeInACheck) {
+  looker_.found = std::vector{FaceAt(0.3, 0.4, HeightAt(0.3, 0.18))};
+  Start(false);
+  EXPECT_TRUE(topics_->SetChecked(true));
+  Shoot(5);
+  EXPECT_EQ(Failing(), "");
+  EXPECT_THAT(targets_, IsEmpty());
+  EXPECT_THAT(closes_, IsEmpty());
+  EXPECT_THAT(counts_, IsEmpty());
+  EXPECT_TRUE(topics_->SetOn(true));
+  EXPECT_TRUE(topics_->SetChecked(false));
+  Shoot();
+  EXPECT_EQ(targets_.size(), 1U);
+}
+
 TEST_F(FaceTopicsTest, FailTheirCheckWithADetectorThatHangsOrFails) {
   looker_.found = Error{5912, "the detector failed: out of luck"};
   Start();
