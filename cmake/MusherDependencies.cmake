@@ -27,12 +27,11 @@ find_path(CLI11_INCLUDE_DIR CLI/CLI.hpp)
 find_path(NLOHMANN_JSON_INCLUDE_DIR nlohmann/json.hpp)
 find_program(IDLC idlc)
 musher_dependency(PkgConfig pkg-config)
-pkg_check_modules(LIBSYSTEMD QUIET IMPORTED_TARGET libsystemd)
 pkg_check_modules(ALSA QUIET IMPORTED_TARGET alsa)
 pkg_check_modules(ESPEAK_NG QUIET IMPORTED_TARGET espeak-ng)
 pkg_check_modules(SNDFILE QUIET IMPORTED_TARGET sndfile)
 foreach(need "CLI11_INCLUDE_DIR;libcli11-dev" "NLOHMANN_JSON_INCLUDE_DIR;nlohmann-json3-dev"
-             "IDLC;cyclonedds-tools" "LIBSYSTEMD_FOUND;libsystemd-dev"
+             "IDLC;cyclonedds-tools"
              "ALSA_FOUND;libasound2-dev" "ESPEAK_NG_FOUND;libespeak-ng-dev"
              "SNDFILE_FOUND;libsndfile1-dev")
   list(GET need 0 variable)

@@ -1,12 +1,14 @@
 #include "musher/controller/cli/service_manager.hpp"
 
-#include <systemd/sd-daemon.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
+#include <string_view>
 
 #include "musher/controller/cli/console.hpp"
 
@@ -16,15 +18,20 @@ namespace {
 constexpr int kPingsInAPeriod = 3;
 constexpr Duration kLastMoments = Milliseconds(5000);  // of the process, after the machine's end
 
-void Notify(const std::string& message) {
-  sd_notify(/*unset_environment=*/0, message.c_str());
-}
-
-// systemd names the main process, our parent, as the one that has to show life.
-void TakeOverWatchdogOfParent() {
+// Within which systemd wants to hear of us. Who has to show life is the main process, our parent.
+std::optional<Duration> WatchdogPeriod() {
   const char* pid = std::getenv("WATCHDOG_PID");  // NOLINT(concurrency-mt-unsafe)
-  if (pid == nullptr || pid != std::to_string(getppid())) return;
-  setenv("WATCHDOG_PID", std::to_string(getpid()).c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
+  const bool ours =
+      pid == nullptr || pid == std::to_string(getpid()) || pid == std::to_string(getppid());
+  const char* period = std::getenv("WATCHDOG_USEC");  // NOLINT(concurrency-mt-unsafe)
+  if (!ours || period == nullptr) return std::nullopt;
+  const std::string_view text = period;
+  std::int64_t period_us = 0;
+  const auto [end, error] = std::from_chars(text.begin(), text.end(), period_us);
+  const bool number = error == std::errc() && end == text.end();
+  if (!number || period_us < kPingsInAPeriod) return std::nullopt;
+  constexpr auto kLongest = std::chrono::duration_cast<std::chrono::microseconds>(Duration::max());
+  return std::min(std::chrono::microseconds(period_us), kLongest);
 }
 
 std::string Microseconds(Duration duration) {
@@ -34,46 +41,39 @@ std::string Microseconds(Duration duration) {
 }  // namespace
 
 ServiceManager::ServiceManager(transport::EventLoop& loop, const MachineConfig& config)
-    : config_(config),
-      enabled_(std::getenv("NOTIFY_SOCKET") != nullptr) {  // NOLINT(concurrency-mt-unsafe)
-  if (!enabled_) return;
-  TakeOverWatchdogOfParent();
-  std::uint64_t period_us = 0;
-  if (sd_watchdog_enabled(/*unset_environment=*/0, &period_us) <= 0) return;
-  const Duration period = std::chrono::microseconds(period_us);
-  watchdog_ = loop.Every(period / kPingsInAPeriod, [] { Notify("WATCHDOG=1"); });
+    : config_(config), notifier_(loop) {
+  if (!notifier_.enabled()) return;
+  const auto period = WatchdogPeriod();
+  if (period) watchdog_ = loop.Every(*period / kPingsInAPeriod, [this] { notifier_.Ping(); });
 }
 
 void ServiceManager::StartUpEnded(const action::StartUpEnded& ended) {
-  if (!enabled_) return;
-  if (ended.usable) return Notify("READY=1");
+  if (ended.usable) return notifier_.Tell("READY=1");
   Status(ended.message);
 }
 
 void ServiceManager::Follow(const Machine& machine) {
-  if (!enabled_) return;
   const bool stops = machine.phase == Phase::kStopping || machine.phase == Phase::kStopped;
   if (stops && !stopping_) {
     stopping_ = true;
     // However short the unit's own TimeoutStopSec is.
-    Notify("STOPPING=1\nEXTEND_TIMEOUT_USEC=" +
-           Microseconds(config_.shutdown_budget + kLastMoments));
+    notifier_.Tell("STOPPING=1\nEXTEND_TIMEOUT_USEC=" +
+                   Microseconds(config_.shutdown_budget + kLastMoments));
   }
   // Why the start failed says more than where it did.
   if (machine.phase != Phase::kFailed) Status(StatusWords(config_, machine));
 }
 
 void ServiceManager::Fenced(const std::string& why) {
-  if (!enabled_) return;
   stopping_ = true;
-  Notify("STOPPING=1");
+  notifier_.Tell("STOPPING=1");
   Status(why);
 }
 
 void ServiceManager::Status(const std::string& words) {
   if (words == told_) return;
   told_ = words;
-  Notify("STATUS=" + Printable(words));  // in one line, as systemd wants it
+  notifier_.Tell("STATUS=" + Printable(words));  // in one line, as systemd wants it
 }
 
 std::string StatusWords(const MachineConfig& config, const Machine& machine) {

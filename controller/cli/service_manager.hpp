@@ -7,11 +7,12 @@
 // so the unit needs NotifyAccess=all. The watchdog of the front is served from here, too; whatever
 // blocks this loop lets it run out.
 //
-// Threads: loop thread only; to be made before the process has others, since it changes the
-// environment. A message is sent at once and can block only while systemd itself takes none.
+// Threads: loop thread only. Nothing waits for systemd: what it has no room for is told later, but
+// for a sign of life.
 
 #include <string>
 
+#include "musher/controller/cli/notifier.hpp"
 #include "musher/lifecycle/coordinator.hpp"
 #include "musher/transport/event_loop.hpp"
 
@@ -35,7 +36,7 @@ class ServiceManager {
   void Status(const std::string& words);
 
   const MachineConfig& config_;
-  bool enabled_ = false;
+  Notifier notifier_;
   bool stopping_ = false;
   std::string told_;  // the last STATUS=
   transport::LoopHandlePtr watchdog_;

@@ -44,7 +44,6 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"nlohmann/", {"controller/", "modules/", "test/"}},
       {"spdlog/", {"controller/", "modules/"}},
       {"fmt/", {"controller/", "modules/", "test/"}},
-      {"systemd/", {"controller/cli/"}},
       {"opencv2/", {"modules/", "test/modules/"}},
       {"Eigen/", {"modules/", "test/modules/"}},
       {"alsa/", {"modules/audio/"}},

@@ -15,8 +15,10 @@
 namespace musher::cli {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::Not;
 
 class Service : public testing::Test {
  protected:
@@ -138,6 +140,67 @@ TEST_F(Service, DoesNothingWithoutAServiceManager) {
   manager.Follow(machine_);
   network_.RunFor(std::chrono::seconds(1));
   EXPECT_THAT(socket_->Take(), IsEmpty());
+}
+
+// What has come, without signs of life.
+std::vector<std::string> Told(NotifySocket& socket) {
+  std::vector<std::string> told = socket.Take();
+  std::erase(told, "WATCHDOG=1");
+  return told;
+}
+
+// It used to stand still until systemd had read something, and the machine with it.
+TEST_F(Service, DoesNotWaitForAServiceManagerThatReadsNothing) {
+  Listen();
+  setenv("WATCHDOG_USEC", "3000", 1);
+  ServiceManager manager(loop_, config_);
+  network_.RunFor(std::chrono::seconds(5));  // far more signs of life than a socket takes
+  manager.Follow(machine_);
+  manager.StartUpEnded({true, "the machine is Active"});
+  machine_.state = kLowPower;
+  manager.Follow(machine_);
+  manager.Fenced("process 7 leads");
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(Told(*socket_), IsEmpty()) << "there was no room for it";
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(Told(*socket_), ElementsAre("READY=1", "STOPPING=1", "STATUS=process 7 leads"))
+      << "the latest of each kind";
+  network_.RunFor(Milliseconds(2));
+  EXPECT_THAT(socket_->Take(), Contains("WATCHDOG=1")) << "shows life again";
+}
+
+TEST_F(Service, TellsLaterWhatFoundNoRoomAlsoWithoutAWatchdog) {
+  Listen();
+  ServiceManager manager(loop_, config_);
+  for (int i = 0; i < 5000; ++i) {
+    machine_.state = i % 2 == 0 ? kActive : kLowPower;
+    manager.Follow(machine_);
+  }
+  manager.StartUpEnded({true, "the machine is LowPower"});
+  EXPECT_THAT(socket_->Take(), Not(Contains("READY=1")));
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(socket_->Take(), ElementsAre("STATUS=LowPower, 2 actuators", "READY=1"));
+}
+
+TEST_F(Service, TriesOnceMoreAtItsEndWhatFoundNoRoom) {
+  Listen();
+  {
+    ServiceManager manager(loop_, config_);
+    for (int i = 0; i < 5000; ++i) {
+      machine_.state = i % 2 == 0 ? kActive : kLowPower;
+      manager.Follow(machine_);
+    }
+    manager.Fenced("process 7 leads");
+    EXPECT_THAT(socket_->Take(), Not(Contains("STOPPING=1")));
+  }
+  EXPECT_THAT(socket_->Take(), ElementsAre("STOPPING=1", "STATUS=process 7 leads"));
+}
+
+TEST_F(Service, KnowsASocketWithoutAFile) {
+  socket_ = std::make_unique<NotifySocket>("@musher-test-" + std::to_string(getpid()));
+  ServiceManager manager(loop_, config_);
+  manager.StartUpEnded({true, "the machine is Active"});
+  EXPECT_THAT(socket_->Take(), ElementsAre("READY=1"));
 }
 
 TEST_F(Service, CallsAMachineByItsPhaseItsStateAndWhoIsMissing) {

@@ -22,7 +22,7 @@ class UpAsAService : public MachineByCli {
     return {"sh", "-c", "export WATCHDOG_PID=$$; exec " MUSHER_BIN_DIR "/musher up " + config_};
   }
 
-  NotifySocket systemd_{folder_ / "notify"};
+  ServiceManagerThatReads systemd_{folder_ / "notify"};
 };
 
 TEST_F(UpAsAService, TellsItsStateShowsLifeAndStopsInOrder) {
