@@ -1,7 +1,7 @@
 #pragma once
-// Whether odometry fails to come. The first may take long, since who sends it may have to be
-// found before; then it is missed soon, but only at a second look: after a late turn the first look
-// comes before what waits has been read.
+// Whether odometry fails to come. Who walks by it stands still soon without it and gives up after a
+// while; the first may take long, since who sends it may have to be found before. It is given up
+// only at a second look: after a late turn the first look comes before what waits has been read.
 
 #include "musher/lifecycle/time.hpp"
 
@@ -13,11 +13,14 @@ class OdometryWatch {
 
   void Heard(Time now) {
     heard_ = now;
-    allowed_ = kSilent;
+    allowed_ = kLongest;
     missed_ = false;
   }
 
-  // To be asked once in a turn of the loop.
+  // Too old to walk by.
+  bool Old(Time now) const { return now - heard_ > kOld; }
+
+  // Given up. To be asked once in a turn of the loop.
   bool Missing(Time now) {
     const bool missed_before = missed_;
     missed_ = now - heard_ > allowed_;
@@ -25,7 +28,8 @@ class OdometryWatch {
   }
 
  private:
-  static constexpr Duration kSilent = Milliseconds(500);
+  static constexpr Duration kOld = Milliseconds(500);
+  static constexpr Duration kLongest = std::chrono::seconds(5);
 
   Time heard_;
   Duration allowed_;

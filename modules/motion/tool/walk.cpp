@@ -41,6 +41,7 @@ class Walker {
       walk_.emplace(*pose_, options_.square_m, options_.speed);
       begun_ = Now();
     }
+    if (odometry_watch_.Old(Now())) return SpeedLimit{};  // not blindly
     const SpeedLimit speed = walk_->Step(*pose_);
     if (walk_->done()) return std::nullopt;
     return speed;

@@ -24,12 +24,21 @@ TEST(OdometryWatch, GivesTheFirstAsLongAsItIsTold) {
   EXPECT_LE(missed, std::chrono::seconds(20) + 2 * kFrame);
 }
 
-TEST(OdometryWatch, MissesTheNextAfterHalfASecond) {
+TEST(OdometryWatch, GivesTheNextFiveSeconds) {
   OdometryWatch watch(kBegin, std::chrono::seconds(20));
   watch.Heard(kBegin);
   const Duration missed = MissedAfter(watch, kBegin);
-  EXPECT_GT(missed, Milliseconds(500));
-  EXPECT_LE(missed, Milliseconds(500) + 2 * kFrame);
+  EXPECT_GT(missed, std::chrono::seconds(5));
+  EXPECT_LE(missed, std::chrono::seconds(5) + 2 * kFrame);
+}
+
+TEST(OdometryWatch, IsTooOldToWalkByAfterHalfASecond) {
+  OdometryWatch watch(kBegin, std::chrono::seconds(20));
+  watch.Heard(kBegin);
+  EXPECT_FALSE(watch.Old(kBegin + Milliseconds(500)));
+  EXPECT_TRUE(watch.Old(kBegin + Milliseconds(501)));
+  watch.Heard(kBegin + Milliseconds(600));
+  EXPECT_FALSE(watch.Old(kBegin + Milliseconds(601))) << "it walks on";
 }
 
 TEST(OdometryWatch, DoesNotMissAfterALateTurnWhatOnlyWaitedToBeRead) {
@@ -37,7 +46,7 @@ TEST(OdometryWatch, DoesNotMissAfterALateTurnWhatOnlyWaitedToBeRead) {
   watch.Heard(kBegin);
   Time now = kBegin;
   for (int stalls = 0; stalls < 3; ++stalls) {
-    now += std::chrono::seconds(2);
+    now += std::chrono::seconds(8);
     EXPECT_FALSE(watch.Missing(now)) << "the timer comes first";
     watch.Heard(now);
     EXPECT_FALSE(watch.Missing(now += kFrame));
