@@ -159,6 +159,9 @@ TEST(MotionServo, ResumesAStreamThatStalledWhileTheBodyStandsUpForIt) {
   ASSERT_TRUE(stage.core.job) << "it still stands up";
   stage.Servo(303, kFromDebug);
   EXPECT_EQ(stage.ServoCode(), 3011) << "to others the body is busy";
+  stage.Servo(303);
+  EXPECT_EQ(stage.ServoCode(), kCodeOk);
+  EXPECT_TRUE(stage.core.servo && stage.core.job) << "and it waits again for the same stand";
   stage.Stream(303, Milliseconds(2000));
   EXPECT_EQ(stage.ServoCode(), kCodeOk);
   EXPECT_THAT(stage.Commanded(), ElementsAre(kRecoveryStand, 303));
