@@ -1,0 +1,35 @@
+#pragma once
+// Whether odometry fails to come. The first may take long, since who sends it may have to be
+// found before; then it is missed soon, but only at a second look: after a late turn the first look
+// comes before what waits has been read.
+
+#include "musher/lifecycle/time.hpp"
+
+namespace musher::motion::tool {
+
+class OdometryWatch {
+ public:
+  OdometryWatch(Time begun, Duration until_first) : heard_(begun), allowed_(until_first) {}
+
+  void Heard(Time now) {
+    heard_ = now;
+    allowed_ = kSilent;
+    missed_ = false;
+  }
+
+  // To be asked once in a turn of the loop.
+  bool Missing(Time now) {
+    const bool missed_before = missed_;
+    missed_ = now - heard_ > allowed_;
+    return missed_ && missed_before;
+  }
+
+ private:
+  static constexpr Duration kSilent = Milliseconds(500);
+
+  Time heard_;
+  Duration allowed_;
+  bool missed_ = false;
+};
+
+}  // namespace musher::motion::tool
