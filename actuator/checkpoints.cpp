@@ -8,6 +8,11 @@ namespace {
 
 constexpr Duration kSoonest = Milliseconds(5);
 
+// How often a thread with this allowance is looked at.
+Duration PeriodOf(Duration allowance) {
+  return std::max(allowance / 4, kSoonest);
+}
+
 }  // namespace
 
 Checkpoints::Checkpoints(const ActuatorConfig& config, Sample sample)
@@ -18,6 +23,15 @@ void Checkpoints::OnWorker(pid_t thread) {
   worker_ = thread;
 }
 
+Checkpoints::Watched Checkpoints::Watch(bool on, pid_t thread, Duration allowance, Time now) {
+  Watched watched;
+  watched.on = on;
+  watched.thread = thread;
+  watched.allowance = allowance;
+  watched.last = watched.looked = now;
+  return watched;
+}
+
 void Checkpoints::Begin(const State& state, Time now) {
   const std::lock_guard lock(mutex_);
   own_ = {};
@@ -25,7 +39,7 @@ void Checkpoints::Begin(const State& state, Time now) {
   const auto longer = config_.checkpoint_in.find(state);
   usual_ = longer != config_.checkpoint_in.end() ? longer->second
                                                  : config_.checkpoint.value_or(Duration::zero());
-  callback_ = {usual_ != Duration::zero(), 0, now, usual_, std::nullopt};
+  callback_ = Watch(usual_ != Duration::zero(), 0, usual_, now);
 }
 
 void Checkpoints::End() {
@@ -43,7 +57,7 @@ void Checkpoints::Mark(pid_t thread, Duration allowance, Time now) {
     allowance = in_callback ? usual_ : config_.checkpoint.value_or(Duration::zero());
   }
   const bool on = allowance != Duration::zero() && allowance != Duration::max();
-  watched = {on, thread, now, allowance, std::nullopt};
+  watched = Watch(on, thread, allowance, now);
 }
 
 Checkpoints::Look Checkpoints::Judge(Time now) {
@@ -58,15 +72,25 @@ Checkpoints::Look Checkpoints::JudgeOne(Watched& watched, const State& during, T
   Look look;
   look.during = during;
   look.silent = now - watched.last;
-  if (look.silent <= watched.allowance / 2) return look;
-  if (!watched.before) watched.before = sample_(now);
-  if (look.silent <= watched.allowance) return look;
-  if (const auto after = sample_(now); after && watched.before) {
-    look.waited =
-        transport::ThreadWait(*watched.before, *after, watched.thread).value_or(Duration::zero());
-  }
+  const Duration waited = std::max(watched.waited, WaitOf(watched, now));
+  const Duration due = PeriodOf(watched.allowance);
+  const Duration late = now - watched.looked - due;
+  if (late > due / 2)
+    watched.unseen += std::max(late - (waited - watched.waited), Duration::zero());
+  watched.waited = waited;
+  watched.looked = now;
+  look.waited = std::min(waited + watched.unseen, look.silent);
   look.work = JudgeSilence(look.silent, watched.allowance, look.waited);
   return look;
+}
+
+// How long it waited for a CPU by the kernel's books, since they were opened.
+Duration Checkpoints::WaitOf(Watched& watched, Time now) const {
+  if (now - watched.last <= watched.allowance / 2) return {};
+  const auto sample = sample_(now);
+  if (!watched.before) watched.before = sample;
+  if (!sample || !watched.before) return {};
+  return transport::ThreadWait(*watched.before, *sample, watched.thread).value_or(Duration::zero());
 }
 
 std::optional<Duration> Checkpoints::Period() const {
@@ -74,7 +98,7 @@ std::optional<Duration> Checkpoints::Period() const {
   std::optional<Duration> period;
   for (const Watched* watched : {&callback_, &own_}) {
     if (!watched->on) continue;
-    const Duration one = std::max(watched->allowance / 4, kSoonest);
+    const Duration one = PeriodOf(watched->allowance);
     period = period ? std::min(*period, one) : one;
   }
   return period;

@@ -7,7 +7,10 @@
 //                                                                            it says kNoMore
 //
 // A thread is only charged with the time in which it could have run: what it waited for a CPU, by
-// the kernel's books, does not count. The books are opened when half its allowance is over.
+// the kernel's books, does not count. The books are opened when half its allowance is over. Nor
+// does time count in which this process could not even look (it was stopped, or its machine was):
+// of a look that comes late only the quarter of the allowance after which it was due is charged. So
+// a hang is found within five looks, however late each comes.
 //
 // Threads: Mark() and OnWorker() from any; the rest from the loop.
 
@@ -43,7 +46,7 @@ class Checkpoints {
     Health work = Health::kWell;
     State during;       // whose callback runs; empty for work of the module's own
     Duration silent{};  // since the last checkpoint
-    Duration waited{};  // so much of it the thread waited for a CPU
+    Duration waited{};  // so much of it the thread waited for a CPU, or nobody was there to look
   };
   Look Judge(Time now);
 
@@ -56,10 +59,15 @@ class Checkpoints {
     pid_t thread = 0;
     Time last{};
     Duration allowance{};
+    Time looked{};      // when it was judged last
+    Duration waited{};  // for a CPU, by then
+    Duration unseen{};  // that looks came too late, beyond what it waited
     std::optional<transport::ProcessSample> before;  // from when half the allowance was over
   };
 
+  static Watched Watch(bool on, pid_t thread, Duration allowance, Time now);
   Look JudgeOne(Watched& watched, const State& during, Time now) const;
+  Duration WaitOf(Watched& watched, Time now) const;
 
   const ActuatorConfig& config_;
   const Sample sample_;

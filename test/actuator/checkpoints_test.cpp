@@ -171,6 +171,56 @@ TEST_F(CheckpointsOf, WhereTheKernelTellsNothingSilenceIsAHang) {
   EXPECT_EQ(After(Milliseconds(101)).work, Health::kHung);
 }
 
+// The loop wakes up first, before the thread has had a chance.
+TEST_F(CheckpointsOf, AProcessThatStoodStillAsAWholeIsNotHung) {
+  points_->Begin("Active", now_);
+  now_ += Milliseconds(700);
+  const Checkpoints::Look look = points_->Judge(now_);
+  EXPECT_EQ(look.work, Health::kStarved);
+  EXPECT_EQ(look.silent, Milliseconds(700));
+  EXPECT_EQ(look.waited, Milliseconds(675)) << "all but the period after which a look was due";
+  points_->Mark(kWorker, Duration::zero(), now_);
+  EXPECT_EQ(After(Milliseconds(100)).work, Health::kWell);
+}
+
+TEST_F(CheckpointsOf, AProcessThatStandsStillAgainAndAgainIsNotHung) {
+  points_->Begin("Active", now_);
+  After(Milliseconds(40));
+  for (int i = 0; i < 2; ++i) {
+    now_ += Milliseconds(500);
+    EXPECT_EQ(points_->Judge(now_).work, Health::kStarved);
+  }
+  points_->Mark(kWorker, Duration::zero(), now_);
+  EXPECT_EQ(After(Milliseconds(100)).work, Health::kWell);
+}
+
+TEST_F(CheckpointsOf, AThreadThatHangsWhileItsProcessStandsStillIsFoundOutAfterIt) {
+  points_->Begin("Active", now_);
+  now_ += Milliseconds(700);
+  EXPECT_EQ(points_->Judge(now_).work, Health::kStarved);
+  EXPECT_EQ(After(Milliseconds(75)).work, Health::kStarved);
+  EXPECT_EQ(After(Milliseconds(1)).work, Health::kHung);
+}
+
+TEST_F(CheckpointsOf, AHangIsFoundWithinFiveLooksEvenIfEachComesLate) {
+  points_->Begin("Active", now_);
+  for (int i = 0; i < 4; ++i) {
+    now_ += Milliseconds(300);
+    EXPECT_EQ(points_->Judge(now_).work, Health::kStarved);
+  }
+  now_ += Milliseconds(300);
+  EXPECT_EQ(points_->Judge(now_).work, Health::kHung);
+}
+
+// A quota that takes most of the time makes the looks late, too.
+TEST_F(CheckpointsOf, TimeWithoutACpuIsNotForgivenTwice) {
+  points_->Begin("Active", now_);
+  After(Milliseconds(60));
+  kernel_.throttled += Milliseconds(200);
+  now_ += Milliseconds(200);
+  EXPECT_EQ(points_->Judge(now_).waited, Milliseconds(200));
+}
+
 TEST_F(CheckpointsOf, AreLookedAtSeveralTimesWithinTheShortestAllowance) {
   points_->Begin("SetUp", now_);
   EXPECT_EQ(points_->Period(), Duration(std::chrono::seconds(22)) / 4);
