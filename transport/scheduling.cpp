@@ -158,8 +158,10 @@ std::optional<Duration> ThreadWait(const ProcessSample& before, const ProcessSam
   const ThreadSample then = found == before.threads.end() ? ThreadSample{} : found->second;
   if (now->second.runnable && now->second == then) return between;
   const Duration waited = now->second.cpu.waited - then.cpu.waited;
-  return std::clamp(std::max(waited, after.throttled - before.throttled), Duration::zero(),
-                    between);
+  // Two CPUs that a quota takes at once are counted twice, but none is waited for by who runs.
+  const Duration most = between - (now->second.cpu.ran - then.cpu.ran);
+  return std::max(std::min(std::max(waited, after.throttled - before.throttled), most),
+                  Duration::zero());
 }
 
 Duration LongestWait(const ProcessSample& before, const ProcessSample& after) {

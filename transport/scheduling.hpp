@@ -48,9 +48,9 @@ Duration ThrottledTime(pid_t pid);
 std::optional<ProcessSample> SampleProcess(pid_t pid, Time now);
 
 // How long a thread waited for a CPU between two looks, or was kept from one by a quota; never more
-// than the time between them. A thread that was ready at both and did not run in between has waited
-// all the time, although the kernel has not counted it yet. nullopt for a thread that is not in
-// `after`.
+// than the time between them in which it did not run. A thread that was ready at both and did not
+// run in between has waited all the time, although the kernel has not counted it yet. nullopt for a
+// thread that is not in `after`.
 std::optional<Duration> ThreadWait(const ProcessSample& before, const ProcessSample& after,
                                    pid_t tid);
 

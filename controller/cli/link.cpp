@@ -100,8 +100,12 @@ std::optional<Failure> Link::Await(const std::function<bool()>& answered,
                                    const std::function<bool()>& found, Duration timeout) {
   const Time begin = loop_.Now();
   const auto ended = [&] { return answered() || interrupted_; };
+  const auto met = [&] { return ended() || found() || HasMachine(); };
   loop_.RunUntil([&] { return ended() || found(); }, begin + std::min(discovery(), timeout));
-  if (!ended() && !found() && !HasMachine()) return Nobody("controller");
+  if (!met() && LeaderHere() != 0) {
+    loop_.RunUntil(met, begin + std::min(kDiscoveryOfOneHere, timeout));
+  }
+  if (!met()) return Nobody("controller");
   loop_.RunUntil(ended, begin + timeout);
   if (answered()) return std::nullopt;
   if (interrupted_) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
@@ -133,10 +137,14 @@ Failure Link::Nobody(const std::string& what) const {
   return {ExitCode::kNoController, {kCodeNetError, message}};
 }
 
+pid_t Link::LeaderHere() const {
+  return transport::NameLock::HolderOf(transport::NameLock::NameOf(
+      transport::DomainId({}).value(), global_.name_space, "musher/controller"));
+}
+
 // One with [security] is not heard without its keys, nor one without [security] with keys.
 std::string Link::UnheardController() const {
-  const pid_t holder = transport::NameLock::HolderOf(transport::NameLock::NameOf(
-      transport::DomainId({}).value(), global_.name_space, "musher/controller"));
+  const pid_t holder = LeaderHere();
   if (holder == 0) return "";
   const std::string there = fmt::format("; process {} leads one here, but is not heard ", holder);
   if (global_.keys.empty()) return there + "without keys: use --keys FOLDER if it has [security]";

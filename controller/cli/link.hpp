@@ -7,6 +7,8 @@
 // Threads: one; Ask() runs the loop until there is an answer. Ctrl-C ends an Ask(), not the
 // program.
 
+#include <sys/types.h>
+
 #include <functional>
 #include <map>
 #include <memory>
@@ -33,6 +35,8 @@ class Link {
   // With keys in some 400 ms; what is lost of an introduction is repeated after a second.
   static constexpr Duration kSecuredDiscovery = Milliseconds(4000);
   Duration discovery() const { return global_.keys.empty() ? kDiscovery : kSecuredDiscovery; }
+  // One whose process leads on this host is there, and may only have had no CPU for a while.
+  static constexpr Duration kDiscoveryOfOneHere = Milliseconds(4000);
 
   static Result<std::unique_ptr<Link>> Open(const GlobalOptions& global);
 
@@ -78,6 +82,7 @@ class Link {
   std::optional<Failure> Await(const std::function<bool()>& answered,
                                const std::function<bool()>& found, Duration timeout);
   Failure NoAnswer(Duration timeout) const;
+  pid_t LeaderHere() const;  // 0: no controller of this host leads in our namespace
   std::string UnheardController() const;
 
   const GlobalOptions& global_;
@@ -101,8 +106,10 @@ Link::Answer<S> Link::Ask(const std::string& service, const typename S::Request&
   if (!client) return Failure{ExitCode::kUsage, client.error()};
   const Duration wait = global_.timeout.value_or(timeout);
   std::optional<Result<typename S::Response>> reply;
-  // The call's own deadline is not the first to end: this one says more about who is silent.
-  client.value()->Call(request, wait * 2, [&reply](auto result) { reply = std::move(result); });
+  // The call's own deadline is not the first to end, not even when we come late to both: Await()
+  // says more about who is silent.
+  client.value()->Call(request, wait + std::chrono::minutes(1),
+                       [&reply](auto result) { reply = std::move(result); });
   const auto failure =
       Await([&] { return reply.has_value(); }, [&] { return client.value()->Ready(); }, wait);
   if (failure) return *failure;

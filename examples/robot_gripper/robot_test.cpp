@@ -17,7 +17,7 @@ class Robot : public testing::Test {
  protected:
   // A DDS domain of its own: there may be another robot on this desk.
   Robot() {
-    setenv("ROS_DOMAIN_ID", std::to_string(215 + getpid() % 16).c_str(), 1);
+    setenv("ROS_DOMAIN_ID", std::to_string(215 + getpid() % 8).c_str(), 1);
     node_ = musher::transport::NodeThread::Start().value();
   }
   void SetUp() override {

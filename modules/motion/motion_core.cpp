@@ -76,7 +76,7 @@ Result<> Decision::JudgePlay(const motion_event::PlayArrived& event) const {
                      ? "the body follows servo commands of " + SourceName(core_.servo->source)
                      : "motion " + std::to_string(core_.job->motion_id) + " is under way"};
   }
-  if (!core_.body || BoardSilent(rules_, core_, now_)) {
+  if (core_.BoardSilent()) {
     return Error{MotionCode(Key::kBoardSilent), MotionCodeText(MotionCode(Key::kBoardSilent))};
   }
   return Ok();
@@ -93,8 +93,9 @@ bool Decision::Dancing() const {
 void Decision::Take(const motion_event::BoardHeard& event) {
   core_.body = event.report;
   core_.body_heard = now_;
+  core_.board_silent = false;
   if (core_.link.until && Taken()) Quiet();
-  AdvanceJob();
+  AdvanceJob(false);
 }
 
 void Decision::Take(const motion_event::PlayArrived& event) {
@@ -171,20 +172,44 @@ void Decision::Take(const motion_event::WorldRestarted&) {
   if (core_.job) DropJob(MotionCode(Key::kBoardSilent), "the world began anew");
   core_.servo.reset();
   core_.body.reset();
+  core_.second_look.reset();
   core_.logged.clear();
   Quiet();
   core_.link.sent_at = Time::min();
 }
 
 void Decision::Take(const motion_event::TimePassed&) {
+  if (LooksAgain()) return;
+  WatchBoard();
   WatchServo();
-  AdvanceJob();
+  AdvanceJob(true);
   if (core_.link.until && now_ >= *core_.link.until) Quiet();
   TransmitIfDue();
   ReportServo();
 }
 
+// After the program or its host stood still, timers are due before what came meanwhile is read: the
+// report or frame that seems to be missing may only wait. Once only, so that who is always late
+// judges nevertheless.
+bool Decision::LooksAgain() {
+  if (core_.second_look) {
+    if (now_ < *core_.second_look) return true;
+    core_.second_look.reset();
+    return false;
+  }
+  const auto deadline = NextDeadline(rules_, core_);
+  if (!deadline || now_ - *deadline < kLate) return false;
+  core_.second_look = now_ + kLate;
+  return true;
+}
+
 // --- The board -----------------------------------------------------------------------------------
+
+void Decision::WatchBoard() {
+  if (core_.body && now_ - core_.body_heard >= rules_.config.board_silent) {
+    core_.board_silent = true;
+  }
+}
 
 const Motion* Decision::Present() const {
   return core_.body ? rules_.table.Find(core_.body->mode, core_.body->gait) : nullptr;
@@ -272,9 +297,11 @@ MotionActions Step(const MotionRules& rules, MotionCore& core, const MotionEvent
   return std::move(decision).Actions();
 }
 
-std::optional<Time> NextDeadline(const MotionRules&, const MotionCore& core) {
+std::optional<Time> NextDeadline(const MotionRules& rules, const MotionCore& core) {
+  if (core.second_look) return core.second_look;
   std::optional<Time> next;
   const auto consider = [&](Time time) { next = next ? std::min(*next, time) : time; };
+  if (!core.BoardSilent()) consider(core.body_heard + rules.config.board_silent);
   if (core.job) consider(core.job->wait_end);
   if (core.servo) {
     consider(core.servo->last_frame + kServoWatchdog);
@@ -285,12 +312,8 @@ std::optional<Time> NextDeadline(const MotionRules&, const MotionCore& core) {
   return next;
 }
 
-bool BoardSilent(const MotionRules& rules, const MotionCore& core, Time now) {
-  return !core.body || now - core.body_heard >= rules.config.board_silent;
-}
-
-std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core, Time now) {
-  if (BoardSilent(rules, core, now)) return kNoMotion;
+std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core) {
+  if (core.BoardSilent()) return kNoMotion;
   const Motion* motion = rules.table.Find(core.body->mode, core.body->gait);
   return motion == nullptr ? kNoMotion : motion->id;
 }

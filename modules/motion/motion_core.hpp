@@ -44,6 +44,7 @@ namespace musher::motion {
 
 inline constexpr Duration kServoWatchdog = Milliseconds(200);
 inline constexpr Duration kBoardPeriod = Milliseconds(50);  // of frames to the board: 20 Hz
+inline constexpr Duration kLate = Milliseconds(50);  // a turn so late looks again before it judges
 inline constexpr Duration kSettleTime = Milliseconds(15);
 inline constexpr Duration kTransitionTime = Milliseconds(3000);
 inline constexpr Duration kLieDownPause = Milliseconds(500);  // between two tries
@@ -160,11 +161,12 @@ struct JobMotion {
 struct Job {
   enum class Wait { kFeedback, kSettle, kTransition, kExecution, kRetry };
   RequestToken token = 0;
-  std::int32_t motion_id = 0;  // that the answer names
-  bool own = false;            // the machine's: not gated
-  bool for_servo = false;      // only makes way for the servo commands behind it
-  std::optional<int> tries;    // of a lie-down: how often again; 0 for ever
-  std::deque<JobMotion> todo;  // the first is under way
+  std::int32_t motion_id = 0;          // that the answer names
+  bool own = false;                    // the machine's: not gated
+  std::optional<std::int32_t> way_of;  // whose servo commands it makes way for
+  bool for_servo = false;              // they wait behind it
+  std::optional<int> tries;            // of a lie-down: how often again; 0 for ever
+  std::deque<JobMotion> todo;          // the first is under way
   Wait wait = Wait::kFeedback;
   Time wait_end{};
 
@@ -197,6 +199,8 @@ struct BoardLink {
 struct MotionCore {
   std::optional<BodyReport> body;
   Time body_heard{};
+  bool board_silent = false;                            // since it was heard
+  std::optional<Time> second_look;                      // of a turn that came late: it judges then
   std::optional<State> closed = State(kUninitialized);  // the state that leaves no room for motion
   bool emergency_stop = false;                          // the latch
   std::optional<Job> job;
@@ -206,6 +210,8 @@ struct MotionCore {
   std::map<std::int32_t, Time> logged;  // by code
 
   bool Idle() const { return !job && !servo; }
+  // Judged by TimePassed alone, so that a report which still waits to be read counts as one.
+  bool BoardSilent() const { return !body || board_silent; }
 
   friend bool operator==(const MotionCore&, const MotionCore&) = default;
 };
@@ -217,7 +223,6 @@ std::optional<Time> NextDeadline(const MotionRules& rules, const MotionCore& cor
 
 // What the body does: an id of the table, kNoMotion where the board is silent or says something
 // else.
-std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core, Time now);
-bool BoardSilent(const MotionRules& rules, const MotionCore& core, Time now);
+std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core);
 
 }  // namespace musher::motion

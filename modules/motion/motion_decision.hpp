@@ -29,6 +29,8 @@ class Decision {
   MotionActions Actions() && { return std::move(actions_); }
 
  private:
+  bool LooksAgain();
+
   // Judging.
   Result<> MayRun(const Motion& motion, const std::string& capability) const;
   Result<> JudgeOrder(const MotionOrder& order) const;
@@ -52,8 +54,8 @@ class Decision {
   void BeginMotion();
   std::vector<std::int32_t> WayTo(const Motion& motion) const;
   std::int32_t CodeOfRefusal() const;
-  void AdvanceJob();
-  bool AdvanceWait();
+  void AdvanceJob(bool time_passed);
+  bool AdvanceWait(bool time_passed);
   void EndMotion();
   void EndJob(std::int32_t code, const std::string& message);
   void FailMotion(std::int32_t code, const std::string& message);
@@ -62,6 +64,7 @@ class Decision {
   bool Lies() const;
 
   // The board.
+  void WatchBoard();
   const Motion* Present() const;
   bool Taken() const;
   JobMotion MotionOf(const Motion& motion, const MotionArguments& arguments) const;

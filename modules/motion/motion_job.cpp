@@ -81,15 +81,16 @@ std::int32_t Decision::CodeOfRefusal() const {
   return code != kCodeOk ? code : MotionCode(Key::kBoardSilent);
 }
 
-void Decision::AdvanceJob() {
-  while (core_.job && AdvanceWait()) {
+// A report of the board does not end a wait: a newer one may stand behind it.
+void Decision::AdvanceJob(bool time_passed) {
+  while (core_.job && AdvanceWait(time_passed)) {
   }
 }
 
 // Says whether it got on.
-bool Decision::AdvanceWait() {
+bool Decision::AdvanceWait(bool time_passed) {
   Job& job = *core_.job;
-  const bool over = now_ >= job.wait_end;
+  const bool over = time_passed && now_ >= job.wait_end;
   const auto go_on = [&](Job::Wait wait, Duration time) {
     job.wait = wait;
     job.wait_end = now_ + time;
@@ -197,7 +198,7 @@ void Decision::HaltBody(const JobMotion& motion) {
 
 bool Decision::Lies() const {
   const Motion* present = Present();
-  if (present == nullptr || BoardSilent(rules_, core_, now_)) return false;
+  if (present == nullptr || core_.BoardSilent()) return false;
   if (present->id == kEmergencyStop) return true;
   return present->id == kGetDown && core_.body->bar > kDoneBar;
 }

@@ -43,11 +43,12 @@ Result<> Decision::JudgeServo(const ServoCommand& command) const {
   if (!AllFinite(order.arguments)) return invalid("a number is no number, or infinite");
   if (const auto wrong = WrongLength(order.arguments)) return invalid(*wrong);
   if (auto priority = JudgePriority(command); !priority) return priority;
-  if (core_.job && !core_.servo) {
+  const bool resumes = core_.job && core_.job->way_of == command.source;
+  if (core_.job && !core_.servo && !resumes) {
     return Error{MotionCode(KeyCode::kTargetBusy),
                  "motion " + std::to_string(core_.job->motion_id) + " is under way"};
   }
-  if (!core_.servo && BoardSilent(rules_, core_, now_)) {
+  if (!core_.servo && core_.BoardSilent()) {
     return Error{MotionCode(Key::kBoardSilent), MotionCodeText(MotionCode(Key::kBoardSilent))};
   }
   return Ok();
@@ -84,6 +85,10 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
     core_.servo.emplace();
     core_.servo->next_report = now_;
   }
+  if (core_.job) {  // the body stands up for it, or for the same stream before it stalled
+    core_.job->way_of = command.source;
+    core_.job->for_servo = true;
+  }
   Servo& servo = *core_.servo;
   servo.source = command.source;
   servo.command = MakeCommand(motion, command.order.arguments);
@@ -98,6 +103,7 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
       servo.moving = false;
       Job job;
       job.motion_id = motion.id;
+      job.way_of = command.source;
       job.for_servo = true;
       for (const std::int32_t id : way) {
         job.todo.push_back(MotionOf(*rules_.table.Find(id), {}));
@@ -145,7 +151,7 @@ void Decision::StopServo(const std::string& why) {
                                                " is stopped: " + why);
   }
   actions_.emplace_back(motion_action::TellServo{
-      PresentMotion(rules_, core_, now_), core_.servo_commands,
+      PresentMotion(rules_, core_), core_.servo_commands,
       core_.body ? core_.body->bar : std::int8_t{-1},
       core_.body ? core_.body->switch_status : std::int8_t{-1}, why.empty(), kCodeOk});
 }
@@ -161,10 +167,10 @@ void Decision::ReportServo() {
   core_.servo->next_report = now_ + kBoardPeriod;
   motion_action::TellServo tell;
   tell.cmd_id = core_.servo_commands;
-  if (BoardSilent(rules_, core_, now_)) {
+  if (core_.BoardSilent()) {
     tell.code = MotionCode(Key::kBoardSilent);
   } else {
-    tell.motion_id = PresentMotion(rules_, core_, now_);
+    tell.motion_id = PresentMotion(rules_, core_);
     tell.bar = core_.body->bar;
     tell.status = core_.body->switch_status;
     tell.code = CodeOfStatus(core_.body->switch_status);

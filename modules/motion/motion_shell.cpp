@@ -126,7 +126,7 @@ RequestToken MotionShell::LieDown(std::int32_t id, int tries, OnAnswer on_answer
 
 Result<> MotionShell::Check() const {
   const std::int32_t failed = MotionCode(KeyCode::kSelfCheckFailed);
-  if (BoardSilent(Rules(), core_, here_.clock.Now())) {
+  if (core_.BoardSilent()) {
     return Error{failed, "the motion board is silent: no report on " + Name("world/body_state")};
   }
   const auto& errors = core_.body->motor_error;
@@ -139,11 +139,11 @@ Result<> MotionShell::Check() const {
 }
 
 void MotionShell::PublishStatus() {
-  static_cast<void>(status_->Publish(StatusOf(Rules(), core_, here_.clock.Now())));
+  static_cast<void>(status_->Publish(StatusOf(Rules(), core_)));
 }
 
 msg::MotorTemp::Response MotionShell::Temperatures() const {
-  if (BoardSilent(Rules(), core_, here_.clock.Now())) {
+  if (core_.BoardSilent()) {
     return {false, {}, MotionCode(MotionKey::kBoardSilent)};
   }
   const auto& temperatures = core_.body->motor_temperature;

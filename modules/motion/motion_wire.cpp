@@ -113,9 +113,9 @@ msg::MotionServoResponse ToWire(const motion_action::TellServo& tell) {
   return {tell.motion_id, tell.cmd_id, tell.bar, tell.status, tell.result, tell.code};
 }
 
-msg::MotionStatus StatusOf(const MotionRules& rules, const MotionCore& core, Time now) {
+msg::MotionStatus StatusOf(const MotionRules& rules, const MotionCore& core) {
   msg::MotionStatus status;
-  status.motion_id = PresentMotion(rules, core, now);
+  status.motion_id = PresentMotion(rules, core);
   if (!core.body) return status;
   const BodyReport& body = *core.body;
   status.contact = body.contact;

@@ -20,7 +20,7 @@ MotionOrder FromWire(const msg::MotionResultCmd::Request& request);
 MotionArguments FromWire(const msg::MotionCustomCommand& command);
 msg::MotionServoResponse ToWire(const motion_action::TellServo& tell);
 
-msg::MotionStatus StatusOf(const MotionRules& rules, const MotionCore& core, Time now);
+msg::MotionStatus StatusOf(const MotionRules& rules, const MotionCore& core);
 msg::Odometry OdometryOf(const BodyMotion& motion);
 msg::Imu ImuOf(const BodyMotion& motion);
 

@@ -40,9 +40,11 @@ LookThread::~LookThread() {
 
 Result<> LookThread::Load() {
   // One that is at a picture is there, and may be at it for long, also where it has begun just now.
+  // (Not a timed_mutex: GCC 12's thread sanitizer does not see how that is locked.)
   std::unique_lock lock(detector_mutex_, std::defer_lock);
   while (busy_since_ns_ == 0) {
-    if (lock.try_lock_for(std::chrono::milliseconds(1))) return LoadLocked();
+    if (lock.try_lock()) return LoadLocked();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   return Ok();
 }

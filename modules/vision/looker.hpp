@@ -85,7 +85,7 @@ class LookThread : public Looker {
   // Shared with what is posted to the loop, which may come after this is gone.
   const std::shared_ptr<const LookThreadEvents> events_;
   std::atomic<std::int64_t> busy_since_ns_ = 0;  // of the steady clock; 0: not busy
-  std::timed_mutex detector_mutex_;              // guards detector_; held while it is used
+  std::mutex detector_mutex_;                    // guards detector_; held while it is used
   std::unique_ptr<Detector> detector_;
   std::mutex mutex_;  // guards what follows
   std::condition_variable given_changed_;

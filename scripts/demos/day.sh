@@ -9,6 +9,7 @@ journal=$XDG_STATE_HOME/musher/robot/journal.sqlite
 logs=$XDG_STATE_HOME/musher/robot/logs
 picture=$pictures/robot-day.png strip=$pictures/robot-saw.jpg
 speed=4  # of the world's time
+walking_speed=2  # the same: a walk is led from outside, twenty times a second
 
 # shown COMMAND...: shows the command, runs it; what it says goes to `result`, its exit code to `code`.
 shown() {
@@ -40,12 +41,15 @@ make_yard() {
   yard=$!
 }
 
-# The robot's files: all of config/, but without the yard in the state config.
+# The robot's files: all of config/, but without the yard in the state config, and with as long for an
+# answer of the body as it has where time goes as fast as the clock.
 make_versions() {
   local files=$scratch/files
   cp -r "$scratch/config" "$files"
   sed -i -e 's/"world", //' -e '/^after = \["world"\]$/d' -e '/^\[actuator\.world\]$/,/^$/d' \
     "$files/robot.toml"
+  sed -i -e "s/^silent_ms = 500 /silent_ms = $((500 * speed)) /" \
+    -e "s/^feedback_ms = 200 /feedback_ms = $((200 * speed)) /" "$files/motion/motion_manager.toml"
   musher ota keygen "$scratch/maker" > /dev/null &&
     musher ota bundle "$files" --version 1.0.0 --key "$scratch/maker.key" -o "$scratch/v1.0.0" &&
     sed -i 's/"Good day\. I am awake\."/"Good day. I am awake, and I have learnt something."/' \
@@ -77,6 +81,7 @@ boot() {
 walk() {
   local process films
   act "It walks a square of two metres and looks about; a module dies as it sets out"
+  world speed $walking_speed
   say "\$ musher-camera strip image_rgb …"
   musher-camera --clock topic strip image_rgb "$strip" --every 3 --count 8 --columns 4 \
     > "$scratch/strip.log" 2>&1 &
@@ -87,6 +92,7 @@ walk() {
   motion walk --square 2 --speed 0.6
   expect "exit code" 0 "$code"
   at_most "away from where it began" 30 "$(answer '.gap_m * 100 | round')" cm
+  world speed $speed
   await '.actuators | all(.state == "Active")'
   expect "sensor_manager has a new process" true \
     "$(status ".actuators.sensor_manager.pid | . > 0 and . != $process")"

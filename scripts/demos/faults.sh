@@ -110,7 +110,7 @@ lose_a_module() {
   ((pid > 1)) && kill -KILL "$pid"  # 0, where there is none, would be this script itself
   await ".actuators.vp_engine | .pid > 0 and .pid != $pid and .state == \"Active\" and (.degraded | not)"
   ended='[.[] | select(.actuator == "vp_engine" and (.message | test(" ended: ")))][0]'
-  at_most "known after" 250 \
+  at_most "known after" 1000 \
     "$(($(date -d "$(history_of "$ended.time")" +%s%3N) - killed))" ms
   expect "what is known" "killed by SIGKILL" "$(history_of "$ended.message" | sed 's/.*: //')"
   expect "how often it was restarted" 1 "$(status .actuators.vp_engine.restarts)"
@@ -163,7 +163,7 @@ lose_the_controller() {
   local pids controller
   pids=$(status '[.actuators[].pid] | join(" ")')
   controller=$(status .pid)
-  fault device_manager.LowPower 1 0 ""
+  fault device_manager.LowPower 3 0 ""
   say "\$ musher set LowPower &    # and while device_manager is on its way there …"
   musher set LowPower --timeout 5 > /dev/null 2>&1 &
   await '.actuators.device_manager.target == "LowPower"'

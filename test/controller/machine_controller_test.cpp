@@ -130,7 +130,7 @@ TEST_F(Controlling, RefusesASecondControllerBesideALivingOne) {
 
 class ControllingInAHurry : public Controlling {
  protected:
-  ControllingInAHurry() : Controlling({{"LowPower", 100}}) {}
+  ControllingInAHurry() : Controlling({{"LowPower", 1000}}) {}
 };
 
 TEST_F(ControllingInAHurry, AsksAnActuatorThatIsOverdue) {

@@ -27,6 +27,7 @@ class SecuredMachine : public MachineByCli {
     const Ended up = UpDetached();
     ASSERT_EQ(up.exit, 0) << up.out << up.err;
     ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+    AwaitStatus(AllHaveArrived);
   }
 
   static Ended As(const std::string& identity, std::vector<std::string> words) {
@@ -65,7 +66,7 @@ class SecuredMachine : public MachineByCli {
     for (const char* state : {"Active", "LowPower"}) {
       const Ended set = Musher({"set", state});
       EXPECT_EQ(set.exit, 0) << set.err;
-      const auto status = Status();
+      const auto status = AwaitStatus(AllHaveArrived);
       ASSERT_FALSE(status.is_null());
       EXPECT_EQ(status["state"], state);
       EXPECT_EQ(status["epoch"], before["epoch"]);

@@ -9,8 +9,7 @@
 namespace musher::motion::tool {
 namespace {
 
-constexpr Duration kStandingUp = std::chrono::seconds(20);  // before the first step
-constexpr int kSlowest = 20;                                // a /clock may be so much slower
+constexpr int kSlowest = 20;  // a /clock may be so much slower
 
 }  // namespace
 

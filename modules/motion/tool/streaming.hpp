@@ -16,6 +16,8 @@
 
 namespace musher::motion::tool {
 
+inline constexpr Duration kStandingUp = std::chrono::seconds(20);  // before the first step
+
 class Streaming {
  public:
   // The speed of the next frame; none: that was all.

@@ -6,36 +6,33 @@
 #include "musher/messages/nav_msgs/odometry.hpp"
 #include "musher/modules/motion/motion_wire.hpp"
 #include "musher/modules/motion/tool/commands.hpp"
+#include "musher/modules/motion/tool/odometry_watch.hpp"
 #include "musher/modules/motion/tool/square_walk.hpp"
 #include "musher/modules/motion/tool/streaming.hpp"
 
 namespace musher::motion::tool {
 namespace {
 
-constexpr Duration kNoOdometry = Milliseconds(500);
-constexpr Duration kStandingUp = std::chrono::seconds(20);
-
 // What the walker knows of the body, and what it makes of it.
 class Walker {
  public:
   Walker(Streaming& streaming, const WalkOptions& options)
-      : streaming_(streaming), options_(options) {}
+      : streaming_(streaming), options_(options), opened_(Now()) {}
 
   Result<> Listen() {
     auto odometry = transport::MakeSubscription<msg::Odometry>(
         streaming_.link().node(), streaming_.link().Name("odom_out"),
         [this](const msg::Odometry& message, const transport::SampleInfo&) {
           pose_ = PlanarPoseOf(FromWire(message.pose.pose));
-          heard_ = Now();
+          odometry_watch_.Heard(Now());
         });
     if (!odometry) return odometry.error();
     odometry_ = std::move(odometry).value();
-    opened_ = heard_ = Now();
     return Ok();
   }
 
   std::optional<SpeedLimit> Next() {
-    if (Now() - heard_ > kNoOdometry) {
+    if (odometry_watch_.Missing(Now())) {
       return Fault("no odometry on " + streaming_.link().Name("odom_out"));
     }
     if (!walk_) {
@@ -44,6 +41,7 @@ class Walker {
       walk_.emplace(*pose_, options_.square_m, options_.speed);
       begun_ = Now();
     }
+    if (odometry_watch_.Old(Now())) return SpeedLimit{};  // not blindly
     const SpeedLimit speed = walk_->Step(*pose_);
     if (walk_->done()) return std::nullopt;
     return speed;
@@ -62,9 +60,9 @@ class Walker {
 
   Streaming& streaming_;
   const WalkOptions& options_;
-  Time opened_{};
+  const Time opened_;
   Time begun_{};
-  Time heard_{};
+  OdometryWatch odometry_watch_{opened_, kStandingUp};
   std::optional<PlanarPose> pose_;
   std::optional<SquareWalk> walk_;
   std::optional<Error> fault_;

@@ -2,7 +2,11 @@
 
 #include <signal.h>
 
+#include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/test/integration/cli/machine.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::testing {
 namespace {
@@ -32,6 +36,20 @@ class EmergencyStop : public MachineByCli {
     EXPECT_EQ(set.exit, 1);
     EXPECT_EQ(Json(set.out)["code"], 113);  // ProtectedError
     EXPECT_THAT(set.err, HasSubstr("an emergency stop is engaged"));
+  }
+
+  // Until an actuator tells something that is so, half a minute at most; whether one has.
+  bool AwaitReport(const std::function<bool(const msg::ActuatorStatus&)>& is_so) const {
+    transport::LinuxEventLoop loop;
+    const auto node = transport::MakeDdsNode(loop, {}).value();
+    bool told = false;
+    const auto reports =
+        transport::MakeSubscription<msg::ActuatorStatus>(
+            *node, transport::ActuatorStatusTopic(name_space_),
+            [&](const msg::ActuatorStatus& report, const auto&) { told = told || is_so(report); },
+            transport::kLatchedFromManyQos)
+            .value();
+    return loop.RunUntil([&] { return told; }, loop.Now() + std::chrono::seconds(30));
   }
 
   std::unique_ptr<Process> up_;
@@ -93,8 +111,12 @@ TEST_F(EmergencyStop, SurvivesTheDeathOfTheController) {
 TEST_F(EmergencyStop, IsLatchedByAnActuatorThatIsRestartedMeanwhile) {
   ASSERT_NO_FATAL_FAILURE(Start());
   Estop();
-  kill(Status()["actuators"]["voice"]["pid"].get<pid_t>(), SIGKILL);
+  const pid_t voice = Status()["actuators"]["voice"]["pid"];
+  kill(voice, SIGKILL);
   ASSERT_NE(up_->LineWith("voice: SelfCheck done"), "");
+  ASSERT_TRUE(AwaitReport([voice](const msg::ActuatorStatus& report) {
+    return report.name == "voice" && report.pid != voice && report.emergency_stop != 0;
+  })) << "it has not latched the stop that it was told of as it came";
   const auto second = Estop();
   EXPECT_EQ(second["actuators"]["voice"]["before"], true) << second;
   EXPECT_EQ(Status()["actuators"]["voice"]["state"], "SelfCheck");  // it does not come up

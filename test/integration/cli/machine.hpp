@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -34,6 +35,12 @@ class MachineByCli : public ::testing::Test {
   void Does(const std::string& actuator, const std::string& toml) const {
     std::ofstream(folder_ / (actuator + ".toml")) << toml;
   }
+  // In that state the actuator comes back only once it is released.
+  void Blocks(const std::string& actuator, const std::string& state) const {
+    Does(actuator, "[state." + state + "]\nshell = \"until [ -e " + (folder_ / "released") +
+                       " ]; do sleep 0.02; done\"\n");
+  }
+  void Release() const { std::ofstream(folder_ / "released") << "go"; }
 
   static std::vector<std::string> Command(std::vector<std::string> words) {
     words.insert(words.begin(), MUSHER_BIN_DIR "/musher");
@@ -42,7 +49,13 @@ class MachineByCli : public ::testing::Test {
   static Ended Musher(std::vector<std::string> words) {
     return RunToEnd(Command(std::move(words)));
   }
-  Ended UpDetached() const { return Musher({"up", config_, "--detach"}); }
+  // Up, and stage 2, too, has come as far as the machine is: a switch up is refused while an
+  // actuator is still on its way.
+  Ended UpDetached() const {
+    Ended up = Musher({"up", config_, "--detach"});
+    if (up.exit == 0) AwaitStatus(AllHaveArrived);
+    return up;
+  }
 
   static nlohmann::json Json(const std::string& text) {
     auto json = nlohmann::json::parse(text, nullptr, false);
@@ -54,14 +67,26 @@ class MachineByCli : public ::testing::Test {
     const Ended status = Musher({"status", "--json"});
     return status.exit == 0 ? Json(status.out) : nlohmann::json();
   }
-  // The first status in which the controller has met the actuator.
-  static nlohmann::json AwaitPresent(const std::string& actuator) {
+  // The first status that is so, or the last one when none has been for 20 s.
+  static nlohmann::json AwaitStatus(const std::function<bool(const nlohmann::json&)>& is_so) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     for (;;) {
       auto status = Status();
-      const bool met = status["actuators"][actuator]["presence"] == "present";
-      if (met || std::chrono::steady_clock::now() > deadline) return status;
+      if (status.is_object() && is_so(status)) return status;
+      if (std::chrono::steady_clock::now() > deadline) {
+        ADD_FAILURE() << "waited in vain for a status; the last one is " << status;
+        return status;
+      }
     }
+  }
+  // Every actuator is there and at rest, and in the machine's state if it may go up.
+  static bool AllHaveArrived(const nlohmann::json& status) {
+    for (const auto& actuator : status["actuators"]) {
+      if (actuator["presence"] != "present" || actuator["target"] != "") return false;
+      const bool may_go_up = !status["emergency_stop"]["engaged"].get<bool>();
+      if (may_go_up && actuator["state"] != status["state"]) return false;
+    }
+    return status["target"] == "";
   }
 
   const TempFolder folder_;

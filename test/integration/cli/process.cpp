@@ -20,12 +20,13 @@ namespace {
 
 constexpr int kPatienceMs = 30'000;  // between two pieces of output
 
+// Its offset is the child's too, and stays where it is.
 std::string Content(int file) {
   std::string content;
   std::array<char, 4096> part{};
-  lseek(file, 0, SEEK_SET);
-  for (ssize_t size = 0; (size = read(file, part.data(), part.size())) > 0;) {
-    content.append(part.data(), size);
+  for (ssize_t size = 0;
+       (size = pread(file, part.data(), part.size(), static_cast<off_t>(content.size()))) > 0;) {
+    content.append(part.data(), static_cast<std::size_t>(size));
   }
   return content;
 }
@@ -84,6 +85,15 @@ std::string Process::LineWith(const std::string& text) {
     seen_ = end + 1;
     if (line.find(text) != std::string::npos) return line;
   }
+}
+
+bool Process::AwaitError(const std::string& text) const {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(kPatienceMs);
+  while (Content(err_).find(text) == std::string::npos) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::yield();
+  }
+  return true;
 }
 
 Ended Process::Wait() {

@@ -29,6 +29,8 @@ class Process {
   // The next line of its output that contains `text`; "" when its output ends, or half a minute is
   // over, before there is one.
   std::string LineWith(const std::string& text);
+  // Waits until it has said so on stderr, for half a minute at most; whether it has.
+  bool AwaitError(const std::string& text) const;
   // Waits until its output ends, then for its end. To be called once.
   Ended Wait();
 

@@ -91,21 +91,22 @@ TEST_F(Set, EndsWithOneWhenItIsDoneWithoutSome) {
 }
 
 TEST_F(Set, EndsWithFourAndTheNumberOfTheSwitchThatGoesOn) {
-  Does("legs", "[state.LowPower]\nshell = \"sleep 1.5\"\n");
+  Blocks("legs", "LowPower");
   ASSERT_NO_FATAL_FAILURE(Start());
-  const Ended set = Musher({"set", "LowPower", "--timeout", "0.5", "--json"});
+  const Ended set = Musher({"set", "LowPower", "--timeout", "2", "--json"});
   EXPECT_EQ(set.exit, 4);
-  EXPECT_THAT(set.err, HasSubstr("did not answer within 0.5 s; switch "));
+  EXPECT_THAT(set.err, HasSubstr("did not answer within 2 s; switch "));
   const auto failure = Json(set.out);
   EXPECT_THAT(failure["error"].get<std::string>(), HasSubstr("goes on"));
   EXPECT_EQ(failure["code"], 107);
   const std::string number = std::to_string(failure["switch"].get<int>());
+  Release();
   EXPECT_NE(up_->LineWith("switch " + number + " is done"), "");
   EXPECT_EQ(Status()["state"], "LowPower");
 }
 
 TEST_F(Set, LetsTheSwitchGoOnAfterCtrlC) {
-  Does("legs", "[state.LowPower]\nshell = \"sleep 1\"\n");
+  Blocks("legs", "LowPower");
   ASSERT_NO_FATAL_FAILURE(Start());
   Process watch(Command({"status", "--watch", "--json"}));
   ASSERT_NE(watch.LineWith(R"("state":"Active")"), "");
@@ -113,6 +114,7 @@ TEST_F(Set, LetsTheSwitchGoOnAfterCtrlC) {
   ASSERT_NE(watch.LineWith(R"("target":"LowPower")"), "");
   set.Signal(SIGINT);
   const Ended ended = set.Wait();
+  Release();
   EXPECT_EQ(ended.exit, 130);
   EXPECT_THAT(ended.err, HasSubstr("interrupted; switch "));
   EXPECT_THAT(ended.err, HasSubstr(" to LowPower goes on"));
@@ -121,7 +123,7 @@ TEST_F(Set, LetsTheSwitchGoOnAfterCtrlC) {
 
 TEST_F(Set, IsPlannedWithoutBeingDone) {
   ASSERT_NO_FATAL_FAILURE(Start());
-  const auto before = Status();
+  const auto before = AwaitStatus(AllHaveArrived);
   const Ended plan = Musher({"plan", "LowPower", "--json"});
   EXPECT_EQ(plan.exit, 0);
   const auto steps = Json(plan.out)["steps"];

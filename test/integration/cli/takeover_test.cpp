@@ -17,7 +17,7 @@ class Takeover : public MachineByCli {
   void Start() {
     first_ = std::make_unique<Process>(Command({"up", config_}));
     ASSERT_NE(first_->LineWith("eyes: Active done"), "");
-    before_ = Status();
+    before_ = AwaitStatus(AllHaveArrived);
     leader_ = "process " + std::to_string(before_["pid"].get<int>());
   }
   // The same machine, led from another folder.
@@ -35,7 +35,7 @@ class Takeover : public MachineByCli {
   // Another controller leads the same processes in the same states. It may meet those of stage 2
   // only after it has said that the machine is up.
   void ExpectAdopted() const {
-    const auto after = AwaitPresent("eyes");
+    const auto after = AwaitStatus(AllHaveArrived);
     SCOPED_TRACE(after.dump());
     EXPECT_NE(after["pid"], before_["pid"]);
     EXPECT_GT(after["epoch"], before_["epoch"]);

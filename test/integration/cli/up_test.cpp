@@ -29,12 +29,14 @@ TEST_F(Up, StaysInTheForegroundAndTakesTheMachineDownOnCtrlC) {
 }
 
 TEST_F(Up, SaysThatItIsStoppingAlreadyOnASecondCtrlC) {
-  Does("legs", "[state.TearDown]\nshell = \"sleep 0.5\"\n");
+  Blocks("legs", "TearDown");
   Process up(Command({"up", config_}));
   ASSERT_NE(up.LineWith("the machine is Active"), "");
   up.Signal(SIGTERM);
   ASSERT_NE(up.LineWith("TearDown from Active"), "");
   up.Signal(SIGINT);
+  EXPECT_TRUE(up.AwaitError("is being taken down already"));
+  Release();
   const Ended ended = up.Wait();
   EXPECT_EQ(ended.exit, 0);
   EXPECT_EQ(ended.err, "musher: taking robot down\nmusher: robot is being taken down already\n");
@@ -161,9 +163,7 @@ TEST_F(Up, SaysThatItsControllerHasDied) {
 }
 
 TEST_F(Up, EndsATearDownThatItsForerunnerDiedInAndStaysUntilAllAreGone) {
-  for (const char* slow : {"legs", "voice"}) {
-    Does(slow, "[state.TearDown]\nrun = [\"sleep\", \"2\"]\n");
-  }
+  for (const char* slow : {"legs", "voice"}) Blocks(slow, "TearDown");
   Process first(Command({"up", config_}));
   ASSERT_NE(first.LineWith("eyes: Active done"), "");
   const pid_t controller = Status()["pid"];
@@ -171,9 +171,11 @@ TEST_F(Up, EndsATearDownThatItsForerunnerDiedInAndStaysUntilAllAreGone) {
   ASSERT_NE(first.LineWith("eyes: TearDown done"), "");
   kill(controller, SIGKILL);
   ASSERT_EQ(first.Wait().exit, 1);
-  const Ended second = Musher({"up", config_});
+  Process up(Command({"up", config_}));
+  EXPECT_NE(up.LineWith("in the middle of TearDown; that is ended"), "");
+  Release();
+  const Ended second = up.Wait();
   EXPECT_EQ(second.exit, 1);
-  EXPECT_THAT(second.out, HasSubstr("in the middle of TearDown; that is ended"));
   EXPECT_THAT(second.out, HasSubstr("the machine is stopped"));
   EXPECT_THAT(second.err, Not(HasSubstr("stay up for inspection")));
   EXPECT_TRUE(AwaitNoChildren());

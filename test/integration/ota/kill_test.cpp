@@ -1,5 +1,9 @@
 // Whoever is killed in the middle of an upgrade, the robot has a version that runs.
 
+#include <memory>
+#include <utility>
+
+#include "musher/controller/ota/posix_disk.hpp"
 #include "musher/test/integration/ota/root.hpp"
 
 namespace musher::testing {
@@ -17,16 +21,27 @@ class Killed : public RobotWithUpgrades {
       sched_yield();
     }
   }
+  // Whoever installs waits with the files until this is given back: for ten seconds, at most.
+  std::unique_ptr<ota::Disk::Lock> HoldState() {
+    auto lock = disk_.Take(root_ + "/ota_state.lock", /*wait=*/true);
+    EXPECT_TRUE(lock) << lock.error().message;
+    return std::move(lock).value();
+  }
   std::string Waits() const { return "touch " + (folder_ / "runs") + "; exec sleep 60"; }
+
+ private:
+  ota::PosixDisk disk_;
 };
 
 TEST_F(Killed, InstallerLeavesTheMachineInOtaUntilItIsInstalledAgain) {
-  Make("1.1.0", {.large_bytes = 64 << 20});  // it cannot be copied before the kill
+  Make("1.1.0", {});
   ASSERT_EQ(UpDetached().exit, 0);
+  auto state = HoldState();
   Process installer(Command({"ota", "install", Bundle("1.1.0")}));
-  ASSERT_NE(installer.LineWith("prepare"), "");
+  ASSERT_NE(installer.LineWith("enter OTA"), "");
   installer.Signal(SIGKILL);
   EXPECT_EQ(installer.Wait().exit, -1);
+  state.reset();
   EXPECT_EQ(Where(), "OTA from a");
   const Ended again = Install("1.1.0");
   EXPECT_EQ(again.exit, 0) << again.err;
@@ -34,11 +49,13 @@ TEST_F(Killed, InstallerLeavesTheMachineInOtaUntilItIsInstalledAgain) {
 }
 
 TEST_F(Killed, InstallerIsInterruptedByCtrlCAndTheMachineIsBackWhereItWas) {
-  Make("1.1.0", {.large_bytes = 64 << 20});
+  Make("1.1.0", {});
   ASSERT_EQ(UpDetached().exit, 0);
+  auto state = HoldState();
   Process installer(Command({"ota", "install", Bundle("1.1.0")}));
-  ASSERT_NE(installer.LineWith("prepare"), "");
+  ASSERT_NE(installer.LineWith("enter OTA"), "");
   installer.Signal(SIGINT);
+  state.reset();  // it goes on, and sees with the first bytes that it is to end
   const Ended ended = installer.Wait();
   EXPECT_EQ(ended.exit, 130) << ended.err;
   EXPECT_EQ(Where(), "Active from a");
@@ -47,6 +64,7 @@ TEST_F(Killed, InstallerIsInterruptedByCtrlCAndTheMachineIsBackWhereItWas) {
 TEST_F(Killed, MachineInOtaCanBeTakenOutOfItByHand) {
   ASSERT_EQ(UpDetached().exit, 0);
   ASSERT_EQ(Musher({"set", "OTA"}).exit, 0);
+  AwaitArrival();
   EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
   EXPECT_EQ(Where(), "Active from a");
 }

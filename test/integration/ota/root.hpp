@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -78,7 +79,13 @@ class RobotWithUpgrades : public ::testing::Test {
   Ended Install(const std::string& version) const {
     return Musher({"ota", "install", Bundle(version)});
   }
-  Ended UpDetached() const { return Musher({"up", root_, "--detach"}); }
+  // Up, and stage 2, too, has come as far as the machine is: a switch is refused while an actuator
+  // is still on its way.
+  Ended UpDetached() const {
+    Ended up = Musher({"up", root_, "--detach"});
+    if (up.exit == 0) AwaitArrival();
+    return up;
+  }
 
   static nlohmann::json Json(const std::string& text) {
     auto json = nlohmann::json::parse(text, nullptr, false);
@@ -89,6 +96,15 @@ class RobotWithUpgrades : public ::testing::Test {
   static nlohmann::json Status() {
     const Ended status = Musher({"status", "--json"});
     return status.exit == 0 ? Json(status.out) : nlohmann::json();
+  }
+  // Until every actuator is at rest in the machine's state.
+  static void AwaitArrival() {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    auto status = Status();
+    while (!AllHaveArrived(status)) {
+      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << status;
+      status = Status();
+    }
   }
   static nlohmann::json Versions() { return Json(Musher({"ota", "status", "--json"}).out); }
   static std::string History() { return Musher({"history"}).out; }
@@ -107,6 +123,14 @@ class RobotWithUpgrades : public ::testing::Test {
   const std::string root_ = folder_ / "robot";
 
  private:
+  static bool AllHaveArrived(const nlohmann::json& status) {
+    if (!status.is_object() || status["target"] != "") return false;
+    for (const auto& actuator : status["actuators"]) {
+      if (actuator["presence"] != "present" || actuator["target"] != "") return false;
+      if (actuator["state"] != status["state"]) return false;
+    }
+    return true;
+  }
   static void Script(const std::string& file, const std::string& line) {
     std::ofstream(file) << "#!/bin/sh\n" << line << "\n";
     std::filesystem::permissions(file, std::filesystem::perms(0755));

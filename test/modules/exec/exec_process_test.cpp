@@ -97,7 +97,9 @@ TEST(MusherExec, EndsAtOnceAndSaysSoWhenItsProgramCrashes) {
   peer.Send("Active");
   const pid_t slow = ReadPid(peer.folder() / "slow");
   ASSERT_GT(slow, 0);
-  kill(ReadPid(peer.folder() / "program"), SIGSEGV);
+  const pid_t program = ReadPid(peer.folder() / "program");
+  ASSERT_GT(program, 0);
+  kill(program, SIGSEGV);
   EXPECT_EQ(peer.AwaitExit(), 1);
   EXPECT_THAT(peer.Output(), HasSubstr("motion: its program ended by itself: killed by SIGSEGV"));
   EXPECT_TRUE(Gone(slow));
@@ -124,6 +126,7 @@ TEST(MusherExec, StopsItsProgramAndEndsOnSigterm) {
   peer.Start(kProgram);
   ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
   const pid_t program = ReadPid(peer.folder() / "program");
+  ASSERT_GT(program, 0);
   peer.Signal(SIGTERM);
   EXPECT_EQ(peer.AwaitExit(), 0);
   EXPECT_TRUE(Gone(program));
@@ -134,11 +137,13 @@ TEST(MusherExec, EndsOnSigtermWhileItIsBeingSetUp) {
   peer.Start(std::string(kProgram) +
              "shell = \"echo $$ > $MUSHER_TEST/slow; exec sleep infinity\"\n");
   const pid_t slow = ReadPid(peer.folder() / "slow");
+  const pid_t program = ReadPid(peer.folder() / "program");
   ASSERT_GT(slow, 0);
+  ASSERT_GT(program, 0);
   peer.Signal(SIGTERM);
   EXPECT_EQ(peer.AwaitExit(), 0);
   EXPECT_TRUE(Gone(slow));
-  EXPECT_TRUE(Gone(ReadPid(peer.folder() / "program")));
+  EXPECT_TRUE(Gone(program));
 }
 
 TEST(MusherExec, EndsWhenTearDownFailsAndItsProgramIsGone) {
@@ -157,7 +162,9 @@ TEST(MusherExec, WrapsAProgramWithoutAFile) {
                   "-c", "echo $$ > $MUSHER_TEST/program; exec sleep infinity"});
   ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
   EXPECT_EQ(peer.Switch("Active").value().status.state, "Active");
-  kill(ReadPid(peer.folder() / "program"), SIGKILL);
+  const pid_t program = ReadPid(peer.folder() / "program");
+  ASSERT_GT(program, 0);
+  kill(program, SIGKILL);
   EXPECT_EQ(peer.AwaitExit(), 1);
 }
 

@@ -354,5 +354,15 @@ TEST(MotionResult, EndsWhenTheWorldBeginsAnew) {
   EXPECT_EQ(stage.CodeOf(stage.Ask(121)), 3035) << "nothing is known of the body yet";
 }
 
+// The reports that came while the program stood still are read one after the other.
+TEST(MotionResult, DoesNotFailByTheOldestReportThatWaited) {
+  Stage stage;
+  const BodyReport before = stage.board.report;
+  const auto flip = stage.Ask(121);
+  stage.StandStill(Milliseconds(300));
+  stage.Do(motion_event::BoardHeard{before});
+  EXPECT_EQ(stage.CodeOf(flip), kCodeOk);
+}
+
 }  // namespace
 }  // namespace musher::motion::testing

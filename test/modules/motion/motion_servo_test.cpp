@@ -74,6 +74,27 @@ TEST(MotionServo, StopsTheBody200msAfterTheLastFrame) {
   EXPECT_THAT(stage.log, Contains(HasSubstr("no frame for 200 ms")));
 }
 
+// A program that stood still heard nothing meanwhile; that is no fault of the stream.
+TEST(MotionServo, GoesOnWhenItsFramesOnlyWaitedToBeRead) {
+  Stage stage;
+  stage.Stream(303, Milliseconds(500));
+  stage.StandStill(Milliseconds(700));
+  stage.Stream(303, Milliseconds(500));
+  EXPECT_THAT(stage.Commanded(), ElementsAre(303));
+  EXPECT_THAT(stage.log, IsEmpty());
+  EXPECT_EQ(stage.ServoCode(), kCodeOk);
+}
+
+TEST(MotionServo, IsStoppedAtTheSecondLookWhenNoFrameHadWaited) {
+  Stage stage;
+  stage.Stream(303, Milliseconds(500));
+  stage.StandStill(Milliseconds(700));
+  EXPECT_TRUE(stage.core.servo);
+  stage.StandStill(Milliseconds(700));
+  EXPECT_EQ(stage.sent.back().command.id, kWalkStand) << "however late that is";
+  EXPECT_TRUE(stage.core.Idle());
+}
+
 TEST(MotionServo, IsStoppedWithItsLastValueAndStepHeight) {
   Stage stage;
   ServoCommand command;
@@ -126,6 +147,24 @@ TEST(MotionServo, DoesNotBeginWhenTheStreamEndsDuringTheRecoveryStand) {
   stage.RunFor(Milliseconds(2000));
   EXPECT_THAT(stage.Commanded(), ElementsAre(kRecoveryStand));
   EXPECT_TRUE(stage.core.Idle());
+}
+
+// In the beginning its next frame was refused, and the streamer gave up.
+TEST(MotionServo, ResumesAStreamThatStalledWhileTheBodyStandsUpForIt) {
+  Stage stage;
+  stage.Body(kGetDown);
+  stage.Servo(303);
+  stage.RunFor(Milliseconds(250));
+  ASSERT_FALSE(stage.core.servo) << "the watchdog";
+  ASSERT_TRUE(stage.core.job) << "it still stands up";
+  stage.Servo(303, kFromDebug);
+  EXPECT_EQ(stage.ServoCode(), 3011) << "to others the body is busy";
+  stage.Servo(303);
+  EXPECT_EQ(stage.ServoCode(), kCodeOk);
+  EXPECT_TRUE(stage.core.servo && stage.core.job) << "and it waits again for the same stand";
+  stage.Stream(303, Milliseconds(2000));
+  EXPECT_EQ(stage.ServoCode(), kCodeOk);
+  EXPECT_THAT(stage.Commanded(), ElementsAre(kRecoveryStand, 303));
 }
 
 TEST(MotionServo, IsDroppedWhenTheRecoveryStandFails) {
@@ -220,6 +259,19 @@ TEST(MotionServo, IsRefusedWith3035WhenTheBoardIsSilent) {
   stage.Servo(303);
   EXPECT_EQ(stage.ServoCode(), 3035);
   EXPECT_THAT(stage.sent, IsEmpty());
+}
+
+TEST(MotionServo, TakesNoBoardForSilentWhoseReportsOnlyWaitToBeRead) {
+  Stage stage;
+  stage.StandStill(Milliseconds(700));
+  stage.Servo(303);
+  EXPECT_EQ(stage.ServoCode(), kCodeOk) << "its frame is read before the reports";
+  stage.Stream(303, Milliseconds(200));
+  EXPECT_EQ(stage.ServoCode(), kCodeOk);
+  stage.board.silent = true;
+  stage.StandStill(Milliseconds(700));
+  stage.Stream(303, Milliseconds(100));
+  EXPECT_EQ(stage.ServoCode(), 3035) << "but this one was silent";
 }
 
 TEST(MotionServo, TellsAllTheTimeWhatTheBoardMakesOfIt) {

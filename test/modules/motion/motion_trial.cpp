@@ -50,6 +50,8 @@ void MotionTrial::Happen() {
       return ChangeState();
     case 4:
       return ChangeBoard();
+    case 5:
+      return stage_.StandStill(Milliseconds(Any({10, 49, 50, 300, 700})));
     default:
       return stage_.RunFor(Milliseconds(Any({1, 10, 15, 50, 100, 199, 200, 500, 3000, 20'000})));
   }
@@ -184,7 +186,8 @@ void MotionTrial::JudgePriority(const MotionCore& before, const MotionEvent& eve
 void MotionTrial::JudgeRest(const MotionEvent& event) {
   const MotionCore& core = stage_.core;
   const bool time_passed = std::holds_alternative<motion_event::TimePassed>(event);
-  if (time_passed && core.servo && stage_.now - core.servo->last_frame >= kServoWatchdog) {
+  const bool judged = time_passed && !core.second_look;
+  if (judged && core.servo && stage_.now - core.servo->last_frame >= kServoWatchdog) {
     Break("a walk is stopped 200 ms after its last frame");
   }
   // On the way to these the body lies down next, and stands still no more for it.

@@ -22,6 +22,10 @@ namespace {
 constexpr const char* kStates =
     R"(["SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "Protected", "LowPower", "OTA", "Error"])";
 
+// The board is a thread of a test: a busy host may keep it from its answer for longer than a board
+// may take.
+constexpr const char* kPatience = "\n[board]\nsilent_ms = 5000\nfeedback_ms = 2000\n";
+
 void Write(const std::string& file, const std::string& text) {
   std::ofstream(file) << text;
 }
@@ -59,10 +63,11 @@ int End(pid_t pid, int signal) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
 }
 
-RobotRig::RobotRig(const std::string& motion_config) {
+RobotRig::RobotRig() {
   setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
-  Write(folder_ / "motion.toml",
-        motion_config + "\nmotions = \"" MUSHER_SOURCE_DIR "/config/motion/motions.toml\"\n");
+  Write(folder_ / "motion.toml", "motions = \"" MUSHER_SOURCE_DIR
+                                 "/config/motion/motions.toml\"\n" +
+                                     std::string(kPatience));
   const std::string states(kStates);
   Write(folder_ / "robot.toml",
         "[controller]\nactuators = [\"motion_manager\"]\nstates = " + states +
@@ -79,7 +84,10 @@ RobotRig::RobotRig(const std::string& motion_config) {
 
 RobotRig::~RobotRig() {
   controller_.SetState("TearDown");
-  node_->RunOnLoop([this] { board_.reset(); });
+  node_->RunOnLoop([this] {
+    frames_.reset();
+    board_.reset();
+  });
 }
 
 bool RobotRig::BringUp() {
@@ -113,6 +121,26 @@ bool RobotRig::Await(const std::function<bool(const TopicBoard&)>& holds) {
       held.get_future().wait_for(std::chrono::seconds(20)) == std::future_status::ready;
   node_->RunOnLoop([&] { look.reset(); });
   return done;
+}
+
+void RobotRig::HearFrames() {
+  node_->RunOnLoop([this] {
+    frames_ = transport::MakeSubscription<msg::MotionServoCmd>(
+                  node_->node(), "motion_servo_cmd",
+                  [this](const msg::MotionServoCmd& frame, const transport::SampleInfo&) {
+                    heard_frames_.insert(frame.cmd_type);
+                  },
+                  transport::kSystemDefaultQos)
+                  .value();
+  });
+}
+
+bool RobotRig::AwaitFrame(std::int32_t type) {
+  return Await([&](const TopicBoard&) { return heard_frames_.contains(type); });
+}
+
+bool RobotRig::AwaitLog(const std::string& text) {
+  return Await([&](const TopicBoard&) { return Log().find(text) != std::string::npos; });
 }
 
 msg::MotionResultCmd::Response RobotRig::Ask(std::int32_t id) {

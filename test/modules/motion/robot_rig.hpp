@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -35,8 +36,7 @@ int End(pid_t pid, int signal);
 
 class RobotRig {
  public:
-  // `motion_config`: the motion manager's own file.
-  explicit RobotRig(const std::string& motion_config = "");
+  RobotRig();
   ~RobotRig();
 
   // Starts the board and leads the machine to Active.
@@ -48,6 +48,13 @@ class RobotRig {
   // Waits until it holds; false when it does not.
   bool Await(const std::function<bool(const TopicBoard&)>& holds);
 
+  // What streamers send is heard from now on.
+  void HearFrames();
+  // Waits for a frame of this cmd_type.
+  bool AwaitFrame(std::int32_t type);
+  // Waits until the motion manager has written this.
+  bool AwaitLog(const std::string& text);
+
   msg::MotionResultCmd::Response Ask(std::int32_t id);
   // What the motion manager wrote.
   std::string Log() const;
@@ -56,6 +63,8 @@ class RobotRig {
   TempFolder folder_;
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<TopicBoard> board_;
+  std::unique_ptr<transport::Subscription> frames_;
+  std::set<std::int32_t> heard_frames_;  // their cmd_types
   MachineController controller_;
 };
 

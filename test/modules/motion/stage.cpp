@@ -61,13 +61,19 @@ void Stage::RunFor(Duration duration) {
     const Time next = std::min(deadline.value_or(next_report_), next_report_);
     if (next > end) break;
     now = std::max(now, next);
-    if (now == next_report_) {
-      next_report_ += Board::kReport;
+    if (now >= next_report_) {
+      next_report_ = now + Board::kReport;
       if (!board.silent) Do(motion_event::BoardHeard{board.Report(now)});
     }
     if (deadline && now >= *deadline) Do(motion_event::TimePassed{});
   }
   now = end;
+}
+
+void Stage::StandStill(Duration duration) {
+  now += duration;
+  const auto deadline = NextDeadline(Rules(), core);
+  if (deadline && now >= *deadline) Do(motion_event::TimePassed{});
 }
 
 std::int32_t Stage::CodeOf(RequestToken token) {

@@ -24,6 +24,8 @@ class Stage {
   void Body(std::int32_t id);
   // Reports of the board and timers for so long.
   void RunFor(Duration duration);
+  // The program stands still for so long; then its timers come before what waits to be read.
+  void StandStill(Duration duration);
   // Until the request is answered; its code, -1 when that takes more than 200 s.
   std::int32_t CodeOf(RequestToken token);
 

@@ -1,14 +1,8 @@
-// The topics on a simulated network, in virtual time, with a camera and a listener on a node of
-// their own, and a detector that finds what the test says.
+// What the topics tell of the pictures that come.
 
 #include "musher/modules/vision/face_topics.hpp"
 
-#include <gmock/gmock.h>
-
-#include <nlohmann/json.hpp>
-
-#include "musher/test/modules/vision/faces.hpp"
-#include "musher/transport/sim/network.hpp"
+#include "musher/test/modules/vision/topics_on_network.hpp"
 
 namespace musher::vision {
 namespace {
@@ -16,106 +10,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-template <class T>
-T Must(Result<T> result) {
-  if (!result) ADD_FAILURE() << result.error().message;
-  return std::move(result).value();
-}
-
-class FakeLooker : public Looker {
- public:
-  Result<> Load() override { return Ok(); }
-  void Look(std::int64_t stamp_ns, msg::Image picture) override {
-    looks.push_back(stamp_ns);
-    if (hangs) return;
-    on_result({stamp_ns, picture.width, picture.height, found, Milliseconds(1)});
-  }
-  Duration Busy() const override { return busy; }
-
-  Result<std::vector<FaceBox>> found = std::vector<FaceBox>();
-  bool hangs = false;
-  Duration busy{};
-  std::vector<std::int64_t> looks;
-  std::function<void(LookResult)> on_result;
-};
-
-class FaceTopicsTest : public testing::Test {
- protected:
-  FaceTopicsTest() {
-    config_.rate_hz = 0;
-    looker_.on_result = [this](const LookResult& result) { topics_->OnResult(result); };
-    target_ = Listen<msg::PointStamped>("wedding/perception/target", targets_);
-    too_close_ = Listen<msg::Bool>("wedding/perception/too_close", closes_);
-    faces_ = Must(transport::MakeSubscription<msg::String>(
-        *desk_, "wedding/perception/faces_json",
-        [this](const msg::String& text, const auto&) {
-          counts_.push_back(nlohmann::json::parse(text.data).at("count"));
-        },
-        transport::kSensorDataQos));
-    pictures_ = Must(transport::MakePublisher<msg::Image>(*desk_, "robot1/image_rgb",
-                                                          transport::kSensorDataQos));
-    infos_ = Must(transport::MakePublisher<msg::CameraInfo>(*desk_, "robot1/image_rgb/camera_info",
-                                                            transport::kSensorDataQos));
-  }
-
-  void Start(bool on = true) {
-    topics_ = Must(FaceTopics::Make(
-        {*robot_, *clock_, "robot1", [this] { return clock_->Now().time_since_epoch().count(); },
-         [this](const Error& error) {
-           log_.push_back(std::to_string(error.code) + " " + error.message);
-         },
-         looker_},
-        config_));
-    EXPECT_TRUE(topics_->SetOn(on));
-    Run(Milliseconds(500));  // discovery
-  }
-  void Run(Duration duration) { network_.RunFor(duration); }
-  // The camera sends so many, each 100 ms, with the lens.
-  void Shoot(int pictures = 1, const msg::Image& picture = Picture()) {
-    for (int i = 0; i < pictures; ++i) {
-      msg::Image shot = picture;
-      shot.header.stamp = msg::ToStamp(network_.now().time_since_epoch());
-      EXPECT_TRUE(infos_->Publish(info_));
-      EXPECT_TRUE(pictures_->Publish(shot));
-      Run(Milliseconds(100));
-    }
-  }
-  template <msg::Message M>
-  std::unique_ptr<transport::Subscription> Listen(const std::string& topic, std::vector<M>& heard) {
-    return Must(transport::MakeSubscription<M>(
-        *desk_, topic, [&heard](const M& message, const auto&) { heard.push_back(message); }));
-  }
-  void Forget() {
-    targets_.clear();
-    closes_.clear();
-    counts_.clear();
-    log_.clear();
-  }
-  std::string Failing() const {
-    const Result<> checked = topics_->Check();
-    EXPECT_EQ(checked ? 5909 : checked.error().code, 5909);
-    return checked ? "" : checked.error().message;
-  }
-
-  transport::sim::Network network_{1};
-  std::unique_ptr<transport::Node> robot_ = network_.MakeNode("robot");
-  std::unique_ptr<transport::Node> desk_ = network_.MakeNode("desk");
-  std::unique_ptr<transport::Clock> clock_ = transport::Clock::Steady(robot_->loop());
-  VisionConfig config_;
-  msg::CameraInfo info_ = FrontInfo();
-  FakeLooker looker_;
-  std::vector<std::string> log_;
-  std::vector<msg::PointStamped> targets_;
-  std::vector<msg::Bool> closes_;
-  std::vector<int> counts_;
-  std::unique_ptr<transport::Subscription> target_;
-  std::unique_ptr<transport::Subscription> too_close_;
-  std::unique_ptr<transport::Subscription> faces_;
-  std::unique_ptr<transport::Publisher<msg::Image>> pictures_;
-  std::unique_ptr<transport::Publisher<msg::CameraInfo>> infos_;
-  std::unique_ptr<FaceTopics> topics_;
-};
 
 TEST_F(FaceTopicsTest, TellWhomToLookAtAndHowFarAwayThatIs) {
   looker_.found = std::vector{FaceAt(0.3, 0.4, HeightAt(1, 0.18))};
@@ -335,65 +229,6 @@ TEST_F(FaceTopicsTest, DoNotFillTheLogWhenTwoCamerasWithTwoClocksSendOnOneTopic)
   }
   EXPECT_EQ(looker_.looks.size(), 50U);
   EXPECT_THAT(log_, ElementsAre(HasSubstr("two cameras on robot1/image_rgb")));
-}
-
-TEST_F(FaceTopicsTest, CheckThemselves) {
-  pictures_.reset();
-  Start(false);
-  EXPECT_TRUE(topics_->SetChecked(true));
-  Run(Milliseconds(100));
-  EXPECT_EQ(Failing(), "nobody publishes robot1/image_rgb");
-  pictures_ = Must(
-      transport::MakePublisher<msg::Image>(*desk_, "robot1/image_rgb", transport::kSensorDataQos));
-  Run(Milliseconds(100));
-  EXPECT_EQ(Failing(), "no picture came on robot1/image_rgb");
-  EXPECT_TRUE(pictures_->Publish(Picture()));
-  Run(Milliseconds(100));
-  EXPECT_EQ(Failing(),
-            "no CameraInfo came on robot1/image_rgb/camera_info, and the config has no hfov_deg: "
-            "distances are not known");
-  info_.k[0] = 0;
-  Shoot();
-  EXPECT_EQ(Failing(), "CameraInfo: it has no focal length");
-  info_ = FrontInfo();
-  Shoot();
-  EXPECT_EQ(Failing(), "");
-  EXPECT_TRUE(topics_->SetChecked(false));
-  EXPECT_FALSE(topics_->looks());
-}
-
-// A self-check that lasted longer than two pictures told the show of a face.
-TEST_F(FaceTopicsTest, TellNobodyWhatTheySeeInACheck) {
-  looker_.found = std::vector{FaceAt(0.3, 0.4, HeightAt(0.3, 0.18))};
-  Start(false);
-  EXPECT_TRUE(topics_->SetChecked(true));
-  Shoot(5);
-  EXPECT_EQ(Failing(), "");
-  EXPECT_THAT(targets_, IsEmpty());
-  EXPECT_THAT(closes_, IsEmpty());
-  EXPECT_THAT(counts_, IsEmpty());
-  EXPECT_TRUE(topics_->SetOn(true));
-  EXPECT_TRUE(topics_->SetChecked(false));
-  Shoot();
-  EXPECT_EQ(targets_.size(), 1U);
-}
-
-TEST_F(FaceTopicsTest, FailTheirCheckWithADetectorThatHangsOrFails) {
-  looker_.found = Error{5912, "the detector failed: out of luck"};
-  Start();
-  Shoot(2);
-  EXPECT_EQ(Failing(), "the detector failed: out of luck");
-  EXPECT_THAT(log_, ElementsAre("5912 the detector failed: out of luck"));
-  EXPECT_THAT(counts_, IsEmpty());
-  looker_.found = std::vector<FaceBox>();
-  Shoot();
-  EXPECT_EQ(Failing(), "");
-  looker_.busy = Milliseconds(5001);
-  EXPECT_EQ(Failing(), "the detector hangs: it has been at one picture for 5001 ms");
-  looker_.hangs = true;
-  Shoot();
-  Run(Milliseconds(3000));
-  EXPECT_THAT(log_.back(), HasSubstr("the detector has been at one for 5001 ms"));
 }
 
 TEST_F(FaceTopicsTest, KnowDistancesByTheConfigsAngleWhereNoCameraInfoComes) {

@@ -209,7 +209,12 @@ TEST_F(FaultyVision, IsHungWhenTheDetectorDoesNotComeBackAndWellWhenItDoes) {
           .value());
   StartWithCamera();
   Tell("hang");
-  ASSERT_TRUE(peer_.Until([&] { return beat && beat->work == msg::ActuatorBeat::kWorkHung; }));
+  ASSERT_TRUE(peer_.Until([&] { return beat && beat->work == msg::ActuatorBeat::kWorkHung; }))
+      << (beat ? "the last beat: work " + std::to_string(beat->work) + " during '" + beat->during +
+                     "', silent for " + std::to_string(beat->silent_ns) + " ns, waited for " +
+                     std::to_string(beat->waited_ns) + " ns; "
+               : "no beat; ")
+      << peer_.Output();
   Tell("work");
   EXPECT_TRUE(peer_.Until([&] { return beat->work == msg::ActuatorBeat::kWorkWell; }));
   ExpectDone("TearDown");

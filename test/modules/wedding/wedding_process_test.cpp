@@ -15,8 +15,12 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
+// A writer keeps the last ten of a reader that has no CPU: what is said again is said seldom here,
+// so that no change is lost.
+constexpr const char* kSeldom = "state_rate_hz = 1\n";
+
 TEST_F(WeddingProcess, PlaysTheShowFromGreetingOverPhotoToFarewell) {
-  StartActive();
+  StartActive(std::string(kSeldom) + kFile);
   ASSERT_TRUE(AwaitWithFace("TRACKING")) << peer_.Output();
   ASSERT_TRUE(gesture_->Publish({"heart"}));
   ASSERT_TRUE(AwaitWithFace("PHOTO_POSING")) << peer_.Output();
@@ -31,13 +35,36 @@ TEST_F(WeddingProcess, PlaysTheShowFromGreetingOverPhotoToFarewell) {
   EXPECT_THAT(peer_.Output(), HasSubstr("no photo: there is no camera service"));
 }
 
+// Whether two times that follow each other are `gap` apart, give or take a quarter. A busy machine
+// leaves out periods; it makes none that are shorter all the time.
+bool HasGap(const std::vector<Duration>& times, Duration gap) {
+  return std::adjacent_find(times.begin(), times.end(), [&](Duration first, Duration second) {
+           const Duration between = second - first;
+           return between > gap - gap / 4 && between < gap + gap / 4;
+         }) != times.end();
+}
+
 TEST_F(WeddingProcess, TellsItsStateFiveTimesASecondAndItsGazeFiftyTimes) {
+  std::vector<Duration> told;
+  const auto states = transport::MakeSubscription<msg::String>(
+                          peer_.node(), "wedding/fsm/state",
+                          [&](const msg::String&, const auto&) {
+                            told.push_back(peer_.node().loop().Now().time_since_epoch());
+                          })
+                          .value();
+  const Time began = peer_.node().loop().Now();
   StartActive();
-  const std::size_t looks = looks_.size();
-  const std::size_t states = states_.size();
-  ASSERT_TRUE(peer_.Until([&] { return looks_.size() >= looks + 50; }));
-  EXPECT_GE(states_.size() - states, 3);
-  EXPECT_LE(states_.size() - states, 8);
+  std::vector<Duration> stamps;
+  ASSERT_TRUE(peer_.Until([&] {
+    for (std::size_t i = stamps.size(); i < looks_.size(); ++i) {
+      stamps.push_back(msg::FromStamp(looks_[i].header.stamp));
+    }
+    return stamps.size() > 50 && HasGap(told, Milliseconds(200)) &&
+           HasGap(stamps, Milliseconds(20));
+  }));
+  const Duration long_ago = peer_.node().loop().Now() - began;
+  EXPECT_LE(told.size(), long_ago / Milliseconds(200) + 3) << "two of them are changes";
+  EXPECT_LE(stamps.size(), (stamps.back() - stamps.front()) / Milliseconds(20) + 3);
   EXPECT_EQ(looks_.back().header.frame_id, "camera");
   EXPECT_GT(looks_.back().header.stamp.sec, 0);
   EXPECT_NEAR(looks_.back().point.x, 0.5, 0.036);
@@ -45,7 +72,7 @@ TEST_F(WeddingProcess, TellsItsStateFiveTimesASecondAndItsGazeFiftyTimes) {
 }
 
 TEST_F(WeddingProcess, IsDrivenByAPersonWhoTypesWhatItsManualSays) {
-  StartActive();
+  StartActive(LongPose());
   Face();
   ASSERT_TRUE(AwaitShown("TRACKING"));
   Command("photo");
@@ -67,7 +94,7 @@ TEST_F(WeddingProcess, StopsForSomebodyWhoIsTooCloseAndGoesOn) {
 }
 
 TEST_F(WeddingProcess, AnswersItsServices) {
-  StartActive();
+  StartActive(LongPose());
   Command("photo");
   ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
   const auto idle = Call<msg::SetBool>("wedding/fsm/set_idle", {true});
@@ -97,7 +124,7 @@ TEST_F(WeddingProcess, HasTheCameraTakeThePictureAtTheShutter) {
                             reply({msg::CameraService::kInvalidState, "the camera is off", 4403});
                           })
                           .value();
-  StartActive();
+  StartActive(std::string(kSeldom) + kFile);
   Command("photo");
   ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
   ASSERT_TRUE(peer_.Until([&] { return asked == 1; })) << peer_.Output();
@@ -112,7 +139,7 @@ TEST_F(WeddingProcess, HasTheCameraTakeThePictureAtTheShutter) {
 }
 
 TEST_F(WeddingProcess, RestsNeutralInEveryOtherStateAndGoesOnFromIdle) {
-  StartActive();
+  StartActive(LongPose());
   for (const char* rest : {"LowPower", "DeActive", "Protected", "OTA", "Error"}) {
     Command("photo");
     ASSERT_TRUE(AwaitShown("PHOTO_POSING")) << rest;
@@ -120,6 +147,7 @@ TEST_F(WeddingProcess, RestsNeutralInEveryOtherStateAndGoesOnFromIdle) {
     ExpectDone(rest);
     ASSERT_TRUE(AwaitPose("neutral")) << rest;
     ASSERT_TRUE(AwaitShown("IDLE")) << rest;
+    ASSERT_TRUE(AwaitNoMoreLooks()) << rest;
     EXPECT_EQ(looks_.back().point.x, 0.5) << rest;
     const std::size_t looks = looks_.size();
     const std::size_t states = states_.size();
@@ -134,7 +162,7 @@ TEST_F(WeddingProcess, RestsNeutralInEveryOtherStateAndGoesOnFromIdle) {
 }
 
 TEST_F(WeddingProcess, AsksNothingOfARobotThatIsStoppedInAnEmergency) {
-  StartActive();
+  StartActive(LongPose());
   Command("photo");
   ASSERT_TRUE(AwaitPose("thumbs_up"));
   const auto stop = transport::MakePublisher<msg::EmergencyStop>(
@@ -145,11 +173,8 @@ TEST_F(WeddingProcess, AsksNothingOfARobotThatIsStoppedInAnEmergency) {
   engaged.engaged = true;
   ASSERT_TRUE(stop->Publish(engaged));
   ASSERT_TRUE(AwaitShown("IDLE")) << peer_.Output();
-  const std::size_t looks = looks_.size();
-  const std::size_t states = states_.size();
-  ASSERT_TRUE(peer_.Until([&] { return states_.size() >= states + 3; }));
+  EXPECT_TRUE(AwaitNoMoreLooks());
   EXPECT_EQ(poses_.back(), "thumbs_up");
-  EXPECT_EQ(looks_.size(), looks);
 }
 
 TEST_F(WeddingProcess, SurvivesTenThousandCommandsAtOnce) {
@@ -157,8 +182,12 @@ TEST_F(WeddingProcess, SurvivesTenThousandCommandsAtOnce) {
   for (int i = 0; i < 10'000; ++i) Command(i % 3 == 0 ? "photo" : i % 3 == 1 ? "dance" : "idle");
   Command("stop");
   ASSERT_TRUE(command_->Flush(std::chrono::seconds(20)));
-  Command("photo");
-  ASSERT_TRUE(AwaitShown("PHOTO_POSING")) << "it goes on as before";
+  // A pose that none of the commands asks for.
+  const auto guest = peer_.node().loop().Every(Milliseconds(100), [this] {
+    Face();
+    ASSERT_TRUE(gesture_->Publish({"v"}));
+  });
+  ASSERT_TRUE(AwaitPose("v_sign")) << "it goes on as before";
   EXPECT_LT(peer_.Output().size(), 20'000) << "and has not filled the disk";
 }
 
@@ -172,8 +201,8 @@ TEST_F(WeddingProcess, BeginsInIdleAndNeutralAfterItWasKilledInAPose) {
   peer_.Signal(SIGKILL);
   ASSERT_EQ(peer_.AwaitExit(), -SIGKILL);
   ASSERT_TRUE(peer_.Until([&] { return subscriptions_.front()->MatchedWriters() == 0; }));
-  poses_.clear();
-  states_.clear();
+  poses_.Forget();
+  states_.Forget();
   StartActive();
   ASSERT_TRUE(peer_.Until([&] { return !poses_.empty(); }));
   EXPECT_EQ(poses_.front(), "neutral");
