@@ -311,8 +311,7 @@ void MachineActuator::Log(const std::string& line) const {
   impl_->Log(line);
 }
 void MachineActuator::Log(const Error& error) const {
-  const bool has_code = error.code != kCodeOk;
-  Log(error.message + (has_code ? " (" + CodeText(error.code) + ")" : ""));
+  Log(WithCode(error.message, error.code));
 }
 void MachineActuator::GiveUp(const Error& why) {
   impl_->GiveUp(why);

@@ -65,4 +65,11 @@ std::string CodeText(std::int32_t code) {
   return number;
 }
 
+std::string WithCode(const std::string& message, std::int32_t code) {
+  const std::string text = CodeText(code);
+  const bool says_it = text.ends_with(')') && message.find(text) != std::string::npos;
+  if (code == kCodeOk || says_it) return message;
+  return message + (message.empty() ? "(" : " (") + text + ")";
+}
+
 }  // namespace musher

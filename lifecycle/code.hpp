@@ -90,4 +90,8 @@ inline constexpr std::int32_t kCodeProtectedError = RobotCode(KeyCode::kProtecte
 // A code in words: "0 (ok)", "3009 (MotionManager: SelfCheckFailed)", "7 (Timeout)", "4711".
 std::string CodeText(std::int32_t code);
 
+// A sentence with its code behind it: "the lidar is silent (2012 (SensorManager: DeviceError))".
+// Without, where the code is 0 or the sentence names it already.
+std::string WithCode(const std::string& message, std::int32_t code);
+
 }  // namespace musher

@@ -50,11 +50,8 @@ void ControllerLog::Open() {
 void ControllerLog::Write(std::string_view line, std::int32_t code) {
   if (!opened_) Open();
   if (!logger_) return;
-  if (code == kCodeOk) {
-    logger_->info(line);
-  } else {
-    logger_->warn("{} ({})", line, CodeText(code));
-  }
+  logger_->log(code == kCodeOk ? spdlog::level::info : spdlog::level::warn, "{}",
+               WithCode(std::string(line), code));
 }
 
 }  // namespace musher::cli

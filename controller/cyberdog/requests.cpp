@@ -14,7 +14,7 @@ constexpr std::int32_t kKeptAlready = -1;  // as CyberDog answers
 template <class Response>
 Response Told(const Result<>& result) {
   if (result) return {true, ""};
-  return {false, result.error().message + " (" + CodeText(result.error().code) + ")"};
+  return {false, WithCode(result.error().message, result.error().code)};
 }
 
 std::string NoState(std::uint8_t number) {

@@ -16,8 +16,7 @@ bool Settled(const MachineConfig& config, const Machine& machine, std::size_t ac
 }
 
 std::string Why(const MachineConfig& config, std::size_t actuator, const Error& fault) {
-  return "critical " + config.actuators[actuator].name + ": " + fault.message + " (" +
-         CodeText(fault.code) + ")";
+  return "critical " + config.actuators[actuator].name + ": " + WithCode(fault.message, fault.code);
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ void Source::Complain(KeyCode key, const std::string& complaint) {
   complaint_ = complaint;
   if (std::exchange(said_, true)) return;
   const std::int32_t code = CodeOf(options_.kind, key);
-  around_.log(options_.name + ": " + complaint + " (" + CodeText(code) + ")");
+  around_.log(options_.name + ": " + WithCode(complaint, code));
   around_.report(code);
 }
 

@@ -35,5 +35,17 @@ TEST(CodeText, GivesTheBareNumberWhereNothingIsKnown) {
   EXPECT_EQ(CodeText(4711 + 100'000), "104711");
 }
 
+TEST(WithCode, PutsTheCodeBehindTheSentence) {
+  EXPECT_EQ(WithCode("it is silent", 2012), "it is silent (2012 (SensorManager: DeviceError))");
+  EXPECT_EQ(WithCode("", 107), "(107 (Robot: Timeout))");
+  EXPECT_EQ(WithCode("it took 50 ms", 50), "it took 50 ms (50)");
+}
+
+TEST(WithCode, LeavesOutSuccessAndWhatTheSentenceSays) {
+  EXPECT_EQ(WithCode("all is well", kCodeOk), "all is well");
+  EXPECT_EQ(WithCode("lidar: failed with 2012 (SensorManager: DeviceError), silent", 2012),
+            "lidar: failed with 2012 (SensorManager: DeviceError), silent");
+}
+
 }  // namespace
 }  // namespace musher

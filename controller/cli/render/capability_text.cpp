@@ -14,7 +14,7 @@ std::string Join(const std::vector<std::string>& words) {
 
 std::string WhyNot(const msg::Capability& capability) {
   if (capability.allowed) return capability.reason;
-  return capability.reason + " (" + CodeText(capability.code) + ")";
+  return WithCode(capability.reason, capability.code);
 }
 
 Table::Cell Verdict(const msg::Capability& capability) {

@@ -11,7 +11,7 @@ namespace {
 
 std::string Sentence(const std::string& message, std::int32_t code, bool colour) {
   if (code == kCodeOk) return Printable(message);
-  return Paint(Printable(message) + " (" + CodeText(code) + ")", Style::kBad, colour);
+  return Paint(WithCode(Printable(message), code), Style::kBad, colour);
 }
 
 std::string Count(std::size_t count, const char* what) {

@@ -15,10 +15,9 @@ std::string LineText(const recording::ReplayLine& line, bool colour) {
   const Style style = line.mark == Mark::kSame  ? Style::kPlain
                       : line.mark == Mark::kNew ? Style::kGood
                                                 : Style::kBad;
-  const std::string code = e.code == kCodeOk ? "" : " (" + CodeText(e.code) + ")";
   return Paint(mark, style, colour) + Paint(LocalText(e.wall_ns), Style::kDim, colour) +
          fmt::format("  {:<9}", Printable(e.kind)) +
-         Paint(Printable(e.message) + code, style, colour) + '\n';
+         Paint(WithCode(Printable(e.message), e.code), style, colour) + '\n';
 }
 
 std::string Count(std::size_t count, const char* what) {

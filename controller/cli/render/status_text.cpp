@@ -36,7 +36,7 @@ std::string RestartsOf(const msg::ActuatorInfo& a) {
 // What is wrong with it, beginning with its health.
 std::string TroubleOf(const msg::ActuatorInfo& a) {
   if (!a.degraded) return IsWell(a) ? a.message : a.health;
-  const std::string why = a.message + " (" + CodeText(a.code) + ")";
+  const std::string why = WithCode(a.message, a.code);
   if (IsWell(a)) return "degraded: " + why;
   return a.message.starts_with(a.health) ? why : a.health + ": " + why;
 }

@@ -17,11 +17,6 @@ Style StyleOfOutcome(std::string_view outcome) {
   return Style::kBad;
 }
 
-std::string WithCode(const std::string& message, std::int32_t code) {
-  if (code == kCodeOk) return message;
-  return message + (message.empty() ? "" : " ") + "(" + CodeText(code) + ")";
-}
-
 }  // namespace
 
 std::string SwitchText(const msg::SetState::Response& told, bool colour) {
