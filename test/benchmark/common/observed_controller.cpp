@@ -1,5 +1,8 @@
 #include "musher/test/benchmark/common/observed_controller.hpp"
 
+#include <signal.h>
+#include <sys/wait.h>
+
 #include <cstdio>
 #include <thread>
 #include <utility>
@@ -42,8 +45,18 @@ ObservedController::ObservedController(const std::string& config_file)
   });
 }
 
+// The next controller of this benchmark may start others of the same names at once.
 ObservedController::~ObservedController() {
-  node_->RunOnLoop([this] { controller_.reset(); });
+  Machine machine;
+  node_->RunOnLoop([&] {
+    machine = controller_->shell().machine();
+    controller_.reset();
+  });
+  for (const ActuatorRecord& actuator : machine.actuators) {
+    if (actuator.process <= 0) continue;
+    kill(actuator.process, SIGKILL);
+    waitpid(actuator.process, nullptr, 0);
+  }
 }
 
 void ObservedController::OnRecord(const action::Record& record) {

@@ -23,7 +23,7 @@ class ObservedController {
   using Condition = std::function<bool(const action::Record& record, const Machine& machine)>;
 
   explicit ObservedController(const std::string& config_file);
-  // Leaves the actuators running.
+  // Kills the actuators that it started, and leaves the others running.
   ~ObservedController();
   ObservedController(const ObservedController&) = delete;
   ObservedController& operator=(const ObservedController&) = delete;
