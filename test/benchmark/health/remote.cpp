@@ -15,9 +15,13 @@
 #include "musher/test/benchmark/common/statistics.hpp"
 #include "musher/test/benchmark/health/hand_started.hpp"
 #include "musher/test/benchmark/health/parts.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/host.hpp"
 
 namespace musher::benchmark {
 namespace {
+
+using transport::NameLock;
 
 constexpr int kVictims = 8;
 
@@ -58,27 +62,24 @@ class Host {
       const std::string& name = fleet.names()[actuator];
       for (const std::string& word : fleet.Module(name, 0)) script += "'" + word + "' ";
       script += "& ";
-      boards_.push_back(fleet.BoardFile(name));
+      locks_.push_back(NameLock::NameOf(transport::DomainId({}).value(), "", name));
     }
     child_ = std::make_unique<Child>(OnOtherHost({"/bin/sh", "-c", script + "wait"}),
                                      Child::Environment{{"MUSHER_CONFIG", fleet.config_file()}});
   }
-  // Waits until all are gone: their names are free only then.
+  // Waits until the names of all are free. (One that is dying has no command line any more, and may
+  // still hold its name.)
   ~Host() {
     child_ = nullptr;
-    while (AnyLeft()) std::this_thread::sleep_for(Milliseconds(5));
+    while (std::any_of(locks_.begin(), locks_.end(), NameLock::IsHeld)) {
+      std::this_thread::sleep_for(Milliseconds(5));
+    }
   }
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
  private:
-  bool AnyLeft() const {
-    const std::map<std::string, pid_t> left = FindModules();
-    return std::any_of(boards_.begin(), boards_.end(),
-                       [&](const std::string& board) { return left.count(board) > 0; });
-  }
-
-  std::vector<std::string> boards_;
+  std::vector<std::string> locks_;
   std::unique_ptr<Child> child_;
 };
 
