@@ -2,6 +2,7 @@
 // over DDS.
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <memory>
@@ -158,7 +159,9 @@ TEST_F(VisionProcess, IsNotStartedWithAFileThatIsWrong) {
 // With a detector that does what it is told, and a camera of the test's.
 class FaultyVision : public VisionProcess {
  protected:
-  FaultyVision() : VisionProcess("faulty_vision") {}
+  FaultyVision() : VisionProcess("faulty_vision") {
+    mkfifo((peer_.folder() / "gate").c_str(), 0600);
+  }
 
   void Tell(const std::string& what) {
     std::ofstream(peer_.folder() / "detector.new") << what;
@@ -216,6 +219,7 @@ TEST_F(FaultyVision, IsHungWhenTheDetectorDoesNotComeBackAndWellWhenItDoes) {
                : "no beat; ")
       << peer_.Output();
   Tell("work");
+  std::ofstream(peer_.folder() / "gate") << "go on";
   EXPECT_TRUE(peer_.Until([&] { return beat->work == msg::ActuatorBeat::kWorkWell; }));
   ExpectDone("TearDown");
   EXPECT_EQ(peer_.AwaitExit(), 0);
