@@ -171,7 +171,7 @@ class FaultyVision : public VisionProcess {
     camera_ =
         transport::MakePublisher<msg::Image>(peer_.node(), "image_rgb", transport::kSensorDataQos)
             .value();
-    Start("rate_hz = 0\nhfov_deg = 60\n[detector]\nhang_ms = 300\nfailures = 5\n");
+    Start("rate_hz = 0\nhfov_deg = 60\n[detector]\nhang_ms = 1000\nfailures = 5\n");
     picture_.width = 8;
     picture_.height = 8;
     picture_.encoding = "mono8";
