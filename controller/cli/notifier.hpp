@@ -1,6 +1,7 @@
 #pragma once
 // Messages to a service manager (sd_notify(3)), sent without ever waiting for it: PID 1 may be slow
-// or stand still, and its socket takes only so many messages that nobody has read.
+// or stand still, and its socket takes only so many messages that nobody has read. (libsystemd's
+// sd_notify() waits for room, and the loop with it.)
 //
 // A message that finds no room is kept, the latest of each kind, and sent when there is. Those that
 // are kept stay in order, and none overtakes them.

@@ -16,6 +16,7 @@
 
 #include "musher/test/contract/domain.hpp"
 #include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/integration/cli/arrival.hpp"
 #include "musher/test/integration/cli/process.hpp"
 
 namespace musher::testing {
@@ -78,15 +79,6 @@ class MachineByCli : public ::testing::Test {
         return status;
       }
     }
-  }
-  // Every actuator is there and at rest, and in the machine's state if it may go up.
-  static bool AllHaveArrived(const nlohmann::json& status) {
-    for (const auto& actuator : status["actuators"]) {
-      if (actuator["presence"] != "present" || actuator["target"] != "") return false;
-      const bool may_go_up = !status["emergency_stop"]["engaged"].get<bool>();
-      if (may_go_up && actuator["state"] != status["state"]) return false;
-    }
-    return status["target"] == "";
   }
 
   const TempFolder folder_;

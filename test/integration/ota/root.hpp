@@ -17,6 +17,7 @@
 
 #include "musher/test/contract/domain.hpp"
 #include "musher/test/controller/temp_folder.hpp"
+#include "musher/test/integration/cli/arrival.hpp"
 #include "musher/test/integration/cli/process.hpp"
 
 namespace musher::testing {
@@ -101,7 +102,7 @@ class RobotWithUpgrades : public ::testing::Test {
   static void AwaitArrival() {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     auto status = Status();
-    while (!AllHaveArrived(status)) {
+    while (!status.is_object() || !AllHaveArrived(status)) {
       ASSERT_LT(std::chrono::steady_clock::now(), deadline) << status;
       status = Status();
     }
@@ -123,14 +124,6 @@ class RobotWithUpgrades : public ::testing::Test {
   const std::string root_ = folder_ / "robot";
 
  private:
-  static bool AllHaveArrived(const nlohmann::json& status) {
-    if (!status.is_object() || status["target"] != "") return false;
-    for (const auto& actuator : status["actuators"]) {
-      if (actuator["presence"] != "present" || actuator["target"] != "") return false;
-      if (actuator["state"] != status["state"]) return false;
-    }
-    return true;
-  }
   static void Script(const std::string& file, const std::string& line) {
     std::ofstream(file) << "#!/bin/sh\n" << line << "\n";
     std::filesystem::permissions(file, std::filesystem::perms(0755));
