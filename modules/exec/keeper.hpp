@@ -2,7 +2,8 @@
 // Sees to it that nothing we started outlives us, even when we are killed with SIGKILL: a small
 // process beside us that is told of every process group we start, and kills those that are left as
 // soon as we are gone, in whatever way. (PR_SET_PDEATHSIG would reach a child, but not its
-// children, and it fires when the thread ends that made the child.)
+// children, and it fires when the thread ends that made the child.) Who is killed in the moment
+// between a start and its Add() leaves that one group behind.
 //
 // Threads: Start() while the process has one thread; the rest from any.
 

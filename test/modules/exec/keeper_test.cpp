@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <fstream>
 #include <string>
 
 #include "musher/modules/exec/child.hpp"
@@ -34,6 +35,7 @@ TEST(Keeper, KillsWhatWeStartedAndItsChildrenWhenWeAreKilled) {
   if (parent == 0) {
     const auto keeper = Keeper::Start();
     const auto child = Child::Start({{"sh", "-c", line}, "", {}}, keeper.value());
+    std::ofstream(folder / "parent") << getpid() << std::endl;
     pause();
     _exit(1);
   }
@@ -41,6 +43,7 @@ TEST(Keeper, KillsWhatWeStartedAndItsChildrenWhenWeAreKilled) {
   const pid_t grandchild = ReadPid(folder / "grandchild");
   ASSERT_GT(child, 0);
   ASSERT_GT(grandchild, 0);
+  ASSERT_EQ(ReadPid(folder / "parent"), parent) << "the keeper knows of the child from here on";
   kill(parent, SIGKILL);
   waitpid(parent, nullptr, 0);
   EXPECT_TRUE(Gone(child));
