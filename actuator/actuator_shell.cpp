@@ -143,6 +143,7 @@ void ActuatorShell::OnManager(const State& target, FsMachine::Reply reply) {
 }
 
 void ActuatorShell::Handle(const ActuatorEvent& event) {
+  if (closed_) return;
   const std::vector<ActuatorAction> actions =
       Step(config_, index_, core_, event, node_.loop().Now());
   if (hooks_.on_report) hooks_.on_report(core_.report);  // before anybody is answered

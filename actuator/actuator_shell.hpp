@@ -49,6 +49,9 @@ class ActuatorShell {
 
   // Runs SetUp; the latched status is there from now on.
   void Start();
+  // No callback begins from here on, whatever arrives; one that runs goes on. The worker may be
+  // dropped after that.
+  void Close() { closed_ = true; }
 
   const ActuatorReport& report() const { return core_.report; }
   // For the threads of the module; lives as long as the shell.
@@ -86,6 +89,7 @@ class ActuatorShell {
   const ActuatorConfig& actuator_;
   Hooks hooks_;
   ActuatorCore core_;
+  bool closed_ = false;
   RequestToken next_token_ = 1;
   Time last_stamp_{};
   std::map<RequestToken, std::function<void(const actuator_action::Answer&)>> replies_;

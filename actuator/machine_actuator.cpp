@@ -100,6 +100,12 @@ class MachineActuator::Impl {
   void Log(const std::string& line) const { std::cerr << name_ + ": " + line + "\n" << std::flush; }
 
   void Shutdown() {
+    // A command that arrives meanwhile must find no worker that is going.
+    if (node_) {
+      node_->RunOnLoop([this] {
+        if (shell_) shell_->Close();
+      });
+    }
     if (worker_) {
       stop_requested_ = true;
       worker_.reset();  // waits for a callback that runs

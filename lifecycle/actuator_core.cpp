@@ -28,7 +28,9 @@ std::string Quantity(Duration d) {
 }
 
 // So many emergency stops that are over are remembered: messages of one do not outlive the next.
-constexpr std::size_t kReleasedKept = 16;
+constexpr std::size_t kReleasedKept = 64;
+// So many are engaged at once at most. One more changes nothing until one of these is released.
+constexpr std::size_t kMostStops = 256;
 
 // Where an actuator that has lost its controller goes, if that is down from where it is.
 std::optional<State> SafeState(const MachineConfig& config, std::size_t index,
@@ -97,14 +99,15 @@ class Deciding {
   void On(const event::CallbackEnded& ended) {
     const State target = std::exchange(report_.target, "");
     const auto tokens = std::exchange(core_.running_for, {});
-    if (target == kSetUp) return EndSetUp(ended);
-    EndCommand(std::exchange(report_.busy_number, 0), target, ended.code, ended.message);
-    if (target != kSelfCheck && ended.code != kCodeOk) report_.apart = core_.was_apart;
+    const event::CallbackEnded end = UnderStop(target, ended);
+    if (target == kSetUp) return EndSetUp(end);
+    EndCommand(std::exchange(report_.busy_number, 0), target, end.code, end.message);
+    if (target != kSelfCheck && end.code != kCodeOk) report_.apart = core_.was_apart;
     for (const RequestToken token : tokens) {
-      Do(Answer{token, ended.code == kCodeOk ? Verdict::kDone : Verdict::kFailed, ended.code,
-                ended.message});
+      Do(Answer{token, end.code == kCodeOk ? Verdict::kDone : Verdict::kFailed, end.code,
+                end.message});
     }
-    if (target == kTearDown && ended.code == kCodeOk) {
+    if (target == kTearDown && end.code == kCodeOk) {
       DropWaiting({kCodeStateInvalid, "the actuator is torn down"});
       Do(PublishStatus{});
       return Do(Finish{});
@@ -137,9 +140,8 @@ class Deciding {
     if (!entitled) return;
     core_.released.push_back(heard.id);
     if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
-    if (report_.emergency_stop != heard.id) return;
-    report_.emergency_stop = 0;
-    Do(PublishStatus{});
+    if (std::erase(core_.stops, heard.id) == 0) return;
+    TellStops();
   }
 
   // Goes to the safe state when nothing has been heard of the controller for too long.
@@ -204,12 +206,31 @@ class Deciding {
   void Engage(std::uint64_t id) {
     const bool over =
         std::find(core_.released.begin(), core_.released.end(), id) != core_.released.end();
-    if (id == 0 || over || report_.emergency_stop != 0) return;
-    report_.emergency_stop = id;
+    const bool known = std::find(core_.stops.begin(), core_.stops.end(), id) != core_.stops.end();
+    if (id == 0 || over || known || core_.stops.size() >= kMostStops) return;
+    core_.stops.push_back(id);
+    core_.stopped_meanwhile = report_.busy();
     Do(RunEmergencyStop{});
     if (report_.busy() && GoesUp(report_.target)) Do(RequestStop{});
     if (core_.waiting && GoesUp(core_.waiting->command.target)) DropWaiting(Stopped());
+    TellStops();
+  }
+
+  // The status names the oldest: it is over when that one and all others are released.
+  void TellStops() {
+    report_.emergency_stop = core_.stops.empty() ? 0 : core_.stops.front();
     Do(PublishStatus{});
+  }
+
+  // How a callback counts that has ended. One beside which an emergency stop came may have switched
+  // on, after the stop action, what that had switched off: the action runs again. On the way up it
+  // has failed, even where the stop was released before its end.
+  event::CallbackEnded UnderStop(const State& target, const event::CallbackEnded& ended) {
+    if (!std::exchange(core_.stopped_meanwhile, false)) return ended;
+    Do(RunEmergencyStop{});
+    if (!GoesUp(target) || ended.code != kCodeOk) return ended;
+    return {kCodeProtectedError,
+            "an emergency stop was engaged while " + target + " ran; the state is not taken"};
   }
 
   static Refusal Stopped() {

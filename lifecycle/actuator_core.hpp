@@ -18,7 +18,8 @@
 // number is accepted once and never below one accepted or fenced; a command older than its budget
 // by this actuator's clock cannot begin; a callback that runs is never interrupted, only asked to
 // stop; while an emergency stop is latched nothing goes up, not even back to where it is from a way
-// down that has failed; a manager without epochs may command as
+// down that has failed, and an upward callback that ends meanwhile has failed, whatever it returns:
+// its state is not taken and the stop action runs again; a manager without epochs may command as
 // long as no controller has spoken, and its command never waits.
 
 #include <cstdint>
@@ -53,7 +54,7 @@ struct SwitchCommand {
 };
 
 // "How did command `number` end?" It also fences: a command up to `number` that has not begun never
-// will. With `stop` a running callback is asked to stop.
+// will. With `stop` a running callback is asked to stop. Number 0 fences nothing: a health probe.
 struct AskCommand {
   std::uint64_t epoch = 0;
   std::uint64_t number = 0;
@@ -163,7 +164,9 @@ struct ActuatorCore {
   Sender controller = 0;           // the controller that is followed
   Time controller_heard{};         // its last sign of life
   std::vector<actuator_event::ControllerHeard> announced;  // who says that it is a controller
-  std::vector<std::uint64_t> released;  // emergency stops that are over: they come too late
+  std::vector<std::uint64_t> stops;     // the emergency stops that are engaged, oldest first
+  std::vector<std::uint64_t> released;  // those that are over: what comes of them comes too late
+  bool stopped_meanwhile = false;       // an emergency stop was engaged beside the running callback
 
   friend bool operator==(const ActuatorCore&, const ActuatorCore&) = default;
 };

@@ -62,7 +62,7 @@ struct RehearsedModule::Stage {
       std::unique_lock lock(mutex);
       handed_over.wait(lock, [this] { return playing; });
     }
-    Result<> first = rehearsal->Run(state);
+    Result<> first = killed ? Result<>(Error{kCodeFailed, "killed"}) : rehearsal->Run(state);
     std::optional<Error> second;
     if (repeat && first && !killed) {
       const Result<> again = rehearsal->Run(state);
@@ -126,7 +126,7 @@ class RehearsedModule::LockstepWorker : public Worker {
         module_.dice_.Chance(0.125) && !fails && state != kSetUp && state != kTearDown;
     if (repeat) ++production.tally->repeated;
     thread_ = std::thread([stage = stage_, state, repeat] { stage->Perform(state, repeat); });
-    GoOn();
+    Begin();
   }
 
  private:
@@ -140,6 +140,15 @@ class RehearsedModule::LockstepWorker : public Worker {
                      " neither ends nor asks StopRequested()");
     }
     return turn;
+  }
+
+  // Some callbacks wait for their thread, so that an emergency stop may come before their first
+  // instruction, as one may come after their last.
+  void Begin() {
+    if (module_.dice_.Chance(0.5)) return GoOn();
+    const Duration wait = module_.dice_.Between(Duration::zero(), rest_ / 2);
+    rest_ -= wait;
+    step_ = loop_.At(loop_.Now() + wait, [this] { GoOn(); });
   }
 
   void GoOn() {
@@ -246,7 +255,9 @@ void RehearsedModule::OnReport(const ActuatorReport& report) {
   if (stage_->stuck) return;
   stage_->rehearsal->SetReport(report);
   if (!ended_ || report.target == state_) return;  // its end is not noticed yet
-  settled_ = *std::exchange(ended_, std::nullopt);
+  // One that ended well under an emergency stop has failed all the same.
+  const bool taken = state_ == kSelfCheck || report.state == state_;
+  settled_ = *std::exchange(ended_, std::nullopt) && taken;
   if (settled_ && state_ == kTearDown) ++production_.tally->torn_down;
   if (settled_) production_.judge(*stage_->actuator, report);
 }

@@ -42,7 +42,8 @@ class Gripper : public musher::MachineActuator {
 
  protected:
   // [estop]
-  // Beside whatever runs, so it only touches what may be touched from any thread.
+  // Beside any callback, and again when one ends that was running: so it may run twice, and only
+  // touches what may be touched from any thread.
   void OnEmergencyStop() override { powered_ = false; }
   // [estop end]
 
@@ -51,6 +52,8 @@ class Gripper : public musher::MachineActuator {
   // The short form: CyberDog's code, 0 = done.
   std::int32_t SetPower(bool on) {
     powered_ = on;
+    // A stop that comes from here on finds the power on; one that came before is seen now.
+    if (EmergencyStopped()) powered_ = false;
     std::cout << "power " << (powered_ ? "on" : "off") << std::endl;
     return musher::kCodeOk;
   }

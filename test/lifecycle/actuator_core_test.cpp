@@ -177,6 +177,18 @@ TEST_F(Actuator, AWaitingCommandThatIsAskedForNeverBegins) {
               Not(Contains(VariantWith<RunCallback>(RunCallback{"LowPower"}))));
 }
 
+// It waits behind a callback while the process is silent for a moment; the probe asks only whether
+// the actuator answers.
+TEST_F(Actuator, AHealthProbeDoesNotCancelAWaitingTearDown) {
+  SetUpIt();
+  Do(Command(2, "Active"));
+  Do(Command(3, "TearDown"));
+  const Actions probed = Do(AskArrived{9, {1, 0, false}, 1});
+  EXPECT_EQ(AnswerIn(probed).verdict, Verdict::kDone);
+  EXPECT_EQ(core_.report.number, 3U);
+  EXPECT_THAT(Do(CallbackEnded{}), Contains(VariantWith<RunCallback>(RunCallback{"TearDown"})));
+}
+
 TEST_F(Actuator, AsksARunningCallbackToStopOnlyWhenTold) {
   SetUpIt();
   Do(Command(1, "Active"));

@@ -44,7 +44,26 @@ TEST_F(Stopped, StopsAtOnceWhoeverSaysSoAndTells) {
 TEST_F(Stopped, RunsOnceForEach) {
   Engage();
   EXPECT_THAT(Engage(), IsEmpty());
-  EXPECT_THAT(Engage(kStop + 1), IsEmpty()) << "it is stopped already";
+  EXPECT_THAT(Engage(kStop + 1), kRuns) << "a person presses again because something still moves";
+}
+
+TEST_F(Stopped, ReleasingTheFirstOfTwoStopsDoesNotOpenTheActuator) {
+  Engage();
+  Engage(kStop + 1);
+  Release();
+  EXPECT_EQ(core_.report.emergency_stop, kStop + 1);
+  EXPECT_EQ(AnswerIn(Do(Command(2, "Active"))).code, kCodeProtectedError);
+  Release(kStop + 1);
+  EXPECT_EQ(core_.report.emergency_stop, 0U);
+  Switch(3, "Active");
+}
+
+TEST_F(Stopped, ReleasingTheSecondOfTwoStopsLeavesTheFirst) {
+  Engage();
+  Engage(kStop + 1);
+  Release(kStop + 1);
+  EXPECT_EQ(core_.report.emergency_stop, kStop);
+  EXPECT_THAT(Engage(kStop + 1), IsEmpty()) << "it is over";
 }
 
 TEST_F(Stopped, AStopWithoutANumberIsNone) {
@@ -106,6 +125,53 @@ TEST_F(Stopped, ACallbackOnItsWayUpIsAskedToStop) {
   const Actions actions = Engage();
   EXPECT_THAT(actions, kRuns);
   EXPECT_THAT(actions, kAsksToStop);
+}
+
+// Its callback has switched the motors on after the stop action had switched them off.
+TEST_F(Stopped, ACallbackOnItsWayUpThatEndsWellHasFailedAndTheStopActionRunsAgain) {
+  Do(Command(2, "Active"));
+  Engage();
+  const Actions actions = Do(CallbackEnded{});
+  EXPECT_THAT(actions, kRuns);
+  EXPECT_EQ(AnswerIn(actions).verdict, Verdict::kFailed);
+  EXPECT_EQ(AnswerIn(actions).code, kCodeProtectedError);
+  EXPECT_EQ(core_.report.state, "DeActive");
+  EXPECT_EQ(core_.report.outcome_code, kCodeProtectedError);
+  EXPECT_THAT(Do(Command(3, "DeActive")),
+              Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})))
+      << "it may be half way up, so the way back runs its callback";
+}
+
+TEST_F(Stopped, ACallbackOnItsWayUpHasFailedThoughTheStopIsReleasedBeforeItEnds) {
+  Do(Command(2, "Active"));
+  Engage();
+  Release();
+  const Actions actions = Do(CallbackEnded{});
+  EXPECT_THAT(actions, kRuns);
+  EXPECT_EQ(AnswerIn(actions).code, kCodeProtectedError);
+  EXPECT_EQ(core_.report.state, "DeActive");
+}
+
+TEST_F(Stopped, ACallbackOnItsWayUpThatFailsUnderAStopIsStoppedAgainAndKeepsItsReason) {
+  Do(Command(2, "Active"));
+  Engage();
+  const Actions actions = Do(CallbackEnded{2012, "no lidar"});
+  EXPECT_THAT(actions, kRuns);
+  EXPECT_EQ(AnswerIn(actions).code, 2012);
+}
+
+TEST_F(Stopped, ASelfCheckBesideWhichAStopCameIsStoppedAgain) {
+  Do(Command(2, "SelfCheck"));
+  Engage();
+  const Actions actions = Do(CallbackEnded{});
+  EXPECT_THAT(actions, kRuns) << "a check may move";
+  EXPECT_EQ(AnswerIn(actions).verdict, Verdict::kDone);
+}
+
+TEST_F(Stopped, TheStopActionDoesNotRunAgainAfterACallbackThatBeganUnderTheStop) {
+  Engage();
+  Do(Command(2, "LowPower"));
+  EXPECT_THAT(Do(CallbackEnded{}), Not(kRuns));
 }
 
 TEST_F(Stopped, ACallbackOnItsWayDownRunsOn) {
