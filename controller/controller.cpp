@@ -164,14 +164,20 @@ Result<> Controller::OpenShell() {
   world.processes = &processes_;
   world.witness = &witness_;
   world.journal = journal_.get();
-  world.save_epoch = [this](std::uint64_t epoch) { SaveEpoch(epoch); };
-  world.save_emergency_stop = [this](const std::optional<EmergencyStop>& stop) {
-    if (!store_) return;
-    if (const auto saved = store_->SaveEmergencyStop(stop); !saved) Trouble(saved.error().message);
+  const auto save = [this](const auto& write, const ControllerShell::World::OnSaved& done) {
+    done(store_ ? write(*store_) : Error{kCodeFailed, "the controller has no folder"});
   };
-  world.save_policy = [this](const StoredPolicy& policy) {
-    if (!store_) return;
-    if (const auto saved = store_->SavePolicy(policy); !saved) Trouble(saved.error().message);
+  world.save_epoch = [save](std::uint64_t epoch, const auto& done) {
+    save([epoch](StateStore& store) { return store.SaveEpoch(epoch); }, done);
+  };
+  world.save_emergency_stops = [save](const StoredStops& stops, const auto& done) {
+    save([&](StateStore& store) { return store.SaveEmergencyStops(stops); }, done);
+  };
+  world.save_policy = [save](const StoredPolicy& policy, const auto& done) {
+    save([&](StateStore& store) { return store.SavePolicy(policy); }, done);
+  };
+  world.save_stop_intent = [save](bool intended, const auto& done) {
+    save([intended](StateStore& store) { return store.SaveStopIntent(intended); }, done);
   };
   world.log_file = [this](const std::string& name) { return LogFileOf(name); };
   world.wall_ns = WallNanoseconds;
@@ -208,8 +214,12 @@ void Controller::Begin(int domain_id) {
     begin.epoch = std::max(begin.epoch, rival->epoch);
   }
   FindRunning(config_, domain_id, begin);
-  if (store_) begin.emergency_stop = store_->LoadEmergencyStop();
-  if (store_) begin.policy = store_->LoadPolicy();
+  begin.restarted = options_.restarted;
+  if (store_) {
+    begin.stops = store_->LoadEmergencyStops();
+    begin.policy = store_->LoadPolicy();
+    begin.stop_intent = store_->LoadStopIntent();
+  }
   shell_->Begin(std::move(begin));
 }
 
@@ -219,11 +229,6 @@ std::uint64_t Controller::LoadEpoch() {
   if (epoch) return epoch.value();
   Trouble(epoch.error().message);
   return 0;
-}
-
-void Controller::SaveEpoch(std::uint64_t epoch) {
-  if (!store_) return;
-  if (const auto saved = store_->SaveEpoch(epoch); !saved) Trouble(saved.error().message);
 }
 
 // Without one the process is started all the same, and what it prints is lost.

@@ -23,6 +23,9 @@ namespace musher {
 struct ControllerOptions {
   bool takeover = false;  // a living controller of this machine is ended instead of refused by it
   bool by_hand = false;   // the start-up is driven by requests instead of by the controller itself
+  // Started again by a supervisor, not by a person: where the controller before was taking the
+  // machine down, that is finished, and the machine stays down.
+  bool restarted = false;
   ControllerShell::Hooks hooks;
   // Told about trouble that does not stop the robot (a full disk, say), once each. From any thread.
   std::function<void(const std::string&)> on_trouble;
@@ -56,7 +59,6 @@ class Controller {
   Result<> OpenShell();
   void Begin(int domain_id);
   std::uint64_t LoadEpoch();
-  void SaveEpoch(std::uint64_t epoch);
   std::string LogFileOf(const std::string& actuator);
   void Trouble(const std::string& message);
 

@@ -8,6 +8,13 @@
 #include "musher/transport/lifecycle_wire.hpp"
 
 namespace musher {
+namespace {
+
+// As many emergency stops as are engaged, or remembered as released, at most.
+constexpr transport::Qos kStopsQos{transport::Qos::Reliability::kReliable,
+                                   transport::Qos::Durability::kTransientLocal, 66};
+
+}  // namespace
 
 ControllerPresence::ControllerPresence(transport::Node& node, const MachineConfig& config,
                                        Identity identity, Emit emit)
@@ -29,9 +36,9 @@ Result<> ControllerPresence::Open() {
   if (!beats) return beats.error();
   beats_ = std::move(beats).value();
   auto stops = transport::MakePublisher<msg::EmergencyStop>(
-      node_, transport::EmergencyStopTopic(name_space), transport::kLatchedQos);
+      node_, transport::EmergencyStopTopic(name_space), kStopsQos);
   if (!stops) return stops.error();
-  stops_ = std::move(stops).value();
+  released_stops_ = std::move(stops).value();
   auto rivals = transport::MakeSubscription<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(name_space),
       [this](const msg::ControllerBeat& beat, const transport::SampleInfo&) { OnBeat(beat); },
@@ -64,7 +71,9 @@ void ControllerPresence::Repeat() {
 
 void ControllerPresence::FallSilent() {
   timer_ = nullptr;
-  beats_ = nullptr;  // with it goes the last one, which newcomers would hear
+  beats_ = nullptr;  // with it goes the last one, which newcomers would receive
+  engaged_stops_ = nullptr;
+  released_stops_ = nullptr;
 }
 
 void ControllerPresence::OnBeat(const msg::ControllerBeat& beat) {
@@ -84,7 +93,13 @@ void ControllerPresence::OnBeat(const msg::ControllerBeat& beat) {
 }
 
 void ControllerPresence::Tell(const EmergencyStop& stop, bool engaged) {
-  static_cast<void>(stops_->Publish({stop.id, engaged, stop.by, stop.reason}));
+  auto& stops = engaged ? engaged_stops_ : released_stops_;
+  if (engaged && !stops) {
+    auto made = transport::MakePublisher<msg::EmergencyStop>(
+        node_, transport::EmergencyStopTopic(config_.name_space), kStopsQos);
+    if (made) stops = std::move(made).value();
+  }
+  if (stops) static_cast<void>(stops->Publish({stop.id, engaged, stop.by, stop.reason}));
 }
 
 }  // namespace musher

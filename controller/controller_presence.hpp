@@ -43,6 +43,8 @@ class ControllerPresence {
   void FallSilent();
 
   void Tell(const EmergencyStop& stop, bool engaged);
+  // None is engaged any more: an actuator that comes from now on receives releases only.
+  void ForgetEngaged() { engaged_stops_ = nullptr; }
 
  private:
   ControllerPresence(transport::Node& node, const MachineConfig& config, Identity identity,
@@ -57,7 +59,10 @@ class ControllerPresence {
   std::uint64_t epoch_ = 0;
   std::optional<Rival> rival_;
   std::unique_ptr<transport::Publisher<msg::ControllerBeat>> beats_;
-  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> stops_;
+  // Each keeps its last ones for those that come later. That of the engaged is there while there
+  // are any: an actuator must not meet one that is over.
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> engaged_stops_;
+  std::unique_ptr<transport::Publisher<msg::EmergencyStop>> released_stops_;
   transport::LoopHandlePtr timer_;
   std::unique_ptr<transport::Subscription> rivals_;
   std::unique_ptr<transport::Subscription> stops_heard_;

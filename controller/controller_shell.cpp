@@ -62,7 +62,7 @@ Result<> ControllerShell::Open() {
   auto health = HealthWatch::Make(
       node, config_, *world_.witness, world_.host, [this](const Event& event) { Handle(event); },
       [this](std::size_t i) {
-        LinkTo(i).Ask({machine_.epoch, machine_.actuators[i].report.number, false});
+        LinkTo(i).Ask({machine_.epoch, 0, false});  // a probe fences nothing
       });
   if (!health) return health.error();
   health_ = std::move(health).value();
@@ -113,6 +113,10 @@ void ControllerShell::SetState(const State& target, const std::optional<std::str
   const RequestId request = next_request_++;
   waiting_for_result_[request] = std::move(done);
   Handle(event::SetStateRequested{request, target, actuator});
+}
+
+void ControllerShell::TearDown(AfterTearDown after) {
+  Handle(event::SetStateRequested{next_request_++, State(kTearDown), std::nullopt, after});
 }
 
 void ControllerShell::AwaitSetUp(OnAnswer done) {
@@ -307,19 +311,30 @@ void ControllerShell::Do(const action::TakeBacktrace& a) {
 
 void ControllerShell::Do(const action::TellEmergencyStop& a) {
   presence_->Tell(a.stop, a.engaged);
+  if (!machine_.emergency_stop) presence_->ForgetEngaged();
 }
 
-void ControllerShell::Do(const action::SaveEmergencyStop& a) {
-  world_.save_emergency_stop(a.stop);
+ControllerShell::World::OnSaved ControllerShell::OnSaved(Stored what, std::uint64_t save) {
+  return [this, what, save](const Result<>& saved) {
+    Handle(event::SaveEnded{what, save, saved.ok(), saved ? "" : saved.error().message});
+  };
+}
+
+void ControllerShell::Do(const action::SaveEmergencyStops& a) {
+  world_.save_emergency_stops(a.stops, OnSaved(Stored::kEmergencyStops, a.save));
 }
 
 void ControllerShell::Do(const action::SaveEpoch& a) {
-  world_.save_epoch(a.epoch);
   presence_->Announce(a.epoch);
+  world_.save_epoch(a.epoch, OnSaved(Stored::kEpoch, a.save));
 }
 
 void ControllerShell::Do(const action::SavePolicy& a) {
-  if (world_.save_policy) world_.save_policy(a.policy);
+  world_.save_policy(a.policy, OnSaved(Stored::kPolicy, a.save));
+}
+
+void ControllerShell::Do(const action::SaveStopIntent& a) {
+  world_.save_stop_intent(a.intended, OnSaved(Stored::kStopIntent, a.save));
 }
 
 void ControllerShell::Do(const action::Fenced& a) {

@@ -37,9 +37,14 @@ class ControllerShell {
     ProcessRunner* processes = nullptr;
     ProcessWitness* witness = nullptr;
     JournalSink* journal = nullptr;
-    std::function<void(std::uint64_t)> save_epoch;
-    std::function<void(const std::optional<EmergencyStop>&)> save_emergency_stop;
-    std::function<void(const StoredPolicy&)> save_policy;
+    // What has to survive this controller. Each hands its value to the disk and does not wait for
+    // it: `done` runs on the loop, at once or later, when it is there or has failed. All may be
+    // called again before that; then the last value counts.
+    using OnSaved = std::function<void(const Result<>&)>;
+    std::function<void(std::uint64_t, OnSaved done)> save_epoch;
+    std::function<void(const StoredStops&, OnSaved done)> save_emergency_stops;
+    std::function<void(const StoredPolicy&, OnSaved done)> save_policy;
+    std::function<void(bool, OnSaved done)> save_stop_intent;
     std::function<std::string(const std::string&)> log_file;  // of an actuator's process
     std::function<std::int64_t()> wall_ns;                    // since 1970
     std::string config_text;  // what the config was read from, for the journal; may be empty
@@ -76,6 +81,8 @@ class ControllerShell {
   // Switches the machine, or one actuator. `done` runs exactly once, also for a refusal, maybe at
   // once.
   void SetState(const State& target, const std::optional<std::string>& actuator, OnResult done);
+  // TearDown of the machine; hooks.on_stopped tells its end.
+  void TearDown(AfterTearDown after);
   void AwaitSetUp(OnAnswer done);
   // Starts an actuator's process again; `done` when it is back, or why it is not.
   void Restart(const std::string& actuator, OnAnswer done);
@@ -127,10 +134,12 @@ class ControllerShell {
   void Do(const action::AnswerCall& a);
   void Do(const action::TakeBacktrace& a);
   void Do(const action::TellEmergencyStop& a);
-  void Do(const action::SaveEmergencyStop& a);
+  World::OnSaved OnSaved(Stored what, std::uint64_t save);
+  void Do(const action::SaveEmergencyStops& a);
   void Do(const action::Fenced& a);
   void Do(const action::SaveEpoch& a);
   void Do(const action::SavePolicy& a);
+  void Do(const action::SaveStopIntent& a);
   void Do(const action::RunPowerCommand& a);
   void Do(const action::Record& a);
   void Do(const action::StartUpEnded& a);

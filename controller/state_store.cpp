@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
@@ -23,7 +22,10 @@ namespace fs = std::filesystem;
 using transport::SystemError;
 using transport::UniqueFd;
 
-constexpr std::size_t kMaxFileSize = 1024;  // of the small files here
+constexpr std::size_t kMaxFileSize = 64 << 10;  // bytes, of the small files here
+constexpr std::size_t kLongestText = 256;       // bytes, of who engaged a stop and why
+// The stop that a damaged file counts as.
+constexpr std::uint64_t kUnknownStop = 1;
 
 // Makes a folder and those above it, each only for its owner; those that exist stay as they are.
 Result<> MakePrivateFolder(const fs::path& path) {
@@ -43,9 +45,10 @@ Result<> MakePrivateFolder(const fs::path& path) {
 }
 
 std::string ReadSmall(int fd) {
-  std::array<char, kMaxFileSize> buffer{};
-  const ssize_t size = pread(fd, buffer.data(), buffer.size(), 0);
-  return size > 0 ? std::string(buffer.data(), static_cast<std::size_t>(size)) : std::string();
+  std::string text(kMaxFileSize, '\0');
+  const ssize_t size = pread(fd, text.data(), text.size(), 0);
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+  return text;
 }
 
 bool WriteAll(int fd, std::string_view text) {
@@ -127,31 +130,60 @@ Result<> StateStore::Replace(const std::string& path, const std::string& content
   return Ok();
 }
 
-Result<> StateStore::SaveEmergencyStop(const std::optional<EmergencyStop>& stop) {
-  if (!stop) {
-    const bool gone = unlink(EmergencyStopFile().c_str()) == 0 || errno == ENOENT;
-    if (!gone || !SyncFolder(dir_)) return SystemError("can't remove " + EmergencyStopFile());
-    return Ok();
-  }
-  const auto line = [](std::string text) {
+// "engaged ID", the lines "by …" and "reason …" of that one, and "released ID"; a last line "end".
+Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {
+  const auto line = [](const std::string& name, std::string text) {
     std::replace(text.begin(), text.end(), '\n', ' ');
-    return text.substr(0, kMaxFileSize / 3) + "\n";
+    return name + " " + text.substr(0, kLongestText) + "\n";
   };
-  return Replace(EmergencyStopFile(),
-                 std::to_string(stop->id) + "\n" + line(stop->by) + line(stop->reason));
+  std::string text;
+  for (const EmergencyStop& stop : stops.engaged) {
+    text += line("engaged", std::to_string(stop.id));
+    text += line("by", stop.by) + line("reason", stop.reason);
+  }
+  for (const std::uint64_t id : stops.released) text += line("released", std::to_string(id));
+  return Replace(EmergencyStopFile(), text + "end\n");
 }
 
 // A file that cannot be read is taken for a stop that is engaged: that is the safe side.
-std::optional<EmergencyStop> StateStore::LoadEmergencyStop() const {
+StoredStops StateStore::LoadEmergencyStops() const {
+  const StoredStops damaged{{{kUnknownStop, "", "its file was damaged"}}, {}};
   const UniqueFd file(open(EmergencyStopFile().c_str(), O_RDONLY | O_CLOEXEC));
-  if (!file.valid() && errno == ENOENT) return std::nullopt;
-  EmergencyStop stop;
-  std::istringstream text(file.valid() ? ReadSmall(file.get()) : "");
-  if (!(text >> stop.id) || stop.id == 0) return EmergencyStop{1, "", "its file was damaged"};
-  text.ignore();
-  std::getline(text, stop.by);
-  std::getline(text, stop.reason);
-  return stop;
+  if (!file.valid()) return errno == ENOENT ? StoredStops{} : damaged;
+  std::istringstream text(ReadSmall(file.get()));
+  StoredStops stops;
+  for (std::string line; std::getline(text, line);) {
+    const std::size_t space = std::min(line.find(' '), line.size());
+    const std::string name = line.substr(0, space);
+    const std::string value = space < line.size() ? line.substr(space + 1) : "";
+    std::uint64_t id = 0;
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), id);
+    const bool is_id = error == std::errc() && end == value.data() + value.size() && id != 0;
+    if (name == "end" && value.empty()) return stops;
+    if (name == "engaged" && is_id) {
+      stops.engaged.push_back({id, "", ""});
+    } else if (name == "released" && is_id) {
+      stops.released.push_back(id);
+    } else if (name == "by" && !stops.engaged.empty()) {
+      stops.engaged.back().by = value;
+    } else if (name == "reason" && !stops.engaged.empty()) {
+      stops.engaged.back().reason = value;
+    } else {
+      return damaged;
+    }
+  }
+  return damaged;  // cut short
+}
+
+Result<> StateStore::SaveStopIntent(bool intended) {
+  if (intended) return Replace(StopIntentFile(), "the machine is to stay down\n");
+  const bool gone = unlink(StopIntentFile().c_str()) == 0 || errno == ENOENT;
+  if (!gone || !SyncFolder(dir_)) return SystemError("can't remove " + StopIntentFile());
+  return Ok();
+}
+
+bool StateStore::LoadStopIntent() const {
+  return access(StopIntentFile().c_str(), F_OK) == 0 || errno != ENOENT;
 }
 
 // "low_power on", "lowered Active Protected 7", the last the epoch.

@@ -47,9 +47,14 @@ class StateStore {
   // actuators.
   Result<> SaveEpoch(std::uint64_t epoch);
 
-  // The emergency stop that is engaged; none when it has been released, or there never was one.
-  Result<> SaveEmergencyStop(const std::optional<EmergencyStop>& stop);
-  std::optional<EmergencyStop> LoadEmergencyStop() const;
+  // The emergency stops that are engaged, and the last ones that were released. A file that cannot
+  // be read counts as one that is engaged.
+  Result<> SaveEmergencyStops(const StoredStops& stops);
+  StoredStops LoadEmergencyStops() const;
+
+  // Whether the machine is to be torn down, and to stay so until a person starts it.
+  Result<> SaveStopIntent(bool intended);
+  bool LoadStopIntent() const;
 
   // What the policy remembers; nothing where there is no file yet, or none that can be read.
   Result<> SavePolicy(const StoredPolicy& policy);
@@ -71,6 +76,7 @@ class StateStore {
   std::string EpochFile() const { return dir_ + "/epoch"; }
   std::string EmergencyStopFile() const { return dir_ + "/emergency_stop"; }
   std::string PolicyFile() const { return dir_ + "/policy"; }
+  std::string StopIntentFile() const { return dir_ + "/stop_intent"; }
   Result<> Replace(const std::string& path, const std::string& content) const;
 
   std::string dir_;

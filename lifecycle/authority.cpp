@@ -7,7 +7,10 @@
 namespace musher {
 namespace {
 
-constexpr std::size_t kReleasedKept = 16;
+// So many ids of emergency stops that are over are remembered, here and on disk.
+constexpr std::size_t kReleasedKept = 64;
+// So many are engaged beside the first one at most; more change nothing.
+constexpr std::size_t kMostStops = 64;
 
 }  // namespace
 
@@ -62,44 +65,96 @@ void Decision::Decline(const Event& event) {
 
 void Decision::On(const event::EmergencyStopSeen& seen) {
   if (!seen.engaged) return HearRelease(seen.stop.id);
-  const auto& released = machine_.released_stops;
-  const bool over = std::find(released.begin(), released.end(), seen.stop.id) != released.end();
-  if (seen.stop.id == 0 || over) return;
-  const auto& engaged = machine_.emergency_stop;
-  // An actuator that had latched it may have spoken before whoever engaged it.
-  const bool explains =
-      engaged && engaged->id == seen.stop.id && engaged->by.empty() && !seen.stop.by.empty();
-  if (engaged && !explains) return EngageToo(seen.stop.id);
-  Engage(seen.stop);
+  const bool leads = machine_.phase != Phase::kIdle;
+  if (Add(seen.stop) && leads) Engage(seen.stop);
 }
 
-// The controller before us has released it. Once we lead, only we do.
+bool Decision::IsReleased(std::uint64_t id) const {
+  const auto& released = machine_.released_stops;
+  return std::find(released.begin(), released.end(), id) != released.end();
+}
+
+// Adds a stop to those that are engaged. Says whether there is anything new about it.
+bool Decision::Add(const EmergencyStop& stop) {
+  if (stop.id == 0 || IsReleased(stop.id)) return false;
+  auto& first = machine_.emergency_stop;
+  if (!first) {
+    first = stop;
+    return true;
+  }
+  auto& others = machine_.other_stops;
+  const auto same = [&](const EmergencyStop& other) { return other.id == stop.id; };
+  const auto found = std::find_if(others.begin(), others.end(), same);
+  EmergencyStop* known = same(*first) ? &*first : found != others.end() ? &*found : nullptr;
+  if (known == nullptr) {
+    if (others.size() >= kMostStops) return false;
+    others.push_back(stop);
+    return true;
+  }
+  // An actuator that had latched it may have reported before the one that engaged it was received.
+  if (!known->by.empty() || stop.by.empty()) return false;
+  *known = stop;
+  return true;
+}
+
+// What the controller before had released. Once this one leads, it alone releases.
 void Decision::HearRelease(std::uint64_t id) {
-  if (machine_.phase != Phase::kIdle) return;
+  if (machine_.phase != Phase::kIdle || id == 0 || IsReleased(id)) return;
   machine_.released_stops.push_back(id);
-  std::erase(machine_.other_stops, id);
+  if (machine_.released_stops.size() > kReleasedKept) {
+    machine_.released_stops.erase(machine_.released_stops.begin());
+  }
+  std::erase_if(machine_.other_stops, [id](const EmergencyStop& stop) { return stop.id == id; });
   if (!machine_.emergency_stop || machine_.emergency_stop->id != id) return;
   machine_.emergency_stop.reset();
-  Do(action::SaveEmergencyStop{});
-  RecordMachine(kCodeOk, "the emergency stop was released by the controller before");
+  if (machine_.other_stops.empty()) return;
+  machine_.emergency_stop = machine_.other_stops.front();
+  machine_.other_stops.erase(machine_.other_stops.begin());
 }
 
-void Decision::EngageToo(std::uint64_t id) {
-  auto& others = machine_.other_stops;
-  const bool known = machine_.emergency_stop->id == id ||
-                     std::find(others.begin(), others.end(), id) != others.end();
-  if (!known) others.push_back(id);
+// The stops on disk and those that were received before this controller led. Both are published, so
+// that a panel which still says "engaged" engages none that is over.
+void Decision::BeginStops(const StoredStops& stored) {
+  const StoredStops received = Stops();
+  machine_.emergency_stop.reset();
+  machine_.other_stops.clear();
+  machine_.released_stops = stored.released;
+  for (const std::uint64_t id : received.released) {
+    if (!IsReleased(id)) machine_.released_stops.push_back(id);
+  }
+  auto& released = machine_.released_stops;
+  if (released.size() > kReleasedKept) {
+    released.erase(released.begin(), released.end() - static_cast<std::ptrdiff_t>(kReleasedKept));
+  }
+  for (const std::uint64_t id : released) Do(action::TellEmergencyStop{{id, "", ""}, false});
+  for (const auto& engaged : {stored.engaged, received.engaged}) {
+    for (const EmergencyStop& stop : engaged) {
+      if (Add(stop)) Engage(stop);
+    }
+  }
+  if (Stops() != stored) Save(Stored::kEmergencyStops);
 }
 
-// The actuators have latched it themselves by now, or do so when they hear of it from us.
+StoredStops Decision::Stops() const {
+  StoredStops stops;
+  if (machine_.emergency_stop) stops.engaged.push_back(*machine_.emergency_stop);
+  stops.engaged.insert(stops.engaged.end(), machine_.other_stops.begin(),
+                       machine_.other_stops.end());
+  stops.released = machine_.released_stops;
+  return stops;
+}
+
+// The actuators have latched it themselves by now, or do so when they receive it from us. It is
+// published first and saved after.
 void Decision::Engage(const EmergencyStop& stop) {
-  machine_.emergency_stop = stop;
   Do(action::TellEmergencyStop{stop, true});
-  Do(action::SaveEmergencyStop{stop});
-  machine_.stop_cause =
-      RecordMachine(kCodeProtectedError, "emergency stop, engaged by " +
-                                             (stop.by.empty() ? "somebody" : stop.by) +
-                                             (stop.reason.empty() ? "" : ": " + stop.reason));
+  Save(Stored::kEmergencyStops);
+  const std::string origin = (stop.by.empty() ? "an unknown source" : stop.by) +
+                             (stop.reason.empty() ? "" : ": " + stop.reason);
+  const std::uint64_t told =
+      RecordMachine(kCodeProtectedError, "emergency stop, engaged by " + origin,
+                    machine_.other_stops.empty() ? 0 : machine_.stop_cause);
+  if (machine_.other_stops.empty()) machine_.stop_cause = told;
   if (machine_.current) machine_.current->stopped = true;
 }
 
@@ -108,12 +163,13 @@ void Decision::On(const event::ReleaseRequested& requested) {
     return Do(action::AnswerCall{requested.request,
                                  Error{kCodeStateInvalid, "no emergency stop is engaged"}});
   }
-  const EmergencyStop stop = *std::exchange(machine_.emergency_stop, std::nullopt);
-  Do(action::SaveEmergencyStop{});
-  Release(stop.id);
-  for (const std::uint64_t id : std::exchange(machine_.other_stops, {})) Release(id);
+  const std::vector<EmergencyStop> engaged = Stops().engaged;
+  machine_.emergency_stop.reset();
+  machine_.other_stops.clear();
+  for (const EmergencyStop& stop : engaged) Release(stop.id);
+  Save(Stored::kEmergencyStops);
   RecordMachine(kCodeOk, "the emergency stop is released by " +
-                             (requested.by.empty() ? "somebody" : requested.by) +
+                             (requested.by.empty() ? "an unknown source" : requested.by) +
                              "; no state is changed by that");
   Do(action::AnswerCall{requested.request, Ok()});
 }
@@ -125,17 +181,14 @@ void Decision::Release(std::uint64_t id) {
   Do(action::TellEmergencyStop{{id, "", ""}, false});
 }
 
-// An actuator may have latched one that we missed, or missed the release of one: we follow the
-// first and repeat the second.
+// An actuator may have latched one that this controller missed, or missed the release of one: the
+// first engages the machine's, the second is published again.
 void Decision::HoldTo(const ActuatorReport& report, std::size_t i) {
   const std::uint64_t id = report.emergency_stop;
-  if (id == 0) return;
-  if (machine_.emergency_stop) return EngageToo(id);
-  const auto& released = machine_.released_stops;
-  if (std::find(released.begin(), released.end(), id) != released.end()) {
-    return Do(action::TellEmergencyStop{{id, "", ""}, false});
-  }
-  Engage({id, "", ConfigOf(i).name + " had latched it"});  // by whom is not known, or not yet
+  if (id == 0 || machine_.phase == Phase::kIdle) return;
+  if (IsReleased(id)) return Do(action::TellEmergencyStop{{id, "", ""}, false});
+  const EmergencyStop stop{id, "", ConfigOf(i).name + " had latched it"};
+  if (Add(stop)) Engage(stop);
 }
 
 }  // namespace musher

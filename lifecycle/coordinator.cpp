@@ -101,6 +101,7 @@ std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& mac
   for (const ActuatorRecord& record : machine.actuators) consider(NextDeadlineOf(record));
   if (machine.phase == Phase::kStopping && machine.stopping) {
     const Stopping& stopping = *machine.stopping;
+    consider(stopping.intent_by);
     if (!stopping.terminated) consider(stopping.terminate_at);
     consider(stopping.killed ? stopping.give_up_at : stopping.kill_at);
   }

@@ -14,6 +14,7 @@
 //   authority.cpp  other controllers, the emergency stop
 //   policy_rules.cpp, policy_requests.cpp, power.cpp  the manager's rules (policy.hpp)
 //   stopping.cpp   TearDown, SIGTERM, SIGKILL within the budget
+//   saving.cpp     what has to be on disk, and what is not yet
 
 #include <cstdint>
 #include <optional>
@@ -32,15 +33,19 @@ namespace event {
 
 // Starts the machine: with `by_hand` only SetUp, the rest comes as requests. `running[i]` says that
 // a process of actuator i runs on this host already, `processes[i]` is its pid where its end can be
-// seen, else 0. `epoch` is the last one on disk.
+// seen, else 0. `epoch`, `stops`, `policy` and `stop_intent` are what was found on disk.
+// `restarted`: a supervisor starts the controller again, no person does; with `stop_intent` it ends
+// the TearDown that was begun, and the machine stays down. A person's start clears the intent.
 struct Begin {
   bool by_hand = false;
   std::uint64_t epoch = 0;
   std::vector<bool> running;
-  std::string host = {};                             // of the controller
-  std::optional<EmergencyStop> emergency_stop = {};  // the one on disk
+  std::string host = {};  // of the controller
+  StoredStops stops = {};
   std::vector<std::int32_t> processes = {};
-  StoredPolicy policy = {};  // the one on disk
+  StoredPolicy policy = {};
+  bool stop_intent = false;
+  bool restarted = false;
   friend bool operator==(const Begin&, const Begin&) = default;
 };
 // An actuator's latched status came.
@@ -130,7 +135,8 @@ struct ReleaseRequested {
 struct SetStateRequested {
   RequestId request = 0;
   State target;
-  std::optional<std::string> actuator;
+  std::optional<std::string> actuator = {};
+  AfterTearDown after = AfterTearDown::kStaysDown;  // of a TearDown of the machine
   friend bool operator==(const SetStateRequested&, const SetStateRequested&) = default;
 };
 // Tell when all actuators are set up, or when that has failed.
@@ -168,6 +174,14 @@ struct PolicyRequested {
   bool enable = false;     // of kOta and the low-power switch
   friend bool operator==(const PolicyRequested&, const PolicyRequested&) = default;
 };
+// The save of that number has ended. One that failed may still succeed later, which is told again.
+struct SaveEnded {
+  Stored what = Stored::kEpoch;
+  std::uint64_t save = 0;
+  bool ok = false;
+  std::string why;  // it failed
+  friend bool operator==(const SaveEnded&, const SaveEnded&) = default;
+};
 // Nothing happened but time.
 struct TimePassed {
   friend bool operator==(const TimePassed&, const TimePassed&) = default;
@@ -175,12 +189,13 @@ struct TimePassed {
 
 }  // namespace event
 
-using Event = std::variant<
-    event::Begin, event::StatusSeen, event::Replied, event::Vanished, event::ProcessStarted,
-    event::ProcessNotStarted, event::ProcessEnded, event::HealthChanged, event::BacktraceTaken,
-    event::RestartRequested, event::RivalHeard, event::EmergencyStopSeen, event::ReleaseRequested,
-    event::SetStateRequested, event::SetUpAwaited, event::BatterySeen, event::MotionSeen,
-    event::InputSilent, event::ClockHeard, event::PolicyRequested, event::TimePassed>;
+using Event = std::variant<event::Begin, event::StatusSeen, event::Replied, event::Vanished,
+                           event::ProcessStarted, event::ProcessNotStarted, event::ProcessEnded,
+                           event::HealthChanged, event::BacktraceTaken, event::RestartRequested,
+                           event::RivalHeard, event::EmergencyStopSeen, event::ReleaseRequested,
+                           event::SetStateRequested, event::SetUpAwaited, event::BatterySeen,
+                           event::MotionSeen, event::InputSilent, event::ClockHeard,
+                           event::PolicyRequested, event::SaveEnded, event::TimePassed>;
 
 namespace action {
 
@@ -230,26 +245,33 @@ struct TellEmergencyStop {
   bool engaged = false;
   friend bool operator==(const TellEmergencyStop&, const TellEmergencyStop&) = default;
 };
-// The latch has to survive this controller.
-struct SaveEmergencyStop {
-  std::optional<EmergencyStop> stop;
-  friend bool operator==(const SaveEmergencyStop&, const SaveEmergencyStop&) = default;
+// What has to survive this controller. A save is asked for and not waited for; its end comes back
+// as SaveEnded with its number. Of each kind only the last save counts.
+struct SaveEpoch {
+  std::uint64_t epoch = 0;
+  std::uint64_t save = 0;
+  friend bool operator==(const SaveEpoch&, const SaveEpoch&) = default;
 };
-// What the policy remembers has to survive this controller.
+struct SaveEmergencyStops {
+  StoredStops stops;
+  std::uint64_t save = 0;
+  friend bool operator==(const SaveEmergencyStops&, const SaveEmergencyStops&) = default;
+};
 struct SavePolicy {
   StoredPolicy policy;
+  std::uint64_t save = 0;
   friend bool operator==(const SavePolicy&, const SavePolicy&) = default;
+};
+struct SaveStopIntent {
+  bool intended = false;  // false: there is none any more
+  std::uint64_t save = 0;
+  friend bool operator==(const SaveStopIntent&, const SaveStopIntent&) = default;
 };
 // Run the command of [policy.power_off] or [policy.reboot], if there is one. The machine is torn
 // down, or its time was over.
 struct RunPowerCommand {
   bool reboot = false;
   friend bool operator==(const RunPowerCommand&, const RunPowerCommand&) = default;
-};
-// The epoch has to be on disk before the next command is sent.
-struct SaveEpoch {
-  std::uint64_t epoch = 0;
-  friend bool operator==(const SaveEpoch&, const SaveEpoch&) = default;
 };
 // For the journal and the log. Its `cause` is the record that it follows from, so that a chain of
 // them explains what was done.
@@ -286,9 +308,9 @@ struct Stopped {
 using Action =
     std::variant<action::SendSwitch, action::SendAsk, action::StartProcess, action::SignalProcess,
                  action::AnswerSetState, action::AnswerCall, action::TakeBacktrace,
-                 action::TellEmergencyStop, action::SaveEmergencyStop, action::SaveEpoch,
-                 action::SavePolicy, action::RunPowerCommand, action::Record, action::StartUpEnded,
-                 action::Fenced, action::Stopped>;
+                 action::TellEmergencyStop, action::SaveEmergencyStops, action::SaveEpoch,
+                 action::SavePolicy, action::SaveStopIntent, action::RunPowerCommand,
+                 action::Record, action::StartUpEnded, action::Fenced, action::Stopped>;
 
 // One step of the decision. Events about what is not expected any more (a late reply, an exit that
 // was seen already) change no more than what is known about the actuator.

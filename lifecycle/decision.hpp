@@ -62,6 +62,7 @@ class Decision {
   void On(const event::InputSilent& silent);
   void On(const event::ClockHeard& heard);
   void On(const event::PolicyRequested& requested);
+  void On(const event::SaveEnded& ended);
   void On(const event::TimePassed&) {}
 
   // Deadlines, then whatever has become possible. Ends every step.
@@ -183,10 +184,16 @@ class Decision {
 
   // authority.cpp
   void HoldTo(const ActuatorReport& report, std::size_t i);
+  void BeginStops(const StoredStops& stored);
   void Engage(const EmergencyStop& stop);
-  void EngageToo(std::uint64_t id);
+  bool Add(const EmergencyStop& stop);
   void Release(std::uint64_t id);
   void HearRelease(std::uint64_t id);
+  bool IsReleased(std::uint64_t id) const;
+  StoredStops Stops() const;
+
+  // saving.cpp
+  void Save(Stored what);
 
   // policy_rules.cpp
   void BeginPolicy(const StoredPolicy& stored);
@@ -199,7 +206,7 @@ class Decision {
   bool TakeDown(BatteryLevel level);
   bool BringBack();
   bool RestWhenStill();
-  bool BeginByPolicy(const State& target, const std::string& why, std::uint64_t cause);
+  bool BeginByPolicy(const Plan& plan, const std::string& why, std::uint64_t cause);
   void BackOff();
   void NoteEndOfSwitch(const Switch& s, bool undone);
   void NoteSuperseded(const Switch& s);
@@ -232,13 +239,19 @@ class Decision {
   void ForcePower();
 
   // stopping.cpp
-  void Stop(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause);
-  void AfterTearDown(SwitchResult result);
+  void Stop(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause,
+            AfterTearDown after = AfterTearDown::kStaysDown);
+  void OnTornDown(SwitchResult result);
   void AdvanceStopping();
   std::int32_t OwnProcess(std::size_t i) const;
   bool ProcessesLeft() const;
   void SignalProcesses(bool kill);
   void EndUnfinished();
+  void JoinStop(const event::SetStateRequested& requested);
+  bool WaitsForIntent();
+  std::string MayLive(std::size_t i) const;
+  void ListWhatLives();
+  SwitchResult StopResult();
 
   // coordinator.cpp
   ActuatorRecord& Of(std::size_t i) { return machine_.actuators[i]; }

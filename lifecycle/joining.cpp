@@ -140,8 +140,8 @@ bool Decision::BeginFallback() {
   LowerAtMostTo(target);
   const auto rank = config_.RankOf(machine_.state);
   if (!rank || *config_.RankOf(target) >= *rank) return false;  // it is as safe as that already
-  const Plan plan = MakePlan(config_, machine_, target);
-  if (plan.refusal) {
+  const Plan plan = MakeSafetyPlan(config_, machine_, target);
+  if (plan.refusal) {  // not of a running machine with a valid config
     RecordMachine(plan.refusal->code,
                   "cannot fall back to " + target + ": " + plan.refusal->message,
                   machine_.fallback_cause);

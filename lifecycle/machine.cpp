@@ -36,6 +36,20 @@ std::string_view PresenceName(Presence presence) {
   return "lost";
 }
 
+std::string_view StoredName(Stored what) {
+  switch (what) {
+    case Stored::kEpoch:
+      return "epoch";
+    case Stored::kEmergencyStops:
+      return "emergency stop";
+    case Stored::kPolicy:
+      return "policy";
+    case Stored::kStopIntent:
+      break;
+  }
+  return "intent to stop";
+}
+
 Machine MakeMachine(const MachineConfig& config) {
   Machine machine;
   machine.state = config.default_state;

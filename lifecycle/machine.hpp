@@ -148,6 +148,13 @@ struct Switch {
   friend bool operator==(const Switch&, const Switch&) = default;
 };
 
+// What is meant to follow a TearDown of the machine.
+enum class AfterTearDown {
+  kStaysDown,    // until a person starts it
+  kMayStart,     // a supervisor ends it, and may start it whenever it likes once it is down
+  kStartsAgain,  // the same controller starts it again, from another slot
+};
+
 // The end of the machine: when to get harder.
 struct Stopping {
   Time begun{};
@@ -157,6 +164,8 @@ struct Stopping {
   Time give_up_at{};                 // the budget is over
   bool terminated = false;
   bool killed = false;
+  AfterTearDown after = AfterTearDown::kStaysDown;
+  std::optional<Time> intent_by;  // TearDown waits until its intent is on disk, at most to then
   std::optional<SwitchResult> result;  // of TearDown, told when the processes are gone
   std::vector<std::uint64_t> requests;
 
@@ -172,9 +181,37 @@ struct EmergencyStop {
   friend bool operator==(const EmergencyStop&, const EmergencyStop&) = default;
 };
 
+// The emergency stops as the next controller has to know them.
+struct StoredStops {
+  std::vector<EmergencyStop> engaged;   // oldest first
+  std::vector<std::uint64_t> released;  // ids, the last one at the end
+
+  friend bool operator==(const StoredStops&, const StoredStops&) = default;
+};
+
+// What of a controller is on disk, for the next one.
+enum class Stored {
+  kEpoch,
+  kEmergencyStops,
+  kPolicy,
+  kStopIntent,  // the machine is to be torn down and to stay so
+};
+std::string_view StoredName(Stored what);  // "epoch", "emergency stop", …
+
+// Something that was handed to the disk and is not known to be there.
+struct Unsaved {
+  Stored what = Stored::kEpoch;
+  std::uint64_t save = 0;  // the last save of it
+  Time since{};            // of the first one that is not there
+  std::string why;         // it has failed; empty: not ended yet
+
+  friend bool operator==(const Unsaved&, const Unsaved&) = default;
+};
+
 struct Machine {
   Phase phase = Phase::kIdle;
-  bool by_hand = false;  // a program drives the start-up itself (MachineController's calls)
+  bool by_hand = false;    // a program drives the start-up itself (MachineController's calls)
+  bool finishing = false;  // a supervisor's start, which ends the TearDown of the controller before
   State state{kUninitialized};
   std::string host;  // of the controller: processes of this host can be watched and signalled
   std::uint64_t epoch = 0;
@@ -189,11 +226,13 @@ struct Machine {
   std::optional<Stopping> stopping;
   std::optional<EmergencyStop> emergency_stop;
   std::uint64_t stop_cause = 0;                // the record that tells of it
-  std::vector<std::uint64_t> other_stops;      // engaged beside it, released with it
+  std::vector<EmergencyStop> other_stops;      // engaged beside it, released with it
   std::vector<std::uint64_t> released_stops;   // the last ones that were released
   std::vector<std::uint64_t> set_up_requests;  // who waits for all actuators to be set up
   std::uint64_t last_record = 0;               // id of the last record
   State told_state;                            // the last one that a record told
+  std::uint64_t last_save = 0;                 // number of the last save
+  std::vector<Unsaved> unsaved;                // what is not on disk yet
   PolicyState policy;
 
   friend bool operator==(const Machine&, const Machine&) = default;

@@ -39,13 +39,13 @@ void Decision::Claim(std::size_t i) {
 // An earlier controller has been here. Whoever follows already hears of the new epoch at once.
 void Decision::RaiseEpoch(std::uint64_t epoch, std::size_t because_of) {
   machine_.epoch = epoch;
-  Do(action::SaveEpoch{epoch});
+  Save(Stored::kEpoch);
   Lower(std::nullopt);  // that one may have led the machine elsewhere
   RecordMachine(kCodeOk, "epoch " + std::to_string(epoch) + ": " + ConfigOf(because_of).name +
                              " had followed epoch " + std::to_string(epoch - 1));
   for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
     if (other == because_of || Of(other).presence != Presence::kPresent) continue;
-    Do(action::SendAsk{other, Of(other).report.number, false});
+    Do(action::SendAsk{other, 0, false});  // what waits there goes on waiting
   }
 }
 

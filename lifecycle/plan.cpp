@@ -33,8 +33,8 @@ Direction DirectionOf(const MachineConfig& config, const State& from, const Stat
 class Planning {
  public:
   Planning(const MachineConfig& config, const Machine& machine, const State& target,
-           std::optional<std::size_t> only)
-      : config_(config), machine_(machine) {
+           std::optional<std::size_t> only, bool for_safety)
+      : config_(config), machine_(machine), for_safety_(for_safety) {
     plan_.target = target;
     plan_.only = only;
     plan_.from = only ? machine.actuators[*only].state() : machine.state;
@@ -75,7 +75,8 @@ class Planning {
     if (machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped) {
       return Error{kCodeStateInvalid, "the machine is torn down; only a new start brings it back"};
     }
-    if (!FlowAllows(config_, plan_.from, target)) {
+    const bool exempt = for_safety_ && plan_.direction == Direction::kDown;
+    if (!exempt && !FlowAllows(config_, plan_.from, target)) {
       return Error{kCodeStateInvalid, who + " cannot go from " + plan_.from + " to " + target +
                                           "; from here it can go to " +
                                           List(Reachable(config_, plan_.from))};
@@ -269,6 +270,7 @@ class Planning {
 
   const MachineConfig& config_;
   const Machine& machine_;
+  const bool for_safety_;
   Plan plan_;
 };
 
@@ -290,7 +292,11 @@ std::string_view DirectionName(Direction direction) {
 
 Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,
               std::optional<std::size_t> only) {
-  return Planning(config, machine, target, only).Make();
+  return Planning(config, machine, target, only, false).Make();
+}
+
+Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const State& target) {
+  return Planning(config, machine, target, std::nullopt, true).Make();
 }
 
 }  // namespace musher

@@ -62,4 +62,8 @@ struct Plan {
 Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,
               std::optional<std::size_t> only = std::nullopt);
 
+// The plan for a safe state: the on_lost of an actuator, or the battery's ceiling. The flow does
+// not count: what is less active can always be reached.
+Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const State& target);
+
 }  // namespace musher

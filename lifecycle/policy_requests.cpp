@@ -8,6 +8,9 @@
 namespace musher {
 namespace {
 
+// A year: nothing sensible is kept for longer, and the end of it can be computed with.
+constexpr std::int64_t kLongestKeep = std::int64_t{365} * 24 * 3600;
+
 std::string Describe(const event::PolicyRequested& requested) {
   const std::string state = requested.state.substr(0, 64);
   switch (requested.what) {
@@ -113,7 +116,10 @@ std::optional<Error> Decision::BeginUp(const Requested& requested, std::uint64_t
 
 std::optional<Error> Decision::HandleKeep(const Requested& requested, std::uint64_t asked) {
   PolicyState& policy = machine_.policy;
-  if (requested.ticks < 0) return Error{kCodeParametersInvalid, "a keep lasts 0 s or more"};
+  if (requested.ticks < 0 || requested.ticks > kLongestKeep) {
+    return Error{kCodeParametersInvalid, "a keep lasts 0 to " + std::to_string(kLongestKeep) +
+                                             " s, not " + std::to_string(requested.ticks) + " s"};
+  }
   if (policy.keep && requested.ticks == 0) {
     EndKeep("it is called off");
     Do(action::AnswerCall{requested.request, Ok()});
@@ -174,7 +180,7 @@ std::optional<Error> Decision::HandleLowPowerSwitch(const Requested& requested,
   policy.low_power = requested.enable;
   if (requested.what == PolicyRequest::kLowPowerStore) {
     policy.stored.low_power = requested.enable;
-    Do(action::SavePolicy{policy.stored});
+    Save(Stored::kPolicy);
   }
   // Off also wakes up who rests for another reason than the battery.
   const bool wakes = off && machine_.state == kLowPower && !policy.stored.lowering &&

@@ -166,7 +166,8 @@ bool Decision::TakeDown(BatteryLevel level) {
   if (!most || !rank || *rank <= *most || target.empty()) return false;
   const auto& before = machine_.policy.stored.lowering;
   const State from = before && before->to == machine_.state ? before->from : machine_.state;
-  if (!BeginByPolicy(target, BatteryText(machine_.policy) + ": down to " + target,
+  if (!BeginByPolicy(MakeSafetyPlan(config_, machine_, target),
+                     BatteryText(machine_.policy) + ": down to " + target,
                      machine_.policy.level_cause)) {
     return false;
   }
@@ -185,7 +186,8 @@ bool Decision::BringBack() {
   const State target = UpTo(lowering->from);
   const auto rank = config_.RankOf(target);
   if (!rank || *rank <= *config_.RankOf(machine_.state) || machine_.emergency_stop) return false;
-  return BeginByPolicy(target, BatteryText(machine_.policy) + ": back to " + target,
+  return BeginByPolicy(MakePlan(config_, machine_, target),
+                       BatteryText(machine_.policy) + ": back to " + target,
                        machine_.policy.level_cause);
 }
 
@@ -214,13 +216,12 @@ bool Decision::RestWhenStill() {
   const Duration limit = config_.policy->low_power->lying_still;
   if (policy_now() < *since + limit) return false;
   Lower(std::nullopt);  // from now on it is at rest for another reason
-  return BeginByPolicy(State(kLowPower),
+  return BeginByPolicy(MakePlan(config_, machine_, State(kLowPower)),
                        "the robot has lain still for " + InSeconds(limit) + ": down to LowPower",
                        0);
 }
 
-bool Decision::BeginByPolicy(const State& target, const std::string& why, std::uint64_t cause) {
-  const Plan plan = MakePlan(config_, machine_, target);
+bool Decision::BeginByPolicy(const Plan& plan, const std::string& why, std::uint64_t cause) {
   if (plan.refusal) {
     if (machine_.policy.failures == 0) {
       RecordPolicy(plan.refusal->code, why + " is refused: " + plan.refusal->message, cause);
@@ -243,7 +244,7 @@ void Decision::Lower(std::optional<Lowering> lowering) {
   if (lowering) lowering->epoch = machine_.epoch;
   if (stored.lowering == lowering) return;
   stored.lowering = lowering;
-  Do(action::SavePolicy{stored});
+  Save(Stored::kPolicy);
 }
 
 // An actuator is lost: whatever the battery does, the machine goes no higher than that allows.

@@ -10,6 +10,9 @@ namespace {
 
 // The record that Begin makes is the first one.
 constexpr std::uint64_t kBegun = 1;
+// A supervisor's start that ends a TearDown waits so long for actuators it knows nothing of. They
+// run already, and are discovered within a second.
+constexpr Duration kFinishingPatience = std::chrono::seconds(3);
 
 }  // namespace
 
@@ -24,13 +27,22 @@ void Decision::On(const event::Begin& begin) {
   machine_.by_hand = begin.by_hand;
   machine_.host = begin.host;
   machine_.epoch = begin.epoch + 1;
-  Do(action::SaveEpoch{machine_.epoch});
+  machine_.finishing = begin.stop_intent && begin.restarted;
+  Save(Stored::kEpoch);
   for (std::size_t i = 0; i < begin.running.size(); ++i) Of(i).found_running = begin.running[i];
   for (std::size_t i = 0; i < begin.processes.size(); ++i) Of(i).process = begin.processes[i];
   RecordMachine(kCodeOk, "controller epoch " + std::to_string(machine_.epoch) + " begins, " +
                              std::to_string(machine_.actuators.size()) + " actuators");
-  StartStage(begin.by_hand ? LastStage(config_) : 1, kBegun);
-  if (begin.emergency_stop) Engage(*begin.emergency_stop);
+  if (machine_.finishing) {
+    RecordMachine(kCodeOk,
+                  "the controller before was taking the machine down; this start by a supervisor "
+                  "ends that, and the machine stays down until `musher up` starts it",
+                  kBegun);
+  } else if (begin.stop_intent) {
+    Save(Stored::kStopIntent);  // there is none any more
+  }
+  StartStage(begin.by_hand || machine_.finishing ? LastStage(config_) : 1, kBegun);
+  BeginStops(begin.stops);
   BeginPolicy(begin.policy);
 }
 
@@ -45,11 +57,14 @@ void Decision::StartStage(int stage, std::uint64_t cause) {
     if (ConfigOf(i).stage > stage || record.presence == Presence::kPresent || record.set_up_by)
       continue;
     record.cause = cause;
-    if (waited_for) record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
+    const Duration set_up = config_.TimeFor(i, kSetUp);
+    const Duration patience = machine_.finishing ? std::min(set_up, kFinishingPatience) : set_up;
+    if (waited_for || machine_.finishing) record.set_up_by = now_ + patience;
   }
 }
 
 bool Decision::StartProcesses() {
+  if (machine_.finishing) return false;
   bool changed = false;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
@@ -229,6 +244,7 @@ void Decision::EndFirstStage() {
   AnswerWhoAwaitsSetUp();
   const std::uint64_t told =
       RecordMachine(kCodeOk, std::to_string(present) + " actuators are set up", kBegun);
+  if (machine_.finishing) return AdoptFrom(State(kTearDown), told);
   if (const auto lowest = LowestFound()) return AdoptFrom(*lowest, told);
   if (machine_.by_hand) return;
   if (present == 0) {
@@ -286,7 +302,7 @@ std::string Decision::HalfWay() const {
 void Decision::AdoptFrom(const State& lowest, std::uint64_t cause) {
   if (lowest == kTearDown) {
     const std::string message =
-        "an earlier controller left the machine in the middle of TearDown; that is ended";
+        "the controller before ended in the middle of TearDown; this one finishes it";
     const std::uint64_t told = RecordMachine(kCodeOk, message, cause);
     Do(action::StartUpEnded{false, message});
     return Stop(MakePlan(config_, machine_, lowest), {}, told);

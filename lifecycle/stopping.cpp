@@ -1,5 +1,12 @@
 // The end: TearDown in reverse order, then SIGTERM, then SIGKILL. Of the budget TearDown may use 70
 // %; at 90 % whatever is left is killed; at 100 % the machine is stopped, come what may.
+//
+// Before the first TearDown the intent goes to disk, so that a controller which a supervisor starts
+// after a crash finishes the TearDown instead of bringing the machine up. A disk that does not
+// answer holds it up for a moment only.
+//
+// What was lost and is not known to have ended may live on in the state it had: it is listed as
+// degraded, and the outcome is done-degraded.
 
 #include <algorithm>
 
@@ -10,10 +17,13 @@ namespace {
 
 // A process that is torn down ends by itself; this long it is left alone.
 constexpr Duration kExitGrace = Milliseconds(1000);
+// So long TearDown waits for the disk, and at most a tenth of the budget.
+constexpr Duration kIntentTime = Milliseconds(500);
 
 }  // namespace
 
-void Decision::Stop(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause) {
+void Decision::Stop(const Plan& plan, std::vector<RequestId> requests, std::uint64_t cause,
+                    AfterTearDown after) {
   if (machine_.current) Supersede(machine_.number + 1, plan.target, cause);
   for (const RequestId request : std::exchange(machine_.set_up_requests, {})) {
     Do(action::AnswerCall{request, Error{kCodeStateInvalid, "the machine is being torn down"}});
@@ -28,20 +38,69 @@ void Decision::Stop(const Plan& plan, std::vector<RequestId> requests, std::uint
   machine_.stopping = std::move(stopping);
   machine_.phase = Phase::kStopping;
   machine_.fallback.reset();
+  machine_.stopping->after = after;
+  if (after != AfterTearDown::kStartsAgain && !machine_.finishing) {  // then it is on disk already
+    machine_.stopping->intent_by = now_ + std::min(kIntentTime, budget / 10);
+    Save(Stored::kStopIntent);
+  }
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
     record.claim_again.reset();
     record.restart_at.reset();
     record.restart_asked = false;
     if (record.presence == Presence::kPresent) continue;
-    record.fault.reset();  // what is not there cannot be left behind
+    record.fault.reset();  // what has ended cannot be left behind
     record.set_up_by.reset();
     if (const auto pid = OwnProcess(i); pid != 0) Do(action::SignalProcess{i, pid, false});
   }
+  ListWhatLives();
   Begin(plan, Purpose::kStop, {}, cause);
 }
 
-void Decision::AfterTearDown(SwitchResult result) {
+// Of several that want it down the one counts that wants it to stay so.
+void Decision::JoinStop(const event::SetStateRequested& requested) {
+  Stopping& stopping = *machine_.stopping;
+  stopping.requests.push_back(requested.request);
+  if (requested.after >= stopping.after) return;
+  const bool saved = stopping.after != AfterTearDown::kStartsAgain || machine_.finishing;
+  stopping.after = requested.after;
+  if (!saved) Save(Stored::kStopIntent);
+}
+
+// Whether the first TearDown still waits for the intent to be on disk.
+bool Decision::WaitsForIntent() {
+  if (!machine_.stopping || !machine_.stopping->intent_by) return false;
+  if (now_ < *machine_.stopping->intent_by) return true;
+  machine_.stopping->intent_by.reset();
+  RecordMachine(kCodeTimeout,
+                "the intent to stop is not on disk yet; TearDown begins all the same. Should the "
+                "controller end before, a supervisor would start the machine again");
+  return false;
+}
+
+// In what state an actuator may live on that the TearDown does not reach; empty: it has ended, or
+// is reached, or its process ends with the machine.
+std::string Decision::MayLive(std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  const bool heard = record.report.incarnation != 0 && record.report.incarnation != record.dead;
+  const bool out_of_reach =
+      record.presence == Presence::kLost || record.presence == Presence::kStarting;
+  const bool ends_with_it = OwnProcess(i) != 0 && machine_.phase == Phase::kStopping;
+  if (!heard || !out_of_reach || ends_with_it || record.state() == kTearDown) return {};
+  return record.state();
+}
+
+void Decision::ListWhatLives() {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    const State state = MayLive(i);
+    if (state.empty()) continue;
+    Degrade(i, kCodeNetError,
+            "it is out of reach and not known to have ended; it may live on in " + state,
+            Of(i).cause);
+  }
+}
+
+void Decision::OnTornDown(SwitchResult result) {
   Stopping& stopping = *machine_.stopping;
   stopping.result = std::move(result);
   const Duration grace = std::min(kExitGrace, config_.shutdown_budget / 10);
@@ -86,12 +145,34 @@ void Decision::AdvanceStopping() {
   const bool out_of_time = now_ >= stopping.give_up_at;
   if (out_of_time && machine_.current) EndUnfinished();
   if (!stopping.result || (ProcessesLeft() && !out_of_time)) return;
+  const SwitchResult result = StopResult();
   machine_.phase = Phase::kStopped;
-  RecordMachine(kCodeOk, "the machine is stopped after " +
-                             std::to_string(ToMilliseconds(now_ - stopping.begun)) + " ms");
-  Answer(stopping.requests, *stopping.result);
+  if (stopping.after == AfterTearDown::kMayStart) Save(Stored::kStopIntent);  // there is none now
+  RecordMachine(result.code, "the machine is stopped after " +
+                                 std::to_string(ToMilliseconds(now_ - stopping.begun)) + " ms" +
+                                 (result.done() ? "" : "; " + result.reason));
+  Answer(stopping.requests, result);
   if (machine_.policy.power) CommandPower(true);
   Do(action::Stopped{});
+}
+
+// What became of TearDown, now that the processes have had their time: also what was lost only
+// since, and a process that outlives SIGKILL, is left behind.
+SwitchResult Decision::StopResult() {
+  ListWhatLives();
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    const std::int32_t pid = OwnProcess(i);
+    if (pid == 0) continue;
+    Degrade(i, kCodeTimeout, "its process " + std::to_string(pid) + " has not ended", Of(i).cause);
+  }
+  SwitchResult result = *machine_.stopping->result;
+  result.degraded = Degraded(config_, machine_);
+  if (result.outcome != SwitchOutcome::kDone || result.degraded.empty()) return result;
+  const std::size_t first = *config_.IndexOf(result.degraded.front());
+  result.outcome = SwitchOutcome::kDoneDegraded;
+  result.code = Of(first).fault->code;
+  result.reason = result.degraded.front() + ": " + Of(first).fault->message;
+  return result;
 }
 
 // The budget is used up while somebody still owes an answer to TearDown.

@@ -175,7 +175,7 @@ void Decision::EndSwitch() {
                                               std::string(OutcomeName(result.outcome)) +
                                               (result.reason.empty() ? "" : ": " + result.reason),
                                           worst ? Of(worst->actuator).cause : s.cause);
-  if (s.purpose == Purpose::kStop) return AfterTearDown(result);
+  if (s.purpose == Purpose::kStop) return OnTornDown(result);
   NoteEndOfSwitch(s, undone);
   Answer(s.requests, result);
   if (s.purpose == Purpose::kStartUpCheck) return AfterStartUpCheck(told);

@@ -58,7 +58,9 @@ void Decision::On(const event::SetStateRequested& requested) {
   if (JoinOrRefuse(requested, only, asked)) return;
   const Plan plan = MakePlan(config_, machine_, requested.target, only);
   if (plan.refusal) return Refuse(requested, only, plan.from, *plan.refusal, asked);
-  if (requested.target == kTearDown && !only) return Stop(plan, {requested.request}, asked);
+  if (requested.target == kTearDown && !only) {
+    return Stop(plan, {requested.request}, asked, requested.after);
+  }
   if (machine_.current) Supersede(machine_.number + 1, requested.target, asked);
   Begin(plan, Purpose::kRequested, {requested.request}, asked);
 }
@@ -86,13 +88,16 @@ bool Decision::JoinOrRefuse(const event::SetStateRequested& requested,
                             std::optional<std::size_t> only, std::uint64_t asked) {
   if (!machine_.current) {
     if (machine_.phase != Phase::kStopping || requested.target != kTearDown) return false;
-    machine_.stopping->requests.push_back(requested.request);
+    JoinStop(requested);
     return true;
   }
   Switch& s = *machine_.current;
   if (s.target == requested.target && s.only == only && !s.rolling_back) {
-    auto& waiting = machine_.stopping ? machine_.stopping->requests : s.requests;
-    waiting.push_back(requested.request);
+    if (machine_.stopping) {
+      JoinStop(requested);
+    } else {
+      s.requests.push_back(requested.request);
+    }
     return true;
   }
   const bool concerns_all = !only || s.only;
@@ -260,6 +265,7 @@ bool Decision::StartLegs(std::vector<Leg>& legs) {
 // Says whether something changed that may let others go on.
 bool Decision::AdvanceSwitch() {
   if (!machine_.current) return false;
+  if (WaitsForIntent()) return false;
   Switch& s = *machine_.current;
   std::vector<Leg>& legs = s.rolling_back ? s.back : s.legs;
   while (StartLegs(legs)) {

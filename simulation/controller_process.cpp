@@ -20,14 +20,22 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   world.processes = this;
   world.witness = this;
   world.journal = this;
-  world.save_epoch = [this](std::uint64_t epoch) {
-    if (!disk_.full) disk_.epoch = epoch;
+  const auto save = [this](auto& stored, const auto& value, const auto& done) {
+    if (disk_.full) return done(Error{kCodeFailed, "the disk is full"});
+    stored = value;
+    done(Ok());
   };
-  world.save_emergency_stop = [this](const auto& stop) {
-    if (!disk_.full) disk_.emergency_stop = stop;
+  world.save_epoch = [this, save](std::uint64_t epoch, const auto& done) {
+    save(disk_.epoch, epoch, done);
   };
-  world.save_policy = [this](const StoredPolicy& policy) {
-    if (!disk_.full) disk_.policy = policy;
+  world.save_emergency_stops = [this, save](const StoredStops& stops, const auto& done) {
+    save(disk_.stops, stops, done);
+  };
+  world.save_policy = [this, save](const StoredPolicy& policy, const auto& done) {
+    save(disk_.policy, policy, done);
+  };
+  world.save_stop_intent = [this, save](bool intended, const auto& done) {
+    save(disk_.stop_intent, intended, done);
   };
   world.log_file = [](const std::string&) { return std::string(); };
   world.wall_ns = [this] { return (network_.now().time_since_epoch() + wall_offset).count(); };
@@ -69,7 +77,8 @@ void ControllerProcess::Begin(bool takeover) {
     begin.running.push_back(processes_.IsAlive(actuator.name));
     begin.processes.push_back(processes_.PidOf(actuator.name));
   }
-  begin.emergency_stop = disk_.emergency_stop;
+  begin.stops = disk_.stops;
+  begin.stop_intent = disk_.stop_intent;
   begin.policy = disk_.policy;
   begun_ = true;
   shell_->Begin(std::move(begin));

@@ -22,7 +22,8 @@ namespace musher::simulation {
 // What a controller finds again when it is started anew.
 struct Disk {
   std::uint64_t epoch = 0;
-  std::optional<EmergencyStop> emergency_stop;
+  StoredStops stops;
+  bool stop_intent = false;
   StoredPolicy policy;
   std::vector<JournalRow> recording;
   bool full = false;            // nothing can be written

@@ -36,11 +36,13 @@ void PutOwnFolderFirstInPath() {
 }  // namespace
 
 ControllerProcess::ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
-                                     transport::UniqueFd progress, pid_t front, bool takeover)
+                                     transport::UniqueFd progress, pid_t front, bool takeover,
+                                     bool restarted)
     : config_(config),
       run_(std::move(run)),
       front_(front),
       takeover_(takeover),
+      restarted_(restarted),
       signals_(TakeEndSignals()),
       let_go_(TakeSignals({kLetGoSignal})),
       again_(run_ ? TakeSignals({kStartAgainSignal}) : transport::UniqueFd()),
@@ -133,12 +135,13 @@ void ControllerProcess::StartAgain(const std::string& why) {
   start_again_ = true;
   service_manager_.StartsAgain();
   controller_->shell().Remark(kCodeOk, why);
-  TakeDown();
+  controller_->shell().TearDown(AfterTearDown::kStartsAgain);
 }
 
 ControllerOptions ControllerProcess::Options() {
   ControllerOptions options;
   options.takeover = takeover_;
+  options.restarted = restarted_;
   options.hooks.on_record = [this](const action::Record& record) { OnRecord(record); };
   options.hooks.on_start_up_ended = [this](const action::StartUpEnded& e) { OnStartUpEnded(e); };
   options.hooks.on_stopped = [this] {
@@ -196,9 +199,9 @@ void ControllerProcess::OnTrouble(const std::string& message) {
   log_.Write(message, kCodeFailed);
 }
 
-// A request that comes while the machine is taken down already is refused, and that is all right.
+// By a signal: Ctrl-C, or a supervisor that ends the machine.
 void ControllerProcess::TakeDown() {
-  controller_->shell().SetState(State(kTearDown), std::nullopt, [](const SwitchResult&) {});
+  controller_->shell().TearDown(AfterTearDown::kMayStart);
 }
 
 void ControllerProcess::Tell(const std::string& kind, const std::string& message,

@@ -34,9 +34,9 @@ namespace musher::cli {
 class ControllerProcess {
  public:
   // `front`: the process that must not outlive us in the foreground - if it dies, so do we, until
-  // start-up has failed; 0: nobody.
+  // start-up has failed; 0: none. `restarted`: see ControllerOptions.
   ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
-                    transport::UniqueFd progress, pid_t front, bool takeover);
+                    transport::UniqueFd progress, pid_t front, bool takeover, bool restarted);
 
   // In a new process, before it has threads. Gives its exit code.
   int Run();
@@ -59,6 +59,7 @@ class ControllerProcess {
   const std::optional<SlotRun> run_;
   const pid_t front_;
   const bool takeover_;
+  const bool restarted_;
   bool start_again_ = false;
   ExitCode exit_ = ExitCode::kDone;
   transport::UniqueFd signals_;

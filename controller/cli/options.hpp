@@ -32,6 +32,8 @@ struct UpOptions {
   std::string file;  // or a root of upgrades
   bool detach = false;
   bool takeover = false;  // from a living controller
+  // A supervisor may be starting it again after a crash: a TearDown that was begun is finished.
+  bool restarted = false;
   // A controller that starts again: its connection to the front, and the front's pid or 0.
   struct Resume {
     int progress = -1;

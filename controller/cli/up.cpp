@@ -104,6 +104,19 @@ std::optional<Target> ChooseTarget(const UpOptions& options, Console& console) {
   return Target{std::move(*config), std::nullopt};
 }
 
+// Whether a supervisor starts the machine again, as far as --restarted tells. systemd uses one
+// command for the first start and for those after a crash; with RuntimeDirectoryPreserve=restart
+// its folder is new for the first one, and stays until the unit is stopped.
+bool StartedAgain(const UpOptions& options) {
+  if (!options.restarted) return false;
+  const char* folders = std::getenv("RUNTIME_DIRECTORY");  // NOLINT(concurrency-mt-unsafe)
+  if (folders == nullptr || *folders == '\0') return true;
+  const std::string folder = std::string(folders).substr(0, std::string(folders).find(':'));
+  const transport::UniqueFd first(
+      open((folder + "/started").c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+  return !first.valid() && errno == EEXIST;
+}
+
 constexpr std::chrono::days kSoon(30);
 
 // The controller's keys, and those of the actuators that it starts and that need them. When they
@@ -142,7 +155,7 @@ namespace {
   Again again(target.run ? target.run->root : "", kept.get(), front);
   {
     ControllerProcess process(target.config, target.run, std::move(progress), front,
-                              options.takeover);
+                              options.takeover, options.resume || StartedAgain(options));
     the_end.exit_code = process.Run();
     if (process.StartsAgain()) again.Prepare();
     EndWithin(kLeaveTime);

@@ -44,6 +44,14 @@ inline constexpr std::array<std::string_view, 8> kValueNames<PolicyRequest> = {
     "switch",          "keep",    "OTA",       "low-power switch",
     "low-power store", "wake-up", "power-off", "reboot"};
 
+template <>
+inline constexpr std::array<std::string_view, 4> kValueNames<Stored> = {"epoch", "emergency stops",
+                                                                        "policy", "stop intent"};
+
+template <>
+inline constexpr std::array<std::string_view, 3> kValueNames<AfterTearDown> = {
+    "stays down", "may start", "starts again"};
+
 // The last value has the last name: one that was put before it has not been forgotten.
 template <class T>
 constexpr bool EndsWith(T last) {
@@ -54,7 +62,8 @@ static_assert(EndsWith(Verdict::kFailed) && EndsWith(Phase::kFenced) && EndsWith
               EndsWith(Leg::Progress::kEnded) && EndsWith(ActuatorOutcome::kUnsupported) &&
               EndsWith(SwitchOutcome::kSuperseded) && EndsWith(Health::kPartitioned) &&
               EndsWith(PolicyInput::kMotion) && EndsWith(BatteryLevel::kEmpty) &&
-              EndsWith(PolicyRequest::kReboot));
+              EndsWith(PolicyRequest::kReboot) && EndsWith(Stored::kStopIntent) &&
+              EndsWith(AfterTearDown::kStartsAgain));
 
 template <>
 inline constexpr std::tuple kFields<Error> = {Field{"code", &Error::code},
@@ -87,6 +96,12 @@ inline constexpr std::tuple kFields<EmergencyStop> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<StoredStops> = {
+    Field{"engaged", &StoredStops::engaged},
+    Field{"released", &StoredStops::released},
+};
+
+template <>
 inline constexpr std::tuple kFields<Lowering> = {
     Field{"from", &Lowering::from}, Field{"to", &Lowering::to}, Field{"epoch", &Lowering::epoch}};
 template <>
@@ -99,13 +114,11 @@ template <>
 inline constexpr std::string_view kEventName<event::Begin> = "Begin";
 template <>
 inline constexpr std::tuple kFields<event::Begin> = {
-    Field{"by_hand", &event::Begin::by_hand},
-    Field{"epoch", &event::Begin::epoch},
-    Field{"running", &event::Begin::running},
-    Field{"processes", &event::Begin::processes},
-    Field{"host", &event::Begin::host},
-    Field{"emergency_stop", &event::Begin::emergency_stop},
-    Field{"policy", &event::Begin::policy},
+    Field{"by_hand", &event::Begin::by_hand},     Field{"epoch", &event::Begin::epoch},
+    Field{"running", &event::Begin::running},     Field{"processes", &event::Begin::processes},
+    Field{"host", &event::Begin::host},           Field{"stops", &event::Begin::stops},
+    Field{"policy", &event::Begin::policy},       Field{"stop_intent", &event::Begin::stop_intent},
+    Field{"restarted", &event::Begin::restarted},
 };
 template <>
 inline constexpr std::string_view kEventName<event::StatusSeen> = "StatusSeen";
@@ -207,6 +220,7 @@ inline constexpr std::tuple kFields<event::SetStateRequested> = {
     Field{"request", &event::SetStateRequested::request},
     Field{"target", &event::SetStateRequested::target},
     Field{"actuator", &event::SetStateRequested::actuator},
+    Field{"after", &event::SetStateRequested::after},
 };
 template <>
 inline constexpr std::string_view kEventName<event::SetUpAwaited> = "SetUpAwaited";
@@ -247,6 +261,15 @@ inline constexpr std::tuple kFields<event::PolicyRequested> = {
     Field{"state", &event::PolicyRequested::state},
     Field{"ticks", &event::PolicyRequested::ticks},
     Field{"enable", &event::PolicyRequested::enable},
+};
+template <>
+inline constexpr std::string_view kEventName<event::SaveEnded> = "SaveEnded";
+template <>
+inline constexpr std::tuple kFields<event::SaveEnded> = {
+    Field{"what", &event::SaveEnded::what},
+    Field{"save", &event::SaveEnded::save},
+    Field{"ok", &event::SaveEnded::ok},
+    Field{"why", &event::SaveEnded::why},
 };
 template <>
 inline constexpr std::string_view kEventName<event::TimePassed> = "TimePassed";

@@ -98,6 +98,8 @@ inline constexpr std::tuple kFields<Switch> = {
 template <>
 inline constexpr std::tuple kFields<Stopping> = {
     Field{"begun", &Stopping::begun},
+    Field{"after", &Stopping::after},
+    Field{"intent_by", &Stopping::intent_by},
     Field{"tear_down_by", &Stopping::tear_down_by},
     Field{"terminate_at", &Stopping::terminate_at},
     Field{"kill_at", &Stopping::kill_at},
@@ -144,9 +146,18 @@ inline constexpr std::tuple kFields<PolicyState> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<Unsaved> = {
+    Field{"what", &Unsaved::what},
+    Field{"save", &Unsaved::save},
+    Field{"since", &Unsaved::since},
+    Field{"why", &Unsaved::why},
+};
+
+template <>
 inline constexpr std::tuple kFields<Machine> = {
     Field{"phase", &Machine::phase},
     Field{"by_hand", &Machine::by_hand},
+    Field{"finishing", &Machine::finishing},
     Field{"state", &Machine::state},
     Field{"host", &Machine::host},
     Field{"epoch", &Machine::epoch},
@@ -166,6 +177,8 @@ inline constexpr std::tuple kFields<Machine> = {
     Field{"set_up_requests", &Machine::set_up_requests},
     Field{"last_record", &Machine::last_record},
     Field{"told_state", &Machine::told_state},
+    Field{"last_save", &Machine::last_save},
+    Field{"unsaved", &Machine::unsaved},
     Field{"policy", &Machine::policy},
 };
 

@@ -1,6 +1,8 @@
 // The small files of a controller's folder, damaged in any way: an epoch is read or refused, a file
 // of an emergency stop means that one is engaged, and what was read can be saved and read again.
 
+#include <algorithm>
+
 #include "musher/controller/state_store.hpp"
 #include "musher/test/fuzz/folder.hpp"
 #include "musher/test/fuzz/fuzz.hpp"
@@ -14,13 +16,20 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   folder.Write("emergency_stop", text);
   const auto epoch = store.LoadEpoch();
   fuzz::Require(epoch.ok() || !epoch.error().message.empty(), "what is damaged is called so");
-  const auto stop = store.LoadEmergencyStop();
-  fuzz::Require(stop && stop->id != 0, "a file that cannot be read means a stop");
+  const StoredStops stops = store.LoadEmergencyStops();
+  const bool whole = text == "end\n" || text.ends_with("\nend\n") ||
+                     text.find("\nend\n") != std::string_view::npos || text.starts_with("end\n") ||
+                     text.ends_with("end");
+  fuzz::Require(whole || !stops.engaged.empty(), "a file that cannot be read means a stop");
   const fuzz::Folder other;
   other.Write("controller.lock", text);
   fuzz::Require(StateStore::OwnerOf(other.path()) >= 0, "an owner is a process");
-  fuzz::Require(store.SaveEmergencyStop(stop).ok(), "what was read can be saved");
-  const auto again = store.LoadEmergencyStop();
-  fuzz::Require(again && again->id == stop->id, "a stop stays the same");
+  fuzz::Require(store.SaveEmergencyStops(stops).ok(), "what was read can be saved");
+  const StoredStops again = store.LoadEmergencyStops();
+  fuzz::Require(again.released == stops.released, "what is released stays so");
+  const bool same =
+      std::equal(stops.engaged.begin(), stops.engaged.end(), again.engaged.begin(),
+                 again.engaged.end(), [](const auto& a, const auto& b) { return a.id == b.id; });
+  fuzz::Require(same, "a stop stays the same");
   return 0;
 }

@@ -172,7 +172,7 @@ Identity IdentityOf(const Model& model, const World& w) {
   mixer.Add(actuators, w.faults_left, w.requests, w.from, w.generation, w.epoch_on_disk, w.at_start,
             w.stopped, w.stop_seen_due);
   mixer.Add(m.phase, m.by_hand, m.state, m.epoch, m.number, m.set_up, m.stage, m.fallback,
-            m.emergency_stop.has_value(), m.other_stops, m.released_stops, m.set_up_requests,
+            m.emergency_stop.has_value(), m.other_stops.size(), m.released_stops, m.set_up_requests,
             m.policy);
   mixer.Add(m.current.has_value());
   if (m.current) {
@@ -183,8 +183,8 @@ Identity IdentityOf(const Model& model, const World& w) {
   mixer.Add(m.stopping.has_value());
   if (m.stopping) {
     const Stopping& s = *m.stopping;
-    mixer.Add(s.tear_down_by, s.terminate_at, s.kill_at, s.give_up_at, s.terminated, s.killed,
-              s.requests, s.result.has_value());
+    mixer.Add(s.intent_by, s.after, s.tear_down_by, s.terminate_at, s.kill_at, s.give_up_at,
+              s.terminated, s.killed, s.requests, s.result.has_value());
     if (s.result) mixer.Add(s.result->outcome);
   }
   return {mixer.Get(), twins};

@@ -68,7 +68,7 @@ void Stage::Ask(const State& target) {
 void Stage::BeginController(bool by_hand) {
   std::vector<bool> running;
   for (const Actor& actor : world_.actors) running.push_back(actor.alive);
-  Tell(event::Begin{by_hand, world_.epoch_on_disk, running, "here", world_.stop_on_disk});
+  Tell(event::Begin{by_hand, world_.epoch_on_disk, running, "here", world_.stops_on_disk});
 }
 
 void Stage::RestartController() {
@@ -77,7 +77,7 @@ void Stage::RestartController() {
   w.machine = MakeMachine(config_);
   w.outbox.clear();
   for (Request& request : w.requests) request.gone |= request.answers == 0;
-  w.stop_seen_due = w.stopped && !w.stop_on_disk;
+  w.stop_seen_due = w.stopped && w.stops_on_disk.engaged.empty();
   for (Actor& actor : w.actors) {
     actor.replies.clear();
     actor.end.reset();
@@ -253,10 +253,14 @@ void Stage::Do(const Action& action) {
       });
       if (!later) HearStop(i);
     }
-  } else if (const auto* save = std::get_if<action::SaveEmergencyStop>(&action)) {
-    w.stop_on_disk = save->stop;
+  } else if (const auto* stops = std::get_if<action::SaveEmergencyStops>(&action)) {
+    w.stops_on_disk = stops->stops;
+    Tell(event::SaveEnded{Stored::kEmergencyStops, stops->save, true, {}});
   } else if (const auto* saved = std::get_if<action::SaveEpoch>(&action)) {
     w.epoch_on_disk = saved->epoch;
+    Tell(event::SaveEnded{Stored::kEpoch, saved->save, true, {}});
+  } else if (const auto* intent = std::get_if<action::SaveStopIntent>(&action)) {
+    Tell(event::SaveEnded{Stored::kStopIntent, intent->save, true, {}});
   } else if (const auto* record = std::get_if<action::Record>(&action)) {
     if (notes_.tell) Say("  " + record->message);
   }

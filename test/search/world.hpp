@@ -97,7 +97,7 @@ struct World {
   State from;                     // where the machine was before the first of them
   std::uint64_t generation = 0;   // of the controller
   std::uint64_t epoch_on_disk = 0;
-  std::optional<EmergencyStop> stop_on_disk;
+  StoredStops stops_on_disk;
   bool at_start = false;       // nothing has been asked for yet
   bool stopped = false;        // an emergency stop has been engaged
   bool stop_seen_due = false;  // the controller has not heard of it

@@ -29,7 +29,7 @@ _musher() {
 
   case $command in
     "") options+=" --version" ;;
-    up) options+=" --detach --takeover" ;;
+    up) options+=" --detach --takeover --restarted" ;;
     status) options+=" --watch" ;;
     estop) options+=" --release" ;;
     keep) options+=" --for --end" ;;

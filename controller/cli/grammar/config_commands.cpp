@@ -24,6 +24,9 @@ void Grammar::AddConfigCommands() {
   command->add_flag("--takeover", up->takeover,
                     "End a controller that leads this machine; its actuators\n"
                     "go on and are taken over");
+  command->add_flag("--restarted", up->restarted,
+                    "For supervisors such as systemd: if the controller ended\n"
+                    "while it took the machine down, finish that and stay down");
   // How a controller executes this program when it starts again; for nobody else.
   command
       ->add_option_function<std::vector<int>>(

@@ -101,7 +101,7 @@ TEST_F(Authority, AFencedControllerTouchesNothingAndRefusesEverybody) {
   EXPECT_EQ(t.calls.at(t.Release()).error().code, kCodePermissionDenied);
   t.Tell(event::SetUpAwaited{777});
   EXPECT_EQ(t.calls.at(777).error().code, kCodePermissionDenied);
-  EXPECT_TRUE(t.emergency_stop_on_disk) << "not released by one that does not lead";
+  EXPECT_FALSE(t.stops_on_disk.engaged.empty()) << "not released by one that does not lead";
 }
 
 TEST_F(Authority, OneThatIsHeardWhileAHigherEpochIsBeingOutbidLeads) {

@@ -294,16 +294,25 @@ TEST_F(Rules, AMachineWithoutLowPowerGoesDownAsFarAsItCan) {
   EXPECT_EQ(state(), "Sitting");
 }
 
-TEST_F(Rules, ARefusedWayDownIsToldOnceAndNotTriedInALoop) {
+TEST_F(Rules, TheFlowOfTheConfigForbidsNoCeilingOfTheBattery) {
   MachineConfig config = WithPolicy();
   std::erase_if(config.flow, [](const FlowEdge& edge) { return edge.to == "Protected"; });
   Robot("Active", config);
+  Battery(10);
+  EXPECT_EQ(state(), "Protected");
+}
+
+TEST_F(Rules, ARefusedWayDownIsToldOnceAndNotTriedInALoop) {
+  MachineConfig config = WithPolicy();
+  std::erase_if(config.flow, [](const FlowEdge& edge) { return edge.to == "LowPower"; });
+  Robot("Active", config);
   int steps = 0;
   robot().after_step = [&] { ++steps; };
-  Battery(10);
+  Ask(PolicyRequest::kLowPowerSwitch, true);
+  Motion(0);  // it lies down
   robot().RunFor(std::chrono::minutes(10));
   EXPECT_LT(steps, 40);
-  EXPECT_THAT(robot().records.back(), HasSubstr("cannot go from Active to Protected"));
+  EXPECT_THAT(robot().records.back(), HasSubstr("cannot go from Active to LowPower"));
 }
 
 // Whatever the battery says, one after the other: at rest nobody is above its level, and nothing is

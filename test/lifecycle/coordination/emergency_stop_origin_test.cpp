@@ -37,8 +37,8 @@ TEST_F(EmergencyStopOrigin, IsTakenFromWhoEngagedItWheneverThatOneSpeaks) {
   const auto actions = Tell(event::EmergencyStopSeen{stop});
   EXPECT_EQ(machine_.emergency_stop, stop);
   EXPECT_TRUE(std::any_of(actions.begin(), actions.end(), [&](const Action& action) {
-    const auto* save = std::get_if<action::SaveEmergencyStop>(&action);
-    return save != nullptr && save->stop == stop;
+    const auto* save = std::get_if<action::SaveEmergencyStops>(&action);
+    return save != nullptr && save->stops.engaged == std::vector{stop};
   }));
   EXPECT_TRUE(machine_.other_stops.empty());
 }
@@ -49,7 +49,7 @@ TEST_F(EmergencyStopOrigin, StaysThatOfTheFirstWhenAnotherIsEngaged) {
   Tell(event::EmergencyStopSeen{{8, "bob", "fire"}});
   Tell(event::EmergencyStopSeen{{7, "carol", ""}});
   EXPECT_EQ(machine_.emergency_stop->by, "alice");
-  EXPECT_EQ(machine_.other_stops, (std::vector<std::uint64_t>{8}));
+  EXPECT_EQ(machine_.other_stops, (std::vector<EmergencyStop>{{8, "bob", "fire"}}));
 }
 
 }  // namespace

@@ -29,9 +29,9 @@ TEST_F(EmergencyStopped, ReachesEverybodyIsKeptOnDiskAndChangesNoState) {
     EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kStop);
     EXPECT_EQ(t.StateOf(name), "Active");
   }
-  ASSERT_TRUE(t.emergency_stop_on_disk);
-  EXPECT_EQ(t.emergency_stop_on_disk->id, kStop);
-  EXPECT_EQ(t.emergency_stop_on_disk->by, "the test");
+  ASSERT_EQ(t.stops_on_disk.engaged.size(), 1U);
+  EXPECT_EQ(t.stops_on_disk.engaged[0].id, kStop);
+  EXPECT_EQ(t.stops_on_disk.engaged[0].by, "the test");
   EXPECT_EQ(t.machine().state, "Active");
   EXPECT_THAT(t.log(), IsEmpty());
 }
@@ -140,7 +140,7 @@ TEST_F(EmergencyStopped, AJoinUnderWayEndsAndTheNextStepWaits) {
 
 TEST(EmergencyStopAtTheStart, KeepsTheMachineFromGoingUpAndTellsTheWayOut) {
   Theatre t(Ours(2));
-  t.emergency_stop_on_disk = EmergencyStop{kStop, "somebody", "smoke"};
+  t.stops_on_disk.engaged = {{kStop, "somebody", "smoke"}};
   t.Begin();
   t.Rest();
   EXPECT_EQ(t.machine().phase, Phase::kFailed);
@@ -193,7 +193,7 @@ TEST_F(EmergencyStopped, TwoAtOnceAreReleasedTogether) {
   t.Rest();
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, 0U);
   EXPECT_FALSE(t.machine().emergency_stop);
-  EXPECT_FALSE(t.emergency_stop_on_disk);
+  EXPECT_TRUE(t.stops_on_disk.engaged.empty());
 }
 
 TEST_F(EmergencyStopped, OneThatIsReleasedDoesNotComeBackByALateWord) {
@@ -226,7 +226,77 @@ TEST_F(EmergencyStopped, OneThatMissedTheReleaseIsToldAgain) {
   EXPECT_FALSE(t.machine().emergency_stop);
 }
 
+// The second was engaged while the first was being released: the actuators have it, the controller
+// not yet.
+TEST_F(EmergencyStopped, OneEngagedBesideAReleaseStaysEngaged) {
+  Theatre& t = In("Active");
+  Stop(t);
+  t.Inject("a", actuator_event::EmergencyStopHeard{kStop + 1, true, 0});
+  t.Release();
+  t.Rest();
+  EXPECT_EQ(t.CoreOf("a").report.emergency_stop, kStop + 1);
+  ASSERT_TRUE(t.machine().emergency_stop) << "the actuator's status tells the controller";
+  EXPECT_EQ(t.machine().emergency_stop->id, kStop + 1);
+}
+
+// A callback that switches on at its end, and a stop that comes beside it.
+TEST_F(EmergencyStopped, AStopInTheMidstOfAnUpwardCallbackUndoesTheSwitch) {
+  Theatre& t = In("DeActive");
+  t.On("b", "Active").takes = Milliseconds(80);  // it does not listen to the request to stop
+  const RequestId up = t.Ask("Active");
+  t.RunFor(Milliseconds(40));
+  Stop(t);
+  t.Rest();
+  EXPECT_EQ(t.answers.at(up).outcome, SwitchOutcome::kUndone);
+  EXPECT_EQ(t.machine().state, "DeActive");
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "DeActive");
+}
+
 // Other controllers
+
+// Its panel is still there and says "engaged" to the next controller.
+TEST_F(EmergencyStopped, AReleasedStopStaysReleasedAfterARestartOfTheController) {
+  Theatre& t = In("Active", Ours(2));
+  Stop(t);
+  t.Release();
+  t.Rest();
+  t.RestartController();
+  Stop(t);
+  t.Rest();
+  EXPECT_FALSE(t.machine().emergency_stop);
+  for (const char* name : {"a", "b"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, 0U);
+}
+
+TEST_F(EmergencyStopped, AllStopsThatAreEngagedSurviveAController) {
+  Theatre& t = In("Active", Ours(2));
+  Stop(t);
+  Stop(t, kStop + 1);
+  t.RestartController();
+  t.Rest();
+  EXPECT_EQ(t.stops_on_disk.engaged.size(), 2U);
+  EXPECT_TRUE(t.calls.at(t.Release()));
+  t.Rest();
+  for (const char* name : {"a", "b"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, 0U);
+}
+
+// What a controller receives before it leads is not its to publish, nor to save.
+TEST(EmergencyStopBeforeBegin, IsKeptAndPublishedOnceTheControllerLeads) {
+  const MachineConfig config = MachineOf(1);
+  Machine machine = MakeMachine(config);
+  const auto tells = [](const std::vector<Action>& actions) {
+    return std::count_if(actions.begin(), actions.end(), [](const Action& action) {
+      return std::holds_alternative<action::TellEmergencyStop>(action);
+    });
+  };
+  EXPECT_TRUE(Step(config, machine, event::EmergencyStopSeen{{7, "a panel", ""}}, Time()).empty());
+  EXPECT_TRUE(Step(config, machine, event::EmergencyStopSeen{{8, "", ""}, false}, Time()).empty());
+  event::Begin begin;
+  begin.running = {false};
+  begin.stops = {{{8, "a panel", "released by the controller before"}}, {}};
+  EXPECT_EQ(tells(Step(config, machine, begin, Time())), 2);
+  EXPECT_EQ(machine.emergency_stop, (EmergencyStop{7, "a panel", ""}));
+  EXPECT_TRUE(machine.other_stops.empty()) << "8 is over";
+}
 
 TEST_F(EmergencyStopped, SurvivesAControllerByItsDisk) {
   Theatre& t = In("Active", Ours(2));
@@ -245,12 +315,12 @@ TEST_F(EmergencyStopped, SurvivesAControllerByItsDisk) {
 TEST_F(EmergencyStopped, SurvivesAControllerByItsActuators) {
   Theatre& t = In("Active", Ours(2));
   Stop(t);
-  t.emergency_stop_on_disk.reset();
+  t.stops_on_disk = {};
   t.RestartController(/*lost_disk=*/true);
   t.Rest();
   ASSERT_TRUE(t.machine().emergency_stop);
   EXPECT_EQ(t.machine().emergency_stop->id, kStop);
-  EXPECT_TRUE(t.emergency_stop_on_disk);
+  EXPECT_FALSE(t.stops_on_disk.engaged.empty());
 }
 
 TEST_F(EmergencyStopped, EngagedWithoutAControllerIsFoundByTheNext) {

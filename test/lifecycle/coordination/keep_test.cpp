@@ -29,6 +29,14 @@ TEST_F(KeepRule, WithoutTicksTheStateIsTakenOnce) {
   EXPECT_FALSE(policy().keep);
 }
 
+TEST_F(KeepRule, AnAbsurdNumberOfSecondsIsRefused) {
+  Robot();
+  EXPECT_EQ(KeepAndWait("Protected", INT64_MAX),
+            "110: a keep lasts 0 to 31536000 s, not 9223372036854775807 s");
+  EXPECT_FALSE(policy().keep);
+  EXPECT_EQ(KeepAndWait("Protected", 31536000), "ok");
+}
+
 TEST_F(KeepRule, ZeroTicksEndAKeepAndChangeNoState) {
   Robot();
   KeepAndWait("Protected", 60);
@@ -118,7 +126,7 @@ TEST_F(KeepRule, WhatIsRefusedIsNotKept) {
   Robot();
   EXPECT_THAT(KeepAndWait("Resting", 60), StartsWith("110: unknown state 'Resting'"));
   EXPECT_FALSE(policy().keep);
-  EXPECT_EQ(KeepAndWait("Active", -1), "110: a keep lasts 0 s or more");
+  EXPECT_EQ(KeepAndWait("Active", -1), "110: a keep lasts 0 to 31536000 s, not -1 s");
 }
 
 TEST_F(KeepRule, WhatErrorTakesOverIsNotKept) {

@@ -16,11 +16,17 @@ class OneController : public ::testing::Test {
  protected:
   static constexpr std::uint64_t kFirst = 70;  // the incarnation of actuator 0; 71 of the next …
 
+  // The disk takes no time.
   void Do(const Event& event) {
+    std::vector<Event> saved;
     for (Action& action : Step(config_, machine_, event, now_)) {
       if (const auto* record = std::get_if<action::Record>(&action)) told_.push_back(*record);
+      if (const auto* intent = std::get_if<action::SaveStopIntent>(&action)) {
+        saved.emplace_back(event::SaveEnded{Stored::kStopIntent, intent->save, true, {}});
+      }
       actions_.push_back(std::move(action));
     }
+    for (const Event& end : saved) Do(end);
   }
   void Begin() {
     machine_ = MakeMachine(config_);

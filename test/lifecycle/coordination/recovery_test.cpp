@@ -145,6 +145,18 @@ TEST_F(Recovery, AnExplicitOnLostCountsForOneThatIsNotCritical) {
   EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kDoneDegraded) << "a person may go on";
 }
 
+TEST_F(Recovery, TheFlowOfTheConfigForbidsNoFallback) {
+  MachineConfig config = MachineOf(2);
+  config.actuators[1].on_lost = "LowPower";
+  std::erase_if(config.flow, [](const FlowEdge& edge) { return edge.to == "LowPower"; });
+  Theatre& t = In("Active", config);
+  EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kRefused)
+      << "what a person asks for, it does";
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "LowPower");
+}
+
 TEST_F(Recovery, OfSeveralLostOnesTheLeastActiveOnLostCounts) {
   MachineConfig config = MachineOf(3);
   config.actuators[1].on_lost = "Protected";

@@ -100,5 +100,131 @@ TEST(StoppingEarly, EndsProcessesThatAreStillSettingUp) {
   EXPECT_THAT(t.signals, UnorderedElementsAre("b:TERM"));
 }
 
+// What lives on
+
+TEST_F(Stopping, AFrozenHandStartedActuatorIsListedThoughTheRestIsDown) {
+  MachineConfig config = MachineOf(2);
+  ActuatorNamed(config, "a").command = {"run", "a"};
+  Theatre robot(config);
+  robot.Begin();
+  robot.Rest();
+  robot.Mute("b", true, true);
+  robot.Find("b", Health::kPartitioned, true);
+  const SwitchResult result = robot.Set("TearDown");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(result.degraded, ElementsAre("b"));
+  EXPECT_THAT(result.reason, ::testing::HasSubstr("may live on in Active"));
+  EXPECT_TRUE(robot.stopped());
+}
+
+TEST_F(Stopping, OneThatIsLostDuringTearDownIsListed) {
+  MachineConfig config = MachineOf(2);
+  Theatre robot(config);
+  robot.Begin();
+  robot.Rest();
+  robot.On("a", "TearDown").takes = Milliseconds(80);
+  robot.Mute("b", true, true);
+  const SwitchResult result = robot.Set("TearDown");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(result.degraded, ElementsAre("b"));
+}
+
+TEST_F(Stopping, OneThatIsKnownToHaveEndedIsNotListed) {
+  Theatre robot(MachineOf(2));
+  robot.Begin();
+  robot.Rest();
+  robot.Crash("b");
+  robot.Rest();
+  EXPECT_TRUE(robot.Set("TearDown").done());
+}
+
+TEST_F(Stopping, AProcessThatOutlivesSigkillIsListed) {
+  t.On("b", "TearDown").hangs = true;
+  t.On("b", "TERM").hangs = true;
+  t.On("b", "KILL").hangs = true;
+  const SwitchResult result = t.Set("TearDown");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(result.degraded, ElementsAre("b"));
+  EXPECT_THAT(t.RecordOf("b").fault->message, ::testing::HasSubstr("has not ended"));
+}
+
+// The intent to stop
+
+TEST_F(Stopping, TheIntentIsOnDiskBeforeTheFirstTearDown) {
+  t.disk_takes = Milliseconds(40);
+  t.Ask("TearDown");
+  t.RunFor(Milliseconds(30));
+  EXPECT_THAT(t.log(), ElementsAre());
+  EXPECT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));
+  EXPECT_TRUE(t.stop_intent_on_disk);
+}
+
+TEST_F(Stopping, ADiskThatNeverAnswersHoldsUpTearDownForAMomentOnly) {
+  t.disk_takes.reset();
+  const Time begun = t.now();
+  EXPECT_TRUE(t.Set("TearDown").done());
+  EXPECT_TRUE(t.stopped());
+  EXPECT_LE(t.now() - begun, Milliseconds(2000));
+  EXPECT_THAT(t.records,
+              ::testing::Contains(::testing::HasSubstr(
+                  "the intent to stop is not on disk yet; TearDown begins all the same")));
+}
+
+TEST_F(Stopping, AControllerThatASupervisorStartsAfterACrashInTearDownFinishesIt) {
+  t.On("b", "TearDown").takes = Milliseconds(60);
+  t.Ask("TearDown");
+  EXPECT_TRUE(t.RunUntil([&] { return t.log().size() == 2; }));  // a is down, b on its way
+  t.RestartController(/*lost_disk=*/false, /*restarted=*/true);
+  t.Rest();
+  EXPECT_TRUE(t.stopped());
+  EXPECT_FALSE(t.usable());
+  for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(t.IsAlive(name)) << name;
+  EXPECT_THAT(t.log(), ElementsAre("a:TearDown", "b:TearDown", "c:TearDown"));
+}
+
+// All had been torn down and were gone: nothing is left that could tell of it.
+TEST_F(Stopping, AControllerThatASupervisorStartsAfterTheLastProcessHasEndedStaysDown) {
+  t.Set("TearDown");
+  t.ClearLog();
+  t.RestartController(false, true);
+  t.Rest();
+  EXPECT_TRUE(t.stopped());
+  EXPECT_THAT(t.log(), ElementsAre());
+}
+
+TEST_F(Stopping, APersonsStartClearsTheIntent) {
+  t.Set("TearDown");
+  t.RestartController();
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_FALSE(t.stop_intent_on_disk);
+}
+
+TEST_F(Stopping, ARestartBySupervisorWithoutAnIntentAdoptsTheMachine) {
+  t.RestartController(false, true);
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_THAT(t.log(), ElementsAre());
+}
+
+TEST_F(Stopping, ATearDownToStartAgainLeavesNoIntentUnlessAPersonWantsItDown) {
+  t.Tell(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kStartsAgain});
+  t.RunFor(Milliseconds(1));
+  EXPECT_FALSE(t.stop_intent_on_disk);
+  t.Ask("TearDown");
+  t.Rest();
+  EXPECT_TRUE(t.stop_intent_on_disk);
+}
+
+// `systemctl restart`: the one who ends it is the one who starts it again.
+TEST_F(Stopping, AStopByASupervisorLeavesAnIntentOnlyUntilTheMachineIsDown) {
+  t.Tell(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kMayStart});
+  EXPECT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));
+  EXPECT_TRUE(t.stop_intent_on_disk);
+  t.Rest();
+  EXPECT_TRUE(t.stopped());
+  EXPECT_FALSE(t.stop_intent_on_disk);
+}
+
 }  // namespace
 }  // namespace musher::testing

@@ -89,7 +89,7 @@ void Theatre::Tell(const Event& event) {
   if (after_step) after_step();
 }
 
-void Theatre::Begin(bool by_hand, std::uint64_t epoch) {
+void Theatre::Begin(bool by_hand, std::uint64_t epoch, bool restarted) {
   std::vector<bool> running;
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     if (config_.actuators[i].command.empty() && !actors_[i].alive) {
@@ -97,14 +97,33 @@ void Theatre::Begin(bool by_hand, std::uint64_t epoch) {
     }
     running.push_back(actors_[i].alive);
   }
-  Tell(event::Begin{by_hand, epoch, running, "here", emergency_stop_on_disk, {}, policy_on_disk});
+  Tell(event::Begin{by_hand,
+                    epoch,
+                    running,
+                    "here",
+                    stops_on_disk,
+                    {},
+                    policy_on_disk,
+                    stop_intent_on_disk,
+                    restarted});
 }
 
-void Theatre::RestartController(bool lost_disk) {
+// A disk that has just died with the controller's process does not answer the next one.
+template <class T>
+void Theatre::Save(Stored what, std::uint64_t save, T& stored, T value) {
+  const auto end = [this, what, save, &stored, value = std::move(value), generation = generation_] {
+    if (generation != generation_) return;
+    if (disk_fails.empty()) stored = value;
+    Tell(event::SaveEnded{what, save, disk_fails.empty(), disk_fails});
+  };
+  if (disk_takes) After(*disk_takes, end);
+}
+
+void Theatre::RestartController(bool lost_disk, bool restarted) {
   ++generation_;
   machine_ = MakeMachine(config_);
   start_up_.reset();
-  Begin(false, lost_disk ? 0 : epoch_on_disk_);
+  Begin(false, lost_disk ? 0 : epoch_on_disk_, restarted);
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     if (!actors_[i].alive) continue;
     After(kWire, [this, i] { Tell(event::StatusSeen{i, ReportOf(i)}); });  // the latch
@@ -350,14 +369,16 @@ void Theatre::Do(const Action& action) {
     });
   } else if (const auto* stop = std::get_if<action::TellEmergencyStop>(&action)) {
     TellActuators(*stop);
-  } else if (const auto* save = std::get_if<action::SaveEmergencyStop>(&action)) {
-    emergency_stop_on_disk = save->stop;
+  } else if (const auto* stops = std::get_if<action::SaveEmergencyStops>(&action)) {
+    Save(Stored::kEmergencyStops, stops->save, stops_on_disk, stops->stops);
   } else if (const auto* policy = std::get_if<action::SavePolicy>(&action)) {
-    policy_on_disk = policy->policy;
+    Save(Stored::kPolicy, policy->save, policy_on_disk, policy->policy);
+  } else if (const auto* intent = std::get_if<action::SaveStopIntent>(&action)) {
+    Save(Stored::kStopIntent, intent->save, stop_intent_on_disk, intent->intended);
   } else if (const auto* command = std::get_if<action::RunPowerCommand>(&action)) {
     power.emplace_back(now_, command->reboot);
   } else if (const auto* epoch = std::get_if<action::SaveEpoch>(&action)) {
-    epoch_on_disk_ = epoch->epoch;
+    Save(Stored::kEpoch, epoch->save, epoch_on_disk_, epoch->epoch);
   } else if (const auto* end = std::get_if<action::Fenced>(&action)) {
     fenced = end->message;
   } else if (const auto* record = std::get_if<action::Record>(&action)) {

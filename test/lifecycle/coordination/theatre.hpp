@@ -34,7 +34,7 @@ class Theatre {
   Behaviour& On(const std::string& actuator, const std::string& state);
 
   // Starts the machine; hand-started actuators (no command) start at once.
-  void Begin(bool by_hand = false, std::uint64_t epoch = 0);
+  void Begin(bool by_hand = false, std::uint64_t epoch = 0, bool restarted = false);
   // Starts an actuator's process, as a person would.
   void StartActuator(const std::string& name);
   // kill -9.
@@ -60,7 +60,8 @@ class Theatre {
   RequestId AskPolicy(event::PolicyRequested asked);
   // A new controller takes over; the old one is forgotten in the middle of whatever it did.
   // `lost_disk`: it does not know the epochs before it.
-  void RestartController(bool lost_disk = false);
+  // `restarted`: by a supervisor.
+  void RestartController(bool lost_disk = false, bool restarted = false);
 
   // Asks for a switch and returns at once; the answer comes into `answers`.
   RequestId Ask(const State& target, std::optional<std::string> actuator = std::nullopt);
@@ -88,7 +89,10 @@ class Theatre {
   std::map<RequestId, SwitchResult> answers;
   std::map<RequestId, Result<>> calls;
   std::vector<std::string> records;
-  std::optional<EmergencyStop> emergency_stop_on_disk;
+  StoredStops stops_on_disk;
+  bool stop_intent_on_disk = false;
+  std::optional<Duration> disk_takes = Duration{};  // for a save; none: it never ends
+  std::string disk_fails;                           // why a save fails; empty: it does not
   StoredPolicy policy_on_disk;
   std::vector<std::pair<Time, bool>> power;  // when the power command came, and whether to reboot
   std::optional<std::string> fenced;
@@ -120,6 +124,8 @@ class Theatre {
   void Do(std::size_t i, const ActuatorAction& action);
   void Do(const Action& action);
   void TellActuators(const action::TellEmergencyStop& stop);
+  template <class T>
+  void Save(Stored what, std::uint64_t save, T& stored, T value);
   Sender ControllerId() const { return static_cast<Sender>(generation_) + 1; }
   void EndProcess(std::size_t i, bool clean, const std::string& how, int exit_code = 0);
   ActuatorReport ReportOf(std::size_t i) const;
