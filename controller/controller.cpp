@@ -105,13 +105,11 @@ Result<> Controller::Open(int domain_id) {
   }
   if (auto opened = OpenShell(); !opened) return opened;
   look_around_ |= config_.transport == TransportProfile::kLan;
-  if (!look_around_) {
-    Begin(domain_id);
-  } else {
-    const Duration listen = config_.keys.empty() ? kLookAround : kSecuredLookAround;
-    begin_later_ =
-        node_.loop().At(node_.loop().Now() + listen, [this, domain_id] { Begin(domain_id); });
-  }
+  Duration listen{};
+  if (look_around_) listen = config_.keys.empty() ? kLookAround : kSecuredLookAround;
+  // Never from here: the hooks may use the controller, which its owner does not have yet.
+  begin_later_ =
+      node_.loop().At(node_.loop().Now() + listen, [this, domain_id] { Begin(domain_id); });
   return Ok();
 }
 

@@ -37,9 +37,9 @@ inline constexpr int kLetGoSignal = SIGUSR1;
 
 class Controller {
  public:
-  // Takes the machine over and begins. Fails with kCodeTargetBusy when a living controller of this
-  // host has it. Where hosts are several it listens for others for a moment first, and begins, or
-  // calls hooks.on_fenced, after that.
+  // Takes the machine over. Fails with kCodeTargetBusy when a living controller of this host has it.
+  // It begins, and calls hooks, on the loop's next turn; where hosts are several it listens for
+  // others for a moment first, and begins, or calls hooks.on_fenced, after that.
   // The node, whose domain is `domain_id`, and the config must outlive the controller.
   static Result<std::unique_ptr<Controller>> Make(transport::Node& node, int domain_id,
                                                   const MachineConfig& config,

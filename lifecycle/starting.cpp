@@ -59,7 +59,9 @@ void Decision::StartStage(int stage, std::uint64_t cause) {
     record.cause = cause;
     const Duration set_up = config_.TimeFor(i, kSetUp);
     const Duration patience = machine_.finishing ? std::min(set_up, kFinishingPatience) : set_up;
-    if (waited_for || machine_.finishing) record.set_up_by = now_ + patience;
+    // Only a process of ours holds its actuator's name, by which it is found running.
+    const bool may_run = machine_.finishing && ConfigOf(i).protocol != Protocol::kMusher;
+    if (waited_for || may_run) record.set_up_by = now_ + patience;
   }
 }
 
@@ -189,7 +191,8 @@ void Decision::CheckSetUpDeadlines() {
     }
     record.set_up_by.reset();
     if (record.fault && record.presence != Presence::kStarting)
-      continue;  // what is known says more
+      continue;                        // what is known says more
+    if (machine_.finishing) continue;  // what does not run need not be torn down
     Degrade(i, kCodeTimeout,
             "was not set up within " + std::to_string(ToMilliseconds(config_.TimeFor(i, kSetUp))) +
                 " ms",
@@ -201,6 +204,7 @@ void Decision::CheckSetUpDeadlines() {
 bool Decision::StageSetUp(int stage) const {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     if (ConfigOf(i).stage > stage) continue;
+    if (machine_.finishing && !Of(i).set_up_by) continue;
     if (Of(i).presence != Presence::kPresent && (!Of(i).fault || Coming(i))) return false;
   }
   return true;

@@ -145,13 +145,15 @@ class RehearsedModule::LockstepWorker : public Worker {
   // Some callbacks wait for their thread, so that an emergency stop may come before their first
   // instruction, as one may come after their last.
   void Begin() {
-    if (module_.dice_.Chance(0.5)) return GoOn();
+    module_.waits_ = module_.dice_.Chance(0.5);
+    if (!module_.waits_) return GoOn();
     const Duration wait = module_.dice_.Between(Duration::zero(), rest_ / 2);
     rest_ -= wait;
     step_ = loop_.At(loop_.Now() + wait, [this] { GoOn(); });
   }
 
   void GoOn() {
+    module_.waits_ = false;
     const Stage::Turn turn = Play();
     if (turn == Stage::Turn::kStuck) return;
     if (turn == Stage::Turn::kPolled) {
@@ -233,6 +235,7 @@ void RehearsedModule::OnEmergencyStop() {
   if (stage_->stuck) return;
   ++production_.tally->emergency_stops;
   if (report_.busy()) ++production_.tally->stopped_beside;
+  if (waits_) ++production_.tally->stopped_before;
   std::promise<Result<>> promise;
   std::future<Result<>> done = promise.get_future();
   std::thread thread([stage = stage_, promise = std::move(promise)]() mutable {
@@ -255,9 +258,11 @@ void RehearsedModule::OnReport(const ActuatorReport& report) {
   if (stage_->stuck) return;
   stage_->rehearsal->SetReport(report);
   if (!ended_ || report.target == state_) return;  // its end is not noticed yet
-  // One that ended well under an emergency stop has failed all the same.
+  // One that ended well under an emergency stop may have failed all the same.
   const bool taken = state_ == kSelfCheck || report.state == state_;
   settled_ = *std::exchange(ended_, std::nullopt) && taken;
+  // Its output must be off by itself, before the stop action runs again.
+  if (!settled_ && report.emergency_stop != 0) production_.judge_stop(*stage_->actuator, report);
   if (settled_ && state_ == kTearDown) ++production_.tally->torn_down;
   if (settled_) production_.judge(*stage_->actuator, report);
 }

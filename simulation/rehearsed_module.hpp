@@ -46,6 +46,7 @@ struct TrialTally {
   std::uint64_t asked_to_stop = 0;    // that saw it
   std::uint64_t killed_in = 0;        // whose process was killed
   std::uint64_t stopped_beside = 0;   // beside which an emergency stop was engaged
+  std::uint64_t stopped_before = 0;   // the same, between its start and its first instruction
   std::uint64_t emergency_stops = 0;  // altogether
   std::uint64_t torn_down = 0;
 };
@@ -59,7 +60,8 @@ class RehearsedModule : public Module {
     std::chrono::milliseconds real_time_limit{10'000};
     // Beside no callback: one has succeeded, or an emergency stop was engaged.
     std::function<void(const MachineActuator&, const ActuatorReport&)> judge;
-    // An emergency stop was engaged, maybe in the midst of a callback.
+    // An emergency stop was engaged, maybe in the midst of a callback; or a callback has ended
+    // under one without being taken to its state.
     std::function<void(const MachineActuator&, const ActuatorReport&)> judge_stop;
     // What is wrong with the actuator: the rest of a sentence about it.
     std::function<void(const std::string& what)> complain;
@@ -91,6 +93,7 @@ class RehearsedModule : public Module {
   transport::sim::Random dice_;
   std::shared_ptr<Stage> stage_;
   State state_;                // that was commanded last
+  bool waits_ = false;         // its callback for its thread, before its first instruction
   Act act_;                    // and what was drawn for it
   std::optional<bool> ended_;  // its callback, well or not; the actuator is yet to notice
   bool settled_ = false;       // the last callback has succeeded

@@ -171,7 +171,8 @@ void ControllerProcess::OnRecord(const action::Record& record) {
 
 void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
   // It ends what an earlier controller had begun to end: nothing stays up, and the front stays.
-  if (controller_->shell().machine().phase == Phase::kStopping) return;
+  const Phase phase = controller_->shell().machine().phase;
+  if (phase == Phase::kStopping || phase == Phase::kStopped) return;
   const bool judged = trial_ && !trial_->under_way();
   if (run_ && run_->on_trial && !judged) {
     start_up_ = ended;

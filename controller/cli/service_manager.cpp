@@ -56,6 +56,8 @@ void ServiceManager::Follow(const Machine& machine) {
   const bool stops = machine.phase == Phase::kStopping || machine.phase == Phase::kStopped;
   if (stops && !stopping_) {
     stopping_ = true;
+    // A service that ends before it was ready has failed, and would be started again.
+    if (machine.finishing) notifier_.Tell("READY=1");
     // However short the unit's own TimeoutStopSec is.
     notifier_.Tell("STOPPING=1\nEXTEND_TIMEOUT_USEC=" +
                    Microseconds(config_.shutdown_budget + kLastMoments));

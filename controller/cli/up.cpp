@@ -216,7 +216,7 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
   }
   theirs = {};
   return UpFront(console, config.name, controller, std::move(ours), std::move(signals),
-                 options.detach)
+                 options.detach, options.restarted)
       .Run();
 }
 

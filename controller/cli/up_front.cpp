@@ -26,11 +26,13 @@ std::string HowItEnded(pid_t pid) {
 }  // namespace
 
 UpFront::UpFront(Console& console, std::string machine, pid_t controller,
-                 transport::UniqueFd progress, transport::UniqueFd signals, bool detach)
+                 transport::UniqueFd progress, transport::UniqueFd signals, bool detach,
+                 bool restarted)
     : console_(console),
       machine_(std::move(machine)),
       controller_(controller),
       detach_(detach),
+      restarted_(restarted),
       signals_(std::move(signals)),
       abort_(TakeSignals({SIGABRT})),
       signal_watch_(loop_.WhenReadable(signals_.get(), [this] { OnSignal(); })),
@@ -89,7 +91,7 @@ void UpFront::OnEnd() {
   const std::string how = HowItEnded(controller_);
   if (stopped_) {
     if (!came_up_) console_.Complain(machine_ + " was stopped before it was up");
-    return Leave(came_up_ ? ExitCode::kDone : ExitCode::kNotDone);
+    return Leave(came_up_ || restarted_ ? ExitCode::kDone : ExitCode::kNotDone);
   }
   if (failed_to_start_) return Leave(exit_);
   if (fenced_) return Leave(ExitCode::kNotDone);

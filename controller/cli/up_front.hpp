@@ -7,7 +7,8 @@
 //      ├─ failed ─▶ leaves with 1; the controller and the actuators stay up for inspection
 //      ├─ not started ─▶ 2
 //      ├─ taken over by another controller, now or later ─▶ 1
-//      └─ stopped by a signal before it was usable ─▶ 1
+//      └─ stopped before it was usable ─▶ 1; 0 where a supervisor may have started it again and
+//         it has finished the TearDown of the controller before
 //
 // SIGABRT, which systemd's watchdog sends to its main process, this one, is handed on too, so that
 // it is the controller that ends and leaves a core dump.
@@ -26,9 +27,9 @@ namespace musher::cli {
 
 class UpFront {
  public:
-  // `signals`: TakeEndSignals().
+  // `signals`: TakeEndSignals(). `restarted`: as UpOptions has it.
   UpFront(Console& console, std::string machine, pid_t controller, transport::UniqueFd progress,
-          transport::UniqueFd signals, bool detach);
+          transport::UniqueFd signals, bool detach, bool restarted);
 
   ExitCode Run();
 
@@ -44,6 +45,7 @@ class UpFront {
   const std::string machine_;
   const pid_t controller_;
   const bool detach_;
+  const bool restarted_;
   bool came_up_ = false;
   bool stopped_ = false;
   bool stop_asked_ = false;

@@ -12,6 +12,9 @@ TEST(Gripper, HasPowerOnlyWhereItShould) {
     EXPECT_FALSE(report.state == "LowPower" && gripper.powered());
     EXPECT_FALSE(report.emergency_stop != 0 && gripper.powered());
   };
+  trial.after_emergency_stop = [](const Gripper& gripper, const musher::ActuatorReport&) {
+    EXPECT_FALSE(gripper.powered());
+  };
   trial.Run();
 }
 // [test end]

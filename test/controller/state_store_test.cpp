@@ -65,6 +65,35 @@ TEST_F(Store, OfADamagedPolicyOnlyWhatCanBeReadCounts) {
   EXPECT_EQ(load("low_power on\nlowered Active"), (StoredPolicy{true, std::nullopt}));
 }
 
+TEST_F(Store, KeepsTheEmergencyStopsThatAreEngagedAndTheReleasedIds) {
+  StateStore store = MustOpen();
+  EXPECT_EQ(store.LoadEmergencyStops(), StoredStops{});
+  const StoredStops stops{{{7, "alice@desk", "smoke in\nthe lab"}, {9, "", ""}}, {3, 4}};
+  ASSERT_TRUE(store.SaveEmergencyStops(stops));
+  StoredStops loaded = store.LoadEmergencyStops();
+  EXPECT_EQ(loaded.engaged.at(0).reason, "smoke in the lab") << "one line each";
+  loaded.engaged[0].reason = stops.engaged[0].reason;
+  EXPECT_EQ(loaded, stops);
+}
+
+TEST_F(Store, TakesADamagedOrShortenedFileOfEmergencyStopsForOneThatIsEngaged) {
+  StateStore store = MustOpen();
+  for (const char* text : {"", "engaged 7\n", "released x\nend\n", "4711 \n", "by me\nend\n"}) {
+    std::ofstream(dir_ + "/emergency_stop") << text;
+    EXPECT_EQ(store.LoadEmergencyStops().engaged.size(), 1U) << text;
+  }
+}
+
+TEST_F(Store, KeepsTheIntentToStopUntilItIsCleared) {
+  StateStore store = MustOpen();
+  EXPECT_FALSE(store.LoadStopIntent());
+  ASSERT_TRUE(store.SaveStopIntent(true));
+  EXPECT_TRUE(store.LoadStopIntent());
+  ASSERT_TRUE(store.SaveStopIntent(false));
+  EXPECT_FALSE(store.LoadStopIntent());
+  EXPECT_TRUE(store.SaveStopIntent(false)) << "it is gone already";
+}
+
 TEST_F(Store, RefusesASecondControllerAndNamesTheFirst) {
   const StateStore first = MustOpen();
   const auto second = StateStore::Open(dir_, "robot");

@@ -113,14 +113,15 @@ TEST(ActuatorTrial, PassesAGoodActuatorThatHasMetEverything) {
   std::cout << met.stories << " stories, " << met.processes << " processes, " << met.callbacks
             << " callbacks: " << met.failed << " failed, " << met.repeated << " repeated, "
             << met.asked_to_stop << " asked to stop, " << met.killed_in << " killed, "
-            << met.stopped_beside << " of " << met.emergency_stops << " stops beside; "
-            << met.torn_down << " torn down\n";
+            << met.stopped_beside << " of " << met.emergency_stops << " stops beside, "
+            << met.stopped_before << " before the first instruction; " << met.torn_down << " torn down\n";
   EXPECT_GT(met.processes, met.stories);
   EXPECT_GT(met.failed, 0U);
   EXPECT_GT(met.repeated, 0U);
   EXPECT_GT(met.asked_to_stop, 0U);
   EXPECT_GT(met.killed_in, 0U);
   EXPECT_GT(met.stopped_beside, 0U);
+  EXPECT_GT(met.stopped_before, 0U);
   EXPECT_GT(met.emergency_stops, met.stopped_beside);
   EXPECT_GT(met.torn_down, met.stories / 2);
 }
@@ -184,13 +185,30 @@ class StubbornMotor : public GoodMotor {
 
 TEST(ActuatorTrial, FindsACallbackThatGoesOnAfterAnEmergencyStop) {
   MotorTrial<StubbornMotor> trial;
-  trial.always = [](const StubbornMotor& motor, const ActuatorReport& report) {
-    if (report.emergency_stop == 0) return;
+  trial.after_emergency_stop = [](const StubbornMotor& motor, const ActuatorReport&) {
     EXPECT_FALSE(motor.powered()) << "during a stop";
   };
   const TrialFailure failure = trial.Failure();
   EXPECT_THAT(failure.what, HasSubstr("during a stop"));
   EXPECT_THAT(failure.timeline, HasSubstr("an emergency stop is engaged"));
+}
+
+// Switches on at its first instruction, and does not look whether a stop has come before it.
+class HastyMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> PowerOn() override { return motor().Power(true); }
+};
+
+TEST(ActuatorTrial, FindsPowerThatComesAfterAStopBeforeTheFirstInstruction) {
+  MotorTrial<HastyMotor> trial;
+  trial.stories = 3000;
+  trial.after_emergency_stop = [](const HastyMotor& motor, const ActuatorReport&) {
+    EXPECT_FALSE(motor.powered()) << "during a stop";
+  };
+  EXPECT_THAT(trial.Failure().what, HasSubstr("during a stop"));
 }
 
 // Opens what is open already.

@@ -75,6 +75,84 @@ TEST_F(Up, LeavesTheMachineUpWhenItIsDetached) {
   EXPECT_EQ(Musher({"status"}).exit, 3);
 }
 
+// A crash of the controller in the middle of TearDown
+
+TEST_F(Up, ASupervisorsStartFinishesATearDownThatACrashInterruptedAndStaysDown) {
+  Blocks("legs", "TearDown");
+  ASSERT_EQ(UpDetached().exit, 0);
+  const pid_t controller = Status()["pid"];
+  Process down(Command({"down"}));
+  AwaitStatus([](const auto& s) { return s["actuators"]["voice"]["presence"] == "lost"; });
+  kill(controller, SIGKILL);
+  Process again(Command({"up", config_, "--restarted"}));
+  EXPECT_NE(again.LineWith("this start by a supervisor ends that"), "");
+  Release();
+  const Ended ended = again.Wait();
+  EXPECT_EQ(ended.exit, 0) << ended.err << "as systemd would start it again otherwise";
+  EXPECT_THAT(ended.out, Not(HasSubstr("the machine is Active")));
+  down.Signal(SIGINT);  // its controller is gone
+  down.Wait();
+  EXPECT_TRUE(AwaitNoChildren());
+  // Nor does the next one, with nothing left that runs.
+  EXPECT_EQ(Musher({"up", config_, "--restarted"}).exit, 0);
+  EXPECT_EQ(Musher({"status"}).exit, 3);
+  // A person's start clears it.
+  EXPECT_EQ(UpDetached().exit, 0);
+  EXPECT_EQ(Status()["state"], "Active");
+}
+
+// The start-up has failed before the controller's owner has the controller.
+TEST_F(Up, SaysThatNothingOfTheFirstStageCouldBeStarted) {
+  std::string config;
+  {
+    std::ifstream file(config_);
+    config.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  for (std::size_t at = 0; (at = config.find("\"musher-exec\"", at)) != std::string::npos;) {
+    config.replace(at, 13, "\"nosuchprogram\"");
+  }
+  for (std::size_t at = 0; (at = config.find("[actuator.", at)) != std::string::npos;) {
+    at = config.find('\n', at) + 1;
+    config.insert(at, "restart = \"no\"\n");
+  }
+  std::ofstream(config_) << config;
+  const Ended up = Musher({"up", config_, "--detach"});
+  EXPECT_EQ(up.exit, 1);
+  EXPECT_THAT(up.err, HasSubstr("nosuchprogram"));
+  EXPECT_EQ(Status()["phase"], "failed");
+}
+
+TEST_F(Up, AfterARestartOfItsServiceTheMachineIsUp) {
+  Process first(Command({"up", config_, "--restarted"}));
+  ASSERT_NE(first.LineWith("the machine is Active"), "");
+  first.Signal(SIGTERM);
+  EXPECT_EQ(first.Wait().exit, 0);
+  Process second(Command({"up", config_, "--restarted"}));
+  EXPECT_NE(second.LineWith("the machine is Active"), "");
+}
+
+// It hangs in no state of its own: the whole process stands still, and nothing here may end it.
+TEST_F(Up, DownSaysWhichActuatorItDoesNotReachAndEndsWithOne) {
+  std::string config;
+  {
+    std::ifstream file(config_);
+    config.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  const std::string command = "command = [\"musher-exec\", \"" + (folder_ / "voice") + ".toml\"]\n";
+  config.erase(config.find(command), command.size());
+  std::ofstream(config_) << config;
+  Process voice({MUSHER_BIN_DIR "/musher-exec", folder_ / "voice.toml", "--config", config_,
+                 "--actuator", "voice"});
+  ASSERT_EQ(UpDetached().exit, 0);
+  voice.Signal(SIGSTOP);
+  AwaitStatus([](const auto& s) { return s["actuators"]["voice"]["presence"] == "lost"; });
+  const Ended down = Musher({"down"});
+  EXPECT_EQ(down.exit, 1);
+  EXPECT_THAT(down.err, HasSubstr("voice"));
+  EXPECT_THAT(down.err, HasSubstr("may live on in Active"));
+  voice.Signal(SIGCONT);
+}
+
 TEST_F(Up, CanFollowDownAtOnce) {
   for (int i = 0; i < 3; ++i) {
     const Ended up = UpDetached();
@@ -172,7 +250,7 @@ TEST_F(Up, EndsATearDownThatItsForerunnerDiedInAndStaysUntilAllAreGone) {
   kill(controller, SIGKILL);
   ASSERT_EQ(first.Wait().exit, 1);
   Process up(Command({"up", config_}));
-  EXPECT_NE(up.LineWith("in the middle of TearDown; that is ended"), "");
+  EXPECT_NE(up.LineWith("in the middle of TearDown; this one finishes it"), "");
   Release();
   const Ended second = up.Wait();
   EXPECT_EQ(second.exit, 1);
