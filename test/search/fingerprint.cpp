@@ -141,11 +141,11 @@ Fingerprint OfActuator(const Model& model, const World& world, std::size_t i) {
     }
   }
   const Actor& a = world.actors[i];
-  mixer.Add(a.alive, a.visible, a.work, a.stop_requested, a.status_due, a.end, a.epoch, a.begun,
-            a.asked);
+  mixer.Add(a.alive, a.visible, a.work, a.stop_requested, a.energised, a.status_due, a.end, a.epoch,
+            a.begun, a.asked);
   const ActuatorCore& c = a.core;
   mixer.Add(c.report, c.report.emergency_stop, c.running_for, c.was_apart, c.waiting, c.unsettled,
-            c.half_way_down, c.controller, c.announced, c.released);
+            c.half_way_down, c.controller, c.announced, c.released, c.stops, c.stopped_meanwhile);
   mixer.Add(a.replies.size());
   for (const event::Replied& reply : a.replies) AddReply(mixer, record, reply);
   AddLate(mixer, record, a.late);

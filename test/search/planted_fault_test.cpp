@@ -125,6 +125,19 @@ TEST_F(PlantedFault, AnActuatorThatForgetsTheEmergencyStopIsFound) {
   EXPECT_THAT(story_, HasSubstr("CROSSED by an emergency stop"));
 }
 
+// The callback that was running when the stop came counts as if none had come.
+TEST_F(PlantedFault, AnEmergencyStopThatACallbackUndoesIsFound) {
+  Rules rules;
+  rules.actuator = [](const auto& config, std::size_t i, auto& core, const auto& event, Time now) {
+    core.stopped_meanwhile = false;
+    return Step(config, i, core, event, now);
+  };
+  Search(rules, "LowPower", "Active", 1);
+  ASSERT_TRUE(searched_.fault);
+  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("is energised under an emergency stop")));
+  EXPECT_THAT(story_, HasSubstr("CROSSED by an emergency stop"));
+}
+
 TEST_F(PlantedFault, TheStoryThatIsToldIsTheShortest) {
   Search(WithEvent<event::Vanished>(
              [](event::Vanished& vanished, const Machine&) { vanished.incarnation = 0; }),

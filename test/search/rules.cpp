@@ -21,13 +21,6 @@ bool IsStarting(const World& world) {
          current->purpose == Purpose::kStartUpActivate;
 }
 
-// Whether `to` is more active than `from`, both being states to stay in.
-bool IsHigher(const MachineConfig& config, const State& to, const State& from) {
-  const auto high = config.RankOf(to);
-  const auto low = config.RankOf(from);
-  return high && low && *high > *low;
-}
-
 // Whether the result names it as degraded, or as one that was not to be had.
 bool Listed(const SwitchResult& result, const std::string& name) {
   const auto& degraded = result.degraded;
@@ -169,6 +162,26 @@ void JudgeDegraded(const Model& model, const World& world, Notes& notes) {
 }
 
 }  // namespace
+
+bool IsHigher(const MachineConfig& config, const State& to, const State& from) {
+  const auto high = config.RankOf(to);
+  const auto low = config.RankOf(from);
+  return high && low && *high > *low;
+}
+
+void JudgeStopped(const Model& model, const World& world, std::size_t i,
+                  const ActuatorReport& before, Notes& notes) {
+  const Actor& actor = world.actors[i];
+  const ActuatorReport& report = actor.core.report;
+  const std::string& name = model.config.actuators[i].name;
+  if (report.emergency_stop == 0) return;
+  if (actor.energised && actor.work == Work::kNone) {
+    notes.wrong.push_back(name + " is energised under an emergency stop");
+  }
+  if (Rises(model.config, before.state, report.state)) {
+    notes.wrong.push_back(name + " has gone up to " + report.state + " under an emergency stop");
+  }
+}
 
 void JudgeCommand(const Model& model, const World& world, const action::SendSwitch& send,
                   Notes& notes) {

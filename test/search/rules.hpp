@@ -24,6 +24,13 @@ void JudgeBeginning(const Model& model, const World& world, std::size_t i, const
                     std::uint64_t epoch, std::uint64_t number, Notes& notes);
 
 // The controller has taken a step. `before`: how things stood.
+// After each step of an actuator; `before`: its report before the step.
+void JudgeStopped(const Model& model, const World& world, std::size_t i,
+                  const ActuatorReport& before, Notes& notes);
+
+// Whether `to` is more active than `from`, both being states to stay in.
+bool IsHigher(const MachineConfig& config, const State& to, const State& from);
+
 void JudgeStep(const Model& model, const World& world, const Before& before, Notes& notes);
 
 // Somebody is told how the switch ended.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/lifecycle/flow.hpp"
 #include "musher/test/search/rules.hpp"
 
 namespace musher::search {
@@ -140,8 +141,14 @@ void Stage::Deliver(const Message& message, bool held_back, bool introduced) {
   }
 }
 
+// Its last instruction switches the output on, on the way up, or off; a check switches nothing.
 void Stage::EndCallback(std::size_t i, std::int32_t code, const std::string& text) {
-  world_.actors[i].work = Work::kNone;
+  Actor& actor = world_.actors[i];
+  actor.work = Work::kNone;
+  const ActuatorReport& report = actor.core.report;
+  if (code == kCodeOk && config_.RankOf(report.target)) {
+    actor.energised = Rises(config_, report.state, report.target);
+  }
   Perform(i, actuator_event::CallbackEnded{code, text});
 }
 
@@ -177,6 +184,7 @@ void Stage::Perform(std::size_t i, const ActuatorEvent& event, bool held_back) {
   std::uint64_t epoch = actor.core.waiting ? actor.core.waiting->command.epoch : 0;
   const auto* arrived = std::get_if<actuator_event::SwitchArrived>(&event);
   if (arrived != nullptr) epoch = arrived->command.epoch;
+  const ActuatorReport before = actor.core.report;
   const auto actions =
       model_.rules.actuator(config_, i, actor.core, event, world_.now + kClockAhead);
   for (const ActuatorAction& action : actions) {
@@ -197,10 +205,12 @@ void Stage::Perform(std::size_t i, const ActuatorEvent& event, bool held_back) {
     }
     Do(i, action);
   }
+  JudgeStopped(model_, world_, i, before, notes_);
 }
 
 void Stage::Do(std::size_t i, const ActuatorAction& action) {
   Actor& actor = world_.actors[i];
+  if (std::holds_alternative<actuator_action::RunEmergencyStop>(action)) actor.energised = false;
   if (const auto* run = std::get_if<actuator_action::RunCallback>(&action)) {
     Say("  " + Name(i) + " begins " + run->target);
   } else if (std::holds_alternative<actuator_action::RequestStop>(action)) {

@@ -67,6 +67,7 @@ struct Actor {
   bool visible = false;
   Work work = Work::kNone;
   bool stop_requested = false;  // of the callback that runs
+  bool energised = false;       // its output: on at the end of an upward callback
   bool status_due = false;
   std::int64_t reports = 0;
   std::int32_t processes = 0;  // its pid is this: nobody compares pids of different actuators
