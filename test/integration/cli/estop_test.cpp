@@ -3,10 +3,12 @@
 #include <signal.h>
 
 #include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/messages/musher_msgs/beats.hpp"
 #include "musher/test/integration/cli/machine.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/linux_event_loop.hpp"
+#include "musher/transport/node_thread.hpp"
 
 namespace musher::testing {
 namespace {
@@ -52,6 +54,14 @@ class EmergencyStop : public MachineByCli {
     return loop.RunUntil([&] { return told; }, loop.Now() + std::chrono::seconds(30));
   }
 
+  // Until the controller has recorded it, half a minute at most.
+  static void AwaitHistory(const std::string& text) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (Musher({"history"}).out.find(text) == std::string::npos) {
+      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << "nothing recorded of: " << text;
+    }
+  }
+
   std::unique_ptr<Process> up_;
 };
 
@@ -71,6 +81,39 @@ TEST_F(EmergencyStop, IsLatchedByEveryActuatorAndLetsNothingGoUp) {
   EXPECT_EQ(Musher({"set", "OTA"}).exit, 0);  // down is allowed
   EXPECT_EQ(Status()["emergency_stop"]["reason"], "it smokes");
   EXPECT_THAT(Musher({"status"}).out, HasSubstr("EMERGENCY STOP by "));
+}
+
+// Two panels on the wall, which go on saying "engaged", and a controller that is started again.
+TEST_F(EmergencyStop, AReleasedStopStaysReleasedForTheNextControllerThoughItsPanelsLiveOn) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const auto panels = transport::NodeThread::Start({}).value();
+  std::vector<std::unique_ptr<transport::Publisher<msg::EmergencyStop>>> buttons;
+  for (const std::uint64_t id : {71, 72}) {
+    panels->RunOnLoop([&] {
+      buttons.push_back(
+          transport::MakePublisher<msg::EmergencyStop>(
+              panels->node(), transport::EmergencyStopTopic(name_space_), transport::kLatchedQos)
+              .value());
+      static_cast<void>(buttons.back()->Publish({id, true, "panel " + std::to_string(id), ""}));
+    });
+    AwaitHistory("engaged by panel " + std::to_string(id));
+  }
+  EXPECT_EQ(Musher({"estop", "--release"}).exit, 0);
+  const auto none_is_latched = [this] {
+    for (const char* actuator : {"legs", "voice", "eyes"}) {
+      EXPECT_TRUE(AwaitReport([&](const auto& report) {
+        return report.name == actuator && report.emergency_stop == 0;
+      })) << actuator;
+    }
+  };
+  none_is_latched();
+  LoseController();
+  Process next(Command({"up", config_}));
+  ASSERT_NE(next.LineWith("the machine is adopted in LowPower"), "");
+  EXPECT_EQ(Musher({"set", "Active"}).exit, 0);
+  EXPECT_EQ(Status()["emergency_stop"]["engaged"], false);
+  none_is_latched();
+  panels->RunOnLoop([&] { buttons.clear(); });
 }
 
 TEST_F(EmergencyStop, TellsWhoHadEngagedItBefore) {
