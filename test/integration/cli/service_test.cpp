@@ -18,8 +18,9 @@ class UpAsAService : public MachineByCli {
   UpAsAService() { setenv("WATCHDOG_USEC", "300000", 1); }
 
   // The front is the main process, so it is the one that systemd names.
-  std::vector<std::string> Unit() const {
-    return {"sh", "-c", "export WATCHDOG_PID=$$; exec " MUSHER_BIN_DIR "/musher up " + config_};
+  std::vector<std::string> Unit(const std::string& options = "") const {
+    return {"sh", "-c",
+            "export WATCHDOG_PID=$$; exec " MUSHER_BIN_DIR "/musher up " + options + config_};
   }
 
   ServiceManagerThatReads systemd_{folder_ / "notify"};
@@ -68,6 +69,30 @@ TEST_F(UpAsAService, StopsWhenAnotherControllerTakesTheMachineOver) {
   ASSERT_EQ(Musher({"up", config_, "--takeover", "--detach"}).exit, 0);
   EXPECT_TRUE(systemd_.WaitFor("STOPPING=1"));
   EXPECT_EQ(up.Wait().exit, 1);
+}
+
+// To systemd a service that ends before it is ready has failed, and would be started again.
+TEST_F(UpAsAService, IsReadyBeforeItStopsWhereItOnlyFinishesATearDown) {
+  setenv("RUNTIME_DIRECTORY", folder_.path().c_str(), 1);  // as systemd keeps it over restarts
+  Blocks("legs", "TearDown");
+  {
+    Process up(Unit("--restarted "));
+    ASSERT_TRUE(systemd_.WaitFor("READY=1")) << "the first start is a person's";
+    ASSERT_TRUE(systemd_.WaitFor("STATUS=Active, 3 actuators"));
+    const pid_t controller = Status()["pid"];
+    Process down(Command({"down"}));
+    ASSERT_TRUE(systemd_.WaitFor("STOPPING=1"));
+    AwaitStatus([](const auto& s) { return s["actuators"]["legs"]["target"] == "TearDown"; });
+    kill(controller, SIGKILL);
+    EXPECT_EQ(up.Wait().exit, 1);
+  }
+  Release();
+  Process again(Unit("--restarted "));
+  EXPECT_TRUE(systemd_.WaitFor("READY=1"));
+  EXPECT_TRUE(systemd_.WaitFor("STOPPING=1"));
+  EXPECT_EQ(again.Wait().exit, 0);
+  EXPECT_TRUE(AwaitNoChildren());
+  unsetenv("RUNTIME_DIRECTORY");
 }
 
 // The watchdog sends SIGABRT to the main process, the front. What follows is as after any death of
