@@ -56,8 +56,6 @@ void CapabilityBoard::Refresh() {
 
 void CapabilityBoard::Publish() {
   looked_at_ = node_.loop().Now();
-  const bool leads = machine_.phase != Phase::kIdle && machine_.phase != Phase::kFenced;
-  if (!leads) return;
   msg::Capabilities now = Now();
   if (told_ == now) return;
   // What cannot be sent is sent with the next change.

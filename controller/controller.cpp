@@ -99,6 +99,7 @@ Result<> Controller::Open(int domain_id) {
     options.on_trouble = [this](const std::string& message) { Trouble(message); };
     auto journal = std::make_unique<Journal>(store_->JournalFile(), std::move(options));
     file_journal_ = journal.get();
+    history_.emplace(node_.loop(), *journal);
     journal_ = std::move(journal);
   } else {
     journal_ = std::make_unique<NoJournal>();
@@ -108,9 +109,18 @@ Result<> Controller::Open(int domain_id) {
   Duration listen{};
   if (look_around_) listen = config_.keys.empty() ? kLookAround : kSecuredLookAround;
   // Never from here: the hooks may use the controller, which its owner does not have yet.
-  begin_later_ =
-      node_.loop().At(node_.loop().Now() + listen, [this, domain_id] { Begin(domain_id); });
+  begin_later_ = node_.loop().At(node_.loop().Now() + listen,
+                                 [this, listen, domain_id] { BeginAfter(listen, domain_id); });
   return Ok();
+}
+
+// On a slow link an actuator may have been heard only now; its controller is still to come.
+void Controller::BeginAfter(Duration listen, int domain_id) {
+  const auto first_heard = shell_->first_heard();
+  const bool settled = shell_->rival() || !first_heard;
+  const Time until = settled ? Time{} : *first_heard + listen;
+  if (node_.loop().Now() >= until) return Begin(domain_id);
+  begin_later_ = node_.loop().At(until, [this, domain_id] { Begin(domain_id); });
 }
 
 Result<> Controller::OpenStore() {
@@ -184,6 +194,11 @@ Result<> Controller::OpenShell() {
   world.pid = getpid();
   world.incarnation = transport::NewIncarnation();
   ControllerShell::Hooks hooks = options_.hooks;
+  hooks.open_services = [this] { return OpenServices(); };
+  hooks.close_services = [this] {
+    manager_ = nullptr;
+    services_ = nullptr;
+  };
   hooks.on_record = [this](const action::Record& record) {
     if (manager_) manager_->OnRecord(record);
     if (options_.hooks.on_record) options_.hooks.on_record(record);
@@ -191,7 +206,17 @@ Result<> Controller::OpenShell() {
   auto shell = ControllerShell::Make(std::move(world), config_, std::move(hooks));
   if (!shell) return shell.error();
   shell_ = std::move(shell).value();
-  auto services = ControllerServices::Make(node_, *shell_, file_journal_);
+  return Ok();
+}
+
+Result<> Controller::OpenServices() {
+  ReadHistory read_history;
+  if (history_) {
+    read_history = [this](std::int64_t since, std::size_t limit, OnHistory done) {
+      history_->Read(since, limit, std::move(done));
+    };
+  }
+  auto services = ControllerServices::Make(node_, *shell_, std::move(read_history));
   if (!services) return services.error();
   services_ = std::move(services).value();
   auto manager = cyberdog::Manager::Make(node_, *shell_);

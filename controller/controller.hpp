@@ -57,6 +57,8 @@ class Controller {
   Result<> OpenStore();
   Result<> TakeName(int domain_id);
   Result<> OpenShell();
+  Result<> OpenServices();
+  void BeginAfter(Duration listen, int domain_id);
   void Begin(int domain_id);
   std::uint64_t LoadEpoch();
   std::string LogFileOf(const std::string& actuator);
@@ -69,13 +71,14 @@ class Controller {
   bool logs_in_trouble_ = false;     // which is said once for each spell
   std::unique_ptr<JournalSink> journal_;
   Journal* file_journal_ = nullptr;          // the same, when there is a store
+  std::optional<HistoryReader> history_;     // of that one
   std::optional<transport::NameLock> name_;  // of the leader of this namespace on this host
   bool look_around_ = false;                 // another controller may lead already
   ProcessSupervisor processes_;
   KernelWitness witness_;
   std::unique_ptr<ControllerShell> shell_;
-  std::unique_ptr<ControllerServices> services_;
-  std::unique_ptr<cyberdog::Manager> manager_;  // null where the config wants none
+  std::unique_ptr<ControllerServices> services_;  // null unless this controller leads
+  std::unique_ptr<cyberdog::Manager> manager_;    // the same, and where the config wants none
   transport::LoopHandlePtr begin_later_;
 };
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "musher/controller/journal_reader.hpp"
+#include "musher/controller/switch_log.hpp"
 #include "musher/controller/wire.hpp"
 #include "musher/lifecycle/plan.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
@@ -13,7 +13,8 @@ namespace {
 // Longer than any name in a valid config; a request with a longer one is refused unread.
 constexpr std::size_t kLongestName = 256;
 constexpr std::uint32_t kMostEntries = 1000;
-constexpr Duration kFlushTimeout = std::chrono::seconds(1);
+// The end of a controller is asked about soon after it; what came since is a fraction of these.
+constexpr std::size_t kEntriesOfPredecessor = 5000;
 
 template <class S>
 typename S::Response AnswerTo(const Result<>& result) {
@@ -29,13 +30,8 @@ std::optional<Error> JudgeLengths(const msg::SetState::Request& request) {
                "a name of more than " + std::to_string(kLongestName) + " bytes is not one of ours"};
 }
 
-// With all that had happened when it was asked for, if the disk is well.
-msg::GetHistory::Response History(Journal& journal, std::int64_t since_wall_ns,
-                                  std::uint32_t limit) {
-  static_cast<void>(journal.Flush(kFlushTimeout));
+msg::GetHistory::Response HistoryOf(const Result<JournalReading>& reading) {
   msg::GetHistory::Response response;
-  const auto reading =
-      ReadJournal(journal.path(), since_wall_ns, limit == 0 ? kMostEntries : limit);
   if (!reading) {
     response.error = reading.error().message;
     return response;
@@ -50,13 +46,14 @@ msg::GetHistory::Response History(Journal& journal, std::int64_t since_wall_ns,
 }  // namespace
 
 ControllerServices::ControllerServices(transport::Node& node, ControllerShell& shell,
-                                       Journal* journal)
-    : node_(node), shell_(shell), journal_(journal) {}
+                                       ReadHistory read_history)
+    : node_(node), shell_(shell), read_history_(std::move(read_history)) {}
 
 Result<std::unique_ptr<ControllerServices>> ControllerServices::Make(transport::Node& node,
                                                                      ControllerShell& shell,
-                                                                     Journal* journal) {
-  std::unique_ptr<ControllerServices> services(new ControllerServices(node, shell, journal));
+                                                                     ReadHistory read_history) {
+  std::unique_ptr<ControllerServices> services(
+      new ControllerServices(node, shell, std::move(read_history)));
   if (auto opened = services->Open(); !opened) return opened.error();
   return services;
 }
@@ -115,8 +112,13 @@ Result<> ControllerServices::Open() {
       !r) {
     return r;
   }
+  if (auto r = open(get_switch_, "get_switch",
+                    [this](const auto& request, auto reply) { OnGetSwitch(request, reply); });
+      !r) {
+    return r;
+  }
   return open(get_history_, "get_history",
-              [this](const auto& request, auto reply) { OnGetHistory(request, std::move(reply)); });
+              [this](const auto& request, auto reply) { OnGetHistory(request, reply); });
 }
 
 void ControllerServices::OnSetState(const msg::SetState::Request& request,
@@ -166,22 +168,60 @@ msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request
   return response;
 }
 
-void ControllerServices::OnGetHistory(const msg::GetHistory::Request& request, HistoryReply reply) {
-  msg::GetHistory::Response refusal;
-  if (journal_ == nullptr)
-    refusal.error = "this controller has no journal: its folder is not usable";
-  if (reading_history_) refusal.error = "somebody else is being told the history; ask again";
-  if (!refusal.error.empty()) return reply(refusal);
-  reading_history_ = true;
-  history_reader_ = std::jthread([this, request, reply = std::move(reply),
-                                  alive = std::weak_ptr<bool>(alive_), &loop = node_.loop()] {
-    auto response = History(*journal_, request.since_wall_ns, request.limit);
-    loop.Post([this, alive, reply, response = std::move(response)] {
-      if (alive.expired()) return;
-      reading_history_ = false;
-      reply(response);
-    });
-  });
+// Own switches are in memory, those of an earlier controller in the journal, if it is the same one.
+void ControllerServices::OnGetSwitch(const msg::GetSwitch::Request& request,
+                                     const SwitchReply& reply) {
+  const std::uint64_t own = shell_.machine().epoch;
+  msg::GetSwitch::Response known =
+      FindSwitch(shell_.switches(), request.epoch, request.switch_number);
+  if (known.found) {
+    if (known.outcome.empty()) known.outcome = msg::GetSwitch::kUnderWay;
+    return reply(known);
+  }
+  if (request.epoch >= own) {
+    known.reason = "the controller of epoch " + std::to_string(own) + " knows no such switch";
+    known.state = shell_.machine().state;
+    return reply(known);
+  }
+  if (!read_history_) return TellInterrupted(std::move(known), reply);
+  read_history_(INT64_MIN, kEntriesOfPredecessor,
+                [this, request, reply, alive = std::weak_ptr<bool>(alive_)](const auto& reading) {
+                  if (alive.expired()) return;
+                  const auto entries =
+                      reading ? reading.value().entries : std::vector<JournalEntry>();
+                  auto found = FindSwitch(entries, request.epoch, request.switch_number);
+                  if (!found.outcome.empty()) return reply(found);
+                  TellInterrupted(std::move(found), reply);
+                });
+}
+
+// Once this controller knows where the machine is: it goes on from where it has met the actuators.
+void ControllerServices::TellInterrupted(msg::GetSwitch::Response response,
+                                         const SwitchReply& reply) {
+  shell_.AwaitSetUp(
+      [this, response, reply, alive = std::weak_ptr<bool>(alive_)](const Result<>&) mutable {
+        if (alive.expired()) return;
+        const std::string before = "the controller of epoch " + std::to_string(response.epoch);
+        response.state = shell_.machine().state;
+        response.code = kCodeNetError;
+        const bool begun = response.found && response.switch_number != 0;
+        response.outcome = begun ? msg::GetSwitch::kInterrupted : "";
+        response.reason = (begun ? before + " ended during it"
+                                 : "no such switch of " + before + " is recorded here") +
+                          "; the controller of epoch " + std::to_string(shell_.machine().epoch) +
+                          " goes on with the machine in " + response.state;
+        reply(response);
+      });
+}
+
+void ControllerServices::OnGetHistory(const msg::GetHistory::Request& request,
+                                      const HistoryReply& reply) {
+  if (!read_history_) {
+    return reply({"this controller has no journal: its folder is not usable", {}});
+  }
+  const std::size_t limit = request.limit == 0 ? kMostEntries : request.limit;
+  read_history_(request.since_wall_ns, limit,
+                [reply](const auto& reading) { reply(HistoryOf(reading)); });
 }
 
 }  // namespace musher

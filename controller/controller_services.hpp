@@ -1,15 +1,16 @@
 #pragma once
 // What a controller answers under <namespace>/musher/: set_state, restart_actuator,
-// release_emergency_stop, request_policy, get_status, get_capabilities, get_plan and get_history,
-// for the CLI and for any ROS 2 node.
+// release_emergency_stop, request_policy, get_status, get_capabilities, get_plan, get_switch and
+// get_history, for the CLI and for any ROS 2 node. They are there only while the controller leads:
+// a request that comes before waits at its client for the next leader.
 //
-// Threads: loop thread only; history is read from the disk on a thread of its own.
+// Threads: loop thread only.
 
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "musher/controller/controller_shell.hpp"
+#include "musher/controller/history_reader.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/musher_msgs/policy_request.hpp"
@@ -19,12 +20,14 @@ namespace musher {
 
 class ControllerServices {
  public:
-  // Without a journal there is no history. The shell and the journal must outlive the services.
+  // `read_history` is empty where there is no journal. What it reads by and the shell must outlive
+  // the services.
   static Result<std::unique_ptr<ControllerServices>> Make(transport::Node& node,
-                                                          ControllerShell& shell, Journal* journal);
+                                                          ControllerShell& shell,
+                                                          ReadHistory read_history);
 
  private:
-  ControllerServices(transport::Node& node, ControllerShell& shell, Journal* journal);
+  ControllerServices(transport::Node& node, ControllerShell& shell, ReadHistory read_history);
   Result<> Open();
 
   using HistoryReply = transport::Server<msg::GetHistory>::Reply;
@@ -33,14 +36,14 @@ class ControllerServices {
   void OnRequestPolicy(const msg::RequestPolicy::Request& request,
                        const transport::Server<msg::RequestPolicy>::Reply& reply);
   msg::GetPlan::Response OnGetPlan(const msg::GetPlan::Request& request) const;
-  void OnGetHistory(const msg::GetHistory::Request& request, HistoryReply reply);
+  using SwitchReply = transport::Server<msg::GetSwitch>::Reply;
+  void OnGetSwitch(const msg::GetSwitch::Request& request, const SwitchReply& reply);
+  void TellInterrupted(msg::GetSwitch::Response response, const SwitchReply& reply);
+  void OnGetHistory(const msg::GetHistory::Request& request, const HistoryReply& reply);
 
   transport::Node& node_;
   ControllerShell& shell_;
-  Journal* const journal_;
-  bool reading_history_ = false;
-  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
-  std::jthread history_reader_;
+  const ReadHistory read_history_;
   std::unique_ptr<transport::Server<msg::SetState>> set_state_;
   std::unique_ptr<transport::Server<msg::RestartActuator>> restart_actuator_;
   std::unique_ptr<transport::Server<msg::ReleaseEmergencyStop>> release_emergency_stop_;
@@ -48,7 +51,9 @@ class ControllerServices {
   std::unique_ptr<transport::Server<msg::GetStatus>> get_status_;
   std::unique_ptr<transport::Server<msg::GetCapabilities>> get_capabilities_;
   std::unique_ptr<transport::Server<msg::GetPlan>> get_plan_;
+  std::unique_ptr<transport::Server<msg::GetSwitch>> get_switch_;
   std::unique_ptr<transport::Server<msg::GetHistory>> get_history_;
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for answers that come later
 };
 
 }  // namespace musher

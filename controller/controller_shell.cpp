@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/controller/switch_log.hpp"
 #include "musher/controller/wire.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
@@ -11,7 +12,15 @@ namespace {
 
 constexpr std::size_t kProcessesKept = 4;  // of one actuator, those that spoke last
 constexpr Duration kPublishPeriod = Milliseconds(20);
+constexpr std::size_t kSwitchEntriesKept = 128;             // a begin and an end each
 constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // less than a hung process has left
+
+// Whether a process of the actuator runs, by its latched status: it is not about to end.
+bool Runs(const MachineConfig& config, const ActuatorReport& report) {
+  const bool set_up_failed =
+      report.state == config.default_state && !report.busy() && report.outcome_code != kCodeOk;
+  return report.state != kTearDown && !set_up_failed;
+}
 
 }  // namespace
 
@@ -38,17 +47,6 @@ Result<std::unique_ptr<ControllerShell>> ControllerShell::Make(World world,
 
 Result<> ControllerShell::Open() {
   transport::Node& node = *world_.node;
-  auto status = transport::MakePublisher<msg::MachineStatus>(
-      node, transport::MachineStatusTopic(config_.name_space), transport::kLatchedQos);
-  if (!status) return status.error();
-  status_ = std::move(status).value();
-  auto info = transport::MakePublisher<msg::MachineInfo>(
-      node, std::string(transport::kMachinesTopic), transport::kLatchedQos);
-  if (!info) return info.error();
-  info_ = std::move(info).value();
-  auto capabilities = CapabilityBoard::Make(node, config_, machine_);
-  if (!capabilities) return capabilities.error();
-  capabilities_ = std::move(capabilities).value();
   for (std::size_t i = 0; i < peers_.size(); ++i) {
     auto link = MakeLink(node, config_, i, [this](const Event& event) { OnLinkEvent(event); });
     if (!link) return link.error();
@@ -77,12 +75,50 @@ Result<> ControllerShell::Open() {
       status_qos, {[this](transport::PeerId writer) { OnWriterLost(writer); }, nullptr});
   if (!subscription) return subscription.error();
   actuator_status_ = std::move(subscription).value();
+  return Ok();
+}
+
+Result<> ControllerShell::OpenToClients() {
+  transport::Node& node = *world_.node;
+  auto status = transport::MakePublisher<msg::MachineStatus>(
+      node, transport::MachineStatusTopic(config_.name_space), transport::kLatchedQos);
+  if (!status) return status.error();
+  status_ = std::move(status).value();
+  auto capabilities = CapabilityBoard::Make(node, config_, machine_);
+  if (!capabilities) return capabilities.error();
+  capabilities_ = std::move(capabilities).value();
+  if (hooks_.open_services) {
+    if (const auto opened = hooks_.open_services(); !opened) return opened;
+  }
+  auto info = transport::MakePublisher<msg::MachineInfo>(
+      node, std::string(transport::kMachinesTopic), transport::kLatchedQos);
+  if (!info) return info.error();
+  info_ = std::move(info).value();
   return info_->Publish({config_.name, config_.name_space, world_.host, world_.pid});
 }
 
+// What still waits for an answer gets `why` first.
+void ControllerShell::CloseToClients(const Error& why) {
+  for (auto& [request, done] : std::exchange(waiting_for_answer_, {})) done(why);
+  for (auto& [request, done] : std::exchange(waiting_for_result_, {})) {
+    if (done) done(Refusal(why));
+  }
+  publish_later_ = nullptr;
+  status_ = nullptr;
+  info_ = nullptr;
+  capabilities_ = nullptr;
+  if (hooks_.close_services) hooks_.close_services();
+}
+
 void ControllerShell::Begin(event::Begin begin) {
+  if (const auto opened = OpenToClients(); !opened) return Refuse(opened.error());
   recorder_.Begin(world_.wall_ns(), world_.config_text);
   begin.host = world_.host;
+  // What runs on another host is known by its status alone.
+  begin.running.resize(peers_.size());
+  for (const auto& [actuator, seen] : before_begin_) {
+    if (Runs(config_, seen.report)) begin.running[actuator] = true;
+  }
   for (std::size_t i = 0; i < begin.processes.size(); ++i) {
     if (!WatchFound(i, begin.processes[i])) begin.processes[i] = 0;
   }
@@ -97,7 +133,7 @@ void ControllerShell::Begin(event::Begin begin) {
 
 void ControllerShell::Refuse(const Error& why) {
   refused_ = why;
-  for (auto& [request, done] : std::exchange(waiting_for_answer_, {})) done(why);
+  CloseToClients(why);
   if (hooks_.on_fenced) hooks_.on_fenced(why.message);
 }
 
@@ -110,6 +146,7 @@ void ControllerShell::LetGo(const std::string& who) {
 
 void ControllerShell::SetState(const State& target, const std::optional<std::string>& actuator,
                                OnResult done) {
+  if (refused_) return done(Refusal(*refused_));
   const RequestId request = next_request_++;
   waiting_for_result_[request] = std::move(done);
   Handle(event::SetStateRequested{request, target, actuator});
@@ -120,25 +157,28 @@ void ControllerShell::TearDown(AfterTearDown after) {
 }
 
 void ControllerShell::AwaitSetUp(OnAnswer done) {
-  const RequestId request = next_request_++;
   if (refused_) return done(*refused_);
+  const RequestId request = next_request_++;
   waiting_for_answer_[request] = std::move(done);
   Handle(event::SetUpAwaited{request});
 }
 
 void ControllerShell::Restart(const std::string& actuator, OnAnswer done) {
+  if (refused_) return done(*refused_);
   const RequestId request = next_request_++;
   waiting_for_answer_[request] = std::move(done);
   Handle(event::RestartRequested{request, actuator});
 }
 
 void ControllerShell::ReleaseEmergencyStop(const std::string& by, OnAnswer done) {
+  if (refused_) return done(*refused_);
   const RequestId request = next_request_++;
   waiting_for_answer_[request] = std::move(done);
   Handle(event::ReleaseRequested{request, by});
 }
 
 void ControllerShell::AskPolicy(event::PolicyRequested asked, OnAnswer done) {
+  if (refused_) return done(*refused_);
   asked.request = next_request_++;
   waiting_for_answer_[asked.request] = std::move(done);
   if (policy_inputs_) policy_inputs_->TellTime();
@@ -200,6 +240,7 @@ bool ControllerShell::KeepForBegin(const Event& event) {
   if (machine_.phase != Phase::kIdle) return false;
   if (const auto* seen = std::get_if<event::StatusSeen>(&event)) {
     before_begin_[seen->actuator] = *seen;
+    if (!first_heard_) first_heard_ = world_.node->loop().Now();
     return true;
   }
   if (const auto* vanished = std::get_if<event::Vanished>(&event)) {
@@ -222,7 +263,7 @@ void ControllerShell::Handle(const Event& event) {
   handling_ = false;
   ArmTimer();
   PublishSoon();
-  capabilities_->Refresh();
+  if (capabilities_) capabilities_->Refresh();
 }
 
 void ControllerShell::HandleQueued() {
@@ -253,7 +294,7 @@ void ControllerShell::ArmTimer() {
 
 // The status is latched for people and dashboards: what changes within a moment is told as one.
 void ControllerShell::PublishSoon() {
-  if (publish_later_) return;
+  if (publish_later_ || !status_) return;
   const Time now = world_.node->loop().Now();
   publish_later_ = world_.node->loop().At(std::max(now, published_at_ + kPublishPeriod), [this] {
     publish_later_ = nullptr;
@@ -262,6 +303,7 @@ void ControllerShell::PublishSoon() {
 }
 
 void ControllerShell::Publish() {
+  if (!status_) return;
   msg::MachineStatus status = Status();
   if (status == published_) return;
   static_cast<void>(
@@ -339,7 +381,7 @@ void ControllerShell::Do(const action::SaveStopIntent& a) {
 
 void ControllerShell::Do(const action::Fenced& a) {
   presence_->FallSilent();
-  Publish();
+  CloseToClients({kCodePermissionDenied, a.message});
   if (hooks_.on_fenced) hooks_.on_fenced(a.message);
 }
 
@@ -357,6 +399,11 @@ void ControllerShell::Do(const action::Record& a) {
   entry.id = a.id;
   entry.cause = a.cause;
   entry.state = a.state;
+  if (a.of_switch) {
+    entry.data = EncodeSwitchNote(*a.of_switch);
+    if (switches_.size() == kSwitchEntriesKept) switches_.erase(switches_.begin());
+    switches_.push_back(entry);
+  }
   world_.journal->Append(std::move(entry));
   if (hooks_.on_record) hooks_.on_record(a);
 }
@@ -365,10 +412,28 @@ void ControllerShell::Do(const action::StartUpEnded& a) {
   if (hooks_.on_start_up_ended) hooks_.on_start_up_ended(a);
 }
 
+// What asked for this may be a request that is being handled: its service closes behind it.
 void ControllerShell::Do(const action::Stopped&) {
   Publish();
   presence_->FallSilent();
+  transport::EventLoop& loop = world_.node->loop();
+  close_later_ = loop.At(loop.Now(), [this] {
+    CloseToClients({kCodeStateInvalid, "the machine is stopped; only a new start brings it back"});
+  });
   if (hooks_.on_stopped) hooks_.on_stopped();
+}
+
+msg::Capabilities ControllerShell::Capabilities() const {
+  return capabilities_ ? capabilities_->Now() : msg::Capabilities{};
+}
+
+SwitchResult ControllerShell::Refusal(const Error& why) const {
+  SwitchResult result;
+  result.outcome = SwitchOutcome::kRefused;
+  result.code = why.code;
+  result.reason = why.message;
+  result.state = machine_.state;
+  return result;
 }
 
 msg::MachineStatus ControllerShell::Status() const {

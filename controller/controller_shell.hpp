@@ -54,6 +54,12 @@ class ControllerShell {
   };
   // What it tells; each may be empty.
   struct Hooks {
+    // Opens what answers clients. Called by Begin() before anything is decided: only the controller
+    // that leads answers. When it fails, this controller does not begin.
+    std::function<Result<>()> open_services;
+    // Closes it: at once when another controller has taken over, after the last answer when the
+    // machine is stopped.
+    std::function<void()> close_services;
     std::function<void(const action::Record&)> on_record;
     std::function<void(const action::SendSwitch&)> on_send;  // before it is sent
     std::function<void(const action::StartUpEnded&)> on_start_up_ended;
@@ -66,11 +72,15 @@ class ControllerShell {
                                                        Hooks hooks);
   ~ControllerShell();
 
-  // Starts the machine; what this shell knows itself (the host) need not be in `begin`.
+  // Starts the machine; what this shell knows itself (the host) need not be in `begin`. From now on
+  // clients are answered and the machine's status is latched, until another controller takes over
+  // or the machine is stopped.
   void Begin(event::Begin begin);
   // Another controller of this machine that was heard, if any.
   const std::optional<ControllerPresence::Rival>& rival() const { return presence_->rival(); }
-  // Instead of beginning: whoever waits or asks is told why, and on_fenced is called.
+  // When the first actuator was heard, before Begin().
+  std::optional<Time> first_heard() const { return first_heard_; }
+  // Instead of beginning: every caller in this process is told why, and on_fenced is called.
   void Refuse(const Error& why);
   // As if `who` ("process 4711 of this host") had been heard to lead: this controller is over, and
   // on_fenced is called.
@@ -98,7 +108,9 @@ class ControllerShell {
   const Machine& machine() const { return machine_; }
   const MachineConfig& config() const { return config_; }
   msg::MachineStatus Status() const;
-  msg::Capabilities Capabilities() const { return capabilities_->Now(); }
+  // What the journal got about this controller's last switches, oldest first.
+  const std::vector<JournalEntry>& switches() const { return switches_; }
+  msg::Capabilities Capabilities() const;
 
  private:
   // What is kept for each actuator beside the machine's own record.
@@ -111,6 +123,8 @@ class ControllerShell {
 
   ControllerShell(World world, const MachineConfig& config, Hooks hooks);
   Result<> Open();
+  Result<> OpenToClients();
+  void CloseToClients(const Error& why);
 
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   ActuatorLink& LinkTo(std::size_t actuator);
@@ -126,6 +140,7 @@ class ControllerShell {
   void ArmTimer();
   void PublishSoon();
   void Publish();
+  SwitchResult Refusal(const Error& why) const;
   void Do(const action::SendSwitch& a);
   void Do(const action::SendAsk& a);
   void Do(const action::StartProcess& a);
@@ -158,18 +173,22 @@ class ControllerShell {
   std::unordered_map<transport::PeerId, Speaker> speakers_;  // who is behind a status writer
   std::vector<Peer> peers_;
   std::map<std::size_t, event::StatusSeen> before_begin_;  // the last one of each actuator
+  std::optional<Time> first_heard_;                        // of those
   std::deque<Event> queue_;                                // events that came while one was handled
   bool handling_ = false;
   RequestId next_request_ = 1;
   std::map<RequestId, OnResult> waiting_for_result_;
   std::map<RequestId, OnAnswer> waiting_for_answer_;
   std::optional<Error> refused_;
+  std::vector<JournalEntry> switches_;
   msg::MachineStatus published_;
   Time published_at_{};
   transport::LoopHandlePtr publish_later_;
+  // There only while this controller leads.
   std::unique_ptr<transport::Publisher<msg::MachineStatus>> status_;
   std::unique_ptr<transport::Publisher<msg::MachineInfo>> info_;
   std::unique_ptr<CapabilityBoard> capabilities_;
+  transport::LoopHandlePtr close_later_;
   std::unique_ptr<ControllerPresence> presence_;
   std::unique_ptr<HealthWatch> health_;
   std::unique_ptr<PolicyInputs> policy_inputs_;  // null without [policy]

@@ -49,11 +49,9 @@ msg::GetPlan::Response ToMessage(const MachineConfig& config, const Plan& plan) 
   msg::GetPlan::Response response;
   response.target = plan.target;
   if (plan.only) response.actuator = config.actuators[*plan.only].name;
-  response.allowed = !plan.refusal;
-  if (plan.refusal) {
-    response.code = plan.refusal->code;
-    response.reason = plan.refusal->message;
-  }
+  response.allowed = !plan.refusal || plan.free_by;
+  if (plan.refusal) response.reason = plan.refusal->message;
+  if (!response.allowed) response.code = plan.refusal->code;
   response.direction = DirectionName(plan.direction);
   response.state = plan.from;
   for (const PlanStep& step : plan.steps) {

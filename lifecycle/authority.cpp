@@ -27,11 +27,14 @@ void Decision::On(const event::RivalHeard& rival) {
   const Error fenced{kCodePermissionDenied, why};
   RecordMachine(fenced.code,
                 "this controller of epoch " + std::to_string(machine_.epoch) + " lets go: " + why);
+  EndWaiting(fenced, 0);
   if (machine_.current) {
     SwitchResult result = Conclude(*machine_.current, false);
     result.outcome = SwitchOutcome::kSuperseded;
     result.code = fenced.code;
     result.reason = fenced.message;
+    RecordEnd(*machine_.current, result,
+              "switch " + std::to_string(result.number) + " is superseded: " + why, 0);
     Answer(machine_.current->requests, result);
     if (machine_.stopping) machine_.stopping->result = result;
     machine_.current.reset();

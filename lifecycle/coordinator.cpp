@@ -18,6 +18,7 @@ void Decision::Settle() {
     if (machine_.phase == Phase::kStopping) {
       AdvanceStopping();
     } else if (machine_.phase != Phase::kIdle && machine_.phase != Phase::kStopped) {
+      changed |= BeginWaiting();
       changed |= StartProcesses();
       changed |= AdvanceStart();
       changed |= ParkAndUnpark();
@@ -47,6 +48,13 @@ std::uint64_t Decision::RecordMachine(std::int32_t code, const std::string& mess
 std::uint64_t Decision::RecordSwitch(const Switch& s, std::int32_t code, const std::string& message,
                                      std::uint64_t cause) {
   return Record({"switch", s.only, s.number, code, message, 0, cause, {}});
+}
+
+std::uint64_t Decision::RecordEnd(const Switch& s, const SwitchResult& result,
+                                  const std::string& message, std::uint64_t cause) {
+  action::Record record{"switch", s.only, s.number, result.code, message, 0, cause, {}};
+  record.of_switch = {s.target, result.outcome, result.state};
+  return Record(record);
 }
 
 std::uint64_t Decision::RecordActuator(std::size_t i, std::int32_t code, const std::string& message,
@@ -105,6 +113,7 @@ std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& mac
     if (!stopping.terminated) consider(stopping.terminate_at);
     consider(stopping.killed ? stopping.give_up_at : stopping.kill_at);
   }
+  if (machine.waiting) consider(machine.waiting->until);
   consider(NextPowerDeadline(machine));
   if (config.clock == ClockSource::kSteady) consider(NextPolicyDeadline(config, machine));
   return next;

@@ -7,6 +7,7 @@
 //   orders.cpp     one command to one actuator, with a certain outcome
 //   switching.cpp  a switch: legs in the order of the plan, rollback
 //   switch_end.cpp what a switch leaves behind, and its result
+//   waiting.cpp    a request that waits until a late actuator is free
 //   starting.cpp   processes, the first stage, adoption, later stages
 //   joining.cpp    one actuator on its own to where the machine is
 //   recovery.cpp   what has died, hangs or is out of reach; restarts
@@ -273,6 +274,13 @@ struct RunPowerCommand {
   bool reboot = false;
   friend bool operator==(const RunPowerCommand&, const RunPowerCommand&) = default;
 };
+// What a record of a switch says for programs: it begins, or how it ended.
+struct SwitchNote {
+  State target;
+  std::optional<SwitchOutcome> outcome;  // none: it begins
+  State state;                           // of the machine (of the actuator), now
+  friend bool operator==(const SwitchNote&, const SwitchNote&) = default;
+};
 // For the journal and the log. Its `cause` is the record that it follows from, so that a chain of
 // them explains what was done.
 struct Record {
@@ -285,6 +293,7 @@ struct Record {
   std::uint64_t cause = 0;  // id of the record it follows from; 0: none
   State state{};            // the machine's, where this record tells that it has changed
   std::string data = {};    // more than fits a line: a backtrace
+  std::optional<SwitchNote> of_switch = {};
   friend bool operator==(const Record&, const Record&) = default;
 };
 // Start-up is over: the machine is usable, or it failed.

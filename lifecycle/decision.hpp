@@ -95,11 +95,19 @@ class Decision {
   void JudgeFoundBusy(std::size_t i);
   void CheckOrders();
 
+  // waiting.cpp
+  bool JoinWaiting(const event::SetStateRequested& requested, std::optional<std::size_t> only,
+                   std::uint64_t asked);
+  void Await(const Plan& plan, RequestId request, std::uint64_t asked);
+  bool BeginWaiting();
+  void EndWaiting(const Error& why, std::uint64_t cause);
+
   // switching.cpp, switch_end.cpp
   bool JoinOrRefuse(const event::SetStateRequested& requested, std::optional<std::size_t> only,
                     std::uint64_t asked);
-  void Refuse(const event::SetStateRequested& requested, std::optional<std::size_t> only,
-              const State& state, const Error& why, std::uint64_t asked);
+  void Refuse(const State& target, std::optional<std::size_t> only,
+              const std::vector<RequestId>& requests, const State& state, const Error& why,
+              std::uint64_t cause);
   void Supersede(std::uint64_t by, const State& target, std::uint64_t cause);
   std::uint64_t Begin(const Plan& plan, Purpose purpose, std::vector<RequestId> requests,
                       std::uint64_t cause);
@@ -266,6 +274,8 @@ class Decision {
                               std::uint64_t cause = 0);
   std::uint64_t RecordSwitch(const Switch& s, std::int32_t code, const std::string& message,
                              std::uint64_t cause);
+  std::uint64_t RecordEnd(const Switch& s, const SwitchResult& result, const std::string& message,
+                          std::uint64_t cause);
   std::uint64_t RecordActuator(std::size_t i, std::int32_t code, const std::string& message,
                                std::uint64_t cause = 0);
   std::uint64_t RecordProcess(std::size_t i, std::int32_t code, const std::string& message,
@@ -282,6 +292,12 @@ class Decision {
 };
 
 int LastStage(const MachineConfig& config);
+
+// TearDown before Error before the rest.
+int Urgency(const State& target);
+// "to Active", "of eyes to Active".
+std::string Describe(const MachineConfig& config, const State& target,
+                     std::optional<std::size_t> only);
 
 // When the orders, claims and set-ups of one actuator fall due.
 std::optional<Time> NextDeadlineOf(const ActuatorRecord& record);

@@ -8,7 +8,7 @@
 namespace musher {
 
 bool Decision::DriveLateOnes() {
-  if (machine_.phase != Phase::kRunning || machine_.current) return false;
+  if (machine_.phase != Phase::kRunning || machine_.current || machine_.waiting) return false;
   bool changed = false;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const ActuatorRecord& record = Of(i);

@@ -155,6 +155,18 @@ enum class AfterTearDown {
   kStartsAgain,  // the same controller starts it again, from another slot
 };
 
+// A switch that was requested while an actuator was on its own way to where the machine is. Nothing
+// has been sent for it; no other actuator begins such a way before it.
+struct WaitingSwitch {
+  State target;
+  std::optional<std::size_t> only;
+  Time until{};                         // then it is begun or refused
+  std::vector<std::uint64_t> requests;  // who is told
+  std::uint64_t cause = 0;              // the record of the request
+
+  friend bool operator==(const WaitingSwitch&, const WaitingSwitch&) = default;
+};
+
 // The end of the machine: when to get harder.
 struct Stopping {
   Time begun{};
@@ -221,6 +233,7 @@ struct Machine {
   int stage = 0;                  // up to which actuators are started
   std::vector<ActuatorRecord> actuators;  // in the order of the config
   std::optional<Switch> current;
+  std::optional<WaitingSwitch> waiting;  // never beside a current one
   std::optional<State> fallback;     // on_lost of a critical actuator, when there is time for it
   std::uint64_t fallback_cause = 0;  // the record that says why
   std::optional<Stopping> stopping;

@@ -50,7 +50,8 @@ class Planning {
       for (std::size_t i = 0; i < config_.actuators.size(); ++i) AddStep(i);
     }
     RefuseWhileStopped();
-    if (!plan_.refusal) OrderSteps();
+    RefuseWhileBusy();
+    if (!plan_.refusal || plan_.free_by) OrderSteps();
     return std::move(plan_);
   }
 
@@ -75,7 +76,10 @@ class Planning {
     if (machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped) {
       return Error{kCodeStateInvalid, "the machine is torn down; only a new start brings it back"};
     }
-    const bool exempt = for_safety_ && plan_.direction == Direction::kDown;
+    // One that is on its way is judged again from where it gets to.
+    const bool on_its_way =
+        plan_.only && machine_.actuators[*plan_.only].order && !machine_.current;
+    const bool exempt = (for_safety_ && plan_.direction == Direction::kDown) || on_its_way;
     if (!exempt && !FlowAllows(config_, plan_.from, target)) {
       return Error{kCodeStateInvalid, who + " cannot go from " + plan_.from + " to " + target +
                                           "; from here it can go to " +
@@ -106,6 +110,22 @@ class Planning {
                                         "; until it is released nothing goes up");
   }
 
+  // Being busy passes: it is the reason only where there is no other.
+  void RefuseWhileBusy() {
+    if (plan_.refusal || busy_.empty()) return;
+    plan_.refusal = Error{kCodeTargetBusy, busy_};
+    if (busy_ends_) plan_.free_by = free_by_;
+  }
+
+  // `how`: "is busy with Active".
+  void NoteBusy(std::size_t i, const std::string& how) {
+    const ActuatorRecord& record = machine_.actuators[i];
+    if (busy_.empty()) busy_ = config_.actuators[i].name + " " + how;
+    const auto end = record.order ? record.order->deadline : record.free_by;
+    busy_ends_ = busy_ends_ && end.has_value() && !machine_.current;
+    free_by_ = std::max(free_by_, end.value_or(free_by_));
+  }
+
   PlanStep Blank(std::size_t i) const {
     PlanStep step;
     step.actuator = i;
@@ -129,7 +149,7 @@ class Planning {
     } else if (record.restart_asked) {
       RefuseWith(kCodeTargetBusy, actuator.name + " is being restarted");
     } else if (record.report.busy() || record.order) {
-      RefuseWith(kCodeTargetBusy, actuator.name + " is busy with " + BusyWith(record));
+      NoteBusy(i, "is busy with " + BusyWith(record));
     } else if (rank && plan_.target != kTearDown && (!machine_rank || *rank > *machine_rank)) {
       RefuseWith(kCodeStateInvalid, actuator.name +
                                         " may not be more active than the machine, which is in " +
@@ -185,7 +205,8 @@ class Planning {
       leave_out("has not answered " + record.report.target + " and cannot be asked",
                 kCodeTargetBusy, true);
     } else if (up && !machine_.current && (record.report.busy() || record.order)) {
-      RefuseWith(kCodeTargetBusy, actuator.name + " is still busy with " + BusyWith(record));
+      step.note = "is still busy with " + BusyWith(record);
+      NoteBusy(i, step.note);
     }
     plan_.steps.push_back(step);
   }
@@ -272,6 +293,9 @@ class Planning {
   const Machine& machine_;
   const bool for_safety_;
   Plan plan_;
+  std::string busy_;  // the first that is busy, and with what
+  bool busy_ends_ = true;
+  Time free_by_{};
 };
 
 }  // namespace

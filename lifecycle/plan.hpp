@@ -52,7 +52,10 @@ struct Plan {
   State from;
   Direction direction = Direction::kLevel;
   std::optional<Error> refusal;  // set: the switch would be refused, and why
-  std::vector<PlanStep> steps;   // every actuator concerned, in the config's order
+  // Beside a refusal with TargetBusy: nothing else is against the switch, and until then all that
+  // is busy is free or known not to be. A request waits for that.
+  std::optional<Time> free_by;
+  std::vector<PlanStep> steps;  // every actuator concerned, in the config's order
 
   friend bool operator==(const Plan&, const Plan&) = default;
 };

@@ -170,11 +170,11 @@ void Decision::EndSwitch() {
   if (undone) SettleBack(s);
   const SwitchResult result = Conclude(s, undone);
   const Leg* worst = undone ? WorstLeg(s) : nullptr;
-  const std::uint64_t told = RecordSwitch(s, result.code,
-                                          "switch " + std::to_string(s.number) + " is " +
-                                              std::string(OutcomeName(result.outcome)) +
-                                              (result.reason.empty() ? "" : ": " + result.reason),
-                                          worst ? Of(worst->actuator).cause : s.cause);
+  const std::uint64_t told = RecordEnd(s, result,
+                                       "switch " + std::to_string(s.number) + " is " +
+                                           std::string(OutcomeName(result.outcome)) +
+                                           (result.reason.empty() ? "" : ": " + result.reason),
+                                       worst ? Of(worst->actuator).cause : s.cause);
   if (s.purpose == Purpose::kStop) return OnTornDown(result);
   NoteEndOfSwitch(s, undone);
   Answer(s.requests, result);

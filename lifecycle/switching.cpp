@@ -7,9 +7,7 @@
 #include "musher/lifecycle/suggest.hpp"
 
 namespace musher {
-namespace {
 
-// TearDown before Error before the rest.
 int Urgency(const State& target) {
   if (target == kTearDown) return 2;
   return target == kError ? 1 : 0;
@@ -20,11 +18,13 @@ std::string Describe(const MachineConfig& config, const State& target,
   return (only ? "of " + config.actuators[*only].name + " to " : "to ") + target;
 }
 
-SwitchResult Refusal(const event::SetStateRequested& requested, const State& state,
+namespace {
+
+SwitchResult Refusal(const State& target, const std::string& actuator, const State& state,
                      const Error& why) {
   SwitchResult result;
-  result.target = requested.target;
-  result.actuator = requested.actuator.value_or("");
+  result.target = target;
+  result.actuator = actuator;
   result.outcome = SwitchOutcome::kRefused;
   result.code = why.code;
   result.reason = why.message;
@@ -49,15 +49,19 @@ void Decision::On(const event::SetStateRequested& requested) {
       const Error unknown{kCodeParametersInvalid,
                           "unknown actuator '" + requested.actuator->substr(0, 64) + "'" +
                               (near.empty() ? "" : "; did you mean '" + near + "'?")};
-      return Answer({requested.request}, Refusal(requested, machine_.state, unknown));
+      return Answer({requested.request},
+                    Refusal(requested.target, *requested.actuator, machine_.state, unknown));
     }
   }
   const std::uint64_t asked = Record(
       {"switch", only, 0, kCodeOk,
        "a switch " + Describe(config_, requested.target.substr(0, 64), only) + " is asked for"});
-  if (JoinOrRefuse(requested, only, asked)) return;
+  if (JoinOrRefuse(requested, only, asked) || JoinWaiting(requested, only, asked)) return;
   const Plan plan = MakePlan(config_, machine_, requested.target, only);
-  if (plan.refusal) return Refuse(requested, only, plan.from, *plan.refusal, asked);
+  if (plan.free_by) return Await(plan, requested.request, asked);
+  if (plan.refusal) {
+    return Refuse(requested.target, only, {requested.request}, plan.from, *plan.refusal, asked);
+  }
   if (requested.target == kTearDown && !only) {
     return Stop(plan, {requested.request}, asked, requested.after);
   }
@@ -65,20 +69,21 @@ void Decision::On(const event::SetStateRequested& requested) {
   Begin(plan, Purpose::kRequested, {requested.request}, asked);
 }
 
-void Decision::Refuse(const event::SetStateRequested& requested, std::optional<std::size_t> only,
-                      const State& state, const Error& why, std::uint64_t asked) {
-  SwitchResult result = Refusal(requested, state, why);
+void Decision::Refuse(const State& target, std::optional<std::size_t> only,
+                      const std::vector<RequestId>& requests, const State& state, const Error& why,
+                      std::uint64_t cause) {
+  SwitchResult result = Refusal(target, only ? ConfigOf(*only).name : "", state, why);
   result.degraded = Degraded(config_, machine_);
-  Record({"switch",
-          only,
-          0,
-          why.code,
-          "a switch " + Describe(config_, requested.target.substr(0, 64), only) +
-              " is refused: " + why.message,
-          0,
-          asked,
-          {}});
-  Answer({requested.request}, result);
+  Record(
+      {"switch",
+       only,
+       0,
+       why.code,
+       "a switch " + Describe(config_, target.substr(0, 64), only) + " is refused: " + why.message,
+       0,
+       cause,
+       {}});
+  Answer(requests, result);
 }
 
 // One switch at a time: the same again joins the one under way, a more urgent one may go on to take
@@ -104,7 +109,7 @@ bool Decision::JoinOrRefuse(const event::SetStateRequested& requested,
   if (concerns_all && Urgency(requested.target) > Urgency(s.target)) return false;
   const Error busy{kCodeTargetBusy, "switch " + std::to_string(s.number) + " (" +
                                         Describe(config_, s.target, s.only) + ") is under way"};
-  Refuse(requested, only, machine_.state, busy, asked);
+  Refuse(requested.target, only, {requested.request}, machine_.state, busy, asked);
   return true;
 }
 
@@ -116,8 +121,8 @@ void Decision::Supersede(std::uint64_t by, const State& target, std::uint64_t ca
   result.outcome = SwitchOutcome::kSuperseded;
   result.code = kCodeTargetBusy;
   result.reason = "switch " + std::to_string(by) + " (to " + target + ") took over";
-  RecordSwitch(s, result.code,
-               "switch " + std::to_string(s.number) + " is superseded: " + result.reason, cause);
+  RecordEnd(s, result, "switch " + std::to_string(s.number) + " is superseded: " + result.reason,
+            cause);
   for (const Leg& leg : s.rolling_back ? s.back : s.legs) {
     if (leg.progress != Leg::Progress::kUnderWay) continue;
     Of(leg.actuator).order.reset();
@@ -171,12 +176,22 @@ std::uint64_t Decision::Begin(const Plan& plan, Purpose purpose, std::vector<Req
   s.purpose = purpose;
   s.requests = std::move(requests);
   s.cause = cause;
+  EndWaiting({kCodeTargetBusy, "switch " + std::to_string(s.number) + " (" +
+                                   Describe(config_, s.target, s.only) + ") is begun before it"},
+             cause);
   for (const PlanStep& step : plan.steps) AddLeg(s, step);
-  RecordSwitch(s, kCodeOk,
-               "switch " + std::to_string(s.number) +
-                   " begins: " + Describe(config_, s.target, s.only) + " from " + s.from + ", " +
-                   std::to_string(s.legs.size()) + " to be driven",
-               cause);
+  action::Record begins{"switch",
+                        s.only,
+                        s.number,
+                        kCodeOk,
+                        "switch " + std::to_string(s.number) +
+                            " begins: " + Describe(config_, s.target, s.only) + " from " + s.from +
+                            ", " + std::to_string(s.legs.size()) + " to be driven",
+                        0,
+                        cause,
+                        {}};
+  begins.of_switch = {s.target, std::nullopt, s.from};
+  Record(begins);
   machine_.current = std::move(s);
   return machine_.current->number;
 }

@@ -57,9 +57,33 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   shell_hooks.on_fenced = [this](const std::string&) {
     if (hooks_.on_over) hooks_.on_over();
   };
+  shell_hooks.open_services = [this] { return OpenServices(); };
+  shell_hooks.close_services = [this] {
+    manager_ = nullptr;
+    services_ = nullptr;
+  };
   auto shell = ControllerShell::Make(std::move(world), config_, std::move(shell_hooks));
   shell_ = std::move(shell).value();
+}
+
+Result<> ControllerProcess::OpenServices() {
+  services_ = ControllerServices::Make(*node_, *shell_, [this](auto since, auto limit, auto done) {
+                ReadDisk(since, limit, std::move(done));
+              }).value();
   manager_ = cyberdog::Manager::Make(*node_, *shell_).value();
+  return Ok();
+}
+
+void ControllerProcess::ReadDisk(std::int64_t since_wall_ns, std::size_t limit, OnHistory done) {
+  JournalReading reading;
+  for (const JournalRow& row : disk_.recording) {
+    const auto* entry = std::get_if<JournalEntry>(&row.item);
+    if (entry != nullptr && entry->wall_ns >= since_wall_ns) reading.entries.push_back(*entry);
+  }
+  const std::size_t surplus = reading.entries.size() - std::min(limit, reading.entries.size());
+  reading.entries.erase(reading.entries.begin(),
+                        reading.entries.begin() + static_cast<std::ptrdiff_t>(surplus));
+  node_->loop().Post([done = std::move(done), reading = std::move(reading)] { done(reading); });
 }
 
 ControllerProcess::~ControllerProcess() {

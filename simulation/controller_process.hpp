@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/controller/controller_services.hpp"
 #include "musher/controller/controller_shell.hpp"
 #include "musher/controller/cyberdog/manager.hpp"
 #include "musher/controller/journal_reader.hpp"
@@ -74,6 +75,8 @@ class ControllerProcess : private ProcessRunner, private ProcessWitness, private
                      std::function<void(Result<std::string>)> done) override;
   void Append(JournalItem item) noexcept override;
   bool WantsSnapshot() noexcept override;
+  Result<> OpenServices();
+  void ReadDisk(std::int64_t since_wall_ns, std::size_t limit, OnHistory done);
 
   transport::sim::Network& network_;
   const MachineConfig& config_;
@@ -86,7 +89,8 @@ class ControllerProcess : private ProcessRunner, private ProcessWitness, private
   std::map<std::int32_t, OnExit> watchers_;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<ControllerShell> shell_;
-  std::unique_ptr<cyberdog::Manager> manager_;
+  std::unique_ptr<ControllerServices> services_;  // null unless it leads
+  std::unique_ptr<cyberdog::Manager> manager_;    // the same, and where the config wants none
 };
 
 }  // namespace musher::simulation

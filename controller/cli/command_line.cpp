@@ -34,7 +34,8 @@ A first tour:
   musher down                      take the machine down
 
 Exit codes: 0 done; 1 refused, undone or done without some (reason on stderr); 2 wrong usage or
-config; 3 no controller found; 4 the controller did not answer in time; 130 interrupted.
+config; 3 no controller found; 4 the controller did not answer in time; 5 it ended during the
+switch, and no other tells what became of that; 130 interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS,
 MUSHER_IDENTITY, MUSHER_OTA_ROOT, CYCLONEDDS_URI, NO_COLOR.)";
 

@@ -13,6 +13,7 @@ enum class ExitCode : int {
   kUsage = 2,         // a wrong command line, config or environment
   kNoController = 3,  // nobody leads a machine where we asked
   kNoAnswer = 4,      // a controller is there but did not answer in time
+  kUnknownEnd = 5,    // the controller ended during a switch, and no other tells what became of it
   kInterrupted = 130  // by Ctrl-C, as shells have it
 };
 

@@ -47,16 +47,23 @@ Result<> Link::Join() {
 
 Result<> Link::FollowStatus(OnStatus on_change) {
   on_status_ = std::move(on_change);
-  const auto tell = [this](std::optional<msg::MachineStatus> status) {
+  const auto tell = [this](std::optional<msg::MachineStatus> status, transport::PeerId writer) {
     status_ = std::move(status);
+    status_writer_ = writer;
     if (on_status_) on_status_(status_);
   };
   transport::SubscriptionEvents events;
-  events.on_writer_lost = [tell](transport::PeerId) { tell(std::nullopt); };
+  // A successor may have spoken before its predecessor is known to have gone.
+  events.on_writer_lost = [this, tell](transport::PeerId writer) {
+    if (writer == status_writer_) tell(std::nullopt, 0);
+  };
   auto subscription = transport::MakeSubscription<msg::MachineStatus>(
       *node_, transport::MachineStatusTopic(global_.name_space),
-      [tell](const msg::MachineStatus& status, const transport::SampleInfo&) { tell(status); },
-      transport::kLatchedQos, std::move(events));
+      [this, tell](const msg::MachineStatus& status, const transport::SampleInfo& info) {
+        const bool older = status_ && status.epoch < status_->epoch;
+        if (!older) tell(status, info.writer);
+      },
+      transport::kLatchedFromManyQos, std::move(events));
   if (!subscription) return subscription.error();
   machine_status_ = std::move(subscription).value();
   return Ok();
@@ -103,7 +110,7 @@ std::optional<Failure> Link::Await(const std::function<bool()>& answered,
   const auto met = [&] { return ended() || found() || HasMachine(); };
   loop_.RunUntil([&] { return ended() || found(); }, begin + std::min(discovery(), timeout));
   if (!met() && LeaderHere() != 0) {
-    loop_.RunUntil(met, begin + std::min(kDiscoveryOfOneHere, timeout));
+    loop_.RunUntil(met, begin + std::min(discovery_of_one_here(), timeout));
   }
   if (!met()) return Nobody("controller");
   loop_.RunUntil(ended, begin + timeout);

@@ -35,8 +35,13 @@ class Link {
   // With keys in some 400 ms; what is lost of an introduction is repeated after a second.
   static constexpr Duration kSecuredDiscovery = Milliseconds(4000);
   Duration discovery() const { return global_.keys.empty() ? kDiscovery : kSecuredDiscovery; }
-  // One whose process leads on this host is there, and may only have had no CPU for a while.
+  // One whose process leads on this host, or looks around before it does, answers soon; it may
+  // also have had no CPU for a while.
   static constexpr Duration kDiscoveryOfOneHere = Milliseconds(4000);
+  static constexpr Duration kSecuredDiscoveryOfOneHere = Milliseconds(9000);
+  Duration discovery_of_one_here() const {
+    return global_.keys.empty() ? kDiscoveryOfOneHere : kSecuredDiscoveryOfOneHere;
+  }
 
   static Result<std::unique_ptr<Link>> Open(const GlobalOptions& global);
 
@@ -74,13 +79,15 @@ class Link {
   // Runs the loop until Ctrl-C.
   void RunUntilInterrupted();
 
+  // Runs the loop until the answer is there, or there is a reason to stop waiting for it: no
+  // controller is found in time, or it does not answer within `timeout`.
+  std::optional<Failure> Await(const std::function<bool()>& answered,
+                               const std::function<bool()>& found, Duration timeout);
+
  private:
   explicit Link(const GlobalOptions& global);
   Result<> Join();
 
-  // Runs the loop until the answer is there, or there is a reason to stop waiting for it.
-  std::optional<Failure> Await(const std::function<bool()>& answered,
-                               const std::function<bool()>& found, Duration timeout);
   Failure NoAnswer(Duration timeout) const;
   pid_t LeaderHere() const;  // 0: no controller of this host leads in our namespace
   std::string UnheardController() const;
@@ -92,6 +99,7 @@ class Link {
   transport::LoopHandlePtr signal_watch_;
   std::map<transport::PeerId, msg::MachineInfo> machines_;  // by the writer that told of them
   std::optional<msg::MachineStatus> status_;
+  transport::PeerId status_writer_ = 0;  // of the leader that told it
   OnStatus on_status_;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<transport::Subscription> machine_infos_;

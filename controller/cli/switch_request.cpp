@@ -5,13 +5,18 @@
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/switch_client.hpp"
 #include "musher/lifecycle/state.hpp"
+#include "musher/transport/host.hpp"
 
 namespace musher::cli {
 namespace {
 
 constexpr Duration kTimeout = std::chrono::seconds(60);
 constexpr Duration kControllerEnd = std::chrono::seconds(3);
+// Longer than a service manager takes to start another controller, and that to look around.
+constexpr Duration kSuccessor = std::chrono::seconds(6);
+constexpr Duration kSecuredSuccessor = std::chrono::seconds(12);
 
 // A switch does not end because nobody waits for it any more: says which one goes on.
 Failure WithSwitch(Failure failure, Link& link, const std::string& target) {
@@ -39,11 +44,25 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   if (const auto r = link.value()->FollowStatus({}); !r) {
     return console.Fail({ExitCode::kUsage, r.error()});
   }
-  const auto answer = link.value()->Ask<msg::SetState>("set_state", {target, actuator}, kTimeout);
-  if (const auto* failure = std::get_if<Failure>(&answer)) {
-    return console.Fail(WithSwitch(*failure, *link.value(), target));
+  const Duration timeout = global.timeout.value_or(kTimeout);
+  SwitchClient::Options options;
+  options.leader = {global.name_space, transport::HostId(), WatchByPidfd(link.value()->loop())};
+  options.timeout = timeout + std::chrono::minutes(1);  // Await() says more about who is silent
+  options.successor = global.keys.empty() ? kSuccessor : kSecuredSuccessor;
+  std::optional<SwitchEnd> end;
+  const auto client = SwitchClient::Make(
+      link.value()->node(), options, target, actuator,
+      [&console](const std::string& news) { console.Complain(news); },
+      [&end](const SwitchEnd& known) { end = known; });
+  if (!client) return console.Fail({ExitCode::kUsage, client.error()});
+  const auto failure = link.value()->Await([&] { return end.has_value(); },
+                                           [&] { return client.value()->found(); }, timeout);
+  if (failure) return console.Fail(WithSwitch(*failure, *link.value(), target));
+  const msg::SetState::Response& result = end->result;
+  if (end->kind == SwitchEnd::Kind::kUnknown) {
+    return console.Fail(
+        {ExitCode::kUnknownEnd, {result.code, result.reason}, result.switch_number});
   }
-  const auto& result = std::get<msg::SetState::Response>(answer);
   // A controller ends with its machine. Once we return, the next one may start.
   if (target == kTearDown && result.state == kTearDown && link.value()->status()) {
     link.value()->AwaitEndOf(*link.value()->status(), kControllerEnd);

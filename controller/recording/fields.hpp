@@ -96,6 +96,13 @@ inline constexpr std::tuple kFields<Switch> = {
 };
 
 template <>
+inline constexpr std::tuple kFields<WaitingSwitch> = {
+    Field{"target", &WaitingSwitch::target}, Field{"only", &WaitingSwitch::only},
+    Field{"until", &WaitingSwitch::until},   Field{"requests", &WaitingSwitch::requests},
+    Field{"cause", &WaitingSwitch::cause},
+};
+
+template <>
 inline constexpr std::tuple kFields<Stopping> = {
     Field{"begun", &Stopping::begun},
     Field{"after", &Stopping::after},
@@ -167,6 +174,7 @@ inline constexpr std::tuple kFields<Machine> = {
     Field{"stage", &Machine::stage},
     Field{"actuators", &Machine::actuators},
     Field{"current", &Machine::current},
+    Field{"waiting", &Machine::waiting},
     Field{"fallback", &Machine::fallback},
     Field{"fallback_cause", &Machine::fallback_cause},
     Field{"stopping", &Machine::stopping},

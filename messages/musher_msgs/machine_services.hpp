@@ -159,6 +159,41 @@ struct GetPlan {
   };
 };
 
+// musher_msgs/srv/GetSwitch: service `musher/get_switch`. What became of a switch.
+struct GetSwitch {
+  static constexpr std::string_view kTypeName = "musher_msgs::srv::dds_::GetSwitch_";
+  static constexpr const char* kUnderWay = "under way";
+  static constexpr const char* kInterrupted = "interrupted";
+  struct Request {
+    std::uint64_t epoch = 0;
+    std::uint64_t switch_number = 0;
+
+    template <class Self>
+    static auto Fields(Self& m) {
+      return std::tie(m.epoch, m.switch_number);
+    }
+    friend bool operator==(const Request&, const Request&) = default;
+  };
+  struct Response {
+    bool found = false;
+    std::uint64_t epoch = 0;
+    std::uint64_t switch_number = 0;
+    std::string target;
+    std::string actuator;
+    std::string outcome;
+    std::int32_t code = 0;
+    std::string reason;
+    std::string state;
+
+    template <class Self>
+    static auto Fields(Self& m) {
+      return std::tie(m.found, m.epoch, m.switch_number, m.target, m.actuator, m.outcome, m.code,
+                      m.reason, m.state);
+    }
+    friend bool operator==(const Response&, const Response&) = default;
+  };
+};
+
 // musher_msgs/msg/HistoryEntry: a line of the journal.
 struct HistoryEntry {
   static constexpr std::string_view kTypeName = "musher_msgs::msg::dds_::HistoryEntry_";

@@ -334,6 +334,23 @@ MUSHER_SAME(musher_msgs_srv_dds__GetPlan_Response_, GetPlan::Response) {
   SAME_ITEMS(steps);
 }
 
+MUSHER_SAME(musher_msgs_srv_dds__GetSwitch_Request_, GetSwitch::Request) {
+  SAME(epoch);
+  SAME(switch_number);
+}
+
+MUSHER_SAME(musher_msgs_srv_dds__GetSwitch_Response_, GetSwitch::Response) {
+  SAME(found);
+  SAME(epoch);
+  SAME(switch_number);
+  SAME(target);
+  SAME(actuator);
+  SAME(outcome);
+  SAME(code);
+  SAME(reason);
+  SAME(state);
+}
+
 MUSHER_SAME(musher_msgs_srv_dds__GetHistory_Request_, GetHistory::Request) {
   SAME(since_wall_ns);
   SAME(limit);

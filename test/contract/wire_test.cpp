@@ -34,6 +34,7 @@ SERVICE(musher_msgs, RestartActuator)
 SERVICE(musher_msgs, ReleaseEmergencyStop)
 SERVICE(musher_msgs, GetStatus)
 SERVICE(musher_msgs, GetPlan)
+SERVICE(musher_msgs, GetSwitch)
 SERVICE(musher_msgs, GetHistory)
 SERVICE(musher_msgs, GetCapabilities)
 

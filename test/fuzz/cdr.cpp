@@ -47,6 +47,7 @@ constexpr Trip kTrips[] = {
     RoundTripOfService<SetState>,
     RoundTripOfService<GetPlan>,
     RoundTripOfService<GetHistory>,
+    RoundTripOfService<GetSwitch>,
     RoundTripOfService<GetStatus>,
     RoundTripOfService<RestartActuator>,
     RoundTripOfService<ReleaseEmergencyStop>,

@@ -180,6 +180,9 @@ Identity IdentityOf(const Model& model, const World& w) {
     mixer.Add(s.number, s.from, s.target, s.only, s.direction, s.purpose, s.requests, s.stopped,
               s.rolling_back, s.back_number);
   }
+  mixer.Add(m.waiting.has_value());
+  if (m.waiting)
+    mixer.Add(m.waiting->target, m.waiting->only, m.waiting->until, m.waiting->requests);
   mixer.Add(m.stopping.has_value());
   if (m.stopping) {
     const Stopping& s = *m.stopping;

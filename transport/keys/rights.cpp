@@ -57,7 +57,8 @@ Topics ServicesOf(const std::string& actuator) {
 // What a machine answers without changing, and what only an operator may ask it for.
 Topics Questions() {
   return {MachineService("", "get_status"), MachineService("", "get_plan"),
-          MachineService("", "get_capabilities"), MachineService("", "get_history")};
+          MachineService("", "get_capabilities"), MachineService("", "get_history"),
+          MachineService("", "get_switch")};
 }
 const std::string kAllMachineServices = "musher/*";
 

@@ -53,7 +53,8 @@ std::string PlanText(const msg::GetPlan::Response& told, bool colour) {
     text += "  " + Paint("would be refused", Style::kBad, colour) + ": " +
             WithCode(plan.reason, plan.code) + '\n';
   } else {
-    text += "  (" + plan.direction + ")\n";
+    const std::string waits = plan.reason.empty() ? "" : "; would wait first: " + plan.reason;
+    text += "  (" + plan.direction + waits + ")\n";
   }
   if (plan.steps.empty()) return text;
   Table table({"WAVE", "ACTUATOR", "FROM", "TO", "DEADLINE", "NOTE"});

@@ -1,0 +1,139 @@
+#include "musher/controller/leader_watch.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/transport/host.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher {
+namespace {
+
+// A controller of another host is taken for ended after so many of its beats have not come, and not
+// before this: a beat may be lost, and a process may wait for a CPU.
+constexpr int kBeatsMissed = 4;
+constexpr Duration kShortestSilence = Milliseconds(750);
+constexpr Duration kSlowestBeat = Milliseconds(500);
+
+class PidfdWatch : public transport::LoopHandle {
+ public:
+  PidfdWatch(transport::EventLoop& loop, transport::UniqueFd process, std::function<void()> on_end)
+      : process_(std::move(process)),
+        on_end_(std::move(on_end)),
+        watch_(loop.WhenReadable(process_.get(), [this] {
+          const auto ended = std::move(on_end_);
+          watch_ = nullptr;  // it stays readable
+          ended();           // last: it may drop this
+        })) {}
+
+ private:
+  transport::UniqueFd process_;
+  std::function<void()> on_end_;
+  transport::LoopHandlePtr watch_;
+};
+
+}  // namespace
+
+WatchProcess WatchByPidfd(transport::EventLoop& loop) {
+  return [&loop](std::int32_t pid, std::function<void()> on_end) -> transport::LoopHandlePtr {
+    auto process = transport::OpenPidfd(pid);
+    if (!process) return nullptr;
+    return std::make_unique<PidfdWatch>(loop, std::move(process).value(), std::move(on_end));
+  };
+}
+
+LeaderWatch::LeaderWatch(transport::Node& node, Options options, OnStatus on_status, OnEnd on_end)
+    : node_(node),
+      options_(std::move(options)),
+      on_status_(std::move(on_status)),
+      on_end_(std::move(on_end)) {}
+
+Result<std::unique_ptr<LeaderWatch>> LeaderWatch::Make(transport::Node& node, Options options,
+                                                       OnStatus on_status, OnEnd on_end) {
+  std::unique_ptr<LeaderWatch> watch(
+      new LeaderWatch(node, std::move(options), std::move(on_status), std::move(on_end)));
+  if (auto opened = watch->Open(); !opened) return opened.error();
+  return watch;
+}
+
+Result<> LeaderWatch::Open() {
+  auto beats = transport::MakeSubscription<msg::ControllerBeat>(
+      node_, transport::ControllerBeatTopic(options_.name_space),
+      [this](const msg::ControllerBeat& beat, const transport::SampleInfo&) { OnBeat(beat); },
+      transport::kLatchedFromManyQos);
+  if (!beats) return beats.error();
+  beats_ = std::move(beats).value();
+  transport::SubscriptionEvents events;
+  events.on_writer_lost = [this](transport::PeerId writer) {
+    if (leader_ && writer == from_.writer) End("leads no more");
+  };
+  auto statuses = transport::MakeSubscription<msg::MachineStatus>(
+      node_, transport::MachineStatusTopic(options_.name_space),
+      [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
+        OnStatusOf(status, info);
+      },
+      transport::kLatchedFromManyQos, std::move(events));
+  if (!statuses) return statuses.error();
+  statuses_ = std::move(statuses).value();
+  return Ok();
+}
+
+bool LeaderWatch::IsOurs(const msg::MachineStatus& leader) const {
+  return options_.watch_process && !leader.host.empty() && leader.host == options_.host;
+}
+
+void LeaderWatch::OnStatusOf(const msg::MachineStatus& status, const transport::SampleInfo& from) {
+  const bool of_the_past = status.epoch <= ended_ || (leader_ && status.epoch < leader_->epoch);
+  if (of_the_past) return;
+  const bool another = !leader_ || from.writer != from_.writer;
+  if (leader_ && another) End("leads no more");
+  silent_.reset();
+  leader_ = status;
+  from_ = from;
+  if (another) {
+    beat_period_ = kSlowestBeat;  // until it says otherwise
+    if (!IsOurs(status)) {
+      ExpectBeat();
+    } else {
+      process_ = options_.watch_process(status.pid, [this] { End("has ended"); });
+      if (!process_) return End("has ended");
+    }
+  }
+  on_status_(status);
+}
+
+void LeaderWatch::OnBeat(const msg::ControllerBeat& beat) {
+  const auto is_of = [&](const std::optional<msg::MachineStatus>& one) {
+    return one && beat.pid == one->pid && beat.host == one->host;
+  };
+  if (!leader_ && is_of(silent_))
+    OnStatusOf(msg::MachineStatus(*silent_), transport::SampleInfo(silent_from_));
+  const bool of_leader = is_of(leader_);
+  if (!of_leader || IsOurs(*leader_)) return;
+  beat_period_ = std::clamp(Duration(beat.period_ns), Duration(Milliseconds(10)),
+                            Duration(std::chrono::seconds(10)));
+  ExpectBeat();
+}
+
+void LeaderWatch::ExpectBeat() {
+  transport::EventLoop& loop = node_.loop();
+  silence_ = loop.At(loop.Now() + std::max(kBeatsMissed * beat_period_, kShortestSilence),
+                     [this] { OnSilence(); });
+}
+
+void LeaderWatch::OnSilence() {
+  silent_ = leader_;
+  silent_from_ = from_;
+  End("is silent");
+}
+
+void LeaderWatch::End(const std::string& how) {
+  const msg::MachineStatus leader = *std::exchange(leader_, std::nullopt);
+  if (IsOurs(leader) && how == "has ended") ended_ = leader.epoch;
+  from_ = {};
+  process_ = nullptr;
+  silence_ = nullptr;
+  on_end_(leader, how);
+}
+
+}  // namespace musher

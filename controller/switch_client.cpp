@@ -1,0 +1,213 @@
+#include "musher/controller/switch_client.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/lifecycle/state.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher {
+namespace {
+
+// Its answer may still be under way when the end of a controller is seen.
+constexpr Duration kGrace = Milliseconds(200);
+// A successor answers once it has met the actuators.
+constexpr Duration kTellTimeout = std::chrono::seconds(10);
+constexpr Duration kQueryPeriod = Milliseconds(200);
+
+std::string Seconds(Duration duration) {
+  return std::to_string(ToMilliseconds(duration) / 1000) + " s";
+}
+
+}  // namespace
+
+SwitchClient::SwitchClient(transport::Node& node, Options options, std::string target,
+                           std::string actuator, OnNews on_news, OnEnd on_end)
+    : node_(node),
+      options_(std::move(options)),
+      target_(std::move(target)),
+      actuator_(std::move(actuator)),
+      on_news_(std::move(on_news)),
+      on_end_(std::move(on_end)) {}
+
+Result<std::unique_ptr<SwitchClient>> SwitchClient::Make(transport::Node& node, Options options,
+                                                         std::string target, std::string actuator,
+                                                         OnNews on_news, OnEnd on_end) {
+  std::unique_ptr<SwitchClient> client(new SwitchClient(node, std::move(options), std::move(target),
+                                                        std::move(actuator), std::move(on_news),
+                                                        std::move(on_end)));
+  if (auto opened = client->Open(); !opened) return opened.error();
+  return client;
+}
+
+Result<> SwitchClient::Open() {
+  const std::string& name_space = options_.leader.name_space;
+  auto set_state = transport::MakeClient<msg::SetState>(
+      node_, transport::MachineService(name_space, "set_state"), [this] { Send(); });
+  if (!set_state) return set_state.error();
+  set_state_ = std::move(set_state).value();
+  auto get_switch = transport::MakeClient<msg::GetSwitch>(
+      node_, transport::MachineService(name_space, "get_switch"), [this] { Send(); });
+  if (!get_switch) return get_switch.error();
+  get_switch_ = std::move(get_switch).value();
+  auto watch = LeaderWatch::Make(
+      node_, options_.leader, [this](const msg::MachineStatus& status) { OnStatus(status); },
+      [this](const msg::MachineStatus& leader, const std::string& how) {
+        OnLeaderEnd(leader, how);
+      });
+  if (!watch) return watch.error();
+  watch_ = std::move(watch).value();
+  transport::EventLoop& loop = node_.loop();
+  timeout_ = loop.At(loop.Now() + options_.timeout,
+                     [this] { EndUnknown("no answer within " + Seconds(options_.timeout)); });
+  return Ok();
+}
+
+void SwitchClient::OnStatus(const msg::MachineStatus& status) {
+  switch (step_) {
+    case Step::kFinding:
+      before_ = status.switch_number;
+      return Ask(status);
+    case Step::kAsked:
+      if (wait_) return;  // it is known to have ended
+      epoch_ = status.epoch;
+      if (status.target == target_) number_ = status.switch_number;
+      return;
+    case Step::kOrphaned:
+      return GoOn(status);
+    case Step::kQuerying:
+    case Step::kEnded:
+      return;
+  }
+}
+
+void SwitchClient::Ask(const msg::MachineStatus& leader) {
+  step_ = Step::kAsked;
+  epoch_ = leader.epoch;
+  pid_ = leader.pid;
+  number_ = leader.target == target_ ? leader.switch_number : 0;
+  wait_ = nullptr;
+  sent_ = false;
+  Send();
+}
+
+// To the service of the controller that leads, as soon as that is matched; one that has died may
+// still be, and a successor gets no request that was meant for it.
+void SwitchClient::Send() {
+  if (sent_ || !watch_) return;
+  const auto reaches = [this](const auto& client) {
+    const std::vector<transport::PeerId> servers = client.Servers();
+    return std::find(servers.begin(), servers.end(), watch_->participant()) != servers.end();
+  };
+  if (step_ == Step::kAsked && reaches(*set_state_)) {
+    sent_ = true;
+    set_state_->Call({target_, actuator_}, options_.timeout, [this](const auto& reply) {
+      if (reply) return End({SwitchEnd::Kind::kAnswered, reply.value()});
+      if (step_ == Step::kAsked) EndUnknown(reply.error().message);
+    });
+  } else if (step_ == Step::kQuerying && reaches(*get_switch_)) {
+    sent_ = true;
+    get_switch_->Call({epoch_, number_}, kTellTimeout, [this](const auto& reply) {
+      if (reply && step_ == Step::kQuerying) OnTold(reply.value());
+    });
+  }
+}
+
+// "the controller (process 7, epoch 3) has ended during switch 5 to Active"
+std::string SwitchClient::Lost() const {
+  const std::string during = number_ == 0
+                                 ? "before it said which switch to " + target_ + " it begins"
+                                 : "during switch " + std::to_string(number_) + " to " + target_;
+  return "the controller (process " + std::to_string(pid_) + ", epoch " + std::to_string(epoch_) +
+         ") " + how_ + " " + during;
+}
+
+void SwitchClient::OnLeaderEnd(const msg::MachineStatus&, const std::string& how) {
+  transport::EventLoop& loop = node_.loop();
+  if (step_ == Step::kAsked && !wait_) {
+    how_ = how;
+    wait_ = loop.At(loop.Now() + kGrace, [this] { Orphan(); });
+  } else if (step_ == Step::kQuerying) {
+    Orphan();  // the successor has ended as well
+  }
+}
+
+void SwitchClient::Orphan() {
+  transport::EventLoop& loop = node_.loop();
+  step_ = Step::kOrphaned;
+  on_news_(Lost() + "; for " + Seconds(options_.successor) + " another one is waited for");
+  wait_ = loop.At(loop.Now() + options_.successor, [this] {
+    EndUnknown("no controller has taken its place within " + Seconds(options_.successor) +
+               "; `musher up` with the same config takes over what still runs, and `musher "
+               "status` shows then where the machine is");
+  });
+  if (watch_->leader()) GoOn(*watch_->leader());
+}
+
+void SwitchClient::GoOn(const msg::MachineStatus& successor) {
+  // One without the disk of the first begins with its epoch, and exceeds it as soon as it hears of
+  // it.
+  if (successor.epoch <= epoch_ && successor.pid != pid_) return;
+  if (target_ == kTearDown && actuator_.empty()) return Ask(successor);
+  Query();
+}
+
+void SwitchClient::Query() {
+  transport::EventLoop& loop = node_.loop();
+  step_ = Step::kQuerying;
+  wait_ = loop.At(loop.Now() + kTellTimeout, [this] {
+    EndUnknown("its successor does not say within " + Seconds(kTellTimeout) +
+               " what became of it; `musher status` shows where the machine is");
+  });
+  sent_ = false;
+  Send();
+}
+
+void SwitchClient::OnTold(const msg::GetSwitch::Response& told) {
+  transport::EventLoop& loop = node_.loop();
+  if (told.outcome == msg::GetSwitch::kUnderWay) {
+    wait_ = loop.At(loop.Now() + kQueryPeriod, [this] { Query(); });
+    return;
+  }
+  const bool ours = told.found && told.target == target_ && told.actuator == actuator_ &&
+                    (number_ != 0 || told.switch_number > before_);
+  if (!ours && (number_ != 0 || !told.found)) return EndUnknown(told.reason);
+  SwitchEnd end;
+  end.kind = SwitchEnd::Kind::kTold;
+  end.result.target = target_;
+  end.result.actuator = actuator_;
+  end.result.state = told.state;
+  if (ours) {
+    end.result.switch_number = told.switch_number;
+    end.result.outcome = told.outcome;
+    end.result.code = told.code;
+    end.result.reason = told.reason;
+  } else {
+    end.result.outcome = msg::GetSwitch::kInterrupted;
+    end.result.code = kCodeNetError;
+    end.result.reason = Lost() + "; it had not begun, ask again";
+  }
+  End(std::move(end));
+}
+
+void SwitchClient::EndUnknown(const std::string& why) {
+  SwitchEnd end;
+  end.result.switch_number = number_;
+  end.result.target = target_;
+  end.result.actuator = actuator_;
+  end.result.code = how_.empty() ? kCodeTimeout : kCodeNetError;
+  end.result.reason = how_.empty() ? why : Lost() + "; " + why;
+  End(std::move(end));
+}
+
+void SwitchClient::End(SwitchEnd end) {
+  if (step_ == Step::kEnded) return;
+  step_ = Step::kEnded;
+  timeout_ = nullptr;
+  wait_ = nullptr;
+  on_end_(end);
+}
+
+}  // namespace musher

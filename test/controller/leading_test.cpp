@@ -1,0 +1,152 @@
+// Only the controller that leads answers clients: not one that looks around, not one that another
+// controller has fenced and that lives on inside a program.
+
+#include <gmock/gmock.h>
+
+#include <map>
+
+#include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/test/controller/two_controllers.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::Each;
+using ::testing::IsEmpty;
+
+constexpr Duration kLookAround = Milliseconds(1000);
+
+class Leading : public TwoControllers {
+ protected:
+  Leading() {
+    statuses_ = transport::MakeSubscription<msg::MachineStatus>(
+                    *desk_, transport::MachineStatusTopic(""),
+                    [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
+                      status_of_[info.writer] = status.epoch;
+                    },
+                    transport::kLatchedFromManyQos,
+                    {[this](transport::PeerId writer) { status_of_.erase(writer); }, nullptr})
+                    .value();
+    get_status_ = Client<msg::GetStatus>("get_status");
+    set_state_ = Client<msg::SetState>("set_state");
+  }
+
+  template <class S>
+  std::unique_ptr<transport::Client<S>> Client(const char* name) {
+    return transport::MakeClient<S>(*desk_, transport::MachineService("", name)).value();
+  }
+
+  void SecondTakesOver() {
+    Open(second_, "second");
+    network_.RunFor(kLookAround);
+    second_.process->Begin(true);
+    ASSERT_TRUE(RunUntil([this] {
+      return first_.machine().phase == Phase::kFenced &&
+             second_.machine().phase == Phase::kRunning && get_status_->Servers().size() == 1;
+    }));
+  }
+
+  // The epochs that the answers of the next `duration` come from, one request each 20 ms.
+  std::vector<std::uint64_t> EpochsThatAnswer(Duration duration) {
+    auto epochs = std::make_shared<std::vector<std::uint64_t>>();
+    const Time end = network_.now() + duration;
+    while (network_.now() < end) {
+      get_status_->Call({}, kEnough, [epochs](const Result<msg::GetStatus::Response>& reply) {
+        epochs->push_back(reply ? reply.value().status.epoch : 0);
+      });
+      network_.RunFor(Milliseconds(20));
+    }
+    return *epochs;
+  }
+  std::string OutcomeOfSet(const State& target) {
+    auto outcome = std::make_shared<std::string>();
+    set_state_->Call({target, ""}, kEnough, [outcome](const auto& reply) {
+      *outcome = reply ? reply.value().outcome : reply.error().message;
+    });
+    RunUntil([&] { return !outcome->empty(); }, kEnough + kEnough);
+    return *outcome;
+  }
+
+  std::map<transport::PeerId, std::uint64_t> status_of_;  // epoch of the latched status, by writer
+  std::unique_ptr<transport::Subscription> statuses_;
+  std::unique_ptr<transport::Client<msg::GetStatus>> get_status_;
+  std::unique_ptr<transport::Client<msg::SetState>> set_state_;
+};
+
+TEST_F(Leading, AControllerThatLooksAroundAnswersNoClient) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  Open(second_, "second");
+  EXPECT_THAT(EpochsThatAnswer(kLookAround), Each(1U));
+  EXPECT_EQ(get_status_->Servers().size(), 1U);
+  EXPECT_EQ(status_of_.size(), 1U) << "its status is latched by the leader alone";
+  EXPECT_EQ(OutcomeOfSet("LowPower"), "done");
+}
+
+TEST_F(Leading, AControllerThatIsRefusedBesideTheLeaderAnswersNoClient) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  Open(second_, "second");
+  network_.RunFor(kLookAround);
+  second_.process->Begin(false);
+  EXPECT_THAT(EpochsThatAnswer(kLookAround), Each(1U));
+  SwitchResult result;
+  second_.process->shell().SetState("LowPower", std::nullopt, [&](const auto& r) { result = r; });
+  EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(result.code, kCodeTargetBusy) << "a caller of its own is told why: " << result.reason;
+}
+
+TEST_F(Leading, AFencedControllerThatLivesOnAnswersNoClient) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(SecondTakesOver());
+  EXPECT_THAT(EpochsThatAnswer(kLookAround), Each(second_.machine().epoch));
+  ASSERT_EQ(status_of_.size(), 1U);
+  EXPECT_EQ(status_of_.begin()->second, second_.machine().epoch);
+  EXPECT_EQ(OutcomeOfSet("LowPower"), "done") << "the robot can be commanded after the takeover";
+}
+
+TEST_F(Leading, ACallerInsideTheFencedProgramIsRefusedWithTheReason) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(SecondTakesOver());
+  std::optional<SwitchResult> result;
+  first_.process->shell().SetState("LowPower", std::nullopt, [&](const auto& r) { result = r; });
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->code, kCodePermissionDenied);
+  EXPECT_THAT(result->reason, ::testing::HasSubstr("another controller leads"));
+}
+
+TEST_F(Leading, EveryCallerHearsOfTheTakeoverInTheMiddleOfASwitch) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  std::optional<SwitchResult> result;
+  Open(second_, "second");
+  network_.RunFor(kLookAround);
+  first_.process->shell().SetState("LowPower", std::nullopt, [&](const auto& r) { result = r; });
+  second_.process->Begin(true);
+  RunUntil([&] { return result.has_value(); });
+  ASSERT_TRUE(result);
+}
+
+TEST_F(Leading, ARequestThatComesWhileNoControllerLeadsReachesTheNextLeader) {
+  Open(first_, "first");
+  auto state = std::make_shared<std::string>();
+  get_status_->Call({}, kEnough, [state](const auto& reply) {
+    *state = reply ? reply.value().status.phase : reply.error().message;
+  });
+  network_.RunFor(kLookAround);
+  EXPECT_THAT(*state, IsEmpty());
+  first_.process->Begin(false);
+  RunUntil([&] { return !state->empty(); });
+  EXPECT_EQ(*state, "starting");
+}
+
+TEST_F(Leading, ARequestForTearDownIsAnsweredBeforeTheServicesGo) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  EXPECT_EQ(OutcomeOfSet("TearDown"), "done");
+  RunUntil([this] { return !set_state_->Ready(); });
+  EXPECT_FALSE(set_state_->Ready());
+  network_.RunFor(std::chrono::seconds(1));
+  EXPECT_THAT(status_of_, IsEmpty());
+}
+
+}  // namespace
+}  // namespace musher::testing

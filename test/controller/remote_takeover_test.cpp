@@ -1,0 +1,114 @@
+// A controller takes over from one of another host: the modules go on where they run, and none is
+// started a second time.
+
+#include <gmock/gmock.h>
+
+#include "musher/controller/controller_shell.hpp"
+#include "musher/simulation/processes.hpp"
+#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class NoWork : public simulation::Module {
+ public:
+  simulation::Act Run(const State&) override { return {}; }
+};
+
+// A host without any of the actuators' processes, and what its controller starts there.
+class EmptyHost : public ProcessRunner, public ProcessWitness, public JournalSink {
+ public:
+  Result<pid_t> Start(const ProcessSpec& spec, OnExit) override {
+    started.push_back(spec.name);
+    return 100 + static_cast<pid_t>(started.size());
+  }
+  Result<> Watch(pid_t, OnExit) override { return Error{kCodeFailed, "no such process"}; }
+  Result<> Signal(pid_t, int) override { return Ok(); }
+  void Mark(pid_t, Time) override {}
+  Examination Examine(pid_t, Time) override { return {}; }
+  void TakeBacktrace(pid_t, Duration, std::function<void(Result<std::string>)>) override {}
+  void Append(JournalItem) noexcept override {}
+
+  std::vector<std::string> started;
+};
+
+class RemoteTakeover : public ::testing::Test {
+ protected:
+  RemoteTakeover() : network_(1), config_(MachineOf(2)), processes_(network_, config_) {
+    for (ActuatorConfig& actuator : config_.actuators) actuator.command = {"run", actuator.name};
+    processes_.make_module = [](const std::string&) { return std::make_unique<NoWork>(); };
+    node_ = network_.MakeNode("second");
+    ControllerShell::World world;
+    world.node = node_.get();
+    world.processes = &host_;
+    world.witness = &host_;
+    world.journal = &host_;
+    world.save_epoch = [](auto, const auto& saved) { saved(Ok()); };
+    world.save_emergency_stops = [](const auto&, const auto& saved) { saved(Ok()); };
+    world.save_policy = [](const auto&, const auto& saved) { saved(Ok()); };
+    world.save_stop_intent = [](auto, const auto& saved) { saved(Ok()); };
+    world.log_file = [](const auto&) { return std::string(); };
+    world.wall_ns = [] { return 0; };
+    world.host = "second";
+    world.pid = 1;
+    world.incarnation = 1;
+    shell_ = ControllerShell::Make(std::move(world), config_, {}).value();
+  }
+
+  void LookAround() { network_.RunFor(std::chrono::seconds(1)); }
+  void Begin() {
+    shell_->Begin({});
+    network_.RunFor(std::chrono::seconds(3));
+  }
+
+  transport::sim::Network network_;
+  MachineConfig config_;
+  simulation::Processes processes_;
+  EmptyHost host_;
+  std::unique_ptr<transport::Node> node_;
+  std::unique_ptr<ControllerShell> shell_;
+};
+
+TEST_F(RemoteTakeover, StartsNoActuatorThatWasHeardWhileLookingAround) {
+  processes_.Launch("a");
+  processes_.Launch("b");
+  LookAround();
+  Begin();
+  EXPECT_THAT(host_.started, IsEmpty());
+  EXPECT_EQ(shell_->machine().actuators[0].presence, Presence::kPresent);
+  EXPECT_EQ(shell_->machine().actuators[1].presence, Presence::kPresent);
+}
+
+TEST_F(RemoteTakeover, StartsWhatRunsNowhere) {
+  processes_.Launch("a");
+  LookAround();
+  Begin();
+  EXPECT_THAT(host_.started, ElementsAre("b"));
+}
+
+TEST_F(RemoteTakeover, StartsWhatHasEndedWhileItLookedAround) {
+  processes_.Launch("a");
+  processes_.Launch("b");
+  LookAround();
+  processes_.End("b", {ProcessExit::Kind::kExited, 0});
+  network_.RunFor(std::chrono::minutes(1));
+  Begin();
+  EXPECT_THAT(host_.started, ElementsAre("b"));
+}
+
+TEST_F(RemoteTakeover, StartsWhatIsTornDown) {
+  processes_.Launch("a");
+  processes_.Launch("b");
+  network_.RunFor(std::chrono::seconds(1));
+  processes_.Lie("b", State(kTearDown));
+  LookAround();
+  Begin();
+  EXPECT_THAT(host_.started, ElementsAre("b"));
+}
+
+}  // namespace
+}  // namespace musher::testing

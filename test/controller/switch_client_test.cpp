@@ -1,0 +1,235 @@
+// A client whose controller ends during the switch that it requested: it is told within a second,
+// and hears from the successor what became of the switch. It waited for 60 s and blamed the
+// successor.
+
+#include "musher/controller/switch_client.hpp"
+
+#include <gmock/gmock.h>
+
+#include <map>
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/test/controller/two_controllers.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using Kind = SwitchEnd::Kind;
+
+// The pid of a controller that the test has killed is told to whoever watches it, as the kernel
+// does.
+class Kernel {
+ public:
+  WatchProcess Watch() {
+    return [this](std::int32_t pid, std::function<void()> on_end) -> transport::LoopHandlePtr {
+      watchers_[pid] = std::move(on_end);
+      return std::make_unique<Handle>(*this, pid);
+    };
+  }
+  void TellEnd(std::int32_t pid) {
+    const auto watcher = watchers_.extract(pid);
+    if (!watcher.empty()) watcher.mapped()();
+  }
+
+ private:
+  class Handle : public transport::LoopHandle {
+   public:
+    Handle(Kernel& kernel, std::int32_t pid) : kernel_(kernel), pid_(pid) {}
+    ~Handle() override { kernel_.watchers_.erase(pid_); }
+
+   private:
+    Kernel& kernel_;
+    const std::int32_t pid_;
+  };
+  std::map<std::int32_t, std::function<void()>> watchers_;
+};
+
+class SwitchClients : public TwoControllers {
+ protected:
+  static constexpr const char* kSimHost = "sim";  // what simulated controllers say of theirs
+
+  // `host`: the client's.
+  void Request(const std::string& target, const std::string& host = kSimHost) {
+    SwitchClient::Options options;
+    options.leader = {"", host, kernel_.Watch()};
+    client_ = SwitchClient::Make(
+                  *desk_, options, target, "",
+                  [this](const std::string& news) {
+                    news_.push_back(news);
+                    told_at_ = network_.now();
+                  },
+                  [this](const SwitchEnd& end) {
+                    ++ends_;
+                    end_ = end;
+                  })
+                  .value();
+  }
+  void RequestAndGetUnderWay(const std::string& target, const std::string& host = kSimHost) {
+    callback_takes_ = Milliseconds(1800);
+    Request(target, host);
+    ASSERT_TRUE(RunUntil([&] { return first_.machine().current.has_value(); }));
+    network_.RunFor(Milliseconds(300));
+    ASSERT_TRUE(first_.machine().current);
+    number_ = first_.machine().last_switch;
+    callback_takes_ = Milliseconds(5);
+  }
+  void KillFirst() {
+    killed_at_ = network_.now();
+    const std::int32_t pid = first_.process->pid();
+    first_.process.reset();
+    kernel_.TellEnd(pid);
+  }
+  // On the same host, with the disk of the first; or elsewhere.
+  void StartSecond(bool elsewhere = false) {
+    Open(second_, "second", elsewhere ? nullptr : &first_.disk);
+    network_.RunFor(std::chrono::seconds(1));
+    second_.process->Begin(false);
+  }
+  SwitchEnd End(Duration limit = kEnough) {
+    EXPECT_TRUE(RunUntil([this] { return end_.has_value(); }, limit));
+    return end_.value_or(SwitchEnd{});
+  }
+
+  Kernel kernel_;
+  std::unique_ptr<SwitchClient> client_;
+  std::vector<std::string> news_;
+  std::optional<SwitchEnd> end_;
+  int ends_ = 0;
+  Time told_at_{};
+  Time killed_at_{};
+  std::uint64_t number_ = 0;
+};
+
+TEST_F(SwitchClients, PassOnTheAnswerOfALivingController) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  Request("LowPower");
+  EXPECT_EQ(End().kind, Kind::kAnswered);
+  EXPECT_EQ(end_->result.outcome, "done");
+  EXPECT_THAT(news_, IsEmpty());
+}
+
+TEST_F(SwitchClients, AreToldAtOnceThatAControllerOfTheirHostHasEndedAndThenHowItsSwitchEnded) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower"));
+  const std::string pid = std::to_string(first_.process->pid());
+  KillFirst();
+  ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
+  EXPECT_LE(told_at_ - killed_at_, Milliseconds(300));
+  EXPECT_THAT(news_[0], HasSubstr("the controller (process " + pid +
+                                  ", epoch 1) has ended during "
+                                  "switch " +
+                                  std::to_string(number_) + " to LowPower"));
+  StartSecond();
+  EXPECT_EQ(End().kind, Kind::kTold);
+  EXPECT_EQ(end_->result.outcome, "interrupted");
+  EXPECT_EQ(end_->result.switch_number, number_);
+  EXPECT_EQ(end_->result.state, "LowPower") << "the successor ends it on the way down";
+  EXPECT_THAT(end_->result.reason,
+              AllOf(HasSubstr("controller of epoch 1 ended during it"),
+                    HasSubstr("epoch 2 goes on with the machine in LowPower")));
+  EXPECT_EQ(ends_, 1);
+}
+
+TEST_F(SwitchClients, AreToldWithinASecondThatAControllerOfAnotherHostIsSilent) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower", "desk"));
+  KillFirst();
+  ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
+  EXPECT_LE(told_at_ - killed_at_, std::chrono::seconds(1));
+  StartSecond();
+  EXPECT_EQ(End().kind, Kind::kTold);
+  EXPECT_EQ(end_->result.switch_number, number_);
+}
+
+TEST_F(SwitchClients, HearOfASwitchThatHadEndedWhenOnlyItsAnswerWasLost) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower"));
+  network_.Block("first", "desk");
+  ASSERT_TRUE(RunUntil([this] { return first_.machine().state == "LowPower"; }));
+  KillFirst();
+  StartSecond();
+  EXPECT_EQ(End().kind, Kind::kTold);
+  EXPECT_EQ(end_->result.outcome, "done");
+  EXPECT_EQ(end_->result.switch_number, number_);
+  EXPECT_EQ(end_->result.state, "LowPower");
+}
+
+TEST_F(SwitchClients, AreToldHowToGoOnWhenNoOtherControllerComes) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower"));
+  KillFirst();
+  EXPECT_EQ(End(std::chrono::seconds(6)).kind, Kind::kUnknown);
+  EXPECT_THAT(end_->result.reason, AllOf(HasSubstr("has ended during switch"),
+                                         HasSubstr("no controller has taken its place within 5 s"),
+                                         HasSubstr("musher up")));
+  EXPECT_EQ(end_->result.switch_number, number_);
+}
+
+TEST_F(SwitchClients, OfASuccessorWithoutTheJournalHearThatItKnowsNothing) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower"));
+  KillFirst();
+  StartSecond(true);
+  EXPECT_EQ(End().kind, Kind::kUnknown);
+  EXPECT_THAT(end_->result.reason, AllOf(HasSubstr("no such switch"), HasSubstr("is recorded here"),
+                                         HasSubstr("machine in LowPower")));
+}
+
+TEST_F(SwitchClients, RequestATearDownAgainFromTheSuccessor) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("TearDown"));
+  KillFirst();
+  StartSecond();
+  EXPECT_EQ(End().kind, Kind::kAnswered) << end_->result.reason;
+  EXPECT_EQ(end_->result.state, "TearDown");
+  EXPECT_EQ(second_.machine().phase, Phase::kStopped);
+}
+
+TEST_F(SwitchClients, HearThatARequestWhichNeverArrivedHadNotBegunAndItIsNotDoneLater) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  Request("LowPower");
+  ASSERT_TRUE(RunUntil([this] { return client_->found(); }));
+  KillFirst();
+  StartSecond();
+  EXPECT_EQ(End().kind, Kind::kTold);
+  EXPECT_EQ(end_->result.outcome, "interrupted");
+  EXPECT_THAT(end_->result.reason, HasSubstr("it had not begun, ask again"));
+  network_.RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(second_.machine().state, "Active");
+}
+
+TEST_F(SwitchClients, HearOfATakeoverInTheMiddleOfTheirSwitch) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower"));
+  Open(second_, "second", &first_.disk);
+  second_.process->Begin(true);
+  End();
+  EXPECT_EQ(end_->result.switch_number, number_);
+  EXPECT_EQ(end_->result.outcome, "superseded");
+  EXPECT_EQ(ends_, 1);
+}
+
+TEST_F(SwitchClients, StayWithAControllerThatWasOnlySilentForAWhile) {
+  ASSERT_NO_FATAL_FAILURE(BringUpFirst());
+  ASSERT_NO_FATAL_FAILURE(RequestAndGetUnderWay("LowPower", "desk"));
+  network_.Pause(first_.process->node());
+  ASSERT_TRUE(RunUntil([this] { return !news_.empty(); }));
+  EXPECT_THAT(news_[0], HasSubstr("is silent during switch"));
+  network_.Resume(first_.process->node());
+  EXPECT_EQ(End().kind, Kind::kAnswered);
+  EXPECT_EQ(end_->result.outcome, "done");
+  EXPECT_EQ(end_->result.switch_number, number_);
+}
+
+TEST_F(SwitchClients, EndInTimeWhereNoControllerIs) {
+  Request("LowPower");
+  EXPECT_EQ(End(std::chrono::seconds(61)).kind, Kind::kUnknown);
+  EXPECT_EQ(end_->result.code, kCodeTimeout);
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,70 @@
+// The controller dies in the middle of a switch that a person waits for: `musher set` waited for
+// 60 s and then blamed the next controller for not answering.
+
+#include <signal.h>
+
+#include <chrono>
+
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+class InterruptedSwitch : public MachineByCli {
+ protected:
+  // `musher set LowPower`, which the legs do not come back from, and then no controller.
+  void SetAndKillController() {
+    Blocks("legs", "LowPower");
+    ASSERT_EQ(UpDetached().exit, 0);
+    set_ = std::make_unique<Process>(Command({"set", "LowPower"}));
+    const auto status = AwaitStatus([](const auto& s) { return s["target"] == "LowPower"; });
+    switch_ = "switch " + std::to_string(status["switch"].get<int>());
+    controller_ = "process " + std::to_string(status["pid"].get<pid_t>());
+    killed_ = Clock::now();
+    kill(status["pid"].get<pid_t>(), SIGKILL);
+  }
+
+  std::unique_ptr<Process> set_;
+  std::string switch_;
+  std::string controller_;
+  Clock::time_point killed_;
+};
+
+TEST_F(InterruptedSwitch, IsToldAtOnceAndTheSuccessorSaysWhereTheMachineIs) {
+  ASSERT_NO_FATAL_FAILURE(SetAndKillController());
+  ASSERT_TRUE(set_->AwaitError("the controller (" + controller_ + ", epoch 1) has ended during " +
+                               switch_ + " to LowPower"));
+  EXPECT_LT(Clock::now() - killed_, std::chrono::seconds(3)) << "60 s, as it was";
+  EXPECT_EQ(Musher({"up", config_, "--detach"}).exit, 0);
+  const Ended set = set_->Wait();
+  EXPECT_EQ(set.exit, 1);
+  EXPECT_THAT(set.out, AllOf(HasSubstr("interrupted"), HasSubstr("LowPower")));
+  EXPECT_THAT(set.err, HasSubstr("the controller of epoch 2 goes on with the machine in LowPower"));
+  Release();
+}
+
+TEST_F(InterruptedSwitch, EndsWithCodeFiveAndSaysHowToGoOnWhenNoControllerComes) {
+  ASSERT_NO_FATAL_FAILURE(SetAndKillController());
+  const Ended set = set_->Wait();
+  EXPECT_EQ(set.exit, 5);
+  EXPECT_THAT(set.err, AllOf(HasSubstr("no controller has taken its place within 6 s"),
+                             HasSubstr("musher up")));
+  EXPECT_LT(Clock::now() - killed_, std::chrono::seconds(20));
+  Release();
+}
+
+// It was refused as busy while the actuator of stage 2 was on its way.
+TEST_F(InterruptedSwitch, UpRightAfterADetachedStartWaitsForTheLateActuator) {
+  Does("eyes", "[state.LowPower]\nshell = \"sleep 0.3\"\n");
+  ASSERT_EQ(Musher({"up", config_, "--detach"}).exit, 0);
+  EXPECT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  const Ended up = Musher({"set", "Active"});
+  EXPECT_EQ(up.exit, 0) << up.err;
+}
+
+}  // namespace
+}  // namespace musher::testing

@@ -1,0 +1,169 @@
+// A request for a switch comes while a late actuator is on its own way to where the machine is: it
+// was refused with TargetBusy, right after `musher up --detach`.
+
+#include <gmock/gmock.h>
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class WaitingSwitches : public Switching {
+ protected:
+  // The machine is in `state`; c has been started anew and is on its way there, 80 of its 100 ms.
+  Theatre& WithALateOne(const State& state, MachineConfig config = MachineOf(3)) {
+    Theatre& t = In(state, std::move(config));
+    t.On("c", state).takes = Milliseconds(80);
+    StartLate(t, "c", state);
+    return t;
+  }
+  static void StartLate(Theatre& t, const std::string& name, const State& state) {
+    t.Crash(name);
+    t.RunFor(Milliseconds(1));
+    t.StartActuator(name);
+    ASSERT_TRUE(t.RunUntil([&] {
+      const auto& order = t.RecordOf(name).order;
+      return order && order->target == state;
+    }));
+    t.ClearLog();
+  }
+  static bool Answered(const Theatre& t, RequestId request) { return t.answers.count(request) > 0; }
+};
+
+TEST_F(WaitingSwitches, UpIsBegunOnceTheLateActuatorIsFreeAndTakesItAlong) {
+  Theatre& t = WithALateOne("LowPower");
+  const SwitchResult result = t.Set("Active");
+  EXPECT_TRUE(result.done()) << result.reason;
+  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Active");
+}
+
+TEST_F(WaitingSwitches, NothingIsSentBeforeTheLateActuatorIsFree) {
+  Theatre& t = WithALateOne("LowPower");
+  const RequestId request = t.Ask("Active");
+  EXPECT_FALSE(Answered(t, request));
+  EXPECT_THAT(t.log(), ElementsAre());
+  EXPECT_FALSE(t.machine().current);
+}
+
+TEST_F(WaitingSwitches, TheSameRequestJoinsTheOneThatWaits) {
+  Theatre& t = WithALateOne("LowPower");
+  const RequestId first = t.Ask("Active");
+  const RequestId again = t.Ask("Active");
+  t.Rest();
+  EXPECT_TRUE(t.answers.at(first).done());
+  EXPECT_EQ(t.answers.at(again).number, t.answers.at(first).number);
+}
+
+TEST_F(WaitingSwitches, AnotherRequestIsToldWhenToComeAgain) {
+  Theatre& t = WithALateOne("LowPower");
+  const RequestId first = t.Ask("Active");
+  const SwitchResult other = t.Set("DeActive");
+  EXPECT_EQ(other.outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(other.code, kCodeTargetBusy);
+  EXPECT_THAT(other.reason,
+              AllOf(HasSubstr("a switch to Active waits"), HasSubstr("come again in")));
+  t.Rest();
+  EXPECT_TRUE(t.answers.at(first).done());
+}
+
+TEST_F(WaitingSwitches, AMoreUrgentRequestIsBegunInstead) {
+  for (const char* urgent : {"Error", "TearDown"}) {
+    Theatre& t = WithALateOne("LowPower");
+    const RequestId request = t.Ask("Active");
+    EXPECT_EQ(t.Set(urgent).outcome, SwitchOutcome::kDone);
+    ASSERT_TRUE(Answered(t, request));
+    EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kRefused);
+    EXPECT_EQ(t.answers.at(request).code, kCodeTargetBusy);
+    EXPECT_THAT(t.answers.at(request).reason, HasSubstr(std::string("(to ") + urgent + ")"));
+  }
+}
+
+TEST_F(WaitingSwitches, OneThatWaitsForAnActuatorThatHangsIsRefusedWithinItsTime) {
+  Theatre& t = WithALateOne("LowPower");
+  t.On("c", "LowPower").hangs = true;
+  StartLate(t, "c", "LowPower");
+  const Time begun = t.now();
+  const SwitchResult result = t.Set("Active");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(result.code, kCodeTargetBusy);
+  EXPECT_LE(t.now() - begun, Milliseconds(100 + 3 * 300 + 100));
+}
+
+TEST_F(WaitingSwitches, OneThatWaitsForAnActuatorThatDiesGoesOnWithoutIt) {
+  Theatre& t = WithALateOne("LowPower");
+  const RequestId request = t.Ask("Active");
+  t.Crash("c");
+  t.Rest();
+  ASSERT_TRUE(Answered(t, request));
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(t.answers.at(request).degraded, ElementsAre("c"));
+  EXPECT_EQ(t.StateOf("a"), "Active");
+}
+
+TEST_F(WaitingSwitches, AnEmergencyStopRefusesTheOneThatWaitsAtOnce) {
+  Theatre& t = WithALateOne("LowPower");
+  const RequestId request = t.Ask("Active");
+  t.StopAll(7);
+  t.RunFor(Milliseconds(10));
+  ASSERT_TRUE(Answered(t, request));
+  EXPECT_EQ(t.answers.at(request).code, kCodeProtectedError);
+}
+
+TEST_F(WaitingSwitches, AControllerThatIsFencedTellsTheOneThatWaits) {
+  Theatre& t = WithALateOne("LowPower");
+  const RequestId request = t.Ask("Active");
+  t.HearRival(9);
+  ASSERT_TRUE(Answered(t, request));
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(t.answers.at(request).code, kCodePermissionDenied);
+}
+
+TEST_F(WaitingSwitches, OfTheLateActuatorItselfWaitsToo) {
+  Theatre& t = WithALateOne("Active");
+  const SwitchResult result = t.Set("LowPower", "c");
+  EXPECT_TRUE(result.done()) << result.reason;
+  EXPECT_EQ(t.StateOf("c"), "LowPower");
+  EXPECT_TRUE(t.RecordOf("c").held);
+}
+
+TEST_F(WaitingSwitches, NoOtherLateActuatorIsDrivenBeforeTheOneThatWaits) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "b").after = {"c"};  // it goes up behind c
+  Theatre& t = WithALateOne("LowPower", config);
+  t.On("b", "LowPower").takes = Milliseconds(80);
+  t.Crash("b");
+  t.RunFor(Milliseconds(1));
+  t.StartActuator("b");
+  t.RunFor(Milliseconds(30));
+  const RequestId request = t.Ask("Active");
+  t.Rest();
+  ASSERT_TRUE(Answered(t, request));
+  EXPECT_NE(t.answers.at(request).outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(t.StateOf("b"), "Active");
+}
+
+TEST_F(WaitingSwitches, ThePlanSaysThatItWouldWaitAndForWhat) {
+  Theatre& t = WithALateOne("LowPower");
+  const Plan plan = MakePlan(t.config(), t.machine(), State("Active"));
+  ASSERT_TRUE(plan.free_by);
+  EXPECT_GT(*plan.free_by, t.now());
+  EXPECT_EQ(plan.refusal->message, "c is still busy with LowPower");
+  EXPECT_EQ(plan.steps[2].wave, 1) << "it shows what is done after that";
+}
+
+TEST_F(WaitingSwitches, WhatIsAgainstASwitchOtherwiseIsToldAtOnce) {
+  MachineConfig config = MachineOf(3);
+  std::erase(ActuatorNamed(config, "b").states, "DeActive");
+  ActuatorNamed(config, "b").times.pop_back();
+  Theatre& t = WithALateOne("LowPower", config);
+  const SwitchResult result = t.Set("DeActive");
+  EXPECT_EQ(result.code, kCodeUnSupport) << result.reason;
+}
+
+}  // namespace
+}  // namespace musher::testing
