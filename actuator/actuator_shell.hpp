@@ -54,6 +54,7 @@ class ActuatorShell {
   void Close() { closed_ = true; }
 
   const ActuatorReport& report() const { return core_.report; }
+  const ActuatorCore& core() const { return core_; }
   // For the threads of the module; lives as long as the shell.
   Checkpoints& checkpoints() { return checkpoints_; }
 

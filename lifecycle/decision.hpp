@@ -180,6 +180,7 @@ class Decision {
   void ForgetEnd(std::size_t i);
   void CallOffRestart(std::size_t i);
   void StartAgain(std::size_t i);
+  bool RunsElsewhere(std::size_t i) const;
   void EndForRestart(std::size_t i);
   void AnswerRestarts(std::size_t i);
 

@@ -277,6 +277,12 @@ void Decision::On(const event::RestartRequested& requested) {
                   "the machine is " + std::string(PhaseName(machine_.phase)) + "; not now");
   }
   ActuatorRecord& record = Of(*i);
+  if (RunsElsewhere(*i)) {
+    return refuse(kCodeUnSupport, requested.actuator + " runs on another host, " +
+                                      record.report.host.substr(0, 64) +
+                                      ", where this controller can end no process; end process " +
+                                      std::to_string(record.report.pid) + " there");
+  }
   record.restart_requests.push_back(requested.request);
   if (record.restart_asked) return;
   record.restart_asked = true;
@@ -284,6 +290,16 @@ void Decision::On(const event::RestartRequested& requested) {
   record.given_up = false;
   record.cause = RecordProcess(*i, kCodeOk, requested.actuator + " is restarted by hand");
   EndForRestart(*i);
+}
+
+// Whether its process is heard from another host: a second one here would run beside it.
+bool Decision::RunsElsewhere(std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  const bool heard =
+      record.presence == Presence::kPresent || record.presence == Presence::kStarting;
+  const ActuatorReport& report = record.report;
+  return heard && record.process == 0 && report.incarnation != 0 &&
+         report.incarnation != record.dead && !report.host.empty() && report.host != machine_.host;
 }
 
 // TearDown if it can be told, else SIGTERM, and SIGKILL when that does not help.

@@ -82,10 +82,14 @@ bool Decision::WaitsForIntent() {
 // is reached, or its process ends with the machine.
 std::string Decision::MayLive(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
+  const bool ends_with_it = OwnProcess(i) != 0 && machine_.phase == Phase::kStopping;
+  // Found by its name when this controller began, and no word came from it yet.
+  const bool found =
+      record.found_running && record.presence == Presence::kAbsent && record.process != 0;
+  if (found && !ends_with_it) return State("a state that is not known");
   const bool heard = record.report.incarnation != 0 && record.report.incarnation != record.dead;
   const bool out_of_reach =
       record.presence == Presence::kLost || record.presence == Presence::kStarting;
-  const bool ends_with_it = OwnProcess(i) != 0 && machine_.phase == Phase::kStopping;
   if (!heard || !out_of_reach || ends_with_it || record.state() == kTearDown) return {};
   return record.state();
 }

@@ -5,43 +5,42 @@
 
 namespace musher::simulation {
 
-ControllerProcess::ControllerProcess(transport::sim::Network& network, const std::string& host,
-                                     const MachineConfig& config, Processes& processes, Disk& disk,
-                                     Hooks hooks)
+ControllerProcess::ControllerProcess(transport::sim::Network& network, const std::string& endpoint,
+                                     std::size_t host, Hosts& hosts, const MachineConfig& config,
+                                     Processes& processes, Disk& disk, Hooks hooks)
     : network_(network),
       config_(config),
       processes_(processes),
       disk_(disk),
       hooks_(std::move(hooks)),
-      pid_(processes.NewPid()),
-      node_(network.MakeNode(host)) {
+      endpoint_(endpoint),
+      host_(host),
+      pid_(hosts.NewPid(host)),
+      serial_(hosts.NewSerial()),
+      node_(network.MakeNode(endpoint)) {
+  hosts.Attach(endpoint, host);
   ControllerShell::World world;
   world.node = node_.get();
   world.processes = this;
   world.witness = this;
   world.journal = this;
-  const auto save = [this](auto& stored, const auto& value, const auto& done) {
-    if (disk_.full) return done(Error{kCodeFailed, "the disk is full"});
-    stored = value;
-    done(Ok());
+  world.save_epoch = [this](std::uint64_t epoch, const auto& done) {
+    Save(disk_.epoch, epoch, done);
   };
-  world.save_epoch = [this, save](std::uint64_t epoch, const auto& done) {
-    save(disk_.epoch, epoch, done);
+  world.save_emergency_stops = [this](const StoredStops& stops, const auto& done) {
+    Save(disk_.stops, stops, done);
   };
-  world.save_emergency_stops = [this, save](const StoredStops& stops, const auto& done) {
-    save(disk_.stops, stops, done);
+  world.save_policy = [this](const StoredPolicy& policy, const auto& done) {
+    Save(disk_.policy, policy, done);
   };
-  world.save_policy = [this, save](const StoredPolicy& policy, const auto& done) {
-    save(disk_.policy, policy, done);
-  };
-  world.save_stop_intent = [this, save](bool intended, const auto& done) {
-    save(disk_.stop_intent, intended, done);
+  world.save_stop_intent = [this](bool intended, const auto& done) {
+    Save(disk_.stop_intent, intended, done);
   };
   world.log_file = [](const std::string&) { return std::string(); };
   world.wall_ns = [this] { return (network_.now().time_since_epoch() + wall_offset).count(); };
-  world.host = "sim";
+  world.host = hosts.Id(host);
   world.pid = pid_;
-  world.incarnation = static_cast<std::uint64_t>(world.pid);
+  world.incarnation = hosts.NewIncarnation(host);
   ControllerShell::Hooks shell_hooks;
   shell_hooks.on_record = [this](const action::Record& record) {
     if (manager_) manager_->OnRecord(record);
@@ -86,11 +85,29 @@ void ControllerProcess::ReadDisk(std::int64_t since_wall_ns, std::size_t limit, 
   node_->loop().Post([done = std::move(done), reading = std::move(reading)] { done(reading); });
 }
 
+template <class T>
+void ControllerProcess::Save(T& stored, const T& value,
+                             const ControllerShell::World::OnSaved& done) {
+  const auto write = [this, &stored, value, done] {
+    if (disk_.full) return done(Error{kCodeFailed, "the disk is full"});
+    stored = value;
+    done(Ok());
+  };
+  if (!disk_.stalled) return write();
+  disk_.writes.push_back({serial_, [this, write] { node_->loop().Post(write); }});
+}
+
+// What is not durable is lost with its process.
 ControllerProcess::~ControllerProcess() {
+  std::erase_if(disk_.writes, [this](const auto& write) { return write.controller == serial_; });
+  if (disk_.stalled && disk_.recording.size() > disk_.durable) {
+    disk_.recording.resize(disk_.durable);
+    disk_.gap = disk_.wants_snapshot = true;
+  }
   network_.Crash(*node_);
 }
 
-void ControllerProcess::Begin(bool takeover) {
+void ControllerProcess::Begin(bool takeover, bool restarted) {
   event::Begin begin;
   begin.epoch = disk_.epoch;
   if (const auto& rival = shell_->rival()) {
@@ -98,17 +115,19 @@ void ControllerProcess::Begin(bool takeover) {
     begin.epoch = std::max(begin.epoch, rival->epoch);
   }
   for (const ActuatorConfig& actuator : config_.actuators) {
-    begin.running.push_back(processes_.IsAlive(actuator.name));
-    begin.processes.push_back(processes_.PidOf(actuator.name));
+    begin.running.push_back(processes_.IsAlive(actuator.name, host_));
+    begin.processes.push_back(processes_.PidOf(actuator.name, host_));
   }
   begin.stops = disk_.stops;
   begin.stop_intent = disk_.stop_intent;
   begin.policy = disk_.policy;
+  begin.restarted = restarted;
   begun_ = true;
   shell_->Begin(std::move(begin));
 }
 
-void ControllerProcess::OnEnd(std::int32_t pid, const ProcessExit& exit) {
+void ControllerProcess::OnEnd(std::size_t host, std::int32_t pid, const ProcessExit& exit) {
+  if (host != host_) return;
   const auto watcher = watchers_.extract(pid);
   if (watcher.empty()) return;
   node_->loop().Post([on_exit = watcher.mapped(), exit] { on_exit(exit); });
@@ -116,15 +135,16 @@ void ControllerProcess::OnEnd(std::int32_t pid, const ProcessExit& exit) {
 
 Result<pid_t> ControllerProcess::Start(const ProcessSpec& spec, OnExit on_exit) {
   if (!config_.IndexOf(spec.name)) return Error{kCodeUnSupport, "there is no power to switch"};
-  if (processes_.IsAlive(spec.name)) return Error{kCodeTargetBusy, "it runs already"};
+  if (processes_.IsAlive(spec.name, host_)) return Error{kCodeTargetBusy, "it runs already"};
   if (hooks_.on_start) hooks_.on_start(spec.name);
-  const std::int32_t pid = processes_.Launch(spec.name);
+  const std::int32_t pid = processes_.Launch(spec.name, host_);
   watchers_[pid] = std::move(on_exit);
   return pid;
 }
 
 Result<> ControllerProcess::Watch(pid_t pid, OnExit on_exit) {
-  if (!processes_.Exists(pid)) return Error{kCodeFailed, "no such process"};
+  if (!processes_.Exists(host_, pid)) return Error{kCodeFailed, "no such process"};
+  if (watchers_.contains(pid)) return Error{kCodeTargetBusy, "it is watched already"};
   // Not a child: only that it ended is known.
   watchers_[pid] = [on_exit = std::move(on_exit)](const ProcessExit&) { on_exit({}); };
   return Ok();

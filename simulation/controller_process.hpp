@@ -1,6 +1,7 @@
 #pragma once
-// The process of a controller in a simulation: the real shell and decision code on a host of its
-// own, with a disk that outlives it.
+// The process of a controller in a simulation: the real shell and decision code on one of the
+// robot's hosts, with a disk that outlives it. It starts, watches and signals processes of its own
+// host only.
 //
 // Threads: one, that of the network.
 
@@ -27,7 +28,14 @@ struct Disk {
   bool stop_intent = false;
   StoredPolicy policy;
   std::vector<JournalRow> recording;
-  bool full = false;            // nothing can be written
+  bool full = false;     // nothing can be written
+  bool stalled = false;  // nothing that is written ends
+  struct Write {
+    std::uint64_t controller = 0;  // its serial
+    std::function<void()> end;
+  };
+  std::vector<Write> writes;    // those that wait for the end of the stall
+  std::size_t durable = 0;      // rows of the recording, when the stall began
   bool gap = false;             // something could not be, once
   bool wants_snapshot = false;  // since then
 };
@@ -40,40 +48,56 @@ class ControllerProcess : private ProcessRunner, private ProcessWitness, private
     std::function<void(const Machine&, const action::SendSwitch&)> on_send;
     std::function<void(const std::string& name)> on_start;  // of a process
     std::function<void()> on_power;                         // the power command
+    std::function<void(pid_t pid)> on_signal;               // before a process is signalled
     std::function<void()> on_over;  // it is stopped, fenced or refused: its process may end
   };
 
   // All must outlive it.
-  ControllerProcess(transport::sim::Network& network, const std::string& host,
-                    const MachineConfig& config, Processes& processes, Disk& disk, Hooks hooks);
+  ControllerProcess(transport::sim::Network& network, const std::string& endpoint, std::size_t host,
+                    Hosts& hosts, const MachineConfig& config, Processes& processes, Disk& disk,
+                    Hooks hooks);
   ~ControllerProcess() override;
 
   // Takes the machine over; refuses when another controller was heard, unless with `takeover`.
-  void Begin(bool takeover);
-  // An actuator's process has ended.
-  void OnEnd(std::int32_t pid, const ProcessExit& exit);
+  // `restarted`: by a supervisor.
+  void Begin(bool takeover, bool restarted = false);
+  // A process has ended.
+  void OnEnd(std::size_t host, std::int32_t pid, const ProcessExit& exit);
 
   ControllerShell& shell() { return *shell_; }
   const ControllerShell& shell() const { return *shell_; }
   transport::Node& node() { return *node_; }
+  Time Now() const { return node_->loop().Now(); }
+  bool begun() const { return begun_; }
   // Leads the machine, as far as it knows.
   bool leads() const {
     return begun_ && shell_->machine().phase != Phase::kFenced &&
            shell_->machine().phase != Phase::kIdle;
   }
   std::int32_t pid() const { return pid_; }
+  std::size_t host() const { return host_; }
+  // Of all controllers, ever.
+  std::uint64_t serial() const { return serial_; }
+  const std::string& endpoint() const { return endpoint_; }
+  transport::PeerId participant() const { return network_.ParticipantOf(*node_); }
   bool frozen = false;
   Duration wall_offset{};  // how far its wall clock is ahead
 
  private:
   Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) override;
   Result<> Watch(pid_t pid, OnExit on_exit) override;
-  Result<> Signal(pid_t pid, int signal) override { return processes_.Signal(pid, signal); }
+  Result<> Signal(pid_t pid, int signal) override {
+    if (hooks_.on_signal) hooks_.on_signal(pid);
+    return processes_.Signal(host_, pid, signal);
+  }
   void Mark(pid_t, Time) override {}
-  Examination Examine(pid_t pid, Time) override { return processes_.Examine(pid); }
+  Examination Examine(pid_t pid, Time) override { return processes_.Examine(host_, pid); }
   void TakeBacktrace(pid_t pid, Duration timeout,
                      std::function<void(Result<std::string>)> done) override;
   void Append(JournalItem item) noexcept override;
+  // Writes a value now, or when the disk's stall ends.
+  template <class T>
+  void Save(T& stored, const T& value, const ControllerShell::World::OnSaved& done);
   bool WantsSnapshot() noexcept override;
   Result<> OpenServices();
   void ReadDisk(std::int64_t since_wall_ns, std::size_t limit, OnHistory done);
@@ -83,7 +107,10 @@ class ControllerProcess : private ProcessRunner, private ProcessWitness, private
   Processes& processes_;
   Disk& disk_;
   Hooks hooks_;
+  const std::string endpoint_;
+  const std::size_t host_;
   const std::int32_t pid_;
+  const std::uint64_t serial_;
   bool begun_ = false;
   std::size_t inputs_ = 0;
   std::map<std::int32_t, OnExit> watchers_;

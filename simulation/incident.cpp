@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "musher/simulation/hosts.hpp"
 #include "musher/transport/sim/random.hpp"
 
 namespace musher::simulation {
@@ -52,6 +53,15 @@ constexpr std::array<KindRow, kIncidentKinds> kKinds = {{
     {IncidentKind::kOta, "ota", 0},
     {IncidentKind::kLowPowerSwitch, "low-power-switch", 0},
     {IncidentKind::kPowerOff, "power-off", 0},
+    {IncidentKind::kReboot, "reboot", 0},
+    {IncidentKind::kHostPartition, "host-partition", 0},
+    {IncidentKind::kHostOneWay, "host-one-way", 0},
+    {IncidentKind::kStalledDisk, "stalled-disk", 0},
+    {IncidentKind::kCrossingStops, "crossing-stops", 0},
+    {IncidentKind::kClientSet, "client-set", 0},
+    {IncidentKind::kClientStatus, "client-status", 0},
+    {IncidentKind::kClientRelease, "client-release", 0},
+    {IncidentKind::kClientRestart, "client-restart", 0},
 }};
 
 // How often what makes a process end is its configuration.
@@ -65,6 +75,18 @@ constexpr IncidentKind kOfPolicy[] = {
     IncidentKind::kWakeUp,         IncidentKind::kKeep,      IncidentKind::kOta,
     IncidentKind::kLowPowerSwitch, IncidentKind::kPowerOff};
 constexpr int kFull = 100;
+
+// How often something happens to a host instead of a single process.
+constexpr double kHostShare = 0.03;
+constexpr double kSeveralHostsShare = 0.15;
+// How often a client does something at the same time as well, and what.
+constexpr double kClientShare = 0.2;
+constexpr double kOrphanShare = 0.6;
+constexpr IncidentKind kOfClients[] = {IncidentKind::kClientSet,     IncidentKind::kClientSet,
+                                       IncidentKind::kClientStatus,  IncidentKind::kClientStatus,
+                                       IncidentKind::kClientRelease, IncidentKind::kClientRestart};
+constexpr IncidentKind kOfHosts[] = {IncidentKind::kHostPartition, IncidentKind::kHostOneWay,
+                                     IncidentKind::kHostOneWay, IncidentKind::kReboot};
 
 // Where the levels are, everything happens; and at the ends.
 int DrawPercent(const MachineConfig& config, std::uint64_t chance) {
@@ -131,11 +153,17 @@ class Drawing {
       : config_(config),
         dice_(seed * 2 + 1),
         policy_dice_(seed * 2 + 0x706f6c),
-        exit_dice_(seed * 2 + 0x65786974) {}
+        exit_dice_(seed * 2 + 0x65786974),
+        host_dice_(seed * 2 + 0x72656274),
+        hosts_(DrawLayout(config, seed, false).hosts.size()) {}
 
   Incidents Draw() {
     const std::uint64_t count = 1 + dice_.Next() % (1 + dice_.Next() % 16);
     for (std::uint64_t i = 0; i < count; ++i) {
+      const bool crash =
+          !incidents_.empty() && incidents_.back().kind == IncidentKind::kControllerCrash;
+      if (crash && host_dice_.Chance(kOrphanShare)) AddOrphan();
+      if (!incidents_.empty() && host_dice_.Chance(kClientShare)) AddOfClient();
       at_ += DrawLogUniform(dice_, std::chrono::microseconds(100), std::chrono::seconds(4));
       if (dice_.Chance(0.35)) {
         DrawAimed();
@@ -179,12 +207,54 @@ class Drawing {
     incident.chance = percent * 2 + cable;
   }
 
+  // A client waits for a switch when the controller is killed.
+  void AddOrphan() {
+    Incident crash = incidents_.back();
+    if (host_dice_.Chance(0.3)) crash.lasts = std::chrono::seconds(8);  // longer than it waits
+    AddOfClient();
+    Incident request = incidents_.back();
+    request.kind = IncidentKind::kClientSet;
+    request.at -=
+        std::min(request.at, DrawLogUniform(host_dice_, Milliseconds(5), Milliseconds(80)));
+    incidents_.pop_back();
+    incidents_.back() = request;
+    incidents_.push_back(crash);
+  }
+
+  // At the same time as the last one.
+  void AddOfClient() {
+    Incident incident = incidents_.back();
+    incident.when.reset();
+    incident.kind = kOfClients[host_dice_.Next() % std::size(kOfClients)];
+    incident.actuator = host_dice_.Next() % config_.actuators.size();
+    incident.state = DrawState(config_, host_dice_);
+    incident.host = host_dice_.Next() % hosts_;
+    incident.chance = host_dice_.Next();
+    incidents_.push_back(incident);
+  }
+
+  // Another one at the same time.
+  void MakeOfHosts(Incident& incident) {
+    incident.kind =
+        hosts_ > 1 ? kOfHosts[host_dice_.Next() % std::size(kOfHosts)] : IncidentKind::kReboot;
+    incident.host = host_dice_.Next() % hosts_;
+    incident.other_host = (incident.host + 1 + host_dice_.Next() % 2) % hosts_;
+    if (incident.other_host == incident.host) incident.other_host = (incident.host + 1) % hosts_;
+  }
+
   Incident& AddAny() {
     Incident& incident = Add(DrawKind(dice_), DrawState(config_, dice_));
     if (config_.policy && policy_dice_.Chance(kPolicyShare)) MakeOfPolicy(incident);
     if (incident.kind == IncidentKind::kCrash && exit_dice_.Chance(kWrongConfigShare)) {
       incident.kind = IncidentKind::kWrongConfig;
     }
+    if (incident.kind == IncidentKind::kFullDisk && host_dice_.Chance(0.5)) {
+      incident.kind = IncidentKind::kStalledDisk;
+    }
+    if (incident.kind == IncidentKind::kEmergencyStop && host_dice_.Chance(0.4)) {
+      incident.kind = IncidentKind::kCrossingStops;
+    }
+    if (host_dice_.Chance(hosts_ > 1 ? kSeveralHostsShare : kHostShare)) MakeOfHosts(incident);
     return incident;
   }
 
@@ -254,6 +324,8 @@ class Drawing {
   Random dice_;
   Random policy_dice_;  // so that the rest of a life does not depend on it
   Random exit_dice_;    // nor on this
+  Random host_dice_;
+  std::size_t hosts_;
   Duration at_{};
   Incidents incidents_;
 };
@@ -269,7 +341,8 @@ std::string_view KindName(IncidentKind kind) {
 }
 
 bool IsFault(IncidentKind kind) {
-  return kind < IncidentKind::kSet;
+  const bool of_hosts = kind >= IncidentKind::kReboot && kind <= IncidentKind::kStalledDisk;
+  return kind < IncidentKind::kSet || of_hosts;
 }
 
 Incidents DrawIncidents(const MachineConfig& config, std::uint64_t seed) {
@@ -286,6 +359,8 @@ bool ChargesIn(const Incident& incident) {
 
 std::string Describe(const MachineConfig& config, const Incident& incident) {
   const std::string& who = config.actuators[incident.actuator].name;
+  const std::string host(HostName(incident.host));
+  const std::string other(HostName(incident.other_host));
   const std::string lasts = " for " + InMilliseconds(incident.lasts);
   switch (incident.kind) {
     case IncidentKind::kCrash:
@@ -358,6 +433,25 @@ std::string Describe(const MachineConfig& config, const Incident& incident) {
              (incident.chance % 3 == 0 ? "off" : "on");
     case IncidentKind::kPowerOff:
       return "the robot is switched off by its button";
+    case IncidentKind::kReboot:
+      return "host " + host + " is rebooted and is back after " + InMilliseconds(incident.lasts);
+    case IncidentKind::kHostPartition:
+      return "hosts " + host + " and " + other + " are cut off from each other" + lasts;
+    case IncidentKind::kHostOneWay:
+      return "nothing gets from host " + host + " to host " + other + lasts;
+    case IncidentKind::kStalledDisk:
+      return "the controller's disk stalls" + lasts;
+    case IncidentKind::kCrossingStops:
+      return "two panels engage an emergency stop, and a release crosses them";
+    case IncidentKind::kClientSet:
+      return "a client on host " + host + " asks for " + incident.state +
+             (incident.chance % 8 == 0 ? " of " + who : "");
+    case IncidentKind::kClientStatus:
+      return "a client on host " + host + " asks for the status";
+    case IncidentKind::kClientRelease:
+      return "a client on host " + host + " releases the emergency stops";
+    case IncidentKind::kClientRestart:
+      return "a client on host " + host + " restarts " + who;
   }
   return {};
 }

@@ -49,8 +49,19 @@ enum class IncidentKind : std::uint8_t {
   kOta,             // an application enters OTA, or leaves it
   kLowPowerSwitch,  // a person switches LowPower by lying still on or off
   kPowerOff,        // a person switches the robot off by its button
+  // Of hosts.
+  kReboot,         // a host is rebooted: its processes end, its clock begins again
+  kHostPartition,  // two hosts are cut off from each other, for a while
+  kHostOneWay,     // nothing gets from one host to another, for a while
+  kStalledDisk,    // what the controllers write does not end, for a while
+  kCrossingStops,  // two panels engage an emergency stop, and a release crosses them
+  // By a client on a host.
+  kClientSet,      // it requests a switch
+  kClientStatus,   // it queries the status
+  kClientRelease,  // it releases the emergency stops
+  kClientRestart,  // it restarts an actuator
 };
-inline constexpr std::size_t kIncidentKinds = 32;
+inline constexpr std::size_t kIncidentKinds = 41;
 
 std::string_view KindName(IncidentKind kind);  // "crash", "controller-freeze", …
 
@@ -59,6 +70,8 @@ struct Incident {
   Duration at{};               // after the robot was switched on, at the earliest
   std::optional<Moment> when;  // then it waits for this, but not for ever
   std::size_t actuator = 0;    // of the config; means nothing where everybody is concerned
+  std::size_t host = 0;        // of the layout
+  std::size_t other_host = 0;  // of what concerns two
   State state;                 // that is asked for, or lied about
   Duration lasts{};            // of what lasts
   std::uint64_t chance = 0;    // for whatever else has to be drawn

@@ -28,8 +28,14 @@ Judge::Judge(SimRobot& robot)
   robot_.on_start = [this](const ControllerProcess& controller, const std::string& name) {
     OnStart(controller, name);
   };
-  robot_.processes().on_report = [this](const std::string& name, const ActuatorReport& report) {
-    OnReport(name, report);
+  robot_.processes().on_report = [this](const std::string& name, std::size_t host,
+                                        const ActuatorReport& report) {
+    OnReport(name, host, report);
+  };
+  robot_.on_write = [this](const ControllerProcess& controller, const std::string& topic,
+                           const msg::Bytes& bytes) { OnWrite(controller, topic, bytes); };
+  robot_.on_signal = [this](const ControllerProcess& controller, std::int32_t pid) {
+    CheckSignal(controller, pid);
   };
   robot_.on_power = [this] { power_due_.reset(); };
 }
@@ -39,9 +45,16 @@ void Judge::Blame(Promise promise, const std::string& what) {
   violation_ = {promise, robot_.age(), what};
 }
 
-void Judge::OnReport(const std::string& name, const ActuatorReport& report) {
+void Judge::OnWrite(const ControllerProcess& controller, const std::string& topic,
+                    const msg::Bytes& bytes) {
+  if (topic.starts_with("rr/")) return OnReplyWritten(controller, topic.substr(3));
+  if (!topic.ends_with("musher/emergency_stop")) return;
+  if (const auto stop = msg::Decode<msg::EmergencyStop>(bytes)) OnStopPublished(*stop);
+}
+
+void Judge::OnReport(const std::string& name, std::size_t host, const ActuatorReport& report) {
   ++judgements_;
-  ActuatorReport& before = reports_[name];
+  ActuatorReport& before = reports_[{name, report.host}];
   if (before.incarnation != report.incarnation) before = ActuatorReport{};
   if (report.epoch < before.epoch || report.number < before.number) {
     Blame(Promise::kNothingStale, name + " went back to epoch " + std::to_string(report.epoch) +
@@ -50,6 +63,8 @@ void Judge::OnReport(const std::string& name, const ActuatorReport& report) {
   const bool begun = report.busy() && (!before.busy() || before.target != report.target ||
                                        before.busy_number != report.busy_number);
   if (begun) OnBegun(name, before, report);
+  CheckStopped(name, host, before, report);
+  CheckWaiting(name, host, report);
   before = report;
 }
 
@@ -90,15 +105,18 @@ void Judge::FindsConfigWrong(const std::string& name) {
   const std::size_t i = *config_.IndexOf(name);
   const RestartConfig& restart = config_.actuators[i].restart;
   const ActuatorRecord& record = leader->shell().machine().actuators[i];
-  const bool its_child = record.process == robot_.processes().PidOf(name) && !record.found_running;
+  const bool its_child = record.process != 0 &&
+                         record.process == robot_.processes().PidOf(name, leader->host()) &&
+                         !record.found_running;
   const bool counts = restart.policy != RestartPolicy::kNo && restart.Prevents(kUsageExitCode);
-  if (its_child && counts && !record.restart_asked) final_[name] = leader->pid();
+  if (its_child && counts && !record.restart_asked) final_[name] = leader->serial();
 }
 
 void Judge::OnStart(const ControllerProcess& controller, const std::string& name) {
   ++judgements_;
+  CheckRunsNowhereElse(controller, name);
   const auto ended = final_.find(name);
-  if (ended != final_.end() && ended->second == controller.pid()) {
+  if (ended != final_.end() && ended->second == controller.serial()) {
     Blame(Promise::kNotInVain,
           name + ", which ended with exit code 2, is started again, and nobody has asked for it");
   }
@@ -107,18 +125,20 @@ void Judge::OnStart(const ControllerProcess& controller, const std::string& name
   const RestartConfig& restart = config_.actuators[i].restart;
   const bool ends_at_once = robot_.processes().IsMisconfigured(name);
   const bool counts = restart.policy != RestartPolicy::kNo && restart.Prevents(kUsageExitCode);
-  if (ends_at_once && counts) final_[name] = controller.pid();
+  if (ends_at_once && counts) final_[name] = controller.serial();
 }
 
 void Judge::AfterEvent() {
   JudgePower();
+  if (!free_and_stopped_.empty()) CheckPower();
+  CheckClients();
   if (!dirty_) return;
   dirty_ = false;
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* controller = robot_.controller(which);
     if (controller == nullptr || !controller->leads()) continue;
     if (controller->frozen) {
-      seen_[controller->pid()].over_since.reset();
+      seen_[controller->serial()].over_since.reset();
       continue;
     }
     ++judgements_;
@@ -129,13 +149,14 @@ void Judge::AfterEvent() {
 
 void Judge::LookAt(const ControllerProcess& controller) {
   const Machine& machine = controller.shell().machine();
-  JudgeDeadline(machine, seen_[controller.pid()]);
+  JudgeDeadline(controller, seen_[controller.serial()]);
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     const bool present = machine.actuators[i].presence == Presence::kPresent;
     if (present) lost_at_[i] = robot_.age();
   }
-  JudgeChange(machine, seen_[controller.pid()]);
+  JudgeChange(machine, seen_[controller.serial()]);
   JudgeCeiling(machine, false);
+  CheckStaysDown(controller);
 }
 
 void Judge::OnSend(const Machine& machine, const action::SendSwitch& command) {
@@ -144,11 +165,11 @@ void Judge::OnSend(const Machine& machine, const action::SendSwitch& command) {
 }
 
 // Of what happens at one instant something else may come first, say a step of another controller.
-void Judge::JudgeDeadline(const Machine& machine, Seen& seen) {
+void Judge::JudgeDeadline(const ControllerProcess& controller, Seen& seen) {
   constexpr int kOthers = 100;
   const Time now = robot_.network().now();
-  const auto deadline = NextDeadline(config_, machine);
-  if (!deadline || *deadline > now) return seen.over_since.reset();
+  const auto deadline = NextDeadline(config_, controller.shell().machine());
+  if (!deadline || *deadline > controller.Now()) return seen.over_since.reset();
   if (!seen.over_since) seen.over_since = {now, 0};
   if (now > seen.over_since->first || ++seen.over_since->second > kOthers) {
     Blame(Promise::kNoSpinning, "a deadline of the controller is over and stays");
@@ -191,19 +212,24 @@ void Judge::JudgeChange(const Machine& machine, Seen& seen) {
   if (seen.state != machine.state) JudgePolicyChange(machine, seen);
   seen.state = machine.state;
   seen.stopped = machine.emergency_stop.has_value();
+  const bool requested =
+      (seen.requested && machine.state == seen.asked) || just_answered_.contains(machine.state);
+  if (requested && !machine.current) went_on_ = robot_.age();
   seen.asked.reset();
   if (machine.current && BehindIt(*machine.current)) seen.asked = machine.current->target;
+  seen.requested = machine.current && machine.current->purpose == Purpose::kRequested;
 }
 
-std::uint64_t Judge::Asked(const State& target) {
+std::uint64_t Judge::Asked(const ControllerProcess& controller, const State& target) {
   urgent_asked_ |= target == kError || target == kTearDown;
-  open_[next_request_] = target;
+  open_[next_request_] = {target, controller.serial()};
   return next_request_++;
 }
 
-void Judge::ControllersEnded() {
+void Judge::ControllerKilled(const ControllerProcess& controller) {
   ControllersHindered(false);
-  open_.clear();
+  std::erase_if(
+      open_, [&](const auto& request) { return request.second.controller == controller.serial(); });
 }
 
 void Judge::Answered(std::uint64_t request, const SwitchResult& result) {
@@ -220,13 +246,14 @@ void Judge::Answered(std::uint64_t request, const SwitchResult& result) {
   const bool there =
       result.outcome == SwitchOutcome::kDone || result.outcome == SwitchOutcome::kDoneDegraded;
   const ControllerProcess* controller = robot_.leader();
+  if (controller != nullptr) CheckTornDown(*controller, result);
   const bool ranked = config_.RankOf(result.target) && result.target != kTearDown;
   if (!there || !result.actuator.empty() || !ranked || controller == nullptr) return;
   went_on_ = robot_.age();
   const Machine& machine = controller->shell().machine();
   for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
     const std::string& name = config_.actuators[i].name;
-    const ActuatorReport* report = robot_.processes().ReportOf(name);
+    const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
     if (report == nullptr || IsExcused(machine, i, result)) continue;
     if (report->state == result.target) continue;
     Blame(Promise::kDoneIsDone, "the switch to " + result.target + " is told to be " +
@@ -249,7 +276,7 @@ bool Judge::IsExcused(const Machine& machine, std::size_t i, const SwitchResult&
   const bool joining = record.presence != Presence::kPresent || !record.checked || record.due ||
                        record.order || record.parked || (record.fault && !took_part);
   return joining || liars_.contains(name) || on_its_own_.contains(name) ||
-         robot_.processes().ReportOf(name)->incarnation != record.report.incarnation;
+         robot_.ReportOf(i, record.report)->incarnation != record.report.incarnation;
 }
 
 // What will become of an actuator by itself; empty: nothing.
@@ -295,18 +322,25 @@ void Judge::JudgeRest(bool provided) {
   ++judgements_;
   const Machine& machine = controller->shell().machine();
   if (!open_.empty()) {
-    Blame(Promise::kOneAnswer, "who asked for " + open_.begin()->second + " is not answered");
+    Blame(Promise::kOneAnswer,
+          "who asked for " + open_.begin()->second.target + " is not answered");
   }
   JudgeCeiling(machine, true);
+  if (machine.phase != Phase::kStopped) {
+    CheckStopsAtRest(machine);
+    CheckClientsAtRest();
+  }
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     if (machine.phase == Phase::kStopped) {
       const std::string& name = config_.actuators[i].name;
-      if (!config_.actuators[i].command.empty() && robot_.IsAlive(name)) {
+      const bool here = robot_.processes().IsAlive(name, controller->host());
+      if (!config_.actuators[i].command.empty() && here) {
         Blame(Promise::kEndsWhenAsked, name + " outlives the machine");
       }
       continue;
     }
     if (machine.phase != Phase::kRunning) continue;
+    CheckRunsOnce(config_.actuators[i].name);
     JudgePlace(machine, i);
     JudgeLoss(machine, i, provided);
   }
@@ -315,7 +349,7 @@ void Judge::JudgeRest(bool provided) {
 void Judge::JudgePlace(const Machine& machine, std::size_t i) {
   const ActuatorRecord& record = machine.actuators[i];
   const std::string& name = config_.actuators[i].name;
-  const ActuatorReport* report = robot_.processes().ReportOf(name);
+  const ActuatorReport* report = robot_.ReportOf(i, record.report);
   if (report == nullptr || record.held || record.fault || liars_.contains(name)) return;
   const auto own = config_.RankOf(report->state);
   const auto rank = config_.RankOf(machine.state);

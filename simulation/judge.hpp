@@ -32,24 +32,30 @@ class Judge {
 
   // To be called after every event of the network; cheap when no decision was taken.
   void AfterEvent();
-  // A person asks for a switch; whoever answers tells what he gets. `to` is empty when the
-  // controller that was asked has ended.
-  std::uint64_t Asked(const State& target);
+  // A person asks a controller for a switch; whoever answers tells what he gets.
+  std::uint64_t Asked(const ControllerProcess& controller, const State& target);
   void Answered(std::uint64_t request, const SwitchResult& result);
   // To be called with every record of a controller.
   void OnRecord(const action::Record& record);
   // The same as Asked() and Answered(), of what is asked of the policy.
-  std::uint64_t AskedPolicy(const event::PolicyRequested& asked);
+  std::uint64_t AskedPolicy(const ControllerProcess& controller,
+                            const event::PolicyRequested& asked);
   void AnsweredPolicy(std::uint64_t request, const event::PolicyRequested& asked,
                       const Result<>& answer);
   // Something befalls the controllers that may cost them a power-off, or what they remember.
   void ControllersHindered(bool forgetful);
-  // The controllers have ended: who had asked them waits no longer.
-  void ControllersEnded();
+  // A controller is killed: its callers get no answer.
+  void ControllerKilled(const ControllerProcess& controller);
   // A process that lives finds its configuration wrong, and is about to end with exit code 2.
   void FindsConfigWrong(const std::string& name);
   // A person asks for a restart.
   void AskedRestart(const std::string& name) { final_.erase(name); }
+  // An emergency stop is engaged at a panel.
+  void StopEngaged(std::size_t panel, std::uint64_t id);
+  // A person starts the machine, so that it may come up.
+  void PersonStarts();
+  // A client asks for a switch.
+  void ClientAsks(const State& target) { urgent_asked_ |= target == kError || target == kTearDown; }
   // What it says is no evidence from now on.
   void Lied(const std::string& name) { liars_.insert(name); }
 
@@ -68,6 +74,7 @@ class Judge {
   struct Seen {  // of a controller
     State state;
     bool stopped = false;
+    bool requested = false;      // `asked` is, by a person or a client
     std::optional<State> asked;  // the target of the switch under way, if a person or the start is
                                  // behind it
     // Since when its next deadline is over, and how often it was looked at meanwhile.
@@ -76,14 +83,34 @@ class Judge {
   using OrderKey =
       std::tuple<std::uint64_t, std::size_t, std::uint64_t>;  // epoch, actuator, number
 
-  void OnReport(const std::string& name, const ActuatorReport& report);
+  void OnReport(const std::string& name, std::size_t host, const ActuatorReport& report);
+  void OnWrite(const ControllerProcess& controller, const std::string& topic,
+               const msg::Bytes& bytes);
   void OnBegun(const std::string& name, const ActuatorReport& before, const ActuatorReport& report);
   void LookAt(const ControllerProcess& controller);
   void OnSend(const Machine& machine, const action::SendSwitch& command);
   void OnStart(const ControllerProcess& controller, const std::string& name);
   bool MayRise(const Machine& machine, const State& target) const;
-  void JudgeDeadline(const Machine& machine, Seen& seen);
+  void JudgeDeadline(const ControllerProcess& controller, Seen& seen);
   void JudgeChange(const Machine& machine, Seen& seen);
+  // host_invariants.cpp
+  void CheckRunsNowhereElse(const ControllerProcess& controller, const std::string& name);
+  void CheckRunsOnce(const std::string& name);
+  void CheckSignal(const ControllerProcess& controller, std::int32_t pid);
+  // stop_invariants.cpp
+  void OnStopPublished(const msg::EmergencyStop& stop);
+  bool StopIsOpen() const;
+  void CheckStopsAtRest(const Machine& machine);
+  void CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
+                    const ActuatorReport& report);
+  void CheckPower();
+  void CheckStaysDown(const ControllerProcess& controller);
+  void CheckTornDown(const ControllerProcess& controller, const SwitchResult& result);
+  // command_invariants.cpp
+  void CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report);
+  void OnReplyWritten(const ControllerProcess& controller, const std::string& service);
+  void CheckClients();
+  void CheckClientsAtRest();
   // judge_policy.cpp
   void JudgeCeiling(const Machine& machine, bool at_rest);
   void JudgePolicyChange(const Machine& machine, const Seen& seen);
@@ -101,10 +128,14 @@ class Judge {
   std::optional<Violation> violation_;
   std::uint64_t judgements_ = 0;
   bool dirty_ = false;
-  std::map<std::string, ActuatorReport> reports_;
+  std::map<std::pair<std::string, std::string>, ActuatorReport> reports_;  // by actuator, host
   std::map<OrderKey, SentOrder> orders_;
-  std::map<std::int32_t, Seen> seen_;    // by the pid of the controller
-  std::map<std::uint64_t, State> open_;  // requests that are not answered
+  std::map<std::uint64_t, Seen> seen_;  // by the serial of the controller
+  struct Request {
+    State target;
+    std::uint64_t controller = 0;  // its serial
+  };
+  std::map<std::uint64_t, Request> open_;  // requests that are not answered
   std::set<State> just_answered_;
   std::vector<Duration> lost_at_;  // when an actuator was there for the last time
   Duration went_on_{};  // when a person's switch ended with the machine in the state that was asked
@@ -118,9 +149,28 @@ class Judge {
   bool urgent_asked_ = false;  // for Error or TearDown, which supersede others
   std::optional<Time> power_due_;
   // Who ended for good, since a new start does not help, and the controller whose child it was.
-  std::map<std::string, std::int32_t> final_;
+  std::map<std::string, std::uint64_t> final_;
   std::set<std::string> liars_;
-  std::set<std::string> on_its_own_;  // went where it is without a command
+  std::set<std::string> on_its_own_;              // went where it is without a command
+  std::set<std::string> twice_;                   // started while another one could not be heard
+  std::map<std::uint64_t, std::size_t> engaged_;  // emergency stops: the panel
+  std::map<std::size_t, std::uint64_t> last_of_panel_;
+  std::set<std::uint64_t> taken_up_;  // by a controller
+  std::set<std::uint64_t> released_;
+  std::vector<std::pair<std::string, std::size_t>> free_and_stopped_;  // actuator, host
+  struct StopAsked {
+    std::uint64_t controller = 0;  // its serial
+    std::size_t host = 0;
+  };
+  std::optional<StopAsked> stop_asked_;  // a TearDown was accepted
+  struct Waiting {
+    std::uint64_t incarnation = 0;
+    std::uint64_t epoch = 0;
+    SwitchCommand command;
+  };
+  std::map<std::pair<std::string, std::size_t>, std::optional<Waiting>> waiting_;
+  Time check_clients_at_{};
+  std::map<std::uint64_t, Time> fenced_at_;  // by the serial of the controller
 };
 
 }  // namespace musher::simulation

@@ -39,6 +39,16 @@ void Judge::JudgeCeiling(const Machine& machine, bool at_rest) {
 // then "switch 7 begins: to LowPower from Protected, …".
 void Judge::OnRecord(const action::Record& record) {
   const std::string& text = record.message;
+  if (record.actuator && text.ends_with(" is restarted by hand")) {
+    final_.erase(config_.actuators[*record.actuator].name);
+  }
+  // A request that ends in the step in which it comes is not seen as a switch under way.
+  constexpr std::string_view kAsked = " is asked for";
+  constexpr std::string_view kSwitchTo = "a switch to ";
+  if (text.starts_with(kSwitchTo) && text.ends_with(kAsked)) {
+    just_answered_.insert(
+        text.substr(kSwitchTo.size(), text.size() - kSwitchTo.size() - kAsked.size()));
+  }
   if (std::exchange(lowering_begins_, false)) {
     const std::size_t at = text.find(" from ") + 6;
     const State from = text.substr(at, text.find(',', at) - at);
@@ -103,12 +113,13 @@ void Judge::JudgeRaise(const Machine& machine) {
   if (lowered_->first == machine.state) lowered_.reset();
 }
 
-std::uint64_t Judge::AskedPolicy(const event::PolicyRequested& asked) {
+std::uint64_t Judge::AskedPolicy(const ControllerProcess& controller,
+                                 const event::PolicyRequested& asked) {
   const bool up = asked.what == PolicyRequest::kWakeUp ||
                   (asked.what == PolicyRequest::kOta && !asked.enable) ||
                   (asked.what == PolicyRequest::kLowPowerSwitch && !asked.enable);
   woken_ |= up;
-  return Asked(asked.what == PolicyRequest::kKeep ? asked.state : State(kActive));
+  return Asked(controller, asked.what == PolicyRequest::kKeep ? asked.state : State(kActive));
 }
 
 void Judge::AnsweredPolicy(std::uint64_t request, const event::PolicyRequested& asked,

@@ -2,8 +2,10 @@
 
 #include <signal.h>
 
+#include <algorithm>
 #include <utility>
 
+#include "musher/lifecycle/flow.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
 namespace musher::simulation {
@@ -11,89 +13,191 @@ namespace musher::simulation {
 // Runs the callback at once and says so as much later as the module wants.
 class Processes::SimWorker : public Worker {
  public:
-  SimWorker(transport::EventLoop& loop, std::shared_ptr<Duration> takes)
-      : loop_(loop), takes_(std::move(takes)) {}
+  using OnDone = std::function<void(const State&)>;  // of a callback that succeeds
+
+  SimWorker(transport::EventLoop& loop, std::shared_ptr<Running> running, OnDone on_done)
+      : loop_(loop), running_(std::move(running)), on_done_(std::move(on_done)) {}
 
   void Run(Work work, Done done) override {
     const Result<> result = work();
-    end_ = loop_.At(loop_.Now() + *takes_, [done = std::move(done), result] { done(result); });
+    end_ = loop_.At(loop_.Now() + running_->takes, [this, done = std::move(done), result] {
+      if (result) on_done_(running_->target);
+      done(result);
+    });
   }
 
  private:
   transport::EventLoop& loop_;
-  std::shared_ptr<Duration> takes_;
+  std::shared_ptr<Running> running_;
+  const OnDone on_done_;
   transport::LoopHandlePtr end_;
 };
 
-Processes::Processes(transport::sim::Network& network, const MachineConfig& config)
-    : network_(network), config_(config), keeper_(network.MakeNode("keeper")) {}
+Processes::Processes(transport::sim::Network& network, const MachineConfig& config, Hosts& hosts,
+                     const Layout& layout)
+    : network_(network),
+      config_(config),
+      hosts_(hosts),
+      layout_(layout),
+      keeper_(network.MakeNode("keeper")) {}
 
 Processes::~Processes() {
   while (!alive_.empty()) End(alive_.begin()->first, {ProcessExit::Kind::kKilled, SIGKILL});
 }
 
-std::int32_t Processes::Launch(const std::string& name) {
-  const std::int32_t pid = NewPid();
-  Process& process = alive_[name];
-  process.pid = pid;
-  process.node = network_.MakeNode(name);
-  if (IsMisconfigured(name)) {
-    EndLater(name, pid, WrongConfigExit());
-    return pid;
-  }
-  if (const auto program = programs_.find(name); program != programs_.end()) {
-    process.program = program->second(*process.node);
-    return pid;
-  }
-  auto takes = std::make_shared<Duration>();
-  process.module = make_module(name);
-  process.worker = process.module->MakeWorker(process.node->loop());
-  if (!process.worker) process.worker = std::make_unique<SimWorker>(process.node->loop(), takes);
-  const ActuatorIdentity identity{static_cast<std::uint64_t>(pid), pid, "sim"};
-  auto shell = ActuatorShell::Make(*process.node, *process.worker, config_, *config_.IndexOf(name),
-                                   identity, HooksOf(name, process, takes));
-  process.shell = std::move(shell).value();
-  process.shell->Start();
-  return pid;
+std::size_t Processes::HomeOf(const std::string& name) const {
+  return layout_.HostOf(*config_.IndexOf(name));
 }
 
-ActuatorShell::Hooks Processes::HooksOf(const std::string& name, const Process& process,
-                                        const std::shared_ptr<Duration>& takes) {
+const Processes::Process* Processes::Find(const std::string& name) const {
+  const auto running = running_.find(name);
+  if (running == running_.end() || running->second.empty()) return nullptr;
+  if (running->second.size() == 1) return running->second.front();
+  const Process* at_home = Find(name, HomeOf(name));
+  return at_home == nullptr ? running->second.front() : at_home;
+}
+
+const Processes::Process* Processes::Find(const std::string& name, std::size_t host) const {
+  const auto running = running_.find(name);
+  if (running == running_.end()) return nullptr;
+  for (const Process* process : running->second) {
+    if (process->host == host) return process;
+  }
+  return nullptr;
+}
+
+const Processes::Process* Processes::Find(std::size_t host, std::int32_t pid) const {
+  for (const auto& [serial, process] : alive_) {
+    if (process.host == host && process.pid == pid) return &process;
+  }
+  return nullptr;
+}
+
+const Processes::Part& Processes::PartOf(const Process& process, const std::string& name) {
+  return **std::find_if(process.parts.begin(), process.parts.end(),
+                        [&](const auto& part) { return part->name == name; });
+}
+
+std::size_t Processes::CountOf(const std::string& name) const {
+  const auto running = running_.find(name);
+  return running == running_.end() ? 0 : running->second.size();
+}
+
+std::int32_t Processes::Launch(const std::string& name, std::size_t host) {
+  const std::size_t first = layout_.ProcessOf(*config_.IndexOf(name));
+  const std::uint64_t serial = hosts_.NewSerial();
+  Process& process = alive_[serial];
+  process.serial = serial;
+  process.host = host;
+  process.pid = hosts_.NewPid(host);
+  process.started = network_.now();
+  process.endpoint = config_.actuators[first].name;
+  if (host != layout_.HostOf(first)) process.endpoint += "@" + hosts_.name(host);
+  process.node = network_.MakeNode(process.endpoint);
+  hosts_.Attach(process.endpoint, host);
+  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    if (layout_.ProcessOf(i) == first) AddPart(process, config_.actuators[i].name);
+  }
+  return process.pid;
+}
+
+void Processes::AddPart(Process& process, const std::string& name) {
+  Part& part = *process.parts.emplace_back(std::make_unique<Part>());
+  part.name = name;
+  running_[name].push_back(&process);
+  if (IsMisconfigured(name)) return EndLater(process.serial, WrongConfigExit());
+  if (const auto program = programs_.find(name); program != programs_.end()) {
+    part.program = program->second(*process.node);
+    return;
+  }
+  auto running = std::make_shared<Running>();
+  part.module = make_module(name);
+  part.worker = part.module->MakeWorker(process.node->loop());
+  if (!part.worker) {
+    part.worker = std::make_unique<SimWorker>(
+        process.node->loop(), running,
+        [this, &part](const State& target) { SwitchPower(part, target); });
+  }
+  const ActuatorIdentity identity{hosts_.NewIncarnation(process.host), process.pid,
+                                  hosts_.Id(process.host)};
+  auto shell = ActuatorShell::Make(*process.node, *part.worker, config_, *config_.IndexOf(name),
+                                   identity, HooksOf(process, part, running));
+  part.shell = std::move(shell).value();
+  part.shell->Start();
+}
+
+ActuatorShell::Hooks Processes::HooksOf(const Process& process, Part& part,
+                                        const std::shared_ptr<Running>& running) {
   ActuatorShell::Hooks hooks;
-  Module* module = process.module.get();
-  hooks.run_callback = [module, takes](const State& state) -> Result<> {
+  Module* module = part.module.get();
+  hooks.run_callback = [module, running](const State& state) -> Result<> {
     const Act act = module->Run(state);
-    *takes = act.takes;
+    *running = {act.takes, state};
     if (act.error.code != kCodeOk) return act.error;
     return Ok();
   };
   hooks.set_stop_requested = [module](bool requested) { module->SetStopRequested(requested); };
-  hooks.on_emergency_stop = [module] { module->OnEmergencyStop(); };
-  hooks.on_report = [this, name, module](const ActuatorReport& report) {
-    module->OnReport(report);
-    if (on_report) on_report(name, report);
+  hooks.on_emergency_stop = [module, &part] {
+    part.powered = false;
+    module->OnEmergencyStop();
   };
-  hooks.on_finished = [this, name, pid = process.pid](const Error& error) {
-    EndLater(name, pid, {ProcessExit::Kind::kExited, error.code == kCodeOk ? 0 : 1});
+  hooks.on_report = [this, name = part.name, host = process.host,
+                     module](const ActuatorReport& report) {
+    module->OnReport(report);
+    if (on_report) on_report(name, host, report);
+  };
+  hooks.on_finished = [this, name = part.name, serial = process.serial](const Error& error) {
+    OnFinished(name, serial, error);
   };
   return hooks;
 }
 
-void Processes::EndLater(const std::string& name, std::int32_t pid, const ProcessExit& exit) {
+// A process ends when all of its actuators are torn down, or one could not be set up.
+void Processes::OnFinished(const std::string& name, std::uint64_t serial, const Error& error) {
+  const auto process = alive_.find(serial);
+  if (process == alive_.end()) return;
+  if (error.code != kCodeOk) return EndLater(serial, {ProcessExit::Kind::kExited, 1});
+  bool all = true;
+  for (const auto& part : process->second.parts) {
+    part->torn_down |= part->name == name;
+    all &= part->torn_down;
+  }
+  if (all) EndLater(serial, {ProcessExit::Kind::kExited, 0});
+}
+
+void Processes::EndLater(std::uint64_t serial, const ProcessExit& exit) {
   keeper_->loop().Post([=, this] {
-    const auto process = alive_.find(name);
-    if (process != alive_.end() && process->second.pid == pid) End(name, exit);
+    if (alive_.count(serial) > 0) End(serial, exit);
   });
 }
 
 void Processes::End(const std::string& name, const ProcessExit& exit) {
-  auto process = alive_.extract(name);
+  End(Find(name)->serial, exit);
+}
+
+void Processes::End(const std::string& name, std::size_t host, const ProcessExit& exit) {
+  End(Find(name, host)->serial, exit);
+}
+
+void Processes::EndAllOn(std::size_t host) {
+  std::vector<std::uint64_t> serials;
+  for (const auto& [serial, process] : alive_) {
+    if (process.host == host) serials.push_back(serial);
+  }
+  for (const std::uint64_t serial : serials) End(serial, {ProcessExit::Kind::kKilled, SIGKILL});
+}
+
+void Processes::End(std::uint64_t serial, const ProcessExit& exit) {
+  auto process = alive_.extract(serial);
   Process& dead = process.mapped();
+  for (const auto& part : dead.parts) std::erase(running_[part->name], &dead);
   network_.Crash(*dead.node);
-  dead.shell.reset();
-  dead.worker.reset();
-  dead.program.reset();
-  if (on_end) on_end(dead.pid, exit);
+  for (const auto& part : dead.parts) {
+    part->shell.reset();
+    part->worker.reset();
+    part->program.reset();
+  }
+  if (on_end) on_end(dead.host, dead.pid, exit);
 }
 
 void Processes::Misconfigure(const std::string& name, bool wrong) {
@@ -105,55 +209,105 @@ void Processes::Misconfigure(const std::string& name, bool wrong) {
 }
 
 void Processes::Freeze(const std::string& name) {
-  alive_.at(name).frozen = true;
-  network_.Pause(*alive_.at(name).node);
+  Process& process = *Find(name);
+  process.frozen = true;
+  network_.Pause(*process.node);
 }
 
 void Processes::Thaw(const std::string& name) {
-  alive_.at(name).frozen = false;
-  network_.Resume(*alive_.at(name).node);
+  Process& process = *Find(name);
+  process.frozen = false;
+  network_.Resume(*process.node);
 }
 
-std::string Processes::NameOf(std::int32_t pid) const {
-  for (const auto& [name, process] : alive_) {
-    if (process.pid == pid) return name;
-  }
-  return {};
+bool Processes::IsFrozen(const std::string& name) const {
+  return Find(name)->frozen;
 }
 
-Result<> Processes::Signal(std::int32_t pid, int signal) {
-  const std::string name = NameOf(pid);
-  if (name.empty()) return Error{kCodeFailed, "no such process"};
-  if (alive_.at(name).frozen && signal != SIGKILL) return Ok();  // it would come when it goes on
-  EndLater(name, pid, {ProcessExit::Kind::kKilled, signal});
+bool Processes::IsFrozen(const std::string& name, std::size_t host) const {
+  return Find(name, host)->frozen;
+}
+
+std::int32_t Processes::PidOf(const std::string& name) const {
+  const Process* process = Find(name);
+  return process == nullptr ? 0 : process->pid;
+}
+
+std::int32_t Processes::PidOf(const std::string& name, std::size_t host) const {
+  const Process* process = Find(name, host);
+  return process == nullptr ? 0 : process->pid;
+}
+
+Result<> Processes::Signal(std::size_t host, std::int32_t pid, int signal) {
+  const Process* process = Find(host, pid);
+  if (process == nullptr) return Error{kCodeFailed, "no such process"};
+  if (process->frozen && signal != SIGKILL) return Ok();  // it would come when it goes on
+  EndLater(process->serial, {ProcessExit::Kind::kKilled, signal});
   return Ok();
 }
 
-Examination Processes::Examine(std::int32_t pid) const {
-  const std::string name = NameOf(pid);
-  if (name.empty()) return {Examination::Process::kGone, {}};
-  return {IsFrozen(name) ? Examination::Process::kStopped : Examination::Process::kRunning, {}};
+Examination Processes::Examine(std::size_t host, std::int32_t pid) const {
+  const Process* process = Find(host, pid);
+  if (process == nullptr) return {Examination::Process::kGone, {}};
+  return {process->frozen ? Examination::Process::kStopped : Examination::Process::kRunning, {}};
 }
 
 const ActuatorReport* Processes::ReportOf(const std::string& name) const {
-  const auto process = alive_.find(name);
-  if (process == alive_.end() || !process->second.shell) return nullptr;
-  return &process->second.shell->report();
+  const Process* process = Find(name);
+  return process == nullptr ? nullptr : ReportOf(name, process->host);
+}
+
+const ActuatorReport* Processes::ReportOf(const std::string& name, std::size_t host) const {
+  const Process* process = Find(name, host);
+  if (process == nullptr) return nullptr;
+  const auto& shell = PartOf(*process, name).shell;
+  return shell ? &shell->report() : nullptr;
+}
+
+void Processes::SwitchPower(Part& part, const State& target) const {
+  const auto rank = config_.RankOf(target);
+  if (!rank || !part.shell) return;
+  if (*rank <= *BuiltInRank(kDeActive)) {
+    part.powered = false;
+  } else if (Rises(config_, part.shell->report().state, target)) {
+    part.powered = true;
+  }
+}
+
+const ActuatorCore* Processes::CoreOf(const std::string& name, std::size_t host) const {
+  const Process* process = Find(name, host);
+  if (process == nullptr) return nullptr;
+  const auto& shell = PartOf(*process, name).shell;
+  return shell ? &shell->core() : nullptr;
+}
+
+bool Processes::IsPowered(const std::string& name, std::size_t host) const {
+  const Process* process = Find(name, host);
+  return process != nullptr && PartOf(*process, name).powered;
+}
+
+const std::string& Processes::EndpointOf(const std::string& name, std::size_t host) const {
+  return Find(name, host)->endpoint;
+}
+
+Time Processes::StartOf(const std::string& name, std::size_t host) const {
+  return Find(name, host)->started;
 }
 
 void Processes::Lie(const std::string& name, const State& state) {
-  Process& process = alive_.at(name);
-  if (!process.shell || process.frozen) return;
-  if (!process.lies) {
-    process.lies = transport::MakePublisher<msg::ActuatorStatus>(
-                       *process.node, transport::ActuatorStatusTopic(config_.name_space),
-                       transport::kLatchedQos)
-                       .value();
+  Process& process = *Find(name);
+  Part& part = const_cast<Part&>(PartOf(process, name));
+  if (!part.shell || process.frozen) return;
+  if (!part.lies) {
+    part.lies = transport::MakePublisher<msg::ActuatorStatus>(
+                    *process.node, transport::ActuatorStatusTopic(config_.name_space),
+                    transport::kLatchedQos)
+                    .value();
   }
-  ActuatorReport lie = process.shell->report();
+  ActuatorReport lie = part.shell->report();
   lie.state = state;
   lie.stamp = process.node->loop().Now();
-  static_cast<void>(process.lies->Publish(transport::ToMessage(name, lie)));
+  static_cast<void>(part.lies->Publish(transport::ToMessage(name, lie)));
 }
 
 }  // namespace musher::simulation

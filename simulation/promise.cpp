@@ -26,6 +26,22 @@ std::string_view PromiseText(Promise promise) {
       return "TearDown ends every process within its budget";
     case Promise::kNotInVain:
       return "who finds its configuration wrong is not started again until somebody asks";
+    case Promise::kRunsOnce:
+      return "no actuator runs twice";
+    case Promise::kStopStays:
+      return "an emergency stop stays until it is released, and then is over";
+    case Promise::kStaysDown:
+      return "after an accepted TearDown only a person brings the machine up";
+    case Promise::kDownIsDown:
+      return "TearDown is \"done\" when no actuator lives above it";
+    case Promise::kNotCancelled:
+      return "an accepted command is cancelled by a newer one only";
+    case Promise::kLeaderAnswers:
+      return "only the controller that leads answers clients";
+    case Promise::kClientHears:
+      return "a client is told an outcome, or that there is none, within a bound";
+    case Promise::kOnlyProven:
+      return "a process is signalled when it is a child or holds the actuator's name";
     case Promise::kWithinBattery:
       return "nobody is more active than the battery allows";
     case Promise::kNoFlapping:

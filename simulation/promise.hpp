@@ -22,6 +22,14 @@ enum class Promise : std::uint8_t {
   kOneTruth,       // at rest, who lives is where the machine is, or is listed with a reason
   kEndsWhenAsked,  // TearDown ends every process within its budget
   kNotInVain,      // what found its configuration wrong is started again when somebody asks only
+  kRunsOnce,       // no actuator is started while it runs on another host, where that can be known
+  kStopStays,      // an emergency stop stays until a controller releases it, and then is over
+  kStaysDown,      // after an accepted TearDown only a person brings the machine up
+  kDownIsDown,     // TearDown is "done" when no actuator lives above it
+  kNotCancelled,   // an accepted command is cancelled by a newer one, or its time, and nothing else
+  kLeaderAnswers,  // only the controller that leads answers clients
+  kClientHears,    // a client is told an outcome, or that there is none, within a bound
+  kOnlyProven,     // a process is signalled when it is a child or holds the actuator's name
   // Of the policy.
   kWithinBattery,  // nobody is more active than the battery allows
   kNoFlapping,     // the battery raises only whom it has taken down, beyond its hysteresis
@@ -33,7 +41,7 @@ enum class Promise : std::uint8_t {
   kWayBack,              // from wherever it rests, people can bring it back to where it was of use
   kWholeAgain,           // and then all are there
 };
-inline constexpr std::size_t kPromises = 19;
+inline constexpr std::size_t kPromises = 27;
 
 std::string_view PromiseText(Promise promise);  // a sentence without its full stop
 // Whether a config, rather than the middleware, can be the reason why it does not hold.

@@ -23,33 +23,44 @@ class Scripted : public Module {
 
 // How long a controller listens for others before it begins.
 constexpr Duration kLookAround = Milliseconds(1000);
+// How long the one before has to let go.
+constexpr Duration kLetGoTimeout = Milliseconds(1000);
 // How often battery and body say how they are.
 constexpr Duration kBodyPeriod = std::chrono::seconds(1);
 
 }  // namespace
 
-SimRobot::SimRobot(std::uint64_t seed, MachineConfig config, Script script)
+SimRobot::SimRobot(std::uint64_t seed, MachineConfig config, Script script, Layout layout)
     : config_(std::move(config)),
+      layout_(std::move(layout)),
       network_(seed),
+      hosts_(network_, layout_.hosts),
       switched_on_(network_.now()),
       keeper_(network_.MakeNode("keeper")),
-      button_(
-          transport::MakePublisher<msg::EmergencyStop>(
-              *keeper_, transport::EmergencyStopTopic(config_.name_space), transport::kLatchedQos)
-              .value()),
-      processes_(network_, config_) {
+      processes_(network_, config_, hosts_, layout_) {
   processes_.make_module = [script = std::move(script)](const std::string& name) {
     return std::make_unique<Scripted>(script, name);
   };
-  processes_.on_end = [this](std::int32_t pid, const ProcessExit& exit) {
+  network_.on_write = [this](transport::PeerId participant, const std::string& topic,
+                             const msg::Bytes& bytes) {
+    if (!on_write) return;
     for (const auto& controller : controllers_) {
-      if (controller) controller->OnEnd(pid, exit);
+      if (controller && controller->participant() == participant) {
+        on_write(*controller, topic, bytes);
+      }
+    }
+  };
+  processes_.on_end = [this](std::size_t host, std::int32_t pid, const ProcessExit& exit) {
+    for (const auto& controller : controllers_) {
+      if (controller) controller->OnEnd(host, pid, exit);
     }
   };
 }
 
 SimRobot::~SimRobot() {
   processes_.on_end = {};
+  network_.on_write = {};
+  on_killed = {};
   CrashController();
 }
 
@@ -67,6 +78,9 @@ void SimRobot::Open(std::size_t which) {
   hooks.on_start = [this, which](const std::string& name) {
     if (on_start) on_start(*controllers_[which], name);
   };
+  hooks.on_signal = [this, which](std::int32_t pid) {
+    if (on_signal) on_signal(*controllers_[which], pid);
+  };
   hooks.on_power = [this] {
     if (on_power) on_power();
   };
@@ -78,7 +92,8 @@ void SimRobot::Open(std::size_t which) {
     });
   };
   controllers_[which] = std::make_unique<ControllerProcess>(
-      network_, kControllerHosts[which], config_, processes_, disks_[which], std::move(hooks));
+      network_, kControllerEndpoints[which], layout_.controllers[which], hosts_, config_,
+      processes_, DiskOf(which), std::move(hooks));
 }
 
 void SimRobot::StartController(Duration listens) {
@@ -87,22 +102,75 @@ void SimRobot::StartController(Duration listens) {
   controllers_[0]->Begin(true);
 }
 
+void SimRobot::LaunchController(std::size_t which, bool takeover, Duration listens,
+                                bool restarted) {
+  Open(which);
+  if (listens == Duration::zero()) return controllers_[which]->Begin(takeover, restarted);
+  transport::EventLoop& loop = controllers_[which]->node().loop();
+  begins_[which] = loop.At(loop.Now() + listens, [this, which, takeover, restarted] {
+    controllers_[which]->Begin(takeover, restarted);
+  });
+}
+
+// With profile lan there may be another on another host.
+Duration SimRobot::ListenTime() const {
+  return config_.transport == TransportProfile::kLan ? kLookAround : Duration::zero();
+}
+
 void SimRobot::StartRival(bool takeover) {
   if (controllers_[1]) return;
-  Open(1);
-  transport::EventLoop& loop = controllers_[1]->node().loop();
-  rival_begins_ =
-      loop.At(loop.Now() + kLookAround, [this, takeover] { controllers_[1]->Begin(takeover); });
+  if (!OneHost()) return LaunchController(1, takeover, kLookAround);
+  const auto& first = controllers_[0];
+  if (first && first->leads() && first->shell().machine().phase == Phase::kStopped) {
+    EndController(0);  // it would have ended by itself
+  }
+  if (!first) return LaunchController(1, takeover, ListenTime());
+  if (takeover) TakeOverHere();
+}
+
+// The first is asked to let go, and killed when it does not within a second.
+void SimRobot::TakeOverHere() {
+  if (takes_over_) return;
+  const bool stuck = controllers_[0]->frozen;
+  if (!stuck) {
+    controllers_[0]->shell().LetGo("process " + std::to_string(hosts_.NewPid(0)) + " of this host");
+  }
+  const Duration patience = stuck ? kLetGoTimeout : Milliseconds(1);
+  takes_over_ = keeper_->loop().At(keeper_->loop().Now() + patience, [this] {
+    takes_over_.reset();
+    if (controllers_[1]) return;
+    KillController(0);
+    LaunchController(1, true, ListenTime());
+  });
 }
 
 void SimRobot::EndController(std::size_t which) {
-  if (which == 1) rival_begins_.reset();
+  begins_[which].reset();
   controllers_[which].reset();
 }
 
+void SimRobot::KillController(std::size_t which) {
+  if (!controllers_[which]) return;
+  if (on_killed) on_killed(*controllers_[which]);
+  const bool led = controllers_[which]->leads();
+  for (const auto& [host, client] : clients_) {
+    if (led) client->OnControllerKilled();
+  }
+  EndController(which);
+}
+
 void SimRobot::CrashController() {
-  EndController(0);
-  EndController(1);
+  KillController(0);
+  KillController(1);
+}
+
+void SimRobot::RebootHost(std::size_t host) {
+  for (std::size_t which = 0; which < controllers_.size(); ++which) {
+    if (controllers_[which] && controllers_[which]->host() == host) KillController(which);
+  }
+  processes_.EndAllOn(host);
+  clients_.erase(host);
+  hosts_.Reboot(host);
 }
 
 void SimRobot::FreezeController() {
@@ -127,14 +195,45 @@ void SimRobot::FillDisk(bool full) {
   for (Disk& disk : disks_) disk.full = full;
 }
 
+void SimRobot::StallDisk(bool stalled) {
+  for (Disk& disk : disks_) {
+    if (stalled && !disk.stalled) disk.durable = disk.recording.size();
+    disk.stalled = stalled;
+    if (stalled) continue;
+    for (const Disk::Write& write : std::exchange(disk.writes, {})) write.end();
+  }
+}
+
+Client& SimRobot::ClientOn(std::size_t host) {
+  auto& client = clients_[host];
+  if (!client) client = std::make_unique<Client>(network_, hosts_, config_, host);
+  return *client;
+}
+
+std::vector<const Client::Request*> SimRobot::OpenRequests() const {
+  std::vector<const Client::Request*> open;
+  for (const auto& [host, client] : clients_) {
+    for (const Client::Request& request : client->open()) open.push_back(&request);
+  }
+  return open;
+}
+
 void SimRobot::JumpWallClock(Duration by) {
   for (const auto& controller : controllers_) {
     if (controller) controller->wall_offset += by;
   }
 }
 
-void SimRobot::EngageEmergencyStop(std::uint64_t id) {
-  static_cast<void>(button_->Publish({id, true, "a person", ""}));
+void SimRobot::EngageEmergencyStop(std::uint64_t id, std::size_t panel) {
+  Panel& p = panels_[panel];
+  if (!p.node) {
+    p.node = network_.MakeNode("panel-" + std::to_string(panel));
+    p.button =
+        transport::MakePublisher<msg::EmergencyStop>(
+            *p.node, transport::EmergencyStopTopic(config_.name_space), transport::kLatchedQos)
+            .value();
+  }
+  static_cast<void>(p.button->Publish({id, true, "a person", ""}));
 }
 
 void SimRobot::SetBattery(int percent, bool charging) {
@@ -233,6 +332,19 @@ std::optional<SwitchResult> SimRobot::Set(const State& target,
 std::optional<ActuatorReport> SimRobot::ReportOf(const std::string& name) const {
   const ActuatorReport* report = processes_.ReportOf(name);
   return report == nullptr ? std::nullopt : std::optional(*report);
+}
+
+const ActuatorReport* SimRobot::ReportOf(std::size_t actuator,
+                                         const ActuatorReport& followed) const {
+  const std::string& name = config_.actuators[actuator].name;
+  for (std::size_t host = 0; host < hosts_.size(); ++host) {
+    const ActuatorReport* report = processes_.ReportOf(name, host);
+    if (report != nullptr && report->incarnation == followed.incarnation &&
+        report->host == followed.host) {
+      return report;
+    }
+  }
+  return processes_.ReportOf(name);
 }
 
 }  // namespace musher::simulation

@@ -33,16 +33,22 @@ Story::Story(const MachineConfig& config, std::uint64_t seed, Incidents incident
       seed_(seed),
       incidents_(std::move(incidents)),
       options_(options),
+      supervised_(Scramble(seed, 3, 3) % 2 == 0),
       moods_(config.actuators.size()),
       runs_(config.actuators.size()),
-      robot_(seed, InStorysTime(config),
-             [this](const std::string& name, const State& state) { return DrawAct(name, state); }),
+      robot_(
+          seed, InStorysTime(config),
+          [this](const std::string& name, const State& state) { return DrawAct(name, state); },
+          DrawLayout(config, seed, options.shared_processes)),
       judge_(robot_) {
   for (std::size_t i = 0; i < config.actuators.size(); ++i) {
     for (const State& state : config.actuators[i].states) {
       patience_ = std::max(patience_, config.TimeFor(i, state) + Milliseconds(500));
     }
   }
+  robot_.on_killed = [this](const ControllerProcess& controller) {
+    judge_.ControllerKilled(controller);
+  };
   robot_.on_record = [this](const action::Record& record) {
     Mix(record.message);
     judge_.OnRecord(record);
@@ -137,16 +143,30 @@ void Story::RunFor(Duration duration) {
 
 void Story::SwitchOn() {
   Random dice(Scramble(seed_, 1, 1));
-  for (const ActuatorConfig& actuator : config_.actuators) {
+  for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
     // Hosts are switched on at different times.
-    robot_.network().SetClockOffset(actuator.name,
-                                    dice.Between(Duration::zero(), std::chrono::hours(1)));
-    if (!actuator.command.empty()) continue;
-    Later(dice.Between(Duration::zero(), Milliseconds(50)), [this, name = actuator.name] {
-      if (!robot_.IsAlive(name)) robot_.StartActuator(name);
-    });
+    robot_.hosts().SetUptime(host, dice.Between(std::chrono::seconds(10), std::chrono::hours(1)));
   }
-  robot_.StartController();
+  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    if (!IsByHand(i)) continue;
+    Later(dice.Between(Duration::zero(), Milliseconds(50)), [this, i] { StartByHand(i); });
+  }
+  StartController();
+}
+
+void Story::StartController(bool restarted) {
+  if (!restarted) judge_.PersonStarts();
+  robot_.LaunchController(0, true, robot_.ListenTime(), restarted);
+}
+
+bool Story::IsByHand(std::size_t actuator) const {
+  return config_.actuators[actuator].command.empty() &&
+         robot_.layout().ProcessOf(actuator) == actuator;
+}
+
+void Story::StartByHand(std::size_t actuator) {
+  const std::string& name = config_.actuators[actuator].name;
+  if (!robot_.IsAlive(name)) robot_.StartActuator(name);
 }
 
 void Story::Befall() {
@@ -179,8 +199,7 @@ void Story::Cease() {
   if (!robot_.has_controller()) {
     Note("the controller is started again");
     robot_.CrashController();
-    judge_.ControllersEnded();
-    robot_.StartController();
+    StartController();
   }
 }
 

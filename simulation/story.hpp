@@ -23,6 +23,7 @@ struct StoryOptions {
   Duration bound{};      // in which the machine has to come to rest when faults have ceased
   State home;            // where people bring it back to
   bool provided = true;  // every loss has to be provided for
+  bool shared_processes = false;  // some actuators run in the process of another
 };
 
 // What may be asked of a config: the longest chain of `after`, each link as slow as it may be, as
@@ -34,6 +35,9 @@ struct Ending {
   std::optional<Violation> violation;
   Coverage coverage;
   std::array<std::uint64_t, 5> switches{};  // by SwitchOutcome
+  std::array<std::uint64_t, 3>
+      client_ends{};  // of switches that clients asked for, by SwitchEnd::Kind
+  std::array<std::uint64_t, 2> client_calls{};  // of clients: without an answer, with one
   std::uint64_t judgements = 0;
   std::uint64_t steps = 0;         // events of the network
   Duration simulated{};            // how long the life was
@@ -98,7 +102,15 @@ class Story {
   void DoToPolicy(const Incident& incident);
   void AskPolicy(const event::PolicyRequested& asked);
   void ApplyNetworkFaults();
-  void SetDistance(const std::string& name, const std::string& from, bool blocked);
+  void DoToHosts(const Incident& incident);
+  void Reboot(std::size_t host, Duration lasts);
+  void StartController(bool restarted = false);
+  void DoToStops(const Incident& incident);
+  void DoByClient(const Incident& incident);
+  void Engage(std::size_t panel, std::uint64_t id);
+  void StartByHand(std::size_t actuator);
+  // Started by hand, in a process of its own.
+  bool IsByHand(std::size_t actuator) const;
   Moment Now() const;
   void Later(Duration delay, std::function<void()> what);
   // Lets time pass; stops early at a violation.
@@ -108,6 +120,8 @@ class Story {
 
   bool ComeToRest(const std::string& when);
   void RepairActuators();
+  bool EndSurplus();
+  void EndElsewhere(const ActuatorConfig& actuator);
   bool BringHome();
   void JudgeWhole();
   void Note(const std::string& deed);
@@ -117,13 +131,13 @@ class Story {
   const std::uint64_t seed_;
   const Incidents incidents_;
   const StoryOptions options_;
-  Duration patience_{};  // how long an incident waits for its moment
+  const bool supervised_;  // a supervisor restarts the controller
+  Duration patience_{};    // how long an incident waits for its moment
   Ending ending_;
   bool seen_enough_ = false;
   std::vector<Mood> moods_;
   std::vector<std::uint64_t> runs_;        // of callbacks, by actuator
   std::array<int, 4> network_troubles_{};  // under way: loss, delay, duplication, reordering
-  std::map<std::pair<std::string, std::string>, int> blocks_;  // from, to
   std::vector<Deed> later_;
   SimRobot robot_;
   Judge judge_;

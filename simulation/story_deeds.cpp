@@ -1,5 +1,7 @@
 // What incidents do to the robot, and what people do to repair it.
 
+#include <signal.h>
+
 #include <algorithm>
 
 #include "musher/simulation/story.hpp"
@@ -51,13 +53,17 @@ void Story::Do(const Incident& incident) {
     case IncidentKind::kBattery:
       return robot_.SetBattery(BatteryOf(incident), ChargesIn(incident));
     case IncidentKind::kEmergencyStop:
-      return robot_.EngageEmergencyStop(incident.chance | 1);
+      return Engage(incident.chance / 2 % 2, incident.chance | 1);
     case IncidentKind::kRelease:
       return robot_.ReleaseEmergencyStop();
     case IncidentKind::kRestart:
       judge_.AskedRestart(name);
       return robot_.Restart(name);
     default:
+      if (incident.kind >= IncidentKind::kClientSet) return DoByClient(incident);
+      if (incident.kind == IncidentKind::kCrossingStops) return DoToStops(incident);
+      if (incident.kind == IncidentKind::kStalledDisk) return DoToController(incident);
+      if (incident.kind >= IncidentKind::kReboot) return DoToHosts(incident);
       if (incident.kind > IncidentKind::kRestart) return DoToPolicy(incident);
       return incident.kind < IncidentKind::kControllerCrash ? DoToNetwork(incident)
                                                             : DoToController(incident);
@@ -95,7 +101,7 @@ void Story::DoToPolicy(const Incident& incident) {
 void Story::AskPolicy(const event::PolicyRequested& asked) {
   ControllerProcess* leader = robot_.leader();
   if (leader == nullptr || leader->frozen) return;
-  const std::uint64_t request = judge_.AskedPolicy(asked);
+  const std::uint64_t request = judge_.AskedPolicy(*leader, asked);
   leader->shell().AskPolicy(asked, [this, request, asked](const Result<>& answer) {
     Mix(answer ? "ok" : answer.error().message);
     judge_.AnsweredPolicy(request, asked, answer);
@@ -103,7 +109,6 @@ void Story::AskPolicy(const event::PolicyRequested& asked) {
 }
 
 void Story::DoToNetwork(const Incident& incident) {
-  const std::string& name = config_.actuators[incident.actuator].name;
   if (incident.kind < IncidentKind::kPartition) {
     const auto which =
         static_cast<std::size_t>(incident.kind) - static_cast<std::size_t>(IncidentKind::kLoss);
@@ -116,21 +121,84 @@ void Story::DoToNetwork(const Incident& incident) {
   }
   const bool deaf = incident.kind != IncidentKind::kMute;
   const bool mute = incident.kind != IncidentKind::kDeaf;
-  const auto set = [this, name, deaf, mute](bool blocked) {
-    for (const char* host : SimRobot::kControllerHosts) {
-      if (deaf) SetDistance(host, name, blocked);
-      if (mute) SetDistance(name, host, blocked);
+  const std::size_t process = robot_.layout().ProcessOf(incident.actuator);
+  const auto set = [this, name = config_.actuators[process].name, deaf, mute](bool blocked) {
+    for (const char* controller : SimRobot::kControllerEndpoints) {
+      if (deaf) robot_.hosts().SetBlocked(controller, name, blocked);
+      if (mute) robot_.hosts().SetBlocked(name, controller, blocked);
     }
   };
   set(true);
   Later(incident.lasts, [set] { set(false); });
 }
 
-void Story::SetDistance(const std::string& from, const std::string& to, bool blocked) {
-  int& count = blocks_[{from, to}];
-  count += blocked ? 1 : -1;
-  if (count == 0) robot_.network().Free(from, to);
-  if (count == 1 && blocked) robot_.network().Block(from, to);
+void Story::Engage(std::size_t panel, std::uint64_t id) {
+  judge_.StopEngaged(panel, id);
+  robot_.EngageEmergencyStop(id, panel);
+}
+
+// Two panels engage a stop, and a release comes between or about the same time.
+void Story::DoToStops(const Incident& incident) {
+  const std::uint64_t chance = incident.chance;
+  const std::size_t panel = chance / 2 % 2;
+  Engage(panel, chance | 1);
+  Later(Milliseconds(static_cast<std::int64_t>(chance / 16 % 40)),
+        [this, panel, id = (chance >> 9) | 1] { Engage(1 - panel, id); });
+  Later(Milliseconds(static_cast<std::int64_t>(chance / 1024 % 60)),
+        [this] { robot_.ReleaseEmergencyStop(); });
+}
+
+void Story::DoByClient(const Incident& incident) {
+  Client& client = robot_.ClientOn(incident.host);
+  client.on_end = [this](const Client::Request&, const SwitchEnd& end) {
+    ++ending_.client_ends[static_cast<std::size_t>(end.kind)];
+    Mix(end.result.outcome);
+  };
+  client.on_answer = [this](bool answered) { ++ending_.client_calls[answered ? 1 : 0]; };
+  const std::string& name = config_.actuators[incident.actuator].name;
+  switch (incident.kind) {
+    case IncidentKind::kClientSet:
+      judge_.ClientAsks(incident.state);
+      return client.SetState(incident.state, incident.chance % 8 == 0 ? name : "");
+    case IncidentKind::kClientRelease:
+      return client.ReleaseEmergencyStop();
+    case IncidentKind::kClientRestart:
+      judge_.AskedRestart(name);
+      return client.Restart(name);
+    default:
+      return client.GetStatus();
+  }
+}
+
+void Story::DoToHosts(const Incident& incident) {
+  const std::size_t from = incident.host;
+  const std::size_t to = incident.other_host;
+  if (incident.kind == IncidentKind::kReboot) return Reboot(from, incident.lasts);
+  const auto set = [this, from, to,
+                    both = incident.kind == IncidentKind::kHostPartition](bool blocked) {
+    robot_.hosts().SetHostBlocked(from, to, blocked);
+    if (both) robot_.hosts().SetHostBlocked(to, from, blocked);
+  };
+  set(true);
+  Later(incident.lasts, [set] { set(false); });
+}
+
+// What a person or the host's own start-up had started comes back with the host.
+void Story::Reboot(std::size_t host, Duration lasts) {
+  bool had_controller = false;
+  for (std::size_t which = 0; which < 2; ++which) {
+    const ControllerProcess* controller = robot_.controller(which);
+    had_controller |= controller != nullptr && controller->host() == host;
+  }
+  robot_.RebootHost(host);
+  Later(lasts, [this, host, had_controller] {
+    for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+      if (IsByHand(i) && robot_.layout().HostOf(i) == host) StartByHand(i);
+    }
+    const bool none = !robot_.has_controller() && robot_.controller(0) == nullptr;
+    const bool here = robot_.layout().controllers[0] == host;
+    if (had_controller && none) StartController(supervised_ && here);
+  });
 }
 
 void Story::ApplyNetworkFaults() {
@@ -144,21 +212,29 @@ void Story::ApplyNetworkFaults() {
 
 void Story::DoToController(const Incident& incident) {
   if (incident.kind != IncidentKind::kWallClock) {
-    judge_.ControllersHindered(incident.kind == IncidentKind::kFullDisk);
+    judge_.ControllersHindered(incident.kind == IncidentKind::kFullDisk ||
+                               incident.kind == IncidentKind::kStalledDisk);
   }
   switch (incident.kind) {
-    case IncidentKind::kControllerCrash:
+    case IncidentKind::kControllerCrash: {
+      // A supervisor restarts what has crashed on its host.
+      const bool restarted = supervised_ && (robot_.controller(0) != nullptr || robot_.OneHost());
       robot_.CrashController();
-      judge_.ControllersEnded();
-      return Later(incident.lasts, [this] {
-        if (!robot_.has_controller() && robot_.controller(0) == nullptr) robot_.StartController();
+      return Later(incident.lasts, [this, restarted] {
+        if (!robot_.has_controller() && robot_.controller(0) == nullptr) StartController(restarted);
       });
+    }
+    case IncidentKind::kStalledDisk:
+      robot_.StallDisk(true);
+      return Later(incident.lasts, [this] { robot_.StallDisk(false); });
     case IncidentKind::kControllerFreeze:
       robot_.FreezeController();
       return Later(incident.lasts, [this] { robot_.ThawController(); });
     case IncidentKind::kRival:
+      judge_.PersonStarts();
       return robot_.StartRival(false);
     case IncidentKind::kTakeover:
+      judge_.PersonStarts();
       return robot_.StartRival(true);
     case IncidentKind::kFullDisk:
       robot_.FillDisk(true);
@@ -173,7 +249,7 @@ void Story::DoToController(const Incident& incident) {
 void Story::Ask(const State& target, const std::optional<std::string>& actuator) {
   ControllerProcess* leader = robot_.leader();
   if (leader == nullptr || leader->frozen) return;
-  const std::uint64_t request = judge_.Asked(target);
+  const std::uint64_t request = judge_.Asked(*leader, target);
   leader->shell().SetState(target, actuator, [this, request](const SwitchResult& result) {
     ++ending_.switches[static_cast<std::size_t>(result.outcome)];
     Mix(std::string(OutcomeName(result.outcome)));
@@ -193,18 +269,19 @@ void Story::Repair() {
   if (robot_.machine().phase == Phase::kStopped) {
     Note("the machine was torn down; it is started anew");
     robot_.CrashController();
-    for (const ActuatorConfig& actuator : config_.actuators) {
-      if (!actuator.command.empty()) continue;
-      robot_.CrashActuator(actuator.name);
-      robot_.StartActuator(actuator.name);
+    for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+      if (!IsByHand(i)) continue;
+      robot_.CrashActuator(config_.actuators[i].name);
+      StartByHand(i);
     }
-    robot_.StartController();
+    StartController();
     if (!ComeToRest("after its start")) return;
   }
-  if (robot_.machine().emergency_stop) {
+  for (int tries = 0; tries < 8 && robot_.machine().emergency_stop; ++tries) {
     Note("people release the emergency stop");
     robot_.ReleaseEmergencyStop();
-    if (!ComeToRest("after the release")) return;
+    RunFor(std::chrono::seconds(1));  // another one may have been engaged beside it
+    if (Over() || !ComeToRest("after the release")) return;
   }
   RepairActuators();
   if (!ComeToRest("after its repair")) return;
@@ -221,14 +298,17 @@ bool Story::ComeToRest(const std::string& when) {
 }
 
 void Story::RepairActuators() {
+  if (EndSurplus()) RunFor(std::chrono::seconds(2));
   const auto* leader = robot_.leader();
   for (std::size_t i = 0; i < config_.actuators.size() && leader != nullptr; ++i) {
-    const ActuatorConfig& actuator = config_.actuators[i];
+    const std::size_t process = robot_.layout().ProcessOf(i);
+    const ActuatorConfig& actuator = config_.actuators[process];
     const ActuatorRecord& record = leader->shell().machine().actuators[i];
-    const ActuatorReport* report = robot_.processes().ReportOf(actuator.name);
+    const ActuatorReport* report = robot_.ReportOf(i, record.report);
     const bool well = report != nullptr && !report->busy() && !record.fault;
     if (well) continue;
     Note("people restart " + actuator.name);
+    EndElsewhere(actuator);
     if (!actuator.command.empty()) {
       judge_.AskedRestart(actuator.name);
       robot_.Restart(actuator.name);
@@ -237,9 +317,39 @@ void Story::RepairActuators() {
     robot_.CrashActuator(actuator.name);
     RunFor(std::chrono::seconds(1));
     if (Over()) return;
-    if (!robot_.IsAlive(actuator.name)) robot_.StartActuator(actuator.name);
+    StartByHand(process);
   }
   RunFor(std::chrono::seconds(15));
+}
+
+// What runs on another host than its controller is ended there.
+void Story::EndElsewhere(const ActuatorConfig& actuator) {
+  const std::size_t here = robot_.leader()->host();
+  for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
+    if (actuator.command.empty() || host == here) continue;
+    if (!robot_.processes().IsAlive(actuator.name, host)) continue;
+    robot_.processes().End(actuator.name, host, {ProcessExit::Kind::kKilled, SIGKILL});
+    RunFor(std::chrono::seconds(12));  // until that is known: nobody there watches it
+  }
+}
+
+// Of an actuator that runs on several hosts people leave the one that the controller can restart.
+bool Story::EndSurplus() {
+  bool any = false;
+  const std::size_t here = robot_.leader()->host();
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    const bool by_controller =
+        !actuator.command.empty() && robot_.processes().IsAlive(actuator.name, here);
+    const std::size_t keep = by_controller ? here : robot_.processes().HomeOf(actuator.name);
+    for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
+      const bool surplus = host != keep && robot_.processes().CountOf(actuator.name) > 1;
+      if (!surplus || !robot_.processes().IsAlive(actuator.name, host)) continue;
+      Note("people end " + actuator.name + " on host " + robot_.hosts().name(host));
+      robot_.processes().End(actuator.name, host, {ProcessExit::Kind::kKilled, SIGKILL});
+      any = true;
+    }
+  }
+  return any;
 }
 
 bool Story::BringHome() {
@@ -287,7 +397,8 @@ void Story::JudgeWhole() {
   }
   judge_.JudgeRest(false);
   for (const ActuatorConfig& actuator : config_.actuators) {
-    const ActuatorReport* report = robot_.processes().ReportOf(actuator.name);
+    const std::size_t i = *config_.IndexOf(actuator.name);
+    const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
     const std::string state = report == nullptr ? "gone" : "in " + report->state;
     if (report == nullptr || report->state != options_.home) {
       judge_.Blame(Promise::kWholeAgain, "after the repair " + actuator.name + " is " + state);

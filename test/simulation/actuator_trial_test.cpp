@@ -114,7 +114,8 @@ TEST(ActuatorTrial, PassesAGoodActuatorThatHasMetEverything) {
             << " callbacks: " << met.failed << " failed, " << met.repeated << " repeated, "
             << met.asked_to_stop << " asked to stop, " << met.killed_in << " killed, "
             << met.stopped_beside << " of " << met.emergency_stops << " stops beside, "
-            << met.stopped_before << " before the first instruction; " << met.torn_down << " torn down\n";
+            << met.stopped_before << " before the first instruction; " << met.torn_down
+            << " torn down\n";
   EXPECT_GT(met.processes, met.stories);
   EXPECT_GT(met.failed, 0U);
   EXPECT_GT(met.repeated, 0U);

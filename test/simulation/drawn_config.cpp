@@ -84,6 +84,24 @@ std::optional<PolicyConfig> DrawPolicy(std::uint64_t seed) {
   return policy;
 }
 
+// What other hosts run is not started by the controller.
+void StartSomeByHand(MachineConfig& config, std::uint64_t seed) {
+  Random dice(seed * 2 + 0x68616e64);
+  for (ActuatorConfig& actuator : config.actuators) {
+    if (dice.Chance(0.4)) actuator.command.clear();
+  }
+}
+
+// Takes ways out of the flow, but none to Active, to which people bring the machine back. That a
+// fallback or the battery's ceiling is forbidden does not matter.
+void LeaveWaysOut(MachineConfig& config, std::uint64_t seed) {
+  Random dice(seed * 2 + 0x666c6f77);
+  if (!dice.Chance(0.2)) return;
+  std::erase_if(config.flow, [&dice](const FlowEdge& edge) {
+    return edge.to != kActive && edge.from != kError && dice.Chance(0.4);
+  });
+}
+
 }  // namespace
 
 MachineConfig DrawConfig(std::uint64_t seed) {
@@ -108,10 +126,12 @@ MachineConfig DrawConfig(std::uint64_t seed) {
       config.flow.push_back({State(state), State("Parked")});
     }
   }
-  if (dice.Chance(0.2)) config.transport = TransportProfile::kLan;
+  if (dice.Chance(0.35)) config.transport = TransportProfile::kLan;
   config.policy = DrawPolicy(seed);
   const std::size_t size = DrawSize(dice);
   while (config.actuators.size() < size) config.actuators.push_back(DrawActuator(config, dice));
+  if (config.transport == TransportProfile::kLan) StartSomeByHand(config, seed);
+  LeaveWaysOut(config, seed);
   return config;
 }
 

@@ -1,6 +1,7 @@
 #include "musher/simulation/robot.hpp"
 
 #include <gmock/gmock.h>
+#include <signal.h>
 
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
@@ -15,6 +16,15 @@ MachineConfig Robot(int actuators) {
   MachineConfig config = MachineOf(actuators);
   for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
   return config;
+}
+
+// The second controller is on a host of its own.
+simulation::Layout TwoHosts(std::size_t actuators) {
+  simulation::Layout layout;
+  layout.hosts = {"robot", "dock"};
+  layout.host_of.assign(actuators, 0);
+  layout.controllers = {0, 1};
+  return layout;
 }
 
 bool IsUp(const SimRobot& robot) {
@@ -84,7 +94,7 @@ TEST(SimRobot, AControllerThatListensFirstTakesOverWhomItHeardMeanwhile) {
 }
 
 TEST(SimRobot, AControllerThatHasStoppedItsMachineFencesNobody) {
-  SimRobot robot(1, Robot(2));
+  SimRobot robot(1, Robot(2), {}, TwoHosts(2));
   robot.StartController();
   ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
   robot.Set("TearDown");
@@ -159,6 +169,90 @@ TEST(SimRobot, AStaleStatusOfADeadProcessDoesNotTakeItsSuccessorDown) {
   robot.RunFor(std::chrono::seconds(30));  // also past the lease of the dead process
   EXPECT_EQ(robot.machine().actuators[0].presence, Presence::kPresent);
   EXPECT_EQ(robot.ReportOf("a")->state, robot.machine().state);
+}
+
+// Found by simulation: it was told to be done while the process that had been found lived in
+// Active.
+TEST(SimRobot, ATearDownRightAfterAStartListsTheActuatorThatWasFoundAndNotHeardYet) {
+  SimRobot robot(1, MachineOf(1));
+  robot.StartActuator("a");
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  robot.CrashController();
+  robot.FreezeActuator("a");
+  robot.StartController();
+  const auto result = robot.Set("TearDown");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(result->degraded, ::testing::ElementsAre("a"));
+}
+
+// Found by simulation: a restart by hand started a second process beside it.
+TEST(SimRobot, ARestartByHandOfAnActuatorOnAnotherHostIsRefusedWithThePlace) {
+  SimRobot robot(1, Robot(1), {}, TwoHosts(1));
+  robot.processes().Launch("a", 1);
+  robot.RunFor(std::chrono::seconds(1));
+  robot.StartController(std::chrono::seconds(1));
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  Result<> answer;
+  robot.leader()->shell().Restart("a", [&](const Result<>& result) { answer = result; });
+  robot.RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(robot.processes().CountOf("a"), 1U);
+  ASSERT_FALSE(answer);
+  EXPECT_THAT(answer.error().message, ::testing::HasSubstr("runs on another host, dock/1"));
+}
+
+TEST(SimRobot, ARebootedHostHasAnotherIdAndGivesSmallerIncarnationsAndTheSamePids) {
+  SimRobot robot(1, MachineOf(1), {}, TwoHosts(1));
+  robot.hosts().SetUptime(0, std::chrono::hours(1));
+  robot.StartActuator("a");
+  robot.RunFor(std::chrono::seconds(1));
+  const ActuatorReport before = *robot.ReportOf("a");
+  robot.RebootHost(0);
+  EXPECT_FALSE(robot.IsAlive("a"));
+  robot.StartActuator("a");
+  EXPECT_NE(robot.ReportOf("a")->host, before.host);
+  EXPECT_LT(robot.ReportOf("a")->incarnation, before.incarnation);
+  EXPECT_EQ(robot.ReportOf("a")->pid, before.pid);
+}
+
+TEST(SimRobot, AControllerReachesNoProcessOfAnotherHost) {
+  SimRobot robot(1, Robot(1), {}, TwoHosts(1));
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  robot.processes().Launch("a", 1);
+  const std::int32_t pid = robot.processes().PidOf("a", 1);
+  EXPECT_FALSE(robot.processes().Signal(0, pid, SIGKILL));
+  robot.StartRival(true);
+  robot.RunFor(std::chrono::seconds(5));
+  EXPECT_EQ(robot.processes().PidOf("a", 1), pid);  // it is the one that runs there
+}
+
+TEST(SimRobot, ActuatorsThatShareAProcessStandStillAndEndTogether) {
+  simulation::Layout layout;
+  layout.process_of = {0, 0};
+  SimRobot robot(1, MachineOf(2), {}, layout);
+  robot.StartActuator("a");
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  EXPECT_EQ(robot.ReportOf("a")->pid, robot.ReportOf("b")->pid);
+  robot.FreezeActuator("b");
+  EXPECT_TRUE(robot.processes().IsFrozen("a"));
+  robot.CrashActuator("b");
+  EXPECT_FALSE(robot.IsAlive("a"));
+}
+
+TEST(SimRobot, ATakeoverOnTheSameHostEndsTheControllerBeforeIt) {
+  SimRobot robot(1, Robot(1));
+  robot.StartController();
+  ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
+  robot.StartRival(false);
+  EXPECT_EQ(robot.controller(1), nullptr);  // its folder is locked
+  robot.StartRival(true);
+  robot.RunFor(std::chrono::seconds(1));
+  EXPECT_EQ(robot.controller(0), nullptr);
+  EXPECT_TRUE(IsUp(robot));
+  EXPECT_EQ(robot.processes().CountOf("a"), 1U);
 }
 
 }  // namespace

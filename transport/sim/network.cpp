@@ -36,6 +36,10 @@ void Network::SetClockOffset(const std::string& host, Duration offset) {
   links_.SetClockOffset(links_.Host(host), offset);
 }
 
+PeerId Network::ParticipantOf(Node& node) const {
+  return static_cast<SimNode&>(node).participant();
+}
+
 void Network::Crash(Node& node) {
   scheduler_.Kill(ProcessOf(node));
   discovery_.Crash(ProcessOf(node));

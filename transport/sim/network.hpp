@@ -54,6 +54,10 @@ class Network {
   // How far the steady clocks of a host's processes are ahead of the network's.
   void SetClockOffset(const std::string& host, Duration offset);
 
+  // Told of every sample that is written, with the participant of its writer; may be empty.
+  std::function<void(PeerId participant, const std::string& topic, const msg::Bytes&)> on_write;
+  PeerId ParticipantOf(Node& node) const;
+
   // The process of a node ends in mid-sentence: none of its callbacks runs any more. The node and
   // what was made from it can still be dropped, and do nothing else.
   void Crash(Node& node);

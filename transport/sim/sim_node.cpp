@@ -8,14 +8,20 @@ namespace {
 
 class SimWriter : public RawWriter {
  public:
-  SimWriter(Discovery& discovery, Delivery& delivery, std::shared_ptr<WriterEnd> end)
-      : discovery_(discovery), delivery_(delivery), end_(std::move(end)) {}
+  SimWriter(const Network& network, std::string topic, Discovery& discovery, Delivery& delivery,
+            std::shared_ptr<WriterEnd> end)
+      : network_(network),
+        topic_(std::move(topic)),
+        discovery_(discovery),
+        delivery_(delivery),
+        end_(std::move(end)) {}
   SimWriter(const SimWriter&) = delete;
   SimWriter& operator=(const SimWriter&) = delete;
   ~SimWriter() override { discovery_.Close(*end_); }
 
   Result<> Write(msg::Bytes bytes) override {
     if (!end_->open) return Error{kCodeNetError, "the process has crashed"};
+    if (network_.on_write) network_.on_write(end_->participant, topic_, bytes);
     delivery_.Write(*end_, std::make_shared<const msg::Bytes>(std::move(bytes)));
     return Ok();
   }
@@ -26,6 +32,8 @@ class SimWriter : public RawWriter {
   std::uint64_t UniqueId() const override { return end_->id; }
 
  private:
+  const Network& network_;
+  const std::string topic_;
   Discovery& discovery_;
   Delivery& delivery_;
   std::shared_ptr<WriterEnd> end_;
@@ -64,8 +72,8 @@ Result<std::unique_ptr<RawWriter>> SimNode::MakeRawWriter(const std::string& top
   FillIn(*end, qos);
   end->callbacks = std::move(callbacks);
   if (end->open) network_.discovery_.Add(topic, type, end);
-  return std::unique_ptr<RawWriter>(
-      std::make_unique<SimWriter>(network_.discovery_, network_.delivery_, std::move(end)));
+  return std::unique_ptr<RawWriter>(std::make_unique<SimWriter>(
+      network_, topic, network_.discovery_, network_.delivery_, std::move(end)));
 }
 
 Result<std::unique_ptr<RawReader>> SimNode::MakeRawReader(const std::string& topic,

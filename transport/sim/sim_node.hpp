@@ -26,6 +26,7 @@ class SimNode : public Node {
                                                    ReaderCallbacks callbacks) override;
 
   ProcessId process() const { return process_; }
+  PeerId participant() const { return participant_; }
 
  private:
   void FillIn(End& end, const Qos& qos) const;

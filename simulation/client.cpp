@@ -1,0 +1,87 @@
+#include "musher/simulation/client.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/messages/musher_msgs/machine_services.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher::simulation {
+namespace {
+
+constexpr Duration kCallTimeout = std::chrono::seconds(3);
+
+}  // namespace
+
+Client::Client(transport::sim::Network& network, Hosts& hosts, const MachineConfig& config,
+               std::size_t host)
+    : network_(network), config_(config), host_(host) {
+  const std::string endpoint = "client@" + hosts.name(host);
+  hosts.Attach(endpoint, host);
+  node_ = network.MakeNode(endpoint);
+}
+
+Client::~Client() {
+  network_.Crash(*node_);
+}
+
+void Client::SetState(const State& target, const std::string& actuator) {
+  const std::uint64_t id = next_id_++;
+  open_.push_back({.id = id, .target = target, .asked = network_.now(), .orphaned = {}});
+  const auto find = [this, id] {
+    return std::find_if(open_.begin(), open_.end(),
+                        [id](const Request& request) { return request.id == id; });
+  };
+  SwitchClient::Options options;
+  options.leader.name_space = config_.name_space;
+  auto client = SwitchClient::Make(
+      *node_, std::move(options), target, actuator,
+      [find](const std::string&) { find()->told = true; },
+      [this, id, find](const SwitchEnd& end) {
+        const Request request = *find();
+        open_.erase(find());
+        // Not inside its own callback.
+        node_->loop().Post([this, id] {
+          std::erase_if(switches_, [id](const auto& one) { return one.first == id; });
+        });
+        if (on_end) on_end(request, end);
+      });
+  switches_.emplace_back(id, std::move(client).value());
+}
+
+template <class S>
+void Client::Call(const char* service, const typename S::Request& request) {
+  auto client = std::shared_ptr<transport::Client<S>>(
+      transport::MakeClient<S>(*node_, transport::MachineService(config_.name_space, service))
+          .value());
+  calls_.push_back(client);
+  client->Call(request, kCallTimeout, [this, raw = client.get()](const auto& reply) {
+    node_->loop().Post([this, raw] {
+      std::erase_if(calls_, [raw](const auto& call) { return call.get() == raw; });
+    });
+    if (on_answer) on_answer(reply.ok());
+  });
+}
+
+void Client::GetStatus() {
+  Call<msg::GetStatus>("get_status", {});
+}
+
+void Client::ReleaseEmergencyStop() {
+  Call<msg::ReleaseEmergencyStop>("release_emergency_stop", {"a client"});
+}
+
+void Client::Restart(const std::string& actuator) {
+  Call<msg::RestartActuator>("restart_actuator", {actuator});
+}
+
+void Client::OnControllerKilled() {
+  for (Request& request : open_) {
+    const auto one = std::find_if(switches_.begin(), switches_.end(),
+                                  [&](const auto& s) { return s.first == request.id; });
+    const bool asked = one != switches_.end() && one->second->found();
+    if (asked && !request.orphaned && !request.told) request.orphaned = network_.now();
+  }
+}
+
+}  // namespace musher::simulation

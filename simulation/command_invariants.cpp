@@ -1,0 +1,89 @@
+// What has to hold of commands that wait at an actuator, and of the calls of clients.
+
+#include <iterator>
+
+#include "musher/lifecycle/flow.hpp"
+#include "musher/simulation/judge.hpp"
+
+namespace musher::simulation {
+namespace {
+
+// What a client's process needs to see that a controller has ended: the heartbeats that are missed,
+// and a grace for an answer under way.
+// The clocks of two hosts are compared by the report that took least time.
+constexpr Duration kClockSlack = Milliseconds(100);
+constexpr Duration kToldWithin = std::chrono::seconds(4);
+constexpr Duration kClientPeriod = Milliseconds(200);  // of looking
+// A request that comes while the machine is at rest is answered, or there is no such service.
+constexpr Duration kAnsweredAtRest = std::chrono::seconds(12);
+
+}  // namespace
+
+// After each step of an actuator: a command that had been accepted and waited behind a callback
+// waits on, begins, or is over for a reason that its sender knows.
+void Judge::CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report) {
+  const ActuatorCore* core = robot_.processes().CoreOf(name, host);
+  auto& known = waiting_[{name, host}];
+  const std::optional<Waiting> before = known;
+  known.reset();
+  if (core != nullptr && core->waiting) {
+    known = Waiting{report.incarnation, report.epoch, core->waiting->command};
+  }
+  if (!before || before->incarnation != report.incarnation) return;
+  const SwitchCommand& command = before->command;
+  if (known && known->command.number >= command.number) return;  // the same, or a newer one
+  const bool begun =
+      report.busy_number >= command.number || report.outcome_number >= command.number;
+  const bool stopped = report.emergency_stop != 0 && (command.target == report.state ||
+                                                      Rises(config_, report.state, command.target));
+  if (begun || stopped || report.epoch > before->epoch || report.state == kTearDown) return;
+  const auto order = orders_.find({before->epoch, *config_.IndexOf(name), command.number});
+  if (order == orders_.end()) return;
+  // A newer one need not have come: the question about it fences this one as well.
+  const auto next = std::next(order);
+  const bool newer_sent = next != orders_.end() && std::get<0>(next->first) == before->epoch &&
+                          std::get<1>(next->first) == *config_.IndexOf(name);
+  if (newer_sent) return;
+  const Duration age = robot_.network().now() - order->second.sent;
+  if (age + kClockSlack >= order->second.budget) return;
+  Blame(Promise::kNotCancelled,
+        name + " drops the command to " + command.target + " that it had accepted, after " +
+            std::to_string(ToMilliseconds(age)) + " of " +
+            std::to_string(ToMilliseconds(order->second.budget)) + " ms, and no newer one came");
+}
+
+// A controller writes an answer to a client.
+void Judge::OnReplyWritten(const ControllerProcess& controller, const std::string& service) {
+  const Machine& machine = controller.shell().machine();
+  const Time now = robot_.network().now();
+  if (machine.phase == Phase::kFenced) {
+    // Whoever waits hears of the fence as it happens.
+    const auto fenced = fenced_at_.emplace(controller.serial(), now).first->second;
+    if (now == fenced) return;
+  } else if (controller.begun()) {
+    return;
+  }
+  Blame(Promise::kLeaderAnswers, "a controller that does not lead answers " + service);
+}
+
+void Judge::CheckClients() {
+  const Time now = robot_.network().now();
+  if (now < check_clients_at_) return;
+  check_clients_at_ = now + kClientPeriod;
+  for (const Client::Request* request : robot_.OpenRequests()) {
+    if (!request->orphaned || request->told || now - *request->orphaned < kToldWithin) continue;
+    Blame(Promise::kClientHears, "a client that had asked for " + request->target +
+                                     " is not told that the controller has ended");
+  }
+}
+
+void Judge::CheckClientsAtRest() {
+  const Time now = robot_.network().now();
+  for (const Client::Request* request : robot_.OpenRequests()) {
+    if (now - request->asked < kAnsweredAtRest) continue;
+    Blame(Promise::kClientHears,
+          "a client that had asked for " + request->target + " hears of no outcome");
+  }
+}
+
+}  // namespace musher::simulation

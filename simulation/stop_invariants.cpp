@@ -1,0 +1,109 @@
+// What has to hold of emergency stops, and of the intent to stop.
+
+#include <algorithm>
+
+#include "musher/lifecycle/flow.hpp"
+#include "musher/simulation/judge.hpp"
+
+namespace musher::simulation {
+
+void Judge::StopEngaged(std::size_t panel, std::uint64_t id) {
+  engaged_[id] = panel;
+  last_of_panel_[panel] = id;
+}
+
+// What a controller publishes. It alone releases.
+void Judge::OnStopPublished(const msg::EmergencyStop& stop) {
+  (stop.engaged ? taken_up_ : released_).insert(stop.id);
+}
+
+// Whether one is not released. A panel keeps its last one only: of one before that nothing is left
+// if no controller had taken it up, or where that was on a disk that is lost.
+bool Judge::StopIsOpen() const {
+  return std::any_of(engaged_.begin(), engaged_.end(), [&](const auto& stop) {
+    const bool kept = taken_up_.contains(stop.first) && !forgetful_;
+    const bool known = kept || last_of_panel_.at(stop.second) == stop.first;
+    return known && !released_.contains(stop.first);
+  });
+}
+
+void Judge::CheckStopsAtRest(const Machine& machine) {
+  const bool open = StopIsOpen();
+  const auto excused = [&](bool latched) { return latched && !open && forgetful_; };
+  const std::string what = open ? " although one is engaged" : " although all are released";
+  const bool told = machine.emergency_stop.has_value();
+  if (told != open && !excused(told)) {
+    return Blame(Promise::kStopStays, std::string("the controller knows of ") +
+                                          (told ? "an" : "no") + " emergency stop" + what);
+  }
+  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
+    if (report == nullptr || machine.actuators[i].presence != Presence::kPresent) continue;
+    const bool latched = report->emergency_stop != 0;
+    if (latched == open || excused(latched)) continue;
+    Blame(Promise::kStopStays, config_.actuators[i].name + " has latched " +
+                                   (latched ? "an" : "no") + " emergency stop" + what);
+  }
+}
+
+// A callback ends beside an emergency stop.
+void Judge::CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
+                         const ActuatorReport& report) {
+  if (report.emergency_stop == 0 || before.emergency_stop != report.emergency_stop) return;
+  if (!report.busy()) free_and_stopped_.emplace_back(name, host);
+  if (before.busy() && Rises(config_, before.state, report.state)) {
+    Blame(Promise::kStopWins, name + " has risen from " + before.state + " to " + report.state +
+                                  " although it has latched an emergency stop");
+  }
+}
+
+// After all that the step of an actuator does.
+void Judge::CheckPower() {
+  for (const auto& [name, host] : std::exchange(free_and_stopped_, {})) {
+    const ActuatorReport* report = robot_.processes().ReportOf(name, host);
+    if (report == nullptr || report->busy() || report->emergency_stop == 0) continue;
+    if (!robot_.processes().IsPowered(name, host)) continue;
+    Blame(Promise::kStopWins, name + " in " + report->state +
+                                  " has its power on although it has latched an emergency stop");
+  }
+}
+
+void Judge::PersonStarts() {
+  stop_asked_.reset();
+}
+
+// A TearDown that was accepted goes on, whatever becomes of the controller, until a person starts
+// the machine. Each disk knows of its own controllers' intent.
+void Judge::CheckStaysDown(const ControllerProcess& controller) {
+  const Machine& machine = controller.shell().machine();
+  if (machine.stopping && !stop_asked_) {
+    stop_asked_ = StopAsked{controller.serial(), controller.host()};
+  }
+  if (!stop_asked_ || forgetful_ || stop_asked_->host != controller.host()) return;
+  const bool is_up =
+      machine.phase == Phase::kRunning && stop_asked_->controller != controller.serial();
+  if (!is_up) return;
+  Blame(Promise::kStaysDown, "a supervisor's start brings the machine to " + machine.state +
+                                 " after a TearDown that was accepted");
+}
+
+// TearDown is told to be done.
+void Judge::CheckTornDown(const ControllerProcess& controller, const SwitchResult& result) {
+  if (result.target != kTearDown || !result.actuator.empty()) return;
+  if (result.outcome != SwitchOutcome::kDone) return;
+  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    const std::string& name = config_.actuators[i].name;
+    for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
+      const ActuatorReport* report = robot_.processes().ReportOf(name, host);
+      if (report == nullptr || report->state == kTearDown || twice_.contains(name)) continue;
+      // One that starts meanwhile has not been heard yet.
+      const ActuatorRecord& record = controller.shell().machine().actuators[i];
+      const bool heard = record.report.incarnation == report->incarnation;
+      if (!heard && !config_.RankOf(report->state)) continue;
+      Blame(Promise::kDownIsDown, "TearDown is told to be done, and " + name + " lives on in " +
+                                      report->state + " on host " + robot_.hosts().name(host));
+    }
+  }
+}
+
+}  // namespace musher::simulation

@@ -1,0 +1,253 @@
+// The invariants can fail: each test plants a flaw in a simulated robot and sees it found.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "musher/simulation/judge.hpp"
+#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::testing {
+namespace {
+
+using simulation::Act;
+using simulation::Layout;
+using simulation::Promise;
+using simulation::SimRobot;
+using ::testing::HasSubstr;
+
+class PlantedFlaw : public ::testing::Test {
+ protected:
+  static MachineConfig Started(int actuators) {
+    MachineConfig config = MachineOf(actuators);
+    for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
+    return config;
+  }
+  // Each callback has half a minute.
+  static MachineConfig Patient(MachineConfig config) {
+    for (ActuatorConfig& actuator : config.actuators) {
+      std::fill(actuator.times.begin(), actuator.times.end(), Duration(std::chrono::seconds(30)));
+    }
+    return config;
+  }
+  static Layout TwoHosts(std::size_t actuators) {
+    Layout layout;
+    layout.hosts = {"robot", "dock"};
+    layout.host_of.assign(actuators, 0);
+    layout.controllers = {0, 1};
+    return layout;
+  }
+
+  void Make(MachineConfig config, Layout layout = {}) {
+    robot_.emplace(
+        1, std::move(config),
+        [this](const std::string&, const State& state) {
+          return state == slow_ ? Act{std::chrono::seconds(20)} : Act{};
+        },
+        std::move(layout));
+    judge_.emplace(*robot_);
+  }
+  // Until `done`; the invariants are checked after every event.
+  bool RunUntil(const std::function<bool()>& done, Duration limit) {
+    return robot_->RunUntil(
+        [&] {
+          judge_->AfterEvent();
+          return done();
+        },
+        limit);
+  }
+  void RunFor(Duration duration) {
+    RunUntil([] { return false; }, duration);
+  }
+  void BringUp() {
+    robot_->StartController();
+    ASSERT_TRUE(RunUntil([&] { return robot_->machine().phase == Phase::kRunning; },
+                         std::chrono::seconds(10)));
+  }
+  // Requests it without waiting.
+  void Request(const State& target) {
+    robot_->leader()->shell().SetState(target, std::nullopt, [](const SwitchResult&) {});
+  }
+  ActuatorCore& CoreOf(const std::string& name) {
+    return const_cast<ActuatorCore&>(*robot_->processes().CoreOf(name, 0));
+  }
+  void ExpectFound(Promise promise, const std::string& what) {
+    ASSERT_TRUE(judge_->violation());
+    EXPECT_EQ(judge_->violation()->promise, promise) << judge_->violation()->what;
+    EXPECT_THAT(judge_->violation()->what, HasSubstr(what));
+  }
+
+  State slow_;
+  std::optional<SimRobot> robot_;
+  std::optional<simulation::Judge> judge_;
+};
+
+TEST_F(PlantedFlaw, AControllerThatDoesNotListenStartsWhatRunsOnAnotherHost) {
+  Make(Started(1), TwoHosts(1));
+  robot_->processes().Launch("a", 1);
+  RunFor(std::chrono::seconds(3));
+  robot_->StartController();  // at once
+  RunFor(std::chrono::seconds(1));
+  ExpectFound(Promise::kRunsOnce, "starts a, which runs on host dock");
+}
+
+TEST_F(PlantedFlaw, AReleaseThatIsNotOnDiskIsUndoneByItsPanelAfterARestart) {
+  Make(Started(2));
+  BringUp();
+  judge_->StopEngaged(0, 7);
+  robot_->EngageEmergencyStop(7);
+  RunFor(std::chrono::seconds(1));
+  robot_->ReleaseEmergencyStop();
+  RunFor(std::chrono::seconds(1));
+  judge_->JudgeRest(false);
+  EXPECT_FALSE(judge_->violation()) << judge_->violation()->what;
+  robot_->CrashController();
+  robot_->disk(0).stops = {};
+  BringUp();
+  RunFor(std::chrono::seconds(1));
+  judge_->JudgeRest(false);
+  ExpectFound(Promise::kStopStays, "although all are released");
+}
+
+TEST_F(PlantedFlaw, AStopThatAnActuatorForgetsIsFound) {
+  Make(Started(1));
+  BringUp();
+  judge_->StopEngaged(0, 7);
+  robot_->EngageEmergencyStop(7);
+  RunFor(std::chrono::seconds(1));
+  CoreOf("a").stops.clear();
+  CoreOf("a").report.emergency_stop = 0;
+  judge_->JudgeRest(false);
+  ASSERT_TRUE(judge_->violation());
+}
+
+TEST_F(PlantedFlaw, ACallbackThatUndoesAnEmergencyStopIsFound) {
+  slow_ = State(kActive);
+  Make(Started(1));
+  robot_->StartController();
+  ASSERT_TRUE(RunUntil(
+      [&] {
+        const auto report = robot_->ReportOf("a");
+        return report && report->target == kActive;
+      },
+      std::chrono::seconds(10)));
+  robot_->EngageEmergencyStop(7);
+  RunFor(std::chrono::seconds(1));
+  CoreOf("a").stopped_meanwhile = false;  // so that its end counts as it is
+  RunFor(std::chrono::seconds(30));
+  ExpectFound(Promise::kStopWins, "although it has latched an emergency stop");
+}
+
+TEST_F(PlantedFlaw, HardwareThatACallbackSwitchesOnUnderAStopIsFound) {
+  slow_ = State(kActive);
+  Make(Started(1));
+  robot_->StartController();
+  ASSERT_TRUE(RunUntil(
+      [&] {
+        const auto report = robot_->ReportOf("a");
+        return report && report->target == kActive;
+      },
+      std::chrono::seconds(10)));
+  robot_->EngageEmergencyStop(7);
+  // Its end has failed as it should, but the stop action does not run again.
+  ASSERT_TRUE(RunUntil([&] { return robot_->ReportOf("a")->emergency_stop == 7; },
+                       std::chrono::seconds(1)));
+  robot_->RunUntil(
+      [&] {
+        if (robot_->processes().IsPowered("a", 0)) CoreOf("a").stopped_meanwhile = false;
+        judge_->AfterEvent();
+        return judge_->violation().has_value();
+      },
+      std::chrono::seconds(30));
+  ASSERT_TRUE(judge_->violation());
+  EXPECT_EQ(judge_->violation()->promise, Promise::kStopWins);
+}
+
+TEST_F(PlantedFlaw, AnIntentToStopThatIsLostBringsTheMachineUpAgain) {
+  slow_ = State(kTearDown);
+  Make(Started(2));
+  BringUp();
+  Request(State(kTearDown));
+  RunFor(std::chrono::seconds(1));
+  ASSERT_EQ(robot_->machine().phase, Phase::kStopping);
+  robot_->CrashController();
+  robot_->disk(0).stop_intent = false;
+  for (const char* name : {"a", "b"}) robot_->CrashActuator(name);
+  slow_.clear();
+  robot_->LaunchController(0, true, {}, true);
+  RunFor(std::chrono::seconds(5));
+  ExpectFound(Promise::kStaysDown, "after a TearDown that was accepted");
+}
+
+TEST_F(PlantedFlaw, ATearDownThatIsToldToBeDoneBesideALivingActuatorIsFound) {
+  Make(Started(2));
+  BringUp();
+  const std::uint64_t request = judge_->Asked(*robot_->leader(), State(kTearDown));
+  SwitchResult done;
+  done.target = State(kTearDown);
+  done.outcome = SwitchOutcome::kDone;
+  judge_->Answered(request, done);
+  ExpectFound(Promise::kDownIsDown, "a lives on in Active");
+}
+
+TEST_F(PlantedFlaw, ACommandThatIsDroppedWhileItWaitsIsFound) {
+  slow_ = State(kLowPower);
+  Make(Patient(Started(1)));
+  BringUp();
+  Request(State(kLowPower));
+  RunFor(std::chrono::seconds(1));
+  Request(State(kError));  // takes over, and waits behind the callback
+  ASSERT_TRUE(RunUntil([&] { return CoreOf("a").waiting.has_value(); }, std::chrono::seconds(1)));
+  CoreOf("a").waiting.reset();
+  RunFor(std::chrono::seconds(40));
+  ExpectFound(Promise::kNotCancelled, "a drops the command to Error");
+}
+
+TEST_F(PlantedFlaw, AControllerThatAnswersWhileItListensIsFound) {
+  Make(Started(1), TwoHosts(1));
+  BringUp();
+  robot_->StartRival(false);
+  transport::Node& node = const_cast<simulation::ControllerProcess*>(robot_->controller(1))->node();
+  const auto server =
+      transport::MakeServer<msg::GetStatus>(
+          node, transport::MachineService("", "get_status"),
+          [](const auto&, const transport::Server<msg::GetStatus>::Reply& reply) { reply({}); })
+          .value();
+  const auto node_of_caller = robot_->network().MakeNode("caller");
+  const auto caller = transport::MakeClient<msg::GetStatus>(
+                          *node_of_caller, transport::MachineService("", "get_status"))
+                          .value();
+  RunFor(Milliseconds(400));
+  caller->Call({}, std::chrono::seconds(1), [](const auto&) {});
+  RunFor(Milliseconds(400));
+  ExpectFound(Promise::kLeaderAnswers, "a controller that does not lead answers");
+}
+
+TEST_F(PlantedFlaw, AClientThatIsNotToldOfTheEndOfItsControllerIsFound) {
+  slow_ = State(kLowPower);
+  Make(Patient(Started(1)));
+  BringUp();
+  robot_->ClientOn(0).SetState(State(kLowPower), "");
+  RunFor(Milliseconds(500));
+  robot_->ClientOn(0).OnControllerKilled();  // it is not: the client sees it live
+  RunFor(std::chrono::seconds(5));
+  ExpectFound(Promise::kClientHears, "is not told that the controller has ended");
+}
+
+TEST_F(PlantedFlaw, ASignalToAProcessThatIsNotTheActuatorsIsFound) {
+  Make(MachineOf(2));
+  robot_->StartActuator("a");
+  robot_->StartController();
+  RunFor(Milliseconds(100));
+  robot_->network().Block("b", "controller");
+  robot_->StartActuator("b");  // the controller knows nothing of it
+  robot_->on_signal(*robot_->leader(), robot_->processes().PidOf("b"));
+  ExpectFound(Promise::kOnlyProven, "is not of the actuator that it is meant for");
+}
+
+}  // namespace
+}  // namespace musher::testing
