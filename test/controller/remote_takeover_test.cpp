@@ -38,7 +38,11 @@ class EmptyHost : public ProcessRunner, public ProcessWitness, public JournalSin
 
 class RemoteTakeover : public ::testing::Test {
  protected:
-  RemoteTakeover() : network_(1), config_(MachineOf(2)), processes_(network_, config_) {
+  RemoteTakeover()
+      : network_(1),
+        config_(MachineOf(2)),
+        hosts_(network_, layout_.hosts),
+        processes_(network_, config_, hosts_, layout_) {
     for (ActuatorConfig& actuator : config_.actuators) actuator.command = {"run", actuator.name};
     processes_.make_module = [](const std::string&) { return std::make_unique<NoWork>(); };
     node_ = network_.MakeNode("second");
@@ -67,6 +71,8 @@ class RemoteTakeover : public ::testing::Test {
 
   transport::sim::Network network_;
   MachineConfig config_;
+  const simulation::Layout layout_;
+  simulation::Hosts hosts_;
   simulation::Processes processes_;
   EmptyHost host_;
   std::unique_ptr<transport::Node> node_;

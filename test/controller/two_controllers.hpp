@@ -24,13 +24,17 @@ class TwoControllers : public ::testing::Test {
     const Machine& machine() const { return process->shell().machine(); }
   };
 
-  TwoControllers() : network_(1), config_(Robot()), processes_(network_, config_) {
+  TwoControllers()
+      : network_(1),
+        config_(Robot()),
+        hosts_(network_, layout_.hosts),
+        processes_(network_, config_, hosts_, layout_) {
     processes_.make_module = [this](const std::string&) {
       return std::make_unique<Timed>(callback_takes_);
     };
-    processes_.on_end = [this](std::int32_t pid, const ProcessExit& exit) {
+    processes_.on_end = [this](std::size_t host, std::int32_t pid, const ProcessExit& exit) {
       for (Controller* controller : {&first_, &second_}) {
-        if (controller->process) controller->process->OnEnd(pid, exit);
+        if (controller->process) controller->process->OnEnd(host, pid, exit);
       }
     };
     desk_ = network_.MakeNode("desk");
@@ -38,10 +42,10 @@ class TwoControllers : public ::testing::Test {
   ~TwoControllers() override { processes_.on_end = {}; }
 
   // `disk`: of the other one, where both are of one host.
-  void Open(Controller& controller, const std::string& host, simulation::Disk* disk = nullptr) {
+  void Open(Controller& controller, const std::string& endpoint, simulation::Disk* disk = nullptr) {
     controller.process = std::make_unique<simulation::ControllerProcess>(
-        network_, host, config_, processes_, disk == nullptr ? controller.disk : *disk,
-        simulation::ControllerProcess::Hooks{});
+        network_, endpoint, 0, hosts_, config_, processes_,
+        disk == nullptr ? controller.disk : *disk, simulation::ControllerProcess::Hooks{});
   }
   void BringUpFirst() {
     Open(first_, "first");
@@ -56,6 +60,8 @@ class TwoControllers : public ::testing::Test {
   Duration callback_takes_ = Milliseconds(5);  // of every actuator
   transport::sim::Network network_;
   MachineConfig config_;
+  const simulation::Layout layout_;
+  simulation::Hosts hosts_;
   simulation::Processes processes_;
   Controller first_;
   Controller second_;
