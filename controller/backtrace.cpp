@@ -60,7 +60,9 @@ std::string LastLine(std::string text) {
 }  // namespace
 
 struct BacktraceTaker::Job {
-  pid_t pid = 0;  // of the process that is looked at
+  pid_t pid = 0;                               // of the process that is looked at
+  std::size_t tried = 0;                       // of the tools
+  std::string why = "no tool for backtraces";  // what became of those that could not be run
   std::string tool;
   pid_t tool_pid = 0;  // 0: none runs
   Done done;
@@ -129,8 +131,7 @@ Result<> BacktraceTaker::Begin(const std::shared_ptr<Job>& job, Duration timeout
     return Error{kCodeTargetBusy,
                  "a backtrace of process " + std::to_string(job->pid) + " is being taken already"};
   }
-  if (const auto started = StartTool(job); !started) return started.error();
-  job->watch = loop_.WhenReadable(job->output.get(), [job = job.get()] { job->Collect(); });
+  if (const auto started = StartTool(job, next_id_); !started) return started.error();
   job->timer = loop_.At(loop_.Now() + timeout, [this, id = next_id_, timeout] {
     const Job& late = *jobs_.at(id);
     static_cast<void>(processes_.Signal(late.tool_pid, SIGKILL).ok());
@@ -140,11 +141,13 @@ Result<> BacktraceTaker::Begin(const std::shared_ptr<Job>& job, Duration timeout
   return Ok();
 }
 
-Result<> BacktraceTaker::StartTool(const std::shared_ptr<Job>& job) {
+// The next one that can be run.
+Result<> BacktraceTaker::StartTool(const std::shared_ptr<Job>& job, std::uint64_t id) {
   auto target = FindTarget(job->pid);
   if (!target) return target.error();
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return transport::SystemError("can't make a pipe");
+  job->watch = nullptr;
   job->output = UniqueFd(ends[0]);
   const UniqueFd input(ends[1]);  // the tool gets its own
   fcntl(job->output.get(), F_SETFL, O_NONBLOCK);
@@ -153,29 +156,34 @@ Result<> BacktraceTaker::StartTool(const std::shared_ptr<Job>& job) {
   spec.name = "backtrace";
   // Messages that can be recognised, and no search for symbols in the network.
   spec.env = {{"LC_ALL", "C"}, {"DEBUGINFOD_URLS", ""}};
-  spec.log_file = "/proc/self/fd/" + std::to_string(input.get());
+  spec.output = input.get();
   const auto on_exit =
-      [this, id = next_id_, weak = std::weak_ptr<Job>(job),
+      [this, id, weak = std::weak_ptr<Job>(job),
        target = std::make_shared<Target>(std::move(target).value())](const ProcessExit& exit) {
         if (exit.kind == ProcessExit::Kind::kKilled) target->LetGoOn();
-        if (const auto alive = weak.lock()) {
+        const auto alive = weak.lock();
+        if (!alive) return;
+        if (exit.kind != ProcessExit::Kind::kNotRun) {
           alive->Collect();
-          End(id, alive->Outcome(exit));
+          return End(id, alive->Outcome(exit));
         }
+        alive->why += ", " + exit.Text();
+        if (const auto started = StartTool(alive, id); !started) End(id, started.error());
       };
-  std::string why = "no tool for backtraces";
-  for (auto& argv : Tools(job->pid)) {
-    spec.argv = std::move(argv);
+  const auto tools = Tools(job->pid);
+  while (job->tried < tools.size()) {
+    spec.argv = tools[job->tried++];
     const auto started = processes_.Start(spec, on_exit);
     if (!started) {
-      why += ", " + started.error().message;
+      job->why += ", " + started.error().message;
       continue;
     }
     job->tool = spec.argv.front();
     job->tool_pid = started.value();
+    job->watch = loop_.WhenReadable(job->output.get(), [job = job.get()] { job->Collect(); });
     return Ok();
   }
-  return Error{kCodeUnSupport, why};
+  return Error{kCodeUnSupport, job->why};
 }
 
 void BacktraceTaker::End(std::uint64_t id, const Result<std::string>& result) {

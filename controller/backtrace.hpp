@@ -46,7 +46,7 @@ class BacktraceTaker {
   struct Job;
 
   Result<> Begin(const std::shared_ptr<Job>& job, Duration timeout);
-  Result<> StartTool(const std::shared_ptr<Job>& job);
+  Result<> StartTool(const std::shared_ptr<Job>& job, std::uint64_t id);
   void End(std::uint64_t id, const Result<std::string>& result);
 
   transport::EventLoop& loop_;

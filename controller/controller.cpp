@@ -77,7 +77,8 @@ Controller::Controller(transport::Node& node, const MachineConfig& config,
     : node_(node),
       config_(config),
       options_(std::move(options)),
-      processes_(node.loop()),
+      disk_(node.loop()),
+      processes_(node.loop(), disk_),
       witness_(node.loop(), processes_) {}
 
 Controller::~Controller() = default;
@@ -101,6 +102,7 @@ Result<> Controller::Open(int domain_id) {
     file_journal_ = journal.get();
     history_.emplace(node_.loop(), *journal);
     journal_ = std::move(journal);
+    OpenLogs();
   } else {
     journal_ = std::make_unique<NoJournal>();
   }
@@ -130,7 +132,7 @@ Result<> Controller::OpenStore() {
     store = StateStore::Open(config_.state_dir, config_.name);
   }
   if (store) {
-    store_.emplace(std::move(store).value());
+    store_ = std::make_shared<StateStore>(std::move(store).value());
   } else if (store.error().code == kCodeTargetBusy) {
     return Error{kCodeTargetBusy,
                  store.error().message + "; `musher status` shows it, --takeover ends it"};
@@ -172,22 +174,34 @@ Result<> Controller::OpenShell() {
   world.processes = &processes_;
   world.witness = &witness_;
   world.journal = journal_.get();
-  const auto save = [this](const auto& write, const ControllerShell::World::OnSaved& done) {
-    done(store_ ? write(*store_) : Error{kCodeFailed, "the controller has no folder"});
+  using OnSaved = ControllerShell::World::OnSaved;
+  const auto save = [this](Stored what, auto write, OnSaved done) {
+    if (!store_) return done(Error{kCodeFailed, "the controller has no folder"});
+    disk_.Do(
+        std::string(StoredName(what)), [store = store_, write] { return write(*store); },
+        std::move(done));
   };
-  world.save_epoch = [save](std::uint64_t epoch, const auto& done) {
-    save([epoch](StateStore& store) { return store.SaveEpoch(epoch); }, done);
+  world.save_epoch = [save](std::uint64_t epoch, OnSaved done) {
+    save(
+        Stored::kEpoch, [epoch](StateStore& store) { return store.SaveEpoch(epoch); },
+        std::move(done));
   };
-  world.save_emergency_stops = [save](const StoredStops& stops, const auto& done) {
-    save([&](StateStore& store) { return store.SaveEmergencyStops(stops); }, done);
+  world.save_emergency_stops = [save](const StoredStops& stops, OnSaved done) {
+    save(
+        Stored::kEmergencyStops,
+        [stops](StateStore& store) { return store.SaveEmergencyStops(stops); }, std::move(done));
   };
-  world.save_policy = [save](const StoredPolicy& policy, const auto& done) {
-    save([&](StateStore& store) { return store.SavePolicy(policy); }, done);
+  world.save_policy = [save](const StoredPolicy& policy, OnSaved done) {
+    save(
+        Stored::kPolicy, [policy](StateStore& store) { return store.SavePolicy(policy); },
+        std::move(done));
   };
-  world.save_stop_intent = [save](bool intended, const auto& done) {
-    save([intended](StateStore& store) { return store.SaveStopIntent(intended); }, done);
+  world.save_stop_intent = [save](bool intended, OnSaved done) {
+    save(
+        Stored::kStopIntent,
+        [intended](StateStore& store) { return store.SaveStopIntent(intended); }, std::move(done));
   };
-  world.log_file = [this](const std::string& name) { return LogFileOf(name); };
+  world.output = [this](const std::string& name) { return logs_ ? logs_->Output(name) : nullptr; };
   world.wall_ns = WallNanoseconds;
   world.config_text = TextOf(config_);
   world.host = transport::HostId();
@@ -254,22 +268,37 @@ std::uint64_t Controller::LoadEpoch() {
   return 0;
 }
 
-// Without one the process is started all the same, and what it prints is lost.
-std::string Controller::LogFileOf(const std::string& actuator) {
-  if (!store_) return "";
-  const auto file = store_->MakeLogFile(actuator);
-  const bool told = std::exchange(logs_in_trouble_, !file.ok());
-  if (file) return file.value();
-  if (!told) Trouble("what actuators print is lost: " + file.error().message);
-  return "";
+// Without a log its process is started all the same, and what it prints is lost.
+void Controller::OpenLogs() {
+  LogFilesOptions options;
+  options.max_total_bytes = config_.logs_size_bytes;
+  options.on_trouble = [this](const std::string& message) { Trouble(message); };
+  const auto add = [&](const std::string& name, std::int64_t bytes) {
+    options.logs.push_back({name, store_->LogFile(name), bytes});
+  };
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    if (!actuator.command.empty()) add(actuator.name, actuator.log_size_bytes);
+  }
+  if (config_.policy) {
+    const PowerPolicy& power = config_.policy->power;
+    if (!power.off_command.empty()) add("power_off", config_.log_size_bytes);
+    if (!power.reboot_command.empty()) add("reboot", config_.log_size_bytes);
+  }
+  options.logs.push_back(
+      {"the controller", ControllerLogFile(config_), config_.log_size_bytes, /*open=*/false});
+  logs_ = std::make_unique<LogFiles>(node_.loop(), std::move(options));
 }
 
 void Controller::Trouble(const std::string& message) {
   if (options_.on_trouble) options_.on_trouble(message);
 }
 
-void Controller::FlushJournal(Duration timeout) {
-  if (file_journal_ != nullptr) file_journal_->Flush(timeout);
+bool Controller::Flush(Duration timeout) {
+  const Time deadline = std::chrono::steady_clock::now() + timeout;
+  const bool saved = disk_.Flush(timeout);
+  const Duration left = deadline - std::chrono::steady_clock::now();
+  return (file_journal_ == nullptr || file_journal_->Flush(std::max(left, Milliseconds(1)))) &&
+         saved;
 }
 
 }  // namespace musher

@@ -12,7 +12,9 @@
 #include "musher/controller/controller_services.hpp"
 #include "musher/controller/controller_shell.hpp"
 #include "musher/controller/cyberdog/manager.hpp"
+#include "musher/controller/disk_writer.hpp"
 #include "musher/controller/journal.hpp"
+#include "musher/controller/log_files.hpp"
 #include "musher/controller/process_supervisor.hpp"
 #include "musher/controller/process_witness.hpp"
 #include "musher/controller/state_store.hpp"
@@ -48,8 +50,9 @@ class Controller {
   ~Controller();
 
   ControllerShell& shell() { return *shell_; }
-  // Waits until what was recorded is on disk, at most `timeout`.
-  void FlushJournal(Duration timeout);
+  // Waits until what was recorded and what is to be saved is on disk, at most `timeout`; says
+  // whether it is.
+  bool Flush(Duration timeout);
 
  private:
   Controller(transport::Node& node, const MachineConfig& config, ControllerOptions options);
@@ -61,19 +64,20 @@ class Controller {
   void BeginAfter(Duration listen, int domain_id);
   void Begin(int domain_id);
   std::uint64_t LoadEpoch();
-  std::string LogFileOf(const std::string& actuator);
+  void OpenLogs();
   void Trouble(const std::string& message);
 
   transport::Node& node_;
   const MachineConfig& config_;
   ControllerOptions options_;
-  std::optional<StateStore> store_;  // none when the disk does not let us
-  bool logs_in_trouble_ = false;     // which is said once for each spell
+  std::shared_ptr<StateStore> store_;  // null when the disk does not let us; saves hold it, too
   std::unique_ptr<JournalSink> journal_;
   Journal* file_journal_ = nullptr;          // the same, when there is a store
   std::optional<HistoryReader> history_;     // of that one
   std::optional<transport::NameLock> name_;  // of the leader of this namespace on this host
   bool look_around_ = false;                 // another controller may lead already
+  DiskWriter disk_;
+  std::unique_ptr<LogFiles> logs_;  // null without a store
   ProcessSupervisor processes_;
   KernelWitness witness_;
   std::unique_ptr<ControllerShell> shell_;

@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::size_t kProcessesKept = 4;  // of one actuator, those that spoke last
 constexpr Duration kPublishPeriod = Milliseconds(20);
-constexpr std::size_t kSwitchEntriesKept = 128;             // a begin and an end each
+constexpr std::size_t kSwitchEntriesKept = 128;         // a begin and an end each
+constexpr Duration kUnsavedPeriod = Milliseconds(500);  // a save takes less on a disk that works
 constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // less than a hung process has left
 
 // Whether a process of the actuator runs, by its latched status: it is not about to end.
@@ -263,6 +264,7 @@ void ControllerShell::Handle(const Event& event) {
   handling_ = false;
   ArmTimer();
   PublishSoon();
+  PublishWhileUnsaved();
   if (capabilities_) capabilities_->Refresh();
 }
 
@@ -300,6 +302,20 @@ void ControllerShell::PublishSoon() {
     publish_later_ = nullptr;
     Publish();
   });
+}
+
+// How long something is not on disk shows in the status, so that grows with time.
+void ControllerShell::PublishWhileUnsaved() {
+  if (machine_.unsaved.empty()) {
+    unsaved_timer_ = nullptr;
+  } else if (!unsaved_timer_) {
+    const Time now = world_.node->loop().Now();
+    unsaved_timer_ = world_.node->loop().At(now + kUnsavedPeriod, [this] {
+      unsaved_timer_ = nullptr;
+      PublishSoon();
+      PublishWhileUnsaved();
+    });
+  }
 }
 
 void ControllerShell::Publish() {
@@ -440,6 +456,14 @@ msg::MachineStatus ControllerShell::Status() const {
   msg::MachineStatus status = ToMessage(config_, machine_);
   status.pid = world_.pid;
   status.host = world_.host;
+  const Time now = world_.node->loop().Now();
+  for (const Unsaved& unsaved : machine_.unsaved) {
+    if (now - unsaved.since < kUnsavedPeriod && unsaved.why.empty()) continue;
+    const auto age = std::chrono::duration_cast<std::chrono::seconds>(now - unsaved.since).count();
+    status.not_on_disk.push_back(std::string(StoredName(unsaved.what)) + " (" +
+                                 std::to_string(age) + " s)" +
+                                 (unsaved.why.empty() ? "" : ": " + unsaved.why));
+  }
   return status;
 }
 

@@ -26,6 +26,7 @@
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/transport/node.hpp"
+#include "musher/transport/unique_fd.hpp"
 
 namespace musher {
 
@@ -38,15 +39,17 @@ class ControllerShell {
     ProcessWitness* witness = nullptr;
     JournalSink* journal = nullptr;
     // What has to survive this controller. Each hands its value to the disk and does not wait for
-    // it: `done` runs on the loop, at once or later, when it is there or has failed. All may be
-    // called again before that; then the last value counts.
+    // it: `done` runs on the loop, at once or later, when it is there or has failed, and once more
+    // when what failed has worked later. All may be called again before that; then the last value
+    // counts.
     using OnSaved = std::function<void(const Result<>&)>;
     std::function<void(std::uint64_t, OnSaved done)> save_epoch;
     std::function<void(const StoredStops&, OnSaved done)> save_emergency_stops;
     std::function<void(const StoredPolicy&, OnSaved done)> save_policy;
     std::function<void(bool, OnSaved done)> save_stop_intent;
-    std::function<std::string(const std::string&)> log_file;  // of an actuator's process
-    std::function<std::int64_t()> wall_ns;                    // since 1970
+    // Where a process of this name writes its stdout and stderr; may be null.
+    std::function<std::shared_ptr<const transport::UniqueFd>(const std::string&)> output;
+    std::function<std::int64_t()> wall_ns;  // since 1970
     std::string config_text;  // what the config was read from, for the journal; may be empty
     std::string host;         // transport::HostId()
     std::int32_t pid = 0;
@@ -139,6 +142,7 @@ class ControllerShell {
   void HandleQueued();
   void ArmTimer();
   void PublishSoon();
+  void PublishWhileUnsaved();
   void Publish();
   SwitchResult Refusal(const Error& why) const;
   void Do(const action::SendSwitch& a);
@@ -184,6 +188,7 @@ class ControllerShell {
   msg::MachineStatus published_;
   Time published_at_{};
   transport::LoopHandlePtr publish_later_;
+  transport::LoopHandlePtr unsaved_timer_;  // while something is not on disk
   // There only while this controller leads.
   std::unique_ptr<transport::Publisher<msg::MachineStatus>> status_;
   std::unique_ptr<transport::Publisher<msg::MachineInfo>> info_;

@@ -23,12 +23,16 @@ void ControllerShell::Do(const action::StartProcess& a) {
   spec.env.emplace("MUSHER_ACTUATOR", actuator.name);
   const bool alone = machine_.actuators[a.actuator].dead != 0;  // the others are there already
   if (alone) spec.env.emplace("MUSHER_IMPATIENT", "1");
-  spec.log_file = world_.log_file(actuator.name);
+  const auto output = world_.output(actuator.name);
+  if (output) spec.output = output->get();
   auto pid = std::make_shared<pid_t>(0);
   const auto started =
       world_.processes->Start(spec, [this, i = a.actuator, pid](const ProcessExit& exit) {
         health_->Forget(i);
         peers_[i].link->OnProcess(0);
+        if (exit.kind == ProcessExit::Kind::kNotRun) {
+          return Handle(event::ProcessNotStarted{i, exit.Text()});
+        }
         Handle(event::ProcessEnded{i, *pid, exit.clean(), exit.Text(), exit.code()});
       });
   if (!started) return Handle(event::ProcessNotStarted{a.actuator, started.error().message});
@@ -50,7 +54,8 @@ void ControllerShell::Do(const action::RunPowerCommand& a) {
   spec.name = a.reboot ? "reboot" : "power_off";
   spec.argv = a.reboot ? power.reboot_command : power.off_command;
   if (spec.argv.empty()) return;
-  spec.log_file = world_.log_file(spec.name);
+  const auto output = world_.output(spec.name);
+  if (output) spec.output = output->get();
   const auto failed = [this, name = spec.name](const std::string& how) {
     Do(action::Record{"policy", std::nullopt, 0, kCodeFailed, "the command of " + name + how});
   };

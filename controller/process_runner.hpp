@@ -20,7 +20,7 @@ struct ProcessSpec {
   std::vector<std::string> argv;           // without '/': looked up in PATH; relative: from cwd
   std::string cwd;                         // empty = ours
   std::map<std::string, std::string> env;  // on top of ours, without what systemd gave to us
-  std::string log_file;                    // gets stdout and stderr, appended; empty = ours
+  int output = -1;  // gets stdout and stderr; stays the caller's; -1 = our own
 };
 
 // How a process ended.
@@ -29,6 +29,7 @@ struct ProcessExit {
     kExited,   // number = its exit code
     kKilled,   // number = the signal
     kUnknown,  // it was not our child: only that it ended is known
+    kNotRun    // its program could not be run; `last_words` says why
   };
 
   Kind kind = Kind::kUnknown;
@@ -54,10 +55,10 @@ class ProcessRunner {
   // Leaves the processes running and unwatched.
   virtual ~ProcessRunner() = default;
 
-  // Starts a process as the leader of its own group and watches it. Whatever keeps the program from
-  // running (not found, no such cwd, log file not writable) is an Error here and now; after success
-  // `on_exit` runs exactly once, never inside Start(). Start() waits for the program to be loaded,
-  // about a millisecond.
+  // Starts a process as the leader of its own group and watches it. What keeps the program from
+  // running (not found, no such cwd) is an Error of Start() where it shows at once, as it mostly
+  // does; on a disk that is slow to load the program it is the process's end, of kind kNotRun.
+  // After success `on_exit` runs exactly once, never inside Start().
   virtual Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) = 0;
 
   // Watches a living process that was started by somebody else, e.g. by the controller before us.

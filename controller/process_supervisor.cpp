@@ -1,5 +1,7 @@
 #include "musher/controller/process_supervisor.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -8,11 +10,9 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
+#include <sstream>
 #include <utility>
 
-#include "musher/controller/spawn.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher {
@@ -32,19 +32,23 @@ ProcessExit Reap(pid_t pid) {
 }
 
 constexpr std::int64_t kMostWords = 2048;   // bytes of a log's end that are looked at
-constexpr std::size_t kLongestWords = 200;  // bytes that are told
+constexpr std::size_t kLongestWords = 200;  // bytes that are reported
+constexpr Duration kWordsPatience = Milliseconds(100);
 
-std::int64_t SizeOf(const std::string& file) {
-  std::error_code none;
-  const auto size = std::filesystem::file_size(file, none);
-  return none ? 0 : static_cast<std::int64_t>(size);
+// -1: it is no file.
+std::int64_t SizeOf(int fd) {
+  struct stat info {};
+  return fstat(fd, &info) == 0 && S_ISREG(info.st_mode) ? info.st_size : -1;
 }
 
-// The last line of what stands in `file` from `begin` on that says something.
-std::string LastWords(const std::string& file, std::int64_t begin) {
-  std::ifstream in(file, std::ios::binary);
-  const std::int64_t from = std::max(begin, SizeOf(file) - kMostWords);
-  if (!in || !in.seekg(from)) return "";
+// The last line of what stands in the file from `begin` on that has a visible character.
+std::string LastWords(int fd, std::int64_t begin) {
+  const std::int64_t size = SizeOf(fd);
+  // One that is shorter than it was has been cut at its front meanwhile (log_files.hpp).
+  const std::int64_t from = std::max(size < begin ? 0 : begin, size - kMostWords);
+  std::string text(kMostWords, '\0');
+  const ssize_t got = pread(fd, text.data(), text.size(), from);
+  std::istringstream in(text.substr(0, static_cast<std::size_t>(std::max<ssize_t>(got, 0))));
   std::string line;
   std::string last;
   while (std::getline(in, line)) {
@@ -65,6 +69,7 @@ std::string LastWords(const std::string& file, std::int64_t begin) {
 
 std::string ProcessExit::Text() const {
   if (kind == Kind::kUnknown) return "ended (exit code unknown)";
+  if (kind == Kind::kNotRun) return last_words;
   if (kind == Kind::kExited) {
     return "exit code " + std::to_string(number) + (last_words.empty() ? "" : ": " + last_words);
   }
@@ -73,12 +78,25 @@ std::string ProcessExit::Text() const {
 }
 
 Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) {
-  Process process{true, spec.log_file, SizeOf(spec.log_file), std::move(on_exit), {}, nullptr};
-  auto pid = Spawn(spec);
-  if (!pid) return pid;
-  if (auto added = Add(pid.value(), std::move(process)); !added) {
-    kill(-pid.value(), SIGKILL);  // a process that can't be watched can't be kept
-    Reap(pid.value());
+  Process process;
+  process.name = spec.name;
+  process.on_exit = std::move(on_exit);
+  process.log_begin = spec.output >= 0 ? SizeOf(spec.output) : -1;
+  if (process.log_begin >= 0) {
+    process.log = std::make_shared<transport::UniqueFd>(fcntl(spec.output, F_DUPFD_CLOEXEC, 0));
+  }
+  auto child = Spawn(spec);
+  if (!child) return child.error();
+  const pid_t pid = child.value().pid();
+  if (const auto failure = child.value().Failure(loading_)) {
+    Reap(pid);
+    return *failure;
+  }
+  process.child = std::move(child).value();
+  if (auto added = Add(pid, std::move(process)); !added) {
+    kill(pid, SIGKILL);  // a process that can't be watched can't be kept
+    kill(-pid, SIGKILL);
+    Reap(pid);
     return added.error();
   }
   return pid;
@@ -88,7 +106,9 @@ Result<> ProcessSupervisor::Watch(pid_t pid, OnExit on_exit) {
   if (processes_.contains(pid)) {
     return Error{kCodeTargetBusy, "process " + std::to_string(pid) + " is watched already"};
   }
-  return Add(pid, {false, "", 0, std::move(on_exit), {}, nullptr});
+  Process process;
+  process.on_exit = std::move(on_exit);
+  return Add(pid, std::move(process));
 }
 
 Result<> ProcessSupervisor::Signal(pid_t pid, int signal) {
@@ -117,17 +137,45 @@ Result<> ProcessSupervisor::Add(pid_t pid, Process process) {
 }
 
 void ProcessSupervisor::Ended(pid_t pid) {
-  const auto process = processes_.extract(pid);  // `on_exit` may start the next one
-  ProcessExit exit;
-  if (process.mapped().is_child) {
-    kill(-pid, SIGKILL);  // before the leader is reaped, while the group's number is surely its own
-    exit = Reap(pid);
-    const bool discontent = exit.kind == ProcessExit::Kind::kExited && exit.number != 0;
-    if (discontent && !process.mapped().log_file.empty()) {
-      exit.last_words = LastWords(process.mapped().log_file, process.mapped().log_begin);
-    }
+  auto process = processes_.extract(pid);  // `on_exit` may start the next one
+  Process& ended = process.mapped();
+  if (!ended.child) {
+    if (ended.on_exit) ended.on_exit({});
+    return;
   }
-  if (process.mapped().on_exit) process.mapped().on_exit(exit);
+  kill(-pid, SIGKILL);  // before the leader is reaped, while the group's number is surely its own
+  ProcessExit exit = Reap(pid);
+  if (const auto failure = ended.child->Failure(Duration::zero())) {
+    exit = {ProcessExit::Kind::kNotRun, 0, failure->message};
+  }
+  const bool discontent = exit.kind == ProcessExit::Kind::kExited && exit.number != 0;
+  if (discontent && ended.log) return AwaitLastWords(exit, std::move(ended));
+  if (ended.on_exit) ended.on_exit(exit);
+}
+
+void ProcessSupervisor::AwaitLastWords(const ProcessExit& exit, Process process) {
+  const std::uint64_t id = next_ending_++;
+  const auto words = std::make_shared<std::string>();
+  endings_[id] = {exit, std::move(process.on_exit),
+                  loop_.At(loop_.Now() + kWordsPatience, [this, id] { Report(id, ""); })};
+  // Of one name only the last is read on a disk that stalls: what waits for it is bounded.
+  disk_.Do(
+      "last words of " + process.name,
+      [words, log = process.log, begin = process.log_begin] {
+        *words = LastWords(log->get(), begin);
+        return Ok();
+      },
+      // A supervisor that is destroyed has no ending left; the disk outlives it.
+      [this, id, words, alive = std::weak_ptr<bool>(alive_)](const Result<>&) {
+        if (!alive.expired()) Report(id, *words);
+      });
+}
+
+void ProcessSupervisor::Report(std::uint64_t ending, const std::string& last_words) {
+  auto ended = endings_.extract(ending);
+  if (ended.empty()) return;  // its time was over
+  ended.mapped().exit.last_words = last_words;
+  if (ended.mapped().on_exit) ended.mapped().on_exit(ended.mapped().exit);
 }
 
 }  // namespace musher

@@ -3,11 +3,14 @@
 // known in well under a millisecond and nothing is polled.
 //
 // A child gets its own session and process group (Ctrl-C in our terminal is not for it, and it has
-// no terminal), /dev/null as stdin, the log file as stdout and stderr, no other descriptor of ours,
-// and default signal handling. It outlives us: nothing is sent to it when we go or die.
+// no terminal), /dev/null as stdin, the given output as stdout and stderr, no other descriptor of
+// ours, and default signal handling. It outlives us: nothing is sent to it when we go or die.
 //
-// The last line that a child wrote before it ended by itself with another exit code than 0 is part
-// of what is told of its end: mostly it is the reason.
+// The last line that a child wrote into a file before it ended by itself with another exit code
+// than 0 is part of the report of its end: mostly it is the reason. The disk thread reads it; a
+// disk that stalls delays the report by 100 ms at most, and the line is missing then.
+//
+// Start() waits 10 ms at most for the program to be loaded.
 //
 // When a child has ended, what is left of its group is killed: the next start must not meet the
 // remains of the one before. Of a process that is only watched nothing is killed.
@@ -17,9 +20,13 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 
+#include "musher/controller/disk_writer.hpp"
 #include "musher/controller/process_runner.hpp"
+#include "musher/controller/spawn.hpp"
 #include "musher/transport/event_loop.hpp"
 #include "musher/transport/unique_fd.hpp"
 
@@ -27,8 +34,11 @@ namespace musher {
 
 class ProcessSupervisor : public ProcessRunner {
  public:
-  // The loop must outlive the supervisor.
-  explicit ProcessSupervisor(transport::EventLoop& loop) : loop_(loop) {}
+  // `loading`: how long Start() waits for a program to be loaded. The loop and the disk must
+  // outlive the supervisor.
+  ProcessSupervisor(transport::EventLoop& loop, DiskWriter& disk,
+                    Duration loading = Milliseconds(10))
+      : loop_(loop), disk_(disk), loading_(loading) {}
 
   Result<pid_t> Start(const ProcessSpec& spec, OnExit on_exit) override;
   Result<> Watch(pid_t pid, OnExit on_exit) override;
@@ -36,19 +46,34 @@ class ProcessSupervisor : public ProcessRunner {
 
  private:
   struct Process {
-    bool is_child = false;
-    std::string log_file;
-    std::int64_t log_begin = 0;  // bytes that were in it before
+    std::string name;
+    std::optional<Spawned> child;              // none: it is only watched
+    std::shared_ptr<transport::UniqueFd> log;  // of a child whose output is a file
+    std::int64_t log_begin = 0;                // bytes that were in it before
     OnExit on_exit;
     transport::UniqueFd pidfd;
     transport::LoopHandlePtr watch;  // last: its callback ends before what it uses
   };
 
+  // A process that has ended and whose last words are being read.
+  struct Ending {
+    ProcessExit exit;
+    OnExit on_exit;
+    transport::LoopHandlePtr deadline;
+  };
+
   Result<> Add(pid_t pid, Process process);
   void Ended(pid_t pid);
+  void AwaitLastWords(const ProcessExit& exit, Process process);
+  void Report(std::uint64_t ending, const std::string& last_words);
 
   transport::EventLoop& loop_;
+  DiskWriter& disk_;
+  const Duration loading_;
   std::map<pid_t, Process> processes_;
+  std::map<std::uint64_t, Ending> endings_;
+  std::uint64_t next_ending_ = 1;
+  const std::shared_ptr<bool> alive_ = std::make_shared<bool>();  // expires with the supervisor
 };
 
 }  // namespace musher

@@ -5,9 +5,9 @@
 #include "musher/controller/spawn.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +16,7 @@
 #include <cstdlib>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "musher/transport/host.hpp"
@@ -30,7 +31,7 @@ using transport::UniqueFd;
 constexpr int kReportFd = 3;  // in the child, beside 0, 1 and 2
 
 // What the child could not do.
-struct Failure {
+struct ChildFailure {
   enum Step : int { kRedirect, kChangeDirectory, kExecute };
   Step step;
   int error_number;
@@ -44,7 +45,7 @@ struct Plan {
   std::vector<char*> envp;
   std::string cwd;
   UniqueFd input;
-  UniqueFd log;  // invalid = our own stdout and stderr
+  int output = -1;  // -1 = our own stdout and stderr
   rlim_t max_fds = 0;
 };
 
@@ -103,11 +104,7 @@ Result<Plan> Prepare(const ProcessSpec& spec) {
   plan.cwd = spec.cwd;
   plan.input = UniqueFd(open("/dev/null", O_RDONLY | O_CLOEXEC));
   if (!plan.input.valid()) return SystemError("can't open /dev/null");
-  if (!spec.log_file.empty()) {
-    plan.log =
-        UniqueFd(open(spec.log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
-    if (!plan.log.valid()) return SystemError("can't write the log file " + spec.log_file);
-  }
+  plan.output = spec.output;
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);
   plan.max_fds = std::min<rlim_t>(limit.rlim_cur, 65536);
@@ -116,8 +113,8 @@ Result<Plan> Prepare(const ProcessSpec& spec) {
 
 // From here to RunChild(): in the child.
 
-[[noreturn]] void GiveUp(int report_fd, Failure::Step step) {
-  const Failure failure{step, errno};
+[[noreturn]] void GiveUp(int report_fd, ChildFailure::Step step) {
+  const ChildFailure failure{step, errno};
   // Nobody is left to tell if this fails; the parent then sees the exit code.
   [[maybe_unused]] const ssize_t written = write(report_fd, &failure, sizeof(failure));
   _exit(127);
@@ -143,16 +140,16 @@ void CloseOthers(rlim_t max_fds) {
   // Moved out of the way first, so that no dup2 below overwrites what is still needed.
   const int report = fcntl(report_fd, F_DUPFD_CLOEXEC, 16);
   const int input = fcntl(plan.input.get(), F_DUPFD_CLOEXEC, 16);
-  const int log = plan.log.valid() ? fcntl(plan.log.get(), F_DUPFD_CLOEXEC, 16) : -1;
-  if (report < 0 || input < 0) GiveUp(report_fd, Failure::kRedirect);
-  if (dup2(input, 0) < 0) GiveUp(report, Failure::kRedirect);
-  if (plan.log.valid() && (dup2(log, 1) < 0 || dup2(log, 2) < 0)) {
-    GiveUp(report, Failure::kRedirect);
+  const int output = plan.output >= 0 ? fcntl(plan.output, F_DUPFD_CLOEXEC, 16) : -1;
+  if (report < 0 || input < 0) GiveUp(report_fd, ChildFailure::kRedirect);
+  if (dup2(input, 0) < 0) GiveUp(report, ChildFailure::kRedirect);
+  if (plan.output >= 0 && (dup2(output, 1) < 0 || dup2(output, 2) < 0)) {
+    GiveUp(report, ChildFailure::kRedirect);
   }
-  if (dup3(report, kReportFd, O_CLOEXEC) < 0) GiveUp(report, Failure::kRedirect);
+  if (dup3(report, kReportFd, O_CLOEXEC) < 0) GiveUp(report, ChildFailure::kRedirect);
   CloseOthers(plan.max_fds);
   if (!plan.cwd.empty() && chdir(plan.cwd.c_str()) != 0) {
-    GiveUp(kReportFd, Failure::kChangeDirectory);
+    GiveUp(kReportFd, ChildFailure::kChangeDirectory);
   }
   ResetSignals();
   int reason = ENOENT;
@@ -161,30 +158,37 @@ void CloseOthers(rlim_t max_fds) {
     if (errno != ENOENT && errno != ENOTDIR) reason = errno;  // e.g. found, but not executable
   }
   errno = reason;
-  GiveUp(kReportFd, Failure::kExecute);
-}
-
-Error Explain(const ProcessSpec& spec, const Failure& failure) {
-  switch (failure.step) {
-    case Failure::kRedirect:
-      return SystemError("can't set up its files", failure.error_number);
-    case Failure::kChangeDirectory:
-      return SystemError("can't enter " + spec.cwd, failure.error_number);
-    case Failure::kExecute:
-      break;
-  }
-  return SystemError("can't run " + spec.argv.front(), failure.error_number);
+  GiveUp(kReportFd, ChildFailure::kExecute);
 }
 
 }  // namespace
 
-Result<pid_t> Spawn(const ProcessSpec& spec) {
+Spawned::Spawned(const ProcessSpec& spec, pid_t pid, UniqueFd report)
+    : pid_(pid), program_(spec.argv.front()), cwd_(spec.cwd), report_(std::move(report)) {}
+
+std::optional<Error> Spawned::Failure(Duration patience) const {
+  pollfd reported{report_.get(), POLLIN, 0};
+  if (poll(&reported, 1, static_cast<int>(ToMilliseconds(patience))) != 1) return std::nullopt;
+  ChildFailure failure{};
+  if (read(report_.get(), &failure, sizeof(failure)) != sizeof(failure)) return std::nullopt;
+  switch (failure.step) {
+    case ChildFailure::kRedirect:
+      return SystemError("can't set up its files", failure.error_number);
+    case ChildFailure::kChangeDirectory:
+      return SystemError("can't enter " + cwd_, failure.error_number);
+    case ChildFailure::kExecute:
+      break;
+  }
+  return SystemError("can't run " + program_, failure.error_number);
+}
+
+Result<Spawned> Spawn(const ProcessSpec& spec) {
   const auto plan = Prepare(spec);
   if (!plan) return plan.error();
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return SystemError("can't make a pipe");
-  const UniqueFd report(ends[0]);
-  UniqueFd report_writer(ends[1]);
+  if (pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) return SystemError("can't make a pipe");
+  UniqueFd report(ends[0]);
+  const UniqueFd report_writer(ends[1]);
 
   // A signal that comes between fork and exec must not run one of our handlers in the child.
   sigset_t all;
@@ -196,16 +200,7 @@ Result<pid_t> Spawn(const ProcessSpec& spec) {
   if (pid == 0) RunChild(plan.value(), report_writer.get());
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (pid < 0) return SystemError("can't fork", fork_error);
-
-  report_writer = UniqueFd();
-  Failure failure{};
-  ssize_t got = 0;
-  do {
-    got = read(report.get(), &failure, sizeof(failure));
-  } while (got < 0 && errno == EINTR);
-  if (got != sizeof(failure)) return pid;  // the program runs
-  waitpid(pid, nullptr, 0);
-  return Explain(spec, failure);
+  return Spawned(spec, pid, std::move(report));
 }
 
 }  // namespace musher

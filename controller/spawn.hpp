@@ -4,12 +4,36 @@
 
 #include <sys/types.h>
 
+#include <optional>
+#include <string>
+
 #include "musher/controller/process_runner.hpp"
 #include "musher/lifecycle/result.hpp"
+#include "musher/lifecycle/time.hpp"
+#include "musher/transport/unique_fd.hpp"
 
 namespace musher {
 
-// Returns once the program runs, or why it does not. Threads: any.
-Result<pid_t> Spawn(const ProcessSpec& spec);
+// A child that was forked. It may still be on the way to its program: the disk that has it may be
+// slow.
+class Spawned {
+ public:
+  Spawned() = default;
+  Spawned(const ProcessSpec& spec, pid_t pid, transport::UniqueFd report);
+
+  pid_t pid() const { return pid_; }
+  // Waits at most `patience` until its program runs or cannot be run; says why it cannot. None as
+  // well: not known yet.
+  std::optional<Error> Failure(Duration patience) const;
+
+ private:
+  pid_t pid_ = 0;
+  std::string program_;
+  std::string cwd_;
+  transport::UniqueFd report_;
+};
+
+// Forks. Waits for no disk. Threads: any.
+Result<Spawned> Spawn(const ProcessSpec& spec);
 
 }  // namespace musher

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "musher/controller/private_folder.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher {
@@ -26,23 +27,6 @@ constexpr std::size_t kMaxFileSize = 64 << 10;  // bytes, of the small files her
 constexpr std::size_t kLongestText = 256;       // bytes, of who engaged a stop and why
 // The stop that a damaged file counts as.
 constexpr std::uint64_t kUnknownStop = 1;
-
-// Makes a folder and those above it, each only for its owner; those that exist stay as they are.
-Result<> MakePrivateFolder(const fs::path& path) {
-  fs::path so_far;
-  for (const auto& part : path) {
-    so_far /= part;
-    if (so_far.empty() || part == "." || part == "..") continue;
-    if (mkdir(so_far.c_str(), 0700) == 0) continue;
-    const int error_number = errno;
-    std::error_code unknown;
-    if (!fs::is_directory(so_far, unknown)) {
-      return SystemError("can't make the folder " + so_far.string(),
-                         error_number == EEXIST ? ENOTDIR : error_number);
-    }
-  }
-  return Ok();
-}
 
 std::string ReadSmall(int fd) {
   std::string text(kMaxFileSize, '\0');
@@ -223,14 +207,6 @@ pid_t StateStore::OwnerOf(const std::string& dir) {
 
 std::string StateStore::LogFile(std::string_view actuator) const {
   return dir_ + "/logs/" + std::string(actuator) + ".log";
-}
-
-Result<std::string> StateStore::MakeLogFile(std::string_view actuator) const {
-  if (auto made = MakePrivateFolder(fs::path(dir_) / "logs"); !made) return made.error();
-  std::string path = LogFile(actuator);
-  const UniqueFd file(open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
-  if (!file.valid()) return SystemError("can't write " + path);
-  return path;
 }
 
 }  // namespace musher

@@ -18,6 +18,7 @@
 #include <string_view>
 #include <utility>
 
+#include "musher/lifecycle/config.hpp"
 #include "musher/lifecycle/machine.hpp"
 #include "musher/lifecycle/result.hpp"
 #include "musher/transport/unique_fd.hpp"
@@ -27,6 +28,11 @@ namespace musher {
 // Where a controller of this name keeps its state unless the config says otherwise:
 // $XDG_STATE_HOME/musher/<name>, else ~/.local/state/musher/<name>, else /var/lib/musher/<name>.
 std::string DefaultStateDir(std::string_view controller_name);
+
+// What the controller prints, for people.
+inline std::string ControllerLogFile(const MachineConfig& config) {
+  return config.log.empty() ? config.state_dir + "/controller.log" : config.log;
+}
 
 class StateStore {
  public:
@@ -65,9 +71,6 @@ class StateStore {
 
   std::string JournalFile() const { return dir_ + "/journal.sqlite"; }
   std::string LogFile(std::string_view actuator) const;
-  // The same, once it is there and can be written; its folder is made again when somebody has
-  // removed it. An Error is to be reported and gone on without the log.
-  Result<std::string> MakeLogFile(std::string_view actuator) const;
 
  private:
   StateStore(std::string dir, transport::UniqueFd lock)

@@ -78,6 +78,8 @@ struct ActuatorConfig {
   std::optional<Duration> controller_lost;  // without a controller this long: on_controller_lost
   State on_controller_lost;                 // empty: the highest listed state up to Protected
   State on_lost;  // the machine's state once this one is given up; may be empty
+  std::int64_t log_size_bytes = 50ll
+                                << 20;  // of what its process prints, with older, compressed parts
 
   bool Lists(std::string_view state) const;
   // What a switch to `state` may take; nullopt where the state is not listed.
@@ -121,6 +123,8 @@ struct MachineConfig {
   Duration shutdown_budget = Milliseconds(10'000);
   std::string log;  // file of the controller's log; empty: state_dir/controller.log
   std::int64_t journal_size_bytes = 64ll << 20;  // the journal is trimmed beyond this
+  std::int64_t log_size_bytes = 50ll << 20;      // of the controller's log, with its older parts
+  std::int64_t logs_size_bytes = 500ll << 20;    // of all logs
 
   std::map<State, Rank> ranks;  // built-in ranks and those of [[state]]
   std::vector<FlowEdge> flow;   // the default flow, or the file's [[transition]]

@@ -123,7 +123,9 @@ void Decision::On(const event::ProcessStarted& started) {
       record.cause);
 }
 
+// Maybe after its process was started, which then could not run the program.
 void Decision::On(const event::ProcessNotStarted& failed) {
+  Of(failed.actuator).process = 0;
   if (Of(failed.actuator).presence == Presence::kPresent) return;  // somebody else has started it
   Of(failed.actuator).presence = Presence::kAbsent;
   Degrade(failed.actuator, kCodeFailed, "its process could not be started: " + failed.why,

@@ -36,7 +36,7 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   world.save_stop_intent = [this](bool intended, const auto& done) {
     Save(disk_.stop_intent, intended, done);
   };
-  world.log_file = [](const std::string&) { return std::string(); };
+  world.output = [](const std::string&) { return nullptr; };
   world.wall_ns = [this] { return (network_.now().time_since_epoch() + wall_offset).count(); };
   world.host = hosts.Id(host);
   world.pid = pid_;

@@ -1,57 +1,126 @@
 #include "musher/controller/cli/controller_log.hpp"
 
 #include <fcntl.h>
-#include <spdlog/sinks/basic_file_sink.h>
-#include <spdlog/spdlog.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <mutex>
+#include <utility>
 
+#include "musher/controller/cli/wall_time.hpp"
+#include "musher/controller/private_folder.hpp"
+#include "musher/transport/host.hpp"
 #include "musher/transport/unique_fd.hpp"
 
 namespace musher::cli {
 namespace {
 
-constexpr std::uintmax_t kLargestLog = 16 << 20;  // bytes; at a start, a larger one is put aside
+constexpr std::size_t kMostWaiting = 1 << 20;  // bytes
 
-void PutAsideIfLarge(const std::string& path) {
-  std::error_code missing;
-  const auto size = std::filesystem::file_size(path, missing);
-  if (!missing && size > kLargestLog) std::filesystem::rename(path, path + ".1", missing);
-}
-
-// What libraries and a crash say must not be lost either.
-void TakeStandardOutput(const std::string& path) {
-  const transport::UniqueFd file(open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC));
-  const transport::UniqueFd nowhere(open("/dev/null", O_RDWR | O_CLOEXEC));
-  const int target = file.valid() ? file.get() : nowhere.get();
-  for (const int fd : {STDOUT_FILENO, STDERR_FILENO}) dup2(target, fd);
+std::string LogLine(std::string_view text, std::int32_t code) {
+  return LocalText(WallNow()) + (code == kCodeOk ? " info: " : " warning: ") +
+         WithCode(std::string(text), code) + "\n";
 }
 
 }  // namespace
 
-ControllerLog::~ControllerLog() = default;
+struct ControllerLog::State {
+  const std::string path;
 
-void ControllerLog::Open() {
-  opened_ = true;
-  try {
-    PutAsideIfLarge(path_);
-    logger_ = std::make_shared<spdlog::logger>(
-        "controller", std::make_shared<spdlog::sinks::basic_file_sink_mt>(path_));
-    logger_->set_pattern("%Y-%m-%d %H:%M:%S.%e %l: %v");
-    logger_->flush_on(spdlog::level::info);
-  } catch (const spdlog::spdlog_ex& e) {
-    std::fprintf(stderr, "musher: no log: %s\n", e.what());
+  // The disk thread's.
+  transport::UniqueFd file;
+  bool took_output = false;  // stdout and stderr
+  bool complained = false;
+
+  std::mutex mutex;  // guards what follows; never held during IO
+  std::string waiting;
+  std::uint64_t dropped = 0;  // lines, after those that wait
+
+  explicit State(std::string p) : path(std::move(p)) {}
+
+  void Add(const std::string& line) {
+    const std::lock_guard lock(mutex);
+    if (waiting.size() + line.size() > kMostWaiting) {
+      ++dropped;
+      return;
+    }
+    waiting += TakeDropNote();
+    waiting += line;
   }
-  TakeStandardOutput(path_);
-}
+  // With the mutex.
+  std::string TakeDropNote() {
+    if (dropped == 0) return "";
+    return LogLine(std::to_string(std::exchange(dropped, 0)) +
+                       " lines dropped here: the disk did not take them",
+                   kCodeFailed);
+  }
+
+  Result<> Drain() {
+    if (auto opened = Open(); !opened) return opened;
+    while (true) {
+      std::string text;
+      {
+        const std::lock_guard lock(mutex);
+        text = std::exchange(waiting, {});
+        if (text.empty()) text = TakeDropNote();
+      }
+      if (text.empty()) return Ok();
+      const std::size_t written = WriteSome(text);
+      if (written == text.size()) continue;
+      const Error error = transport::SystemError("can't write " + path);
+      const std::lock_guard lock(mutex);
+      waiting.insert(0, text, written);
+      return error;
+    }
+  }
+
+  // Again where the file was removed.
+  Result<> Open() {
+    struct stat named {};
+    struct stat open_file {};
+    if (file.valid() && stat(path.c_str(), &named) == 0 && fstat(file.get(), &open_file) == 0 &&
+        named.st_dev == open_file.st_dev && named.st_ino == open_file.st_ino) {
+      return Ok();
+    }
+    auto made = MakePrivateFolder(std::filesystem::path(path).parent_path());
+    file = transport::UniqueFd(open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
+    if (file.valid()) made = Ok();
+    if (!file.valid() && made) made = transport::SystemError("can't write " + path);
+    if (!made && !std::exchange(complained, true)) {
+      std::fprintf(stderr, "musher: no log: %s\n", made.error().message.c_str());
+    }
+    if (file.valid() || !took_output) TakeStandardOutput();
+    return made;
+  }
+
+  void TakeStandardOutput() {
+    took_output = true;
+    const transport::UniqueFd nowhere(open("/dev/null", O_RDWR | O_CLOEXEC));
+    const int target = file.valid() ? file.get() : nowhere.get();
+    for (const int fd : {STDOUT_FILENO, STDERR_FILENO}) dup2(target, fd);
+  }
+
+  std::size_t WriteSome(std::string_view text) const {
+    std::size_t done = 0;
+    while (done < text.size()) {
+      const ssize_t written = write(file.get(), text.data() + done, text.size() - done);
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) break;
+      done += static_cast<std::size_t>(written);
+    }
+    return done;
+  }
+};
+
+ControllerLog::ControllerLog(DiskWriter& disk, std::string path)
+    : disk_(disk), state_(std::make_shared<State>(std::move(path))) {}
 
 void ControllerLog::Write(std::string_view line, std::int32_t code) {
-  if (!opened_) Open();
-  if (!logger_) return;
-  logger_->log(code == kCodeOk ? spdlog::level::info : spdlog::level::warn, "{}",
-               WithCode(std::string(line), code));
+  state_->Add(LogLine(line, code));
+  disk_.Do("controller.log", [state = state_] { return state->Drain(); });
 }
 
 }  // namespace musher::cli

@@ -15,7 +15,7 @@
 namespace musher::cli {
 namespace {
 
-constexpr Duration kLastWords = Milliseconds(2000);  // for the journal, at the end
+constexpr Duration kLastWords = Milliseconds(2000);  // for the disk, at the end
 
 void LeaveTerminal() {
   setsid();
@@ -47,7 +47,8 @@ ControllerProcess::ControllerProcess(const MachineConfig& config, std::optional<
       let_go_(TakeSignals({kLetGoSignal})),
       again_(run_ ? TakeSignals({kStartAgainSignal}) : transport::UniqueFd()),
       progress_(loop_, std::move(progress)),
-      log_(config.log.empty() ? config.state_dir + "/controller.log" : config.log),
+      disk_(loop_, {.name = "controller.log"}),
+      log_(disk_, ControllerLogFile(config)),
       service_manager_(loop_, config) {}
 
 int ControllerProcess::Run() {
@@ -69,8 +70,9 @@ int ControllerProcess::Run() {
     return static_cast<int>(ExitCode::kUsage);
   }
   loop_.Run();
-  controller_->FlushJournal(kLastWords);
-  loop_.RunUntil([] { return false; }, loop_.Now());  // what the journal had to say about that
+  const bool disk_works = controller_->Flush(kLastWords);
+  loop_.RunUntil([] { return false; }, loop_.Now());  // what the disk had to say about that
+  disk_.Flush(disk_works ? kLastWords : Milliseconds(100));
   if (start_again_) return static_cast<int>(exit_);
   if (exit_ == ExitCode::kDone) Tell(Progress::kStopped, config_.name + " is stopped");
   return static_cast<int>(exit_);
@@ -113,7 +115,7 @@ void ControllerProcess::BeginRun() {
   });
   if (!run_->on_trial) return;
   trial_.emplace(
-      loop_, *run_, config_, [this] { return &controller_->shell().machine(); },
+      loop_, disk_, *run_, config_, [this] { return &controller_->shell().machine(); },
       [this](const Result<>& outcome) { OnTrialEnd(outcome); });
   if (start_up_ && !start_up_->usable) trial_->Fail({kCodeFailed, start_up_->message});
 }

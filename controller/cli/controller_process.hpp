@@ -12,7 +12,7 @@
 // A machine that was started from a root (slot_run.hpp) may end to start again, from another slot:
 // Run() returns when it is stopped, and StartsAgain() holds.
 //
-// Threads: the loop's; the journal and Cyclone have their own.
+// Threads: the loop's; the disk, the journal and Cyclone have their own.
 
 #include <sys/types.h>
 
@@ -67,6 +67,7 @@ class ControllerProcess {
   transport::UniqueFd again_;
   transport::LinuxEventLoop loop_;
   ProgressSender progress_;
+  DiskWriter disk_;  // for the log and the end of a trial
   ControllerLog log_;
   ServiceManager service_manager_;
   std::unique_ptr<transport::Node> node_;

@@ -142,9 +142,10 @@ Result<> RootClaim::Take(const std::string& root_path) {
   return Ok();
 }
 
-Trial::Trial(transport::EventLoop& loop, const SlotRun& run, const MachineConfig& config,
-             std::function<const Machine*()> machine, OnEnd on_end)
-    : run_(run),
+Trial::Trial(transport::EventLoop& loop, DiskWriter& disk, const SlotRun& run,
+             const MachineConfig& config, std::function<const Machine*()> machine, OnEnd on_end)
+    : disk_(disk),
+      run_(run),
       config_(config),
       machine_(std::move(machine)),
       on_end_(std::move(on_end)),
@@ -156,22 +157,30 @@ Trial::Trial(transport::EventLoop& loop, const SlotRun& run, const MachineConfig
 
 void Trial::Judge() {
   const Machine* machine = machine_();
-  if (machine == nullptr || !under_way_) return;
+  if (machine == nullptr || ending_) return;
   if (const auto verdict = ota::JudgeTrial(config_, *machine)) End(*verdict);
 }
 
 void Trial::Fail(const Error& why) {
-  if (under_way_) End(why);
+  if (!ending_) End(why);
 }
 
 // A version that cannot be remembered as kept is not kept: the next start would leave it anyway.
-void Trial::End(Result<> outcome) {
-  under_way_ = false;
-  const Result<> saved = EndTrial(run_, outcome);
-  if (outcome && !saved) {
-    outcome = Error{saved.error().code, "it cannot be remembered: " + saved.error().message};
-  }
-  on_end_(outcome);
+void Trial::End(const Result<>& outcome) {
+  ending_ = true;
+  const auto saved = std::make_shared<Result<>>();
+  disk_.Do(
+      "trial",
+      [run = run_, outcome, saved] {
+        *saved = EndTrial(run, outcome);
+        return Ok();  // it is tried once
+      },
+      [this, outcome, saved](const Result<>&) {
+        under_way_ = false;
+        if (!outcome || *saved) return on_end_(outcome);
+        const Error& why = saved->error();
+        on_end_(Error{why.code, "it cannot be remembered: " + why.message});
+      });
 }
 
 }  // namespace musher::cli

@@ -3,7 +3,7 @@
 // root (controller/ota). And what its controller does about it: a version on trial is judged when
 // it is up, and kept or left.
 //
-// Threads: loop thread only. The end of a trial waits for the disk once.
+// Threads: loop thread only. The end of a trial is saved on the disk thread.
 
 #include <csignal>
 #include <functional>
@@ -12,6 +12,7 @@
 #include <string>
 
 #include "musher/controller/cli/console.hpp"
+#include "musher/controller/disk_writer.hpp"
 #include "musher/controller/ota/disk.hpp"
 #include "musher/controller/ota/slots.hpp"
 #include "musher/lifecycle/machine.hpp"
@@ -69,10 +70,10 @@ class RootClaim {
 // The trial of a version.
 class Trial {
  public:
-  // `outcome`: it is kept, or why not. Called once, on the loop.
+  // `outcome`: it is kept, or why not. Called once that is on disk, on the loop.
   using OnEnd = std::function<void(const Result<>& outcome)>;
-  Trial(transport::EventLoop& loop, const SlotRun& run, const MachineConfig& config,
-        std::function<const Machine*()> machine, OnEnd on_end);
+  Trial(transport::EventLoop& loop, DiskWriter& disk, const SlotRun& run,
+        const MachineConfig& config, std::function<const Machine*()> machine, OnEnd on_end);
 
   bool under_way() const { return under_way_; }
   // It has ended for a reason that the machine does not show. Nothing where it had ended before.
@@ -80,13 +81,15 @@ class Trial {
 
  private:
   void Judge();
-  void End(Result<> outcome);
+  void End(const Result<>& outcome);
 
+  DiskWriter& disk_;
   const SlotRun& run_;
   const MachineConfig& config_;
   std::function<const Machine*()> machine_;
   OnEnd on_end_;
   bool under_way_ = true;
+  bool ending_ = false;  // its outcome is being saved
   transport::LoopHandlePtr judge_;
   transport::LoopHandlePtr deadline_;
 };

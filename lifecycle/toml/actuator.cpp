@@ -10,6 +10,7 @@ namespace musher::config_toml {
 namespace {
 
 constexpr int kLastStage = 9;
+constexpr std::int64_t kLargestLogMb = 100'000;
 constexpr std::int64_t kMostRestarts = 10'000;
 constexpr std::int64_t kHighestExitCode = 255;
 constexpr double kFastestGrowth = 100.0;
@@ -91,8 +92,10 @@ class ActuatorReader {
       actuator_.config.cwd = Absolute(draft_.folder, cwd->text);
     }
     ReadEnvironment();
+    const auto mb = reader_.Integer("log_size_mb", 1, kLargestLogMb);
+    actuator_.config.log_size_bytes = mb ? *mb << 20 : draft_.config.log_size_bytes;
     if (reader_.Has("command")) return;
-    for (const std::string_view key : {"cwd", "env"}) {
+    for (const std::string_view key : {"cwd", "env", "log_size_mb"}) {
       if (reader_.Has(key)) reader_.Warn(reader_.At(key), key, "has no effect without a command");
     }
   }

@@ -11,6 +11,7 @@ namespace musher::config_toml {
 namespace {
 
 constexpr std::int64_t kLargestJournalMb = 100'000;
+constexpr std::int64_t kLargestLogMb = 100'000;
 
 void ReadActuatorNames(TableReader& controller, Draft& draft) {
   constexpr std::string_view kKey = "actuators";
@@ -139,6 +140,12 @@ void ReadController(TableReader& root, Draft& draft) {
   config.clock = clock.value_or(config.clock);
   if (const auto mb = controller.Integer("journal_size_mb", 1, kLargestJournalMb)) {
     config.journal_size_bytes = *mb << 20;
+  }
+  if (const auto mb = controller.Integer("log_size_mb", 1, kLargestLogMb)) {
+    config.log_size_bytes = *mb << 20;
+  }
+  if (const auto mb = controller.Integer("logs_size_mb", 1, kLargestLogMb)) {
+    config.logs_size_bytes = *mb << 20;
   }
   controller.RefuseOthers();
 }

@@ -54,13 +54,14 @@ struct MachineStatus {
   std::vector<std::string> degraded;
   std::vector<ActuatorInfo> actuators;
   PolicyInfo policy;
+  std::vector<std::string> not_on_disk;
 
   template <class Self>
   static auto Fields(Self& m) {
     return std::tie(m.machine, m.name_space, m.phase, m.state, m.target, m.epoch, m.switch_number,
                     m.pid, m.host, m.config_file, m.config_hash, m.emergency_stop,
-                    m.emergency_stop_by, m.emergency_stop_reason, m.degraded, m.actuators,
-                    m.policy);
+                    m.emergency_stop_by, m.emergency_stop_reason, m.degraded, m.actuators, m.policy,
+                    m.not_on_disk);
   }
   friend bool operator==(const MachineStatus&, const MachineStatus&) = default;
 };

@@ -71,6 +71,11 @@ void AddResource(std::vector<Kind>& kinds) {
   add("state-vanished", "the state folder is removed", StateFolderVanishes);
   add("state-read-only", "a controller starts on a read-only disk", StateFolderIsReadOnly,
       Need::kMounts);
+  add("disk-stalls-estop", "the disk stalls, and an emergency stop is engaged", DiskStallsAndStops);
+  add("disk-stalls-switch", "the disk stalls, and a switch", DiskStallsInSwitch);
+  add("disk-stalls-kill", "the disk stalls, and SIGKILL of a module", DiskStallsAndKills);
+  add("disk-stalls-stop", "the disk stalls, and the machine is torn down", DiskStallsAndTearsDown);
+  add("disk-stalls-long", "the disk stalls for 12 s", DiskStallsForLong);
 }
 
 void AddController(std::vector<Kind>& kinds) {

@@ -179,6 +179,7 @@ MUSHER_SAME(musher_msgs_msg_dds__MachineStatus_, MachineStatus) {
   SAME_ITEMS(degraded);
   SAME_ITEMS(actuators);
   SAME(policy);
+  SAME_ITEMS(not_on_disk);
 }
 
 MUSHER_SAME(musher_msgs_msg_dds__MachineInfo_, MachineInfo) {

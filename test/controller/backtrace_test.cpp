@@ -120,7 +120,8 @@ class Backtrace : public testing::Test {
   const std::string path_before_ = std::getenv("PATH");
   TempFolder folder_;
   transport::LinuxEventLoop loop_;
-  ProcessSupervisor processes_{loop_};
+  DiskWriter disk_{loop_};
+  ProcessSupervisor processes_{loop_, disk_, std::chrono::seconds(20)};
   std::unique_ptr<BacktraceTaker> taker_ = std::make_unique<BacktraceTaker>(loop_, processes_);
   std::optional<Result<std::string>> result_;
   int calls_ = 0;

@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <future>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -38,6 +39,8 @@ std::string ReadFile(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
+constexpr Duration kLoading = std::chrono::seconds(20);  // also on a busy machine
+
 class Supervisor : public testing::Test {
  protected:
   Supervisor() {
@@ -56,7 +59,7 @@ class Supervisor : public testing::Test {
 
   // A shell script; $PIPE is the test's named pipe.
   ProcessSpec Script(const std::string& text) const {
-    return {"dog", {"sh", "-c", text}, "", {{"PIPE", pipe_path_}}, log_};
+    return {"dog", {"sh", "-c", text}, "", {{"PIPE", pipe_path_}}, output_.get()};
   }
 
   pid_t MustStart(const ProcessSpec& spec) {
@@ -103,13 +106,17 @@ class Supervisor : public testing::Test {
 
   TempFolder folder_;
   const std::string log_ = folder_ / "dog.log";
+  const transport::UniqueFd output_{
+      open(log_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0600)};
   const std::string pipe_path_ = folder_ / "pipe";
   transport::UniqueFd pipe_;
   std::string heard_;
   transport::LinuxEventLoop loop_;
   std::optional<ProcessExit> exit_;
   std::set<pid_t> started_;
-  std::unique_ptr<ProcessSupervisor> supervisor_ = std::make_unique<ProcessSupervisor>(loop_);
+  DiskWriter disk_{loop_};
+  std::unique_ptr<ProcessSupervisor> supervisor_ =
+      std::make_unique<ProcessSupervisor>(loop_, disk_, kLoading);
 };
 
 TEST_F(Supervisor, TellsTheExitCode) {
@@ -211,7 +218,7 @@ TEST_F(Supervisor, KeepsWhatSystemdGaveToUsFromTheProcess) {
 TEST_F(Supervisor, FindsAProgramThroughThePathOfItsEnvironment) {
   std::ofstream(folder_ / "bark") << "#!/bin/sh\necho woof\n";
   chmod((folder_ / "bark").c_str(), 0700);
-  MustStart({"dog", {"bark"}, "", {{"PATH", "/nowhere:" + folder_.path()}}, log_});
+  MustStart({"dog", {"bark"}, "", {{"PATH", "/nowhere:" + folder_.path()}}, output_.get()});
   ASSERT_TRUE(WaitForExit());
   EXPECT_EQ(ReadFile(log_), "woof\n");
 }
@@ -234,7 +241,7 @@ TEST_F(Supervisor, StartsTheProcessWithDefaultSignalHandling) {
   sigset_t before;
   pthread_sigmask(SIG_BLOCK, &blocked, &before);
   const auto pipe_before = signal(SIGPIPE, SIG_IGN);
-  MustStart({"dog", {"grep", "-E", "Sig(Blk|Ign)", "/proc/self/status"}, "", {}, log_});
+  MustStart({"dog", {"grep", "-E", "Sig(Blk|Ign)", "/proc/self/status"}, "", {}, output_.get()});
   EXPECT_TRUE(WaitForExit());
   sigset_t now;
   pthread_sigmask(SIG_SETMASK, &before, &now);
@@ -252,7 +259,7 @@ TEST_F(Supervisor, GivesTheProcessItsOwnGroupSoThatCtrlCIsNotForIt) {
 }
 
 TEST_F(Supervisor, SaysBeforeStartReturnsThatThereIsNoSuchProgram) {
-  const auto pid = supervisor_->Start({"dog", {"no-such-program"}, "", {}, log_}, nullptr);
+  const auto pid = supervisor_->Start({"dog", {"no-such-program"}, "", {}, output_.get()}, nullptr);
   ASSERT_FALSE(pid);
   EXPECT_EQ(pid.error().message, "can't run no-such-program: No such file or directory");
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "the failed child is still there";
@@ -260,7 +267,7 @@ TEST_F(Supervisor, SaysBeforeStartReturnsThatThereIsNoSuchProgram) {
 
 TEST_F(Supervisor, SaysThatAProgramMayNotBeRun) {
   std::ofstream(folder_ / "text") << "not a program\n";
-  const auto pid = supervisor_->Start({"dog", {folder_ / "text"}, "", {}, log_}, nullptr);
+  const auto pid = supervisor_->Start({"dog", {folder_ / "text"}, "", {}, output_.get()}, nullptr);
   ASSERT_FALSE(pid);
   EXPECT_THAT(pid.error().message, AllOf(HasSubstr("text"), HasSubstr("Permission denied")));
 }
@@ -273,16 +280,46 @@ TEST_F(Supervisor, SaysThatTheFolderOfAProcessIsMissing) {
   EXPECT_EQ(pid.error().message, "can't enter " + spec.cwd + ": No such file or directory");
 }
 
-TEST_F(Supervisor, SaysThatTheLogFileCannotBeWritten) {
-  ProcessSpec spec = Script("exit 0");
-  spec.log_file = folder_.path();
-  const auto pid = supervisor_->Start(spec, nullptr);
-  ASSERT_FALSE(pid);
-  EXPECT_THAT(pid.error().message, HasSubstr("Is a directory"));
+// As a disk is that stalls: the child waits for it, and the loop does not.
+TEST_F(Supervisor, DoesNotWaitForADiskThatStallsWhileAProgramIsLoaded) {
+  supervisor_ = std::make_unique<ProcessSupervisor>(loop_, disk_, Duration::zero());
+  bool turned = false;
+  const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
+  loop_.Post([&] { turned = true; });
+  EXPECT_TRUE(loop_.RunUntil([&] { return turned; }, Deadline()));
+  EXPECT_EQ(WaitForLine(), "up");
+  EXPECT_TRUE(supervisor_->Signal(pid, SIGKILL));
+}
+
+TEST_F(Supervisor, ReportsAsItsEndThatAProgramCouldNotBeRunWhereThatShowsLate) {
+  supervisor_ = std::make_unique<ProcessSupervisor>(loop_, disk_, Duration::zero());
+  const auto on_exit = [this](const ProcessExit& exit) { exit_ = exit; };
+  for (bool late = false; !late;) {  // mostly at the first time
+    exit_.reset();
+    const auto pid =
+        supervisor_->Start({"dog", {"no-such-program"}, "", {}, output_.get()}, on_exit);
+    late = pid.ok();
+  }
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(exit_->kind, ProcessExit::Kind::kNotRun);
+  EXPECT_EQ(exit_->Text(), "can't run no-such-program: No such file or directory");
+  EXPECT_FALSE(exit_->clean());
+}
+
+TEST_F(Supervisor, WaitsForLastWordsOnADiskThatStallsForAMomentOnly) {
+  std::promise<void> disk_works;
+  disk_.Do("stall", [works = disk_works.get_future().share()] {
+    works.wait();
+    return Ok();
+  });
+  MustStart(Script("echo no such port; exit 2"));
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(exit_->Text(), "exit code 2") << "its last words are on a disk that does not answer";
+  disk_works.set_value();
 }
 
 TEST_F(Supervisor, RefusesAnEmptyCommand) {
-  const auto pid = supervisor_->Start({"dog", {}, "", {}, log_}, nullptr);
+  const auto pid = supervisor_->Start({"dog", {}, "", {}, output_.get()}, nullptr);
   ASSERT_FALSE(pid);
   EXPECT_EQ(pid.error().code, kCodeParametersInvalid);
 }
@@ -330,7 +367,7 @@ TEST_F(Supervisor, LeavesTheProcessesRunningWhenItGoes) {
 TEST_F(Supervisor, WatchesAndSignalsAProcessOfTheControllerBeforeIt) {
   const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
   WaitForLine();
-  supervisor_ = std::make_unique<ProcessSupervisor>(loop_);
+  supervisor_ = std::make_unique<ProcessSupervisor>(loop_, disk_, kLoading);
   ASSERT_TRUE(supervisor_->Watch(pid, [this](const ProcessExit& exit) { exit_ = exit; }));
   ASSERT_TRUE(supervisor_->Signal(pid, SIGTERM));
   ASSERT_TRUE(WaitForExit());

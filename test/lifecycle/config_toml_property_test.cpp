@@ -73,6 +73,8 @@ ActuatorConfig AnyActuator(std::size_t number, const MachineConfig& machine) {
         {"TearDown", Any<Ros2State>({Ros2State::kUnconfigured, Ros2State::kInactive,
                                      Ros2State::kActive, Ros2State::kFinalized})}};
   }
+  actuator.log_size_bytes =
+      AnyBool() ? machine.log_size_bytes : *rc::gen::inRange<std::int64_t>(1, 1000) << 20;
   actuator.critical = AnyBool();
   actuator.restart = AnyRestart();
   if (AnyBool()) actuator.checkpoint = AnyTime(20);
@@ -114,6 +116,8 @@ MachineConfig AnyMachine() {
   machine.shutdown_budget = AnyTime();
   machine.log = Any<std::string>({"", "/var/log/sled.log"});
   machine.journal_size_bytes = *rc::gen::inRange<std::int64_t>(1, 1000) << 20;
+  machine.log_size_bytes = *rc::gen::inRange<std::int64_t>(1, 1000) << 20;
+  machine.logs_size_bytes = *rc::gen::inRange<std::int64_t>(1, 1000) << 20;
   for (const std::string_view state : BuiltInStates()) {
     if (const auto rank = BuiltInRank(state)) machine.ranks.emplace(state, *rank);
   }
@@ -140,7 +144,7 @@ std::string List(const std::vector<std::string>& words) {
   return text + "]";
 }
 
-void WriteActuator(const ActuatorConfig& actuator, std::ostream& out) {
+void WriteActuator(const ActuatorConfig& actuator, std::int64_t usual_log, std::ostream& out) {
   constexpr const char* kProtocols[] = {"musher", "cyberdog", "ros2_lifecycle"};
   constexpr const char* kPolicies[] = {"no", "on-failure", "always"};
   out << "\n[actuator." << actuator.name << "]\nstates = " << List(actuator.states)
@@ -159,6 +163,9 @@ void WriteActuator(const ActuatorConfig& actuator, std::ostream& out) {
     out << "\nros2_states." << state << " = \"" << Ros2StateName(goal) << "\"";
   }
   if (!actuator.command.empty()) out << "\ncommand = " << List(actuator.command);
+  if (actuator.log_size_bytes != usual_log) {
+    out << "\nlog_size_mb = " << (actuator.log_size_bytes >> 20);
+  }
   if (!actuator.cwd.empty()) out << "\ncwd = " << Quoted(actuator.cwd);
   if (actuator.checkpoint) out << "\ncheckpoint_ms = " << ToMilliseconds(*actuator.checkpoint);
   for (const auto& [state, allowance] : actuator.checkpoint_in) {
@@ -201,7 +208,9 @@ std::string Write(const MachineConfig& machine) {
       << "\nname = " << Quoted(machine.name) << "\nnamespace = " << Quoted(machine.name_space)
       << "\nstate_dir = " << Quoted(machine.state_dir)
       << "\nshutdown_budget_ms = " << ToMilliseconds(machine.shutdown_budget)
-      << "\njournal_size_mb = " << (machine.journal_size_bytes >> 20);
+      << "\njournal_size_mb = " << (machine.journal_size_bytes >> 20)
+      << "\nlog_size_mb = " << (machine.log_size_bytes >> 20)
+      << "\nlogs_size_mb = " << (machine.logs_size_bytes >> 20);
   if (!machine.log.empty()) out << "\nlog = " << Quoted(machine.log);
   out << "\n[[state]]\nname = \"Parked\"\nrank = " << machine.ranks.at("Parked")
       << "\n[transport]\nprofile = "
@@ -211,7 +220,9 @@ std::string Write(const MachineConfig& machine) {
       out << "\n[[transition]]\nfrom = " << Quoted(edge.from) << "\nto = " << Quoted(edge.to);
     }
   }
-  for (const ActuatorConfig& actuator : machine.actuators) WriteActuator(actuator, out);
+  for (const ActuatorConfig& actuator : machine.actuators) {
+    WriteActuator(actuator, machine.log_size_bytes, out);
+  }
   for (const CapabilityConfig& capability : machine.capabilities) WriteCapability(capability, out);
   return out.str();
 }

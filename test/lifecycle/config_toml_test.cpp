@@ -172,6 +172,8 @@ state_dir = "state/."
 log = "logs/sled.log"
 shutdown_budget_ms = 1
 journal_size_mb = 2
+log_size_mb = 3
+logs_size_mb = 4
 )" + kVoice + kWheels + "[transport]\nprofile = \"lan\"");
   EXPECT_EQ(config.name, "sled_3");
   EXPECT_EQ(config.name_space, "fleet/sled_3");
@@ -179,6 +181,9 @@ journal_size_mb = 2
   EXPECT_EQ(config.log, "/robots/logs/sled.log");
   EXPECT_EQ(config.shutdown_budget, Milliseconds(1));
   EXPECT_EQ(config.journal_size_bytes, 2 << 20);
+  EXPECT_EQ(config.log_size_bytes, 3 << 20);
+  EXPECT_EQ(config.logs_size_bytes, 4 << 20);
+  EXPECT_EQ(config.actuators[0].log_size_bytes, 3 << 20) << "an actuator's, unless it has its own";
   EXPECT_EQ(config.transport, TransportProfile::kLan);
 }
 

@@ -6,8 +6,10 @@
 #include <gmock/gmock.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -167,6 +169,40 @@ TEST_F(DdsNodes, HaveToldWhatTheyWroteOnceTheyAreFlushedThoughTheyEndThen) {
   }
   loop_.RunUntil([&] { return !heard.empty(); }, loop_.Now() + std::chrono::seconds(10));
   EXPECT_EQ(heard, "farewell");
+}
+
+// As a client that was stopped with Ctrl-Z, and a reply of a thousand entries: the loop of the
+// writer must not wait until such a reader takes what it was sent.
+TEST_F(DdsNodes, DoNotWaitForAReaderThatIsStopped) {
+  const pid_t reader = fork();
+  ASSERT_GE(reader, 0);
+  if (reader == 0) {
+    LinuxEventLoop loop;
+    const auto node = MakeDdsNode(loop, test_domain_);
+    const auto subscription = MakeSubscription<msg::String>(
+        *node.value(), "large", [](const msg::String&, const SampleInfo&) { raise(SIGSTOP); });
+    loop.RunUntil([] { return false; }, loop.Now() + std::chrono::seconds(60));
+    _exit(0);
+  }
+  const auto node = MakeDdsNode(loop_, test_domain_);
+  ASSERT_TRUE(node);
+  const auto writer = MakePublisher<msg::String>(*node.value(), "large");
+  ASSERT_TRUE(writer);
+  EXPECT_TRUE(loop_.RunUntil([&] { return writer.value()->MatchedReaders() == 1; },
+                             loop_.Now() + std::chrono::seconds(20)));
+  EXPECT_TRUE(writer.value()->Publish({"stop"}));
+  int status = 0;
+  EXPECT_EQ(waitpid(reader, &status, WUNTRACED), reader);
+  EXPECT_TRUE(WIFSTOPPED(status));
+  // A write that waits takes 100 ms, and fails.
+  const std::string large(300'000, 'x');
+  for (int i = 0; i < 50; ++i) {
+    const auto written = writer.value()->Publish({large});
+    EXPECT_TRUE(written) << "write " << i << ": " << written.error().message;
+  }
+  EXPECT_EQ(writer.value()->MatchedReaders(), 1) << "it was out of reach meanwhile";
+  kill(reader, SIGKILL);
+  waitpid(reader, &status, 0);
 }
 
 TEST_F(DdsNodes, RefuseATopicWithANameThatDdsCannotHave) {

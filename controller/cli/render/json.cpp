@@ -106,6 +106,7 @@ std::string StatusJson(const msg::MachineStatus& status) {
                 {{"engaged", status.emergency_stop},
                  {"by", status.emergency_stop_by},
                  {"reason", status.emergency_stop_reason}}},
+               {"not_on_disk", status.not_on_disk},
                {"policy", status.policy.active ? Of(status.policy) : Json()}});
 }
 

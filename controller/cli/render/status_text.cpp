@@ -121,6 +121,9 @@ std::string StatusText(const msg::MachineStatus& told, bool colour) {
                   Style::kBad, colour) +
             '\n';
   }
+  if (!status.not_on_disk.empty()) {
+    text += Paint("not on disk yet: " + Join(status.not_on_disk), Style::kBad, colour) + '\n';
+  }
   if (!status.degraded.empty()) {
     text += Paint("degraded: " + Join(status.degraded), Style::kBad, colour) + '\n';
   }
@@ -154,6 +157,7 @@ std::string StatusLine(const msg::MachineStatus& told, std::int64_t wall_ns) {
   }
   if (const std::string policy = PolicyOf(status.policy); !policy.empty()) line += "  " + policy;
   if (status.emergency_stop) line += "  " + EmergencyStopOf(status);
+  if (!status.not_on_disk.empty()) line += "  not on disk yet: " + Join(status.not_on_disk);
   return line;
 }
 

@@ -19,5 +19,13 @@ void FilesAreLimited(Trial& trial);
 void StateFolderVanishes(Trial& trial);
 // A controller starts on a state folder that cannot be written; needs a mount of its own.
 void StateFolderIsReadOnly(Trial& trial);
+// The disk of the state folder does not answer for a while: an emergency stop is engaged meanwhile,
+// the machine is switched, an actuator is killed, the machine is torn down; or nothing, for longer
+// than the controller may be silent.
+void DiskStallsAndStops(Trial& trial);
+void DiskStallsInSwitch(Trial& trial);
+void DiskStallsAndKills(Trial& trial);
+void DiskStallsAndTearsDown(Trial& trial);
+void DiskStallsForLong(Trial& trial);
 
 }  // namespace musher::campaign::resource

@@ -17,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kNameSpace = "campaign";
+constexpr const char* kStallFile = "disk_stalls";
 constexpr int kPollMs = 2;
 
 std::string Quoted(const std::string& word) {
@@ -63,17 +64,33 @@ benchmark::Child::Environment Robot::Environment() const {
 }
 
 std::vector<std::string> Robot::ShellLine(const std::vector<std::string>& words,
-                                          const std::string& log) const {
-  std::string line = "exec " + Quoted(benchmark::Program("musher"));
+                                          const std::string& log, Disk disk) const {
+  std::string line = "exec ";
+  if (disk == Disk::kMayStall) {
+    // With sanitizers its library is not the first any more.
+    line += "env ASAN_OPTIONS=\"$ASAN_OPTIONS:verify_asan_link_order=0\" LD_PRELOAD=" +
+            Quoted(benchmark::Program("campaign_stalling_disk.so")) +
+            " MUSHER_STALL_BELOW=" + Quoted(StateFolder()) +
+            " MUSHER_STALL_WHILE=" + Quoted(folder_ / kStallFile) + " ";
+  }
+  line += Quoted(benchmark::Program("musher"));
   for (const std::string& word : words) line += " " + Quoted(word);
   line += " >> " + Quoted(folder_ / log) + " 2>> " + Quoted(folder_ / "errors.log");
   return {"/bin/sh", "-c", line};
 }
 
-void Robot::StartController(const std::vector<std::string>& more) {
+void Robot::StallDisk(bool stalls) {
+  if (stalls) {
+    std::ofstream(folder_ / kStallFile) << "until this file is gone\n";
+  } else {
+    fs::remove(folder_ / kStallFile);
+  }
+}
+
+void Robot::StartController(const std::vector<std::string>& more, Disk disk) {
   std::vector<std::string> words = {"up", folder_ / "robot.toml", "--json"};
   words.insert(words.end(), more.begin(), more.end());
-  fronts_.emplace_back(ShellLine(words, "up.jsonl"), Environment());
+  fronts_.emplace_back(ShellLine(words, "up.jsonl", disk), Environment());
 }
 
 int Robot::Musher(const std::vector<std::string>& words) {

@@ -33,8 +33,12 @@ class Robot {
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
 
+  // kMayStall: below the state folder it stalls while StallDisk() says so, for those processes that
+  // are started with this.
+  enum class Disk { kWorks, kMayStall };
   // Starts a controller in the foreground, as `musher up robot.toml --json [more]`.
-  void StartController(const std::vector<std::string>& more = {});
+  void StartController(const std::vector<std::string>& more = {}, Disk disk = Disk::kWorks);
+  void StallDisk(bool stalls);
   // The same and waits until the machine is settled: in Active, or where it is adopted.
   void Up();
   // Waits until the present controller leads and all is settled in `state` (empty: any state with a
@@ -83,8 +87,8 @@ class Robot {
 
  private:
   benchmark::Child::Environment Environment() const;
-  std::vector<std::string> ShellLine(const std::vector<std::string>& words,
-                                     const std::string& log) const;
+  std::vector<std::string> ShellLine(const std::vector<std::string>& words, const std::string& log,
+                                     Disk disk = Disk::kWorks) const;
 
   const Shape shape_;
   const std::filesystem::path folder_;

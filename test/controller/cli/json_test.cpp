@@ -21,7 +21,7 @@ TEST(Json, TellsTheStatusOfAMachine) {
       R"("health":"crashed","restarts":2,"restarting":true}},)"
       R"("phase":"running","target":"LowPower","epoch":3,"switch":12,"namespace":"pack",)"
       R"("config":"dog.toml","config_hash":"cafe","host":"here",)"
-      R"("emergency_stop":{"engaged":false,"by":"","reason":""},"policy":null})");
+      R"("emergency_stop":{"engaged":false,"by":"","reason":""},"not_on_disk":[],"policy":null})");
 }
 
 TEST(Json, TellsOfAnEmergencyStopAndItsRelease) {
@@ -34,6 +34,13 @@ TEST(Json, TellsOfAnEmergencyStopAndItsRelease) {
   EXPECT_NE(
       StatusJson(status).find(R"("emergency_stop":{"engaged":true,"by":"alice","reason":"smoke"})"),
       std::string::npos);
+}
+
+TEST(Json, ListsWhatIsNotOnDiskYet) {
+  msg::MachineStatus status = RobotStatus();
+  status.not_on_disk = {"emergency stop (4 s)"};
+  EXPECT_NE(StatusJson(status).find(R"("not_on_disk":["emergency stop (4 s)"])"),
+            std::string::npos);
 }
 
 TEST(Json, TellsOfThePolicyAndThatTheBatteryIsNotKnownYet) {

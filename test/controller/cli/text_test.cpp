@@ -132,6 +132,16 @@ TEST_F(Text, PutsAnEmergencyStopBeforeEverythingElse) {
             std::string::npos);
 }
 
+TEST_F(Text, SaysWhatIsNotOnDiskYet) {
+  msg::MachineStatus status = RobotStatus();
+  status.not_on_disk = {"emergency stop (4 s)", "policy (1 s): no space"};
+  EXPECT_NE(StatusText(status, false)
+                .find("\nnot on disk yet: emergency stop (4 s), policy (1 s): no space\n"),
+            std::string::npos);
+  EXPECT_NE(StatusLine(status, 0).find("  not on disk yet: emergency stop (4 s), "),
+            std::string::npos);
+}
+
 TEST_F(Text, SaysAfterAReleaseWhereTheMachineIsAndHowToGoOn) {
   msg::MachineStatus status = RobotStatus();
   status.degraded.clear();

@@ -1,8 +1,10 @@
 // The controller's disk lets it down while the robot runs.
 
+#include <poll.h>
 #include <signal.h>
 #include <sys/resource.h>
 
+#include <chrono>
 #include <filesystem>
 
 #include "musher/test/integration/cli/machine.hpp"
@@ -48,7 +50,13 @@ TEST_F(Disk, WithoutItsStateFolderStillLetsAnActuatorBeStartedAgain) {
   ASSERT_NO_FATAL_FAILURE(Start());
   std::filesystem::remove_all(folder_ / "state");
   ExpectThatOneThatDiesComesBack();
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "state/logs/legs.log"));
+  // The controller looks once a second.
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  const std::string log = folder_ / "state/logs/legs.log";
+  while (!std::filesystem::exists(log) && std::chrono::steady_clock::now() < deadline) {
+    poll(nullptr, 0, 5);
+  }
+  EXPECT_TRUE(std::filesystem::exists(log));
 }
 
 TEST_F(Disk, OnWhichNoLogCanBeWrittenIsToldAndStillLetsAnActuatorBeStartedAgain) {

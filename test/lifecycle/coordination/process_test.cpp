@@ -38,6 +38,17 @@ TEST_F(Processes, AreToldWithTheirStartAsTheCause) {
   EXPECT_EQ(told.cause, 1U) << "the controller's beginning";
 }
 
+// As on a disk that is slow to load it.
+TEST_F(Processes, ThatLateCouldNotRunTheirProgramAreGone) {
+  Begin();
+  Do(event::ProcessStarted{0, 700});
+  Do(event::ProcessNotStarted{0, "can't run a: No such file or directory"});
+  EXPECT_EQ(Of(0).process, 0);
+  EXPECT_EQ(Of(0).presence, Presence::kAbsent);
+  ASSERT_TRUE(Of(0).fault);
+  EXPECT_THAT(Of(0).fault->message, HasSubstr("could not be started: can't run a"));
+}
+
 TEST_F(Processes, OfAnotherHostAreNotSignalledHoweverTheyHang) {
   Begin();
   for (std::size_t i = 0; i < 2; ++i) Do(event::ProcessStarted{i, 0});
