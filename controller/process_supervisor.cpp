@@ -73,7 +73,7 @@ std::string ProcessExit::Text() const {
 }
 
 Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) {
-  Process process{true, spec.log_file, SizeOf(spec.log_file), std::move(on_exit), {}, nullptr};
+  Process process{true, spec.log_file, SizeOf(spec.log_file), {std::move(on_exit)}, {}, nullptr};
   auto pid = Spawn(spec);
   if (!pid) return pid;
   if (auto added = Add(pid.value(), std::move(process)); !added) {
@@ -85,10 +85,12 @@ Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) 
 }
 
 Result<> ProcessSupervisor::Watch(pid_t pid, OnExit on_exit) {
-  if (processes_.contains(pid)) {
-    return Error{kCodeTargetBusy, "process " + std::to_string(pid) + " is watched already"};
+  const auto watched = processes_.find(pid);
+  if (watched == processes_.end()) {
+    return Add(pid, {false, "", 0, {std::move(on_exit)}, {}, nullptr});
   }
-  return Add(pid, {false, "", 0, std::move(on_exit), {}, nullptr});
+  watched->second.on_exit.push_back(std::move(on_exit));
+  return Ok();
 }
 
 Result<> ProcessSupervisor::Signal(pid_t pid, int signal) {
@@ -127,7 +129,9 @@ void ProcessSupervisor::Ended(pid_t pid) {
       exit.last_words = LastWords(process.mapped().log_file, process.mapped().log_begin);
     }
   }
-  if (process.mapped().on_exit) process.mapped().on_exit(exit);
+  for (const OnExit& on_exit : process.mapped().on_exit) {
+    if (on_exit) on_exit(exit);
+  }
 }
 
 }  // namespace musher

@@ -9,6 +9,8 @@
 // The last line that a child wrote before it ended by itself with another exit code than 0 is part
 // of what is told of its end: mostly it is the reason.
 //
+// A process is watched once, for however many: all are told of its end at the same time.
+//
 // When a child has ended, what is left of its group is killed: the next start must not meet the
 // remains of the one before. Of a process that is only watched nothing is killed.
 //
@@ -18,6 +20,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "musher/controller/process_runner.hpp"
 #include "musher/transport/event_loop.hpp"
@@ -38,8 +41,8 @@ class ProcessSupervisor : public ProcessRunner {
   struct Process {
     bool is_child = false;
     std::string log_file;
-    std::int64_t log_begin = 0;  // bytes that were in it before
-    OnExit on_exit;
+    std::int64_t log_begin = 0;   // bytes that were in it before
+    std::vector<OnExit> on_exit;  // of the one that started it, then of those that watch it
     transport::UniqueFd pidfd;
     transport::LoopHandlePtr watch;  // last: its callback ends before what it uses
   };
