@@ -44,11 +44,13 @@ constexpr int kLetGoTimeoutMs = 1000;
 constexpr int kEndTimeoutMs = 5000;
 
 // Ends the controller before this one; its actuators go on. It is asked, so that it can say why it
-// ends; one that hangs is killed.
-Result<> EndProcess(pid_t pid) {
+// ends; one that hangs is killed. `is_it` is asked once the process is pinned: whether `pid` is
+// that controller at all.
+Result<> EndProcess(pid_t pid, const std::function<Result<>()>& is_it) {
   const std::string who = "the controller before, process " + std::to_string(pid);
   auto process = transport::OpenPidfd(pid);
   if (!process) return Ok();  // it has ended meanwhile
+  if (auto proven = is_it(); !proven) return proven;
   pollfd ended{process.value().get(), POLLIN, 0};
   const auto send = [&](int signal) {
     return syscall(SYS_pidfd_send_signal, ended.fd, signal, nullptr, 0) == 0 || errno == ESRCH;
@@ -60,40 +62,47 @@ Result<> EndProcess(pid_t pid) {
   return Error{kCodeTimeout, who + ", does not end, not even killed"};
 }
 
-// Which actuators' processes run on this host already, left by an earlier controller or by hand.
-void FindRunning(const MachineConfig& config, int domain_id, event::Begin& begin) {
-  for (const ActuatorConfig& actuator : config.actuators) {
-    const std::string name =
-        transport::NameLock::NameOf(domain_id, config.name_space, actuator.name);
-    begin.running.push_back(transport::NameLock::IsHeld(name));
-    begin.processes.push_back(begin.running.back() ? transport::NameLock::HolderOf(name) : 0);
-  }
+// The one that has the folder. The lock counts, not what is in its file: others may be able to
+// write there.
+Result<> EndOwner(const std::string& state_dir) {
+  const pid_t owner = StateStore::OwnerOf(state_dir);
+  return EndProcess(owner, [&]() -> Result<> {
+    if (StateStore::IsOwner(state_dir, owner)) return Ok();
+    return Error{kCodePermissionDenied,
+                 state_dir + " is locked, but not by process " + std::to_string(owner) +
+                     ", which its file names, or that cannot be seen; no process is ended: "
+                     "`fuser " +
+                     state_dir + "/controller.lock` shows who has it"};
+  });
 }
 
 }  // namespace
 
-Controller::Controller(transport::Node& node, const MachineConfig& config,
+Controller::Controller(transport::Node& node, int domain_id, const MachineConfig& config,
                        ControllerOptions options)
     : node_(node),
+      domain_id_(domain_id),
       config_(config),
       options_(std::move(options)),
       disk_(node.loop()),
       processes_(node.loop(), disk_),
-      witness_(node.loop(), processes_) {}
+      witness_(node.loop(), processes_,
+               [this](const std::string& actuator) { return LockOf(actuator); }) {}
 
 Controller::~Controller() = default;
 
 Result<std::unique_ptr<Controller>> Controller::Make(transport::Node& node, int domain_id,
                                                      const MachineConfig& config,
                                                      ControllerOptions options) {
-  std::unique_ptr<Controller> controller(new Controller(node, config, std::move(options)));
-  if (auto opened = controller->Open(domain_id); !opened) return opened.error();
+  std::unique_ptr<Controller> controller(
+      new Controller(node, domain_id, config, std::move(options)));
+  if (auto opened = controller->Open(); !opened) return opened.error();
   return controller;
 }
 
-Result<> Controller::Open(int domain_id) {
+Result<> Controller::Open() {
   if (auto opened = OpenStore(); !opened) return opened;
-  if (auto taken = TakeName(domain_id); !taken) return taken;
+  if (auto taken = TakeName(); !taken) return taken;
   if (store_) {
     JournalOptions options;
     options.max_bytes = config_.journal_size_bytes;
@@ -111,24 +120,24 @@ Result<> Controller::Open(int domain_id) {
   Duration listen{};
   if (look_around_) listen = config_.keys.empty() ? kLookAround : kSecuredLookAround;
   // Never from here: the hooks may use the controller, which its owner does not have yet.
-  begin_later_ = node_.loop().At(node_.loop().Now() + listen,
-                                 [this, listen, domain_id] { BeginAfter(listen, domain_id); });
+  begin_later_ =
+      node_.loop().At(node_.loop().Now() + listen, [this, listen] { BeginAfter(listen); });
   return Ok();
 }
 
 // On a slow link an actuator may have been heard only now; its controller is still to come.
-void Controller::BeginAfter(Duration listen, int domain_id) {
+void Controller::BeginAfter(Duration listen) {
   const auto first_heard = shell_->first_heard();
   const bool settled = shell_->rival() || !first_heard;
   const Time until = settled ? Time{} : *first_heard + listen;
-  if (node_.loop().Now() >= until) return Begin(domain_id);
-  begin_later_ = node_.loop().At(until, [this, domain_id] { Begin(domain_id); });
+  if (node_.loop().Now() >= until) return Begin();
+  begin_later_ = node_.loop().At(until, [this] { Begin(); });
 }
 
 Result<> Controller::OpenStore() {
   auto store = StateStore::Open(config_.state_dir, config_.name);
   if (!store && store.error().code == kCodeTargetBusy && options_.takeover) {
-    if (auto ended = EndProcess(StateStore::OwnerOf(config_.state_dir)); !ended) return ended;
+    if (auto ended = EndOwner(config_.state_dir); !ended) return ended;
     store = StateStore::Open(config_.state_dir, config_.name);
   }
   if (store) {
@@ -143,29 +152,56 @@ Result<> Controller::OpenStore() {
 }
 
 // One controller leads the actuators of a namespace, whatever its folder is.
-Result<> Controller::TakeName(int domain_id) {
-  const std::string name =
-      transport::NameLock::NameOf(domain_id, config_.name_space, "musher/controller");
+Result<> Controller::TakeName() {
+  const std::string name = LockOf("musher/controller");
   auto lock = transport::NameLock::Acquire(name);
   if (!lock && lock.error().code == kCodeTargetBusy) {
-    const pid_t holder = transport::NameLock::HolderOf(name);
+    const transport::NameLock::Holder holder = transport::NameLock::HolderOf(name);
+    const std::string leads =
+        "the actuators of " + (config_.name_space.empty()
+                                   ? std::string("the empty namespace")
+                                   : "namespace '" + config_.name_space + "'");
+    if (!options_.takeover && holder.trusted) {
+      return Error{kCodeTargetBusy, "a controller, process " + std::to_string(holder.pid) +
+                                        ", leads " + leads +
+                                        " already; `musher status` shows it, --takeover ends it"};
+    }
     if (!options_.takeover) {
       return Error{kCodeTargetBusy,
-                   (holder == 0 ? "a controller on this host"
-                                : "a controller, process " + std::to_string(holder) + ",") +
-                       " leads the actuators of " +
-                       (config_.name_space.empty() ? "the empty namespace"
-                                                   : "namespace '" + config_.name_space + "'") +
-                       " already; `musher status` shows it, --takeover ends it"};
+                   holder.Text() + " holds the name of the controller of " + leads +
+                       "; if it is one, `musher status` shows it; --takeover begins beside it"};
     }
     // One that is not ours to end lets go when it hears of a higher epoch.
-    look_around_ = holder == 0 || !EndProcess(holder);
+    const auto is_it = [&] { return transport::NameLock::CheckHolder(name, holder.pid); };
+    look_around_ = !holder.trusted || !EndProcess(holder.pid, is_it);
     if (look_around_) return Ok();
     lock = transport::NameLock::Acquire(name);
   }
   if (!lock) return lock.error();
   name_.emplace(std::move(lock).value());
   return Ok();
+}
+
+std::string Controller::LockOf(const std::string& actuator) const {
+  return transport::NameLock::NameOf(domain_id_, config_.name_space, actuator);
+}
+
+// Which actuators' processes run on this host already, left by an earlier controller or by hand.
+// Only one that is to be trusted is watched and ended with the machine.
+void Controller::FindRunning(event::Begin& begin) {
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    const std::string name = LockOf(actuator.name);
+    begin.running.push_back(transport::NameLock::IsHeld(name));
+    const auto holder =
+        begin.running.back() ? transport::NameLock::HolderOf(name) : transport::NameLock::Holder{};
+    begin.processes.push_back(holder.trusted ? holder.pid : 0);
+    if (!begin.running.back() || holder.trusted) continue;
+    shell_->Remark(kCodePermissionDenied, holder.Text() + " holds the name of " + actuator.name +
+                                              ", and is neither root's nor of user " +
+                                              std::to_string(geteuid()) +
+                                              ": it is not watched or signalled, and " +
+                                              actuator.name + " is not started beside it");
+  }
 }
 
 Result<> Controller::OpenShell() {
@@ -239,7 +275,7 @@ Result<> Controller::OpenServices() {
   return Ok();
 }
 
-void Controller::Begin(int domain_id) {
+void Controller::Begin() {
   event::Begin begin;
   begin.by_hand = options_.by_hand;
   begin.epoch = LoadEpoch();
@@ -250,7 +286,7 @@ void Controller::Begin(int domain_id) {
     }
     begin.epoch = std::max(begin.epoch, rival->epoch);
   }
-  FindRunning(config_, domain_id, begin);
+  FindRunning(begin);
   begin.restarted = options_.restarted;
   if (store_) {
     begin.stops = store_->LoadEmergencyStops();

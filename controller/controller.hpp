@@ -39,8 +39,8 @@ inline constexpr int kLetGoSignal = SIGUSR1;
 
 class Controller {
  public:
-  // Takes the machine over. Fails with kCodeTargetBusy when a living controller of this host has it.
-  // It begins, and calls hooks, on the loop's next turn; where hosts are several it listens for
+  // Takes the machine over. Fails with kCodeTargetBusy when a living controller of this host has
+  // it. It begins, and calls hooks, on the loop's next turn; where hosts are several it listens for
   // others for a moment first, and begins, or calls hooks.on_fenced, after that.
   // The node, whose domain is `domain_id`, and the config must outlive the controller.
   static Result<std::unique_ptr<Controller>> Make(transport::Node& node, int domain_id,
@@ -55,19 +55,23 @@ class Controller {
   bool Flush(Duration timeout);
 
  private:
-  Controller(transport::Node& node, const MachineConfig& config, ControllerOptions options);
-  Result<> Open(int domain_id);
+  Controller(transport::Node& node, int domain_id, const MachineConfig& config,
+             ControllerOptions options);
+  Result<> Open();
   Result<> OpenStore();
-  Result<> TakeName(int domain_id);
+  Result<> TakeName();
   Result<> OpenShell();
   Result<> OpenServices();
-  void BeginAfter(Duration listen, int domain_id);
-  void Begin(int domain_id);
+  void BeginAfter(Duration listen);
+  void Begin();
+  std::string LockOf(const std::string& actuator) const;
+  void FindRunning(event::Begin& begin);
   std::uint64_t LoadEpoch();
   void OpenLogs();
   void Trouble(const std::string& message);
 
   transport::Node& node_;
+  const int domain_id_;
   const MachineConfig& config_;
   ControllerOptions options_;
   std::shared_ptr<StateStore> store_;  // null when the disk does not let us; saves hold it, too

@@ -77,11 +77,10 @@ void ControllerPresence::FallSilent() {
 }
 
 void ControllerPresence::OnBeat(const msg::ControllerBeat& beat) {
-  const auto order = [](std::uint64_t incarnation, const std::string& host, std::int32_t pid) {
-    return std::tuple(incarnation, host, pid);
-  };
-  const auto theirs = order(beat.incarnation, beat.host, beat.pid);
-  const auto ours = order(identity_.incarnation, identity_.host, identity_.pid);
+  // Of two with the same epoch the lower has precedence, for both of them. Incarnations of different
+  // hosts, and of different boots of one, say nothing about each other: the host comes first.
+  const auto theirs = std::tie(beat.host, beat.incarnation, beat.pid);
+  const auto ours = std::tie(identity_.host, identity_.incarnation, identity_.pid);
   if (theirs == ours) return;
   if (beat.epoch > kLastEpoch) return;  // no controller's
   rival_ = {

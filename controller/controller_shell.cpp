@@ -196,20 +196,39 @@ void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
   if (found == index_.end()) return;  // an actuator of another machine of this namespace
   if (!transport::IsFrom(status.name, info)) return;
   const std::size_t i = found->second;
-  const ActuatorReport report = transport::FromMessage(status);
+  const ActuatorReport report = Believed(i, transport::FromMessage(status));
   speakers_[info.writer] = {i, report.incarnation};
-  auto& participants = peers_[i].participants;
-  participants[report.incarnation] = info.participant;
-  if (participants.size() > kProcessesKept) participants.erase(participants.begin());
-  WatchForeign(i, report);
+  if (info.participant != 0) Heard(i, report).participant = info.participant;
   CompareHash(i, status.config_hash);
   Handle(event::StatusSeen{i, report});
   const ActuatorReport& taken = machine_.actuators[i].report;
   if (taken.incarnation == report.incarnation) health_->OnReport(i, report);
 }
 
+// The process that the report is from. So many are remembered for each actuator, those that were
+// heard last; the one that the machine goes by is not forgotten.
+ControllerShell::Process& ControllerShell::Heard(std::size_t actuator,
+                                                 const ActuatorReport& report) {
+  std::vector<Process>& known = peers_[actuator].processes;
+  const auto found = std::find_if(known.begin(), known.end(),
+                                  [&](const Process& process) { return process.Is(report); });
+  if (found != known.end()) {
+    std::rotate(found, found + 1, known.end());
+    return known.back();
+  }
+  if (known.size() >= kProcessesKept) {
+    const bool is_taken = known.front().Is(machine_.actuators[actuator].report);
+    known.erase(known.begin() + (is_taken ? 1 : 0));
+  }
+  return known.emplace_back(Process{report.host, report.incarnation, 0, 0, false});
+}
+
 // Whoever answers lives.
-void ControllerShell::OnLinkEvent(const Event& event) {
+void ControllerShell::OnLinkEvent(const Event& from_link) {
+  Event event = from_link;
+  if (auto* reply = std::get_if<event::Replied>(&event)) {
+    reply->report = Believed(reply->actuator, std::move(reply->report));
+  }
   Handle(event);
   const auto* replied = std::get_if<event::Replied>(&event);
   if (replied == nullptr) return;
@@ -331,8 +350,11 @@ void ControllerShell::Publish() {
 // To the process whose report is taken for true; the one before may still be matched.
 ActuatorLink& ControllerShell::LinkTo(std::size_t actuator) {
   Peer& peer = peers_[actuator];
-  const auto found = peer.participants.find(machine_.actuators[actuator].report.incarnation);
-  if (found != peer.participants.end()) peer.link->OnPeer(found->second);
+  for (const Process& process : peer.processes) {
+    if (process.participant != 0 && process.Is(machine_.actuators[actuator].report)) {
+      peer.link->OnPeer(process.participant);
+    }
+  }
   return *peer.link;
 }
 

@@ -116,12 +116,25 @@ class ControllerShell {
   msg::Capabilities Capabilities() const;
 
  private:
+  // A process that has spoken as an actuator. Incarnations of different hosts, and of different
+  // boots of one, say nothing about each other.
+  struct Process {
+    std::string host;
+    std::uint64_t incarnation = 0;
+    transport::PeerId participant = 0;  // 0: not known yet
+    std::int32_t pid = 0;               // as it says itself
+    bool proven = false;                // that this pid is its own
+
+    bool Is(const ActuatorReport& report) const {
+      return host == report.host && incarnation == report.incarnation;
+    }
+  };
   // What is kept for each actuator beside the machine's own record.
   struct Peer {
     std::unique_ptr<ActuatorLink> link;
-    std::map<std::uint64_t, transport::PeerId> participants;  // by incarnation
-    std::uint64_t watched = 0;  // incarnation whose foreign process is watched
-    bool hash_told = false;     // that its config differs
+    std::vector<Process> processes;     // the last one was heard last
+    std::optional<Time> unproven_told;  // when it was last said that a pid is not its own
+    bool hash_told = false;             // that its config differs
   };
 
   ControllerShell(World world, const MachineConfig& config, Hooks hooks);
@@ -133,7 +146,10 @@ class ControllerShell {
   ActuatorLink& LinkTo(std::size_t actuator);
   void OnLinkEvent(const Event& event);
   void OnWriterLost(transport::PeerId writer);
-  void WatchForeign(std::size_t actuator, const ActuatorReport& report);
+  Process& Heard(std::size_t actuator, const ActuatorReport& report);
+  ActuatorReport Believed(std::size_t actuator, ActuatorReport report);
+  Result<> ProveAndWatch(std::size_t actuator, const ActuatorReport& report);
+  void TellUnproven(std::size_t actuator, std::int32_t pid, const std::string& why);
   bool WatchFound(std::size_t actuator, pid_t pid);
   void CompareHash(std::size_t actuator, const std::string& hash);
 
@@ -148,6 +164,7 @@ class ControllerShell {
   void Do(const action::SendSwitch& a);
   void Do(const action::SendAsk& a);
   void Do(const action::StartProcess& a);
+  void Do(const action::FindProcesses& a);
   void Do(const action::SignalProcess& a);
   void Do(const action::AnswerSetState& a);
   void Do(const action::AnswerCall& a);

@@ -2,6 +2,7 @@
 
 #include <signal.h>
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -9,6 +10,12 @@
 #include "musher/controller/controller_shell.hpp"
 
 namespace musher {
+namespace {
+
+// Whoever publishes other pids again and again is not to fill the journal.
+constexpr Duration kUnprovenAgain = std::chrono::minutes(1);
+
+}  // namespace
 
 void ControllerShell::Do(const action::StartProcess& a) {
   const ActuatorConfig& actuator = config_.actuators[a.actuator];
@@ -41,6 +48,16 @@ void ControllerShell::Do(const action::StartProcess& a) {
   Handle(event::ProcessStarted{a.actuator, started.value()});
 }
 
+void ControllerShell::Do(const action::FindProcesses&) {
+  event::ProcessesFound found;
+  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    const ActuatorConfig& actuator = config_.actuators[i];
+    const pid_t pid = actuator.command.empty() ? 0 : world_.witness->Find(actuator.name);
+    found.processes.push_back(WatchFound(i, pid) ? pid : 0);
+  }
+  Handle(found);
+}
+
 void ControllerShell::Do(const action::SignalProcess& a) {
   // One that ended meanwhile needs no signal.
   static_cast<void>(world_.processes->Signal(a.pid, a.kill ? SIGKILL : SIGTERM).ok());
@@ -65,25 +82,52 @@ void ControllerShell::Do(const action::RunPowerCommand& a) {
   if (!started) failed(" could not be run: " + started.error().message);
 }
 
-// A process of this host that we did not start: its end is seen as fast as a child's, only the exit
-// code is not.
-void ControllerShell::WatchForeign(std::size_t actuator, const ActuatorReport& report) {
-  Peer& peer = peers_[actuator];
-  if (peer.watched == report.incarnation) return;
-  peer.watched = report.incarnation;
-  if (report.host != world_.host || report.host.empty() ||
-      report.pid == machine_.actuators[actuator].process || report.pid == world_.pid) {
-    return;
+// The report as far as it is believed. Anybody on the network can publish a status with any pid of
+// this host; a pid that is not proven to be the actuator's never gets further than here: nothing is
+// watched, traced or signalled because of it. What is found out holds for as long as the process of
+// that incarnation says the same.
+ActuatorReport ControllerShell::Believed(std::size_t actuator, ActuatorReport report) {
+  if (report.pid == 0 || report.host.empty() || report.host != world_.host) return report;
+  Process& process = Heard(actuator, report);
+  if (process.pid != report.pid) {
+    process.pid = report.pid;
+    const Result<> proven = ProveAndWatch(actuator, report);
+    process.proven = proven.ok();
+    // One that has ended meanwhile is no matter: its writer goes as well.
+    const bool ended = !proven && proven.error().code == kCodeStateInvalid;
+    if (!proven && !ended) TellUnproven(actuator, report.pid, proven.error().message);
   }
-  const auto watched = world_.processes->Watch(
-      report.pid,
-      [this, actuator, incarnation = report.incarnation, pid = report.pid](const ProcessExit&) {
-        health_->Forget(actuator);
-        Handle(event::Vanished{actuator, incarnation, true,
-                               "its process " + std::to_string(pid) + " ended"});
-      });
-  // Failing means that it ended already; then its writer goes as well.
-  static_cast<void>(watched.ok());
+  if (!process.proven) report.pid = 0;
+  return report;
+}
+
+// Of a process that we did not start the end is seen as fast as a child's, only the exit code is
+// not. Several actuators may be in one process: each watches it.
+Result<> ControllerShell::ProveAndWatch(std::size_t actuator, const ActuatorReport& report) {
+  const std::int32_t child = machine_.actuators[actuator].process;
+  if (report.pid == child) return Ok();  // watched since it was started
+  const Result<> proven =
+      world_.witness->Prove(config_.actuators[actuator].name, report.pid, child);
+  if (!proven || report.pid == world_.pid) return proven;
+  return world_.processes->Watch(report.pid, [this, actuator, incarnation = report.incarnation,
+                                              pid = report.pid](const ProcessExit& exit) {
+    const bool known = exit.kind != ProcessExit::Kind::kUnknown;
+    health_->Forget(actuator);
+    Handle(event::Vanished{
+        actuator, incarnation, true,
+        "its process " + std::to_string(pid) + " ended" + (known ? ": " + exit.Text() : "")});
+  });
+}
+
+void ControllerShell::TellUnproven(std::size_t actuator, std::int32_t pid, const std::string& why) {
+  std::optional<Time>& told = peers_[actuator].unproven_told;
+  const Time now = world_.node->loop().Now();
+  if (told && now - *told < kUnprovenAgain) return;
+  told = now;
+  Do(action::Record{"process", actuator, 0, kCodePermissionDenied,
+                    config_.actuators[actuator].name + " says that it is process " +
+                        std::to_string(pid) + " of this host, which is not proven: " + why +
+                        "; that process is not watched, traced or signalled"});
 }
 
 // One that ran before us, and that may never say a word.

@@ -39,7 +39,7 @@ Result<std::unique_ptr<HealthWatch>> HealthWatch::Make(transport::Node& node,
 
 void HealthWatch::OnReport(std::size_t actuator, const ActuatorReport& report) {
   const Time now = node_.loop().Now();
-  const bool local = !host_.empty() && report.host == host_;
+  const bool local = !host_.empty() && report.host == host_ && report.pid != 0;
   pids_[actuator] = report.pid;
   monitor_.Watch(actuator, report.incarnation, report.host, local, now);
   Act(monitor_.Heard(actuator, report.incarnation, now));
@@ -72,8 +72,8 @@ void HealthWatch::Do(const finding::Probe& f) {
 void HealthWatch::Do(const finding::Examine& f) {
   const pid_t pid = pids_[f.actuator];
   const Time now = node_.loop().Now();
-  if (f.mark) return witness_.Mark(pid, now);
-  Act(monitor_.Examined(f.actuator, witness_.Examine(pid, now), now));
+  if (f.mark) return witness_.Mark(f.actuator, pid, now);
+  Act(monitor_.Examined(f.actuator, witness_.Examine(f.actuator, pid, now), now));
 }
 
 void HealthWatch::Do(const finding::Changed& f) {

@@ -65,6 +65,12 @@ std::string LastWords(int fd, std::int64_t begin) {
   return last.substr(0, end) + "…";
 }
 
+void Call(const std::vector<ProcessRunner::OnExit>& all, const ProcessExit& exit) {
+  for (const ProcessRunner::OnExit& on_exit : all) {
+    if (on_exit) on_exit(exit);
+  }
+}
+
 }  // namespace
 
 std::string ProcessExit::Text() const {
@@ -80,7 +86,7 @@ std::string ProcessExit::Text() const {
 Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) {
   Process process;
   process.name = spec.name;
-  process.on_exit = std::move(on_exit);
+  process.on_exit.push_back(std::move(on_exit));
   process.log_begin = spec.output >= 0 ? SizeOf(spec.output) : -1;
   if (process.log_begin >= 0) {
     process.log = std::make_shared<transport::UniqueFd>(fcntl(spec.output, F_DUPFD_CLOEXEC, 0));
@@ -103,12 +109,14 @@ Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) 
 }
 
 Result<> ProcessSupervisor::Watch(pid_t pid, OnExit on_exit) {
-  if (processes_.contains(pid)) {
-    return Error{kCodeTargetBusy, "process " + std::to_string(pid) + " is watched already"};
+  const auto watched = processes_.find(pid);
+  if (watched == processes_.end()) {
+    Process process;
+    process.on_exit.push_back(std::move(on_exit));
+    return Add(pid, std::move(process));
   }
-  Process process;
-  process.on_exit = std::move(on_exit);
-  return Add(pid, std::move(process));
+  watched->second.on_exit.push_back(std::move(on_exit));
+  return Ok();
 }
 
 Result<> ProcessSupervisor::Signal(pid_t pid, int signal) {
@@ -139,10 +147,7 @@ Result<> ProcessSupervisor::Add(pid_t pid, Process process) {
 void ProcessSupervisor::Ended(pid_t pid) {
   auto process = processes_.extract(pid);  // `on_exit` may start the next one
   Process& ended = process.mapped();
-  if (!ended.child) {
-    if (ended.on_exit) ended.on_exit({});
-    return;
-  }
+  if (!ended.child) return Call(ended.on_exit, {});
   kill(-pid, SIGKILL);  // before the leader is reaped, while the group's number is surely its own
   ProcessExit exit = Reap(pid);
   if (const auto failure = ended.child->Failure(Duration::zero())) {
@@ -150,7 +155,7 @@ void ProcessSupervisor::Ended(pid_t pid) {
   }
   const bool discontent = exit.kind == ProcessExit::Kind::kExited && exit.number != 0;
   if (discontent && ended.log) return AwaitLastWords(exit, std::move(ended));
-  if (ended.on_exit) ended.on_exit(exit);
+  Call(ended.on_exit, exit);
 }
 
 void ProcessSupervisor::AwaitLastWords(const ProcessExit& exit, Process process) {
@@ -175,7 +180,7 @@ void ProcessSupervisor::Report(std::uint64_t ending, const std::string& last_wor
   auto ended = endings_.extract(ending);
   if (ended.empty()) return;  // its time was over
   ended.mapped().exit.last_words = last_words;
-  if (ended.mapped().on_exit) ended.mapped().on_exit(ended.mapped().exit);
+  Call(ended.mapped().on_exit, ended.mapped().exit);
 }
 
 }  // namespace musher

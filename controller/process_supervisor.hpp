@@ -12,6 +12,8 @@
 //
 // Start() waits 10 ms at most for the program to be loaded.
 //
+// A process is watched once, for however many: all are told of its end at the same time.
+//
 // When a child has ended, what is left of its group is killed: the next start must not meet the
 // remains of the one before. Of a process that is only watched nothing is killed.
 //
@@ -23,6 +25,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "musher/controller/disk_writer.hpp"
 #include "musher/controller/process_runner.hpp"
@@ -50,7 +53,7 @@ class ProcessSupervisor : public ProcessRunner {
     std::optional<Spawned> child;              // none: it is only watched
     std::shared_ptr<transport::UniqueFd> log;  // of a child whose output is a file
     std::int64_t log_begin = 0;                // bytes that were in it before
-    OnExit on_exit;
+    std::vector<OnExit> on_exit;  // of the one that started it, then of those that watch it
     transport::UniqueFd pidfd;
     transport::LoopHandlePtr watch;  // last: its callback ends before what it uses
   };
@@ -58,7 +61,7 @@ class ProcessSupervisor : public ProcessRunner {
   // A process that has ended and whose last words are being read.
   struct Ending {
     ProcessExit exit;
-    OnExit on_exit;
+    std::vector<OnExit> on_exit;
     transport::LoopHandlePtr deadline;
   };
 

@@ -5,15 +5,30 @@
 #include <algorithm>
 #include <utility>
 
+#include "musher/transport/host.hpp"
+
 namespace musher {
 
-void KernelWitness::Mark(pid_t pid, Time now) {
-  const auto theirs = transport::SampleProcess(pid, now);
-  const auto ours = transport::SampleProcess(getpid(), now);
-  if (theirs && ours) marks_[pid] = {*theirs, *ours};
+// A session is only entered by descent.
+Result<> KernelWitness::Prove(const std::string& actuator, pid_t pid, pid_t child) {
+  if (child != 0 && pid > 0 && getsid(pid) == child) return Ok();
+  return transport::NameLock::CheckHolder(lock_of_(actuator), pid);
 }
 
-Examination KernelWitness::Examine(pid_t pid, Time now) {
+pid_t KernelWitness::Find(const std::string& actuator) {
+  const std::string lock = lock_of_(actuator);
+  if (!transport::NameLock::IsHeld(lock)) return 0;  // without a look through all processes
+  const transport::NameLock::Holder holder = transport::NameLock::HolderOf(lock);
+  return holder.trusted ? holder.pid : 0;
+}
+
+void KernelWitness::Mark(std::size_t actuator, pid_t pid, Time now) {
+  const auto theirs = transport::SampleProcess(pid, now);
+  const auto ours = transport::SampleProcess(getpid(), now);
+  if (theirs && ours) marks_[actuator] = {pid, *theirs, *ours};
+}
+
+Examination KernelWitness::Examine(std::size_t actuator, pid_t pid, Time now) {
   using transport::ProcessRunState;
   Examination found;
   switch (transport::RunStateOf(pid).value_or(ProcessRunState::kRunning)) {
@@ -27,11 +42,11 @@ Examination KernelWitness::Examine(pid_t pid, Time now) {
       break;
     case ProcessRunState::kGone:
       found.process = Examination::Process::kGone;
-      marks_.erase(pid);
+      marks_.erase(actuator);
       return found;
   }
-  const auto mark = marks_.find(pid);
-  if (mark == marks_.end()) return found;
+  const auto mark = marks_.find(actuator);
+  if (mark == marks_.end() || mark->second.pid != pid) return found;
   // What we were kept from hearing is not their silence either.
   const auto theirs = transport::SampleProcess(pid, now);
   const auto ours = transport::SampleProcess(getpid(), now);

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "musher/controller/backtrace.hpp"
 #include "musher/lifecycle/health_monitor.hpp"
@@ -21,10 +22,20 @@ class ProcessWitness {
  public:
   virtual ~ProcessWitness() = default;
 
-  // Remembers how the process stands, so that Examine() can measure from here.
-  virtual void Mark(pid_t pid, Time now) = 0;
+  // Whether process `pid` is the actuator's, which so far only a status says: it is in the session
+  // of `child`, the process that we have started for this actuator (0: none), or it holds the
+  // actuator's name on this host and is root's or of our user. The Error says why not, with
+  // kCodeStateInvalid when there is no such process.
+  virtual Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) = 0;
+
+  // The process that holds the actuator's name and is root's or of our user; 0: none.
+  virtual pid_t Find(const std::string& actuator) = 0;
+
+  // Remembers how the process stands, so that Examine() can measure from here. Several actuators
+  // may share a process; each has a mark of its own.
+  virtual void Mark(std::size_t actuator, pid_t pid, Time now) = 0;
   // How it stands, and how long it, or this process here, waited for a CPU since the mark.
-  virtual Examination Examine(pid_t pid, Time now) = 0;
+  virtual Examination Examine(std::size_t actuator, pid_t pid, Time now) = 0;
 
   // What its threads are doing, for a person to read; `done` runs once, maybe with the reason why
   // that is not to be had.
@@ -34,22 +45,28 @@ class ProcessWitness {
 
 class KernelWitness : public ProcessWitness {
  public:
-  // Both must outlive the witness.
-  KernelWitness(transport::EventLoop& loop, ProcessRunner& processes)
-      : backtraces_(loop, processes) {}
+  // Loop and processes must outlive the witness. `lock_of` gives the name that the process of an
+  // actuator holds (transport::NameLock).
+  using LockOf = std::function<std::string(const std::string& actuator)>;
+  KernelWitness(transport::EventLoop& loop, ProcessRunner& processes, LockOf lock_of)
+      : lock_of_(std::move(lock_of)), backtraces_(loop, processes) {}
 
-  void Mark(pid_t pid, Time now) override;
-  Examination Examine(pid_t pid, Time now) override;
+  Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) override;
+  pid_t Find(const std::string& actuator) override;
+  void Mark(std::size_t actuator, pid_t pid, Time now) override;
+  Examination Examine(std::size_t actuator, pid_t pid, Time now) override;
   void TakeBacktrace(pid_t pid, Duration timeout,
                      std::function<void(Result<std::string>)> done) override;
 
  private:
   struct Samples {
+    pid_t pid = 0;
     transport::ProcessSample theirs;
     transport::ProcessSample ours;
   };
 
-  std::map<pid_t, Samples> marks_;
+  const LockOf lock_of_;
+  std::map<std::size_t, Samples> marks_;  // by actuator
   BacktraceTaker backtraces_;
 };
 

@@ -205,6 +205,10 @@ pid_t StateStore::OwnerOf(const std::string& dir) {
   return std::max(owner, 0);  // a negative one would name a group of processes
 }
 
+bool StateStore::IsOwner(const std::string& dir, pid_t pid) {
+  return transport::HoldsLockOn(pid, dir + "/controller.lock");
+}
+
 std::string StateStore::LogFile(std::string_view actuator) const {
   return dir_ + "/logs/" + std::string(actuator) + ".log";
 }

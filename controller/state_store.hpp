@@ -68,6 +68,8 @@ class StateStore {
 
   // The process that says it holds the lock of a folder; 0 when nobody says so.
   static pid_t OwnerOf(const std::string& dir);
+  // Whether that process does hold it, as far as we may look into it.
+  static bool IsOwner(const std::string& dir, pid_t pid);
 
   std::string JournalFile() const { return dir_ + "/journal.sqlite"; }
   std::string LogFile(std::string_view actuator) const;

@@ -124,6 +124,7 @@ class Deciding {
   }
 
   void On(const event::ControllerHeard& heard) {
+    if (heard.sender == 0) return;
     if (heard.sender == core_.controller) core_.controller_heard = now_;
     auto& announced = core_.announced;
     std::erase_if(announced, [&](const auto& one) { return one.sender == heard.sender; });
@@ -176,6 +177,10 @@ class Deciding {
   // One controller is obeyed: the one that came with the highest epoch, having announced itself.
   std::optional<Refusal> Authority(Sender sender, std::uint64_t epoch) {
     const std::string number = std::to_string(epoch);
+    if (sender == 0) {
+      return Refusal{kCodePermissionDenied,
+                     "it is not known which participant the command is from"};
+    }
     if (epoch > kLastEpoch) {
       return Refusal{kCodeParametersInvalid, "epoch " + number + " cannot be a controller's"};
     }

@@ -36,7 +36,8 @@ namespace musher {
 // A request that came over the wire and must be answered exactly once; the shell knows to whom.
 using RequestToken = std::uint64_t;
 
-// Who sent something: the participant that it came from, as the transport tells. 0 is nobody.
+// The participant that something came from, as the transport tells. 0: not known; such a command is
+// refused.
 using Sender = std::uint64_t;
 
 // "Run the callback of `target`."

@@ -9,6 +9,7 @@ namespace musher {
 void Decision::Settle() {
   if (machine_.phase == Phase::kFenced) return;
   CheckOrders();
+  TakeOthersUp();
   CheckSetUpDeadlines();
   CheckRestarts();
   // Each can make the next possible; it ends when all of them wait for an event.

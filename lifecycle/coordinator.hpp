@@ -84,6 +84,12 @@ struct ProcessNotStarted {
   std::string why;
   friend bool operator==(const ProcessNotStarted&, const ProcessNotStarted&) = default;
 };
+// What action::FindProcesses has found: for each actuator the pid of the process that runs and is
+// watched now, or 0.
+struct ProcessesFound {
+  std::vector<std::int32_t> processes;
+  friend bool operator==(const ProcessesFound&, const ProcessesFound&) = default;
+};
 // A process that we started ended.
 struct ProcessEnded {
   std::size_t actuator = 0;
@@ -190,13 +196,14 @@ struct TimePassed {
 
 }  // namespace event
 
-using Event = std::variant<event::Begin, event::StatusSeen, event::Replied, event::Vanished,
-                           event::ProcessStarted, event::ProcessNotStarted, event::ProcessEnded,
-                           event::HealthChanged, event::BacktraceTaken, event::RestartRequested,
-                           event::RivalHeard, event::EmergencyStopSeen, event::ReleaseRequested,
-                           event::SetStateRequested, event::SetUpAwaited, event::BatterySeen,
-                           event::MotionSeen, event::InputSilent, event::ClockHeard,
-                           event::PolicyRequested, event::SaveEnded, event::TimePassed>;
+using Event =
+    std::variant<event::Begin, event::StatusSeen, event::Replied, event::Vanished,
+                 event::ProcessStarted, event::ProcessNotStarted, event::ProcessesFound,
+                 event::ProcessEnded, event::HealthChanged, event::BacktraceTaken,
+                 event::RestartRequested, event::RivalHeard, event::EmergencyStopSeen,
+                 event::ReleaseRequested, event::SetStateRequested, event::SetUpAwaited,
+                 event::BatterySeen, event::MotionSeen, event::InputSilent, event::ClockHeard,
+                 event::PolicyRequested, event::SaveEnded, event::TimePassed>;
 
 namespace action {
 
@@ -217,6 +224,10 @@ struct SendAsk {
 struct StartProcess {
   std::size_t actuator = 0;
   friend bool operator==(const StartProcess&, const StartProcess&) = default;
+};
+// Look which actuators that have a command run on this host; comes back as ProcessesFound.
+struct FindProcesses {
+  friend bool operator==(const FindProcesses&, const FindProcesses&) = default;
 };
 struct SignalProcess {
   std::size_t actuator = 0;
@@ -314,12 +325,12 @@ struct Stopped {
 
 }  // namespace action
 
-using Action =
-    std::variant<action::SendSwitch, action::SendAsk, action::StartProcess, action::SignalProcess,
-                 action::AnswerSetState, action::AnswerCall, action::TakeBacktrace,
-                 action::TellEmergencyStop, action::SaveEmergencyStops, action::SaveEpoch,
-                 action::SavePolicy, action::SaveStopIntent, action::RunPowerCommand,
-                 action::Record, action::StartUpEnded, action::Fenced, action::Stopped>;
+using Action = std::variant<action::SendSwitch, action::SendAsk, action::StartProcess,
+                            action::FindProcesses, action::SignalProcess, action::AnswerSetState,
+                            action::AnswerCall, action::TakeBacktrace, action::TellEmergencyStop,
+                            action::SaveEmergencyStops, action::SaveEpoch, action::SavePolicy,
+                            action::SaveStopIntent, action::RunPowerCommand, action::Record,
+                            action::StartUpEnded, action::Fenced, action::Stopped>;
 
 // One step of the decision. Events about what is not expected any more (a late reply, an exit that
 // was seen already) change no more than what is known about the actuator.

@@ -48,6 +48,7 @@ class Decision {
   void On(const event::Vanished& vanished);
   void On(const event::ProcessStarted& started);
   void On(const event::ProcessNotStarted& failed);
+  void On(const event::ProcessesFound& found);
   void On(const event::ProcessEnded& ended);
   void On(const event::HealthChanged& changed);
   void On(const event::BacktraceTaken& taken);
@@ -81,6 +82,7 @@ class Decision {
   void Follow(std::size_t i);
   void Drifted(std::size_t i);
   bool IsImpostor(std::size_t i, const ActuatorReport& report);
+  void TakeOthersUp();
   OrderEnd DoneUnlessLie(std::size_t i, const std::string& message) const;
   void Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
              bool apart = false);
@@ -254,6 +256,7 @@ class Decision {
   void AdvanceStopping();
   std::int32_t OwnProcess(std::size_t i) const;
   bool ProcessesLeft() const;
+  bool HasLooked();
   void SignalProcesses(bool kill);
   void EndUnfinished();
   void JoinStop(const event::SetStateRequested& requested);

@@ -59,11 +59,15 @@ struct Order {
 struct ActuatorRecord {
   Presence presence = Presence::kAbsent;
   ActuatorReport report;  // the last one
+  // The last report of a process of another host that says it is this actuator, while the present
+  // one was there. Its status is latched and may not come again: it counts once that one is lost.
+  std::optional<ActuatorReport> other;
   // The same moment by the actuator's clock and by ours, from the report that took least time to
   // come: by it the actuator can tell how old a command is.
   Time clock_theirs{};
   Time clock_ours{};
   std::int32_t process = 0;    // pid of the process we started, while it lives; 0: none
+  bool launching = false;      // its process is being started, the pid is not known yet
   std::uint64_t dead = 0;      // the incarnation whose process is known to have ended
   bool hindered = false;       // not started, since one that it needs is degraded
   bool found_running = false;  // a process of this name runs already: wait for it, do not start one
@@ -176,6 +180,8 @@ struct Stopping {
   Time give_up_at{};                 // the budget is over
   bool terminated = false;
   bool killed = false;
+  enum class Look { kNotYet, kUnderWay, kDone };
+  Look look = Look::kNotYet;  // for processes that nothing is known of, at the end
   AfterTearDown after = AfterTearDown::kStaysDown;
   std::optional<Time> intent_by;  // TearDown waits until its intent is on disk, at most to then
   std::optional<SwitchResult> result;  // of TearDown, told when the processes are gone

@@ -1,6 +1,7 @@
 // One command to one actuator, with a certain outcome.
 
 #include <algorithm>
+#include <utility>
 
 #include "musher/lifecycle/decision.hpp"
 
@@ -138,8 +139,9 @@ void Decision::On(const event::StatusSeen& seen) {
   }
   if (same && record.doomed != 0) return;  // its end has been decided
   // What a process said before it died can come after its successor has spoken.
-  const bool of_the_past =
-      report.host == record.report.host && report.incarnation < record.report.incarnation;
+  // Incarnations are compared within a boot of a host only, which an empty host does not name.
+  const bool of_the_past = !report.host.empty() && report.host == record.report.host &&
+                           report.incarnation < record.report.incarnation;
   if (of_the_past || machine_.phase == Phase::kIdle || report.state == kTearDown) return;
   const bool not_set_up = report.state == config_.default_state;
   const bool stopping = machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped;
@@ -172,14 +174,29 @@ void Decision::On(const event::StatusSeen& seen) {
 
 // Another host has an actuator of this name while the one that is here answers.
 bool Decision::IsImpostor(std::size_t i, const ActuatorReport& report) {
-  const ActuatorRecord& record = Of(i);
+  ActuatorRecord& record = Of(i);
   if (report.host == record.report.host) return false;
+  const bool known = record.other && record.other->host == report.host &&
+                     record.other->incarnation == report.incarnation;
+  record.other = report;
+  if (known) return true;
   RecordActuator(i, kCodePermissionDenied,
                  "another process says that it is " + ConfigOf(i).name + ": process " +
                      std::to_string(report.pid) + " of host " + report.host.substr(0, 64) +
                      "; it is ignored while process " + std::to_string(record.report.pid) +
                      " answers");
   return true;
+}
+
+// A host that was started again is another one: what its actuators said while the processes from
+// before still counted is taken up when those are lost.
+void Decision::TakeOthersUp() {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    ActuatorRecord& record = Of(i);
+    if (!record.other || record.presence == Presence::kPresent) continue;
+    const ActuatorReport other = *std::exchange(record.other, std::nullopt);
+    if (record.presence == Presence::kLost) On(event::StatusSeen{i, other});
+  }
 }
 
 void Decision::On(const event::Replied& replied) {
@@ -372,6 +389,7 @@ void Decision::TakeForTornDown(std::size_t i) {
 
 void Decision::On(const event::Vanished& vanished) {
   ActuatorRecord& record = Of(vanished.actuator);
+  if (record.other && record.other->incarnation == vanished.incarnation) record.other.reset();
   if (record.report.incarnation != vanished.incarnation) return;
   if (record.dead == vanished.incarnation) return;  // its successor may be starting already
   const bool was_there =

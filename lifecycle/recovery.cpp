@@ -251,6 +251,7 @@ void Decision::StartAgain(std::size_t i) {
   record.report.state = config_.default_state;  // how the last one ended is no matter any more
   record.presence = Presence::kStarting;
   record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
+  record.launching = true;
   Do(action::StartProcess{i});
 }
 

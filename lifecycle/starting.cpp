@@ -87,6 +87,7 @@ bool Decision::StartProcesses() {
       if (std::exchange(record.hindered, false)) record.fault.reset();
       record.presence = Presence::kStarting;
       record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
+      record.launching = true;
       Do(action::StartProcess{i});
     }
     changed = true;
@@ -117,15 +118,21 @@ std::uint64_t Decision::CauseOfHindrance(std::size_t i) const {
 void Decision::On(const event::ProcessStarted& started) {
   ActuatorRecord& record = Of(started.actuator);
   record.process = started.pid;
+  record.launching = false;
   record.cause = RecordProcess(
       started.actuator, kCodeOk,
       ConfigOf(started.actuator).name + " is started as process " + std::to_string(started.pid),
       record.cause);
+  // The machine was taken down while it was being started.
+  const bool stopped = machine_.phase == Phase::kStopped;
+  if (!stopped && machine_.phase != Phase::kStopping) return;
+  Do(action::SignalProcess{started.actuator, started.pid, stopped || machine_.stopping->killed});
 }
 
 // Maybe after its process was started, which then could not run the program.
 void Decision::On(const event::ProcessNotStarted& failed) {
   Of(failed.actuator).process = 0;
+  Of(failed.actuator).launching = false;
   if (Of(failed.actuator).presence == Presence::kPresent) return;  // somebody else has started it
   Of(failed.actuator).presence = Presence::kAbsent;
   Degrade(failed.actuator, kCodeFailed, "its process could not be started: " + failed.why,

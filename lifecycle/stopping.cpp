@@ -119,9 +119,41 @@ std::int32_t Decision::OwnProcess(std::size_t i) const {
 
 bool Decision::ProcessesLeft() const {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    if (OwnProcess(i) != 0) return true;
+    if (OwnProcess(i) != 0 || Of(i).launching) return true;
   }
   return false;
+}
+
+// Another controller may have started a process just before it received the beat of this one, and
+// the process may not have published anything yet. So processes are looked for once more when all
+// that are known have ended.
+bool Decision::HasLooked() {
+  Stopping::Look& look = machine_.stopping->look;
+  const bool may_run =
+      std::any_of(config_.actuators.begin(), config_.actuators.end(),
+                  [](const ActuatorConfig& actuator) { return !actuator.command.empty(); });
+  if (!may_run || look == Stopping::Look::kDone) return true;
+  if (look == Stopping::Look::kNotYet) Do(action::FindProcesses{});
+  look = Stopping::Look::kUnderWay;
+  return false;
+}
+
+void Decision::On(const event::ProcessesFound& found) {
+  if (machine_.phase != Phase::kStopping) return;
+  Stopping& stopping = *machine_.stopping;
+  stopping.look = Stopping::Look::kDone;
+  for (std::size_t i = 0; i < found.processes.size(); ++i) {
+    const std::int32_t pid = found.processes[i];
+    if (pid == 0 || ConfigOf(i).command.empty() || OwnProcess(i) != 0) continue;
+    Of(i).process = pid;
+    RecordProcess(i, kCodeOk,
+                  "process " + std::to_string(pid) + " of " + ConfigOf(i).name +
+                      ", which another controller has started, is found at the end and ends with "
+                      "the machine",
+                  Of(i).cause);
+    Do(action::SignalProcess{i, pid, stopping.killed});
+    stopping.look = Stopping::Look::kNotYet;  // again, once it has ended
+  }
 }
 
 void Decision::SignalProcesses(bool kill) {
@@ -148,7 +180,8 @@ void Decision::AdvanceStopping() {
   ForcePower();
   const bool out_of_time = now_ >= stopping.give_up_at;
   if (out_of_time && machine_.current) EndUnfinished();
-  if (!stopping.result || (ProcessesLeft() && !out_of_time)) return;
+  if (!stopping.result) return;
+  if (!out_of_time && (ProcessesLeft() || !HasLooked())) return;
   const SwitchResult result = StopResult();
   machine_.phase = Phase::kStopped;
   if (stopping.after == AfterTearDown::kMayStart) Save(Stored::kStopIntent);  // there is none now

@@ -130,7 +130,9 @@ void ControllerProcess::OnEnd(std::size_t host, std::int32_t pid, const ProcessE
   if (host != host_) return;
   const auto watcher = watchers_.extract(pid);
   if (watcher.empty()) return;
-  node_->loop().Post([on_exit = watcher.mapped(), exit] { on_exit(exit); });
+  node_->loop().Post([watchers = watcher.mapped(), exit] {
+    for (const OnExit& on_exit : watchers) on_exit(exit);
+  });
 }
 
 Result<pid_t> ControllerProcess::Start(const ProcessSpec& spec, OnExit on_exit) {
@@ -138,16 +140,21 @@ Result<pid_t> ControllerProcess::Start(const ProcessSpec& spec, OnExit on_exit) 
   if (processes_.IsAlive(spec.name, host_)) return Error{kCodeTargetBusy, "it runs already"};
   if (hooks_.on_start) hooks_.on_start(spec.name);
   const std::int32_t pid = processes_.Launch(spec.name, host_);
-  watchers_[pid] = std::move(on_exit);
+  watchers_[pid].push_back(std::move(on_exit));
   return pid;
 }
 
 Result<> ControllerProcess::Watch(pid_t pid, OnExit on_exit) {
   if (!processes_.Exists(host_, pid)) return Error{kCodeFailed, "no such process"};
-  if (watchers_.contains(pid)) return Error{kCodeTargetBusy, "it is watched already"};
   // Not a child: only that it ended is known.
-  watchers_[pid] = [on_exit = std::move(on_exit)](const ProcessExit&) { on_exit({}); };
+  watchers_[pid].push_back([on_exit = std::move(on_exit)](const ProcessExit&) { on_exit({}); });
   return Ok();
+}
+
+Result<> ControllerProcess::Prove(const std::string& actuator, pid_t pid, pid_t) {
+  if (!processes_.Exists(host_, pid)) return Error{kCodeStateInvalid, "no such process"};
+  if (processes_.PidOf(actuator, host_) == pid) return Ok();
+  return Error{kCodePermissionDenied, "it is another actuator's process"};
 }
 
 void ControllerProcess::TakeBacktrace(pid_t, Duration,

@@ -90,8 +90,12 @@ class ControllerProcess : private ProcessRunner, private ProcessWitness, private
     if (hooks_.on_signal) hooks_.on_signal(pid);
     return processes_.Signal(host_, pid, signal);
   }
-  void Mark(pid_t, Time) override {}
-  Examination Examine(pid_t pid, Time) override { return processes_.Examine(host_, pid); }
+  Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) override;
+  pid_t Find(const std::string& actuator) override { return processes_.PidOf(actuator, host_); }
+  void Mark(std::size_t, pid_t, Time) override {}
+  Examination Examine(std::size_t, pid_t pid, Time) override {
+    return processes_.Examine(host_, pid);
+  }
   void TakeBacktrace(pid_t pid, Duration timeout,
                      std::function<void(Result<std::string>)> done) override;
   void Append(JournalItem item) noexcept override;
@@ -113,7 +117,7 @@ class ControllerProcess : private ProcessRunner, private ProcessWitness, private
   const std::uint64_t serial_;
   bool begun_ = false;
   std::size_t inputs_ = 0;
-  std::map<std::int32_t, OnExit> watchers_;
+  std::map<std::int32_t, std::vector<OnExit>> watchers_;
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<ControllerShell> shell_;
   std::unique_ptr<ControllerServices> services_;  // null unless it leads

@@ -4,9 +4,11 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/un.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -56,12 +58,37 @@ std::string InodeOf(const std::string& address) {
   return {};
 }
 
-bool HasOpen(const fs::path& process, const std::string& target) {
+// A descriptor of a process.
+struct OpenFile {
+  fs::path descriptor;  // "/proc/4711/fd/5"
+  struct stat status {};
+};
+
+// The descriptors of a process that `wanted` takes, at most one; nullopt: none, or they are hidden.
+template <typename Wanted>
+std::optional<OpenFile> FindOpen(pid_t pid, const Wanted& wanted) {
   std::error_code hidden;
-  for (const auto& fd : fs::directory_iterator(process / "fd", hidden)) {
-    if (fs::read_symlink(fd.path(), hidden) == target) return true;
+  const fs::path folder = fs::path("/proc") / std::to_string(pid) / "fd";
+  for (const auto& entry : fs::directory_iterator(folder, hidden)) {
+    OpenFile file{entry.path(), {}};
+    if (stat(file.descriptor.c_str(), &file.status) == 0 && wanted(file)) return file;
   }
-  return false;
+  return std::nullopt;
+}
+
+bool IsTrusted(uid_t uid) {
+  return uid == 0 || uid == geteuid();
+}
+
+// The process as the holder of the socket with this inode, if it is.
+NameLock::Holder HolderIf(pid_t pid, const std::string& inode) {
+  const auto socket = FindOpen(pid, [&](const OpenFile& file) {
+    return S_ISSOCK(file.status.st_mode) && std::to_string(file.status.st_ino) == inode;
+  });
+  struct stat process {};
+  if (!socket || stat(("/proc/" + std::to_string(pid)).c_str(), &process) != 0) return {};
+  const uid_t user = socket->status.st_uid;
+  return {pid, user, IsTrusted(user) && IsTrusted(process.st_uid)};
 }
 
 }  // namespace
@@ -104,8 +131,8 @@ Result<NameLock> NameLock::Acquire(std::string_view name) {
   if (bind(socket.get(), address->get(), address->size) == 0) return NameLock(std::move(socket));
   Error error = SystemError("can't take the name " + std::string(name));
   if (errno == EADDRINUSE) {
-    error = {kCodeTargetBusy,
-             "a process named " + std::string(name) + " runs on this host already"};
+    error = {kCodeTargetBusy, "a process named " + std::string(name) +
+                                  " runs on this host already: " + HolderOf(name).Text()};
   }
   return error;
 }
@@ -117,15 +144,63 @@ bool NameLock::IsHeld(std::string_view name) {
   return socket.valid() && connect(socket.get(), address->get(), address->size) == 0;
 }
 
-pid_t NameLock::HolderOf(std::string_view name) {
+std::string NameLock::Holder::Text() const {
+  if (pid == 0) return "a process of another user";
+  return "process " + std::to_string(pid) + " of user " + std::to_string(uid);
+}
+
+NameLock::Holder NameLock::HolderOf(std::string_view name) {
   const std::string inode = InodeOf("@musher/" + std::string(name));
-  if (inode.empty()) return 0;
+  if (inode.empty()) return {};
   std::error_code ended;
   for (const auto& entry : fs::directory_iterator("/proc", ended)) {
     const pid_t pid = std::atoi(entry.path().filename().c_str());
-    if (pid != 0 && HasOpen(entry.path(), "socket:[" + inode + "]")) return pid;
+    if (pid == 0) continue;
+    if (const Holder holder = HolderIf(pid, inode); holder.pid != 0) return holder;
   }
-  return 0;
+  return {};
+}
+
+Result<> NameLock::CheckHolder(std::string_view name, pid_t pid) {
+  const std::string process = "process " + std::to_string(pid);
+  std::error_code error;
+  if (pid <= 0 || !fs::exists("/proc/" + std::to_string(pid), error)) {
+    return Error{kCodeStateInvalid, "there is no " + process};
+  }
+  const std::string inode = InodeOf("@musher/" + std::string(name));
+  if (inode.empty()) {
+    return Error{kCodePermissionDenied, "no process of this host holds its name"};
+  }
+  const Holder holder = HolderIf(pid, inode);
+  if (holder.pid == 0) {
+    return Error{kCodePermissionDenied,
+                 process + " does not hold its name, or is of a user whose files cannot be read"};
+  }
+  if (holder.trusted) return Ok();
+  return Error{kCodePermissionDenied, "its name is held by " + holder.Text() +
+                                          ", which is neither root nor user " +
+                                          std::to_string(geteuid()) + ", as this one is"};
+}
+
+// "lock:\t1: FLOCK  ADVISORY  WRITE 4711 fe:00:123 0 EOF"
+bool HoldsLockOn(pid_t pid, const std::string& path) {
+  struct stat locked {};
+  if (pid <= 0 || stat(path.c_str(), &locked) != 0) return false;
+  return FindOpen(
+             pid,
+             [&](const OpenFile& file) {
+               if (file.status.st_dev != locked.st_dev || file.status.st_ino != locked.st_ino) {
+                 return false;
+               }
+               std::ifstream info(file.descriptor.parent_path().parent_path() / "fdinfo" /
+                                  file.descriptor.filename());
+               for (std::string line; std::getline(info, line);) {
+                 if (line.starts_with("lock:") && line.find("WRITE") != std::string::npos)
+                   return true;
+               }
+               return false;
+             })
+      .has_value();
 }
 
 }  // namespace musher::transport

@@ -52,6 +52,10 @@ void RawServer::SendOrHold(PeerId participant, msg::Bytes reply) {
 }
 
 void RawServer::TakeRequest(std::span<const std::byte> bytes, const SampleInfo& info) {
+  if (info.participant == 0) {
+    ++unknown_;
+    return;
+  }
   msg::CdrReader reader(bytes);
   msg::RequestId id;
   reader.Get(id);

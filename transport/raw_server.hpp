@@ -2,7 +2,9 @@
 // The untyped half of a service server. A reply is held until the readers of the participant that
 // asked are matched, so that it cannot get lost between two halves of discovery: a participant has
 // one reply reader for each of its clients, hence as many as it has request writers. A reply that
-// has waited for 5 s is dropped; its client has gone or gives up by its own deadline.
+// has waited for 5 s is dropped; its client has gone or gives up by its own deadline. A request of
+// a participant that is not known (any more) is dropped: it could not be answered, and nobody could
+// say on whose behalf it is.
 //
 // Threads: loop thread only.
 
@@ -33,6 +35,7 @@ class RawServer {
 
   std::uint64_t malformed() const { return malformed_; }
   std::uint64_t dropped() const { return dropped_; }
+  std::uint64_t unknown() const { return unknown_; }
 
  private:
   struct Held {
@@ -56,6 +59,7 @@ class RawServer {
       std::make_shared<RawServer*>(this);  // lets replies outlive us
   std::uint64_t malformed_ = 0;
   std::uint64_t dropped_ = 0;
+  std::uint64_t unknown_ = 0;
   std::list<Held> held_;
   std::unique_ptr<RawWriter> replies_;
   std::unique_ptr<RawReader> requests_;

@@ -145,8 +145,10 @@ Failure Link::Nobody(const std::string& what) const {
 }
 
 pid_t Link::LeaderHere() const {
-  return transport::NameLock::HolderOf(transport::NameLock::NameOf(
-      transport::DomainId({}).value(), global_.name_space, "musher/controller"));
+  return transport::NameLock::HolderOf(transport::NameLock::NameOf(transport::DomainId({}).value(),
+                                                                   global_.name_space,
+                                                                   "musher/controller"))
+      .pid;
 }
 
 // One with [security] is not heard without its keys, nor one without [security] with keys.

@@ -157,6 +157,12 @@ Result<> RootMachine::StartAgain() {
   if (ota::HolderOf(root_.RunLock()) != pid_) {
     return Error{kCodeStateInvalid, "the machine's controller has ended meanwhile"};
   }
+  // The lock counts, not what is in its file.
+  if (!transport::HoldsLockOn(pid_, root_.RunLock())) {
+    return Error{kCodePermissionDenied,
+                 root_.RunLock() + " is locked, but not by process " + std::to_string(pid_) +
+                     ", which it names, or that cannot be seen; no process is signalled"};
+  }
   const long sent =
       syscall(SYS_pidfd_send_signal, process.value().get(), kStartAgainSignal, nullptr, 0);
   if (sent == 0) return Ok();

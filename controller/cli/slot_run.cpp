@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "musher/controller/cli/config_file.hpp"
+#include "musher/controller/ota/files.hpp"
 #include "musher/controller/ota/posix_disk.hpp"
 #include "musher/controller/ota/root.hpp"
 #include "musher/controller/ota/trial.hpp"
@@ -116,7 +117,7 @@ Result<> EndTrial(const SlotRun& run, const Result<>& outcome) {
 
 void PutSlotFirstInPath(const SlotRun& run) {
   const char* path = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
-  const std::string programs = run.Folder() + "/bin";
+  const std::string programs = run.Folder() + "/" + ota::kProgramFolder;
   setenv("PATH", (path == nullptr ? programs : programs + ":" + path).c_str(), 1);
 }
 

@@ -34,8 +34,8 @@ void HintAtKeys(msg::MachineStatus& status, const GlobalOptions& global) {
   const int domain = transport::DomainId({}).value();
   for (msg::ActuatorInfo& actuator : status.actuators) {
     if (actuator.presence != PresenceName(Presence::kAbsent)) continue;
-    const pid_t holder = transport::NameLock::HolderOf(
-        transport::NameLock::NameOf(domain, status.name_space, actuator.name));
+    const std::string name = transport::NameLock::NameOf(domain, status.name_space, actuator.name);
+    const pid_t holder = transport::NameLock::HolderOf(name).pid;
     if (holder == 0) continue;
     actuator.message = "process " + std::to_string(holder) +
                        " is not heard: has it the keys of this machine?" +

@@ -98,6 +98,34 @@ Result<> CheckNothingElse(Disk& disk, const std::string& folder, const Manifest&
   return Ok();
 }
 
+Result<> CheckPrograms(Disk& disk, const std::string& folder, const Manifest& manifest) {
+  constexpr unsigned kExecutable = 0111;
+  const std::string programs = folder + "/" + kProgramFolder;
+  const auto there = disk.Look(programs);
+  if (!there) return there.error();
+  if (there.value().kind == Disk::Kind::kNothing) return Ok();
+  if (there.value().kind != Disk::Kind::kFolder) {
+    return Refusal(Fault::kBadPath, std::string(kProgramFolder) + " is no folder");
+  }
+  const auto names = disk.List(programs);
+  if (!names) return names.error();
+  std::set<std::string_view> listed;
+  for (const FileEntry& file : manifest.files) listed.insert(file.path);
+  for (const std::string& name : names.value()) {
+    const std::string path = std::string(kProgramFolder) + "/" + name;
+    const auto info = disk.Look(folder + "/" + path);
+    if (!info) return info.error();
+    const bool is_file = info.value().kind == Disk::Kind::kFile;
+    const bool can_run =
+        is_file ? (info.value().mode & kExecutable) != 0 : info.value().kind == Disk::Kind::kLink;
+    if (!can_run || listed.contains(path)) continue;
+    return Refusal(Fault::kExtra, path +
+                                      " is not in the signed manifest, and would be run instead of "
+                                      "any other program of its name; remove it");
+  }
+  return Ok();
+}
+
 Result<> CopyFiles(Disk& disk, const std::string& from, const std::string& to,
                    const Manifest& manifest, const OnBytes& on_bytes) {
   std::set<std::string> made;

@@ -28,6 +28,14 @@ Result<> CheckFiles(Disk& disk, const std::string& folder, const Manifest& manif
 // Whether it has nothing beside them: Fault::kExtra, and kBadPath for links and the like.
 Result<> CheckNothingElse(Disk& disk, const std::string& folder, const Manifest& manifest);
 
+// The folder of a version that comes first on PATH.
+inline constexpr const char* kProgramFolder = "bin";
+
+// Whether the folder of programs in `folder` has nothing that could be run and is not of the
+// manifest: it would be found before all other programs of its name. Fault::kExtra for a file that
+// is executable and for a link; what a module leaves there beside them is of no interest.
+Result<> CheckPrograms(Disk& disk, const std::string& folder, const Manifest& manifest);
+
 // Copies the files from one folder into another, which is empty. The digest is taken of the bytes
 // that are written, so that it does not matter who changes the source meanwhile.
 Result<> CopyFiles(Disk& disk, const std::string& from, const std::string& to,

@@ -110,6 +110,8 @@ SlotContent Root::Look(Slot slot) const {
   if (!read) return read.error();
   const auto same = CheckFiles(*disk_, SlotFolder(slot), read.value().manifest, {});
   if (!same) return same.error();
+  const auto clean = CheckPrograms(*disk_, SlotFolder(slot), read.value().manifest);
+  if (!clean) return clean.error();
   return LookAtManifest(slot);
 }
 

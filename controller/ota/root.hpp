@@ -55,7 +55,7 @@ class Root {
   std::string InstallLock() const { return path_ + "/install.lock"; }
   std::string RunLock() const { return path_ + "/run.lock"; }
 
-  // All of a slot, read and compared with its manifest.
+  // All of a slot, read and compared with its manifest; and that it has no programs beside those.
   SlotContent Look(Slot slot) const;
   // The same without its files: what it says it is.
   SlotContent LookAtManifest(Slot slot) const;

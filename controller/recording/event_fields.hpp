@@ -22,6 +22,9 @@ template <>
 inline constexpr std::array<std::string_view, 6> kValueNames<Purpose> = {
     "requested", "start-up check", "start-up activate", "fallback", "stop", "policy"};
 template <>
+inline constexpr std::array<std::string_view, 3> kValueNames<Stopping::Look> = {
+    "not-yet", "under-way", "done"};
+template <>
 inline constexpr std::array<std::string_view, 3> kValueNames<Leg::Progress> = {
     "waiting", "under way", "ended"};
 template <>
@@ -158,6 +161,12 @@ template <>
 inline constexpr std::tuple kFields<event::ProcessNotStarted> = {
     Field{"actuator", &event::ProcessNotStarted::actuator},
     Field{"why", &event::ProcessNotStarted::why},
+};
+template <>
+inline constexpr std::string_view kEventName<event::ProcessesFound> = "ProcessesFound";
+template <>
+inline constexpr std::tuple kFields<event::ProcessesFound> = {
+    Field{"processes", &event::ProcessesFound::processes},
 };
 template <>
 inline constexpr std::string_view kEventName<event::ProcessEnded> = "ProcessEnded";

@@ -20,9 +20,11 @@ template <>
 inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"presence", &ActuatorRecord::presence},
     Field{"report", &ActuatorRecord::report},
+    Field{"other", &ActuatorRecord::other},
     Field{"clock_theirs", &ActuatorRecord::clock_theirs},
     Field{"clock_ours", &ActuatorRecord::clock_ours},
     Field{"process", &ActuatorRecord::process},
+    Field{"launching", &ActuatorRecord::launching},
     Field{"dead", &ActuatorRecord::dead},
     Field{"found_running", &ActuatorRecord::found_running},
     Field{"set_up_by", &ActuatorRecord::set_up_by},
@@ -113,6 +115,7 @@ inline constexpr std::tuple kFields<Stopping> = {
     Field{"give_up_at", &Stopping::give_up_at},
     Field{"terminated", &Stopping::terminated},
     Field{"killed", &Stopping::killed},
+    Field{"look", &Stopping::look},
     Field{"result", &Stopping::result},
     Field{"requests", &Stopping::requests},
 };

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -11,6 +10,7 @@
 #include <chrono>
 #include <climits>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <string_view>
 #include <utility>
@@ -19,52 +19,6 @@
 
 namespace musher::exec {
 namespace {
-
-class SpawnAttributes {
- public:
-  SpawnAttributes() {
-    posix_spawnattr_init(&attributes_);
-    posix_spawnattr_setpgroup(&attributes_, 0);
-    sigset_t none;
-    sigset_t all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setsigmask(&attributes_, &none);
-    posix_spawnattr_setsigdefault(&attributes_, &all);
-    posix_spawnattr_setflags(
-        &attributes_, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  }
-  ~SpawnAttributes() { posix_spawnattr_destroy(&attributes_); }
-  SpawnAttributes(const SpawnAttributes&) = delete;
-  SpawnAttributes& operator=(const SpawnAttributes&) = delete;
-
-  const posix_spawnattr_t* get() const { return &attributes_; }
-
- private:
-  posix_spawnattr_t attributes_;
-};
-
-class SpawnFiles {
- public:
-  SpawnFiles(const std::string& cwd, int output) {
-    posix_spawn_file_actions_init(&actions_);
-    posix_spawn_file_actions_addopen(&actions_, 0, "/dev/null", O_RDONLY, 0);
-    if (output >= 0) {
-      posix_spawn_file_actions_adddup2(&actions_, output, 1);
-      posix_spawn_file_actions_adddup2(&actions_, output, 2);
-    }
-    posix_spawn_file_actions_addclosefrom_np(&actions_, 3);  // DDS sockets are not close-on-exec
-    if (!cwd.empty()) posix_spawn_file_actions_addchdir_np(&actions_, cwd.c_str());
-  }
-  ~SpawnFiles() { posix_spawn_file_actions_destroy(&actions_); }
-  SpawnFiles(const SpawnFiles&) = delete;
-  SpawnFiles& operator=(const SpawnFiles&) = delete;
-
-  const posix_spawn_file_actions_t* get() const { return &actions_; }
-
- private:
-  posix_spawn_file_actions_t actions_;
-};
 
 std::vector<char*> Pointers(const std::vector<std::string>& strings) {
   std::vector<char*> pointers;
@@ -87,6 +41,109 @@ std::vector<std::string> Environment(const std::map<std::string, std::string>& e
   return environment;
 }
 
+// The files that `program` may be, in the order of PATH.
+std::vector<std::string> Candidates(const std::string& program,
+                                    const std::map<std::string, std::string>& env) {
+  if (program.find('/') != std::string::npos) return {program};
+  const auto own = env.find("PATH");
+  const char* inherited = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
+  std::string_view path = own != env.end()       ? std::string_view(own->second)
+                          : inherited != nullptr ? std::string_view(inherited)
+                                                 : "/bin:/usr/bin";
+  std::vector<std::string> candidates;
+  while (true) {
+    const std::size_t end = path.find(':');
+    const std::string_view folder = path.substr(0, end);
+    candidates.push_back((folder.empty() ? "." : std::string(folder)) + "/" + program);
+    if (end == std::string_view::npos) return candidates;
+    path.remove_prefix(end + 1);
+  }
+}
+
+// All that the child needs, made before the fork: other threads may hold any lock then, so the
+// child makes async-signal-safe calls only.
+struct Plan {
+  std::vector<std::string> programs;
+  std::vector<std::string> arguments;
+  std::vector<std::string> environment;
+  std::vector<char*> argv;
+  std::vector<char*> envp;
+  std::string cwd;
+  int output = -1;
+
+  Plan(const ChildSpec& spec, int output_fd)
+      : programs(Candidates(spec.argv.front(), spec.env)),
+        arguments(spec.argv),
+        environment(Environment(spec.env)),
+        argv(Pointers(arguments)),
+        envp(Pointers(environment)),
+        cwd(spec.cwd),
+        output(output_fd) {}
+};
+
+// SIGPIPE is ignored first: one that waits, because the keeper has ended, is dropped by that.
+void ResetSignals() {
+  struct sigaction action {};
+  action.sa_handler = SIG_IGN;
+  sigaction(SIGPIPE, &action, nullptr);
+  action.sa_handler = SIG_DFL;
+  for (int signal = 1; signal < NSIG; ++signal) sigaction(signal, &action, nullptr);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+}
+
+// In the child. Gives the reason why the program does not run.
+int Execute(const Plan& plan, int report) {
+  close(0);
+  const bool redirected = open("/dev/null", O_RDONLY) == 0 &&
+                          (plan.output < 0 || (dup2(plan.output, 1) == 1 && dup2(1, 2) == 2));
+  if (!redirected) return errno;
+  if (!plan.cwd.empty() && chdir(plan.cwd.c_str()) != 0) return errno;
+  // DDS opens sockets without close-on-exec. Only the pipe is needed until the program runs.
+  if (report > 3) close_range(3, static_cast<unsigned>(report) - 1, 0);
+  close_range(static_cast<unsigned>(report) + 1, ~0U, 0);
+  ResetSignals();
+  int reason = ENOENT;
+  for (const std::string& program : plan.programs) {
+    execve(program.c_str(), plan.argv.data(), plan.envp.data());
+    if (errno != ENOENT && errno != ENOTDIR) reason = errno;  // e.g. found, but not executable
+  }
+  return reason;
+}
+
+// Forks. The child tells the keeper of itself before it executes the program: from then on it ends
+// with us, whenever we are killed.
+pid_t Fork(const Plan& plan, const Keeper& keeper, int report) {
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);  // no handler of ours runs in the child
+  const pid_t pid = fork();
+  if (pid == 0) {
+    setpgid(0, 0);
+    keeper.Add(getpid());
+    const int reason = Execute(plan, report);
+    [[maybe_unused]] const ssize_t written = write(report, &reason, sizeof(reason));
+    _exit(127);
+  }
+  const int error = errno;
+  if (pid > 0) setpgid(pid, pid);  // the child does so too; the group is there after either
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  errno = error;
+  return pid;
+}
+
+// Waits until the program runs; else gives the reason why it does not, an error number.
+int AwaitProgram(const transport::UniqueFd& report) {
+  int reason = 0;
+  ssize_t got = 0;
+  do {
+    got = read(report.get(), &reason, sizeof(reason));
+  } while (got < 0 && errno == EINTR);
+  return got == sizeof(reason) ? reason : 0;  // the pipe ends when the program is executed
+}
+
 }  // namespace
 
 std::string ExitStatus::Text() const {
@@ -97,19 +154,21 @@ std::string ExitStatus::Text() const {
 }
 
 Result<Child> Child::Start(const ChildSpec& spec, const Keeper& keeper, int output) {
-  const SpawnAttributes attributes;
-  const SpawnFiles files(spec.cwd, output);
-  const std::vector<std::string> environment = Environment(spec.env);
-  pid_t pid = 0;
-  const int error = posix_spawnp(&pid, spec.argv.front().c_str(), files.get(), attributes.get(),
-                                 Pointers(spec.argv).data(), Pointers(environment).data());
-  const std::string where = spec.cwd.empty() ? "" : " in " + spec.cwd;
-  if (error != 0) return transport::SystemError("can't run " + spec.argv.front() + where, error);
-  keeper.Add(pid);
+  const Plan plan(spec, output);
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return transport::SystemError("can't make a pipe");
+  const transport::UniqueFd report(ends[0]);
+  transport::UniqueFd writer(ends[1]);
+  const pid_t pid = Fork(plan, keeper, writer.get());
+  if (pid < 0) return transport::SystemError("can't fork");
+  writer = {};
   auto pidfd = transport::OpenPidfd(pid);
   Child child(pid, pidfd ? std::move(pidfd).value() : transport::UniqueFd(), keeper);
   if (!child.pidfd_.valid()) return transport::SystemError("can't watch " + spec.argv.front());
-  return child;
+  const int error = AwaitProgram(report);
+  if (error == 0) return child;
+  const std::string where = spec.cwd.empty() ? "" : " in " + spec.cwd;
+  return transport::SystemError("can't run " + spec.argv.front() + where, error);
 }
 
 Child::Child(Child&& other) noexcept

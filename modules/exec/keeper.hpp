@@ -2,10 +2,13 @@
 // Sees to it that nothing we started outlives us, even when we are killed with SIGKILL: a small
 // process beside us that is told of every process group we start, and kills those that are left as
 // soon as we are gone, in whatever way. (PR_SET_PDEATHSIG would reach a child, but not its
-// children, and it fires when the thread ends that made the child.) Who is killed in the moment
-// between a start and its Add() leaves that one group behind.
+// children, and it fires when the thread ends that made the child.)
 //
-// Threads: Start() while the process has one thread; the rest from any.
+// A child calls Add() itself, before it executes its program, and holds the pipe until then: the
+// keeper knows every group before its program runs, also when we are killed right after the fork.
+//
+// Threads: Start() while the process has one thread; the rest from any. Add() also in a process
+// that was just forked: it is async-signal-safe.
 
 #include <sys/types.h>
 

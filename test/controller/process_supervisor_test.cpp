@@ -375,6 +375,34 @@ TEST_F(Supervisor, WatchesAndSignalsAProcessOfTheControllerBeforeIt) {
   EXPECT_FALSE(exit_->clean());
 }
 
+// Several actuators in one process: the second watch was refused, and its end was seen by silence.
+TEST_F(Supervisor, TellsAllThatWatchAProcessOfItsEnd) {
+  const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
+  WaitForLine();
+  std::vector<std::string> told;
+  const auto tell = [&](const std::string& name) {
+    return [&told, name](const ProcessExit& exit) { told.push_back(name + " " + exit.Text()); };
+  };
+  ASSERT_TRUE(supervisor_->Watch(pid, tell("arm")));
+  ASSERT_TRUE(supervisor_->Watch(pid, tell("leg")));
+  ASSERT_TRUE(supervisor_->Signal(pid, SIGKILL));
+  ASSERT_TRUE(WaitForExit());
+  EXPECT_EQ(exit_->Text(), "killed by SIGKILL");
+  EXPECT_THAT(told, testing::ElementsAre("arm killed by SIGKILL", "leg killed by SIGKILL"));
+}
+
+TEST_F(Supervisor, TellsAllThatWatchAProcessOfTheControllerBeforeItOfItsEnd) {
+  const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
+  WaitForLine();
+  supervisor_ = std::make_unique<ProcessSupervisor>(loop_);
+  int told = 0;
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(supervisor_->Watch(pid, [&](const ProcessExit&) { ++told; }));
+  }
+  ASSERT_TRUE(supervisor_->Signal(pid, SIGKILL));
+  EXPECT_TRUE(loop_.RunUntil([&] { return told == 3; }, Deadline()));
+}
+
 TEST_F(Supervisor, DoesNotWatchAProcessThatIsGone) {
   const pid_t pid = MustStart(Script("exit 0"));
   ASSERT_TRUE(WaitForExit());

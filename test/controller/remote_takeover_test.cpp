@@ -28,8 +28,12 @@ class EmptyHost : public ProcessRunner, public ProcessWitness, public JournalSin
   }
   Result<> Watch(pid_t, OnExit) override { return Error{kCodeFailed, "no such process"}; }
   Result<> Signal(pid_t, int) override { return Ok(); }
-  void Mark(pid_t, Time) override {}
-  Examination Examine(pid_t, Time) override { return {}; }
+  Result<> Prove(const std::string&, pid_t, pid_t) override {
+    return Error{kCodeStateInvalid, "no such process"};
+  }
+  pid_t Find(const std::string&) override { return 0; }
+  void Mark(std::size_t, pid_t, Time) override {}
+  Examination Examine(std::size_t, pid_t, Time) override { return {}; }
   void TakeBacktrace(pid_t, Duration, std::function<void(Result<std::string>)>) override {}
   void Append(JournalItem) noexcept override {}
 

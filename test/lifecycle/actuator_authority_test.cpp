@@ -76,6 +76,28 @@ TEST_F(Obeying, TheSameEpochFromAnotherSenderIsRefused) {
   EXPECT_EQ(core_.report.number, 0U) << "its question fences nothing";
 }
 
+class NotLedYet : public testing::OneActuator {
+ protected:
+  NotLedYet() { SetUpIt(); }
+};
+
+// An actuator that has followed no controller yet has epoch 0 and sender 0: both matched a command
+// of an unknown participant.
+TEST_F(NotLedYet, ACommandOfASenderThatIsNotKnownIsRefused) {
+  Do(ControllerHeard{0, 0});
+  Do(ControllerHeard{0, 3});
+  for (const std::uint64_t epoch : {0, 3}) {
+    SwitchArrived command = Command(1, "Active", epoch);
+    command.sender = 0;
+    const Actions actions = Do(command);
+    EXPECT_EQ(AnswerIn(actions).code, kCodePermissionDenied) << epoch;
+    EXPECT_THAT(actions, Not(Contains(VariantWith<RunCallback>(_)))) << epoch;
+    EXPECT_EQ(AnswerIn(Do(AskArrived{9, {epoch, 5, true}, 0})).code, kCodePermissionDenied);
+  }
+  EXPECT_EQ(core_.report.epoch, 0U);
+  EXPECT_EQ(core_.report.number, 0U) << "its question fences nothing";
+}
+
 TEST_F(Obeying, OneCannotCommandInTheNameOfAnotherThatAnnouncedItself) {
   Announce(2);
   SwitchArrived command = Command(1, "Active", 2);

@@ -258,7 +258,8 @@ TEST_F(Actuator, IsDrivenByAManagerWithoutEpochsAsLongAsNoControllerHasSpoken) {
 
 TEST_F(Actuator, BelongsToTheControllerThatHasAskedItToFollow) {
   SetUpIt();
-  Do(AskArrived{1, {3, 0, false}});
+  Announce(3);
+  Do(AskArrived{1, {3, 0, false}, 3});
   EXPECT_EQ(AnswerIn(Do(ManagerCommand{2, "Active"})).code, kCodePermissionDenied);
 }
 

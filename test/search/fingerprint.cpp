@@ -114,10 +114,10 @@ void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>
 }
 
 void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
-  mixer.Add(r.presence, r.report, r.process, r.dead, r.found_running, r.set_up_by, r.claimed,
-            r.claim_again, r.checked, r.join_tried, r.held, r.due, r.fault.has_value(), r.order,
-            r.health, r.restarts, r.restart_at, r.healthy_at, r.given_up, r.restart_asked, r.doomed,
-            r.kill_at, r.killed, r.parked, r.outbid_at, r.hindered, r.free_by);
+  mixer.Add(r.presence, r.report, r.process, r.launching, r.dead, r.found_running, r.set_up_by,
+            r.claimed, r.claim_again, r.checked, r.join_tried, r.held, r.due, r.fault.has_value(),
+            r.order, r.health, r.restarts, r.restart_at, r.healthy_at, r.given_up, r.restart_asked,
+            r.doomed, r.kill_at, r.killed, r.parked, r.outbid_at, r.hindered, r.free_by);
   mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
 }
 
@@ -187,7 +187,7 @@ Identity IdentityOf(const Model& model, const World& w) {
   if (m.stopping) {
     const Stopping& s = *m.stopping;
     mixer.Add(s.intent_by, s.after, s.tear_down_by, s.terminate_at, s.kill_at, s.give_up_at,
-              s.terminated, s.killed, s.requests, s.result.has_value());
+              s.terminated, s.killed, s.look, s.requests, s.result.has_value());
     if (s.result) mixer.Add(s.result->outcome);
   }
   return {mixer.Get(), twins};

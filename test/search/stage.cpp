@@ -246,6 +246,12 @@ void Stage::Do(const Action& action) {
   } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
     StartActuator(start->actuator);
     Tell(event::ProcessStarted{start->actuator, w.actors[start->actuator].core.report.pid});
+  } else if (std::holds_alternative<action::FindProcesses>(action)) {
+    event::ProcessesFound found;
+    for (const Actor& actor : w.actors) {
+      found.processes.push_back(actor.alive ? actor.core.report.pid : 0);
+    }
+    Tell(found);
   } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
     const Actor& actor = w.actors[signal->actuator];
     if (actor.alive && actor.core.report.pid == signal->pid) EndProcess(signal->actuator, false);

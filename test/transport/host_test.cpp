@@ -1,13 +1,20 @@
 #include "musher/transport/host.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <poll.h>
+#include <sched.h>
+#include <sys/file.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <csignal>
+#include <memory>
 #include <string>
+#include <utility>
+
+#include "musher/transport/network.hpp"
 
 namespace musher::transport {
 namespace {
@@ -129,13 +136,113 @@ TEST(NameLock, IsFreedByTheKernelWhenItsHolderIsKilled) {
 
 TEST(NameLock, TellsWhichProcessHoldsTheName) {
   const std::string name = UniqueName("legs");
-  EXPECT_EQ(NameLock::HolderOf(name), 0);
+  EXPECT_EQ(NameLock::HolderOf(name).pid, 0);
   Child holder([&] { return NameLock::Acquire(name); });
   ASSERT_TRUE(holder.ready());
-  EXPECT_EQ(NameLock::HolderOf(name), holder.pid());
-  EXPECT_EQ(NameLock::HolderOf(name + "2"), 0);
+  EXPECT_EQ(NameLock::HolderOf(name).pid, holder.pid());
+  EXPECT_TRUE(NameLock::HolderOf(name).trusted);
+  EXPECT_EQ(NameLock::HolderOf(name + "2").pid, 0);
   holder.Kill();
-  EXPECT_EQ(NameLock::HolderOf(name), 0);
+  EXPECT_EQ(NameLock::HolderOf(name).pid, 0);
+}
+
+TEST(NameLock, SaysWhichProcessOfWhichUserHasTheName) {
+  const std::string name = UniqueName("motion");
+  Child holder([&] { return NameLock::Acquire(name); });
+  ASSERT_TRUE(holder.ready());
+  const auto second = NameLock::Acquire(name);
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message, HasSubstr("process " + std::to_string(holder.pid()) +
+                                                " of user " + std::to_string(getuid())));
+}
+
+TEST(NameLock, ProvesAProcessOnlyByTheNameThatItHolds) {
+  const std::string name = UniqueName("motion");
+  Child holder([&] { return NameLock::Acquire(name); });
+  Child other([&] { return NameLock::Acquire(name + "2"); });
+  ASSERT_TRUE(holder.ready() && other.ready());
+  EXPECT_TRUE(NameLock::CheckHolder(name, holder.pid()));
+  EXPECT_EQ(NameLock::CheckHolder(name, other.pid()).error().code, kCodePermissionDenied);
+  EXPECT_EQ(NameLock::CheckHolder(name, getpid()).error().code, kCodePermissionDenied);
+  EXPECT_EQ(NameLock::CheckHolder(UniqueName("arm"), holder.pid()).error().code,
+            kCodePermissionDenied);
+  const pid_t pid = other.pid();
+  other.Kill();
+  EXPECT_EQ(NameLock::CheckHolder(name, pid).error().code, kCodeStateInvalid);
+  EXPECT_FALSE(NameLock::CheckHolder(name, 0));
+  EXPECT_FALSE(NameLock::CheckHolder(name, -1));
+}
+
+TEST(NameLock, DoesNotProveAProcessOfAnotherUser) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can be another user";
+  constexpr uid_t kNobody = 65534;
+  const std::string name = UniqueName("motion");
+  Child holder([&] {
+    const bool other_user = setresuid(kNobody, kNobody, kNobody) == 0;
+    return std::make_unique<Result<NameLock>>(
+        NameLock::Acquire(other_user ? name : "could not become another user"));
+  });
+  ASSERT_TRUE(holder.ready());
+  const NameLock::Holder found = NameLock::HolderOf(name);
+  EXPECT_EQ(found.pid, holder.pid());
+  EXPECT_EQ(found.uid, kNobody);
+  EXPECT_FALSE(found.trusted);
+  const auto proven = NameLock::CheckHolder(name, holder.pid());
+  ASSERT_FALSE(proven);
+  EXPECT_THAT(proven.error().message, HasSubstr("of user 65534"));
+}
+
+// The lock is another user's, even where one of ours has got hold of its descriptor.
+TEST(NameLock, DoesNotProveAProcessThatHoldsTheNameOfAnotherUser) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can be another user";
+  constexpr uid_t kNobody = 65534;
+  const std::string name = UniqueName("motion");
+  Child holder([&] {
+    const bool other_user = seteuid(kNobody) == 0;
+    auto lock = std::make_unique<Result<NameLock>>(
+        NameLock::Acquire(other_user ? name : "could not become another user"));
+    return seteuid(0) == 0 ? std::move(lock) : nullptr;
+  });
+  ASSERT_TRUE(holder.ready());
+  EXPECT_FALSE(NameLock::CheckHolder(name, holder.pid()));
+}
+
+TEST(Network, IsThereOnlyWhereAnInterfaceIsUpBesideTheLoopback) {
+  const pid_t child = fork();
+  if (child == 0) {
+    if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) _exit(2);
+    _exit(HasNetwork() ? 1 : 0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (WEXITSTATUS(status) == 2) GTEST_SKIP() << "no network namespace here";
+  EXPECT_EQ(status, 0);
+}
+
+TEST(FileLock, IsProvenOfTheProcessThatHoldsIt) {
+  const std::string path = testing::TempDir() + "host_test_" + std::to_string(getpid());
+  for (const bool of_open_file : {false, true}) {
+    const auto lock = [&] {
+      UniqueFd file(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+      struct flock whole {};
+      whole.l_type = F_WRLCK;
+      const bool locked = of_open_file ? fcntl(file.get(), F_OFD_SETLK, &whole) == 0
+                                       : flock(file.get(), LOCK_EX | LOCK_NB) == 0;
+      return locked ? std::move(file) : UniqueFd();
+    };
+    Child holder(lock);
+    Child reader([&] { return UniqueFd(open(path.c_str(), O_RDWR | O_CLOEXEC)); });
+    ASSERT_TRUE(holder.ready() && reader.ready());
+    EXPECT_TRUE(HoldsLockOn(holder.pid(), path));
+    EXPECT_FALSE(HoldsLockOn(reader.pid(), path)) << "it has the file open, and no lock";
+    EXPECT_FALSE(HoldsLockOn(getpid(), path));
+    EXPECT_FALSE(HoldsLockOn(0, path));
+    const pid_t pid = holder.pid();
+    holder.Kill();
+    EXPECT_FALSE(HoldsLockOn(pid, path));
+  }
+  EXPECT_FALSE(HoldsLockOn(getpid(), path + "2"));
+  unlink(path.c_str());
 }
 
 TEST(NameLock, RefusesANameThatIsTooLong) {

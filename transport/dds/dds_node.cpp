@@ -1,7 +1,9 @@
 #include "musher/transport/dds/dds_node.hpp"
 
 #include <charconv>
+#include <cstdio>
 #include <cstdlib>
+#include <mutex>
 #include <string_view>
 #include <utility>
 
@@ -12,6 +14,7 @@
 #include "musher/transport/dds/service_tags.hpp"
 #include "musher/transport/dds/settings.hpp"
 #include "musher/transport/keys/check.hpp"
+#include "musher/transport/network.hpp"
 
 namespace musher::transport {
 
@@ -76,6 +79,26 @@ class DdsNode : public Node {
 
 }  // namespace
 
+namespace {
+
+// DDS chooses its network interface when a process joins the domain, and keeps it: one that starts
+// before the network does is alone with its host for good, which nothing else tells.
+void WarnWithoutNetwork() {
+  static std::once_flag told;
+  const char* uri = std::getenv("CYCLONEDDS_URI");
+  const bool own_settings = uri != nullptr && *uri != '\0';
+  if (own_settings || HasNetwork()) return;
+  std::call_once(told, [] {
+    std::fputs(
+        "no network interface is up but the loopback: in the lan profile this process is heard on "
+        "this host only, until it is started again. Start it after the network (systemd: Wants= "
+        "and After=network-online.target)\n",
+        stderr);
+  });
+}
+
+}  // namespace
+
 std::optional<Credentials> CredentialsFor(const MachineConfig& config,
                                           const std::string& identity) {
   if (config.keys.empty()) return std::nullopt;
@@ -123,6 +146,7 @@ Result<std::unique_ptr<Node>> MakeDdsNode(EventLoop& loop, const DdsOptions& opt
       domain_id.value(), dds::SettingsXml(profile.value(), options.lease, impatient, unicast),
       options.credentials);
   if (!participant) return participant.error();
+  if (profile.value() == TransportProfile::kLan) WarnWithoutNetwork();
   return std::unique_ptr<Node>(std::make_unique<DdsNode>(loop, std::move(participant).value()));
 }
 

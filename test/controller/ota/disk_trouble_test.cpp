@@ -92,6 +92,33 @@ TEST_F(DiskTrouble, ADamagedConfirmedVersionIsReplacedByTheOther) {
   EXPECT_EQ(OpenRoot(*disk_).Boot().value().told, "");
 }
 
+// The slot's programs come first on PATH.
+TEST_F(DiskTrouble, AVersionWithAProgramThatWasNotSignedIsNotStarted) {
+  ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
+  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial);
+  ASSERT_TRUE(OpenRoot(*disk_).EndTrial("1.1.0", Ok()));
+  const std::string program = "/robot/slots/b/bin/sh";
+  ASSERT_TRUE(disk_->Create(program, 0755));
+  auto boot = OpenRoot(*disk_).Boot();
+  ASSERT_TRUE(boot);
+  EXPECT_EQ(boot.value().version.text, "1.0.0");
+  EXPECT_THAT(boot.value().told, HasSubstr("bin/sh is not in the signed manifest"));
+  disk_->PutLink("/robot/slots/a/bin/musher-audio", "/tmp/elsewhere");
+  boot = OpenRoot(*disk_).Boot();
+  ASSERT_FALSE(boot) << "a link can lead to any program";
+  EXPECT_THAT(boot.error().message, HasSubstr("bin/musher-audio is not in the signed manifest"));
+}
+
+TEST_F(DiskTrouble, WhatAModuleLeavesBesideItsProgramAndCannotBeRunIsOfNoInterest) {
+  disk_->Put("/robot/slots/a/bin/__pycache__/legs.pyc", "x");
+  ASSERT_TRUE(disk_->Create("/robot/slots/a/bin/legs.log", 0644));
+  ASSERT_TRUE(disk_->Create("/robot/slots/a/data/tool", 0755)) << "not on PATH";
+  const auto boot = OpenRoot(*disk_).Boot();
+  ASSERT_TRUE(boot);
+  EXPECT_EQ(boot.value().version.text, "1.0.0");
+  EXPECT_EQ(boot.value().told, "");
+}
+
 TEST_F(DiskTrouble, AStateThatIsDamagedOrLostLeavesTheVersionThatTheLinkNames) {
   ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
   ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial);

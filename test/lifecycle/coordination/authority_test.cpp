@@ -173,6 +173,44 @@ TEST_F(Authority, AnotherOfItsNameOnAnotherHostIsIgnoredWhileItAnswers) {
   EXPECT_TRUE(t.Set("LowPower").done());
 }
 
+// Its status is latched: it was said once, while the process from before the boot still counted.
+TEST_F(Authority, OneOfAHostThatWasStartedAgainIsTakenUpWhenTheOneFromBeforeIsLost) {
+  Theatre& t = In("Active");
+  Say(t, "b", [](ActuatorReport& report) {
+    report.host = "the host's next boot";
+    report.incarnation = 1;  // its clock has begun again
+    report.epoch = 0;
+    report.state = "SetUp";
+  });
+  EXPECT_EQ(t.RecordOf("b").presence, Presence::kPresent);
+  t.Find("b", Health::kPartitioned, true);
+  EXPECT_EQ(t.RecordOf("b").presence, Presence::kStarting);
+  EXPECT_EQ(t.RecordOf("b").report.incarnation, 1U);
+  EXPECT_EQ(t.RecordOf("b").claimed, 1U);
+}
+
+TEST_F(Authority, OneOfAnotherHostThatHasGoneIsNotTakenUp) {
+  Theatre& t = In("Active");
+  const ActuatorReport before = t.RecordOf("b").report;
+  Say(t, "b", [](ActuatorReport& report) {
+    report.host = "elsewhere";
+    report.incarnation = 1;
+  });
+  t.Tell(event::Vanished{1, 1, false, "it is out of reach"});
+  t.Find("b", Health::kPartitioned, true);
+  EXPECT_EQ(t.RecordOf("b").report.incarnation, before.incarnation);
+}
+
+TEST_F(Authority, IncarnationsOfHostsThatAreNotKnownAreNotCompared) {
+  Theatre& t = In("Active");
+  t.Find("b", Health::kPartitioned, true);
+  Say(t, "b", [](ActuatorReport& report) {
+    report.host = "";
+    report.incarnation -= 1;
+  });
+  EXPECT_NE(t.RecordOf("b").presence, Presence::kLost);
+}
+
 TEST_F(Authority, AnAnswerOfAProcessThatIsNotTheOneMeantIsNotTaken) {
   Theatre& t = In("Active");
   const RequestId request = t.Ask("LowPower");

@@ -16,13 +16,16 @@ class OneController : public ::testing::Test {
  protected:
   static constexpr std::uint64_t kFirst = 70;  // the incarnation of actuator 0; 71 of the next …
 
-  // The disk takes no time.
+  // The disk takes no time. The processes that run at the end are `processes_`.
   void Do(const Event& event) {
     std::vector<Event> saved;
     for (Action& action : Step(config_, machine_, event, now_)) {
       if (const auto* record = std::get_if<action::Record>(&action)) told_.push_back(*record);
       if (const auto* intent = std::get_if<action::SaveStopIntent>(&action)) {
         saved.emplace_back(event::SaveEnded{Stored::kStopIntent, intent->save, true, {}});
+      }
+      if (std::holds_alternative<action::FindProcesses>(action)) {
+        saved.emplace_back(event::ProcessesFound{processes_});
       }
       actions_.push_back(std::move(action));
     }
@@ -119,6 +122,7 @@ class OneController : public ::testing::Test {
   Machine machine_;
   Time now_ = Time(std::chrono::hours(1));
   std::vector<Action> actions_;
+  std::vector<std::int32_t> processes_;
   std::vector<action::Record> told_;
 };
 

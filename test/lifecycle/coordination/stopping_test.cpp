@@ -35,6 +35,29 @@ TEST_F(Stopping, TearsDownInReverseOrderAndTheProcessesEndByThemselves) {
   EXPECT_THAT(t.signals, ElementsAre());
 }
 
+// A controller before this one has started it, just before it received the first beat of this one.
+TEST_F(Stopping, AProcessThatNothingIsKnownOfEndsWithTheMachine) {
+  t.Crash("c");
+  t.RunUntil([&] { return t.RecordOf("c").presence == Presence::kLost; });
+  const auto asked = t.Ask("TearDown");
+  t.Mute("c", true, true);
+  t.StartActuator("c");  // nothing is heard of it
+  t.Rest();
+  EXPECT_TRUE(t.stopped());
+  EXPECT_TRUE(t.answers.contains(asked));
+  EXPECT_FALSE(t.IsAlive("c"));
+  EXPECT_THAT(t.signals, ElementsAre("c:TERM"));
+}
+
+TEST_F(Stopping, AProcessThatIsBeingStartedWhenTheMachineStopsEndsWithIt) {
+  t.Crash("c");
+  t.RunUntil([&] { return t.RecordOf("c").restart_at.has_value(); });
+  t.RunUntil([&] { return t.RecordOf("c").process != 0; });
+  t.Set("TearDown");
+  EXPECT_TRUE(t.stopped());
+  for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(t.IsAlive(name)) << name;
+}
+
 TEST_F(Stopping, OneThatFailsToTearDownGetsSigtermAndDoesNotKeepTheOthers) {
   t.On("b", "TearDown").code = 5001;
   const SwitchResult result = t.Set("TearDown");

@@ -352,6 +352,10 @@ void Theatre::Do(const Action& action) {
     if (exec.exit_code != 0) {
       Exit(config_.actuators[start->actuator].name, exec.exit_code, exec.message);
     }
+  } else if (std::holds_alternative<action::FindProcesses>(action)) {
+    event::ProcessesFound found;
+    for (const Actor& actor : actors_) found.processes.push_back(actor.alive ? actor.pid : 0);
+    Tell(found);
   } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
     signals.push_back(config_.actuators[signal->actuator].name +
                       (signal->kill ? ":KILL" : ":TERM"));

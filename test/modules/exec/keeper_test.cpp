@@ -1,6 +1,7 @@
 #include "musher/modules/exec/keeper.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/ptrace.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -49,6 +50,60 @@ TEST(Keeper, KillsWhatWeStartedAndItsChildrenWhenWeAreKilled) {
   EXPECT_TRUE(Gone(child));
   EXPECT_TRUE(Gone(grandchild));
 }
+
+// A moment of the start of a program.
+enum class Moment { kForked, kExecuted };
+
+// Runs a process that has a keeper and starts a program, kills it by SIGKILL at that moment of the
+// start, and lets the program go on. Gives the program's pid; 0: processes cannot be traced here.
+pid_t KillTheParentAt(Moment moment) {
+  const pid_t parent = fork();
+  if (parent == 0) {
+    const auto keeper = Keeper::Start();
+    if (ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) != 0) _exit(1);
+    raise(SIGSTOP);
+    const auto child = Child::Start({{"sleep", "infinity"}, "", {}}, keeper.value());
+    pause();
+    _exit(1);
+  }
+  int status = 0;
+  waitpid(parent, &status, 0);
+  constexpr long kOptions =
+      PTRACE_O_TRACEFORK | PTRACE_O_TRACEVFORK | PTRACE_O_TRACECLONE | PTRACE_O_TRACEEXEC;
+  if (!WIFSTOPPED(status) || ptrace(PTRACE_SETOPTIONS, parent, nullptr, kOptions) != 0) return 0;
+  ptrace(PTRACE_CONT, parent, nullptr, nullptr);
+  pid_t child = 0;
+  while (true) {
+    const pid_t stopped = waitpid(-1, &status, __WALL);
+    if (stopped < 0 || !WIFSTOPPED(status)) return 0;
+    const bool executed = status >> 8 == (SIGTRAP | (PTRACE_EVENT_EXEC << 8));
+    if (stopped != parent) {
+      child = stopped;
+      if (executed == (moment == Moment::kExecuted)) break;
+    }
+    ptrace(PTRACE_CONT, stopped, nullptr, nullptr);
+  }
+  kill(parent, SIGKILL);
+  while (waitpid(parent, &status, __WALL) == parent && !WIFSIGNALED(status)) {
+  }
+  ptrace(PTRACE_DETACH, child, nullptr, nullptr);
+  return child;
+}
+
+class KeeperInTheMiddleOfAStart : public testing::TestWithParam<Moment> {};
+
+TEST_P(KeeperInTheMiddleOfAStart, KillsTheProgramWhenWeAreKilledBeforeWeKnowOfIt) {
+  const pid_t program = KillTheParentAt(GetParam());
+  if (program == 0) GTEST_SKIP() << "processes cannot be traced here";
+  EXPECT_TRUE(Gone(program));
+  kill(program, SIGKILL);
+}
+
+INSTANTIATE_TEST_SUITE_P(Moments, KeeperInTheMiddleOfAStart,
+                         testing::Values(Moment::kForked, Moment::kExecuted),
+                         [](const auto& moment) -> std::string {
+                           return moment.param == Moment::kForked ? "Forked" : "Executed";
+                         });
 
 TEST(Keeper, LeavesAGroupAloneThatHasEndedForUs) {
   const pid_t removed = PausingGroup();

@@ -1,0 +1,205 @@
+// Whose process a pid is: a status can be published by anybody, with any pid of the controller's
+// host. A pid that is not proven is never watched, traced or signalled.
+
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "musher/controller/controller.hpp"
+#include "musher/lifecycle/config_toml.hpp"
+#include "musher/messages/musher_msgs/actuator_status.hpp"
+#include "musher/test/actuator/robot_file.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/transport/linux_event_loop.hpp"
+
+namespace musher {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using testing::kAllStates;
+using ::testing::Not;
+using testing::RobotFile;
+
+// A process of this test that has nothing to do with the machine. With `name` it holds that name.
+class Bystander {
+ public:
+  explicit Bystander(const std::string& name = "") {
+    std::array<int, 2> ready{};
+    if (pipe(ready.data()) != 0) return;
+    pid_ = fork();
+    if (pid_ == 0) {
+      const auto lock = transport::NameLock::Acquire(name);
+      const bool held = name.empty() || lock.ok();
+      if (held && write(ready[1], "r", 1) == 1) pause();
+      _exit(1);
+    }
+    char byte = 0;
+    EXPECT_EQ(read(ready[0], &byte, 1), 1);
+    close(ready[0]);
+    close(ready[1]);
+  }
+  ~Bystander() {
+    if (ended_) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  Bystander(const Bystander&) = delete;
+  Bystander& operator=(const Bystander&) = delete;
+
+  pid_t pid() const { return pid_; }
+  bool IsAlive() {
+    ended_ = ended_ || waitpid(pid_, nullptr, WNOHANG) == pid_;
+    return !ended_;
+  }
+
+ private:
+  pid_t pid_ = 0;
+  bool ended_ = false;
+};
+
+// A controller of the actuator `arm`, whose own process ends at once and is not started again, and
+// a participant that publishes statuses in the arm's name.
+class ProcessProof : public ::testing::Test {
+ protected:
+  ProcessProof()
+      : file_({"arm"}, kAllStates, {}, "command = [\"true\"]\nrestart = \"no\"\n"),
+        config_(*ReadConfigFile(file_.path()).config),
+        node_(transport::MakeDdsNode(loop_, {}).value()),
+        peer_(transport::MakeDdsNode(loop_, {}).value()) {
+    ControllerOptions options;
+    options.by_hand = true;
+    options.hooks.on_record = [this](const action::Record& record) {
+      records_.push_back(record.message);
+    };
+    options.hooks.on_stopped = [this] { stopped_ = true; };
+    controller_ = Controller::Make(*node_, transport::TestDomain(), config_, options).value();
+    EXPECT_TRUE(RunUntil([&] { return Arm().fault.has_value(); })) << "its process has ended";
+    status_ =
+        transport::MakePublisher<msg::ActuatorStatus>(
+            *peer_, transport::ActuatorStatusTopic(config_.name_space), transport::kLatchedQos)
+            .value();
+  }
+
+  std::string NameOfArm() const {
+    return transport::NameLock::NameOf(transport::TestDomain(), config_.name_space, "arm");
+  }
+
+  const ActuatorRecord& Arm() const { return controller_->shell().machine().actuators[0]; }
+
+  // The peer says that it is the arm, and process `pid`.
+  void Say(pid_t pid, std::uint64_t incarnation = 77, const std::string& state = "SetUp") {
+    ActuatorReport report;
+    report.state = state;
+    report.incarnation = incarnation;
+    report.pid = pid;
+    report.host = transport::HostId();
+    report.config_hash = config_.hash;
+    report.stamp = loop_.Now();
+    ASSERT_TRUE(status_->Publish(transport::ToMessage("arm", report)));
+    ASSERT_TRUE(RunUntil([&] { return Arm().report.incarnation == incarnation; }));
+  }
+
+  void TakeDown() {
+    controller_->shell().SetState(State(kTearDown), std::nullopt, [](const SwitchResult&) {});
+    EXPECT_TRUE(RunUntil([&] { return stopped_; }));
+  }
+
+  template <class Done>
+  bool RunUntil(const Done& done) {
+    return loop_.RunUntil(done, loop_.Now() + std::chrono::seconds(20));
+  }
+
+  RobotFile file_;
+  const MachineConfig config_;
+  transport::LinuxEventLoop loop_;
+  std::unique_ptr<transport::Node> node_;
+  std::unique_ptr<transport::Node> peer_;
+  std::vector<std::string> records_;
+  bool stopped_ = false;
+  std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> status_;
+  std::unique_ptr<Controller> controller_;
+};
+
+TEST_F(ProcessProof, AProcessThatAStatusNamesWithoutProofIsNotSignalled) {
+  Bystander bystander;
+  Say(bystander.pid());
+  EXPECT_EQ(Arm().report.pid, 0) << "the decision code never gets it";
+  TakeDown();
+  EXPECT_TRUE(bystander.IsAlive());
+  const std::string process = "process " + std::to_string(bystander.pid());
+  EXPECT_THAT(records_, Contains(HasSubstr("arm says that it is " + process)));
+  EXPECT_THAT(records_, Not(Contains(HasSubstr(process + " gets SIG"))));
+}
+
+TEST_F(ProcessProof, NorIsItWatched) {
+  Bystander bystander;
+  Say(bystander.pid());
+  kill(bystander.pid(), SIGKILL);
+  EXPECT_TRUE(RunUntil([&] { return !bystander.IsAlive(); }));
+  Say(0, 78);  // comes after what the end of the other would have led to
+  EXPECT_EQ(Arm().dead, 0U);
+}
+
+TEST_F(ProcessProof, ItIsSaidOnceThatAPidIsNotProvenHoweverOftenItIsPublished) {
+  Bystander bystander;
+  for (std::uint64_t incarnation = 100; incarnation < 110; ++incarnation) {
+    Say(bystander.pid(), incarnation);
+  }
+  EXPECT_EQ(std::count_if(records_.begin(), records_.end(),
+                          [](const std::string& record) {
+                            return record.find("which is not proven") != std::string::npos;
+                          }),
+            1);
+}
+
+TEST_F(ProcessProof, TheProcessThatHoldsTheNameIsBelievedAndEndsWithTheMachine) {
+  Bystander arm(NameOfArm());
+  Say(arm.pid());
+  EXPECT_EQ(Arm().report.pid, arm.pid());
+  TakeDown();
+  EXPECT_TRUE(RunUntil([&] { return !arm.IsAlive(); }));
+}
+
+TEST_F(ProcessProof, TheEndOfTheProcessThatHoldsTheNameIsSeenAtOnce) {
+  Bystander arm(NameOfArm());
+  Say(arm.pid());
+  kill(arm.pid(), SIGKILL);
+  EXPECT_TRUE(RunUntil([&] { return Arm().dead == 77; }));
+}
+
+TEST_F(ProcessProof, AnotherProcessIsNotBelievedBesideTheOneThatHoldsTheName) {
+  Bystander arm(NameOfArm());
+  Bystander bystander;
+  Say(bystander.pid());
+  Say(arm.pid(), 78);
+  Say(bystander.pid(), 79);
+  EXPECT_EQ(Arm().report.pid, 0);
+  TakeDown();
+  EXPECT_TRUE(bystander.IsAlive());
+}
+
+TEST_F(ProcessProof, ItIsSaidOfAProcessOfAnotherUserWhoseItIs) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can be another user";
+  ASSERT_EQ(seteuid(65534), 0);
+  Bystander arm(NameOfArm());
+  ASSERT_EQ(seteuid(0), 0);
+  Say(arm.pid());
+  EXPECT_EQ(Arm().report.pid, 0);
+  EXPECT_THAT(records_, Contains(HasSubstr("of user 65534")));
+  TakeDown();
+  EXPECT_TRUE(arm.IsAlive());
+}
+
+}  // namespace
+}  // namespace musher

@@ -1,0 +1,11 @@
+#pragma once
+// What this host has of a network.
+//
+// Threads: any.
+
+namespace musher::transport {
+
+// Whether a network interface other than the loopback is up and has an IPv4 address.
+bool HasNetwork();
+
+}  // namespace musher::transport
