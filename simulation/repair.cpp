@@ -1,0 +1,197 @@
+// How people repair the robot, use it again and switch it off.
+
+#include <signal.h>
+
+#include <algorithm>
+
+#include "musher/simulation/story.hpp"
+#include "musher/simulation/way.hpp"
+
+namespace musher::simulation {
+
+// People come: they release the stop, start again what nothing else does, and bring the machine
+// back to where it is of use.
+void Story::Repair() {
+  if (config_.policy) {
+    Note("people charge the battery");
+    robot_.SetBattery(100, true);
+    RunFor(std::chrono::seconds(2));
+    if (!ComeToRest("after the charge")) return;
+  }
+  if (robot_.machine().phase == Phase::kStopped) {
+    Note("the machine was torn down; it is started anew");
+    robot_.CrashController();
+    for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+      if (!IsByHand(i)) continue;
+      robot_.CrashActuator(config_.actuators[i].name);
+      StartByHand(i);
+    }
+    StartController();
+    if (!ComeToRest("after its start")) return;
+  }
+  for (int tries = 0; tries < 8 && robot_.machine().emergency_stop; ++tries) {
+    Note("people release the emergency stop");
+    robot_.ReleaseEmergencyStop();
+    RunFor(std::chrono::seconds(1));  // another one may have been engaged beside it
+    if (Over() || !ComeToRest("after the release")) return;
+  }
+  RepairActuators();
+  if (!ComeToRest("after its repair")) return;
+  if (BringHome() && !Over()) JudgeWhole();
+}
+
+bool Story::ComeToRest(const std::string& when) {
+  RunUntil([this] { return judge_.AtRest(); }, options_.bound);
+  if (!judge_.AtRest()) {
+    judge_.Blame(Promise::kComesToRest,
+                 "the machine is not at rest " + when + ": " + judge_.Unrest());
+  }
+  return !Over();
+}
+
+void Story::RepairActuators() {
+  if (EndSurplus()) RunFor(std::chrono::seconds(2));
+  const auto* leader = robot_.leader();
+  for (std::size_t i = 0; i < config_.actuators.size() && leader != nullptr; ++i) {
+    const std::size_t process = robot_.layout().ProcessOf(i);
+    const ActuatorConfig& actuator = config_.actuators[process];
+    const ActuatorRecord& record = leader->shell().machine().actuators[i];
+    const ActuatorReport* report = robot_.ReportOf(i, record.report);
+    const bool well = report != nullptr && !report->busy() && !record.fault;
+    if (well) continue;
+    Note("people restart " + actuator.name);
+    EndElsewhere(actuator);
+    if (!actuator.command.empty()) {
+      judge_.AskedRestart(actuator.name);
+      robot_.Restart(actuator.name);
+      continue;
+    }
+    robot_.CrashActuator(actuator.name);
+    RunFor(std::chrono::seconds(1));
+    if (Over()) return;
+    StartByHand(process);
+  }
+  RunFor(std::chrono::seconds(15));
+}
+
+// What runs on another host than its controller is ended there.
+void Story::EndElsewhere(const ActuatorConfig& actuator) {
+  const std::size_t here = robot_.leader()->host();
+  for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
+    if (actuator.command.empty() || host == here) continue;
+    if (!robot_.processes().IsAlive(actuator.name, host)) continue;
+    robot_.processes().End(actuator.name, host, {ProcessExit::Kind::kKilled, SIGKILL});
+    RunFor(std::chrono::seconds(12));  // until that is known: nobody there watches it
+  }
+}
+
+// Of an actuator that runs on several hosts people leave the one that the controller can restart.
+bool Story::EndSurplus() {
+  bool any = false;
+  const std::size_t here = robot_.leader()->host();
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    const bool by_controller =
+        !actuator.command.empty() && robot_.processes().IsAlive(actuator.name, here);
+    const std::size_t keep = by_controller ? here : robot_.processes().HomeOf(actuator.name);
+    for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
+      const bool surplus = host != keep && robot_.processes().CountOf(actuator.name) > 1;
+      if (!surplus || !robot_.processes().IsAlive(actuator.name, host)) continue;
+      Note("people end " + actuator.name + " on host " + robot_.hosts().name(host));
+      robot_.processes().End(actuator.name, host, {ProcessExit::Kind::kKilled, SIGKILL});
+      any = true;
+    }
+  }
+  return any;
+}
+
+bool Story::BringHome() {
+  for (int tries = 0; tries < 3; ++tries) {
+    const ControllerProcess* leader = robot_.leader();
+    if (leader == nullptr) {
+      judge_.Blame(Promise::kComesToRest, "nobody leads the machine");
+      return false;
+    }
+    const State from = leader->shell().machine().state;
+    auto way = FindWay(config_, from, options_.home);
+    if (!way) {
+      judge_.Blame(Promise::kWayBack, "the machine is in " + from +
+                                          ", from where no switch leads to " + options_.home);
+      return false;
+    }
+    // A check by hand takes along those that had failed theirs.
+    if (config_.HasState(kSelfCheck)) way->insert(way->begin(), State(kSelfCheck));
+    if (way->size() < 2 && from == options_.home) way->push_back(options_.home);
+    for (const State& next : *way) {
+      Note("people ask for " + next);
+      Ask(next);
+      RunUntil([this] { return judge_.AtRest(); }, options_.bound);
+      RunFor(std::chrono::seconds(2));
+      if (Over()) return false;
+    }
+    const Machine& machine = robot_.machine();
+    if (machine.state == options_.home && Degraded(config_, machine).empty()) return true;
+  }
+  return true;
+}
+
+void Story::JudgeWhole() {
+  const Machine& machine = robot_.machine();
+  if (machine.state != options_.home) {
+    return judge_.Blame(Promise::kWholeAgain, "repaired and asked for " + options_.home +
+                                                  ", the machine is in " + machine.state);
+  }
+  const auto degraded = Degraded(config_, machine);
+  if (!degraded.empty()) {
+    const std::size_t i = *config_.IndexOf(degraded.front());
+    return judge_.Blame(Promise::kWholeAgain,
+                        "after the repair " + degraded.front() +
+                            " is still degraded: " + machine.actuators[i].fault->message);
+  }
+  judge_.JudgeRest(false);
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    const std::size_t i = *config_.IndexOf(actuator.name);
+    const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
+    const std::string state = report == nullptr ? "gone" : "in " + report->state;
+    if (report == nullptr || report->state != options_.home) {
+      judge_.Blame(Promise::kWholeAgain, "after the repair " + actuator.name + " is " + state);
+    }
+  }
+}
+
+void Story::SwitchOff() {
+  if (!config_.HasState(kTearDown)) return;
+  Note("people switch the robot off");
+  Ask(State(kTearDown));
+  const auto stopped = [this] { return robot_.machine().phase == Phase::kStopped; };
+  if (!RunUntil(stopped, config_.shutdown_budget + Milliseconds(100))) {
+    return judge_.Blame(Promise::kEndsWhenAsked, "the machine is not torn down within its budget");
+  }
+  RunFor(Milliseconds(100));
+  judge_.JudgeRest(false);
+}
+
+StoryOptions UsualOptions(const MachineConfig& config) {
+  StoryOptions options;
+  Duration longest{};
+  Duration delay{};
+  int restarts = 1;
+  for (std::size_t i = 0; i < config.actuators.size(); ++i) {
+    Duration one{};
+    for (const State& state : config.actuators[i].states) {
+      one = std::max(one, config.TimeFor(i, state));
+    }
+    longest += one;  // as if all came after each other
+    restarts = std::max(restarts, config.actuators[i].restart.limit);
+    delay = std::max(delay, config.actuators[i].restart.max_delay);
+  }
+  options.bound = std::chrono::minutes(1) + 3 * (restarts + 1) * (longest + delay);
+  for (const State& state : config.states) {
+    const auto rank = config.RankOf(state);
+    const bool higher = rank && (options.home.empty() || *rank > *config.RankOf(options.home));
+    if (higher) options.home = state;
+  }
+  if (config.HasState(kActive)) options.home = State(kActive);
+  return options;
+}
+
+}  // namespace musher::simulation
