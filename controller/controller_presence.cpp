@@ -77,8 +77,9 @@ void ControllerPresence::FallSilent() {
 }
 
 void ControllerPresence::OnBeat(const msg::ControllerBeat& beat) {
-  // Of two with the same epoch the lower has precedence, for both of them. Incarnations of different
-  // hosts, and of different boots of one, say nothing about each other: the host comes first.
+  // Of two with the same epoch the lower has precedence, for both of them. Incarnations of
+  // different hosts, and of different boots of one, say nothing about each other: the host comes
+  // first.
   const auto theirs = std::tie(beat.host, beat.incarnation, beat.pid);
   const auto ours = std::tie(identity_.host, identity_.incarnation, identity_.pid);
   if (theirs == ours) return;
