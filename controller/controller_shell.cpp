@@ -4,16 +4,13 @@
 #include <utility>
 
 #include "musher/controller/switch_log.hpp"
-#include "musher/controller/wire.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
 namespace musher {
 namespace {
 
-constexpr std::size_t kProcessesKept = 4;  // of one actuator, those that spoke last
-constexpr Duration kPublishPeriod = Milliseconds(20);
-constexpr std::size_t kSwitchEntriesKept = 128;         // a begin and an end each
-constexpr Duration kUnsavedPeriod = Milliseconds(500);  // a save takes less on a disk that works
+constexpr std::size_t kProcessesKept = 4;        // of one actuator, those that spoke last
+constexpr std::size_t kSwitchEntriesKept = 128;  // a begin and an end each
 constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // less than a hung process has left
 
 // Whether a process of the actuator runs, by its latched status: it is not about to end.
@@ -77,38 +74,6 @@ Result<> ControllerShell::Open() {
   if (!subscription) return subscription.error();
   actuator_status_ = std::move(subscription).value();
   return Ok();
-}
-
-Result<> ControllerShell::OpenToClients() {
-  transport::Node& node = *world_.node;
-  auto status = transport::MakePublisher<msg::MachineStatus>(
-      node, transport::MachineStatusTopic(config_.name_space), transport::kLatchedQos);
-  if (!status) return status.error();
-  status_ = std::move(status).value();
-  auto capabilities = CapabilityBoard::Make(node, config_, machine_);
-  if (!capabilities) return capabilities.error();
-  capabilities_ = std::move(capabilities).value();
-  if (hooks_.open_services) {
-    if (const auto opened = hooks_.open_services(); !opened) return opened;
-  }
-  auto info = transport::MakePublisher<msg::MachineInfo>(
-      node, std::string(transport::kMachinesTopic), transport::kLatchedQos);
-  if (!info) return info.error();
-  info_ = std::move(info).value();
-  return info_->Publish({config_.name, config_.name_space, world_.host, world_.pid});
-}
-
-// What still waits for an answer gets `why` first.
-void ControllerShell::CloseToClients(const Error& why) {
-  for (auto& [request, done] : std::exchange(waiting_for_answer_, {})) done(why);
-  for (auto& [request, done] : std::exchange(waiting_for_result_, {})) {
-    if (done) done(Refusal(why));
-  }
-  publish_later_ = nullptr;
-  status_ = nullptr;
-  info_ = nullptr;
-  capabilities_ = nullptr;
-  if (hooks_.close_services) hooks_.close_services();
 }
 
 void ControllerShell::Begin(event::Begin begin) {
@@ -313,40 +278,6 @@ void ControllerShell::ArmTimer() {
   });
 }
 
-// The status is latched for people and dashboards: what changes within a moment is told as one.
-void ControllerShell::PublishSoon() {
-  if (publish_later_ || !status_) return;
-  const Time now = world_.node->loop().Now();
-  publish_later_ = world_.node->loop().At(std::max(now, published_at_ + kPublishPeriod), [this] {
-    publish_later_ = nullptr;
-    Publish();
-  });
-}
-
-// How long something is not on disk shows in the status, so that grows with time.
-void ControllerShell::PublishWhileUnsaved() {
-  if (machine_.unsaved.empty()) {
-    unsaved_timer_ = nullptr;
-  } else if (!unsaved_timer_) {
-    const Time now = world_.node->loop().Now();
-    unsaved_timer_ = world_.node->loop().At(now + kUnsavedPeriod, [this] {
-      unsaved_timer_ = nullptr;
-      PublishSoon();
-      PublishWhileUnsaved();
-    });
-  }
-}
-
-void ControllerShell::Publish() {
-  if (!status_) return;
-  msg::MachineStatus status = Status();
-  if (status == published_) return;
-  static_cast<void>(
-      status_->Publish(status));  // a latch that fails is told again at the next change
-  published_ = std::move(status);
-  published_at_ = world_.node->loop().Now();
-}
-
 // To the process whose report is taken for true; the one before may still be matched.
 ActuatorLink& ControllerShell::LinkTo(std::size_t actuator) {
   Peer& peer = peers_[actuator];
@@ -459,34 +390,6 @@ void ControllerShell::Do(const action::Stopped&) {
     CloseToClients({kCodeStateInvalid, "the machine is stopped; only a new start brings it back"});
   });
   if (hooks_.on_stopped) hooks_.on_stopped();
-}
-
-msg::Capabilities ControllerShell::Capabilities() const {
-  return capabilities_ ? capabilities_->Now() : msg::Capabilities{};
-}
-
-SwitchResult ControllerShell::Refusal(const Error& why) const {
-  SwitchResult result;
-  result.outcome = SwitchOutcome::kRefused;
-  result.code = why.code;
-  result.reason = why.message;
-  result.state = machine_.state;
-  return result;
-}
-
-msg::MachineStatus ControllerShell::Status() const {
-  msg::MachineStatus status = ToMessage(config_, machine_);
-  status.pid = world_.pid;
-  status.host = world_.host;
-  const Time now = world_.node->loop().Now();
-  for (const Unsaved& unsaved : machine_.unsaved) {
-    if (now - unsaved.since < kUnsavedPeriod && unsaved.why.empty()) continue;
-    const auto age = std::chrono::duration_cast<std::chrono::seconds>(now - unsaved.since).count();
-    status.not_on_disk.push_back(std::string(StoredName(unsaved.what)) + " (" +
-                                 std::to_string(age) + " s)" +
-                                 (unsaved.why.empty() ? "" : ": " + unsaved.why));
-  }
-  return status;
 }
 
 }  // namespace musher
