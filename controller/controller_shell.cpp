@@ -80,6 +80,7 @@ void ControllerShell::Begin(event::Begin begin) {
   if (const auto opened = OpenToClients(); !opened) return Refuse(opened.error());
   recorder_.Begin(world_.wall_ns(), world_.config_text);
   begin.host = world_.host;
+  begin.stops = Merge(begin.stops, std::exchange(stops_before_begin_, {}));
   // What runs on another host is known by its status alone.
   begin.running.resize(peers_.size());
   for (const auto& [actuator, seen] : before_begin_) {
@@ -226,6 +227,13 @@ bool ControllerShell::KeepForBegin(const Event& event) {
   if (const auto* seen = std::get_if<event::StatusSeen>(&event)) {
     before_begin_[seen->actuator] = *seen;
     if (!first_heard_) first_heard_ = world_.node->loop().Now();
+    return true;
+  }
+  if (const auto* stop = std::get_if<event::EmergencyStopSeen>(&event)) {
+    StoredStops received;
+    if (stop->engaged && stop->stop.id != 0) received.engaged.push_back(stop->stop);
+    if (!stop->engaged) received.released.push_back(stop->stop.id);
+    stops_before_begin_ = Merge(stops_before_begin_, received);
     return true;
   }
   if (const auto* vanished = std::get_if<event::Vanished>(&event)) {

@@ -193,6 +193,7 @@ class ControllerShell {
   };
   std::unordered_map<transport::PeerId, Speaker> speakers_;  // who is behind a status writer
   std::vector<Peer> peers_;
+  StoredStops stops_before_begin_;
   std::map<std::size_t, event::StatusSeen> before_begin_;  // the last one of each actuator
   std::optional<Time> first_heard_;                        // of those
   std::deque<Event> queue_;                                // events that came while one was handled

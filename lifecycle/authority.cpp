@@ -66,10 +66,36 @@ void Decision::Decline(const Event& event) {
   }
 }
 
+StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
+  StoredStops stops;
+  for (const auto* from : {&stored, &received}) {
+    for (const std::uint64_t id : from->released) {
+      std::erase(stops.released, id);
+      stops.released.push_back(id);
+    }
+  }
+  const auto known = [&stops](const EmergencyStop& stop) {
+    const auto& [engaged, released] = stops;
+    return std::find(released.begin(), released.end(), stop.id) != released.end() ||
+           std::any_of(engaged.begin(), engaged.end(),
+                       [&stop](const EmergencyStop& other) { return other.id == stop.id; });
+  };
+  for (const auto* from : {&stored, &received}) {
+    for (const EmergencyStop& stop : from->engaged) {
+      if (!known(stop) && stops.engaged.size() <= kMostStops) stops.engaged.push_back(stop);
+    }
+  }
+  auto& released = stops.released;
+  if (released.size() > kReleasedKept) {
+    released.erase(released.begin(), released.end() - static_cast<std::ptrdiff_t>(kReleasedKept));
+  }
+  return stops;
+}
+
+// Only the controller that leads releases; what others published before it led came with Begin.
 void Decision::On(const event::EmergencyStopSeen& seen) {
-  if (!seen.engaged) return HearRelease(seen.stop.id);
-  const bool leads = machine_.phase != Phase::kIdle;
-  if (Add(seen.stop) && leads) Engage(seen.stop);
+  if (machine_.phase == Phase::kIdle || !seen.engaged) return;
+  if (Add(seen.stop)) Engage(seen.stop);
 }
 
 bool Decision::IsReleased(std::uint64_t id) const {
@@ -100,42 +126,14 @@ bool Decision::Add(const EmergencyStop& stop) {
   return true;
 }
 
-// What the controller before had released. Once this one leads, it alone releases.
-void Decision::HearRelease(std::uint64_t id) {
-  if (machine_.phase != Phase::kIdle || id == 0 || IsReleased(id)) return;
-  machine_.released_stops.push_back(id);
-  if (machine_.released_stops.size() > kReleasedKept) {
-    machine_.released_stops.erase(machine_.released_stops.begin());
+// Both are published, so that a panel which still says "engaged" engages none that is over.
+void Decision::BeginStops(const StoredStops& stops) {
+  machine_.released_stops = stops.released;
+  for (const std::uint64_t id : stops.released) Do(action::TellEmergencyStop{{id, "", ""}, false});
+  for (const EmergencyStop& stop : stops.engaged) {
+    if (Add(stop)) Engage(stop);
   }
-  std::erase_if(machine_.other_stops, [id](const EmergencyStop& stop) { return stop.id == id; });
-  if (!machine_.emergency_stop || machine_.emergency_stop->id != id) return;
-  machine_.emergency_stop.reset();
-  if (machine_.other_stops.empty()) return;
-  machine_.emergency_stop = machine_.other_stops.front();
-  machine_.other_stops.erase(machine_.other_stops.begin());
-}
-
-// The stops on disk and those that were received before this controller led. Both are published, so
-// that a panel which still says "engaged" engages none that is over.
-void Decision::BeginStops(const StoredStops& stored) {
-  const StoredStops received = Stops();
-  machine_.emergency_stop.reset();
-  machine_.other_stops.clear();
-  machine_.released_stops = stored.released;
-  for (const std::uint64_t id : received.released) {
-    if (!IsReleased(id)) machine_.released_stops.push_back(id);
-  }
-  auto& released = machine_.released_stops;
-  if (released.size() > kReleasedKept) {
-    released.erase(released.begin(), released.end() - static_cast<std::ptrdiff_t>(kReleasedKept));
-  }
-  for (const std::uint64_t id : released) Do(action::TellEmergencyStop{{id, "", ""}, false});
-  for (const auto& engaged : {stored.engaged, received.engaged}) {
-    for (const EmergencyStop& stop : engaged) {
-      if (Add(stop)) Engage(stop);
-    }
-  }
-  if (Stops() != stored) Save(Stored::kEmergencyStops);
+  if (stops != StoredStops{}) Save(Stored::kEmergencyStops);
 }
 
 StoredStops Decision::Stops() const {

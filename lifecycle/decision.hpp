@@ -195,11 +195,10 @@ class Decision {
 
   // authority.cpp
   void HoldTo(const ActuatorReport& report, std::size_t i);
-  void BeginStops(const StoredStops& stored);
+  void BeginStops(const StoredStops& stops);
   void Engage(const EmergencyStop& stop);
   bool Add(const EmergencyStop& stop);
   void Release(std::uint64_t id);
-  void HearRelease(std::uint64_t id);
   bool IsReleased(std::uint64_t id) const;
   StoredStops Stops() const;
 

@@ -207,6 +207,10 @@ struct StoredStops {
   friend bool operator==(const StoredStops&, const StoredStops&) = default;
 };
 
+// What is on disk, and what was received of other controllers and panels since. What either of them
+// has released is over.
+StoredStops Merge(const StoredStops& stored, const StoredStops& received);
+
 // What of a controller is on disk, for the next one.
 enum class Stored {
   kEpoch,

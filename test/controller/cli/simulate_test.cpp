@@ -105,15 +105,15 @@ to = ["Active", "Protected", "DeActive", "LowPower", "OTA"]
                                HasSubstr("from where no switch leads to Active")));
 }
 
-TEST_F(Simulating, AFlowThatForbidsTheFallToOnLostIsFound) {
+// A way down for safety is taken whatever the flow lacks.
+TEST_F(Simulating, AFlowThatForbidsTheFallToOnLostIsNoFault) {
   const std::string config = Config(Robot(kProvided, R"(
 [[transition]]
 from = ["Active", "LowPower", "Protected", "OTA", "DeActive"]
 to = ["Active", "LowPower"]
 )"));
   const Ran ran = RunProgram({"simulate", config, "--seeds", "300"});
-  EXPECT_EQ(ran.exit, 1);
-  EXPECT_THAT(ran.out, HasSubstr("without legs, whose on_lost is Protected"));
+  EXPECT_THAT(ran.out, Not(HasSubstr("without legs, whose on_lost is Protected")));
 }
 
 TEST_F(Simulating, TheCommandItPrintsTellsTheSameStoryAgain) {

@@ -283,17 +283,17 @@ TEST_F(EmergencyStopped, AllStopsThatAreEngagedSurviveAController) {
 TEST(EmergencyStopBeforeBegin, IsKeptAndPublishedOnceTheControllerLeads) {
   const MachineConfig config = MachineOf(1);
   Machine machine = MakeMachine(config);
-  const auto tells = [](const std::vector<Action>& actions) {
-    return std::count_if(actions.begin(), actions.end(), [](const Action& action) {
-      return std::holds_alternative<action::TellEmergencyStop>(action);
-    });
-  };
   EXPECT_TRUE(Step(config, machine, event::EmergencyStopSeen{{7, "a panel", ""}}, Time()).empty());
-  EXPECT_TRUE(Step(config, machine, event::EmergencyStopSeen{{8, "", ""}, false}, Time()).empty());
+  const StoredStops stored{{{8, "a panel", "released by the controller before"}}, {}};
   event::Begin begin;
   begin.running = {false};
-  begin.stops = {{{8, "a panel", "released by the controller before"}}, {}};
-  EXPECT_EQ(tells(Step(config, machine, begin, Time())), 2);
+  begin.stops = Merge(stored, {{{7, "a panel", ""}}, {8}});
+  const auto actions = Step(config, machine, begin, Time());
+  EXPECT_EQ(std::count_if(actions.begin(), actions.end(),
+                          [](const Action& action) {
+                            return std::holds_alternative<action::TellEmergencyStop>(action);
+                          }),
+            2);
   EXPECT_EQ(machine.emergency_stop, (EmergencyStop{7, "a panel", ""}));
   EXPECT_TRUE(machine.other_stops.empty()) << "8 is over";
 }

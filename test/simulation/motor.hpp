@@ -1,0 +1,106 @@
+#pragma once
+// A motor as an actuator, for tests of the fault-injection harness.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "musher/simulation/actuator_trial.hpp"
+
+namespace musher::testing {
+
+using simulation::ActuatorTrial;
+using simulation::Faults;
+using simulation::TrialFailure;
+
+// What outlives a process: the motor, as the last command has left it.
+struct Motor {
+  bool powered = false;
+  Faults* faults = nullptr;
+
+  Result<> Power(bool on) {
+    if (faults != nullptr && faults->Strike()) return Error{6103, "the motor does not answer"};
+    powered = on;
+    return Ok();
+  }
+};
+
+// A motor that has power in Active only, and none during an emergency stop.
+class GoodMotor : public MachineActuator {
+ public:
+  explicit GoodMotor(Motor& motor) : MachineActuator("motor"), motor_(motor) {
+    RegisterStateCallback("SetUp", [this] { return SetUp(); });
+    RegisterStateCallback("SelfCheck", [] { return 0; });
+    RegisterStateCallback("Active", [this] { return PowerOn(); });
+    RegisterStateCallback("LowPower", [this] { return PowerOff(); });
+    RegisterStateCallback("TearDown", [this] { return PowerOff(); });
+  }
+  ~GoodMotor() override { Shutdown(); }
+
+  bool powered() const { return motor_.powered; }
+  bool stopped() const { return stopped_; }
+
+ protected:
+  virtual Result<> SetUp() {
+    for (int step = 0; step < 100 && !StopRequested(); ++step) Checkpoint();
+    return motor_.Power(false);
+  }
+  virtual Result<> PowerOn() {
+    stopped_ = false;
+    if (auto on = motor_.Power(true); !on) return on;
+    for (int step = 0; step < 5; ++step) {
+      if (StopRequested()) return GiveUp("asked to stop");
+      if (stopped_) return GiveUp("stopped");
+    }
+    return Ok();
+  }
+  virtual Result<> PowerOff() { return motor_.Power(false); }
+  void OnEmergencyStop() override {
+    stopped_ = true;
+    motor_.powered = false;
+  }
+
+  Motor& motor() { return motor_; }
+
+ private:
+  Result<> GiveUp(const std::string& why) {
+    motor_.powered = false;
+    return Error{kCodeFailed, why};
+  }
+
+  Motor& motor_;
+  std::atomic<bool> stopped_ = false;
+};
+
+// A trial of such an actuator, whose motor fails now and then.
+template <typename T>
+struct MotorTrial : ActuatorTrial<T> {
+  Motor motor;
+
+  MotorTrial() {
+    this->make_with_faults = [this](Faults& faults) {
+      motor.faults = &faults;
+      return std::make_unique<T>(motor);
+    };
+    this->before_story = [this] { motor = {}; };
+    this->always = [](const T& actuator, const ActuatorReport& report) {
+      if (report.state == "Active") return;
+      EXPECT_FALSE(actuator.powered()) << "in " << report.state;
+    };
+    this->after_emergency_stop = [](const T& actuator, const ActuatorReport&) {
+      EXPECT_FALSE(actuator.powered()) << "during an emergency stop";
+    };
+  }
+  TrialFailure Failure() {
+    auto found = this->Find();
+    if (!found || !found.value()) {
+      ADD_FAILURE() << (found ? "every story ended well" : found.error().message);
+      return {};
+    }
+    return *found.value();
+  }
+};
+
+}  // namespace musher::testing
