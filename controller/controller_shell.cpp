@@ -192,11 +192,9 @@ ControllerShell::Process& ControllerShell::Heard(std::size_t actuator,
 // Whoever answers lives.
 void ControllerShell::OnLinkEvent(const Event& from_link) {
   Event event = from_link;
-  if (auto* reply = std::get_if<event::Replied>(&event)) {
-    reply->report = Believed(reply->actuator, std::move(reply->report));
-  }
+  auto* replied = std::get_if<event::Replied>(&event);
+  if (replied) replied->report = Believed(replied->actuator, std::move(replied->report));
   Handle(event);
-  const auto* replied = std::get_if<event::Replied>(&event);
   if (replied == nullptr) return;
   const ActuatorReport& taken = machine_.actuators[replied->actuator].report;
   if (taken.incarnation == replied->report.incarnation) {
@@ -230,10 +228,9 @@ bool ControllerShell::KeepForBegin(const Event& event) {
     return true;
   }
   if (const auto* stop = std::get_if<event::EmergencyStopSeen>(&event)) {
-    StoredStops received;
-    if (stop->engaged && stop->stop.id != 0) received.engaged.push_back(stop->stop);
-    if (!stop->engaged) received.released.push_back(stop->stop.id);
-    stops_before_begin_ = Merge(stops_before_begin_, received);
+    const StoredStops over{{}, {stop->stop.id}};
+    stops_before_begin_ =
+        Merge(stops_before_begin_, stop->engaged ? StoredStops{{stop->stop}, {}} : over);
     return true;
   }
   if (const auto* vanished = std::get_if<event::Vanished>(&event)) {
