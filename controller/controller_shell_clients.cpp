@@ -27,7 +27,7 @@ Result<> ControllerShell::OpenToClients() {
   if (!capabilities) return capabilities.error();
   capabilities_ = std::move(capabilities).value();
   if (hooks_.open_services) {
-    if (const auto opened = hooks_.open_services(); !opened) return opened;
+    if (auto opened = hooks_.open_services(); !opened) return opened;
   }
   auto info = transport::MakePublisher<msg::MachineInfo>(
       node, std::string(transport::kMachinesTopic), transport::kLatchedQos);

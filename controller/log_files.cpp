@@ -60,7 +60,7 @@ bool WriteAll(int fd, std::string_view text) {
 // Writes a compressed file, of which nothing is left if that fails.
 class PartWriter {
  public:
-  PartWriter(std::string path) : path_(std::move(path)), next_(path_ + ".new") {
+  explicit PartWriter(std::string path) : path_(std::move(path)), next_(path_ + ".new") {
     fd_ = UniqueFd(open(next_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
     const int own = fcntl(fd_.get(), F_DUPFD_CLOEXEC, 0);  // which gzclose() closes
     if (own >= 0) file_ = gzdopen(own, "wb1");

@@ -189,7 +189,7 @@ void SwitchClient::OnTold(const msg::GetSwitch::Response& told) {
     end.result.code = kCodeNetError;
     end.result.reason = Lost() + "; it had not begun, ask again";
   }
-  End(std::move(end));
+  End(end);
 }
 
 void SwitchClient::EndUnknown(const std::string& why) {
@@ -199,10 +199,10 @@ void SwitchClient::EndUnknown(const std::string& why) {
   end.result.actuator = actuator_;
   end.result.code = how_.empty() ? kCodeTimeout : kCodeNetError;
   end.result.reason = how_.empty() ? why : Lost() + "; " + why;
-  End(std::move(end));
+  End(end);
 }
 
-void SwitchClient::End(SwitchEnd end) {
+void SwitchClient::End(const SwitchEnd& end) {
   if (step_ == Step::kEnded) return;
   step_ = Step::kEnded;
   timeout_ = nullptr;

@@ -77,7 +77,7 @@ class SwitchClient {
   void Send();
   void OnTold(const msg::GetSwitch::Response& told);
   void EndUnknown(const std::string& why);
-  void End(SwitchEnd end);
+  void End(const SwitchEnd& end);
   std::string Lost() const;
 
   transport::Node& node_;

@@ -394,7 +394,7 @@ TEST_F(Supervisor, TellsAllThatWatchAProcessOfItsEnd) {
 TEST_F(Supervisor, TellsAllThatWatchAProcessOfTheControllerBeforeItOfItsEnd) {
   const pid_t pid = MustStart(Script("echo up > $PIPE; exec sleep 1000"));
   WaitForLine();
-  supervisor_ = std::make_unique<ProcessSupervisor>(loop_);
+  supervisor_ = std::make_unique<ProcessSupervisor>(loop_, disk_, kLoading);
   int told = 0;
   for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE(supervisor_->Watch(pid, [&](const ProcessExit&) { ++told; }));
