@@ -131,7 +131,7 @@ Result<> StateStore::SaveEmergencyStops(const StoredStops& stops) {
 
 // A file that cannot be read is taken for a stop that is engaged: that is the safe side.
 StoredStops StateStore::LoadEmergencyStops() const {
-  const StoredStops damaged{{{kUnknownStop, "", "its file was damaged"}}, {}};
+  StoredStops damaged{{{kUnknownStop, "", "its file was damaged"}}, {}};
   const UniqueFd file(open(EmergencyStopFile().c_str(), O_RDONLY | O_CLOEXEC));
   if (!file.valid()) return errno == ENOENT ? StoredStops{} : damaged;
   std::istringstream text(ReadSmall(file.get()));
