@@ -39,7 +39,7 @@ TEST(Json, TellsOfAnEmergencyStopAndItsRelease) {
 TEST(Json, ListsWhatIsNotOnDiskYet) {
   msg::MachineStatus status = RobotStatus();
   status.not_on_disk = {"emergency stop (4 s)"};
-  EXPECT_NE(StatusJson(status).find(R"("not_on_disk":["emergency stop (4 s)"])"),
+  EXPECT_NE(StatusJson(status).find(R"x("not_on_disk":["emergency stop (4 s)"])x"),
             std::string::npos);
 }
 

@@ -177,15 +177,13 @@ TEST_F(FoundByStories, OneWhoseCheckInTheRunPhaseIsOverdueIsWellWhenThatHasPasse
 }
 
 TEST_F(FoundByStories, AControllerThatListensHearsThatAStopIsOver) {
-  Machine machine = MakeMachine(MachineOf(1));
-  const MachineConfig config = MachineOf(1);
-  const Time now{std::chrono::hours(1)};
-  Step(config, machine, event::EmergencyStopSeen{{7, "a panel", ""}}, now);
-  ASSERT_TRUE(machine.emergency_stop);
-  Step(config, machine, event::EmergencyStopSeen{{7, "", ""}, false}, now);
-  EXPECT_FALSE(machine.emergency_stop);
-  Step(config, machine, event::EmergencyStopSeen{{7, "a panel", ""}}, now);  // latched, and late
-  EXPECT_FALSE(machine.emergency_stop);
+  const EmergencyStop stop{7, "a panel", ""};
+  StoredStops received = Merge({}, {{stop}, {}});
+  EXPECT_EQ(received.engaged.size(), 1U);
+  received = Merge(received, {{}, {7}});
+  EXPECT_TRUE(received.engaged.empty());
+  received = Merge(received, {{stop}, {}});  // latched, and late
+  EXPECT_TRUE(received.engaged.empty());
 }
 
 TEST_F(FoundByStories, AControllerThatLeadsIsToldByNobodyThatAStopIsOver) {
