@@ -169,17 +169,14 @@ class Deciding {
   }
 
   void DropWaiting(const Refusal& why) {
-    if (const auto dropped = std::exchange(core_.waiting, std::nullopt)) {
-      Refuse(dropped->tokens, why);
-    }
+    if (const auto dropped = std::exchange(core_.waiting, {})) Refuse(dropped->tokens, why);
   }
 
   // One controller is obeyed: the one that came with the highest epoch, having announced itself.
   std::optional<Refusal> Authority(Sender sender, std::uint64_t epoch) {
     const std::string number = std::to_string(epoch);
     if (sender == 0) {
-      return Refusal{kCodePermissionDenied,
-                     "it is not known which participant the command is from"};
+      return Refusal{kCodePermissionDenied, "the participant that sent the command is not known"};
     }
     if (epoch > kLastEpoch) {
       return Refusal{kCodeParametersInvalid, "epoch " + number + " cannot be a controller's"};

@@ -172,33 +172,6 @@ void Decision::On(const event::StatusSeen& seen) {
   if (!stopping) Claim(seen.actuator);
 }
 
-// Another host has an actuator of this name while the one that is here answers.
-bool Decision::IsImpostor(std::size_t i, const ActuatorReport& report) {
-  ActuatorRecord& record = Of(i);
-  if (report.host == record.report.host) return false;
-  const bool known = record.other && record.other->host == report.host &&
-                     record.other->incarnation == report.incarnation;
-  record.other = report;
-  if (known) return true;
-  RecordActuator(i, kCodePermissionDenied,
-                 "another process says that it is " + ConfigOf(i).name + ": process " +
-                     std::to_string(report.pid) + " of host " + report.host.substr(0, 64) +
-                     "; it is ignored while process " + std::to_string(record.report.pid) +
-                     " answers");
-  return true;
-}
-
-// A host that was started again is another one: what its actuators said while the processes from
-// before still counted is taken up when those are lost.
-void Decision::TakeOthersUp() {
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    ActuatorRecord& record = Of(i);
-    if (!record.other || record.presence == Presence::kPresent) continue;
-    const ActuatorReport other = *std::exchange(record.other, std::nullopt);
-    if (record.presence == Presence::kLost) On(event::StatusSeen{i, other});
-  }
-}
-
 void Decision::On(const event::Replied& replied) {
   ActuatorRecord& record = Of(replied.actuator);
   if (replied.report.incarnation != record.report.incarnation) return;
