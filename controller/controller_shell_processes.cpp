@@ -106,8 +106,7 @@ ActuatorReport ControllerShell::Believed(std::size_t actuator, ActuatorReport re
 Result<> ControllerShell::ProveAndWatch(std::size_t actuator, const ActuatorReport& report) {
   const std::int32_t child = machine_.actuators[actuator].process;
   if (report.pid == child) return Ok();  // watched since it was started
-  Result<> proven =
-      world_.witness->Prove(config_.actuators[actuator].name, report.pid, child);
+  Result<> proven = world_.witness->Prove(config_.actuators[actuator].name, report.pid, child);
   if (!proven || report.pid == world_.pid) return proven;
   return world_.processes->Watch(report.pid, [this, actuator, incarnation = report.incarnation,
                                               pid = report.pid](const ProcessExit& exit) {
