@@ -12,7 +12,7 @@
 namespace musher {
 namespace {
 
-// Whoever publishes other pids again and again is not to fill the journal.
+// A participant that publishes other pids again and again must not fill the journal.
 constexpr Duration kUnprovenAgain = std::chrono::minutes(1);
 
 }  // namespace

@@ -57,7 +57,7 @@ void Judge::OnReplyWritten(const ControllerProcess& controller, const std::strin
   const Machine& machine = controller.shell().machine();
   const Time now = robot_.network().now();
   if (machine.phase == Phase::kFenced) {
-    // Whoever waits hears of the fence as it happens.
+    // A caller that waits is told of the fence as it happens.
     const auto fenced = fenced_at_.emplace(controller.serial(), now).first->second;
     if (now == fenced) return;
   } else if (controller.begun()) {

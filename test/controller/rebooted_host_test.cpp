@@ -1,4 +1,4 @@
-// A remote host that is started again: its boot clock begins anew, so its processes have smaller
+// A remote host that reboots: its boot clock starts at zero again, so its processes have smaller
 // incarnations than those before.
 
 #include <gmock/gmock.h>
