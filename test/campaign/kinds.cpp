@@ -130,6 +130,11 @@ void AddNetwork(std::vector<Kind>& kinds) {
   add("link-down", "an interface goes down and up", LinkGoesDown);
   add("stop-without-link", "the robot is taken down while an interface is down",
       StoppedWithoutLink);
+  add("far-reboot", "the other host is started again, five times", IsRebooted);
+  add("far-takeover", "a controller on the other host with --takeover, and back",
+      [](Trial& trial) { IsTakenOverFromThere(trial, false); });
+  add("far-takeover-deaf", "the same while the other host hears nothing of this one",
+      [](Trial& trial) { IsTakenOverFromThere(trial, true); });
   add("far-kill", "SIGKILL on the other host", KilledFarAway);
 }
 

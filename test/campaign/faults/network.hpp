@@ -17,6 +17,11 @@ void IsCutInSwitch(Trial& trial);
 // An interface goes down and up again.
 void LinkGoesDown(Trial& trial);
 void StoppedWithoutLink(Trial& trial);
+// The other host is started again, several times.
+void IsRebooted(Trial& trial);
+// A controller on the other host takes the machine over, and one here takes it back; with `deaf`
+// the other host hears nothing of this one meanwhile.
+void IsTakenOverFromThere(Trial& trial, bool deaf);
 // SIGKILL of an actuator there.
 void KilledFarAway(Trial& trial);
 

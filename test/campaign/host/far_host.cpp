@@ -1,6 +1,9 @@
 #include "musher/test/campaign/host/far_host.hpp"
 
+#include <signal.h>
+
 #include <fstream>
+#include <string>
 
 #include "musher/test/campaign/robot/processes.hpp"
 
@@ -12,7 +15,19 @@ FarHost::FarHost(const std::filesystem::path& folder,
       host_({benchmark::Program("campaign_host"), folder}, environment,
             benchmark::Child::Output::kPiped) {
   host_.AwaitOutput();
-  cable_ = std::make_unique<Cable>(ChildrenOf(host_.pid()).at(0));
+  init_ = ChildrenOf(host_.pid()).at(0);
+  cable_ = std::make_unique<Cable>(init_);
+}
+
+void FarHost::Reboot() {
+  kill(init_, SIGUSR1);
+}
+
+std::vector<std::string> FarHost::There(const std::vector<std::string>& words) const {
+  std::vector<std::string> command = {
+      "/usr/bin/nsenter", "-t", std::to_string(init_), "-n", "-p", "-m", "--"};
+  command.insert(command.end(), words.begin(), words.end());
+  return command;
 }
 
 void FarHost::Go() {

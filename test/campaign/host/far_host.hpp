@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "musher/test/benchmark/common/child.hpp"
 #include "musher/test/campaign/host/cable.hpp"
@@ -19,12 +21,18 @@ class FarHost {
   FarHost(const std::filesystem::path& folder, const benchmark::Child::Environment& environment);
 
   void Go();
+  // Kills all of its processes and starts its actuators again, as if the host had been started
+  // again: at once, with another boot id and a boot clock that has just begun.
+  void Reboot();
+  // A command that is run on that host.
+  std::vector<std::string> There(const std::vector<std::string>& words) const;
   Cable& cable() { return *cable_; }
   pid_t pid() const { return host_.pid(); }
 
  private:
   const std::filesystem::path go_;
   benchmark::Child host_;
+  pid_t init_ = 0;  // of its pid namespace
   std::unique_ptr<Cable> cable_;
 };
 

@@ -2,8 +2,9 @@
 //
 //   campaign_host FOLDER
 //
-// Says a word when its namespaces are there, waits for FOLDER/go, starts the actuators, and starts
-// again whichever ends.
+// Prints "ready" when its namespaces exist, waits for FOLDER/go, starts the actuators, and restarts
+// each one that ends. SIGUSR1 to its init reboots the host: all processes are killed,
+// the boot id is another, and the boot clock starts again, earlier than at the boot before.
 
 #include <fcntl.h>
 #include <poll.h>
@@ -14,9 +15,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
 #include <vector>
@@ -32,15 +36,45 @@ namespace fs = std::filesystem;
 
 constexpr int kPollMs = 5;
 
-pid_t Start(const Member& member, const fs::path& folder) {
+// The boot clock of boot n, counted from 0, begins so much before that of the one before it. That
+// of boot 0 is this machine's own.
+constexpr long kFirstClockS = 100;
+constexpr long kClockStepS = 10;
+
+constexpr const char* kBootIdFile = "/proc/sys/kernel/random/boot_id";
+
+void SetBootId(const fs::path& folder, int boot) {
+  char id[64];
+  std::snprintf(id, sizeof(id), "00000000-0000-0000-0000-%012d", boot);
+  std::ofstream(folder / "boot_id") << id << std::endl;
+}
+
+// Gives this process a boot clock that began a moment ago. Without it the next incarnations are
+// larger than those before, and the trial shows less.
+void StartBootClock(int boot) {
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  const long begun = std::max(1L, kFirstClockS - kClockStepS * boot);
+  if (unshare(CLONE_NEWTIME) != 0) return std::perror("no time namespace");
+  std::ofstream("/proc/self/timens_offsets") << "boottime " << begun - now.tv_sec << " 0\n";
+  const int clocks = open("/proc/self/ns/time_for_children", O_RDONLY | O_CLOEXEC);
+  if (setns(clocks, CLONE_NEWTIME) != 0) std::perror("no clock of its own");
+  close(clocks);
+}
+
+pid_t Start(const Member& member, const fs::path& folder, int boot) {
   const pid_t pid = fork();
   if (pid != 0) return pid;
   setsid();
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
   setenv("MUSHER_ACTUATOR", member.name.c_str(), 1);
   const int log = open((folder / (member.name + ".log")).c_str(),
                        O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   dup2(log, STDOUT_FILENO);
   dup2(log, STDERR_FILENO);
+  if (boot > 0) StartBootClock(boot);
   std::vector<std::string> words =
       CommandOf(member, folder, fs::path(benchmark::Program("musher")).parent_path());
   std::vector<char*> argv;
@@ -55,18 +89,36 @@ pid_t Start(const Member& member, const fs::path& folder) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr);
   mount("proc", "/proc", "proc", 0, nullptr);
+  SetBootId(folder, 0);
+  mount((folder / "boot_id").c_str(), kBootIdFile, nullptr, MS_BIND, nullptr);
+  fs::create_directories(folder / "disk");  // hosts have disks of their own
+  MountMemory(folder / "disk", 16 << 10);
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGCHLD, SIGUSR1}) sigaddset(&signals, signal);
+  sigprocmask(SIG_BLOCK, &signals, nullptr);
   BringUp("lo");
   std::puts("ready");
   std::fflush(stdout);
   while (!fs::exists(folder / "go")) poll(nullptr, 0, kPollMs);
   std::map<pid_t, const Member*> members;
-  for (const Member& member : Crew()) members[Start(member, folder)] = &member;
+  int boot = 0;
+  for (const Member& member : Crew()) members[Start(member, folder, boot)] = &member;
   while (true) {
-    const pid_t ended = waitpid(-1, nullptr, 0);
-    const auto member = members.extract(ended);
-    if (member.empty()) continue;
-    poll(nullptr, 0, kFarRestartMs);
-    members[Start(*member.mapped(), folder)] = member.mapped();
+    if (sigwaitinfo(&signals, nullptr) == SIGUSR1) {
+      members.clear();
+      kill(-1, SIGKILL);  // all of this pid namespace but its init
+      while (waitpid(-1, nullptr, 0) > 0) {
+      }
+      SetBootId(folder, ++boot);
+      for (const Member& member : Crew()) members[Start(member, folder, boot)] = &member;
+    }
+    for (pid_t ended = 0; (ended = waitpid(-1, nullptr, WNOHANG)) > 0;) {
+      const auto member = members.extract(ended);
+      if (member.empty()) continue;
+      poll(nullptr, 0, kFarRestartMs);
+      members[Start(*member.mapped(), folder, boot)] = member.mapped();
+    }
   }
 }
 

@@ -93,6 +93,12 @@ void Robot::StartController(const std::vector<std::string>& more, Disk disk) {
   fronts_.emplace_back(ShellLine(words, "up.jsonl", disk), Environment());
 }
 
+benchmark::Child Robot::StartFarController(const std::vector<std::string>& more) {
+  std::vector<std::string> words = {"up", folder_ / "robot.toml", "--json"};
+  words.insert(words.end(), more.begin(), more.end());
+  return benchmark::Child(far_host_->There(ShellLine(words, "up-far.jsonl")), Environment());
+}
+
 int Robot::Musher(const std::vector<std::string>& words) {
   benchmark::Child child(ShellLine(words, "cli.log"), Environment());
   siginfo_t ended{};

@@ -39,6 +39,8 @@ class Robot {
   // Starts a controller in the foreground, as `musher up robot.toml --json [more]`.
   void StartController(const std::vector<std::string>& more = {}, Disk disk = Disk::kWorks);
   void StallDisk(bool stalls);
+  // The same on the other host, which has a disk of its own. The child lives as long as its front.
+  benchmark::Child StartFarController(const std::vector<std::string>& more);
   // The same and waits until the machine is settled: in Active, or where it is adopted.
   void Up();
   // Waits until the present controller leads and all is settled in `state` (empty: any state with a
