@@ -211,11 +211,12 @@ Result<> Controller::OpenShell() {
   world.witness = &witness_;
   world.journal = journal_.get();
   using OnSaved = ControllerShell::World::OnSaved;
-  const auto save = [this](Stored what, auto write, OnSaved done) {
+  using Write = std::function<Result<>(StateStore&)>;
+  const auto save = [this](Stored what, Write write, OnSaved done) {
     if (!store_) return done(Error{kCodeFailed, "the controller has no folder"});
     disk_.Do(
-        std::string(StoredName(what)), [store = store_, write] { return write(*store); },
-        std::move(done));
+        std::string(StoredName(what)),
+        [store = store_, write = std::move(write)] { return write(*store); }, std::move(done));
   };
   world.save_epoch = [save](std::uint64_t epoch, OnSaved done) {
     save(

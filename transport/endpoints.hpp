@@ -35,6 +35,21 @@ class Endpoints {
                      const Qos& qos = kDefaultQos) {
     return HearResolved<M>(Resolve(name), std::move(handler), qos);
   }
+  // The same, where it matters which publisher said what, and that one has gone.
+  template <msg::Message M>
+  Subscription* HearEach(const std::string& name,
+                         std::function<void(const M&, PeerId publisher)> handler,
+                         std::function<void(PeerId publisher)> on_publisher_lost,
+                         const Qos& qos = kDefaultQos) {
+    SubscriptionEvents events;
+    events.on_writer_lost = std::move(on_publisher_lost);
+    return Keep(MakeSubscription<M>(
+        node_, Resolve(name),
+        [handler = std::move(handler)](const M& sample, const SampleInfo& info) {
+          handler(sample, info.writer);
+        },
+        qos, std::move(events)));
+  }
   // `topic` with its namespace.
   template <msg::Message M>
   Subscription* HearResolved(const std::string& topic, std::function<void(const M&)> handler,

@@ -1,5 +1,6 @@
 #include "musher/modules/wedding/faces.hpp"
 
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,26 @@ using Json = nlohmann::json;
 double Number(const Json& face, const char* key) {
   const auto found = face.find(key);
   return found != face.end() && found->is_number() ? found->get<double>() : 0;
+}
+
+// From the edge of the box where the face has no centre of its own; nothing without either.
+std::optional<double> Center(const Json& face, const char* center, const char* edge,
+                             const char* size) {
+  if (face.contains(center)) return Number(face, center);
+  if (face.contains(edge)) return Number(face, edge) + Number(face, size) / 2;
+  return std::nullopt;
+}
+
+// Seconds since 1970, or since the simulation began. Zero for what no clock says.
+Duration StampOf(const Json& object) {
+  constexpr double kLatest = 4e9;
+  const double seconds = Number(object, "timestamp");
+  if (!(seconds > 0 && seconds < kLatest)) return {};
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+}
+
+bool IsShare(double value) {
+  return value >= 0 && value <= 1;  // false of NaN
 }
 
 Error Refusal(const std::string& why) {
@@ -27,7 +48,8 @@ Result<Faces> ReadFaces(std::string_view json) {
   if (!document.is_object() || list == document.end() || !list->is_array()) {
     return Refusal("an object with a list 'faces' is expected");
   }
-  Faces faces{static_cast<int>(list->size()), -1};
+  Faces faces;
+  faces.count = static_cast<int>(list->size());
   const auto count = document.find("count");
   if (count != document.end() && count->is_number_integer()) {
     const auto given = count->get<std::int64_t>();
@@ -42,6 +64,17 @@ Result<Faces> ReadFaces(std::string_view json) {
     const double area = Number(face, "area");
     if (area <= largest) continue;
     largest = area;
+    faces.center.reset();
+    const auto x = Center(face, "center_x", "x", "width");
+    const auto y = Center(face, "center_y", "y", "height");
+    if (x && y) {
+      if (!IsShare(*x) || !IsShare(*y)) {
+        return Refusal("a centre of (" + std::to_string(*x) + ", " + std::to_string(*y) +
+                       ") is not in the picture: x and y are 0 to 1");
+      }
+      faces.center = Gaze{*x, *y};
+    }
+    faces.stamp = face.contains("timestamp") ? StampOf(face) : StampOf(document);
     const auto id = face.find("face_id");
     faces.largest_frontal = -1;
     if (id == face.end() || !id->is_number_integer()) continue;

@@ -2,20 +2,28 @@
 // What is understood of the face message, a JSON document: how many there are, and which one is the
 // largest that looks at the robot.
 
+#include <optional>
 #include <string_view>
 
 #include "musher/lifecycle/result.hpp"
+#include "musher/lifecycle/time.hpp"
+#include "musher/modules/wedding/gaze.hpp"
 
 namespace musher::wedding {
 
 struct Faces {
   int count = 0;
   int largest_frontal = -1;  // its face_id, -1: none
+  // The centre of the largest frontal one in the picture, 0 to 1; nothing: there is none, or the
+  // message does not say where.
+  std::optional<Gaze> center;
+  Duration stamp{};  // of the picture; zero: unknown
 
   friend bool operator==(const Faces&, const Faces&) = default;
 };
 
-// Fields that a face does not have count as 0, false and -1; `count` as the length of the list.
+// Fields that a face does not have count as 0, false and -1, its centre as that of its box; `count`
+// as the length of the list. The stamp is that of the face, else that of the message.
 Result<Faces> ReadFaces(std::string_view json);
 
 }  // namespace musher::wedding

@@ -1,5 +1,6 @@
 #include "musher/modules/wedding/perception.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -26,6 +27,12 @@ Result<> Perception::OnTarget(const Target& target, Time now) {
   if (!std::isfinite(target.distance_m) || target.distance_m < 0) {
     return Error{kCodeFailed, "target " + Text(target) + " has no distance: z is metres"};
   }
+  target_at_ = now;
+  TakeTarget(target, now);
+  return Ok();
+}
+
+void Perception::TakeTarget(const Target& target, Time now) {
   watched_at_ = now;
   if (!Counts(face_last_, now)) face_first_ = now;
   face_last_ = now;
@@ -34,7 +41,6 @@ Result<> Perception::OnTarget(const Target& target, Time now) {
       gaze_.camera == Mount::kBody ? HeadAngles{} : HeadAt(target.stamp, now);
   target_gaze_.reset();
   if (head) target_gaze_ = GazeAt(target.point, *head, gaze_);
-  return Ok();
 }
 
 // How it stood when a picture was taken; without a stamp that is known, how it stands now. Nothing
@@ -65,12 +71,40 @@ void Perception::OnFaces(const Faces& faces, Time now) {
   faces_ = faces;
   faces_at_ = now;
   watched_at_ = now;
+  if (faces.center && !Counts(target_at_, now)) TakeTarget({*faces.center, 0, faces.stamp}, now);
 }
 
-void Perception::OnTooClose(bool too_close, Time now) {
-  if (too_close && !too_close_) ++too_close_number_;
-  too_close_ = too_close;
+void Perception::OnTooClose(bool too_close, PublisherId publisher, Time now) {
   watched_at_ = now;
+  TooCloseWord& word =
+      too_close_words_.try_emplace(publisher, TooCloseWord{false, now, now}).first->second;
+  word.too_close = too_close;
+  word.last = now;
+  JudgeTooClose();
+}
+
+void Perception::OnTooClosePublisherLost(PublisherId publisher, Time /*now*/) {
+  const auto word = too_close_words_.find(publisher);
+  if (word == too_close_words_.end()) return;
+  if (word->second.too_close) {
+    too_close_left_ = std::max(too_close_left_.value_or(word->second.last), word->second.last);
+  }
+  too_close_words_.erase(word);
+  JudgeTooClose();
+}
+
+void Perception::JudgeTooClose() {
+  const bool before = too_close_;
+  const auto says = [](const auto& word) { return word.second.too_close; };
+  const auto succeeds = [this](const auto& word) {
+    return !word.second.too_close && word.second.first > *too_close_left_;
+  };
+  if (too_close_left_ && std::any_of(too_close_words_.begin(), too_close_words_.end(), succeeds)) {
+    too_close_left_.reset();
+  }
+  too_close_ =
+      too_close_left_ || std::any_of(too_close_words_.begin(), too_close_words_.end(), says);
+  if (too_close_ && !before) ++too_close_number_;
 }
 
 void Perception::OnVoice(double level, Time now) {
@@ -115,6 +149,10 @@ void Perception::Refresh(Time now, ShowData& data) {
 }
 
 void Perception::Forget() {
+  // Times of before are not compared with those that come.
+  for (auto& [publisher, word] : too_close_words_) word.first = word.last = Time::min();
+  if (too_close_left_) too_close_left_ = Time::min();
+  target_at_.reset();
   face_first_.reset();
   face_last_.reset();
   faces_at_.reset();

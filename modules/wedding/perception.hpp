@@ -5,6 +5,8 @@
 // A sample counts for `age`, by the time and not by the tick: a detector may be slower than the
 // loop, and a person who publishes by hand once a second is understood.
 
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string_view>
 
@@ -24,6 +26,9 @@ struct PerceptionRules {
   friend bool operator==(const PerceptionRules&, const PerceptionRules&) = default;
 };
 
+// Of one writer of a topic.
+using PublisherId = std::uint64_t;
+
 struct Target {
   Gaze point;             // of the picture, 0 to 1
   double distance_m = 0;  // 0: unknown
@@ -38,10 +43,16 @@ class Perception {
   Result<> OnTarget(const Target& target, Time now);
   // `word` as on the topic, in any case.
   Result<> OnGesture(std::string_view word, Time now);
+  // Is a target, too, where no target has been heard for `age`.
   void OnFaces(const Faces& faces, Time now);
   void OnVoice(double level, Time now);
-  // Holds until the opposite is said, however long that takes: who is not heard of may be there.
-  void OnTooClose(bool too_close, Time now);
+  // A "too close" holds until the same publisher says the opposite, however long that takes: a
+  // guest of whom nothing is heard may still be there, and another camera does not see what this
+  // one saw.
+  void OnTooClose(bool too_close, PublisherId publisher, Time now);
+  // The publisher has gone. What it said holds until a publisher that came after its last word says
+  // that nobody is too close: its successor.
+  void OnTooClosePublisherLost(PublisherId publisher, Time now);
   bool too_close() const { return too_close_; }
   // How the head stood when the joints were measured.
   void OnHead(Duration stamp, double yaw_rad, Time now);
@@ -55,6 +66,14 @@ class Perception {
   void Forget();
 
  private:
+  struct TooCloseWord {
+    bool too_close = false;
+    Time first{};  // that anything was heard of this publisher
+    Time last{};
+  };
+
+  void TakeTarget(const Target& target, Time now);
+  void JudgeTooClose();
   std::optional<HeadAngles> HeadAt(Duration stamp, Time now) const;
   bool Counts(const std::optional<Time>& at, Time now) const {
     return at && now - *at <= rules_.age;
@@ -67,11 +86,14 @@ class Perception {
   std::optional<Time> face_last_;
   Target target_;
   std::optional<Gaze> target_gaze_;
+  std::optional<Time> target_at_;  // when the topic `target` was last heard
   std::optional<Time> faces_at_;
   Faces faces_;
   std::optional<Time> gesture_at_;
   Gesture gesture_ = Gesture::kNone;
   std::uint64_t gesture_number_ = 0;
+  std::map<PublisherId, TooCloseWord> too_close_words_;  // of the publishers that are there
+  std::optional<Time> too_close_left_;  // the last word of one that has gone and was not answered
   bool too_close_ = false;
   std::uint64_t too_close_number_ = 0;
   std::optional<Time> watched_at_;  // when one of the three was last heard

@@ -12,10 +12,11 @@ struct Kind {
   std::string_view name;
   std::size_t numbers;
 };
-constexpr std::array<Kind, 8> kKinds = {{{input::kTarget, 4},
+constexpr std::array<Kind, 9> kKinds = {{{input::kTarget, 4},
                                          {input::kGesture, 0},
                                          {input::kTooClose, 1},
                                          {input::kFaces, 2},
+                                         {input::kFace, 5},
                                          {input::kVoiceLevel, 1},
                                          {input::kHead, 2},
                                          {input::kRest, 0},
@@ -46,7 +47,11 @@ Result<> Show::Apply(std::string_view input, std::string_view text) {
   } else if (input == input::kTooClose) {
     OnTooClose(numbers[0] != 0, now);
   } else if (input == input::kFaces) {
-    perception_.OnFaces({static_cast<int>(numbers[0]), static_cast<int>(numbers[1])}, now);
+    perception_.OnFaces({static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), {}, {}}, now);
+  } else if (input == input::kFace) {
+    perception_.OnFaces({static_cast<int>(numbers[0]), static_cast<int>(numbers[1]),
+                         Gaze{numbers[2], numbers[3]}, Nanoseconds(numbers[4])},
+                        now);
   } else if (input == input::kVoiceLevel) {
     OnVoiceLevel(numbers[0], now);
   } else if (input == input::kHead) {

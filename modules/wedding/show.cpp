@@ -79,10 +79,22 @@ void Show::OnGesture(std::string_view word, Time now) {
   }
 }
 
-void Show::OnTooClose(bool too_close, Time now) {
+void Show::OnTooClose(bool too_close, Time now, PublisherId publisher) {
   Note(now);
-  perception_.OnTooClose(too_close, now);
-  Record(input::kTooClose, {too_close ? 1.0 : 0.0});
+  perception_.OnTooClose(too_close, publisher, now);
+  RecordTooClose();
+}
+
+void Show::OnTooClosePublisherLost(PublisherId publisher, Time now) {
+  Note(now);
+  const bool before = perception_.too_close();
+  perception_.OnTooClosePublisherLost(publisher, now);
+  if (perception_.too_close() != before) RecordTooClose();
+}
+
+// A recording has one publisher, which says what holds of all.
+void Show::RecordTooClose() {
+  Record(input::kTooClose, {perception_.too_close() ? 1.0 : 0.0});
 }
 
 void Show::OnFaces(std::string_view json, Time now) {
@@ -90,8 +102,14 @@ void Show::OnFaces(std::string_view json, Time now) {
   const Result<Faces> faces = ReadFaces(json);
   if (!faces) return Refuse(Complaint::kFaces, faces.error());
   perception_.OnFaces(faces.value(), now);
-  Record(input::kFaces, {static_cast<double>(faces.value().count),
-                         static_cast<double>(faces.value().largest_frontal)});
+  const auto count = static_cast<double>(faces.value().count);
+  const auto id = static_cast<double>(faces.value().largest_frontal);
+  if (const auto& center = faces.value().center) {
+    Record(input::kFace,
+           {count, id, center->x, center->y, static_cast<double>(faces.value().stamp.count())});
+  } else {
+    Record(input::kFaces, {count, id});
+  }
 }
 
 void Show::OnCommand(std::string_view word, Time now) {

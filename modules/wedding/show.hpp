@@ -57,7 +57,9 @@ class Show : private fsm::Listener {
 
   void OnTarget(const Target& target, Time now);
   void OnGesture(std::string_view word, Time now);
-  void OnTooClose(bool too_close, Time now);
+  // `publisher`: of whom; each has its own word. See Perception.
+  void OnTooClose(bool too_close, Time now, PublisherId publisher = 0);
+  void OnTooClosePublisherLost(PublisherId publisher, Time now);
   void OnFaces(std::string_view json, Time now);
   // stop, idle, photo, tracking, reset; those of the extensions; in any case.
   void OnCommand(std::string_view word, Time now);
@@ -104,6 +106,7 @@ class Show : private fsm::Listener {
   Result<> TakeJoints(JointAngles& joints, std::span<const std::string> names,
                       std::span<const double> positions);
   void Record(std::string_view input, std::initializer_list<double> numbers);
+  void RecordTooClose();
   void Settle();
 
   const ShowConfig config_;

@@ -102,8 +102,12 @@ void WeddingRobot::Hear(transport::Endpoints& topics, Wire& wire) {
       kNewest);
   topics.Hear<msg::String>(topic::kGesture,
                            [this](const auto& word) { show_.OnGesture(word.data, Now()); });
-  topics.Hear<msg::Bool>(topic::kTooClose,
-                         [this](const auto& close) { show_.OnTooClose(close.data, Now()); });
+  topics.HearEach<msg::Bool>(
+      topic::kTooClose,
+      [this](const auto& close, transport::PeerId publisher) {
+        show_.OnTooClose(close.data, Now(), publisher);
+      },
+      [this](transport::PeerId publisher) { show_.OnTooClosePublisherLost(publisher, Now()); });
   topics.Hear<msg::String>(topic::kCommand,
                            [this](const auto& word) { show_.OnCommand(word.data, Now()); });
   topics.Hear<msg::String>(topic::kVoiceCommand,
@@ -136,8 +140,9 @@ void WeddingRobot::Serve(transport::Endpoints& topics) {
     reply({done.ok(), done ? "Set to IDLE" : done.error().message});
   });
   topics.Serve<msg::Trigger>(topic::kStop, [this](const auto&, const auto& reply) {
-    if (!show_.resting()) show_.OnCommand(command::kStop, Now());
-    reply({true, show_.resting() ? "the show rests" : "FSM stop command sent"});
+    if (show_.resting()) return reply({false, "the show is paused: there is nothing to stop"});
+    show_.OnCommand(command::kStop, Now());
+    reply({true, "FSM stop command sent"});
   });
 }
 

@@ -57,8 +57,11 @@ void PhotoPosing::Begin(Phase phase) {
 
 void PhotoPosing::OnExit(const fsm::Tick& /*tick*/) {
   data().motion.target_pose = pose::kNeutral;
-  // One that is still held asked for the photo that there was.
-  data().gesture_answered = data().perception.gesture_number;
+  // One that is still held asked for the photo that there was, or that a command ended; not for one
+  // that a safety stop broke off.
+  const PerceptionData& seen = data().perception;
+  const bool broken_off = phase_ < Phase::kShutter && (seen.too_close || seen.blind);
+  if (!broken_off) data().gesture_answered = seen.gesture_number;
 }
 
 }  // namespace musher::wedding

@@ -118,5 +118,45 @@ TEST_F(StoppedShow, IsStoppedByACommandThatComesInIdleBeforeTheFaceIsConfirmed) 
   EXPECT_EQ(state(), "IDLE");
 }
 
+TEST_F(StoppedShow, TakesThePhotoAfterAllThatASafetyStopBrokeOff) {
+  Track();
+  Gesture("heart");
+  Face();
+  Tick();
+  ASSERT_EQ(state(), "PHOTO_POSING");
+  TooClose(true);
+  Tick();
+  ASSERT_EQ(state(), "SAFE_STOP");
+  TooClose(false);
+  int photos = 0;
+  for (int i = 0; i < Ticks(Milliseconds(12000)); ++i) {
+    Face();
+    Gesture("heart");  // it is held all the time
+    Tick();
+    photos += script_.photos;
+    script_.photos = 0;
+  }
+  EXPECT_EQ(photos, 1);
+}
+
+TEST_F(StoppedShow, TakesNoSecondPhotoWhenASafetyStopComesAfterTheShutter) {
+  Track();
+  Gesture("heart");
+  Face();
+  Tick();
+  ASSERT_EQ(state(), "PHOTO_POSING");
+  while (script_.photos == 0) Tick();
+  Gesture("heart");
+  TooClose(true);
+  Tick();
+  TooClose(false);
+  for (int i = 0; i < Ticks(Milliseconds(12000)); ++i) {
+    Face();
+    Gesture("heart");
+    Tick();
+  }
+  EXPECT_EQ(script_.photos, 1);
+}
+
 }  // namespace
 }  // namespace musher::wedding

@@ -93,6 +93,24 @@ TEST_F(WeddingProcess, StopsForSomebodyWhoIsTooCloseAndGoesOn) {
   EXPECT_THAT(sounds_, ElementsAre("too_close"));
 }
 
+TEST_F(WeddingProcess, StaysStoppedForOneCameraThoughAnotherSaysThatNoGuestIsTooClose) {
+  StartActive();
+  auto side = Publisher<msg::Bool>("wedding/perception/too_close");
+  ASSERT_TRUE(peer_.Until([&] { return side->MatchedReaders() == 1; }));
+  ASSERT_TRUE(too_close_->Publish({true}));
+  ASSERT_TRUE(AwaitShown("SAFE_STOP"));
+  ASSERT_TRUE(side->Publish({false}));
+  const std::size_t states = states_.size();
+  ASSERT_TRUE(peer_.Until([&] { return states_.size() >= states + 5; })) << "1 s";
+  EXPECT_EQ(states_.back(), "SAFE_STOP");
+  too_close_.reset();  // this camera goes; one that comes after it takes its place
+  side.reset();
+  side = Publisher<msg::Bool>("wedding/perception/too_close");
+  ASSERT_TRUE(peer_.Until([&] { return side->MatchedReaders() == 1; }));
+  ASSERT_TRUE(side->Publish({false}));
+  EXPECT_TRUE(AwaitShown("IDLE"));
+}
+
 TEST_F(WeddingProcess, AnswersItsServices) {
   StartActive(LongPose());
   Command("photo");
@@ -155,6 +173,9 @@ TEST_F(WeddingProcess, RestsNeutralInEveryOtherStateAndGoesOnFromIdle) {
     ASSERT_TRUE(peer_.Until([&] { return states_.size() >= states + 2; }));
     EXPECT_EQ(states_.back(), "IDLE") << rest;
     EXPECT_EQ(looks_.size(), looks) << rest << ": nothing moves it";
+    const auto stop = Call<msg::Trigger>("wedding/fsm/stop", {});
+    EXPECT_FALSE(stop.success) << rest;
+    EXPECT_EQ(stop.message, "the show is paused: there is nothing to stop");
     ExpectDone("Active");
     ASSERT_TRUE(peer_.Until([&] { return looks_.size() > looks; })) << rest;
   }
