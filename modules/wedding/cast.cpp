@@ -19,18 +19,24 @@ void AddCommands(fsm::Machine& machine) {
 
 }  // namespace
 
-void AddCast(fsm::Machine& machine, ShowData& data, const ShowConfig& config) {
+void AddCast(fsm::Machine& machine, ShowData& data, const ShowConfig& config,
+             ActionPlayer* actions) {
   AddCommands(machine);
   machine.AddData("show", [&data](fsm::Archive& archive) { data.Persist(archive); });
   std::unique_ptr<Idle> idle = std::make_unique<Idle>(data, config.idle);
-  std::unique_ptr<Tracking> tracking = std::make_unique<Tracking>(data, config.tracking);
+  TrackingRules tracking_rules = config.tracking;
+  if (actions != nullptr) tracking_rules.greets = false;
+  std::unique_ptr<Tracking> tracking = std::make_unique<Tracking>(data, tracking_rules);
   if (config.search) {
     machine.AddEvent(std::string(command::kSearch));
     idle = std::make_unique<SearchingIdle>(data, config.idle);
+    if (config.actions && actions != nullptr) {
+      idle = std::make_unique<ObservingIdle>(data, config.idle, *config.actions, *actions);
+    }
   }
   if (config.interview) {
     machine.AddEvent(std::string(command::kInterview));
-    tracking = std::make_unique<InterviewingTracking>(data, config.tracking, *config.interview);
+    tracking = std::make_unique<InterviewingTracking>(data, tracking_rules, *config.interview);
   }
   machine.Add(std::string(state::kIdle), std::move(idle));
   machine.Add(std::string(state::kTracking), std::move(tracking));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <sstream>
 
 namespace musher::wedding {
@@ -107,6 +108,30 @@ void Perception::JudgeTooClose() {
   if (too_close_ && !before) ++too_close_number_;
 }
 
+Result<> Perception::OnLookAt(Gaze gaze, Time now) {
+  if (!IsShare(gaze.x) || !IsShare(gaze.y)) {
+    return Error{kCodeFailed, "set_look_at " + Text({gaze, 0, {}}) + ": x and y are 0 to 1"};
+  }
+  look_ = gaze;
+  look_at_ = now;
+  return Ok();
+}
+
+Result<bool> Perception::OnCamera(double width, double height, double focal_length) {
+  // Beyond it no pinhole camera sees.
+  constexpr double kWidest = 170 * std::numbers::pi / 180;
+  const double hfov_rad = 2 * std::atan(width / (2 * focal_length));
+  if (!(width >= 1 && height >= 1 && focal_length > 0 && hfov_rad <= kWidest)) {
+    return Error{kCodeFailed, "camera_info: no camera has a picture of " + std::to_string(width) +
+                                  " x " + std::to_string(height) + " and a focal length of " +
+                                  std::to_string(focal_length) + " pixels"};
+  }
+  const bool news = hfov_rad != gaze_.hfov_rad || height / width != gaze_.height_to_width;
+  gaze_.hfov_rad = hfov_rad;
+  gaze_.height_to_width = height / width;
+  return news;
+}
+
 void Perception::OnVoice(double level, Time now) {
   voice_level_ = level;
   voice_at_ = now;
@@ -145,6 +170,8 @@ void Perception::Refresh(Time now, ShowData& data) {
   seen.too_close = too_close_;
   seen.too_close_number = too_close_number_;
   seen.gesture_number = gesture_number_;
+  data.look_override.reset();
+  if (Counts(look_at_, now)) data.look_override = look_;
   data.audio.voice_level = Counts(voice_at_, now) ? voice_level_ : 0;
 }
 
@@ -153,6 +180,7 @@ void Perception::Forget() {
   for (auto& [publisher, word] : too_close_words_) word.first = word.last = Time::min();
   if (too_close_left_) too_close_left_ = Time::min();
   target_at_.reset();
+  look_at_.reset();
   face_first_.reset();
   face_last_.reset();
   faces_at_.reset();

@@ -54,6 +54,11 @@ class Perception {
   // that nobody is too close: its successor.
   void OnTooClosePublisherLost(PublisherId publisher, Time now);
   bool too_close() const { return too_close_; }
+  // Where the robot has to look, for `age`.
+  Result<> OnLookAt(Gaze gaze, Time now);
+  // The camera's own opening in the place of the configured one. Says whether that is news; refuses
+  // what no camera has.
+  Result<bool> OnCamera(double width, double height, double focal_length);
   // How the head stood when the joints were measured.
   void OnHead(Duration stamp, double yaw_rad, Time now);
 
@@ -80,13 +85,15 @@ class Perception {
   }
 
   const PerceptionRules rules_;
-  const GazeRules gaze_;
+  GazeRules gaze_;
 
   std::optional<Time> face_first_;
   std::optional<Time> face_last_;
   Target target_;
   std::optional<Gaze> target_gaze_;
   std::optional<Time> target_at_;  // when the topic `target` was last heard
+  std::optional<Time> look_at_;    // when it was asked for
+  Gaze look_;
   std::optional<Time> faces_at_;
   Faces faces_;
   std::optional<Time> gesture_at_;

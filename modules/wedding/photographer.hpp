@@ -1,6 +1,6 @@
 #pragma once
-// Has the camera's service take the picture at the shutter. Nobody waits for it: its outcome is
-// said.
+// Has the camera's service take the picture at the shutter, and record an interview. The show does
+// not wait for it; the outcome is logged.
 //
 // Threads: the loop's.
 
@@ -22,8 +22,10 @@ class Photographer {
       : camera_(camera), timeout_(timeout), log_(std::move(log)) {}
 
   void TakePhoto();
+  void RecordVideo(bool on);
 
  private:
+  void OnVideo(bool on, const Result<msg::CameraService::Response>& answer);
   void OnAnswer(const Result<msg::CameraService::Response>& answer);
 
   CameraClient& camera_;

@@ -20,7 +20,8 @@ inline constexpr std::string_view kTooClose = "too_close";  // 0 or 1
 inline constexpr std::string_view kFaces = "faces";         // count, face_id
 inline constexpr std::string_view kFace = "face";           // count, face_id, x y stamp_ns
 inline constexpr std::string_view kVoiceLevel = "voice_level";
-inline constexpr std::string_view kHead = "head";  // stamp_ns yaw_rad
+inline constexpr std::string_view kHead = "head";      // stamp_ns yaw_rad
+inline constexpr std::string_view kCamera = "camera";  // width height focal_length, in pixels
 inline constexpr std::string_view kRest = "rest";
 inline constexpr std::string_view kResume = "resume";
 }  // namespace input

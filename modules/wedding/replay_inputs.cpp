@@ -12,15 +12,16 @@ struct Kind {
   std::string_view name;
   std::size_t numbers;
 };
-constexpr std::array<Kind, 9> kKinds = {{{input::kTarget, 4},
-                                         {input::kGesture, 0},
-                                         {input::kTooClose, 1},
-                                         {input::kFaces, 2},
-                                         {input::kFace, 5},
-                                         {input::kVoiceLevel, 1},
-                                         {input::kHead, 2},
-                                         {input::kRest, 0},
-                                         {input::kResume, 0}}};
+constexpr std::array<Kind, 10> kKinds = {{{input::kTarget, 4},
+                                          {input::kGesture, 0},
+                                          {input::kTooClose, 1},
+                                          {input::kFaces, 2},
+                                          {input::kFace, 5},
+                                          {input::kVoiceLevel, 1},
+                                          {input::kHead, 2},
+                                          {input::kCamera, 3},
+                                          {input::kRest, 0},
+                                          {input::kResume, 0}}};
 
 Duration Nanoseconds(double count) {
   return Duration(static_cast<std::int64_t>(count));
@@ -54,6 +55,8 @@ Result<> Show::Apply(std::string_view input, std::string_view text) {
                         now);
   } else if (input == input::kVoiceLevel) {
     OnVoiceLevel(numbers[0], now);
+  } else if (input == input::kCamera) {
+    OnCamera(numbers[0], numbers[1], numbers[2], now);
   } else if (input == input::kHead) {
     perception_.OnHead(Nanoseconds(numbers[0]), numbers[1], now);
   } else {

@@ -19,6 +19,7 @@ CheckVerdict JudgeSelfCheck(const Findings& findings, const WeddingConfig& confi
   judge(config.camera, "camera", findings.camera);
   judge(config.audio, "audio", findings.audio);
   judge(config.motion, "motion", findings.motion);
+  judge(config.ready, "ready", findings.ready);
   if (!required.empty()) {
     verdict.result = Error{MakeCode(ModuleCode::kRobot, KeyCode::kSelfCheckFailed), required};
   }

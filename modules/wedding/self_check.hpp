@@ -13,6 +13,7 @@ struct Findings {
   std::string camera;
   std::string audio;
   std::string motion;
+  std::string ready;
 };
 
 struct CheckVerdict {

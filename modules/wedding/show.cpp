@@ -28,6 +28,7 @@ Show::Show(const ShowConfig& config, Stage& stage)
       perception_(config.perception, config.gaze),
       complaints_([&stage](const std::string& line) { stage.Log(line); }) {
   data_.follow = config.gaze.follow;
+  if (config.actions) actions_.emplace(config.actions->seed);
 }
 
 Show::~Show() {
@@ -35,7 +36,7 @@ Show::~Show() {
 }
 
 Result<> Show::Build(fsm::Machine& machine) {
-  AddCast(machine, data_, config_);
+  AddCast(machine, data_, config_, actions_ ? &*actions_ : nullptr);
   if (Result<> built = machine.Build(state::kIdle); !built) return built;
   machine_ = &machine;
   machine.Listen(this);
@@ -191,6 +192,18 @@ void Show::OnJointStates(std::span<const std::string> names, std::span<const dou
   Record(input::kHead, {static_cast<double>(stamp.count()), yaw_rad});
 }
 
+void Show::OnLookAt(Gaze gaze, Time now) {
+  Note(now);
+  Refuse(Complaint::kTarget, perception_.OnLookAt(gaze, now));
+}
+
+void Show::OnCamera(double width, double height, double focal_length, Time now) {
+  Note(now);
+  const Result<bool> news = perception_.OnCamera(width, height, focal_length);
+  if (!news) return Refuse(Complaint::kTarget, news.error());
+  if (news.value()) Record(input::kCamera, {width, height, focal_length});
+}
+
 void Show::OnJointCommands(std::span<const std::string> names, std::span<const double> positions,
                            Time now) {
   Note(now);
@@ -203,8 +216,15 @@ void Show::AfterTick() {
     motion.current_pose = motion.target_pose;
     stage_.TakePose(motion.current_pose);
   }
+  if (motion.target_motion != motion.current_motion) {
+    motion.current_motion = motion.target_motion;
+    stage_.SetMotion(motion.current_motion);
+  }
   while (const auto sound = data_.audio.pending_speech.Pop()) stage_.Play(*sound);
   if (std::exchange(data_.photo_requested, false)) stage_.TakePhoto();
+  if (const auto video = std::exchange(data_.video_wanted, std::nullopt)) {
+    stage_.RecordVideo(*video);
+  }
   stage_.LookAt(motion.look_at_target);
 }
 
@@ -218,6 +238,7 @@ void Show::Rest(Time now, bool frozen) {
   if (machine_ != nullptr && machine_->running() && !home) {
     Refuse(Complaint::kFault, machine_->Reset());
   }
+  if (actions_) actions_->Stop(data_);
   if (!frozen) AfterTick();
 }
 
@@ -237,6 +258,9 @@ void Show::Settle() {
   data_.too_close_asked = 0;
   data_.motion.target_pose = pose::kNeutral;
   data_.motion.look_at_target = Gaze{};
+  if (actions_) actions_->Stop(data_);
+  ticked_at_.reset();
+  data_.motion.current_motion = {};
   data_.motion.current_pose = {};  // it is said again: whoever was told may not be there any more
 }
 
@@ -259,6 +283,8 @@ void Show::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
   complaints_.Tick(input.time);
   perception_.OnGaze(data_.motion.look_at_target, input.time);
   perception_.Refresh(input.time, data_);
+  if (actions_) actions_->Tick(ticked_at_ ? input.time - *ticked_at_ : Duration(0), data_);
+  ticked_at_ = input.time;
 }
 
 void Show::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
@@ -266,6 +292,10 @@ void Show::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
   if (to == state::kIdle && change.cause == fsm::Cause::kForced) data_.LeaveAlone();
   const bool anew = change.cause == fsm::Cause::kReset || change.cause == fsm::Cause::kStarted;
   if (anew || (to != state::kIdle && to != state::kSafeStop)) data_.left_alone = false;
+  if (actions_) {
+    const auto action = ActionOnEntering(to, data_);
+    action ? actions_->Start(*action, data_) : actions_->Stop(data_);
+  }
   if (change.from != change.to) stage_.ShowState(to.empty() ? kInvalid : to);
 }
 

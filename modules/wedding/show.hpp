@@ -19,6 +19,7 @@
 #include "musher/behavior/fsm/machine.hpp"
 #include "musher/behavior/fsm/recorder.hpp"
 #include "musher/modules/wedding/complaints.hpp"
+#include "musher/modules/wedding/extension/actions.hpp"
 #include "musher/modules/wedding/perception.hpp"
 #include "musher/modules/wedding/show_config.hpp"
 #include "musher/modules/wedding/show_data.hpp"
@@ -29,10 +30,13 @@ namespace musher::wedding {
 class Stage {
  public:
   virtual ~Stage() = default;
-  virtual void TakePose(std::string_view pose) = 0;    // when it changes
-  virtual void LookAt(Gaze gaze) = 0;                  // each tick
-  virtual void Play(std::string_view sound) = 0;       // once, in their order
-  virtual void TakePhoto() = 0;                        // at the shutter
+  virtual void TakePose(std::string_view pose) = 0;  // when it changes
+  virtual void LookAt(Gaze gaze) = 0;                // each tick
+  virtual void Play(std::string_view sound) = 0;     // once, in their order
+  virtual void TakePhoto() = 0;                      // at the shutter
+  virtual void RecordVideo(bool on) = 0;             // at an interview's begin and end
+  virtual void SetMotion(
+      std::string_view motion) = 0;                    // when it changes, where actions are enabled
   virtual void ShowState(std::string_view state) = 0;  // when it changes
   virtual void Log(const std::string& line) = 0;
 };
@@ -70,6 +74,10 @@ class Show : private fsm::Listener {
   // In any order, with names; without names all 24 in theirs. `stamp`: when they were measured.
   void OnJointStates(std::span<const std::string> names, std::span<const double> positions,
                      Duration stamp, Time now);
+  // Looks there as long as it counts (PerceptionRules::age), whatever is seen.
+  void OnLookAt(Gaze gaze, Time now);
+  // The camera on the head: its picture in pixels, and its focal length in pixels.
+  void OnCamera(double width, double height, double focal_length, Time now);
   void OnJointCommands(std::span<const std::string> names, std::span<const double> positions,
                        Time now);
 
@@ -113,6 +121,8 @@ class Show : private fsm::Listener {
   Stage& stage_;
   ShowData data_;
   Perception perception_;
+  std::optional<ActionPlayer> actions_;  // where the config enables them
+  std::optional<Time> ticked_at_;        // by which the actions go
   Complaints complaints_;
   fsm::Machine* machine_ = nullptr;
   fsm::Recorder* recorder_ = nullptr;

@@ -42,6 +42,7 @@ class Reader {
     TableReader root(table, {1, 1}, "", findings_);
     Take(root, "rate_hz", config_.rate_hz, 1, 1000);
     Take(root, "state_rate_hz", config_.state_rate_hz, 0.1, 100);
+    config_.second_generation = root.Bool("second_generation").value_or(false);
     if (const Table* tracking = root.SubTable("tracking")) {
       gives_lost_ = TableReader(*tracking, {}, "", findings_).Has("lost_ms");
     }
@@ -50,8 +51,14 @@ class Reader {
     In(root, "gaze", [&](TableReader& gaze) { ReadGaze(gaze); });
     ReadStates(root);
     In(root, "search", [&](TableReader& search) { config_.show.search = ReadSearch(search); });
-    In(root, "interview",
-       [&](TableReader& interview) { config_.show.interview = ReadInterview(interview); });
+    In(root, "interview", [&](TableReader& interview) { ReadInterviewOf(interview); });
+    In(root, "actions", [&](TableReader& actions) {
+      config_.show.actions = ReadActions(actions);
+      if (config_.show.actions && !config_.show.search) {
+        actions.Fault(actions.At("enabled"), "enabled",
+                      "expected [search] enabled = true, too: an action's IDLE leads to SEARCH");
+      }
+    });
     In(root, "record", [&](TableReader& record) {
       if (const auto file = record.String("file"); file && !file->text.empty()) {
         config_.record = config_toml::Absolute(folder_, file->text);
@@ -72,6 +79,15 @@ class Reader {
     reader.RefuseOthers();
   }
 
+  void ReadInterviewOf(TableReader& interview) {
+    config_.show.interview = ReadInterview(interview);
+    const bool video = config_.show.interview && config_.show.interview->video;
+    if (video && config_.camera_service.empty()) {
+      interview.Fault(interview.At("video"), "video",
+                      "expected photo.service to name the camera that records it, found \"\"");
+    }
+  }
+
   void ReadCheck(TableReader& check) {
     const auto need = [&check](const char* key, Need& taken) {
       taken = check
@@ -84,6 +100,11 @@ class Reader {
     need("camera", config_.camera);
     need("audio", config_.audio);
     need("motion", config_.motion);
+    need("ready", config_.ready);
+    if (config_.ready != Need::kNone && !config_.second_generation) {
+      check.Fault(check.At("ready"), "ready",
+                  "expected second_generation = true, too: the topic belongs to it");
+    }
   }
 
   void ReadPerception(TableReader& perception) {

@@ -9,6 +9,7 @@
 
 #include "musher/lifecycle/diagnostic.hpp"
 #include "musher/modules/wedding/extension/interview.hpp"
+#include "musher/modules/wedding/extension/observing_idle.hpp"
 #include "musher/modules/wedding/extension/search.hpp"
 #include "musher/modules/wedding/gaze.hpp"
 #include "musher/modules/wedding/perception.hpp"
@@ -26,6 +27,7 @@ struct ShowConfig {
   SafeStopRules safe_stop;
   std::optional<SearchRules> search;        // nothing: there is no such state
   std::optional<InterviewRules> interview;  // the same
+  std::optional<ActionRules> actions;       // nothing: the states move and speak as they are
 
   friend bool operator==(const ShowConfig&, const ShowConfig&) = default;
 };
@@ -43,7 +45,9 @@ struct WeddingConfig {
   Need camera = Need::kRequired;
   Need audio = Need::kRequired;
   Need motion = Need::kRequired;
-  std::string record;  // a file; empty: nothing is recorded
+  Need ready = Need::kNone;        // /wedding/system/ready
+  bool second_generation = false;  // its topics, beside those of the first
+  std::string record;              // a file; empty: nothing is recorded
 
   friend bool operator==(const WeddingConfig&, const WeddingConfig&) = default;
 };

@@ -43,6 +43,8 @@ struct MotionData {
   JointAngles joint_commands{};   // rad, as its motion adapter commands them
   std::string current_pose;       // as published; empty: none yet
   std::string target_pose{pose::kNeutral};
+  std::string current_motion;  // as published; empty: none yet
+  std::string target_motion;   // of an action pack; empty where the show has none
   Gaze look_at_target;
 };
 
@@ -90,6 +92,9 @@ struct ShowData {
   std::uint64_t gesture_answered = 0;  // the number of the last one that was held at a photo
   std::uint64_t too_close_asked = 0;   // the number of whom was last asked to step back
   bool photo_requested = false;        // the shutter
+  std::optional<bool> video_wanted;    // to begin and to end a recording
+  std::optional<Gaze>
+      look_override;  // that a person or program asked for, in the place of all else
 
   // What is not seen, heard or measured anew.
   void Persist(fsm::Archive& archive);

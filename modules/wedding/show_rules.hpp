@@ -16,6 +16,7 @@ struct IdleRules {
 struct TrackingRules {
   Duration lost = Milliseconds(1500);
   double gesture_threshold = 0.7;  // a gesture has to be surer than this
+  bool greets = true;              // false: an action pack does
 
   friend bool operator==(const TrackingRules&, const TrackingRules&) = default;
 };

@@ -72,6 +72,9 @@ void WeddingRobot::OpenTopics(transport::Endpoints& topics) {
     wire->photographer.emplace(*camera, config_.photo_timeout,
                                [this](const std::string& line) { Log(line); });
   }
+  if (config_.second_generation) {
+    wire->second.emplace().Open(topics, show_, [this] { return Now(); });
+  }
   Hear(topics, *wire);
   HearJoints(topics);
   Serve(topics);
@@ -81,6 +84,7 @@ void WeddingRobot::OpenTopics(transport::Endpoints& topics) {
   const std::chrono::duration<double> period(1 / config_.state_rate_hz);
   topics.Every(std::chrono::duration_cast<Duration>(period), [this] {
     ShowState(show_.state());
+    ShowFace();
     show_.PassTime(Now());
   });
 }
@@ -171,12 +175,16 @@ Findings WeddingRobot::Look() {
   }
   found.audio = Missing(wire->play->MatchedReaders(), "nobody listens to", topic::kPlay);
   found.motion = Missing(wire->pose->MatchedReaders(), "nobody listens to", topic::kPose);
+  if (wire->second && !wire->second->ready()) {
+    found.ready = std::string(topic::kReady) + " does not say true";
+  }
   return found;
 }
 
 void WeddingRobot::TakePose(std::string_view pose) {
   if (const auto wire = wire_.lock()) {
     static_cast<void>(wire->pose->Publish({std::string(pose)}));
+    if (wire->second) wire->second->SetPose(pose);
   }
 }
 
@@ -198,6 +206,28 @@ void WeddingRobot::Play(std::string_view sound) {
 void WeddingRobot::TakePhoto() {
   const auto wire = wire_.lock();
   if (wire && wire->photographer) wire->photographer->TakePhoto();
+}
+
+void WeddingRobot::RecordVideo(bool on) {
+  const auto wire = wire_.lock();
+  if (wire && wire->photographer) wire->photographer->RecordVideo(on);
+}
+
+void WeddingRobot::SetMotion(std::string_view motion) {
+  const auto wire = wire_.lock();
+  if (wire && wire->second) wire->second->SetMotion(motion);
+}
+
+void WeddingRobot::ShowFace() {
+  const auto wire = wire_.lock();
+  const PerceptionData& seen = show_.data().perception;
+  if (wire && wire->second) wire->second->TellFace(seen.face_detected ? seen.face_id : -1);
+}
+
+void WeddingRobot::Log(const std::string& line) {
+  FsmActuator::Log(line);
+  const auto wire = wire_.lock();
+  if (wire && wire->second) wire->second->TellLine(show_.state(), line);
 }
 
 void WeddingRobot::ShowState(std::string_view state) {

@@ -15,6 +15,7 @@
 #include "musher/messages/geometry_msgs/point_stamped.hpp"
 #include "musher/messages/sensor_msgs/joint_state.hpp"
 #include "musher/messages/std_msgs/string.hpp"
+#include "musher/modules/wedding/extension/second_generation.hpp"
 #include "musher/modules/wedding/photographer.hpp"
 #include "musher/modules/wedding/record_file.hpp"
 #include "musher/modules/wedding/self_check.hpp"
@@ -37,6 +38,7 @@ class WeddingRobot : public FsmActuator, private Stage {
     transport::Publisher<msg::String>* play = nullptr;
     transport::Subscription* target = nullptr;
     std::optional<Photographer> photographer;  // where the config names a camera
+    std::optional<SecondGeneration> second;    // where the config has its topics
   };
 
   Result<> BuildMachine(fsm::Machine& machine) override;
@@ -51,13 +53,16 @@ class WeddingRobot : public FsmActuator, private Stage {
   void HearJoints(transport::Endpoints& topics);
   void Serve(transport::Endpoints& topics);
   Findings Look();
+  void ShowFace();
 
   void TakePose(std::string_view pose) override;
   void LookAt(Gaze gaze) override;
   void Play(std::string_view sound) override;
   void TakePhoto() override;
+  void RecordVideo(bool on) override;
+  void SetMotion(std::string_view motion) override;
   void ShowState(std::string_view state) override;
-  void Log(const std::string& line) override { FsmActuator::Log(line); }
+  void Log(const std::string& line) override;
 
   const WeddingConfig config_;
   std::unique_ptr<RecordFile> record_;  // before those that write to it

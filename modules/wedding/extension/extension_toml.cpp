@@ -1,6 +1,8 @@
 #include "musher/modules/wedding/extension/extension_toml.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 
 namespace musher::wedding {
 namespace {
@@ -64,6 +66,7 @@ std::optional<InterviewRules> ReadInterview(TableReader& table) {
   Read(table, "ending_ms", rules.ending);
   Read(table, "done_ms", rules.done);
   Read(table, "lost_ms", rules.lost);
+  rules.video = table.Bool("video").value_or(rules.video);
   rules.unasked = table.Bool("unasked").value_or(rules.unasked);
   Read(table, "stable_ms", rules.stable);
   Read(table, "stays_ms", rules.stays);
@@ -72,6 +75,35 @@ std::optional<InterviewRules> ReadInterview(TableReader& table) {
   if (rules.lost_least >= rules.lost_most) {
     Contradict(table, "lost_least_ms", "lost_most_ms",
                "expected lost_least_ms to be less than lost_most_ms: else nobody can be lost so");
+  }
+  if (!enabled) return std::nullopt;
+  return rules;
+}
+
+std::optional<ActionRules> ReadActions(TableReader& table) {
+  const bool enabled = table.Bool("enabled").value_or(false);
+  ActionRules rules;
+  const auto seed = table.Integer("seed", 0, std::numeric_limits<std::int32_t>::max());
+  if (seed) rules.seed = static_cast<std::uint64_t>(*seed);
+  const auto span = [&table](const char* least_key, Duration& least, const char* most_key,
+                             Duration& most) {
+    Read(table, least_key, least);
+    Read(table, most_key, most);
+    if (least <= most) return;
+    Contradict(table, least_key, most_key, "expected the least time to be at most the most time");
+  };
+  span("idle_least_ms", rules.idle_least, "idle_most_ms", rules.idle_most);
+  rules.greeting_probability =
+      table.Number("greeting_probability", 0, 1).value_or(rules.greeting_probability);
+  Read(table, "greeting_ms", rules.greeting);
+  span("observe_least_ms", rules.observe_least, "observe_most_ms", rules.observe_most);
+  Read(table, "confirm_ms", rules.confirm);
+  Read(table, "lost_ms", rules.lost);
+  rules.same_within = table.Number("same_within", 0, 1).value_or(rules.same_within);
+  if (rules.confirm > rules.observe_least) {
+    Contradict(table, "confirm_ms", "observe_least_ms",
+               "expected confirm_ms to be at most observe_least_ms: else no face can stay long "
+               "enough");
   }
   if (!enabled) return std::nullopt;
   return rules;

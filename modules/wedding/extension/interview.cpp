@@ -20,6 +20,7 @@ void Interview::OnEnter(const fsm::Tick& tick) {
   question_ = 0;
   data().motion.target_pose = pose::kMicHold;
   data().Say(sound::kInterviewStart);
+  if (rules_.video) data().video_wanted = true;
   Begin(Phase::kGreeting, tick);
 }
 
@@ -87,6 +88,7 @@ void Interview::Begin(Phase phase, const fsm::Tick& tick) {
 }
 
 void Interview::OnExit(const fsm::Tick& /*tick*/) {
+  if (rules_.video) data().video_wanted = false;
   data().motion.target_pose = pose::kNeutral;
 }
 

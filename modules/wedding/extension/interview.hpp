@@ -1,6 +1,6 @@
 #pragma once
-// INTERVIEW, of the robot's second generation: it asks who stays with it a few questions and
-// listens to the answers. Nothing is recorded.
+// INTERVIEW, of the robot's second generation: it asks a guest who stays a few questions and
+// listens to the answers. The camera records them where the config says so.
 //
 // An extension as SEARCH is: it brings its state, and a TRACKING that leads there.
 
@@ -38,6 +38,7 @@ struct InterviewRules {
   Duration ending = Milliseconds(2000);
   Duration done = Milliseconds(1000);
   Duration lost = Milliseconds(1500);  // who is not seen for so long has left
+  bool video = false;                  // the camera records the interview
   // From TRACKING without a command: one who was seen for `stable` and then stays for `stays` in
   // all, or is lost for between the two.
   bool unasked = true;

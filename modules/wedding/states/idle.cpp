@@ -20,11 +20,14 @@ void Idle::Run(const fsm::Tick& tick) {
   LookTo({0.5 + rules_.sway * std::sin(2 * std::numbers::pi * turns), 0.5}, tick);
 }
 
-fsm::Next Idle::Decide(const fsm::Tick& /*tick*/) {
+fsm::Next Idle::Decide(const fsm::Tick& tick) {
+  if (LeavesAlone() || !SeesGuest(tick)) return fsm::Next::Stay();
+  return fsm::Next::To(tracking_);
+}
+
+bool Idle::SeesGuest(const fsm::Tick& /*tick*/) {
   const PerceptionData& seen = data().perception;
-  if (LeavesAlone()) return fsm::Next::Stay();
-  if (seen.face_detected && seen.face_seen_for >= rules_.confirm) return fsm::Next::To(tracking_);
-  return fsm::Next::Stay();
+  return seen.face_detected && seen.face_seen_for >= rules_.confirm;
 }
 
 // Who stands there when IDLE is commanded, until he has gone or another one is there.

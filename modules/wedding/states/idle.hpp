@@ -16,6 +16,8 @@ class Idle : public WeddingState {
 
  protected:
   fsm::Next Decide(const fsm::Tick& tick) override;
+  // Whether a face has been seen for long enough to go to it.
+  virtual bool SeesGuest(const fsm::Tick& tick);
 
  private:
   bool LeavesAlone();

@@ -9,7 +9,7 @@ void Tracking::Declare(fsm::Ways& ways) {
 }
 
 void Tracking::OnEnter(const fsm::Tick& /*tick*/) {
-  data().Say(sound::kGreeting);
+  if (rules_.greets) data().Say(sound::kGreeting);
 }
 
 void Tracking::Run(const fsm::Tick& tick) {

@@ -35,7 +35,7 @@ void WeddingState::FollowFace(const fsm::Tick& tick) {
 
 void WeddingState::LookTo(Gaze target, const fsm::Tick& tick) {
   Gaze& gaze = data_.motion.look_at_target;
-  gaze = Follow(gaze, target, data_.follow, tick.step);
+  gaze = Follow(gaze, data_.look_override.value_or(target), data_.follow, tick.step);
 }
 
 Duration WeddingState::Lost(const fsm::Tick& tick) const {

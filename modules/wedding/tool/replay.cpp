@@ -26,6 +26,8 @@ class NoStage : public Stage {
   void LookAt(Gaze /*gaze*/) override {}
   void Play(std::string_view /*sound*/) override {}
   void TakePhoto() override {}
+  void RecordVideo(bool /*on*/) override {}
+  void SetMotion(std::string_view /*motion*/) override {}
   void ShowState(std::string_view /*state*/) override {}
   void Log(const std::string& line) override { std::cerr << "musher-wedding: " << line << "\n"; }
 };

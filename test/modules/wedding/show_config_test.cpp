@@ -45,12 +45,31 @@ TEST(WeddingConfigTest, OfTheShippedShowDiffersFromTheSeedsInItsCameraAndInNotGo
   EXPECT_EQ(plain, WeddingConfig{});
 }
 
-TEST(WeddingConfigTest, OfTheSecondGenerationHasBothExtensions) {
+TEST(WeddingConfigTest, OfTheSecondGenerationHasAllItsExtensions) {
   const ShowConfig show = Shipped("second_generation.toml").show;
   EXPECT_EQ(show.search, SearchRules{});
   ASSERT_TRUE(show.interview);
   EXPECT_EQ(show.interview->question_characters.size(), 3);
-  EXPECT_EQ(show.idle.confirm, Milliseconds(500));
+  EXPECT_TRUE(show.interview->video);
+  EXPECT_EQ(show.actions, ActionRules{});
+  EXPECT_TRUE(Shipped("second_generation.toml").second_generation);
+}
+
+TEST(WeddingConfigTest, OfActionsWithoutSearchAndOfTimesThatContradictEachOtherSaysWhere) {
+  EXPECT_THAT(Faults("[actions]\n"
+                     "enabled = true\n"
+                     "idle_least_ms = 30000\n"
+                     "[check]\n"
+                     "ready = \"required\"\n"
+                     "[interview]\n"
+                     "enabled = true\n"
+                     "video = true\n"
+                     "[photo]\n"
+                     "service = \"\"\n"),
+              ElementsAre(HasSubstr("show.toml:2:11: error: actions.enabled"),
+                          HasSubstr("show.toml:3:17: error: actions.idle_least_ms"),
+                          HasSubstr("show.toml:5:9: error: check.ready"),
+                          HasSubstr("show.toml:8:9: error: interview.video")));
 }
 
 // scripts/demo wedding kills it: 1.5 s of real time in a world at speed 2, and as much again.

@@ -17,6 +17,8 @@ class Script : public Stage {
   void LookAt(Gaze gaze) override { gazes.push_back(gaze); }
   void Play(std::string_view sound) override { sounds.emplace_back(sound); }
   void TakePhoto() override { ++photos; }
+  void RecordVideo(bool on) override { videos.push_back(on); }
+  void SetMotion(std::string_view motion) override { motions.emplace_back(motion); }
   void ShowState(std::string_view state) override { states.emplace_back(state); }
   void Log(const std::string& line) override { log.push_back(line); }
 
@@ -26,6 +28,8 @@ class Script : public Stage {
   std::vector<std::string> states;
   std::vector<std::string> log;
   int photos = 0;
+  std::vector<bool> videos;
+  std::vector<std::string> motions;
 };
 
 class ShowRig : public testing::Test {
