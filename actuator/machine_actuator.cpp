@@ -138,6 +138,7 @@ class MachineActuator::Impl {
 
   State current_state() const { return gate_.state(); }
   bool emergency_stopped() const { return gate_.emergency_stop(); }
+  bool held_by_stop() const { return gate_.held_by_stop(); }
 
   Result<> Allowed(const std::string& capability, ModuleCode module) const {
     if (!config_) {
@@ -339,6 +340,9 @@ Result<> MachineActuator::Allowed(const std::string& capability, ModuleCode modu
 }
 bool MachineActuator::EmergencyStopped() const {
   return impl_->emergency_stopped();
+}
+bool MachineActuator::HeldByStop() const {
+  return impl_->held_by_stop();
 }
 Result<> MachineActuator::OpenEndpoints(const std::function<void(transport::Endpoints&)>& open) {
   return impl_->OpenEndpoints(open);

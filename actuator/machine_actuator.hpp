@@ -130,6 +130,11 @@ class MachineActuator {
   // then must not move what has been stopped. From any thread.
   bool EmergencyStopped() const;
 
+  // Whether an emergency stop holds this actuator: one is engaged, or one was, and since then no
+  // callback of a state has ended well without a stop. What OnEmergencyStop() has switched off is
+  // off until then; setting the present state again runs its callback. From any thread.
+  bool HeldByStop() const;
+
   const std::string& name() const;
 
   // What was read by Init(), which must have succeeded.

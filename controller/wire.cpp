@@ -101,6 +101,9 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
       info.code = record.fault->code;
       info.message = record.fault->message;
     }
+    if (record.presence == Presence::kPresent && record.report.held_by_stop) {
+      status.held_by_stop.push_back(info.name);
+    }
     info.protocol = ProtocolName(config.actuators[i].protocol);
     info.health = HealthName(record.health);
     info.restarts = record.restarts;

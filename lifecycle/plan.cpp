@@ -102,12 +102,17 @@ class Planning {
         std::any_of(plan_.steps.begin(), plan_.steps.end(), [&](const PlanStep& step) {
           return step.driven() && Rises(config_, step.from, plan_.target);
         });
-    if (!rises) return;
+    // Its callback would switch on again what the stop has switched off.
+    const bool resumes =
+        plan_.from == plan_.target && Rises(config_, kUninitialized, plan_.target);
+    if (!rises && !resumes) return;
     const EmergencyStop& stop = *machine_.emergency_stop;
     RefuseWith(kCodeProtectedError, "an emergency stop is engaged" +
                                         (stop.by.empty() ? "" : " by " + stop.by) +
                                         (stop.reason.empty() ? "" : " (" + stop.reason + ")") +
-                                        "; until it is released nothing goes up");
+                                        (rises ? "; until it is released nothing goes up"
+                                               : "; until it is released it holds " + plan_.target +
+                                                     ", and nothing is switched on again"));
   }
 
   // Being busy passes: it is the reason only where there is no other.
@@ -160,10 +165,16 @@ class Planning {
       RefuseWith(kCodeStatusError, actuator.name + " rests until those that it is bound to are up");
     }
     PlanStep step = Blank(i);
-    if (plan_.target != kSelfCheck && record.state() == plan_.target && !record.fault) {
+    if (plan_.target != kSelfCheck && IsThere(record)) {
       step.part = PlanStep::Part::kThere;
     }
     plan_.steps.push_back(step);
+  }
+
+  // Whether its callback need not run for it to be in the target. One that is held by an emergency
+  // stop says that it is, and what its state had switched on is off.
+  bool IsThere(const ActuatorRecord& record) const {
+    return record.state() == plan_.target && !record.fault && !record.report.held_by_stop;
   }
 
   static State BusyWith(const ActuatorRecord& record) {
@@ -198,8 +209,7 @@ class Planning {
       leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
     } else if (up && record.parked) {
       leave_out("rests until those that it is bound to are up", kCodeStatusError, false);
-    } else if (!checking && record.state() == plan_.target && !record.fault &&
-               !record.report.busy() && !record.order) {
+    } else if (!checking && IsThere(record) && !record.report.busy() && !record.order) {
       step.part = record.held ? PlanStep::Part::kHeldThere : PlanStep::Part::kThere;
     } else if (!checking && Unknown(actuator, record)) {
       leave_out("has not answered " + record.report.target + " and cannot be asked",

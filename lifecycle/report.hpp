@@ -31,6 +31,9 @@ struct ActuatorReport {
   // the machine's.
   bool apart = false;
   std::uint64_t emergency_stop = 0;  // the one that it has latched; 0: none
+  // A stop has switched off what its state had switched on, and no callback of a state has ended
+  // well without a stop since. It outlasts the release.
+  bool held_by_stop = false;
   Time stamp{};                      // by the actuator's own clock
 
   bool busy() const { return !target.empty(); }

@@ -88,6 +88,7 @@ inline constexpr std::tuple kFields<ActuatorReport> = {
     Field{"config_hash", &ActuatorReport::config_hash},
     Field{"apart", &ActuatorReport::apart},
     Field{"emergency_stop", &ActuatorReport::emergency_stop},
+    Field{"held_by_stop", &ActuatorReport::held_by_stop},
     Field{"stamp", &ActuatorReport::stamp},
 };
 

@@ -57,7 +57,7 @@ class Mixer {
   // Without the emergency stop: it is looked at when the report comes, and not kept in mind.
   void One(const ActuatorReport& r) {
     Add(r.state, r.target, r.busy_number, r.epoch, r.number, r.outcome_number, r.outcome_code);
-    Add(r.incarnation, r.apart);
+    Add(r.incarnation, r.apart, r.held_by_stop);
   }
   void One(const Order& o) { Add(o.number, o.target, o.deadline, o.asked); }
   void One(const Leg& l) {
@@ -145,7 +145,8 @@ Fingerprint OfActuator(const Model& model, const World& world, std::size_t i) {
             a.begun, a.asked);
   const ActuatorCore& c = a.core;
   mixer.Add(c.report, c.report.emergency_stop, c.running_for, c.was_apart, c.waiting, c.unsettled,
-            c.half_way_down, c.controller, c.announced, c.released, c.stops, c.stopped_meanwhile);
+            c.half_way_down, c.controller, c.announced, c.released, c.stops, c.stopped_meanwhile,
+            c.under_stop);
   mixer.Add(a.replies.size());
   for (const event::Replied& reply : a.replies) AddReply(mixer, record, reply);
   AddLate(mixer, record, a.late);
