@@ -99,6 +99,16 @@ class MachineActuator::Impl {
 
   void Log(const std::string& line) const { std::cerr << name_ + ": " + line + "\n" << std::flush; }
 
+  void ReportDegraded(const Error& why) {
+    const std::lock_guard lock(mutex_);
+    degraded_ = why;
+  }
+  // What was reported since it was taken last.
+  Error TakeDegraded() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(degraded_, Error{kCodeOk, ""});
+  }
+
   void Shutdown() {
     // A command that arrives meanwhile must find no worker that is going.
     if (node_) {
@@ -204,8 +214,10 @@ class MachineActuator::Impl {
     ActuatorShell::Hooks hooks;
     hooks.run_callback = [this](const State& state) {
       shell_->checkpoints().OnWorker(gettid());
+      TakeDegraded();
       return callbacks_.Run(state);
     };
+    hooks.take_degraded = [this] { return TakeDegraded(); };
     hooks.on_emergency_stop = [this] {
       const Result<> result = RunEmergencyStop();
       if (!result) Log("OnEmergencyStop: " + result.error().message);
@@ -252,7 +264,8 @@ class MachineActuator::Impl {
   std::function<void()> on_poll_;  // of a rehearsal; empty on a robot
   std::promise<Result<>> set_up_;
   bool set_up_told_ = false;
-  mutable std::mutex mutex_;  // guards the two below, and changes of node_
+  mutable std::mutex mutex_;  // guards the three below, and changes of node_
+  Error degraded_{kCodeOk, ""};
   std::optional<int> finished_;
   Checkpoints* checkpoints_ = nullptr;
   std::condition_variable ended_;
@@ -337,6 +350,9 @@ State MachineActuator::CurrentState() const {
 }
 Result<> MachineActuator::Allowed(const std::string& capability, ModuleCode module) const {
   return impl_->Allowed(capability, module);
+}
+void MachineActuator::ReportDegraded(const Error& why) {
+  impl_->ReportDegraded(why);
 }
 bool MachineActuator::EmergencyStopped() const {
   return impl_->emergency_stopped();

@@ -44,9 +44,7 @@ class Deciding {
         report_(core.report),
         now_(now) {}
 
-  void On(const event::Started&) {
-    Run(State(kSetUp));
-  }
+  void On(const event::Started&) { Run(State(kSetUp)); }
 
   void On(const event::SwitchArrived& arrived) {
     const SwitchCommand& command = arrived.command;
@@ -91,7 +89,11 @@ class Deciding {
     const event::CallbackEnded end = UnderStop(target, ended);
     if (target == kSetUp) return EndSetUp(end);
     EndCommand(std::exchange(report_.busy_number, 0), target, end.code, end.message);
-    if (target != kSelfCheck && end.code == kCodeOk && !core_.under_stop) {
+    if (target == kSelfCheck) {
+      const bool passed = end.code == kCodeOk;
+      report_.degraded_code = passed ? end.degraded_code : kCodeOk;
+      report_.degraded_reason = passed ? end.degraded_reason : "";
+    } else if (end.code == kCodeOk && !core_.under_stop) {
       report_.held_by_stop = false;
     }
     if (target != kSelfCheck && end.code != kCodeOk) report_.apart = core_.was_apart;

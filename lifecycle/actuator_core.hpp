@@ -21,8 +21,8 @@
 // down that has failed, and an upward callback that ends meanwhile has failed, whatever it returns:
 // its state is not taken and the stop action runs again; what a stop has switched off stays off
 // after the release, until a callback of a state has ended well without a stop: until then the
-// actuator is held by the stop, and a command to its own state runs the callback; a manager without epochs may command as
-// long as no controller has spoken, and its command never waits.
+// actuator is held by the stop, and a command to its own state runs the callback; a manager without
+// epochs may command as long as no controller has spoken, and its command never waits.
 
 #include <cstdint>
 #include <optional>
@@ -86,6 +86,9 @@ struct ManagerCommand {
 struct CallbackEnded {
   std::int32_t code = 0;
   std::string message;
+  // Of a self-check that passed although part of the actuator does not work.
+  std::int32_t degraded_code = 0;
+  std::string degraded_reason = {};
 };
 // A controller says that it lives.
 struct ControllerHeard {

@@ -58,15 +58,15 @@ CapabilityVerdict JudgeOne(const MachineConfig& config, const Machine& machine,
     const std::size_t i = *config.IndexOf(name);
     const ActuatorRecord& record = machine.actuators[i];
     std::string trouble;
-    if (record.fault) {
+    if (const auto fault = TroubleOf(record)) {
       trouble = name + " is degraded";
-      if (!record.fault->message.empty()) trouble += ": " + record.fault->message;
+      if (!fault->message.empty()) trouble += ": " + fault->message;
     }
-    Result<> allowed = JudgeCapability(
-        config, declared.name,
-        {name, record.report.state, record.report.target,
-         record.report.emergency_stop != 0 || machine.emergency_stop.has_value(), battery,
-         record.report.held_by_stop});
+    Result<> allowed =
+        JudgeCapability(config, declared.name,
+                        {name, record.report.state, record.report.target,
+                         record.report.emergency_stop != 0 || machine.emergency_stop.has_value(),
+                         battery, record.report.held_by_stop});
     if (const std::string absence = Absence(config.actuators[i], record); !absence.empty()) {
       allowed = Error{kCodeStateInvalid, absence};
     }

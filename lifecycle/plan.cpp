@@ -1,6 +1,8 @@
 #include "musher/lifecycle/plan.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 
 #include "musher/lifecycle/code.hpp"
 #include "musher/lifecycle/flow.hpp"
@@ -103,8 +105,7 @@ class Planning {
           return step.driven() && Rises(config_, step.from, plan_.target);
         });
     // Its callback would switch on again what the stop has switched off.
-    const bool resumes =
-        plan_.from == plan_.target && Rises(config_, kUninitialized, plan_.target);
+    const bool resumes = plan_.from == plan_.target && Rises(config_, kUninitialized, plan_.target);
     if (!rises && !resumes) return;
     const EmergencyStop& stop = *machine_.emergency_stop;
     RefuseWith(kCodeProtectedError, "an emergency stop is engaged" +
@@ -207,7 +208,7 @@ class Planning {
     } else if (!checking && plan_.target != kTearDown && !record.checked &&
                (up || !AtRest(record))) {
       leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
-    } else if (up && record.parked) {
+    } else if (!checking && record.parked && Rises(config_, record.state(), plan_.target)) {
       leave_out("rests until those that it is bound to are up", kCodeStatusError, false);
     } else if (!checking && IsThere(record) && !record.report.busy() && !record.order) {
       step.part = record.held ? PlanStep::Part::kHeldThere : PlanStep::Part::kThere;
@@ -279,12 +280,32 @@ class Planning {
         }
       }
     }
+    if (plan_.target == kTearDown) ReverseStages(needs);
     std::vector<int> wave(config_.actuators.size(), 0);
     for (PlanStep& step : plan_.steps) {
       if (!step.driven()) continue;
       std::sort(needs[step.actuator].begin(), needs[step.actuator].end());
       step.needs = needs[step.actuator];
       step.wave = WaveOf(step.actuator, needs, wave);
+    }
+  }
+
+  // Those of a stage are torn down when those of the next one that has any are.
+  void ReverseStages(std::vector<std::vector<std::size_t>>& needs) const {
+    std::map<int, std::vector<std::size_t>> stages;
+    for (const PlanStep& step : plan_.steps) {
+      if (step.driven()) stages[config_.actuators[step.actuator].stage].push_back(step.actuator);
+    }
+    for (auto stage = stages.begin(); stage != stages.end(); ++stage) {
+      const auto next = std::next(stage);
+      if (next == stages.end()) return;
+      for (const std::size_t i : stage->second) {
+        for (const std::size_t later : next->second) {
+          if (std::find(needs[i].begin(), needs[i].end(), later) == needs[i].end()) {
+            needs[i].push_back(later);
+          }
+        }
+      }
     }
   }
 

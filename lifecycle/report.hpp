@@ -34,7 +34,10 @@ struct ActuatorReport {
   // A stop has switched off what its state had switched on, and no callback of a state has ended
   // well without a stop since. It outlasts the release.
   bool held_by_stop = false;
-  Time stamp{};                      // by the actuator's own clock
+  // Its last self-check passed although part of it does not work: what, and its code. 0: all works.
+  std::int32_t degraded_code = 0;
+  std::string degraded_reason;
+  Time stamp{};  // by the actuator's own clock
 
   bool busy() const { return !target.empty(); }
 

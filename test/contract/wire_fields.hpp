@@ -102,6 +102,8 @@ MUSHER_SAME(musher_msgs_msg_dds__ActuatorStatus_, ActuatorStatus) {
   SAME(emergency_stop);
   SAME(stamp_ns);
   SAME(held_by_stop);
+  SAME(degraded_code);
+  SAME(degraded_reason);
 }
 
 MUSHER_SAME(musher_msgs_msg_dds__ActuatorInfo_, ActuatorInfo) {
