@@ -136,9 +136,9 @@ class MachineActuator {
   // then must not move what has been stopped. From any thread.
   bool EmergencyStopped() const;
 
-  // Whether an emergency stop holds this actuator: one is engaged, or one was, and since then no
-  // callback of a state has ended well without a stop. What OnEmergencyStop() has switched off is
-  // off until then; setting the present state again runs its callback. From any thread.
+  // Whether an emergency stop holds this actuator: one is engaged, or was, and no callback of the
+  // present state or a higher one has ended well without a stop since: what OnEmergencyStop() has
+  // switched off is off. Setting the present state again runs its callback. From any thread.
   bool HeldByStop() const;
 
   const std::string& name() const;

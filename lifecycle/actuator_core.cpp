@@ -88,12 +88,13 @@ class Deciding {
     const auto tokens = std::exchange(core_.running_for, {});
     const event::CallbackEnded end = UnderStop(target, ended);
     if (target == kSetUp) return EndSetUp(end);
+    const bool down = LeadsDown(target);
     EndCommand(std::exchange(report_.busy_number, 0), target, end.code, end.message);
     if (target == kSelfCheck) {
       const bool passed = end.code == kCodeOk;
       report_.degraded_code = passed ? end.degraded_code : kCodeOk;
       report_.degraded_reason = passed ? end.degraded_reason : "";
-    } else if (end.code == kCodeOk && !core_.under_stop) {
+    } else if (end.code == kCodeOk && !core_.under_stop && !down) {
       report_.held_by_stop = false;
     }
     if (target != kSelfCheck && end.code != kCodeOk) report_.apart = core_.was_apart;
@@ -248,6 +249,13 @@ class Deciding {
     const bool switches_on =
         report_.held_by_stop && !core_.unsettled && Rises(machine_, kUninitialized, target);
     return core_.half_way_down || switches_on;
+  }
+
+  // On the way down nothing is switched on that a stop has switched off.
+  bool LeadsDown(const State& target) const {
+    const auto from = machine_.RankOf(report_.state);
+    const auto to = machine_.RankOf(target);
+    return from && to && *to < *from;
   }
 
   // A command that came before gets the same answer again, or the answer of its run.

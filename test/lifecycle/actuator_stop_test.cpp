@@ -11,8 +11,8 @@ using namespace actuator_action;  // NOLINT(google-build-using-namespace)
 using actuator_event::AskArrived;
 using actuator_event::CallbackEnded;
 using actuator_event::EmergencyStopHeard;
-using testing::Actions;
 using ::testing::_;
+using testing::Actions;
 using ::testing::Contains;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -274,6 +274,16 @@ TEST_F(Stopped, ACallbackThatBeganUnderTheStopDoesNotEndTheHoldThoughTheStopIsRe
   Do(CallbackEnded{});
   EXPECT_EQ(core_.report.state, "LowPower");
   EXPECT_TRUE(core_.report.held_by_stop);
+}
+
+TEST_F(Stopped, AWayDownAfterTheReleaseDoesNotEndTheHold) {
+  Switch(2, "Active");
+  Engage();
+  Release();
+  Switch(3, "LowPower");
+  EXPECT_TRUE(core_.report.held_by_stop) << "a way down switches nothing on";
+  Switch(4, "DeActive");
+  EXPECT_FALSE(core_.report.held_by_stop);
 }
 
 TEST_F(Stopped, ASelfCheckDoesNotEndTheHold) {
