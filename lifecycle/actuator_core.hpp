@@ -20,9 +20,8 @@
 // stop; while an emergency stop is latched nothing goes up, not even back to where it is from a way
 // down that has failed, and an upward callback that ends meanwhile has failed, whatever it returns:
 // its state is not taken and the stop action runs again; what a stop has switched off stays off
-// after the release, until a callback that leads up, or to the present state, has ended well without
-// a stop: until then the actuator is held by the stop, and a command to its own state runs the
-// callback; a manager without
+// after the release, until a callback of its own state or a higher one ends well without a stop: it
+// is held by the stop, and a command to its own state runs the callback; a manager without
 // epochs may command as long as no controller has spoken, and its command never waits.
 
 #include <cstdint>
