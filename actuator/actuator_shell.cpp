@@ -201,16 +201,24 @@ void ActuatorShell::Do(const actuator_action::RunCallback& action) {
   checkpoints_.Begin(action.target, node_.loop().Now());
   if (checkpoints_.Period()) look_ = node_.loop().At(node_.loop().Now(), [this] { LookAtWork(); });
   if (hooks_.set_stop_requested) hooks_.set_stop_requested(false);
-  worker_.Run(
-      [run = hooks_.run_callback, target = action.target] { return run(target); },
-      [this, alive = std::weak_ptr<bool>(alive_), &loop = node_.loop()](Result<> result) {
-        loop.Post([this, alive, result = std::move(result)] {
-          if (alive.expired()) return;
-          checkpoints_.End();
-          Handle(actuator_event::CallbackEnded{result ? kCodeOk : result.error().code,
-                                               result ? std::string() : result.error().message});
-        });
-      });
+  worker_.Run([run = hooks_.run_callback, target = action.target] { return run(target); },
+              [this, alive = std::weak_ptr<bool>(alive_), &loop = node_.loop()](Result<> result) {
+                loop.Post([this, alive, result = std::move(result)] {
+                  if (alive.expired()) return;
+                  checkpoints_.End();
+                  actuator_event::CallbackEnded ended;
+                  if (!result) {
+                    ended.code = result.error().code;
+                    ended.message = result.error().message;
+                  }
+                  if (hooks_.take_degraded) {
+                    Error degraded = hooks_.take_degraded();
+                    ended.degraded_code = degraded.code;
+                    ended.degraded_reason = std::move(degraded.message);
+                  }
+                  Handle(ended);
+                });
+              });
 }
 
 void ActuatorShell::Do(const actuator_action::RequestStop&) {

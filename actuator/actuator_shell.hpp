@@ -34,7 +34,10 @@ class ActuatorShell {
   struct Hooks {
     std::function<Result<>(const State&)> run_callback;  // on the worker
     std::function<void(bool)> set_stop_requested;  // false as a callback begins, true to end it
-    std::function<void()> on_emergency_stop;       // at once, on the loop; may be empty
+    // What the callback that has ended has reported of a part that does not work, code 0: nothing;
+    // may be empty.
+    std::function<Error()> take_degraded;
+    std::function<void()> on_emergency_stop;               // at once, on the loop; may be empty
     std::function<void(const ActuatorReport&)> on_report;  // after each step; may be empty
     // What the battery has, in percent; only where a capability of this one needs to know.
     std::function<void(std::optional<int>)> on_battery;

@@ -7,6 +7,7 @@ void CapabilityGate::SetReport(const ActuatorReport& report) {
   state_ = report.state;
   target_ = report.target;
   emergency_stop_ = report.emergency_stop != 0;
+  held_by_stop_ = report.held_by_stop;
 }
 
 void CapabilityGate::SetBattery(std::optional<int> percent) {
@@ -24,11 +25,17 @@ bool CapabilityGate::emergency_stop() const {
   return emergency_stop_;
 }
 
+bool CapabilityGate::held_by_stop() const {
+  const std::lock_guard lock(mutex_);
+  return held_by_stop_;
+}
+
 Result<> CapabilityGate::Judge(const MachineConfig& config, std::string_view actuator,
                                std::string_view capability, ModuleCode module) const {
   const std::lock_guard lock(mutex_);
-  return JudgeCapability(config, capability, {actuator, state_, target_, emergency_stop_, battery_},
-                         module);
+  return JudgeCapability(
+      config, capability,
+      {actuator, state_, target_, emergency_stop_, battery_, held_by_stop_}, module);
 }
 
 }  // namespace musher

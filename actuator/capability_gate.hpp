@@ -17,6 +17,7 @@ class CapabilityGate {
 
   State state() const;
   bool emergency_stop() const;
+  bool held_by_stop() const;
   Result<> Judge(const MachineConfig& config, std::string_view actuator,
                  std::string_view capability, ModuleCode module) const;
 
@@ -25,6 +26,7 @@ class CapabilityGate {
   State state_{kUninitialized};
   State target_;
   bool emergency_stop_ = false;
+  bool held_by_stop_ = false;
   std::optional<int> battery_;
 };
 

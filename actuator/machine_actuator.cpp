@@ -99,6 +99,16 @@ class MachineActuator::Impl {
 
   void Log(const std::string& line) const { std::cerr << name_ + ": " + line + "\n" << std::flush; }
 
+  void ReportDegraded(const Error& why) {
+    const std::lock_guard lock(mutex_);
+    degraded_ = why;
+  }
+  // What was reported since it was taken last.
+  Error TakeDegraded() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(degraded_, Error{kCodeOk, ""});
+  }
+
   void Shutdown() {
     // A command that arrives meanwhile must find no worker that is going.
     if (node_) {
@@ -138,6 +148,7 @@ class MachineActuator::Impl {
 
   State current_state() const { return gate_.state(); }
   bool emergency_stopped() const { return gate_.emergency_stop(); }
+  bool held_by_stop() const { return gate_.held_by_stop(); }
 
   Result<> Allowed(const std::string& capability, ModuleCode module) const {
     if (!config_) {
@@ -203,8 +214,10 @@ class MachineActuator::Impl {
     ActuatorShell::Hooks hooks;
     hooks.run_callback = [this](const State& state) {
       shell_->checkpoints().OnWorker(gettid());
+      TakeDegraded();
       return callbacks_.Run(state);
     };
+    hooks.take_degraded = [this] { return TakeDegraded(); };
     hooks.on_emergency_stop = [this] {
       const Result<> result = RunEmergencyStop();
       if (!result) Log("OnEmergencyStop: " + result.error().message);
@@ -251,7 +264,8 @@ class MachineActuator::Impl {
   std::function<void()> on_poll_;  // of a rehearsal; empty on a robot
   std::promise<Result<>> set_up_;
   bool set_up_told_ = false;
-  mutable std::mutex mutex_;  // guards the two below, and changes of node_
+  mutable std::mutex mutex_;  // guards the three below, and changes of node_
+  Error degraded_{kCodeOk, ""};
   std::optional<int> finished_;
   Checkpoints* checkpoints_ = nullptr;
   std::condition_variable ended_;
@@ -337,8 +351,14 @@ State MachineActuator::CurrentState() const {
 Result<> MachineActuator::Allowed(const std::string& capability, ModuleCode module) const {
   return impl_->Allowed(capability, module);
 }
+void MachineActuator::ReportDegraded(const Error& why) {
+  impl_->ReportDegraded(why);
+}
 bool MachineActuator::EmergencyStopped() const {
   return impl_->emergency_stopped();
+}
+bool MachineActuator::HeldByStop() const {
+  return impl_->held_by_stop();
 }
 Result<> MachineActuator::OpenEndpoints(const std::function<void(transport::Endpoints&)>& open) {
   return impl_->OpenEndpoints(open);

@@ -126,9 +126,20 @@ class MachineActuator {
   // costs less than a microsecond where the answer is yes.
   Result<> Allowed(const std::string& capability, ModuleCode module = ModuleCode::kRobot) const;
 
+  // In the SelfCheck callback, before it returns Ok: part of the actuator does not work, and it can
+  // do its work without. It passes the check and goes to Active; the reason and its code, which
+  // must not be 0, are shown with it as degraded until its next self-check. The last call of a
+  // check counts; in other callbacks it means nothing. From any thread.
+  void ReportDegraded(const Error& why);
+
   // Whether an emergency stop is engaged. The callbacks of less active states run during one, and
   // then must not move what has been stopped. From any thread.
   bool EmergencyStopped() const;
+
+  // Whether an emergency stop holds this actuator: one is engaged, or was, and no callback of the
+  // present state or a higher one has ended well without a stop since: what OnEmergencyStop() has
+  // switched off is off. Setting the present state again runs its callback. From any thread.
+  bool HeldByStop() const;
 
   const std::string& name() const;
 

@@ -67,7 +67,8 @@ class FsmActuator::Impl : public fsm::Listener {
     // One that waits for hours would do what nobody wants any more.
     if (!ticking_) {
       return Error{MakeCode(ModuleCode::kRobot, KeyCode::kStateInvalid),
-                   owner_.name() + " is paused in " + owner_.CurrentState()};
+                   owner_.name() + " is paused in " + owner_.CurrentState() +
+                       (owner_.HeldByStop() ? ", held by the emergency stop" : "")};
     }
     return machine_->Send(command);
   }
@@ -123,7 +124,9 @@ class FsmActuator::Impl : public fsm::Listener {
       wire_ = wire;
       topics.Serve<msg::GetBehavior>(owner_.name() + "/get_behavior",
                                      [this](const auto& request, auto reply) {
-                                       reply(ReportBehavior(*machine_, ticking_, request));
+                                       auto report = ReportBehavior(*machine_, ticking_, request);
+                                       report.held_by_stop = owner_.HeldByStop();
+                                       reply(report);
                                      });
       topics.Serve<msg::SendCommand>(owner_.name() + "/send_command",
                                      [this](const auto& request, auto reply) {

@@ -35,7 +35,8 @@
 //   Active         is started, or goes on where it was (or anew: Options::resume); ticks
 //   TearDown       is stopped: its state is left; OnPause()
 //   all others     rests, its time stands still; OnPause()
-//   an emergency stop: OnPause() at once, and it rests until the robot goes to Active anew
+//   an emergency stop: OnPause() at once, and it rests until the stop is released and Active is set
+//                  again, also where the robot is in Active still
 //                  (during SetUp nothing moves yet: there is nothing to pause)
 // clang-format on
 //

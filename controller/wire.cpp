@@ -96,10 +96,13 @@ msg::MachineStatus ToMessage(const MachineConfig& config, const Machine& machine
     info.stage = config.actuators[i].stage;
     info.critical = config.actuators[i].critical;
     info.held = record.held;
-    info.degraded = record.fault.has_value();
-    if (record.fault) {
-      info.code = record.fault->code;
-      info.message = record.fault->message;
+    if (const auto trouble = TroubleOf(record)) {
+      info.degraded = true;
+      info.code = trouble->code;
+      info.message = trouble->message;
+    }
+    if (record.presence == Presence::kPresent && record.report.held_by_stop) {
+      status.held_by_stop.push_back(info.name);
     }
     info.protocol = ProtocolName(config.actuators[i].protocol);
     info.health = HealthName(record.health);

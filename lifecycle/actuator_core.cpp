@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "musher/lifecycle/code.hpp"
+#include "musher/lifecycle/command_age.hpp"
 #include "musher/lifecycle/flow.hpp"
 
 namespace musher {
@@ -12,20 +13,10 @@ namespace {
 using namespace actuator_action;  // NOLINT(google-build-using-namespace)
 namespace event = actuator_event;
 
-struct Refusal {
-  std::int32_t code;
-  std::string message;
-};
+using Refusal = Error;
 
 // So many who say that they are controllers are remembered, those that were heard last.
 constexpr std::size_t kAnnouncedKept = 8;
-
-// No process of a robot has run for longer.
-constexpr Duration kLongestRun = std::chrono::hours(24 * 365 * 10);
-
-std::string Quantity(Duration d) {
-  return std::to_string(ToMilliseconds(d)) + " ms";
-}
 
 // So many emergency stops that are over are remembered: messages of one do not outlive the next.
 constexpr std::size_t kReleasedKept = 64;
@@ -53,11 +44,7 @@ class Deciding {
         report_(core.report),
         now_(now) {}
 
-  void On(const event::Started&) {
-    report_.target = State(kSetUp);
-    Do(RunCallback{report_.target});
-    Do(PublishStatus{});
-  }
+  void On(const event::Started&) { Run(State(kSetUp)); }
 
   void On(const event::SwitchArrived& arrived) {
     const SwitchCommand& command = arrived.command;
@@ -101,7 +88,15 @@ class Deciding {
     const auto tokens = std::exchange(core_.running_for, {});
     const event::CallbackEnded end = UnderStop(target, ended);
     if (target == kSetUp) return EndSetUp(end);
+    const bool down = LeadsDown(target);
     EndCommand(std::exchange(report_.busy_number, 0), target, end.code, end.message);
+    if (target == kSelfCheck) {
+      const bool passed = end.code == kCodeOk;
+      report_.degraded_code = passed ? end.degraded_code : kCodeOk;
+      report_.degraded_reason = passed ? end.degraded_reason : "";
+    } else if (end.code == kCodeOk && !core_.under_stop && !down) {
+      report_.held_by_stop = false;
+    }
     if (target != kSelfCheck && end.code != kCodeOk) report_.apart = core_.was_apart;
     for (const RequestToken token : tokens) {
       Do(Answer{token, end.code == kCodeOk ? Verdict::kDone : Verdict::kFailed, end.code,
@@ -151,16 +146,21 @@ class Deciding {
     if (!deadline || *deadline > now_) return;
     core_.controller_heard = now_;  // should it fail, it is tried again as much later
     core_.was_apart = report_.apart;
-    report_.target = *SafeState(machine_, index_, core_);
     report_.busy_number = 0;
-    Do(RunCallback{report_.target});
-    Do(PublishStatus{});
+    Run(*SafeState(machine_, index_, core_));
   }
 
   std::vector<ActuatorAction> Take() && { return std::move(actions_); }
 
  private:
   void Do(ActuatorAction action) { actions_.push_back(std::move(action)); }
+
+  void Run(const State& target) {
+    report_.target = target;
+    core_.under_stop = !core_.stops.empty();
+    Do(RunCallback{target});
+    Do(PublishStatus{});
+  }
 
   void Refuse(const std::vector<RequestToken>& tokens, const Refusal& refusal) {
     for (const RequestToken token : tokens) {
@@ -211,7 +211,8 @@ class Deciding {
     const bool known = std::find(core_.stops.begin(), core_.stops.end(), id) != core_.stops.end();
     if (id == 0 || over || known || core_.stops.size() >= kMostStops) return;
     core_.stops.push_back(id);
-    core_.stopped_meanwhile = report_.busy();
+    report_.held_by_stop = true;
+    core_.stopped_meanwhile = core_.under_stop = report_.busy();
     Do(RunEmergencyStop{});
     if (report_.busy() && GoesUp(report_.target)) Do(RequestStop{});
     if (core_.waiting && GoesUp(core_.waiting->command.target)) DropWaiting(Stopped());
@@ -240,10 +241,21 @@ class Deciding {
             "an emergency stop is engaged; until it is released nothing goes up"};
   }
 
-  // The callback of its own state leads up, too, where it undoes a way down that has failed.
+  // The callback of its own state leads up, too, where it undoes a way down that has failed, and
+  // where it would switch on again what a stop has switched off. It leads down where it undoes a
+  // way up that has failed.
   bool GoesUp(const State& target) const {
-    const bool undoes = core_.half_way_down && target == report_.state;
-    return undoes || Rises(machine_, report_.state, target);
+    if (target != report_.state) return Rises(machine_, report_.state, target);
+    const bool switches_on =
+        report_.held_by_stop && !core_.unsettled && Rises(machine_, kUninitialized, target);
+    return core_.half_way_down || switches_on;
+  }
+
+  // On the way down nothing is switched on that a stop has switched off.
+  bool LeadsDown(const State& target) const {
+    const auto from = machine_.RankOf(report_.state);
+    const auto to = machine_.RankOf(target);
+    return from && to && *to < *from;
   }
 
   // A command that came before gets the same answer again, or the answer of its run.
@@ -304,38 +316,22 @@ class Deciding {
 
   std::optional<Refusal> MayBegin(const SwitchCommand& command) const {
     if (report_.emergency_stop != 0 && GoesUp(command.target)) return Stopped();
-    return TooOld(command);
-  }
-
-  std::optional<Refusal> TooOld(const SwitchCommand& command) const {
-    // A stranger's times may be anything: what cannot be is not computed with.
-    const bool possible =
-        command.status_stamp <= now_ && command.status_stamp >= now_ - kLongestRun &&
-        command.since_status >= Duration::zero() && command.since_status <= kLongestRun;
-    if (!possible) {
-      return Refusal{kCodeParametersInvalid, "the command does not say how old it is"};
-    }
-    const Duration age = now_ - command.status_stamp - command.since_status;
-    if (age <= command.budget) return std::nullopt;
-    return Refusal{kCodeTimeout, "the command is " + Quantity(age) + " old and was good for " +
-                                     Quantity(command.budget)};
+    return JudgeAge(command, now_);
   }
 
   void Begin(const SwitchCommand& command, const std::vector<RequestToken>& tokens) {
     const bool there = command.target == report_.state && command.target != kSelfCheck;
-    if (there && !core_.unsettled) {
+    if (there && !core_.unsettled && !report_.held_by_stop) {
       EndCommand(command.number, command.target, kCodeOk, "");
       report_.apart = command.apart;
       for (const RequestToken token : tokens) Do(Answer{token, Verdict::kDone, kCodeOk, ""});
       return Do(PublishStatus{});
     }
-    report_.target = command.target;
     report_.busy_number = command.number;
     core_.running_for = tokens;
     core_.was_apart = report_.apart;
     if (command.target != kSelfCheck) report_.apart = command.apart;
-    Do(RunCallback{command.target});
-    Do(PublishStatus{});
+    Run(command.target);
   }
 
   void EndSetUp(const event::CallbackEnded& ended) {
@@ -365,8 +361,9 @@ class Deciding {
       return;
     }
     core_.unsettled = code != kCodeOk;
-    core_.half_way_down =
-        core_.unsettled && (core_.half_way_down || Rises(machine_, target, report_.state));
+    const bool switches_on = target == report_.state && report_.held_by_stop;
+    core_.half_way_down = core_.unsettled && (core_.half_way_down || switches_on ||
+                                              Rises(machine_, target, report_.state));
     if (code == kCodeOk) report_.state = target;
   }
 

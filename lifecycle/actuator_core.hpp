@@ -19,8 +19,10 @@
 // by this actuator's clock cannot begin; a callback that runs is never interrupted, only asked to
 // stop; while an emergency stop is latched nothing goes up, not even back to where it is from a way
 // down that has failed, and an upward callback that ends meanwhile has failed, whatever it returns:
-// its state is not taken and the stop action runs again; a manager without epochs may command as
-// long as no controller has spoken, and its command never waits.
+// its state is not taken and the stop action runs again; what a stop has switched off stays off
+// after the release, until a callback of its own state or a higher one ends well without a stop: it
+// is held by the stop, and a command to its own state runs the callback; a manager without
+// epochs may command as long as no controller has spoken, and its command never waits.
 
 #include <cstdint>
 #include <optional>
@@ -84,6 +86,9 @@ struct ManagerCommand {
 struct CallbackEnded {
   std::int32_t code = 0;
   std::string message;
+  // Of a self-check that passed although part of the actuator does not work.
+  std::int32_t degraded_code = 0;
+  std::string degraded_reason = {};
 };
 // A controller says that it lives.
 struct ControllerHeard {
@@ -161,13 +166,15 @@ struct ActuatorCore {
   };
   std::optional<Waiting> waiting;  // the newest command, behind the running callback
   bool unsettled = false;          // the last callback failed: it may have left a state half way
-  bool half_way_down = false;      // since it was settled, one has failed that led down
+  bool half_way_down = false;      // since it was settled, one has failed that led down, or that
+                                   // was to switch on again what a stop had switched off
   Sender controller = 0;           // the controller that is followed
   Time controller_heard{};         // its last sign of life
   std::vector<actuator_event::ControllerHeard> announced;  // who says that it is a controller
   std::vector<std::uint64_t> stops;     // the emergency stops that are engaged, oldest first
   std::vector<std::uint64_t> released;  // those that are over: what comes of them comes too late
   bool stopped_meanwhile = false;       // an emergency stop was engaged beside the running callback
+  bool under_stop = false;              // the same, or the callback began under one
 
   friend bool operator==(const ActuatorCore&, const ActuatorCore&) = default;
 };

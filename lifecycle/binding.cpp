@@ -1,6 +1,6 @@
 // binds_to: an actuator that cannot do without another is taken to rest while that one is not up,
-// and is driven to where the machine is when it is back. What matters is how things stand, not how
-// they came to be so; in which order they come up again is told by `after`.
+// and is driven to where the machine is when that one is there again: in the machine's state, not
+// only present. What matters is how things stand, not how they came to be so.
 
 #include "musher/lifecycle/decision.hpp"
 
@@ -13,15 +13,35 @@ bool Decision::IsUp(std::size_t i) const {
          record.health != Health::kHung && !record.restart_asked;
 }
 
-// One that `i` is bound to, or that those are bound to, and that is not up; null when all are. Two
-// that are bound to each other do not keep each other down: `seen` closes the circle.
-const std::string* Decision::MissingFor(std::size_t i, std::vector<bool>& seen) const {
+bool Decision::IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& seen) const {
   for (const std::string& name : ConfigOf(i).binds_to) {
     const std::size_t needed = *config_.IndexOf(name);
     if (seen[needed]) continue;
     seen[needed] = true;
-    if (!IsUp(needed)) return &name;
-    if (const std::string* missing = MissingFor(needed, seen)) return missing;
+    if (needed == other || IsBoundTo(needed, other, seen)) return true;
+  }
+  return false;
+}
+
+// Whether `needed` is no reason for `i` to rest. Once `i` rests, `needed` has to be where the
+// machine is again, unless it waits for `i` in turn.
+bool Decision::Suffices(std::size_t needed, std::size_t i) const {
+  if (!IsUp(needed)) return false;
+  std::vector<bool> seen(machine_.actuators.size(), false);
+  if (!Of(i).parked || IsBoundTo(needed, i, seen)) return true;
+  return !Of(needed).order && Of(needed).state() == machine_.state;
+}
+
+// One that `bound` is bound to by way of `i`, and that is not up; null when all are. Two that are
+// bound to each other do not keep each other down: `seen` closes the circle.
+const std::string* Decision::MissingFor(std::size_t bound, std::size_t i,
+                                        std::vector<bool>& seen) const {
+  for (const std::string& name : ConfigOf(i).binds_to) {
+    const std::size_t needed = *config_.IndexOf(name);
+    if (seen[needed]) continue;
+    seen[needed] = true;
+    if (!Suffices(needed, bound)) return &name;
+    if (const std::string* missing = MissingFor(bound, needed, seen)) return missing;
   }
   return nullptr;
 }
@@ -36,7 +56,7 @@ bool Decision::ParkAndUnpark() {
     if (!free || !record.checked) continue;
     std::vector<bool> seen(machine_.actuators.size(), false);
     seen[i] = true;
-    const std::string* missing = MissingFor(i, seen);
+    const std::string* missing = MissingFor(i, i, seen);
     if (missing != nullptr && !record.parked && !record.held) {
       Park(i, *missing);
       changed = true;

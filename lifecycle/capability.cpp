@@ -58,14 +58,15 @@ CapabilityVerdict JudgeOne(const MachineConfig& config, const Machine& machine,
     const std::size_t i = *config.IndexOf(name);
     const ActuatorRecord& record = machine.actuators[i];
     std::string trouble;
-    if (record.fault) {
+    if (const auto fault = TroubleOf(record)) {
       trouble = name + " is degraded";
-      if (!record.fault->message.empty()) trouble += ": " + record.fault->message;
+      if (!fault->message.empty()) trouble += ": " + fault->message;
     }
-    Result<> allowed = JudgeCapability(
-        config, declared.name,
-        {name, record.report.state, record.report.target,
-         record.report.emergency_stop != 0 || machine.emergency_stop.has_value(), battery});
+    Result<> allowed =
+        JudgeCapability(config, declared.name,
+                        {name, record.report.state, record.report.target,
+                         record.report.emergency_stop != 0 || machine.emergency_stop.has_value(),
+                         battery, record.report.held_by_stop});
     if (const std::string absence = Absence(config.actuators[i], record); !absence.empty()) {
       allowed = Error{kCodeStateInvalid, absence};
     }
@@ -91,6 +92,12 @@ Result<> JudgeCapability(const MachineConfig& config, std::string_view capabilit
     return Error{MakeCode(module, KeyCode::kStateInvalid),
                  "an emergency stop is engaged; until it is released " + std::string(capability) +
                      " does not run"};
+  }
+  if (view.held_by_stop) {
+    return Error{MakeCode(module, KeyCode::kStateInvalid),
+                 std::string(view.actuator) +
+                     " is held by the emergency stop that was released; `musher set " +
+                     std::string(view.state) + "` ends that"};
   }
   const bool runs =
       RunsIn(declared, view.state) && (view.target.empty() || RunsIn(declared, view.target));

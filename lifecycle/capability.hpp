@@ -26,6 +26,7 @@ struct CapabilityView {
   std::string_view target;  // its callback is running for this state; empty when it is free
   bool emergency_stop = false;
   std::optional<int> battery;  // %; nullopt: not known
+  bool held_by_stop = false;   // what a stop has switched off is off still, see ActuatorReport
 };
 
 // Whether the actuator may do it. The Error has the code of `module`: ProtectedError where the

@@ -72,6 +72,9 @@ struct ActuatorConfig {
   std::vector<std::string> after;     // actuators that must be up first
   std::vector<std::string> binds_to;  // actuators whose restart takes this one down and up again
   bool critical = false;
+  // Codes of a self-check that count as failed; with any other it is degraded and goes on. None:
+  // all codes count.
+  std::optional<std::vector<std::int32_t>> critical_codes;
   RestartConfig restart;
   std::optional<Duration> checkpoint;       // longest silence of the work thread
   std::map<State, Duration> checkpoint_in;  // the same while the callback of a state runs

@@ -86,7 +86,8 @@ class Decision {
   OrderEnd DoneUnlessLie(std::size_t i, const std::string& message) const;
   void Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
              bool apart = false);
-  void EndOrder(std::size_t i, const OrderEnd& end);
+  OrderEnd Tolerate(std::size_t i, const Order& order, const OrderEnd& end);
+  void EndOrder(std::size_t i, const OrderEnd& given);
   Leg* LegUnderWay(std::size_t i);
   void AskOrLose(std::size_t i);
   OrderEnd JudgeReport(std::size_t i, const Order& order) const;
@@ -115,6 +116,7 @@ class Decision {
                       std::uint64_t cause);
   void AddLeg(Switch& s, const PlanStep& step);
   bool AdvanceSwitch();
+  Duration TearDownShare(const Leg& leg) const;
   bool StartLegs(std::vector<Leg>& legs);
   const Leg* Hindrance(const Leg& leg, const std::vector<Leg>& legs) const;
   std::optional<OrderEnd> FindUnfit(const Leg& leg) const;
@@ -128,6 +130,10 @@ class Decision {
   void Apply(const Switch& s, bool undone);
   void LeaveNobodyBehind(const Switch& s);
   void SettleBack(const Switch& s);
+  bool IsAway(std::size_t i, const State& target) const;
+  std::optional<std::size_t> FirstAway(const State& target) const;
+  static const Leg* FirstPartial(const Switch& s);
+  std::string FirstTrouble() const;
   SwitchResult Conclude(const Switch& s, bool undone) const;
   std::vector<ActuatorResult> Results(const Switch& s) const;
   void Answer(const std::vector<RequestId>& requests, const SwitchResult& result);
@@ -188,7 +194,9 @@ class Decision {
 
   // binding.cpp
   bool IsUp(std::size_t i) const;
-  const std::string* MissingFor(std::size_t i, std::vector<bool>& seen) const;
+  bool IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& seen) const;
+  bool Suffices(std::size_t needed, std::size_t i) const;
+  const std::string* MissingFor(std::size_t bound, std::size_t i, std::vector<bool>& seen) const;
   bool ParkAndUnpark();
   void Park(std::size_t i, const std::string& missing);
   State PlaceOf(std::size_t i) const;

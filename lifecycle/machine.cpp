@@ -58,10 +58,22 @@ Machine MakeMachine(const MachineConfig& config) {
   return machine;
 }
 
+std::optional<Error> PartialFaultOf(const ActuatorRecord& record) {
+  if (record.presence != Presence::kPresent) return std::nullopt;
+  if (record.tolerated) return record.tolerated;
+  const ActuatorReport& report = record.report;
+  if (report.degraded_code == kCodeOk) return std::nullopt;
+  return Error{report.degraded_code, report.degraded_reason};
+}
+
+std::optional<Error> TroubleOf(const ActuatorRecord& record) {
+  return record.fault ? record.fault : PartialFaultOf(record);
+}
+
 std::vector<std::string> Degraded(const MachineConfig& config, const Machine& machine) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
-    if (machine.actuators[i].fault) names.push_back(config.actuators[i].name);
+    if (TroubleOf(machine.actuators[i])) names.push_back(config.actuators[i].name);
   }
   return names;
 }

@@ -80,8 +80,9 @@ struct ActuatorRecord {
   bool held = false;                // set apart by SetState(actuator, state)
   bool due = false;                 // to be driven to where the machine is, as soon as it is free
   std::optional<Error> fault;       // why it is degraded
-  std::optional<Order> order;       // the command on its way
-  std::uint64_t cause = 0;          // the record that says why it is degraded, gone or back
+  std::optional<Error> tolerated;  // what its last self-check failed with, and was no critical code
+  std::optional<Order> order;      // the command on its way
+  std::uint64_t cause = 0;         // the record that says why it is degraded, gone or back
 
   Health health = Health::kWell;
   int restarts = 0;                // of its process, in a row
@@ -264,7 +265,14 @@ struct Machine {
 // A machine of which nothing is known yet.
 Machine MakeMachine(const MachineConfig& config);
 
-// The names of those that are not where the machine is, with a reason on record.
+// What does not work of one that is there, and is no reason for it not to be where the machine is:
+// its self-check has passed with that, or has failed with a code that is not critical.
+std::optional<Error> PartialFaultOf(const ActuatorRecord& record);
+// Its fault, else its partial one: why it is listed as degraded.
+std::optional<Error> TroubleOf(const ActuatorRecord& record);
+
+// The names of those that are not where the machine is, with a reason on record, or of which part
+// does not work.
 std::vector<std::string> Degraded(const MachineConfig& config, const Machine& machine);
 
 }  // namespace musher

@@ -95,6 +95,7 @@ void Decision::Follow(std::size_t i) {
   record.set_up_by.reset();
   record.restart_at.reset();  // somebody else was faster
   record.fault.reset();
+  record.tolerated.reset();
   const bool beyond = record.state() == kSelfCheck || config_.RankOf(record.state());
   record.checked = (beyond && record.state() != kError) || !ConfigOf(i).Lists(kSelfCheck);
   record.join_tried = false;
@@ -205,6 +206,10 @@ void Decision::On(const event::Replied& replied) {
 OrderEnd Decision::DoneUnlessLie(std::size_t i, const std::string& message) const {
   const ActuatorRecord& record = Of(i);
   const State& target = record.order->target;
+  if (target == kSelfCheck && record.report.degraded_code != kCodeOk) {
+    return {ActuatorOutcome::kDone, record.report.degraded_code,
+            "degraded: " + record.report.degraded_reason, true};
+  }
   if (target == kSelfCheck || record.state() == target) {
     return {ActuatorOutcome::kDone, kCodeOk, message, true};
   }
@@ -276,8 +281,22 @@ void Decision::JudgeFoundBusy(std::size_t i) {
   Fall(i);
 }
 
-void Decision::EndOrder(std::size_t i, const OrderEnd& end) {
+// A self-check that fails with a code which is not critical is passed, and the actuator degraded.
+OrderEnd Decision::Tolerate(std::size_t i, const Order& order, const OrderEnd& end) {
+  if (order.target != kSelfCheck) return end;
+  Of(i).tolerated.reset();
+  const auto& critical = ConfigOf(i).critical_codes;
+  const bool tolerated = end.outcome == ActuatorOutcome::kFailed && critical &&
+                         std::find(critical->begin(), critical->end(), end.code) == critical->end();
+  if (!tolerated) return end;
+  const std::string why = end.message.empty() ? "its self-check failed" : end.message;
+  Of(i).tolerated = Error{end.code, why};
+  return {ActuatorOutcome::kDone, end.code, "degraded: " + why, true, end.cause};
+}
+
+void Decision::EndOrder(std::size_t i, const OrderEnd& given) {
   const Order order = *Of(i).order;
+  const OrderEnd end = Tolerate(i, order, given);
   const std::string took = std::to_string(ToMilliseconds(now_ - order.sent)) + " ms";
   const std::uint64_t cause = end.cause != 0                         ? end.cause
                               : machine_.current && order.asked == 0 ? machine_.current->cause
@@ -291,9 +310,10 @@ void Decision::EndOrder(std::size_t i, const OrderEnd& end) {
   Of(i).order.reset();
   if (end.outcome == ActuatorOutcome::kDone) {
     if (order.target == kSelfCheck) Of(i).checked = true;
-    // A check that failed stays on record until one passes, a hang until it ends.
-    const bool well = Of(i).checked && Of(i).health != Health::kHung;
-    if (well && !Of(i).parked) Of(i).fault.reset();
+    // A check that failed stays on record until one passes, a hang until it ends; one that is torn
+    // down has nothing left to do well.
+    const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).parked;
+    if (well || order.target == kTearDown) Of(i).fault.reset();
   }
   // Driven on once it is free, unless it is a check that is still out.
   if (end.outcome == ActuatorOutcome::kOverdue && order.target != kSelfCheck) Of(i).due = true;

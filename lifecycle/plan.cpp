@@ -1,6 +1,8 @@
 #include "musher/lifecycle/plan.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 
 #include "musher/lifecycle/code.hpp"
 #include "musher/lifecycle/flow.hpp"
@@ -102,12 +104,16 @@ class Planning {
         std::any_of(plan_.steps.begin(), plan_.steps.end(), [&](const PlanStep& step) {
           return step.driven() && Rises(config_, step.from, plan_.target);
         });
-    if (!rises) return;
+    // Its callback would switch on again what the stop has switched off.
+    const bool resumes = plan_.from == plan_.target && Rises(config_, kUninitialized, plan_.target);
+    if (!rises && !resumes) return;
     const EmergencyStop& stop = *machine_.emergency_stop;
     RefuseWith(kCodeProtectedError, "an emergency stop is engaged" +
                                         (stop.by.empty() ? "" : " by " + stop.by) +
                                         (stop.reason.empty() ? "" : " (" + stop.reason + ")") +
-                                        "; until it is released nothing goes up");
+                                        (rises ? "; until it is released nothing goes up"
+                                               : "; until it is released it holds " + plan_.target +
+                                                     ", and nothing is switched on again"));
   }
 
   // Being busy passes: it is the reason only where there is no other.
@@ -160,10 +166,16 @@ class Planning {
       RefuseWith(kCodeStatusError, actuator.name + " rests until those that it is bound to are up");
     }
     PlanStep step = Blank(i);
-    if (plan_.target != kSelfCheck && record.state() == plan_.target && !record.fault) {
+    if (plan_.target != kSelfCheck && IsThere(record)) {
       step.part = PlanStep::Part::kThere;
     }
     plan_.steps.push_back(step);
+  }
+
+  // Whether its callback need not run for it to be in the target. One that is held by an emergency
+  // stop says that it is, and what its state had switched on is off.
+  bool IsThere(const ActuatorRecord& record) const {
+    return record.state() == plan_.target && !record.fault && !record.report.held_by_stop;
   }
 
   static State BusyWith(const ActuatorRecord& record) {
@@ -196,10 +208,9 @@ class Planning {
     } else if (!checking && plan_.target != kTearDown && !record.checked &&
                (up || !AtRest(record))) {
       leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
-    } else if (up && record.parked) {
+    } else if (!checking && record.parked && Rises(config_, record.state(), plan_.target)) {
       leave_out("rests until those that it is bound to are up", kCodeStatusError, false);
-    } else if (!checking && record.state() == plan_.target && !record.fault &&
-               !record.report.busy() && !record.order) {
+    } else if (!checking && IsThere(record) && !record.report.busy() && !record.order) {
       step.part = record.held ? PlanStep::Part::kHeldThere : PlanStep::Part::kThere;
     } else if (!checking && Unknown(actuator, record)) {
       leave_out("has not answered " + record.report.target + " and cannot be asked",
@@ -269,12 +280,32 @@ class Planning {
         }
       }
     }
+    if (plan_.target == kTearDown) ReverseStages(needs);
     std::vector<int> wave(config_.actuators.size(), 0);
     for (PlanStep& step : plan_.steps) {
       if (!step.driven()) continue;
       std::sort(needs[step.actuator].begin(), needs[step.actuator].end());
       step.needs = needs[step.actuator];
       step.wave = WaveOf(step.actuator, needs, wave);
+    }
+  }
+
+  // Those of a stage are torn down when those of the next one that has any are.
+  void ReverseStages(std::vector<std::vector<std::size_t>>& needs) const {
+    std::map<int, std::vector<std::size_t>> stages;
+    for (const PlanStep& step : plan_.steps) {
+      if (step.driven()) stages[config_.actuators[step.actuator].stage].push_back(step.actuator);
+    }
+    for (auto stage = stages.begin(); stage != stages.end(); ++stage) {
+      const auto next = std::next(stage);
+      if (next == stages.end()) return;
+      for (const std::size_t i : stage->second) {
+        for (const std::size_t later : next->second) {
+          if (std::find(needs[i].begin(), needs[i].end(), later) == needs[i].end()) {
+            needs[i].push_back(later);
+          }
+        }
+      }
     }
   }
 

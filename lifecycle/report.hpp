@@ -31,7 +31,13 @@ struct ActuatorReport {
   // the machine's.
   bool apart = false;
   std::uint64_t emergency_stop = 0;  // the one that it has latched; 0: none
-  Time stamp{};                      // by the actuator's own clock
+  // A stop has switched off what its state had switched on, and since then no callback has ended
+  // well without a stop that led up, or to the state it was in. It outlasts the release.
+  bool held_by_stop = false;
+  // Its last self-check passed although part of it does not work: what, and its code. 0: all works.
+  std::int32_t degraded_code = 0;
+  std::string degraded_reason;
+  Time stamp{};  // by the actuator's own clock
 
   bool busy() const { return !target.empty(); }
 

@@ -204,11 +204,14 @@ SwitchResult Decision::StopResult() {
   }
   SwitchResult result = *machine_.stopping->result;
   result.degraded = Degraded(config_, machine_);
-  if (result.outcome != SwitchOutcome::kDone || result.degraded.empty()) return result;
-  const std::size_t first = *config_.IndexOf(result.degraded.front());
+  const auto left =
+      std::find_if(machine_.actuators.begin(), machine_.actuators.end(),
+                   [](const ActuatorRecord& record) { return record.fault.has_value(); });
+  if (result.outcome != SwitchOutcome::kDone || left == machine_.actuators.end()) return result;
+  const auto i = static_cast<std::size_t>(left - machine_.actuators.begin());
   result.outcome = SwitchOutcome::kDoneDegraded;
-  result.code = Of(first).fault->code;
-  result.reason = result.degraded.front() + ": " + Of(first).fault->message;
+  result.code = left->fault->code;
+  result.reason = ConfigOf(i).name + ": " + left->fault->message;
   return result;
 }
 

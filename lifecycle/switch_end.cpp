@@ -127,6 +127,23 @@ const Leg* Decision::WorstLeg(const Switch& s) const {
   return worst;
 }
 
+// Whether it is not where a switch of the machine has led, with a reason on record. A fault of
+// before says nothing about where it is.
+bool Decision::IsAway(std::size_t i, const State& target) const {
+  const ActuatorRecord& record = Of(i);
+  if (!record.fault) return false;
+  const bool there = record.presence == Presence::kPresent || target == kTearDown;
+  return !there || (target == kSelfCheck ? !record.checked : record.state() != target);
+}
+
+// The first that is away; nullopt when all are there that are expected.
+std::optional<std::size_t> Decision::FirstAway(const State& target) const {
+  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
+    if (IsAway(i, target)) return i;
+  }
+  return std::nullopt;
+}
+
 SwitchResult Decision::Conclude(const Switch& s, bool undone) const {
   SwitchResult result;
   result.number = s.number;
@@ -143,10 +160,12 @@ SwitchResult Decision::Conclude(const Switch& s, bool undone) const {
     result.reason = ConfigOf(worst->actuator).name + ": " +
                     std::string(OutcomeName(worst->outcome)) + " with " + CodeText(worst->code) +
                     (worst->message.empty() ? "" : ", " + worst->message);
-  } else if (!result.degraded.empty() && !s.only) {
-    const std::size_t first = *config_.IndexOf(result.degraded.front());
-    result.code = Of(first).fault->code;
-    result.reason = result.degraded.front() + ": " + Of(first).fault->message;
+  } else if (const auto away = FirstAway(s.target); away && !s.only) {
+    result.code = Of(*away).fault->code;
+    result.reason = ConfigOf(*away).name + ": " + Of(*away).fault->message;
+  } else if (const Leg* partial = FirstPartial(s)) {
+    result.code = partial->code;
+    result.reason = ConfigOf(partial->actuator).name + ": " + partial->message;
   }
   if (undone) {
     result.outcome = SwitchOutcome::kUndone;
@@ -154,6 +173,20 @@ SwitchResult Decision::Conclude(const Switch& s, bool undone) const {
     result.outcome = SwitchOutcome::kDoneDegraded;
   }
   return result;
+}
+
+// The first whose check has passed although part of it does not work; null when there is none.
+const Leg* Decision::FirstPartial(const Switch& s) {
+  const auto found = std::find_if(s.legs.begin(), s.legs.end(), [](const Leg& leg) {
+    return leg.outcome == ActuatorOutcome::kDone && leg.code != kCodeOk;
+  });
+  return s.direction == Direction::kCheck && found != s.legs.end() ? &*found : nullptr;
+}
+
+// Of the first that is degraded; there is one.
+std::string Decision::FirstTrouble() const {
+  const std::string name = Degraded(config_, machine_).front();
+  return name + ": " + TroubleOf(Of(*config_.IndexOf(name)))->message;
 }
 
 void Decision::EndSwitch() {
@@ -185,7 +218,7 @@ void Decision::EndSwitch() {
   if (s.only || undone || !config_.RankOf(machine_.state)) return;
   if (machine_.phase == Phase::kStarting || machine_.phase == Phase::kFailed) {
     BecomeRunning("the machine is " + machine_.state +
-                      (result.degraded.empty() ? "" : ", degraded: " + result.reason),
+                      (result.degraded.empty() ? "" : ", degraded: " + FirstTrouble()),
                   told);
   }
 }

@@ -2,6 +2,7 @@
 // rollback when one fails; a result that names what became of everybody.
 
 #include <algorithm>
+#include <set>
 
 #include "musher/lifecycle/decision.hpp"
 #include "musher/lifecycle/suggest.hpp"
@@ -240,6 +241,17 @@ std::optional<OrderEnd> Decision::FindUnfit(const Leg& leg) const {
                   "has been started anew and has not passed its self-check", false};
 }
 
+// What is left of the time for TearDown, in equal parts for the stages that are still to come: one
+// that hangs does not take the time of those that are torn down after it.
+Duration Decision::TearDownShare(const Leg& leg) const {
+  std::set<int> stages = {ConfigOf(leg.actuator).stage};
+  for (const Leg& other : machine_.current->legs) {
+    const int stage = ConfigOf(other.actuator).stage;
+    if (stage < ConfigOf(leg.actuator).stage) stages.insert(stage);
+  }
+  return (machine_.stopping->tear_down_by - now_) / static_cast<int>(stages.size());
+}
+
 // Begins the legs whose needs have ended. Says whether anything changed without an event.
 bool Decision::StartLegs(std::vector<Leg>& legs) {
   Switch& s = *machine_.current;
@@ -267,7 +279,7 @@ bool Decision::StartLegs(std::vector<Leg>& legs) {
     if (!ready) continue;
     Duration budget = config_.TimeFor(leg.actuator, leg.target);
     if (machine_.stopping) {
-      budget = std::clamp(machine_.stopping->tear_down_by - now_, Duration(1), budget);
+      budget = std::clamp(TearDownShare(leg), Duration(1), std::max(budget, Duration(1)));
     }
     leg.progress = Leg::Progress::kUnderWay;
     leg.started = now_;

@@ -13,6 +13,10 @@
 // these, and other messages. The IDL in messages/idl is the contract; test/contract proves that the
 // structs and the IDL say the same.
 //
+// A message that has grown says by `static constexpr std::size_t kAppended` how many of its last
+// fields an older peer does not send; they keep their default then, and an older peer does not read
+// them. It grows at its end only, and only where nothing follows it in another message.
+//
 // Decoding trusts nothing: lengths are checked against the bytes at hand before anything is
 // allocated, and a malformed sample gives nullopt. Reentrant, no global state.
 
@@ -198,10 +202,29 @@ class CdrReader {
   }
   template <Fielded T>
   void Get(T& message) {
-    std::apply([this](auto&... field) { (Get(field), ...); }, T::Fields(message));
+    constexpr std::size_t kFields = std::tuple_size_v<decltype(T::Fields(message))>;
+    [[maybe_unused]] std::size_t i = 0;
+    std::apply([&](auto&... field) { (GetOr<T>(field, i++, kFields), ...); }, T::Fields(message));
   }
 
  private:
+  // One field of a T, or nothing where an older peer has not sent it.
+  template <class T, class F>
+  void GetOr(F& field, std::size_t i, std::size_t fields) {
+    if constexpr (requires { T::kAppended; }) {
+      if (i >= fields - T::kAppended && AtEnd<F>()) return;
+    }
+    Get(field);
+  }
+
+  // Whether nothing is left of a field of type F; padding is nothing.
+  template <class F>
+  bool AtEnd() const {
+    constexpr std::size_t kLeast = std::is_arithmetic_v<F> ? sizeof(F) : sizeof(std::uint32_t);
+    const std::size_t offset = at_ - kHeaderSize;
+    return ok_ && Left() < (kLeast - offset % kLeast) % kLeast + kLeast;
+  }
+
   std::size_t Left() const { return bytes_.size() - at_; }
 
   // The next `count` numbers of `size` bytes, which are then behind us; null (and not ok) when

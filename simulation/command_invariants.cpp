@@ -1,5 +1,6 @@
-// What has to hold of commands that wait at an actuator, and of the calls of clients.
+// What has to hold of commands that wait at an actuator, of the calls of clients, and of outcomes.
 
+#include <algorithm>
 #include <iterator>
 
 #include "musher/lifecycle/flow.hpp"
@@ -84,6 +85,22 @@ void Judge::CheckClientsAtRest() {
     Blame(Promise::kClientHears,
           "a client that had asked for " + request->target + " hears of no outcome");
   }
+}
+
+// "done-degraded" names one that is not there, or that this switch has failed with. A fault of
+// before is neither.
+void Judge::CheckNotDegraded(const Machine& machine, const SwitchResult& result) {
+  if (result.outcome != SwitchOutcome::kDoneDegraded) return;
+  const bool all_did =
+      std::all_of(result.actuators.begin(), result.actuators.end(),
+                  [](const ActuatorResult& one) { return one.outcome == ActuatorOutcome::kDone; });
+  const bool all_there = std::all_of(
+      machine.actuators.begin(), machine.actuators.end(), [&](const ActuatorRecord& record) {
+        return record.presence == Presence::kPresent && record.state() == result.target;
+      });
+  if (!all_did || !all_there) return;
+  Blame(Promise::kDoneIsDone, "the switch to " + result.target + " is told to be done-degraded (" +
+                                  result.reason + "), and all are there");
 }
 
 }  // namespace musher::simulation

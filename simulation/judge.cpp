@@ -251,6 +251,7 @@ void Judge::Answered(std::uint64_t request, const SwitchResult& result) {
   if (!there || !result.actuator.empty() || !ranked || controller == nullptr) return;
   went_on_ = robot_.age();
   const Machine& machine = controller->shell().machine();
+  CheckNotDegraded(machine, result);
   for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
     const std::string& name = config_.actuators[i].name;
     const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);

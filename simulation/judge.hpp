@@ -121,6 +121,7 @@ class Judge {
   void JudgeLoss(const Machine& machine, std::size_t i, bool provided);
   void JudgePlace(const Machine& machine, std::size_t i);
   std::string Unrest(const Machine& machine, std::size_t i) const;
+  void CheckNotDegraded(const Machine& machine, const SwitchResult& result);
   bool IsExcused(const Machine& machine, std::size_t i, const SwitchResult& result) const;
 
   SimRobot& robot_;

@@ -113,7 +113,8 @@ void Processes::AddPart(Process& process, const std::string& name) {
   auto running = std::make_shared<Running>();
   part.module = make_module(name);
   part.worker = part.module->MakeWorker(process.node->loop());
-  if (!part.worker) {
+  part.has_power = !part.worker;
+  if (part.has_power) {
     part.worker = std::make_unique<SimWorker>(
         process.node->loop(), running,
         [this, &part](const State& target) { SwitchPower(part, target); });
@@ -267,9 +268,11 @@ const ActuatorReport* Processes::ReportOf(const std::string& name, std::size_t h
 void Processes::SwitchPower(Part& part, const State& target) const {
   const auto rank = config_.RankOf(target);
   if (!rank || !part.shell) return;
+  const ActuatorReport& report = part.shell->report();
+  const bool again = report.state == target && report.emergency_stop == 0;
   if (*rank <= *BuiltInRank(kDeActive)) {
     part.powered = false;
-  } else if (Rises(config_, part.shell->report().state, target)) {
+  } else if (again || Rises(config_, report.state, target)) {
     part.powered = true;
   }
 }
@@ -284,6 +287,11 @@ const ActuatorCore* Processes::CoreOf(const std::string& name, std::size_t host)
 bool Processes::IsPowered(const std::string& name, std::size_t host) const {
   const Process* process = Find(name, host);
   return process != nullptr && PartOf(*process, name).powered;
+}
+
+bool Processes::HasPower(const std::string& name, std::size_t host) const {
+  const Process* process = Find(name, host);
+  return process != nullptr && PartOf(*process, name).has_power;
 }
 
 const std::string& Processes::EndpointOf(const std::string& name, std::size_t host) const {

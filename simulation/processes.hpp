@@ -110,6 +110,8 @@ class Processes {
   // leads to DeActive or below switches it off, and so does an emergency stop. Not of a module with
   // a worker of its own.
   bool IsPowered(const std::string& name, std::size_t host) const;
+  // Whether the last is known: of a module with a worker of its own it is not.
+  bool HasPower(const std::string& name, std::size_t host) const;
   // The endpoint of its process on the network, and since when it runs; the process must live.
   const std::string& EndpointOf(const std::string& name, std::size_t host) const;
   Time StartOf(const std::string& name, std::size_t host) const;
@@ -124,6 +126,7 @@ class Processes {
     std::unique_ptr<ActuatorShell> shell;
     std::shared_ptr<void> program;  // instead of the shell
     bool torn_down = false;
+    bool has_power = false;
     bool powered = false;
   };
   // A callback that runs.

@@ -30,6 +30,8 @@ std::string_view PromiseText(Promise promise) {
       return "no actuator runs twice";
     case Promise::kStopStays:
       return "an emergency stop stays until it is released, and then is over";
+    case Promise::kStopIsSeen:
+      return "an actuator that an emergency stop has switched off says so until it is on again";
     case Promise::kStaysDown:
       return "after an accepted TearDown only a person brings the machine up";
     case Promise::kDownIsDown:

@@ -24,6 +24,7 @@ enum class Promise : std::uint8_t {
   kNotInVain,      // what found its configuration wrong is started again when somebody asks only
   kRunsOnce,       // no actuator is started while it runs on another host, where that can be known
   kStopStays,      // an emergency stop stays until a controller releases it, and then is over
+  kStopIsSeen,     // an actuator that a stop has switched off says so until it is on again
   kStaysDown,      // after an accepted TearDown only a person brings the machine up
   kDownIsDown,     // TearDown is "done" when no actuator lives above it
   kNotCancelled,   // an accepted command is cancelled by a newer one, or its time, and nothing else
@@ -41,7 +42,7 @@ enum class Promise : std::uint8_t {
   kWayBack,              // from wherever it rests, people can bring it back to where it was of use
   kWholeAgain,           // and then all are there
 };
-inline constexpr std::size_t kPromises = 27;
+inline constexpr std::size_t kPromises = 28;
 
 std::string_view PromiseText(Promise promise);  // a sentence without its full stop
 // Whether a config, rather than the middleware, can be the reason why it does not hold.

@@ -146,7 +146,7 @@ void Story::JudgeWhole() {
     const std::size_t i = *config_.IndexOf(degraded.front());
     return judge_.Blame(Promise::kWholeAgain,
                         "after the repair " + degraded.front() +
-                            " is still degraded: " + machine.actuators[i].fault->message);
+                            " is still degraded: " + TroubleOf(machine.actuators[i])->message);
   }
   judge_.JudgeRest(false);
   for (const ActuatorConfig& actuator : config_.actuators) {
@@ -155,6 +155,9 @@ void Story::JudgeWhole() {
     const std::string state = report == nullptr ? "gone" : "in " + report->state;
     if (report == nullptr || report->state != options_.home) {
       judge_.Blame(Promise::kWholeAgain, "after the repair " + actuator.name + " is " + state);
+    } else if (report->held_by_stop) {
+      judge_.Blame(Promise::kWholeAgain, "after the repair " + actuator.name +
+                                             " is held by an emergency stop that was released");
     }
   }
 }

@@ -49,6 +49,13 @@ void Judge::CheckStopsAtRest(const Machine& machine) {
 // A callback ends beside an emergency stop.
 void Judge::CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
                          const ActuatorReport& report) {
+  const bool says_on = !report.busy() && !report.held_by_stop && report.incarnation != 0 &&
+                       Rises(config_, kUninitialized, report.state);
+  const Processes& processes = robot_.processes();
+  if (says_on && processes.HasPower(name, host) && !processes.IsPowered(name, host)) {
+    Blame(Promise::kStopIsSeen, name + " says that it is in " + report.state +
+                                    ", with its power off, and not that a stop holds it");
+  }
   if (report.emergency_stop == 0 || before.emergency_stop != report.emergency_stop) return;
   if (!report.busy()) free_and_stopped_.emplace_back(name, host);
   if (before.busy() && Rises(config_, before.state, report.state)) {

@@ -66,6 +66,9 @@ msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& rep
   status.config_hash = report.config_hash;
   status.apart = report.apart;
   status.emergency_stop = report.emergency_stop;
+  status.held_by_stop = report.held_by_stop;
+  status.degraded_code = report.degraded_code;
+  status.degraded_reason = report.degraded_reason;
   status.stamp_ns = ToNanoseconds(report.stamp);
   return status;
 }
@@ -86,6 +89,9 @@ ActuatorReport FromMessage(const msg::ActuatorStatus& status) {
   report.config_hash = status.config_hash;
   report.apart = status.apart;
   report.emergency_stop = status.emergency_stop;
+  report.held_by_stop = status.held_by_stop;
+  report.degraded_code = status.degraded_code;
+  report.degraded_reason = status.degraded_reason;
   report.stamp = FromNanoseconds(std::clamp(status.stamp_ns, -kFarthestNs, kFarthestNs));
   return report;
 }

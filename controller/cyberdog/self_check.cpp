@@ -19,7 +19,7 @@ std::int32_t CodeOf(const MachineConfig& config, const Machine& machine, std::st
   const auto i = config.IndexOf(name);
   if (!i) return kNotKnown;
   const ActuatorRecord& record = machine.actuators[*i];
-  if (record.fault) return record.fault->code;
+  if (const auto trouble = TroubleOf(record)) return trouble->code;
   const bool passed = record.checked || config.RankOf(record.report.state).has_value();
   return record.presence == Presence::kPresent && passed ? kCodeOk : kNotKnown;
 }
@@ -31,7 +31,7 @@ Json Parts(const MachineConfig& config, const Machine& machine, std::string_view
   const auto parts = PartsOf(actuator);
   std::vector<std::int32_t> failed;
   if (code > kCodeOk)
-    failed = FailedCodes(parts, *machine.actuators[*config.IndexOf(actuator)].fault);
+    failed = FailedCodes(parts, *TroubleOf(machine.actuators[*config.IndexOf(actuator)]));
   const auto has_failed = [&](std::int32_t part) {
     return std::find(failed.begin(), failed.end(), part) != failed.end();
   };
@@ -74,7 +74,7 @@ std::string Describe(const MachineConfig& config, const Machine& machine) {
 std::int32_t Progress(const Machine& machine) {
   const auto& all = machine.actuators;
   const bool well = std::none_of(all.begin(), all.end(),
-                                 [](const ActuatorRecord& r) { return r.fault.has_value(); });
+                                 [](const ActuatorRecord& r) { return TroubleOf(r).has_value(); });
   switch (machine.phase) {
     case Phase::kStarting:
       return Status::kChecking;

@@ -308,7 +308,7 @@ Glimpse GlimpseOf(const MachineConfig& config, const Machine& machine) {
   glimpse.charging = machine.policy.charging;
   glimpse.battery_silent = machine.policy.battery_silent;
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
-    if (const auto& fault = machine.actuators[i].fault) {
+    if (const auto fault = TroubleOf(machine.actuators[i])) {
       glimpse.faults.push_back({config.actuators[i].name, *fault});
     }
   }

@@ -88,6 +88,9 @@ inline constexpr std::tuple kFields<ActuatorReport> = {
     Field{"config_hash", &ActuatorReport::config_hash},
     Field{"apart", &ActuatorReport::apart},
     Field{"emergency_stop", &ActuatorReport::emergency_stop},
+    Field{"held_by_stop", &ActuatorReport::held_by_stop},
+    Field{"degraded_code", &ActuatorReport::degraded_code},
+    Field{"degraded_reason", &ActuatorReport::degraded_reason},
     Field{"stamp", &ActuatorReport::stamp},
 };
 

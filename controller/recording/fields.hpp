@@ -35,6 +35,7 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"held", &ActuatorRecord::held},
     Field{"due", &ActuatorRecord::due},
     Field{"fault", &ActuatorRecord::fault},
+    Field{"tolerated", &ActuatorRecord::tolerated},
     Field{"order", &ActuatorRecord::order},
     Field{"cause", &ActuatorRecord::cause},
     Field{"health", &ActuatorRecord::health},

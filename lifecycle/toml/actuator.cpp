@@ -1,6 +1,7 @@
 // One [actuator.<name>].
 
 #include <algorithm>
+#include <limits>
 
 #include "musher/lifecycle/state.hpp"
 #include "musher/lifecycle/toml/draft.hpp"
@@ -13,6 +14,7 @@ constexpr int kLastStage = 9;
 constexpr std::int64_t kLargestLogMb = 100'000;
 constexpr std::int64_t kMostRestarts = 10'000;
 constexpr std::int64_t kHighestExitCode = 255;
+constexpr std::int64_t kHighestCode = std::numeric_limits<std::int32_t>::max();
 constexpr double kFastestGrowth = 100.0;
 constexpr std::int64_t kShortestCheckpointMs = 20;        // below, a busy kernel looks like a hang
 constexpr std::int64_t kShortestControllerLostMs = 1000;  // two of a controller's signs of life
@@ -145,6 +147,10 @@ class ActuatorReader {
     for (const Word& word : actuator_.after) config.after.push_back(word.text);
     for (const Word& word : actuator_.binds_to) config.binds_to.push_back(word.text);
     config.critical = reader_.Bool("critical").value_or(false);
+    if (const auto codes =
+            reader_.Integers("critical_codes", 1, kHighestCode, {.may_be_empty = true})) {
+      config.critical_codes.emplace(codes->begin(), codes->end());
+    }
   }
 
   void ReadRestart() {

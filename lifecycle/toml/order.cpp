@@ -27,17 +27,25 @@ class OrderCheck {
       edges_[i] = CheckNames(i, "after", actuators_[i].after);
       for (const Edge& edge : edges_[i]) CheckStage(i, edge);
     }
-    FindCycles("after", "the order is a cycle: ");
+    bool found = FindCycles("the order is a cycle: ");
+    const auto order = edges_;
     for (std::size_t i = 0; i < actuators_.size(); ++i) {
       edges_[i] = CheckNames(i, "binds_to", actuators_[i].binds_to);
     }
-    FindCycles("binds_to", "who waits for whom is a cycle: ");
+    found |= FindCycles("who waits for whom is a cycle: ");
+    if (found) return;
+    // After a restart each would wait for the other: the one for its turn, the other to be up.
+    for (std::size_t i = 0; i < actuators_.size(); ++i) {
+      edges_[i].insert(edges_[i].end(), order[i].begin(), order[i].end());
+    }
+    FindCycles("who waits for whom by `after` and `binds_to` is a cycle: ");
   }
 
  private:
   struct Edge {
     std::size_t to;
     Position at;
+    std::string_view key;  // that names it
   };
   enum class Mark { kNew, kOpen, kDone };
 
@@ -58,7 +66,7 @@ class OrderCheck {
       } else if (found->second == actuator) {
         Fault(actuator, key, word.at, "expected another actuator, found the actuator itself");
       } else {
-        edges.push_back({found->second, word.at});
+        edges.push_back({found->second, word.at, key});
       }
     }
     return edges;
@@ -74,7 +82,8 @@ class OrderCheck {
   }
 
   // Depth first without recursion; an edge to a node on the way here closes a cycle.
-  void FindCycles(std::string_view key, std::string_view what) {
+  bool FindCycles(std::string_view what) {
+    bool found = false;
     std::vector<Mark> marks(actuators_.size(), Mark::kNew);
     for (std::size_t start = 0; start < actuators_.size(); ++start) {
       if (marks[start] != Mark::kNew) continue;
@@ -93,7 +102,8 @@ class OrderCheck {
         }
         const Edge& edge = edges_[node][next_edge.back()++];
         if (marks[edge.to] == Mark::kOpen) {
-          ReportCycle(way, place.at(edge.to), edge.at, key, what);
+          found = true;
+          ReportCycle(way, place.at(edge.to), edge, what);
         } else if (marks[edge.to] == Mark::kNew) {
           marks[edge.to] = Mark::kOpen;
           place.emplace(edge.to, way.size());
@@ -102,10 +112,11 @@ class OrderCheck {
         }
       }
     }
+    return found;
   }
 
-  void ReportCycle(const std::vector<std::size_t>& way, std::size_t first, Position at,
-                   std::string_view key, std::string_view what) {
+  void ReportCycle(const std::vector<std::size_t>& way, std::size_t first, const Edge& closing,
+                   std::string_view what) {
     const auto name = [&](std::size_t place) { return actuators_[way[place]].config.name; };
     std::string text;
     const std::size_t length = way.size() - first;
@@ -115,7 +126,7 @@ class OrderCheck {
     if (length > kLongestShownCycle) {
       text += "(" + std::to_string(length - kLongestShownCycle) + " more) -> ";
     }
-    Fault(way.back(), key, at, std::string(what) + text + name(first));
+    Fault(way.back(), closing.key, closing.at, std::string(what) + text + name(first));
   }
 
   const std::vector<ActuatorDraft>& actuators_;

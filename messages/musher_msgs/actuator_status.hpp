@@ -24,12 +24,18 @@ struct ActuatorStatus {
   bool apart = false;
   std::uint64_t emergency_stop = 0;
   std::int64_t stamp_ns = 0;
+  bool held_by_stop = false;
+  std::int32_t degraded_code = 0;
+  std::string degraded_reason;
+
+  static constexpr std::size_t kAppended = 3;
 
   template <class Self>
   static auto Fields(Self& m) {
     return std::tie(m.name, m.state, m.target, m.busy_number, m.epoch, m.number, m.outcome_number,
                     m.outcome_code, m.outcome_message, m.incarnation, m.pid, m.host, m.config_hash,
-                    m.apart, m.emergency_stop, m.stamp_ns);
+                    m.apart, m.emergency_stop, m.stamp_ns, m.held_by_stop, m.degraded_code,
+                    m.degraded_reason);
   }
   friend bool operator==(const ActuatorStatus&, const ActuatorStatus&) = default;
 };

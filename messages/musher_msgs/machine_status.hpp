@@ -55,13 +55,16 @@ struct MachineStatus {
   std::vector<ActuatorInfo> actuators;
   PolicyInfo policy;
   std::vector<std::string> not_on_disk;
+  std::vector<std::string> held_by_stop;
+
+  static constexpr std::size_t kAppended = 1;
 
   template <class Self>
   static auto Fields(Self& m) {
     return std::tie(m.machine, m.name_space, m.phase, m.state, m.target, m.epoch, m.switch_number,
                     m.pid, m.host, m.config_file, m.config_hash, m.emergency_stop,
                     m.emergency_stop_by, m.emergency_stop_reason, m.degraded, m.actuators, m.policy,
-                    m.not_on_disk);
+                    m.not_on_disk, m.held_by_stop);
   }
   friend bool operator==(const MachineStatus&, const MachineStatus&) = default;
 };

@@ -93,7 +93,8 @@ Result<> CameraManager::SelfCheck() {
   });
   if (result.result && !result.failing.empty()) {
     constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kSelfCheckFailed);
-    Log({kCode, "self-check: " + result.failing});
+    ReportDegraded({kCode, result.failing});
+    Log({kCode, "self-check, degraded: " + result.failing});
   }
   return result.result;
 }

@@ -59,10 +59,18 @@ Result<> DeviceManager::MakeDevices() {
 
 // Devices may need a moment after a start: what fails is looked at again until its time is over.
 Result<> DeviceManager::SelfCheck() {
-  return program::AwaitOnLoop(
-      *node_, config_.self_check_time,
-      [this] { return JudgeSelfCheck(devices_->Check(), config_.critical); },
-      [this] { return StopRequested(); });
+  SelfCheckVerdict verdict;
+  const auto judge = [&]() -> Result<> {
+    verdict = JudgeSelfCheck(devices_->Check(), config_.critical);
+    return verdict.well() || !verdict.result ? verdict.result : Result<>(verdict.degraded);
+  };
+  static_cast<void>(program::AwaitOnLoop(*node_, config_.self_check_time, judge,
+                                         [this] { return StopRequested(); }));
+  if (verdict.degraded.code != kCodeOk) {
+    ReportDegraded(verdict.degraded);
+    Log({verdict.degraded.code, "self-check, degraded: " + verdict.degraded.message});
+  }
+  return verdict.result;
 }
 
 }  // namespace musher::device

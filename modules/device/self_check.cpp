@@ -4,8 +4,8 @@
 
 namespace musher::device {
 
-Result<> JudgeSelfCheck(const std::vector<DeviceFinding>& findings,
-                        const std::vector<std::string>& critical) {
+SelfCheckVerdict JudgeSelfCheck(const std::vector<DeviceFinding>& findings,
+                                const std::vector<std::string>& critical) {
   const auto is_critical = [&](const DeviceFinding& finding) {
     return std::find(critical.begin(), critical.end(), finding.device) != critical.end();
   };
@@ -18,8 +18,15 @@ Result<> JudgeSelfCheck(const std::vector<DeviceFinding>& findings,
     message += finding.device + (is_critical(finding) ? " (critical): " : ": ") +
                finding.result.error().message + ", " + std::to_string(finding.result.error().code);
   }
-  if (worst == nullptr) return Ok();
-  return Error{worst->result.error().code, message};
+  SelfCheckVerdict verdict;
+  if (worst == nullptr) return verdict;
+  const Error error{worst->result.error().code, message};
+  if (is_critical(*worst)) {
+    verdict.result = error;
+  } else {
+    verdict.degraded = error;
+  }
+  return verdict;
 }
 
 }  // namespace musher::device

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "musher/lifecycle/code.hpp"
 #include "musher/lifecycle/result.hpp"
 
 namespace musher::device {
@@ -21,9 +22,16 @@ struct DeviceFinding {
   Result<> result;
 };
 
-// Fails with the code of the first critical device that failed, else of the first one that did;
-// the message names every failing device with its code.
-Result<> JudgeSelfCheck(const std::vector<DeviceFinding>& findings,
-                        const std::vector<std::string>& critical);
+// Well, degraded with reasons, or failed. It fails when a critical device does, with that one's
+// code; else it is degraded with the code of the first device that failed. Both name every failing
+// device with its code.
+struct SelfCheckVerdict {
+  Result<> result;
+  Error degraded{kCodeOk, ""};  // code 0: it is not
+
+  bool well() const { return result.ok() && degraded.code == kCodeOk; }
+};
+SelfCheckVerdict JudgeSelfCheck(const std::vector<DeviceFinding>& findings,
+                                const std::vector<std::string>& critical);
 
 }  // namespace musher::device

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "musher/lifecycle/code.hpp"
 #include "musher/lifecycle/result.hpp"
 #include "musher/modules/sensor/sensor_kind.hpp"
 
@@ -16,9 +17,16 @@ struct SensorFinding {
   Result<> result;
 };
 
-// `findings` in the order of the check. The first critical sensor that failed ends it: its code and
-// its sentence alone. Else the code of the first one that failed, and all of them in the message.
-Result<> JudgeSelfCheck(const std::vector<SensorFinding>& findings,
-                        const std::vector<SensorKind>& critical);
+// Well, degraded with reasons, or failed. `findings` in the order of the check: the first critical
+// sensor that failed fails it, with its code and its sentence alone. Else it is degraded with the
+// code of the first one that failed, and all of them in the message.
+struct SelfCheckVerdict {
+  Result<> result;
+  Error degraded{kCodeOk, ""};  // code 0: it is not
+
+  bool well() const { return result.ok() && degraded.code == kCodeOk; }
+};
+SelfCheckVerdict JudgeSelfCheck(const std::vector<SensorFinding>& findings,
+                                const std::vector<SensorKind>& critical);
 
 }  // namespace musher::sensor

@@ -70,13 +70,20 @@ Result<> SensorManager::Enter(std::string_view state) {
 
 // Those that sleep are woken for it.
 Result<> SensorManager::SelfCheck() {
-  Result<> result = Enter(kSelfCheck);
-  if (result) {
-    result = Await(config_.self_check_time,
-                   [this] { return JudgeSelfCheck(sensors_->Check(), config_.critical); });
+  SelfCheckVerdict verdict;
+  verdict.result = Enter(kSelfCheck);
+  if (verdict.result) {
+    static_cast<void>(Await(config_.self_check_time, [&]() -> Result<> {
+      verdict = JudgeSelfCheck(sensors_->Check(), config_.critical);
+      return verdict.well() || !verdict.result ? verdict.result : Result<>(verdict.degraded);
+    }));
   }
   static_cast<void>(Enter(CurrentState()));
-  return result;
+  if (verdict.degraded.code != kCodeOk) {
+    ReportDegraded(verdict.degraded);
+    Log({verdict.degraded.code, "self-check, degraded: " + verdict.degraded.message});
+  }
+  return verdict.result;
 }
 
 Result<> SensorManager::Activate() {

@@ -96,7 +96,7 @@ TEST_F(AnFsmActuator, LeavesItsStateAtTearDown) {
   EXPECT_EQ(show.Path(), "");
 }
 
-TEST_F(AnFsmActuator, RestsAtAnEmergencyStopUntilItGoesToActiveAnew) {
+TEST_F(AnFsmActuator, RestsAtAnEmergencyStopUntilActiveIsSetAgainAfterTheRelease) {
   Show show;
   Begin(show);
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
@@ -125,7 +125,9 @@ TEST_F(AnFsmActuator, RestsAtAnEmergencyStopUntilItGoesToActiveAnew) {
   ASSERT_TRUE(answer && answer.value().code == kCodeOk);
   stage_.Tick(show, 2);
   EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); })) << "the release moves nothing";
-  ASSERT_TRUE(Go("Protected"));
+  const auto sent = show.Of([](Show& s) { return s.Send("go"); });
+  ASSERT_FALSE(sent);
+  EXPECT_NE(sent.error().message.find("held by the emergency stop"), std::string::npos);
   ASSERT_TRUE(Go("Active"));
   EXPECT_TRUE(show.Of([](Show& s) { return s.ticking(); }));
   stage_.node().RunOnLoop([&] {

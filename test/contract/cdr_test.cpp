@@ -108,9 +108,68 @@ TEST(Cdr, IgnoresBytesAfterTheLastField) {
 }
 
 TEST(Cdr, RefusesEveryTruncatedSample) {
-  const Bytes bytes = Encode(Filled<MachineStatus>());
+  const Bytes bytes = Encode(Filled<MachineInfo>());
   for (std::size_t size = 0; size < bytes.size(); ++size) {
-    EXPECT_FALSE(Decode<MachineStatus>(std::span(bytes).first(size))) << size;
+    EXPECT_FALSE(Decode<MachineInfo>(std::span(bytes).first(size))) << size;
+  }
+}
+
+struct Older {
+  std::string name;
+
+  template <class Self>
+  static auto Fields(Self& m) {
+    return std::tie(m.name);
+  }
+};
+
+struct Newer {
+  std::string name;
+  bool flag = false;
+  std::vector<std::string> words;
+
+  static constexpr std::size_t kAppended = 2;
+
+  template <class Self>
+  static auto Fields(Self& m) {
+    return std::tie(m.name, m.flag, m.words);
+  }
+  friend bool operator==(const Newer&, const Newer&) = default;
+};
+
+struct Reply {
+  std::int32_t code = 0;
+  Newer status;
+
+  template <class Self>
+  static auto Fields(Self& m) {
+    return std::tie(m.code, m.status);
+  }
+};
+
+TEST(Cdr, ReadsWhatAnOlderPeerSendsWithoutTheFieldsThatWereAppendedSince) {
+  Bytes bytes = Encode(Older{"dog"});
+  EXPECT_EQ(Decode<Newer>(bytes), (Newer{"dog", false, {}}));
+  bytes.resize((bytes.size() + 3) / 4 * 4);  // as some transports pad it
+  EXPECT_EQ(Decode<Newer>(bytes), (Newer{"dog", false, {}}));
+}
+
+TEST(Cdr, IsReadByAnOlderPeerAsFarAsItKnows) {
+  const auto older = Decode<Older>(Encode(Newer{"dog", true, {"sit"}}));
+  ASSERT_TRUE(older);
+  EXPECT_EQ(older->name, "dog");
+}
+
+TEST(Cdr, KeepsWhatWasAppendedAlsoAtTheEndOfAnotherMessage) {
+  const auto reply = Decode<Reply>(Encode(Reply{7, {"dog", true, {"sit", "stay"}}}));
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->status, (Newer{"dog", true, {"sit", "stay"}}));
+}
+
+TEST(Cdr, RefusesWhatIsCutInTheMiddleOfAnAppendedField) {
+  const Bytes bytes = Encode(Newer{"dog", true, {"sit", "stay"}});
+  for (std::size_t size = bytes.size() - 1; size > bytes.size() - 10; --size) {
+    EXPECT_FALSE(Decode<Newer>(std::span(bytes).first(size))) << size;
   }
 }
 

@@ -36,6 +36,7 @@ MUSHER_SAME(musher_msgs_srv_dds__GetBehavior_Response_, GetBehavior::Response) {
   SAME(last_fault);
   SAME(graph);
   SAME_ITEMS(history);
+  SAME(held_by_stop);
 }
 
 MUSHER_SAME(musher_msgs_srv_dds__SendCommand_Request_, SendCommand::Request) {

@@ -101,6 +101,9 @@ MUSHER_SAME(musher_msgs_msg_dds__ActuatorStatus_, ActuatorStatus) {
   SAME(apart);
   SAME(emergency_stop);
   SAME(stamp_ns);
+  SAME(held_by_stop);
+  SAME(degraded_code);
+  SAME(degraded_reason);
 }
 
 MUSHER_SAME(musher_msgs_msg_dds__ActuatorInfo_, ActuatorInfo) {
@@ -180,6 +183,7 @@ MUSHER_SAME(musher_msgs_msg_dds__MachineStatus_, MachineStatus) {
   SAME_ITEMS(actuators);
   SAME(policy);
   SAME_ITEMS(not_on_disk);
+  SAME_ITEMS(held_by_stop);
 }
 
 MUSHER_SAME(musher_msgs_msg_dds__MachineInfo_, MachineInfo) {

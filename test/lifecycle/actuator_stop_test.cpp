@@ -11,6 +11,7 @@ using namespace actuator_action;  // NOLINT(google-build-using-namespace)
 using actuator_event::AskArrived;
 using actuator_event::CallbackEnded;
 using actuator_event::EmergencyStopHeard;
+using ::testing::_;
 using testing::Actions;
 using ::testing::Contains;
 using ::testing::IsEmpty;
@@ -229,6 +230,92 @@ TEST_F(Stopped, AWayUpThatHasFailedIsUndone) {
 TEST_F(Stopped, AQuestionIsAnsweredAsEver) {
   Engage();
   EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 1, false}, 1})).verdict, Verdict::kDone);
+}
+
+// What a released stop has switched off
+
+TEST_F(Stopped, OneThatSaysActiveIsHeldByTheStopUntilItsCallbackHasRun) {
+  Switch(2, "Active");
+  Engage();
+  EXPECT_TRUE(core_.report.held_by_stop);
+  Release();
+  EXPECT_EQ(core_.report.state, "Active");
+  EXPECT_TRUE(core_.report.held_by_stop) << "its power is off still";
+  EXPECT_THAT(Do(Command(3, "Active")), Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
+  Do(CallbackEnded{});
+  EXPECT_FALSE(core_.report.held_by_stop);
+  EXPECT_THAT(Do(Command(4, "Active")), Not(Contains(VariantWith<RunCallback>(_))));
+}
+
+TEST_F(Stopped, RefusesItsOwnStateWhereItsCallbackWouldSwitchOnAgain) {
+  Switch(2, "Active");
+  Engage();
+  const Actions actions = Do(Command(3, "Active"));
+  EXPECT_EQ(AnswerIn(actions).verdict, Verdict::kRefused);
+  EXPECT_EQ(AnswerIn(actions).code, kCodeProtectedError);
+  EXPECT_THAT(actions, Not(Contains(VariantWith<RunCallback>(_))));
+}
+
+TEST_F(Stopped, ACallbackThatRanUnderTheStopDoesNotEndTheHold) {
+  Switch(2, "Active");
+  Engage();
+  Switch(3, "LowPower");
+  Release();
+  EXPECT_TRUE(core_.report.held_by_stop) << "it may have left off what LowPower has on";
+  Switch(4, "LowPower");
+  EXPECT_FALSE(core_.report.held_by_stop);
+}
+
+TEST_F(Stopped, ACallbackThatBeganUnderTheStopDoesNotEndTheHoldThoughTheStopIsReleasedMeanwhile) {
+  Switch(2, "Active");
+  Engage();
+  Do(Command(3, "LowPower"));
+  Release();
+  Do(CallbackEnded{});
+  EXPECT_EQ(core_.report.state, "LowPower");
+  EXPECT_TRUE(core_.report.held_by_stop);
+}
+
+TEST_F(Stopped, AWayDownAfterTheReleaseDoesNotEndTheHold) {
+  Switch(2, "Active");
+  Engage();
+  Release();
+  Switch(3, "LowPower");
+  EXPECT_TRUE(core_.report.held_by_stop) << "a way down switches nothing on";
+  Switch(4, "DeActive");
+  EXPECT_FALSE(core_.report.held_by_stop);
+}
+
+TEST_F(Stopped, ASelfCheckDoesNotEndTheHold) {
+  Switch(2, "Active");
+  Engage();
+  Release();
+  Do(Command(3, "SelfCheck"));
+  Do(CallbackEnded{});
+  EXPECT_TRUE(core_.report.held_by_stop);
+}
+
+TEST_F(Stopped, TheCallbackThatSwitchesOnAgainIsAskedToStopByTheNextStopAndNotRunUnderIt) {
+  Switch(2, "Active");
+  Engage();
+  Release();
+  Do(Command(3, "Active"));
+  EXPECT_THAT(Engage(kStop + 1), kAsksToStop);
+  EXPECT_EQ(AnswerIn(Do(CallbackEnded{})).code, kCodeProtectedError);
+  EXPECT_EQ(AnswerIn(Do(Command(4, "Active"))).code, kCodeProtectedError);
+  Release(kStop + 1);
+  Switch(5, "Active");
+  EXPECT_FALSE(core_.report.held_by_stop);
+}
+
+TEST_F(Stopped, AManagerWithoutEpochsRunsTheCallbackOfTheStateThatIsHeld) {
+  core_.report.epoch = 0;
+  core_.report.state = "Active";
+  Engage();
+  core_.stops.clear();  // no controller has released it; the process before did
+  core_.report.emergency_stop = 0;
+  EXPECT_THAT(Do(actuator_event::ManagerCommand{9, "Active"}),
+              Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
 }
 
 TEST_F(Stopped, TheSafeStateIsReachedAllTheSame) {

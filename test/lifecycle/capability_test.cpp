@@ -54,6 +54,15 @@ TEST_F(Capabilities, RunInTheirStates) {
             (Error{kStateInvalid, "walk runs in Active and Protected; legs is in LowPower"}));
 }
 
+TEST_F(Capabilities, AreRefusedWhereAReleasedStopHoldsTheirActuator) {
+  EXPECT_EQ(
+      JudgeCapability(config_, "walk", {"legs", "Active", "", false, std::nullopt, true}).error(),
+      (Error{kStateInvalid, "legs is held by the emergency stop that was released; `musher set "
+                            "Active` ends that"}));
+  machine_.actuators[0].report.held_by_stop = true;
+  EXPECT_FALSE(Verdict("walk").allowed);
+}
+
 TEST_F(Capabilities, AreRefusedAsProtectedWhereTheyRunInActiveButNotInProtected) {
   EXPECT_TRUE(Judge("flip", "Active").ok());
   EXPECT_EQ(Judge("flip", "Protected").error(),

@@ -119,6 +119,11 @@ TEST(ConfigToml, StartsNothingAgainThatEndsWithExitCodeTwoUnlessOthersAreNamed) 
 
 TEST(ConfigToml, ProtectsTheMachineWhenACriticalActuatorIsLost) {
   EXPECT_EQ(ReadWith("critical = true").actuators[0].on_lost, "Protected");
+  EXPECT_FALSE(ReadWith("critical = true").actuators[0].critical_codes);
+  EXPECT_EQ(ReadWith("critical_codes = [1409, 1509]").actuators[0].critical_codes,
+            (std::vector<std::int32_t>{1409, 1509}));
+  EXPECT_EQ(ReadWith("critical_codes = []").actuators[0].critical_codes,
+            (std::vector<std::int32_t>{}));
   EXPECT_EQ(ReadWith("critical = true\non_lost = \"Error\"").actuators[0].on_lost, "Error");
 }
 

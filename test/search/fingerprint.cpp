@@ -57,7 +57,7 @@ class Mixer {
   // Without the emergency stop: it is looked at when the report comes, and not kept in mind.
   void One(const ActuatorReport& r) {
     Add(r.state, r.target, r.busy_number, r.epoch, r.number, r.outcome_number, r.outcome_code);
-    Add(r.incarnation, r.apart);
+    Add(r.incarnation, r.apart, r.held_by_stop, r.degraded_code);
   }
   void One(const Order& o) { Add(o.number, o.target, o.deadline, o.asked); }
   void One(const Leg& l) {
@@ -116,8 +116,9 @@ void AddLate(Mixer& mixer, const ActuatorRecord& record, const std::vector<Late>
 void AddRecord(Mixer& mixer, const ActuatorRecord& r) {
   mixer.Add(r.presence, r.report, r.process, r.launching, r.dead, r.found_running, r.set_up_by,
             r.claimed, r.claim_again, r.checked, r.join_tried, r.held, r.due, r.fault.has_value(),
-            r.order, r.health, r.restarts, r.restart_at, r.healthy_at, r.given_up, r.restart_asked,
-            r.doomed, r.kill_at, r.killed, r.parked, r.outbid_at, r.hindered, r.free_by);
+            r.tolerated.has_value(), r.order, r.health, r.restarts, r.restart_at, r.healthy_at,
+            r.given_up, r.restart_asked, r.doomed, r.kill_at, r.killed, r.parked, r.outbid_at,
+            r.hindered, r.free_by);
   mixer.Add(ToMilliseconds(r.clock_theirs - r.clock_ours));
 }
 
@@ -145,7 +146,8 @@ Fingerprint OfActuator(const Model& model, const World& world, std::size_t i) {
             a.begun, a.asked);
   const ActuatorCore& c = a.core;
   mixer.Add(c.report, c.report.emergency_stop, c.running_for, c.was_apart, c.waiting, c.unsettled,
-            c.half_way_down, c.controller, c.announced, c.released, c.stops, c.stopped_meanwhile);
+            c.half_way_down, c.controller, c.announced, c.released, c.stops, c.stopped_meanwhile,
+            c.under_stop);
   mixer.Add(a.replies.size());
   for (const event::Replied& reply : a.replies) AddReply(mixer, record, reply);
   AddLate(mixer, record, a.late);

@@ -147,7 +147,9 @@ void Stage::EndCallback(std::size_t i, std::int32_t code, const std::string& tex
   actor.work = Work::kNone;
   const ActuatorReport& report = actor.core.report;
   if (code == kCodeOk && config_.RankOf(report.target)) {
-    actor.energised = Rises(config_, report.state, report.target);
+    const bool again = report.target == report.state && report.emergency_stop == 0 &&
+                       Rises(config_, kUninitialized, report.target);
+    actor.energised = again || Rises(config_, report.state, report.target);
   }
   Perform(i, actuator_event::CallbackEnded{code, text});
 }

@@ -130,6 +130,10 @@ TEST_F(SimulatedCapabilities, AreRefusedDuringAnEmergencyStop) {
   EXPECT_FALSE(Told("walk").allowed);
   robot_.ReleaseEmergencyStop();
   Settle();
+  EXPECT_FALSE(Told("walk").allowed) << "the stop has switched off what walks";
+  EXPECT_NE(Told("walk").reason.find("held by the emergency stop"), std::string::npos);
+  robot_.Set("Active");
+  Settle();
   EXPECT_TRUE(Told("walk").allowed);
 }
 

@@ -125,6 +125,18 @@ TEST_F(PlantedFlaw, AStopThatAnActuatorForgetsIsFound) {
   ASSERT_TRUE(judge_->violation());
 }
 
+TEST_F(PlantedFlaw, AnActuatorThatForgetsThatAStopHoldsItIsFound) {
+  Make(Started(1));
+  BringUp();
+  judge_->StopEngaged(0, 7);
+  robot_->EngageEmergencyStop(7);
+  RunFor(std::chrono::seconds(1));
+  CoreOf("a").report.held_by_stop = false;
+  robot_->ReleaseEmergencyStop();
+  RunFor(std::chrono::seconds(1));
+  ExpectFound(Promise::kStopIsSeen, "a says that it is in Active, with its power off");
+}
+
 TEST_F(PlantedFlaw, ACallbackThatUndoesAnEmergencyStopIsFound) {
   slow_ = State(kActive);
   Make(Started(1));

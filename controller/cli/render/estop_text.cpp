@@ -32,6 +32,10 @@ std::string NextStep(const msg::MachineStatus& machine) {
   if (machine.phase == "failed") {
     return "its start goes on with `musher set SelfCheck`, then `musher set Active`";
   }
+  if (!machine.held_by_stop.empty()) {
+    return fmt::format("what the stop has switched off stays off until `musher set {}`: {}",
+                       machine.state, fmt::join(machine.held_by_stop, ", "));
+  }
   if (machine.degraded.empty()) return "`musher set STATE` moves it on";
   return fmt::format("`musher set {}` drives those there that are not: {}", machine.state,
                      fmt::join(machine.degraded, ", "));

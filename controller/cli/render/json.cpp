@@ -106,6 +106,7 @@ std::string StatusJson(const msg::MachineStatus& status) {
                 {{"engaged", status.emergency_stop},
                  {"by", status.emergency_stop_by},
                  {"reason", status.emergency_stop_reason}}},
+               {"held_by_stop", status.held_by_stop},
                {"not_on_disk", status.not_on_disk},
                {"policy", status.policy.active ? Of(status.policy) : Json()}});
 }
@@ -264,6 +265,7 @@ std::string BehaviorJson(const std::string& name, const msg::GetBehavior::Respon
   return Text({{"name", name},
                {"running", report.running},
                {"ticking", report.ticking},
+               {"held_by_stop", report.held_by_stop},
                {"state", report.current_state},
                {"mode", report.operating_mode},
                {"ticks", report.iter_count},

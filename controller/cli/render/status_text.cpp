@@ -42,20 +42,33 @@ std::string TroubleOf(const msg::ActuatorInfo& a) {
 }
 
 // What is to be said about an actuator beside its state.
-Table::Cell NoteOf(const msg::ActuatorInfo& a) {
+Table::Cell NoteOf(const msg::ActuatorInfo& a, bool held_by_stop) {
   std::string note;
   const auto add = [&note](const std::string& text) {
     if (!text.empty()) note += (note.empty() ? "" : "; ") + text;
   };
   if (!a.target.empty()) add(a.target != a.state ? "\u2192 " + a.target : "busy with " + a.target);
+  if (held_by_stop) add("held by the stop");
   if (a.held) add("held");
   // The health of one that is gone says more, as does that it will be back.
   if (a.presence != "present" && IsWell(a) && !a.restarting) add(a.presence);
   add(RestartsOf(a));
   add(TroubleOf(a));
-  if (a.degraded) return {note, Style::kBad};
+  if (a.degraded || held_by_stop) return {note, Style::kBad};
   const bool changing = !a.target.empty() || a.restarting || !IsWell(a);
   return {note, changing ? Style::kBusy : Style::kDim};
+}
+
+bool IsHeldByStop(const msg::MachineStatus& status, const msg::ActuatorInfo& a) {
+  const auto& held = status.held_by_stop;
+  return std::find(held.begin(), held.end(), a.name) != held.end();
+}
+
+// After the release, what the stop has switched off is still off.
+std::string HeldByStopOf(const msg::MachineStatus& status) {
+  if (status.emergency_stop || status.held_by_stop.empty()) return "";
+  return fmt::format("held by the emergency stop that was released: {}; `musher set {}` ends that",
+                     fmt::join(status.held_by_stop, ", "), status.state);
 }
 
 // The degraded ones, each with its health where that says why.
@@ -121,6 +134,9 @@ std::string StatusText(const msg::MachineStatus& told, bool colour) {
                   Style::kBad, colour) +
             '\n';
   }
+  if (const std::string held = HeldByStopOf(status); !held.empty()) {
+    text += Paint(held, Style::kBad, colour) + '\n';
+  }
   if (!status.not_on_disk.empty()) {
     text += Paint("not on disk yet: " + Join(status.not_on_disk), Style::kBad, colour) + '\n';
   }
@@ -137,7 +153,7 @@ std::string StatusText(const msg::MachineStatus& told, bool colour) {
                {a.state, StyleOfState(a.state)},
                {std::to_string(a.stage)},
                {a.pid == 0 ? "-" : std::to_string(a.pid)},
-               NoteOf(a)});
+               NoteOf(a, IsHeldByStop(status, a))});
   }
   return text + table.Text(colour);
 }
@@ -157,6 +173,7 @@ std::string StatusLine(const msg::MachineStatus& told, std::int64_t wall_ns) {
   }
   if (const std::string policy = PolicyOf(status.policy); !policy.empty()) line += "  " + policy;
   if (status.emergency_stop) line += "  " + EmergencyStopOf(status);
+  if (const std::string held = HeldByStopOf(status); !held.empty()) line += "  " + held;
   if (!status.not_on_disk.empty()) line += "  not on disk yet: " + Join(status.not_on_disk);
   return line;
 }

@@ -132,6 +132,21 @@ TEST_F(Text, PutsAnEmergencyStopBeforeEverythingElse) {
             std::string::npos);
 }
 
+TEST_F(Text, SaysWhoIsHeldByAStopAlsoAfterItsRelease) {
+  msg::MachineStatus status = RobotStatus();
+  status.held_by_stop = {"legs"};
+  EXPECT_NE(StatusText(status, false)
+                .find("\nheld by the emergency stop that was released: legs; `musher set Active` "
+                      "ends that\n"),
+            std::string::npos);
+  EXPECT_NE(StatusText(status, false).find("  held by the stop"), std::string::npos);
+  EXPECT_NE(StatusLine(status, 0).find("  held by the emergency stop that was released: legs"),
+            std::string::npos);
+  status.emergency_stop = true;
+  EXPECT_EQ(StatusText(status, false).find("that was released"), std::string::npos);
+  EXPECT_NE(StatusText(status, false).find("  held by the stop"), std::string::npos);
+}
+
 TEST_F(Text, SaysWhatIsNotOnDiskYet) {
   msg::MachineStatus status = RobotStatus();
   status.not_on_disk = {"emergency stop (4 s)", "policy (1 s): no space"};
@@ -152,6 +167,11 @@ TEST_F(Text, SaysAfterAReleaseWhereTheMachineIsAndHowToGoOn) {
   EXPECT_NE(
       ReleaseText(status, false).find("`musher set Active` drives those there that are not: eyes"),
       std::string::npos);
+  status.held_by_stop = {"legs", "eyes"};
+  EXPECT_NE(ReleaseText(status, false)
+                .find("what the stop has switched off stays off until `musher set Active`: legs, "
+                      "eyes\n"),
+            std::string::npos);
   status.phase = "failed";
   EXPECT_NE(ReleaseText(status, false).find("`musher set SelfCheck`, then `musher set Active`"),
             std::string::npos);

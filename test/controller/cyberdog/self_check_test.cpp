@@ -49,6 +49,19 @@ TEST_F(SelfChecks, HaveCyberdogsKeysAndThoseOfTheRobotsOwnActuators) {
   EXPECT_EQ(json["sensor"], Json({{"lidar", 0}, {"tof", 0}, {"others", 0}}));
 }
 
+TEST_F(SelfChecks, OfOneThatIsDegradedAndActiveNameThePartAndSayThatTheStartGoesOn) {
+  machine_.phase = Phase::kRunning;
+  ActuatorReport& report = machine_.actuators[1].report;
+  report.state = kActive;
+  report.degraded_code = 1109;
+  report.degraded_reason = "led: silent, 1109";
+  EXPECT_EQ(Described()["device"]["led"], 1109);
+  EXPECT_EQ(Described()["device"]["bms"], 0);
+  EXPECT_EQ(SelfCheckOf(config_, machine_).code, msg::SelfCheckStatus::kFailedStarting);
+  machine_.policy.loaded = true;
+  EXPECT_EQ(SelfCheckOf(config_, machine_).code, msg::SelfCheckStatus::kFailedStarted);
+}
+
 TEST_F(SelfChecks, KnowNothingOfOneThatHasNotBeenChecked) {
   machine_.actuators[0].checked = false;
   machine_.actuators[1].checked = false;

@@ -140,6 +140,23 @@ TEST_F(EmergencyStop, IsReleasedByHandWhichChangesNoState) {
   EXPECT_EQ(again.err, "musher: no emergency stop is engaged\n");
 }
 
+// The power of Active is off, although the state is Active still.
+TEST_F(EmergencyStop, HoldsAnActiveRobotUntilItsStateIsSetAgainAfterTheRelease) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  ASSERT_EQ(Musher({"set", "Active"}).exit, 0);
+  Estop();
+  const Ended during = Musher({"set", "Active"});
+  EXPECT_EQ(during.exit, 1);
+  EXPECT_THAT(during.err, HasSubstr("until it is released it holds Active"));
+  const Ended release = Musher({"estop", "--release"});
+  EXPECT_THAT(release.out, HasSubstr("stays off until `musher set Active`: legs, voice, eyes"));
+  EXPECT_EQ(Status()["held_by_stop"], (nlohmann::json{"legs", "voice", "eyes"}));
+  const Ended again = Musher({"set", "Active"});
+  EXPECT_EQ(again.exit, 0) << again.err;
+  EXPECT_THAT(again.out, Not(HasSubstr("was there already")));
+  EXPECT_EQ(Status()["held_by_stop"], nlohmann::json::array());
+}
+
 TEST_F(EmergencyStop, SurvivesTheDeathOfTheController) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const auto report = Estop();

@@ -45,13 +45,15 @@ class RobotWithUpgrades : public ::testing::Test {
     std::string policy{};                // more of the config
     std::size_t large_bytes = 0;         // of a file that takes its time
     std::vector<std::string> options{};  // of `musher ota bundle`
+    std::string program{};               // a script instead of musher-exec
+    std::string restart = "on-failure";
   };
 
   void Make(const std::string& version, const Version& content) const {
     const std::string built = folder_ / ("built-" + version);
     std::filesystem::create_directories(built + "/bin");
     WriteConfig(built + "/robot.toml",
-                content.name_space.empty() ? name_space_ : content.name_space, content.policy);
+                content.name_space.empty() ? name_space_ : content.name_space, content);
     std::ofstream(built + "/legs.toml")
         << "[state.SetUp]\nrun = [\"set-up\"]\n[state.SelfCheck]\nrun = [\"self-check\"]\n"
            "[state.OTA]\nrun = [\"true\"]\n";
@@ -60,6 +62,7 @@ class RobotWithUpgrades : public ::testing::Test {
     }
     Script(built + "/bin/self-check", content.check);
     Script(built + "/bin/set-up", content.set_up);
+    if (!content.program.empty()) Program(built + "/bin/stand-in", content.program);
     std::vector<std::string> words = {
         "ota",   "bundle",       built, "--version", version, "--key", folder_ / "key.key",
         "--out", Bundle(version)};
@@ -125,12 +128,15 @@ class RobotWithUpgrades : public ::testing::Test {
 
  private:
   static void Script(const std::string& file, const std::string& line) {
-    std::ofstream(file) << "#!/bin/sh\n" << line << "\n";
+    Program(file, "#!/bin/sh\n" + line + "\n");
+  }
+  static void Program(const std::string& file, const std::string& text) {
+    std::ofstream(file) << text;
     std::filesystem::permissions(file, std::filesystem::perms(0755));
   }
 
   static void WriteConfig(const std::string& path, const std::string& name_space,
-                          const std::string& policy) {
+                          const Version& content) {
     const std::string states = R"(["SetUp", "TearDown", "SelfCheck", "Active", "LowPower", "OTA"])";
     std::ofstream file(path);
     file << "[controller]\nname = \"dog\"\nactuators = [\"legs\", \"voice\"]\nstates = " << states
@@ -138,12 +144,14 @@ class RobotWithUpgrades : public ::testing::Test {
          << "\"\nstate_dir = \"state\"\n";
     for (const char* actuator : {"legs", "voice"}) {
       file << "[actuator." << actuator << "]\nstates = " << states
-           << "\ntimes = [10000, 5000, 5000, 5000, 5000, 5000]\ncommand = [\"musher-exec\", "
-              "\"legs.toml\"]\ncwd = \".\"\nrestart_delay_ms = 10\nrestart_limit = 1\n";
+           << "\ntimes = [10000, 5000, 5000, 5000, 5000, 5000]\ncommand = [\""
+           << (content.program.empty() ? "musher-exec" : "stand-in")
+           << "\", \"legs.toml\"]\ncwd = \".\"\nrestart = \"" << content.restart
+           << "\"\nrestart_delay_ms = 10\nrestart_limit = 1\n";
       if (actuator == std::string("legs")) file << "critical = true\n";
       if (actuator == std::string("voice")) file << "stage = 2\n";
     }
-    file << policy;
+    file << content.policy;
   }
 };
 

@@ -31,6 +31,46 @@ TEST_F(Binding, TakesTheDependentDownAndUpAroundTheRestart) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
+TEST_F(Binding, HoldsUntilTheOtherIsActiveAgainAndNotOnlyPresent) {
+  MachineConfig config = Bound();
+  ActuatorNamed(config, "b").after = {};
+  Theatre& t = In("Active", config);
+  t.On("a", "Active").takes = Milliseconds(60);
+  t.Crash("a");
+  ASSERT_TRUE(t.RunUntil([&] { return t.CoreOf("a").report.target == "Active"; }));
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
+  t.RunFor(Milliseconds(40));
+  EXPECT_FALSE(t.CoreOf("b").report.busy());
+  t.Rest();
+  EXPECT_THAT(t.log(), ElementsAre("b:DeActive", "a:SetUp", "a:SelfCheck", "a:Active", "b:Active"));
+}
+
+TEST_F(Binding, HoldsWhereTheOtherIsBackAndFailsToBecomeActive) {
+  Theatre& t = In("Active", Bound());
+  t.On("a", "Active").code = 3001;
+  t.Crash("a");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
+  t.On("a", "Active").code = kCodeOk;
+  EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kDoneDegraded) << "b comes up after a";
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+// Less active than the machine was, and more active than the one that rests.
+TEST_F(Binding, OneAtRestIsNotRaisedByASwitchOnTheWayDownNorByThePresentState) {
+  Theatre& t = In("Active", Bound());
+  t.On("a", "SetUp").code = 3001;
+  t.Crash("a");
+  t.Rest();
+  t.ClearLog();
+  EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(t.Set("Protected").outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(t.StateOf("b"), "DeActive");
+  EXPECT_THAT(t.log(), ElementsAre("c:Protected"));
+}
+
 TEST_F(Binding, LeavesThoseAloneThatDoNotAskForIt) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "b").after = {"a"};
@@ -110,7 +150,9 @@ TEST_F(Binding, ASelfCheckThatFailsAfterTheReturnKeepsTheDependentAtRest) {
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "DeActive");
   t.On("a", "SelfCheck").code = kCodeOk;
-  EXPECT_EQ(t.Set("SelfCheck").outcome, SwitchOutcome::kDoneDegraded) << "b still rests";
+  const SwitchResult check = t.Set("SelfCheck");
+  EXPECT_TRUE(check.done()) << "all have passed it";
+  EXPECT_THAT(check.degraded, ElementsAre("b")) << "which still rests";
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "Active");
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());

@@ -11,6 +11,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using ::testing::UnorderedElementsAre;
 
 constexpr std::uint64_t kStop = 5;
 
@@ -134,6 +135,68 @@ TEST_F(EmergencyStopped, AJoinUnderWayEndsAndTheNextStepWaits) {
   Stop(t);
   t.RunFor(std::chrono::seconds(5));
   EXPECT_EQ(t.StateOf("b"), "SelfCheck");
+}
+
+// What a released stop has switched off
+
+TEST_F(EmergencyStopped, RefusesThePresentStateInsteadOfSayingThatItIsDone) {
+  Theatre& t = In("Active");
+  Stop(t);
+  const SwitchResult again = t.Set("Active");
+  EXPECT_EQ(again.outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(again.code, kCodeProtectedError);
+  EXPECT_THAT(again.reason, HasSubstr("until it is released it holds Active"));
+  EXPECT_EQ(t.Set("Active", "a").outcome, SwitchOutcome::kRefused);
+  EXPECT_THAT(t.log(), IsEmpty());
+}
+
+TEST_F(EmergencyStopped, SettingThePresentStateAfterTheReleaseRunsTheCallbacksOfThoseThatWereHeld) {
+  Theatre& t = In("Active");
+  Stop(t);
+  t.Release();
+  t.Rest();
+  EXPECT_THAT(t.log(), IsEmpty()) << "a release changes nothing by itself";
+  for (const char* name : {"a", "b", "c"}) EXPECT_TRUE(t.RecordOf(name).report.held_by_stop);
+  const SwitchResult again = t.Set("Active");
+  EXPECT_TRUE(again.done());
+  EXPECT_THAT(t.log(), UnorderedElementsAre("a:Active", "b:Active", "c:Active"));
+  for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(t.RecordOf(name).report.held_by_stop);
+  t.ClearLog();
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_THAT(t.log(), IsEmpty()) << "now they were there already";
+}
+
+TEST_F(EmergencyStopped, OneAloneLetsGoWhenItsOwnStateIsSet) {
+  Theatre& t = In("Active");
+  Stop(t);
+  t.Release();
+  t.Rest();
+  EXPECT_TRUE(t.Set("Active", "b").done());
+  EXPECT_THAT(t.log(), UnorderedElementsAre("b:Active"));
+  EXPECT_TRUE(t.RecordOf("a").report.held_by_stop);
+}
+
+TEST_F(EmergencyStopped, ANewControllerFindsWhoIsHeldByAStopThatWasReleased) {
+  Theatre& t = In("Active");
+  Stop(t);
+  t.Release();
+  t.Rest();
+  t.RestartController();
+  t.Rest();
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_THAT(t.log(), UnorderedElementsAre("a:Active", "b:Active", "c:Active"));
+}
+
+TEST_F(EmergencyStopped, OneThatWasRestartedAfterTheReleaseIsNotHeld) {
+  Theatre& t = In("Active", Ours(2));
+  Stop(t);
+  t.Release();
+  t.Crash("b");
+  t.Rest();
+  EXPECT_FALSE(t.RecordOf("b").report.held_by_stop);
+  t.ClearLog();
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_THAT(t.log(), UnorderedElementsAre("a:Active"));
 }
 
 // The start

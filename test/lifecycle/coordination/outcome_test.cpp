@@ -62,6 +62,27 @@ TEST_F(Outcomes, SayOfWhichTheOneNeedsThatFailedThoughTheOthersMayGoOn) {
   EXPECT_EQ(machine_.state, kActive);
 }
 
+TEST_F(Outcomes, AreJudgedByWhereEachIsAndNotByAFaultOfBefore) {
+  StartUp();
+  Of(1).fault = Error{kCodeFailed, "its last check had failed"};
+  Of(1).checked = false;
+  Ask("LowPower");
+  ObeyAll();
+  EXPECT_EQ(Of(1).state(), "LowPower");
+  EXPECT_EQ(Result().outcome, SwitchOutcome::kDone);
+  EXPECT_THAT(Result().degraded, ElementsAre("b")) << "the fault is listed all the same";
+}
+
+TEST_F(Outcomes, OfOneThatIsElsewhereWithAReasonSayDoneDegraded) {
+  StartUp();
+  Do(event::Vanished{1, kFirst + 1, true, "its process ended"});
+  Forget();
+  Ask("LowPower");
+  ObeyAll();
+  EXPECT_EQ(Result().outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(Result().reason, "b: crashed: its process ended");
+}
+
 TEST_F(Outcomes, OfTwoThatAreAsBadNameTheFirst) {
   StartUp();
   Ask("LowPower");

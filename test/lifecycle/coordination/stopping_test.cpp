@@ -123,6 +123,45 @@ TEST(StoppingEarly, EndsProcessesThatAreStillSettingUp) {
   EXPECT_THAT(t.signals, UnorderedElementsAre("b:TERM"));
 }
 
+// The order of the stages
+
+MachineConfig TwoStages() {
+  MachineConfig config = MachineOf(3);
+  for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
+  ActuatorNamed(config, "c").stage = 2;
+  config.shutdown_budget = Milliseconds(1000);
+  return config;
+}
+
+TEST(StoppingByStages, TheLastStageIsTornDownBeforeTheFirst) {
+  Theatre t(TwoStages());
+  t.Begin();
+  t.Rest();
+  ASSERT_EQ(t.StateOf("c"), "Active");
+  t.On("c", "TearDown").takes = Milliseconds(80);
+  t.ClearLog();
+  t.Ask("TearDown");
+  t.RunFor(Milliseconds(60));
+  EXPECT_THAT(t.log(), ElementsAre("c:TearDown")) << "stage 1 is what stage 2 stands on";
+  t.Rest();
+  EXPECT_THAT(t.log(), ElementsAre("c:TearDown", "a:TearDown", "b:TearDown"));
+  EXPECT_TRUE(t.stopped());
+}
+
+TEST(StoppingByStages, AStageThatHangsDoesNotTakeTheTimeOfTheOnesBeforeIt) {
+  MachineConfig config = TwoStages();
+  for (ActuatorConfig& actuator : config.actuators) actuator.times.assign(9, Milliseconds(5000));
+  Theatre t(config);
+  t.Begin();
+  t.Rest();
+  t.On("c", "TearDown").hangs = true;
+  t.On("a", "TearDown").takes = Milliseconds(250);
+  const SwitchResult result = t.Set("TearDown");
+  EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(result.actuators[0].outcome, ActuatorOutcome::kDone) << result.actuators[0].message;
+  EXPECT_TRUE(t.stopped());
+}
+
 // What lives on
 
 TEST_F(Stopping, AFrozenHandStartedActuatorIsListedThoughTheRestIsDown) {
@@ -169,6 +208,20 @@ TEST_F(Stopping, AProcessThatOutlivesSigkillIsListed) {
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_THAT(result.degraded, ElementsAre("b"));
   EXPECT_THAT(t.RecordOf("b").fault->message, ::testing::HasSubstr("has not ended"));
+}
+
+TEST(StoppingWithAFault, AnOldFaultOfOneThatIsTornDownNowDoesNotMakeTheTearDownDegraded) {
+  MachineConfig config = MachineOf(3);
+  for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
+  Theatre t(config);
+  t.On("b", "SelfCheck").code = 3009;
+  t.Begin();
+  t.Rest();
+  ASSERT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+  const SwitchResult result = t.Set("TearDown");
+  EXPECT_TRUE(result.done()) << result.reason;
+  EXPECT_THAT(result.degraded, ElementsAre());
+  EXPECT_TRUE(t.stopped());
 }
 
 // The intent to stop

@@ -268,11 +268,11 @@ void Theatre::Perform(std::size_t i, const ActuatorEvent& event) {
 void Theatre::Do(std::size_t i, const ActuatorAction& action) {
   Actor& actor = actors_[i];
   const std::string& name = config_.actuators[i].name;
-  const auto end_callback = [this, i](std::int32_t code, const std::string& message) {
+  const auto end_callback = [this, i](const actuator_event::CallbackEnded& ended) {
     return [=, this, run = actors_[i].run, pid = actors_[i].pid] {
       if (actors_[i].run != run || actors_[i].pid != pid) return;
       ++actors_[i].run;
-      Perform(i, actuator_event::CallbackEnded{code, message});
+      Perform(i, ended);
     };
   };
   if (const auto* run = std::get_if<actuator_action::RunCallback>(&action)) {
@@ -285,10 +285,11 @@ void Theatre::Do(std::size_t i, const ActuatorAction& action) {
     ++actor.run;
     actor.hanging = behaviour.ends_when_asked;
     if (!behaviour.hangs && !behaviour.ends_when_asked) {
-      After(behaviour.takes, end_callback(behaviour.code, behaviour.message));
+      After(behaviour.takes, end_callback({behaviour.code, behaviour.message,
+                                           behaviour.degraded_code, behaviour.degraded_reason}));
     }
   } else if (std::holds_alternative<actuator_action::RequestStop>(action)) {
-    if (actor.hanging) After(kWire, end_callback(kCodeFailed, "stopped on request"));
+    if (actor.hanging) After(kWire, end_callback({kCodeFailed, "stopped on request"}));
     actor.hanging = false;
   } else if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
     const auto request = actor.requests.extract(answer->token);

@@ -20,6 +20,8 @@ struct Behaviour {
   Duration takes = Milliseconds(10);
   std::int32_t code = kCodeOk;
   std::string message;
+  std::int32_t degraded_code = kCodeOk;  // of a self-check that passes with a part out of order
+  std::string degraded_reason;
   bool hangs = false;
   bool ends_when_asked = false;  // a long callback that honours RequestStop, ending with Failed
   int exit_code = 0;             // of "exec": the process ends with it before it says a word

@@ -144,7 +144,11 @@ TEST_F(CameraManagerProcess, IsOnInSelfCheckWhereItsConfigSaysSo) {
 TEST_F(CameraManagerProcess, PassesItsSelfCheckWithoutACameraThatIsNotCriticalAndSaysSo) {
   MakeWorld();
   Start();
-  EXPECT_EQ(peer_.Switch("SelfCheck").value().verdict, ActuatorCommand::kVerdictDone);
+  const auto checked = peer_.Switch("SelfCheck");
+  ASSERT_TRUE(checked);
+  EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictDone);
+  EXPECT_EQ(checked.value().status.degraded_code, 4409);
+  EXPECT_THAT(checked.value().status.degraded_reason, HasSubstr("broken: there is no device"));
   EXPECT_TRUE(peer_.Until([&] {
     return peer_.Output().find("broken: there is no device /dev/video99, 4412") !=
            std::string::npos;

@@ -110,21 +110,22 @@ DeviceFinding Failing(const std::string& device, std::int32_t code) {
 }
 
 TEST(DeviceSelfCheck, PassesWhenAllAreWell) {
-  EXPECT_TRUE(JudgeSelfCheck({Well("bms"), Well("led")}, {"bms"}));
-  EXPECT_TRUE(JudgeSelfCheck({}, {}));
+  EXPECT_TRUE(JudgeSelfCheck({Well("bms"), Well("led")}, {"bms"}).well());
+  EXPECT_TRUE(JudgeSelfCheck({}, {}).well());
 }
 
-TEST(DeviceSelfCheck, GivesTheCodeOfTheFirstAndNamesAll) {
-  const Result<> result =
-      JudgeSelfCheck({Well("bms"), Failing("touch", 1509), Failing("led", 1109)}, {});
-  ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().code, 1509);
-  EXPECT_EQ(result.error().message, "touch: silent, 1509; led: silent, 1109");
+TEST(DeviceSelfCheck, IsPassedDegradedWithoutDevicesThatAreNotCritical) {
+  const SelfCheckVerdict verdict =
+      JudgeSelfCheck({Well("bms"), Failing("touch", 1509), Failing("led", 1109)}, {"bms"});
+  EXPECT_TRUE(verdict.result) << "a dead light does not keep the robot from its work";
+  EXPECT_EQ(verdict.degraded.code, 1509);
+  EXPECT_EQ(verdict.degraded.message, "touch: silent, 1509; led: silent, 1109");
 }
 
 TEST(DeviceSelfCheck, GivesTheCodeOfACriticalDeviceBeforeAllOthers) {
   const Result<> result =
-      JudgeSelfCheck({Failing("bms", 1409), Failing("touch", 1509), Failing("led", 1109)}, {"led"});
+      JudgeSelfCheck({Failing("bms", 1409), Failing("touch", 1509), Failing("led", 1109)}, {"led"})
+          .result;
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, 1109);
   EXPECT_THAT(result.error().message, HasSubstr("led (critical): silent, 1109"));
@@ -132,7 +133,8 @@ TEST(DeviceSelfCheck, GivesTheCodeOfACriticalDeviceBeforeAllOthers) {
 
 // The sum of these codes is a multiple of 256, which CyberDog's manager takes for "all is well".
 TEST(DeviceSelfCheck, IsNotPassedByFailuresWhoseCodesAddUpToNothing) {
-  EXPECT_FALSE(JudgeSelfCheck({Failing("bms", 1151), Failing("led", 1153)}, {}));
+  EXPECT_FALSE(JudgeSelfCheck({Failing("bms", 1151), Failing("led", 1153)}, {}).well());
+  EXPECT_FALSE(JudgeSelfCheck({Failing("bms", 1151), Failing("led", 1153)}, {"led"}).result);
 }
 
 }  // namespace

@@ -83,18 +83,20 @@ TEST(SelfCheck, IsInTheOrderLidarTofUltrasonicGps) {
 }
 
 TEST(SelfCheck, EndsAtTheFirstCriticalSensorThatFailsWithItsCodeAlone) {
-  const Result<> verdict =
+  const SelfCheckVerdict verdict =
       JudgeSelfCheck(Findings({SensorKind::kLidar, SensorKind::kTof, SensorKind::kGps}),
                      {SensorKind::kGps, SensorKind::kTof});
-  EXPECT_EQ(verdict.error().code, 2209);
-  EXPECT_EQ(verdict.error().message, "tof (critical): silent, 2209");
+  ASSERT_FALSE(verdict.result);
+  EXPECT_EQ(verdict.result.error().code, 2209);
+  EXPECT_EQ(verdict.result.error().message, "tof (critical): silent, 2209");
 }
 
-TEST(SelfCheck, TellsTheOthersTogetherUnderTheCodeOfTheFirst) {
-  const Result<> verdict =
+TEST(SelfCheck, IsPassedDegradedByTheOthersTogetherUnderTheCodeOfTheFirst) {
+  const SelfCheckVerdict verdict =
       JudgeSelfCheck(Findings({SensorKind::kUltrasonic, SensorKind::kTof}), {SensorKind::kLidar});
-  EXPECT_EQ(verdict.error().code, 2209);
-  EXPECT_EQ(verdict.error().message, "tof: silent, 2209; ultrasonic: silent, 2309");
+  EXPECT_TRUE(verdict.result) << "the robot does its work without them";
+  EXPECT_EQ(verdict.degraded.code, 2209);
+  EXPECT_EQ(verdict.degraded.message, "tof: silent, 2209; ultrasonic: silent, 2309");
 }
 
 // Codes that are added up can make 2304 and the like, whose lowest eight bits are 0.
@@ -107,11 +109,14 @@ TEST(SelfCheck, NeverTakesAFailureForNone) {
         if ((failing >> static_cast<unsigned>(kind)) & 1U) failed.push_back(kind);
         if ((critical >> static_cast<unsigned>(kind)) & 1U) wanted.push_back(kind);
       }
-      const Result<> verdict = JudgeSelfCheck(Findings(failed), wanted);
-      ASSERT_EQ(verdict.ok(), failed.empty());
+      const SelfCheckVerdict verdict = JudgeSelfCheck(Findings(failed), wanted);
+      ASSERT_EQ(verdict.well(), failed.empty());
+      ASSERT_EQ(verdict.result.ok(), (failing & critical) == 0);
       if (failed.empty()) continue;
-      EXPECT_NE(verdict.error().code & 0xFF, 0);
-      EXPECT_EQ(verdict.error().code % 100, 9);
+      const std::int32_t code =
+          verdict.result ? verdict.degraded.code : verdict.result.error().code;
+      EXPECT_NE(code & 0xFF, 0);
+      EXPECT_EQ(code % 100, 9);
     }
   }
 }

@@ -1,0 +1,138 @@
+// The three values of a self-check: well, degraded with reasons, failed.
+
+#include <gmock/gmock.h>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class SelfChecked : public ::testing::Test {
+ protected:
+  SelfChecked() : t(OursWithCriticalB()) {}
+
+  void DegradeB() {
+    t.On("b", "SelfCheck").degraded_code = 1109;
+    t.On("b", "SelfCheck").degraded_reason = "led: silent, 1109";
+  }
+  void Start() {
+    t.Begin();
+    t.Rest();
+  }
+
+  Theatre t;
+};
+
+TEST_F(SelfChecked, ADegradedCriticalOneReachesActiveAndIsListedWithItsReason) {
+  DegradeB();
+  Start();
+  EXPECT_TRUE(t.usable());
+  EXPECT_EQ(t.machine().state, "Active");
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+  EXPECT_EQ(TroubleOf(t.RecordOf("b")), (Error{1109, "led: silent, 1109"}));
+  EXPECT_THAT(t.start_up()->message, HasSubstr("degraded: b: led: silent, 1109"));
+}
+
+TEST_F(SelfChecked, AFailedCriticalOneBlocksTheStart) {
+  t.On("b", "SelfCheck").code = 1409;
+  Start();
+  EXPECT_FALSE(t.usable());
+  EXPECT_EQ(t.machine().phase, Phase::kFailed);
+}
+
+TEST_F(SelfChecked, ACheckSaysWhatIsDegradedAndASwitchIsJudgedByWhereAllAre) {
+  DegradeB();
+  Start();
+  const SwitchResult check = t.Set("SelfCheck");
+  EXPECT_EQ(check.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_EQ(check.code, 1109);
+  EXPECT_EQ(check.reason, "b: degraded: led: silent, 1109");
+  EXPECT_TRUE(t.Set("LowPower").done());
+  EXPECT_TRUE(t.Set("Active").done());
+  EXPECT_TRUE(t.Set("TearDown").done());
+}
+
+TEST_F(SelfChecked, TheNextCheckThatIsWellEndsIt) {
+  DegradeB();
+  Start();
+  t.On("b", "SelfCheck") = {};
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(SelfChecked, ANewControllerFindsWhatIsDegraded) {
+  DegradeB();
+  Start();
+  t.RestartController();
+  t.Rest();
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+}
+
+TEST_F(SelfChecked, OneThatIsStartedAnewIsJudgedByItsOwnCheck) {
+  DegradeB();
+  Start();
+  t.On("b", "SelfCheck") = {};
+  t.Crash("b");
+  t.Rest();
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+// Of modules that give a code alone, the config says which codes are critical.
+
+class CriticalCodes : public ::testing::Test {
+ protected:
+  static MachineConfig Config() {
+    MachineConfig config = OursWithCriticalB();
+    ActuatorNamed(config, "b").critical_codes = {1409, 1509};
+    return config;
+  }
+};
+
+TEST_F(CriticalCodes, AFailureWithAnotherCodeIsPassedDegraded) {
+  Theatre t(Config());
+  t.On("b", "SelfCheck").code = 1109;
+  t.On("b", "SelfCheck").message = "led: silent";
+  t.Begin();
+  t.Rest();
+  EXPECT_TRUE(t.usable());
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_EQ(TroubleOf(t.RecordOf("b")), (Error{1109, "led: silent"}));
+  EXPECT_EQ(t.Set("SelfCheck").code, 1109);
+  t.On("b", "SelfCheck") = {};
+  EXPECT_TRUE(t.Set("SelfCheck").done());
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(CriticalCodes, AFailureWithOneOfThemBlocksTheStart) {
+  Theatre t(Config());
+  t.On("b", "SelfCheck").code = 1409;
+  t.Begin();
+  t.Rest();
+  EXPECT_EQ(t.machine().phase, Phase::kFailed);
+}
+
+TEST_F(CriticalCodes, SilenceIsAFailureWhateverTheCodes) {
+  Theatre t(Config());
+  t.On("b", "SelfCheck").hangs = true;
+  t.Begin();
+  t.Rest();
+  EXPECT_FALSE(t.usable());
+}
+
+TEST_F(CriticalCodes, OneThatJoinsLateIsPassedDegradedToo) {
+  Theatre t(Config());
+  t.Begin();
+  t.Rest();
+  t.On("b", "SelfCheck").code = 1109;
+  t.Crash("b");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+}
+
+}  // namespace
+}  // namespace musher::testing
