@@ -91,9 +91,7 @@ Result<> ControllerProcess::Begin() {
   auto controller = Controller::Make(*node_, domain_id.value(), config_, Options());
   if (!controller) return controller.error();
   controller_ = std::move(controller).value();
-  signal_watch_ = loop_.WhenReadable(signals_.get(), [this] {
-    if (NextSignal(signals_) != 0) TakeDown();
-  });
+  signal_watch_ = loop_.WhenReadable(signals_.get(), [this] { OnSignal(); });
   let_go_watch_ = loop_.WhenReadable(let_go_.get(), [this] {
     pid_t sender = 0;
     if (NextSignal(let_go_, &sender) == 0) return;
@@ -182,7 +180,7 @@ void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
     return;
   }
   // The front leaves after a failed start, and the machine stays up for inspection.
-  if (!ended.usable) prctl(PR_SET_PDEATHSIG, 0);
+  if (!ended.usable) LeaveFront();
   service_manager_.StartUpEnded(ended);
   Tell(Progress::kStartUp, ended.message, ended.usable ? kCodeOk : kCodeFailed);
 }
@@ -200,6 +198,27 @@ void ControllerProcess::OnFenced(const std::string& message) {
 void ControllerProcess::OnTrouble(const std::string& message) {
   Tell(Progress::kTrouble, message, kCodeFailed);
   log_.Write(message, kCodeFailed);
+}
+
+void ControllerProcess::OnSignal() {
+  const int signal = NextSignal(signals_);
+  if (signal == SIGHUP) return GoOnAlone();
+  if (signal != 0) TakeDown();
+}
+
+// The front has lost its terminal, and leaves once it is told that nothing of us hangs on it.
+void ControllerProcess::GoOnAlone() {
+  if (front_ != 0) {
+    LeaveFront();
+    controller_->shell().Remark(
+        kCodeOk, "the terminal of `musher up` is closed; this controller goes on without it");
+  }
+  Tell(Progress::kAlone, config_.name + " is led without a terminal");
+}
+
+void ControllerProcess::LeaveFront() {
+  prctl(PR_SET_PDEATHSIG, 0);
+  front_ = 0;
 }
 
 // By a signal: Ctrl-C, or a supervisor that ends the machine.

@@ -4,11 +4,15 @@
 //
 //                       ┌ detached: leaves with 0
 //   starting ─ usable ──┴▶ stays ─ stopped ─▶ 0
+//      ├─ SIGHUP, its terminal was closed ─▶ leaves with 0; the controller goes on, as if detached
 //      ├─ failed ─▶ leaves with 1; the controller and the actuators stay up for inspection
 //      ├─ not started ─▶ 2
 //      ├─ taken over by another controller, now or later ─▶ 1
 //      └─ stopped before it was usable ─▶ 1; 0 where a supervisor may have started it again and
 //         it has finished the TearDown of the controller before
+//
+// A reader of its output that ends (`musher up … | head -2`) changes nothing but that this process
+// says so once on stderr. A service has no terminal: there SIGHUP does nothing.
 //
 // SIGABRT, which systemd's watchdog sends to its main process, this one, is handed on too, so that
 // it is the controller that ends and leaves a core dump.
@@ -37,15 +41,19 @@ class UpFront {
   void OnProgress(const Progress& progress);
   void OnStartUp(const Progress& progress);
   void OnEnd();
+  void Show(const Progress& progress);
   void OnSignal();
+  void OnTerminalClosed();
   void OnAbort();
   void Leave(ExitCode exit);
+  std::string Controller() const;  // "the controller, process 4711"
 
   Console& console_;
   const std::string machine_;
   const pid_t controller_;
   const bool detach_;
   const bool restarted_;
+  bool said_unread_ = false;
   bool came_up_ = false;
   bool stopped_ = false;
   bool stop_asked_ = false;

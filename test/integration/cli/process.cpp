@@ -56,7 +56,7 @@ Process::~Process() {
     Signal(SIGKILL);
     waitpid(pid_, nullptr, 0);
   }
-  close(out_);
+  if (out_ >= 0) close(out_);
   close(err_);
 }
 
@@ -64,7 +64,13 @@ void Process::Signal(int signal) const {
   kill(pid_, signal);
 }
 
+void Process::CloseOutput() {
+  close(out_);
+  out_ = -1;
+}
+
 bool Process::ReadMore() {
+  if (out_ < 0) return false;
   pollfd readable{out_, POLLIN, 0};
   if (poll(&readable, 1, kPatienceMs) != 1) return false;
   std::array<char, 4096> part{};

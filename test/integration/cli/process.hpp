@@ -31,6 +31,8 @@ class Process {
   std::string LineWith(const std::string& text);
   // Waits until it has said so on stderr, for half a minute at most; whether it has.
   bool AwaitError(const std::string& text) const;
+  // The reader of its output ends: what it prints from now on breaks a pipe.
+  void CloseOutput();
   // Waits until its output ends, then for its end. To be called once.
   Ended Wait();
 

@@ -42,14 +42,6 @@ TEST_F(Up, SaysThatItIsStoppingAlreadyOnASecondCtrlC) {
   EXPECT_EQ(ended.err, "musher: taking robot down\nmusher: robot is being taken down already\n");
 }
 
-TEST_F(Up, TakesTheMachineDownWhenItsTerminalCloses) {
-  Process up(Command({"up", config_, "--json"}));
-  ASSERT_NE(up.LineWith("start-up"), "");
-  up.Signal(SIGHUP);
-  EXPECT_EQ(up.Wait().exit, 0);
-  EXPECT_TRUE(AwaitNoChildren());
-}
-
 TEST_F(Up, PrintsALineOfJsonForEachEvent) {
   Process up(Command({"up", config_, "--json"}));
   const auto start_up = Json(up.LineWith(R"("kind":"start-up")"));
