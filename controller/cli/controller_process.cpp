@@ -15,6 +15,7 @@
 namespace musher::cli {
 namespace {
 
+constexpr Duration kLastAnswers = Milliseconds(1500);
 constexpr Duration kLastWords = Milliseconds(2000);  // for the disk, at the end
 
 void LeaveTerminal() {
@@ -36,16 +37,15 @@ void PutOwnFolderFirstInPath() {
 }  // namespace
 
 ControllerProcess::ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
-                                     transport::UniqueFd progress, pid_t front, bool takeover,
-                                     bool restarted)
+                                     transport::UniqueFd progress, pid_t front, Start start)
     : config_(config),
       run_(std::move(run)),
       front_(front),
-      takeover_(takeover),
-      restarted_(restarted),
+      start_(start),
       signals_(TakeEndSignals()),
       let_go_(TakeSignals({kLetGoSignal})),
       again_(run_ ? TakeSignals({kStartAgainSignal}) : transport::UniqueFd()),
+      children_(TakeSignals({SIGCHLD})),
       progress_(loop_, std::move(progress)),
       disk_(loop_, {.name = "controller.log"}),
       log_(disk_, ControllerLogFile(config)),
@@ -70,6 +70,9 @@ int ControllerProcess::Run() {
     return static_cast<int>(ExitCode::kUsage);
   }
   loop_.Run();
+  // The last answers, such as that to `musher down`; not after another controller has taken over.
+  const auto answered = [this] { return !controller_->shell().OpenForClients(); };
+  loop_.RunUntil(answered, loop_.Now() + kLastAnswers);
   const bool disk_works = controller_->Flush(kLastWords);
   loop_.RunUntil([] { return false; }, loop_.Now());  // what the disk had to say about that
   disk_.Flush(disk_works ? kLastWords : Milliseconds(100));
@@ -91,6 +94,10 @@ Result<> ControllerProcess::Begin() {
   auto controller = Controller::Make(*node_, domain_id.value(), config_, Options());
   if (!controller) return controller.error();
   controller_ = std::move(controller).value();
+  controller_->AdoptOrphans();
+  children_watch_ = loop_.WhenReadable(children_.get(), [this] {
+    if (NextSignal(children_) != 0) controller_->ReapOrphans();
+  });
   signal_watch_ = loop_.WhenReadable(signals_.get(), [this] { OnSignal(); });
   let_go_watch_ = loop_.WhenReadable(let_go_.get(), [this] {
     pid_t sender = 0;
@@ -140,8 +147,10 @@ void ControllerProcess::StartAgain(const std::string& why) {
 
 ControllerOptions ControllerProcess::Options() {
   ControllerOptions options;
-  options.takeover = takeover_;
-  options.restarted = restarted_;
+  options.takeover = start_.takeover;
+  options.adopt = start_.adopt;
+  options.restarted = start_.restarted;
+  if (run_) options.started_from = run_->root;
   options.hooks.on_record = [this](const action::Record& record) { OnRecord(record); };
   options.hooks.on_start_up_ended = [this](const action::StartUpEnded& e) { OnStartUpEnded(e); };
   options.hooks.on_stopped = [this] {

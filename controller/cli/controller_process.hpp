@@ -33,11 +33,17 @@ namespace musher::cli {
 
 class ControllerProcess {
  public:
+  // How it begins; each as ControllerOptions has it.
+  struct Start {
+    bool takeover = false;
+    bool adopt = false;
+    bool restarted = false;
+  };
   // `front`: the process in the foreground. If it is killed, so are we, until it has left: after a
   // failed start, or because its terminal was closed (SIGHUP). 0: there is none. `restarted`: see
   // ControllerOptions.
   ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
-                    transport::UniqueFd progress, pid_t front, bool takeover, bool restarted);
+                    transport::UniqueFd progress, pid_t front, Start start);
 
   // In a new process, before it has threads. Gives its exit code.
   int Run();
@@ -63,13 +69,13 @@ class ControllerProcess {
   const MachineConfig& config_;
   const std::optional<SlotRun> run_;
   pid_t front_;
-  const bool takeover_;
-  const bool restarted_;
+  const Start start_;
   bool start_again_ = false;
   ExitCode exit_ = ExitCode::kDone;
   transport::UniqueFd signals_;
   transport::UniqueFd let_go_;
   transport::UniqueFd again_;
+  transport::UniqueFd children_;
   transport::LinuxEventLoop loop_;
   ProgressSender progress_;
   DiskWriter disk_;  // for the log and the end of a trial
@@ -80,6 +86,7 @@ class ControllerProcess {
   transport::LoopHandlePtr signal_watch_;
   transport::LoopHandlePtr let_go_watch_;
   transport::LoopHandlePtr again_watch_;
+  transport::LoopHandlePtr children_watch_;
   RootClaim claim_;
   std::optional<action::StartUpEnded> start_up_;  // of a version on trial, not told yet
   std::optional<Trial> trial_;

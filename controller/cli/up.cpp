@@ -154,8 +154,9 @@ namespace {
   const transport::UniqueFd kept(fcntl(progress.get(), F_DUPFD_CLOEXEC, 0));
   Again again(target.run ? target.run->root : "", kept.get());
   {
-    ControllerProcess process(target.config, target.run, std::move(progress), front,
-                              options.takeover, options.resume || StartedAgain(options));
+    ControllerProcess process(
+        target.config, target.run, std::move(progress), front,
+        {options.takeover, options.adopt, options.resume || StartedAgain(options)});
     the_end.exit_code = process.Run();
     if (process.StartsAgain()) again.Prepare(process.front());
     EndWithin(kLeaveTime);

@@ -2,10 +2,12 @@
 
 #include <signal.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
@@ -40,7 +42,13 @@ UpFront::UpFront(Console& console, std::string machine, pid_t controller,
       abort_watch_(loop_.WhenReadable(abort_.get(), [this] { OnAbort(); })),
       progress_(
           loop_, std::move(progress), [this](const Progress& p) { OnProgress(p); },
-          [this] { OnEnd(); }) {}
+          [this] { OnEnd(); }) {
+  if (getpid() != 1) return;
+  children_ = TakeSignals({SIGCHLD});
+  children_watch_ = loop_.WhenReadable(children_.get(), [this] {
+    if (NextSignal(children_) != 0) ReapOrphans();
+  });
+}
 
 ExitCode UpFront::Run() {
   loop_.Run();
@@ -135,6 +143,14 @@ void UpFront::OnTerminalClosed() {
     return console_.Complain("SIGHUP: a service has no terminal to lose; " + machine_ + " goes on");
   }
   kill(controller_, SIGHUP);
+}
+
+// All that have ended but the controller, whose end is judged by its exit code.
+void UpFront::ReapOrphans() {
+  std::ifstream file("/proc/self/task/1/children");
+  for (pid_t pid = 0; file >> pid;) {
+    if (pid != controller_) waitpid(pid, nullptr, WNOHANG);
+  }
 }
 
 void UpFront::OnAbort() {

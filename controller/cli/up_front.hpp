@@ -14,6 +14,8 @@
 // A reader of its output that ends (`musher up … | head -2`) changes nothing but that this process
 // says so once on stderr. A service has no terminal: there SIGHUP does nothing.
 //
+// As process 1 of a container it reaps what has lost its parent.
+//
 // SIGABRT, which systemd's watchdog sends to its main process, this one, is handed on too, so that
 // it is the controller that ends and leaves a core dump.
 //
@@ -45,6 +47,7 @@ class UpFront {
   void OnSignal();
   void OnTerminalClosed();
   void OnAbort();
+  void ReapOrphans();
   void Leave(ExitCode exit);
   std::string Controller() const;  // "the controller, process 4711"
 
@@ -62,9 +65,11 @@ class UpFront {
   ExitCode exit_ = ExitCode::kNotDone;
   transport::UniqueFd signals_;
   transport::UniqueFd abort_;
+  transport::UniqueFd children_;  // as process 1 only
   transport::LinuxEventLoop loop_;
   transport::LoopHandlePtr signal_watch_;
   transport::LoopHandlePtr abort_watch_;
+  transport::LoopHandlePtr children_watch_;
   ProgressReceiver progress_;
 };
 

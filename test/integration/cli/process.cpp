@@ -141,6 +141,16 @@ bool AwaitNoChildren() {
   return true;
 }
 
+bool AwaitEnd(pid_t pid) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (kill(pid, 0) == 0) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    waitpid(pid, nullptr, WNOHANG);  // one that is ours now
+    std::this_thread::yield();
+  }
+  return true;
+}
+
 void KillChildren() {
   for (auto children = Children(); !children.empty(); children = Children()) {
     for (const pid_t child : children) {

@@ -54,6 +54,8 @@ Ended RunToEnd(const std::vector<std::string>& argv);
 void AdoptOrphans();
 // The processes that this one is the parent of.
 std::vector<pid_t> Children();
+// Waits until that process, of any parent, is gone; for 10 s at most.
+bool AwaitEnd(pid_t pid);
 // What ends on its own is given a moment.
 bool AwaitNoChildren();
 // Kills all children, and theirs, until none is left.

@@ -153,6 +153,18 @@ TEST_F(Up, CanFollowDownAtOnce) {
   }
 }
 
+TEST_F(Up, CanFollowTheDownOfAFailedStartAtOnce) {
+  Does("legs", "[state.SelfCheck]\nrun = [\"false\"]\n");
+  for (int i = 0; i < 6; ++i) {
+    const Ended up = Musher({"up", config_});
+    ASSERT_EQ(up.exit, 1) << up.err;
+    EXPECT_THAT(up.err, HasSubstr("stay up for inspection")) << i;
+    const Ended down = Musher({"down"});
+    ASSERT_LE(down.exit, 1) << down.err;
+    EXPECT_THAT(down.err, Not(HasSubstr("has not ended yet")));
+  }
+}
+
 TEST_F(Up, LeavesAFailedStartForInspection) {
   Does("legs", "module = 3000\n[state.SelfCheck]\nrun = [\"sh\", \"-c\", \"exit 9\"]\n");
   const Ended up = Musher({"up", config_});
