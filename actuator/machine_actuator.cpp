@@ -10,12 +10,14 @@
 #include <mutex>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "musher/actuator/actuator_rehearsal.hpp"
 #include "musher/actuator/actuator_shell.hpp"
 #include "musher/actuator/capability_gate.hpp"
 #include "musher/actuator/state_callbacks.hpp"
 #include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/suggest.hpp"
 #include "musher/transport/endpoints.hpp"
 #include "musher/transport/host.hpp"
 
@@ -48,7 +50,12 @@ class MachineActuator::Impl {
     config_ = std::move(config);
     index_ = config_->IndexOf(name_);
     if (!index_) {
-      return Error{kCodeParametersInvalid, config_->file + " has no actuator '" + name_ + "'"};
+      std::vector<std::string> names;
+      for (const ActuatorConfig& actuator : config_->actuators) names.push_back(actuator.name);
+      const std::string near = Nearest(name_, names);
+      return Error{kCodeParametersInvalid,
+                   config_->file + " has no actuator '" + name_ + "'" +
+                       (near.empty() ? "" : "; did you mean '" + near + "'?")};
     }
     return Ok();
   }
@@ -278,12 +285,10 @@ class MachineActuator::Impl {
 MachineActuator::MachineActuator(const std::string& actuator_name)
     : impl_(std::make_unique<Impl>(actuator_name, [this] { OnEmergencyStop(); })) {}
 MachineActuator::~MachineActuator() = default;
-
 Result<> MachineActuator::Init(const std::string& config_file,
                                std::shared_ptr<transport::NodeThread> node) {
   return impl_->Init(config_file, std::move(node));
 }
-
 bool MachineActuator::MachineActuatorInit(const std::string& config_file,
                                           std::shared_ptr<transport::NodeThread> node) {
   const Result<> result = Init(config_file, std::move(node));
@@ -314,7 +319,6 @@ void MachineActuator::RegisterStateCallback(std::function<Result<>(const State&)
 Result<> MachineActuator::Start() {
   return impl_->Start();
 }
-
 bool MachineActuator::ActuatorStart() {
   const Result<> result = Start();
   if (!result) {
@@ -324,6 +328,16 @@ bool MachineActuator::ActuatorStart() {
   return result.ok();
 }
 
+int MachineActuator::Check(const std::string& config_file) {
+  if (!MachineActuatorInit(config_file)) return kConfigurationError;
+  const auto fit = impl_->CheckCallbacks();
+  if (!fit) Log(fit.error().message);
+  return fit ? 0 : kConfigurationError;
+}
+int MachineActuator::Run(const std::string& config_file) {
+  if (const int faulty = Check(config_file); faulty != 0) return faulty;
+  return ActuatorStart() ? Wait() : 1;
+}
 int MachineActuator::Wait() {
   return impl_->Wait();
 }

@@ -12,8 +12,7 @@
 //
 //   int main() {
 //     Gripper gripper;
-//     if (!gripper.MachineActuatorInit() || !gripper.ActuatorStart()) return 1;
-//     return gripper.Wait();
+//     return gripper.Run();
 //   }
 //
 // Threads: the calls below come from your threads, one at a time. State callbacks run one at a time
@@ -84,6 +83,15 @@ class MachineActuator {
 
   // Blocks until TearDown is done, or Shutdown() is called; gives the program's exit code.
   int Wait();
+
+  // MachineActuatorInit(), ActuatorStart() and Wait(): the whole of a program that is this
+  // actuator. Gives its exit code: kConfigurationError where the config is faulty or does not fit
+  // the callbacks, which a new start would not mend, so that the controller tries none; 1 where
+  // SetUp has failed or it cannot start now; else that of Wait().
+  static constexpr int kConfigurationError = 2;
+  int Run(const std::string& config_file = "");
+  // The first part of it: 0 where Run() would go on to SetUp, else kConfigurationError.
+  int Check(const std::string& config_file = "");
 
   // A line on stderr, which is the actuator's log: its name, the line and, of an Error, the code
   // that is not 0. Lines of several threads do not mix. From any thread.

@@ -5,8 +5,19 @@
 #include <utility>
 
 #include "musher/lifecycle/code.hpp"
+#include "musher/lifecycle/suggest.hpp"
 
 namespace musher {
+
+namespace {
+
+std::string DidYouMean(const State& state, const ActuatorConfig& actuator) {
+  const std::string near =
+      Nearest(state, std::vector<std::string>(actuator.states.begin(), actuator.states.end()));
+  return near.empty() ? "" : "; did you mean '" + near + "'?";
+}
+
+}  // namespace
 
 Result<> RunGuarded(const std::function<Result<>()>& callback) {
   try {
@@ -29,16 +40,23 @@ void StateCallbacks::Register(std::function<Result<>(const State&)> callback) {
 
 Result<> StateCallbacks::Check(const MachineConfig& config, const ActuatorConfig& actuator) const {
   if (twice_) return Error{kCodeParametersInvalid, "two callbacks for " + *twice_};
+  std::vector<std::string> unlisted;
+  for (const auto& [state, callback] : own_) {
+    if (!actuator.Lists(state)) unlisted.push_back(state);
+  }
   for (const State& state : actuator.states) {
     if (other_ || own_.contains(state)) continue;
-    return Error{kCodeParametersInvalid, config.file + " lists state '" + state + "' for " +
-                                             actuator.name + ", but there is no callback for it"};
+    const std::string near = Nearest(state, unlisted);
+    return Error{kCodeParametersInvalid,
+                 config.file + " lists state '" + state + "' for " + actuator.name +
+                     ", but there is no callback for it" +
+                     (near.empty() ? "" : "; the one for '" + near + "' is for no state of it")};
   }
   for (const auto& [state, callback] : own_) {
     if (actuator.Lists(state)) continue;
     return Error{kCodeParametersInvalid, "there is a callback for state '" + state + "', but " +
                                              config.file + " does not list it for " +
-                                             actuator.name};
+                                             actuator.name + DidYouMean(state, actuator)};
   }
   return Ok();
 }

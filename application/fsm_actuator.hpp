@@ -24,8 +24,7 @@
 //
 //   int main() {
 //     Show show;
-//     if (!show.MachineActuatorInit() || !show.ActuatorStart()) return 1;
-//     return show.Wait();
+//     return show.Run();
 //   }
 //
 // clang-format off

@@ -1,16 +1,15 @@
 #include "musher/controller/controller.hpp"
 
-#include <poll.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <utility>
 
+#include "musher/controller/end_controller.hpp"
 #include "musher/lifecycle/config_toml.hpp"
 #include "musher/transport/host.hpp"
 
@@ -40,42 +39,9 @@ std::int64_t WallNanoseconds() {
 // Long enough to hear a living controller of another host, which is discovered within 500 ms.
 constexpr Duration kLookAround = Milliseconds(1000);
 constexpr Duration kSecuredLookAround = Milliseconds(4000);
-constexpr int kLetGoTimeoutMs = 1000;
-constexpr int kEndTimeoutMs = 5000;
-
-// Ends the controller before this one; its actuators go on. It is asked, so that it can say why it
-// ends; one that hangs is killed. `is_it` is asked once the process is pinned: whether `pid` is
-// that controller at all.
-Result<> EndProcess(pid_t pid, const std::function<Result<>()>& is_it) {
-  const std::string who = "the controller before, process " + std::to_string(pid);
-  auto process = transport::OpenPidfd(pid);
-  if (!process) return Ok();  // it has ended meanwhile
-  if (auto proven = is_it(); !proven) return proven;
-  pollfd ended{process.value().get(), POLLIN, 0};
-  const auto send = [&](int signal) {
-    return syscall(SYS_pidfd_send_signal, ended.fd, signal, nullptr, 0) == 0 || errno == ESRCH;
-  };
-  if (!send(kLetGoSignal)) return transport::SystemError("can't end " + who);
-  if (poll(&ended, 1, kLetGoTimeoutMs) == 1) return Ok();
-  if (!send(SIGKILL)) return transport::SystemError("can't end " + who);
-  if (poll(&ended, 1, kEndTimeoutMs) == 1) return Ok();
-  return Error{kCodeTimeout, who + ", does not end, not even killed"};
-}
-
-// The one that has the folder. The lock counts, not what is in its file: others may be able to
-// write there.
-Result<> EndOwner(const std::string& state_dir) {
-  const pid_t owner = StateStore::OwnerOf(state_dir);
-  return EndProcess(owner, [&]() -> Result<> {
-    if (StateStore::IsOwner(state_dir, owner)) return Ok();
-    return Error{kCodePermissionDenied,
-                 state_dir + " is locked, but not by process " + std::to_string(owner) +
-                     ", which its file names, or that cannot be seen; no process is ended: "
-                     "`fuser " +
-                     state_dir + "/controller.lock` shows who has it"};
-  });
-}
-
+// An actuator that holds its name here has latched a status, and is heard soon.
+constexpr Duration kHeardWithin = Milliseconds(1000);
+constexpr Duration kHeardPeriod = Milliseconds(5);
 }  // namespace
 
 Controller::Controller(transport::Node& node, int domain_id, const MachineConfig& config,
@@ -116,6 +82,10 @@ Result<> Controller::Open() {
     journal_ = std::make_unique<NoJournal>();
   }
   if (auto opened = OpenShell(); !opened) return opened;
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    if (actuator.protocol != Protocol::kMusher) continue;
+    held_ += transport::NameLock::IsHeld(LockOf(actuator.name)) ? 1 : 0;
+  }
   look_around_ |= config_.transport == TransportProfile::kLan;
   Duration listen{};
   if (look_around_) listen = config_.keys.empty() ? kLookAround : kSecuredLookAround;
@@ -130,17 +100,38 @@ void Controller::BeginAfter(Duration listen) {
   const auto first_heard = shell_->first_heard();
   const bool settled = shell_->rival() || !first_heard;
   const Time until = settled ? Time{} : *first_heard + listen;
-  if (node_.loop().Now() >= until) return Begin();
-  begin_later_ = node_.loop().At(until, [this] { Begin(); });
+  const auto begin = [this] { BeginOnceHeard(node_.loop().Now() + kHeardWithin); };
+  if (node_.loop().Now() >= until) return begin();
+  begin_later_ = node_.loop().At(until, begin);
+}
+
+// What an actuator runs with is in its status.
+void Controller::BeginOnceHeard(Time deadline) {
+  const bool judges = !options_.adopt && !options_.restarted;
+  if (!judges || shell_->HeardBeforeBegin() >= held_ || node_.loop().Now() >= deadline) {
+    return Begin();
+  }
+  begin_later_ = node_.loop().At(node_.loop().Now() + kHeardPeriod,
+                                 [this, deadline] { BeginOnceHeard(deadline); });
+}
+
+MachineOrigin Controller::Origin() const {
+  const std::string& file = options_.started_from.empty() ? config_.file : options_.started_from;
+  std::error_code error;
+  const auto absolute = std::filesystem::absolute(file, error);
+  return {config_.name, config_.name_space, domain_id_,
+          error ? file : absolute.lexically_normal().string()};
 }
 
 Result<> Controller::OpenStore() {
-  auto store = StateStore::Open(config_.state_dir, config_.name);
+  auto store = StateStore::Open(config_.state_dir, Origin());
+  if (!store && store.error().code == kCodePermissionDenied) return store.error();
   if (!store && store.error().code == kCodeTargetBusy && options_.takeover) {
-    if (auto ended = EndOwner(config_.state_dir); !ended) return ended;
-    store = StateStore::Open(config_.state_dir, config_.name);
+    if (auto ended = EndOwnerOf(config_.state_dir); !ended) return ended;
+    store = StateStore::Open(config_.state_dir, Origin());
   }
   if (store) {
+    led_with_ = store.value().LoadConfigHash();
     store_ = std::make_shared<StateStore>(std::move(store).value());
   } else if (store.error().code == kCodeTargetBusy) {
     return Error{kCodeTargetBusy,
@@ -161,6 +152,9 @@ Result<> Controller::TakeName() {
         "the actuators of " + (config_.name_space.empty()
                                    ? std::string("the empty namespace")
                                    : "namespace '" + config_.name_space + "'");
+    if (holder.trusted) {
+      if (auto may = MayTakeOver(holder.pid); !may) return may;
+    }
     if (!options_.takeover && holder.trusted) {
       return Error{kCodeTargetBusy, "a controller, process " + std::to_string(holder.pid) +
                                         ", leads " + leads +
@@ -173,13 +167,26 @@ Result<> Controller::TakeName() {
     }
     // One that is not ours to end lets go when it hears of a higher epoch.
     const auto is_it = [&] { return transport::NameLock::CheckHolder(name, holder.pid); };
-    look_around_ = !holder.trusted || !EndProcess(holder.pid, is_it);
+    look_around_ = !holder.trusted || !EndController(holder.pid, is_it);
     if (look_around_) return Ok();
     lock = transport::NameLock::Acquire(name);
   }
   if (!lock) return lock.error();
   name_.emplace(std::move(lock).value());
   return Ok();
+}
+
+// Only the controller of this very machine is ended by another one. Of a controller without a
+// folder that is not known; it leads the same actuators.
+Result<> Controller::MayTakeOver(pid_t controller) const {
+  const auto theirs = OriginOfProcess(controller);
+  if (!theirs || theirs->IsOf(Origin(), true)) return Ok();
+  return Error{kCodePermissionDenied,
+               "process " + std::to_string(controller) + " leads another machine, " +
+                   theirs->Text() + ", in the namespace and domain of this one, " +
+                   Origin().Text() +
+                   ": give one of them a `namespace` of its own in [controller], or another "
+                   "domain (--domain)"};
 }
 
 std::string Controller::LockOf(const std::string& actuator) const {
@@ -246,6 +253,7 @@ Result<> Controller::OpenShell() {
   world.incarnation = transport::NewIncarnation();
   ControllerShell::Hooks hooks = options_.hooks;
   hooks.open_services = [this] { return OpenServices(); };
+  hooks.holds_answers = [this] { return services_ && services_->HoldsAnswers(); };
   hooks.close_services = [this] {
     manager_ = nullptr;
     services_ = nullptr;
@@ -285,7 +293,24 @@ void Controller::Begin() {
       return shell_->Refuse({kCodeTargetBusy, "a controller leads this machine already: " +
                                                   rival->who + "; --takeover ends its leadership"});
     }
+    if (rival->machine != config_.name) {
+      return shell_->Refuse(
+          {kCodePermissionDenied, rival->who + " leads another machine, " + rival->machine +
+                                      ", in the namespace and domain of this one, " + config_.name +
+                                      "; --takeover does not end it"});
+    }
     begin.epoch = std::max(begin.epoch, rival->epoch);
+  }
+  if (const std::string others = shell_->RunningWithAnotherConfig(led_with_);
+      !others.empty() && !options_.adopt && !options_.restarted) {
+    return shell_->Refuse(
+        {kCodeTargetBusy, others + " already, with another config than " + config_.file +
+                              ": `musher down --without-controller` ends what runs, and `musher "
+                              "up --adopt` takes it over all the same"});
+  }
+  if (store_) {
+    disk_.Do("config",
+             [store = store_, hash = config_.hash] { return store->SaveConfigHash(hash); });
   }
   FindRunning(begin);
   begin.restarted = options_.restarted;

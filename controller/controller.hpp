@@ -24,7 +24,12 @@ namespace musher {
 
 struct ControllerOptions {
   bool takeover = false;  // a living controller of this machine is ended instead of refused by it
-  bool by_hand = false;   // the start-up is driven by requests instead of by the controller itself
+  // Actuators that run already with another config than this machine's are taken over instead of
+  // refusing to begin beside them. A supervisor's start takes them over in any case.
+  bool adopt = true;
+  // What the machine was started from, where that is not its config's file: a root of upgrades.
+  std::string started_from;
+  bool by_hand = false;  // the start-up is driven by requests instead of by the controller itself
   // Started again by a supervisor, not by a person: where the controller before was taking the
   // machine down, that is finished, and the machine stays down.
   bool restarted = false;
@@ -50,6 +55,9 @@ class Controller {
   ~Controller();
 
   ControllerShell& shell() { return *shell_; }
+  // As ProcessSupervisor has them: for a process that is nothing but this controller.
+  void AdoptOrphans() { processes_.AdoptOrphans(); }
+  void ReapOrphans() { processes_.ReapOrphans(); }
   // Waits until what was recorded and what is to be saved is on disk, at most `timeout`; says
   // whether it is.
   bool Flush(Duration timeout);
@@ -62,7 +70,10 @@ class Controller {
   Result<> TakeName();
   Result<> OpenShell();
   Result<> OpenServices();
+  MachineOrigin Origin() const;
+  Result<> MayTakeOver(pid_t controller) const;
   void BeginAfter(Duration listen);
+  void BeginOnceHeard(Time deadline);
   void Begin();
   std::string LockOf(const std::string& actuator) const;
   void FindRunning(event::Begin& begin);
@@ -79,6 +90,8 @@ class Controller {
   Journal* file_journal_ = nullptr;          // the same, when there is a store
   std::optional<HistoryReader> history_;     // of that one
   std::optional<transport::NameLock> name_;  // of the leader of this namespace on this host
+  std::size_t held_ = 0;                     // actuators of this host whose name is taken
+  std::string led_with_;                     // hash of the config it was led with before
   bool look_around_ = false;                 // another controller may lead already
   DiskWriter disk_;
   std::unique_ptr<LogFiles> logs_;  // null without a store

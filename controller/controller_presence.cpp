@@ -87,7 +87,7 @@ void ControllerPresence::OnBeat(const msg::ControllerBeat& beat) {
   rival_ = {
       "process " + std::to_string(beat.pid) +
           (beat.host == identity_.host ? " of this host" : " of host " + beat.host.substr(0, 64)),
-      beat.epoch};
+      beat.epoch, beat.machine};
   // Only what may change something is an event: the rest would fill the journal.
   if (beat.epoch >= epoch_) emit_(event::RivalHeard{beat.epoch, rival_->who, theirs < ours});
 }

@@ -37,6 +37,7 @@ class ControllerPresence {
   struct Rival {
     std::string who;  // "process 4711 of this host"
     std::uint64_t epoch = 0;
+    std::string machine;  // its name
   };
   const std::optional<Rival>& rival() const { return rival_; }
   // Not any more: somebody else leads, or the machine is stopped.

@@ -26,6 +26,9 @@ class ControllerServices {
                                                           ControllerShell& shell,
                                                           ReadHistory read_history);
 
+  // Whether the answer to a switch waits until its client can be reached.
+  bool HoldsAnswers() const { return set_state_ && set_state_->Holds(); }
+
  private:
   ControllerServices(transport::Node& node, ControllerShell& shell, ReadHistory read_history);
   Result<> Open();

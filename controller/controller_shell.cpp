@@ -9,16 +9,10 @@
 namespace musher {
 namespace {
 
-constexpr std::size_t kProcessesKept = 4;        // of one actuator, those that spoke last
-constexpr std::size_t kSwitchEntriesKept = 128;  // a begin and an end each
+constexpr std::size_t kSwitchEntriesKept = 128;        // a begin and an end each
+constexpr Duration kLastAnswers = Milliseconds(1000);  // a client may be half discovered
+constexpr Duration kHeldPeriod = Milliseconds(5);
 constexpr Duration kBacktraceTimeout = Milliseconds(4000);  // less than a hung process has left
-
-// Whether a process of the actuator runs, by its latched status: it is not about to end.
-bool Runs(const MachineConfig& config, const ActuatorReport& report) {
-  const bool set_up_failed =
-      report.state == config.default_state && !report.busy() && report.outcome_code != kCodeOk;
-  return report.state != kTearDown && !set_up_failed;
-}
 
 }  // namespace
 
@@ -154,93 +148,6 @@ void ControllerShell::AskPolicy(event::PolicyRequested asked, OnAnswer done) {
 
 void ControllerShell::Remark(std::int32_t code, const std::string& message) {
   Do(action::Record{"machine", std::nullopt, 0, code, message});
-}
-
-void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
-                               const transport::SampleInfo& info) {
-  const auto found = index_.find(status.name);
-  if (found == index_.end()) return;  // an actuator of another machine of this namespace
-  if (!transport::IsFrom(status.name, info)) return;
-  const std::size_t i = found->second;
-  const ActuatorReport report = Believed(i, transport::FromMessage(status));
-  speakers_[info.writer] = {i, report.incarnation};
-  if (info.participant != 0) Heard(i, report).participant = info.participant;
-  CompareHash(i, status.config_hash);
-  Handle(event::StatusSeen{i, report});
-  const ActuatorReport& taken = machine_.actuators[i].report;
-  if (taken.incarnation == report.incarnation) health_->OnReport(i, report);
-}
-
-// The process that the report is from. So many are remembered for each actuator, those that were
-// heard last; the one that the machine goes by is not forgotten.
-ControllerShell::Process& ControllerShell::Heard(std::size_t actuator,
-                                                 const ActuatorReport& report) {
-  std::vector<Process>& known = peers_[actuator].processes;
-  const auto found = std::find_if(known.begin(), known.end(),
-                                  [&](const Process& process) { return process.Is(report); });
-  if (found != known.end()) {
-    std::rotate(found, found + 1, known.end());
-    return known.back();
-  }
-  if (known.size() >= kProcessesKept) {
-    const bool is_taken = known.front().Is(machine_.actuators[actuator].report);
-    known.erase(known.begin() + (is_taken ? 1 : 0));
-  }
-  return known.emplace_back(Process{report.host, report.incarnation, 0, 0, false});
-}
-
-// Whoever answers lives.
-void ControllerShell::OnLinkEvent(const Event& from_link) {
-  Event event = from_link;
-  auto* replied = std::get_if<event::Replied>(&event);
-  if (replied) replied->report = Believed(replied->actuator, std::move(replied->report));
-  Handle(event);
-  if (replied == nullptr) return;
-  const ActuatorReport& taken = machine_.actuators[replied->actuator].report;
-  if (taken.incarnation == replied->report.incarnation) {
-    health_->OnReport(replied->actuator, taken);
-  }
-}
-
-void ControllerShell::OnWriterLost(transport::PeerId writer) {
-  const auto speaker = speakers_.extract(writer);
-  if (speaker.empty()) return;
-  const auto [actuator, incarnation] = speaker.mapped();
-  Handle(event::Vanished{actuator, incarnation, false, "it is out of reach"});
-}
-
-void ControllerShell::CompareHash(std::size_t actuator, const std::string& hash) {
-  Peer& peer = peers_[actuator];
-  if (hash == config_.hash || peer.hash_told) return;
-  peer.hash_told = true;
-  Do(action::Record{"actuator", actuator, 0, kCodeParametersInvalid,
-                    config_.actuators[actuator].name + " has read another config (" + hash +
-                        ") than " + config_.file + " (" + config_.hash + ")"});
-}
-
-// An actuator latches its status once; one that is heard before this controller begins would not be
-// heard again.
-bool ControllerShell::KeepForBegin(const Event& event) {
-  if (machine_.phase != Phase::kIdle) return false;
-  if (const auto* seen = std::get_if<event::StatusSeen>(&event)) {
-    before_begin_[seen->actuator] = *seen;
-    if (!first_heard_) first_heard_ = world_.node->loop().Now();
-    return true;
-  }
-  if (const auto* stop = std::get_if<event::EmergencyStopSeen>(&event)) {
-    const StoredStops over{{}, {stop->stop.id}};
-    stops_before_begin_ =
-        Merge(stops_before_begin_, stop->engaged ? StoredStops{{stop->stop}, {}} : over);
-    return true;
-  }
-  if (const auto* vanished = std::get_if<event::Vanished>(&event)) {
-    const auto kept = before_begin_.find(vanished->actuator);
-    if (kept != before_begin_.end() && kept->second.report.incarnation == vanished->incarnation) {
-      before_begin_.erase(kept);
-    }
-    return true;
-  }
-  return false;
 }
 
 // Events are handled one after the other: an answer given to somebody may come back as a request.
@@ -390,11 +297,18 @@ void ControllerShell::Do(const action::StartUpEnded& a) {
 void ControllerShell::Do(const action::Stopped&) {
   Publish();
   presence_->FallSilent();
-  transport::EventLoop& loop = world_.node->loop();
-  close_later_ = loop.At(loop.Now(), [this] {
-    CloseToClients({kCodeStateInvalid, "the machine is stopped; only a new start brings it back"});
-  });
+  CloseOnceAnswered(world_.node->loop().Now() + kLastAnswers);
   if (hooks_.on_stopped) hooks_.on_stopped();
+}
+
+void ControllerShell::CloseOnceAnswered(Time deadline) {
+  const Time now = world_.node->loop().Now();
+  const bool holds = hooks_.holds_answers && hooks_.holds_answers() && now < deadline;
+  const auto next = [this, deadline, holds] {
+    if (holds) return CloseOnceAnswered(deadline);
+    CloseToClients({kCodeStateInvalid, "the machine is stopped; only a new start brings it back"});
+  };
+  close_later_ = world_.node->loop().At(holds ? now + kHeldPeriod : now, next);
 }
 
 }  // namespace musher

@@ -63,6 +63,8 @@ class ControllerShell {
     // Closes it: at once when another controller has taken over, after the last answer when the
     // machine is stopped.
     std::function<void()> close_services;
+    // Whether an answer of these has not been sent yet; may be empty.
+    std::function<bool()> holds_answers;
     std::function<void(const action::Record&)> on_record;
     std::function<void(const action::SendSwitch&)> on_send;  // before it is sent
     std::function<void(const action::StartUpEnded&)> on_start_up_ended;
@@ -83,6 +85,12 @@ class ControllerShell {
   const std::optional<ControllerPresence::Rival>& rival() const { return presence_->rival(); }
   // When the first actuator was heard, before Begin().
   std::optional<Time> first_heard() const { return first_heard_; }
+  // How many actuators were heard before Begin().
+  std::size_t HeardBeforeBegin() const { return before_begin_.size(); }
+  // "legs (process 7), eyes (process 8) run" of those heard by then that run on this host and have
+  // read another config than ours, and than the one whose hash is given; empty where there are
+  // none.
+  std::string RunningWithAnotherConfig(const std::string& hash) const;
   // Instead of beginning: every caller in this process is told why, and on_fenced is called.
   void Refuse(const Error& why);
   // As if `who` ("process 4711 of this host") had been heard to lead: this controller is over, and
@@ -107,6 +115,9 @@ class ControllerShell {
 
   // Leaves a record of something that reached the controller and no further: it was no use asking.
   void Remark(std::int32_t code, const std::string& message);
+
+  // Whether clients are answered; once the machine is stopped, until the last answer is sent.
+  bool OpenForClients() const { return status_ != nullptr; }
 
   const Machine& machine() const { return machine_; }
   const MachineConfig& config() const { return config_; }
@@ -141,7 +152,9 @@ class ControllerShell {
   Result<> Open();
   Result<> OpenToClients();
   void CloseToClients(const Error& why);
+  void CloseOnceAnswered(Time deadline);
 
+  static bool Runs(const MachineConfig& config, const ActuatorReport& report);
   void OnStatus(const msg::ActuatorStatus& status, const transport::SampleInfo& info);
   ActuatorLink& LinkTo(std::size_t actuator);
   void OnLinkEvent(const Event& event);
@@ -152,6 +165,7 @@ class ControllerShell {
   void TellUnproven(std::size_t actuator, std::int32_t pid, const std::string& why);
   bool WatchFound(std::size_t actuator, pid_t pid);
   void CompareHash(std::size_t actuator, const std::string& hash);
+  void TellUnlisted(const msg::ActuatorStatus& status);
 
   bool KeepForBegin(const Event& event);
   void Handle(const Event& event);
@@ -194,9 +208,11 @@ class ControllerShell {
   std::unordered_map<transport::PeerId, Speaker> speakers_;  // who is behind a status writer
   std::vector<Peer> peers_;
   StoredStops stops_before_begin_;
-  std::map<std::size_t, event::StatusSeen> before_begin_;  // the last one of each actuator
-  std::optional<Time> first_heard_;                        // of those
-  std::deque<Event> queue_;                                // events that came while one was handled
+  std::map<std::size_t, event::StatusSeen> before_begin_;   // the last one of each actuator
+  std::map<std::size_t, std::string> hashes_before_begin_;  // of their configs
+  std::map<std::string, std::uint64_t> unlisted_;  // actuators of no config of ours: incarnation
+  std::optional<Time> first_heard_;                // of those
+  std::deque<Event> queue_;                        // events that came while one was handled
   bool handling_ = false;
   RequestId next_request_ = 1;
   std::map<RequestId, OnResult> waiting_for_result_;

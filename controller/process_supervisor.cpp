@@ -1,6 +1,7 @@
 #include "musher/controller/process_supervisor.hpp"
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -10,6 +11,8 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <utility>
 
@@ -65,6 +68,33 @@ std::string LastWords(int fd, std::int64_t begin) {
   return last.substr(0, end) + "…";
 }
 
+// All that a child starts inherits it.
+constexpr const char* kMark = "MUSHER_PROCESS";
+
+std::string MarkOf(std::uint64_t number) {
+  return std::to_string(getpid()) + "." + std::to_string(number);
+}
+
+// "MUSHER_PROCESS=17.3"; empty where a process has none, has ended, or hides its environment.
+std::string MarkIn(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/environ", std::ios::binary);
+  const std::string begin = std::string(kMark) + "=";
+  for (std::string variable; std::getline(file, variable, '\0');) {
+    if (variable.starts_with(begin)) return variable;
+  }
+  return {};
+}
+
+std::vector<pid_t> Children() {
+  std::vector<pid_t> children;
+  std::error_code error;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", error)) {
+    std::ifstream file(thread.path() / "children");
+    for (pid_t pid = 0; file >> pid;) children.push_back(pid);
+  }
+  return children;
+}
+
 void Call(const std::vector<ProcessRunner::OnExit>& all, const ProcessExit& exit) {
   for (const ProcessRunner::OnExit& on_exit : all) {
     if (on_exit) on_exit(exit);
@@ -86,12 +116,15 @@ std::string ProcessExit::Text() const {
 Result<pid_t> ProcessSupervisor::Start(const ProcessSpec& spec, OnExit on_exit) {
   Process process;
   process.name = spec.name;
+  process.number = next_number_++;
   process.on_exit.push_back(std::move(on_exit));
   process.log_begin = spec.output >= 0 ? SizeOf(spec.output) : -1;
   if (process.log_begin >= 0) {
     process.log = std::make_shared<transport::UniqueFd>(fcntl(spec.output, F_DUPFD_CLOEXEC, 0));
   }
-  auto child = Spawn(spec);
+  ProcessSpec marked = spec;
+  marked.env[kMark] = MarkOf(process.number);
+  auto child = Spawn(marked);
   if (!child) return child.error();
   const pid_t pid = child.value().pid();
   if (const auto failure = child.value().Failure(loading_)) {
@@ -150,12 +183,35 @@ void ProcessSupervisor::Ended(pid_t pid) {
   if (!ended.child) return Call(ended.on_exit, {});
   kill(-pid, SIGKILL);  // before the leader is reaped, while the group's number is surely its own
   ProcessExit exit = Reap(pid);
+  if (adopts_) {
+    ended_.insert(std::string(kMark) + "=" + MarkOf(ended.number));
+    EndOrphans();
+  }
   if (const auto failure = ended.child->Failure(Duration::zero())) {
     exit = {ProcessExit::Kind::kNotRun, 0, failure->message};
   }
   const bool discontent = exit.kind == ProcessExit::Kind::kExited && exit.number != 0;
   if (discontent && ended.log) return AwaitLastWords(exit, std::move(ended));
   Call(ended.on_exit, exit);
+}
+
+void ProcessSupervisor::AdoptOrphans() {
+  adopts_ = prctl(PR_SET_CHILD_SUBREAPER, 1) == 0;
+}
+
+void ProcessSupervisor::ReapOrphans() {
+  if (!adopts_) return;
+  for (const pid_t child : Children()) {
+    if (!processes_.contains(child)) waitpid(child, nullptr, WNOHANG);
+  }
+  EndOrphans();  // what an orphan that has ended has left behind in its turn
+}
+
+void ProcessSupervisor::EndOrphans() {
+  if (ended_.empty()) return;
+  for (const pid_t child : Children()) {
+    if (!processes_.contains(child) && ended_.contains(MarkIn(child))) kill(child, SIGKILL);
+  }
 }
 
 void ProcessSupervisor::AwaitLastWords(const ProcessExit& exit, Process process) {

@@ -24,6 +24,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -47,9 +48,16 @@ class ProcessSupervisor : public ProcessRunner {
   Result<> Watch(pid_t pid, OnExit on_exit) override;
   Result<> Signal(pid_t pid, int signal) override;
 
+  // From now on what a child leaves behind, as a daemon that it started, becomes a child of this
+  // process, and is killed when that child has ended. ReapOrphans() is to be called on each SIGCHLD
+  // then.
+  void AdoptOrphans();
+  void ReapOrphans();
+
  private:
   struct Process {
     std::string name;
+    std::uint64_t number = 0;                  // in the environment of all that it starts
     std::optional<Spawned> child;              // none: it is only watched
     std::shared_ptr<transport::UniqueFd> log;  // of a child whose output is a file
     std::int64_t log_begin = 0;                // bytes that were in it before
@@ -67,6 +75,7 @@ class ProcessSupervisor : public ProcessRunner {
 
   Result<> Add(pid_t pid, Process process);
   void Ended(pid_t pid);
+  void EndOrphans();
   void AwaitLastWords(const ProcessExit& exit, Process process);
   void Report(std::uint64_t ending, const std::string& last_words);
 
@@ -74,6 +83,9 @@ class ProcessSupervisor : public ProcessRunner {
   DiskWriter& disk_;
   const Duration loading_;
   std::map<pid_t, Process> processes_;
+  bool adopts_ = false;
+  std::uint64_t next_number_ = 1;
+  std::set<std::string> ended_;  // marks of children that have ended, as their orphans have them
   std::map<std::uint64_t, Ending> endings_;
   std::uint64_t next_ending_ = 1;
   const std::shared_ptr<bool> alive_ = std::make_shared<bool>();  // expires with the supervisor

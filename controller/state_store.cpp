@@ -47,22 +47,19 @@ bool SyncFolder(const std::string& dir) {
   return folder.valid() && fsync(folder.get()) == 0;
 }
 
-}  // namespace
-
-std::string DefaultStateDir(std::string_view controller_name) {
-  const auto variable = [](const char* name) -> std::string {
-    const char* value = std::getenv(name);
-    return value && value[0] == '/' ? value : "";
-  };
-  std::string base = variable("XDG_STATE_HOME");
-  if (base.empty()) {
-    const std::string home = variable("HOME");
-    base = home.empty() ? "/var/lib" : home + "/.local/state";
-  }
-  return base + "/musher/" + std::string(controller_name);
+Error Foreign(const std::string& dir, const MachineOrigin& recorded, const MachineOrigin& machine,
+              pid_t led_by) {
+  std::string what = dir + " belongs to another machine, " + recorded.Text();
+  if (led_by != 0) what += ", which process " + std::to_string(led_by) + " leads";
+  return {kCodePermissionDenied,
+          what + "; this one is " + machine.Text() +
+              ". Give this one a `name` or a `state_dir` of its own in [controller]" +
+              (led_by != 0 ? "" : ", or remove " + dir + "/machine if it replaces the other")};
 }
 
-Result<StateStore> StateStore::Open(const std::string& dir, std::string_view controller_name) {
+}  // namespace
+
+Result<StateStore> StateStore::Open(const std::string& dir, const MachineOrigin& machine) {
   if (auto made = MakePrivateFolder(fs::path(dir) / "logs"); !made) return made.error();
   const std::string path = dir + "/controller.lock";
   UniqueFd lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
@@ -71,11 +68,19 @@ Result<StateStore> StateStore::Open(const std::string& dir, std::string_view con
     if (errno != EWOULDBLOCK) return SystemError("can't lock " + path);
     std::string owner = ReadSmall(lock.get());
     owner = owner.substr(0, owner.find('\n'));
+    const auto recorded = LoadOrigin(dir);
+    if (recorded && !recorded->IsOf(machine, true)) {
+      return Foreign(dir, *recorded, machine, OwnerOf(dir));
+    }
     return Error{kCodeTargetBusy, "a controller runs with " + dir + " already: process " +
                                       (owner.empty() ? "unknown" : owner)};
   }
+  const auto recorded = LoadOrigin(dir);
+  if (recorded && !recorded->IsOf(machine, false)) return Foreign(dir, *recorded, machine, 0);
+  // On a full disk it stays as it is, and the machine starts all the same.
+  if (recorded != machine) static_cast<void>(SaveOrigin(dir, machine));
   // The lock counts, not what is in the file: on a full disk it may stay empty.
-  const std::string owner = std::to_string(getpid()) + " " + std::string(controller_name) + "\n";
+  const std::string owner = std::to_string(getpid()) + " " + machine.name + "\n";
   if (ftruncate(lock.get(), 0) == 0) WriteAll(lock.get(), owner);
   return StateStore(dir, std::move(lock));
 }
@@ -195,6 +200,16 @@ StoredPolicy StateStore::LoadPolicy() const {
     }
   }
   return policy;
+}
+
+Result<> StateStore::SaveConfigHash(const std::string& hash) {
+  return Replace(ConfigHashFile(), hash + "\n");
+}
+
+std::string StateStore::LoadConfigHash() const {
+  const UniqueFd file(open(ConfigHashFile().c_str(), O_RDONLY | O_CLOEXEC));
+  const std::string text = file.valid() ? ReadSmall(file.get()) : "";
+  return text.substr(0, text.find('\n'));
 }
 
 pid_t StateStore::OwnerOf(const std::string& dir) {

@@ -2,6 +2,8 @@
 // The controller's folder, and the lock that says that it has a living owner:
 //
 //   controller.lock     held while the controller lives; says who: "4711 robot"
+//   machine             whose folder it is (machine_origin.hpp)
+//   config              the hash of the config that the machine was led with last
 //   epoch               the last epoch that was begun, as a decimal number
 //   emergency_stop      there while one is engaged: its number, by whom, why
 //   policy              what the policy remembers: the low-power switch, where the battery took it
@@ -18,16 +20,13 @@
 #include <string_view>
 #include <utility>
 
+#include "musher/controller/machine_origin.hpp"
 #include "musher/lifecycle/config.hpp"
 #include "musher/lifecycle/machine.hpp"
 #include "musher/lifecycle/result.hpp"
 #include "musher/transport/unique_fd.hpp"
 
 namespace musher {
-
-// Where a controller of this name keeps its state unless the config says otherwise:
-// $XDG_STATE_HOME/musher/<name>, else ~/.local/state/musher/<name>, else /var/lib/musher/<name>.
-std::string DefaultStateDir(std::string_view controller_name);
 
 // What the controller prints, for people.
 inline std::string ControllerLogFile(const MachineConfig& config) {
@@ -37,12 +36,15 @@ inline std::string ControllerLogFile(const MachineConfig& config) {
 class StateStore {
  public:
   // Makes the folder (only for its owner) and takes the lock. Fails
-  //   - with kCodeTargetBusy when a living controller has it, naming that one: do not go on;
+  //   - with kCodePermissionDenied when the folder belongs to another machine, naming that one: do
+  //     not go on;
+  //   - with kCodeTargetBusy when a living controller of this machine has it, naming that one: do
+  //     not go on;
   //   - with kCodeFailed when the disk does not let us: a controller may go on without a store,
   //   with
   //     the epoch from what the actuators have seen.
   // The kernel drops the lock when the process ends in whatever way.
-  static Result<StateStore> Open(const std::string& dir, std::string_view controller_name);
+  static Result<StateStore> Open(const std::string& dir, const MachineOrigin& machine);
 
   // The saved epoch; 0 when there is none yet. An unreadable or damaged one is an Error to report
   // and go on with as if it were 0: what the actuators have seen counts as well.
@@ -66,6 +68,10 @@ class StateStore {
   Result<> SavePolicy(const StoredPolicy& policy);
   StoredPolicy LoadPolicy() const;
 
+  // The hash of the config that the machine was led with last; empty where none is known.
+  Result<> SaveConfigHash(const std::string& hash);
+  std::string LoadConfigHash() const;
+
   // The process that says it holds the lock of a folder; 0 when nobody says so.
   static pid_t OwnerOf(const std::string& dir);
   // Whether that process does hold it, as far as we may look into it.
@@ -81,6 +87,7 @@ class StateStore {
   std::string EpochFile() const { return dir_ + "/epoch"; }
   std::string EmergencyStopFile() const { return dir_ + "/emergency_stop"; }
   std::string PolicyFile() const { return dir_ + "/policy"; }
+  std::string ConfigHashFile() const { return dir_ + "/config"; }
   std::string StopIntentFile() const { return dir_ + "/stop_intent"; }
   Result<> Replace(const std::string& path, const std::string& content) const;
 

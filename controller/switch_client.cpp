@@ -15,6 +15,7 @@ namespace {
 constexpr Duration kGrace = Milliseconds(200);
 // A successor answers once it has met the actuators.
 constexpr Duration kTellTimeout = std::chrono::seconds(10);
+constexpr const char* kStopped = "stopped";  // a phase of MachineStatus
 constexpr Duration kQueryPeriod = Milliseconds(200);
 
 std::string Seconds(Duration duration) {
@@ -71,6 +72,7 @@ void SwitchClient::OnStatus(const msg::MachineStatus& status) {
       before_ = status.switch_number;
       return Ask(status);
     case Step::kAsked:
+      if (status.phase == kStopped) stopped_ = status;
       if (wait_) return;  // it is known to have ended
       epoch_ = status.epoch;
       if (status.target == target_) number_ = status.switch_number;
@@ -135,6 +137,7 @@ void SwitchClient::OnLeaderEnd(const msg::MachineStatus&, const std::string& how
 }
 
 void SwitchClient::Orphan() {
+  if (EndedWithItsMachine()) return End(EndByStatus());
   transport::EventLoop& loop = node_.loop();
   step_ = Step::kOrphaned;
   on_news_(Lost() + "; for " + Seconds(options_.successor) + " another one is waited for");
@@ -144,6 +147,28 @@ void SwitchClient::Orphan() {
                "status` shows then where the machine is");
   });
   if (watch_->leader()) GoOn(*watch_->leader());
+}
+
+// A controller ends with its machine. Its answer may be lost on the way, its latched status says
+// the same.
+bool SwitchClient::EndedWithItsMachine() const {
+  return target_ == kTearDown && actuator_.empty() && stopped_ && stopped_->epoch == epoch_;
+}
+
+SwitchEnd SwitchClient::EndByStatus() const {
+  SwitchEnd end;
+  end.kind = SwitchEnd::Kind::kTold;
+  end.result.switch_number = stopped_->switch_number;
+  end.result.target = target_;
+  end.result.state = stopped_->state;
+  end.result.degraded = stopped_->degraded;
+  end.result.outcome = stopped_->degraded.empty() ? "done" : "done-degraded";
+  for (const msg::ActuatorInfo& actuator : stopped_->actuators) {
+    if (!actuator.degraded || !end.result.reason.empty()) continue;
+    end.result.code = actuator.code;
+    end.result.reason = actuator.name + ": " + actuator.message;
+  }
+  return end;
 }
 
 void SwitchClient::GoOn(const msg::MachineStatus& successor) {

@@ -79,6 +79,8 @@ class SwitchClient {
   void EndUnknown(const std::string& why);
   void End(const SwitchEnd& end);
   std::string Lost() const;
+  bool EndedWithItsMachine() const;
+  SwitchEnd EndByStatus() const;
 
   transport::Node& node_;
   const Options options_;
@@ -87,12 +89,13 @@ class SwitchClient {
   const OnNews on_news_;
   const OnEnd on_end_;
   Step step_ = Step::kFinding;
-  std::uint64_t epoch_ = 0;   // of the controller that was asked
-  std::uint64_t before_ = 0;  // number of its last switch before the request
-  std::uint64_t number_ = 0;  // of ours; 0: not known
-  std::int32_t pid_ = 0;      // of the controller that was asked
-  std::string how_;           // it ended
-  bool sent_ = false;         // the request of this step
+  std::uint64_t epoch_ = 0;                    // of the controller that was asked
+  std::uint64_t before_ = 0;                   // number of its last switch before the request
+  std::uint64_t number_ = 0;                   // of ours; 0: not known
+  std::int32_t pid_ = 0;                       // of the controller that was asked
+  std::string how_;                            // it ended
+  std::optional<msg::MachineStatus> stopped_;  // the last status, where the machine is stopped
+  bool sent_ = false;                          // the request of this step
   transport::LoopHandlePtr timeout_;
   transport::LoopHandlePtr wait_;  // the end of the present step, or the next query
   std::unique_ptr<transport::Client<msg::SetState>> set_state_;

@@ -30,6 +30,9 @@ namespace musher {
 // Somebody who waits for an answer; chosen by the shell.
 using RequestId = std::uint64_t;
 
+// Of one that cannot be heard any more, as long as nothing else is known of it.
+inline constexpr const char* kOutOfReach = "it is out of reach";
+
 namespace event {
 
 // Starts the machine: with `by_hand` only SetUp, the rest comes as requests. `running[i]` says that
@@ -71,7 +74,7 @@ struct Vanished {
   std::size_t actuator = 0;
   std::uint64_t incarnation = 0;
   bool for_good = false;  // its process has ended; otherwise it may be heard of again
-  std::string how;        // "its process 4711 ended", "it is out of reach"
+  std::string how;        // "its process 4711 ended", kOutOfReach
   friend bool operator==(const Vanished&, const Vanished&) = default;
 };
 struct ProcessStarted {

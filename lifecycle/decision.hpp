@@ -155,6 +155,8 @@ class Decision {
   void FailStartUp(const std::string& why, std::uint64_t cause);
   void BecomeRunning(const std::string& message, std::uint64_t cause);
   void CheckSetUpDeadlines();
+  std::string NotSetUp(std::size_t i) const;
+  bool WasOutOfReach(std::size_t i) const;
   std::optional<State> LowestFound() const;
   std::string HalfWay() const;
 

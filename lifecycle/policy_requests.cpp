@@ -85,7 +85,7 @@ std::optional<Error> Decision::KeptOrBusy() const {
     const auto left = std::chrono::ceil<std::chrono::seconds>(keep->until - policy_now()).count();
     return Error{kCodeStateInvalid, "the machine is kept in " + keep->state + " for another " +
                                         std::to_string(left) +
-                                        " s; a keep of 0 s ends that before"};
+                                        " s; `musher keep --end` ends that before"};
   }
   if (!machine_.current) return std::nullopt;
   return Error{kCodeTargetBusy, "switch " + std::to_string(machine_.current->number) + " (to " +

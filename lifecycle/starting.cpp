@@ -152,17 +152,27 @@ void Decision::On(const event::ProcessEnded& ended) {
   if (AnotherIsThere(ended.actuator, ended.pid)) return;
   // How one ends that we have not started is not known.
   if (ended.clean || record.found_running) TakeForTornDown(ended.actuator);
-  if (record.health != Health::kHung) record.health = Health::kCrashed;
-  if (record.presence == Presence::kStarting || record.presence == Presence::kPresent) {
-    const bool in_set_up = record.presence == Presence::kStarting;
-    if (IsFinal(ended.actuator, ended)) {
-      Lose(ended.actuator, WhyFinal(ended), record.cause, kCodeFailed);
-    } else {
-      Lose(ended.actuator, "crashed: its " + how + (in_set_up ? " during SetUp" : ""),
-           record.cause);
-    }
+  // An orderly end that nothing asked for is none the less a loss, but no crash.
+  if (record.health != Health::kHung && !ended.clean) record.health = Health::kCrashed;
+  const bool in_set_up = record.presence == Presence::kStarting;
+  const std::string why = IsFinal(ended.actuator, ended)
+                              ? WhyFinal(ended)
+                              : std::string(ended.clean ? "ended: its " : "crashed: its ") + how +
+                                    (in_set_up ? " during SetUp" : "");
+  if (in_set_up || record.presence == Presence::kPresent) {
+    const bool final = IsFinal(ended.actuator, ended);
+    Lose(ended.actuator, why, record.cause, final ? kCodeFailed : kCodeNetError);
+  } else if (WasOutOfReach(ended.actuator)) {
+    // That it could not be heard any more was the first sign of it.
+    Degrade(ended.actuator, record.fault->code, why, record.cause);
   }
   Recover(ended.actuator, ended);
+}
+
+// Whether all that is known of its loss is that it could not be heard any more.
+bool Decision::WasOutOfReach(std::size_t i) const {
+  const ActuatorRecord& record = Of(i);
+  return record.presence == Presence::kLost && record.fault && record.fault->message == kOutOfReach;
 }
 
 // Whether a process of this host other than `pid` says that it is this actuator: somebody was
@@ -192,6 +202,23 @@ void Decision::AnswerWhoAwaitsSetUp() {
   }
 }
 
+// Why it is not there in time.
+std::string Decision::NotSetUp(std::size_t i) const {
+  const ActuatorConfig& actuator = ConfigOf(i);
+  const ActuatorRecord& record = Of(i);
+  const std::string within =
+      "within " + std::to_string(ToMilliseconds(config_.TimeFor(i, kSetUp))) + " ms";
+  const bool announced = record.report.incarnation != 0 && record.report.incarnation != record.dead;
+  if (record.process == 0 || announced || actuator.protocol != Protocol::kMusher) {
+    return "was not set up " + within;
+  }
+  std::string command = R"(["musher-exec", "--")";
+  for (const std::string& word : actuator.command) command += ", \"" + word + "\"";
+  return "its program runs (process " + std::to_string(record.process) +
+         ") but never announced itself as actuator " + actuator.name + " " + within +
+         "; one that is no Musher module is wrapped with musher-exec: command = " + command + "]";
+}
+
 void Decision::CheckSetUpDeadlines() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
@@ -202,10 +229,7 @@ void Decision::CheckSetUpDeadlines() {
     if (record.fault && record.presence != Presence::kStarting)
       continue;                        // what is known says more
     if (machine_.finishing) continue;  // what does not run need not be torn down
-    Degrade(i, kCodeTimeout,
-            "was not set up within " + std::to_string(ToMilliseconds(config_.TimeFor(i, kSetUp))) +
-                " ms",
-            record.cause);
+    Degrade(i, kCodeTimeout, NotSetUp(i), record.cause);
     Fall(i);
   }
 }

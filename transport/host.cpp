@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <system_error>
 
@@ -147,6 +148,19 @@ bool NameLock::IsHeld(std::string_view name) {
 std::string NameLock::Holder::Text() const {
   if (pid == 0) return "a process of another user";
   return "process " + std::to_string(pid) + " of user " + std::to_string(uid);
+}
+
+std::vector<std::string> NameLock::HeldBelow(std::string_view prefix) {
+  const std::string begin = "@musher/" + std::string(prefix);
+  std::set<std::string> names;
+  std::ifstream table("/proc/net/unix");
+  for (std::string line; std::getline(table, line);) {
+    const std::size_t at = line.find(begin);
+    if (at == std::string::npos || at == 0 || line[at - 1] != ' ') continue;
+    const std::string name = line.substr(at + begin.size());
+    if (!name.empty() && name.find('/') == std::string::npos) names.insert(name);
+  }
+  return {names.begin(), names.end()};
 }
 
 NameLock::Holder NameLock::HolderOf(std::string_view name) {

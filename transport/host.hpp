@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "musher/lifecycle/result.hpp"
 #include "musher/transport/unique_fd.hpp"
@@ -54,6 +55,10 @@ class NameLock {
 
   // Whether a living process holds the name. Never disturbs one that is about to acquire it.
   static bool IsHeld(std::string_view name);
+
+  // What follows `prefix` in the names that are held, where that has no further '/': with
+  // NameOf(domain, name_space, "") the actuators of a namespace whose processes run on this host.
+  static std::vector<std::string> HeldBelow(std::string_view prefix);
 
   // Names are free to any user of the host. So the process that holds one counts only if it is
   // root's or of our own user, and so is the lock.

@@ -34,6 +34,8 @@ class RawServer {
                                                  const std::string& type, OnRequest on_request);
 
   std::uint64_t malformed() const { return malformed_; }
+  // Whether a reply waits for the reader of the client that asked.
+  bool Holds() const { return !held_.empty(); }
   std::uint64_t dropped() const { return dropped_; }
   std::uint64_t unknown() const { return unknown_; }
 

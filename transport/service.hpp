@@ -98,6 +98,8 @@ class Server {
   // Requests that did not decode; replies that reached nobody within 5 s or could not be sent.
   std::uint64_t malformed() const { return raw_->malformed(); }
   std::uint64_t dropped() const { return raw_->dropped(); }
+  // Whether a reply is held until the client that asked can be reached.
+  bool Holds() const { return raw_->Holds(); }
 
  private:
   std::unique_ptr<RawServer> raw_;

@@ -3,6 +3,7 @@
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/surroundings.hpp"
 #include "musher/lifecycle/config_toml.hpp"
 
 namespace musher::cli {
@@ -10,7 +11,12 @@ namespace musher::cli {
 ExitCode Check(const CheckOptions& options, Console& console) {
   std::vector<Diagnostic> all;
   for (const std::string& file : options.files) {
-    const ConfigReading reading = ReadConfigFile(file);
+    ConfigReading reading = ReadConfigFile(file);
+    if (reading.config) {
+      const auto around = CheckSurroundings(*reading.config);
+      reading.diagnostics.insert(reading.diagnostics.end(), around.begin(), around.end());
+      if (HasError(around)) reading.config.reset();
+    }
     all.insert(all.end(), reading.diagnostics.begin(), reading.diagnostics.end());
     if (console.mode().json) continue;
     std::string text;

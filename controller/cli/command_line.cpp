@@ -146,7 +146,11 @@ std::string Grammar::Complaint(const CLI::ParseError& e) const {
   if (!has_command && unknown.empty() && dynamic_cast<const CLI::RequiredError*>(&e) != nullptr) {
     return "a command is missing; see musher --help";
   }
-  if (has_command || unknown.empty()) return std::string(e.what()) + "; see musher --help";
+  if (has_command) {
+    return std::string(e.what()) + "; see musher " + app_->get_subcommands().front()->get_name() +
+           " --help";
+  }
+  if (unknown.empty()) return std::string(e.what()) + "; see musher --help";
   std::vector<std::string> commands;
   for (const CLI::App* command : app_->get_subcommands({})) commands.push_back(command->get_name());
   const std::string near = Nearest(unknown.front(), commands);
@@ -177,8 +181,22 @@ void Grammar::TakeGlobalOptions() {
   }
 }
 
+namespace {
+
+// `musher` alone and `musher help [COMMAND]` ask for help, as --help does.
+std::vector<const char*> WithHelp(int argc, const char* const* argv) {
+  std::vector<const char*> words(argv, argv + argc);
+  const bool asks = argc > 1 && std::string_view(argv[1]) == "help";
+  if (asks) words.erase(words.begin() + 1);
+  if (asks || argc == 1) words.push_back("--help");
+  return words;
+}
+
+}  // namespace
+
 std::variant<CommandLine, ParseEnd> ParseCommandLine(int argc, const char* const* argv) {
-  auto parsed = Grammar().Parse(argc, argv);
+  const auto words = WithHelp(argc, argv);
+  auto parsed = Grammar().Parse(static_cast<int>(words.size()), words.data());
   if (auto* end = std::get_if<ParseEnd>(&parsed)) {
     // The parser may not have come as far as --json.
     end->json = std::find(argv, argv + argc, std::string_view("--json")) != argv + argc;

@@ -10,7 +10,7 @@ namespace musher::cli {
 
 ExitCode Check(const CheckOptions& options, Console& console);
 ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& console);
-ExitCode Down(const GlobalOptions& global, Console& console);
+ExitCode Down(const DownOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Set(const SetOptions& options, const GlobalOptions& global, Console& console);
 ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console);

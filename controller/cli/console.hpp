@@ -36,7 +36,9 @@ class Console {
 
   // A line, a block of lines or a JSON document on the result stream, seen at once.
   void Print(std::string_view text);
-  // The same without the end of a line, for what is drawn over; on a terminal only.
+  // False once something printed was lost, because the reader of a pipe has ended.
+  bool HasReader() const { return !out_.fail(); }
+  // Print() without the end of a line, for what is drawn over; on a terminal only.
   void Redraw(std::string_view text);
   // "musher: <text>" for a person, on the other stream.
   void Complain(std::string_view text);

@@ -15,6 +15,7 @@
 namespace musher::cli {
 namespace {
 
+constexpr Duration kLastAnswers = Milliseconds(1500);
 constexpr Duration kLastWords = Milliseconds(2000);  // for the disk, at the end
 
 void LeaveTerminal() {
@@ -36,16 +37,15 @@ void PutOwnFolderFirstInPath() {
 }  // namespace
 
 ControllerProcess::ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
-                                     transport::UniqueFd progress, pid_t front, bool takeover,
-                                     bool restarted)
+                                     transport::UniqueFd progress, pid_t front, Start start)
     : config_(config),
       run_(std::move(run)),
       front_(front),
-      takeover_(takeover),
-      restarted_(restarted),
+      start_(start),
       signals_(TakeEndSignals()),
       let_go_(TakeSignals({kLetGoSignal})),
       again_(run_ ? TakeSignals({kStartAgainSignal}) : transport::UniqueFd()),
+      children_(TakeSignals({SIGCHLD})),
       progress_(loop_, std::move(progress)),
       disk_(loop_, {.name = "controller.log"}),
       log_(disk_, ControllerLogFile(config)),
@@ -70,6 +70,9 @@ int ControllerProcess::Run() {
     return static_cast<int>(ExitCode::kUsage);
   }
   loop_.Run();
+  // The last answers, such as that to `musher down`; not after another controller has taken over.
+  const auto answered = [this] { return !controller_->shell().OpenForClients(); };
+  loop_.RunUntil(answered, loop_.Now() + kLastAnswers);
   const bool disk_works = controller_->Flush(kLastWords);
   loop_.RunUntil([] { return false; }, loop_.Now());  // what the disk had to say about that
   disk_.Flush(disk_works ? kLastWords : Milliseconds(100));
@@ -91,9 +94,11 @@ Result<> ControllerProcess::Begin() {
   auto controller = Controller::Make(*node_, domain_id.value(), config_, Options());
   if (!controller) return controller.error();
   controller_ = std::move(controller).value();
-  signal_watch_ = loop_.WhenReadable(signals_.get(), [this] {
-    if (NextSignal(signals_) != 0) TakeDown();
+  controller_->AdoptOrphans();
+  children_watch_ = loop_.WhenReadable(children_.get(), [this] {
+    if (NextSignal(children_) != 0) controller_->ReapOrphans();
   });
+  signal_watch_ = loop_.WhenReadable(signals_.get(), [this] { OnSignal(); });
   let_go_watch_ = loop_.WhenReadable(let_go_.get(), [this] {
     pid_t sender = 0;
     if (NextSignal(let_go_, &sender) == 0) return;
@@ -142,8 +147,10 @@ void ControllerProcess::StartAgain(const std::string& why) {
 
 ControllerOptions ControllerProcess::Options() {
   ControllerOptions options;
-  options.takeover = takeover_;
-  options.restarted = restarted_;
+  options.takeover = start_.takeover;
+  options.adopt = start_.adopt;
+  options.restarted = start_.restarted;
+  if (run_) options.started_from = run_->root;
   options.hooks.on_record = [this](const action::Record& record) { OnRecord(record); };
   options.hooks.on_start_up_ended = [this](const action::StartUpEnded& e) { OnStartUpEnded(e); };
   options.hooks.on_stopped = [this] {
@@ -182,7 +189,7 @@ void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
     return;
   }
   // The front leaves after a failed start, and the machine stays up for inspection.
-  if (!ended.usable) prctl(PR_SET_PDEATHSIG, 0);
+  if (!ended.usable) LeaveFront();
   service_manager_.StartUpEnded(ended);
   Tell(Progress::kStartUp, ended.message, ended.usable ? kCodeOk : kCodeFailed);
 }
@@ -200,6 +207,27 @@ void ControllerProcess::OnFenced(const std::string& message) {
 void ControllerProcess::OnTrouble(const std::string& message) {
   Tell(Progress::kTrouble, message, kCodeFailed);
   log_.Write(message, kCodeFailed);
+}
+
+void ControllerProcess::OnSignal() {
+  const int signal = NextSignal(signals_);
+  if (signal == SIGHUP) return GoOnAlone();
+  if (signal != 0) TakeDown();
+}
+
+// The front has lost its terminal, and leaves once it is told that nothing of us hangs on it.
+void ControllerProcess::GoOnAlone() {
+  if (front_ != 0) {
+    LeaveFront();
+    controller_->shell().Remark(
+        kCodeOk, "the terminal of `musher up` is closed; this controller goes on without it");
+  }
+  Tell(Progress::kAlone, config_.name + " is led without a terminal");
+}
+
+void ControllerProcess::LeaveFront() {
+  prctl(PR_SET_PDEATHSIG, 0);
+  front_ = 0;
 }
 
 // By a signal: Ctrl-C, or a supervisor that ends the machine.

@@ -33,14 +33,22 @@ namespace musher::cli {
 
 class ControllerProcess {
  public:
-  // `front`: the process that must not outlive us in the foreground - if it dies, so do we, until
-  // start-up has failed; 0: none. `restarted`: see ControllerOptions.
+  // How it begins; each as ControllerOptions has it.
+  struct Start {
+    bool takeover = false;
+    bool adopt = false;
+    bool restarted = false;
+  };
+  // `front`: the process in the foreground. If it is killed, so are we, until it has left: after a
+  // failed start, or because its terminal was closed (SIGHUP). 0: there is none. `restarted`: see
+  // ControllerOptions.
   ControllerProcess(const MachineConfig& config, std::optional<SlotRun> run,
-                    transport::UniqueFd progress, pid_t front, bool takeover, bool restarted);
+                    transport::UniqueFd progress, pid_t front, Start start);
 
   // In a new process, before it has threads. Gives its exit code.
   int Run();
   bool StartsAgain() const { return start_again_; }
+  pid_t front() const { return front_; }  // 0: there is none, or none any more
 
  private:
   Result<> Begin();
@@ -52,19 +60,22 @@ class ControllerProcess {
   void OnStartUpEnded(const action::StartUpEnded& ended);
   void OnFenced(const std::string& message);
   void OnTrouble(const std::string& message);
+  void OnSignal();
+  void GoOnAlone();
   void TakeDown();
+  void LeaveFront();
   void Tell(const std::string& kind, const std::string& message, std::int32_t code = kCodeOk);
 
   const MachineConfig& config_;
   const std::optional<SlotRun> run_;
-  const pid_t front_;
-  const bool takeover_;
-  const bool restarted_;
+  pid_t front_;
+  const Start start_;
   bool start_again_ = false;
   ExitCode exit_ = ExitCode::kDone;
   transport::UniqueFd signals_;
   transport::UniqueFd let_go_;
   transport::UniqueFd again_;
+  transport::UniqueFd children_;
   transport::LinuxEventLoop loop_;
   ProgressSender progress_;
   DiskWriter disk_;  // for the log and the end of a trial
@@ -75,6 +86,7 @@ class ControllerProcess {
   transport::LoopHandlePtr signal_watch_;
   transport::LoopHandlePtr let_go_watch_;
   transport::LoopHandlePtr again_watch_;
+  transport::LoopHandlePtr children_watch_;
   RootClaim claim_;
   std::optional<action::StartUpEnded> start_up_;  // of a version on trial, not told yet
   std::optional<Trial> trial_;

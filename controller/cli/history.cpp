@@ -1,6 +1,11 @@
 // musher history: what happened and why, told by the controller, or read from the journal of one
 // that has gone.
 
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
@@ -15,6 +20,9 @@ namespace {
 
 using Told = msg::GetHistory::Response;
 
+constexpr unsigned kAll = UINT32_MAX;
+constexpr Duration kFollowPeriod = Milliseconds(300);
+
 std::variant<Told, Failure> FromFile(const std::string& path, std::int64_t since, unsigned limit) {
   const auto read = ReadJournal(path, since, limit);
   if (!read) return Failure{ExitCode::kUsage, read.error()};
@@ -26,12 +34,9 @@ std::variant<Told, Failure> FromFile(const std::string& path, std::int64_t since
   return history;
 }
 
-std::variant<Told, Failure> FromController(const GlobalOptions& global, std::int64_t since,
-                                           unsigned limit) {
-  const auto link = Link::Open(global);
-  if (!link) return Failure{ExitCode::kUsage, link.error()};
+std::variant<Told, Failure> Ask(Link& link, std::int64_t since, unsigned limit) {
   const auto answer =
-      link.value()->Ask<msg::GetHistory>("get_history", {since, limit}, std::chrono::seconds(5));
+      link.Ask<msg::GetHistory>("get_history", {since, limit}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     Failure with_hint = *failure;
     if (failure->exit == ExitCode::kNoController) {
@@ -47,6 +52,78 @@ std::variant<Told, Failure> FromController(const GlobalOptions& global, std::int
   return response;
 }
 
+// What of the history is asked for.
+struct Selection {
+  std::int64_t since = 0;
+  std::int64_t until = INT64_MAX;
+  std::string actuator;
+  unsigned limit = 0;  // 0: all
+
+  // The limit is of what matches.
+  unsigned ReadLimit() const {
+    const bool filters = until != INT64_MAX || !actuator.empty();
+    return limit == 0 || filters ? kAll : limit;
+  }
+  void Apply(std::vector<msg::HistoryEntry>& entries) const {
+    std::erase_if(entries, [this](const msg::HistoryEntry& entry) {
+      return entry.wall_ns > until || (!actuator.empty() && entry.actuator != actuator);
+    });
+    const std::size_t most = limit == 0 ? entries.size() : limit;
+    if (entries.size() > most) {
+      entries.erase(entries.begin(), entries.end() - static_cast<std::ptrdiff_t>(most));
+    }
+  }
+};
+
+Result<Selection> Select(const HistoryOptions& options) {
+  Selection selection;
+  selection.actuator = options.actuator;
+  selection.limit = options.limit;
+  if (!options.since.empty()) {
+    const auto since = ParseSince(options.since, WallNow());
+    if (!since) return since.error();
+    selection.since = since.value();
+  }
+  if (!options.until.empty()) {
+    const auto until = ParseSince(options.until, WallNow());
+    if (!until) return until.error();
+    selection.until = until.value();
+  }
+  return selection;
+}
+
+void Show(const Told& history, bool csv, bool first, Console& console) {
+  if (csv) {
+    console.Print(HistoryCsv(history.entries, first));
+  } else if (console.mode().json) {
+    console.Print(HistoryJson(history));
+  } else if (first || !history.entries.empty()) {
+    console.Print(HistoryText(history.entries, console.mode().colour));
+  }
+}
+
+// Prints what comes after the last entry that was shown, until Ctrl-C or the end of the controller.
+ExitCode Follow(Link& link, Selection selection, std::uint64_t last, std::int64_t since, bool csv,
+                Console& console) {
+  while (!link.interrupted()) {
+    link.RunUntil([] { return false; }, kFollowPeriod);
+    if (link.interrupted()) break;
+    auto told = Ask(link, since, kAll);
+    if (const auto* failure = std::get_if<Failure>(&told)) {
+      return link.interrupted() ? ExitCode::kDone : console.Fail(*failure);
+    }
+    auto& history = std::get<Told>(told);
+    std::erase_if(history.entries, [last](const auto& entry) { return entry.id <= last; });
+    if (history.entries.empty()) continue;
+    last = history.entries.back().id;
+    since = history.entries.back().wall_ns;
+    selection.limit = 0;
+    selection.Apply(history.entries);
+    if (!history.entries.empty()) Show(history, csv, false, console);
+  }
+  return ExitCode::kDone;
+}
+
 ExitCode Explain(const std::vector<msg::HistoryEntry>& entries, const State& state,
                  Console& console) {
   const auto why = FindWhy(entries, state);
@@ -59,21 +136,28 @@ ExitCode Explain(const std::vector<msg::HistoryEntry>& entries, const State& sta
 }  // namespace
 
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console) {
-  std::int64_t since = 0;
-  if (!options.since.empty()) {
-    const auto parsed = ParseSince(options.since, WallNow());
-    if (!parsed) return console.Fail({ExitCode::kUsage, parsed.error()});
-    since = parsed.value();
+  const auto selection = Select(options);
+  if (!selection) return console.Fail({ExitCode::kUsage, selection.error()});
+  const Selection& wanted = selection.value();
+  std::unique_ptr<Link> link;
+  if (options.journal.empty()) {
+    auto opened = Link::Open(global);
+    if (!opened) return console.Fail({ExitCode::kUsage, opened.error()});
+    link = std::move(opened).value();
   }
-  const auto told = options.journal.empty() ? FromController(global, since, options.limit)
-                                            : FromFile(options.journal, since, options.limit);
+  auto told = link ? Ask(*link, wanted.since, wanted.ReadLimit())
+                   : FromFile(options.journal, wanted.since, wanted.ReadLimit());
   if (const auto* failure = std::get_if<Failure>(&told)) return console.Fail(*failure);
-  const auto& history = std::get<Told>(told);
+  auto& history = std::get<Told>(told);
   if (!history.error.empty()) console.Complain(history.error);
+  const std::uint64_t last = history.entries.empty() ? 0 : history.entries.back().id;
+  const std::int64_t since =
+      history.entries.empty() ? wanted.since : history.entries.back().wall_ns;
   if (options.why) return Explain(history.entries, *options.why, console);
-  console.Print(console.mode().json ? HistoryJson(history)
-                                    : HistoryText(history.entries, console.mode().colour));
-  return ExitCode::kDone;
+  wanted.Apply(history.entries);
+  Show(history, options.csv, true, console);
+  if (!options.follow) return ExitCode::kDone;
+  return Follow(*link, wanted, last, since, options.csv, console);
 }
 
 }  // namespace musher::cli

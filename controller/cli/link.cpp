@@ -49,6 +49,7 @@ Result<> Link::FollowStatus(OnStatus on_change) {
   on_status_ = std::move(on_change);
   const auto tell = [this](std::optional<msg::MachineStatus> status, transport::PeerId writer) {
     status_ = std::move(status);
+    if (status_) last_leader_ = status_;
     status_writer_ = writer;
     if (on_status_) on_status_(status_);
   };
@@ -79,17 +80,18 @@ std::optional<Failure> Link::AwaitStatus() {
   return Await(told, told, global_.timeout.value_or(discovery()));
 }
 
-void Link::AwaitEndOf(const msg::MachineStatus& controller, Duration timeout) {
+bool Link::AwaitEndOf(const msg::MachineStatus& controller, Duration timeout) {
   const Time deadline = loop_.Now() + timeout;
   if (controller.host.empty() || controller.host != transport::HostId()) {
     loop_.RunUntil([this] { return !status_ || interrupted_; }, deadline);
-    return;
+    return !status_;
   }
   const auto process = transport::OpenPidfd(controller.pid);
-  if (!process) return;
+  if (!process) return true;
   bool ended = false;
   const auto watch = loop_.WhenReadable(process.value().get(), [&ended] { ended = true; });
   loop_.RunUntil([&] { return ended || interrupted_; }, deadline);
+  return ended;
 }
 
 bool Link::RunUntil(const std::function<bool()>& done, Duration timeout) {

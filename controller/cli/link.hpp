@@ -63,16 +63,19 @@ class Link {
   const std::optional<msg::MachineStatus>& StatusTowards(const std::string& target);
   // Runs the loop until a status is there; says nullopt, or why there is none.
   std::optional<Failure> AwaitStatus();
-  // Runs the loop until this controller is gone, at most `timeout`: its process, where we can see
-  // it, else its status, which FollowStatus() must have begun to follow.
-  void AwaitEndOf(const msg::MachineStatus& controller, Duration timeout);
+  // The last controller that FollowStatus() heard of, also one that has gone; none: no one.
+  const std::optional<msg::MachineStatus>& last_leader() const { return last_leader_; }
+  // Runs the loop until this controller has ended, at most `timeout`: its process, where we can see
+  // it, else its status, which FollowStatus() must have begun to follow. Says whether it has.
+  bool AwaitEndOf(const msg::MachineStatus& controller, Duration timeout);
   // For commands that speak with others than the controller.
   transport::Node& node() { return *node_; }
   transport::EventLoop& loop() { return loop_; }
   // Runs the loop until `done` holds, at most `timeout`, or until Ctrl-C; says whether it held.
   bool RunUntil(const std::function<bool()>& done, Duration timeout);
   bool interrupted() const { return interrupted_; }
-  bool HasMachine() const;  // a controller in our namespace has been heard of
+  pid_t LeaderHere() const;  // 0: no controller of this host leads in our namespace
+  bool HasMachine() const;   // a controller in our namespace has been heard of
   // That nobody is there: "no <what> in namespace …".
   Failure Nobody(const std::string& what) const;
 
@@ -89,7 +92,6 @@ class Link {
   Result<> Join();
 
   Failure NoAnswer(Duration timeout) const;
-  pid_t LeaderHere() const;  // 0: no controller of this host leads in our namespace
   std::string UnheardController() const;
 
   const GlobalOptions& global_;
@@ -99,6 +101,7 @@ class Link {
   transport::LoopHandlePtr signal_watch_;
   std::map<transport::PeerId, msg::MachineInfo> machines_;  // by the writer that told of them
   std::optional<msg::MachineStatus> status_;
+  std::optional<msg::MachineStatus> last_leader_;
   transport::PeerId status_writer_ = 0;  // of the leader that told it
   OnStatus on_status_;
   std::unique_ptr<transport::Node> node_;

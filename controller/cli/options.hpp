@@ -32,6 +32,7 @@ struct UpOptions {
   std::string file;  // or a root of upgrades
   bool detach = false;
   bool takeover = false;  // from a living controller
+  bool adopt = false;     // actuators that run with another config, too
   // A supervisor may be starting it again after a crash: a TearDown that was begun is finished.
   bool restarted = false;
   // A controller that starts again: its connection to the front, and the front's pid or 0.
@@ -41,7 +42,9 @@ struct UpOptions {
   };
   std::optional<Resume> resume;
 };
-struct DownOptions {};
+struct DownOptions {
+  bool without_controller = false;  // end what runs, which none leads
+};
 struct StatusOptions {
   bool watch = false;
 };
@@ -76,9 +79,13 @@ struct PlanOptions {
   std::string actuator;
 };
 struct HistoryOptions {
-  std::string since;    // empty: all
-  std::string journal;  // empty: ask the controller
-  unsigned limit = 1000;
+  std::string since;      // empty: all
+  std::string until;      // empty: all
+  std::string actuator;   // empty: of all, and of the machine
+  std::string journal;    // empty: ask the controller
+  unsigned limit = 1000;  // 0: no limit
+  bool csv = false;
+  bool follow = false;             // then print what comes
   std::optional<std::string> why;  // explain this state instead; empty: the present one
 };
 struct ReplayOptions {

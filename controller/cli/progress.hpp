@@ -20,7 +20,8 @@ struct Progress {
   static constexpr const char* kNotStarted = "not-started";  // there is no controller, and why
   static constexpr const char* kTrouble = "trouble";         // the robot goes on in spite of it
   static constexpr const char* kFenced = "fenced";           // another controller leads it now
-  static constexpr const char* kStopped = "stopped";         // the machine is stopped
+  static constexpr const char* kAlone = "alone";      // the controller goes on without the front
+  static constexpr const char* kStopped = "stopped";  // the machine is stopped
 
   std::int64_t wall_ns = 0;
   std::string kind;  // one of the above, or a journal entry's

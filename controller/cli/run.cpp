@@ -22,7 +22,7 @@ struct Dispatch {
 
   ExitCode operator()(const CheckOptions& o) const { return Check(o, console); }
   ExitCode operator()(const UpOptions& o) const { return Up(o, global, console); }
-  ExitCode operator()(const DownOptions&) const { return Down(global, console); }
+  ExitCode operator()(const DownOptions& o) const { return Down(o, global, console); }
   ExitCode operator()(const StatusOptions& o) const { return Status(o, global, console); }
   ExitCode operator()(const SetOptions& o) const { return Set(o, global, console); }
   ExitCode operator()(const RestartOptions& o) const { return Restart(o, global, console); }

@@ -1,9 +1,14 @@
 // musher status [--watch]: the machine now, or every change of it.
 
+#include <algorithm>
+#include <map>
+#include <string>
+
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/running.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 #include "musher/lifecycle/machine.hpp"
 #include "musher/transport/dds/dds_node.hpp"
@@ -12,6 +17,7 @@
 namespace musher::cli {
 namespace {
 
+constexpr Duration kHeardWithin = Milliseconds(300);
 constexpr const char* kRedraw = "\x1b[H\x1b[2J";  // from the top of an empty screen
 
 void Show(const std::optional<msg::MachineStatus>& status, Console& console) {
@@ -43,6 +49,42 @@ void HintAtKeys(msg::MachineStatus& status, const GlobalOptions& global) {
   }
 }
 
+using Unled = std::map<std::string, Running::Actuator>;
+
+// What holds a name on this host may be an actuator that starts, and is in no status yet.
+Unled NotIn(const msg::MachineStatus& status, Unled running) {
+  std::erase_if(running, [&](const auto& one) {
+    return !one.second.heard ||
+           std::any_of(status.actuators.begin(), status.actuators.end(),
+                       [&](const auto& actuator) { return actuator.name == one.first; });
+  });
+  return running;
+}
+
+// The actuators latch their status as the controller does, and all are heard at about the same
+// time.
+Unled AwaitUnlisted(Link& link, const Running& running, const msg::MachineStatus& status) {
+  const auto all_heard = [&] {
+    return std::all_of(status.actuators.begin(), status.actuators.end(), [&](const auto& actuator) {
+      return actuator.protocol != ProtocolName(Protocol::kMusher) ||
+             actuator.presence != PresenceName(Presence::kPresent) || running.Hears(actuator.name);
+    });
+  };
+  link.RunUntil(all_heard, kHeardWithin);
+  return NotIn(status, running.Now());
+}
+
+ExitCode WithoutController(Failure failure, const Unled& running, Console& console) {
+  if (failure.exit != ExitCode::kNoController || running.empty()) return console.Fail(failure);
+  failure.error.message += "; " + RunningNames(running) + (running.size() == 1 ? " runs" : " run") +
+                           " without one: `musher up` with their config takes them over, `musher "
+                           "down --without-controller` ends them";
+  console.Print(console.mode().json ? RunningJson(failure, running)
+                                    : RunningText(running, console.mode().colour));
+  console.Complain(failure.error.message);
+  return failure.exit;
+}
+
 ExitCode Watch(Link& link, Console& console) {
   const auto followed =
       link.FollowStatus([&console](const auto& status) { Show(status, console); });
@@ -58,12 +100,25 @@ ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Conso
   const auto link = Link::Open(global);
   if (!link) return console.Fail({ExitCode::kUsage, link.error()});
   if (options.watch) return Watch(*link.value(), console);
+  const auto running =
+      Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
+  if (!running) return console.Fail({ExitCode::kUsage, running.error()});
   const auto answer = link.value()->Ask<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
-  if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
+  if (const auto* failure = std::get_if<Failure>(&answer)) {
+    return WithoutController(*failure, running.value()->Now(), console);
+  }
   msg::MachineStatus status = std::get<msg::GetStatus::Response>(answer).status;
   HintAtKeys(status, global);
-  console.Print(console.mode().json ? StatusJson(status)
+  const Unled unlisted = AwaitUnlisted(*link.value(), *running.value(), status);
+  console.Print(console.mode().json ? StatusJson(status, unlisted)
                                     : StatusText(status, console.mode().colour));
+  if (!unlisted.empty()) {
+    console.Complain(RunningNames(unlisted) + (unlisted.size() == 1 ? " runs" : " run") +
+                     " in this namespace and " + (unlisted.size() == 1 ? "is" : "are") +
+                     " not in " + status.config_file +
+                     ": no controller leads them. `musher down` and "
+                     "then `musher down --without-controller` end them");
+  }
   return ExitCode::kDone;
 }
 

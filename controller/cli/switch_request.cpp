@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 #include "musher/controller/cli/link.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/running.hpp"
 #include "musher/controller/switch_client.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/transport/host.hpp"
@@ -13,7 +16,8 @@ namespace musher::cli {
 namespace {
 
 constexpr Duration kTimeout = std::chrono::seconds(60);
-constexpr Duration kControllerEnd = std::chrono::seconds(3);
+// For its last writes to a slow disk, and to leave the network.
+constexpr Duration kControllerEnd = std::chrono::seconds(7);
 // Longer than a service manager takes to start another controller, and that to look around.
 constexpr Duration kSuccessor = std::chrono::seconds(6);
 constexpr Duration kSecuredSuccessor = std::chrono::seconds(12);
@@ -35,6 +39,14 @@ Failure WithSwitch(Failure failure, Link& link, const std::string& target) {
   return failure;
 }
 
+// An actuator of an earlier config, or one that the TearDown did not reach.
+void NameLeftBehind(std::map<std::string, Running::Actuator> running, Console& console) {
+  std::erase_if(running, [](const auto& one) { return !one.second.heard; });
+  if (running.empty()) return;
+  console.Complain(RunningNames(running) + (running.size() == 1 ? " still runs" : " still run") +
+                   " in this namespace; `musher down --without-controller` ends what is left");
+}
+
 }  // namespace
 
 ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
@@ -44,6 +56,9 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   if (const auto r = link.value()->FollowStatus({}); !r) {
     return console.Fail({ExitCode::kUsage, r.error()});
   }
+  const auto running =
+      Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
+  if (!running) return console.Fail({ExitCode::kUsage, running.error()});
   const Duration timeout = global.timeout.value_or(kTimeout);
   SwitchClient::Options options;
   options.leader = {global.name_space, transport::HostId(), WatchByPidfd(link.value()->loop())};
@@ -64,11 +79,18 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
         {ExitCode::kUnknownEnd, {result.code, result.reason}, result.switch_number});
   }
   // A controller ends with its machine. Once we return, the next one may start.
-  if (target == kTearDown && result.state == kTearDown && link.value()->status()) {
-    link.value()->AwaitEndOf(*link.value()->status(), kControllerEnd);
+  // Its status may be gone before it is, and it is known whose that was.
+  const auto leader = link.value()->last_leader();
+  const bool down = target == kTearDown && actuator.empty() && result.state == kTearDown;
+  if (down && leader && !link.value()->AwaitEndOf(*leader, kControllerEnd)) {
+    console.Complain(
+        fmt::format("the controller, process {}, has not ended yet; until then the "
+                    "machine is not started again",
+                    leader->pid));
   }
   console.Print(console.mode().json ? SwitchJson(result)
                                     : SwitchText(result, console.mode().colour));
+  if (down) NameLeftBehind(running.value()->Now(), console);
   if (result.outcome == "done") return ExitCode::kDone;
   console.Complain(SwitchComplaint(result));
   return ExitCode::kNotDone;

@@ -66,14 +66,14 @@ struct Again {
   std::vector<std::string> words;
   std::vector<std::string> environment;  // as it was before this process changed it
 
-  Again(const std::string& root, int progress, pid_t front)
-      : words{"musher", "up", root, "--resume",
-              std::to_string(progress) + "," + std::to_string(front)} {
+  Again(const std::string& root, int progress)
+      : words{"musher", "up", root, "--resume", std::to_string(progress)} {
     for (char** variable = environ; *variable != nullptr; ++variable) {
       environment.emplace_back(*variable);
     }
   }
-  void Prepare() {
+  void Prepare(pid_t front) {
+    words.back() += "," + std::to_string(front);
     std::error_code error;
     the_end.program = std::filesystem::read_symlink("/proc/self/exe", error);
     // A package may have replaced it meanwhile, or be just about to.
@@ -152,12 +152,13 @@ namespace {
   fcntl(progress.get(), F_SETFD, FD_CLOEXEC);  // the one that was handed on is not
   // Kept for the program that comes after this one; those that the machine is made of get none.
   const transport::UniqueFd kept(fcntl(progress.get(), F_DUPFD_CLOEXEC, 0));
-  Again again(target.run ? target.run->root : "", kept.get(), front);
+  Again again(target.run ? target.run->root : "", kept.get());
   {
-    ControllerProcess process(target.config, target.run, std::move(progress), front,
-                              options.takeover, options.resume || StartedAgain(options));
+    ControllerProcess process(
+        target.config, target.run, std::move(progress), front,
+        {options.takeover, options.adopt, options.resume || StartedAgain(options)});
     the_end.exit_code = process.Run();
-    if (process.StartsAgain()) again.Prepare();
+    if (process.StartsAgain()) again.Prepare(process.front());
     EndWithin(kLeaveTime);
   }
   if (the_end.argv.empty()) std::exit(the_end.exit_code);  // NOLINT(concurrency-mt-unsafe)
@@ -186,6 +187,9 @@ Result<> Judge(Target& target, const UpOptions& options, const GlobalOptions& gl
 }  // namespace
 
 ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& console) {
+  // A reader of the output that ends, as in `| head -2`, ends neither this process nor the
+  // controller. What the controller starts has all signals at their defaults.
+  std::signal(SIGPIPE, SIG_IGN);
   auto target = ChooseTarget(options, console);
   if (!target) return ExitCode::kUsage;
   auto good = Judge(*target, options, global, console);

@@ -2,9 +2,12 @@
 
 #include <signal.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
 
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
@@ -39,7 +42,13 @@ UpFront::UpFront(Console& console, std::string machine, pid_t controller,
       abort_watch_(loop_.WhenReadable(abort_.get(), [this] { OnAbort(); })),
       progress_(
           loop_, std::move(progress), [this](const Progress& p) { OnProgress(p); },
-          [this] { OnEnd(); }) {}
+          [this] { OnEnd(); }) {
+  if (getpid() != 1) return;
+  children_ = TakeSignals({SIGCHLD});
+  children_watch_ = loop_.WhenReadable(children_.get(), [this] {
+    if (NextSignal(children_) != 0) ReapOrphans();
+  });
+}
 
 ExitCode UpFront::Run() {
   loop_.Run();
@@ -57,6 +66,17 @@ void UpFront::OnProgress(const Progress& progress) {
     if (console_.mode().json) console_.Print(ProgressJson(progress));
     return console_.Complain(progress.message + "; this controller ends, the actuators go on");
   }
+  if (progress.kind == Progress::kAlone) {
+    console_.Complain("the terminal is closed; " + Controller() +
+                      ", goes on: `musher down` ends it");
+    return Leave(ExitCode::kDone);
+  }
+  Show(progress);
+  if (progress.kind == Progress::kStopped) stopped_ = true;
+  if (progress.kind == Progress::kStartUp) OnStartUp(progress);
+}
+
+void UpFront::Show(const Progress& progress) {
   const bool said_already = progress.kind == Progress::kStartUp;  // as a record of the machine
   if (console_.mode().json) {
     console_.Print(ProgressJson(progress));
@@ -65,23 +85,28 @@ void UpFront::OnProgress(const Progress& progress) {
   } else if (!said_already) {
     console_.Print(ProgressText(progress, console_.mode().colour));
   }
-  if (progress.kind == Progress::kStopped) stopped_ = true;
-  if (progress.kind == Progress::kStartUp) OnStartUp(progress);
+  if (console_.HasReader() || said_unread_ || stop_asked_) return;
+  said_unread_ = true;
+  console_.Complain("the output is lost, its reader has ended; " + machine_ +
+                    " goes on: Ctrl-C or `musher down` ends it");
+}
+
+std::string UpFront::Controller() const {
+  return "the controller, process " + std::to_string(controller_);
 }
 
 void UpFront::OnStartUp(const Progress& progress) {
-  const std::string controller = "the controller, process " + std::to_string(controller_);
   if (progress.code == kCodeOk) {
     came_up_ = true;
     if (stop_asked_ || !detach_) return;
     if (!console_.mode().json) {
-      console_.Print(machine_ + " is up; " + controller + ", stays: `musher down` ends it");
+      console_.Print(machine_ + " is up; " + Controller() + ", stays: `musher down` ends it");
     }
     return Leave(ExitCode::kDone);
   }
   console_.Complain(progress.message);
   if (stop_asked_) return;
-  console_.Complain(controller +
+  console_.Complain(Controller() +
                     ", and the actuators stay up for inspection: `musher status` shows "
                     "them, `musher down` ends them");
   Leave(ExitCode::kNotDone);
@@ -103,11 +128,29 @@ void UpFront::OnEnd() {
 }
 
 void UpFront::OnSignal() {
-  if (NextSignal(signals_) == 0) return;
+  const int signal = NextSignal(signals_);
+  if (signal == 0) return;
+  if (signal == SIGHUP) return OnTerminalClosed();
   if (stop_asked_) return console_.Complain(machine_ + " is being taken down already");
   stop_asked_ = true;
   console_.Complain("taking " + machine_ + " down");
   kill(controller_, SIGTERM);
+}
+
+// The controller is told first: until it has let go of this process, it ends with it.
+void UpFront::OnTerminalClosed() {
+  if (std::getenv("NOTIFY_SOCKET") != nullptr) {  // NOLINT(concurrency-mt-unsafe)
+    return console_.Complain("SIGHUP: a service has no terminal to lose; " + machine_ + " goes on");
+  }
+  kill(controller_, SIGHUP);
+}
+
+// All that have ended but the controller, whose end is judged by its exit code.
+void UpFront::ReapOrphans() {
+  std::ifstream file("/proc/self/task/1/children");
+  for (pid_t pid = 0; file >> pid;) {
+    if (pid != controller_) waitpid(pid, nullptr, WNOHANG);
+  }
 }
 
 void UpFront::OnAbort() {

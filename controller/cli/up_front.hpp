@@ -4,11 +4,17 @@
 //
 //                       ┌ detached: leaves with 0
 //   starting ─ usable ──┴▶ stays ─ stopped ─▶ 0
+//      ├─ SIGHUP, its terminal was closed ─▶ leaves with 0; the controller goes on, as if detached
 //      ├─ failed ─▶ leaves with 1; the controller and the actuators stay up for inspection
 //      ├─ not started ─▶ 2
 //      ├─ taken over by another controller, now or later ─▶ 1
 //      └─ stopped before it was usable ─▶ 1; 0 where a supervisor may have started it again and
 //         it has finished the TearDown of the controller before
+//
+// A reader of its output that ends (`musher up … | head -2`) changes nothing but that this process
+// says so once on stderr. A service has no terminal: there SIGHUP does nothing.
+//
+// As process 1 of a container it reaps what has lost its parent.
 //
 // SIGABRT, which systemd's watchdog sends to its main process, this one, is handed on too, so that
 // it is the controller that ends and leaves a core dump.
@@ -37,15 +43,20 @@ class UpFront {
   void OnProgress(const Progress& progress);
   void OnStartUp(const Progress& progress);
   void OnEnd();
+  void Show(const Progress& progress);
   void OnSignal();
+  void OnTerminalClosed();
   void OnAbort();
+  void ReapOrphans();
   void Leave(ExitCode exit);
+  std::string Controller() const;  // "the controller, process 4711"
 
   Console& console_;
   const std::string machine_;
   const pid_t controller_;
   const bool detach_;
   const bool restarted_;
+  bool said_unread_ = false;
   bool came_up_ = false;
   bool stopped_ = false;
   bool stop_asked_ = false;
@@ -54,9 +65,11 @@ class UpFront {
   ExitCode exit_ = ExitCode::kNotDone;
   transport::UniqueFd signals_;
   transport::UniqueFd abort_;
+  transport::UniqueFd children_;  // as process 1 only
   transport::LinuxEventLoop loop_;
   transport::LoopHandlePtr signal_watch_;
   transport::LoopHandlePtr abort_watch_;
+  transport::LoopHandlePtr children_watch_;
   ProgressReceiver progress_;
 };
 

@@ -5,7 +5,6 @@
 // [main]
 int main() {
   Door door;
-  if (!door.MachineActuatorInit() || !door.ActuatorStart()) return 1;
-  return door.Wait();
+  return door.Run();
 }
 // [main end]

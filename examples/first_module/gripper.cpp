@@ -5,7 +5,6 @@
 // [main]
 int main() {
   Gripper gripper;
-  if (!gripper.MachineActuatorInit() || !gripper.ActuatorStart()) return 1;
-  return gripper.Wait();
+  return gripper.Run();
 }
 // [main end]

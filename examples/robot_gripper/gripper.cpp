@@ -12,7 +12,6 @@ int main(int argc, char** argv) {
     return 2;
   }
   Gripper gripper(config.value());
-  if (!gripper.MachineActuatorInit() || !gripper.ActuatorStart()) return 1;
-  return gripper.Wait();
+  return gripper.Run();
 }
 // [main end]

@@ -131,7 +131,7 @@ void ReadController(TableReader& root, Draft& draft) {
   ReadDefaultState(controller, draft);
   ReadIdentity(controller, draft);
   const auto state_dir = ReadPath("state_dir", controller, draft);
-  config.state_dir = state_dir ? *state_dir : DefaultStateDir(config.name);
+  config.state_dir = state_dir ? *state_dir : DefaultStateDir(config.name, config.name_space);
   const auto budget = controller.Time("shutdown_budget_ms");
   config.shutdown_budget = budget.value_or(config.shutdown_budget);
   config.log = ReadPath("log", controller, draft).value_or("");

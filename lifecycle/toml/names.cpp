@@ -72,13 +72,23 @@ std::string Absolute(const std::filesystem::path& folder, const std::string& pat
   return absolute;
 }
 
-std::string DefaultStateDir(const std::string& name) {
+std::string DefaultStateDir(const std::string& name, const std::string& name_space) {
   std::filesystem::path state = AbsoluteFromEnvironment("XDG_STATE_HOME");
   if (state.empty()) {
     const std::filesystem::path home = AbsoluteFromEnvironment("HOME");
     state = home.empty() ? "/var/lib" : home / ".local" / "state";
   }
-  return (state / "musher" / name).string();
+  std::string folder = name;
+  if (!name_space.empty()) {
+    folder += "@" + name_space;
+    std::replace(folder.begin(), folder.end(), '/', '.');
+  }
+  const char* variable = std::getenv("ROS_DOMAIN_ID");  // NOLINT(concurrency-mt-unsafe)
+  const std::string domain = variable == nullptr ? "" : variable;
+  const bool number = !domain.empty() &&
+                      std::all_of(domain.begin(), domain.end(), [](char c) { return IsDigit(c); });
+  if (number && domain != "0") folder += ".domain" + domain;
+  return (state / "musher" / folder).string();
 }
 
 }  // namespace musher::config_toml

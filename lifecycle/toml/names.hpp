@@ -33,6 +33,8 @@ std::string NameOf(const std::string& file);
 std::string Absolute(const std::filesystem::path& folder, const std::string& path);
 
 // $XDG_STATE_HOME or ~/.local/state, then musher/<name>; below /var/lib where there is no home.
-std::string DefaultStateDir(const std::string& name);
+// Robots that share a host have a folder each: "robot@fleet.dog" in a namespace, "robot.domain7" in
+// a domain other than 0 (ROS_DOMAIN_ID).
+std::string DefaultStateDir(const std::string& name, const std::string& name_space);
 
 }  // namespace musher::config_toml

@@ -40,6 +40,7 @@ struct Options {
   std::string actuator;
   std::string state_config;
   std::vector<std::string> program;  // what stood after --
+  bool check = false;
 };
 
 // Nothing: the program is to end with `exit_code`.
@@ -58,6 +59,7 @@ std::optional<Options> ReadOptions(int argc, char** argv, int& exit_code) {
   app.add_option("--config", options.state_config, "The state config (TOML)")
       ->envname("MUSHER_CONFIG")
       ->required();
+  app.add_flag("--check", options.check, "Report every fault of the configs, and start nothing");
   try {
     app.parse(static_cast<int>(dashes - argv), argv);
     if (options.file.empty() == options.program.empty()) {
@@ -96,6 +98,7 @@ int Run(const Options& options) {
     config = std::move(reading.config);
   }
   if (!config) return kUsageError;
+  if (options.check) return 0;
   const auto keeper = musher::exec::Keeper::Start();
   if (!keeper) {
     std::cerr << actuator->name << ": " << keeper.error().message << std::endl;

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 
+#include <cstdlib>
 #include <utility>
 
 namespace musher::exec {
@@ -86,6 +87,10 @@ Result<> StateRunner::Judge(const CommandEnd& end) const {
 
 ChildSpec StateRunner::Spec(const State& state, const std::vector<std::string>& argv) const {
   ChildSpec spec{argv, config_.cwd, {{"MUSHER_STATE", state}, {"MUSHER_ACTUATOR", actuator_}}};
+  // What a Python program prints is in the log when it prints it, not when it ends.
+  if (std::getenv("PYTHONUNBUFFERED") == nullptr) {  // NOLINT(concurrency-mt-unsafe)
+    spec.env["PYTHONUNBUFFERED"] = "1";
+  }
   if (program_) spec.env["MUSHER_PROGRAM_PID"] = std::to_string(program_->pid());
   return spec;
 }

@@ -4,6 +4,11 @@
 #include <iostream>
 
 namespace musher::program {
+namespace {
+
+bool only_check = false;  // set once, by the command line
+
+}  // namespace
 
 int Main(int argc, char** argv, const About& about, const std::function<int(const Options&)>& run) {
   Options options;
@@ -16,18 +21,22 @@ int Main(int argc, char** argv, const About& about, const std::function<int(cons
   app.add_option("--config", options.state_config, "The state config (TOML)")
       ->envname("MUSHER_CONFIG")
       ->required();
+  app.add_flag("--check", options.check, "Report every fault of the configs, and start nothing");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageError;
   }
+  if (options.check) OnlyCheck();
   return run(options);
 }
 
+void OnlyCheck() {
+  only_check = true;
+}
+
 int RunToEnd(MachineActuator& actuator, const std::string& state_config) {
-  if (!actuator.MachineActuatorInit(state_config)) return kUsageError;
-  if (!actuator.ActuatorStart()) return kNotStarted;
-  return actuator.Wait();
+  return only_check ? actuator.Check(state_config) : actuator.Run(state_config);
 }
 
 void PrintErrors(const std::vector<Diagnostic>& diagnostics) {

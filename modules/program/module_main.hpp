@@ -14,7 +14,6 @@
 
 namespace musher::program {
 
-inline constexpr int kNotStarted = 1;
 inline constexpr int kUsageError = 2;
 
 struct About {
@@ -27,11 +26,15 @@ struct Options {
   std::string file;      // the module's own config
   std::string actuator;  // which one of the state config it is
   std::string state_config;
+  bool check = false;  // judge the configs, then end
 };
 
 // Reads the command line and runs the module; the exit code. Usage errors and --help are dealt with
 // here.
 int Main(int argc, char** argv, const About& about, const std::function<int(const Options&)>& run);
+
+// From now on RunToEnd() judges the state config alone: 0, or kUsageError.
+void OnlyCheck();
 
 // Starts the actuator and waits for its end; the exit code. What is wrong is said on stderr.
 int RunToEnd(MachineActuator& actuator, const std::string& state_config);

@@ -101,6 +101,8 @@ int main(int argc, char** argv) {
       ->envname("MUSHER_ACTUATOR");
   app.add_option("--config", options.state_config, "The state config (TOML)")
       ->envname("MUSHER_CONFIG");
+  bool check = false;
+  app.add_flag("--check", check, "Report every fault of the configs, and start nothing");
   auto* alone = app.add_flag("--alone", options.alone, "Run without a machine, until Ctrl+C");
   app.add_option("--namespace", options.name_space, "Of the topics, with --alone")->needs(alone);
   auto* draw = app.add_option("--draw", options.picture,
@@ -118,5 +120,6 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageError;
   }
+  if (check) musher::program::OnlyCheck();
   return Run(options);
 }

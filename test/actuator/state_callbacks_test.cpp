@@ -10,6 +10,7 @@
 #include "musher/controller/machine_controller.hpp"
 #include "musher/lifecycle/config_toml.hpp"
 #include "musher/test/actuator/robot_file.hpp"
+#include "musher/test/controller/temp_folder.hpp"
 
 namespace musher {
 namespace {
@@ -172,6 +173,26 @@ TEST(ALineOfTheLog, HasTheActuatorsNameAndTheCodeOfAnError) {
   arm.Log(Error{kCodeOk, "is well again"});
   EXPECT_EQ(::testing::internal::GetCapturedStderr(),
             "arm: waves\narm: may not wave (3 (StateInvalid))\narm: is well again\n");
+}
+
+// Its callbacks do not fit: a program that is this actuator ends with 2 before it does anything.
+TEST(ConfigurationErrors, EndRunWithTwoAndOfferTheNearestName) {
+  const TempFolder folder;
+  const std::string robot = folder / "robot.toml";
+  std::ofstream(robot) << kRobot;
+  MachineActuator misspelt("arn");
+  EXPECT_EQ(misspelt.Run(robot), MachineActuator::kConfigurationError);
+  EXPECT_THAT(misspelt.Init(robot).error().message,
+              HasSubstr("has no actuator 'arn'; did you mean 'arm'?"));
+  MachineActuator arm("arm");
+  EXPECT_EQ(arm.Run(robot), 2);
+  for (const char* state : {"SetUp", "SelfCheck", "active", "Waving"}) {
+    arm.RegisterStateCallback(state, [] { return Result<>(Ok()); });
+  }
+  EXPECT_EQ(arm.Run(robot), 2);
+  EXPECT_THAT(arm.Start().error().message,
+              HasSubstr("lists state 'Active' for arm, but there is no callback for it; the one "
+                        "for 'active' is for no state of it"));
 }
 
 }  // namespace

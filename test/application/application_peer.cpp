@@ -53,6 +53,5 @@ class Peer : public FsmActuator {
 
 int main() {
   musher::Peer peer;
-  if (!peer.MachineActuatorInit() || !peer.ActuatorStart()) return 1;
-  return peer.Wait();
+  return peer.Run();
 }

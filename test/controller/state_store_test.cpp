@@ -23,13 +23,14 @@ using testing::HasSubstr;
 class Store : public testing::Test {
  protected:
   StateStore MustOpen() {
-    auto store = StateStore::Open(dir_, "robot");
+    auto store = StateStore::Open(dir_, robot_);
     if (!store) throw std::runtime_error(store.error().message);
     return std::move(store).value();
   }
 
   TempFolder folder_;
   const std::string dir_ = folder_ / "state/musher/robot";
+  const MachineOrigin robot_{"robot", "", 0, folder_ / "robot.toml"};
 };
 
 TEST_F(Store, MakesItsFolderForItsOwnerOnly) {
@@ -96,7 +97,7 @@ TEST_F(Store, KeepsTheIntentToStopUntilItIsCleared) {
 
 TEST_F(Store, RefusesASecondControllerAndNamesTheFirst) {
   const StateStore first = MustOpen();
-  const auto second = StateStore::Open(dir_, "robot");
+  const auto second = StateStore::Open(dir_, robot_);
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, kCodeTargetBusy);
   EXPECT_THAT(second.error().message, HasSubstr("process " + std::to_string(getpid()) + " robot"));
@@ -104,7 +105,7 @@ TEST_F(Store, RefusesASecondControllerAndNamesTheFirst) {
 
 TEST_F(Store, IsFreeAgainWhenItsOwnerIsGone) {
   { const StateStore first = MustOpen(); }
-  EXPECT_TRUE(StateStore::Open(dir_, "robot"));
+  EXPECT_TRUE(StateStore::Open(dir_, robot_));
 }
 
 TEST_F(Store, IsFreeAgainAfterItsOwnerWasKilled) {
@@ -112,7 +113,7 @@ TEST_F(Store, IsFreeAgainAfterItsOwnerWasKilled) {
   ASSERT_EQ(pipe(ready), 0);
   const pid_t owner = fork();
   if (owner == 0) {
-    const auto store = StateStore::Open(dir_, "robot");
+    const auto store = StateStore::Open(dir_, robot_);
     const char answer = store ? 'y' : 'n';
     if (write(ready[1], &answer, 1) == 1) pause();
     _exit(1);
@@ -120,10 +121,10 @@ TEST_F(Store, IsFreeAgainAfterItsOwnerWasKilled) {
   char answer = 0;
   ASSERT_EQ(read(ready[0], &answer, 1), 1);
   EXPECT_EQ(answer, 'y');
-  EXPECT_THAT(StateStore::Open(dir_, "robot").error().message, HasSubstr(std::to_string(owner)));
+  EXPECT_THAT(StateStore::Open(dir_, robot_).error().message, HasSubstr(std::to_string(owner)));
   kill(owner, SIGKILL);
   waitpid(owner, nullptr, 0);
-  EXPECT_TRUE(StateStore::Open(dir_, "robot"));
+  EXPECT_TRUE(StateStore::Open(dir_, robot_));
 }
 
 TEST_F(Store, WhoseLockNamesNoProcessHasNoOwner) {
@@ -138,7 +139,7 @@ TEST_F(Store, WhoseLockNamesNoProcessHasNoOwner) {
 
 TEST_F(Store, SaysThatTheDiskDoesNotLetItMakeAFolder) {
   std::ofstream(folder_ / "file") << "in the way";
-  const auto store = StateStore::Open(folder_ / "file/robot", "robot");
+  const auto store = StateStore::Open(folder_ / "file/robot", robot_);
   ASSERT_FALSE(store);
   EXPECT_EQ(store.error().code, kCodeFailed);
   EXPECT_THAT(store.error().message, EndsWith("Not a directory"));
@@ -184,14 +185,49 @@ TEST_F(Store, KeepsTheOldEpochWhenTheDiskIsFull) {
   EXPECT_FALSE(fs::exists(dir_ + "/epoch.new"));
 }
 
-TEST(DefaultStateDir, IsInTheUsersStateFolder) {
-  setenv("XDG_STATE_HOME", "/states", 1);
-  EXPECT_EQ(DefaultStateDir("robot"), "/states/musher/robot");
-  unsetenv("XDG_STATE_HOME");
-  setenv("HOME", "/home/dog", 1);
-  EXPECT_EQ(DefaultStateDir("robot"), "/home/dog/.local/state/musher/robot");
-  unsetenv("HOME");
-  EXPECT_EQ(DefaultStateDir("robot"), "/var/lib/musher/robot");
+TEST_F(Store, OfAnotherMachineIsNamedAndRefused) {
+  { const StateStore store = MustOpen(); }
+  for (const MachineOrigin& other :
+       {MachineOrigin{"robot", "", 0, folder_ / "b/robot.toml"},
+        MachineOrigin{"robot", "fleet", 0, robot_.file}, MachineOrigin{"robot", "", 7, robot_.file},
+        MachineOrigin{"sled", "", 0, robot_.file}}) {
+    std::ofstream(robot_.file) << "is there";
+    const auto store = StateStore::Open(dir_, other);
+    ASSERT_FALSE(store) << other.Text();
+    EXPECT_EQ(store.error().code, kCodePermissionDenied);
+    EXPECT_THAT(store.error().message, HasSubstr(dir_ + " belongs to another machine, robot of " +
+                                                 robot_.file + " (namespace '', domain 0)"));
+    EXPECT_THAT(store.error().message, HasSubstr("this one is " + other.Text()));
+  }
+  EXPECT_TRUE(StateStore::Open(dir_, robot_));
+}
+
+TEST_F(Store, OfAMachineWhoseConfigWasMovedGoesAlong) {
+  { const StateStore store = MustOpen(); }
+  const MachineOrigin moved{"robot", "", 0, folder_ / "moved.toml"};
+  EXPECT_TRUE(StateStore::Open(dir_, moved));
+  EXPECT_EQ(LoadOrigin(dir_), moved);
+}
+
+TEST_F(Store, OfAMachineThatIsLedFromAFileThatWasMovedStaysItsOwn) {
+  const StateStore store = MustOpen();
+  const auto second = StateStore::Open(dir_, {"robot", "", 0, folder_ / "moved.toml"});
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, kCodePermissionDenied);
+  EXPECT_THAT(second.error().message, HasSubstr("which process " + std::to_string(getpid())));
+}
+
+TEST_F(Store, IsFoundThroughTheProcessThatHasIt) {
+  EXPECT_FALSE(OriginOfProcess(getpid()));
+  const StateStore store = MustOpen();
+  EXPECT_EQ(OriginOfProcess(getpid()), robot_);
+}
+
+TEST_F(Store, RemembersTheConfigThatTheMachineWasLedWith) {
+  StateStore store = MustOpen();
+  EXPECT_EQ(store.LoadConfigHash(), "");
+  ASSERT_TRUE(store.SaveConfigHash("ab12"));
+  EXPECT_EQ(store.LoadConfigHash(), "ab12");
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 
 #include "musher/lifecycle/code.hpp"
 #include "musher/test/controller/two_controllers.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+#include "musher/transport/service.hpp"
 
 namespace musher::testing {
 namespace {
@@ -229,6 +231,38 @@ TEST_F(SwitchClients, EndInTimeWhereNoControllerIs) {
   Request("LowPower");
   EXPECT_EQ(End(std::chrono::seconds(61)).kind, Kind::kUnknown);
   EXPECT_EQ(end_->result.code, kCodeTimeout);
+}
+
+// The controller ends with its machine, and its last answer was lost on the way.
+TEST_F(SwitchClients, TakeTheLatchedStatusForTheLostAnswerToATearDown) {
+  const auto node = network_.MakeNode("first");
+  bool asked = false;
+  const auto server = transport::MakeServer<msg::SetState>(
+      *node, transport::MachineService("", "set_state"),
+      [&asked](const auto&, const auto&) { asked = true; });  // never answers
+  const auto statuses = transport::MakePublisher<msg::MachineStatus>(
+      *node, transport::MachineStatusTopic(""), transport::kLatchedQos);
+  msg::MachineStatus status;
+  status.epoch = 3;
+  status.pid = 4711;
+  status.host = kSimHost;
+  status.phase = "failed";
+  status.state = "SelfCheck";
+  ASSERT_TRUE(statuses.value()->Publish(status));
+  Request("TearDown");
+  ASSERT_TRUE(RunUntil([&] { return asked; }));
+  status.phase = "stopped";
+  status.state = "TearDown";
+  status.switch_number = 5;
+  ASSERT_TRUE(statuses.value()->Publish(status));
+  network_.RunFor(Milliseconds(20));
+  EXPECT_FALSE(end_);
+  kernel_.TellEnd(4711);
+  EXPECT_EQ(End(std::chrono::seconds(1)).kind, Kind::kTold);
+  EXPECT_EQ(end_->result.outcome, "done");
+  EXPECT_EQ(end_->result.state, "TearDown");
+  EXPECT_EQ(end_->result.switch_number, 5U);
+  EXPECT_THAT(news_, IsEmpty());
 }
 
 }  // namespace

@@ -153,11 +153,13 @@ TEST(ConfigToml, KeepsRepeatedAndEmptyArguments) {
 }
 
 TEST(ConfigToml, PutsStateBelowTheUsersStateFolder) {
+  const ScopedEnvironment domain("ROS_DOMAIN_ID", nullptr);
   const ScopedEnvironment xdg("XDG_STATE_HOME", "/var/state");
   EXPECT_EQ(Read(kController + kVoice + kWheels).state_dir, "/var/state/musher/sled");
 }
 
 TEST(ConfigToml, PutsStateBelowTheHomeWhereTheEnvironmentNamesNoStateFolder) {
+  const ScopedEnvironment domain("ROS_DOMAIN_ID", nullptr);
   const ScopedEnvironment home("HOME", "/home/driver");
   const ScopedEnvironment xdg("XDG_STATE_HOME", "relative/is/ignored");
   EXPECT_EQ(Read(kController + kVoice + kWheels).state_dir,
@@ -165,9 +167,22 @@ TEST(ConfigToml, PutsStateBelowTheHomeWhereTheEnvironmentNamesNoStateFolder) {
 }
 
 TEST(ConfigToml, PutsStateBelowVarLibWhereThereIsNoHome) {
+  const ScopedEnvironment domain("ROS_DOMAIN_ID", nullptr);
   const ScopedEnvironment home("HOME", nullptr);
   const ScopedEnvironment xdg("XDG_STATE_HOME", nullptr);
   EXPECT_EQ(Read(kController + kVoice + kWheels).state_dir, "/var/lib/musher/sled");
+}
+
+TEST(ConfigToml, GivesRobotsOfOneHostAStateFolderEach) {
+  const ScopedEnvironment xdg("XDG_STATE_HOME", "/var/state");
+  const std::string fleet = kController + "namespace = \"fleet/sled_3\"\n" + kVoice + kWheels;
+  {
+    const ScopedEnvironment domain("ROS_DOMAIN_ID", "0");
+    EXPECT_EQ(Read(fleet).state_dir, "/var/state/musher/sled@fleet.sled_3");
+  }
+  const ScopedEnvironment domain("ROS_DOMAIN_ID", "7");
+  EXPECT_EQ(Read(fleet).state_dir, "/var/state/musher/sled@fleet.sled_3.domain7");
+  EXPECT_EQ(Read(kController + kVoice + kWheels).state_dir, "/var/state/musher/sled.domain7");
 }
 
 TEST(ConfigToml, ReadsTheMachinesOwnKeys) {

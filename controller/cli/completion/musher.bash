@@ -29,12 +29,13 @@ _musher() {
 
   case $command in
     "") options+=" --version" ;;
-    up) options+=" --detach --takeover --restarted" ;;
+    up) options+=" --detach --takeover --adopt --restarted" ;;
+    down) options+=" --without-controller" ;;
     status) options+=" --watch" ;;
     estop) options+=" --release" ;;
     keep) options+=" --for --end" ;;
     low-power) options+=" --this-run" ;;
-    history) options+=" --since --limit --journal --why" ;;
+    history) options+=" --since --until --actuator --limit --csv --follow --journal --why" ;;
     behavior) options+=" --history --watch --send" ;;
     replay) options+=" --config --since --epoch" ;;
     simulate) options+=" --seeds --seed --only --bound --home --svg --jobs" ;;

@@ -24,6 +24,9 @@ void Grammar::AddConfigCommands() {
   command->add_flag("--takeover", up->takeover,
                     "End a controller that leads this machine; its actuators\n"
                     "go on and are taken over");
+  command->add_flag("--adopt", up->adopt,
+                    "Take over actuators that run already with another config;\n"
+                    "without it they are a reason not to start");
   command->add_flag("--restarted", up->restarted,
                     "For supervisors such as systemd: if the controller ended\n"
                     "while it took the machine down, finish that and stay down");

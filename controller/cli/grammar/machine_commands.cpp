@@ -32,11 +32,15 @@ void Grammar::AddSwitchingCommands() {
 }
 
 void Grammar::AddMachineCommands() {
-  AddCommand("down", "Take the machine down: TearDown, then end its processes",
-             std::make_shared<DownOptions>());
+  auto down = std::make_shared<DownOptions>();
+  auto* command =
+      AddCommand("down", "Take the machine down: TearDown, then end its processes", down);
+  command->add_flag("--without-controller", down->without_controller,
+                    "End the actuators of the namespace that run though no\n"
+                    "controller leads them, all at the same time");
 
   auto status = std::make_shared<StatusOptions>();
-  auto* command = AddCommand("status", "Show the machine and its actuators", status);
+  command = AddCommand("status", "Show the machine and its actuators", status);
   command->add_flag("-w,--watch", status->watch, "Show every change as it happens");
 
   auto capabilities = std::make_shared<CapabilitiesOptions>();
@@ -70,17 +74,29 @@ void Grammar::AddMachineCommands() {
   command = AddCommand("history", "Show what happened, oldest first", history);
   command->add_option("--since", history->since, "90s, 10m, 2h, 1d ago, or a date and time")
       ->type_name("TIME");
-  command->add_option("--limit", history->limit, "The newest so many entries; default 1000")
-      ->check(CLI::Range(1U, 1000U).description(""))
-      ->type_name("N");
+  command->add_option("--until", history->until, "The same; what came later is left out")
+      ->type_name("TIME");
+  command->add_option("--actuator", history->actuator, "Only what concerns this one")
+      ->type_name("NAME");
   command
-      ->add_option("--journal", history->journal, "Read this file instead of asking a controller")
-      ->type_name("FILE");
+      ->add_option("--limit", history->limit,
+                   "The newest so many entries that match; default 1000, 0: all")
+      ->check(CLI::Range(0U, 1'000'000U).description(""))
+      ->type_name("N");
+  command->add_flag("--csv", history->csv, "Print a table for spreadsheets, RFC 4180");
+  auto* journal = command
+                      ->add_option("--journal", history->journal,
+                                   "Read this file instead of asking a controller")
+                      ->type_name("FILE");
+  auto* follow =
+      command->add_flag("-f,--follow", history->follow, "Then print what happens, until Ctrl-C");
+  follow->excludes(journal);
   command
       ->add_option("--why", history->why,
                    "Why the machine is in its state, or went\n"
                    "to STATE last: the chain of causes")
       ->expected(0, 1)
+      ->excludes(follow)
       ->type_name("[STATE]");
 
   auto replay = std::make_shared<ReplayOptions>();

@@ -18,6 +18,14 @@ std::string Count(std::size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
+// Of a table; quoted where it has to be.
+std::string Field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string field = "\"";
+  for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return field + '"';
+}
+
 // A backtrace below its sentence. JSON is for programs.
 std::string Below(const std::string& data) {
   if (data.starts_with('{')) return "";
@@ -35,6 +43,15 @@ std::string HistoryText(const std::vector<msg::HistoryEntry>& entries, bool colo
     text += Paint(LocalText(e.wall_ns), Style::kDim, colour) +
             fmt::format("  {:<9}", Printable(e.kind)) + Sentence(e.message, e.code, colour) + '\n' +
             Below(e.data);
+  }
+  return text;
+}
+
+std::string HistoryCsv(const std::vector<msg::HistoryEntry>& entries, bool head) {
+  std::string text = head ? "time,epoch,switch,kind,actuator,code,message\r\n" : "";
+  for (const msg::HistoryEntry& e : entries) {
+    text += fmt::format("{},{},{},{},{},{},{}\r\n", UtcText(e.wall_ns), e.epoch, e.switch_number,
+                        Field(e.kind), Field(e.actuator), e.code, Field(e.message));
   }
   return text;
 }

@@ -44,6 +44,22 @@ Json Of(const msg::Capability& c) {
           {"states", c.states}};
 }
 
+Json Of(const std::map<std::string, Running::Actuator>& running) {
+  Json actuators = Json::object();
+  for (const auto& [name, actuator] : running) {
+    const msg::ActuatorStatus& s = actuator.status;
+    actuators[name] = {{"state", s.state},
+                       {"pid", s.pid},
+                       {"target", s.target},
+                       {"host", s.host},
+                       {"heard", actuator.heard},
+                       {"code", s.outcome_code},
+                       {"message", s.outcome_message},
+                       {"emergency_stop", s.emergency_stop != 0}};
+  }
+  return actuators;
+}
+
 // An entry of the journal or of the wire.
 template <class Entry>
 Json OfEntry(const Entry& e) {
@@ -86,7 +102,8 @@ Json Of(const msg::PolicyInfo& p) {
 
 }  // namespace
 
-std::string StatusJson(const msg::MachineStatus& status) {
+std::string StatusJson(const msg::MachineStatus& status,
+                       const std::map<std::string, Running::Actuator>& unlisted) {
   Json actuators = Json::object();
   for (const msg::ActuatorInfo& a : status.actuators) actuators[a.name] = Of(a);
   return Text({{"machine", status.machine},
@@ -94,6 +111,7 @@ std::string StatusJson(const msg::MachineStatus& status) {
                {"state", status.state},
                {"degraded", status.degraded},
                {"actuators", actuators},
+               {"unlisted", Of(unlisted)},
                {"phase", status.phase},
                {"target", status.target},
                {"epoch", status.epoch},
@@ -296,6 +314,24 @@ std::string ProgressJson(const Progress& progress) {
                {"switch", progress.switch_number},
                {"code", progress.code},
                {"message", progress.message}});
+}
+
+std::string RunningJson(const Failure& failure,
+                        const std::map<std::string, Running::Actuator>& running) {
+  return Text(
+      {{"error", failure.error.message}, {"code", failure.error.code}, {"actuators", Of(running)}});
+}
+
+std::string EndingJson(const std::vector<Ending::Outcome>& outcomes) {
+  Json actuators = Json::object();
+  for (const Ending::Outcome& o : outcomes) {
+    actuators[o.name] = {{"pid", o.pid},
+                         {"ended", o.ended},
+                         {"torn_down", o.torn_down},
+                         {"signal", o.signal},
+                         {"message", o.trouble}};
+  }
+  return Text({{"actuators", actuators}});
 }
 
 std::string FailureJson(const Failure& failure) {

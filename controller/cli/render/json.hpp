@@ -2,13 +2,16 @@
 // The JSON documents of `--json`, each on one line. Their keys are a contract: keys may be added,
 // none is renamed or removed.
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "musher/controller/cli/ending.hpp"
 #include "musher/controller/cli/exit_code.hpp"
 #include "musher/controller/cli/latching.hpp"
 #include "musher/controller/cli/progress.hpp"
+#include "musher/controller/cli/running.hpp"
 #include "musher/controller/cli/why.hpp"
 #include "musher/controller/ota/manifest.hpp"
 #include "musher/controller/ota/slots.hpp"
@@ -22,7 +25,13 @@
 
 namespace musher::cli {
 
-std::string StatusJson(const msg::MachineStatus& status);
+// `unlisted`: actuators of the namespace that run and are not in the machine's config.
+std::string StatusJson(const msg::MachineStatus& status,
+                       const std::map<std::string, Running::Actuator>& unlisted = {});
+// A failure, and the actuators that run though no controller leads them.
+std::string RunningJson(const Failure& failure,
+                        const std::map<std::string, Running::Actuator>& running);
+std::string EndingJson(const std::vector<Ending::Outcome>& outcomes);
 std::string SwitchJson(const msg::SetState::Response& result);
 std::string EstopJson(const EstopReport& report);
 std::string ReleaseJson(const msg::MachineStatus& machine);

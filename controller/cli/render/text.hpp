@@ -1,12 +1,15 @@
 #pragma once
 // What people see: the same messages that json.hpp gives to programs, as lines and tables.
 
+#include <map>
 #include <string>
 #include <vector>
 
 #include "musher/controller/cli/console.hpp"
+#include "musher/controller/cli/ending.hpp"
 #include "musher/controller/cli/latching.hpp"
 #include "musher/controller/cli/progress.hpp"
+#include "musher/controller/cli/running.hpp"
 #include "musher/controller/cli/why.hpp"
 #include "musher/controller/recording/replay.hpp"
 #include "musher/lifecycle/config.hpp"
@@ -22,6 +25,11 @@ Style StyleOfState(std::string_view state);
 std::string StatusText(const msg::MachineStatus& status, bool colour);
 // The same on one line, for output that is not a terminal.
 std::string StatusLine(const msg::MachineStatus& status, std::int64_t wall_ns);
+
+// Actuators that run though no controller leads them; RunningNames() as "legs (process 7), …".
+std::string RunningText(const std::map<std::string, Running::Actuator>& running, bool colour);
+std::string RunningNames(const std::map<std::string, Running::Actuator>& running);
+std::string EndingText(const std::vector<Ending::Outcome>& outcomes, bool colour);
 
 std::string SwitchText(const msg::SetState::Response& result, bool colour);
 // Why a switch is not done, as one sentence.
@@ -47,6 +55,8 @@ std::string PlanText(const msg::GetPlan::Response& plan, bool colour);
 // "the machine went to ...", then a line "because ..." for each cause.
 std::string WhyText(const Why& why, bool colour);
 std::string HistoryText(const std::vector<msg::HistoryEntry>& entries, bool colour);
+// The same as RFC 4180 has tables; with a line of names at its head, or without.
+std::string HistoryCsv(const std::vector<msg::HistoryEntry>& entries, bool head);
 // A timeline; "-" before what is no longer decided, "+" before what is new.
 std::string ReplayText(const recording::ReplayReport& report, bool colour);
 std::string ProgressText(const Progress& progress, bool colour);

@@ -80,5 +80,50 @@ TEST_F(CheckCommand, FaultsAFolderAndAMissingFile) {
   EXPECT_THAT(missing.out, HasSubstr("none.toml: error: "));
 }
 
+class CheckedSurroundings : public CheckCommand {
+ protected:
+  // What `check` says of legs with these lines in its table.
+  Ran Check(const std::string& lines) const {
+    std::string text = kRobotToml;
+    text.insert(text.find("critical = true"), lines + "\n");
+    return RunProgram({"check", Write("dog.toml", text)});
+  }
+};
+
+TEST_F(CheckedSurroundings, NamesAProgramThatIsNotThere) {
+  const Ran ran = Check("command = [\"nosuchprogram\"]");
+  EXPECT_EQ(ran.exit, 0);
+  EXPECT_THAT(ran.out, HasSubstr("/dog.toml:13:1: warning: in 'actuator.legs': 'command': there is "
+                                 "no program 'nosuchprogram' in PATH"));
+}
+
+TEST_F(CheckedSurroundings, NamesAProgramThatIsNotExecutable) {
+  const std::string file = Write("legs.sh", "#!/bin/sh\n");
+  EXPECT_THAT(Check("command = [\"" + file + "\"]").out, HasSubstr(file + " is not executable"));
+  EXPECT_THAT(Check("command = [\"./legs.sh\"]\ncwd = \".\"").out,
+              HasSubstr("/./legs.sh is not executable"));
+}
+
+TEST_F(CheckedSurroundings, NamesAFolderThatIsNotThere) {
+  const Ran ran = Check("command = [\"true\"]\ncwd = \"gone\"");
+  EXPECT_THAT(ran.out, HasSubstr("/dog.toml:14:1: warning: in 'actuator.legs': 'cwd': there is no "
+                                 "folder " +
+                                 (folder_ / "gone")));
+}
+
+TEST_F(CheckedSurroundings, SaysNothingOfAProgramThatIsThere) {
+  EXPECT_EQ(Check("command = [\"true\"]").out, "ok: 2 actuators, 6 states, 2 stages\n");
+}
+
+TEST_F(CheckedSurroundings, HoldBehindASymbolicLinkWhereUpStartsThem) {
+  std::filesystem::create_directory(folder_ / "real");
+  std::string text = kRobotToml;
+  text.insert(text.find("critical = true"), "command = [\"true\"]\ncwd = \"work\"\n");
+  std::filesystem::create_symlink(Write("real/dog.toml", text), folder_ / "link.toml");
+  std::filesystem::create_directory(folder_ / "work");  // beside the link
+  const Ran ran = RunProgram({"check", folder_ / "link.toml"});
+  EXPECT_EQ(ran.out, "ok: 2 actuators, 6 states, 2 stages\n");
+}
+
 }  // namespace
 }  // namespace musher::cli

@@ -113,7 +113,6 @@ TEST(CommandLine, TakesTheNamespaceFromTheEnvironmentUnlessItIsGiven) {
 }
 
 TEST(CommandLine, RefusesWhatItDoesNotUnderstand) {
-  EXPECT_THAT(Wrong({}), HasSubstr("a command is missing"));
   EXPECT_THAT(Wrong({"statsu"}), HasSubstr("no command 'statsu'; did you mean 'status'?"));
   EXPECT_THAT(Wrong({"set"}), HasSubstr("STATE is required"));
   EXPECT_THAT(Wrong({"set", "a", "b", "c"}), HasSubstr("not expected: c"));

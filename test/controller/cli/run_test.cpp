@@ -96,5 +96,16 @@ TEST(Program, SaysWhichTimesHistoryUnderstands) {
   EXPECT_THAT(ran.err, HasSubstr("--since 'soon' is no time"));
 }
 
+TEST(Program, AloneOrWithTheWordHelpItHelps) {
+  const Ran help = RunProgram({"--help"});
+  EXPECT_EQ(help.exit, 0);
+  for (const Ran& ran : {RunProgram({}), RunProgram({"help"})}) {
+    EXPECT_EQ(ran.exit, 0);
+    EXPECT_EQ(ran.out, help.out);
+  }
+  EXPECT_EQ(RunProgram({"help", "set"}).out, RunProgram({"set", "--help"}).out);
+  EXPECT_THAT(RunProgram({"set"}).err, testing::HasSubstr("; see musher set --help"));
+}
+
 }  // namespace
 }  // namespace musher::cli

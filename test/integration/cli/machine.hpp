@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -79,6 +80,37 @@ class MachineByCli : public ::testing::Test {
         return status;
       }
     }
+  }
+
+  // robot.toml of another machine with the same actuators, in a folder of its own. Its name is
+  // `name`, else that of its file; without `state_dir` it has the default one.
+  std::string OtherRobot(const std::string& name, const std::string& name_space,
+                         const std::string& state_dir) const {
+    std::ifstream file(config_);
+    std::string toml{std::istreambuf_iterator<char>(file), {}};
+    const auto replace = [&toml](const std::string& key, const std::string& value) {
+      const std::size_t at = toml.find(key + " = ");
+      if (at != std::string::npos) toml.erase(at, toml.find('\n', at) + 1 - at);
+      const std::string line = value.empty() ? "" : key + " = \"" + value + "\"\n";
+      toml.insert(toml.find('\n') + 1, line);
+    };
+    replace("name", name);
+    replace("namespace", name_space);
+    replace("state_dir", state_dir);
+    std::filesystem::create_directory(folder_ / "other");
+    std::ofstream(folder_ / "other/robot.toml") << toml;
+    return folder_ / "other/robot.toml";
+  }
+  // Without these words from now on.
+  void Drop(const std::string& words) const { Replace(words, ""); }
+  void Replace(const std::string& words, const std::string& by) const {
+    std::string toml;
+    {
+      std::ifstream file(config_);
+      toml.assign(std::istreambuf_iterator<char>(file), {});
+    }
+    toml.replace(toml.find(words), words.size(), by);
+    std::ofstream(config_) << toml;
   }
 
   const TempFolder folder_;

@@ -56,7 +56,7 @@ Process::~Process() {
     Signal(SIGKILL);
     waitpid(pid_, nullptr, 0);
   }
-  close(out_);
+  if (out_ >= 0) close(out_);
   close(err_);
 }
 
@@ -64,7 +64,13 @@ void Process::Signal(int signal) const {
   kill(pid_, signal);
 }
 
+void Process::CloseOutput() {
+  close(out_);
+  out_ = -1;
+}
+
 bool Process::ReadMore() {
+  if (out_ < 0) return false;
   pollfd readable{out_, POLLIN, 0};
   if (poll(&readable, 1, kPatienceMs) != 1) return false;
   std::array<char, 4096> part{};
@@ -130,6 +136,16 @@ bool AwaitNoChildren() {
     if (std::chrono::steady_clock::now() > deadline) return false;
     for (const pid_t child : children)
       waitpid(child, nullptr, WNOHANG);  // orphans that are ours now
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+bool AwaitEnd(pid_t pid) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (kill(pid, 0) == 0) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    waitpid(pid, nullptr, WNOHANG);  // one that is ours now
     std::this_thread::yield();
   }
   return true;

@@ -31,6 +31,8 @@ class Process {
   std::string LineWith(const std::string& text);
   // Waits until it has said so on stderr, for half a minute at most; whether it has.
   bool AwaitError(const std::string& text) const;
+  // The reader of its output ends: what it prints from now on breaks a pipe.
+  void CloseOutput();
   // Waits until its output ends, then for its end. To be called once.
   Ended Wait();
 
@@ -52,6 +54,8 @@ Ended RunToEnd(const std::vector<std::string>& argv);
 void AdoptOrphans();
 // The processes that this one is the parent of.
 std::vector<pid_t> Children();
+// Waits until that process, of any parent, is gone; for 10 s at most.
+bool AwaitEnd(pid_t pid);
 // What ends on its own is given a moment.
 bool AwaitNoChildren();
 // Kills all children, and theirs, until none is left.

@@ -11,6 +11,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Takeover : public MachineByCli {
  protected:
@@ -20,14 +21,13 @@ class Takeover : public MachineByCli {
     before_ = AwaitStatus(AllHaveArrived);
     leader_ = "process " + std::to_string(before_["pid"].get<int>());
   }
-  // The same machine, led from another folder.
-  std::string OtherFolder() const {
+  // The same machine, led from another folder from now on.
+  void MoveToOtherFolder() const {
     std::ifstream file(config_);
     std::string toml{std::istreambuf_iterator<char>(file), {}};
     const std::string state_dir = "state_dir = \"state\"";
     toml.replace(toml.find(state_dir), state_dir.size(), "state_dir = \"other\"");
-    std::ofstream(folder_ / "other.toml") << toml;
-    return folder_ / "other.toml";
+    std::ofstream(config_) << toml;
   }
   static Ended TakeOver(const std::string& config) {
     return Musher({"up", config, "--takeover", "--detach"});
@@ -52,8 +52,9 @@ class Takeover : public MachineByCli {
 
 TEST_F(Takeover, IsTheWayOutOfARefusalThatNamesTheLivingController) {
   ASSERT_NO_FATAL_FAILURE(Start());
-  for (const std::string& config : {config_, OtherFolder()}) {
-    const Ended second = Musher({"up", config});
+  for (const bool other_folder : {false, true}) {
+    if (other_folder) MoveToOtherFolder();
+    const Ended second = Musher({"up", config_});
     EXPECT_EQ(second.exit, 2);
     EXPECT_THAT(second.err, AllOf(HasSubstr(leader_), HasSubstr("--takeover ends it")));
   }
@@ -78,11 +79,42 @@ TEST_F(Takeover, EndsTheFirstWhichSaysWhyAndKeepsItsActuators) {
 
 TEST_F(Takeover, EndsOneThatLeadsFromAnotherFolder) {
   ASSERT_NO_FATAL_FAILURE(Start());
-  const Ended second = TakeOver(OtherFolder());
+  MoveToOtherFolder();
+  const Ended second = TakeOver(config_);
   EXPECT_EQ(second.exit, 0) << second.err;
   EXPECT_EQ(first_->Wait().exit, 1);
   ExpectAdopted();
   EXPECT_EQ(Musher({"up", config_}).exit, 2);  // the name is the second's now
+}
+
+// Both are called robot.toml, as every example is, in one namespace and one domain.
+TEST_F(Takeover, NeverEndsTheControllerOfAnotherMachine) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const std::string file = OtherRobot("", name_space_, "../state");
+  for (const char* state_dir : {"../state", "own"}) {  // the same folder, and one of its own
+    OtherRobot("", name_space_, state_dir);
+    const Ended plain = Musher({"up", file});
+    EXPECT_EQ(plain.exit, 2);
+    EXPECT_THAT(plain.err, Not(HasSubstr("--takeover")));
+    const Ended second = TakeOver(file);
+    EXPECT_EQ(second.exit, 2);
+    EXPECT_THAT(second.err,
+                AllOf(HasSubstr(leader_), HasSubstr("another machine, robot of " + config_),
+                      HasSubstr("this one, robot of " + file)));
+  }
+  EXPECT_EQ(Status(), before_);  // it was not disturbed
+}
+
+TEST_F(Takeover, RobotsOfOneNameInTwoNamespacesDoNotMeet) {
+  setenv("XDG_STATE_HOME", (folder_ / "xdg").c_str(), 1);
+  Drop("state_dir = \"state\"\n");
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const std::string file = OtherRobot("", name_space_ + "_b", "");
+  const Ended second = TakeOver(file);
+  EXPECT_EQ(second.exit, 0) << second.err;
+  EXPECT_EQ(Status(), before_);
+  EXPECT_EQ(Musher({"down", "--namespace", name_space_ + "_b"}).exit, 0);
+  EXPECT_EQ(Status(), before_);
 }
 
 TEST_F(Takeover, EndsOneThatIsStopped) {

@@ -42,14 +42,6 @@ TEST_F(Up, SaysThatItIsStoppingAlreadyOnASecondCtrlC) {
   EXPECT_EQ(ended.err, "musher: taking robot down\nmusher: robot is being taken down already\n");
 }
 
-TEST_F(Up, TakesTheMachineDownWhenItsTerminalCloses) {
-  Process up(Command({"up", config_, "--json"}));
-  ASSERT_NE(up.LineWith("start-up"), "");
-  up.Signal(SIGHUP);
-  EXPECT_EQ(up.Wait().exit, 0);
-  EXPECT_TRUE(AwaitNoChildren());
-}
-
 TEST_F(Up, PrintsALineOfJsonForEachEvent) {
   Process up(Command({"up", config_, "--json"}));
   const auto start_up = Json(up.LineWith(R"("kind":"start-up")"));
@@ -158,6 +150,18 @@ TEST_F(Up, CanFollowDownAtOnce) {
     const Ended up = UpDetached();
     ASSERT_EQ(up.exit, 0) << up.err;
     ASSERT_EQ(Musher({"down"}).exit, 0);
+  }
+}
+
+TEST_F(Up, CanFollowTheDownOfAFailedStartAtOnce) {
+  Does("legs", "[state.SelfCheck]\nrun = [\"false\"]\n");
+  for (int i = 0; i < 6; ++i) {
+    const Ended up = Musher({"up", config_});
+    ASSERT_EQ(up.exit, 1) << up.err;
+    EXPECT_THAT(up.err, HasSubstr("stay up for inspection")) << i;
+    const Ended down = Musher({"down"});
+    ASSERT_LE(down.exit, 1) << down.err;
+    EXPECT_THAT(down.err, Not(HasSubstr("has not ended yet")));
   }
 }
 

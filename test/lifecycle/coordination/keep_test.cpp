@@ -55,9 +55,9 @@ TEST_F(KeepRule, TheEndOfAKeepThatIsNotThereIsRefused) {
 TEST_F(KeepRule, ASecondKeepIsRefusedAndNotCalledASuccess) {
   Robot();
   KeepAndWait("Protected", 60);
-  EXPECT_EQ(
-      KeepAndWait("Active", 10),
-      "103: the machine is kept in Protected for another 58 s; a keep of 0 s ends that before");
+  EXPECT_EQ(KeepAndWait("Active", 10),
+            "103: the machine is kept in Protected for another 58 s; `musher keep --end` ends that "
+            "before");
   EXPECT_EQ(state(), "Protected");
 }
 

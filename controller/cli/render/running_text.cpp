@@ -1,0 +1,60 @@
+#include <fmt/format.h>
+
+#include "musher/controller/cli/render/printable.hpp"
+#include "musher/controller/cli/render/table.hpp"
+#include "musher/controller/cli/render/text.hpp"
+#include "musher/lifecycle/code.hpp"
+
+namespace musher::cli {
+namespace {
+
+std::string NoteOf(const Running::Actuator& actuator) {
+  if (!actuator.heard) return "its process is not heard";
+  const msg::ActuatorStatus status = Printable(actuator.status);
+  std::string note;
+  const auto add = [&note](const std::string& text) { note += (note.empty() ? "" : "; ") + text; };
+  if (!status.target.empty()) add("busy with " + status.target);
+  if (status.emergency_stop != 0) add("stopped by an emergency stop");
+  if (status.outcome_code != kCodeOk) add(WithCode(status.outcome_message, status.outcome_code));
+  return note;
+}
+
+}  // namespace
+
+std::string RunningText(const std::map<std::string, Running::Actuator>& running, bool colour) {
+  Table table({"ACTUATOR", "STATE", "PID", "NOTE"});
+  for (const auto& [name, actuator] : running) {
+    const std::string state = actuator.heard ? Printable(actuator.status.state) : "-";
+    table.Add({{Printable(name)},
+               {state, StyleOfState(state)},
+               {actuator.status.pid == 0 ? "-" : std::to_string(actuator.status.pid)},
+               {NoteOf(actuator)}});
+  }
+  return table.Text(colour);
+}
+
+std::string RunningNames(const std::map<std::string, Running::Actuator>& running) {
+  std::string names;
+  for (const auto& [name, actuator] : running) {
+    names += fmt::format("{}{} (process {})", names.empty() ? "" : ", ", Printable(name),
+                         actuator.status.pid);
+  }
+  return names;
+}
+
+std::string EndingText(const std::vector<Ending::Outcome>& outcomes, bool colour) {
+  Table table({"ACTUATOR", "PID", "END"});
+  for (const Ending::Outcome& outcome : outcomes) {
+    std::string end = !outcome.ended      ? "still runs"
+                      : outcome.torn_down ? "torn down, ended"
+                                          : "ended without TearDown";
+    if (!outcome.signal.empty()) end += ", after " + outcome.signal;
+    if (!outcome.torn_down && !outcome.trouble.empty()) end += ": " + outcome.trouble;
+    table.Add({{Printable(outcome.name)},
+               {std::to_string(outcome.pid)},
+               {Printable(end), outcome.ended ? Style::kPlain : Style::kBad}});
+  }
+  return table.Text(colour);
+}
+
+}  // namespace musher::cli

@@ -1,0 +1,51 @@
+#include "musher/controller/cli/running.hpp"
+
+#include <utility>
+
+#include "musher/lifecycle/state.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/host.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher::cli {
+
+Result<std::unique_ptr<Running>> Running::Begin(transport::Node& node,
+                                                const std::string& name_space, bool with_keys) {
+  std::unique_ptr<Running> running(new Running(node.loop(), name_space));
+  transport::SubscriptionEvents events;
+  events.on_writer_lost = [self = running.get()](transport::PeerId writer) {
+    std::erase_if(self->heard_, [writer](const auto& one) { return one.second.writer == writer; });
+  };
+  transport::Qos qos = transport::kLatchedFromManyQos;
+  qos.partition = transport::HearingPartition(with_keys);
+  auto statuses = transport::MakeSubscription<msg::ActuatorStatus>(
+      node, transport::ActuatorStatusTopic(name_space),
+      [self = running.get()](const msg::ActuatorStatus& status, const transport::SampleInfo& info) {
+        if (!transport::IsFrom(status.name, info)) return;
+        self->heard_[status.name] = {status, true, self->loop_.Now(), info.writer};
+      },
+      qos, std::move(events));
+  if (!statuses) return statuses.error();
+  running->statuses_ = std::move(statuses).value();
+  return running;
+}
+
+std::map<std::string, Running::Actuator> Running::Now() const {
+  std::map<std::string, Actuator> running;
+  for (const auto& [name, actuator] : heard_) {
+    if (actuator.status.state != kTearDown) running[name] = actuator;
+  }
+  const std::string prefix =
+      transport::NameLock::NameOf(transport::DomainId({}).value(), name_space_, "");
+  for (const std::string& name : transport::NameLock::HeldBelow(prefix)) {
+    if (heard_.contains(name)) continue;
+    Actuator& silent = running[name];
+    silent.heard = false;
+    silent.status.name = name;
+    silent.status.pid = transport::NameLock::HolderOf(prefix + name).pid;
+    silent.status.host = transport::HostId();
+  }
+  return running;
+}
+
+}  // namespace musher::cli

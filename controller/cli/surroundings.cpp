@@ -1,0 +1,154 @@
+#include "musher/controller/cli/surroundings.hpp"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <string_view>
+
+#include "musher/transport/unique_fd.hpp"
+
+namespace musher::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Where a key of an actuator's table stands in the text, as a person looks for it; the table itself
+// where it has no such key.
+class Places {
+ public:
+  explicit Places(const std::string& file) {
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);) lines_.push_back(line);
+  }
+  int LineOf(const std::string& table, std::string_view key) const {
+    int found = 0;
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+      const std::size_t begin = lines_[i].find_first_not_of(" \t");
+      if (begin == std::string::npos) continue;
+      const std::string_view line = std::string_view(lines_[i]).substr(begin);
+      if (found != 0 && line.starts_with('[')) return found;
+      if (line.starts_with("[" + table + "]")) found = static_cast<int>(i) + 1;
+      if (found != 0 && line.starts_with(key)) return static_cast<int>(i) + 1;
+    }
+    return found;
+  }
+
+ private:
+  std::vector<std::string> lines_;
+};
+
+std::string PathOf(const ActuatorConfig& actuator) {
+  const auto own = actuator.env.find("PATH");
+  const char* inherited = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
+  if (own != actuator.env.end()) return own->second;
+  std::error_code error;
+  const auto self = fs::read_symlink("/proc/self/exe", error);  // as the controller has it
+  return (error ? "" : self.parent_path().string() + ":") + (inherited != nullptr ? inherited : "");
+}
+
+// The program that a command would run; empty: `why` says what is wrong.
+std::string ProgramOf(const ActuatorConfig& actuator, std::string& why) {
+  const std::string& program = actuator.command.front();
+  const auto judge = [&](const fs::path& path) {
+    std::error_code error;
+    if (!fs::exists(path, error)) return false;
+    why = fs::is_directory(path, error)     ? path.string() + " is a folder"
+          : access(path.c_str(), X_OK) != 0 ? path.string() + " is not executable"
+                                            : "";
+    return why.empty();
+  };
+  if (program.find('/') != std::string::npos) {
+    const fs::path path =
+        actuator.cwd.empty() ? fs::path(program) : actuator.cwd / fs::path(program);
+    why = "there is no program " + path.string();
+    return judge(path) ? path.string() : "";
+  }
+  why = "there is no program '" + program + "' in PATH";
+  std::istringstream folders(PathOf(actuator));
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const fs::path path = fs::path(folder.empty() ? "." : folder) / program;
+    if (judge(path)) return path.string();
+  }
+  return "";
+}
+
+struct Ran {
+  bool ok = false;
+  std::string err;
+};
+
+// The program's own judgement of its part.
+Ran RunCheck(const std::string& program, const ActuatorConfig& actuator,
+             const std::string& config_file) {
+  std::vector<std::string> words = {program,     "--check",    "--config",
+                                    config_file, "--actuator", actuator.name};
+  words.insert(words.end(), actuator.command.begin() + 1, actuator.command.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const transport::UniqueFd said(memfd_create("check", MFD_CLOEXEC));
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, said.get(), STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, said.get(), STDERR_FILENO);
+  if (!actuator.cwd.empty()) posix_spawn_file_actions_addchdir_np(&actions, actuator.cwd.c_str());
+  pid_t pid = 0;
+  const int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) return {true, ""};
+  int status = 0;
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  std::array<char, 8192> text{};
+  const ssize_t size = pread(said.get(), text.data(), text.size(), 0);
+  return {WIFEXITED(status) && WEXITSTATUS(status) == 0,
+          std::string(text.data(), static_cast<std::size_t>(size < 0 ? 0 : size))};
+}
+
+}  // namespace
+
+std::vector<Diagnostic> CheckSurroundings(const MachineConfig& config) {
+  const Places places(config.file);
+  std::vector<Diagnostic> found;
+  const auto add = [&](const ActuatorConfig& actuator, const std::string& key, Severity severity,
+                       const std::string& message) {
+    const int line = places.LineOf("actuator." + actuator.name, key);
+    found.push_back({config.file, line, line == 0 ? 0 : 1, severity,
+                     "in 'actuator." + actuator.name + "': '" + key + "': " + message});
+  };
+  for (const ActuatorConfig& actuator : config.actuators) {
+    if (actuator.command.empty()) continue;
+    std::error_code error;
+    if (!actuator.cwd.empty() && !fs::is_directory(actuator.cwd, error)) {
+      add(actuator, "cwd", Severity::kWarning, "there is no folder " + actuator.cwd);
+      continue;
+    }
+    std::string why;
+    const std::string program = ProgramOf(actuator, why);
+    if (program.empty()) {
+      add(actuator, "command", Severity::kWarning, why);
+      continue;
+    }
+    if (!fs::path(program).filename().string().starts_with("musher-")) continue;
+    const Ran ran = RunCheck(program, actuator, fs::absolute(config.file).string());
+    if (ran.ok) continue;
+    std::istringstream lines(ran.err);
+    for (std::string line; std::getline(lines, line);) {
+      if (!line.empty()) add(actuator, "command", Severity::kError, line);
+    }
+  }
+  return found;
+}
+
+}  // namespace musher::cli

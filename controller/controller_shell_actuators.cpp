@@ -1,0 +1,143 @@
+// What is heard of actuators: their status, their answers, and that they are gone.
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/controller/controller_shell.hpp"
+#include "musher/controller/wire.hpp"
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher {
+namespace {
+
+constexpr std::size_t kProcessesKept = 4;  // of one actuator, those that spoke last
+constexpr std::size_t kMostUnlisted = 64;
+
+}  // namespace
+
+// Whether a process of the actuator runs, by its latched status: it is not about to end.
+bool ControllerShell::Runs(const MachineConfig& config, const ActuatorReport& report) {
+  const bool set_up_failed =
+      report.state == config.default_state && !report.busy() && report.outcome_code != kCodeOk;
+  return report.state != kTearDown && !set_up_failed;
+}
+
+void ControllerShell::OnStatus(const msg::ActuatorStatus& status,
+                               const transport::SampleInfo& info) {
+  const auto found = index_.find(status.name);
+  if (!transport::IsFrom(status.name, info)) return;
+  if (found == index_.end()) return TellUnlisted(status);
+  const std::size_t i = found->second;
+  const ActuatorReport report = Believed(i, transport::FromMessage(status));
+  speakers_[info.writer] = {i, report.incarnation};
+  if (info.participant != 0) Heard(i, report).participant = info.participant;
+  CompareHash(i, status.config_hash);
+  if (machine_.phase == Phase::kIdle) hashes_before_begin_[i] = status.config_hash;
+  Handle(event::StatusSeen{i, report});
+  const ActuatorReport& taken = machine_.actuators[i].report;
+  if (taken.incarnation == report.incarnation) health_->OnReport(i, report);
+}
+
+// The process that the report is from. So many are remembered for each actuator, those that were
+// heard last; the one that the machine goes by is not forgotten.
+ControllerShell::Process& ControllerShell::Heard(std::size_t actuator,
+                                                 const ActuatorReport& report) {
+  std::vector<Process>& known = peers_[actuator].processes;
+  const auto found = std::find_if(known.begin(), known.end(),
+                                  [&](const Process& process) { return process.Is(report); });
+  if (found != known.end()) {
+    std::rotate(found, found + 1, known.end());
+    return known.back();
+  }
+  if (known.size() >= kProcessesKept) {
+    const bool is_taken = known.front().Is(machine_.actuators[actuator].report);
+    known.erase(known.begin() + (is_taken ? 1 : 0));
+  }
+  return known.emplace_back(Process{report.host, report.incarnation, 0, 0, false});
+}
+
+// Whoever answers lives.
+void ControllerShell::OnLinkEvent(const Event& from_link) {
+  Event event = from_link;
+  auto* replied = std::get_if<event::Replied>(&event);
+  if (replied) replied->report = Believed(replied->actuator, std::move(replied->report));
+  Handle(event);
+  if (replied == nullptr) return;
+  const ActuatorReport& taken = machine_.actuators[replied->actuator].report;
+  if (taken.incarnation == replied->report.incarnation) {
+    health_->OnReport(replied->actuator, taken);
+  }
+}
+
+void ControllerShell::OnWriterLost(transport::PeerId writer) {
+  const auto speaker = speakers_.extract(writer);
+  if (speaker.empty()) return;
+  const auto [actuator, incarnation] = speaker.mapped();
+  Handle(event::Vanished{actuator, incarnation, false, kOutOfReach});
+}
+
+void ControllerShell::CompareHash(std::size_t actuator, const std::string& hash) {
+  Peer& peer = peers_[actuator];
+  if (hash == config_.hash || peer.hash_told) return;
+  peer.hash_told = true;
+  Do(action::Record{"actuator", actuator, 0, kCodeParametersInvalid,
+                    config_.actuators[actuator].name + " has read another config (" + hash +
+                        ") than " + config_.file + " (" + config_.hash + ")"});
+}
+
+// The config may have had it once. It obeys no controller, and is not seen again unless it is
+// named.
+void ControllerShell::TellUnlisted(const msg::ActuatorStatus& status) {
+  if (!Runs(config_, transport::FromMessage(status))) return;
+  const auto [told, news] = unlisted_.try_emplace(status.name.substr(0, 64), status.incarnation);
+  const bool known = !news && told->second == status.incarnation;
+  if (known || unlisted_.size() > kMostUnlisted) return;
+  told->second = status.incarnation;
+  Remark(kCodeStateInvalid,
+         told->first + " runs (process " + std::to_string(status.pid) + ", in " + status.state +
+             "), but " + config_.file +
+             " has no such actuator: it is not led. `musher down` and then `musher down "
+             "--without-controller` end it");
+}
+
+std::string ControllerShell::RunningWithAnotherConfig(const std::string& hash) const {
+  std::string names;
+  std::size_t count = 0;
+  for (const auto& [actuator, seen] : before_begin_) {
+    const auto theirs = hashes_before_begin_.find(actuator);
+    const bool ours = theirs == hashes_before_begin_.end() || theirs->second.empty() ||
+                      theirs->second == config_.hash || theirs->second == hash;
+    if (ours || seen.report.host != world_.host || !Runs(config_, seen.report)) continue;
+    names += (names.empty() ? "" : ", ") + config_.actuators[actuator].name + " (process " +
+             std::to_string(seen.report.pid) + ")";
+    ++count;
+  }
+  return names.empty() ? names : names + (count == 1 ? " runs" : " run");
+}
+
+// An actuator latches its status once; one that is heard before this controller begins would not be
+// heard again.
+bool ControllerShell::KeepForBegin(const Event& event) {
+  if (machine_.phase != Phase::kIdle) return false;
+  if (const auto* seen = std::get_if<event::StatusSeen>(&event)) {
+    before_begin_[seen->actuator] = *seen;
+    if (!first_heard_) first_heard_ = world_.node->loop().Now();
+    return true;
+  }
+  if (const auto* stop = std::get_if<event::EmergencyStopSeen>(&event)) {
+    const StoredStops over{{}, {stop->stop.id}};
+    stops_before_begin_ =
+        Merge(stops_before_begin_, stop->engaged ? StoredStops{{stop->stop}, {}} : over);
+    return true;
+  }
+  if (const auto* vanished = std::get_if<event::Vanished>(&event)) {
+    const auto kept = before_begin_.find(vanished->actuator);
+    if (kept != before_begin_.end() && kept->second.report.incarnation == vanished->incarnation) {
+      before_begin_.erase(kept);
+    }
+    return true;
+  }
+  return false;
+}
+
+}  // namespace musher

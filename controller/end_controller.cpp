@@ -1,0 +1,50 @@
+#include "musher/controller/end_controller.hpp"
+
+#include <poll.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+
+#include "musher/controller/controller.hpp"
+#include "musher/controller/state_store.hpp"
+#include "musher/transport/host.hpp"
+
+namespace musher {
+namespace {
+
+constexpr int kLetGoTimeoutMs = 1000;
+constexpr int kEndTimeoutMs = 5000;
+
+}  // namespace
+
+Result<> EndController(pid_t pid, const std::function<Result<>()>& is_it) {
+  const std::string who = "the controller before, process " + std::to_string(pid);
+  auto process = transport::OpenPidfd(pid);
+  if (!process) return Ok();  // it has ended meanwhile
+  if (auto proven = is_it(); !proven) return proven;
+  pollfd ended{process.value().get(), POLLIN, 0};
+  const auto send = [&](int signal) {
+    return syscall(SYS_pidfd_send_signal, ended.fd, signal, nullptr, 0) == 0 || errno == ESRCH;
+  };
+  if (!send(kLetGoSignal)) return transport::SystemError("can't end " + who);
+  if (poll(&ended, 1, kLetGoTimeoutMs) == 1) return Ok();
+  if (!send(SIGKILL)) return transport::SystemError("can't end " + who);
+  if (poll(&ended, 1, kEndTimeoutMs) == 1) return Ok();
+  return Error{kCodeTimeout, who + ", does not end, not even killed"};
+}
+
+Result<> EndOwnerOf(const std::string& state_dir) {
+  const pid_t owner = StateStore::OwnerOf(state_dir);
+  return EndController(owner, [&]() -> Result<> {
+    if (StateStore::IsOwner(state_dir, owner)) return Ok();
+    return Error{kCodePermissionDenied,
+                 state_dir + " is locked, but not by process " + std::to_string(owner) +
+                     ", which its file names, or that cannot be seen; no process is ended: "
+                     "`fuser " +
+                     state_dir + "/controller.lock` shows who has it"};
+  });
+}
+
+}  // namespace musher

@@ -1,0 +1,61 @@
+// `musher history`, of a controller that leads and from its journal.
+
+#include <signal.h>
+
+#include <algorithm>
+
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+class History : public MachineByCli {
+ protected:
+  static std::ptrdiff_t Lines(const std::string& text) {
+    return std::count(text.begin(), text.end(), '\n');
+  }
+};
+
+TEST_F(History, CanBeAskedForOneActuatorAndUpToATime) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  const Ended legs = Musher({"history", "--actuator", "legs"});
+  EXPECT_EQ(legs.exit, 0) << legs.err;
+  EXPECT_THAT(legs.out, HasSubstr("legs is started as process"));
+  EXPECT_THAT(legs.out, Not(HasSubstr("voice is started")));
+  EXPECT_EQ(Musher({"history", "--until", "1d"}).out, "");
+}
+
+TEST_F(History, LimitIsOfWhatMatchesAndZeroIsAll) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  const std::string journal = folder_ / "state/journal.sqlite";
+  const Ended two = Musher({"history", "--journal", journal, "--actuator", "legs", "--limit", "2"});
+  EXPECT_EQ(Lines(two.out), 2);
+  EXPECT_THAT(two.out, HasSubstr("legs"));
+  const Ended all = Musher({"history", "--journal", journal, "--limit", "0"});
+  EXPECT_GT(Lines(all.out), 10);
+}
+
+TEST_F(History, IsATableForSpreadsheets) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  const Ended csv = Musher({"history", "--csv", "--limit", "0"});
+  EXPECT_THAT(csv.out, StartsWith("time,epoch,switch,kind,actuator,code,message\r\n20"));
+  EXPECT_THAT(csv.out, HasSubstr(",legs,0,legs is started as process "));
+}
+
+TEST_F(History, FollowsWhatHappens) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  Process follow(Command({"history", "-f"}));
+  ASSERT_NE(follow.LineWith("the machine is Active"), "");
+  ASSERT_EQ(Musher({"set", "LowPower"}).exit, 0);
+  EXPECT_NE(follow.LineWith("LowPower"), "");
+  follow.Signal(SIGINT);
+  EXPECT_EQ(follow.Wait().exit, 0);
+}
+
+}  // namespace
+}  // namespace musher::testing

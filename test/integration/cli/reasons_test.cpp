@@ -1,0 +1,86 @@
+// What a person reads when an actuator does not come up, or ends by itself.
+
+#include <sys/stat.h>
+
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Reasons : public MachineByCli {
+ protected:
+  // voice runs these words instead of musher-exec with its file.
+  void VoiceRuns(const std::string& words) const {
+    Replace("command = [\"musher-exec\", \"" + (folder_ / "voice") + ".toml\"]",
+            "command = [" + words + "]");
+  }
+};
+
+TEST_F(Reasons, CheckReadsTheFilesOfMusherExecToo) {
+  Does("legs", "[state.Activ]\nrun = [\"true\"]\n");
+  const Ended check = Musher({"check", config_});
+  EXPECT_EQ(check.exit, 2);
+  EXPECT_THAT(check.out, AllOf(HasSubstr("in 'actuator.legs': 'command'"),
+                               HasSubstr("legs.toml:1:8: error: "), Not(HasSubstr("ok:"))));
+  Does("legs", "[state.Active]\nrun = [\"true\"]\n");
+  EXPECT_EQ(Musher({"check", config_}).exit, 0);
+}
+
+TEST_F(Reasons, AProgramThatIsNoModuleIsToBeWrapped) {
+  Replace("times = [10000, 5000, 5000, 5000, 5000, 5000]\ncommand = [\"musher-exec\", \"" +
+              (folder_ / "voice"),
+          "times = [400, 5000, 5000, 5000, 5000, 5000]\ncommand = [\"musher-exec\", \"" +
+              (folder_ / "voice"));
+  VoiceRuns("\"sleep\", \"60\"");
+  const Ended up = Musher({"up", config_, "--detach"});
+  const std::string note = Status()["actuators"]["voice"]["message"];
+  EXPECT_THAT(note, AllOf(HasSubstr("its program runs (process "),
+                          HasSubstr("but never announced itself as actuator voice within 400 ms"),
+                          HasSubstr("command = [\"musher-exec\", \"--\", \"sleep\", \"60\"]")));
+}
+
+TEST_F(Reasons, StatusSaysThatTheProgramEndedByItself) {
+  Replace("\ncommand = [\"musher-exec\", \"" + (folder_ / "voice"),
+          "\nrestart = \"no\"\ncommand = [\"musher-exec\", \"" + (folder_ / "voice"));
+  VoiceRuns("\"musher-exec\", \"--\", \"sh\", \"-c\", \"until [ -e " + (folder_ / "released") +
+            " ]; do sleep 0.02; done\"");
+  ASSERT_EQ(UpDetached().exit, 0);
+  Release();
+  const auto status = AwaitStatus([](const auto& s) {
+    const std::string message = s["actuators"]["voice"]["message"];
+    return message.find("exit code") != std::string::npos;
+  });
+  EXPECT_THAT(
+      status["actuators"]["voice"]["message"].get<std::string>(),
+      AllOf(HasSubstr("its program ended by itself: exit code 0"), Not(HasSubstr("out of reach"))));
+}
+
+TEST_F(Reasons, PythonUnderMusherExecPrintsAtOnce) {
+  Does("voice", "[state.SetUp]\nrun = [\"sh\", \"-c\", \"echo unbuffered=$PYTHONUNBUFFERED\"]\n");
+  ASSERT_EQ(UpDetached().exit, 0);
+  std::ifstream file(folder_ / "state/logs/voice.log");
+  const std::string log{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_THAT(log, HasSubstr("unbuffered=1"));
+}
+
+// setsid makes it a session, and so a process group, of its own.
+TEST_F(Reasons, AChildThatBecameADaemonEndsWithItsModule) {
+  Does("voice", "[state.SetUp]\nshell = \"setsid -f sleep 1000; pgrep -n -f 'sleep 1000' > " +
+                    (folder_ / "daemon") + "\"\n");
+  ASSERT_EQ(UpDetached().exit, 0);
+  pid_t daemon = 0;
+  std::ifstream(folder_ / "daemon") >> daemon;
+  ASSERT_GT(daemon, 0);
+  ASSERT_EQ(kill(daemon, 0), 0);
+  ASSERT_EQ(Musher({"restart", "voice"}).exit, 0);
+  EXPECT_TRUE(AwaitEnd(daemon));
+  EXPECT_EQ(Musher({"down"}).exit, 0);
+  EXPECT_TRUE(AwaitNoChildren());
+}
+
+}  // namespace
+}  // namespace musher::testing

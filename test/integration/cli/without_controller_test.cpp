@@ -1,0 +1,131 @@
+// A controller is killed, and its actuators run on: they are seen, and can be ended.
+
+#include <signal.h>
+
+#include "musher/test/integration/cli/machine.hpp"
+
+namespace musher::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class WithoutController : public MachineByCli {
+ protected:
+  void StartAndKillTheController() {
+    ASSERT_EQ(UpDetached().exit, 0);
+    before_ = AwaitStatus(AllHaveArrived);
+    const pid_t controller = before_["pid"];
+    kill(controller, SIGKILL);
+    waitpid(controller, nullptr, 0);
+  }
+  std::string ProcessOf(const std::string& actuator) const {
+    return actuator + " (process " +
+           std::to_string(before_["actuators"][actuator]["pid"].get<int>()) + ")";
+  }
+  // In legs.log, where its TearDown is written down.
+  void TellsItsTearDown() const {
+    Does("legs", "[state.TearDown]\nshell = \"echo torn >> " + (folder_ / "torn") + "\"\n");
+  }
+  bool LegsWereTornDown() const { return std::filesystem::exists(folder_ / "torn"); }
+
+  nlohmann::json before_;
+};
+
+TEST_F(WithoutController, TheRunningActuatorsAreListedFromWhatTheyLatched) {
+  ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
+  const Ended status = Musher({"status"});
+  EXPECT_EQ(status.exit, 3);
+  EXPECT_THAT(status.out, AllOf(HasSubstr("legs"), HasSubstr("Active")));
+  EXPECT_THAT(status.err, AllOf(HasSubstr("no controller in namespace"),
+                                HasSubstr(ProcessOf("legs")), HasSubstr(ProcessOf("eyes")),
+                                HasSubstr("run without one: `musher up` with their config"),
+                                HasSubstr("`musher down --without-controller` ends them")));
+  const auto json = Json(Musher({"status", "--json"}).out);
+  EXPECT_EQ(json["actuators"]["voice"]["state"], "Active");
+  EXPECT_EQ(json["actuators"]["voice"]["pid"], before_["actuators"]["voice"]["pid"]);
+}
+
+TEST_F(WithoutController, DownTearsTheActuatorsDownAndEndsTheirProcesses) {
+  TellsItsTearDown();
+  ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
+  const Ended down = Musher({"down", "--without-controller"});
+  EXPECT_EQ(down.exit, 0) << down.out << down.err;
+  EXPECT_THAT(down.out, HasSubstr("torn down, ended"));
+  EXPECT_TRUE(LegsWereTornDown());
+  EXPECT_TRUE(AwaitNoChildren());
+  EXPECT_EQ(Musher({"down", "--without-controller"}).exit, 3);
+}
+
+TEST_F(WithoutController, DownKillsWhatStandsStill) {
+  ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
+  kill(before_["actuators"]["legs"]["pid"].get<pid_t>(), SIGSTOP);
+  const Ended down = Musher({"down", "--without-controller", "--timeout", "0.5"});
+  EXPECT_EQ(down.exit, 0) << down.out << down.err;
+  EXPECT_THAT(down.out, HasSubstr("ended without TearDown, after SIG"));
+  EXPECT_TRUE(AwaitNoChildren());
+}
+
+TEST_F(WithoutController, DownLeavesALedMachineAlone) {
+  ASSERT_EQ(UpDetached().exit, 0);
+  const auto before = Status();
+  const Ended down = Musher({"down", "--without-controller"});
+  EXPECT_EQ(down.exit, 1);
+  EXPECT_THAT(down.err, HasSubstr("a controller leads the actuators"));
+  EXPECT_EQ(Status(), before);
+}
+
+TEST_F(WithoutController, UpOfAnotherConfigWithTheSameNamesIsRefusedUnlessAskedFor) {
+  ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
+  const std::string other = OtherRobot("sled", name_space_, "own");
+  std::ofstream(other, std::ios::app) << "# another one\n";
+  const Ended up = Musher({"up", other, "--detach"});
+  EXPECT_EQ(up.exit, 2);
+  EXPECT_THAT(up.err, AllOf(HasSubstr(ProcessOf("legs")),
+                            HasSubstr("run already, with another config than " + other),
+                            HasSubstr("`musher down --without-controller` ends what runs"),
+                            HasSubstr("`musher up --adopt` takes it over")));
+  EXPECT_EQ(Musher({"status"}).exit, 3);
+  const Ended adopted = Musher({"up", other, "--detach", "--adopt"});
+  EXPECT_EQ(adopted.exit, 0) << adopted.err;
+  EXPECT_EQ(AwaitStatus(AllHaveArrived)["actuators"]["legs"]["pid"],
+            before_["actuators"]["legs"]["pid"]);
+}
+
+TEST_F(WithoutController, UpOfTheMachinesOwnConfigWhichWasEditedTakesItsActuatorsOver) {
+  ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
+  std::ofstream(config_, std::ios::app) << "# edited\n";
+  const Ended up = Musher({"up", config_, "--detach"});
+  EXPECT_EQ(up.exit, 0) << up.err;
+  EXPECT_EQ(AwaitStatus(AllHaveArrived)["actuators"]["legs"]["pid"],
+            before_["actuators"]["legs"]["pid"]);
+}
+
+TEST_F(WithoutController, AnActuatorThatTheConfigHasNoLongerIsNamedUntilItIsEnded) {
+  ASSERT_NO_FATAL_FAILURE(StartAndKillTheController());
+  Replace("\"legs\", \"voice\", \"eyes\"]\nstates", "\"legs\", \"voice\"]\nstates");
+  std::string toml;
+  {
+    std::ifstream file(config_);
+    toml.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  const std::size_t eyes = toml.find("[actuator.eyes]");
+  toml.erase(eyes, toml.find("[capability.guide]") - eyes);
+  toml.replace(toml.find("actuators = [\"legs\", \"eyes\"]"), 28, "actuators = [\"legs\"]");
+  std::ofstream(config_) << toml;
+  ASSERT_EQ(UpDetached().exit, 0);
+  const Ended status = Musher({"status"});
+  EXPECT_EQ(status.exit, 0);
+  EXPECT_THAT(status.err,
+              HasSubstr(ProcessOf("eyes") + " runs in this namespace and is not in " + config_));
+  EXPECT_EQ(Status()["unlisted"]["eyes"]["state"], "Active");
+  EXPECT_THAT(Musher({"history"}).out, HasSubstr("has no such actuator: it is not led"));
+  const Ended down = Musher({"down"});
+  EXPECT_EQ(down.exit, 0);
+  EXPECT_THAT(down.err, HasSubstr(ProcessOf("eyes") + " still runs in this namespace"));
+  EXPECT_EQ(Musher({"down", "--without-controller"}).exit, 0);
+  EXPECT_TRUE(AwaitNoChildren());
+}
+
+}  // namespace
+}  // namespace musher::testing
