@@ -15,6 +15,7 @@
 #include "musher/actuator/actuator_rehearsal.hpp"
 #include "musher/actuator/actuator_shell.hpp"
 #include "musher/actuator/capability_gate.hpp"
+#include "musher/actuator/degraded_report.hpp"
 #include "musher/actuator/state_callbacks.hpp"
 #include "musher/lifecycle/config_toml.hpp"
 #include "musher/lifecycle/suggest.hpp"
@@ -106,15 +107,7 @@ class MachineActuator::Impl {
 
   void Log(const std::string& line) const { std::cerr << name_ + ": " + line + "\n" << std::flush; }
 
-  void ReportDegraded(const Error& why) {
-    const std::lock_guard lock(mutex_);
-    degraded_ = why;
-  }
-  // What was reported since it was taken last.
-  Error TakeDegraded() {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(degraded_, Error{kCodeOk, ""});
-  }
+  DegradedReport& degraded() { return degraded_; }
 
   void Shutdown() {
     // A command that arrives meanwhile must find no worker that is going.
@@ -221,10 +214,10 @@ class MachineActuator::Impl {
     ActuatorShell::Hooks hooks;
     hooks.run_callback = [this](const State& state) {
       shell_->checkpoints().OnWorker(gettid());
-      TakeDegraded();
+      degraded_.Take();
       return callbacks_.Run(state);
     };
-    hooks.take_degraded = [this] { return TakeDegraded(); };
+    hooks.take_degraded = [this] { return degraded_.Take(); };
     hooks.on_emergency_stop = [this] {
       const Result<> result = RunEmergencyStop();
       if (!result) Log("OnEmergencyStop: " + result.error().message);
@@ -266,13 +259,13 @@ class MachineActuator::Impl {
   std::optional<std::size_t> index_;
   StateCallbacks callbacks_;
   CapabilityGate gate_;
+  DegradedReport degraded_;
   std::optional<transport::NameLock> name_lock_;
   std::atomic<bool> stop_requested_ = false;
   std::function<void()> on_poll_;  // of a rehearsal; empty on a robot
   std::promise<Result<>> set_up_;
   bool set_up_told_ = false;
-  mutable std::mutex mutex_;  // guards the three below, and changes of node_
-  Error degraded_{kCodeOk, ""};
+  mutable std::mutex mutex_;  // guards the two below, and changes of node_
   std::optional<int> finished_;
   Checkpoints* checkpoints_ = nullptr;
   std::condition_variable ended_;
@@ -366,7 +359,7 @@ Result<> MachineActuator::Allowed(const std::string& capability, ModuleCode modu
   return impl_->Allowed(capability, module);
 }
 void MachineActuator::ReportDegraded(const Error& why) {
-  impl_->ReportDegraded(why);
+  impl_->degraded().Put(why);
 }
 bool MachineActuator::EmergencyStopped() const {
   return impl_->emergency_stopped();

@@ -281,19 +281,6 @@ void Decision::JudgeFoundBusy(std::size_t i) {
   Fall(i);
 }
 
-// A self-check that fails with a code which is not critical is passed, and the actuator degraded.
-OrderEnd Decision::Tolerate(std::size_t i, const Order& order, const OrderEnd& end) {
-  if (order.target != kSelfCheck) return end;
-  Of(i).tolerated.reset();
-  const auto& critical = ConfigOf(i).critical_codes;
-  const bool tolerated = end.outcome == ActuatorOutcome::kFailed && critical &&
-                         std::find(critical->begin(), critical->end(), end.code) == critical->end();
-  if (!tolerated) return end;
-  const std::string why = end.message.empty() ? "its self-check failed" : end.message;
-  Of(i).tolerated = Error{end.code, why};
-  return {ActuatorOutcome::kDone, end.code, "degraded: " + why, true, end.cause};
-}
-
 void Decision::EndOrder(std::size_t i, const OrderEnd& given) {
   const Order order = *Of(i).order;
   const OrderEnd end = Tolerate(i, order, given);

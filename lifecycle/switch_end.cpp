@@ -18,6 +18,19 @@ int Badness(const Leg& leg, bool critical) {
 
 }  // namespace
 
+// A self-check that fails with a code which is not critical is passed, and the actuator degraded.
+OrderEnd Decision::Tolerate(std::size_t i, const Order& order, const OrderEnd& end) {
+  if (order.target != kSelfCheck) return end;
+  Of(i).tolerated.reset();
+  const auto& critical = ConfigOf(i).critical_codes;
+  const bool tolerated = end.outcome == ActuatorOutcome::kFailed && critical &&
+                         std::find(critical->begin(), critical->end(), end.code) == critical->end();
+  if (!tolerated) return end;
+  const std::string why = end.message.empty() ? "its self-check failed" : end.message;
+  Of(i).tolerated = Error{end.code, why};
+  return {ActuatorOutcome::kDone, end.code, "degraded: " + why, true, end.cause};
+}
+
 // What a switch without rollback, or the forward part of one, leaves behind.
 void Decision::Apply(const Switch& s, bool undone) {
   const bool check = s.direction == Direction::kCheck;

@@ -139,12 +139,12 @@ TEST_F(Text, SaysWhoIsHeldByAStopAlsoAfterItsRelease) {
                 .find("\nheld by the emergency stop that was released: legs; `musher set Active` "
                       "ends that\n"),
             std::string::npos);
-  EXPECT_NE(StatusText(status, false).find("  held by the stop"), std::string::npos);
+  EXPECT_NE(StatusText(status, false).find("held by the stop"), std::string::npos);
   EXPECT_NE(StatusLine(status, 0).find("  held by the emergency stop that was released: legs"),
             std::string::npos);
   status.emergency_stop = true;
   EXPECT_EQ(StatusText(status, false).find("that was released"), std::string::npos);
-  EXPECT_NE(StatusText(status, false).find("  held by the stop"), std::string::npos);
+  EXPECT_NE(StatusText(status, false).find("held by the stop"), std::string::npos);
 }
 
 TEST_F(Text, SaysWhatIsNotOnDiskYet) {

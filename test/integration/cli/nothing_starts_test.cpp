@@ -1,6 +1,8 @@
 // Nothing of the first stage can be started, whatever the reason and the restart policy, through
 // the real program.
 
+#include <filesystem>
+#include <iterator>
 #include <tuple>
 
 #include "musher/test/integration/cli/machine.hpp"
@@ -65,9 +67,10 @@ TEST_P(NothingStarts, TheStartFailsWithTheReasonAndTheControllerStaysUntilItIsTa
 INSTANTIATE_TEST_SUITE_P(Whatever, NothingStarts,
                          ::testing::Combine(::testing::Range<std::size_t>(0, std::size(kBroken)),
                                             ::testing::Values("no", "on-failure", "always")),
-                         [](const auto& info) {
-                           std::string name = std::string(kBroken[std::get<0>(info.param)].name) +
-                                              "Restart" + std::get<1>(info.param);
+                         [](const auto& combination) {
+                           std::string name =
+                               std::string(kBroken[std::get<0>(combination.param)].name) +
+                               "Restart" + std::get<1>(combination.param);
                            std::erase(name, '-');
                            return name;
                          });

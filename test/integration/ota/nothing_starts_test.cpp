@@ -1,6 +1,8 @@
 // A version of which nothing of the first stage can be started goes back by itself, whatever the
 // reason and the restart policy: the robot is never left off.
 
+#include <filesystem>
+#include <iterator>
 #include <tuple>
 
 #include "musher/test/integration/ota/root.hpp"
@@ -41,9 +43,10 @@ TEST_P(UpgradeOfWhichNothingStarts, GoesBackByItselfAndSaysSo) {
 INSTANTIATE_TEST_SUITE_P(Whatever, UpgradeOfWhichNothingStarts,
                          ::testing::Combine(::testing::Range<std::size_t>(0, std::size(kBroken)),
                                             ::testing::Values("no", "on-failure", "always")),
-                         [](const auto& info) {
-                           std::string name = std::string(kBroken[std::get<0>(info.param)].name) +
-                                              "Restart" + std::get<1>(info.param);
+                         [](const auto& combination) {
+                           std::string name =
+                               std::string(kBroken[std::get<0>(combination.param)].name) +
+                               "Restart" + std::get<1>(combination.param);
                            std::erase(name, '-');
                            return name;
                          });

@@ -1,0 +1,31 @@
+#pragma once
+// What a self-check reports of a part that does not work, from its thread to the loop.
+
+#include <mutex>
+#include <utility>
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/lifecycle/result.hpp"
+
+namespace musher {
+
+// Threads: any.
+class DegradedReport {
+ public:
+  // The last one counts.
+  void Put(const Error& why) {
+    const std::lock_guard lock(mutex_);
+    why_ = why;
+  }
+  // What was put since the last call; code 0: nothing.
+  Error Take() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(why_, Error{kCodeOk, ""});
+  }
+
+ private:
+  std::mutex mutex_;
+  Error why_{kCodeOk, ""};
+};
+
+}  // namespace musher
