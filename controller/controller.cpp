@@ -128,6 +128,7 @@ Result<> Controller::OpenStore() {
   if (!store && store.error().code == kCodePermissionDenied) return store.error();
   if (!store && store.error().code == kCodeTargetBusy && options_.takeover) {
     if (auto ended = EndOwnerOf(config_.state_dir); !ended) return ended;
+    options_.adopt = true;  // what it led is this machine's
     store = StateStore::Open(config_.state_dir, Origin());
   }
   if (store) {
@@ -168,6 +169,7 @@ Result<> Controller::TakeName() {
     // One that is not ours to end lets go when it hears of a higher epoch.
     const auto is_it = [&] { return transport::NameLock::CheckHolder(name, holder.pid); };
     look_around_ = !holder.trusted || !EndController(holder.pid, is_it);
+    options_.adopt |= !look_around_;
     if (look_around_) return Ok();
     lock = transport::NameLock::Acquire(name);
   }

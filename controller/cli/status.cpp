@@ -65,6 +65,9 @@ Unled NotIn(const msg::MachineStatus& status, Unled running) {
 // time.
 Unled AwaitUnlisted(Link& link, const Running& running, const msg::MachineStatus& status) {
   const auto all_heard = [&] {
+    const Unled here = running.Now();  // a name that is held here is seen before its status comes
+    const auto heard = [](const auto& one) { return one.second.heard; };
+    if (!std::all_of(here.begin(), here.end(), heard)) return false;
     return std::all_of(status.actuators.begin(), status.actuators.end(), [&](const auto& actuator) {
       return actuator.protocol != ProtocolName(Protocol::kMusher) ||
              actuator.presence != PresenceName(Presence::kPresent) || running.Hears(actuator.name);

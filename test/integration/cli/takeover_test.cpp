@@ -100,7 +100,7 @@ TEST_F(Takeover, NeverEndsTheControllerOfAnotherMachine) {
     EXPECT_EQ(second.exit, 2);
     EXPECT_THAT(second.err,
                 AllOf(HasSubstr(leader_), HasSubstr("another machine, robot of " + config_),
-                      HasSubstr("this one, robot of " + file)));
+                      HasSubstr("this one"), HasSubstr("robot of " + file)));
   }
   EXPECT_EQ(Status(), before_);  // it was not disturbed
 }
