@@ -16,9 +16,9 @@ std::string Quantity(Duration d) {
 
 std::optional<Error> JudgeAge(const SwitchCommand& command, Time now) {
   // The times of an unknown sender may be anything: what cannot be is not computed with.
-  const bool possible =
-      command.status_stamp <= now && command.status_stamp >= now - kLongestRun &&
-      command.since_status >= Duration::zero() && command.since_status <= kLongestRun;
+  const bool possible = command.status_stamp <= now && command.status_stamp >= now - kLongestRun &&
+                        command.since_status >= Duration::zero() &&
+                        command.since_status <= kLongestRun;
   if (!possible) return Error{kCodeParametersInvalid, "the command does not say how old it is"};
   const Duration age = now - command.status_stamp - command.since_status;
   if (age <= command.budget) return std::nullopt;

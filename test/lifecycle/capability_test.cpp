@@ -57,8 +57,9 @@ TEST_F(Capabilities, RunInTheirStates) {
 TEST_F(Capabilities, AreRefusedWhereAReleasedStopHoldsTheirActuator) {
   EXPECT_EQ(
       JudgeCapability(config_, "walk", {"legs", "Active", "", false, std::nullopt, true}).error(),
-      (Error{kStateInvalid, "legs is held by the emergency stop that was released; `musher set "
-                            "Active` ends that"}));
+      (Error{kStateInvalid,
+             "legs is held by the emergency stop that was released; `musher set "
+             "Active` ends that"}));
   machine_.actuators[0].report.held_by_stop = true;
   EXPECT_FALSE(Verdict("walk").allowed);
 }

@@ -35,10 +35,10 @@ std::string BehaviorText(const std::string& name, const msg::GetBehavior::Respon
   if (told.running) {
     text += Paint(told.current_state, StyleOf(told), colour) +
             fmt::format("  {}  for {:.3f} s", told.operating_mode, told.time_in_state_s) +
-            (told.ticking ? ""
-                          : "  " + Paint(told.held_by_stop ? "paused, held by the emergency stop"
-                                                           : "paused",
-                                         Style::kBusy, colour)) +
+            (told.ticking
+                 ? ""
+                 : "  " + Paint(told.held_by_stop ? "paused, held by the emergency stop" : "paused",
+                                Style::kBusy, colour)) +
             '\n';
   } else {
     text += Paint("does not run", Style::kBad, colour) + '\n';

@@ -251,6 +251,10 @@ TEST_F(Up, EndsATearDownThatItsForerunnerDiedInAndStaysUntilAllAreGone) {
   const pid_t controller = Status()["pid"];
   first.Signal(SIGINT);
   ASSERT_NE(first.LineWith("eyes: TearDown done"), "");
+  AwaitStatus([](const auto& status) {  // stage 1 follows stage 2
+    return status["actuators"]["legs"]["target"] == "TearDown" &&
+           status["actuators"]["voice"]["target"] == "TearDown";
+  });
   kill(controller, SIGKILL);
   ASSERT_EQ(first.Wait().exit, 1);
   Process up(Command({"up", config_}));
