@@ -93,7 +93,7 @@ class CheckedSurroundings : public CheckCommand {
 TEST_F(CheckedSurroundings, NamesAProgramThatIsNotThere) {
   const Ran ran = Check("command = [\"nosuchprogram\"]");
   EXPECT_EQ(ran.exit, 0);
-  EXPECT_THAT(ran.out, HasSubstr("/dog.toml:13:1: warning: in 'actuator.legs': 'command': there is "
+  EXPECT_THAT(ran.out, HasSubstr("/dog.toml:12:1: warning: in 'actuator.legs': 'command': there is "
                                  "no program 'nosuchprogram' in PATH"));
 }
 
@@ -101,12 +101,12 @@ TEST_F(CheckedSurroundings, NamesAProgramThatIsNotExecutable) {
   const std::string file = Write("legs.sh", "#!/bin/sh\n");
   EXPECT_THAT(Check("command = [\"" + file + "\"]").out, HasSubstr(file + " is not executable"));
   EXPECT_THAT(Check("command = [\"./legs.sh\"]\ncwd = \".\"").out,
-              HasSubstr("/./legs.sh is not executable"));
+              HasSubstr("/legs.sh is not executable"));
 }
 
 TEST_F(CheckedSurroundings, NamesAFolderThatIsNotThere) {
   const Ran ran = Check("command = [\"true\"]\ncwd = \"gone\"");
-  EXPECT_THAT(ran.out, HasSubstr("/dog.toml:14:1: warning: in 'actuator.legs': 'cwd': there is no "
+  EXPECT_THAT(ran.out, HasSubstr("/dog.toml:13:1: warning: in 'actuator.legs': 'cwd': there is no "
                                  "folder " +
                                  (folder_ / "gone")));
 }

@@ -19,7 +19,7 @@ TEST(Json, TellsTheStatusOfAMachine) {
       R"("eyes":{"state":"SetUp","pid":0,"target":"","presence":"lost","stage":2,"critical":false,)"
       R"("held":true,"degraded":true,"code":107,"message":"gone\n","host":"here",)"
       R"("health":"crashed","restarts":2,"restarting":true}},)"
-      R"("phase":"running","target":"LowPower","epoch":3,"switch":12,"namespace":"pack",)"
+      R"("unlisted":{},"phase":"running","target":"LowPower","epoch":3,"switch":12,"namespace":"pack",)"
       R"("config":"dog.toml","config_hash":"cafe","host":"here",)"
       R"("emergency_stop":{"engaged":false,"by":"","reason":""},"held_by_stop":[],"not_on_disk":[],"policy":null})");
 }
