@@ -67,6 +67,10 @@ std::optional<ota::Manifest> ManifestFor(const OtaBundleOptions& options, Consol
   }
   const auto config = LoadConfig(options.folder + "/" + options.config, console);
   if (!config) return std::nullopt;
+  if (const auto fault = UpgradeFault(*config)) {
+    Fail(console, {kCodeParametersInvalid, *fault});
+    return std::nullopt;
+  }
   manifest.robot = options.robot.empty() ? config->name : options.robot;
   manifest.created = Now();
   return manifest;
@@ -91,8 +95,13 @@ ExitCode DoneWith(Console& console, const ota::Manifest& manifest, const std::st
 }
 
 std::string Size(const ota::Manifest& manifest) {
-  return fmt::format("{} files, {:.1f} MB", manifest.files.size(),
-                     static_cast<double>(manifest.SizeBytes()) / 1e6);
+  const auto bytes = static_cast<double>(manifest.SizeBytes());
+  const std::size_t files = manifest.files.size();
+  return fmt::format("{} file{}, ", files, files == 1 ? "" : "s") +
+         (bytes < 1e3   ? fmt::format("{} bytes", manifest.SizeBytes())
+          : bytes < 1e6 ? fmt::format("{:.1f} kB", bytes / 1e3)
+          : bytes < 1e9 ? fmt::format("{:.1f} MB", bytes / 1e6)
+                        : fmt::format("{:.1f} GB", bytes / 1e9));
 }
 
 }  // namespace

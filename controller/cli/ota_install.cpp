@@ -39,7 +39,12 @@ class Upgrade {
     bundle_ = bundle;
     return Run(ota::InstallFlow(machine_ != nullptr));
   }
-  ExitCode Rollback() { return Run(ota::RollbackFlow(machine_ != nullptr)); }
+  ExitCode Rollback() {
+    // A robot does not have to lie down to learn that there is nothing to go back to.
+    const auto version = ota::FindRollback(root_, running());
+    if (!version) return console_.Fail({ExitCode::kNotDone, version.error()});
+    return Run(ota::RollbackFlow(machine_ != nullptr));
+  }
 
  private:
   ExitCode Run(Flow flow) {
@@ -97,7 +102,11 @@ class Upgrade {
     // A robot does not have to lie down to learn that a config has a slip.
     const std::string file = bundle_ + "/" + ota::kPayload + "/" + root_.config().config;
     const ConfigReading reading = ReadConfigFile(file);
-    if (reading.config) return Ok();
+    if (reading.config) {
+      if (auto fault = UpgradeFault(*reading.config))
+        return Refusal(ota::Fault::kBadManifest, *fault);
+      return Ok();
+    }
     std::string message = "its state config is faulty";
     for (const Diagnostic& diagnostic : reading.diagnostics) {
       if (diagnostic.severity != Severity::kError) continue;

@@ -45,6 +45,13 @@ GlobalOptions ForMachine(const MachineConfig& config, GlobalOptions global) {
 
 }  // namespace
 
+std::optional<std::string> UpgradeFault(const MachineConfig& config) {
+  if (config.HasState(kOta)) return std::nullopt;
+  return config.file +
+         ": the machine has no state OTA, in which a robot is upgraded: a robot that "
+         "runs this config takes no further upgrade; list OTA in `states` of [controller]";
+}
+
 Result<std::string> FindRoot(const std::string& option, const GlobalOptions& global) {
   const char* variable = std::getenv("MUSHER_OTA_ROOT");  // NOLINT(concurrency-mt-unsafe)
   std::string root = option;

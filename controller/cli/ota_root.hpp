@@ -12,6 +12,9 @@
 
 namespace musher::cli {
 
+// Why a robot with this config could not be upgraded any more; nothing: it can.
+std::optional<std::string> UpgradeFault(const MachineConfig& config);
+
 // --root, else $MUSHER_OTA_ROOT, else that of the machine that runs in our namespace.
 Result<std::string> FindRoot(const std::string& option, const GlobalOptions& global);
 

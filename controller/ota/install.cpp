@@ -172,19 +172,34 @@ Result<> Installation::MarkTrial() {
   });
 }
 
+namespace {
+
+// The version of the slot that is not confirmed, where it may be tried again.
+Result<Version> RollbackTarget(const Root& root, const SlotState& state,
+                               std::optional<Slot> running) {
+  if (auto good = JudgeState(state, running); !good) return good.error();
+  const Slot other = Other(state.confirmed);
+  if (!state.other_good) {
+    return Refusal(Fault::kNoVersion, "there is nothing to go back to: slot " +
+                                          std::string(SlotName(other)) +
+                                          " holds no version that has run here");
+  }
+  return root.Look(other);
+}
+
+}  // namespace
+
+Result<Version> FindRollback(const Root& root, std::optional<Slot> running) {
+  const auto state = root.State();
+  return state ? RollbackTarget(root, state.value(), running) : state.error();
+}
+
 Result<Version> MarkRollback(const Root& root, std::optional<Slot> running) {
   const auto lock = root.disk().Take(root.InstallLock(), /*wait=*/false);
   if (!lock) return lock.error();
   std::optional<Version> version;
   const auto changed = root.Change([&](const SlotState& state) -> Result<SlotState> {
-    if (auto good = JudgeState(state, running); !good) return good.error();
-    const Slot other = Other(state.confirmed);
-    if (!state.other_good) {
-      return Refusal(Fault::kNoVersion, "there is nothing to go back to: slot " +
-                                            std::string(SlotName(other)) +
-                                            " holds no version that has run here");
-    }
-    auto content = root.Look(other);
+    auto content = RollbackTarget(root, state, running);
     if (!content) return content.error();
     version = std::move(content).value();
     SlotState next = state;

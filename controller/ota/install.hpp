@@ -58,6 +58,9 @@ class Installation {
   SignedManifest manifest_;
 };
 
+// The version that MarkRollback() would let be tried; fails where there is none. Changes nothing.
+Result<Version> FindRollback(const Root& root, std::optional<Slot> running);
+
 // Lets the other slot, which was confirmed once, be tried again. Gives its version.
 Result<Version> MarkRollback(const Root& root, std::optional<Slot> running);
 

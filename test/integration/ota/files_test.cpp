@@ -45,6 +45,18 @@ TEST_F(OtaFiles, ABundleNeedsAVersionAndAGoodConfig) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "x"));
 }
 
+TEST_F(OtaFiles, ABundleNeedsAConfigThatCanBeUpgradedAgain) {
+  std::ifstream file(built_ + "/robot.toml");
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  for (std::size_t at = 0; (at = text.find("\"OTA\"")) != std::string::npos;) {
+    text.replace(at, 5, "\"Error\"");
+  }
+  std::ofstream(built_ + "/robot.toml") << text;
+  ExpectRefused({"bundle", built_, "--version", "2.0.0", "--key", key_, "--out", folder_ / "x"}, 2,
+                "robot.toml: the machine has no state OTA, in which a robot is upgraded");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "x"));
+}
+
 TEST_F(OtaFiles, ARootIsNotMadeTwice) {
   ExpectRefused({"init", root_, "--from", Bundle("1.0.0"), "--key", open_}, 1,
                 "is a root already; `musher ota install` upgrades it");
@@ -65,6 +77,7 @@ TEST_F(OtaFiles, VerifyReadsAllAndChangesNothing) {
   const Ended good = Musher({"ota", "verify", Bundle("1.1.0"), "--json"});
   EXPECT_EQ(good.exit, 0) << good.err;
   EXPECT_THAT(good.out, HasSubstr(R"("version":"1.1.0")"));
+  EXPECT_THAT(Musher({"ota", "verify", Bundle("1.1.0")}).out, HasSubstr(" kB; whole, and signed"));
   EXPECT_EQ(Musher({"ota", "verify", Bundle("1.1.0"), "--key", open_}).exit, 0);
   Make("1.2.0", {.options = {"--robot", "cat"}});
   ExpectRefused({"verify", Bundle("1.2.0")}, 1, "it is for the robot cat, this one is dog");

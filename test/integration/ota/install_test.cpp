@@ -161,6 +161,7 @@ TEST_F(Upgrade, CanBeTakenBackByHand) {
   const Ended nothing = Musher({"ota", "rollback"});
   EXPECT_EQ(nothing.exit, 1);
   EXPECT_THAT(nothing.err, HasSubstr("there is nothing to go back to"));
+  EXPECT_THAT(History(), Not(HasSubstr("to OTA"))) << "the robot does not lie down for that";
   EXPECT_EQ(Where(), "Active from a");
   ASSERT_EQ(Install("1.1.0").exit, 0);
   const Ended back = Musher({"ota", "rollback"});
