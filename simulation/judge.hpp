@@ -143,7 +143,8 @@ class Judge {
   std::uint64_t next_request_ = 1;
   std::vector<State> policy_up_to_;  // the targets of its last switches
   std::vector<State> policy_down_to_;
-  bool lowering_begins_ = false;                    // its switch is the next record
+  std::optional<int> raised_at_;  // percent of the battery when it last decided to raise
+  bool lowering_begins_ = false;  // its switch is the next record
   std::optional<std::pair<State, State>> lowered_;  // by the battery: from, to
   bool woken_ = false;         // somebody wanted more than the battery may have allowed
   bool forgetful_ = false;     // a disk was full: a controller may remember what is over

@@ -2,6 +2,7 @@
 // controller makes of it.
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include "musher/simulation/judge.hpp"
@@ -17,6 +18,13 @@ std::optional<Rank> MostAt(const BatteryPolicy& policy, int percent, bool chargi
   if (percent <= policy.low_power_at && !charging) return BuiltInRank(kLowPower);
   if (percent <= policy.protected_at) return BuiltInRank(kProtected);
   return std::nullopt;
+}
+
+// Of "the battery is at 22 %, …".
+std::optional<int> PercentIn(const std::string& text) {
+  constexpr std::string_view kBefore = "the battery is at ";
+  if (!text.starts_with(kBefore)) return std::nullopt;
+  return std::atoi(text.c_str() + kBefore.size());
 }
 
 }  // namespace
@@ -63,7 +71,10 @@ void Judge::OnRecord(const action::Record& record) {
   const State target = text.substr(at + std::string_view(": down to ").size());
   if (target.find(' ') != std::string::npos) return;  // it is refused
   (back == at ? policy_up_to_ : policy_down_to_).push_back(target);
-  if (back == at) return;
+  if (back == at) {
+    raised_at_ = PercentIn(text);
+    return;
+  }
   lowering_begins_ = text.starts_with("the battery");
   if (!lowering_begins_) lowered_.reset();  // it has lain still
 }
@@ -101,7 +112,8 @@ void Judge::JudgeRaise(const Machine& machine) {
     Blame(Promise::kNoFlapping, what + ", from where it had not taken it down");
   }
   const BatteryPolicy& battery = *config_.policy->battery;
-  const int percent = machine.policy.battery.value_or(0);
+  // The battery may have fallen while the machine was on its way.
+  const int percent = raised_at_.value_or(machine.policy.battery.value_or(0));
   const std::pair<std::string_view, int> levels[] = {{kProtected, battery.protected_at},
                                                      {kLowPower, battery.low_power_at}};
   for (const auto& [state, at] : levels) {

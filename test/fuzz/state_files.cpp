@@ -11,7 +11,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace musher;
   static const fuzz::Folder folder;
-  static auto store = StateStore::Open(folder.path(), {"fuzz", "", 0, folder / "fuzz.toml"}).value();
+  static auto store =
+      StateStore::Open(folder.path(), {"fuzz", "", 0, folder.path() + "/fuzz.toml"}).value();
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   folder.Write("epoch", text);
   folder.Write("emergency_stop", text);
