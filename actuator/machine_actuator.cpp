@@ -39,7 +39,6 @@ class MachineActuator::Impl {
   ~Impl() { Shutdown(); }
 
   const std::string& name() const { return name_; }
-
   Result<> Init(const std::string& file, std::shared_ptr<transport::NodeThread> node) {
     auto config = ReadValidConfig(file);
     if (!config) return config.error();
@@ -104,7 +103,6 @@ class MachineActuator::Impl {
     Log("gives up: " + why.message);
     Finish(1);
   }
-
   void Log(const std::string& line) const { std::cerr << name_ + ": " + line + "\n" << std::flush; }
 
   DegradedReport& degraded() { return degraded_; }
@@ -140,12 +138,10 @@ class MachineActuator::Impl {
     if (checkpoints_ == nullptr) return;  // not started yet, or over
     checkpoints_->Mark(gettid(), allowance, std::chrono::steady_clock::now());
   }
-
   bool stop_requested() const {
     if (on_poll_) on_poll_();
     return stop_requested_;
   }
-
   State current_state() const { return gate_.state(); }
   bool emergency_stopped() const { return gate_.emergency_stop(); }
   bool held_by_stop() const { return gate_.held_by_stop(); }
@@ -157,12 +153,10 @@ class MachineActuator::Impl {
     }
     return gate_.Judge(*config_, name_, capability, module);
   }
-
   const MachineConfig& config() const {
     assert(config_.has_value());
     return *config_;
   }
-
   std::shared_ptr<transport::NodeThread> node() const {
     const std::lock_guard lock(mutex_);
     return node_;
@@ -192,7 +186,6 @@ class MachineActuator::Impl {
     if (!index_) return Error{kCodeUninitialized, "Init has not succeeded"};
     return callbacks_.Check(*config_, config_->actuators[*index_]);
   }
-
   // What a rehearsal does instead of the shell.
   Result<> RunEmergencyStop() {
     return RunGuarded([this]() -> Result<> {
@@ -288,27 +281,22 @@ bool MachineActuator::MachineActuatorInit(const std::string& config_file,
   if (!result) Log(result.error().message);
   return result.ok();
 }
-
 void MachineActuator::RegisterStateCallback(const std::string& state,
                                             std::function<std::int32_t()> callback) {
   impl_->callbacks().Register(state,
                               [callback = std::move(callback)] { return FromCode(callback()); });
 }
-
 void MachineActuator::RegisterStateCallback(const std::string& state,
                                             std::function<Result<>()> callback) {
   impl_->callbacks().Register(state, std::move(callback));
 }
-
 void MachineActuator::RegisterStateCallback(std::function<std::int32_t(const State&)> callback) {
   impl_->callbacks().Register(
       [callback = std::move(callback)](const State& state) { return FromCode(callback(state)); });
 }
-
 void MachineActuator::RegisterStateCallback(std::function<Result<>(const State&)> callback) {
   impl_->callbacks().Register(std::move(callback));
 }
-
 Result<> MachineActuator::Start() {
   return impl_->Start();
 }
@@ -320,7 +308,6 @@ bool MachineActuator::ActuatorStart() {
   }
   return result.ok();
 }
-
 int MachineActuator::Check(const std::string& config_file) {
   if (!MachineActuatorInit(config_file)) return kConfigurationError;
   const auto fit = impl_->CheckCallbacks();

@@ -145,6 +145,7 @@ const Leg* Decision::WorstLeg(const Switch& s) const {
 bool Decision::IsAway(std::size_t i, const State& target) const {
   const ActuatorRecord& record = Of(i);
   if (!record.fault) return false;
+  if (record.report.busy()) return true;  // where it will be is not known
   const bool there = record.presence == Presence::kPresent || target == kTearDown;
   return !there || (target == kSelfCheck ? !record.checked : record.state() != target);
 }

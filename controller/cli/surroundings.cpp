@@ -94,6 +94,7 @@ Ran RunCheck(const std::string& program, const ActuatorConfig& actuator,
                                     config_file, "--actuator", actuator.name};
   words.insert(words.end(), actuator.command.begin() + 1, actuator.command.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   const transport::UniqueFd said(memfd_create("check", MFD_CLOEXEC));

@@ -5,8 +5,8 @@
 # robot's own doing.
 
 root_of_robot=$scratch/robot  # with its versions
-journal=$XDG_STATE_HOME/musher/robot/journal.sqlite
-logs=$XDG_STATE_HOME/musher/robot/logs
+journal=$XDG_STATE_HOME/musher/robot.domain$ROS_DOMAIN_ID/journal.sqlite
+logs=$XDG_STATE_HOME/musher/robot.domain$ROS_DOMAIN_ID/logs
 picture=$pictures/robot-day.png strip=$pictures/robot-saw.jpg
 speed=4  # of the world's time
 walking_speed=2  # the same: a walk is led from outside, twenty times a second

@@ -10,7 +10,7 @@ config=$scratch/config/cyberdog.toml
 sed -i 's/\b120000\b/3000/g; s/\b240000\b/6000/g' "$config"
 # One module promises a sign of life so often; its SetUp may be silent for longer.
 sed -i '/^\[actuator.audio\]/a checkpoint_ms = 500\ncheckpoint_ms_in = { SetUp = 6000 }' "$config"
-journal=$XDG_STATE_HOME/musher/cyberdog/journal.sqlite
+journal=$XDG_STATE_HOME/musher/cyberdog.domain$ROS_DOMAIN_ID/journal.sqlite
 
 # fault ACTUATOR.STATE SECONDS CODE MESSAGE: what config/exec/simulate does from now on.
 fault() {

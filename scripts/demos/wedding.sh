@@ -3,8 +3,8 @@
 # Sourced by scripts/demo: the wedding robot in a simulated hall. The guests come by themselves, as
 # scenes/wedding.toml has it; what the robot does follows from what it sees through its camera.
 
-journal=$XDG_STATE_HOME/musher/wedding/journal.sqlite
-logs=$XDG_STATE_HOME/musher/wedding/logs
+journal=$XDG_STATE_HOME/musher/wedding.domain$ROS_DOMAIN_ID/journal.sqlite
+logs=$XDG_STATE_HOME/musher/wedding.domain$ROS_DOMAIN_ID/logs
 strip=$pictures/wedding-saw.jpg hall=$pictures/wedding-show.jpg graph=$pictures/wedding-machine.svg
 
 # shown COMMAND...: shows the command, runs it; what it says goes to `result`, its exit code to `code`.
@@ -33,7 +33,7 @@ await_change() {
 photographs() {
   local _ saved
   for _ in {1..100}; do
-    saved=$(find "$XDG_STATE_HOME/musher/wedding/camera" -name '*.jpg' 2> /dev/null | wc -l)
+    saved=$(find "$XDG_STATE_HOME/musher/wedding.domain$ROS_DOMAIN_ID/camera" -name '*.jpg' 2> /dev/null | wc -l)
     ((saved >= $1)) && break
     sleep 0.1
   done

@@ -83,7 +83,8 @@ TEST_F(BehaviorCommand, SpeaksJson) {
   const Ran ran = RunProgram({"--json", "behavior", "show", "--history", "1"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_EQ(ran.out,
-            R"({"name":"show","running":true,"ticking":true,"state":"PLAY","mode":"NORMAL",)"
+            R"({"name":"show","running":true,"ticking":true,"held_by_stop":false,"state":"PLAY",)"
+            R"("mode":"NORMAL",)"
             R"("ticks":7,"safety_triggered":false,"unsafe":"","time_s":0.14,)"
             R"("time_in_state_s":0.04,"last_fault":"","history":[{"time_s":0.1,"tick":5,)"
             R"("from":"GREET","to":"PLAY","cause":"decided","command":""}]})"

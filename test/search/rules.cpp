@@ -38,7 +38,6 @@ bool EndIsUnheardOf(const Actor& actor) {
 }
 
 void JudgeDone(const Model& model, const World& world, const SwitchResult& result, Notes& notes) {
-  if (result.done() && !result.degraded.empty()) notes.wrong.emplace_back("done, and degraded");
   if (result.target != kSelfCheck && world.machine.state != result.target) {
     notes.wrong.push_back("done is told while the machine is in " + world.machine.state);
   }
@@ -46,7 +45,8 @@ void JudgeDone(const Model& model, const World& world, const SwitchResult& resul
     const Actor& actor = world.actors[i];
     const ActuatorReport& report = actor.core.report;
     const std::string& name = model.config.actuators[i].name;
-    if (Listed(result, name) || EndIsUnheardOf(actor)) continue;
+    // One that is degraded for another reason is there none the less where the switch is done.
+    if ((Listed(result, name) && !result.done()) || EndIsUnheardOf(actor)) continue;
     // What does not follow the controller cannot be left behind by its end.
     const bool follows = world.machine.actuators[i].presence == Presence::kPresent;
     if (result.target == kTearDown && !follows) continue;

@@ -44,7 +44,8 @@ struct SpinnerTrial : simulation::ActuatorTrial<Spinner> {
     )";
     always = [this](const Spinner& motor, const ActuatorReport& report) {
       const Result<> spin = motor.Spin();
-      const bool may = report.state == kActive && !report.busy() && report.emergency_stop == 0;
+      const bool may = report.state == kActive && !report.busy() && report.emergency_stop == 0 &&
+                       !report.held_by_stop;
       EXPECT_EQ(spin.ok(), may) << report.state << " " << report.target;
       if (spin.ok()) return void(++allowed);
       EXPECT_EQ(spin.error().code, 3003);

@@ -164,7 +164,8 @@ std::vector<Criteria> OfOperator() {
 std::vector<Criteria> OfObserver() {
   const Topics asked = Questions() + kManagerQuestions + kBehaviorQuestions;
   return {{"publish", Requests(asked)},
-          {"subscribe", kMachine + Replies(asked) + DataTopics(kManagerTells + kBehaviorTells)}};
+          {"subscribe",
+           kMachine + kStatuses + Replies(asked) + DataTopics(kManagerTells + kBehaviorTells)}};
 }
 
 std::vector<Criteria> Of(const Grant& grant) {

@@ -9,7 +9,8 @@
 
 namespace musher::wedding {
 
-void SecondGeneration::Open(transport::Endpoints& topics, Show& show, std::function<Time()> now) {
+void SecondGeneration::Open(transport::Endpoints& topics, Show& show,
+                            const std::function<Time()>& now) {
   set_pose_ = topics.Advertise<msg::String>(topic::kSetPose);
   set_motion_ = topics.Advertise<msg::String>(topic::kSetMotion);
   target_face_id_ = topics.Advertise<msg::String>(topic::kTargetFaceId);

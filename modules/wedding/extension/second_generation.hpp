@@ -25,7 +25,7 @@ inline constexpr const char* kCameraInfo = "/camera/head/camera_info";
 class SecondGeneration {
  public:
   // `show` outlives the topics.
-  void Open(transport::Endpoints& topics, Show& show, std::function<Time()> now);
+  void Open(transport::Endpoints& topics, Show& show, const std::function<Time()>& now);
 
   void SetPose(std::string_view pose) { Publish(set_pose_, std::string(pose)); }
   void SetMotion(std::string_view motion) { Publish(set_motion_, std::string(motion)); }

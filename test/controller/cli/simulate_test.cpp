@@ -73,13 +73,6 @@ TEST_F(Simulating, TheConfigsThatShipEndEveryStoryWell) {
   }
 }
 
-TEST_F(Simulating, ARaiseIsJudgedByTheBatteryOfWhenItWasDecided) {
-  // It falls from 22 % to 5 % while the machine is on its way up.
-  const Ran ran = RunProgram({"simulate", std::string(MUSHER_SOURCE_DIR) + "/config/robot.toml",
-                              "--seed", "1135", "--only", "2,6,8,9"});
-  EXPECT_EQ(ran.exit, 0) << ran.out;
-}
-
 TEST_F(Simulating, ARestartLimitWithoutOnLostIsFoundAndToldInTheFewestCrashes) {
   const std::string config = Config(Robot(""));
   const Ran ran = RunProgram({"simulate", config, "--seeds", "300", "--json"});

@@ -47,7 +47,10 @@ class FirstModule : public testing::Test {
     return {std::istreambuf_iterator<char>(stream), {}};
   }
   std::string Lamp() const { return Read(robot_ + "/lamp"); }
-  std::string GripperLog() const { return Read(folder_ / "state/musher/robot/logs/gripper.log"); }
+  std::string GripperLog() const {
+    return Read(folder_ / ("state/musher/robot.domain" + std::to_string(transport::TestDomain()) +
+                           "/logs/gripper.log"));
+  }
 
   const TempFolder folder_;
   const std::string robot_ = folder_ / "robot";

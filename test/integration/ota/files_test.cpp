@@ -77,7 +77,8 @@ TEST_F(OtaFiles, VerifyReadsAllAndChangesNothing) {
   const Ended good = Musher({"ota", "verify", Bundle("1.1.0"), "--json"});
   EXPECT_EQ(good.exit, 0) << good.err;
   EXPECT_THAT(good.out, HasSubstr(R"("version":"1.1.0")"));
-  EXPECT_THAT(Musher({"ota", "verify", Bundle("1.1.0")}).out, HasSubstr(" kB; whole, and signed"));
+  EXPECT_THAT(Musher({"ota", "verify", Bundle("1.1.0")}).out,
+              HasSubstr(" bytes; whole, and signed"));
   EXPECT_EQ(Musher({"ota", "verify", Bundle("1.1.0"), "--key", open_}).exit, 0);
   Make("1.2.0", {.options = {"--robot", "cat"}});
   ExpectRefused({"verify", Bundle("1.2.0")}, 1, "it is for the robot cat, this one is dog");

@@ -92,7 +92,7 @@ TEST_F(Upgrade, WhoseControllerCannotEvenBeginGoesBack) {
   Make("1.2.0", {.name_space = taken});
   const Ended second = Install("1.2.0");
   EXPECT_EQ(second.exit, 1);
-  EXPECT_THAT(second.err, HasSubstr("leads the actuators of namespace"));
+  EXPECT_THAT(second.err, HasSubstr("belongs to another machine"));
   EXPECT_EQ(Where(), "Active from a");
 }
 

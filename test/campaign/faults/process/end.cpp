@@ -33,7 +33,11 @@ void EndByItself(Trial& trial, End end, Loss loss) {
   loss = AsSeen(trial, victim, loss);
   trial.Struck();
   trial.robot.board(victim).end = end;
-  trial.Detected(victim + " has crashed", IsKnownAs(victim, "crashed"));
+  // An orderly end is no crash.
+  trial.Detected(victim + " has ended", [&victim](const msg::MachineStatus& status) {
+    const msg::ActuatorInfo& info = Find(status, victim);
+    return info.health == "crashed" || info.presence != "present" || info.restarts > 0;
+  });
   Relieve(trial.robot.board(victim));
   AwaitPromise(trial, victim, loss);
 }
