@@ -41,6 +41,17 @@ constexpr int kPollMs = 5;
 constexpr long kFirstClockS = 100;
 constexpr long kClockStepS = 10;
 
+struct Boot {
+  int number = 0;
+  long at_s = 0;  // by this machine's boot clock
+};
+
+long SecondsSinceBoot() {
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return now.tv_sec;
+}
+
 constexpr const char* kBootIdFile = "/proc/sys/kernel/random/boot_id";
 
 void SetBootId(const fs::path& folder, int boot) {
@@ -51,18 +62,16 @@ void SetBootId(const fs::path& folder, int boot) {
 
 // Gives this process a boot clock that began a moment ago. Without it the next incarnations are
 // larger than those before, and the trial shows less.
-void StartBootClock(int boot) {
-  timespec now{};
-  clock_gettime(CLOCK_BOOTTIME, &now);
-  const long begun = std::max(1L, kFirstClockS - kClockStepS * boot);
+void StartBootClock(const Boot& boot) {
+  const long begun = std::max(1L, kFirstClockS - kClockStepS * boot.number);
   if (unshare(CLONE_NEWTIME) != 0) return std::perror("no time namespace");
-  std::ofstream("/proc/self/timens_offsets") << "boottime " << begun - now.tv_sec << " 0\n";
+  std::ofstream("/proc/self/timens_offsets") << "boottime " << begun - boot.at_s << " 0\n";
   const int clocks = open("/proc/self/ns/time_for_children", O_RDONLY | O_CLOEXEC);
   if (setns(clocks, CLONE_NEWTIME) != 0) std::perror("no clock of its own");
   close(clocks);
 }
 
-pid_t Start(const Member& member, const fs::path& folder, int boot) {
+pid_t Start(const Member& member, const fs::path& folder, const Boot& boot) {
   const pid_t pid = fork();
   if (pid != 0) return pid;
   setsid();
@@ -74,7 +83,7 @@ pid_t Start(const Member& member, const fs::path& folder, int boot) {
                        O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   dup2(log, STDOUT_FILENO);
   dup2(log, STDERR_FILENO);
-  if (boot > 0) StartBootClock(boot);
+  if (boot.number > 0) StartBootClock(boot);
   std::vector<std::string> words =
       CommandOf(member, folder, fs::path(benchmark::Program("musher")).parent_path());
   std::vector<char*> argv;
@@ -102,7 +111,7 @@ pid_t Start(const Member& member, const fs::path& folder, int boot) {
   std::fflush(stdout);
   while (!fs::exists(folder / "go")) poll(nullptr, 0, kPollMs);
   std::map<pid_t, const Member*> members;
-  int boot = 0;
+  Boot boot;
   for (const Member& member : Crew()) members[Start(member, folder, boot)] = &member;
   while (true) {
     if (sigwaitinfo(&signals, nullptr) == SIGUSR1) {
@@ -110,7 +119,8 @@ pid_t Start(const Member& member, const fs::path& folder, int boot) {
       kill(-1, SIGKILL);  // all of this pid namespace but its init
       while (waitpid(-1, nullptr, 0) > 0) {
       }
-      SetBootId(folder, ++boot);
+      boot = {boot.number + 1, SecondsSinceBoot()};
+      SetBootId(folder, boot.number);
       for (const Member& member : Crew()) members[Start(member, folder, boot)] = &member;
     }
     for (pid_t ended = 0; (ended = waitpid(-1, nullptr, WNOHANG)) > 0;) {
