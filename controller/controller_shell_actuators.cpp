@@ -56,7 +56,7 @@ ControllerShell::Process& ControllerShell::Heard(std::size_t actuator,
   return known.emplace_back(Process{report.host, report.incarnation, 0, 0, false});
 }
 
-// Whoever answers lives.
+// A reply is a sign of life.
 void ControllerShell::OnLinkEvent(const Event& from_link) {
   Event event = from_link;
   auto* replied = std::get_if<event::Replied>(&event);

@@ -51,7 +51,7 @@ class Perception {
   // one saw.
   void OnTooClose(bool too_close, PublisherId publisher, Time now);
   // The publisher has gone. What it said holds until a publisher that came after its last word says
-  // that nobody is too close: its successor.
+  // that no guest is too close: its successor.
   void OnTooClosePublisherLost(PublisherId publisher, Time now);
   bool too_close() const { return too_close_; }
   // Where the robot has to look, for `age`.

@@ -35,19 +35,20 @@ TEST_F(Reasons, AProgramThatIsNoModuleIsToBeWrapped) {
               (folder_ / "voice"),
           "times = [400, 5000, 5000, 5000, 5000, 5000]\ncommand = [\"musher-exec\", \"" +
               (folder_ / "voice"));
-  VoiceRuns("\"sleep\", \"60\"");
+  VoiceRuns("\"tail\", \"-f\", \"/dev/null\"");
   const Ended up = Musher({"up", config_, "--detach"});
   const std::string note = Status()["actuators"]["voice"]["message"];
   EXPECT_THAT(note, AllOf(HasSubstr("its program runs (process "),
                           HasSubstr("but never announced itself as actuator voice within 400 ms"),
-                          HasSubstr("command = [\"musher-exec\", \"--\", \"sleep\", \"60\"]")));
+                          HasSubstr("command = [\"musher-exec\", \"--\", \"tail\", \"-f\", \"/dev/null\"]")));
 }
 
 TEST_F(Reasons, StatusSaysThatTheProgramEndedByItself) {
   Replace("\ncommand = [\"musher-exec\", \"" + (folder_ / "voice"),
           "\nrestart = \"no\"\ncommand = [\"musher-exec\", \"" + (folder_ / "voice"));
-  VoiceRuns("\"musher-exec\", \"--\", \"sh\", \"-c\", \"until [ -e " + (folder_ / "released") +
-            " ]; do sleep 0.02; done\"");
+  // Release() opens and closes it, and cat ends.
+  ASSERT_EQ(mkfifo((folder_ / "released").c_str(), 0600), 0);
+  VoiceRuns("\"musher-exec\", \"--\", \"cat\", \"" + (folder_ / "released") + "\"");
   ASSERT_EQ(UpDetached().exit, 0);
   Release();
   const auto status = AwaitStatus([](const auto& s) {
@@ -69,8 +70,11 @@ TEST_F(Reasons, PythonUnderMusherExecPrintsAtOnce) {
 
 // setsid makes it a session, and so a process group, of its own.
 TEST_F(Reasons, AChildThatBecameADaemonEndsWithItsModule) {
-  Does("voice", "[state.SetUp]\nshell = \"setsid -f sleep 1000; pgrep -n -f 'sleep 1000' > " +
-                    (folder_ / "daemon") + "\"\n");
+  const std::string told = folder_ / "told";
+  ASSERT_EQ(mkfifo(told.c_str(), 0600), 0);
+  Does("voice", "[state.SetUp]\nshell = \"setsid -f sh -c 'echo $$ > " + told +
+                    "; exec tail -f /dev/null'; cat " + told + " > " + (folder_ / "daemon") +
+                    "\"\n");
   ASSERT_EQ(UpDetached().exit, 0);
   pid_t daemon = 0;
   std::ifstream(folder_ / "daemon") >> daemon;
