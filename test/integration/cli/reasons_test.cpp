@@ -38,9 +38,11 @@ TEST_F(Reasons, AProgramThatIsNoModuleIsToBeWrapped) {
   VoiceRuns("\"tail\", \"-f\", \"/dev/null\"");
   const Ended up = Musher({"up", config_, "--detach"});
   const std::string note = Status()["actuators"]["voice"]["message"];
-  EXPECT_THAT(note, AllOf(HasSubstr("its program runs (process "),
-                          HasSubstr("but never announced itself as actuator voice within 400 ms"),
-                          HasSubstr("command = [\"musher-exec\", \"--\", \"tail\", \"-f\", \"/dev/null\"]")));
+  EXPECT_THAT(
+      note,
+      AllOf(HasSubstr("its program runs (process "),
+            HasSubstr("but never announced itself as actuator voice within 400 ms"),
+            HasSubstr("command = [\"musher-exec\", \"--\", \"tail\", \"-f\", \"/dev/null\"]")));
 }
 
 TEST_F(Reasons, StatusSaysThatTheProgramEndedByItself) {
