@@ -39,6 +39,7 @@ class MachineActuator::Impl {
   ~Impl() { Shutdown(); }
 
   const std::string& name() const { return name_; }
+
   Result<> Init(const std::string& file, std::shared_ptr<transport::NodeThread> node) {
     auto config = ReadValidConfig(file);
     if (!config) return config.error();
@@ -103,6 +104,7 @@ class MachineActuator::Impl {
     Log("gives up: " + why.message);
     Finish(1);
   }
+
   void Log(const std::string& line) const { std::cerr << name_ + ": " + line + "\n" << std::flush; }
 
   DegradedReport& degraded() { return degraded_; }
@@ -138,10 +140,12 @@ class MachineActuator::Impl {
     if (checkpoints_ == nullptr) return;  // not started yet, or over
     checkpoints_->Mark(gettid(), allowance, std::chrono::steady_clock::now());
   }
+
   bool stop_requested() const {
     if (on_poll_) on_poll_();
     return stop_requested_;
   }
+
   State current_state() const { return gate_.state(); }
   bool emergency_stopped() const { return gate_.emergency_stop(); }
   bool held_by_stop() const { return gate_.held_by_stop(); }
@@ -153,10 +157,12 @@ class MachineActuator::Impl {
     }
     return gate_.Judge(*config_, name_, capability, module);
   }
+
   const MachineConfig& config() const {
     assert(config_.has_value());
     return *config_;
   }
+
   std::shared_ptr<transport::NodeThread> node() const {
     const std::lock_guard lock(mutex_);
     return node_;
@@ -186,6 +192,7 @@ class MachineActuator::Impl {
     if (!index_) return Error{kCodeUninitialized, "Init has not succeeded"};
     return callbacks_.Check(*config_, config_->actuators[*index_]);
   }
+
   // What a rehearsal does instead of the shell.
   Result<> RunEmergencyStop() {
     return RunGuarded([this]() -> Result<> {
@@ -271,52 +278,37 @@ class MachineActuator::Impl {
 MachineActuator::MachineActuator(const std::string& actuator_name)
     : impl_(std::make_unique<Impl>(actuator_name, [this] { OnEmergencyStop(); })) {}
 MachineActuator::~MachineActuator() = default;
+
 Result<> MachineActuator::Init(const std::string& config_file,
                                std::shared_ptr<transport::NodeThread> node) {
   return impl_->Init(config_file, std::move(node));
 }
-bool MachineActuator::MachineActuatorInit(const std::string& config_file,
-                                          std::shared_ptr<transport::NodeThread> node) {
-  const Result<> result = Init(config_file, std::move(node));
-  if (!result) Log(result.error().message);
-  return result.ok();
-}
+
 void MachineActuator::RegisterStateCallback(const std::string& state,
                                             std::function<std::int32_t()> callback) {
   impl_->callbacks().Register(state,
                               [callback = std::move(callback)] { return FromCode(callback()); });
 }
+
 void MachineActuator::RegisterStateCallback(const std::string& state,
                                             std::function<Result<>()> callback) {
   impl_->callbacks().Register(state, std::move(callback));
 }
+
 void MachineActuator::RegisterStateCallback(std::function<std::int32_t(const State&)> callback) {
   impl_->callbacks().Register(
       [callback = std::move(callback)](const State& state) { return FromCode(callback(state)); });
 }
+
 void MachineActuator::RegisterStateCallback(std::function<Result<>(const State&)> callback) {
   impl_->callbacks().Register(std::move(callback));
 }
+
 Result<> MachineActuator::Start() {
   return impl_->Start();
 }
-bool MachineActuator::ActuatorStart() {
-  const Result<> result = Start();
-  if (!result) {
-    const Error& why = result.error();
-    Log("not started: " + CodeText(why.code) + (why.message.empty() ? "" : ", ") + why.message);
-  }
-  return result.ok();
-}
-int MachineActuator::Check(const std::string& config_file) {
-  if (!MachineActuatorInit(config_file)) return kConfigurationError;
-  const auto fit = impl_->CheckCallbacks();
-  if (!fit) Log(fit.error().message);
-  return fit ? 0 : kConfigurationError;
-}
-int MachineActuator::Run(const std::string& config_file) {
-  if (const int faulty = Check(config_file); faulty != 0) return faulty;
-  return ActuatorStart() ? Wait() : 1;
+Result<> MachineActuator::CheckCallbacks() const {
+  return impl_->CheckCallbacks();
 }
 int MachineActuator::Wait() {
   return impl_->Wait();

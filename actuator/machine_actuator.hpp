@@ -177,6 +177,7 @@ class MachineActuator {
 
  private:
   friend class ActuatorRehearsal;  // runs the callbacks without a machine, for tests
+  Result<> CheckCallbacks() const;
   class Impl;
   std::unique_ptr<Impl> impl_;
 };

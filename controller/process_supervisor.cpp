@@ -13,6 +13,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -71,16 +72,20 @@ std::string LastWords(int fd, std::int64_t begin) {
 // All that a child starts inherits it.
 constexpr const char* kMark = "MUSHER_PROCESS";
 
+// "17.3": the third child of the controller whose pid is 17.
+std::string MarkPrefix() {
+  return std::to_string(getpid()) + ".";
+}
 std::string MarkOf(std::uint64_t number) {
-  return std::to_string(getpid()) + "." + std::to_string(number);
+  return MarkPrefix() + std::to_string(number);
 }
 
-// "MUSHER_PROCESS=17.3"; empty where a process has none, has ended, or hides its environment.
+// Empty where a process has none, has ended, or hides its environment.
 std::string MarkIn(pid_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/environ", std::ios::binary);
   const std::string begin = std::string(kMark) + "=";
   for (std::string variable; std::getline(file, variable, '\0');) {
-    if (variable.starts_with(begin)) return variable;
+    if (variable.starts_with(begin)) return variable.substr(begin.size());
   }
   return {};
 }
@@ -183,10 +188,7 @@ void ProcessSupervisor::Ended(pid_t pid) {
   if (!ended.child) return Call(ended.on_exit, {});
   kill(-pid, SIGKILL);  // before the leader is reaped, while the group's number is surely its own
   ProcessExit exit = Reap(pid);
-  if (adopts_) {
-    ended_.insert(std::string(kMark) + "=" + MarkOf(ended.number));
-    EndOrphans();
-  }
+  if (adopts_) EndOrphans();
   if (const auto failure = ended.child->Failure(Duration::zero())) {
     exit = {ProcessExit::Kind::kNotRun, 0, failure->message};
   }
@@ -208,9 +210,12 @@ void ProcessSupervisor::ReapOrphans() {
 }
 
 void ProcessSupervisor::EndOrphans() {
-  if (ended_.empty()) return;
+  std::set<std::string> running;
+  for (const auto& [pid, process] : processes_) running.insert(MarkOf(process.number));
   for (const pid_t child : Children()) {
-    if (!processes_.contains(child) && ended_.contains(MarkIn(child))) kill(child, SIGKILL);
+    if (processes_.contains(child)) continue;
+    const std::string mark = MarkIn(child);
+    if (mark.starts_with(MarkPrefix()) && !running.contains(mark)) kill(child, SIGKILL);
   }
 }
 

@@ -24,7 +24,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -85,7 +84,6 @@ class ProcessSupervisor : public ProcessRunner {
   std::map<pid_t, Process> processes_;
   bool adopts_ = false;
   std::uint64_t next_number_ = 1;
-  std::set<std::string> ended_;  // marks of children that have ended, as their orphans have them
   std::map<std::uint64_t, Ending> endings_;
   std::uint64_t next_ending_ = 1;
   const std::shared_ptr<bool> alive_ = std::make_shared<bool>();  // expires with the supervisor

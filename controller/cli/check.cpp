@@ -1,9 +1,9 @@
 // musher check FILE...: every fault of state configs. Touches no network.
 
 #include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/program_check.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
-#include "musher/controller/cli/surroundings.hpp"
 #include "musher/lifecycle/config_toml.hpp"
 
 namespace musher::cli {
@@ -13,9 +13,9 @@ ExitCode Check(const CheckOptions& options, Console& console) {
   for (const std::string& file : options.files) {
     ConfigReading reading = ReadConfigFile(file);
     if (reading.config) {
-      const auto around = CheckSurroundings(*reading.config);
-      reading.diagnostics.insert(reading.diagnostics.end(), around.begin(), around.end());
-      if (HasError(around)) reading.config.reset();
+      const auto found = CheckPrograms(*reading.config);
+      reading.diagnostics.insert(reading.diagnostics.end(), found.begin(), found.end());
+      if (HasError(found)) reading.config.reset();
     }
     all.insert(all.end(), reading.diagnostics.begin(), reading.diagnostics.end());
     if (console.mode().json) continue;

@@ -85,20 +85,20 @@ Result<> Ending::Open() {
 
 void Ending::Advance() {
   const Time now = node_.loop().Now();
+  const auto running = running_.Now();
   for (auto& [name, target] : targets_) {
-    Look(target);
+    Look(target, running);
     if (target.outcome.ended) continue;
     const bool torn_down = target.outcome.torn_down;
     if (!torn_down && now < deadline_ && target.commands) {
-      Ask(target);
+      Ask(target, running);
     } else if (!torn_down || now >= *target.torn_down_at + kExitGrace) {
       Signal(target);
     }
   }
 }
 
-void Ending::Look(Target& target) {
-  const auto running = running_.Now();
+void Ending::Look(Target& target, const Actuators& running) {
   const bool runs = running.contains(target.outcome.name);
   if (!runs && !target.outcome.torn_down && running_.Hears(target.outcome.name)) {
     target.outcome.torn_down = true;
@@ -108,8 +108,7 @@ void Ending::Look(Target& target) {
       target.here ? HasEnded(target.process) : !running_.Hears(target.outcome.name);
 }
 
-void Ending::Ask(Target& target) {
-  const auto running = running_.Now();
+void Ending::Ask(Target& target, const Actuators& running) {
   const auto found = running.find(target.outcome.name);
   if (target.asked || found == running.end() || !found->second.heard) return;
   if (!target.commands->Ready()) return;

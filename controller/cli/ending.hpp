@@ -56,11 +56,13 @@ class Ending {
     bool killed = false;
   };
 
+  using Actuators = std::map<std::string, Running::Actuator>;
+
   Ending(transport::Node& node, std::string name_space, const Running& running, Duration patience);
   Result<> Open();
   void Advance();
-  void Look(Target& target);
-  void Ask(Target& target);
+  void Look(Target& target, const Actuators& running);
+  void Ask(Target& target, const Actuators& running);
   void Signal(Target& target);
 
   transport::Node& node_;

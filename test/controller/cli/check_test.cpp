@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "musher/controller/cli/program_check.hpp"
+#include "musher/lifecycle/config_toml.hpp"
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/cli/robot.hpp"
 #include "musher/test/controller/temp_folder.hpp"
@@ -80,7 +82,7 @@ TEST_F(CheckCommand, FaultsAFolderAndAMissingFile) {
   EXPECT_THAT(missing.out, HasSubstr("none.toml: error: "));
 }
 
-class CheckedSurroundings : public CheckCommand {
+class CheckedPrograms : public CheckCommand {
  protected:
   // What `check` says of legs with these lines in its table.
   Ran Check(const std::string& lines) const {
@@ -90,32 +92,53 @@ class CheckedSurroundings : public CheckCommand {
   }
 };
 
-TEST_F(CheckedSurroundings, NamesAProgramThatIsNotThere) {
+TEST_F(CheckedPrograms, NamesAProgramThatIsNotThere) {
   const Ran ran = Check("command = [\"nosuchprogram\"]");
   EXPECT_EQ(ran.exit, 0);
   EXPECT_THAT(ran.out, HasSubstr("/dog.toml:12:1: warning: in 'actuator.legs': 'command': there is "
                                  "no program 'nosuchprogram' in PATH"));
 }
 
-TEST_F(CheckedSurroundings, NamesAProgramThatIsNotExecutable) {
+TEST_F(CheckedPrograms, NamesAProgramThatIsNotExecutable) {
   const std::string file = Write("legs.sh", "#!/bin/sh\n");
   EXPECT_THAT(Check("command = [\"" + file + "\"]").out, HasSubstr(file + " is not executable"));
   EXPECT_THAT(Check("command = [\"./legs.sh\"]\ncwd = \".\"").out,
               HasSubstr("/legs.sh is not executable"));
 }
 
-TEST_F(CheckedSurroundings, NamesAFolderThatIsNotThere) {
+TEST_F(CheckedPrograms, NamesAFolderThatIsNotThere) {
   const Ran ran = Check("command = [\"true\"]\ncwd = \"gone\"");
   EXPECT_THAT(ran.out, HasSubstr("/dog.toml:13:1: warning: in 'actuator.legs': 'cwd': there is no "
                                  "folder " +
                                  (folder_ / "gone")));
 }
 
-TEST_F(CheckedSurroundings, SaysNothingOfAProgramThatIsThere) {
+TEST_F(CheckedPrograms, SaysNothingOfAProgramThatIsThere) {
   EXPECT_EQ(Check("command = [\"true\"]").out, "ok: 2 actuators, 6 states, 2 stages\n");
 }
 
-TEST_F(CheckedSurroundings, HoldBehindASymbolicLinkWhereUpStartsThem) {
+// A module of one's own, whose name begins like those of Musher's, started and ran for ever.
+TEST_F(CheckedPrograms, AreNotRunUnlessTheyAreMushersOwn) {
+  const std::string program = Write("musher-gripper", "#!/bin/sh\ntouch \"$0\".ran\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  EXPECT_EQ(Check("command = [\"" + program + "\"]").out, "ok: 2 actuators, 6 states, 2 stages\n");
+  EXPECT_FALSE(std::filesystem::exists(program + ".ran"));
+}
+
+TEST_F(CheckedPrograms, HaveATimeToEndIn) {
+  const std::string program = Write("musher-world", "#!/bin/sh\nexec tail -f /dev/null\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  std::string text = kRobotToml;
+  text.insert(text.find("critical = true"), "command = [\"" + program + "\"]\n");
+  const auto config = ReadConfigFile(Write("dog.toml", text)).config;
+  ASSERT_TRUE(config);
+  const auto found = CheckPrograms(*config, Milliseconds(100));
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].message,
+            "in 'actuator.legs': 'command': " + program + " --check has not ended within 100 ms");
+}
+
+TEST_F(CheckedPrograms, HoldBehindASymbolicLinkWhereUpStartsThem) {
   std::filesystem::create_directory(folder_ / "real");
   std::string text = kRobotToml;
   text.insert(text.find("critical = true"), "command = [\"true\"]\ncwd = \"work\"\n");

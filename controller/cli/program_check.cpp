@@ -1,13 +1,17 @@
-#include "musher/controller/cli/surroundings.hpp"
+#include "musher/controller/cli/program_check.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +19,7 @@
 #include <string>
 #include <string_view>
 
+#include "musher/transport/host.hpp"
 #include "musher/transport/unique_fd.hpp"
 
 namespace musher::cli {
@@ -82,14 +87,38 @@ std::string ProgramOf(const ActuatorConfig& actuator, std::string& why) {
   return "";
 }
 
+// Musher's own programs, which all know --check. Another program whose name begins like theirs
+// could take the option for nothing, and start.
+bool KnowsCheck(const std::string& program) {
+  constexpr std::array<std::string_view, 9> kPrograms = {
+      "musher-exec",           "musher-motion-manager", "musher-audio-manager",
+      "musher-device-manager", "musher-sensor-manager", "musher-camera-manager",
+      "musher-vision-manager", "musher-wedding",        "musher-world"};
+  return std::find(kPrograms.begin(), kPrograms.end(), fs::path(program).filename().string()) !=
+         kPrograms.end();
+}
+
 struct Ran {
   bool ok = false;
   std::string err;
 };
 
-// The program's own judgement of its part.
+bool EndsWithin(pid_t pid, Duration patience) {
+  const auto process = transport::OpenPidfd(pid);
+  if (!process) return false;
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  for (;;) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+        deadline - std::chrono::steady_clock::now());
+    pollfd ended{process.value().get(), POLLIN, 0};
+    const int ready = poll(&ended, 1, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
+    if (ready >= 0 || errno != EINTR) return ready == 1;
+  }
+}
+
+// What the program itself reports of its part of the config.
 Ran RunCheck(const std::string& program, const ActuatorConfig& actuator,
-             const std::string& config_file) {
+             const std::string& config_file, Duration patience) {
   std::vector<std::string> words = {program,     "--check",    "--config",
                                     config_file, "--actuator", actuator.name};
   words.insert(words.end(), actuator.command.begin() + 1, actuator.command.end());
@@ -97,29 +126,34 @@ Ran RunCheck(const std::string& program, const ActuatorConfig& actuator,
   argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  const transport::UniqueFd said(memfd_create("check", MFD_CLOEXEC));
+  const transport::UniqueFd output(memfd_create("check", MFD_CLOEXEC));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, said.get(), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, said.get(), STDERR_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, output.get(), STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, output.get(), STDERR_FILENO);
   if (!actuator.cwd.empty()) posix_spawn_file_actions_addchdir_np(&actions, actuator.cwd.c_str());
   pid_t pid = 0;
   const int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) return {true, ""};
+  const bool ended = EndsWithin(pid, patience);
+  if (!ended) kill(pid, SIGKILL);
   int status = 0;
   while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
   }
+  if (!ended)
+    return {false, program + " --check has not ended within " +
+                       std::to_string(ToMilliseconds(patience)) + " ms"};
   std::array<char, 8192> text{};
-  const ssize_t size = pread(said.get(), text.data(), text.size(), 0);
+  const ssize_t size = pread(output.get(), text.data(), text.size(), 0);
   return {WIFEXITED(status) && WEXITSTATUS(status) == 0,
           std::string(text.data(), static_cast<std::size_t>(size < 0 ? 0 : size))};
 }
 
 }  // namespace
 
-std::vector<Diagnostic> CheckSurroundings(const MachineConfig& config) {
+std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration patience) {
   const Places places(config.file);
   std::vector<Diagnostic> found;
   const auto add = [&](const ActuatorConfig& actuator, const std::string& key, Severity severity,
@@ -141,8 +175,8 @@ std::vector<Diagnostic> CheckSurroundings(const MachineConfig& config) {
       add(actuator, "command", Severity::kWarning, why);
       continue;
     }
-    if (!fs::path(program).filename().string().starts_with("musher-")) continue;
-    const Ran ran = RunCheck(program, actuator, fs::absolute(config.file).string());
+    if (!KnowsCheck(program)) continue;
+    const Ran ran = RunCheck(program, actuator, fs::absolute(config.file).string(), patience);
     if (ran.ok) continue;
     std::istringstream lines(ran.err);
     for (std::string line; std::getline(lines, line);) {

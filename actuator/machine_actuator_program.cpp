@@ -1,0 +1,38 @@
+// The calls of a program that is one actuator: what fails is logged, and ends it with an exit code.
+
+#include <utility>
+
+#include "musher/actuator/machine_actuator.hpp"
+#include "musher/lifecycle/code.hpp"
+
+namespace musher {
+
+bool MachineActuator::MachineActuatorInit(const std::string& config_file,
+                                          std::shared_ptr<transport::NodeThread> node) {
+  const Result<> result = Init(config_file, std::move(node));
+  if (!result) Log(result.error().message);
+  return result.ok();
+}
+
+bool MachineActuator::ActuatorStart() {
+  const Result<> result = Start();
+  if (!result) {
+    const Error& why = result.error();
+    Log("not started: " + CodeText(why.code) + (why.message.empty() ? "" : ", ") + why.message);
+  }
+  return result.ok();
+}
+
+int MachineActuator::Check(const std::string& config_file) {
+  if (!MachineActuatorInit(config_file)) return kConfigurationError;
+  const auto fit = CheckCallbacks();
+  if (!fit) Log(fit.error().message);
+  return fit ? 0 : kConfigurationError;
+}
+
+int MachineActuator::Run(const std::string& config_file) {
+  if (const int faulty = Check(config_file); faulty != 0) return faulty;
+  return ActuatorStart() ? Wait() : 1;
+}
+
+}  // namespace musher
