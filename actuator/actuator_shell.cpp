@@ -90,7 +90,8 @@ Result<> ActuatorShell::Open() {
   auto stops = transport::MakeSubscription<msg::EmergencyStop>(
       node_, transport::EmergencyStopTopic(name_space),
       [this](const msg::EmergencyStop& stop, const transport::SampleInfo& info) {
-        Handle(actuator_event::EmergencyStopHeard{stop.id, stop.engaged, info.participant});
+        Handle(actuator_event::EmergencyStopHeard{stop.id, stop.engaged, info.participant, stop.by,
+                                                  stop.reason});
       },
       transport::kLatchedFromManyQos);
   if (!stops) return stops.error();

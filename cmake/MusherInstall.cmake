@@ -36,6 +36,11 @@ install(CODE "
   configure_file(\"${CMAKE_SOURCE_DIR}/scripts/systemd/musher@.service.in\"
                  \"${CMAKE_BINARY_DIR}/musher@.service\" @ONLY)")
 install(FILES ${CMAKE_BINARY_DIR}/musher@.service DESTINATION lib/systemd/system)
+# Where the unit looks for configs. An install into a folder of one's own leaves the system alone.
+install(CODE "
+  if(CMAKE_INSTALL_PREFIX MATCHES \"^/usr(/|$)\")
+    file(MAKE_DIRECTORY \"\$ENV{DESTDIR}/etc/musher\")
+  endif()")
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/musherConfig.cmake.in musherConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/musher)

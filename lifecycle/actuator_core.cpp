@@ -22,6 +22,7 @@ constexpr std::size_t kAnnouncedKept = 8;
 constexpr std::size_t kReleasedKept = 64;
 // So many are engaged at once at most. One more changes nothing until one of these is released.
 constexpr std::size_t kMostStops = 256;
+constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no more of a stop
 
 // Where an actuator that has lost its controller goes, if that is down from where it is.
 std::optional<State> SafeState(const MachineConfig& config, std::size_t index,
@@ -131,13 +132,13 @@ class Deciding {
     const bool entitled = heard.sender == core_.controller && core_.controller != 0;
     if (heard.engaged) {
       if (entitled) std::erase(core_.released, heard.id);  // it has the last word
-      return Engage(heard.id);
+      return Engage({heard.id, heard.by, heard.reason});
     }
     if (!entitled) return;
     core_.released.push_back(heard.id);
     if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
-    if (std::erase(core_.stops, heard.id) == 0) return;
-    TellStops();
+    const auto same = [&](const EmergencyStop& stop) { return stop.id == heard.id; };
+    if (std::erase_if(core_.stops, same) != 0) TellStops();
   }
 
   // Goes to the safe state when nothing has been heard of the controller for too long.
@@ -205,12 +206,12 @@ class Deciding {
     return std::nullopt;
   }
 
-  void Engage(std::uint64_t id) {
-    const bool over =
-        std::find(core_.released.begin(), core_.released.end(), id) != core_.released.end();
-    const bool known = std::find(core_.stops.begin(), core_.stops.end(), id) != core_.stops.end();
-    if (id == 0 || over || known || core_.stops.size() >= kMostStops) return;
-    core_.stops.push_back(id);
+  void Engage(EmergencyStop stop) {
+    const bool over = std::ranges::count(core_.released, stop.id) != 0;
+    const bool known = std::ranges::count(core_.stops, stop.id, &EmergencyStop::id) != 0;
+    if (stop.id == 0 || over || known || core_.stops.size() >= kMostStops) return;
+    if (stop.by.size() + stop.reason.size() > kLongestStopWords) stop = {stop.id, "", ""};
+    core_.stops.push_back(std::move(stop));
     report_.held_by_stop = true;
     core_.stopped_meanwhile = core_.under_stop = report_.busy();
     Do(RunEmergencyStop{});
@@ -221,7 +222,10 @@ class Deciding {
 
   // The status names the oldest: it is over when that one and all others are released.
   void TellStops() {
-    report_.emergency_stop = core_.stops.empty() ? 0 : core_.stops.front();
+    const EmergencyStop first = core_.stops.empty() ? EmergencyStop{} : core_.stops.front();
+    report_.emergency_stop = first.id;
+    report_.emergency_stop_by = first.by;
+    report_.emergency_stop_reason = first.reason;
     Do(PublishStatus{});
   }
 

@@ -101,6 +101,8 @@ struct EmergencyStopHeard {
   std::uint64_t id = 0;
   bool engaged = false;
   Sender sender = 0;
+  std::string by = {};
+  std::string reason = {};
 };
 // Nothing happened but time.
 struct TimePassed {};
@@ -171,7 +173,7 @@ struct ActuatorCore {
   Sender controller = 0;           // the controller that is followed
   Time controller_heard{};         // its last sign of life
   std::vector<actuator_event::ControllerHeard> announced;  // who says that it is a controller
-  std::vector<std::uint64_t> stops;     // the emergency stops that are engaged, oldest first
+  std::vector<EmergencyStop> stops;                        // those that are engaged, oldest first
   std::vector<std::uint64_t> released;  // those that are over: what comes of them comes too late
   bool stopped_meanwhile = false;       // an emergency stop was engaged beside the running callback
   bool under_stop = false;              // the same, or the callback began under one

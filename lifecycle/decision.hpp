@@ -220,6 +220,7 @@ class Decision {
   bool AdvancePolicy();
   void JudgeLevel(const std::string& seen);
   void CountStillness();
+  bool EndsKeep(const Switch& s) const;
   void EndKeep(const std::string& why);
   bool BatteryRulesWait() const;
   bool ObeyBattery();

@@ -191,15 +191,6 @@ struct Stopping {
   friend bool operator==(const Stopping&, const Stopping&) = default;
 };
 
-// What stops the robot until a person says otherwise. Several engaged at once count as one.
-struct EmergencyStop {
-  std::uint64_t id = 0;  // drawn by whoever engaged it
-  std::string by;
-  std::string reason;
-
-  friend bool operator==(const EmergencyStop&, const EmergencyStop&) = default;
-};
-
 // The emergency stops as the next controller has to know them.
 struct StoredStops {
   std::vector<EmergencyStop> engaged;   // oldest first

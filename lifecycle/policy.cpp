@@ -126,7 +126,8 @@ std::optional<Error> RefusalByPolicy(const MachineConfig& config, const Machine&
   }
   const bool loading =
       machine.phase == Phase::kStarting || (machine.phase == Phase::kRunning && !policy.loaded);
-  if (!config.policy->battery || !policy.battery || policy.keep || loading) return std::nullopt;
+  const bool kept = policy.keep && policy.keep->state == target;
+  if (!config.policy->battery || !policy.battery || kept || loading) return std::nullopt;
   // The cable keeps the machine where it is; it lifts nothing.
   const BatteryLevel level = rises ? policy.level : TakingDownLevel(policy);
   const auto most = CeilingRank(level);

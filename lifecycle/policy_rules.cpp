@@ -133,6 +133,13 @@ bool Decision::AdvancePolicy() {
   return ObeyBattery() || RestWhenStill();
 }
 
+// Whether a switch that is done has led the machine away from where it is kept.
+bool Decision::EndsKeep(const Switch& s) const {
+  const auto& keep = machine_.policy.keep;
+  const bool leads_elsewhere = !s.only && s.direction != Direction::kCheck;
+  return keep && leads_elsewhere && s.purpose != Purpose::kStop && keep->state != s.target;
+}
+
 void Decision::EndKeep(const std::string& why) {
   const Keep keep = *std::exchange(machine_.policy.keep, std::nullopt);
   RecordPolicy(kCodeOk, "the machine is no longer kept in " + keep.state + ": " + why);
@@ -266,6 +273,7 @@ void Decision::NoteEndOfSwitch(const Switch& s, bool undone) {
   if (undone && policy.keep && policy.keep->switch_number == s.number) {
     EndKeep("the switch there is undone");
   }
+  if (!undone && EndsKeep(s)) EndKeep("it is in " + s.target + " now");
   if (s.only || s.direction == Direction::kCheck) return;
   if (s.purpose == Purpose::kPolicy && undone) return BackOff();
   if (undone) return;

@@ -14,6 +14,15 @@ namespace musher {
 inline constexpr std::uint64_t kLastEpoch = std::uint64_t{1} << 62;
 inline constexpr std::uint64_t kLastNumber = std::uint64_t{1} << 62;
 
+// What stops the robot until a person releases it. Several engaged at once count as one.
+struct EmergencyStop {
+  std::uint64_t id = 0;  // drawn by the participant that engaged it
+  std::string by;
+  std::string reason;
+
+  friend bool operator==(const EmergencyStop&, const EmergencyStop&) = default;
+};
+
 struct ActuatorReport {
   State state{kUninitialized};
   State target;                   // its callback is running for this state; empty when it is free
@@ -37,6 +46,9 @@ struct ActuatorReport {
   // Its last self-check passed although part of it does not work: what, and its code. 0: all works.
   std::int32_t degraded_code = 0;
   std::string degraded_reason;
+  // Of `emergency_stop`, as it was engaged; empty where the actuator does not know.
+  std::string emergency_stop_by;
+  std::string emergency_stop_reason;
   Time stamp{};  // by the actuator's own clock
 
   bool busy() const { return !target.empty(); }

@@ -181,6 +181,10 @@ SwitchResult Decision::Conclude(const Switch& s, bool undone) const {
     result.code = partial->code;
     result.reason = ConfigOf(partial->actuator).name + ": " + partial->message;
   }
+  if (!undone && EndsKeep(s)) {
+    result.reason += (result.reason.empty() ? "" : "; ") +
+                     ("the machine is no longer kept in " + machine_.policy.keep->state);
+  }
   if (undone) {
     result.outcome = SwitchOutcome::kUndone;
   } else if (result.code != kCodeOk) {

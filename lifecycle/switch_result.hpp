@@ -52,7 +52,7 @@ struct SwitchResult {
   std::string actuator;  // empty: the whole machine
   SwitchOutcome outcome = SwitchOutcome::kDone;
   std::int32_t code = kCodeOk;  // 0 exactly for kDone
-  std::string reason;           // empty for kDone
+  std::string reason;           // for kDone: empty, or what else it has changed: a keep has ended
   State state;                  // of the machine (of the actuator when one was named), now
   std::vector<std::string> degraded;
   std::vector<ActuatorResult> actuators;  // those concerned, in the config's order

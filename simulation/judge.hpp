@@ -114,7 +114,7 @@ class Judge {
   // judge_policy.cpp
   void JudgeCeiling(const Machine& machine, bool at_rest);
   void JudgePolicyChange(const Machine& machine, const Seen& seen);
-  void JudgeRaise(const Machine& machine);
+  void JudgeRaise(const State& raised_to, int percent);
   void JudgePower();
   bool ByPolicy(const State& state) const;
 
@@ -143,8 +143,9 @@ class Judge {
   std::uint64_t next_request_ = 1;
   std::vector<State> policy_up_to_;  // the targets of its last switches
   std::vector<State> policy_down_to_;
-  std::optional<int> raised_at_;  // percent of the battery when it last decided to raise
-  bool lowering_begins_ = false;  // its switch is the next record
+  std::optional<int> raised_at_;       // percent of the battery when it last decided to raise
+  std::optional<State> judged_raise_;  // before its state was seen: a lowering began in that step
+  bool lowering_begins_ = false;       // its switch is the next record
   std::optional<std::pair<State, State>> lowered_;  // by the battery: from, to
   bool woken_ = false;         // somebody wanted more than the battery may have allowed
   bool forgetful_ = false;     // a disk was full: a controller may remember what is over

@@ -60,6 +60,11 @@ void Judge::OnRecord(const action::Record& record) {
   if (std::exchange(lowering_begins_, false)) {
     const std::size_t at = text.find(" from ") + 6;
     const State from = text.substr(at, text.find(',', at) - at);
+    // The raise that led there has ended in this very step.
+    if (std::erase(policy_up_to_, from) != 0) {
+      JudgeRaise(from, raised_at_.value_or(0));
+      judged_raise_ = from;
+    }
     if (!lowered_ || lowered_->second != from) lowered_ = {from, from};
     lowered_->second = policy_down_to_.back();
     return;
@@ -90,10 +95,13 @@ bool Judge::ByPolicy(const State& state) const {
 void Judge::JudgePolicyChange(const Machine& machine, const Seen& seen) {
   const auto before = config_.RankOf(seen.state);
   if (!config_.policy || !before) return;  // a step of a start
+  if (std::exchange(judged_raise_, std::nullopt) == machine.state) return;
   if (ByPolicy(machine.state)) {
     const bool up = std::erase(policy_up_to_, machine.state) != 0;
     const bool down = std::erase(policy_down_to_, machine.state) != 0;
-    if (up && !down) JudgeRaise(machine);
+    // The battery may have fallen while the machine was on its way.
+    const int percent = raised_at_.value_or(machine.policy.battery.value_or(0));
+    if (up && !down) JudgeRaise(machine.state, percent);
     return;
   }
   if (lowered_ && lowered_->first == machine.state) return;  // from here it is taken down at once
@@ -104,16 +112,14 @@ void Judge::JudgePolicyChange(const Machine& machine, const Seen& seen) {
   if (std::exchange(woken_, false)) lowered_ = {State(kActive), machine.state};
 }
 
-void Judge::JudgeRaise(const Machine& machine) {
-  const Rank rank = *config_.RankOf(machine.state);
-  const std::string what = "the policy has raised the machine to " + machine.state;
+void Judge::JudgeRaise(const State& raised_to, int percent) {
+  const Rank rank = *config_.RankOf(raised_to);
+  const std::string what = "the policy has raised the machine to " + raised_to;
   const bool back = lowered_ && rank <= config_.RankOf(lowered_->first).value_or(0);
   if (!back && !forgetful_) {
     Blame(Promise::kNoFlapping, what + ", from where it had not taken it down");
   }
   const BatteryPolicy& battery = *config_.policy->battery;
-  // The battery may have fallen while the machine was on its way.
-  const int percent = raised_at_.value_or(machine.policy.battery.value_or(0));
   const std::pair<std::string_view, int> levels[] = {{kProtected, battery.protected_at},
                                                      {kLowPower, battery.low_power_at}};
   for (const auto& [state, at] : levels) {
@@ -121,8 +127,8 @@ void Judge::JudgeRaise(const Machine& machine) {
     Blame(Promise::kNoFlapping, what + " at " + std::to_string(percent) + " %");
   }
   if (!lowered_) return;
-  lowered_->second = machine.state;
-  if (lowered_->first == machine.state) lowered_.reset();
+  lowered_->second = raised_to;
+  if (lowered_->first == raised_to) lowered_.reset();
 }
 
 std::uint64_t Judge::AskedPolicy(const ControllerProcess& controller,

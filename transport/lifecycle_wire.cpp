@@ -69,6 +69,8 @@ msg::ActuatorStatus ToMessage(const std::string& name, const ActuatorReport& rep
   status.held_by_stop = report.held_by_stop;
   status.degraded_code = report.degraded_code;
   status.degraded_reason = report.degraded_reason;
+  status.emergency_stop_by = report.emergency_stop_by;
+  status.emergency_stop_reason = report.emergency_stop_reason;
   status.stamp_ns = ToNanoseconds(report.stamp);
   return status;
 }
@@ -92,6 +94,8 @@ ActuatorReport FromMessage(const msg::ActuatorStatus& status) {
   report.held_by_stop = status.held_by_stop;
   report.degraded_code = status.degraded_code;
   report.degraded_reason = status.degraded_reason;
+  report.emergency_stop_by = status.emergency_stop_by;
+  report.emergency_stop_reason = status.emergency_stop_reason;
   report.stamp = FromNanoseconds(std::clamp(status.stamp_ns, -kFarthestNs, kFarthestNs));
   return report;
 }

@@ -91,6 +91,8 @@ inline constexpr std::tuple kFields<ActuatorReport> = {
     Field{"held_by_stop", &ActuatorReport::held_by_stop},
     Field{"degraded_code", &ActuatorReport::degraded_code},
     Field{"degraded_reason", &ActuatorReport::degraded_reason},
+    Field{"emergency_stop_by", &ActuatorReport::emergency_stop_by},
+    Field{"emergency_stop_reason", &ActuatorReport::emergency_stop_reason},
     Field{"stamp", &ActuatorReport::stamp},
 };
 

@@ -27,15 +27,17 @@ struct ActuatorStatus {
   bool held_by_stop = false;
   std::int32_t degraded_code = 0;
   std::string degraded_reason;
+  std::string emergency_stop_by;
+  std::string emergency_stop_reason;
 
-  static constexpr std::size_t kAppended = 3;
+  static constexpr std::size_t kAppended = 5;
 
   template <class Self>
   static auto Fields(Self& m) {
     return std::tie(m.name, m.state, m.target, m.busy_number, m.epoch, m.number, m.outcome_number,
                     m.outcome_code, m.outcome_message, m.incarnation, m.pid, m.host, m.config_hash,
                     m.apart, m.emergency_stop, m.stamp_ns, m.held_by_stop, m.degraded_code,
-                    m.degraded_reason);
+                    m.degraded_reason, m.emergency_stop_by, m.emergency_stop_reason);
   }
   friend bool operator==(const ActuatorStatus&, const ActuatorStatus&) = default;
 };

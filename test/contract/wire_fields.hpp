@@ -104,6 +104,8 @@ MUSHER_SAME(musher_msgs_msg_dds__ActuatorStatus_, ActuatorStatus) {
   SAME(held_by_stop);
   SAME(degraded_code);
   SAME(degraded_reason);
+  SAME(emergency_stop_by);
+  SAME(emergency_stop_reason);
 }
 
 MUSHER_SAME(musher_msgs_msg_dds__ActuatorInfo_, ActuatorInfo) {

@@ -42,6 +42,24 @@ TEST_F(Stopped, StopsAtOnceWhoeverSaysSoAndTells) {
   EXPECT_EQ(core_.report.state, "DeActive");
 }
 
+// A controller that starts only after the stop has nothing else to learn its reason from.
+TEST_F(Stopped, ReportsTheSourceAndTheReasonOfTheOldestStop) {
+  Do(EmergencyStopHeard{kStop, true, 999, "alice", "smoke"});
+  Do(EmergencyStopHeard{kStop + 1, true, 999, "bob", "fire"});
+  EXPECT_EQ(core_.report.emergency_stop_by, "alice");
+  EXPECT_EQ(core_.report.emergency_stop_reason, "smoke");
+  Release();
+  EXPECT_EQ(core_.report.emergency_stop_by, "bob");
+  Release(kStop + 1);
+  EXPECT_EQ(core_.report.emergency_stop_reason, "");
+}
+
+TEST_F(Stopped, ByAStopWithAReasonOfAMegabyteReportsNoReason) {
+  Do(EmergencyStopHeard{kStop, true, 999, "alice", std::string(1 << 20, 'a')});
+  EXPECT_EQ(core_.report.emergency_stop, kStop);
+  EXPECT_EQ(core_.report.emergency_stop_reason, "");
+}
+
 TEST_F(Stopped, RunsOnceForEach) {
   Engage();
   EXPECT_THAT(Engage(), IsEmpty());

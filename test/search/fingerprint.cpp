@@ -59,6 +59,7 @@ class Mixer {
     Add(r.state, r.target, r.busy_number, r.epoch, r.number, r.outcome_number, r.outcome_code);
     Add(r.incarnation, r.apart, r.held_by_stop, r.degraded_code);
   }
+  void One(const EmergencyStop& stop) { Add(stop.id); }
   void One(const Order& o) { Add(o.number, o.target, o.deadline, o.asked); }
   void One(const Leg& l) {
     Add(l.from, l.target, l.progress, l.outcome, l.ran, l.may_fail, l.needs);

@@ -55,7 +55,9 @@ Json Of(const std::map<std::string, Running::Actuator>& running) {
                        {"heard", actuator.heard},
                        {"code", s.outcome_code},
                        {"message", s.outcome_message},
-                       {"emergency_stop", s.emergency_stop != 0}};
+                       {"emergency_stop", s.emergency_stop != 0},
+                       {"emergency_stop_by", s.emergency_stop_by},
+                       {"emergency_stop_reason", s.emergency_stop_reason}};
   }
   return actuators;
 }

@@ -14,7 +14,12 @@ std::string NoteOf(const Running::Actuator& actuator) {
   std::string note;
   const auto add = [&note](const std::string& text) { note += (note.empty() ? "" : "; ") + text; };
   if (!status.target.empty()) add("busy with " + status.target);
-  if (status.emergency_stop != 0) add("stopped by an emergency stop");
+  if (status.emergency_stop != 0) {
+    const std::string& by = status.emergency_stop_by;
+    const std::string& reason = status.emergency_stop_reason;
+    add("stopped by an emergency stop" + (by.empty() ? "" : " of " + by) +
+        (reason.empty() ? "" : ": " + reason));
+  }
   if (status.outcome_code != kCodeOk) add(WithCode(status.outcome_message, status.outcome_code));
   return note;
 }

@@ -25,6 +25,7 @@ std::string SwitchText(const msg::SetState::Response& told, bool colour) {
                      (result.actuator.empty() ? "the machine" : result.actuator) + " is in " +
                      result.state;
   if (result.switch_number != 0) text += fmt::format(" (switch {})", result.switch_number);
+  if (result.outcome == "done" && !result.reason.empty()) text += "; " + result.reason;
   text += '\n';
   if (result.actuators.empty()) return text;
   Table table({"ACTUATOR", "OUTCOME", "TOOK", "STATE", "NOTE"});

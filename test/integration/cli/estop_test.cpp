@@ -192,8 +192,10 @@ TEST_F(EmergencyStop, ReachesTheActuatorsWithoutAController) {
   const Ended release = Musher({"estop", "--release", "--timeout", "0.5"});
   EXPECT_EQ(release.exit, 3);
   EXPECT_THAT(release.err, HasSubstr("only a controller can release an emergency stop"));
+  EXPECT_THAT(Musher({"status"}).out, HasSubstr(": it smokes"));
   ASSERT_EQ(UpDetached().exit, 0);
   EXPECT_EQ(Status()["emergency_stop"]["engaged"], true);
+  EXPECT_EQ(Status()["emergency_stop"]["reason"], "it smokes") << "the actuators have kept it";
   ExpectNothingGoesUp();
 }
 

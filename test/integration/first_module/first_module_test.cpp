@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -48,7 +50,7 @@ class FirstModule : public testing::Test {
   }
   std::string Lamp() const { return Read(robot_ + "/lamp"); }
   std::string GripperLog() const {
-    return Read(folder_ / ("state/musher/robot.domain" + std::to_string(transport::TestDomain()) +
+    return Read(folder_ / ("state/musher/hand.domain" + std::to_string(transport::TestDomain()) +
                            "/logs/gripper.log"));
   }
 
@@ -91,6 +93,19 @@ TEST_F(FirstModule, SaysWithItsCodeThatItsSelfCheckFailed) {
   EXPECT_THAT(result.reason, HasSubstr("the motor has 91 °C"));
 }
 // [test end]
+
+// examples/own_client, as a process of its own.
+TEST_F(FirstModule, IsSetByAClientOfOnesOwn) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  ASSERT_TRUE(controller_.Switch("SelfCheck").done());
+  FILE* client = popen(MUSHER_BIN_DIR "/machine_client Active 2>&1", "r");  // NOLINT(cert-env33-c)
+  ASSERT_NE(client, nullptr);
+  std::array<char, 512> line{};
+  ASSERT_NE(fgets(line.data(), line.size(), client), nullptr);
+  EXPECT_STREQ(line.data(), "done, the machine is in Active\n");
+  EXPECT_EQ(pclose(client), 0);
+  EXPECT_EQ(controller_.GetMachineState(), "Active");
+}
 
 TEST_F(FirstModule, DoesNotBecomeActiveAfterAFailedSelfCheck) {
   ASSERT_NO_FATAL_FAILURE(Start());

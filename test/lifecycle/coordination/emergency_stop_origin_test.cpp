@@ -31,6 +31,16 @@ TEST_F(EmergencyStopOrigin, IsUnknownWhileOnlyAnActuatorHasSpoken) {
   EXPECT_EQ(machine_.emergency_stop, (EmergencyStop{7, "", "b had latched it"}));
 }
 
+TEST_F(EmergencyStopOrigin, IsKnownFromAnActuatorThatHasLatchedIt) {
+  ActuatorReport report = machine_.actuators[1].report;
+  report.emergency_stop = 7;
+  report.emergency_stop_by = "alice";
+  report.emergency_stop_reason = "smoke";
+  report.stamp += Milliseconds(1);
+  Tell(event::StatusSeen{1, report});
+  EXPECT_EQ(machine_.emergency_stop, (EmergencyStop{7, "alice", "smoke"}));
+}
+
 TEST_F(EmergencyStopOrigin, IsTakenFromWhoEngagedItWheneverThatOneSpeaks) {
   TellThatBHasLatched(7);
   const EmergencyStop stop{7, "alice", "smoke"};

@@ -66,13 +66,47 @@ TEST_F(KeepRule, TheBatteryHasNoSayMeanwhileAndAllOfItAfterwards) {
   EXPECT_EQ(KeepAndWait("Active", 30), "ok");
   Battery(3);
   EXPECT_EQ(state(), "Active");
-  EXPECT_TRUE(robot().Set("DeActive").done());
   EXPECT_TRUE(robot().Set("Active").done()) << "nor in what people ask for";
   Battery(0);
   EXPECT_EQ(state(), "Active");
   Battery(3);
   robot().RunFor(std::chrono::seconds(30));
   EXPECT_EQ(state(), "LowPower");
+}
+
+TEST_F(KeepRule, ASwitchElsewhereEndsTheKeepAndSaysSo) {
+  Robot();
+  KeepAndWait("Active", 60);
+  Battery(10);
+  const SwitchResult result = robot().Set("DeActive");
+  EXPECT_TRUE(result.done());
+  EXPECT_EQ(result.reason, "the machine is no longer kept in Active");
+  EXPECT_FALSE(policy().keep);
+  EXPECT_THAT(robot().Set("Active").reason, StartsWith("the battery is at 10 %"));
+}
+
+TEST_F(KeepRule, ASwitchElsewhereThatIsUndoneLeavesTheKeep) {
+  Robot();
+  KeepAndWait("Protected", 60);
+  robot().On("a", "Active").code = 3009;
+  EXPECT_EQ(robot().Set("Active").outcome, SwitchOutcome::kUndone);
+  EXPECT_TRUE(policy().keep);
+}
+
+TEST_F(KeepRule, ASwitchThereAndOneOfASingleActuatorLeaveTheKeep) {
+  Robot();
+  KeepAndWait("Active", 60);
+  EXPECT_EQ(robot().Set("Active").reason, "");
+  EXPECT_TRUE(robot().Set("DeActive", "a").done());
+  EXPECT_TRUE(policy().keep);
+}
+
+TEST_F(KeepRule, AboveTheCeilingOnlyTheKeptStateIsOpen) {
+  Robot();
+  Battery(3);
+  KeepAndWait("Protected", 60);
+  EXPECT_THAT(robot().Set("Active").reason, StartsWith("the battery is at 3 %"));
+  EXPECT_TRUE(policy().keep);
 }
 
 TEST_F(KeepRule, MayRaiseTheMachineAboveTheCeilingUntilItIsOver) {
