@@ -6,7 +6,8 @@ Manager::Manager(transport::Node& node, ControllerShell& shell)
     : endpoints_(node, shell.config()),
       announcements_(endpoints_, shell.config(), shell.machine()),
       information_(endpoints_, shell.config(), shell.machine()),
-      requests_(endpoints_, shell) {}
+      power_saving_(endpoints_, shell),
+      requests_(endpoints_, shell, power_saving_) {}
 
 Result<std::unique_ptr<Manager>> Manager::Make(transport::Node& node, ControllerShell& shell) {
   const auto& policy = shell.config().policy;
@@ -21,6 +22,7 @@ Result<std::unique_ptr<Manager>> Manager::Make(transport::Node& node, Controller
 
 void Manager::OnRecord(const action::Record& record) {
   announcements_.OnRecord(record);
+  power_saving_.OnRecord();
   if (speaker_) speaker_->OnRecord(record);
 }
 

@@ -9,6 +9,7 @@
 
 #include "musher/controller/cyberdog/announcements.hpp"
 #include "musher/controller/cyberdog/information.hpp"
+#include "musher/controller/cyberdog/power_saving.hpp"
 #include "musher/controller/cyberdog/requests.hpp"
 #include "musher/controller/cyberdog/speaker.hpp"
 #include "musher/transport/endpoints.hpp"
@@ -29,6 +30,7 @@ class Manager {
   transport::Endpoints endpoints_;
   Announcements announcements_;
   Information information_;
+  PowerSaving power_saving_;
   Requests requests_;
   std::unique_ptr<Speaker> speaker_;  // null where nothing is to be said
 };
