@@ -20,6 +20,7 @@ const char* const kTellings =
     "  battery PERCENT     how full the battery is\n"
     "  cable in|out        the charging cable\n"
     "  touch KIND          single, double, hold, circle, or a number from 1 to 17\n"
+    "  power-key down|up   the power key: held for 3 s the robot is powered off\n"
     "  fault NAME [MOTOR]  of the body or a sensor: see the module's README\n"
     "  place X Y [YAW]     carries the body there, m and rad\n"
     "  speed FACTOR        how fast the world's time goes\n"
@@ -74,6 +75,8 @@ std::optional<Telling> ReadOne(const std::string& what, const std::string& word)
   }
   if (what == "cable") {
     if (const auto in = Either(word, "in", "out")) return Cable{*in};
+  } else if (what == "power-key") {
+    if (const auto down = Either(word, "down", "up")) return PowerKey{*down};
   } else if (what == "pause") {
     if (const auto on = Either(word, "on", "off")) return Pause{*on};
   } else if (what == "touch") {
@@ -110,6 +113,9 @@ class Teller {
   }
   Result<std::string> operator()(const Touch& told) {
     return Publish<msg::Int32>("press", {told.state});
+  }
+  Result<std::string> operator()(const PowerKey& told) {
+    return Publish<msg::Bool>("power_key", {told.down});
   }
   Result<std::string> operator()(const Fault& told) {
     return Publish<msg::String>("fault", {told.text});

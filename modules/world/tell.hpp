@@ -18,11 +18,14 @@ namespace musher::world {
 struct Fault {
   std::string text;  // "lifted", "motor 3"
 };
+struct PowerKey {
+  bool down = true;
+};
 struct Pause {
   bool on = true;
 };
 struct DrawNow {};
-using Telling = std::variant<ChargeTo, Cable, Touch, Fault, Carry, Speed, Pause, DrawNow>;
+using Telling = std::variant<ChargeTo, Cable, Touch, PowerKey, Fault, Carry, Speed, Pause, DrawNow>;
 
 // What can be told, a line each.
 extern const char* const kTellings;
