@@ -21,11 +21,15 @@ struct Fault {
 struct PowerKey {
   bool down = true;
 };
+struct Speech {  // of a person beside the robot
+  std::string text;
+};
 struct Pause {
   bool on = true;
 };
 struct DrawNow {};
-using Telling = std::variant<ChargeTo, Cable, Touch, PowerKey, Fault, Carry, Speed, Pause, DrawNow>;
+using Telling =
+    std::variant<ChargeTo, Cable, Touch, PowerKey, Speech, Fault, Carry, Speed, Pause, DrawNow>;
 
 // What can be told, a line each.
 extern const char* const kTellings;
