@@ -9,6 +9,7 @@
 #include <iterator>
 #include <utility>
 
+#include "musher/controller/cyberdog/serial_number.hpp"
 #include "musher/controller/end_controller.hpp"
 #include "musher/lifecycle/config_toml.hpp"
 #include "musher/transport/host.hpp"
@@ -280,7 +281,13 @@ Result<> Controller::OpenServices() {
   auto services = ControllerServices::Make(node_, *shell_, std::move(read_history));
   if (!services) return services.error();
   services_ = std::move(services).value();
-  auto manager = cyberdog::Manager::Make(node_, *shell_);
+  cyberdog::Host host;
+  host.serial_number = cyberdog::ReadSerialNumber();
+  host.save_text = [this](const std::string& name, const std::string& text) {
+    if (!store_) return;
+    disk_.Do(name, [store = store_, name, text] { return store->SaveText(name, text); });
+  };
+  auto manager = cyberdog::Manager::Make(node_, *shell_, host);
   if (!manager) return manager.error();
   manager_ = std::move(manager).value();
   return Ok();

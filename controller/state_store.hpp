@@ -7,6 +7,7 @@
 //   epoch               the last epoch that was begun, as a decimal number
 //   emergency_stop      there while one is engaged: its number, by whom, why
 //   policy              what the policy remembers: the low-power switch, where the battery took it
+//   last_selfcheck_info.json  what the self-check of the last start has found
 //   journal.sqlite      see journal.hpp
 //   logs/<actuator>.log what the actuator's process prints
 //
@@ -67,6 +68,11 @@ class StateStore {
   // What the policy remembers; nothing where there is no file yet, or none that can be read.
   Result<> SavePolicy(const StoredPolicy& policy);
   StoredPolicy LoadPolicy() const;
+
+  // Another small file of the folder, for people and programs beside the controller.
+  Result<> SaveText(const std::string& name, const std::string& text) const {
+    return Replace(dir_ + "/" + name, text);
+  }
 
   // The hash of the config that the machine was led with last; empty where none is known.
   Result<> SaveConfigHash(const std::string& hash);

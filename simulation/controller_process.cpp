@@ -69,7 +69,12 @@ Result<> ControllerProcess::OpenServices() {
   services_ = ControllerServices::Make(*node_, *shell_, [this](auto since, auto limit, auto done) {
                 ReadDisk(since, limit, std::move(done));
               }).value();
-  manager_ = cyberdog::Manager::Make(*node_, *shell_).value();
+  cyberdog::Host host;
+  host.serial_number = "SIMULATED-1";
+  host.save_text = [this](const std::string& name, const std::string& text) {
+    disk_.files[name] = text;
+  };
+  manager_ = cyberdog::Manager::Make(*node_, *shell_, host).value();
   return Ok();
 }
 

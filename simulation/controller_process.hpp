@@ -28,8 +28,9 @@ struct Disk {
   bool stop_intent = false;
   StoredPolicy policy;
   std::vector<JournalRow> recording;
-  bool full = false;     // nothing can be written
-  bool stalled = false;  // nothing that is written ends
+  std::map<std::string, std::string> files;  // small ones for people, by name
+  bool full = false;                         // nothing can be written
+  bool stalled = false;                      // nothing that is written ends
   struct Write {
     std::uint64_t controller = 0;  // its serial
     std::function<void()> end;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "musher/messages/std_msgs/string.hpp"
+#include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/transport/battery_watch.hpp"
 
 namespace musher::cyberdog {
@@ -13,6 +14,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kLongestName = 256;
+constexpr Duration kSerialPeriod = Milliseconds(100);
+constexpr int kSerialTimes = 600;
 
 // In the order of DeviceInfo's `enables`.
 constexpr std::array<const char*, 15> kKeys = {
@@ -28,8 +31,11 @@ std::string Text(const Json& json) {
 }  // namespace
 
 Information::Information(transport::Endpoints& endpoints, const MachineConfig& config,
-                         const Machine& machine)
-    : loop_(endpoints.node().loop()), config_(config), machine_(machine) {
+                         const Machine& machine, std::string serial_number)
+    : loop_(endpoints.node().loop()),
+      config_(config),
+      machine_(machine),
+      serial_number_(std::move(serial_number)) {
   endpoints.HearResolved<msg::BmsStatus>(
       transport::BatteryTopic(config),
       [this](const msg::BmsStatus& sample) {
@@ -47,6 +53,25 @@ Information::Information(transport::Endpoints& endpoints, const MachineConfig& c
   endpoints.Serve<msg::DeviceInfo>(
       "query_divice_info",
       [this](const auto& request, const auto& reply) { reply(About(request.enables)); });
+  ServeIdentity(endpoints);
+}
+
+// The bridge to the app waits for the serial number before it does anything else.
+void Information::ServeIdentity(transport::Endpoints& endpoints) {
+  endpoints.Hear<msg::String>(
+      "uid_set", [this](const msg::String& uid) { uid_ = uid.data.substr(0, kLongestName); });
+  endpoints.Serve<msg::UidSn>("uid_sn", [this](const auto&, const auto& reply) {
+    reply({uid_, serial_number_, serial_number_.empty() ? kCodeUnSupport : kCodeOk});
+  });
+  endpoints.Serve<msg::Trigger>("get_dog_sn", [this](const auto&, const auto& reply) {
+    const bool known = !serial_number_.empty();
+    reply({known, known ? serial_number_ : "this computer shows no serial number"});
+  });
+  if (serial_number_.empty()) return;
+  serial_timer_ = loop_.Every(kSerialPeriod, [this, tell = endpoints.Tell<msg::String>("dog_sn")] {
+    tell({serial_number_});
+    if (++serial_told_ == kSerialTimes) serial_timer_ = nullptr;
+  });
 }
 
 msg::BmsInfo::Response Information::Battery() const {
@@ -61,6 +86,8 @@ msg::DeviceInfo::Response Information::About(const std::vector<bool>& enables) c
   Json known;
   known["version"] = MUSHER_VERSION;
   known["device_model"] = config_.name;
+  if (!serial_number_.empty()) known["sn"] = serial_number_;
+  if (!uid_.empty()) known["uid"] = uid_;
   known["lowpower_control"] = machine_.policy.low_power;
   if (battery_) {
     known["bat_info"] = {{"soc", battery_->batt_soc},

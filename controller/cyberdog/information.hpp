@@ -18,16 +18,22 @@ namespace musher::cyberdog {
 
 class Information {
  public:
-  // All must outlive it.
-  Information(transport::Endpoints& endpoints, const MachineConfig& config, const Machine& machine);
+  // All must outlive it. `serial_number` may be empty: it is not known.
+  Information(transport::Endpoints& endpoints, const MachineConfig& config, const Machine& machine,
+              std::string serial_number);
 
  private:
+  void ServeIdentity(transport::Endpoints& endpoints);
   msg::BmsInfo::Response Battery() const;
   msg::DeviceInfo::Response About(const std::vector<bool>& enables) const;
 
   transport::EventLoop& loop_;
   const MachineConfig& config_;
   const Machine& machine_;
+  const std::string serial_number_;
+  std::string uid_;      // of the account that the app has set, as long as this controller runs
+  int serial_told_ = 0;  // times
+  transport::LoopHandlePtr serial_timer_;
   std::optional<msg::BmsStatus> battery_;  // the last sample
   Time battery_at_{};
 };

@@ -23,7 +23,9 @@ std::string NoState(std::uint8_t number) {
 
 }  // namespace
 
-Requests::Requests(transport::Endpoints& endpoints, ControllerShell& shell) : shell_(shell) {
+Requests::Requests(transport::Endpoints& endpoints, ControllerShell& shell,
+                   PowerSaving& power_saving)
+    : shell_(shell), power_saving_(power_saving) {
   ServeStates(endpoints);
   ServePower(endpoints);
 }
@@ -41,8 +43,7 @@ void Requests::ServeStates(transport::Endpoints& endpoints) {
     event::PolicyRequested asked;
     asked.what = PolicyRequest::kOta;
     asked.enable = request.data;
-    shell_.AskPolicy(
-        asked, [reply](const Result<>& result) { reply(Told<msg::SetBool::Response>(result)); });
+    Ask(asked, [reply](const Result<>& result) { reply(Told<msg::SetBool::Response>(result)); });
   });
 }
 
@@ -52,16 +53,14 @@ void Requests::ServePower(transport::Endpoints& endpoints) {
       event::PolicyRequested asked;
       asked.what = what;
       asked.enable = request.data;
-      shell_.AskPolicy(
-          asked, [reply](const Result<>& result) { reply(Told<msg::SetBool::Response>(result)); });
+      Ask(asked, [reply](const Result<>& result) { reply(Told<msg::SetBool::Response>(result)); });
     });
   };
   const auto trigger = [&](const char* name, PolicyRequest what) {
     endpoints.Serve<msg::Trigger>(name, [this, what](const auto&, const auto& reply) {
       event::PolicyRequested asked;
       asked.what = what;
-      shell_.AskPolicy(
-          asked, [reply](const Result<>& result) { reply(Told<msg::Trigger::Response>(result)); });
+      Ask(asked, [reply](const Result<>& result) { reply(Told<msg::Trigger::Response>(result)); });
     });
   };
   enable("low_power_enable", PolicyRequest::kLowPowerSwitch);
@@ -76,6 +75,19 @@ void Requests::ServePower(transport::Endpoints& endpoints) {
   endpoints.Hear<msg::Bool>("dog_wakeup", [this](const msg::Bool&) { OnWakeWord(); });
 }
 
+void Requests::Ask(const event::PolicyRequested& asked, const ControllerShell::OnAnswer& done) {
+  const bool to_a_state =
+      asked.what == PolicyRequest::kSwitch || asked.what == PolicyRequest::kKeep;
+  const bool leads_out = asked.what == PolicyRequest::kWakeUp ||
+                         asked.what == PolicyRequest::kOta ||
+                         (to_a_state && asked.state != kLowPower);
+  if (shell_.machine().state != kLowPower || !leads_out) return shell_.AskPolicy(asked, done);
+  power_saving_.Leave([this, asked, done](const Result<>& left) {
+    if (!left) return done(left);
+    shell_.AskPolicy(asked, done);
+  });
+}
+
 void Requests::OnSwitch(std::uint8_t number) {
   const auto state = StateOfNumber(number);
   if (!state) {
@@ -84,7 +96,7 @@ void Requests::OnSwitch(std::uint8_t number) {
   event::PolicyRequested asked;
   asked.what = PolicyRequest::kSwitch;
   asked.state = *state;
-  shell_.AskPolicy(asked, [](const Result<>&) {});  // a refusal is in the journal
+  Ask(asked, [](const Result<>&) {});  // a refusal is in the journal
 }
 
 void Requests::OnKeep(const msg::MachineState::Request& request, const KeepReply& reply) {
@@ -99,7 +111,7 @@ void Requests::OnKeep(const msg::MachineState::Request& request, const KeepReply
   asked.what = PolicyRequest::kKeep;
   asked.state = state.value_or(shell_.machine().state);
   asked.ticks = request.ticks;
-  shell_.AskPolicy(asked, [reply, kept](const Result<>& result) {
+  Ask(asked, [reply, kept](const Result<>& result) {
     if (result) return reply({true, kCodeOk});
     if (kept) return reply({true, kKeptAlready});
     reply({false, result.error().code});
@@ -112,7 +124,7 @@ void Requests::OnWakeWord() {
   if (state == kActive || state == kProtected) return;
   event::PolicyRequested asked;
   asked.what = PolicyRequest::kWakeUp;
-  shell_.AskPolicy(asked, [](const Result<>&) {});  // a refusal is in the journal
+  Ask(asked, [](const Result<>&) {});  // a refusal is in the journal
 }
 
 }  // namespace musher::cyberdog

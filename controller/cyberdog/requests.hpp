@@ -8,6 +8,7 @@
 #include <string>
 
 #include "musher/controller/controller_shell.hpp"
+#include "musher/controller/cyberdog/power_saving.hpp"
 #include "musher/messages/protocol/manager.hpp"
 #include "musher/transport/endpoints.hpp"
 
@@ -15,19 +16,22 @@ namespace musher::cyberdog {
 
 class Requests {
  public:
-  // Both must outlive it.
-  Requests(transport::Endpoints& endpoints, ControllerShell& shell);
+  // All must outlive it.
+  Requests(transport::Endpoints& endpoints, ControllerShell& shell, PowerSaving& power_saving);
 
  private:
   using KeepReply = transport::Server<msg::MachineState>::Reply;
 
   void ServeStates(transport::Endpoints& endpoints);
   void ServePower(transport::Endpoints& endpoints);
+  // Asks the policy, where it leads out of LowPower once the board has left that.
+  void Ask(const event::PolicyRequested& asked, const ControllerShell::OnAnswer& done);
   void OnSwitch(std::uint8_t number);
   void OnKeep(const msg::MachineState::Request& request, const KeepReply& reply);
   void OnWakeWord();
 
   ControllerShell& shell_;
+  PowerSaving& power_saving_;
 };
 
 }  // namespace musher::cyberdog

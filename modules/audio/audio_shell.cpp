@@ -35,6 +35,11 @@ Result<> AudioShell::Connect() {
   report_ = std::move(report).value();
   if (Result<> connected = ConnectPlay(); !connected) return connected;
   if (Result<> connected = ConnectCues(); !connected) return connected;
+  auto listening = Listening::Make(
+      around_.node, around_.name_space,
+      [this] { return !player_.microphone_off && player_.state != kTearDown; }, around_.log);
+  if (!listening) return listening.error();
+  listening_ = std::move(listening).value();
   return ConnectSettings();
 }
 
@@ -178,6 +183,7 @@ void AudioShell::Do(const play_action::Answer& action) {
 
 void AudioShell::Do(const play_action::Report& action) {
   static_cast<void>(report_->Publish({action.sounds}));  // the next one follows
+  listening_->SetSpeaking(action.sounds);
 }
 
 void AudioShell::Do(const play_action::Log& action) {

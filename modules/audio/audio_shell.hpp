@@ -15,6 +15,7 @@
 #include "musher/messages/std_srvs/empty.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
+#include "musher/modules/audio/listening.hpp"
 #include "musher/modules/audio/output.hpp"
 #include "musher/modules/audio/player.hpp"
 #include "musher/modules/audio/sound_maker.hpp"
@@ -79,6 +80,7 @@ class AudioShell {
   std::unique_ptr<transport::Publisher<msg::Bool>> report_;
   std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
   std::vector<std::shared_ptr<void>> servers_;  // of different services
+  std::unique_ptr<Listening> listening_;
 };
 
 }  // namespace musher::audio

@@ -23,7 +23,7 @@
 //     once.
 //   - A stop ends what plays and all that waits.
 //   - Whatever is refused changes nothing that plays, and is told why, with a code.
-//   - The microphone and the voice control are kept and told; nothing here listens.
+//   - The microphone and the voice control are kept and told; listening.hpp asks for the first.
 
 #include <cstddef>
 #include <cstdint>

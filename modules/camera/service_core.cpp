@@ -145,7 +145,11 @@ Decision Decide(const CameraService::Request& request, const ServiceState& state
     return Answer(CameraService::kUndefined, "there is no command " + std::to_string(command));
   }
   if (Needs(command, {CameraService::kStartLiveStream, CameraService::kStopLiveStream})) {
-    return Answer(CameraService::kUnsupported, "there are no live streams");
+    const bool start = command == CameraService::kStartLiveStream;
+    return Answer(CameraService::kUnsupported,
+                  "command " + std::to_string(command) + " (" + (start ? "start" : "stop") +
+                      " live) is not supported: there is no live stream; command 9 publishes the "
+                      "pictures on the topic image");
   }
   if (auto fault = FaultOf(request)) return Answer(CameraService::kInvalidArguments, *fault);
   // What ends something, or only looks, is obeyed in every state.

@@ -39,6 +39,7 @@ class Reader {
     }
     config_.touch = IsOfWorld(root, "touch");
     config_.led = IsOfWorld(root, "led");
+    ReadPowerKey(root);
     root.RefuseOthers();
     return std::move(config_);
   }
@@ -102,10 +103,24 @@ class Reader {
     const Table* table = root.SubTable(device);
     if (table == nullptr) return false;
     TableReader reader(*table, root.At(device), std::string(device), findings_);
-    reader.Require("source", "\"world\" or \"none\"");
-    const auto world = reader.Choice<bool>("source", {{"world", true}, {"none", false}});
+    const bool world = ReadWorldSource(reader);
     reader.RefuseOthers();
-    return world.value_or(false);
+    return world;
+  }
+
+  static bool ReadWorldSource(TableReader& reader) {
+    reader.Require("source", "\"world\" or \"none\"");
+    return reader.Choice<bool>("source", {{"world", true}, {"none", false}}).value_or(false);
+  }
+
+  void ReadPowerKey(TableReader& root) {
+    const Table* table = root.SubTable("power_key");
+    if (table == nullptr) return;
+    TableReader reader(*table, root.At("power_key"), "power_key", findings_);
+    PowerKeyConfig& key = config_.power_key;
+    key.present = ReadWorldSource(reader);
+    key.hold = reader.Time("hold_ms", kLeastPeriodMs).value_or(key.hold);
+    reader.RefuseOthers();
   }
 
   const std::filesystem::path folder_;

@@ -25,6 +25,13 @@ struct BatteryConfig {
   friend bool operator==(const BatteryConfig&, const BatteryConfig&) = default;
 };
 
+struct PowerKeyConfig {
+  bool present = false;                // there is one, at the world's topic
+  Duration hold = Milliseconds(3000);  // pressed for so long it asks for power-off
+
+  friend bool operator==(const PowerKeyConfig&, const PowerKeyConfig&) = default;
+};
+
 struct DeviceConfig {
   Duration self_check_time = Milliseconds(3000);  // so long the devices have to be well
   std::vector<std::string> skip;                  // not checked
@@ -32,6 +39,7 @@ struct DeviceConfig {
   BatteryConfig battery;
   bool touch = false;  // there is one, at the world's topic
   bool led = false;    // the same
+  PowerKeyConfig power_key;
 
   friend bool operator==(const DeviceConfig&, const DeviceConfig&) = default;
 };

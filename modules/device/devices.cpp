@@ -20,6 +20,9 @@ Result<std::unique_ptr<Devices>> Devices::Make(const Surroundings& around,
   auto touch = TouchDevice::Make(around, config.touch);
   if (!touch) return touch.error();
   devices->touch_ = std::move(touch).value();
+  auto power_key = PowerKeyDevice::Make(around, config.power_key);
+  if (!power_key) return power_key.error();
+  devices->power_key_ = std::move(power_key).value();
   return devices;
 }
 
@@ -37,8 +40,9 @@ std::vector<DeviceFinding> Devices::Check() const {
 }
 
 void Devices::Enter(const State& state) {
+  const bool was_low = std::exchange(low_power_, state == kLowPower);
   if (state == kTearDown) return led_->Execute(ShutdownLights());
-  led_->Execute(LowPowerLights(state == kLowPower));
+  led_->Execute(was_low && !low_power_ ? LeavingLowPowerLights() : LowPowerLights(low_power_));
 }
 
 void Devices::OnTimeJumped() {

@@ -10,6 +10,7 @@
 #include "musher/modules/device/battery_device.hpp"
 #include "musher/modules/device/device_config.hpp"
 #include "musher/modules/device/led_device.hpp"
+#include "musher/modules/device/power_key_device.hpp"
 #include "musher/modules/device/self_check.hpp"
 #include "musher/modules/device/surroundings.hpp"
 #include "musher/modules/device/touch_device.hpp"
@@ -40,6 +41,8 @@ class Devices {
   std::unique_ptr<LedDevice> led_;
   std::unique_ptr<BatteryDevice> battery_;
   std::unique_ptr<TouchDevice> touch_;
+  std::unique_ptr<PowerKeyDevice> power_key_;
+  bool low_power_ = false;  // the robot's state
 };
 
 }  // namespace musher::device

@@ -63,6 +63,13 @@ LightRequests LowPowerLights(bool low_power) {
   return requests;
 }
 
+LightRequests LeavingLowPowerLights() {
+  LightRequests requests = LowPowerLights(false);
+  requests.push_back(
+      Show(LedClient::kSystem, LedExecute::kTail, UserColor(LedExecute::kBreath, 0x0621E2)));
+  return requests;
+}
+
 LightRequests ShutdownLights() {
   const Light blinking = {LedExecute::kPredefined, LedExecute::kRedBlinkFast, 0, 0, 0};
   return {Show(LedClient::kLowPower, LedExecute::kHead, blinking),

@@ -14,8 +14,10 @@ using LightRequests = std::vector<msg::LedExecute::Request>;
 // the others can be seen.
 LightRequests BatteryLights(int percent, bool charging);
 
-// In low power the tail light is off; else client `lowpower` has none.
+// In low power the tail light is off; else client `lowpower` has none. When low power is left the
+// tail breathes in blue, as the ground that `system` shows, until the battery's colour comes.
 LightRequests LowPowerLights(bool low_power);
+LightRequests LeavingLowPowerLights();
 
 // The robot goes down: as client `lowpower`, so that nothing hides it.
 LightRequests ShutdownLights();

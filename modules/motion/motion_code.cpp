@@ -51,6 +51,8 @@ constexpr std::array kMeanings = {
     Meaning{MotionCode(MotionKey::kExecuteError), "the motion was not carried out"},
     Meaning{MotionCode(MotionKey::kSequenceDefinition), "the sequence is not well defined"},
     Meaning{MotionCode(MotionKey::kMotorOffline), "a motor does not answer"},
+    Meaning{MotionCode(MotionKey::kMotorTooHot), "a motor reports that it is too hot"},
+    Meaning{MotionCode(MotionKey::kMotorOverLoad), "a motor reports that it is overloaded"},
     Meaning{MotionCode(MotionKey::kBoardSilent), "the motion board is silent"},
     Meaning{MotionCode(MotionKey::kEstop),
             "the emergency stop is set; motion 111 (recovery stand) clears it"},
@@ -62,6 +64,7 @@ constexpr std::array kMeanings = {
     Meaning{MotionCode(MotionKey::kMotorOverCurrent), "a motor takes too much current"},
     Meaning{MotionCode(MotionKey::kMotorError), "a motor reports an error"},
     Meaning{MotionCode(MotionKey::kCharging), "the body is being charged"},
+    Meaning{MotionCode(MotionKey::kEstopReported), "an emergency stop has begun"},
 };
 
 }  // namespace
@@ -69,6 +72,21 @@ constexpr std::array kMeanings = {
 std::int32_t CodeOfStatus(std::int8_t switch_status) {
   const auto index = static_cast<std::size_t>(static_cast<std::uint8_t>(switch_status));
   return index < kOfStatus.size() ? kOfStatus.at(index) : MotionCode(MotionKey::kExecuteError);
+}
+
+std::int32_t CodeOfMotorError(std::int32_t motor_error) {
+  constexpr std::int32_t kTooHot = 1;
+  constexpr std::int32_t kOverLoad = 2;
+  if (motor_error == 0) return kCodeOk;
+  if ((motor_error & kTooHot) != 0) return MotionCode(MotionKey::kMotorTooHot);
+  if ((motor_error & kOverLoad) != 0) return MotionCode(MotionKey::kMotorOverLoad);
+  return MotionCode(MotionKey::kMotorError);
+}
+
+bool IsBodyFault(std::int32_t code) {
+  return code >= MotionCode(MotionKey::kSwitchEstop) &&
+         code != MotionCode(MotionKey::kSequenceDefinition) &&
+         code != MotionCode(MotionKey::kEstop);
 }
 
 std::string MotionCodeText(std::int32_t code) {

@@ -20,6 +20,8 @@ enum class MotionKey : std::int32_t {
   kExecuteError = 29,
   kSequenceDefinition = 31,
   kMotorOffline = 32,
+  kMotorTooHot = 33,
+  kMotorOverLoad = 34,
   kBoardSilent = 35,
   kEstop = 40,
   kStuck = 41,
@@ -30,6 +32,7 @@ enum class MotionKey : std::int32_t {
   kMotorOverCurrent = 54,
   kMotorError = 55,
   kCharging = 56,
+  kEstopReported = 88,  // to node_errors, when an emergency stop begins
 };
 
 constexpr std::int32_t MotionCode(KeyCode key) {
@@ -60,6 +63,12 @@ enum class SwitchStatus : std::int8_t {
 
 // 0 while all is well; a word that the board should not know is an execution error.
 std::int32_t CodeOfStatus(std::int8_t switch_status);
+
+// Of a motor, from its value in BodyState.motor_error, a bit for each fault; 0 without one.
+std::int32_t CodeOfMotorError(std::int32_t motor_error);
+
+// Whether a code is a fault of the body or its board, and not of a command.
+bool IsBodyFault(std::int32_t code);
 
 // What a code of the motion manager means, for people; "" for one that it does not give.
 std::string MotionCodeText(std::int32_t code);

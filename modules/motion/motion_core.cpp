@@ -91,7 +91,9 @@ bool Decision::Dancing() const {
 // --- Events --------------------------------------------------------------------------------------
 
 void Decision::Take(const motion_event::BoardHeard& event) {
+  const BodyReport before = core_.body.value_or(BodyReport{});
   core_.body = event.report;
+  ReportMotors(before);
   core_.body_heard = now_;
   core_.board_silent = false;
   if (core_.link.until && Taken()) Quiet();
@@ -282,11 +284,34 @@ void Decision::Answer(RequestToken token, std::int32_t motion_id, std::int32_t c
 
 // The same code once in three minutes: a stream of bad commands must not fill the log.
 void Decision::Log(std::int32_t code, const std::string& text) {
+  const bool low_battery = code == MotionCode(KeyCode::kProtectedError);
+  if (low_battery && (!core_.said || now_ - *core_.said >= kSayPause)) {
+    core_.said = now_;
+    actions_.emplace_back(motion_action::Say{kChargeFirst});
+  }
   const auto last = core_.logged.find(code);
   if (last != core_.logged.end() && now_ - last->second < kLogPause) return;
   core_.logged[code] = now_;
   actions_.emplace_back(
       motion_action::Log{code == kCodeOk ? text : text + " (" + std::to_string(code) + ")"});
+  if (IsBodyFault(code)) actions_.emplace_back(motion_action::ReportError{code});
+}
+
+// Faults that a motor has now and had not before.
+void Decision::ReportMotors(const BodyReport& before) {
+  const auto& errors = core_.body->motor_error;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const std::int32_t code = CodeOfMotorError(errors.at(i) & ~before.motor_error.at(i));
+    if (code != kCodeOk) Log(code, "motor " + std::to_string(i) + ": " + MotionCodeText(code));
+  }
+}
+
+void Decision::ReportEmergencyStop() {
+  const std::int32_t code = MotionCode(Key::kEstopReported);
+  const auto last = core_.logged.find(code);
+  if (last != core_.logged.end() && now_ - last->second < kLogPause) return;
+  core_.logged[code] = now_;
+  actions_.emplace_back(motion_action::ReportError{code});
 }
 
 // --- Outside -------------------------------------------------------------------------------------

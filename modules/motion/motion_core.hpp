@@ -51,7 +51,9 @@ inline constexpr Duration kLieDownPause = Milliseconds(500);  // between two tri
 inline constexpr Duration kStopRepeat =
     Milliseconds(1000);  // a stop is sent so long, or till taken
 inline constexpr Duration kLogPause = std::chrono::seconds(180);  // for the same code
-inline constexpr std::int8_t kDoneBar = 95;                       // %; more is done
+inline constexpr Duration kSayPause = std::chrono::seconds(30);   // for the same sentence
+inline constexpr const char* kChargeFirst = "The battery is low. Charge me first.";
+inline constexpr std::int8_t kDoneBar = 95;  // %; more is done
 
 // A request that must be answered exactly once; the shell knows to whom. 0: nobody waits.
 using RequestToken = std::uint64_t;
@@ -142,10 +144,21 @@ struct Log {
   std::string text;
   friend bool operator==(const Log&, const Log&) = default;
 };
+// For the machine's manager: a fault of the body, or that an emergency stop has begun.
+struct ReportError {
+  std::int32_t code = 0;
+  friend bool operator==(const ReportError&, const ReportError&) = default;
+};
+// For people beside the robot.
+struct Say {
+  std::string text;
+  friend bool operator==(const Say&, const Say&) = default;
+};
 }  // namespace motion_action
 
-using MotionAction = std::variant<motion_action::Send, motion_action::TellServo,
-                                  motion_action::Answer, motion_action::Log>;
+using MotionAction =
+    std::variant<motion_action::Send, motion_action::TellServo, motion_action::Answer,
+                 motion_action::Log, motion_action::ReportError, motion_action::Say>;
 using MotionActions = std::vector<MotionAction>;
 
 // A motion on its way, or to come.
@@ -208,6 +221,7 @@ struct MotionCore {
   BoardLink link;
   std::int32_t servo_commands = 0;      // taken so far
   std::map<std::int32_t, Time> logged;  // by code
+  std::optional<Time> said;             // that the battery is low
 
   bool Idle() const { return !job && !servo; }
   // Judged by TimePassed alone, so that a report which still waits to be read counts as one.

@@ -77,6 +77,8 @@ class Decision {
   void Answer(RequestToken token, std::int32_t motion_id, std::int32_t code,
               const std::string& message);
   void Log(std::int32_t code, const std::string& text);
+  void ReportMotors(const BodyReport& before);
+  void ReportEmergencyStop();
 
   const MotionRules& rules_;
   MotionCore& core_;

@@ -27,6 +27,7 @@ void Decision::BeginEmergencyStop(RequestToken token) {
   }
   if (!std::exchange(core_.emergency_stop, true)) {
     actions_.emplace_back(motion_action::Log{"emergency stop"});
+    ReportEmergencyStop();
   }
   Job job;
   job.token = token;

@@ -75,7 +75,7 @@ Result<> MotionManager::OpenShell() {
        [this](const std::string& capability) {
          return Allowed(capability, ModuleCode::kMotionManager);
        },
-       [this](const std::string& text) { Log(text); }},
+       [this](const std::string& text) { Log(text); }, name()},
       [&](MotionBackend::OnBody on_body) -> Result<std::unique_ptr<MotionBackend>> {
         auto backend = TopicBackend::Make(node, name_space, std::move(on_body));
         if (!backend) return backend.error();

@@ -45,6 +45,8 @@ Result<> MotionShell::OpenTopics() {
   if (auto made = Advertise(status_, "motion_status"); !made) return made;
   if (auto made = Advertise(odometry_, "odom_out"); !made) return made;
   if (auto made = Advertise(imu_, "imu"); !made) return made;
+  if (auto made = Advertise(errors_, "node_errors"); !made) return made;
+  if (auto made = Advertise(speech_, "speech_play_extend"); !made) return made;
   auto commands = transport::MakeSubscription<msg::MotionServoCmd>(
       here_.node, Name("motion_servo_cmd"),
       [this](const msg::MotionServoCmd& command, const transport::SampleInfo&) {
@@ -164,6 +166,10 @@ void MotionShell::Perform(const MotionAction& action) {
     static_cast<void>(servo_responses_->Publish(ToWire(*tell)));
   } else if (const auto* log = std::get_if<motion_action::Log>(&action)) {
     here_.log(log->text);
+  } else if (const auto* error = std::get_if<motion_action::ReportError>(&action)) {
+    static_cast<void>(errors_->Publish({here_.name, error->code}));
+  } else if (const auto* say = std::get_if<motion_action::Say>(&action)) {
+    static_cast<void>(speech_->Publish({here_.name, true, {here_.name, 0}, say->text}));
   } else if (const auto& answer = std::get<motion_action::Answer>(action);
              const auto waiting = waiting_.extract(answer.token)) {
     waiting.mapped()(answer);

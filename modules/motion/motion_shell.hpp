@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "musher/messages/nav_msgs/odometry.hpp"
+#include "musher/messages/protocol/audio.hpp"
+#include "musher/messages/protocol/manager.hpp"
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/messages/protocol/motion_sequence.hpp"
 #include "musher/messages/sensor_msgs/imu.hpp"
@@ -32,6 +34,7 @@ class MotionShell {
     std::string name_space;
     Gate allowed;
     std::function<void(const std::string&)> log;
+    std::string name = "motion_manager";  // in node_errors
   };
   using MakeBackend =
       std::function<Result<std::unique_ptr<MotionBackend>>(MotionBackend::OnBody on_body)>;
@@ -83,6 +86,8 @@ class MotionShell {
   std::unique_ptr<transport::Publisher<msg::MotionStatus>> status_;
   std::unique_ptr<transport::Publisher<msg::Odometry>> odometry_;
   std::unique_ptr<transport::Publisher<msg::Imu>> imu_;
+  std::unique_ptr<transport::Publisher<msg::NodeError>> errors_;
+  std::unique_ptr<transport::Publisher<msg::AudioPlayExtend>> speech_;
   std::unique_ptr<transport::Subscription> servo_commands_;
   std::unique_ptr<transport::Server<msg::MotionResultCmd>> result_;
   std::unique_ptr<transport::Server<msg::MotionCustomCmd>> custom_;

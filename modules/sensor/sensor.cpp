@@ -142,6 +142,18 @@ Result<Sensor::Parts> MakeTofs(const Surroundings& around, const ManagerConfig& 
   return parts;
 }
 
+// A Range has its `variance` since Iron.
+Result<Sensor::Parts> MakeUltrasonic(const Surroundings& around, const ManagerConfig& config) {
+  constexpr SensorKind kKind = SensorKind::kUltrasonic;
+  constexpr const char* kTopic = "ultrasonic_payload";
+  if (config.ros_distro < RosDistro::kIron) {
+    return MakeOne<msg::Range, msg::RangeBeforeIron>(kKind, around, config, kTopic,
+                                                     msg::BeforeIron);
+  }
+  return MakeOne<msg::Range, msg::Range>(kKind, around, config, kTopic,
+                                         [](const msg::Range& range) { return range; });
+}
+
 Result<Sensor::Parts> MakeParts(SensorKind kind, const Surroundings& around,
                                 const ManagerConfig& config) {
   const auto as_it_is = [](const auto& reading) { return reading; };
@@ -150,7 +162,7 @@ Result<Sensor::Parts> MakeParts(SensorKind kind, const Surroundings& around,
     case SensorKind::kLidar:
       return MakeOne<msg::LaserScan, msg::LaserScan>(kind, around, config, "scan", as_it_is);
     case SensorKind::kUltrasonic:
-      return MakeOne<msg::Range, msg::Range>(kind, around, config, "ultrasonic_payload", as_it_is);
+      return MakeUltrasonic(around, config);
     case SensorKind::kGps:
       return MakeOne<msg::NavSatFix, msg::GpsPayload>(kind, around, config, "gps_payload",
                                                       ToGpsPayload);

@@ -34,6 +34,12 @@ class Reader {
     config_.self_check_time = root.Time("self_check_ms").value_or(config_.self_check_time);
     config_.start_time = root.Time("start_ms").value_or(config_.start_time);
     config_.stamp_tolerance = root.Time("stamp_tolerance_ms", 0).value_or(config_.stamp_tolerance);
+    config_.ros_distro = root.Choice<RosDistro>("ros_distro", {{"galactic", RosDistro::kGalactic},
+                                                               {"humble", RosDistro::kHumble},
+                                                               {"iron", RosDistro::kIron},
+                                                               {"jazzy", RosDistro::kJazzy},
+                                                               {"kilted", RosDistro::kKilted}})
+                             .value_or(config_.ros_distro);
     config_.skip = Kinds(root, "skip");
     config_.critical = Kinds(root, "critical");
     for (const SensorKind kind : kSensorKinds) {

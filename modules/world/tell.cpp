@@ -20,6 +20,8 @@ const char* const kTellings =
     "  battery PERCENT     how full the battery is\n"
     "  cable in|out        the charging cable\n"
     "  touch KIND          single, double, hold, circle, or a number from 1 to 17\n"
+    "  say TEXT...         a person says that to the robot\n"
+    "  power-key down|up   the power key: held for 3 s the robot is powered off\n"
     "  fault NAME [MOTOR]  of the body or a sensor: see the module's README\n"
     "  place X Y [YAW]     carries the body there, m and rad\n"
     "  speed FACTOR        how fast the world's time goes\n"
@@ -74,6 +76,8 @@ std::optional<Telling> ReadOne(const std::string& what, const std::string& word)
   }
   if (what == "cable") {
     if (const auto in = Either(word, "in", "out")) return Cable{*in};
+  } else if (what == "power-key") {
+    if (const auto down = Either(word, "down", "up")) return PowerKey{*down};
   } else if (what == "pause") {
     if (const auto on = Either(word, "on", "off")) return Pause{*on};
   } else if (what == "touch") {
@@ -87,6 +91,11 @@ std::optional<Telling> ReadWords(const Words& words) {
   const std::string& what = words.front();
   if (what == "place") return ReadPlace(words);
   if (what == "draw" && words.size() == 1) return DrawNow{};
+  if (what == "say" && words.size() > 1) {
+    Speech speech{words[1]};
+    for (std::size_t i = 2; i < words.size(); ++i) speech.text += " " + words[i];
+    return speech;
+  }
   if (what == "fault" && (words.size() == 2 || words.size() == 3)) {
     return Fault{words[1] + (words.size() == 3 ? " " + words[2] : "")};
   }
@@ -110,6 +119,12 @@ class Teller {
   }
   Result<std::string> operator()(const Touch& told) {
     return Publish<msg::Int32>("press", {told.state});
+  }
+  Result<std::string> operator()(const Speech& told) {
+    return Publish<msg::String>("speech_text", {told.text});
+  }
+  Result<std::string> operator()(const PowerKey& told) {
+    return Publish<msg::Bool>("power_key", {told.down});
   }
   Result<std::string> operator()(const Fault& told) {
     return Publish<msg::String>("fault", {told.text});

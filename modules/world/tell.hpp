@@ -18,11 +18,18 @@ namespace musher::world {
 struct Fault {
   std::string text;  // "lifted", "motor 3"
 };
+struct PowerKey {
+  bool down = true;
+};
+struct Speech {  // of a person beside the robot
+  std::string text;
+};
 struct Pause {
   bool on = true;
 };
 struct DrawNow {};
-using Telling = std::variant<ChargeTo, Cable, Touch, Fault, Carry, Speed, Pause, DrawNow>;
+using Telling =
+    std::variant<ChargeTo, Cable, Touch, PowerKey, Speech, Fault, Carry, Speed, Pause, DrawNow>;
 
 // What can be told, a line each.
 extern const char* const kTellings;

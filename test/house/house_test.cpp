@@ -8,6 +8,7 @@
 #include "musher/test/house/build_rules.hpp"
 #include "musher/test/house/doc_rules.hpp"
 #include "musher/test/house/include_rules.hpp"
+#include "musher/test/house/interface_rules.hpp"
 #include "musher/test/house/text_rules.hpp"
 
 namespace musher::house {
@@ -118,6 +119,10 @@ TEST(House, TheReferenceExplainsEveryConfigKey) {
                             File("test/golden/configs/good/" + std::string(file))),
                 IsEmpty());
   }
+}
+
+TEST(House, ThePageOfCyberDogSaysWhatIsThereAndWhatIsLeftOut) {
+  EXPECT_THAT(WrongInterfaces(File("docs/cyberdog.md"), Tree()), IsEmpty());
 }
 
 TEST(House, TheReferenceExplainsEveryFieldOfTheWire) {

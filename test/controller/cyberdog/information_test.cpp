@@ -1,7 +1,10 @@
 // What an app learns from CyberDog's manager about the rest of the robot.
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "musher/controller/cyberdog/serial_number.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/controller/cyberdog/managed_robot.hpp"
 
@@ -63,7 +66,7 @@ TEST_F(CyberdogInformation, WhatIsNotKnownIsNull) {
   BringUp();
   Json all = About(std::vector<bool>(15, true));
   EXPECT_EQ(all.size(), 15U);
-  for (const char* key : {"sn", "wifi", "volume", "stand", "bat_info", "charging"}) {
+  for (const char* key : {"uid", "wifi", "volume", "stand", "bat_info", "charging"}) {
     EXPECT_TRUE(all[key].is_null()) << key;
   }
   EXPECT_EQ(all["lowpower_control"], false);
@@ -72,6 +75,49 @@ TEST_F(CyberdogInformation, WhatIsNotKnownIsNull) {
   all = About(std::vector<bool>(15, true));
   EXPECT_EQ(all["bat_info"]["soc"], 50);
   EXPECT_EQ(all["charging"], false);
+}
+
+TEST_F(CyberdogInformation, TheSerialNumberAndTheAccountAreToldToWhoAsks) {
+  std::vector<std::string> told;
+  Hear<msg::String>("dog_sn", [&](const msg::String& text) { told.push_back(text.data); });
+  BringUp();
+  robot_.RunFor(std::chrono::seconds(70));
+  EXPECT_NEAR(static_cast<double>(told.size()), 600, 20) << "for a minute";
+  EXPECT_EQ(told[0], "SIMULATED-1");
+  EXPECT_EQ(Trigger("get_dog_sn").message, "SIMULATED-1");
+  EXPECT_EQ(Call<msg::UidSn>("uid_sn"), (msg::UidSn::Response{"", "SIMULATED-1", 0}));
+  const auto set_uid = Tell<msg::String>("uid_set");
+  Settle();
+  set_uid({"account 7"});
+  Settle();
+  EXPECT_EQ(Call<msg::UidSn>("uid_sn"), (msg::UidSn::Response{"account 7", "SIMULATED-1", 0}));
+  const Json all = About(std::vector<bool>(15, true));
+  EXPECT_EQ(all["sn"], "SIMULATED-1");
+  EXPECT_EQ(all["uid"], "account 7");
+}
+
+TEST_F(CyberdogInformation, TheSelfCheckOfTheStartIsInAFile) {
+  BringUp();
+  const auto& files = robot_.disk(0).files;
+  robot_.RunFor(std::chrono::seconds(3));
+  ASSERT_TRUE(files.contains("last_selfcheck_info.json"));
+  const Json found = Json::parse(files.at("last_selfcheck_info.json"));
+  EXPECT_EQ(found["a"], 0);
+  EXPECT_EQ(found["device"]["bms"], -1) << "there is no device_manager";
+}
+
+TEST(SerialNumber, IsThatOfTheFirstFileThatHasOne) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "serial";
+  std::filesystem::create_directories(folder);
+  const std::string empty = folder / "empty", number = folder / "number", other = folder / "other";
+  std::ofstream(empty) << " \n";
+  std::ofstream(number) << std::string("1421619\n\0", 9);
+  std::ofstream(other) << "17";
+  EXPECT_EQ(cyberdog::ReadSerialNumber({folder / "none", empty, number, other}), "1421619");
+  EXPECT_EQ(cyberdog::ReadSerialNumber({folder / "none"}), "");
+  std::ofstream(other) << std::string(1000, 'x');
+  EXPECT_EQ(cyberdog::ReadSerialNumber({other}), std::string(64, 'x'));
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(CyberdogInformation, MoreThanThereIsToAskForIsRefused) {

@@ -93,6 +93,80 @@ class VoiceOnANetwork : public ::testing::Test {
   std::unique_ptr<transport::Client<msg::AudioTextPlay>> text_;
 };
 
+class ListeningOnANetwork : public VoiceOnANetwork {
+ protected:
+  ListeningOnANetwork() { network_.RunFor(Milliseconds(500)); }
+  void Say(const std::string& text) {
+    ASSERT_TRUE(said_->Publish({text}));
+    network_.RunFor(Milliseconds(100));
+  }
+
+  std::vector<std::string> texts_;
+  int wake_ups_ = 0;
+  std::unique_ptr<transport::Publisher<msg::String>> said_ =
+      transport::MakePublisher<msg::String>(*desk_, "dog1/world/speech_text").value();
+  std::unique_ptr<transport::Subscription> hears_texts_ =
+      transport::MakeSubscription<msg::String>(
+          *desk_, "dog1/asr_text",
+          [this](const msg::String& text, const auto&) { texts_.push_back(text.data); })
+          .value();
+  std::unique_ptr<transport::Subscription> hears_wake_ups_ =
+      transport::MakeSubscription<msg::Bool>(*desk_, "dog1/dog_wakeup", [this](const auto&...) {
+        ++wake_ups_;
+      }).value();
+};
+
+TEST_F(ListeningOnANetwork, PublishesWhatWasUnderstoodAndTheWakeWord) {
+  Say("sit down");
+  EXPECT_EQ(wake_ups_, 0);
+  Say("铁蛋铁蛋, sit down");
+  EXPECT_THAT(texts_, ElementsAre("sit down", "铁蛋铁蛋, sit down"));
+  EXPECT_EQ(wake_ups_, 1);
+  Say("\xff");
+  EXPECT_EQ(texts_.size(), 2U);
+  EXPECT_THAT(log_, HasSubstr("world/speech_text: refused"));
+}
+
+TEST_F(ListeningOnANetwork, SaysWhenItSpeaksWhenAllIsSaidAndWhenATextWasUnderstood) {
+  std::vector<int> states;
+  const auto hears =
+      transport::MakeSubscription<msg::UInt8>(
+          *desk_, "dog1/audio_board_state",
+          [&](const msg::UInt8& state, const auto&) { states.push_back(state.data); })
+          .value();
+  network_.RunFor(Milliseconds(500));
+  Answer answer;
+  VoiceOnANetwork::Say("twenty characters...", answer);
+  network_.RunFor(Milliseconds(3'000));
+  Say("sit down");
+  EXPECT_THAT(states, ElementsAre(3, 0, 2));
+}
+
+TEST_F(ListeningOnANetwork, HearsNothingWhileTheMicrophoneIsOff) {
+  Call<msg::AudioExecute>("set_audio_state", {"app", {msg::AudioStatus::kOffMic}});
+  Say("铁蛋铁蛋");
+  EXPECT_THAT(texts_, ElementsAre());
+  EXPECT_EQ(wake_ups_, 0);
+}
+
+TEST_F(ListeningOnANetwork, WakesByTheNameThatItWasGiven) {
+  EXPECT_TRUE(Call<msg::AudioNickName>("set_nick_name", {"Rex", "hey Rex"}).success);
+  Say("hey Rex, come");
+  EXPECT_EQ(wake_ups_, 1);
+  EXPECT_TRUE(Call<msg::SetBool>("nick_name_switch", {false}).success);
+  Say("hey Rex, come");
+  EXPECT_EQ(wake_ups_, 1) << "its own name is off";
+  const auto refused = Call<msg::AudioNickName>("set_nick_name", {"Rex", ""});
+  EXPECT_FALSE(refused.success);
+  EXPECT_EQ(refused.code, 5010);
+}
+
+TEST_F(ListeningOnANetwork, SaysThatThereIsNoAccount) {
+  const auto answer = Call<msg::ProtocolTrigger>("audio_active_state", {"account 7"});
+  EXPECT_FALSE(answer.success);
+  EXPECT_EQ(answer.code, 5008);
+}
+
 TEST_F(VoiceOnANetwork, AnswersATextAtTheEndOfItsSound) {
   Answer answer;
   Say("twenty characters...", answer);

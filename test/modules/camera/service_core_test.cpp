@@ -38,6 +38,10 @@ TEST(CameraService, KnowsItsCommands) {
 
 TEST(CameraService, RefusesWhatIsUnsupportedOrUndefinedWithItsResultAndCode) {
   EXPECT_EQ(Refused({7, "", 0, 0, 0}).result, CameraService::kUnsupported);
+  EXPECT_THAT(Refused({7, "", 0, 0, 0}).msg,
+              testing::StartsWith("command 7 (start live) is not supported"));
+  EXPECT_THAT(Refused({8, "", 0, 0, 0}).msg,
+              testing::StartsWith("command 8 (stop live) is not supported"));
   EXPECT_EQ(Refused({8, "", 0, 0, 0}).code, 4408);
   EXPECT_EQ(Refused({11, "", 0, 0, 0}).result, CameraService::kUndefined);
   EXPECT_EQ(Refused({255, "", 0, 0, 0}).result, CameraService::kUndefined);

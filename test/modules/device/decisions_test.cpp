@@ -73,6 +73,14 @@ TEST(LowPowerLights, TurnTheTailOffAndGiveItBack) {
             After({BatteryLights(10, false)}));
 }
 
+TEST(LowPowerLights, BreatheOnTheTailWhenLowPowerIsLeft) {
+  const LedArbiter left =
+      After({BatteryLights(50, false), LowPowerLights(true), LeavingLowPowerLights()});
+  EXPECT_EQ(left.Show(LedExecute::kTail), (Shown{LedClient::kSystem, Color(4, 0x06, 0x21, 0xE2)}));
+  EXPECT_EQ(left.Show(LedExecute::kHead),
+            After({BatteryLights(50, false)}).Show(LedExecute::kHead));
+}
+
 TEST(ShutdownLights, AreHiddenByNobody) {
   const LedArbiter arbiter = After({ShutdownLights(), BatteryLights(0, false)});
   EXPECT_EQ(arbiter.Show(LedExecute::kHead).light, (Light{LedExecute::kPredefined, 0xA3, 0, 0, 0}));

@@ -41,6 +41,9 @@ silence_ms = 2000
 source = "world"
 [led]
 source = "world"
+[power_key]
+source = "world"
+hold_ms = 5000
 )");
   ASSERT_TRUE(reading.config);
   EXPECT_THAT(reading.diagnostics, IsEmpty());
@@ -52,6 +55,7 @@ source = "world"
                       Milliseconds(2000)};
   expected.touch = true;
   expected.led = true;
+  expected.power_key = {true, Milliseconds(5000)};
   EXPECT_EQ(*reading.config, expected);
 }
 

@@ -101,6 +101,7 @@ TEST_F(Lights, FollowTheLifecycle) {
   devices_->Enter("Active");
   Run(Milliseconds(100));
   EXPECT_EQ(Last(LedExecute::kTail).client, "system");
+  EXPECT_EQ(Last(LedExecute::kTail).effect, LedExecute::kBreath);
   devices_->Enter("TearDown");
   Run(Milliseconds(100));
   EXPECT_EQ(Last(LedExecute::kHead).effect, LedExecute::kRedBlinkFast);
@@ -113,6 +114,54 @@ TEST_F(Lights, AreJudgedAndNotShownWhereThereAreNone) {
   EXPECT_EQ(Wish("vp", 4), 0);
   EXPECT_EQ(Wish("vp", 77), 1124);
   EXPECT_THAT(shown_, IsEmpty());
+}
+
+class PowerKeyOfTheRobot : public DevicesOnANetwork {
+ protected:
+  PowerKeyOfTheRobot() { config_.power_key.present = true; }
+  void Key(bool pressed) { ASSERT_TRUE(key_->Publish({pressed})); }
+
+  bool refuses_ = false;
+  int asked_ = 0;
+  std::unique_ptr<transport::Publisher<msg::Bool>> key_ =
+      Publisher<msg::Bool>("dog1/world/power_key");
+  std::unique_ptr<transport::Server<msg::Trigger>> server_ =
+      Must(transport::MakeServer<msg::Trigger>(
+          *world_, "dog1/poweroff", [this](const auto&, auto reply) {
+            ++asked_;
+            reply({!refuses_, refuses_ ? "the machine is in OTA" : ""});
+          }));
+};
+
+TEST_F(PowerKeyOfTheRobot, PowersOffOnceWhenItIsHeldForThreeSeconds) {
+  Start();
+  Key(true);
+  Run(Milliseconds(2900));
+  EXPECT_EQ(asked_, 0);
+  Run(Milliseconds(200));
+  EXPECT_EQ(asked_, 1);
+  Run(std::chrono::seconds(10));
+  EXPECT_EQ(asked_, 1) << "it is still held";
+}
+
+TEST_F(PowerKeyOfTheRobot, DoesNothingWhenItIsReleasedBefore) {
+  Start();
+  for (int i = 0; i < 3; ++i) {
+    Key(true);
+    Run(Milliseconds(2000));
+    Key(false);
+    Run(Milliseconds(100));
+  }
+  EXPECT_EQ(asked_, 0);
+}
+
+TEST_F(PowerKeyOfTheRobot, LogsThatThePowerOffIsRefused) {
+  refuses_ = true;
+  Start();
+  Key(true);
+  Run(std::chrono::seconds(4));
+  EXPECT_THAT(log_, ElementsAre("power key: held for 3000 ms: power-off requested",
+                                "power key: poweroff refused: the machine is in OTA"));
 }
 
 class Pad : public DevicesOnANetwork {

@@ -99,6 +99,23 @@ class MotionShellTest : public ::testing::Test {
   std::unique_ptr<transport::Publisher<msg::MotionServoCmd>> servo_;
 };
 
+TEST_F(MotionShellTest, TellsTheManagerOfAnEmergencyStopAndThePeopleOfALowBattery) {
+  std::vector<msg::NodeError> errors;
+  std::vector<msg::AudioPlayExtend> speech;
+  Listen<msg::NodeError>("node_errors", errors);
+  Listen<msg::AudioPlayExtend>("speech_play_extend", speech);
+  network_.RunFor(Milliseconds(200));
+  refused_ = "back_flip";
+  EXPECT_EQ(Ask(121).code, 3013);
+  EXPECT_EQ(Ask(kEmergencyStop).code, kCodeOk);
+  network_.RunFor(Milliseconds(200));
+  ASSERT_EQ(errors.size(), 1U);
+  EXPECT_EQ(errors[0], (msg::NodeError{"motion_manager", 3088}));
+  ASSERT_EQ(speech.size(), 1U);
+  EXPECT_TRUE(speech[0].is_online);
+  EXPECT_EQ(speech[0].text, kChargeFirst);
+}
+
 TEST_F(MotionShellTest, AnswersAResultCommandWhenItsMotionIsDone) {
   const Time begin = network_.now();
   EXPECT_EQ(Ask(121), (msg::MotionResultCmd::Response{121, true, 0}));

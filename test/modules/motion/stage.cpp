@@ -48,6 +48,10 @@ void Stage::Do(const MotionEvent& event) {
       EXPECT_TRUE(answers.emplace(answer->token, *answer).second) << "answered twice";
     } else if (const auto* tell = std::get_if<motion_action::TellServo>(&action)) {
       told.push_back(*tell);
+    } else if (const auto* error = std::get_if<motion_action::ReportError>(&action)) {
+      reported.push_back(error->code);
+    } else if (const auto* say = std::get_if<motion_action::Say>(&action)) {
+      said.push_back(say->text);
     } else {
       log.push_back(std::get<motion_action::Log>(action).text);
     }

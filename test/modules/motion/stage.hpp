@@ -61,6 +61,8 @@ class Stage {
   std::map<RequestToken, motion_action::Answer> answers;
   std::vector<motion_action::TellServo> told;
   std::vector<std::string> log;
+  std::vector<std::int32_t> reported;  // to the machine's manager
+  std::vector<std::string> said;
   // Sees every step: the core as it was, what happened, and what was decided.
   std::function<void(const MotionCore& before, const MotionEvent&, const MotionActions&)> watch;
 

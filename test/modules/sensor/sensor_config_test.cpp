@@ -34,6 +34,7 @@ TEST(SensorManagerConfig, HasWhatTheFileSays) {
 self_check_ms = 700
 start_ms = 100
 stamp_tolerance_ms = 0
+ros_distro = "galactic"
 skip = ["gps"]
 critical = ["tof", "lidar"]
 [lidar]
@@ -53,6 +54,7 @@ silence_ms = 250
   expected.self_check_time = Milliseconds(700);
   expected.start_time = Milliseconds(100);
   expected.stamp_tolerance = Duration::zero();
+  expected.ros_distro = RosDistro::kGalactic;
   expected.skip = {SensorKind::kGps};
   expected.critical = {SensorKind::kTof, SensorKind::kLidar};
   expected.Of(SensorKind::kLidar) = {{"driver/scan"}, Milliseconds(250), Milliseconds(1000)};

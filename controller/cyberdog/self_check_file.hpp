@@ -1,0 +1,42 @@
+#pragma once
+// What the last self-check of a start has found, in a file that outlives the controller:
+// `last_selfcheck_info.json` in the controller's folder, the description of `self_check_status`.
+//
+// Threads: loop thread only.
+
+#include <functional>
+#include <string>
+
+#include "musher/lifecycle/config.hpp"
+#include "musher/lifecycle/machine.hpp"
+#include "musher/transport/event_loop.hpp"
+
+namespace musher::cyberdog {
+
+// Hands a small file of the controller's folder to the disk, and does not wait for it.
+using SaveText = std::function<void(const std::string& name, const std::string& text)>;
+
+class SelfCheckFile {
+ public:
+  inline static constexpr const char* kName = "last_selfcheck_info.json";
+  inline static constexpr Duration kDelay = std::chrono::seconds(2);  // as CyberDog's manager
+
+  // All must outlive it; `save` may be empty.
+  SelfCheckFile(transport::EventLoop& loop, const MachineConfig& config, const Machine& machine,
+                SaveText save)
+      : loop_(loop), config_(config), machine_(machine), save_(std::move(save)) {}
+
+  // Every change of the machine leaves a record. Saves once, when the start has ended; a controller
+  // that adopts a running machine has checked nothing.
+  void OnRecord();
+
+ private:
+  transport::EventLoop& loop_;
+  const MachineConfig& config_;
+  const Machine& machine_;
+  const SaveText save_;
+  bool ended_ = false;  // the start
+  transport::LoopHandlePtr timer_;
+};
+
+}  // namespace musher::cyberdog

@@ -1,0 +1,66 @@
+#pragma once
+// What the robot understands of what people say to it: texts of a recogniser become `asr_text`, and
+// with the wake word in them `dog_wakeup`, unless the microphone is off. The recogniser is another
+// program, or the simulated world; it publishes on `world/speech_text`. Also the robot's name and
+// wake word, and what the app asks about the voice.
+//
+// Threads: the loop's.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/messages/protocol/speech.hpp"
+#include "musher/messages/protocol/tasks.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
+#include "musher/messages/std_msgs/string.hpp"
+#include "musher/messages/std_srvs/set_bool.hpp"
+#include "musher/transport/service.hpp"
+
+namespace musher::audio {
+
+class Listening {
+ public:
+  static constexpr const char* kNickName = "铁蛋";      // CyberDog's
+  static constexpr const char* kWakeName = "铁蛋铁蛋";  // the same
+  static constexpr std::size_t kLongestName = 64;       // bytes
+  static constexpr std::size_t kLongestText = 4096;     // bytes; a longer one is dropped
+
+  using Log = std::function<void(const std::string&)>;
+
+  // `microphone_on` is asked with each text.
+  static Result<std::unique_ptr<Listening>> Make(transport::Node& node,
+                                                 const std::string& name_space,
+                                                 std::function<bool()> microphone_on, Log log);
+
+  // Whether there is sound; the change is in `audio_board_state`.
+  void SetSpeaking(bool speaking);
+
+ private:
+  // Of audio_board_state, as programs for CyberDog read them. 1, a recogniser begins, is not known.
+  enum class BoardState : std::uint8_t { kSaid = 0, kRecognised = 2, kSpeaking = 3 };
+
+  Listening(std::function<bool()> microphone_on, Log log)
+      : microphone_on_(std::move(microphone_on)), log_(std::move(log)) {}
+  Result<> Connect(transport::Node& node, const std::string& name_space);
+  void Publish(BoardState state);
+  void OnText(const std::string& text);
+  Result<> SetNames(const msg::AudioNickName::Request& names);
+
+  const std::function<bool()> microphone_on_;
+  const Log log_;
+  std::string nick_name_ = kNickName;
+  std::string wake_name_ = kWakeName;
+  bool own_name_ = true;  // false: the wake word is CyberDog's
+  bool speaking_ = false;
+  std::unique_ptr<transport::Publisher<msg::UInt8>> board_;
+  std::unique_ptr<transport::Publisher<msg::String>> text_;
+  std::unique_ptr<transport::Publisher<msg::Bool>> wake_up_;
+  std::unique_ptr<transport::Subscription> recognised_;
+  std::vector<std::shared_ptr<void>> servers_;  // of different services
+};
+
+}  // namespace musher::audio

@@ -1,0 +1,47 @@
+#include "musher/modules/device/power_key_device.hpp"
+
+#include <string>
+#include <utility>
+
+namespace musher::device {
+
+Result<std::unique_ptr<PowerKeyDevice>> PowerKeyDevice::Make(const Surroundings& around,
+                                                             const PowerKeyConfig& config) {
+  std::unique_ptr<PowerKeyDevice> device(new PowerKeyDevice(around, config));
+  if (!config.present) return device;
+  if (Result<> connected = device->Connect(); !connected) return connected.error();
+  return device;
+}
+
+Result<> PowerKeyDevice::Connect() {
+  auto client = transport::MakeClient<msg::Trigger>(around_.node, around_.Name("poweroff"));
+  if (!client) return client.error();
+  power_off_ = std::move(client).value();
+  auto key = transport::MakeSubscription<msg::Bool>(
+      around_.node, around_.Name("world/power_key"),
+      [this](const msg::Bool& pressed, const auto&) { OnKey(pressed.data); });
+  if (!key) return key.error();
+  key_ = std::move(key).value();
+  return Ok();
+}
+
+void PowerKeyDevice::OnKey(bool pressed) {
+  if (std::exchange(pressed_, pressed) == pressed) return;
+  held_ = nullptr;
+  if (!pressed) return;
+  transport::EventLoop& loop = around_.node.loop();
+  held_ = loop.At(loop.Now() + config_.hold, [this] { PowerOff(); });
+}
+
+void PowerKeyDevice::PowerOff() {
+  around_.log("power key: held for " + std::to_string(ToMilliseconds(config_.hold)) +
+              " ms: power-off requested");
+  power_off_->Call({}, kPowerOffTime, [this](const Result<msg::Trigger::Response>& answer) {
+    if (!answer) return around_.log("power key: poweroff: " + answer.error().message);
+    if (!answer.value().success) {
+      around_.log("power key: poweroff refused: " + answer.value().message);
+    }
+  });
+}
+
+}  // namespace musher::device

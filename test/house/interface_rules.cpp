@@ -1,0 +1,92 @@
+#include "musher/test/house/interface_rules.hpp"
+
+#include <regex>
+#include <set>
+
+namespace musher::house {
+namespace {
+
+using Names = std::set<std::string>;
+
+constexpr const char* kThere = "## What is there";
+constexpr const char* kLeftOut = "## What is left out";
+
+void Collect(const std::string& text, const std::regex& pattern, Names& names) {
+  for (std::sregex_iterator i(text.begin(), text.end(), pattern), end; i != end; ++i) {
+    names.insert((*i)[1]);
+  }
+}
+
+// Strings of the programs, without what leads them to a namespace: "world/led" is also "led".
+Names StringsOf(const std::vector<SourceFile>& tree) {
+  static const std::regex quoted(R"re("([\w/.]+)")re");
+  Names names;
+  for (const SourceFile& file : tree) {
+    const bool program = file.IsCpp() && (file.In("controller/") || file.In("actuator/") ||
+                                          file.In("transport/") || file.In("modules/"));
+    const bool config = file.In("config/") && file.Is(".toml");
+    if (program) Collect(WithoutComments(file.text), quoted, names);
+    if (config) Collect(file.text, quoted, names);
+  }
+  for (const std::string& name : Names(names)) names.insert(name.substr(name.rfind('/') + 1));
+  return names;
+}
+
+Names TypesOf(const std::vector<SourceFile>& tree) {
+  static const std::regex type(R"(protocol::(?:msg|srv)::dds_::(\w+)_")");
+  Names names;
+  for (const SourceFile& file : tree) {
+    if (file.In("messages/protocol/")) Collect(file.text, type, names);
+  }
+  return names;
+}
+
+Names InterfacesOfTheManager(const std::vector<SourceFile>& tree) {
+  static const std::regex opened(R"re((?:Hear|Serve|Tell|Ask)<[^>]+>\(\s*"([\w/]+)")re");
+  Names names;
+  for (const SourceFile& file : tree) {
+    if (file.In("controller/cyberdog/")) Collect(WithoutComments(file.text), opened, names);
+  }
+  return names;
+}
+
+bool Has(const SourceFile& page, const std::string& name) {
+  return page.text.find("`" + name + "`") != std::string::npos;
+}
+
+}  // namespace
+
+std::vector<std::string> WrongInterfaces(const SourceFile& page,
+                                         const std::vector<SourceFile>& tree) {
+  static const std::regex code("`([^`]+)`");
+  const Names strings = StringsOf(tree);
+  std::vector<std::string> complaints;
+  std::string section;
+  bool judged_there = false;
+  bool judged_left_out = false;
+  for (const Line& line : Lines(page.text)) {
+    if (line.text.starts_with("## ")) section = line.text;
+    if (!line.text.starts_with("| `")) continue;
+    Names names;
+    Collect(line.text.substr(0, line.text.find('|', 1)), code, names);
+    for (const std::string& name : names) {
+      if (section == kThere && !strings.contains(name)) {
+        complaints.push_back(At(page, line.number, "the code has no `" + name + "`"));
+      } else if (section == kLeftOut && strings.contains(name)) {
+        complaints.push_back(At(page, line.number, "the code has `" + name + "`"));
+      }
+    }
+    judged_there = judged_there || section == kThere;
+    judged_left_out = judged_left_out || section == kLeftOut;
+  }
+  if (!judged_there || !judged_left_out) complaints.push_back(page.path + ": a table is missing");
+  for (const Names& all : {TypesOf(tree), InterfacesOfTheManager(tree)}) {
+    if (all.empty()) complaints.push_back(page.path + ": nothing to compare it with");
+    for (const std::string& name : all) {
+      if (!Has(page, name)) complaints.push_back(page.path + ": `" + name + "` is missing");
+    }
+  }
+  return complaints;
+}
+
+}  // namespace musher::house

@@ -1,0 +1,47 @@
+#include "musher/test/house/interface_rules.hpp"
+
+#include <gmock/gmock.h>
+
+namespace musher::house {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+const std::vector<SourceFile> kTree = {
+    {"modules/voice/shell.cpp", "Serve<msg::X>(\"stop_play\"); // \"later\"\n", false},
+    {"controller/cyberdog/manager.cpp", "Tell<msg::Bool>(\n  \"ready_notify\");", false},
+    {"messages/protocol/audio.hpp", "kTypeName = \"protocol::srv::dds_::AudioText_\";", false}};
+
+SourceFile Page(const std::string& there, const std::string& left_out) {
+  return {"docs/cyberdog.md",
+          "`AudioText`\n## What is there\n| name | |\n|---|---|\n| `ready_notify` | |\n" + there +
+              "## What is left out\n| name | why |\n|---|---|\n| `ad` | `stop_play` |\n" + left_out,
+          false};
+}
+
+TEST(InterfaceRules, APageThatSaysWhatTheCodeHasIsGood) {
+  EXPECT_THAT(WrongInterfaces(Page("| `stop_play` | |\n", ""), kTree), IsEmpty());
+}
+
+TEST(InterfaceRules, WhatIsThereAndIsNotIsReported) {
+  EXPECT_THAT(WrongInterfaces(Page("| `stop_play`, `later` | |\n", ""), kTree),
+              ElementsAre("docs/cyberdog.md:6: the code has no `later`"));
+}
+
+TEST(InterfaceRules, WhatIsLeftOutAndIsThereIsReported) {
+  EXPECT_THAT(WrongInterfaces(Page("", "| `stop_play` | no reason |\n"), kTree),
+              ElementsAre("docs/cyberdog.md:10: the code has `stop_play`"));
+}
+
+TEST(InterfaceRules, AnInterfaceOrATypeThatThePageForgetsIsReported) {
+  const SourceFile page = {"docs/cyberdog.md",
+                           "## What is there\n| `stop_play` | |\n## What is left out\n| `ad` | |\n",
+                           false};
+  EXPECT_THAT(WrongInterfaces(page, kTree),
+              ElementsAre("docs/cyberdog.md: `AudioText` is missing",
+                          "docs/cyberdog.md: `ready_notify` is missing"));
+}
+
+}  // namespace
+}  // namespace musher::house
