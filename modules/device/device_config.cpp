@@ -39,6 +39,7 @@ class Reader {
     }
     config_.touch = IsOfWorld(root, "touch");
     config_.led = IsOfWorld(root, "led");
+    config_.uwb = IsOfWorld(root, "uwb");
     ReadPowerKey(root);
     root.RefuseOthers();
     return std::move(config_);

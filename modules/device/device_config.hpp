@@ -39,6 +39,7 @@ struct DeviceConfig {
   BatteryConfig battery;
   bool touch = false;  // there is one, at the world's topic
   bool led = false;    // the same
+  bool uwb = false;    // the same
   PowerKeyConfig power_key;
 
   friend bool operator==(const DeviceConfig&, const DeviceConfig&) = default;

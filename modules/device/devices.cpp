@@ -20,6 +20,9 @@ Result<std::unique_ptr<Devices>> Devices::Make(const Surroundings& around,
   auto touch = TouchDevice::Make(around, config.touch);
   if (!touch) return touch.error();
   devices->touch_ = std::move(touch).value();
+  auto uwb = UwbDevice::Make(around, config.uwb);
+  if (!uwb) return uwb.error();
+  devices->uwb_ = std::move(uwb).value();
   auto power_key = PowerKeyDevice::Make(around, config.power_key);
   if (!power_key) return power_key.error();
   devices->power_key_ = std::move(power_key).value();
@@ -33,7 +36,7 @@ std::vector<DeviceFinding> Devices::Check() const {
     const Result<> result = device == "bms"     ? battery_->Check()
                             : device == "touch" ? touch_->Check()
                             : device == "led"   ? led_->Check()
-                                                : Ok();  // no backend has an UWB
+                                                : uwb_->Check();
     findings.push_back({std::string(device), result});
   }
   return findings;

@@ -14,6 +14,7 @@
 #include "musher/modules/device/self_check.hpp"
 #include "musher/modules/device/surroundings.hpp"
 #include "musher/modules/device/touch_device.hpp"
+#include "musher/modules/device/uwb_device.hpp"
 
 namespace musher::device {
 
@@ -41,6 +42,7 @@ class Devices {
   std::unique_ptr<LedDevice> led_;
   std::unique_ptr<BatteryDevice> battery_;
   std::unique_ptr<TouchDevice> touch_;
+  std::unique_ptr<UwbDevice> uwb_;
   std::unique_ptr<PowerKeyDevice> power_key_;
   bool low_power_ = false;  // the robot's state
 };

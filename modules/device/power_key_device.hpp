@@ -18,7 +18,8 @@ class PowerKeyDevice {
  public:
   static constexpr Duration kPowerOffTime = Milliseconds(2000);  // that the manager may take
 
-  // Without a key nothing is subscribed to.
+  // Without a key, or the right to call `poweroff`, nothing is subscribed to; the log says the
+  // latter.
   static Result<std::unique_ptr<PowerKeyDevice>> Make(const Surroundings& around,
                                                       const PowerKeyConfig& config);
 

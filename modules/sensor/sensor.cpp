@@ -1,7 +1,10 @@
 #include "musher/modules/sensor/sensor.hpp"
 
+#include <cstdint>
 #include <string>
 #include <utility>
+
+#include "musher/messages/std_msgs/basic.hpp"
 
 namespace musher::sensor {
 
@@ -154,6 +157,37 @@ Result<Sensor::Parts> MakeUltrasonic(const Surroundings& around, const ManagerCo
                                          [](const msg::Range& range) { return range; });
 }
 
+// How many satellites a fix is from, which a NavSatFix does not say; 0 where it was not heard for
+// too long. Heard in every state: it wakes no sensor.
+struct Satellites {
+  std::uint8_t number = 0;
+  Time heard{};
+  std::unique_ptr<transport::Subscription> subscription;
+};
+
+Result<Sensor::Parts> MakeGps(const Surroundings& around, const ManagerConfig& config) {
+  constexpr SensorKind kKind = SensorKind::kGps;
+  const auto satellites = std::make_shared<Satellites>();
+  if (const std::string& topic = config.Of(kKind).satellites; !topic.empty()) {
+    auto subscription = transport::MakeSubscription<msg::UInt8>(
+        around.node, around.Name(topic),
+        [seen = satellites.get(), &clock = around.clock](const msg::UInt8& number, const auto&) {
+          seen->number = number.data;
+          seen->heard = clock.Now();
+        },
+        transport::kSensorDataQos);
+    if (!subscription) return subscription.error();
+    satellites->subscription = std::move(subscription).value();
+  }
+  const auto convert = [satellites, &clock = around.clock,
+                        silence = config.Of(kKind).silence](const msg::NavSatFix& fix) {
+    msg::GpsPayload payload = ToGpsPayload(fix);
+    if (clock.Now() - satellites->heard <= silence) payload.num_sv = satellites->number;
+    return payload;
+  };
+  return MakeOne<msg::NavSatFix, msg::GpsPayload>(kKind, around, config, "gps_payload", convert);
+}
+
 Result<Sensor::Parts> MakeParts(SensorKind kind, const Surroundings& around,
                                 const ManagerConfig& config) {
   const auto as_it_is = [](const auto& reading) { return reading; };
@@ -164,8 +198,7 @@ Result<Sensor::Parts> MakeParts(SensorKind kind, const Surroundings& around,
     case SensorKind::kUltrasonic:
       return MakeUltrasonic(around, config);
     case SensorKind::kGps:
-      return MakeOne<msg::NavSatFix, msg::GpsPayload>(kind, around, config, "gps_payload",
-                                                      ToGpsPayload);
+      return MakeGps(around, config);
     case SensorKind::kTof:
       break;
   }

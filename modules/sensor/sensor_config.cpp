@@ -90,10 +90,15 @@ class Reader {
           std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1 / *rate));
     }
     sensor.silence = reader.Time("silence_ms").value_or(sensor.silence);
+    if (kind == SensorKind::kGps && reader.Has("satellites")) {
+      sensor.satellites = Source(reader, "satellites");
+    }
   }
 
   std::string Source(TableReader& reader, std::string_view key) {
-    reader.Require(key, "the topic of its readings, as in \"world/scan\"");
+    if (key != "satellites") {
+      reader.Require(key, "the topic of its readings, as in \"world/scan\"");
+    }
     const auto topic = reader.String(key);
     if (!topic) return "";
     if (!config_toml::IsRelativeTopic(topic->text)) {

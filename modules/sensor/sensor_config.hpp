@@ -26,6 +26,7 @@ struct SensorConfig {
   std::vector<std::string> sources;  // topics; empty: there is no such sensor; of ToF as kTofKeys
   Duration period{};                 // at least between two that are told; zero: each one is
   Duration silence = Milliseconds(1000);  // without a reading for so long it is silent
+  std::string satellites;  // of the GPS: the topic of their number; empty: it is not known
 
   friend bool operator==(const SensorConfig&, const SensorConfig&) = default;
 };

@@ -249,7 +249,7 @@ struct Scene {
 // What may go wrong with a sensor: it is silent. "none" ends these, too.
 inline constexpr std::string_view kSensorFaults[] = {
     "camera front",  "camera left",    "camera right",  "lidar",          "ultrasonic", "tof",
-    "tof_left_head", "tof_right_head", "tof_left_rear", "tof_right_rear", "gps"};
+    "tof_left_head", "tof_right_head", "tof_left_rear", "tof_right_rear", "gps",        "uwb"};
 
 inline constexpr double kLeastSpeed = 0.01;
 inline constexpr double kMostSpeed = 100;

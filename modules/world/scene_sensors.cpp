@@ -17,6 +17,7 @@ constexpr double kMostHz = 50;  // a reading in each step of the world
 constexpr double kFarthestMountM = 1;
 constexpr double kMostNoiseM = 10;
 constexpr int kMostRays = 4096;
+constexpr std::int64_t kMostSatellites = 64;
 constexpr double kMostLatitudeDeg = 89;  // at a pole east is nowhere
 
 void ReadReach(TableReader& reader, Reach& reach) {
@@ -80,6 +81,19 @@ void ReadGps(TableReader& reader, GpsSpec& gps) {
       reader.Choice<Fix>(
           "fix",
           {{"none", Fix::kNone}, {"fix", Fix::kFix}, {"sbas", Fix::kSbas}, {"gbas", Fix::kGbas}}));
+  if (const auto satellites = reader.Integer("satellites", 0, kMostSatellites)) {
+    gps.satellites = static_cast<int>(*satellites);
+  }
+}
+
+void ReadUwb(TableReader& reader, UwbSpec& uwb) {
+  Set(uwb.enabled, reader.Bool("enabled"));
+  Set(uwb.tag_m.x(), reader.Number("tag_x_m", -keys::kFarthestM, keys::kFarthestM));
+  Set(uwb.tag_m.y(), reader.Number("tag_y_m", -keys::kFarthestM, keys::kFarthestM));
+  Set(uwb.most_m, reader.Number("most_m", keys::kSmallestM, keys::kFarthestM));
+  Set(uwb.noise_m, reader.Number("noise_m", 0, kMostNoiseM));
+  Set(uwb.noise_rad, Angle(reader, "noise_deg", 0, 90));
+  Set(uwb.rate_hz, reader.Number("rate_hz", kLeastHz, kMostHz));
 }
 
 }  // namespace
@@ -91,6 +105,7 @@ void ReadSensors(TableReader& root, Findings& findings, SensorSpecs& sensors) {
                 [&](TableReader& reader) { ReadUltrasonic(reader, sensors.ultrasonic); });
   keys::Section(root, "tof", findings, [&](TableReader& reader) { ReadTof(reader, sensors.tof); });
   keys::Section(root, "gps", findings, [&](TableReader& reader) { ReadGps(reader, sensors.gps); });
+  keys::Section(root, "uwb", findings, [&](TableReader& reader) { ReadUwb(reader, sensors.uwb); });
 }
 
 }  // namespace musher::world

@@ -18,7 +18,7 @@ constexpr double kEarthRadiusM = 6'378'137;
 constexpr std::size_t kTofSide = 8;
 
 // Of which sensor a chance is.
-enum class Sensor : std::uint64_t { kLidar = 1, kUltrasonic, kGps, kTof };
+enum class Sensor : std::uint64_t { kLidar = 1, kUltrasonic, kGps, kTof, kUwb };
 
 Chance ChanceOf(const World& world, Sensor sensor, std::size_t number = 0) {
   transport::sim::Random seed(world.scene().seed);
@@ -184,6 +184,37 @@ msg::NavSatFix MeasureFix(const World& world) {
   }
   fix.position_covariance_type = Fix::kCovarianceDiagonalKnown;
   return fix;
+}
+
+msg::UInt8 CountSatellites(const World& world) {
+  const GpsSpec& gps = world.scene().sensors.gps;
+  const bool fix = gps.fix != GpsSpec::Fix::kNone;
+  return {static_cast<std::uint8_t>(fix ? gps.satellites : 0)};
+}
+
+std::optional<msg::UwbRaw> MeasureTag(const World& world) {
+  constexpr double kRssiAtOneMetre = -60;  // dBm
+  constexpr double kShadowed = -10;        // dB, behind something
+  constexpr double kNearestM = 0.1;
+  const UwbSpec& uwb = world.scene().sensors.uwb;
+  const Pose2& pose = world.body().pose();
+  const Eigen::Vector2d to_tag = uwb.tag_m - pose.position_m;
+  const double distance = std::max(to_tag.norm(), kNearestM);
+  if (distance > uwb.most_m) return std::nullopt;
+  const double angle = std::remainder(std::atan2(to_tag.y(), to_tag.x()) - pose.yaw_rad, 2 * M_PI);
+  const bool hidden = Open(world, {}, distance).Look(angle, 0) < distance;
+  Chance chance = ChanceOf(world, Sensor::kUwb);
+  const double measured = std::max(distance + uwb.noise_m * chance.Normal(), 0.0);
+  const double turned = std::remainder(angle + uwb.noise_rad * chance.Normal(), 2 * M_PI);
+  const double rssi = kRssiAtOneMetre - 20 * std::log10(distance) + (hidden ? kShadowed : 0);
+  msg::UwbRaw raw;
+  raw.header = {msg::ToStamp(world.now()), "uwb"};
+  raw.dist = static_cast<float>(measured);
+  raw.angle = static_cast<float>(turned);
+  raw.n_los = hidden ? 1 : 0;
+  raw.rssi_1 = static_cast<float>(rssi);
+  raw.rssi_2 = static_cast<float>(rssi);
+  return raw;
 }
 
 }  // namespace musher::world

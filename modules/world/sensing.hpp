@@ -4,12 +4,15 @@
 // same whoever listens to it, and the body's own chance is left alone.
 
 #include <array>
+#include <optional>
 #include <string_view>
 
+#include "musher/messages/protocol/device.hpp"
 #include "musher/messages/protocol/sensor.hpp"
 #include "musher/messages/sensor_msgs/laser_scan.hpp"
 #include "musher/messages/sensor_msgs/nav_sat_fix.hpp"
 #include "musher/messages/sensor_msgs/range.hpp"
+#include "musher/messages/std_msgs/basic.hpp"
 #include "musher/modules/world/world.hpp"
 
 namespace musher::world {
@@ -23,5 +26,10 @@ msg::Range MeasureUltrasonic(const World& world);
 // Zones row by row, from the left above to the right below, as the sensor sees them.
 msg::SingleTofPayload MeasureTof(const World& world, std::size_t position);
 msg::NavSatFix MeasureFix(const World& world);
+// How many satellites that fix is from; NavSatFix has no field for it.
+msg::UInt8 CountSatellites(const World& world);
+// Distance and angle of the tag, the latter in rad from straight ahead, left positive; nothing
+// where it is too far. n_los is 1 behind something, else 0.
+std::optional<msg::UwbRaw> MeasureTag(const World& world);
 
 }  // namespace musher::world

@@ -62,6 +62,17 @@ struct GpsSpec {
   double noise_m = 0.4;    // standard deviation, east and north; twice that in height
   double rate_hz = 1;
   Fix fix = Fix::kFix;
+  int satellites = 9;  // in use; none without a fix
+};
+
+// A tag that a person carries, seen by the body's ultra-wideband radio.
+struct UwbSpec {
+  bool enabled = true;
+  Eigen::Vector2d tag_m{2, 1};  // where it is in the place
+  double most_m = 20;           // beyond it there is no reading
+  double noise_m = 0.05;        // standard deviation
+  double noise_rad = 0.03;
+  double rate_hz = 10;
 };
 
 struct SensorSpecs {
@@ -69,6 +80,7 @@ struct SensorSpecs {
   UltrasonicSpec ultrasonic;
   TofSpec tof;
   GpsSpec gps;
+  UwbSpec uwb;
 };
 
 }  // namespace musher::world

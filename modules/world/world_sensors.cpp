@@ -37,6 +37,10 @@ Result<std::unique_ptr<WorldSensors>> WorldSensors::Make(transport::Node& node, 
     if (!made) return made.error();
   }
   if (auto made = make(sensors->gps_, specs.gps.enabled, "gps"); !made) return made.error();
+  if (auto made = make(sensors->satellites_, specs.gps.enabled, "gps/satellites"); !made) {
+    return made.error();
+  }
+  if (auto made = make(sensors->uwb_, specs.uwb.enabled, "uwb"); !made) return made.error();
   return sensors;
 }
 
@@ -49,7 +53,16 @@ void WorldSensors::OnStep(const World& world) {
     Publish(tofs_[i], world, specs.tof.reach.rate_hz, "tof_" + std::string(kTofNames[i]),
             [i](const World& seen) { return MeasureTof(seen, i); });
   }
+  Publish(satellites_, world, specs.gps.rate_hz, "gps", CountSatellites);  // before their fix
   Publish(gps_, world, specs.gps.rate_hz, "gps", MeasureFix);
+  PublishTag(world);
+}
+
+void WorldSensors::PublishTag(const World& world) {
+  const bool wanted = uwb_ && IsDue(world.now(), world.scene().sensors.uwb.rate_hz) &&
+                      uwb_->MatchedReaders() > 0 && !world.IsSilent("uwb");
+  if (!wanted) return;
+  if (const auto tag = MeasureTag(world)) static_cast<void>(uwb_->Publish(*tag));
 }
 
 }  // namespace musher::world

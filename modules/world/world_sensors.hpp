@@ -2,7 +2,7 @@
 // Publishes what the sensors of a simulated body measure, each at its rate of world time and only
 // while somebody listens.
 //
-//   world/scan   world/ultrasonic   world/gps
+//   world/scan   world/ultrasonic   world/gps   world/gps/satellites   world/uwb
 //   world/tof/left_head, right_head, left_rear, right_rear
 //
 // Threads: the loop's.
@@ -26,6 +26,8 @@ class WorldSensors {
   void OnStep(const World& world);
 
  private:
+  void PublishTag(const World& world);
+
   template <msg::Message M>
   using PublisherPtr = std::unique_ptr<transport::Publisher<M>>;
 
@@ -33,6 +35,8 @@ class WorldSensors {
   PublisherPtr<msg::Range> ultrasonic_;
   std::array<PublisherPtr<msg::SingleTofPayload>, kTofNames.size()> tofs_;
   PublisherPtr<msg::NavSatFix> gps_;
+  PublisherPtr<msg::UInt8> satellites_;
+  PublisherPtr<msg::UwbRaw> uwb_;
 };
 
 }  // namespace musher::world

@@ -69,10 +69,14 @@ const Topics kBehaviorTells = {"*/behavior_state"};
 // CyberDog's manager (controller/cyberdog): what it tells, what anybody may ask it, what modules of
 // the robot may tell it and ask it for, and what only an operator may.
 const Topics kManagerTells = {"state_switch_status", "self_check_status", "ready_notify",
-                              "manager_errors"};
-const Topics kManagerQuestions = {"machine_state_valget", "low_power_switch_state", "bms_info",
-                                  "query_divice_info"};
-const Topics kManagerHears = {"dog_wakeup", "node_errors"};
+                              "manager_errors", "dog_sn"};
+const Topics kManagerQuestions = {"machine_state_valget",
+                                  "low_power_switch_state",
+                                  "bms_info",
+                                  "query_divice_info",
+                                  "uid_sn",
+                                  "get_dog_sn"};
+const Topics kManagerHears = {"dog_wakeup", "node_errors", "uid_set"};
 const Topics kManagerWakeUp = {"low_power_exit"};
 const Topics kManagerOrders = {"machine_state_switch"};
 const Topics kManagerWishes = {"machine_state_switch_keep", "ota_state_switch", "low_power_enable",

@@ -41,6 +41,8 @@ silence_ms = 2000
 source = "world"
 [led]
 source = "world"
+[uwb]
+source = "world"
 [power_key]
 source = "world"
 hold_ms = 5000
@@ -55,6 +57,7 @@ hold_ms = 5000
                       Milliseconds(2000)};
   expected.touch = true;
   expected.led = true;
+  expected.uwb = true;
   expected.power_key = {true, Milliseconds(5000)};
   EXPECT_EQ(*reading.config, expected);
 }

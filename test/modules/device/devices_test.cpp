@@ -2,6 +2,8 @@
 
 #include "musher/modules/device/devices.hpp"
 
+#include <limits>
+
 #include "musher/test/modules/device/devices_fixture.hpp"
 
 namespace musher::device {
@@ -114,6 +116,69 @@ TEST_F(Lights, AreJudgedAndNotShownWhereThereAreNone) {
   EXPECT_EQ(Wish("vp", 4), 0);
   EXPECT_EQ(Wish("vp", 77), 1124);
   EXPECT_THAT(shown_, IsEmpty());
+}
+
+class Tag : public DevicesOnANetwork {
+ protected:
+  Tag() { config_.uwb = true; }
+  void Measure(float distance, float angle) {
+    msg::UwbRaw raw;
+    raw.dist = distance;
+    raw.angle = angle;
+    ASSERT_TRUE(radio_->Publish(raw));
+    Run(Milliseconds(100));
+  }
+  void SetConnected(bool connected) {
+    ASSERT_TRUE(connection_->Publish({connected}));
+    Run(Milliseconds(100));
+  }
+
+  std::vector<msg::UwbRaw> told_;
+  std::unique_ptr<transport::Publisher<msg::UwbRaw>> radio_ =
+      Publisher<msg::UwbRaw>("dog1/world/uwb", transport::kSensorDataQos);
+  std::unique_ptr<transport::Publisher<msg::Bool>> connection_ =
+      Publisher<msg::Bool>("dog1/uwb_connected");
+  std::unique_ptr<transport::Subscription> hears_ = Listen<msg::UwbRaw>("dog1/uwb_raw", told_);
+};
+
+TEST_F(Tag, IsToldWhileItIsConnected) {
+  Start();
+  Measure(2, 0.5F);
+  EXPECT_THAT(told_, IsEmpty());
+  SetConnected(true);
+  Measure(2, 0.5F);
+  ASSERT_THAT(told_, SizeIs(1));
+  EXPECT_EQ(told_[0].dist, 2);
+  SetConnected(false);
+  Measure(2, 0.5F);
+  EXPECT_THAT(told_, SizeIs(1));
+}
+
+TEST_F(Tag, IsNotToldWhereTheReadingCannotBe) {
+  Start();
+  SetConnected(true);
+  Measure(-1, 0);
+  Measure(std::numeric_limits<float>::quiet_NaN(), 0);
+  EXPECT_THAT(told_, IsEmpty());
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("uwb: readings are refused")));
+}
+
+TEST_F(Tag, HasASessionAndASelfCheckOfItsOwn) {
+  Start();
+  const auto session = Call<msg::GetUWBMacSessionID>("dog1/get_uwb_mac_session_id", {});
+  EXPECT_EQ(session.code, 0);
+  EXPECT_EQ(session.session_id, 1U);
+  EXPECT_EQ(session.slave4, 5);
+  radio_.reset();
+  Run(Milliseconds(500));
+  EXPECT_THAT(Failures(), testing::Contains(1609));
+}
+
+TEST_F(Tag, IsRefusedWhereThereIsNoRadio) {
+  config_.uwb = false;
+  Start();
+  EXPECT_EQ(Call<msg::GetUWBMacSessionID>("dog1/get_uwb_mac_session_id", {}).code, 1608);
+  EXPECT_THAT(Failures(), testing::Not(testing::Contains(1609)));
 }
 
 class PowerKeyOfTheRobot : public DevicesOnANetwork {

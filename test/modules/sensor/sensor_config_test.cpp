@@ -46,6 +46,9 @@ right_head = "b"
 left_rear = "c/d"
 right_rear = "_e2"
 silence_ms = 250
+[gps]
+source = "driver/gps"
+satellites = "driver/satellites"
 )",
                                                  "/robot/sensors.toml");
   EXPECT_THAT(reading.diagnostics, IsEmpty());
@@ -57,8 +60,11 @@ silence_ms = 250
   expected.ros_distro = RosDistro::kGalactic;
   expected.skip = {SensorKind::kGps};
   expected.critical = {SensorKind::kTof, SensorKind::kLidar};
-  expected.Of(SensorKind::kLidar) = {{"driver/scan"}, Milliseconds(250), Milliseconds(1000)};
-  expected.Of(SensorKind::kTof) = {{"a", "b", "c/d", "_e2"}, Duration::zero(), Milliseconds(250)};
+  expected.Of(SensorKind::kLidar) = {{"driver/scan"}, Milliseconds(250), Milliseconds(1000), ""};
+  expected.Of(SensorKind::kTof) = {
+      {"a", "b", "c/d", "_e2"}, Duration::zero(), Milliseconds(250), ""};
+  expected.Of(SensorKind::kGps).sources = {"driver/gps"};
+  expected.Of(SensorKind::kGps).satellites = "driver/satellites";
   EXPECT_EQ(*reading.config, expected);
 }
 

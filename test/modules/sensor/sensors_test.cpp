@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "musher/messages/std_msgs/basic.hpp"
 #include "musher/test/modules/sensor/sensors_fixture.hpp"
 
 namespace musher::sensor {
@@ -229,6 +230,20 @@ TEST_F(SensorsTest, WithABadReadingNowAndThenSayItOnce) {
   }
   EXPECT_THAT(log_, SizeIs(1));
   EXPECT_NEAR(static_cast<double>(scans_.size()), 80, 2);
+}
+
+TEST_F(SensorsTest, TellHowManySatellitesTheFixIsFromWhileThatIsHeard) {
+  config_.Of(SensorKind::kGps).satellites = "driver/satellites";
+  const auto satellites = Publisher<msg::UInt8>("driver/satellites");
+  StartAll();
+  Run(seconds(1));
+  ASSERT_FALSE(gps_.empty());
+  EXPECT_EQ(gps_.back().num_sv, 0) << "not known yet";
+  ASSERT_TRUE(satellites->Publish({11}));
+  Run(seconds(1));
+  EXPECT_EQ(gps_.back().num_sv, 11);
+  Run(seconds(4));
+  EXPECT_EQ(gps_.back().num_sv, 0) << "not heard any more";
 }
 
 TEST_F(SensorsTest, RefuseReadingsFromAnotherTime) {

@@ -169,13 +169,26 @@ TEST_F(MusherWorld, IsToldWhatIsToHappen) {
   EXPECT_TRUE(Until([&] { return percent > 1 && percent < 18; }));
   EXPECT_TRUE(told({"fault", "motor", "3"}));
   EXPECT_TRUE(Until([&] { return state_.motor_error[3] != 0; }));
+  std::string said;
+  const auto ear = transport::MakeSubscription<msg::String>(
+                       *node_, "dog1/world/speech_text",
+                       [&](const msg::String& text, const auto&) { said = text.data; })
+                       .value();
+  EXPECT_TRUE(told({"say", "good", "dog"}));
+  EXPECT_TRUE(Until([&] { return said == "good dog"; }));
   EXPECT_TRUE(told({"cable", "in"}));
   EXPECT_TRUE(Until([&] { return percent > 18; }));
   const auto drawn = told({"draw"});
   ASSERT_TRUE(drawn) << drawn.error().message;
   EXPECT_EQ(drawn.value(), fs::canonical(folder_ / "world.png"));
-  for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
-           {"battery", "nan"}, {"battery"}, {"cable", "sideways"}, {"place", "1"}, {"dance"}}) {
+  for (const std::vector<std::string>& wrong :
+       std::vector<std::vector<std::string>>{{"battery", "nan"},
+                                             {"battery"},
+                                             {"cable", "sideways"},
+                                             {"place", "1"},
+                                             {"dance"},
+                                             {"say"},
+                                             {"power-key", "left"}}) {
     EXPECT_FALSE(ReadTelling(wrong)) << wrong[0];
   }
 }

@@ -134,6 +134,48 @@ TEST(Sensing, KnowsItsPositionOnTheEarth) {
   EXPECT_TRUE(std::isnan(none.latitude));
 }
 
+TEST(Sensing, CountsTheSatellitesOfAFix) {
+  Scene scene = EmptyYard();
+  scene.sensors.gps.satellites = 12;
+  EXPECT_EQ(CountSatellites(World(scene)).data, 12);
+  scene.sensors.gps.fix = GpsSpec::Fix::kNone;
+  EXPECT_EQ(CountSatellites(World(scene)).data, 0);
+}
+
+TEST(Sensing, MeasuresHowFarAndInWhichDirectionTheTagIs) {
+  Scene scene = EmptyYard();
+  scene.sensors.uwb.noise_m = 0;
+  scene.sensors.uwb.noise_rad = 0;
+  scene.start = {{1, 1}, M_PI / 2};  // looks along y
+  scene.sensors.uwb.tag_m = {-2, 1};
+  const auto left = MeasureTag(World(scene));
+  ASSERT_TRUE(left);
+  EXPECT_NEAR(left->dist, 3, 1e-5);
+  EXPECT_NEAR(left->angle, M_PI / 2, 1e-5) << "left is positive";
+  EXPECT_EQ(left->n_los, 0);
+  scene.sensors.uwb.tag_m = {1, -1};
+  const auto behind = MeasureTag(World(scene));
+  ASSERT_TRUE(behind);
+  EXPECT_NEAR(std::abs(behind->angle), M_PI, 1e-5);
+  EXPECT_GT(behind->rssi_1, left->rssi_1) << "it is nearer";
+  scene.sensors.uwb.most_m = 1;
+  EXPECT_FALSE(MeasureTag(World(scene))) << "too far";
+}
+
+TEST(Sensing, SaysThatTheTagIsBehindSomething) {
+  Scene scene = EmptyYard();
+  scene.boxes = {WallAt(3)};
+  scene.sensors.uwb.tag_m = {5, 0};
+  const auto hidden = MeasureTag(World(scene));
+  ASSERT_TRUE(hidden);
+  EXPECT_EQ(hidden->n_los, 1);
+  scene.boxes.clear();
+  const auto seen = MeasureTag(World(scene));
+  ASSERT_TRUE(seen);
+  EXPECT_EQ(seen->n_los, 0);
+  EXPECT_GT(seen->rssi_1, hidden->rssi_1);
+}
+
 TEST(Sensing, HasNoiseOfTheSizeThatTheSceneSays) {
   Scene scene = EmptyYard();
   scene.sensors.lidar.reach.noise_m = 0.02;
