@@ -3,9 +3,8 @@
 // (std_srvs/SetBool) when the machine is in LowPower, and when it leaves it.
 //
 //   true    the machine has arrived in LowPower, unless the battery took it there
-//   false   at the start, and as soon as a switch out of LowPower begins. What the manager itself
-//   is
-//           asked for (low_power_exit, dog_wakeup, the state topics and services) waits for it
+//   false   at the start, and as soon as a switch out of LowPower begins. Requests to the manager
+//           (low_power_exit, dog_wakeup, the state topics and services) wait for it
 //
 // A call is made up to three times, one second apart. What comes to nothing is on record, and is
 // tried again with the next switch. A robot without that service has nothing to be told.
