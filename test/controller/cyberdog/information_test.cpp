@@ -77,7 +77,7 @@ TEST_F(CyberdogInformation, WhatIsNotKnownIsNull) {
   EXPECT_EQ(all["charging"], false);
 }
 
-TEST_F(CyberdogInformation, TheSerialNumberAndTheAccountAreToldToWhoAsks) {
+TEST_F(CyberdogInformation, TheSerialNumberAndTheAccountAreAnsweredAndPublished) {
   std::vector<std::string> told;
   Hear<msg::String>("dog_sn", [&](const msg::String& text) { told.push_back(text.data); });
   BringUp();
