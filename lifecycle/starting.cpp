@@ -321,8 +321,24 @@ std::optional<State> Decision::LowestFound() const {
   return lowest;
 }
 
-// Who is elsewhere than where the machine is, or on the way: what the controller before died in.
-std::string Decision::HalfWay() const {
+// Whether the controller before died during a switch: an actuator is on a way that does not end
+// where the machine is, or comes from above. One that comes up to where the machine is had been
+// started again, or was late.
+bool Decision::FoundSwitching() const {
+  const auto rank = config_.RankOf(machine_.state);
+  return std::any_of(
+      machine_.actuators.begin(), machine_.actuators.end(), [&](const ActuatorRecord& record) {
+        const ActuatorReport& report = record.report;
+        if (record.presence != Presence::kPresent || record.held || report.busy_number == 0) {
+          return false;
+        }
+        const auto from = config_.RankOf(report.state);
+        return config_.RankOf(report.target) && (report.target != machine_.state || from > rank);
+      });
+}
+
+// The actuators that are elsewhere than where the machine is, or on the way.
+std::string Decision::Elsewhere() const {
   std::string text;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const ActuatorRecord& record = Of(i);
@@ -345,11 +361,13 @@ void Decision::AdoptFrom(const State& lowest, std::uint64_t cause) {
     return Stop(MakePlan(config_, machine_, lowest), {}, told);
   }
   machine_.state = lowest;
-  if (const std::string half_way = HalfWay(); !half_way.empty()) {
-    cause = RecordMachine(
-        kCodeOk,
-        "an earlier controller left a switch half way (" + half_way + "); it is ended in " + lowest,
-        cause);
+  if (const std::string elsewhere = Elsewhere(); !elsewhere.empty()) {
+    cause = RecordMachine(kCodeOk,
+                          FoundSwitching() ? "an earlier controller left a switch half way (" +
+                                                 elsewhere + "); it is ended in " + lowest
+                                           : "the least active state that is found is " + lowest +
+                                                 "; elsewhere: " + elsewhere,
+                          cause);
   }
   BecomeRunning("the machine is adopted in " + lowest, cause);
 }

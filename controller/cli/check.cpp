@@ -12,8 +12,8 @@ ExitCode Check(const CheckOptions& options, Console& console) {
   std::vector<Diagnostic> all;
   for (const std::string& file : options.files) {
     ConfigReading reading = ReadConfigFile(file);
-    if (reading.config) {
-      const auto found = CheckPrograms(*reading.config);
+    if (const auto& read = reading.config ? reading.config : reading.faulty) {
+      const auto found = CheckPrograms(*read);
       reading.diagnostics.insert(reading.diagnostics.end(), found.begin(), found.end());
       if (HasError(found)) reading.config.reset();
     }

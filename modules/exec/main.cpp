@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/suggest.hpp"
 #include "musher/modules/exec/exec_process.hpp"
 #include "musher/modules/program/module_main.hpp"
 
@@ -80,7 +81,8 @@ std::optional<musher::ActuatorConfig> ReadActuator(const std::string& state_conf
   if (!machine.config) return std::nullopt;
   const auto index = machine.config->IndexOf(actuator);
   if (!index) {
-    std::cerr << state_config << ": there is no actuator '" << actuator << "'" << std::endl;
+    std::cerr << state_config << ": " << musher::NoSuchActuator(actuator, *machine.config)
+              << std::endl;
     return std::nullopt;
   }
   return machine.config->actuators[*index];

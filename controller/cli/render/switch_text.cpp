@@ -22,8 +22,9 @@ Style StyleOfOutcome(std::string_view outcome) {
 std::string SwitchText(const msg::SetState::Response& told, bool colour) {
   const msg::SetState::Response result = Printable(told);
   std::string text = Paint(result.outcome, StyleOfOutcome(result.outcome), colour) + ": " +
-                     (result.actuator.empty() ? "the machine" : result.actuator) + " is in " +
-                     result.state;
+                     (result.state.empty()      ? "nothing is switched"
+                      : result.actuator.empty() ? "the machine is in " + result.state
+                                                : result.actuator + " is in " + result.state);
   if (result.switch_number != 0) text += fmt::format(" (switch {})", result.switch_number);
   text += '\n';
   if (result.actuators.empty()) return text;

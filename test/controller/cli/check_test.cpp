@@ -117,6 +117,20 @@ TEST_F(CheckedPrograms, SaysNothingOfAProgramThatIsThere) {
   EXPECT_EQ(Check("command = [\"true\"]").out, "ok: 2 actuators, 6 states, 2 stages\n");
 }
 
+TEST_F(CheckedPrograms, AreJudgedBesideAFaultOfTheConfigToo) {
+  const std::string world = Write("musher-world",
+                                  "#!/bin/sh\necho \"$3:1:2: error: of the state config\"\n"
+                                  "echo 'scene.toml:3:4: error: of the scene'\nexit 2\n");
+  std::filesystem::permissions(world, std::filesystem::perms::owner_all);
+  const Ran ran = Check("command = [\"nosuchprogram\"]\non_lost = \"Gone\"\n");
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.out, HasSubstr("unknown state \"Gone\""));
+  EXPECT_THAT(ran.out, HasSubstr("there is no program 'nosuchprogram' in PATH"));
+  const Ran module = Check("command = [\"" + world + "\"]\non_lost = \"Gone\"\n");
+  EXPECT_THAT(module.out, HasSubstr("scene.toml:3:4: error: of the scene"));
+  EXPECT_THAT(module.out, Not(HasSubstr("of the state config")));
+}
+
 // A module of one's own, whose name begins like those of Musher's, started and ran for ever.
 TEST_F(CheckedPrograms, AreNotRunUnlessTheyAreMushersOwn) {
   const std::string program = Write("musher-gripper", "#!/bin/sh\ntouch \"$0\".ran\n");

@@ -221,6 +221,8 @@ TEST_F(Text, ShowsARefusedSwitchOfOneActuator) {
   refusal.code = 111;
   refusal.state = "SetUp";
   EXPECT_EQ(SwitchText(refusal, false), "refused: eyes is in SetUp\n");
+  refusal.state.clear();  // there is no such actuator
+  EXPECT_EQ(SwitchText(refusal, false), "refused: nothing is switched\n");
   EXPECT_EQ(SwitchComplaint(refusal), "eyes to Active is refused: 111 (Robot: TargetBusy)");
 }
 

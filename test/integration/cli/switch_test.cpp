@@ -57,7 +57,14 @@ TEST_F(Set, EndsWithOneAndAReasonWhenItIsRefused) {
   EXPECT_EQ(result["outcome"], "refused");
   EXPECT_NE(result["code"], 0);
   EXPECT_EQ(result["state"], "Active");
-  EXPECT_EQ(Musher({"set", "Active", "tail"}).exit, 1);
+  const Ended unknown = Musher({"set", "Active", "tail"});
+  EXPECT_EQ(unknown.exit, 1);
+  EXPECT_EQ(unknown.out, "refused: nothing is switched\n");
+  EXPECT_EQ(unknown.err,
+            "musher: tail to Active is refused: there is no actuator 'tail'; there are legs, voice "
+            "and eyes\n");
+  EXPECT_THAT(Musher({"plan", "Active", "leg"}).err,
+              HasSubstr("there is no actuator 'leg'; did you mean 'legs'? There are legs, voice "));
   EXPECT_EQ(Musher({"set", std::string(100'000, 'x')}).exit, 1);
   EXPECT_EQ(Status()["state"], "Active");
 }
