@@ -64,7 +64,7 @@ TEST_F(Restart, ByHandSaysWhichNameWasMeant) {
   EXPECT_EQ(restart.exit, 1);
   EXPECT_THAT(restart.err,
               HasSubstr("there is no actuator 'vioce'; did you mean 'voice'? There are "
-                        "legs and voice"));
+                        "legs, voice and eyes"));
   EXPECT_EQ(Voice()["pid"], voice_);
 }
 

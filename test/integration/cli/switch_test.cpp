@@ -112,6 +112,25 @@ TEST_F(Set, EndsWithFourAndTheNumberOfTheSwitchThatGoesOn) {
   EXPECT_EQ(Status()["state"], "LowPower");
 }
 
+TEST_F(Set, ShowsOnATerminalWhichActuatorsAreStillSwitching) {
+  Blocks("legs", "LowPower");
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const std::string screen = folder_ / "screen";
+  Process set({"script", "-qfc", MUSHER_BIN_DIR "/musher set LowPower", screen});
+  const auto shown = [&] {
+    std::ifstream file(screen);
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+  };
+  AwaitStatus(
+      [&](const auto&) { return shown().find("s: still switching legs") != std::string::npos; });
+  Release();
+  EXPECT_EQ(set.Wait().exit, 0);
+  EXPECT_THAT(shown(), HasSubstr("\r\x1b[K\x1b[32mdone\x1b[0m: the machine is in LowPower"));
+  const Ended quiet = Musher({"set", "Active"});
+  EXPECT_THAT(quiet.out, Not(HasSubstr("still switching")));
+  EXPECT_EQ(quiet.err, "");
+}
+
 TEST_F(Set, LetsTheSwitchGoOnAfterCtrlC) {
   Blocks("legs", "LowPower");
   ASSERT_NO_FATAL_FAILURE(Start());
