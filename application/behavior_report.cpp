@@ -40,6 +40,9 @@ msg::GetBehavior::Response ReportBehavior(const fsm::Machine& machine, bool tick
   for (std::size_t i = history.size() - count; i < history.size(); ++i) {
     report.history.push_back(ToMessage(machine, history[i]));
   }
+  for (std::size_t i = 0; i < machine.event_count(); ++i) {
+    report.commands.emplace_back(machine.Name(static_cast<fsm::EventId>(i)));
+  }
   if (request.format == "dot") {
     report.graph = fsm::ToDot(machine.chart(), report.current_state);
   } else if (request.format == "mermaid") {

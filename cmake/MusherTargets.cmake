@@ -59,6 +59,11 @@ function(musher_program name)
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS})
   add_dependencies(programs ${name})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  if(MUSHER_TESTS)
+    add_test(NAME ${name}.PrintsTheVersion COMMAND ${name} --version)
+    set_tests_properties(${name}.PrintsTheVersion PROPERTIES
+      PASS_REGULAR_EXPRESSION "^${name} ${PROJECT_VERSION}\n$" TIMEOUT 60 LABELS version)
+  endif()
 endfunction()
 
 # musher_test(<name> SOURCES <cpp>... DEPENDS <target>... [LABELS ...] [TIMEOUT s]) makes a GoogleTest

@@ -5,6 +5,7 @@
 #include "musher/controller/switch_log.hpp"
 #include "musher/controller/wire.hpp"
 #include "musher/lifecycle/plan.hpp"
+#include "musher/lifecycle/suggest.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
 namespace musher {
@@ -158,7 +159,7 @@ msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request
   const auto only = config.IndexOf(request.actuator);
   auto error = JudgeLengths(request);
   if (!error && !request.actuator.empty() && !only) {
-    error = Error{kCodeParametersInvalid, "unknown actuator '" + request.actuator + "'"};
+    error = Error{kCodeParametersInvalid, NoSuchActuator(request.actuator, config)};
   }
   if (!error) return ToMessage(config, MakePlan(config, shell_.machine(), request.target, only));
   msg::GetPlan::Response response;

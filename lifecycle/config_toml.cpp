@@ -1,5 +1,7 @@
 #include "musher/lifecycle/config_toml.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdio>
 #include <utility>
@@ -17,12 +19,14 @@
 namespace musher {
 namespace {
 
+using config_toml::Array;
 using config_toml::Draft;
 using config_toml::Member;
 using config_toml::Quote;
 using config_toml::SyntaxFault;
 using config_toml::Table;
 using config_toml::TableReader;
+using config_toml::Value;
 
 constexpr std::size_t kLargestFile = 8U << 20;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
@@ -33,6 +37,31 @@ ConfigReading Refuse(const std::string& path, const std::string& message) {
 
 ConfigReading RefuseSize(const std::string& path) {
   return Refuse(path, "the file is too large: expected a state config of at most 8 MiB");
+}
+
+constexpr std::array<std::string_view, 8> kSections = {"controller", "actuator",  "state",
+                                                       "transition", "transport", "security",
+                                                       "policy",     "capability"};
+
+bool IsSection(const Value& value) {
+  const auto* array = value.As<Array>();
+  return value.As<Table>() != nullptr ||
+         (array != nullptr && !array->empty() && array->front().As<Table>() != nullptr);
+}
+
+// Sections whose names are plainly slips are read as if they had been right.
+void PutSectionNamesRight(Table& table, Draft& draft) {
+  const std::vector<std::string_view> sections(kSections.begin(), kSections.end());
+  for (Member& member : table) {
+    if (std::find(sections.begin(), sections.end(), member.key) != sections.end()) continue;
+    const std::string meant = Nearest(member.key, sections);
+    if (meant.empty() || Find(table, meant) != nullptr || !IsSection(member.value)) continue;
+    if (meant != "controller") {  // NotAStateConfig() has reported that
+      draft.findings.Error(
+          member.at, "unknown key " + Quote(member.key) + "; did you mean " + Quote(meant) + "?");
+    }
+    member.key = meant;
+  }
 }
 
 // What the file has in place of a [controller] table.
@@ -54,10 +83,7 @@ SyntaxFault NotAStateConfig(const Table& root) {
 
 void ReadSections(const Table& table, Draft& draft) {
   TableReader root(table, {1, 1}, "", draft.findings);
-  for (const auto* key : {"controller", "actuator", "state", "transition", "transport", "security",
-                          "policy", "capability"}) {
-    root.Get(key);
-  }
+  for (const std::string_view section : kSections) root.Get(section);
   root.RefuseOthers();
   ReadOwnStates(root, draft);
   ReadController(root, draft);
@@ -67,6 +93,15 @@ void ReadSections(const Table& table, Draft& draft) {
   ReadPolicy(root, draft);
   ReadActuators(root, draft);
   ReadCapabilities(root, draft);
+}
+
+void ReadDocument(Table& table, Draft& draft) {
+  if (config_toml::Find(table, "controller") == nullptr) {
+    const SyntaxFault fault = NotAStateConfig(table);
+    draft.findings.Error(fault.at, fault.message);
+  }
+  PutSectionNamesRight(table, draft);
+  if (config_toml::Find(table, "controller") != nullptr) ReadSections(table, draft);
 }
 
 }  // namespace
@@ -85,19 +120,15 @@ ConfigReading ReadConfigText(std::string_view text, const std::string& path) {
   draft.folder = config_toml::FolderOf(path);
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
 
-  const auto document = config_toml::ParseDocument(text);
-  const auto* table = std::get_if<Table>(&document);
-  if (table == nullptr) {
+  auto document = config_toml::ParseDocument(text);
+  if (auto* table = std::get_if<Table>(&document)) {
+    ReadDocument(*table, draft);
+  } else {
     const auto& fault = std::get<SyntaxFault>(document);
     draft.findings.Error(fault.at, fault.message);
-  } else if (config_toml::Find(*table, "controller") == nullptr) {
-    const SyntaxFault fault = NotAStateConfig(*table);
-    draft.findings.Error(fault.at, fault.message);
-  } else {
-    ReadSections(*table, draft);
   }
   ConfigReading reading;
-  if (!draft.findings.HasErrors()) reading.config = std::move(draft.config);
+  (draft.findings.HasErrors() ? reading.faulty : reading.config) = std::move(draft.config);
   reading.diagnostics = std::move(draft.findings).Take(path, text);
   return reading;
 }

@@ -16,6 +16,8 @@ namespace musher {
 struct ConfigReading {
   std::optional<MachineConfig> config;  // present exactly when no diagnostic is an error
   std::vector<Diagnostic> diagnostics;  // by line
+  // Of a faulty text what could be read: for more checks, never to be run.
+  std::optional<MachineConfig> faulty = std::nullopt;
 };
 
 // Reads and judges the file at `path`. Files over 8 MiB and machines of more than 4096 actuators

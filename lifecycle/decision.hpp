@@ -158,7 +158,8 @@ class Decision {
   std::string NotSetUp(std::size_t i) const;
   bool WasOutOfReach(std::size_t i) const;
   std::optional<State> LowestFound() const;
-  std::string HalfWay() const;
+  bool FoundSwitching() const;
+  std::string Elsewhere() const;
 
   // joining.cpp
   bool DriveLateOnes();

@@ -248,10 +248,14 @@ void Decision::AskOrLose(std::size_t i) {
                      Of(i).cause);
   }
   if (order.asked == 0) {
+    const std::string next = ConfigOf(i).protocol == Protocol::kCyberdog
+                                 ? "; by its protocol it cannot be asked how " + order.target +
+                                       " stands, so its state is unknown until it answers"
+                                 : "; it is asked how " + order.target + " stands";
     Of(i).cause = RecordActuator(i, kCodeTimeout,
                                  ConfigOf(i).name + " did not answer within " +
                                      std::to_string(ToMilliseconds(order.deadline - order.sent)) +
-                                     " ms; it is asked how " + order.target + " stands",
+                                     " ms" + next,
                                  machine_.current ? machine_.current->cause : Of(i).cause);
   }
   ++order.asked;

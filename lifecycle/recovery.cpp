@@ -261,12 +261,7 @@ void Decision::On(const event::RestartRequested& requested) {
   };
   const auto i = config_.IndexOf(requested.actuator);
   if (!i) {
-    std::vector<std::string> names;
-    for (const ActuatorConfig& actuator : config_.actuators) names.push_back(actuator.name);
-    const std::string near = Nearest(requested.actuator, names);
-    return refuse(kCodeParametersInvalid,
-                  "unknown actuator '" + requested.actuator.substr(0, 64) + "'" +
-                      (near.empty() ? "" : "; did you mean '" + near + "'?"));
+    return refuse(kCodeParametersInvalid, NoSuchActuator(requested.actuator, config_));
   }
   if (ConfigOf(*i).command.empty()) {
     return refuse(kCodeUnSupport,

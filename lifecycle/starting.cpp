@@ -297,63 +297,6 @@ void Decision::EndFirstStage() {
   Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {}, told);
 }
 
-// The least active state of those that run already, or are on their way to: by going on from there
-// a switch that the controller before died in is finished on the way down and undone on the way up.
-// One that was set apart says nothing about the machine, unless all are.
-std::optional<State> Decision::LowestFound() const {
-  const bool all_apart = std::all_of(
-      machine_.actuators.begin(), machine_.actuators.end(), [](const ActuatorRecord& record) {
-        return record.presence != Presence::kPresent || record.report.apart;
-      });
-  std::optional<State> lowest;
-  const auto consider = [&](const State& state) {
-    const auto rank = config_.RankOf(state);
-    if (rank && (!lowest || *rank < *config_.RankOf(*lowest))) lowest = state;
-  };
-  for (const ActuatorRecord& record : machine_.actuators) {
-    if (record.presence != Presence::kPresent || (record.report.apart && !all_apart)) continue;
-    // Who is being torn down alone will end, and be started again if it should.
-    const bool ends = record.state() == kTearDown || record.report.target == kTearDown;
-    if (ends && record.report.apart) continue;
-    consider(record.state());
-    consider(record.report.target);  // also out of a check, which has no rank of its own
-  }
-  return lowest;
-}
-
-// Who is elsewhere than where the machine is, or on the way: what the controller before died in.
-std::string Decision::HalfWay() const {
-  std::string text;
-  for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    const ActuatorRecord& record = Of(i);
-    const bool there = record.state() == machine_.state && !record.report.busy();
-    if (record.presence != Presence::kPresent || record.held || there) continue;
-    text += (text.empty() ? "" : ", ") + ConfigOf(i).name + " in " + record.state() +
-            (record.report.busy() ? " on its way to " + record.report.target : "");
-  }
-  return text;
-}
-
-// An earlier controller left actuators running: the machine goes on from the least active state, so
-// that nothing becomes more active by a restart; the others follow.
-void Decision::AdoptFrom(const State& lowest, std::uint64_t cause) {
-  if (lowest == kTearDown) {
-    const std::string message =
-        "the controller before ended in the middle of TearDown; this one finishes it";
-    const std::uint64_t told = RecordMachine(kCodeOk, message, cause);
-    Do(action::StartUpEnded{false, message});
-    return Stop(MakePlan(config_, machine_, lowest), {}, told);
-  }
-  machine_.state = lowest;
-  if (const std::string half_way = HalfWay(); !half_way.empty()) {
-    cause = RecordMachine(
-        kCodeOk,
-        "an earlier controller left a switch half way (" + half_way + "); it is ended in " + lowest,
-        cause);
-  }
-  BecomeRunning("the machine is adopted in " + lowest, cause);
-}
-
 void Decision::AfterStartUpCheck(std::uint64_t checked) {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     if (ConfigOf(i).stage > machine_.stage || !Critical(i) || !Of(i).fault) continue;

@@ -5,10 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "musher/lifecycle/config.hpp"
+
 namespace musher {
 namespace {
 
 constexpr std::size_t kLongestWord = 64;
+constexpr std::size_t kMostNames = 12;                   // that are listed
 using Row = std::array<std::uint8_t, kLongestWord + 1>;  // distances, at most kLongestWord
 
 char Lower(char c) {
@@ -67,6 +70,30 @@ std::string Nearest(std::string_view word, const std::vector<std::string_view>& 
 
 std::string Nearest(std::string_view word, const std::vector<std::string>& candidates) {
   return NearestOf(word, candidates);
+}
+
+std::string NoSuch(std::string_view what, std::string_view name,
+                   const std::vector<std::string>& names) {
+  std::string text =
+      "there is no " + std::string(what) + " '" + std::string(name.substr(0, kLongestWord)) + "'";
+  if (names.empty()) return text;
+  const std::string near = Nearest(name, names);
+  text += near.empty() ? "; there " : "; did you mean '" + near + "'? There ";
+  text += names.size() == 1 ? "is only " : "are ";
+  const std::size_t shown = std::min(names.size(), kMostNames);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const bool last = i + 1 == names.size();
+    text += (i == 0 ? "" : last ? " and " : ", ") + names[i];
+  }
+  return shown == names.size() ? text
+                               : text + " and " + std::to_string(names.size() - shown) + " more";
+}
+
+std::string NoSuchActuator(std::string_view name, const MachineConfig& config) {
+  std::vector<std::string> names;
+  names.reserve(config.actuators.size());
+  for (const ActuatorConfig& actuator : config.actuators) names.push_back(actuator.name);
+  return NoSuch("actuator", name, names);
 }
 
 }  // namespace musher

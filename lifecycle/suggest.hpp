@@ -7,11 +7,19 @@
 
 namespace musher {
 
+struct MachineConfig;
+
 // The candidate nearest to `word` by edit distance, where swapped neighbours count as one edit and
 // upper and lower case are the same. Empty when none is near: a third of the word's length is
 // allowed to differ, at least one character and at most three. Of equally near ones the first wins;
 // a candidate equal to `word` is never given. Words over 64 bytes have no nearest one.
 std::string Nearest(std::string_view word, const std::vector<std::string_view>& candidates);
 std::string Nearest(std::string_view word, const std::vector<std::string>& candidates);
+
+// "there is no actuator 'lags'; did you mean 'legs'? There are arm, head and legs": `what` it is,
+// the names there are, of many the first. Safe with any `name`: it is shortened.
+std::string NoSuch(std::string_view what, std::string_view name,
+                   const std::vector<std::string>& names);
+std::string NoSuchActuator(std::string_view name, const MachineConfig& config);
 
 }  // namespace musher

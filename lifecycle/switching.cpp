@@ -33,12 +33,6 @@ SwitchResult Refusal(const State& target, const std::string& actuator, const Sta
   return result;
 }
 
-std::vector<std::string> Names(const MachineConfig& config) {
-  std::vector<std::string> names;
-  for (const ActuatorConfig& actuator : config.actuators) names.push_back(actuator.name);
-  return names;
-}
-
 }  // namespace
 
 void Decision::On(const event::SetStateRequested& requested) {
@@ -46,12 +40,10 @@ void Decision::On(const event::SetStateRequested& requested) {
   if (requested.actuator) {
     only = config_.IndexOf(*requested.actuator);
     if (!only) {
-      const std::string near = Nearest(*requested.actuator, Names(config_));
-      const Error unknown{kCodeParametersInvalid,
-                          "unknown actuator '" + requested.actuator->substr(0, 64) + "'" +
-                              (near.empty() ? "" : "; did you mean '" + near + "'?")};
+      const Error unknown{kCodeParametersInvalid, NoSuchActuator(*requested.actuator, config_)};
+      // It is in no state.
       return Answer({requested.request},
-                    Refusal(requested.target, *requested.actuator, machine_.state, unknown));
+                    Refusal(requested.target, *requested.actuator, "", unknown));
     }
   }
   const std::uint64_t asked = Record(

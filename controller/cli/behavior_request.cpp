@@ -16,7 +16,7 @@ constexpr Duration kAnswerTime = std::chrono::seconds(5);
 
 Failure NoSuchActuator(const Link& link, const GlobalOptions& global, const std::string& name,
                        const std::set<std::string>& there) {
-  if (there.empty() && !link.HasMachine()) return link.Nobody("actuator");
+  if (there.empty() && !link.HasMachine()) return link.NotFound("actuator");
   if (there.empty()) {
     return {ExitCode::kNoController,
             {kCodeNetError, fmt::format("no actuator '{}' in namespace '{}': none runs there", name,

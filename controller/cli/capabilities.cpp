@@ -14,11 +14,11 @@ namespace {
 Failure Unknown(const std::string& name, const msg::Capabilities& told) {
   std::vector<std::string> names;
   for (const msg::Capability& capability : told.capabilities) names.push_back(capability.name);
-  const std::string near = Nearest(name, names);
+  const bool near = !Nearest(name, names).empty();
   return {ExitCode::kNotDone,
-          {kCodeParametersInvalid, "the config declares no capability '" + name + "'" +
-                                       (near.empty() ? "; what is not declared runs in Active only"
-                                                     : "; did you mean '" + near + "'?")}};
+          {kCodeParametersInvalid,
+           NoSuch("capability", name, names) +
+               (near ? "" : "; what the config does not declare runs in Active only")}};
 }
 
 }  // namespace

@@ -1,19 +1,47 @@
 // musher check FILE...: every fault of state configs. Touches no network.
 
+#include <filesystem>
+
 #include "musher/controller/cli/commands.hpp"
 #include "musher/controller/cli/program_check.hpp"
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/ota/root.hpp"
 #include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/state.hpp"
 
 namespace musher::cli {
+namespace {
+
+// It lies in a robot's folder of versions, or the manager's OTA service is offered. Without such a
+// sign, the owner may do without upgrades, and is left alone.
+bool WantsUpgrades(const MachineConfig& config) {
+  if (config.policy && config.policy->manager) return true;
+  std::error_code error;
+  std::filesystem::path folder = std::filesystem::absolute(config.file, error).lexically_normal();
+  while (folder.has_relative_path()) {
+    folder = folder.parent_path();
+    if (std::filesystem::exists(folder / ota::kRootFile, error)) return true;
+  }
+  return false;
+}
+
+void AddUpgradeFault(const MachineConfig& config, std::vector<Diagnostic>& diagnostics) {
+  if (config.states.empty() || config.HasState(kOta) || !WantsUpgrades(config)) return;
+  diagnostics.push_back({config.file, 0, 0, Severity::kWarning,
+                         "the machine has no state OTA, in which a robot is upgraded: `musher ota` "
+                         "refuses this config; list OTA in `states` of [controller]"});
+}
+
+}  // namespace
 
 ExitCode Check(const CheckOptions& options, Console& console) {
   std::vector<Diagnostic> all;
   for (const std::string& file : options.files) {
     ConfigReading reading = ReadConfigFile(file);
-    if (reading.config) {
-      const auto found = CheckPrograms(*reading.config);
+    if (const auto& read = reading.config ? reading.config : reading.faulty) {
+      AddUpgradeFault(*read, reading.diagnostics);
+      const auto found = CheckPrograms(*read);
       reading.diagnostics.insert(reading.diagnostics.end(), found.begin(), found.end());
       if (HasError(found)) reading.config.reset();
     }

@@ -6,6 +6,7 @@
 
 #include "musher/controller/cli/grammar/grammar.hpp"
 #include "musher/lifecycle/suggest.hpp"
+#include "musher/lifecycle/version.hpp"
 
 namespace musher::cli {
 namespace {
@@ -72,13 +73,17 @@ Grammar::Grammar() : app_(std::make_unique<CLI::App>(kDescription, "musher")) {
   app_->get_formatter()->column_width(32);
   app_->get_formatter()->label("SUBCOMMAND", "COMMAND");
   app_->get_formatter()->label("REQUIRED", "");
-  app_->set_version_flag("--version", "musher " MUSHER_VERSION, "Print the version");
+  app_->set_version_flag("--version", "musher " + std::string(Version()), "Print the version");
   app_->set_help_flag("-h,--help", "Print this help");
   AddGlobalOptions();
   AddConfigCommands();
+  AddRunCommands();
   AddMachineCommands();
+  AddRecordCommands();
+  group_ = "Install and upgrade";
   AddKeysCommands();
   AddOtaCommands();
+  AddCompletion();
 }
 
 std::variant<CommandLine, ParseEnd> Grammar::Parse(int argc, const char* const* argv) {
@@ -102,10 +107,36 @@ Grammar::~Grammar() = default;
 CLI::App* Grammar::AddTo(CLI::App& parent, const std::string& name, const std::string& what,
                          std::function<CommandOptions()> take) {
   CLI::App* command = parent.add_subcommand(name, what);
-  if (&parent == app_.get()) command->group("Commands");
+  command->group(&parent == app_.get() ? group_ : "Commands");
   command->footer(kCommandFooter);
   command->callback([this, take = std::move(take)] { take_command_ = take; });
   return command;
+}
+
+CLI::App* Grammar::AddFamily(const std::string& name, const std::string& what) {
+  CLI::App* family = app_->add_subcommand(name, what);
+  family->group(group_);
+  family->require_subcommand(1);
+  family->footer(kCommandFooter);
+  return family;
+}
+
+CLI::Option* Grammar::OneOf(CLI::Option* option, const std::vector<std::string>& words) {
+  choices_[option] = words;
+  return option->check(CLI::IsMember(words).description(""))
+      ->type_name(option->get_positional() ? "" : CLI::detail::join(words, "|"));
+}
+
+CLI::Option* Grammar::Offer(CLI::Option* option, Names names) {
+  offers_[option] = names;
+  return option;
+}
+
+void Grammar::AddCompletion() {
+  auto completion = std::make_shared<CompletionOptions>();
+  auto* command = AddCommand("completion", "Print the completion script of a shell", completion);
+  OneOf(command->add_option("SHELL", completion->shell, "bash or zsh"), {"bash", "zsh"})
+      ->required();
 }
 
 void Grammar::AddGlobalOptions() {
@@ -117,68 +148,73 @@ void Grammar::AddGlobalOptions() {
   app_->add_option("--domain", global_.domain, "DDS domain; default $ROS_DOMAIN_ID, else 0")
       ->check(CLI::Range(0, 232).description(""))
       ->type_name("N");
-  app_->add_option("--transport", global_.transport,
-                   "local: machines on this host; lan: also on others;\n"
-                   "default $MUSHER_TRANSPORT, else local (up: as its config says)")
-      ->check(CLI::IsMember({"local", "lan"}).description(""))
-      ->type_name("local|lan");
+  OneOf(app_->add_option("--transport", global_.transport,
+                         "local: machines on this host; lan: also on others;\n"
+                         "default $MUSHER_TRANSPORT, else local (up: as its config says)"),
+        {"local", "lan"});
   timeout_ = app_->add_option("--timeout", timeout_s_,
                               "How long to wait for the controller's answer;\n"
                               "default 60 for set, down and restart, else 5")
                  ->check(InSeconds())
                  ->type_name("SECONDS");
-  app_->add_option("--keys", global_.keys,
-                   "Folder with the keys of a machine that has [security];\n"
-                   "default $MUSHER_KEYS, else none")
+  Offer(app_->add_option("--keys", global_.keys,
+                         "Folder with the keys of a machine that has [security];\n"
+                         "default $MUSHER_KEYS, else none"),
+        Names::kFolders)
       ->type_name("FOLDER");
   app_->add_option("--identity", global_.identity,
                    "Whose keys; default $MUSHER_IDENTITY, else operator")
       ->type_name("NAME");
-  app_->add_option("--color", colour_,
-                   "When to colour; auto: on a terminal, unless NO_COLOR is set")
-      ->check(CLI::IsMember({"auto", "always", "never"}).description(""))
-      ->type_name("auto|always|never");
+  OneOf(app_->add_option("--color", colour_,
+                         "When to colour; auto: on a terminal, unless NO_COLOR is set"),
+        {"auto", "always", "never"});
 }
 
 std::string Grammar::Complaint(const CLI::ParseError& e) const {
-  const auto unknown = app_->remaining();
-  const bool has_command = !app_->get_subcommands().empty();
-  if (!has_command && unknown.empty() && dynamic_cast<const CLI::RequiredError*>(&e) != nullptr) {
-    return "a command is missing; see musher --help";
+  std::string help = "see musher";
+  const CLI::App* command = app_.get();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    help += " " + command->get_name();
   }
-  if (has_command) {
-    return std::string(e.what()) + "; see musher " + app_->get_subcommands().front()->get_name() +
-           " --help";
-  }
-  if (unknown.empty()) return std::string(e.what()) + "; see musher --help";
+  help += " --help";
+  const auto unknown = app_->remaining(/*recurse=*/true);
   std::vector<std::string> commands;
-  for (const CLI::App* command : app_->get_subcommands({})) commands.push_back(command->get_name());
+  for (const CLI::App* known : command->get_subcommands({})) commands.push_back(known->get_name());
+  if (commands.empty()) return std::string(e.what()) + "; " + help;
+  if (unknown.empty()) {
+    const bool missing = dynamic_cast<const CLI::RequiredError*>(&e) != nullptr;
+    return (missing ? "missing command" : std::string(e.what())) + "; " + help;
+  }
   const std::string near = Nearest(unknown.front(), commands);
   return "there is no command '" + unknown.front() + "'; " +
-         (near.empty() ? "" : "did you mean '" + near + "'? ") + "see musher --help";
+         (near.empty() ? "" : "did you mean '" + near + "'? ") + help;
 }
 
 void Grammar::TakeGlobalOptions() {
   global_.name_space_given = namespace_->count() > 0;
-  const char* variable = std::getenv("MUSHER_NAMESPACE");  // NOLINT(concurrency-mt-unsafe)
-  if (!global_.name_space_given && variable != nullptr) name_space_ = variable;
-  if (!name_space_.empty() && name_space_.front() == '/') name_space_.erase(0, 1);
-  if (!IsNamespace(name_space_)) {
-    throw CLI::ValidationError("the namespace '" + name_space_ +
+  global_.name_space = name_space_;
+  TakeEnvironment();
+  if (!IsNamespace(global_.name_space)) {
+    throw CLI::ValidationError("the namespace '" + global_.name_space +
                                "' is not made of names separated by '/', as in fleet/dog1");
   }
-  global_.name_space = name_space_;
-  const auto take = [](std::string& value, const char* source, const char* otherwise) {
-    const char* set = std::getenv(source);  // NOLINT(concurrency-mt-unsafe)
-    if (value.empty()) value = set != nullptr ? set : otherwise;
-  };
-  take(global_.keys, "MUSHER_KEYS", "");
-  take(global_.identity, "MUSHER_IDENTITY", "operator");
   if (colour_ == "always") global_.colour = ColourWhen::kAlways;
   if (colour_ == "never") global_.colour = ColourWhen::kNever;
   if (timeout_->count() > 0) {
     global_.timeout = Milliseconds(std::llround(timeout_s_ * 1000));
   }
+}
+
+void Grammar::TakeEnvironment() {
+  const auto take = [](std::string& value, const char* source, const char* otherwise) {
+    const char* set = std::getenv(source);  // NOLINT(concurrency-mt-unsafe)
+    if (value.empty()) value = set != nullptr ? set : otherwise;
+  };
+  if (!global_.name_space_given) take(global_.name_space, "MUSHER_NAMESPACE", "");
+  if (global_.name_space.starts_with('/')) global_.name_space.erase(0, 1);
+  take(global_.keys, "MUSHER_KEYS", "");
+  take(global_.identity, "MUSHER_IDENTITY", "operator");
 }
 
 namespace {
@@ -195,6 +231,9 @@ std::vector<const char*> WithHelp(int argc, const char* const* argv) {
 }  // namespace
 
 std::variant<CommandLine, ParseEnd> ParseCommandLine(int argc, const char* const* argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "complete") {
+    return Grammar().Complete({argv + 2, argv + argc});
+  }
   const auto words = WithHelp(argc, argv);
   auto parsed = Grammar().Parse(static_cast<int>(words.size()), words.data());
   if (auto* end = std::get_if<ParseEnd>(&parsed)) {

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "musher/controller/cli/exit_code.hpp"
 #include "musher/controller/cli/options.hpp"
@@ -19,5 +20,9 @@ struct ParseEnd {
 
 // $MUSHER_NAMESPACE counts where --namespace is missing.
 std::variant<CommandLine, ParseEnd> ParseCommandLine(int argc, const char* const* argv);
+
+// Every command with each of its arguments and options, a line for each: "up FILE", "up --detach",
+// "ota bundle --key"; "--json" and the like belong to every command. For what is compared with it.
+std::vector<std::string> GrammarLines();
 
 }  // namespace musher::cli

@@ -43,5 +43,6 @@ ExitCode OtaStatus(const OtaStatusOptions& options, const GlobalOptions& global,
 ExitCode OtaRollback(const OtaRollbackOptions& options, const GlobalOptions& global,
                      Console& console);
 ExitCode Completion(const CompletionOptions& options, Console& console);
+ExitCode Complete(const CompleteOptions& options, const GlobalOptions& global, Console& console);
 
 }  // namespace musher::cli

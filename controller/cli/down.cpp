@@ -31,7 +31,7 @@ ExitCode EndWhatRuns(const GlobalOptions& global, Console& console) {
                                "': `musher down` ends them in their order, and it"}});
   }
   if (running.value()->Now().empty()) {
-    return console.Fail(link.value()->Nobody("controller and no actuator"));
+    return console.Fail(link.value()->NotFound("controller and no actuator"));
   }
   const auto ending = Ending::Begin(link.value()->node(), global.name_space, *running.value(),
                                     global.timeout.value_or(kPatience));

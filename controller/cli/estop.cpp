@@ -67,7 +67,7 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Consol
   const EstopReport report =
       AwaitEverybody(*link.value(), *latching.value(), global.timeout.value_or(kTimeout));
   if (!report.controller && report.actuators.empty()) {
-    return console.Fail(link.value()->Nobody("controller and no actuator"));
+    return console.Fail(link.value()->NotFound("controller and no actuator"));
   }
   console.Print(console.mode().json ? EstopJson(report) : EstopText(report, console.mode().colour));
   if (report.complete()) return ExitCode::kDone;

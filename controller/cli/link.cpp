@@ -114,7 +114,7 @@ std::optional<Failure> Link::Await(const std::function<bool()>& answered,
   if (!met() && LeaderHere() != 0) {
     loop_.RunUntil(met, begin + std::min(discovery_of_one_here(), timeout));
   }
-  if (!met()) return Nobody("controller");
+  if (!met()) return NotFound("controller");
   loop_.RunUntil(ended, begin + timeout);
   if (answered()) return std::nullopt;
   if (interrupted_) return Failure{ExitCode::kInterrupted, {kCodeFailed, "interrupted"}};
@@ -127,13 +127,13 @@ bool Link::HasMachine() const {
   });
 }
 
-Failure Link::Nobody(const std::string& what) const {
+Failure Link::NotFound(const std::string& what) const {
   std::string message = "no " + what + " in namespace '" + global_.name_space + "'";
   if (machines_.empty()) {
     message += fmt::format(
         " of DDS domain {}; `musher up FILE` starts one, and --transport lan looks on other hosts",
         transport::DomainId({}).value());
-    message += UnheardController();
+    message += UnreachableController();
   } else {
     std::string found;
     for (const auto& [writer, machine] : machines_) {
@@ -154,7 +154,7 @@ pid_t Link::LeaderHere() const {
 }
 
 // One with [security] is not heard without its keys, nor one without [security] with keys.
-std::string Link::UnheardController() const {
+std::string Link::UnreachableController() const {
   const pid_t holder = LeaderHere();
   if (holder == 0) return "";
   const std::string there = fmt::format("; process {} leads one here, but is not heard ", holder);

@@ -2,7 +2,7 @@
 // The way from a command to the controller: joins the domain, finds the controller, asks it.
 //
 //   Open() ── Ask() ──▶ the answer
-//                 └──▶ a Failure: nobody there, no answer in time, interrupted, or a bad network
+//                 └──▶ a Failure: no controller, no answer in time, interrupted, or a bad network
 //
 // Threads: one; Ask() runs the loop until there is an answer. Ctrl-C ends an Ask(), not the
 // program.
@@ -76,8 +76,8 @@ class Link {
   bool interrupted() const { return interrupted_; }
   pid_t LeaderHere() const;  // 0: no controller of this host leads in our namespace
   bool HasMachine() const;   // a controller in our namespace has been heard of
-  // That nobody is there: "no <what> in namespace …".
-  Failure Nobody(const std::string& what) const;
+  // Nothing was found: "no <what> in namespace …".
+  Failure NotFound(const std::string& what) const;
 
   // Runs the loop until Ctrl-C.
   void RunUntilInterrupted();
@@ -92,7 +92,7 @@ class Link {
   Result<> Join();
 
   Failure NoAnswer(Duration timeout) const;
-  std::string UnheardController() const;
+  std::string UnreachableController() const;
 
   const GlobalOptions& global_;
   transport::UniqueFd signals_;  // before the node: its threads inherit the mask

@@ -170,6 +170,31 @@ struct OtaRollbackOptions {
 struct CompletionOptions {
   std::string shell;  // "bash" or "zsh"
 };
+// What can be named on a command line: of the robot, or of the disk.
+enum class Names {
+  kNone,
+  kStates,
+  kActuators,
+  kApplications,
+  kCommands,  // of the application on the line
+  kCapabilities,
+  kConfigs,  // .toml files and folders
+  kFiles,
+  kFolders
+};
+// `musher complete WORD...`: what a shell offers for the last word. The installed scripts ask it.
+struct CompleteOptions {
+  struct Word {
+    std::string text;
+    std::string meaning;
+  };
+  std::vector<Word> words;  // that the grammar has there
+  Names names = Names::kNone;
+  std::string begin;   // of what is offered
+  std::string prefix;  // that stands before it already: "--format="
+  std::string config;  // whose names are meant; empty: those of the running machine
+  std::string application;
+};
 
 using CommandOptions =
     std::variant<CheckOptions, UpOptions, DownOptions, StatusOptions, SetOptions, RestartOptions,
@@ -178,7 +203,7 @@ using CommandOptions =
                  BehaviorOptions, GraphOptions, SimulateOptions, KeysInitOptions, KeysAddOptions,
                  KeysRevokeOptions, KeysListOptions, OtaKeygenOptions, OtaBundleOptions,
                  OtaInitOptions, OtaVerifyOptions, OtaInstallOptions, OtaStatusOptions,
-                 OtaRollbackOptions, CompletionOptions>;
+                 OtaRollbackOptions, CompletionOptions, CompleteOptions>;
 
 struct CommandLine {
   GlobalOptions global;

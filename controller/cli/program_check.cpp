@@ -151,10 +151,20 @@ Ran RunCheck(const std::string& program, const ActuatorConfig& actuator,
           std::string(text.data(), static_cast<std::size_t>(size < 0 ? 0 : size))};
 }
 
+// Whether the line is a finding on the state config, which every program reads: that is reported.
+bool IsOn(const std::string& file, const std::string& line) {
+  const std::size_t at = line.find(file + ":");
+  const std::size_t number = at + file.size() + 1;
+  return at != std::string::npos && number < line.size() && line[number] >= '0' &&
+         line[number] <= '9';
+}
+
 }  // namespace
 
 std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration patience) {
   const Places places(config.file);
+  std::error_code no_folder;  // then the path stays as it is
+  const std::string file = fs::absolute(config.file, no_folder).string();
   std::vector<Diagnostic> found;
   const auto add = [&](const ActuatorConfig& actuator, const std::string& key, Severity severity,
                        const std::string& message) {
@@ -176,11 +186,12 @@ std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration pati
       continue;
     }
     if (!KnowsCheck(program)) continue;
-    const Ran ran = RunCheck(program, actuator, fs::absolute(config.file).string(), patience);
+    const Ran ran = RunCheck(program, actuator, file, patience);
     if (ran.ok) continue;
     std::istringstream lines(ran.err);
     for (std::string line; std::getline(lines, line);) {
-      if (!line.empty()) add(actuator, "command", Severity::kError, line);
+      if (line.empty() || IsOn(file, line)) continue;
+      add(actuator, "command", Severity::kError, line);
     }
   }
   return found;

@@ -11,8 +11,8 @@
 
 namespace musher::cli {
 
-// By position in the file. Musher's own programs run with --check, each for `patience` at most; no
-// other program runs.
+// Of a faulty config: what could be read of it. By position in the file. Musher's own programs run
+// with --check, each for `patience` at most; no other program runs.
 std::vector<Diagnostic> CheckPrograms(const MachineConfig& config,
                                       Duration patience = Milliseconds(5000));
 

@@ -53,6 +53,7 @@ struct Dispatch {
   ExitCode operator()(const OtaStatusOptions& o) const { return OtaStatus(o, global, console); }
   ExitCode operator()(const OtaRollbackOptions& o) const { return OtaRollback(o, global, console); }
   ExitCode operator()(const CompletionOptions& o) const { return Completion(o, console); }
+  ExitCode operator()(const CompleteOptions& o) const { return Complete(o, global, console); }
 };
 
 ExitCode EndOfParse(const ParseEnd& end, Console& console) {

@@ -125,9 +125,6 @@ ExitCode Simulate(const SimulateOptions& options, Console& console) {
   const auto story = OptionsFor(options, *config);
   if (!story) return console.Fail({ExitCode::kUsage, story.error()});
   if (options.seed) return TellOne(options, *config, story.value(), console);
-  if (!options.only.empty()) {
-    return console.Fail({ExitCode::kUsage, {kCodeParametersInvalid, "--only needs --seed"}});
-  }
 
   SimulationReport report{*config, options.file, story.value(), {}, {}, {}, {}, others};
   const auto begun = std::chrono::steady_clock::now();

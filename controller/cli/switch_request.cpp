@@ -8,6 +8,7 @@
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/running.hpp"
+#include "musher/controller/cli/switch_progress.hpp"
 #include "musher/controller/switch_client.hpp"
 #include "musher/lifecycle/state.hpp"
 #include "musher/transport/host.hpp"
@@ -65,13 +66,18 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   options.timeout = timeout + std::chrono::minutes(1);  // Await() says more about who is silent
   options.successor = global.keys.empty() ? kSuccessor : kSecuredSuccessor;
   std::optional<SwitchEnd> end;
+  SwitchProgress progress(*link.value(), target, console);
   const auto client = SwitchClient::Make(
       link.value()->node(), options, target, actuator,
-      [&console](const std::string& news) { console.Complain(news); },
+      [&](const std::string& news) {
+        progress.Clear();
+        console.Complain(news);
+      },
       [&end](const SwitchEnd& known) { end = known; });
   if (!client) return console.Fail({ExitCode::kUsage, client.error()});
   const auto failure = link.value()->Await([&] { return end.has_value(); },
                                            [&] { return client.value()->found(); }, timeout);
+  progress.Clear();
   if (failure) return console.Fail(WithSwitch(*failure, *link.value(), target));
   const msg::SetState::Response& result = end->result;
   if (end->kind == SwitchEnd::Kind::kUnknown) {

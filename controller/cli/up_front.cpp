@@ -83,7 +83,9 @@ void UpFront::Show(const Progress& progress) {
   } else if (progress.kind == Progress::kTrouble) {
     console_.Complain(progress.message);
   } else if (!said_already) {
-    console_.Print(ProgressText(progress, console_.mode().colour));
+    for (const Progress& line : repetitions_.Take(progress)) {
+      console_.Print(ProgressText(line, console_.mode().colour));
+    }
   }
   if (console_.HasReader() || said_unread_ || stop_asked_) return;
   said_unread_ = true;

@@ -27,6 +27,7 @@
 
 #include "musher/controller/cli/console.hpp"
 #include "musher/controller/cli/progress.hpp"
+#include "musher/controller/cli/repetitions.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
 namespace musher::cli {
@@ -56,6 +57,7 @@ class UpFront {
   const pid_t controller_;
   const bool detach_;
   const bool restarted_;
+  Repetitions repetitions_;
   bool said_unread_ = false;
   bool came_up_ = false;
   bool stopped_ = false;

@@ -98,7 +98,7 @@ Result<std::int64_t> ParseSince(std::string_view text, std::int64_t now_wall_ns)
   if (const auto ago = SecondsAgo(text)) return now_wall_ns - *ago * kSecond;
   if (const auto point = PointInTime(std::string(text))) return *point;
   return Error{kCodeParametersInvalid,
-               "--since '" + std::string(text) +
+               "'" + std::string(text) +
                    "' is no time: expected how long ago (90s, 10m, 2h, 1d) or a date such as "
                    "2026-03-01T12:00 or 2026-03-01T12:00:00Z"};
 }

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "musher/lifecycle/state.hpp"
+#include "musher/lifecycle/suggest.hpp"
 #include "musher/lifecycle/toml/draft.hpp"
 #include "musher/lifecycle/toml/names.hpp"
 
@@ -52,18 +53,26 @@ class ActuatorReader {
     const auto states = reader_.Strings("states");
     const auto times = reader_.Times("times");
     if (states) {
+      auto& listed = draft_.actuator_states[actuator_.config.name];
       for (const Word& state : *states) {
-        if (!CheckState(state, "states", reader_, draft_)) continue;
-        actuator_.config.states.push_back(state.text);
+        listed.insert(state.text);
+        if (CheckState(state, "states", reader_, draft_)) {
+          actuator_.config.states.push_back(state.text);
+        } else {
+          listed.insert(Nearest(state.text, draft_.known_states));
+        }
       }
-      // A state may be missing because it is misspelt, which has been reported.
-      if (actuator_.config.states.size() == ArraySize("states")) RequireUsualStates();
+      RequireUsualStates();
     }
     if (states && times) CompareSizes();
     actuator_.config.times = times.value_or(std::vector<Duration>{});
   }
 
   std::size_t ArraySize(std::string_view key) { return reader_.Get(key)->As<Array>()->size(); }
+
+  bool MayList(const State& state) const {
+    return config_toml::MayList(actuator_.config.name, state, draft_);
+  }
 
   void CompareSizes() {
     const std::size_t states = ArraySize("states");
@@ -75,13 +84,12 @@ class ActuatorReader {
   }
 
   void RequireUsualStates() {
-    const ActuatorConfig& config = actuator_.config;
     const Position at = reader_.At("states");
-    if (!config.Lists(kSetUp)) {
+    if (!MayList(State(kSetUp))) {
       reader_.Fault(at, "states", "expected \"SetUp\" among them, which every start begins with");
     }
     for (const auto& [state, consequence] : kUsualStates) {
-      if (config.Lists(state) || !draft_.listed_states.contains(std::string(state))) continue;
+      if (MayList(State(state)) || !draft_.listed_states.contains(std::string(state))) continue;
       reader_.Warn(at, "states", Quote(state) + " is not listed: " + std::string(consequence));
     }
   }
@@ -189,7 +197,7 @@ class ActuatorReader {
     config.on_controller_lost = HighestUpToProtected();
     if (const auto state = reader_.String("on_controller_lost")) {
       if (CheckRankedState(*state, "on_controller_lost", reader_, draft_) &&
-          reader_.Has("states") && !config.Lists(state->text)) {
+          !MayList(state->text)) {
         reader_.Fault(state->at, "on_controller_lost",
                       Quote(state->text) + " is not among its states");
       }
@@ -211,7 +219,7 @@ class ActuatorReader {
     for (const Member& member : *table) {
       const auto allowance = allowances.Time(member.key, kShortestCheckpointMs);
       if (!CheckState({member.key, member.at}, "checkpoint_ms_in", reader_, draft_)) continue;
-      if (reader_.Has("states") && !actuator_.config.Lists(member.key)) {
+      if (!MayList(member.key)) {
         reader_.Fault(member.at, "checkpoint_ms_in",
                       Quote(member.key) + " is not among its states");
       } else if (allowance) {
@@ -235,7 +243,7 @@ class ActuatorReader {
   // Keys that say something that cannot come to pass.
   void WarnOfNoEffect() {
     const ActuatorConfig& config = actuator_.config;
-    if (config.restart.policy != RestartPolicy::kNo && config.command.empty()) {
+    if (config.restart.policy != RestartPolicy::kNo && !reader_.Has("command")) {
       reader_.Warn(reader_.At("restart"), "restart", "has no effect without a command");
     }
     if (reader_.Has("on_controller_lost") && !config.controller_lost) {

@@ -25,7 +25,8 @@ std::vector<const Member*> FindUnlisted(const Table& tables, const Draft& draft)
   return unlisted;
 }
 
-// A name that nearly is an unlisted table is one slip, not two: both are reported as one.
+// A name that nearly is an unlisted table may be a slip, or both may be missing: each fault is
+// reported in its place, with the other as what may be meant.
 void MatchNamesAndTables(const Table& tables, Draft& draft) {
   const std::vector<const Member*> unlisted = FindUnlisted(tables, draft);
   std::vector<std::string_view> candidates;
@@ -33,19 +34,33 @@ void MatchNamesAndTables(const Table& tables, Draft& draft) {
   for (const Member* table : unlisted) candidates.push_back(table->key);
   NameSet known;
   for (const Member& table : tables) known.insert(table.key);
-  std::unordered_set<std::string> meant;
+  std::unordered_map<std::string, std::string> meant_by;  // table -> name
   for (const Word& name : draft.actuator_names.value_or(std::vector<Word>{})) {
     if (known.contains(name.text)) continue;
     const std::string guess = draft.findings.Guess(name.text, candidates);
-    if (!guess.empty()) meant.insert(Nearest(name.text, candidates));
+    if (!guess.empty()) meant_by.emplace(Nearest(name.text, candidates), name.text);
     draft.findings.Error(name.at, "controller.actuators: " + Quote(name.text) +
                                       " has no table [actuator." + name.text + "]" + guess);
   }
   for (const Member* table : unlisted) {
-    if (meant.contains(table->key)) continue;
-    draft.findings.Error(table->value.at,
-                         "actuator." + table->key + ": is not listed in controller.actuators");
+    const auto meant = meant_by.find(table->key);
+    draft.findings.Error(
+        table->value.at,
+        "actuator." + table->key + ": is not listed in controller.actuators" +
+            (meant == meant_by.end() ? ""
+                                     : ", unless " + Quote(meant->second) + " there means it"));
   }
+}
+
+// False where the table says so or says nothing of it. What is misspelt may mean it.
+bool MayBeCritical(const Member& actuator) {
+  const std::vector<std::string_view> word = {"critical"};
+  const auto* table = actuator.value.As<Table>();
+  return table != nullptr && std::any_of(table->begin(), table->end(), [&](const Member& member) {
+           if (member.key != word.front()) return !Nearest(member.key, word).empty();
+           const auto* value = member.value.As<bool>();
+           return value == nullptr || *value;
+         });
 }
 
 // Puts the actuators into the order of controller.actuators.
@@ -80,10 +95,7 @@ void ReadActuators(TableReader& root, Draft& draft) {
   }
   CheckOrder(actuators, tables, draft.findings);
   Collect(std::move(actuators), draft);
-  const auto& all_read = draft.config.actuators;
-  const bool any_critical = std::any_of(all_read.begin(), all_read.end(),
-                                        [](const ActuatorConfig& a) { return a.critical; });
-  if (!draft.findings.HasErrors() && !any_critical) {
+  if (!tables.empty() && !std::any_of(tables.begin(), tables.end(), MayBeCritical)) {
     draft.findings.Warning(draft.actuators_at,
                            "controller.actuators: no actuator is critical: none of them can keep "
                            "the machine from starting or bring it down when lost");

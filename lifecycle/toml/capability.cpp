@@ -75,9 +75,7 @@ class CapabilityReader {
 
   void CheckActuatorsList(const Word& state) {
     for (const std::string& name : capability_.actuators) {
-      const ActuatorConfig& actuator = draft_.config.actuators[*draft_.config.IndexOf(name)];
-      const bool all_read = actuator.states.size() == actuator.times.size();
-      if (!all_read || actuator.Lists(state.text)) continue;
+      if (MayList(name, state.text, draft_)) continue;
       reader_.Fault(state.at, "states",
                     Quote(state.text) + " is not among the states of " + Quote(name));
     }

@@ -1,12 +1,13 @@
 #pragma once
 // A machine's config while it is being read. Sections are read in the order of the functions below,
 // since later ones refer to earlier ones. All faults go into `findings`; reading goes on with what
-// was good, and where a word is plainly a slip, as if it had been right, so that one slip is one
-// error.
+// was good, and where a word is plainly a slip, as if it had been right: no fault hides another,
+// and none follows from another.
 
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <unordered_set>
@@ -32,6 +33,9 @@ struct Draft {
 
   std::optional<std::vector<Word>> actuator_names;  // of controller.actuators, nothing if faulty
   Position actuators_at;
+  // What each actuator lists, slips put right; none where its states are missing or faulty as a
+  // whole.
+  std::map<std::string, std::set<State>> actuator_states;
 };
 
 // An actuator whose relations to others are not yet judged.
@@ -62,8 +66,12 @@ void ReadProtocol(TableReader& reader, ActuatorConfig& config, Draft& draft);
 void CheckOrder(const std::vector<ActuatorDraft>& actuators, const Table& tables,
                 Findings& findings);
 
-// Whether the machine has the state; reports it under `key` of `reader` if not. True where the
-// machine's states are not known, as that has been reported already.
+// Whether the actuator lists the state. True where its states could not be read, as that has been
+// reported already.
+bool MayList(const std::string& actuator, const State& state, const Draft& draft);
+
+// Whether the machine has the state; reports it under `key` of `reader` if not. Where the machine's
+// states could not be read, which has been reported already: whether there is such a state at all.
 bool CheckState(const Word& state, std::string_view key, TableReader& reader, Draft& draft);
 
 // The same, and that it has a rank, so that one can stay in it.

@@ -27,18 +27,17 @@ class OrderCheck {
       edges_[i] = CheckNames(i, "after", actuators_[i].after);
       for (const Edge& edge : edges_[i]) CheckStage(i, edge);
     }
-    bool found = FindCycles("the order is a cycle: ");
+    OpenCycles("the order is a cycle: ");
     const auto order = edges_;
     for (std::size_t i = 0; i < actuators_.size(); ++i) {
       edges_[i] = CheckNames(i, "binds_to", actuators_[i].binds_to);
     }
-    found |= FindCycles("who waits for whom is a cycle: ");
-    if (found) return;
+    OpenCycles("who waits for whom is a cycle: ");
     // After a restart each would wait for the other: the one for its turn, the other to be up.
     for (std::size_t i = 0; i < actuators_.size(); ++i) {
       edges_[i].insert(edges_[i].end(), order[i].begin(), order[i].end());
     }
-    FindCycles("who waits for whom by `after` and `binds_to` is a cycle: ");
+    OpenCycles("who waits for whom by `after` and `binds_to` is a cycle: ");
   }
 
  private:
@@ -81,9 +80,9 @@ class OrderCheck {
               ", which begins only when stage " + std::to_string(self.stage) + " is up");
   }
 
+  // Reports every cycle and takes the edge away that closes it, so that none hides another one.
   // Depth first without recursion; an edge to a node on the way here closes a cycle.
-  bool FindCycles(std::string_view what) {
-    bool found = false;
+  void OpenCycles(std::string_view what) {
     std::vector<Mark> marks(actuators_.size(), Mark::kNew);
     for (std::size_t start = 0; start < actuators_.size(); ++start) {
       if (marks[start] != Mark::kNew) continue;
@@ -100,10 +99,11 @@ class OrderCheck {
           next_edge.pop_back();
           continue;
         }
-        const Edge& edge = edges_[node][next_edge.back()++];
+        const Edge edge = edges_[node][next_edge.back()++];
         if (marks[edge.to] == Mark::kOpen) {
-          found = true;
           ReportCycle(way, place.at(edge.to), edge, what);
+          edges_[node].erase(edges_[node].begin() +
+                             static_cast<std::ptrdiff_t>(--next_edge.back()));
         } else if (marks[edge.to] == Mark::kNew) {
           marks[edge.to] = Mark::kOpen;
           place.emplace(edge.to, way.size());
@@ -112,7 +112,6 @@ class OrderCheck {
         }
       }
     }
-    return found;
   }
 
   void ReportCycle(const std::vector<std::size_t>& way, std::size_t first, const Edge& closing,

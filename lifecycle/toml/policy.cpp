@@ -90,7 +90,7 @@ class PolicyReader {
       CheckOrder(*reader, "tear_down_at", battery.tear_down_at, "low_power_at",
                  battery.low_power_at);
     }
-    if (ordered && hysteresis_read) CheckHysteresis(*reader, battery);
+    if (hysteresis_read) CheckHysteresis(*reader, battery, ordered, protected_read);
     WarnOfMissingStates(*reader);
   }
 
@@ -105,7 +105,8 @@ class PolicyReader {
   }
 
   // A ceiling that is left only where the next one begins, or never, is none.
-  static void CheckHysteresis(TableReader& reader, const BatteryPolicy& battery) {
+  static void CheckHysteresis(TableReader& reader, const BatteryPolicy& battery, bool ordered,
+                              bool protected_read) {
     const auto check = [&](std::string_view key, int at, int limit, const std::string& what) {
       const int left = at + battery.hysteresis;
       if (left <= limit) return;
@@ -114,9 +115,13 @@ class PolicyReader {
                    std::string(key) + " (" + std::to_string(at) + ") plus hysteresis (" +
                        std::to_string(battery.hysteresis) + ") is beyond " + what);
     };
-    check("low_power_at", battery.low_power_at, battery.protected_at,
-          "protected_at (" + std::to_string(battery.protected_at) + ")");
-    check("protected_at", battery.protected_at, kFull, "100: Protected would never be left");
+    if (ordered) {
+      check("low_power_at", battery.low_power_at, battery.protected_at,
+            "protected_at (" + std::to_string(battery.protected_at) + ")");
+    }
+    if (protected_read) {
+      check("protected_at", battery.protected_at, kFull, "100: Protected would never be left");
+    }
   }
 
   void WarnOfMissingStates(TableReader& reader) {

@@ -99,6 +99,11 @@ class FlowReader {
   std::unordered_map<std::string_view, std::size_t> index_;
 };
 
+bool IsKnown(std::string_view state, const Draft& draft) {
+  const auto& known = draft.known_states;
+  return std::find(known.begin(), known.end(), state) != known.end();
+}
+
 }  // namespace
 
 void ReadOwnStates(TableReader& root, Draft& draft) {
@@ -122,24 +127,34 @@ void ReadTransitions(TableReader& root, Draft& draft) {
   draft.config.flow = flow.Flow();
 }
 
+bool MayList(const std::string& actuator, const State& state, const Draft& draft) {
+  const auto states = draft.actuator_states.find(actuator);
+  return states == draft.actuator_states.end() || states->second.contains(state);
+}
+
 bool CheckState(const Word& state, std::string_view key, TableReader& reader, Draft& draft) {
-  if (!draft.states_read || draft.listed_states.contains(state.text)) return true;
-  const auto& known = draft.known_states;
-  if (std::find(known.begin(), known.end(), state.text) != known.end()) {
+  if (draft.listed_states.contains(state.text)) return true;
+  if (IsKnown(state.text, draft)) {
+    if (!draft.states_read) return true;
     reader.Fault(state.at, key, Quote(state.text) + " is not among controller.states");
     return false;
   }
   const std::vector<std::string_view> listed(draft.config.states.begin(),
                                              draft.config.states.end());
-  std::string guess = draft.findings.Guess(state.text, listed);
-  if (guess.empty()) guess = "; expected one of controller.states: " + Listing(listed);
+  const auto& candidates = draft.states_read ? listed : draft.known_states;
+  std::string guess = draft.findings.Guess(state.text, candidates);
+  if (guess.empty()) {
+    guess = draft.states_read ? "; expected one of controller.states: " + Listing(listed)
+                              : "; expected a built-in state or one declared by [[state]]";
+  }
   reader.Fault(state.at, key, "unknown state " + Quote(state.text) + guess);
   return false;
 }
 
 bool CheckRankedState(const Word& state, std::string_view key, TableReader& reader, Draft& draft) {
   if (!CheckState(state, key, reader, draft)) return false;
-  if (!draft.states_read || draft.config.ranks.contains(state.text)) return true;
+  // A slip in controller.states, which has been reported there, is no step of the start.
+  if (draft.config.ranks.contains(state.text) || !IsKnown(state.text, draft)) return true;
   reader.Fault(state.at, key,
                Quote(state.text) + " is a step of the start; expected a state that has a rank");
   return false;

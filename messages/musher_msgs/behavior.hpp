@@ -51,14 +51,15 @@ struct GetBehavior {
     std::string graph;
     std::vector<BehaviorChange> history;
     bool held_by_stop = false;
+    std::vector<std::string> commands;
 
-    static constexpr std::size_t kAppended = 1;
+    static constexpr std::size_t kAppended = 2;
 
     template <class Self>
     static auto Fields(Self& m) {
       return std::tie(m.error, m.running, m.ticking, m.current_state, m.operating_mode,
                       m.iter_count, m.safety_triggered, m.unsafe, m.time_s, m.time_in_state_s,
-                      m.last_fault, m.graph, m.history, m.held_by_stop);
+                      m.last_fault, m.graph, m.history, m.held_by_stop, m.commands);
     }
     friend bool operator==(const Response&, const Response&) = default;
   };

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/suggest.hpp"
+#include "musher/lifecycle/version.hpp"
 #include "musher/modules/exec/exec_process.hpp"
 #include "musher/modules/program/module_main.hpp"
 
@@ -52,6 +54,8 @@ std::optional<Options> ReadOptions(int argc, char** argv, int& exit_code) {
 
   CLI::App app(kDescription, "musher-exec");
   app.footer(kFooter);
+  app.set_version_flag("--version", "musher-exec " + std::string(musher::Version()),
+                       "Print the version");
   app.add_option("FILE", options.file, "What to do in which state (TOML)");
   app.add_option("--actuator", options.actuator, "Which actuator of the state config this is")
       ->envname("MUSHER_ACTUATOR")
@@ -80,7 +84,8 @@ std::optional<musher::ActuatorConfig> ReadActuator(const std::string& state_conf
   if (!machine.config) return std::nullopt;
   const auto index = machine.config->IndexOf(actuator);
   if (!index) {
-    std::cerr << state_config << ": there is no actuator '" << actuator << "'" << std::endl;
+    std::cerr << state_config << ": " << musher::NoSuchActuator(actuator, *machine.config)
+              << std::endl;
     return std::nullopt;
   }
   return machine.config->actuators[*index];

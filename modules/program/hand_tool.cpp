@@ -10,6 +10,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "musher/lifecycle/version.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 
 namespace musher::program {
@@ -46,6 +47,8 @@ void SetUpHandTool(CLI::App& app, HandOptions& options, const std::string& clock
   app.require_subcommand(1);
   app.fallthrough();
   app.footer(footer);
+  app.set_version_flag("--version", app.get_name() + " " + std::string(Version()),
+                       "Print the version");
   app.get_formatter()->column_width(kHelpColumn);
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.get_formatter()->label("REQUIRED", "");
@@ -79,7 +82,11 @@ std::optional<ParseEnd> Parse(CLI::App& app, int argc, const char* const* argv,
   } catch (const CLI::ParseError& e) {
     std::ostringstream out;
     std::ostringstream ignored;
-    if (app.exit(e, out, ignored) == 0) return ParseEnd{ExitCode::kDone, out.str()};
+    if (app.exit(e, out, ignored) == 0) {
+      std::string text = out.str();
+      while (text.ends_with('\n')) text.pop_back();  // Say() ends the line
+      return ParseEnd{ExitCode::kDone, text};
+    }
     return ParseEnd{ExitCode::kUsage,
                     std::string(e.what()) + "; see " + app.get_name() + " --help"};
   }

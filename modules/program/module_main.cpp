@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "musher/lifecycle/version.hpp"
+
 namespace musher::program {
 namespace {
 
@@ -14,6 +16,7 @@ int Main(int argc, char** argv, const About& about, const std::function<int(cons
   Options options;
   CLI::App app(about.description, about.name);
   app.footer(about.footer);
+  app.set_version_flag("--version", about.name + " " + std::string(Version()), "Print the version");
   app.add_option("FILE", options.file, "The module's own config (TOML)")->required();
   app.add_option("--actuator", options.actuator, "Which actuator of the state config this is")
       ->envname("MUSHER_ACTUATOR")

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "musher/lifecycle/version.hpp"
 #include "musher/modules/program/module_main.hpp"
 #include "musher/modules/world/scene_toml.hpp"
 #include "musher/modules/world/tell.hpp"
@@ -95,6 +96,8 @@ int main(int argc, char** argv) {
       "To a running world speaks `musher-world tell`, see its --help.\n\n"
       "Exit codes: 0 torn down, ended by a signal, or drawn; 1 not started or not drawn, which is\n"
       "said on stderr; 2 usage or config.");
+  app.set_version_flag("--version", "musher-world " + std::string(musher::Version()),
+                       "Print the version");
   constexpr double kLongestS = 100'000;
   app.add_option("SCENE", options.scene, "The scene (TOML)")->required();
   app.add_option("--actuator", options.actuator, "Which actuator of the state config this is")

@@ -162,6 +162,16 @@ TEST_F(BehaviorCommand, TellsThatTheApplicationHasGoneAndThatItIsBack) {
   EXPECT_NE(watch.LineWith("- -> GREET  started"), "");
 }
 
+TEST_F(BehaviorCommand, IsCompletedByTheNamesOfApplications) {
+  Show show;
+  Begin(show);
+  EXPECT_EQ(RunProgram({"complete", "behavior", ""}).out, "show\t\n");
+  EXPECT_EQ(RunProgram({"complete", "graph", "--behavior", "s"}).out, "show\t\n");
+  EXPECT_EQ(RunProgram({"complete", "behavior", "x"}).out, "");
+  EXPECT_EQ(RunProgram({"complete", "behavior", "show", "--send", ""}).out, "again\t\n");
+  EXPECT_EQ(RunProgram({"complete", "behavior", "--send", ""}).out, "");
+}
+
 TEST_F(BehaviorCommand, NamesTheNearestActuatorWhereNobodyOfThatNameRuns) {
   Show show;
   Begin(show);

@@ -37,6 +37,7 @@ MUSHER_SAME(musher_msgs_srv_dds__GetBehavior_Response_, GetBehavior::Response) {
   SAME(graph);
   SAME_ITEMS(history);
   SAME(held_by_stop);
+  SAME_ITEMS(commands);
 }
 
 MUSHER_SAME(musher_msgs_srv_dds__SendCommand_Request_, SendCommand::Request) {

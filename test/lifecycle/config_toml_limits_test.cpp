@@ -23,7 +23,8 @@ std::string Controller(const std::string& actuators) {
 }
 
 std::string Table(const std::string& name, const std::string& keys = "") {
-  return "[actuator." + name + "]\nstates = " + kStates + "\ntimes = [1, 2, 3, 4]\n" + keys;
+  return "[actuator." + name + "]\nstates = " + kStates +
+         "\ntimes = [1, 2, 3, 4]\ncritical = true\n" + keys;
 }
 
 std::string Repeat(int count, const std::function<std::string(std::string)>& make) {
@@ -77,7 +78,7 @@ TEST(ConfigTomlLimits, GivesNoMoreThanTheFirst200DiagnosticsAndCountsTheRest) {
       Controller("\"a\"") + Table("a") + Repeat(500, [](auto i) { return "k" + i + " = 1\n"; }),
       "f");
   ASSERT_EQ(reading.diagnostics.size(), 201U);
-  EXPECT_THAT(FormatDiagnostic(reading.diagnostics[0]), HasSubstr("f:9:1: error: actuator.a: "));
+  EXPECT_THAT(FormatDiagnostic(reading.diagnostics[0]), HasSubstr("f:10:1: error: actuator.a: "));
   EXPECT_EQ(FormatDiagnostic(reading.diagnostics[200]), "f: error: 300 more errors");
 }
 

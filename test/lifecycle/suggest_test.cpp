@@ -54,5 +54,16 @@ TEST(Nearest, LeavesVeryLongWordsAlone) {
   EXPECT_EQ(Nearest(word, std::vector<std::string>{word + "b"}), "");
 }
 
+TEST(NoSuch, NamesTheNearestOneAndThoseThatThereAre) {
+  EXPECT_EQ(NoSuch("actuator", "zzz", {"legs", "head", "arm"}),
+            "there is no actuator 'zzz'; there are legs, head and arm");
+  EXPECT_EQ(NoSuch("actuator", "lags", {"legs", "arm"}),
+            "there is no actuator 'lags'; did you mean 'legs'? There are legs and arm");
+  EXPECT_EQ(NoSuch("actuator", "zzz", {"legs"}), "there is no actuator 'zzz'; there is only legs");
+  EXPECT_EQ(NoSuch("capability", "fly", {}), "there is no capability 'fly'");
+  EXPECT_EQ(NoSuch("actuator", "zz", std::vector<std::string>(14, "a")),
+            "there is no actuator 'zz'; there are a, a, a, a, a, a, a, a, a, a, a, a and 2 more");
+}
+
 }  // namespace
 }  // namespace musher

@@ -2,9 +2,11 @@
 // The grammar of `musher`'s command line, as CLI11 has it: a file for each group of commands.
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "musher/controller/cli/command_line.hpp"
 
@@ -25,13 +27,24 @@ class Grammar {
 
   std::variant<CommandLine, ParseEnd> Parse(int argc, const char* const* argv);
 
+  // What may stand in place of the last of these words, which is not finished. They follow the
+  // program's name.
+  CommandLine Complete(const std::vector<std::string>& words);
+
+  // As GrammarLines() has it.
+  std::vector<std::string> Lines() const;
+
  private:
+  class Walk;
+
   // The options are filled in by CLI11 when the command is parsed.
   template <class Options>
   CLI::App* AddCommand(const std::string& name, const std::string& what,
                        std::shared_ptr<Options> options) {
     return AddTo(*app_, name, what, [options] { return *options; });
   }
+  // With subcommands.
+  CLI::App* AddFamily(const std::string& name, const std::string& what);
   template <class Options>
   CLI::App* AddSubcommand(CLI::App& group, const std::string& name, const std::string& what,
                           std::shared_ptr<Options> options) {
@@ -39,20 +52,31 @@ class Grammar {
   }
   CLI::App* AddTo(CLI::App& parent, const std::string& name, const std::string& what,
                   std::function<CommandOptions()> take);
+  // Only these are accepted, and offered by completion.
+  CLI::Option* OneOf(CLI::Option* option, const std::vector<std::string>& words);
+  // Completion offers these.
+  CLI::Option* Offer(CLI::Option* option, Names names);
   static const char* const kCommandFooter;
   void AddGlobalOptions();
   void AddConfigCommands();
+  void AddRunCommands();
+  void AddCompletion();
   void AddGraph();
   void AddSimulate();
   void AddMachineCommands();
   void AddSwitchingCommands();
+  void AddRecordCommands();
   void AddPolicyCommands();
   void AddKeysCommands();
   void AddOtaCommands();
   std::string Complaint(const CLI::ParseError& e) const;
+  void TakeEnvironment();
   void TakeGlobalOptions();
 
   std::unique_ptr<CLI::App> app_;
+  std::string group_;  // in the help, of the commands that are added now
+  std::map<const CLI::Option*, Names> offers_;
+  std::map<const CLI::Option*, std::vector<std::string>> choices_;
   GlobalOptions global_;
   std::string name_space_;
   std::string colour_;

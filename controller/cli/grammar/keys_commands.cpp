@@ -7,10 +7,7 @@
 namespace musher::cli {
 
 void Grammar::AddKeysCommands() {
-  CLI::App* keys = app_->add_subcommand("keys", "Make and revoke the keys that let a process in");
-  keys->group("Commands");
-  keys->require_subcommand(1);
-  keys->footer(kCommandFooter);
+  CLI::App* keys = AddFamily("keys", "Make and revoke the keys that let a process in");
   const auto add_days = [](CLI::App* command, int& days) {
     command->add_option("--days", days, "How long certificates are valid; default 730")
         ->check(CLI::Range(1, 3650).description(""))
@@ -19,10 +16,10 @@ void Grammar::AddKeysCommands() {
 
   auto init = std::make_shared<KeysInitOptions>();
   auto* command = AddSubcommand(*keys, "init", "Make a machine's CAs and first identities", init);
-  command
-      ->add_option("WHERE", init->where,
-                   "A state config with [security]: for the controller,\n"
-                   "the operator and all its actuators; or a folder")
+  Offer(command->add_option("WHERE", init->where,
+                            "A state config with [security]: for the controller,\n"
+                            "the operator and all its actuators; or a folder"),
+        Names::kConfigs)
       ->required()
       ->type_name("");
   add_days(command, init->days);
@@ -32,10 +29,11 @@ void Grammar::AddKeysCommands() {
 
   auto add = std::make_shared<KeysAddOptions>();
   command = AddSubcommand(*keys, "add", "Make one more identity", add);
-  command->add_option("NAME", add->name, "An actuator's, or a person's")->required()->type_name("");
-  command->add_option("--role", add->role, "What it may do; default actuator")
-      ->check(CLI::IsMember({"controller", "actuator", "operator", "observer"}).description(""))
-      ->type_name("controller|actuator|operator|observer");
+  Offer(command->add_option("NAME", add->name, "An actuator's, or a person's"), Names::kActuators)
+      ->required()
+      ->type_name("");
+  OneOf(command->add_option("--role", add->role, "What it may do; default actuator"),
+        {"controller", "actuator", "operator", "observer"});
   add_days(command, add->days);
   command->add_flag("--force", add->force, "Replace it, and revoke the one before");
 

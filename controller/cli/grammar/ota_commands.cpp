@@ -5,36 +5,28 @@
 #include "musher/controller/cli/grammar/grammar.hpp"
 
 namespace musher::cli {
-namespace {
-
-void AddRoot(CLI::App* command, std::string& root) {
-  command
-      ->add_option("--root", root,
-                   "Folder with the robot's versions; default\n"
-                   "$MUSHER_OTA_ROOT, else that of the running machine")
-      ->type_name("FOLDER");
-}
-
-void AddConfig(CLI::App* command, std::string& config) {
-  command
-      ->add_option("--config", config,
-                   "The state config, relative to the folder of files;\ndefault robot.toml")
-      ->type_name("FILE");
-}
-
-void AddBundleArgument(CLI::App* command, std::string& bundle) {
-  command->add_option("BUNDLE", bundle, "A folder that `musher ota bundle` made")
-      ->required()
-      ->type_name("");
-}
-
-}  // namespace
-
 void Grammar::AddOtaCommands() {
-  CLI::App* ota = app_->add_subcommand("ota", "Upgrade a robot, and go back where that fails");
-  ota->group("Commands");
-  ota->require_subcommand(1);
-  ota->footer(kCommandFooter);
+  CLI::App* ota = AddFamily("ota", "Upgrade a robot, and go back where that fails");
+  const auto add_root = [this](CLI::App* to, std::string& root) {
+    Offer(to->add_option("--root", root,
+                         "Folder with the robot's versions; default\n"
+                         "$MUSHER_OTA_ROOT, else that of the running machine"),
+          Names::kFolders)
+        ->type_name("FOLDER");
+  };
+  const auto add_config = [this](CLI::App* to, std::string& config) {
+    Offer(to->add_option("--config", config,
+                         "The state config, relative to the folder of files;\n"
+                         "default robot.toml"),
+          Names::kFiles)
+        ->type_name("FILE");
+  };
+  const auto add_bundle = [this](CLI::App* to, std::string& bundle) {
+    Offer(to->add_option("BUNDLE", bundle, "A folder that `musher ota bundle` made"),
+          Names::kFolders)
+        ->required()
+        ->type_name("");
+  };
 
   auto keygen = std::make_shared<OtaKeygenOptions>();
   auto* command =
@@ -46,7 +38,9 @@ void Grammar::AddOtaCommands() {
 
   auto bundle = std::make_shared<OtaBundleOptions>();
   command = AddSubcommand(*ota, "bundle", "Make a signed bundle of a folder of files", bundle);
-  command->add_option("FOLDER", bundle->folder, "Its programs in bin/, its state config, ...")
+  Offer(
+      command->add_option("FOLDER", bundle->folder, "Its programs in bin/, its state config, ..."),
+      Names::kFolders)
       ->required()
       ->type_name("");
   command->add_option("--version", bundle->version, "MAJOR.MINOR.PATCH, as in 1.4.0")
@@ -56,40 +50,47 @@ void Grammar::AddOtaCommands() {
       ->type_name("VERSION");
   command->add_option("--robot", bundle->robot, "For whom; default the machine's name")
       ->type_name("NAME");
-  AddConfig(command, bundle->config);
-  command->add_option("--key", bundle->key, "Private key")->required()->type_name("FILE");
-  command->add_option("-o,--out", bundle->out, "The bundle; a new folder")
+  add_config(command, bundle->config);
+  Offer(command->add_option("--key", bundle->key, "Private key"), Names::kFiles)
+      ->required()
+      ->type_name("FILE");
+  Offer(command->add_option("-o,--out", bundle->out, "The bundle; a new folder"), Names::kFolders)
       ->required()
       ->type_name("FOLDER");
 
   auto init = std::make_shared<OtaInitOptions>();
   command = AddSubcommand(*ota, "init", "Make a robot's root from its first bundle", init);
-  command->add_option("ROOT", init->root, "For `musher up ROOT`")->required()->type_name("");
-  command->add_option("--from", init->bundle, "The first bundle")->required()->type_name("BUNDLE");
-  command->add_option("--key", init->key, "Public key of later bundles")
+  Offer(command->add_option("ROOT", init->root, "For `musher up ROOT`"), Names::kFolders)
+      ->required()
+      ->type_name("");
+  Offer(command->add_option("--from", init->bundle, "The first bundle"), Names::kFolders)
+      ->required()
+      ->type_name("BUNDLE");
+  Offer(command->add_option("--key", init->key, "Public key of later bundles"), Names::kFiles)
       ->required()
       ->type_name("FILE");
-  AddConfig(command, init->config);
+  add_config(command, init->config);
 
   auto verify = std::make_shared<OtaVerifyOptions>();
   command = AddSubcommand(*ota, "verify", "Read all of a bundle, and change nothing", verify);
-  AddBundleArgument(command, verify->bundle);
-  command->add_option("--key", verify->key, "Public key; default that of the root")
+  add_bundle(command, verify->bundle);
+  Offer(command->add_option("--key", verify->key, "Public key; default that of the root"),
+        Names::kFiles)
       ->type_name("FILE");
-  AddRoot(command, verify->root);
+  add_root(command, verify->root);
 
   auto install = std::make_shared<OtaInstallOptions>();
   command = AddSubcommand(*ota, "install", "Install a bundle, try it, keep it or go back", install);
-  AddBundleArgument(command, install->bundle);
-  AddRoot(command, install->root);
+  add_bundle(command, install->bundle);
+  add_root(command, install->root);
   command->add_flag("--allow-downgrade", install->allow_downgrade, "Take an older version, too");
 
   auto status = std::make_shared<OtaStatusOptions>();
-  AddRoot(AddSubcommand(*ota, "status", "Show the versions of a robot", status), status->root);
+  add_root(AddSubcommand(*ota, "status", "Show the versions of a robot", status), status->root);
 
   auto rollback = std::make_shared<OtaRollbackOptions>();
-  AddRoot(AddSubcommand(*ota, "rollback", "Go back to the version before", rollback),
-          rollback->root);
+  add_root(AddSubcommand(*ota, "rollback", "Go back to the version before", rollback),
+           rollback->root);
 }
 
 }  // namespace musher::cli

@@ -15,7 +15,9 @@ void Grammar::AddPolicyCommands() {
   auto* command =
       AddCommand("keep", "Switch to a state and stay there, whatever the battery says", keep);
   constexpr std::int64_t kLongestKeep = 65'535;  // as CyberDog's service has it
-  auto* state = command->add_option("STATE", keep->state, "Active, Protected, ...")->type_name("");
+  auto* state =
+      Offer(command->add_option("STATE", keep->state, "Active, Protected, ..."), Names::kStates)
+          ->type_name("");
   auto* seconds = command->add_option("--for", keep->seconds, "For so long")
                       ->check(CLI::Range(std::int64_t{1}, kLongestKeep).description(""))
                       ->type_name("SECONDS");
@@ -30,19 +32,12 @@ void Grammar::AddPolicyCommands() {
   auto low_power = std::make_shared<LowPowerOptions>();
   command =
       AddCommand("low-power", "Whether the robot goes to LowPower when it lies still", low_power);
-  command
-      ->add_option_function<std::string>(
-          "on|off", [low_power](const std::string& word) { low_power->on = word == "on"; },
-          "Remembered, unless --this-run")
-      ->required()
-      ->check(CLI::IsMember({"on", "off"}).description(""))
-      ->type_name("");
+  OneOf(command->add_option_function<std::string>(
+            "on|off", [low_power](const std::string& word) { low_power->on = word == "on"; },
+            "Remembered, unless --this-run"),
+        {"on", "off"})
+      ->required();
   command->add_flag("--this-run", low_power->this_run, "Only until the controller ends");
-
-  AddCommand("poweroff", "Take the machine down and the robot's power off",
-             std::make_shared<PowerOffOptions>());
-  AddCommand("reboot", "Take the machine down and reboot the robot",
-             std::make_shared<RebootOptions>());
 }
 
 }  // namespace musher::cli

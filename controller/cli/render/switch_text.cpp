@@ -22,8 +22,9 @@ Style StyleOfOutcome(std::string_view outcome) {
 std::string SwitchText(const msg::SetState::Response& told, bool colour) {
   const msg::SetState::Response result = Printable(told);
   std::string text = Paint(result.outcome, StyleOfOutcome(result.outcome), colour) + ": " +
-                     (result.actuator.empty() ? "the machine" : result.actuator) + " is in " +
-                     result.state;
+                     (result.state.empty()      ? "nothing is switched"
+                      : result.actuator.empty() ? "the machine is in " + result.state
+                                                : result.actuator + " is in " + result.state);
   if (result.switch_number != 0) text += fmt::format(" (switch {})", result.switch_number);
   if (result.outcome == "done" && !result.reason.empty()) text += "; " + result.reason;
   text += '\n';
@@ -44,6 +45,24 @@ std::string SwitchComplaint(const msg::SetState::Response& result) {
       (result.actuator.empty() ? "" : result.actuator + " to ") + result.target;
   return target + " is " + result.outcome + ": " +
          (result.reason.empty() ? CodeText(result.code) : result.reason);
+}
+
+std::string SwitchProgressText(const msg::MachineStatus& told, const std::string& target,
+                               std::int64_t seconds) {
+  constexpr std::size_t kMostNames = 4;
+  constexpr std::size_t kWidth = 78;
+  std::vector<std::string> switching;
+  for (const msg::ActuatorInfo& actuator : told.actuators) {
+    if (!actuator.target.empty()) switching.push_back(Printable(actuator.name));
+  }
+  if (switching.empty()) return "";
+  const std::size_t more = switching.size() - std::min(switching.size(), kMostNames);
+  switching.resize(switching.size() - more);
+  std::string text =
+      fmt::format("{}, {} s: still switching {}{}", Printable(target), seconds,
+                  fmt::join(switching, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
+  if (text.size() > kWidth) text = text.substr(0, kWidth - 3) + "...";
+  return text;
 }
 
 std::string PlanText(const msg::GetPlan::Response& told, bool colour) {

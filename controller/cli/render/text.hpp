@@ -1,6 +1,7 @@
 #pragma once
 // What people see: the same messages that json.hpp gives to programs, as lines and tables.
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -34,6 +35,10 @@ std::string EndingText(const std::vector<Ending::Outcome>& outcomes, bool colour
 std::string SwitchText(const msg::SetState::Response& result, bool colour);
 // Why a switch is not done, as one sentence.
 std::string SwitchComplaint(const msg::SetState::Response& result);
+
+// What the switch to `target` still waits for, on less than a line; empty: nothing of it is known.
+std::string SwitchProgressText(const msg::MachineStatus& status, const std::string& target,
+                               std::int64_t seconds);
 
 std::string EstopText(const EstopReport& report, bool colour);
 // Who has not stopped, as one sentence.

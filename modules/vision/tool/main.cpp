@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "musher/lifecycle/version.hpp"
 #include "musher/modules/program/hand_tool.hpp"
 #include "musher/modules/program/module_main.hpp"
 #include "musher/modules/vision/tool/look.hpp"
@@ -35,6 +36,8 @@ int main(int argc, char** argv) {
   musher::vision::tool::LookOptions options;
   CLI::App app("Shows by hand what the detector of musher-vision-manager finds.", "musher-vision");
   app.footer(kFooter);
+  app.set_version_flag("--version", "musher-vision " + std::string(musher::Version()),
+                       "Print the version");
   app.require_subcommand(1);
   CLI::App* look = app.add_subcommand("look", "Look for faces in pictures");
   look->add_option("FILE", options.file, "The config of musher-vision-manager (TOML)")->required();

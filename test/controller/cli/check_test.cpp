@@ -82,6 +82,25 @@ TEST_F(CheckCommand, FaultsAFolderAndAMissingFile) {
   EXPECT_THAT(missing.out, HasSubstr("none.toml: error: "));
 }
 
+TEST_F(CheckCommand, WarnsOfAConfigThatCannotBeUpgradedOnlyWhereUpgradesAreWanted) {
+  const char* warning = "dog.toml: warning: the machine has no state OTA, in which a robot is";
+  EXPECT_THAT(RunProgram({"check", Write("dog.toml", kRobotToml)}).out, Not(HasSubstr("OTA")));
+  const std::string manager = std::string(kRobotToml) + "[policy]\nmanager = true\n";
+  EXPECT_THAT(RunProgram({"check", Write("dog.toml", manager)}).out, HasSubstr(warning));
+  std::filesystem::create_directories(folder_ / "slots/a");
+  Write("ota.toml", "");
+  const Ran in_a_root = RunProgram({"check", Write("slots/a/dog.toml", kRobotToml)});
+  EXPECT_EQ(in_a_root.exit, 0);
+  EXPECT_THAT(in_a_root.out, HasSubstr(warning));
+  std::string text = kRobotToml;
+  for (std::size_t at = 0; (at = text.find("\"Error\"", at)) != std::string::npos; at += 14) {
+    text.insert(at, "\"OTA\", ");
+  }
+  text.replace(text.find("5, 6]"), 5, "5, 6, 7]");
+  EXPECT_EQ(RunProgram({"check", Write("slots/a/dog.toml", text)}).out,
+            "ok: 2 actuators, 7 states, 2 stages\n");
+}
+
 class CheckedPrograms : public CheckCommand {
  protected:
   // What `check` says of legs with these lines in its table.
@@ -115,6 +134,20 @@ TEST_F(CheckedPrograms, NamesAFolderThatIsNotThere) {
 
 TEST_F(CheckedPrograms, SaysNothingOfAProgramThatIsThere) {
   EXPECT_EQ(Check("command = [\"true\"]").out, "ok: 2 actuators, 6 states, 2 stages\n");
+}
+
+TEST_F(CheckedPrograms, AreJudgedBesideAFaultOfTheConfigToo) {
+  const std::string world = Write("musher-world",
+                                  "#!/bin/sh\necho \"$3:1:2: error: of the state config\"\n"
+                                  "echo 'scene.toml:3:4: error: of the scene'\nexit 2\n");
+  std::filesystem::permissions(world, std::filesystem::perms::owner_all);
+  const Ran ran = Check("command = [\"nosuchprogram\"]\non_lost = \"Gone\"\n");
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.out, HasSubstr("unknown state \"Gone\""));
+  EXPECT_THAT(ran.out, HasSubstr("there is no program 'nosuchprogram' in PATH"));
+  const Ran module = Check("command = [\"" + world + "\"]\non_lost = \"Gone\"\n");
+  EXPECT_THAT(module.out, HasSubstr("scene.toml:3:4: error: of the scene"));
+  EXPECT_THAT(module.out, Not(HasSubstr("of the state config")));
 }
 
 // A module of one's own, whose name begins like those of Musher's, started and ran for ever.

@@ -9,7 +9,9 @@
 namespace musher::cli {
 namespace {
 
+using testing::EndsWith;
 using testing::HasSubstr;
+using testing::Not;
 
 std::variant<CommandLine, ParseEnd> Parse(std::vector<const char*> arguments) {
   arguments.insert(arguments.begin(), "musher");
@@ -146,6 +148,34 @@ TEST(CommandLine, HelpsWithTheProgramAndWithEachCommand) {
     EXPECT_THAT(of({command, "--help"}), HasSubstr(std::string("Usage: musher ") + command));
   }
   EXPECT_THAT(of({"--version"}), testing::StartsWith("musher "));
+}
+
+TEST(CommandLine, PointsFromEachMistakeToTheHelpOfItsCommand) {
+  EXPECT_THAT(Wrong({"set"}), EndsWith("; see musher set --help"));
+  EXPECT_THAT(Wrong({"set", "Active", "--now"}), EndsWith("; see musher set --help"));
+  EXPECT_THAT(Wrong({"--json", "status", "--domain", "x"}), EndsWith("; see musher status --help"));
+  EXPECT_THAT(Wrong({"keys", "add"}), EndsWith("; see musher keys add --help"));
+  EXPECT_THAT(Wrong({"ota", "bundle", "x"}), EndsWith("; see musher ota bundle --help"));
+  EXPECT_EQ(Wrong({"keys"}), "missing command; see musher keys --help");
+  EXPECT_EQ(Wrong({"keys", "ad"}),
+            "there is no command 'ad'; did you mean 'add'? see musher keys --help");
+  EXPECT_EQ(Wrong({"--json"}), "missing command; see musher --help");
+  EXPECT_THAT(Wrong({"--wat", "status"}), EndsWith("; see musher status --help"));
+}
+
+TEST(CommandLine, GroupsTheCommandsByWhatTheyAreFor) {
+  const auto parsed = Parse({"--help"});
+  const std::string& help = std::get<ParseEnd>(parsed).out;
+  std::size_t at = 0;
+  for (const char* line :
+       {"\nPrepare a config:\n  check ", "\nStart and stop:\n  up ", "\n  down ",
+        "\nOperate the machine:\n  status ", "\n  set ", "\n  estop ", "\nLook back:\n  history ",
+        "\nInstall and upgrade:\n  keys ", "\n  ota ", "\n  completion "}) {
+    const std::size_t found = help.find(line, at);
+    ASSERT_NE(found, std::string::npos) << line << " in " << help;
+    at = found;
+  }
+  EXPECT_THAT(help, Not(HasSubstr("\n  complete ")));
 }
 
 TEST(CommandLine, KnowsThatJsonWasAskedForInAWrongOne) {

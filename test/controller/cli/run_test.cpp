@@ -93,7 +93,9 @@ TEST(Program, SaysThatAJournalCannotBeRead) {
 TEST(Program, SaysWhichTimesHistoryUnderstands) {
   const Ran ran = RunProgram({"history", "--since", "soon"});
   EXPECT_EQ(ran.exit, 2);
-  EXPECT_THAT(ran.err, HasSubstr("--since 'soon' is no time"));
+  EXPECT_THAT(ran.err, HasSubstr("--since: 'soon' is no time"));
+  EXPECT_THAT(ran.err, testing::EndsWith("; see musher history --help\n"));
+  EXPECT_THAT(RunProgram({"history", "--until", "late"}).err, HasSubstr("--until: 'late' is no"));
 }
 
 TEST(Program, AloneOrWithTheWordHelpItHelps) {

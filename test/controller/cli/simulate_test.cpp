@@ -158,7 +158,7 @@ TEST_F(Simulating, WrongInputIsNamedAndNothingIsLived) {
   };
   EXPECT_THAT(complaint({"--seeds", "0"}), HasSubstr("--seeds"));
   EXPECT_THAT(complaint({"--seeds", "many"}), HasSubstr("--seeds"));
-  EXPECT_THAT(complaint({"--only", "3"}), HasSubstr("--only needs --seed"));
+  EXPECT_THAT(complaint({"--only", "3"}), HasSubstr("--only requires --seed"));
   EXPECT_THAT(complaint({"--seed", "1", "--only", "3,x"}),
               HasSubstr("'3,x' is no list of numbers"));
   EXPECT_THAT(complaint({"--seed", "1", "--only", "99"}), HasSubstr("and no 99"));

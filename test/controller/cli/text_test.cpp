@@ -213,6 +213,18 @@ TEST_F(Text, ShowsASwitchAndWhyItIsNotDone) {
   EXPECT_EQ(SwitchComplaint(result), "Active is undone: eyes: no");
 }
 
+TEST_F(Text, ShowsWhatASwitchStillWaitsForOnLessThanALine) {
+  msg::MachineStatus status = RobotStatus();
+  EXPECT_EQ(SwitchProgressText(status, "LowPower", 3), "LowPower, 3 s: still switching legs");
+  for (int i = 0; i < 9; ++i) status.actuators.push_back(status.actuators[0]);
+  EXPECT_EQ(SwitchProgressText(status, "LowPower", 12),
+            "LowPower, 12 s: still switching legs, legs, legs, legs and 6 more");
+  status.actuators[0].name = std::string(90, 'x');
+  EXPECT_EQ(SwitchProgressText(status, "LowPower", 0).size(), 78U);
+  for (msg::ActuatorInfo& actuator : status.actuators) actuator.target.clear();
+  EXPECT_EQ(SwitchProgressText(status, "LowPower", 1), "");
+}
+
 TEST_F(Text, ShowsARefusedSwitchOfOneActuator) {
   msg::SetState::Response refusal;
   refusal.target = "Active";
@@ -221,6 +233,8 @@ TEST_F(Text, ShowsARefusedSwitchOfOneActuator) {
   refusal.code = 111;
   refusal.state = "SetUp";
   EXPECT_EQ(SwitchText(refusal, false), "refused: eyes is in SetUp\n");
+  refusal.state.clear();  // there is no such actuator
+  EXPECT_EQ(SwitchText(refusal, false), "refused: nothing is switched\n");
   EXPECT_EQ(SwitchComplaint(refusal), "eyes to Active is refused: 111 (Robot: TargetBusy)");
 }
 

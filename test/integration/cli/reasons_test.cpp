@@ -70,6 +70,26 @@ TEST_F(Reasons, PythonUnderMusherExecPrintsAtOnce) {
   EXPECT_THAT(log, HasSubstr("unbuffered=1"));
 }
 
+TEST_F(Reasons, UpCountsTheRestartsOfAProgramThatEndsAtOnceAndNamesItsReasonOnce) {
+  Replace("command = [\"musher-exec\", \"" + (folder_ / "voice") + ".toml\"]",
+          "command = [\"sh\", \"-c\", \"echo no board found >&2; exit 1\"]\n"
+          "restart_delay_ms = 10\nrestart_limit = 3");
+  const Ended up = Musher({"up", config_, "--detach"});
+  EXPECT_EQ(up.exit, 0) << up.err;
+  const auto times = [&up](const std::string& words) {
+    int found = 0;
+    for (std::size_t at = 0; (at = up.out.find(words, at)) != std::string::npos; ++at) ++found;
+    return found;
+  };
+  EXPECT_EQ(times("voice: the same again 2 times\n"), 1) << up.out;
+  EXPECT_EQ(times("voice is started as process "), 1) << up.out;
+  EXPECT_EQ(times("no board found"), 2) << "how it ended, and that it is degraded\n" << up.out;
+  EXPECT_EQ(times("voice is degraded: given up after 3 restarts; as above"), 1) << up.out;
+  std::ifstream file(folder_ / "state/controller.log");
+  const std::string log{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_THAT(log, HasSubstr("voice is started again in 40 ms, restart 3 of 3"));
+}
+
 // setsid makes it a session, and so a process group, of its own.
 TEST_F(Reasons, AChildThatBecameADaemonEndsWithItsModule) {
   const std::string told = folder_ / "told";

@@ -62,7 +62,9 @@ TEST_F(Restart, ByHandSaysWhichNameWasMeant) {
   ASSERT_NO_FATAL_FAILURE(Start());
   const Ended restart = Musher({"restart", "vioce"});
   EXPECT_EQ(restart.exit, 1);
-  EXPECT_THAT(restart.err, HasSubstr("unknown actuator 'vioce'; did you mean 'voice'?"));
+  EXPECT_THAT(restart.err,
+              HasSubstr("there is no actuator 'vioce'; did you mean 'voice'? There are "
+                        "legs, voice and eyes"));
   EXPECT_EQ(Voice()["pid"], voice_);
 }
 

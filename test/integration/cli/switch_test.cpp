@@ -57,7 +57,14 @@ TEST_F(Set, EndsWithOneAndAReasonWhenItIsRefused) {
   EXPECT_EQ(result["outcome"], "refused");
   EXPECT_NE(result["code"], 0);
   EXPECT_EQ(result["state"], "Active");
-  EXPECT_EQ(Musher({"set", "Active", "tail"}).exit, 1);
+  const Ended unknown = Musher({"set", "Active", "tail"});
+  EXPECT_EQ(unknown.exit, 1);
+  EXPECT_EQ(unknown.out, "refused: nothing is switched\n");
+  EXPECT_EQ(unknown.err,
+            "musher: tail to Active is refused: there is no actuator 'tail'; there are legs, voice "
+            "and eyes\n");
+  EXPECT_THAT(Musher({"plan", "Active", "leg"}).err,
+              HasSubstr("there is no actuator 'leg'; did you mean 'legs'? There are legs, voice "));
   EXPECT_EQ(Musher({"set", std::string(100'000, 'x')}).exit, 1);
   EXPECT_EQ(Status()["state"], "Active");
 }
@@ -103,6 +110,25 @@ TEST_F(Set, EndsWithFourAndTheNumberOfTheSwitchThatGoesOn) {
   Release();
   EXPECT_NE(up_->LineWith("switch " + number + " is done"), "");
   EXPECT_EQ(Status()["state"], "LowPower");
+}
+
+TEST_F(Set, ShowsOnATerminalWhichActuatorsAreStillSwitching) {
+  Blocks("legs", "LowPower");
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const std::string screen = folder_ / "screen";
+  Process set({"script", "-qfc", MUSHER_BIN_DIR "/musher set LowPower", screen});
+  const auto shown = [&] {
+    std::ifstream file(screen);
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+  };
+  AwaitStatus(
+      [&](const auto&) { return shown().find("s: still switching legs") != std::string::npos; });
+  Release();
+  EXPECT_EQ(set.Wait().exit, 0);
+  EXPECT_THAT(shown(), HasSubstr("\r\x1b[K\x1b[32mdone\x1b[0m: the machine is in LowPower"));
+  const Ended quiet = Musher({"set", "Active"});
+  EXPECT_THAT(quiet.out, Not(HasSubstr("still switching")));
+  EXPECT_EQ(quiet.err, "");
 }
 
 TEST_F(Set, LetsTheSwitchGoOnAfterCtrlC) {

@@ -12,6 +12,7 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 class Adopting : public Switching {
  protected:
@@ -45,6 +46,35 @@ TEST_F(Adopting, EndsASwitchDownThatTheOneBeforeDiedIn) {
   EXPECT_EQ(t.machine().state, "LowPower");
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "LowPower") << name;
   EXPECT_THAT(t.records, Contains(HasSubstr("left a switch half way")));
+}
+
+TEST_F(Adopting, SpeaksOfASwitchLeftHalfWayOnlyWhereOneWas) {
+  const auto half_way = Contains(HasSubstr("half way"));
+  Theatre& started_again = In("Protected", Ours(3));
+  started_again.On("b", "Protected").takes = Milliseconds(90);
+  started_again.Crash("b");
+  ASSERT_TRUE(started_again.RunUntil([&] { return started_again.StateOf("b") == "SelfCheck"; }));
+  started_again.RunFor(Milliseconds(20));  // busy with Protected
+  Restart(started_again);
+  EXPECT_THAT(started_again.records, Not(half_way));
+  EXPECT_THAT(started_again.records,
+              Contains("the least active state that is found is Protected; elsewhere: b in "
+                       "SelfCheck on its way to Protected"));
+
+  MachineConfig config = Ours(3);
+  ActuatorNamed(config, "a").controller_lost = Milliseconds(1000);
+  ActuatorNamed(config, "a").on_controller_lost = "Protected";
+  Theatre& fallen = In("Active", config);
+  fallen.Mute("a", true, true);
+  fallen.RunFor(Milliseconds(1100));
+  fallen.Inject("a", actuator_event::TimePassed{});
+  ASSERT_TRUE(fallen.RunUntil([&] { return fallen.StateOf("a") == "Protected"; }));
+  fallen.Mute("a", false, false);
+  Restart(fallen);
+  EXPECT_EQ(fallen.machine().state, "Protected");
+  EXPECT_THAT(fallen.records, Not(half_way));
+  EXPECT_THAT(fallen.records, Contains("the least active state that is found is Protected; "
+                                       "elsewhere: b in Active, c in Active"));
 }
 
 TEST_F(Adopting, FollowsOneThatIsOnItsWayDownThoughNobodyIsThereYet) {

@@ -9,6 +9,7 @@
 namespace musher::testing {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -86,6 +87,18 @@ TEST_F(Causes, SilenceIsNamedBeforeTheLoss) {
               ElementsAre(StartsWith("b is degraded: it does not answer"),
                           StartsWith("b did not answer within 100 ms; it is asked"),
                           "a switch to LowPower is asked for"));
+}
+
+TEST_F(Causes, OneThatCannotBeAskedIsNotSaidToBeAsked) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "b").protocol = Protocol::kCyberdog;
+  Theatre& t = In("Active", config);
+  t.Ask("LowPower");
+  t.Mute("b", true, true);
+  t.Rest();
+  EXPECT_THAT(t.records, Contains("b did not answer within 100 ms; by its protocol it cannot be "
+                                  "asked how LowPower stands, so its state is unknown until it "
+                                  "answers"));
 }
 
 TEST_F(Causes, ASwitchThatTookOverIsNamed) {

@@ -1,0 +1,160 @@
+// musher complete WORD...: what a shell offers for the last word, one on a line, with what it means
+// behind a tab; ":files", ":folders" and ":configs" (.toml) ask the shell for those of the disk.
+// The scripts of `musher completion` call it. It answers soon, and says nothing of what goes wrong.
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "musher/controller/cli/behavior_request.hpp"
+#include "musher/controller/cli/commands.hpp"
+#include "musher/controller/cli/link.hpp"
+#include "musher/lifecycle/config_toml.hpp"
+#include "musher/lifecycle/state.hpp"
+#include "musher/messages/musher_msgs/behavior.hpp"
+#include "musher/messages/musher_msgs/capabilities.hpp"
+#include "musher/transport/dds/dds_node.hpp"
+#include "musher/transport/host.hpp"
+
+namespace musher::cli {
+namespace {
+
+using Words = std::vector<std::string>;
+
+// A controller of this host is found in some 10 ms, and answers at once.
+constexpr Duration kFind = Milliseconds(500);
+constexpr Duration kFindElsewhere = Milliseconds(200);
+constexpr Duration kFindApplications = Milliseconds(300);
+
+// SetUp and Uninitialized cannot be commanded.
+Words Commanded(const std::vector<std::string_view>& states) {
+  Words words;
+  for (const std::string_view state : states) {
+    if (state != kUninitialized && state != kSetUp) words.emplace_back(state);
+  }
+  return words;
+}
+
+Words Of(const MachineConfig& config, Names names) {
+  Words words;
+  if (names == Names::kStates) return Commanded({config.states.begin(), config.states.end()});
+  if (names == Names::kCapabilities) {
+    words.reserve(config.capabilities.size());
+    for (const CapabilityConfig& capability : config.capabilities) words.push_back(capability.name);
+  } else {
+    words.reserve(config.actuators.size());
+    for (const ActuatorConfig& actuator : config.actuators) words.push_back(actuator.name);
+  }
+  return words;
+}
+
+// Those of the actuators that answer for a state machine of theirs.
+Words Applications(Link& link, const std::string& name_space, const Words& actuators) {
+  using Client = transport::Client<msg::GetBehavior>;
+  std::vector<std::unique_ptr<Client>> clients;
+  clients.reserve(actuators.size());
+  for (const std::string& name : actuators) {
+    auto client = transport::MakeClient<msg::GetBehavior>(
+        link.node(), transport::ResolveName(name_space, name + "/get_behavior"));
+    clients.push_back(client ? std::move(client).value() : nullptr);
+  }
+  const auto ready = [](const auto& client) { return client != nullptr && client->Ready(); };
+  link.RunUntil([&] { return std::all_of(clients.begin(), clients.end(), ready); },
+                kFindApplications);
+  Words applications;
+  for (std::size_t i = 0; i < actuators.size(); ++i) {
+    if (ready(clients[i])) applications.push_back(actuators[i]);
+  }
+  return applications;
+}
+
+Words Capabilities(Link& link) {
+  Words words;
+  const auto answer = link.Ask<msg::GetCapabilities>("get_capabilities", {}, kFind);
+  if (const auto* told = std::get_if<msg::Capabilities>(&answer)) {
+    words.reserve(told->capabilities.size());
+    for (const msg::Capability& capability : told->capabilities) words.push_back(capability.name);
+  }
+  return words;
+}
+
+Words Commands(const CompleteOptions& options, GlobalOptions global) {
+  if (options.application.empty()) return {};
+  global.timeout = kFind;
+  const auto link = Link::Open(global);
+  if (!link) return {};
+  const auto answer = AskBehavior(*link.value(), global, options.application, {"", 0});
+  const auto* report = std::get_if<msg::GetBehavior::Response>(&answer);
+  return report == nullptr ? Words{} : report->commands;
+}
+
+Words RunningHere(const std::string& name_space) {
+  const auto domain = transport::DomainId({});
+  if (!domain) return {};
+  return transport::NameLock::HeldBelow(
+      transport::NameLock::NameOf(domain.value(), name_space, ""));
+}
+
+// Of the machine that runs; none where it is not found in time.
+Words OfMachine(const GlobalOptions& global, Names names) {
+  const auto opened = Link::Open(global);
+  if (!opened) return {};
+  Link& link = *opened.value();
+  if (!link.FollowStatus({})) return {};
+  link.RunUntil([&] { return link.status().has_value(); },
+                link.LeaderHere() != 0 ? kFind : kFindElsewhere);
+  Words actuators = RunningHere(global.name_space);  // without a controller
+  if (link.status()) {
+    actuators.clear();
+    actuators.reserve(link.status()->actuators.size());
+    for (const auto& actuator : link.status()->actuators) actuators.push_back(actuator.name);
+  }
+  if (names == Names::kActuators) return actuators;
+  if (names == Names::kApplications) return Applications(link, global.name_space, actuators);
+  if (!link.status()) return {};
+  if (names == Names::kCapabilities) return Capabilities(link);
+  const msg::MachineStatus& status = *link.status();
+  if (status.host != transport::HostId()) return {};
+  const auto config = ReadConfigFile(status.config_file).config;
+  return config ? Of(*config, names) : Words{};
+}
+
+Words NamesFor(const CompleteOptions& options, const GlobalOptions& global) {
+  if (options.names == Names::kCommands) return Commands(options, global);
+  if (!options.config.empty()) {
+    const ConfigReading reading = ReadConfigFile(options.config);
+    const auto& read = reading.config ? reading.config : reading.faulty;
+    if (read) return Of(*read, options.names);
+  }
+  Words words = OfMachine(global, options.names);
+  const bool none = words.empty() && options.names == Names::kStates;
+  return none ? Commanded(BuiltInStates()) : words;
+}
+
+}  // namespace
+
+ExitCode Complete(const CompleteOptions& options, const GlobalOptions& global, Console& console) {
+  std::vector<CompleteOptions::Word> words = options.words;
+  switch (options.names) {
+    case Names::kNone:
+      break;
+    case Names::kConfigs:
+      console.Print(":configs");
+      break;
+    case Names::kFiles:
+      console.Print(":files");
+      break;
+    case Names::kFolders:
+      console.Print(":folders");
+      break;
+    default:
+      for (std::string& word : NamesFor(options, global)) words.push_back({std::move(word), ""});
+  }
+  for (const CompleteOptions::Word& word : words) {
+    if (!word.text.starts_with(options.begin)) continue;
+    console.Print(options.prefix + word.text + "\t" + Printable(word.meaning));
+  }
+  return ExitCode::kDone;
+}
+
+}  // namespace musher::cli

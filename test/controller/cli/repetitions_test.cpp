@@ -1,0 +1,117 @@
+#include "musher/controller/cli/repetitions.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace musher::cli {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+class RepeatedLines : public testing::Test {
+ protected:
+  std::vector<std::string> Say(const std::string& message, const std::string& actuator = "legs",
+                               const std::string& kind = "process") {
+    Progress progress;
+    progress.wall_ns = now_ns_;
+    progress.kind = kind;
+    progress.actuator = actuator;
+    progress.message = message;
+    std::vector<std::string> lines;
+    for (const Progress& line : repetitions_.Take(progress)) lines.push_back(line.message);
+    return lines;
+  }
+  // What is printed while it is started, ends and is started again.
+  std::vector<std::string> Crash(int restart) {
+    std::vector<std::string> lines;
+    const std::string n = std::to_string(restart);
+    for (const std::string& message :
+         {"legs is started as process 40" + n,
+          std::string("legs is degraded: crashed: exit code 1"),
+          "legs is started again in " + n + "00 ms, restart " + n + " of 5"}) {
+      for (const std::string& line : Say(message)) lines.push_back(line);
+    }
+    return lines;
+  }
+
+  std::int64_t now_ns_ = 1'000'000'000'000;
+  Repetitions repetitions_;
+};
+
+TEST_F(RepeatedLines, OfOneThatEndsAgainAndAgainAreCountedUntilThereIsNews) {
+  EXPECT_THAT(Crash(1), ElementsAre("legs is started as process 401",
+                                    "legs is degraded: crashed: exit code 1",
+                                    "legs is started again in 100 ms, restart 1 of 5"));
+  for (const int restart : {2, 3, 4, 5}) EXPECT_THAT(Crash(restart), IsEmpty());
+  EXPECT_THAT(Say("legs is started as process 406"), IsEmpty());
+  EXPECT_THAT(
+      Say("legs is degraded: given up after 5 restarts"),
+      ElementsAre("legs: the same again 4 times", "legs is degraded: given up after 5 restarts"));
+  EXPECT_THAT(Say("legs is started as process 407"), ElementsAre("legs is started as process 407"))
+      << "by hand";
+}
+
+TEST_F(RepeatedLines, OfAnotherEndOrAnotherActuatorArePrinted) {
+  Crash(1);
+  EXPECT_THAT(Say("arm is degraded: crashed: exit code 1", "arm"),
+              ElementsAre("arm is degraded: crashed: exit code 1"));
+  EXPECT_THAT(Say("legs is degraded: crashed: exit code 3"),
+              ElementsAre("legs is degraded: crashed: exit code 3"));
+}
+
+TEST_F(RepeatedLines, WithoutARestartArePrintedEachTime) {
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_THAT(Say("legs: Active done after 3 ms"), ElementsAre("legs: Active done after 3 ms"));
+  }
+}
+
+TEST_F(RepeatedLines, OfASwitchArePrintedEachTime) {
+  Crash(1);
+  Say("legs: Active done after 3 ms");
+  EXPECT_THAT(Say("switch 5 begins", "", "switch"), ElementsAre("switch 5 begins"));
+  EXPECT_THAT(Say("legs: Active done after 2 ms"), ElementsAre("legs: Active done after 2 ms"));
+}
+
+TEST_F(RepeatedLines, OfALoopThatNeverEndsAreToldOfNowAndThen) {
+  Crash(1);
+  int printed = 0;
+  for (int restart = 2; restart <= 201; ++restart) {
+    for (const std::string& line : Crash(restart)) {
+      EXPECT_EQ(line,
+                printed == 0 ? "legs: the same again 10 times" : "legs: the same again 100 times");
+      ++printed;
+    }
+  }
+  EXPECT_EQ(printed, 2);
+}
+
+TEST_F(RepeatedLines, AreNewsAfterHalfAMinute) {
+  Crash(1);
+  EXPECT_THAT(Crash(2), IsEmpty());
+  now_ns_ += 31'000'000'000;
+  EXPECT_THAT(Crash(1).size(), 3U);
+}
+
+TEST_F(RepeatedLines, NameAReasonOnceAndReferToItWhileItIsInSight) {
+  const std::string why = "exit code 2: robot.toml has no actuator 'lesg'; did you mean 'legs'?";
+  EXPECT_THAT(Say("legs is degraded: " + why), ElementsAre("legs is degraded: " + why));
+  EXPECT_THAT(Say("legs is degraded: " + why + "; it is not started again"),
+              ElementsAre("legs is degraded: as above; it is not started again"));
+  const std::string whole = "legs: " + why + "; it is not started again";
+  EXPECT_THAT(Say("switch 1 is done-degraded: " + whole, "", "switch"),
+              ElementsAre("switch 1 is done-degraded: legs: as above"));
+  EXPECT_THAT(Say("arm is degraded: exit code 1", "arm"),
+              ElementsAre("arm is degraded: exit code 1"));
+  EXPECT_THAT(Say("the machine is Active, degraded: arm: exit code 1", "", "machine"),
+              ElementsAre("the machine is Active, degraded: arm: exit code 1"))
+      << "a short one costs less than to look above";
+  EXPECT_THAT(Say("arm is degraded: " + why, "arm"), ElementsAre("arm is degraded: " + why))
+      << "of another actuator";
+  now_ns_ += 11'000'000'000;
+  EXPECT_THAT(Say("switch 2 is done-degraded: " + whole, "", "switch"),
+              ElementsAre("switch 2 is done-degraded: " + whole));
+}
+
+}  // namespace
+}  // namespace musher::cli
