@@ -138,7 +138,7 @@ class Decision {
   std::vector<ActuatorResult> Results(const Switch& s) const;
   void Answer(const std::vector<RequestId>& requests, const SwitchResult& result);
 
-  // starting.cpp
+  // starting.cpp, adopting.cpp
   void StartStage(int stage, std::uint64_t cause);
   bool StartProcesses();
   bool NeedsMet(std::size_t i, std::string& hindrance) const;

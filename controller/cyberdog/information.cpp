@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "musher/lifecycle/version.hpp"
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/transport/battery_watch.hpp"
@@ -84,7 +85,7 @@ msg::BmsInfo::Response Information::Battery() const {
 msg::DeviceInfo::Response Information::About(const std::vector<bool>& enables) const {
   if (enables.size() > kKeys.size()) return {"", kCodeParametersInvalid};
   Json known;
-  known["version"] = MUSHER_VERSION;
+  known["version"] = Version();
   known["device_model"] = config_.name;
   if (!serial_number_.empty()) known["sn"] = serial_number_;
   if (!uid_.empty()) known["uid"] = uid_;

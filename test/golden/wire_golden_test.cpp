@@ -12,6 +12,7 @@
 #include <map>
 #include <string>
 
+#include "musher/lifecycle/version.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
 #include "musher/messages/musher_msgs/beats.hpp"
@@ -102,7 +103,7 @@ TEST(WireCompatibility, EveryMessageOfEveryVersionIsReadAndOnlyGrowsAtItsEnd) {
   const fs::path folder = fs::path(MUSHER_SOURCE_DIR) / "test" / "golden" / "wire";
   const Codings now = AllCodings();
   if (std::getenv("MUSHER_UPDATE_GOLDEN") != nullptr) {
-    std::ofstream file(folder / MUSHER_VERSION ".txt");
+    std::ofstream file(folder / (std::string(Version()) + ".txt"));
     for (const auto& [name, coding] : now) file << name << " " << coding.bytes << "\n";
   }
   int versions = 0;

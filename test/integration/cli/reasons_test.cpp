@@ -90,13 +90,14 @@ TEST_F(Reasons, UpCountsTheRestartsOfAProgramThatEndsAtOnceAndNamesItsReasonOnce
   EXPECT_THAT(log, HasSubstr("voice is started again in 40 ms, restart 3 of 3"));
 }
 
-// setsid makes it a session, and so a process group, of its own.
+// setsid makes it a session, and so a process group, of its own. tail would end by itself when the
+// pipe that a command of musher-exec writes to has no reader any more.
 TEST_F(Reasons, AChildThatBecameADaemonEndsWithItsModule) {
   const std::string told = folder_ / "told";
   ASSERT_EQ(mkfifo(told.c_str(), 0600), 0);
   Does("voice", "[state.SetUp]\nshell = \"setsid -f sh -c 'echo $$ > " + told +
-                    "; exec tail -f /dev/null'; cat " + told + " > " + (folder_ / "daemon") +
-                    "\"\n");
+                    "; exec tail -f /dev/null > /dev/null 2>&1'; cat " + told + " > " +
+                    (folder_ / "daemon") + "\"\n");
   ASSERT_EQ(UpDetached().exit, 0);
   pid_t daemon = 0;
   std::ifstream(folder_ / "daemon") >> daemon;
