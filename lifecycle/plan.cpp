@@ -206,7 +206,7 @@ class Planning {
       step.note = "has no state '" + plan_.target + "'";
       if (up) RefuseWith(kCodeUnSupport, actuator.name + " " + step.note);
     } else if (!checking && plan_.target != kTearDown && !record.checked &&
-               (up || !AtRest(record))) {
+               (up || !AtRest(record)) && !LeavesError(record)) {
       leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
     } else if (!checking && record.parked && Rises(config_, record.state(), plan_.target)) {
       leave_out("rests until those that it is bound to are up", kCodeStatusError, false);
@@ -226,6 +226,11 @@ class Planning {
   bool Joining(const ActuatorRecord& record) const {
     return record.order && record.order->target == kSelfCheck && !machine_.current &&
            plan_.target != kTearDown && plan_.target != kError;
+  }
+
+  // On its way out of Error by the command of an earlier controller, while the machine stays there.
+  bool LeavesError(const ActuatorRecord& record) const {
+    return plan_.target == kError && record.state() == kError && record.report.busy();
   }
 
   // Overdue by a protocol that has no question: nothing more is sent to it until it answers.

@@ -88,7 +88,7 @@ bool Judge::ByPolicy(const State& state) const {
   const auto has = [&](const std::vector<State>& all) {
     return std::find(all.begin(), all.end(), state) != all.end();
   };
-  return has(policy_up_to_) || has(policy_down_to_);
+  return has(policy_up_to_) || has(policy_down_to_) || judged_raise_ == state;
 }
 
 // The state of the machine has changed.

@@ -255,6 +255,19 @@ TEST_F(Adopting, OneThatIsFoundInErrorLaterIsListedAndNotDrivenBehindAPersonsBac
   EXPECT_THAT(Degraded(t.config(), t.machine()), IsEmpty());
 }
 
+// It counted as being in Error, and done was told while it went to SelfCheck.
+TEST_F(Adopting, OneOnItsWayOutOfErrorIsBroughtBackByASwitchToError) {
+  Theatre& t = In("Error", Ours(3));
+  t.On("c", "SelfCheck").takes = Milliseconds(90);
+  t.Ask("SelfCheck");
+  t.RunFor(Milliseconds(40));
+  t.RestartController();
+  t.RunFor(Milliseconds(20));
+  ASSERT_EQ(t.machine().state, "Error");
+  EXPECT_TRUE(t.Set("Error").done());
+  EXPECT_EQ(t.StateOf("c"), "Error");
+}
+
 TEST_F(Adopting, OfAMachineInErrorIsLedOutThroughSelfCheck) {
   Theatre& t = In("Error", Ours(3));
   Restart(t);
