@@ -127,8 +127,8 @@ to = ["Active", "LowPower"]
 // The battery falls in the very step in which the switch back up ends: what it has taken down then
 // may be brought back.
 TEST_F(Simulating, ALoweringThatBeginsAsARaiseEndsIsRememberedByTheCheck) {
-  const Ran ran = RunProgram({"simulate", MUSHER_SOURCE_DIR "/config/robot.toml", "--seed", "1135",
-                              "--only", "2,6,8,9"});
+  const Ran ran = RunProgram(
+      {"simulate", MUSHER_SOURCE_DIR "/config/robot.toml", "--seed", "1135", "--only", "2,6,8,9"});
   EXPECT_EQ(ran.exit, 0) << ran.out;
 }
 
