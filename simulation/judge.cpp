@@ -49,7 +49,7 @@ void Judge::OnWrite(const ControllerProcess& controller, const std::string& topi
                     const msg::Bytes& bytes) {
   if (topic.starts_with("rr/")) return OnReplyWritten(controller, topic.substr(3));
   if (!topic.ends_with("musher/emergency_stop")) return;
-  if (const auto stop = msg::Decode<msg::EmergencyStop>(bytes)) OnStopPublished(*stop);
+  if (const auto stop = msg::Decode<msg::EmergencyStop>(bytes)) OnStopPublished(controller, *stop);
 }
 
 void Judge::OnReport(const std::string& name, std::size_t host, const ActuatorReport& report) {

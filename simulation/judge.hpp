@@ -98,7 +98,8 @@ class Judge {
   void CheckRunsOnce(const std::string& name);
   void CheckSignal(const ControllerProcess& controller, std::int32_t pid);
   // stop_invariants.cpp
-  void OnStopPublished(const msg::EmergencyStop& stop);
+  void OnStopPublished(const ControllerProcess& controller, const msg::EmergencyStop& stop);
+  bool ReleasedElsewhere() const;
   bool StopIsOpen() const;
   void CheckStopsAtRest(const Machine& machine);
   void CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
@@ -158,8 +159,8 @@ class Judge {
   std::set<std::string> twice_;                   // started while another one could not be heard
   std::map<std::uint64_t, std::size_t> engaged_;  // emergency stops: the panel
   std::map<std::size_t, std::uint64_t> last_of_panel_;
-  std::set<std::uint64_t> taken_up_;  // by a controller
-  std::set<std::uint64_t> released_;
+  std::set<std::uint64_t> taken_up_;                         // by a controller
+  std::map<std::uint64_t, std::set<std::size_t>> released_;  // by the hosts that know of it
   std::vector<std::pair<std::string, std::size_t>> free_and_stopped_;  // actuator, host
   struct StopAsked {
     std::uint64_t controller = 0;  // its serial

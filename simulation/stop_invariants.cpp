@@ -13,8 +13,22 @@ void Judge::StopEngaged(std::size_t panel, std::uint64_t id) {
 }
 
 // What a controller publishes. It alone releases.
-void Judge::OnStopPublished(const msg::EmergencyStop& stop) {
-  (stop.engaged ? taken_up_ : released_).insert(stop.id);
+void Judge::OnStopPublished(const ControllerProcess& controller, const msg::EmergencyStop& stop) {
+  if (stop.engaged) {
+    taken_up_.insert(stop.id);
+  } else {
+    released_[stop.id].insert(controller.host());
+  }
+}
+
+// A release is on the disk of the host whose controller was asked. Where another host leads
+// afterwards, a panel that lives on engages the stop again.
+bool Judge::ReleasedElsewhere() const {
+  const ControllerProcess* leader = robot_.leader();
+  return leader != nullptr &&
+         std::any_of(released_.begin(), released_.end(), [leader](const auto& release) {
+           return !release.second.contains(leader->host());
+         });
 }
 
 // Whether one is not released. A panel keeps its last one only: of one before that nothing is left
@@ -29,7 +43,9 @@ bool Judge::StopIsOpen() const {
 
 void Judge::CheckStopsAtRest(const Machine& machine) {
   const bool open = StopIsOpen();
-  const auto excused = [&](bool latched) { return latched && !open && forgetful_; };
+  const auto excused = [&](bool latched) {
+    return latched && !open && (forgetful_ || ReleasedElsewhere());
+  };
   const std::string what = open ? " although one is engaged" : " although all are released";
   const bool told = machine.emergency_stop.has_value();
   if (told != open && !excused(told)) {
