@@ -216,7 +216,7 @@ void Decision::HoldTo(const ActuatorReport& report, std::size_t i) {
   const std::uint64_t id = report.emergency_stop;
   if (id == 0 || machine_.phase == Phase::kIdle) return;
   if (IsReleased(id)) return Do(action::TellEmergencyStop{{id, "", ""}, false});
-  const bool told = !report.emergency_stop_by.empty();
+  const bool told = !report.emergency_stop_by.empty() || !report.emergency_stop_reason.empty();
   const EmergencyStop stop{
       id, report.emergency_stop_by,
       told ? report.emergency_stop_reason : ConfigOf(i).name + " had latched it"};

@@ -3,6 +3,7 @@
 // The scripts of `musher completion` call it. It answers soon, and says nothing of what goes wrong.
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -121,7 +122,8 @@ Words OfMachine(const GlobalOptions& global, Names names) {
 
 Words NamesFor(const CompleteOptions& options, const GlobalOptions& global) {
   if (options.names == Names::kCommands) return Commands(options, global);
-  if (!options.config.empty()) {
+  std::error_code error;  // a FIFO would be waited for
+  if (std::filesystem::is_regular_file(options.config, error)) {
     const ConfigReading reading = ReadConfigFile(options.config);
     const auto& read = reading.config ? reading.config : reading.faulty;
     if (read) return Of(*read, options.names);

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -136,19 +137,27 @@ Ran RunCheck(const std::string& program, const ActuatorConfig& actuator,
   pid_t pid = 0;
   const int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) return {true, ""};
+  if (error != 0) return {false, "can't run " + program + ": " + std::strerror(error)};
   const bool ended = EndsWithin(pid, patience);
   if (!ended) kill(pid, SIGKILL);
   int status = 0;
   while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
   }
-  if (!ended)
+  if (!ended) {
     return {false, program + " --check has not ended within " +
                        std::to_string(ToMilliseconds(patience)) + " ms"};
+  }
   std::array<char, 8192> text{};
   const ssize_t size = pread(output.get(), text.data(), text.size(), 0);
-  return {WIFEXITED(status) && WEXITSTATUS(status) == 0,
+  Ran ran{WIFEXITED(status) && WEXITSTATUS(status) == 0,
           std::string(text.data(), static_cast<std::size_t>(size < 0 ? 0 : size))};
+  if (!ran.ok && ran.err.empty()) {
+    ran.err = program + " --check " +
+              (WIFEXITED(status) ? "ended with exit code " + std::to_string(WEXITSTATUS(status))
+                                 : "was killed by signal " + std::to_string(WTERMSIG(status))) +
+              " and said nothing";
+  }
+  return ran;
 }
 
 // Whether the line is a finding on the state config, which every program reads: that is reported.
@@ -190,7 +199,7 @@ std::vector<Diagnostic> CheckPrograms(const MachineConfig& config, Duration pati
     if (ran.ok) continue;
     std::istringstream lines(ran.err);
     for (std::string line; std::getline(lines, line);) {
-      if (line.empty() || IsOn(file, line)) continue;
+      if (line.empty() || line.starts_with("Run with --help") || IsOn(file, line)) continue;
       add(actuator, "command", Severity::kError, line);
     }
   }

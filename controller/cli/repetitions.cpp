@@ -101,10 +101,8 @@ std::vector<Progress> Repetitions::NewLines(const Progress& progress) {
                : std::vector<Progress>{};
   }
   std::vector<Progress> lines;
-  if (loop.times > 0) {
-    lines.push_back(Summary(progress, loop.times));
-    loop = {progress.wall_ns, {}, false, 0};
-  }
+  if (loop.times > 0) lines.push_back(Summary(progress, loop.times));
+  if (loop.restarted) loop = {progress.wall_ns, {}, false, 0};  // it is another one: all is told
   lines.push_back(progress);
   loop.said.insert(said);
   loop.restarted |= restart;

@@ -37,6 +37,7 @@ class PowerSaving {
   // Runs `then` once low power is left, at once where it is not on; with the reason where it cannot
   // be left.
   void Leave(std::function<void(const Result<>&)> then);
+  bool leaving() const { return !waiting_.empty(); }
 
  private:
   bool Wanted() const;

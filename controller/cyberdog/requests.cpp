@@ -78,10 +78,16 @@ void Requests::ServePower(transport::Endpoints& endpoints) {
 void Requests::Ask(const event::PolicyRequested& asked, const ControllerShell::OnAnswer& done) {
   const bool to_a_state =
       asked.what == PolicyRequest::kSwitch || asked.what == PolicyRequest::kKeep;
+  const bool urgent = asked.state == kTearDown || asked.state == kError;
+  const bool calls_off = asked.what == PolicyRequest::kKeep && asked.ticks == 0;
   const bool leads_out = asked.what == PolicyRequest::kWakeUp ||
                          asked.what == PolicyRequest::kOta ||
-                         (to_a_state && asked.state != kLowPower);
-  if (shell_.machine().state != kLowPower || !leads_out) return shell_.AskPolicy(asked, done);
+                         (to_a_state && asked.state != kLowPower && !urgent && !calls_off);
+  const PolicyState& policy = shell_.machine().policy;
+  const bool refused = policy.keep || policy.level >= BatteryLevel::kLowPower;  // by the policy
+  if (shell_.machine().state != kLowPower || !leads_out || refused) {
+    return shell_.AskPolicy(asked, done);
+  }
   power_saving_.Leave([this, asked, done](const Result<>& left) {
     if (!left) return done(left);
     shell_.AskPolicy(asked, done);
@@ -121,7 +127,7 @@ void Requests::OnKeep(const msg::MachineState::Request& request, const KeepReply
 // Heard all day long; it means something to a robot that rests.
 void Requests::OnWakeWord() {
   const State& state = shell_.machine().state;
-  if (state == kActive || state == kProtected) return;
+  if (state == kActive || state == kProtected || power_saving_.leaving()) return;
   event::PolicyRequested asked;
   asked.what = PolicyRequest::kWakeUp;
   Ask(asked, [](const Result<>&) {});  // a refusal is in the journal

@@ -24,7 +24,8 @@ class Requests {
 
   void ServeStates(transport::Endpoints& endpoints);
   void ServePower(transport::Endpoints& endpoints);
-  // Asks the policy, where it leads out of LowPower once the board has left that.
+  // Asks the policy; where that leads out of LowPower, once the board has left it. TearDown and
+  // Error do not wait for the board, and what the policy refuses does not wake it.
   void Ask(const event::PolicyRequested& asked, const ControllerShell::OnAnswer& done);
   void OnSwitch(std::uint8_t number);
   void OnKeep(const msg::MachineState::Request& request, const KeepReply& reply);

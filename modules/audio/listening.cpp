@@ -81,10 +81,13 @@ void Listening::Publish(BoardState state) {
 
 void Listening::OnText(const std::string& text) {
   if (!microphone_on_()) return;
-  if (text.size() > kLongestText || !CharactersIn(text) || !HasSomethingToSay(text)) {
-    return log_("world/speech_text: refused: expected UTF-8 of 1 to " +
-                std::to_string(kLongestText) + " bytes");
+  if (text.empty()) return;  // many recognisers say so of silence
+  const bool bad = text.size() > kLongestText || !CharactersIn(text) || !HasSomethingToSay(text);
+  if (std::exchange(refusing_, bad) != bad && bad) {
+    log_("world/speech_text: refused: expected UTF-8 of 1 to " + std::to_string(kLongestText) +
+         " bytes");
   }
+  if (bad) return;
   Publish(BoardState::kRecognised);
   static_cast<void>(text_->Publish({text}));
   const std::string wake_name = own_name_ ? wake_name_ : kWakeName;

@@ -54,7 +54,8 @@ class Listening {
   const Log log_;
   std::string nick_name_ = kNickName;
   std::string wake_name_ = kWakeName;
-  bool own_name_ = true;  // false: the wake word is CyberDog's
+  bool own_name_ = true;   // false: the wake word is CyberDog's
+  bool refusing_ = false;  // the last text
   bool speaking_ = false;
   std::unique_ptr<transport::Publisher<msg::UInt8>> board_;
   std::unique_ptr<transport::Publisher<msg::String>> text_;

@@ -21,9 +21,12 @@ Result<> PowerKeyDevice::Connect() {
   auto client = transport::MakeClient<msg::Trigger>(around_.node, around_.Name("poweroff"));
   if (!client) return client.error();
   power_off_ = std::move(client).value();
+  transport::SubscriptionEvents events;
+  events.on_writer_lost = [this](transport::PeerId) { pressed_ = false; };  // the next press counts
   auto key = transport::MakeSubscription<msg::Bool>(
       around_.node, around_.Name("world/power_key"),
-      [this](const msg::Bool& pressed, const auto&) { OnKey(pressed.data); });
+      [this](const msg::Bool& pressed, const auto&) { OnKey(pressed.data); },
+      transport::kDefaultQos, std::move(events));
   if (!key) return key.error();
   key_ = std::move(key).value();
   return Ok();
@@ -34,7 +37,17 @@ void PowerKeyDevice::OnKey(bool pressed) {
   held_ = nullptr;
   if (!pressed) return;
   transport::EventLoop& loop = around_.node.loop();
-  held_ = loop.At(loop.Now() + config_.hold, [this] { PowerOff(); });
+  const Time due = loop.Now() + config_.hold;
+  held_ = loop.At(due, [this, due] { OnHeld(due); });
+}
+
+// A process that stood still runs its timers first: the release may be waiting to be read.
+void PowerKeyDevice::OnHeld(Time due) {
+  transport::EventLoop& loop = around_.node.loop();
+  const Time now = loop.Now();
+  if (now <= due + kLate) return PowerOff();
+  const Time again = now + kLate;
+  held_ = loop.At(again, [this, again] { OnHeld(again); });
 }
 
 void PowerKeyDevice::PowerOff() {

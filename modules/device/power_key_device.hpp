@@ -17,6 +17,7 @@ namespace musher::device {
 class PowerKeyDevice {
  public:
   static constexpr Duration kPowerOffTime = Milliseconds(2000);  // that the manager may take
+  static constexpr Duration kLate = Milliseconds(50);            // later, a timer is not believed
 
   // Without a key, or the right to call `poweroff`, nothing is subscribed to; the log says the
   // latter.
@@ -28,6 +29,7 @@ class PowerKeyDevice {
       : around_(around), config_(config) {}
   Result<> Connect();
   void OnKey(bool pressed);
+  void OnHeld(Time due);
   void PowerOff();
 
   const Surroundings around_;

@@ -158,6 +158,14 @@ TEST_F(CheckedPrograms, AreNotRunUnlessTheyAreMushersOwn) {
   EXPECT_FALSE(std::filesystem::exists(program + ".ran"));
 }
 
+TEST_F(CheckedPrograms, ThatFailWithoutAWordAreNamed) {
+  const std::string program = Write("musher-world", "#!/bin/sh\nkill -SEGV $$\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  const Ran ran = Check("command = [\"" + program + "\"]");
+  EXPECT_EQ(ran.exit, 2);
+  EXPECT_THAT(ran.out, HasSubstr("--check was killed by signal 11 and said nothing"));
+}
+
 TEST_F(CheckedPrograms, HaveATimeToEndIn) {
   const std::string program = Write("musher-world", "#!/bin/sh\nexec tail -f /dev/null\n");
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);

@@ -89,7 +89,8 @@ TEST_F(PowerSavingTest, IsLeftByASwitchThatTheManagerWasNotAskedFor) {
   EXPECT_THAT(Calls(), ElementsAre(false));
 }
 
-TEST_F(PowerSavingTest, ComesBackWhereTheWayOutIsRefused) {
+// Each wake word beside a dog with an empty battery switched its board on and off.
+TEST_F(PowerSavingTest, IsNotLeftWhereThePolicyRefusesTheWayOut) {
   ServePower();
   BringUp();
   Take("LowPower");
@@ -97,7 +98,21 @@ TEST_F(PowerSavingTest, ComesBackWhereTheWayOutIsRefused) {
   Calls();
   EXPECT_FALSE(Trigger("low_power_exit").success) << "the battery is too low";
   EXPECT_EQ(state(), "LowPower");
-  EXPECT_THAT(Calls(), ElementsAre(false, true));
+  EXPECT_THAT(Calls(), IsEmpty());
+}
+
+// A board that hangs kept the robot from its TearDown.
+TEST_F(PowerSavingTest, DoesNotHoldUpATearDown) {
+  ServePower();
+  BringUp();
+  Take("LowPower");
+  Calls();
+  refusals_ = 100;
+  const auto tell = Tell<msg::UInt8>("machine_state_switch");
+  Settle();
+  tell({4});  // CyberDog's number of TearDown
+  robot_.RunFor(Milliseconds(500));
+  EXPECT_EQ(state(), "TearDown");
 }
 
 TEST_F(PowerSavingTest, IsNotForTheBatterysLowPower) {
