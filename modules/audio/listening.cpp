@@ -8,7 +8,7 @@
 namespace musher::audio {
 namespace {
 
-Result<> JudgeName(const std::string& what, const std::string& name) {
+Result<> CheckName(const std::string& what, const std::string& name) {
   const bool good = !name.empty() && name.size() <= Listening::kLongestName && CharactersIn(name) &&
                     HasSomethingToSay(name);
   if (good) return Ok();
@@ -95,8 +95,8 @@ void Listening::OnText(const std::string& text) {
 }
 
 Result<> Listening::SetNames(const msg::AudioNickName::Request& names) {
-  if (Result<> good = JudgeName("nick_name", names.nick_name); !good) return good;
-  if (Result<> good = JudgeName("wake_name", names.wake_name); !good) return good;
+  if (Result<> good = CheckName("nick_name", names.nick_name); !good) return good;
+  if (Result<> good = CheckName("wake_name", names.wake_name); !good) return good;
   nick_name_ = names.nick_name;
   wake_name_ = names.wake_name;
   log_("the robot is called " + nick_name_ + ", its wake word is " + wake_name_);

@@ -1,6 +1,6 @@
 #pragma once
 // The power key: held for its time (CyberDog: 3 s), it asks the machine's manager for `poweroff`,
-// once until it is released.
+// once until it is released. A driver that ends while the key is pressed does not call that off.
 //
 // Threads: the loop's.
 
