@@ -8,6 +8,12 @@
 #include "musher/simulation/way.hpp"
 
 namespace musher::simulation {
+namespace {
+
+// After which everybody knows of a process that ended where no controller watches it.
+constexpr Duration kUntilMissed = std::chrono::seconds(12);
+
+}  // namespace
 
 // People come: they release the stop, start again what nothing else does, and bring the machine
 // back to where it is of use.
@@ -51,7 +57,7 @@ bool Story::ComeToRest(const std::string& when) {
 }
 
 void Story::RepairActuators() {
-  if (EndSurplus()) RunFor(std::chrono::seconds(2));
+  if (EndSurplus()) RunFor(kUntilMissed);
   const auto* leader = robot_.leader();
   for (std::size_t i = 0; i < config_.actuators.size() && leader != nullptr; ++i) {
     const std::size_t process = robot_.layout().ProcessOf(i);
@@ -82,7 +88,7 @@ void Story::EndElsewhere(const ActuatorConfig& actuator) {
     if (actuator.command.empty() || host == here) continue;
     if (!robot_.processes().IsAlive(actuator.name, host)) continue;
     robot_.processes().End(actuator.name, host, {ProcessExit::Kind::kKilled, SIGKILL});
-    RunFor(std::chrono::seconds(12));  // until that is known: nobody there watches it
+    RunFor(kUntilMissed);
   }
 }
 

@@ -86,9 +86,12 @@ void SimRobot::Open(std::size_t which) {
   };
   // One that has stopped the machine stays, to be looked at; one that is fenced ends.
   hooks.on_over = [this, which] {
-    keeper_->loop().Post([this, which] {
+    const auto serial = controllers_[which]->serial();
+    keeper_->loop().Post([this, which, serial] {
       const auto& controller = controllers_[which];
-      if (controller && !controller->leads()) EndController(which);
+      // Meanwhile the next controller may have been started in its place.
+      if (controller && controller->serial() == serial && !controller->leads())
+        EndController(which);
     });
   };
   controllers_[which] = std::make_unique<ControllerProcess>(
