@@ -8,8 +8,7 @@
 #include "musher/transport/service.hpp"
 #include "musher/transport/sim/network.hpp"
 
-namespace musher {
-namespace {
+namespace musher::actuator_shell_test {
 
 // Counts callbacks; each ends well when it is told to.
 class CountingWorker : public Worker {
@@ -58,5 +57,4 @@ TEST(ActuatorShell, ACommandThatArrivesDuringItsShutdownBeginsNoCallback) {
   EXPECT_EQ(worker.runs, 1) << "SetUp only";
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::actuator_shell_test

@@ -12,8 +12,7 @@
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/transport/node.hpp"
 
-namespace musher {
-namespace {
+namespace musher::battery_gate_test {
 
 using testing::RobotFile;
 
@@ -87,5 +86,4 @@ TEST_F(BatteryGate, FollowsTheTopicOfThePolicy) {
   EXPECT_EQ(legs_.Allowed("jump", ModuleCode::kMotionManager).error().code, 3003);
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::battery_gate_test

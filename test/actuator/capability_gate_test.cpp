@@ -7,8 +7,7 @@
 #include "musher/actuator/actuator_rehearsal.hpp"
 #include "musher/lifecycle/config_toml.hpp"
 
-namespace musher {
-namespace {
+namespace musher::capability_gate_test {
 
 using ::testing::HasSubstr;
 
@@ -93,5 +92,4 @@ TEST_F(OnesOwnFunctions, GoByTheBatteryThatWasHeardLast) {
   EXPECT_FALSE(legs_.Allowed("jump").ok());
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::capability_gate_test

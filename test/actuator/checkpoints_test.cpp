@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace musher {
-namespace {
+namespace musher::checkpoints_test {
 
 constexpr pid_t kWorker = 11;
 constexpr pid_t kOther = 22;
@@ -230,5 +229,4 @@ TEST_F(CheckpointsOf, AreLookedAtSeveralTimesWithinTheShortestAllowance) {
   EXPECT_EQ(points_->Period(), Milliseconds(5)) << "but never so often that it costs";
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::checkpoints_test

@@ -12,8 +12,7 @@
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 
-namespace musher {
-namespace {
+namespace musher::endpoints_test {
 
 using testing::kAllStates;
 using testing::RobotFile;
@@ -103,5 +102,4 @@ TEST(EmergencyStopped, IsWhatTheMachineSaid) {
   EXPECT_TRUE(counter.EmergencyStopped());
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::endpoints_test

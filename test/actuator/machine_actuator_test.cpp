@@ -9,8 +9,7 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 
-namespace musher {
-namespace {
+namespace musher::machine_actuator_test {
 
 using ::testing::HasSubstr;
 using testing::kAllStates;
@@ -203,5 +202,4 @@ TEST(MachineActuator, EndsItsWaitWhenItIsShutDown) {
   ender.join();
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::machine_actuator_test

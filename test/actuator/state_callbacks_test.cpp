@@ -12,8 +12,7 @@
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 
-namespace musher {
-namespace {
+namespace musher::state_callbacks_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -195,5 +194,4 @@ TEST(ConfigurationErrors, EndRunWithTwoAndOfferTheNearestName) {
                         "for 'active' is for no state of it"));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::state_callbacks_test

@@ -15,8 +15,7 @@
 #include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/node.hpp"
 
-namespace musher {
-namespace {
+namespace musher::unattended_test {
 
 using testing::RobotFile;
 
@@ -163,5 +162,4 @@ TEST(Unattended, AWorkThreadThatHangsIsToldThoughItsLoopGoesOn) {
       [](const auto& beat) { return beat.work == msg::ActuatorBeat::kWorkWell; }));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::unattended_test

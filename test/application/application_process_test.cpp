@@ -9,8 +9,7 @@
 #include "musher/test/application/show.hpp"
 #include "musher/test/controller/cli/program.hpp"
 
-namespace musher {
-namespace {
+namespace musher::application_process_test {
 
 using cli::RunProgram;
 using ::testing::HasSubstr;
@@ -85,5 +84,4 @@ TEST_F(AnApplicationsProcess, SaysWhyItsMachineStoppedAndIsStartedAgain) {
               HasSubstr("show: gives up: WORK: Run: the lamp is broken"));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::application_process_test

@@ -4,8 +4,7 @@
 #include "musher/simulation/actuator_trial.hpp"
 #include "musher/test/application/show.hpp"
 
-namespace musher {
-namespace {
+namespace musher::application_trial_test {
 
 using testing::Show;
 using testing::Stage;
@@ -28,5 +27,4 @@ TEST(AnApplication, GoesOnInActiveOnlyAndNeverInAnEmergencyWhateverBefallsIt) {
   EXPECT_GT(went_on, 100) << "or nothing has been tried";
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::application_trial_test

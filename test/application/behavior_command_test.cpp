@@ -12,8 +12,7 @@
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/integration/cli/process.hpp"
 
-namespace musher {
-namespace {
+namespace musher::behavior_command_test {
 
 using cli::Ran;
 using cli::RunProgram;
@@ -272,5 +271,4 @@ TEST(GraphCommandLine, TakesAConfigOrAnApplication) {
   EXPECT_EQ(RunProgram({"graph", "--what", "flow", "--behavior", "show"}).exit, 2);
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::behavior_command_test

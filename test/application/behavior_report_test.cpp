@@ -8,8 +8,7 @@
 
 #include "musher/behavior/fsm/nested.hpp"
 
-namespace musher {
-namespace {
+namespace musher::behavior_report_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -138,5 +137,4 @@ TEST_F(BehaviorReport, RefusesAFormatThatThereIsNot) {
   EXPECT_EQ(Report({"png", 0}).error, "a graph is dot or mermaid");
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::behavior_report_test

@@ -8,8 +8,7 @@
 #include "musher/test/application/show.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
-namespace musher {
-namespace {
+namespace musher::fsm_actuator_fault_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -225,5 +224,4 @@ TEST_F(AnFsmActuator, PublishesTheWholePathOfAStateThatItIsForcedIntoWhileItRest
   EXPECT_THAT(told, ElementsAre("IDLE", "SHOW/A"));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::fsm_actuator_fault_test

@@ -8,8 +8,7 @@
 #include "musher/test/application/show.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
-namespace musher {
-namespace {
+namespace musher::fsm_actuator_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -267,5 +266,4 @@ TEST_F(AnFsmActuator, DoesNotTakeTheFirstTimeOfAWorldForTheLengthOfATick) {
   EXPECT_EQ(show.Path(), "GREET") << "1000 s are not 100 ms of it";
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::fsm_actuator_test

@@ -12,8 +12,7 @@
 #include "musher/test/contract/fill.hpp"
 #include "musher/transport/sim/random.hpp"
 
-namespace musher::msg {
-namespace {
+namespace musher::msg::cdr_test {
 
 Bytes MakeBytes(std::initializer_list<int> values) {
   Bytes bytes;
@@ -218,5 +217,4 @@ TEST(Cdr, SurvivesDamagedSamples) {
   EXPECT_LT(decoded, 20'000);  // … in a length it is
 }
 
-}  // namespace
-}  // namespace musher::msg
+}  // namespace musher::msg::cdr_test

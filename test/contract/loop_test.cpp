@@ -7,10 +7,9 @@
 
 #include "musher/test/contract/world.hpp"
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::loop_test {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 class Loop : public Contract {};
 MUSHER_ON_EVERY_TRANSPORT(Loop);
@@ -97,5 +96,4 @@ TEST_P(Loop, StopEndsRunAlsoBeforehandAndOnlyOnce) {
   EXPECT_TRUE(ran);
 }
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::loop_test

@@ -14,8 +14,7 @@
 #include "musher/controller/machine_controller.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::plain_manager_peer_test {
 
 using ::testing::HasSubstr;
 
@@ -192,5 +191,4 @@ TEST_F(ManagerOfPlainPeers, PowersOffByTheConfiguredCommandAfterTearDown) {
   EXPECT_EQ(legs_.Wait(), 0) << "it was torn down";
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::plain_manager_peer_test

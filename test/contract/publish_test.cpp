@@ -8,11 +8,10 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/contract/world.hpp"
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::publish_test {
 
-using testing::ElementsAre;
-using testing::UnorderedElementsAre;
+using ::testing::ElementsAre;
+using ::testing::UnorderedElementsAre;
 using Strings = std::vector<std::string>;
 
 class Publish : public Contract {
@@ -245,5 +244,4 @@ TEST_P(Publish, LetsACallbackDropItsOwnSubscription) {
   EXPECT_EQ(heard, 1);
 }
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::publish_test

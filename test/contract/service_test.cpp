@@ -11,8 +11,7 @@
 #include "musher/test/contract/world.hpp"
 #include "musher/transport/service.hpp"
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::service_test {
 
 using msg::SetState;
 using Answer = std::optional<Result<SetState::Response>>;
@@ -303,5 +302,4 @@ TEST_P(Service, EndsNoCallOfADroppedClient) {
   EXPECT_FALSE(ended);
 }
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::service_test

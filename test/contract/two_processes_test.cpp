@@ -18,8 +18,7 @@
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/service.hpp"
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::two_processes_test {
 
 constexpr int kLeaseMs = 1000;
 
@@ -48,7 +47,7 @@ class PeerProcess {
   pid_t pid_ = 0;
 };
 
-class TwoProcesses : public testing::TestWithParam<const char*> {
+class TwoProcesses : public ::testing::TestWithParam<const char*> {
  protected:
   TwoProcesses() {
     setenv("MUSHER_TRANSPORT", GetParam(), 1);
@@ -68,7 +67,7 @@ class TwoProcesses : public testing::TestWithParam<const char*> {
   LinuxEventLoop loop_;
   std::unique_ptr<Node> node_;
 };
-INSTANTIATE_TEST_SUITE_P(, TwoProcesses, testing::Values("local", "lan"),
+INSTANTIATE_TEST_SUITE_P(, TwoProcesses, ::testing::Values("local", "lan"),
                          [](const auto& profile) { return std::string(profile.param); });
 
 TEST_P(TwoProcesses, AnswerACallMadeBeforeTheyKnowEachOther) {
@@ -137,5 +136,4 @@ TEST_P(TwoProcesses, KnowEachOtherAgainAfterAnOutageThatWasLongerThanTheLease) {
   EXPECT_EQ(before, after);
 }
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::two_processes_test

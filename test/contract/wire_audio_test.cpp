@@ -4,13 +4,9 @@
 
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/test/contract/wire_exchange.hpp"
+#include "musher/test/contract/wire_fields_audio.hpp"
 
 namespace musher::msg {
-
-MUSHER_SAME(protocol_msg_dds__AudioPlay_, AudioPlay) {
-  SAME(module_name);
-  SAME(play_id);
-}
 
 MUSHER_SAME(protocol_msg_dds__AudioPlayExtend_, AudioPlayExtend) {
   SAME(module_name);
@@ -69,8 +65,7 @@ MUSHER_SAME(protocol_srv_dds__SdcardPlayIdQuery_Response_, SdcardPlayIdQuery::Re
 
 }  // namespace musher::msg
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::wire_audio_test {
 
 MESSAGE(protocol, AudioPlay)
 MESSAGE(protocol, AudioPlayExtend)
@@ -81,5 +76,4 @@ SERVICE(protocol, AudioVolumeSet)
 SERVICE(protocol, AudioExecute)
 SERVICE(protocol, SdcardPlayIdQuery)
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::wire_audio_test

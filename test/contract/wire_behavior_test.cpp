@@ -51,12 +51,10 @@ MUSHER_SAME(musher_msgs_srv_dds__SendCommand_Response_, SendCommand::Response) {
 
 }  // namespace musher::msg
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::wire_behavior_test {
 
 MESSAGE(musher_msgs, BehaviorChange)
 SERVICE(musher_msgs, GetBehavior)
 SERVICE(musher_msgs, SendCommand)
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::wire_behavior_test

@@ -3,8 +3,7 @@
 #include "musher/test/contract/wire_exchange.hpp"
 #include "musher/test/contract/wire_fields_camera.hpp"
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::wire_camera_test {
 
 MESSAGE(sensor_msgs, Image)
 MESSAGE(sensor_msgs, CompressedImage)
@@ -12,5 +11,4 @@ MESSAGE(sensor_msgs, RegionOfInterest)
 MESSAGE(sensor_msgs, CameraInfo)
 SERVICE(protocol, CameraService)
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::wire_camera_test

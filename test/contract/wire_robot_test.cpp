@@ -3,8 +3,7 @@
 #include "musher/test/contract/wire_exchange.hpp"
 #include "musher/test/contract/wire_fields_robot.hpp"
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::wire_robot_test {
 
 MUSHER_MESSAGE(builtin_interfaces, Time, Stamp)
 MESSAGE(rosgraph_msgs, Clock)
@@ -61,5 +60,4 @@ SERVICE(protocol, UidSn)
 MESSAGE(musher_msgs, BodyState)
 MESSAGE(musher_msgs, LedState)
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::wire_robot_test

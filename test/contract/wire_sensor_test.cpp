@@ -93,8 +93,7 @@ MUSHER_SAME(protocol_srv_dds__SensorOperation_Response_, SensorOperation::Respon
 
 }  // namespace musher::msg
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::wire_sensor_test {
 
 MESSAGE(sensor_msgs, Range)
 MESSAGE(sensor_msgs, LaserScan)
@@ -107,5 +106,4 @@ MESSAGE(protocol, RearTofPayload)
 MESSAGE(protocol, GpsPayload)
 SERVICE(protocol, SensorOperation)
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::wire_sensor_test

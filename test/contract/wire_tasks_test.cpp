@@ -7,17 +7,13 @@
 #include "musher/messages/protocol/speech.hpp"
 #include "musher/messages/protocol/tasks.hpp"
 #include "musher/test/contract/wire_exchange.hpp"
+#include "musher/test/contract/wire_fields_audio.hpp"
 #include "musher/test/contract/wire_fields_ros.hpp"
 
 namespace musher::msg {
 
 MUSHER_SAME(unique_identifier_msgs_msg_dds__UUID_, Uuid) {
   Same(c.uuid, m, "uuid");
-}
-
-MUSHER_SAME(protocol_msg_dds__AudioPlay_, AudioPlay) {
-  SAME(module_name);
-  SAME(play_id);
 }
 
 MUSHER_SAME(protocol_msg_dds__Bms_, Bms) {
@@ -129,8 +125,7 @@ MUSHER_SAME(protocol_action_dds__Speech_GetResult_Response_, Speech::GetResult::
 
 }  // namespace musher::msg
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::wire_tasks_test {
 
 MESSAGE(protocol, Bms)
 MESSAGE(protocol, ConnectorStatus)
@@ -160,5 +155,4 @@ TEST_F(Wire, CarriesTheActionSpeechAsTheIdlSays) {
       protocol_action_dds__Speech_GetResult_Response__desc);
 }
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::wire_tasks_test

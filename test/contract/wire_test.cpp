@@ -3,8 +3,7 @@
 #include "musher/test/contract/wire_exchange.hpp"
 #include "musher/test/contract/wire_fields.hpp"
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::wire_test {
 
 MESSAGE(std_msgs, String)
 MESSAGE(protocol, Heartbeats)
@@ -38,5 +37,4 @@ SERVICE(musher_msgs, GetSwitch)
 SERVICE(musher_msgs, GetHistory)
 SERVICE(musher_msgs, GetCapabilities)
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::wire_test

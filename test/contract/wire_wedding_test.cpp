@@ -15,10 +15,8 @@ MUSHER_SAME(geometry_msgs_msg_dds__PointStamped_, PointStamped) {
 
 }  // namespace musher::msg
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::wire_wedding_test {
 
 MESSAGE(geometry_msgs, PointStamped)
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::wire_wedding_test

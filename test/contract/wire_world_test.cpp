@@ -18,10 +18,8 @@ MUSHER_SAME(sensor_msgs_msg_dds__JointState_, JointState) {
 
 }  // namespace musher::msg
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::wire_world_test {
 
 MESSAGE(sensor_msgs, JointState)
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::wire_world_test

@@ -26,10 +26,9 @@ extern "C" [[gnu::noinline]] void HangsInHere(int ready) {
   while (true) pause();
 }
 
-namespace musher {
-namespace {
+namespace musher::backtrace_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using transport::ProcessRunState;
 using transport::RunStateOf;
 
@@ -62,7 +61,7 @@ class HungProcess {
 };
 
 // The tools are those in a folder of the test's own, which is all of PATH.
-class Backtrace : public testing::Test {
+class Backtrace : public ::testing::Test {
  protected:
   Backtrace() { setenv("PATH", folder_.path().c_str(), 1); }
   ~Backtrace() override {
@@ -128,7 +127,7 @@ class Backtrace : public testing::Test {
   HungProcess hung_;
 };
 
-class BacktraceBy : public Backtrace, public testing::WithParamInterface<const char*> {
+class BacktraceBy : public Backtrace, public ::testing::WithParamInterface<const char*> {
  protected:
   // The stack of the hung process; empty where this host does not let us look.
   std::string Stack() {
@@ -162,7 +161,7 @@ TEST_P(BacktraceBy, ShowsWhereAStoppedProcessIsAndLeavesItStopped) {
   EXPECT_TRUE(Eventually([&] { return RunStateOf(hung_.pid()) == ProcessRunState::kStopped; }));
 }
 
-INSTANTIATE_TEST_SUITE_P(Tools, BacktraceBy, testing::Values("eu-stack", "gdb"),
+INSTANTIATE_TEST_SUITE_P(Tools, BacktraceBy, ::testing::Values("eu-stack", "gdb"),
                          [](const auto& tool) {
                            return tool.param == std::string("gdb") ? "Gdb" : "EuStack";
                          });
@@ -255,5 +254,4 @@ TEST_F(Backtrace, MayEndItsTakerWhenItIsThere) {
   EXPECT_TRUE(Eventually([this] { return calls_ == 1; }));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::backtrace_test

@@ -12,10 +12,9 @@
 
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher {
-namespace {
+namespace musher::disk_writer_test {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 // Shared with work that may outlive the test's body.
 struct Gate {
@@ -49,7 +48,7 @@ struct Gate {
   }
 };
 
-class Writer : public testing::Test {
+class Writer : public ::testing::Test {
  protected:
   ~Writer() override { gate_->Open(); }
 
@@ -178,5 +177,4 @@ TEST_F(Writer, IsDestroyedWhileTheDiskStalls) {
   gate_->Open();
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::disk_writer_test

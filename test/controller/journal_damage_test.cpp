@@ -12,8 +12,7 @@
 #include "musher/test/controller/journal_fixture.hpp"
 #include "musher/test/controller/recorded_robot.hpp"
 
-namespace musher {
-namespace {
+namespace musher::journal_damage_test {
 
 namespace fs = std::filesystem;
 
@@ -49,7 +48,7 @@ class JournalDamage : public JournalTest {
       EXPECT_LE(entries.size(), entries_.size()) << what;
       ExpectPartOf(entries, what);
     } else {
-      EXPECT_THAT(history.error().message, testing::HasSubstr(path_)) << what;
+      EXPECT_THAT(history.error().message, ::testing::HasSubstr(path_)) << what;
     }
     const auto recording = ReadRecording(path_);
     if (!recording) return;
@@ -100,8 +99,8 @@ TEST_F(JournalDamage, WithAPageOfGarbageIsReadFromBothEnds) {
     if (!history || history.value().damage.empty()) continue;
     most = std::max(most, history.value().entries.size());
     EXPECT_THAT(history.value().damage,
-                testing::HasSubstr("read " + std::to_string(history.value().entries.size()) +
-                                   " entries; the rest is damaged: "));
+                ::testing::HasSubstr("read " + std::to_string(history.value().entries.size()) +
+                                     " entries; the rest is damaged: "));
   }
   EXPECT_GT(said_, 5);
   EXPECT_GT(most, entries_.size() / 2);
@@ -127,13 +126,13 @@ TEST_F(JournalDamage, InAnInputIsNoticedByItsChecksum) {
   const auto recording = ReadRecording(path_);
   ASSERT_TRUE(recording);
   EXPECT_EQ(recording.value().rows.size(), rows_.size() - 1);
-  EXPECT_THAT(recording.value().damage, testing::HasSubstr(": it is not as it was written"));
+  EXPECT_THAT(recording.value().damage, ::testing::HasSubstr(": it is not as it was written"));
   const auto report = recording::Replay(recording.value().rows, {});
   ASSERT_TRUE(report);
   EXPECT_EQ(report.value().differences, 0U) << "nothing is made up for what is missing";
   EXPECT_THAT(
       report.value().notes,
-      testing::ElementsAre(testing::ContainsRegex("number [0-9]+ of the journal is missing")));
+      ::testing::ElementsAre(::testing::ContainsRegex("number [0-9]+ of the journal is missing")));
 }
 
 TEST_F(JournalDamage, WhatIsNoJournalIsRefused) {
@@ -185,5 +184,4 @@ TEST_F(JournalDamage, InHalfAWalIsReadUpToTheLastTransactionThatIsWhole) {
   EXPECT_GT(before, rows_.size() / 2);
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::journal_damage_test

@@ -8,13 +8,12 @@
 #include "musher/test/controller/journal_fixture.hpp"
 #include "musher/test/controller/recorded_robot.hpp"
 
-namespace musher {
-namespace {
+namespace musher::journal_recording_test {
 
 using recording::ReplayReport;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 class JournalRecording : public JournalTest {
  protected:
@@ -153,5 +152,4 @@ TEST_F(JournalRecording, OfANewerVersionIsNotReadAtAll) {
   EXPECT_FALSE(ReadRecording(path_));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::journal_recording_test

@@ -11,11 +11,10 @@
 
 #include "musher/test/controller/journal_fixture.hpp"
 
-namespace musher {
-namespace {
+namespace musher::journal_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 TEST_F(JournalTest, GivesBackEveryFieldOfAnEntry) {
   const JournalEntry entry{1700000000123456789,
@@ -144,9 +143,8 @@ TEST_F(JournalTest, IsReadableAfterItsWriterWasKilled) {
 TEST_F(JournalTest, SaysThatThereIsNothingToRead) {
   const auto entries = ReadJournal(path_, 0, 1);
   ASSERT_FALSE(entries);
-  EXPECT_THAT(entries.error().message, testing::HasSubstr(path_));
+  EXPECT_THAT(entries.error().message, ::testing::HasSubstr(path_));
   EXPECT_FALSE(std::filesystem::exists(path_)) << "reading must not create it";
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::journal_test

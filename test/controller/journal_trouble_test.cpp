@@ -13,13 +13,12 @@
 
 #include "musher/test/controller/journal_fixture.hpp"
 
-namespace musher {
-namespace {
+namespace musher::journal_trouble_test {
 
 namespace fs = std::filesystem;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::SizeIs;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
 
 // While it lives no file of this process can grow beyond a few pages: writing fails as on a full
 // disk.
@@ -203,5 +202,4 @@ TEST_F(JournalTrouble, OfANewerLayoutMovesTheFileAside) {
   EXPECT_THAT(Times(Read()), ElementsAre(2));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::journal_trouble_test

@@ -10,8 +10,7 @@
 #include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/service.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::leading_test {
 
 using ::testing::Each;
 using ::testing::IsEmpty;
@@ -148,5 +147,4 @@ TEST_F(Leading, ARequestForTearDownIsAnsweredBeforeTheServicesGo) {
   EXPECT_THAT(status_of_, IsEmpty());
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::leading_test

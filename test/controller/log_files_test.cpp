@@ -24,15 +24,14 @@
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher {
-namespace {
+namespace musher::log_files_test {
 
 namespace fs = std::filesystem;
-using testing::ElementsAre;
-using testing::EndsWith;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::StartsWith;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
 constexpr std::int64_t kBound = 5 << 20;  // of which 1 MiB is for the live file
 
@@ -52,7 +51,7 @@ std::string ReadCompressed(const std::string& path) {
   return text;
 }
 
-class Logs : public testing::Test {
+class Logs : public ::testing::Test {
  protected:
   void Make(std::int64_t max_total = 500 << 20, bool may_collapse = true) {
     LogFilesOptions options;
@@ -288,5 +287,4 @@ TEST_F(Logs, AreLookedAfterWithoutBeingAsked) {
                              loop_.Now() + std::chrono::seconds(20)));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::log_files_test

@@ -2,12 +2,11 @@
 
 #include <gmock/gmock.h>
 
-namespace musher {
-namespace {
+namespace musher::log_rotation_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
-using testing::Pair;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Pair;
 
 constexpr std::int64_t kMb = 1 << 20;
 
@@ -106,5 +105,4 @@ TEST(LogBound, IsLessWhereThereAreManyLogs) {
   EXPECT_EQ(LogBound(50 * kMb, 500 * kMb, 50), 25 * kMb);
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::log_rotation_test

@@ -10,8 +10,7 @@
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 
-namespace musher {
-namespace {
+namespace musher::machine_controller_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -159,5 +158,4 @@ TEST(MachineController, SaysThatAnActuatorDidNotComeInItsTime) {
   EXPECT_THAT(result.error().message, HasSubstr("arm was not set up within 100 ms"));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::machine_controller_test

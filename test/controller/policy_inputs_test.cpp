@@ -9,8 +9,7 @@
 #include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/transport/sim/network.hpp"
 
-namespace musher {
-namespace {
+namespace musher::policy_inputs_test {
 
 using std::chrono::seconds;
 using ::testing::ElementsAre;
@@ -147,5 +146,4 @@ TEST_F(Inputs, WithoutAPolicyThereAreNone) {
   EXPECT_EQ(PolicyInputs::Make(*node_, config_, {}).value(), nullptr);
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::policy_inputs_test

@@ -22,8 +22,7 @@
 #include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher {
-namespace {
+namespace musher::process_proof_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -201,5 +200,4 @@ TEST_F(ProcessProof, ItIsSaidOfAProcessOfAnotherUserWhoseItIs) {
   EXPECT_TRUE(arm.IsAlive());
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::process_proof_test

@@ -29,11 +29,10 @@
 #include "musher/transport/host.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher {
-namespace {
+namespace musher::process_supervisor_test {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 TEST_F(Supervisor, TellsTheExitCode) {
   MustStart(Script("exit 3"));
@@ -304,7 +303,7 @@ TEST_F(Supervisor, TellsAllThatWatchAProcessOfItsEnd) {
   ASSERT_TRUE(supervisor_->Signal(pid, SIGKILL));
   ASSERT_TRUE(WaitForExit());
   EXPECT_EQ(exit_->Text(), "killed by SIGKILL");
-  EXPECT_THAT(told, testing::ElementsAre("arm killed by SIGKILL", "leg killed by SIGKILL"));
+  EXPECT_THAT(told, ::testing::ElementsAre("arm killed by SIGKILL", "leg killed by SIGKILL"));
 }
 
 TEST_F(Supervisor, TellsAllThatWatchAProcessOfTheControllerBeforeItOfItsEnd) {
@@ -340,5 +339,4 @@ TEST_F(Supervisor, StartsProcessesWhileOtherThreadsAllocateAndStartThreads) {
   stop = true;
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::process_supervisor_test

@@ -13,8 +13,7 @@
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 #include "musher/transport/sim/network.hpp"
 
-namespace musher {
-namespace {
+namespace musher::rebooted_host_test {
 
 // Runs callbacks at once.
 class DirectWorker : public Worker {
@@ -117,5 +116,4 @@ TEST_F(RebootedHost, IsCommandedThoughItSpokeBeforeTheOneFromBeforeWasMissed) {
   EXPECT_TRUE(IsUp());
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::rebooted_host_test

@@ -8,8 +8,7 @@
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::remote_takeover_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -120,5 +119,4 @@ TEST_F(RemoteTakeover, StartsWhatIsTornDown) {
   EXPECT_THAT(host_.started, ElementsAre("b"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::remote_takeover_test

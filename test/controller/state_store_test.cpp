@@ -13,14 +13,13 @@
 
 #include "musher/test/controller/temp_folder.hpp"
 
-namespace musher {
-namespace {
+namespace musher::state_store_test {
 
 namespace fs = std::filesystem;
-using testing::EndsWith;
-using testing::HasSubstr;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
 
-class Store : public testing::Test {
+class Store : public ::testing::Test {
  protected:
   StateStore MustOpen() {
     auto store = StateStore::Open(dir_, robot_);
@@ -230,5 +229,4 @@ TEST_F(Store, RemembersTheConfigThatTheMachineWasLedWith) {
   EXPECT_EQ(store.LoadConfigHash(), "ab12");
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::state_store_test

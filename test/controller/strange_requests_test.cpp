@@ -17,8 +17,7 @@
 #include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/service.hpp"
 
-namespace musher {
-namespace {
+namespace musher::strange_requests_test {
 
 using msg::ActuatorCommand;
 using msg::GetPlan;
@@ -189,5 +188,4 @@ TEST_F(StrangeRequests, ACommandOfAnUnknownKindIsRefusedByTheActuator) {
   EXPECT_EQ(response.code, kCodeParametersInvalid);
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::strange_requests_test

@@ -13,8 +13,7 @@
 #include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/service.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::switch_client_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -265,5 +264,4 @@ TEST_F(SwitchClients, TakeTheLatchedStatusForTheLostAnswerToATearDown) {
   EXPECT_THAT(news_, IsEmpty());
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::switch_client_test

@@ -14,8 +14,7 @@
 
 #include "musher/lifecycle/config_toml.hpp"
 
-namespace musher {
-namespace {
+namespace musher::config_golden_test {
 
 namespace fs = std::filesystem;
 
@@ -78,5 +77,4 @@ TEST(GoldenConfigs, EveryExpectationHasItsConfig) {
   }
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::config_golden_test

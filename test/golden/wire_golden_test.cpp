@@ -24,8 +24,7 @@
 #include "musher/messages/musher_msgs/policy_request.hpp"
 #include "musher/test/contract/fill.hpp"
 
-namespace musher::msg {
-namespace {
+namespace musher::msg::wire_golden_test {
 
 namespace fs = std::filesystem;
 
@@ -121,5 +120,4 @@ TEST(WireCompatibility, EveryMessageOfEveryVersionIsReadAndOnlyGrowsAtItsEnd) {
   EXPECT_GE(versions, 1);
 }
 
-}  // namespace
-}  // namespace musher::msg
+}  // namespace musher::msg::wire_golden_test

@@ -3,13 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace musher::house {
-namespace {
+namespace musher::house::doc_rules_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::SizeIs;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 const std::vector<SourceFile> kTree = {
     {"a/robot.toml", "x = 1\n"},
@@ -72,5 +71,4 @@ TEST(DocRules, FindWhatADocumentDoesNotExplain) {
   EXPECT_THAT(Unexplained(Document("`name`"), idl), SizeIs(1));
 }
 
-}  // namespace
-}  // namespace musher::house
+}  // namespace musher::house::doc_rules_test

@@ -11,10 +11,9 @@
 #include "musher/test/house/interface_rules.hpp"
 #include "musher/test/house/text_rules.hpp"
 
-namespace musher::house {
-namespace {
+namespace musher::house::house_test {
 
-using testing::IsEmpty;
+using ::testing::IsEmpty;
 
 const std::vector<SourceFile>& Tree() {
   static const std::vector<SourceFile> tree = ReadTree(MUSHER_SOURCE_DIR);
@@ -132,5 +131,4 @@ TEST(House, TheReferenceExplainsEveryFieldOfTheWire) {
   }
 }
 
-}  // namespace
-}  // namespace musher::house
+}  // namespace musher::house::house_test

@@ -3,12 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace musher::house {
-namespace {
+namespace musher::house::include_rules_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
-using testing::SizeIs;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 SourceFile Including(const std::string& path, const std::string& header) {
   return {path, "#pragma once\n#include " + header + "\n"};
@@ -54,5 +53,4 @@ TEST(IncludeRules, LetTestsIncludeEverythingOfOurs) {
   EXPECT_THAT(ForbiddenIncludes(Including("test/lifecycle/a.cpp", header)), IsEmpty());
 }
 
-}  // namespace
-}  // namespace musher::house
+}  // namespace musher::house::include_rules_test

@@ -2,11 +2,10 @@
 
 #include <gmock/gmock.h>
 
-namespace musher::house {
-namespace {
+namespace musher::house::interface_rules_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 const std::vector<SourceFile> kTree = {
     {"modules/voice/shell.cpp", "Serve<msg::X>(\"stop_play\"); // \"later\"\n", false},
@@ -43,5 +42,4 @@ TEST(InterfaceRules, AnInterfaceOrATypeThatThePageForgetsIsReported) {
                           "docs/cyberdog.md: `ready_notify` is missing"));
 }
 
-}  // namespace
-}  // namespace musher::house
+}  // namespace musher::house::interface_rules_test

@@ -5,12 +5,11 @@
 
 #include "musher/test/house/build_rules.hpp"
 
-namespace musher::house {
-namespace {
+namespace musher::house::text_rules_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
-using testing::SizeIs;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 SourceFile Cpp(const std::string& text) {
   return {"a.cpp", text};
@@ -75,5 +74,4 @@ TEST(BuildRules, FindFilesThatNoTargetBuilds) {
   EXPECT_THAT(DeadFiles(tree), ElementsAre("a/three.cpp: is in no CMake target"));
 }
 
-}  // namespace
-}  // namespace musher::house
+}  // namespace musher::house::text_rules_test

@@ -6,8 +6,7 @@
 
 #include "musher/test/lifecycle/one_actuator.hpp"
 
-namespace musher {
-namespace {
+namespace musher::actuator_authority_test {
 
 using namespace actuator_action;  // NOLINT(google-build-using-namespace)
 using actuator_event::AskArrived;
@@ -236,5 +235,4 @@ TEST_F(Unled, AnActuatorThatNobodyHasClaimedWaitsForEver) {
   EXPECT_FALSE(NextDeadline(config_, 0, core_));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::actuator_authority_test

@@ -2,8 +2,7 @@
 
 #include "musher/test/lifecycle/one_actuator.hpp"
 
-namespace musher {
-namespace {
+namespace musher::actuator_core_test {
 
 using namespace actuator_action;  // NOLINT(google-build-using-namespace)
 using actuator_event::AskArrived;
@@ -309,5 +308,4 @@ TEST_F(Actuator, TellsWhetherItsStateWasSetForItAloneAlsoWhereItWasThereAlready)
   EXPECT_FALSE(core_.report.apart);
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::actuator_core_test

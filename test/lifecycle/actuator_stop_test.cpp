@@ -4,8 +4,7 @@
 
 #include "musher/test/lifecycle/one_actuator.hpp"
 
-namespace musher {
-namespace {
+namespace musher::actuator_stop_test {
 
 using namespace actuator_action;  // NOLINT(google-build-using-namespace)
 using actuator_event::AskArrived;
@@ -358,5 +357,4 @@ TEST(StopInSetUp, IsLatchedFromTheFirstMoment) {
   EXPECT_EQ(core.report.emergency_stop, kStop);
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::actuator_stop_test

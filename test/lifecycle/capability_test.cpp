@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace musher {
-namespace {
+namespace musher::capability_test {
 
 constexpr auto kStateInvalid = RobotCode(KeyCode::kStateInvalid);
 constexpr auto kProtectedError = RobotCode(KeyCode::kProtectedError);
@@ -163,5 +162,4 @@ TEST_F(Capabilities, AreToldInTheOrderOfTheConfigWithTheBatteryAsItIs) {
   EXPECT_EQ(names, "flip+ walk+ jump- follow+ ");
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::capability_test

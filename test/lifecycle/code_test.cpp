@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace musher {
-namespace {
+namespace musher::code_test {
 
 TEST(Code, IsModuleBasePlusKey) {
   EXPECT_EQ(MakeCode(ModuleCode::kMotionManager, KeyCode::kSelfCheckFailed), 3009);
@@ -47,5 +46,4 @@ TEST(WithCode, LeavesOutSuccessAndWhatTheSentenceSays) {
             "lidar: failed with 2012 (SensorManager: DeviceError), silent");
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::code_test

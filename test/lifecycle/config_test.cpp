@@ -4,8 +4,7 @@
 
 #include <algorithm>
 
-namespace musher {
-namespace {
+namespace musher::config_test {
 
 MachineConfig TwoActuators() {
   MachineConfig config;
@@ -83,5 +82,4 @@ TEST(DefaultFlow, TakesOwnStatesForStatesOfTheRunPhase) {
   EXPECT_EQ(flow, (std::vector<FlowEdge>{{"Active", "Parked"}, {"Parked", "Active"}}));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::config_test

@@ -10,10 +10,9 @@
 
 #include "musher/lifecycle/config_toml.hpp"
 
-namespace musher {
-namespace {
+namespace musher::config_toml_limits_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr auto kStates = R"(["SetUp", "TearDown", "SelfCheck", "Active"])";
 
@@ -49,7 +48,7 @@ TEST(ConfigTomlLimits, SaysThatAFileIsMissing) {
 }
 
 TEST(ConfigTomlLimits, SaysThatAFolderIsNoFile) {
-  const ConfigReading reading = ReadConfigFile(testing::TempDir());
+  const ConfigReading reading = ReadConfigFile(::testing::TempDir());
   ASSERT_EQ(reading.diagnostics.size(), 1U);
   EXPECT_THAT(reading.diagnostics[0].message, HasSubstr("it is a folder"));
 }
@@ -117,7 +116,7 @@ struct Attack {
   std::string text;
 };
 
-class ConfigTomlAttack : public testing::TestWithParam<Attack> {};
+class ConfigTomlAttack : public ::testing::TestWithParam<Attack> {};
 
 TEST_P(ConfigTomlAttack, IsRefusedInTime) {
   const auto start = std::chrono::steady_clock::now();
@@ -154,8 +153,7 @@ std::vector<Attack> Attacks() {
   };
 }
 
-INSTANTIATE_TEST_SUITE_P(, ConfigTomlAttack, testing::ValuesIn(Attacks()),
+INSTANTIATE_TEST_SUITE_P(, ConfigTomlAttack, ::testing::ValuesIn(Attacks()),
                          [](const auto& test) { return test.param.name; });
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::config_toml_limits_test

@@ -9,8 +9,7 @@
 
 #include "musher/lifecycle/config_toml.hpp"
 
-namespace musher {
-namespace {
+namespace musher::config_toml_property_test {
 
 constexpr const char* kPath = "/robots/sled.toml";
 
@@ -322,5 +321,4 @@ RC_GTEST_PROP(ConfigTomlProperty, SurvivesDamageToAGoodConfig, ()) {
   CheckReading(text);
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::config_toml_property_test

@@ -9,8 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace musher {
-namespace {
+namespace musher::config_toml_test {
 
 const std::string kController = R"(
 [controller]
@@ -274,7 +273,7 @@ TEST(ConfigToml, AcceptsAByteOrderMarkAndCarriageReturns) {
 }
 
 TEST(ConfigToml, ReadsFromAFileWhatItReadsFromItsText) {
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "sled.toml";
+  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "sled.toml";
   std::ofstream(path) << kController + kVoice + kWheels;
   const ConfigReading reading = ReadConfigFile(path);
   std::filesystem::remove(path);
@@ -283,7 +282,7 @@ TEST(ConfigToml, ReadsFromAFileWhatItReadsFromItsText) {
 }
 
 TEST(ReadValidConfig, TakesTheFileThatTheEnvironmentNamesWhereNoneIsGiven) {
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "valid.toml";
+  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "valid.toml";
   std::ofstream(path) << kController + kVoice + kWheels;
   const ScopedEnvironment environment("MUSHER_CONFIG", path.c_str());
   const Result<MachineConfig> config = ReadValidConfig("");
@@ -306,7 +305,7 @@ TEST(ReadValidConfig, IsAnErrorWhereNoFileIsNamedAtAll) {
 }
 
 TEST(ReadValidConfig, TellsAllErrorsAndNoWarnings) {
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "faulty.toml";
+  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "faulty.toml";
   std::ofstream(path) << kController + kVoice + kWheels + "restart = \"no\"\nstage = 0\nx = 1\n";
   const Result<MachineConfig> config = ReadValidConfig(path);
   std::filesystem::remove(path);
@@ -339,5 +338,4 @@ TEST(ConfigToml, ReadsWhatTheRobotCanDoAndWhere) {
   EXPECT_EQ(config.CapabilityOf("fly"), nullptr);
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::config_toml_test

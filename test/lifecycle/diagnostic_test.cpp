@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace musher {
-namespace {
+namespace musher::diagnostic_test {
 
 TEST(Diagnostic, IsPrintedAsEditorsAndCompilersDo) {
   EXPECT_EQ(FormatDiagnostic({"a/b.toml", 3, 14, Severity::kError, "bad"}),
@@ -26,5 +25,4 @@ TEST(HasError, LooksForErrorsOnly) {
   EXPECT_TRUE(HasError({note, error, warning}));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::diagnostic_test

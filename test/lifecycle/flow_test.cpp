@@ -4,8 +4,7 @@
 
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::flow_test {
 
 using ::testing::ElementsAre;
 
@@ -47,5 +46,4 @@ TEST(Flow, RisesIsToAHigherRankAndFromAStepOfAStartAboveDeActive) {
   EXPECT_FALSE(Rises(config, "Active", "SelfCheck"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::flow_test

@@ -6,8 +6,7 @@
 
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::health_monitor_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -383,5 +382,4 @@ TEST(BeatPeriod, IsHalfOfTheCheckpointWithinBounds) {
   EXPECT_EQ(BeatPeriod(config, 0), Milliseconds(125));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::health_monitor_test

@@ -5,8 +5,7 @@
 
 #include <algorithm>
 
-namespace musher {
-namespace {
+namespace musher::health_test {
 
 constexpr Duration kAllowed = Milliseconds(100);
 
@@ -55,5 +54,4 @@ RC_GTEST_PROP(SilenceProperty, LongerSilenceNeverMakesTheVerdictBetter, ()) {
   RC_ASSERT(JudgeSilence(less, allowance, waited) <= JudgeSilence(more, allowance, waited));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::health_test

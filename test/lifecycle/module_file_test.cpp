@@ -8,8 +8,7 @@
 
 #include "musher/test/controller/temp_folder.hpp"
 
-namespace musher {
-namespace {
+namespace musher::module_file_test {
 
 using ::testing::HasSubstr;
 
@@ -47,5 +46,4 @@ TEST_F(ModuleFile, TellsWhyItIsNotRead) {
               HasSubstr("none.toml: error: the file cannot be read: No such file"));
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::module_file_test

@@ -8,8 +8,7 @@
 #include "musher/lifecycle/machine.hpp"
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::plan_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -158,5 +157,4 @@ TEST_F(Plans, LeaveALateOneInItsFirstCheckToItselfUnlessTheMachineEnds) {
   EXPECT_EQ(To(kTearDown).steps[0].part, Part::kDriven);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::plan_test

@@ -5,8 +5,7 @@
 
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::policy_test {
 
 using enum BatteryLevel;
 
@@ -75,5 +74,4 @@ TEST(Ceiling, CountsStatesOfYourOwnByTheirRank) {
   EXPECT_EQ(CeilingState(config, kLowPower), "LowPower") << "of two the one that everybody knows";
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::policy_test

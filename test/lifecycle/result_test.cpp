@@ -5,8 +5,7 @@
 #include <memory>
 #include <string>
 
-namespace musher {
-namespace {
+namespace musher::result_test {
 
 TEST(Result, HoldsAValue) {
   const Result<int> result = 3;
@@ -41,5 +40,4 @@ TEST(ResultOfNothing, IsOkUnlessGivenAnError) {
   EXPECT_EQ(failed.error().message, "no");
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::result_test

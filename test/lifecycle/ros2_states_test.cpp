@@ -4,8 +4,7 @@
 
 #include <vector>
 
-namespace musher {
-namespace {
+namespace musher::ros2_states_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -56,5 +55,4 @@ TEST(Ros2States, AStateOfTheMachineHasItsPlaceUnlessTheConfigGivesAnother) {
   }
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::ros2_states_test

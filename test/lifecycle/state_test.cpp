@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace musher {
-namespace {
+namespace musher::state_test {
 
 TEST(BuiltInStates, HaveCyberDogsNumbers) {
   EXPECT_EQ(MachineStateNumber("Uninitialized"), 0);
@@ -43,5 +42,4 @@ TEST(BuiltInRank, IsMissingForTheStepsOfAStartAndForStrangers) {
   }
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::state_test

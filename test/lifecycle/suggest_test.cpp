@@ -4,8 +4,7 @@
 
 #include "musher/lifecycle/state.hpp"
 
-namespace musher {
-namespace {
+namespace musher::suggest_test {
 
 TEST(Nearest, FindsAWordWithALetterMissingAddedOrWrong) {
   EXPECT_EQ(Nearest("Protcted", BuiltInStates()), "Protected");
@@ -65,5 +64,4 @@ TEST(NoSuch, NamesTheNearestOneAndThoseThatThereAre) {
             "there is no actuator 'zz'; there are a, a, a, a, a, a, a, a, a, a, a, a and 2 more");
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::suggest_test

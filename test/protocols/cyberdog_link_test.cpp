@@ -4,8 +4,7 @@
 #include "musher/test/protocols/cyberdog_module.hpp"
 #include "musher/test/protocols/link_stage.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::cyberdog_link_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -195,5 +194,4 @@ TEST_F(Beating, OneThatIsSilentBeyondItsTimeIsLostAndItsLateAnswerBringsItBack) 
   EXPECT_TRUE(Until([&] { return IsIn("Active"); }, std::chrono::seconds(13)));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::cyberdog_link_test

@@ -9,8 +9,7 @@
 #include "musher/test/protocols/cyberdog_module.hpp"
 #include "musher/test/protocols/ros_managed_node.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::mixed_robot_test {
 
 using simulation::Act;
 using simulation::SimRobot;
@@ -305,5 +304,4 @@ TEST_F(UnderACyberdogManager, ActuatorsThatAControllerHoldsAreDenied) {
   EXPECT_EQ(robot_.ReportOf("a")->state, "Active");
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::mixed_robot_test

@@ -16,8 +16,7 @@
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::real_peers_test {
 
 const std::string kPeer = MUSHER_BIN_DIR "/protocol_peer";
 constexpr const char* kLeaseMs = "1000";
@@ -168,5 +167,4 @@ TEST(OurActuatorOnDds, IsSwitchedByACyberdogManagerAndBeatsForIt) {
   EXPECT_EQ(arm.CurrentState(), "Active");
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::real_peers_test

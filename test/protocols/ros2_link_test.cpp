@@ -4,8 +4,7 @@
 #include "musher/test/protocols/link_stage.hpp"
 #include "musher/test/protocols/ros_managed_node.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::ros2_link_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -360,5 +359,4 @@ TEST_F(FindingARos2Node, OneThatLoadsForLongIsBusyInSetUpMeanwhile) {
   EXPECT_THAT(ros_->log(), ElementsAre("configure"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::ros2_link_test

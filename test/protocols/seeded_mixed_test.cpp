@@ -12,8 +12,7 @@
 #include "musher/test/protocols/cyberdog_module.hpp"
 #include "musher/test/protocols/ros_managed_node.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::seeded_mixed_test {
 
 using simulation::SimRobot;
 
@@ -184,5 +183,4 @@ TEST(SeededFaultsAmongProtocols, LeaveTheMachineInOneStateOnceTheyHaveCeased) {
   }
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::seeded_mixed_test

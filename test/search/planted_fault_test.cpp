@@ -8,8 +8,7 @@
 #include "musher/test/search/explorer.hpp"
 #include "musher/test/search/scenarios.hpp"
 
-namespace musher::search {
-namespace {
+namespace musher::search::planted_fault_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -147,5 +146,4 @@ TEST_F(PlantedFault, TheStoryThatIsToldIsTheShortest) {
       << "asked, and a crash: " << searched_.fault->path;
 }
 
-}  // namespace
-}  // namespace musher::search
+}  // namespace musher::search::planted_fault_test

@@ -15,8 +15,7 @@
 #include "musher/test/search/figures_table.hpp"
 #include "musher/test/search/scenarios.hpp"
 
-namespace musher::search {
-namespace {
+namespace musher::search::search_test {
 
 std::string Environment(const std::string& name) {
   const char* value = std::getenv(name.c_str());
@@ -111,5 +110,4 @@ INSTANTIATE_TEST_SUITE_P(Of, ExhaustiveSearch,
                            return std::get<0>(which.param) + "From" + std::get<1>(which.param);
                          });
 
-}  // namespace
-}  // namespace musher::search
+}  // namespace musher::search::search_test

@@ -4,8 +4,7 @@
 
 #include "musher/test/security/secured_machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::behavior_test {
 
 using ::testing::HasSubstr;
 
@@ -46,5 +45,4 @@ TEST_F(SecuredApplication, TellsWhereItIsToThoseWithKeysAlsoToWhoMayOnlyLook) {
   EXPECT_EQ(Musher({"behavior", "show"}).exit, 3) << "a stranger hears nothing";
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::behavior_test

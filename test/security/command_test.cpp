@@ -4,8 +4,7 @@
 
 #include "musher/test/security/secured_machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::command_test {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -156,5 +155,4 @@ TEST_F(WrongKeys, WhereAPluginIsNotWhatItShouldBe) {
   unsetenv("LD_LIBRARY_PATH");
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::command_test

@@ -4,8 +4,7 @@
 
 #include "musher/test/security/secured_machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::insider_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -102,5 +101,4 @@ TEST_F(Insiders, WhoAreActuatorsMayStopEverything) {
   }
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::insider_test

@@ -2,8 +2,7 @@
 
 #include "musher/test/security/secured_machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::manager_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -45,5 +44,4 @@ TEST_F(SecuredManager, DoesNotListenToAnActuatorThatDisregardsItsPermissions) {
   EXPECT_THAT(spy->Wait().out, Not(HasSubstr("answered")));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::manager_test

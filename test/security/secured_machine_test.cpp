@@ -2,8 +2,7 @@
 
 #include "musher/test/security/secured_machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::secured_machine_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -102,5 +101,4 @@ TEST_F(SecuredMachine, NeverWritesKeysDown) {
   EXPECT_THAT(list.out, Not(HasSubstr(secret)));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::secured_machine_test

@@ -5,8 +5,7 @@
 
 #include "musher/test/security/secured_machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::stranger_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -95,5 +94,4 @@ TEST_F(Strangers, AreThoseWhoseCertificateIsRevokedOnceTheMachineIsStartedAgain)
   EXPECT_THAT(own_side.err, HasSubstr("fired.cert is revoked, says " + keys_ + "/revoked.crl"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::stranger_test

@@ -8,8 +8,7 @@
 
 #include "musher/test/simulation/motor.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::actuator_trial_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -321,5 +320,4 @@ TEST(ActuatorTrial, NeedsAConfigForStatesOfTheRobotsOwn) {
   EXPECT_THAT(MotorTrial<DancingMotor>().Find().error().message, HasSubstr("Dancing"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::actuator_trial_test

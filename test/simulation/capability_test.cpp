@@ -9,8 +9,7 @@
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::capability_test {
 
 using simulation::SimRobot;
 
@@ -170,5 +169,4 @@ TEST_P(OfSeed, WhatIsToldIsWhatTheActuatorsAllow) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, OfSeed, ::testing::Range<std::uint64_t>(1, 9));
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::capability_test

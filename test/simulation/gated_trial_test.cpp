@@ -6,8 +6,7 @@
 
 #include "musher/simulation/actuator_trial.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::gated_trial_test {
 
 class Spinner : public MachineActuator {
  public:
@@ -67,5 +66,4 @@ TEST(GatedTrial, GoesByTheBatteryOfTheTest) {
   EXPECT_NONFATAL_FAILURE(trial.Run(), "spin.ok()");
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::gated_trial_test

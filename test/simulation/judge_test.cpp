@@ -4,8 +4,7 @@
 
 #include "musher/simulation/trial.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::judge_test {
 
 using simulation::Incident;
 using simulation::IncidentKind;
@@ -36,5 +35,4 @@ TEST(Judge, LetsAControllerHaveItsTurnAtTheInstantOfItsDeadline) {
   EXPECT_FALSE(ending.violation) << ending.violation->what;
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::judge_test

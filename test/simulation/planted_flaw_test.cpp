@@ -11,8 +11,7 @@
 #include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/service.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::planted_flaw_test {
 
 using simulation::Act;
 using simulation::Layout;
@@ -261,5 +260,4 @@ TEST_F(PlantedFlaw, ASignalToAProcessThatIsNotTheActuatorsIsFound) {
   ExpectFound(Promise::kOnlyProven, "is not of the actuator that it is meant for");
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::planted_flaw_test

@@ -6,8 +6,7 @@
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::robot_test {
 
 using simulation::SimRobot;
 using transport::sim::LinkFaults;
@@ -255,5 +254,4 @@ TEST(SimRobot, ATakeoverOnTheSameHostEndsTheControllerBeforeIt) {
   EXPECT_EQ(robot.processes().CountOf("a"), 1U);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::robot_test

@@ -17,8 +17,7 @@
 #include "musher/test/simulation/drawn_config.hpp"
 #include "musher/test/simulation/replay_check.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::story_test {
 
 using simulation::Ending;
 using simulation::Incidents;
@@ -172,5 +171,4 @@ TEST(Stories, LetEveryIncidentMeetEveryMomentThatCanBe) {
   }
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::story_test

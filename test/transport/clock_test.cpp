@@ -10,11 +10,10 @@
 #include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/transport/sim/network.hpp"
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::clock_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 using Log = std::vector<std::string>;
 using std::chrono::seconds;
 using ClockWriter = std::unique_ptr<Publisher<msg::Clock>>;
@@ -47,7 +46,7 @@ TEST(Stamp, HoldsNanosecondsOnBothSidesOfZero) {
 }
 
 // A world that says what time it is, and a module that listens.
-class TopicClock : public testing::Test {
+class TopicClock : public ::testing::Test {
  protected:
   void SetUp() override { Settle(); }
 
@@ -218,5 +217,4 @@ TEST_F(TopicClock, LetsTheHookOfARestartEndTimers) {
   EXPECT_THAT(log_, ElementsAre("restarted"));  // clock_'s hook
 }
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::clock_test

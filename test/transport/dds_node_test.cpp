@@ -20,12 +20,11 @@
 #include "musher/transport/dds/settings.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::dds_node_test {
 
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 // Another program's socket on a port of a DDS domain from 102 on.
 class UdpPortHolder {
@@ -50,7 +49,7 @@ class UdpPortHolder {
   int domain_ = 0;
 };
 
-class DdsNodes : public testing::Test {
+class DdsNodes : public ::testing::Test {
  protected:
   DdsNodes() {
     for (const char* name : {"ROS_DOMAIN_ID", "CYCLONEDDS_URI", "MUSHER_TRANSPORT"}) unsetenv(name);
@@ -243,5 +242,4 @@ TEST(Settings, TakeTheLeaseThatIsAskedFor) {
   EXPECT_THAT(xml, HasSubstr("<SPDPInterval>200ms</SPDPInterval>"));
 }
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::dds_node_test

@@ -16,10 +16,9 @@
 
 #include "musher/transport/network.hpp"
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::host_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 std::string UniqueName(const std::string& name) {
   return NameLock::NameOf(0, "host_test_" + std::to_string(getpid()), name);
@@ -220,7 +219,7 @@ TEST(Network, IsThereOnlyWhereAnInterfaceIsUpBesideTheLoopback) {
 }
 
 TEST(FileLock, IsProvenOfTheProcessThatHoldsIt) {
-  const std::string path = testing::TempDir() + "host_test_" + std::to_string(getpid());
+  const std::string path = ::testing::TempDir() + "host_test_" + std::to_string(getpid());
   for (const bool of_open_file : {false, true}) {
     const auto lock = [&] {
       UniqueFd file(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
@@ -252,5 +251,4 @@ TEST(NameLock, RefusesANameThatIsTooLong) {
   EXPECT_EQ(lock.error().code, kCodeParametersInvalid);
 }
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::host_test

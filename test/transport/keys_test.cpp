@@ -8,8 +8,7 @@
 #include "musher/transport/keys/authority.hpp"
 #include "musher/transport/keys/check.hpp"
 
-namespace musher::transport::keys {
-namespace {
+namespace musher::transport::keys::keys_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -155,5 +154,4 @@ TEST(Governance, LetsNobodyInWithoutACertificate) {
   EXPECT_THAT(GovernanceXml(Protection::kEncrypted), Not(HasSubstr("SIGN")));
 }
 
-}  // namespace
-}  // namespace musher::transport::keys
+}  // namespace musher::transport::keys::keys_test

@@ -4,8 +4,7 @@
 
 #include <cstdint>
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::lifecycle_wire_test {
 
 ActuatorReport Stamped(std::int64_t stamp_ns) {
   msg::ActuatorStatus status;
@@ -24,5 +23,4 @@ TEST(LifecycleWire, TakesAStampThatNoClockGivesForOneThatCanBeComputedWith) {
   EXPECT_GT(Stamped(INT64_MAX).stamp - now + std::chrono::hours(1), Duration::zero());
 }
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::lifecycle_wire_test

@@ -12,12 +12,11 @@
 
 #include "musher/transport/unique_fd.hpp"
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::linux_event_loop_test {
 
 constexpr Duration kLong = std::chrono::seconds(20);
 
-class LinuxLoop : public testing::Test {
+class LinuxLoop : public ::testing::Test {
  protected:
   bool RunUntil(const std::function<bool()>& done) {
     return loop_.RunUntil(done, loop_.Now() + kLong);
@@ -141,5 +140,4 @@ TEST_F(LinuxLoop, DoesNotMakeUpForMissedPeriods) {
   EXPECT_FALSE(loop_.RunUntil([&] { return ticks >= 15; }, start + Milliseconds(26)));
 }
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::linux_event_loop_test

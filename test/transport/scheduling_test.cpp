@@ -19,8 +19,7 @@
 
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher::transport {
-namespace {
+namespace musher::transport::scheduling_test {
 
 // A child that does `work`, and nothing after it until it is killed.
 class Child {
@@ -49,7 +48,7 @@ class Child {
   while (true) sum = sum + 1;
 }
 
-class Scheduling : public testing::Test {
+class Scheduling : public ::testing::Test {
  protected:
   // Whether it comes to hold.
   bool Eventually(const std::function<bool()>& condition) {
@@ -268,5 +267,4 @@ TEST(Waiting, IsThatOfTheWorstOffThread) {
   EXPECT_EQ(LongestWait(before, {At(1000), {}}), Duration::zero());
 }
 
-}  // namespace
-}  // namespace musher::transport
+}  // namespace musher::transport::scheduling_test

@@ -11,17 +11,16 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/transport/service.hpp"
 
-namespace musher::transport::sim {
-namespace {
+namespace musher::transport::sim::sim_network_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 using Strings = std::vector<std::string>;
 
 constexpr Qos kBestEffort = kSensorDataQos;
 
 // A writer on one host and a reader on another, matched.
-class SimNetwork : public testing::Test {
+class SimNetwork : public ::testing::Test {
  protected:
   void Connect(const Qos& qos) {
     publisher_ = MakePublisher<msg::String>(*dog_, "chat", qos).value();
@@ -323,9 +322,8 @@ TEST(SimService, EndsEveryCallExactlyOnceWhateverTheNetworkDoes) {
     }
     network.Crash(*dog);
     network.RunFor(Milliseconds(250));
-    EXPECT_THAT(ended, testing::Each(1)) << "seed " << seed;
+    EXPECT_THAT(ended, ::testing::Each(1)) << "seed " << seed;
   }
 }
 
-}  // namespace
-}  // namespace musher::transport::sim
+}  // namespace musher::transport::sim::sim_network_test

@@ -6,8 +6,7 @@
 #include "musher/behavior/fsm/recorder.hpp"
 #include "musher/test/behavior/fsm/counting_new.hpp"
 
-namespace musher::fsm {
-namespace {
+namespace musher::fsm::allocation_test {
 
 // Goes on to the next state on a command, and every third tick, gradually.
 class Rover : public State {
@@ -106,5 +105,4 @@ TEST(Build, TakesMemory) {
   EXPECT_GT(testing::AskedOfNew().times, before + 5);
 }
 
-}  // namespace
-}  // namespace musher::fsm
+}  // namespace musher::fsm::allocation_test

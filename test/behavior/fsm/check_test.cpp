@@ -8,11 +8,10 @@
 #include "musher/behavior/fsm/machine.hpp"
 #include "musher/test/behavior/fsm/logging_state.hpp"
 
-namespace musher::fsm {
-namespace {
+namespace musher::fsm::check_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 // A chart, written as "A>B, B>A"; a name with ! is final, one with * is safe. The first is the
 // start.
@@ -73,7 +72,7 @@ TEST(Check, FindsADeadEndAndDoesNotTellOfThoseThatLeadThere) {
 }
 
 TEST(Check, TakesAStateThatOnlyEntersItselfAnewAsADeadEnd) {
-  EXPECT_THAT(Told(Drawn({"A", "B"}, {"A>B", "B>B"})), testing::SizeIs(1));
+  EXPECT_THAT(Told(Drawn({"A", "B"}, {"A>B", "B>B"})), ::testing::SizeIs(1));
 }
 
 TEST(Check, FindsATrapOfStatesThatLeadOnlyToEachOther) {
@@ -136,5 +135,4 @@ TEST(CheckedMachine, IsNotBuiltWithADeadEndAndKeepsItsWarnings) {
   EXPECT_THAT(machine.warnings(), ElementsAre("B: only a force leads to it: no way does"));
 }
 
-}  // namespace
-}  // namespace musher::fsm
+}  // namespace musher::fsm::check_test

@@ -3,11 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace musher::fsm {
-namespace {
+namespace musher::fsm::graph_test {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 Chart Photo() {
   return {.name = "photo",
@@ -117,5 +116,4 @@ TEST(Graph, DrawsAChartWithoutAStart) {
   EXPECT_EQ(ToMermaid(empty), "stateDiagram-v2\n");
 }
 
-}  // namespace
-}  // namespace musher::fsm
+}  // namespace musher::fsm::graph_test

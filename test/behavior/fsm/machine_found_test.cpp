@@ -7,11 +7,10 @@
 
 #include "musher/test/behavior/fsm/machine_fixture.hpp"
 
-namespace musher::fsm {
-namespace {
+namespace musher::fsm::machine_found_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 class Counting : public Listener {
  public:
@@ -286,5 +285,4 @@ TEST_F(MachineFound, LetsMachineTimeStandStillAtItsFarthest) {
   EXPECT_EQ(machine_.elapsed(), Duration(kFarthestNs));
 }
 
-}  // namespace
-}  // namespace musher::fsm
+}  // namespace musher::fsm::machine_found_test

@@ -7,12 +7,11 @@
 
 #include "musher/test/behavior/fsm/machine_fixture.hpp"
 
-namespace musher::fsm {
-namespace {
+namespace musher::fsm::machine_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 using MachineTest = MachineFixture;
 
@@ -302,5 +301,4 @@ TEST_F(MachineTest, RemembersItsLastChanges) {
   EXPECT_EQ(machine_.history()[0].tick, 37U);
 }
 
-}  // namespace
-}  // namespace musher::fsm
+}  // namespace musher::fsm::machine_test

@@ -10,8 +10,7 @@
 
 #include "musher/test/behavior/fsm/whims.hpp"
 
-namespace musher::fsm {
-namespace {
+namespace musher::fsm::model_test {
 
 constexpr int kNone = -1;
 constexpr int kStates = 4;
@@ -252,5 +251,4 @@ RC_GTEST_PROP(Machine, DoesWhatItsModelDoes, (std::uint64_t seed)) {
   }
 }
 
-}  // namespace
-}  // namespace musher::fsm
+}  // namespace musher::fsm::model_test

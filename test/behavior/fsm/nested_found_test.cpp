@@ -9,10 +9,9 @@
 #include "musher/behavior/fsm/snapshot.hpp"
 #include "musher/test/behavior/fsm/machine_fixture.hpp"
 
-namespace musher::fsm {
-namespace {
+namespace musher::fsm::nested_found_test {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 void NoArm(const Tick& /*tick*/) {
   throw std::runtime_error("no arm");
@@ -200,5 +199,4 @@ TEST_F(NestedFound, RefusesASnapshotThatRunsInsideOtherThanOutside) {
   EXPECT_TRUE(machine_.Restore(saved, now_).empty());
 }
 
-}  // namespace
-}  // namespace musher::fsm
+}  // namespace musher::fsm::nested_found_test

@@ -7,11 +7,10 @@
 
 #include "musher/test/behavior/fsm/machine_fixture.hpp"
 
-namespace musher::fsm {
-namespace {
+namespace musher::fsm::nested_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 // IDLE, and SHOW with CONFIRM and TAKE and DONE inside. Told to, SHOW goes to IDLE.
 class NestedTest : public MachineFixture {
@@ -351,5 +350,4 @@ TEST(NestedBuild, TellsWarningsOfTheInsideWithTheirPath) {
   EXPECT_THAT(machine->warnings(), ElementsAre("SHOW/B: only a force leads to it: no way does"));
 }
 
-}  // namespace
-}  // namespace musher::fsm
+}  // namespace musher::fsm::nested_test

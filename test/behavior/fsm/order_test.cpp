@@ -7,12 +7,11 @@
 
 #include "musher/test/behavior/fsm/machine_fixture.hpp"
 
-namespace musher::fsm {
-namespace {
+namespace musher::fsm::order_test {
 
-using testing::ElementsAre;
-using testing::ElementsAreArray;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
+using ::testing::IsEmpty;
 
 struct Failure {
   const char* in;                // in which function of A, which goes to B gradually
@@ -24,7 +23,7 @@ void PrintTo(const Failure& failure, std::ostream* out) {
   *out << failure.in;
 }
 
-class FailureTest : public MachineFixture, public testing::WithParamInterface<Failure> {
+class FailureTest : public MachineFixture, public ::testing::WithParamInterface<Failure> {
  protected:
   // Four ticks of A, going to B from the second to the fourth; A fails where it has to.
   void Play(bool with_safe_state, bool safe_state_fails = false) {
@@ -83,7 +82,7 @@ TEST_P(FailureTest, StopsTheMachineWhenTheSafeStateFailsToo) {
 // A state whose OnEnter failed is not left, nor one again whose OnExit failed.
 INSTANTIATE_TEST_SUITE_P(
     In, FailureTest,
-    testing::Values(
+    ::testing::Values(
         Failure{"enter", {"A enter", "SAFE enter", "SAFE run"}, "A: OnEnter: one"},
         Failure{"run", {"A enter", "A run", "A exit", "SAFE enter", "SAFE run"}, "A: Run: one"},
         Failure{
@@ -94,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
         Failure{"exit",
                 {"A enter", "A run", "A transition", "A exit", "SAFE enter"},
                 "A: OnExit: one"}),
-    testing::PrintToStringParamName());
+    ::testing::PrintToStringParamName());
 
 class OrderTest : public MachineFixture {
  protected:
@@ -339,5 +338,4 @@ TEST_F(MachineFixture, HoldsManyStatesApart) {
   }
 }
 
-}  // namespace
-}  // namespace musher::fsm
+}  // namespace musher::fsm::order_test

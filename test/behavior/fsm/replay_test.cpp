@@ -9,10 +9,9 @@
 #include "musher/test/behavior/fsm/machine_fixture.hpp"
 #include "musher/test/behavior/fsm/whims.hpp"
 
-namespace musher::fsm {
-namespace {
+namespace musher::fsm::replay_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 Recording Read(const std::string& text) {
   const Result<Recording> read = ReadRecording(text, "show.record");
@@ -121,7 +120,7 @@ TEST(Recorder, DoesNotRecordWhatStatesSendThemselves) {
   show.machine.Listen(&sender);
   show.machine.RunOnce(Time{});
   EXPECT_EQ(show.machine.waiting_commands(), 1U);
-  EXPECT_THAT(text, testing::Not(HasSubstr("command")));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("command")));
 }
 
 // The first tick looked for the time of a start that there was not.
@@ -284,5 +283,4 @@ RC_GTEST_PROP(Recording, IsReadOrRefusedWhateverTheTextIs, (std::string text)) {
   (void)ReadRecording("musher-fsm-recording 1 show\n" + text + "\n", "any").ok();
 }
 
-}  // namespace
-}  // namespace musher::fsm
+}  // namespace musher::fsm::replay_test

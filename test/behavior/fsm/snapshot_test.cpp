@@ -15,8 +15,8 @@ void PrintTo(const SnapshotFault& fault, std::ostream* out) {
 
 namespace {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 enum class Gesture { kNone, kHeart };
 

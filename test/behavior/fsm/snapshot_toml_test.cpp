@@ -8,8 +8,7 @@
 
 #include "musher/test/behavior/fsm/whims.hpp"
 
-namespace musher::fsm {
-namespace {
+namespace musher::fsm::snapshot_toml_test {
 
 // A show of IDLE and SHOW; SHOW holds PHOTO, which remembers how many it has taken.
 class Photo : public State {
@@ -209,7 +208,7 @@ TEST(SnapshotToml, TellsWhatIsNoSnapshotAndAllOfItAtOnce) {
             "SAFE_STOP, found \"NORMAAL\"; did you mean \"NORMAL\"?");
   EXPECT_EQ(FaultOf("ready = true", "ready = 2020-01-01"),
             "show.toml:27:9: error: data.robot.ready: expected a bool, a number or a string");
-  EXPECT_THAT(FaultOf("time_ns = 40000000", "time_ns ="), testing::StartsWith("show.toml:8:"));
+  EXPECT_THAT(FaultOf("time_ns = 40000000", "time_ns ="), ::testing::StartsWith("show.toml:8:"));
 }
 
 TEST(SnapshotToml, CannotHoldWhatIsNoText) {
@@ -257,5 +256,4 @@ RC_GTEST_PROP(SnapshotToml, KeepsAnyNumber, (double number)) {
   RC_ASSERT(again == value);
 }
 
-}  // namespace
-}  // namespace musher::fsm
+}  // namespace musher::fsm::snapshot_toml_test

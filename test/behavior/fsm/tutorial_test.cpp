@@ -9,8 +9,7 @@
 #include "first_state_machine/greeter.hpp"
 #include "musher/behavior/fsm/graph.hpp"
 
-namespace musher::fsm {
-namespace {
+namespace musher::fsm::tutorial_test {
 
 TEST(Tutorial, ShowsTheMachineAsItIsDrawn) {
   std::ifstream file(MUSHER_SOURCE_DIR "/docs/state-machines.md", std::ios::binary);
@@ -18,9 +17,8 @@ TEST(Tutorial, ShowsTheMachineAsItIsDrawn) {
   Robot robot;
   const auto machine = MakeGreeter(robot);
   ASSERT_TRUE(machine->Build("IDLE"));
-  EXPECT_THAT(machine->warnings(), testing::IsEmpty());
-  EXPECT_THAT(page, testing::HasSubstr("```mermaid\n" + ToMermaid(machine->chart()) + "```\n"));
+  EXPECT_THAT(machine->warnings(), ::testing::IsEmpty());
+  EXPECT_THAT(page, ::testing::HasSubstr("```mermaid\n" + ToMermaid(machine->chart()) + "```\n"));
 }
 
-}  // namespace
-}  // namespace musher::fsm
+}  // namespace musher::fsm::tutorial_test

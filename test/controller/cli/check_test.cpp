@@ -10,12 +10,11 @@
 #include "musher/test/controller/cli/robot.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::check_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class CheckCommand : public testing::Test {
+class CheckCommand : public ::testing::Test {
  protected:
   std::string Write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
@@ -67,7 +66,7 @@ TEST_F(CheckCommand, IsOneJsonDocumentWhateverTheInput) {
   const std::string bad = Write("bad.toml", "x = \xff\n");
   const Ran ran = RunProgram({"check", bad, folder_ / "none.toml", "--json"});
   EXPECT_EQ(ran.exit, 2);
-  EXPECT_THAT(ran.out, testing::StartsWith(R"({"valid":false,"diagnostics":[{"file":")"));
+  EXPECT_THAT(ran.out, ::testing::StartsWith(R"({"valid":false,"diagnostics":[{"file":")"));
   EXPECT_THAT(ran.out, HasSubstr("none.toml"));
   EXPECT_EQ(std::count(ran.out.begin(), ran.out.end(), '\n'), 1);
   const Ran good = RunProgram({"check", "--json", Write("dog.toml", kRobotToml)});
@@ -189,5 +188,4 @@ TEST_F(CheckedPrograms, HoldBehindASymbolicLinkWhereUpStartsThem) {
   EXPECT_EQ(ran.out, "ok: 2 actuators, 6 states, 2 stages\n");
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::check_test

@@ -6,12 +6,11 @@
 #include <cstdlib>
 #include <vector>
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::command_line_test {
 
-using testing::EndsWith;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::variant<CommandLine, ParseEnd> Parse(std::vector<const char*> arguments) {
   arguments.insert(arguments.begin(), "musher");
@@ -147,7 +146,7 @@ TEST(CommandLine, HelpsWithTheProgramAndWithEachCommand) {
     EXPECT_THAT(of({"--help"}), HasSubstr(std::string("\n  ") + command + " "));
     EXPECT_THAT(of({command, "--help"}), HasSubstr(std::string("Usage: musher ") + command));
   }
-  EXPECT_THAT(of({"--version"}), testing::StartsWith("musher "));
+  EXPECT_THAT(of({"--version"}), ::testing::StartsWith("musher "));
 }
 
 TEST(CommandLine, PointsFromEachMistakeToTheHelpOfItsCommand) {
@@ -183,5 +182,4 @@ TEST(CommandLine, KnowsThatJsonWasAskedForInAWrongOne) {
   EXPECT_FALSE(std::get<ParseEnd>(Parse({"nonsense"})).json);
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::command_line_test

@@ -13,15 +13,14 @@
 #include "musher/test/controller/cli/robot.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::completion_test {
 
-using testing::Contains;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::IsSupersetOf;
-using testing::Not;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
+using ::testing::Not;
 
 // What is offered for the last of the words, without its meaning.
 std::vector<std::string> Offered(std::vector<std::string> words) {
@@ -59,7 +58,7 @@ std::string BashOffers(const std::string& words) {
                    "printf '%s|' \"${COMPREPLY[@]}\"\n");
 }
 
-class Completion : public testing::Test {
+class Completion : public ::testing::Test {
  protected:
   Completion() { std::ofstream(config_) << kRobotToml << kCapability; }
 
@@ -146,5 +145,4 @@ TEST(CompletionScripts, AreCorrectForZsh) {
   EXPECT_EQ(Shell("zsh -n", folder, kZshCompletion), "");
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::completion_test

@@ -7,8 +7,7 @@
 
 #include "musher/controller/cli/render/table.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::console_test {
 
 TEST(Console, ColoursOnlyOnATerminalUnlessToldOtherwise) {
   setenv("TERM", "xterm", 1);
@@ -65,5 +64,4 @@ TEST(Table, ColoursTextButNotTheSpacesAroundIt) {
   EXPECT_EQ(table.Text(true), "\x1b[2mN\x1b[0m  \x1b[2mS\x1b[0m\na  \x1b[31mb\x1b[0m\n");
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::console_test

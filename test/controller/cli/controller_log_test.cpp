@@ -16,18 +16,17 @@
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/unique_fd.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::controller_log_test {
 
 namespace fs = std::filesystem;
-using testing::EndsWith;
-using testing::HasSubstr;
-using testing::MatchesRegex;
-using testing::Not;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+using ::testing::Not;
 
 constexpr Duration kPatience = std::chrono::seconds(20);
 
-class Log : public testing::Test {
+class Log : public ::testing::Test {
  protected:
   ~Log() override {
     disk_works_.set_value();
@@ -115,5 +114,4 @@ TEST_F(Log, KeepsWhatTheDiskDidNotTakeUntilItDoes) {
   EXPECT_THAT(Text(), EndsWith(" info: one\n"));
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::controller_log_test

@@ -12,10 +12,9 @@
 #include "musher/test/controller/cli/robot.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::graph_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(Graph, HasEachWayOfTheFlowOnce) {
   EXPECT_EQ(FlowWays(RobotConfig()), (std::vector<FlowWay>{{"SetUp", "TearDown", false},
@@ -33,7 +32,7 @@ TEST(Graph, HasEachWayOfTheFlowOnce) {
 
 TEST(Graph, DrawsTheFlowWithRanksInDot) {
   const std::string dot = FlowDot(RobotConfig());
-  EXPECT_THAT(dot, testing::StartsWith("digraph \"dog\" {\n"));
+  EXPECT_THAT(dot, ::testing::StartsWith("digraph \"dog\" {\n"));
   EXPECT_THAT(dot, HasSubstr("  { rank=same; \"Active\" [label=\"Active\\nrank 6\"]; }\n"));
   EXPECT_THAT(dot, HasSubstr("  \"SetUp\" [style=\"rounded,dashed\"];\n"));
   EXPECT_THAT(dot, HasSubstr("  \"Active\" -> \"LowPower\" [dir=both];\n"));
@@ -102,7 +101,7 @@ TEST(Graph, DrawsActuatorsByStageInMermaid) {
             "  a_legs -.-> a_eyes\n");
 }
 
-class GraphCommand : public testing::Test {
+class GraphCommand : public ::testing::Test {
  protected:
   GraphCommand() { std::ofstream(config_) << kRobotToml; }
   std::string Written(const std::string& name) const {
@@ -159,5 +158,4 @@ TEST_F(GraphCommand, RefusesABadConfigWithItsFaults) {
   EXPECT_THAT(ran.err, HasSubstr(":1:"));
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::graph_test

@@ -6,8 +6,7 @@
 
 #include "musher/test/controller/cli/robot.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::json_test {
 
 TEST(Json, TellsTheStatusOfAMachine) {
   EXPECT_EQ(
@@ -152,5 +151,4 @@ TEST(Json, StaysJsonWhateverBytesAMessageHas) {
             "{\"error\":\"bad \xEF\xBF\xBD \\\"byte\\\"\\n\",\"code\":101}");
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::json_test

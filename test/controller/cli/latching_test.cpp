@@ -10,12 +10,11 @@
 #include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/sim/network.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::latching_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 // An actuator as far as emergency stops go.
 class Listener {
@@ -48,7 +47,7 @@ class Listener {
   std::unique_ptr<transport::Subscription> stops_;
 };
 
-class Stop : public testing::Test {
+class Stop : public ::testing::Test {
  protected:
   void Engage() {
     latching_ = Latching::Begin(*desk_, "pack", {7, true, "alice@desk", "smoke"}).value();
@@ -208,5 +207,4 @@ TEST_F(Stop, IsToldInJson) {
             R"("eyes":{"stopped":false,"before":false,"after_ms":0.0,"trouble":""}}})");
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::latching_test

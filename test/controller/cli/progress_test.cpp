@@ -8,10 +8,9 @@
 
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::progress_test {
 
-class ProgressConnection : public testing::Test {
+class ProgressConnection : public ::testing::Test {
  protected:
   void Receive() {
     receiver_.emplace(
@@ -81,5 +80,4 @@ TEST_F(ProgressConnection, IgnoresWhatIsNoMessage) {
   EXPECT_EQ(received_.front(), Numbered(1));
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::progress_test

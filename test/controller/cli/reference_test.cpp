@@ -11,11 +11,10 @@
 
 #include "musher/controller/cli/command_line.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::reference_test {
 
-using testing::Contains;
-using testing::IsEmpty;
+using ::testing::Contains;
+using ::testing::IsEmpty;
 
 // Of "## The `musher` program" in the reference: by its first words the rows of each command, and
 // the text around the table.
@@ -113,5 +112,4 @@ TEST(Reference, ListsNoCommandThatIsNotThere) {
   EXPECT_THAT(unknown, IsEmpty());
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::reference_test

@@ -3,13 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::repetitions_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
-class RepeatedLines : public testing::Test {
+class RepeatedLines : public ::testing::Test {
  protected:
   std::vector<std::string> Say(const std::string& message, const std::string& actuator = "legs",
                                const std::string& kind = "process") {
@@ -113,5 +112,4 @@ TEST_F(RepeatedLines, NameAReasonOnceAndReferToItWhileItIsInSight) {
               ElementsAre("switch 2 is done-degraded: " + whole));
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::repetitions_test

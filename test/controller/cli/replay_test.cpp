@@ -10,8 +10,7 @@
 #include "musher/test/controller/recorded_robot.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::replay_test {
 
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
@@ -175,5 +174,4 @@ TEST_F(Replaying, HistorySaysWhenACauseIsOlderThanWhatItShows) {
   EXPECT_THAT(ran.out, EndsWith("    because of something before what is told here\n"));
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::replay_test

@@ -10,10 +10,9 @@
 #include "musher/test/controller/cli/robot.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::run_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(Program, EndsWithTwoAndAReasonWhenItIsUsedWrongly) {
   const Ran ran = RunProgram({"fly"});
@@ -25,7 +24,7 @@ TEST(Program, EndsWithTwoAndAReasonWhenItIsUsedWrongly) {
 TEST(Program, AnswersWrongUseInJsonToo) {
   const Ran ran = RunProgram({"set", "--json"});
   EXPECT_EQ(ran.exit, 2);
-  EXPECT_THAT(ran.out, testing::StartsWith(R"({"error":"STATE is required)"));
+  EXPECT_THAT(ran.out, ::testing::StartsWith(R"({"error":"STATE is required)"));
   EXPECT_THAT(ran.out, HasSubstr(R"("code":110})"));
   EXPECT_NE(ran.err, "");
 }
@@ -94,7 +93,7 @@ TEST(Program, SaysWhichTimesHistoryUnderstands) {
   const Ran ran = RunProgram({"history", "--since", "soon"});
   EXPECT_EQ(ran.exit, 2);
   EXPECT_THAT(ran.err, HasSubstr("--since: 'soon' is no time"));
-  EXPECT_THAT(ran.err, testing::EndsWith("; see musher history --help\n"));
+  EXPECT_THAT(ran.err, ::testing::EndsWith("; see musher history --help\n"));
   EXPECT_THAT(RunProgram({"history", "--until", "late"}).err, HasSubstr("--until: 'late' is no"));
 }
 
@@ -106,8 +105,7 @@ TEST(Program, AloneOrWithTheWordHelpItHelps) {
     EXPECT_EQ(ran.out, help.out);
   }
   EXPECT_EQ(RunProgram({"help", "set"}).out, RunProgram({"set", "--help"}).out);
-  EXPECT_THAT(RunProgram({"set"}).err, testing::HasSubstr("; see musher set --help"));
+  EXPECT_THAT(RunProgram({"set"}).err, ::testing::HasSubstr("; see musher set --help"));
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::run_test

@@ -12,15 +12,14 @@
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/transport/sim/network.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::service_manager_test {
 
-using testing::Contains;
-using testing::ElementsAre;
-using testing::IsEmpty;
-using testing::Not;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Not;
 
-class Service : public testing::Test {
+class Service : public ::testing::Test {
  protected:
   Service() {
     machine_.phase = Phase::kRunning;
@@ -216,5 +215,4 @@ TEST_F(Service, CallsAMachineByItsPhaseItsStateAndWhoIsMissing) {
   EXPECT_EQ(StatusWords(config_, machine_), "Protected, degraded: legs, eyes");
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::service_manager_test

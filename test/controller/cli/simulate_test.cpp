@@ -10,8 +10,7 @@
 #include "musher/test/controller/cli/program.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::simulate_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -166,5 +165,4 @@ TEST_F(Simulating, WrongInputIsNamedAndNothingIsLived) {
   EXPECT_THAT(complaint({"--bound", "-1"}), HasSubstr("--bound"));
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::simulate_test

@@ -10,10 +10,9 @@
 
 #include "musher/test/controller/cli/robot.hpp"
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::text_test {
 
-class Text : public testing::Test {
+class Text : public ::testing::Test {
  protected:
   Text() {
     setenv("TZ", "UTC", 1);
@@ -340,5 +339,4 @@ TEST_F(Text, CountsWhatAConfigHas) {
   EXPECT_EQ(ConfigSummary(one), "1 actuator, 6 states, 1 stage");
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::text_test

@@ -5,13 +5,12 @@
 #include <cstdlib>
 #include <ctime>
 
-namespace musher::cli {
-namespace {
+namespace musher::cli::wall_time_test {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kNoon = 1'772'366'405 * kSecond + 250'000'000;  // 2026-03-01T12:00:05.25Z
 
-class WallTime : public testing::Test {
+class WallTime : public ::testing::Test {
  protected:
   WallTime() { Zone("XYZ-3"); }  // three hours ahead of UTC
   ~WallTime() override { Zone("UTC"); }
@@ -65,5 +64,4 @@ TEST_F(WallTime, Before1970IsWrittenAsItIsRead) {
   EXPECT_EQ(UtcText(Since("1969-12-31T23:59:58.750Z")), "1969-12-31T23:59:58.750Z");
 }
 
-}  // namespace
-}  // namespace musher::cli
+}  // namespace musher::cli::wall_time_test

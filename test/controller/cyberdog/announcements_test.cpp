@@ -2,8 +2,7 @@
 
 #include "musher/test/controller/cyberdog/managed_robot.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::announcements_test {
 
 class CyberdogAnnouncements : public ManagedRobot {
  protected:
@@ -138,5 +137,4 @@ TEST_F(CyberdogAnnouncements, ReadinessIsNotToldOfAMachineThatIsTornDown) {
   EXPECT_LE(times_ready_, before + 1);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::announcements_test

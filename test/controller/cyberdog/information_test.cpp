@@ -8,8 +8,7 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/controller/cyberdog/managed_robot.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::information_test {
 
 using Json = nlohmann::json;
 
@@ -127,5 +126,4 @@ TEST_F(CyberdogInformation, MoreThanThereIsToAskForIsRefused) {
   EXPECT_EQ(answer.info, "");
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::information_test

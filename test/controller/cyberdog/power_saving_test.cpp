@@ -2,8 +2,7 @@
 
 #include "musher/test/controller/cyberdog/managed_robot.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::power_saving_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -132,5 +131,4 @@ TEST_F(PowerSavingTest, IsNotMissedWhereThereIsNoPowerManager) {
   EXPECT_THAT(Records(), ::testing::Not(HasSubstr("low_power_consumption")));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::power_saving_test

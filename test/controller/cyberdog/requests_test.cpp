@@ -2,8 +2,7 @@
 
 #include "musher/test/controller/cyberdog/managed_robot.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::requests_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -269,5 +268,4 @@ TEST_F(CyberdogRequests, NobodyAnswersWhereTheConfigWantsNoManager) {
   EXPECT_FALSE(client->Ready());
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::requests_test

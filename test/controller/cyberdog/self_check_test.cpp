@@ -8,8 +8,7 @@
 
 #include "musher/controller/cyberdog/numbers.hpp"
 
-namespace musher::cyberdog {
-namespace {
+namespace musher::cyberdog::self_check_test {
 
 using Json = nlohmann::json;
 
@@ -154,5 +153,4 @@ TEST(Numbers, OfStatesAndTextsAreCyberdogs) {
   EXPECT_EQ(StatusNumberOf("Dancing"), -1);
 }
 
-}  // namespace
-}  // namespace musher::cyberdog
+}  // namespace musher::cyberdog::self_check_test

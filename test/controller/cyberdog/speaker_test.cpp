@@ -7,8 +7,7 @@
 #include "musher/test/controller/cyberdog/managed_robot.hpp"
 #include "musher/transport/clock.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::speaker_test {
 
 using std::chrono::seconds;
 using ::testing::ElementsAre;
@@ -242,5 +241,4 @@ TEST_F(ARobotInAWorld, GoesOnAlsoWhereTheWorldStandsStill) {
   EXPECT_THAT(Said(seconds(70)), ElementsAre("9000", "60"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::speaker_test

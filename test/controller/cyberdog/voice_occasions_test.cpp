@@ -2,8 +2,7 @@
 
 #include "musher/test/controller/cyberdog/voices.hpp"
 
-namespace musher::cyberdog {
-namespace {
+namespace musher::cyberdog::voice_occasions_test {
 
 using std::chrono::seconds;
 using ::testing::ElementsAre;
@@ -173,5 +172,4 @@ TEST_F(Voices, AWorldThatBeginsAnewTakesNoTimeFromWhatWaits) {
   EXPECT_THAT(Said(Milliseconds(1)), ElementsAre("1080"));
 }
 
-}  // namespace
-}  // namespace musher::cyberdog
+}  // namespace musher::cyberdog::voice_occasions_test

@@ -8,8 +8,7 @@
 #include "musher/controller/cyberdog/voice.hpp"
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 
-namespace musher::cyberdog {
-namespace {
+namespace musher::cyberdog::voice_property_test {
 
 MachineConfig AnyManagedConfig() {
   MachineConfig config = testing::MachineOf(2);
@@ -147,5 +146,4 @@ RC_GTEST_PROP(VoiceProperty, AQuietSleeperIsQuiet, ()) {
   }
 }
 
-}  // namespace
-}  // namespace musher::cyberdog
+}  // namespace musher::cyberdog::voice_property_test

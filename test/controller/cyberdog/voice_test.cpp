@@ -5,8 +5,7 @@
 #include "musher/controller/cyberdog/sounds.hpp"
 #include "musher/test/controller/cyberdog/voices.hpp"
 
-namespace musher::cyberdog {
-namespace {
+namespace musher::cyberdog::voice_test {
 
 using std::chrono::seconds;
 using ::testing::ElementsAre;
@@ -200,5 +199,4 @@ TEST(Parts, AreFoundInSumsAndInMessagesButNotInOtherNumbers) {
   EXPECT_THAT(failed("gripper", 1409, ""), ElementsAre(1409));
 }
 
-}  // namespace
-}  // namespace musher::cyberdog
+}  // namespace musher::cyberdog::voice_test

@@ -2,8 +2,7 @@
 
 #include "musher/test/controller/ota/robot_on_disk.hpp"
 
-namespace musher::ota::testing {
-namespace {
+namespace musher::ota::testing::bundle_test {
 
 using ::testing::HasSubstr;
 
@@ -270,5 +269,4 @@ TEST_F(Bundle, SaysWhatIsWrongWithAKey) {
   EXPECT_THAT(made.error().message, HasSubstr("not an Ed25519 private key"));
 }
 
-}  // namespace
-}  // namespace musher::ota::testing
+}  // namespace musher::ota::testing::bundle_test

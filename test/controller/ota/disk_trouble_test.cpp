@@ -2,8 +2,7 @@
 
 #include "musher/test/controller/ota/robot_on_disk.hpp"
 
-namespace musher::ota::testing {
-namespace {
+namespace musher::ota::testing::disk_trouble_test {
 
 using ::testing::HasSubstr;
 
@@ -149,5 +148,4 @@ TEST_F(DiskTrouble, WithoutAnyVersionThatIsWholeItSaysWhatIsWrongWithEach) {
   EXPECT_THAT(boot.error().message, HasSubstr("slot b: /robot/slots/b/manifest.toml is not there"));
 }
 
-}  // namespace
-}  // namespace musher::ota::testing
+}  // namespace musher::ota::testing::disk_trouble_test

@@ -17,8 +17,7 @@
 #include "musher/controller/ota/signature.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 
-namespace musher::ota {
-namespace {
+namespace musher::ota::kill_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -144,5 +143,4 @@ TEST_F(RealFiles, AreSignedAsTheOpensslProgramHasIt) {
   EXPECT_NE(std::system((verify + " 2>&1").c_str()), 0);
 }
 
-}  // namespace
-}  // namespace musher::ota
+}  // namespace musher::ota::kill_test

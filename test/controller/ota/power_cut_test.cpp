@@ -5,8 +5,7 @@
 
 #include "musher/test/controller/ota/robot_on_disk.hpp"
 
-namespace musher::ota::testing {
-namespace {
+namespace musher::ota::testing::power_cut_test {
 
 using Lost = SimDisk::Lost;
 
@@ -173,5 +172,4 @@ TEST_F(Flaw, ATrialThatIsMarkedBeforeItIsWrittenIsFound) {
   EXPECT_GT(life_.faults().size(), 0U);
 }
 
-}  // namespace
-}  // namespace musher::ota::testing
+}  // namespace musher::ota::testing::power_cut_test

@@ -9,8 +9,7 @@
 #include "musher/controller/ota/install_flow.hpp"
 #include "musher/controller/ota/root.hpp"
 
-namespace musher::ota {
-namespace {
+namespace musher::ota::slots_test {
 
 using ::testing::HasSubstr;
 
@@ -209,5 +208,4 @@ TEST(RootFile, HasAllItsFaultsTold) {
   EXPECT_THAT(read.error().message, HasSubstr("did you mean \"trial_s\"?"));
 }
 
-}  // namespace
-}  // namespace musher::ota
+}  // namespace musher::ota::slots_test

@@ -5,8 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace musher::ota {
-namespace {
+namespace musher::ota::trial_test {
 
 using ::testing::HasSubstr;
 
@@ -89,5 +88,4 @@ TEST_F(Trials, AreNobodysVerdictWhileTheMachineIsTakenDown) {
   }
 }
 
-}  // namespace
-}  // namespace musher::ota
+}  // namespace musher::ota::trial_test

@@ -8,8 +8,7 @@
 
 #include "musher/test/controller/recording/any_value.hpp"
 
-namespace musher::recording {
-namespace {
+namespace musher::recording::encoding_test {
 
 using ::testing::HasSubstr;
 
@@ -102,5 +101,4 @@ TEST(Encoding, SaysWhereItCannotBeRead) {
   EXPECT_THAT(complaint(R"({"event":)"), HasSubstr("line 1, column 10"));
 }
 
-}  // namespace
-}  // namespace musher::recording
+}  // namespace musher::recording::encoding_test

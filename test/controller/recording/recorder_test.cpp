@@ -4,8 +4,7 @@
 
 #include <vector>
 
-namespace musher::recording {
-namespace {
+namespace musher::recording::recorder_test {
 
 class Sink : public JournalSink {
  public:
@@ -73,5 +72,4 @@ TEST_F(RecorderTest, TellsTheConfigOnceMoreWhenTheJournalHasLostWhatWasBefore) {
   EXPECT_EQ(std::get<ConfigText>(sink_.inputs[2].what).text, "[controller]");
 }
 
-}  // namespace
-}  // namespace musher::recording
+}  // namespace musher::recording::recorder_test

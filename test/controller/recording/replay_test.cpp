@@ -9,8 +9,7 @@
 #include "musher/lifecycle/config_toml.hpp"
 #include "musher/test/controller/recorded_robot.hpp"
 
-namespace musher::recording {
-namespace {
+namespace musher::recording::replay_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -190,5 +189,4 @@ TEST(Replay, GoesOnWithNoSnapshotThatContradictsItself) {
               refused);
 }
 
-}  // namespace
-}  // namespace musher::recording
+}  // namespace musher::recording::replay_test

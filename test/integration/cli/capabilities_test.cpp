@@ -2,8 +2,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::capabilities_test {
 
 using ::testing::HasSubstr;
 
@@ -46,5 +45,4 @@ TEST_F(Capabilities, NeedAController) {
   EXPECT_EQ(Musher({"capabilities"}).exit, 3);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::capabilities_test

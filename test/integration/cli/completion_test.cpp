@@ -4,8 +4,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::completion_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -46,5 +45,4 @@ TEST_F(CompletionOfAMachine, OffersItsNamesThoughItsConfigIsGone) {
   EXPECT_THAT(Offered({"set", "Low"}), ElementsAre("LowPower")) << "built in";
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::completion_test

@@ -6,8 +6,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::container_test {
 
 std::vector<pid_t> ChildrenOf(pid_t pid) {
   const std::string number = std::to_string(pid);
@@ -58,5 +57,4 @@ TEST_F(Container, ReapsWhatModulesLeaveBehindAndEndsAtSigtermWithTheRobotTornDow
   EXPECT_THAT(ended.out, ::testing::HasSubstr("the machine is stopped"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::container_test

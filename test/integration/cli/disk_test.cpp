@@ -9,8 +9,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::disk_test {
 
 using ::testing::HasSubstr;
 
@@ -72,5 +71,4 @@ TEST_F(Disk, OnWhichNoLogCanBeWrittenIsToldAndStillLetsAnActuatorBeStartedAgain)
   });
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::disk_test

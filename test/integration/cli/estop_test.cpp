@@ -10,8 +10,7 @@
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/node_thread.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::estop_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -229,5 +228,4 @@ TEST_F(EmergencyStop, EndsWithThreeWhereNobodyIsAtAll) {
               HasSubstr("no controller and no actuator in namespace '" + name_space_ + "'"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::estop_test

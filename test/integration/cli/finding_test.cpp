@@ -6,8 +6,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::finding_test {
 
 using ::testing::HasSubstr;
 
@@ -80,5 +79,4 @@ TEST_F(Finding, RefusesADomainThatThereIsNot) {
   EXPECT_THAT(Json(status.out)["error"].get<std::string>(), HasSubstr("0 to 232"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::finding_test

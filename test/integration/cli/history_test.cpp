@@ -6,8 +6,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::history_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -57,5 +56,4 @@ TEST_F(History, FollowsWhatHappens) {
   EXPECT_EQ(follow.Wait().exit, 0);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::history_test

@@ -7,8 +7,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::interrupted_switch_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -66,5 +65,4 @@ TEST_F(InterruptedSwitch, UpRightAfterADetachedStartWaitsForTheLateActuator) {
   EXPECT_EQ(up.exit, 0) << up.err;
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::interrupted_switch_test

@@ -6,8 +6,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::lost_terminal_test {
 
 using ::testing::HasSubstr;
 
@@ -87,5 +86,4 @@ TEST_F(LostTerminal, AServiceHasNoTerminalToLose) {
   EXPECT_EQ(up.Wait().exit, 0);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::lost_terminal_test

@@ -7,8 +7,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::nothing_starts_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -75,5 +74,4 @@ INSTANTIATE_TEST_SUITE_P(Whatever, NothingStarts,
                            return name;
                          });
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::nothing_starts_test

@@ -7,8 +7,7 @@
 #include "musher/transport/node_thread.hpp"
 #include "musher/transport/service.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::power_test {
 
 class PowerOff : public MachineByCli {
  protected:
@@ -60,5 +59,4 @@ TEST_F(PowerOff, WithoutACommandIsATearDown) {
               ::testing::HasSubstr("no command is configured"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::power_test

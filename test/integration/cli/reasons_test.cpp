@@ -4,8 +4,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::reasons_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -109,5 +108,4 @@ TEST_F(Reasons, AChildThatBecameADaemonEndsWithItsModule) {
   EXPECT_TRUE(AwaitNoChildren());
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::reasons_test

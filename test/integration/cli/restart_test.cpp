@@ -5,8 +5,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::restart_test {
 
 using ::testing::HasSubstr;
 
@@ -114,5 +113,4 @@ TEST_F(Restart, FollowsAHangOnceItIsKnownWhatTheProcessWasDoing) {
   EXPECT_THAT(Musher({"history"}).out, HasSubstr("epoll_wait"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::restart_test

@@ -7,8 +7,7 @@
 #include "musher/test/controller/cli/notify_socket.hpp"
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::service_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -117,5 +116,4 @@ TEST_F(UpAsAService, EndsItsControllerWhenItsWatchdogRanOutAndIsTakenOverByTheNe
   EXPECT_EQ(again.Wait().exit, 0);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::service_test

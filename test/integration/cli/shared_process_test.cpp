@@ -4,8 +4,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::shared_process_test {
 
 using ::testing::HasSubstr;
 
@@ -79,5 +78,4 @@ TEST_F(SharedProcess, EndsWithTheMachine) {
   EXPECT_NE(kill(pid_, 0), 0);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::shared_process_test

@@ -4,8 +4,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::switch_test {
 
 using ::testing::HasSubstr;
 
@@ -194,5 +193,4 @@ TEST_F(Set, IsExplainedByItsCauseAndDecidedAgainFromTheJournal) {
   EXPECT_THAT(replay.out, ::testing::EndsWith(": each as it was recorded\n"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::switch_test

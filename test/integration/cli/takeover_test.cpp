@@ -6,8 +6,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::takeover_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -142,5 +141,4 @@ TEST_F(Takeover, OfAMachineThatNobodyLeadsIsAnOrdinaryStart) {
   EXPECT_EQ(Status()["state"], "Active");
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::takeover_test

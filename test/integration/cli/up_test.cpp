@@ -6,8 +6,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::up_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -281,5 +280,4 @@ TEST_F(Up, WritesALogBesideTheJournal) {
   EXPECT_THAT(log, HasSubstr(" info: the machine is stopped after "));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::up_test

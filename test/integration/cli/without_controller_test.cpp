@@ -4,8 +4,7 @@
 
 #include "musher/test/integration/cli/machine.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::without_controller_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -127,5 +126,4 @@ TEST_F(WithoutController, AnActuatorThatTheConfigHasNoLongerIsNamedUntilItIsEnde
   EXPECT_TRUE(AwaitNoChildren());
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::without_controller_test

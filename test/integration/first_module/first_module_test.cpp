@@ -15,13 +15,12 @@
 #include "musher/test/contract/domain.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 
-namespace musher {
-namespace {
+namespace musher::first_module_test {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class FirstModule : public testing::Test {
+class FirstModule : public ::testing::Test {
  protected:
   // [robot]
   FirstModule() {
@@ -116,5 +115,4 @@ TEST_F(FirstModule, DoesNotBecomeActiveAfterAFailedSelfCheck) {
   EXPECT_EQ(controller_.GetMachineState(), "SelfCheck");
 }
 
-}  // namespace
-}  // namespace musher
+}  // namespace musher::first_module_test

@@ -2,8 +2,7 @@
 
 #include "musher/test/integration/ota/root.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::files_test {
 
 using ::testing::HasSubstr;
 
@@ -131,5 +130,4 @@ TEST_F(OtaFiles, AVersionThatRottedIsLeftForTheOther) {
   EXPECT_THAT(History(), HasSubstr("slot b is damaged"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::files_test

@@ -2,8 +2,7 @@
 
 #include "musher/test/integration/ota/root.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::install_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -200,5 +199,4 @@ TEST_F(Upgrade, IsToldAsJson) {
   EXPECT_EQ(documents.back()["version"], "1.1.0");
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::install_test

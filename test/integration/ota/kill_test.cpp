@@ -6,8 +6,7 @@
 #include "musher/controller/ota/posix_disk.hpp"
 #include "musher/test/integration/ota/root.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::kill_test {
 
 using ::testing::HasSubstr;
 
@@ -124,5 +123,4 @@ TEST_F(Killed, AMachineThatRunsIsNotStartedTwice) {
   EXPECT_EQ(Where(), "Active from a");
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::kill_test

@@ -7,8 +7,7 @@
 
 #include "musher/test/integration/ota/root.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::nothing_starts_test {
 
 using ::testing::HasSubstr;
 
@@ -51,5 +50,4 @@ INSTANTIATE_TEST_SUITE_P(Whatever, UpgradeOfWhichNothingStarts,
                            return name;
                          });
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::nothing_starts_test

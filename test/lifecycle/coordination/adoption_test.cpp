@@ -5,8 +5,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::adoption_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -278,5 +277,4 @@ TEST_F(Adopting, OfAMachineInErrorIsLedOutThroughSelfCheck) {
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Active") << name;
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::adoption_test

@@ -6,8 +6,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::authority_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -266,5 +265,4 @@ TEST_F(Authority, AClockOfAnActuatorThatJumpsLosesNobody) {
   EXPECT_EQ(t.StateOf("a"), "LowPower");
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::authority_test

@@ -5,8 +5,7 @@
 
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::battery_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -329,5 +328,4 @@ RC_GTEST_FIXTURE_PROP(Rules, AnySequenceOfLevelsMeetsTheRightStates, ()) {
   RC_ASSERT(robot().power.empty());
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::battery_test

@@ -5,8 +5,7 @@
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::binding_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -236,5 +235,4 @@ TEST_F(BoundPair, NobodyRestsBecauseOfItself) {
   EXPECT_TRUE(Of(1).parked);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::binding_test

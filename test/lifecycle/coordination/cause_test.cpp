@@ -6,8 +6,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::cause_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -159,5 +158,4 @@ TEST_F(CausesOfProcesses, WhatNeedsADegradedOneNamesItsCause) {
   EXPECT_THAT(t.told[ended.cause - 1].message, StartsWith("a is degraded"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::cause_test

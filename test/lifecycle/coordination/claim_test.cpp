@@ -3,8 +3,7 @@
 #include "musher/lifecycle/code.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::claim_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -207,5 +206,4 @@ TEST_F(Orders, ThatACyberdogModuleDoesInItsTimeAreNoHang) {
   EXPECT_THAT(Did<action::TakeBacktrace>(), SizeIs(1)) << "it can't be asked";
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::claim_test

@@ -4,8 +4,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::disturbed_switch_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -265,5 +264,4 @@ TEST_F(Switching, ALostActuatorThatIsNotCriticalLeavesTheMachineDegraded) {
   EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::disturbed_switch_test

@@ -5,8 +5,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::emergency_stop_origin_test {
 
 class EmergencyStopOrigin : public Switching {
  protected:
@@ -62,5 +61,4 @@ TEST_F(EmergencyStopOrigin, StaysThatOfTheFirstWhenAnotherIsEngaged) {
   EXPECT_EQ(machine_.other_stops, (std::vector<EmergencyStop>{{8, "bob", "fire"}}));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::emergency_stop_origin_test

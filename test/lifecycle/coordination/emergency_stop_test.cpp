@@ -4,8 +4,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::emergency_stop_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -396,5 +395,4 @@ TEST_F(EmergencyStopped, EngagedWithoutAControllerIsFoundByTheNext) {
   EXPECT_TRUE(t.machine().emergency_stop);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::emergency_stop_test

@@ -7,8 +7,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::exit_code_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -251,5 +250,4 @@ TEST_F(ExitCode, OfOneThatComesInALaterStageLeavesTheFirstAsItIs) {
   EXPECT_THAT(t.records, Not(Contains(HasSubstr("b is started again"))));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::exit_code_test

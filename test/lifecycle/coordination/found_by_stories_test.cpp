@@ -6,8 +6,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::found_by_stories_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -194,5 +193,4 @@ TEST_F(FoundByStories, AControllerThatLeadsIsToldByNobodyThatAStopIsOver) {
   EXPECT_TRUE(t.machine().emergency_stop);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::found_by_stories_test

@@ -4,8 +4,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::hang_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -183,5 +182,4 @@ TEST_F(Hang, VerdictsOfAProcessThatIsGoneChangeNothing) {
   EXPECT_THAT(t.records, Not(Contains(HasSubstr("late"))));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::hang_test

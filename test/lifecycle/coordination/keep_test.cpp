@@ -2,8 +2,7 @@
 
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::keep_test {
 
 using ::testing::ElementsAre;
 using ::testing::StartsWith;
@@ -172,5 +171,4 @@ TEST_F(KeepRule, WhatErrorTakesOverIsNotKept) {
   EXPECT_FALSE(policy().keep);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::keep_test

@@ -2,8 +2,7 @@
 
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::lying_still_test {
 
 using ::testing::ElementsAre;
 
@@ -191,5 +190,4 @@ TEST_F(OnTheClockOfAWorld, TheFirstTimeHeardDoesNotEndAKeep) {
   EXPECT_FALSE(policy().keep);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::lying_still_test

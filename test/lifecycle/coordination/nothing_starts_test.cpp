@@ -7,8 +7,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::nothing_starts_test {
 
 using ::testing::HasSubstr;
 
@@ -106,5 +105,4 @@ INSTANTIATE_TEST_SUITE_P(Whatever, NothingStarts,
                                             ::testing::Bool()),
                          NameOf);
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::nothing_starts_test

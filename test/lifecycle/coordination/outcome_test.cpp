@@ -3,8 +3,7 @@
 #include "musher/lifecycle/code.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::outcome_test {
 
 using ::testing::ElementsAre;
 using ::testing::SizeIs;
@@ -235,5 +234,4 @@ TEST_F(Outcomes, ALieIsToldNoLongerThanOneReads) {
   EXPECT_EQ(Told("a: LowPower failed").message.find(std::string(65, 'x')), std::string::npos);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::outcome_test

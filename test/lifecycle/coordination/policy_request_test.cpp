@@ -2,8 +2,7 @@
 
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::policy_request_test {
 
 using ::testing::ElementsAre;
 using ::testing::StartsWith;
@@ -178,5 +177,4 @@ TEST_F(Requests, AControllerThatIsFencedAnswersAllTheSame) {
   EXPECT_THAT(AskAndWait(PolicyRequest::kWakeUp), StartsWith("106: "));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::policy_request_test

@@ -3,8 +3,7 @@
 
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::power_test {
 
 using std::chrono::seconds;
 using ::testing::ElementsAre;
@@ -137,5 +136,4 @@ TEST_F(Power, APlainTearDownIsNoPowerOff) {
   EXPECT_TRUE(robot().power.empty());
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::power_test

@@ -3,8 +3,7 @@
 #include "musher/lifecycle/code.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::process_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -247,5 +246,4 @@ TEST_F(Strangers, AnEmergencyStopWithoutANumberIsNoneAndTheLeastOneIsOne) {
   EXPECT_EQ(Told("emergency stop, engaged by somebody").code, kCodeProtectedError);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::process_test

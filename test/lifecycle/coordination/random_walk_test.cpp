@@ -10,8 +10,7 @@
 
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::random_walk_test {
 
 constexpr int kDeeds = 40;
 
@@ -250,5 +249,4 @@ TEST(RandomWalk, LeavesEverybodyWhereTheyBelongAndAnswersEverybody) {
   }
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::random_walk_test

@@ -5,8 +5,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::recovery_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -295,5 +294,4 @@ TEST_F(Recovery, TheEndOfAWrapperAndOfItsActuatorIsOneLoss) {
   EXPECT_EQ(t.RecordOf("b").restarts, 1);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::recovery_test

@@ -4,8 +4,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::restart_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -288,5 +287,4 @@ TEST_F(RestartByHand, IsAnsweredAlsoWhileAnEmergencyStopKeepsItDown) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::restart_test

@@ -4,8 +4,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::self_check_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -134,5 +133,4 @@ TEST_F(CriticalCodes, OneThatJoinsLateIsPassedDegradedToo) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::self_check_test

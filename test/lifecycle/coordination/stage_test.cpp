@@ -4,8 +4,7 @@
 #include "musher/lifecycle/code.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::stage_test {
 
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -202,5 +201,4 @@ TEST_F(Ends, TakeOverFromASwitchToError) {
   EXPECT_EQ(machine_.phase, Phase::kStopping);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::stage_test

@@ -2,8 +2,7 @@
 
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::start_up_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -294,5 +293,4 @@ TEST(Adoption, AfterADeathInTheMiddleOfASwitchGoesToTheLeastActiveState) {
   EXPECT_EQ(t.StateOf("b"), "Protected") << "it ended Active late and was driven back";
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::start_up_test

@@ -2,8 +2,7 @@
 
 #include "musher/test/lifecycle/coordination/theatre.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::stopping_test {
 
 using ::testing::ElementsAre;
 using ::testing::UnorderedElementsAre;
@@ -302,5 +301,4 @@ TEST_F(Stopping, AStopByASupervisorLeavesAnIntentOnlyUntilTheMachineIsDown) {
   EXPECT_FALSE(t.stop_intent_on_disk);
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::stopping_test

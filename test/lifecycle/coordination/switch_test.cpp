@@ -4,8 +4,7 @@
 
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::switch_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -206,5 +205,4 @@ TEST_F(Switching, DownGoesOnWithoutOneThatDoesNotListTheTarget) {
   EXPECT_TRUE(t.Set("Active").done()) << "back where it has stayed all the time";
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::switch_test

@@ -6,8 +6,7 @@
 #include "musher/lifecycle/code.hpp"
 #include "musher/test/lifecycle/coordination/switching.hpp"
 
-namespace musher::testing {
-namespace {
+namespace musher::testing::waiting_test {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -165,5 +164,4 @@ TEST_F(WaitingSwitches, WhatIsAgainstASwitchOtherwiseIsToldAtOnce) {
   EXPECT_EQ(result.code, kCodeUnSupport) << result.reason;
 }
 
-}  // namespace
-}  // namespace musher::testing
+}  // namespace musher::testing::waiting_test

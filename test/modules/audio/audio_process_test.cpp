@@ -20,11 +20,10 @@
 #include "musher/test/modules/actuator_peer.hpp"
 #include "musher/transport/clock.hpp"
 
-namespace musher::audio {
-namespace {
+namespace musher::audio::audio_process_test {
 
 using msg::ActuatorCommand;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
                                              "Active",   "DeActive", "Protected",
@@ -40,7 +39,7 @@ const std::string kLongText =
 using Answer = std::optional<Result<msg::AudioTextPlay::Response>>;
 using Response = msg::AudioTextPlay::Response;
 
-class AudioManagerProcess : public testing::Test {
+class AudioManagerProcess : public ::testing::Test {
  protected:
   void Start(const std::string& file) {
     peer_.Start(file);
@@ -312,5 +311,4 @@ TEST(AudioTool, SaysThatThereIsNoAudioModule) {
               HasSubstr("nobody publishes /clock"));
 }
 
-}  // namespace
-}  // namespace musher::audio
+}  // namespace musher::audio::audio_process_test

@@ -12,8 +12,7 @@
 #include "musher/test/modules/audio/stage.hpp"
 #include "musher/transport/sim/network.hpp"
 
-namespace musher::audio {
-namespace {
+namespace musher::audio::audio_shell_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -292,5 +291,4 @@ TEST_F(VoiceOnANetwork, AnswersNobodyAnyMoreWhenItIsDropped) {
   EXPECT_FALSE(answer);
 }
 
-}  // namespace
-}  // namespace musher::audio
+}  // namespace musher::audio::audio_shell_test

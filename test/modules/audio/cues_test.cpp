@@ -7,8 +7,7 @@
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/test/modules/audio/stage.hpp"
 
-namespace musher::audio::testing {
-namespace {
+namespace musher::audio::testing::cues_test {
 
 using play_action::Answer;
 using play_action::Make;
@@ -250,5 +249,4 @@ TEST(CueTopics, OfTheWeddingRobotHaveEverySoundInBothLanguages) {
   }
 }
 
-}  // namespace
-}  // namespace musher::audio::testing
+}  // namespace musher::audio::testing::cues_test

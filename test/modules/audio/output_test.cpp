@@ -16,11 +16,10 @@
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher::audio {
-namespace {
+namespace musher::audio::output_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 Sound Tone(Duration length) {
   Sound sound;
@@ -59,7 +58,7 @@ class HandClock : public transport::Clock {
   transport::TimerQueue timers_;
 };
 
-class Outputs : public testing::Test {
+class Outputs : public ::testing::Test {
  protected:
   void Make(const OutputConfig& config) {
     output_ = MakeOutput(config, loop_, clock_,
@@ -232,7 +231,7 @@ TEST_F(AlsaFile, SaysNothingOfTheEndOfWhatWasStopped) {
   EXPECT_TRUE(Ended());
 }
 
-class RealVoice : public testing::Test {
+class RealVoice : public ::testing::Test {
  protected:
   Result<Sound> Make(const Utterance& what) {
     std::optional<Result<Sound>> made;
@@ -297,5 +296,4 @@ TEST_F(RealVoice, SaysThatARecordingHasGoneMeanwhile) {
   EXPECT_EQ(Make({"", Language::kEnglish, folder_ / "gone.wav"}).error().code, 5028);
 }
 
-}  // namespace
-}  // namespace musher::audio
+}  // namespace musher::audio::output_test

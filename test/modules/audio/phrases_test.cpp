@@ -8,12 +8,11 @@
 #include "musher/modules/audio/sound_file.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 
-namespace musher::audio {
-namespace {
+namespace musher::audio::phrases_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 constexpr Language kEn = Language::kEnglish;
 constexpr Language kZh = Language::kChinese;
@@ -63,15 +62,15 @@ TEST(Phrases, CanBeRecordings) {
   ASSERT_TRUE(WriteWav(folder / "bark.wav", {8000, {1, 2, 3}}));
   const auto reading =
       ReadPhrasesText("[[phrase]]\nid = 7\nrecording = \"bark.wav\"\n", folder / "p.toml");
-  ASSERT_TRUE(reading.phrases) << testing::PrintToString(Texts(reading.diagnostics));
+  ASSERT_TRUE(reading.phrases) << ::testing::PrintToString(Texts(reading.diagnostics));
   EXPECT_EQ(reading.phrases->Find(7, kEn)->recording, folder / "bark.wav");
 }
 
 TEST(Phrases, NameTheMissingRecordingWithItsPlace) {
   EXPECT_THAT(
       FaultsOf("[[phrase]]\nid = 7\nrecording = \"absent.wav\"\n"),
-      ElementsAre(testing::AllOf(HasSubstr("p.toml:3:13: error: phrase.recording"),
-                                 HasSubstr("/tmp/absent.wav: "), HasSubstr("No such file"))));
+      ElementsAre(::testing::AllOf(HasSubstr("p.toml:3:13: error: phrase.recording"),
+                                   HasSubstr("/tmp/absent.wav: "), HasSubstr("No such file"))));
 }
 
 TEST(Phrases, NameARecordingThatIsNoSound) {
@@ -165,7 +164,7 @@ english = "en-gb"
 chinese = "yue"
 )",
                                              folder / "audio.toml");
-  ASSERT_TRUE(reading.config) << testing::PrintToString(Texts(reading.diagnostics));
+  ASSERT_TRUE(reading.config) << ::testing::PrintToString(Texts(reading.diagnostics));
   AudioConfig expected;
   expected.output = {OutputKind::kWav, "default", folder / "spoken"};
   expected.volume = 30;
@@ -205,5 +204,4 @@ TEST(AudioConfig, NeedsItsPhrasesAndAFolderForWavFiles) {
               ElementsAre(HasSubstr("/tmp/absent.toml: error: the file cannot be read")));
 }
 
-}  // namespace
-}  // namespace musher::audio
+}  // namespace musher::audio::phrases_test

@@ -9,8 +9,7 @@
 
 #include "musher/test/modules/audio/stage.hpp"
 
-namespace musher::audio::testing {
-namespace {
+namespace musher::audio::testing::player_property_test {
 
 using Pick = std::function<std::size_t(std::size_t below)>;
 
@@ -153,5 +152,4 @@ TEST(Player, KeepsItsPromisesInManyLives) {
   }
 }
 
-}  // namespace
-}  // namespace musher::audio::testing
+}  // namespace musher::audio::testing::player_property_test

@@ -3,8 +3,7 @@
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/test/modules/audio/stage.hpp"
 
-namespace musher::audio::testing {
-namespace {
+namespace musher::audio::testing::player_test {
 
 using play_action::Answer;
 using play_action::Make;
@@ -342,5 +341,4 @@ TEST_F(PlayerDecision, CountsFromTheFirstTimeOfAWorldThatWasNotThereYet) {
   EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5007}));
 }
 
-}  // namespace
-}  // namespace musher::audio::testing
+}  // namespace musher::audio::testing::player_test

@@ -6,8 +6,7 @@
 
 #include <string>
 
-namespace musher::audio {
-namespace {
+namespace musher::audio::speech_text_test {
 
 constexpr Language kEn = Language::kEnglish;
 constexpr Language kZh = Language::kChinese;
@@ -50,5 +49,4 @@ TEST(SpeechText, HasBlanksForControlCharacters) {
   EXPECT_EQ(Speakable(std::string("a\0b\nc\x7F你", 9)), "a b c 你");
 }
 
-}  // namespace
-}  // namespace musher::audio
+}  // namespace musher::audio::speech_text_test

@@ -4,12 +4,11 @@
 
 #include <gmock/gmock.h>
 
-namespace musher::camera {
-namespace {
+namespace musher::camera::camera_config_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 CamerasConfig Good(const std::string& text) {
   const CamerasReading reading = ReadCamerasText(text, "/etc/dog/cameras.toml");
@@ -142,5 +141,4 @@ TEST(CamerasConfig, SaysThatAFileIsMissing) {
   ASSERT_EQ(reading.diagnostics.size(), 1u);
 }
 
-}  // namespace
-}  // namespace musher::camera
+}  // namespace musher::camera::camera_config_test

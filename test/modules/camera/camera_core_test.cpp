@@ -6,10 +6,9 @@
 
 #include "musher/modules/camera/self_check.hpp"
 
-namespace musher::camera {
-namespace {
+namespace musher::camera::camera_core_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr Duration kSilence = Milliseconds(1000);
 constexpr Duration kRetry = Milliseconds(500);
@@ -162,5 +161,4 @@ TEST(CameraSelfCheck, FailsForACriticalCameraOnlyOrWhenAllFail) {
   EXPECT_TRUE(JudgeSelfCheck({}, {}).result);
 }
 
-}  // namespace
-}  // namespace musher::camera
+}  // namespace musher::camera::camera_core_test

@@ -17,12 +17,11 @@
 #include "musher/test/modules/actuator_peer.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 
-namespace musher::camera {
-namespace {
+namespace musher::camera::camera_process_test {
 
 using msg::ActuatorCommand;
 using msg::CameraService;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
                                              "Active",   "DeActive", "Protected",
@@ -44,7 +43,7 @@ from = "/dev/video99"
 )";
 
 // The world that has the front camera, and the program.
-class CameraManagerProcess : public testing::Test {
+class CameraManagerProcess : public ::testing::Test {
  protected:
   void Start(const std::string& file = kFile) {
     peer_.Start(file);
@@ -243,5 +242,4 @@ TEST_F(CameraManagerProcess, IsMissedByHandWithAClearWord) {
   EXPECT_THAT(Said(), HasSubstr("ends with .png, .jpg or .bmp"));
 }
 
-}  // namespace
-}  // namespace musher::camera
+}  // namespace musher::camera::camera_process_test

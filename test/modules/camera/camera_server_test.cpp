@@ -6,14 +6,13 @@
 
 #include "musher/test/modules/camera/cameras_fixture.hpp"
 
-namespace musher::camera {
-namespace {
+namespace musher::camera::camera_server_test {
 
 using msg::CameraService;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::SizeIs;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 class CameraServerTest : public CamerasOnANetwork {
  protected:
@@ -154,5 +153,4 @@ TEST_F(CameraServerTest, RefusesWhatTheMachineDoesNotAllow) {
   EXPECT_EQ(Call({CameraService::kListFiles, "", 0, 0, 0}).result, 0) << "looking is free";
 }
 
-}  // namespace
-}  // namespace musher::camera
+}  // namespace musher::camera::camera_server_test

@@ -6,13 +6,12 @@
 
 #include "musher/test/modules/camera/cameras_fixture.hpp"
 
-namespace musher::camera {
-namespace {
+namespace musher::camera::cameras_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::SizeIs;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 class CamerasTest : public CamerasOnANetwork {
  protected:
@@ -84,7 +83,7 @@ TEST_F(CamerasTest, OnDemandAreOffWhileNobodyWatches) {
   Start();
   Run(Milliseconds(2000));
   EXPECT_EQ(drawn_, 0);
-  EXPECT_THAT(Lines(), testing::Not(testing::Contains(HasSubstr("front"))))
+  EXPECT_THAT(Lines(), ::testing::Not(::testing::Contains(HasSubstr("front"))))
       << "nobody misses its pictures";
   std::vector<msg::Image> seen;
   auto eye = Listen("dog1/image_front", seen);
@@ -139,7 +138,7 @@ TEST_F(CamerasTest, TellAVideoThatEnds) {
   Run(Milliseconds(3000));
   EXPECT_FALSE(device_.open);
   EXPECT_EQ(device_.opened, 1);
-  EXPECT_THAT(Lines(), testing::Contains("0 left: 0 is over"));
+  EXPECT_THAT(Lines(), ::testing::Contains("0 left: 0 is over"));
 }
 
 TEST_F(CamerasTest, RefuseAPictureThatCannotBeAndGoOn) {
@@ -148,10 +147,10 @@ TEST_F(CamerasTest, RefuseAPictureThatCannotBeAndGoOn) {
   Start();
   Run(Milliseconds(200));
   EXPECT_THAT(Lines(),
-              testing::Contains(HasSubstr("4410 front: a picture of encoding \"yuv422\"")));
+              ::testing::Contains(HasSubstr("4410 front: a picture of encoding \"yuv422\"")));
   shot_ = Picture();
   Run(Milliseconds(5000));
-  EXPECT_THAT(Lines(), testing::Contains("0 front: pictures come again"));
+  EXPECT_THAT(Lines(), ::testing::Contains("0 front: pictures come again"));
 }
 
 TEST_F(CamerasTest, AreSwitchedOnForASelfCheckWhateverTheState) {
@@ -182,5 +181,4 @@ TEST_F(CamerasTest, FailTheirCheckWithWhatIsWrong) {
   EXPECT_EQ(findings[1].result.error(), (Error{4412, "there is no device /dev/video0"}));
 }
 
-}  // namespace
-}  // namespace musher::camera
+}  // namespace musher::camera::cameras_test

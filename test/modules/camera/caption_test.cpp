@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace musher::camera::tool {
-namespace {
+namespace musher::camera::tool::caption_test {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 
@@ -45,5 +44,4 @@ TEST(Caption, IsNotStuckWhenTimeGoesBack) {
   EXPECT_TRUE(caption.Due(2 * kSecond));
 }
 
-}  // namespace
-}  // namespace musher::camera::tool
+}  // namespace musher::camera::tool::caption_test

@@ -13,12 +13,11 @@
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher::camera {
-namespace {
+namespace musher::camera::capture_source_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class CaptureSourceTest : public testing::Test {
+class CaptureSourceTest : public ::testing::Test {
  protected:
   static constexpr int kFrames = 5;
 
@@ -137,5 +136,4 @@ TEST_F(CaptureSourceTest, DeliversNothingOnceItIsDropped) {
   EXPECT_EQ(frames_.size(), count);
 }
 
-}  // namespace
-}  // namespace musher::camera
+}  // namespace musher::camera::capture_source_test

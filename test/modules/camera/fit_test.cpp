@@ -10,8 +10,7 @@
 #include "musher/modules/camera/camera_info.hpp"
 #include "musher/modules/camera/tool/strip_picture.hpp"
 
-namespace musher::camera {
-namespace {
+namespace musher::camera::fit_test {
 
 // Of one colour.
 msg::Image Plain(std::uint32_t width, std::uint32_t height, const std::string& encoding,
@@ -106,5 +105,4 @@ TEST(Strip, SaysTheTimeOfADateRelativeToTheFirstPicture) {
   EXPECT_EQ(tool::LabelOf(date + 2'000'000'000, date), "+2.0 s");
 }
 
-}  // namespace
-}  // namespace musher::camera
+}  // namespace musher::camera::fit_test

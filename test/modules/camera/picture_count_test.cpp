@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace musher::camera::tool {
-namespace {
+namespace musher::camera::tool::picture_count_test {
 
 void Add(PictureCount& count, std::int64_t ms, std::int64_t age_ms = 1) {
   msg::Image picture;
@@ -41,5 +40,4 @@ TEST(PictureCount, SaysNothingOfNoneAndOfOne) {
   EXPECT_EQ(count.Lost(), 0u);
 }
 
-}  // namespace
-}  // namespace musher::camera::tool
+}  // namespace musher::camera::tool::picture_count_test

@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace musher::camera {
-namespace {
+namespace musher::camera::service_core_test {
 
 using msg::CameraService;
 
@@ -39,9 +38,9 @@ TEST(CameraService, KnowsItsCommands) {
 TEST(CameraService, RefusesWhatIsUnsupportedOrUndefinedWithItsResultAndCode) {
   EXPECT_EQ(Refused({7, "", 0, 0, 0}).result, CameraService::kUnsupported);
   EXPECT_THAT(Refused({7, "", 0, 0, 0}).msg,
-              testing::StartsWith("command 7 (start live) is not supported"));
+              ::testing::StartsWith("command 7 (start live) is not supported"));
   EXPECT_THAT(Refused({8, "", 0, 0, 0}).msg,
-              testing::StartsWith("command 8 (stop live) is not supported"));
+              ::testing::StartsWith("command 8 (stop live) is not supported"));
   EXPECT_EQ(Refused({8, "", 0, 0, 0}).code, 4408);
   EXPECT_EQ(Refused({11, "", 0, 0, 0}).result, CameraService::kUndefined);
   EXPECT_EQ(Refused({255, "", 0, 0, 0}).result, CameraService::kUndefined);
@@ -104,5 +103,4 @@ TEST(CameraService, RecordsOneVideoAtATime) {
   EXPECT_EQ(Refused({10, "", 0, 0, 0}).result, CameraService::kInvalidState);
 }
 
-}  // namespace
-}  // namespace musher::camera
+}  // namespace musher::camera::service_core_test

@@ -13,13 +13,12 @@
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher::camera {
-namespace {
+namespace musher::camera::store_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::SizeIs;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 msg::Image Picture() {
   msg::Image picture;
@@ -31,7 +30,7 @@ msg::Image Picture() {
   return picture;
 }
 
-class StoreTest : public testing::Test {
+class StoreTest : public ::testing::Test {
  protected:
   template <class T>
   Result<T> Await(const std::function<void(Store::Done<T>)>& ask) {
@@ -132,5 +131,4 @@ TEST_F(StoreTest, EndsAVideoWhenItIsDropped) {
   EXPECT_TRUE(capture.grab());
 }
 
-}  // namespace
-}  // namespace musher::camera
+}  // namespace musher::camera::store_test

@@ -10,15 +10,14 @@
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/test/modules/device/devices_fixture.hpp"
 
-namespace musher::device {
-namespace {
+namespace musher::device::battery_device_test {
 
 using msg::BmsCmd;
-using testing::Each;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::SizeIs;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 class BatteryOnANetwork : public DevicesOnANetwork {
  protected:
@@ -62,7 +61,7 @@ TEST_F(BatteryOnANetwork, IsToldAsBmsStatus) {
   EXPECT_EQ(told_[0].header.frame_id, "battery_id");
   EXPECT_GT(FromStamp(told_[0].header.stamp).count(), 0);
   EXPECT_EQ(told_[0].batt_soc, 80);
-  EXPECT_THAT(Failures(), testing::Not(testing::Contains(1409)));
+  EXPECT_THAT(Failures(), ::testing::Not(::testing::Contains(1409)));
 }
 
 TEST_F(BatteryOnANetwork, IsToldAtMostEvery800MsAndTheLastReadingAlways) {
@@ -100,10 +99,10 @@ TEST_F(BatteryOnANetwork, IsRefusedWithOneLineWhenItTalksNonsense) {
   SayEachSecond({std::nan(""), std::nan(""), std::nan("")});
   EXPECT_THAT(Charges(), ElementsAre(80));
   EXPECT_THAT(log_, ElementsAre("battery: refused: a charge that is not a number"));
-  EXPECT_THAT(Failures(), testing::Contains(1409));
+  EXPECT_THAT(Failures(), ::testing::Contains(1409));
   SayEachSecond({79});
   EXPECT_THAT(Charges(), ElementsAre(80, 79));
-  EXPECT_THAT(Failures(), testing::Not(testing::Contains(1409)));
+  EXPECT_THAT(Failures(), ::testing::Not(::testing::Contains(1409)));
 }
 
 TEST_F(BatteryOnANetwork, IsMissedWhenItFallsSilentAndItsLastValueIsNotRepeated) {
@@ -177,7 +176,7 @@ TEST_F(BatteryOnANetwork, IsTheHostsOwn) {
   Run(Milliseconds(10'000));
   EXPECT_THAT(log_, ElementsAre(HasSubstr("has no battery"), HasSubstr("silent for 5000 ms"),
                                 HasSubstr("has no battery")));
-  EXPECT_THAT(Failures(), testing::Contains(1409));
+  EXPECT_THAT(Failures(), ::testing::Contains(1409));
 }
 
 TEST_F(BatteryOnANetwork, GoesOnWhenTheWorldsClockStartsAgain) {
@@ -199,5 +198,4 @@ TEST_F(BatteryOnANetwork, GoesOnWhenTheWorldsClockStartsAgain) {
   EXPECT_EQ(told_.back().header.stamp, (msg::Stamp{3, 0}));
 }
 
-}  // namespace
-}  // namespace musher::device
+}  // namespace musher::device::battery_device_test

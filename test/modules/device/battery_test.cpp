@@ -9,13 +9,12 @@
 #include <string>
 #include <vector>
 
-namespace musher::device {
-namespace {
+namespace musher::device::battery_test {
 
 using msg::BatteryState;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 BatteryReading At(double percent) {
   BatteryReading reading;
@@ -194,5 +193,4 @@ TEST(Battery, IsRefusedWhereItCannotBeTrue) {
   EXPECT_EQ(why([](BatteryState& s) { s.present = false; }), "1412 there is no battery");
 }
 
-}  // namespace
-}  // namespace musher::device
+}  // namespace musher::device::battery_test

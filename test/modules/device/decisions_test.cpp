@@ -10,12 +10,11 @@
 #include "musher/modules/device/self_check.hpp"
 #include "musher/modules/device/touch.hpp"
 
-namespace musher::device {
-namespace {
+namespace musher::device::decisions_test {
 
 using msg::LedExecute;
 using Shown = LedArbiter::Shown;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // An arbiter that obeyed all these wishes.
 LedArbiter After(const std::vector<LightRequests>& all) {
@@ -145,5 +144,4 @@ TEST(DeviceSelfCheck, IsNotPassedByFailuresWhoseCodesAddUpToNothing) {
   EXPECT_FALSE(JudgeSelfCheck({Failing("bms", 1151), Failing("led", 1153)}, {"led"}).result);
 }
 
-}  // namespace
-}  // namespace musher::device
+}  // namespace musher::device::decisions_test

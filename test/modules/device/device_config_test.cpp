@@ -7,12 +7,11 @@
 #include <string>
 #include <vector>
 
-namespace musher::device {
-namespace {
+namespace musher::device::device_config_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 DeviceReading Read(const std::string& text) {
   return ReadDeviceText(text, "/robot/device.toml");
@@ -130,5 +129,4 @@ TEST(DeviceConfig, SaysWhyAFileCannotBeRead) {
   EXPECT_THAT(Said("skip = \n"), ElementsAre(HasSubstr("/robot/device.toml:1:")));
 }
 
-}  // namespace
-}  // namespace musher::device
+}  // namespace musher::device::device_config_test

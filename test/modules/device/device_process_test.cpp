@@ -15,12 +15,11 @@
 #include "musher/modules/device/led_device.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
 
-namespace musher::device {
-namespace {
+namespace musher::device::device_process_test {
 
 using msg::ActuatorCommand;
 using msg::LedExecute;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
                                              "Active",   "DeActive", "Protected",
@@ -38,7 +37,7 @@ source = "world"
 )";
 
 // The world that has the devices, and the program.
-class DeviceManagerProcess : public testing::Test {
+class DeviceManagerProcess : public ::testing::Test {
  protected:
   void Start() {
     peer_.Start(kFile);
@@ -152,5 +151,4 @@ TEST_F(DeviceManagerProcess, ExplainsAFaultyFileAndEndsWithTwo) {
   EXPECT_THAT(peer_.Output(), HasSubstr("device_manager.toml:2:10: error: battery.source"));
 }
 
-}  // namespace
-}  // namespace musher::device
+}  // namespace musher::device::device_process_test

@@ -6,14 +6,13 @@
 
 #include "musher/test/modules/device/devices_fixture.hpp"
 
-namespace musher::device {
-namespace {
+namespace musher::device::devices_test {
 
 using msg::LedExecute;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::SizeIs;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 class Lights : public DevicesOnANetwork {
  protected:
@@ -61,7 +60,7 @@ TEST_F(Lights, ForgeNoLinesOfTheLog) {
   Start();
   EXPECT_EQ(Wish("x\nbattery: well, at 100 %" + std::string(10'000, '!'), 4), 1122);
   ASSERT_THAT(log_, SizeIs(1));
-  EXPECT_THAT(log_[0], testing::Not(HasSubstr("\n")));
+  EXPECT_THAT(log_[0], ::testing::Not(HasSubstr("\n")));
   EXPECT_LT(log_[0].size(), 1000U);
 }
 
@@ -171,14 +170,14 @@ TEST_F(Tag, HasASessionAndASelfCheckOfItsOwn) {
   EXPECT_EQ(session.slave4, 5);
   radio_.reset();
   Run(Milliseconds(500));
-  EXPECT_THAT(Failures(), testing::Contains(1609));
+  EXPECT_THAT(Failures(), ::testing::Contains(1609));
 }
 
 TEST_F(Tag, IsRefusedWhereThereIsNoRadio) {
   config_.uwb = false;
   Start();
   EXPECT_EQ(Call<msg::GetUWBMacSessionID>("dog1/get_uwb_mac_session_id", {}).code, 1608);
-  EXPECT_THAT(Failures(), testing::Not(testing::Contains(1609)));
+  EXPECT_THAT(Failures(), ::testing::Not(::testing::Contains(1609)));
 }
 
 class PowerKeyOfTheRobot : public DevicesOnANetwork {
@@ -341,5 +340,4 @@ TEST_F(DeviceCheck, PassesWithoutAnyDevice) {
   EXPECT_THAT(Failures(), IsEmpty());
 }
 
-}  // namespace
-}  // namespace musher::device
+}  // namespace musher::device::devices_test

@@ -8,12 +8,11 @@
 #include <string>
 #include <vector>
 
-namespace musher::device {
-namespace {
+namespace musher::device::led_test {
 
 using msg::LedExecute;
 using Request = LedExecute::Request;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 Request Wish(const std::string& client, std::uint8_t effect,
              std::uint8_t target = LedExecute::kHead) {
@@ -176,5 +175,4 @@ RC_GTEST_PROP(LedArbiter, AlwaysShowsTheFirstInPrecedenceOfThoseStored, ()) {
   }
 }
 
-}  // namespace
-}  // namespace musher::device
+}  // namespace musher::device::led_test

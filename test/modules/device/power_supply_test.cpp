@@ -10,13 +10,12 @@
 
 #include "musher/test/controller/temp_folder.hpp"
 
-namespace musher::device {
-namespace {
+namespace musher::device::power_supply_test {
 
 using msg::BatteryState;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class PowerSupply : public testing::Test {
+class PowerSupply : public ::testing::Test {
  protected:
   // A supply as the kernel shows it: a file for each value.
   void Supply(const std::string& name, const std::map<std::string, std::string>& values) const {
@@ -121,5 +120,4 @@ TEST_F(PowerSupply, KnowsTheWordsOfTheKernel) {
   EXPECT_TRUE(flags("", "").power_normal);
 }
 
-}  // namespace
-}  // namespace musher::device
+}  // namespace musher::device::power_supply_test

@@ -10,12 +10,11 @@
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 
-namespace musher::exec {
-namespace {
+namespace musher::exec::child_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class ChildTest : public testing::Test {
+class ChildTest : public ::testing::Test {
  protected:
   Result<Child> Start(const ChildSpec& spec, int output = -1) {
     return Child::Start(spec, keeper_.value(), output);
@@ -122,5 +121,4 @@ TEST_F(ChildTest, IsKilledWhenItIsDropped) {
   EXPECT_TRUE(Gone(pid));
 }
 
-}  // namespace
-}  // namespace musher::exec
+}  // namespace musher::exec::child_test

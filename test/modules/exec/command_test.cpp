@@ -7,12 +7,11 @@
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 
-namespace musher::exec {
-namespace {
+namespace musher::exec::command_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class CommandTest : public testing::Test {
+class CommandTest : public ::testing::Test {
  protected:
   Result<CommandEnd> Run(
       const std::string& line, const std::function<Wanted()>& wanted = [] { return Wanted::kYes; },
@@ -38,16 +37,16 @@ TEST_F(CommandTest, GivesTheExitCodeAndTheLastLine) {
 }
 
 TEST_F(CommandTest, PassesTheOutputOn) {
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   ASSERT_TRUE(Run("echo out; echo err >&2"));
-  EXPECT_EQ(testing::internal::GetCapturedStdout(), "out\nerr\n");
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "out\nerr\n");
 }
 
 TEST_F(CommandTest, BearsMoreOutputThanAPipeHolds) {
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   const auto end =
       Run("i=0; while [ $i -lt 20000 ]; do echo 0123456789; i=$((i+1)); done; echo end");
-  const std::string output = testing::internal::GetCapturedStdout();
+  const std::string output = ::testing::internal::GetCapturedStdout();
   ASSERT_TRUE(end);
   EXPECT_EQ(output.size(), 20'000U * 11 + 4);
   EXPECT_EQ(end.value().last_line, "end");
@@ -117,5 +116,4 @@ TEST(LastLine, IsShortenedBetweenCharacters) {
   EXPECT_EQ(line.Get(), std::string(199, 'x'));
 }
 
-}  // namespace
-}  // namespace musher::exec
+}  // namespace musher::exec::command_test

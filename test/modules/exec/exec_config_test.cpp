@@ -7,12 +7,11 @@
 
 #include "musher/lifecycle/config_toml.hpp"
 
-namespace musher::exec {
-namespace {
+namespace musher::exec::exec_config_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 ActuatorConfig Audio() {
   ActuatorConfig audio;
@@ -134,5 +133,4 @@ TEST(CyberdogConfig, HasAGoodExecFileForEachActuator) {
   }
 }
 
-}  // namespace
-}  // namespace musher::exec
+}  // namespace musher::exec::exec_config_test

@@ -12,10 +12,9 @@
 #include "musher/test/modules/exec/exec_peer.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 
-namespace musher::exec {
-namespace {
+namespace musher::exec::exec_process_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // A program that says its pid in the test's folder and runs until it is stopped.
 constexpr const char* kProgram = R"(
@@ -179,7 +178,7 @@ void PrintTo(const Slip& slip, std::ostream* out) {
   *out << slip.name;
 }
 
-class MusherExecUsage : public testing::TestWithParam<Slip> {};
+class MusherExecUsage : public ::testing::TestWithParam<Slip> {};
 
 TEST_P(MusherExecUsage, IsExplainedAndEndsWithTwo) {
   ExecPeer peer;
@@ -190,7 +189,7 @@ TEST_P(MusherExecUsage, IsExplainedAndEndsWithTwo) {
 
 INSTANTIATE_TEST_SUITE_P(
     Slips, MusherExecUsage,
-    testing::Values(
+    ::testing::Values(
         Slip{"NoActuator", {"--config", "machine.toml", "x.toml"}, "--actuator is required"},
         Slip{"NoConfig", {"--actuator", "motion", "x.toml"}, "--config is required"},
         Slip{"NothingToDo",
@@ -217,5 +216,4 @@ TEST(MusherExec, ExplainsItself) {
   EXPECT_THAT(peer.Output(), HasSubstr("[state.SetUp]"));
 }
 
-}  // namespace
-}  // namespace musher::exec
+}  // namespace musher::exec::exec_process_test

@@ -13,8 +13,7 @@
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 
-namespace musher::exec {
-namespace {
+namespace musher::exec::keeper_test {
 
 // A process that leads a group of its own and does nothing.
 pid_t PausingGroup() {
@@ -90,7 +89,7 @@ pid_t KillTheParentAt(Moment moment) {
   return child;
 }
 
-class KeeperInTheMiddleOfAStart : public testing::TestWithParam<Moment> {};
+class KeeperInTheMiddleOfAStart : public ::testing::TestWithParam<Moment> {};
 
 TEST_P(KeeperInTheMiddleOfAStart, KillsTheProgramWhenWeAreKilledBeforeWeKnowOfIt) {
   const pid_t program = KillTheParentAt(GetParam());
@@ -100,7 +99,7 @@ TEST_P(KeeperInTheMiddleOfAStart, KillsTheProgramWhenWeAreKilledBeforeWeKnowOfIt
 }
 
 INSTANTIATE_TEST_SUITE_P(Moments, KeeperInTheMiddleOfAStart,
-                         testing::Values(Moment::kForked, Moment::kExecuted),
+                         ::testing::Values(Moment::kForked, Moment::kExecuted),
                          [](const auto& moment) -> std::string {
                            return moment.param == Moment::kForked ? "Forked" : "Executed";
                          });
@@ -121,5 +120,4 @@ TEST(Keeper, LeavesAGroupAloneThatHasEndedForUs) {
   waitpid(removed, nullptr, 0);
 }
 
-}  // namespace
-}  // namespace musher::exec
+}  // namespace musher::exec::keeper_test

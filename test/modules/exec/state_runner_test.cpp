@@ -10,12 +10,11 @@
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/test/modules/exec/processes.hpp"
 
-namespace musher::exec {
-namespace {
+namespace musher::exec::state_runner_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class StateRunnerTest : public testing::Test {
+class StateRunnerTest : public ::testing::Test {
  protected:
   StateRunnerTest() {
     config_.module = 3000;
@@ -185,5 +184,4 @@ TEST_F(StateRunnerTest, SeesThatTheProgramHasEnded) {
   EXPECT_EQ(runner.AwaitProgram()->Text(), "killed by SIGKILL");
 }
 
-}  // namespace
-}  // namespace musher::exec
+}  // namespace musher::exec::state_runner_test

@@ -8,8 +8,7 @@
 #include "musher/test/modules/motion/robot_rig.hpp"
 #include "musher/test/modules/motion/stage.hpp"
 
-namespace musher::motion::testing {
-namespace {
+namespace musher::motion::testing::motion_process_test {
 
 using ::testing::HasSubstr;
 
@@ -142,5 +141,4 @@ TEST(MotionTool, SaysThatThereIsNoMotionManager) {
   EXPECT_THAT(ran.output, HasSubstr("no motion manager in namespace 'nowhere_at_all'"));
 }
 
-}  // namespace
-}  // namespace musher::motion::testing
+}  // namespace musher::motion::testing::motion_process_test

@@ -5,8 +5,7 @@
 
 #include "musher/test/modules/motion/motion_trial.hpp"
 
-namespace musher::motion::testing {
-namespace {
+namespace musher::motion::testing::motion_property_test {
 
 RC_GTEST_PROP(MotionManager, KeepsItsPromisesWhateverHappens, ()) {
   MotionTrial trial([](std::size_t below) { return *rc::gen::inRange<std::size_t>(0, below); });
@@ -26,5 +25,4 @@ TEST(MotionManager, KeepsItsPromisesInManyLives) {
   }
 }
 
-}  // namespace
-}  // namespace musher::motion::testing
+}  // namespace musher::motion::testing::motion_property_test

@@ -5,8 +5,7 @@
 
 #include "musher/test/modules/motion/stage.hpp"
 
-namespace musher::motion::testing {
-namespace {
+namespace musher::motion::testing::motion_report_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -66,5 +65,4 @@ TEST(MotionReport, ReportsNoCommandThatIsOnlyWrong) {
   EXPECT_THAT(stage.reported, ElementsAre(3088));
 }
 
-}  // namespace
-}  // namespace musher::motion::testing
+}  // namespace musher::motion::testing::motion_report_test

@@ -7,8 +7,7 @@
 
 #include "musher/test/modules/motion/stage.hpp"
 
-namespace musher::motion::testing {
-namespace {
+namespace musher::motion::testing::motion_result_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -364,5 +363,4 @@ TEST(MotionResult, DoesNotFailByTheOldestReportThatWaited) {
   EXPECT_EQ(stage.CodeOf(flip), kCodeOk);
 }
 
-}  // namespace
-}  // namespace musher::motion::testing
+}  // namespace musher::motion::testing::motion_result_test

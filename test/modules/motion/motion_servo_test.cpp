@@ -6,8 +6,7 @@
 
 #include "musher/test/modules/motion/stage.hpp"
 
-namespace musher::motion::testing {
-namespace {
+namespace musher::motion::testing::motion_servo_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -367,5 +366,4 @@ TEST(MotionPriority, IsData) {
   EXPECT_EQ(stage.core.servo->source, kFromAlgorithm);
 }
 
-}  // namespace
-}  // namespace musher::motion::testing
+}  // namespace musher::motion::testing::motion_servo_test

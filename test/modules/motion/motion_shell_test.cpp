@@ -10,8 +10,7 @@
 #include "musher/test/modules/motion/topic_board.hpp"
 #include "musher/transport/sim/network.hpp"
 
-namespace musher::motion::testing {
-namespace {
+namespace musher::motion::testing::motion_shell_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -283,5 +282,4 @@ TEST_F(MotionShellTest, TakesATurnThatIsNoneForNoTurn) {
   EXPECT_TRUE(FromWire(state).motion.X_OB.isApprox(Eigen::Isometry3d::Identity()));
 }
 
-}  // namespace
-}  // namespace musher::motion::testing
+}  // namespace musher::motion::testing::motion_shell_test

@@ -4,8 +4,7 @@
 
 #include "musher/test/modules/motion/stage.hpp"
 
-namespace musher::motion::testing {
-namespace {
+namespace musher::motion::testing::motion_state_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -333,5 +332,4 @@ TEST(MotionEmergencyStop, InTheMiddleOfAQueueStopsAtOnce) {
   EXPECT_TRUE(stage.core.emergency_stop);
 }
 
-}  // namespace
-}  // namespace musher::motion::testing
+}  // namespace musher::motion::testing::motion_state_test

@@ -11,8 +11,7 @@
 #include "musher/modules/motion/motion_table.hpp"
 #include "musher/test/modules/motion/stage.hpp"
 
-namespace musher::motion::testing {
-namespace {
+namespace musher::motion::testing::motion_table_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -231,5 +230,4 @@ TEST(MotionConfigFile, IsToldWhatIsWrongAndWhere) {
   EXPECT_FALSE(ReadTableFile("/").table);
 }
 
-}  // namespace
-}  // namespace musher::motion::testing
+}  // namespace musher::motion::testing::motion_table_test

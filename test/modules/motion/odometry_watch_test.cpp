@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace musher::motion::tool {
-namespace {
+namespace musher::motion::tool::odometry_watch_test {
 
 constexpr Time kBegin{std::chrono::hours(1)};
 constexpr Duration kFrame = Milliseconds(50);
@@ -53,5 +52,4 @@ TEST(OdometryWatch, DoesNotMissAfterALateTurnWhatOnlyWaitedToBeRead) {
   }
 }
 
-}  // namespace
-}  // namespace musher::motion::tool
+}  // namespace musher::motion::tool::odometry_watch_test

@@ -9,8 +9,7 @@
 #include <numbers>
 #include <vector>
 
-namespace musher::motion::tool {
-namespace {
+namespace musher::motion::tool::square_walk_test {
 
 // A body in steps of 50 ms.
 struct Walker {
@@ -97,5 +96,4 @@ TEST(SquareWalk, TakesTheYawOfATiltedBody) {
   EXPECT_NEAR(WrapAngle(3 * std::numbers::pi / 2), -std::numbers::pi / 2, 1e-12);
 }
 
-}  // namespace
-}  // namespace musher::motion::tool
+}  // namespace musher::motion::tool::square_walk_test

@@ -10,8 +10,7 @@
 #include "musher/modules/sensor/operation.hpp"
 #include "musher/modules/sensor/self_check.hpp"
 
-namespace musher::sensor {
-namespace {
+namespace musher::sensor::decisions_test {
 
 using Operation = msg::SensorOperation;
 
@@ -78,8 +77,8 @@ TEST(SelfCheck, IsInTheOrderLidarTofUltrasonicGps) {
     names.push_back(NameOf(kind));
     codes.push_back(CodeOf(kind, KeyCode::kSelfCheckFailed));
   }
-  EXPECT_THAT(names, testing::ElementsAre("lidar", "tof", "ultrasonic", "gps"));
-  EXPECT_THAT(codes, testing::ElementsAre(2109, 2209, 2309, 2409));
+  EXPECT_THAT(names, ::testing::ElementsAre("lidar", "tof", "ultrasonic", "gps"));
+  EXPECT_THAT(codes, ::testing::ElementsAre(2109, 2209, 2309, 2409));
 }
 
 TEST(SelfCheck, EndsAtTheFirstCriticalSensorThatFailsWithItsCodeAlone) {
@@ -121,5 +120,4 @@ TEST(SelfCheck, NeverTakesAFailureForNone) {
   }
 }
 
-}  // namespace
-}  // namespace musher::sensor
+}  // namespace musher::sensor::decisions_test

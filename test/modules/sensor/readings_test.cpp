@@ -9,11 +9,10 @@
 
 #include "musher/test/modules/sensor/examples.hpp"
 
-namespace musher::sensor {
-namespace {
+namespace musher::sensor::readings_test {
 
 using std::chrono::seconds;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -180,7 +179,7 @@ TEST(Tofs, AreToldAloneWhenTheOtherIsSilent) {
   EXPECT_EQ((*both)[0], TofOf(0, 1));
   EXPECT_FALSE((*both)[1].data_available);
   EXPECT_EQ((*both)[1].tof_position, 1);
-  EXPECT_THAT((*both)[1].data, testing::IsEmpty());
+  EXPECT_THAT((*both)[1].data, ::testing::IsEmpty());
   EXPECT_EQ((*both)[1].header.stamp, TofOf(0, 1).header.stamp);
   // The other is back.
   const auto again = pair.Take(TofOf(1, 2));
@@ -205,5 +204,4 @@ TEST(Gps, TellsTimeAndPlaceAsCyberDogDoes) {
   EXPECT_LT(ToGpsPayload(fix).itow, 604'800'000U);
 }
 
-}  // namespace
-}  // namespace musher::sensor
+}  // namespace musher::sensor::readings_test

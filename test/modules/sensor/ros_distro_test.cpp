@@ -3,13 +3,12 @@
 
 #include "musher/test/modules/sensor/sensors_fixture.hpp"
 
-namespace musher::sensor {
-namespace {
+namespace musher::sensor::ros_distro_test {
 
-using testing::Each;
-using testing::Field;
-using testing::IsEmpty;
-using testing::Not;
+using ::testing::Each;
+using ::testing::Field;
+using ::testing::IsEmpty;
+using ::testing::Not;
 
 // A node of Iron or later: it refuses a Range without `variance`.
 struct RangeOfIron {
@@ -29,7 +28,7 @@ struct Row {
   bool has_variance;
 };
 
-class Distributions : public SensorsOnANetwork, public testing::WithParamInterface<Row> {};
+class Distributions : public SensorsOnANetwork, public ::testing::WithParamInterface<Row> {};
 
 TEST_P(Distributions, ReadTheUltrasonicPayloadInTheirOwnLayout) {
   const std::string text = std::string("ros_distro = \"") + GetParam().name + "\"\n";
@@ -50,11 +49,11 @@ TEST_P(Distributions, ReadTheUltrasonicPayloadInTheirOwnLayout) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Ros2, Distributions,
-                         testing::Values(Row{"galactic", RosDistro::kGalactic, false},
-                                         Row{"humble", RosDistro::kHumble, false},
-                                         Row{"iron", RosDistro::kIron, true},
-                                         Row{"jazzy", RosDistro::kJazzy, true},
-                                         Row{"kilted", RosDistro::kKilted, true}),
+                         ::testing::Values(Row{"galactic", RosDistro::kGalactic, false},
+                                           Row{"humble", RosDistro::kHumble, false},
+                                           Row{"iron", RosDistro::kIron, true},
+                                           Row{"jazzy", RosDistro::kJazzy, true},
+                                           Row{"kilted", RosDistro::kKilted, true}),
                          [](const auto& row) { return row.param.name; });
 
 TEST_F(SensorsOnANetwork, UnderstandARangeOfAGalacticDriver) {
@@ -73,5 +72,4 @@ TEST_F(SensorsOnANetwork, UnderstandARangeOfAGalacticDriver) {
   EXPECT_EQ(heard[0].variance, 0) << "not known";
 }
 
-}  // namespace
-}  // namespace musher::sensor
+}  // namespace musher::sensor::ros_distro_test

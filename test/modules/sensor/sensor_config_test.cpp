@@ -5,12 +5,11 @@
 #include <string>
 #include <vector>
 
-namespace musher::sensor {
-namespace {
+namespace musher::sensor::sensor_config_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 std::vector<std::string> Said(const std::string& text) {
   std::vector<std::string> said;
@@ -103,5 +102,4 @@ TEST(SensorManagerConfig, ThatCannotBeReadSaysWhy) {
   EXPECT_THAT(FormatDiagnostic(missing.diagnostics[0]), HasSubstr("/nowhere/sensors.toml: error:"));
 }
 
-}  // namespace
-}  // namespace musher::sensor
+}  // namespace musher::sensor::sensor_config_test

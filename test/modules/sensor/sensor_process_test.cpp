@@ -16,12 +16,11 @@
 #include "musher/messages/std_msgs/string.hpp"
 #include "musher/test/modules/actuator_peer.hpp"
 
-namespace musher::sensor {
-namespace {
+namespace musher::sensor::sensor_process_test {
 
 using msg::ActuatorCommand;
 using msg::SensorOperation;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
                                              "Active",   "DeActive", "Protected",
@@ -58,7 +57,7 @@ source = "world/gps"
 silence_ms = 3000
 )";
 
-class SensorManagerProcess : public testing::Test {
+class SensorManagerProcess : public ::testing::Test {
  protected:
   // The machine goes by the world's clock.
   void Start(const std::string& file = kFile) {
@@ -202,7 +201,7 @@ TEST_F(SensorManagerProcess, FailsItsSelfCheckWithTheCriticalCodeAlone) {
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
   EXPECT_EQ(checked.value().code, 2209);
   EXPECT_THAT(checked.value().message, HasSubstr("tof (critical): left_head: nothing was heard"));
-  EXPECT_THAT(checked.value().message, testing::Not(HasSubstr("lidar")));
+  EXPECT_THAT(checked.value().message, ::testing::Not(HasSubstr("lidar")));
 }
 
 TEST_F(SensorManagerProcess, PassesItsSelfCheckDegradedWithoutSensorsThatAreNotCritical) {
@@ -214,8 +213,8 @@ TEST_F(SensorManagerProcess, PassesItsSelfCheckDegradedWithoutSensorsThatAreNotC
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictDone);
   EXPECT_EQ(checked.value().status.degraded_code, 2109);
   EXPECT_THAT(checked.value().status.degraded_reason,
-              testing::AllOf(HasSubstr("lidar: nothing was heard of it yet, 2109; tof: "),
-                             HasSubstr("gps: "), testing::Not(HasSubstr("ultrasonic"))));
+              ::testing::AllOf(HasSubstr("lidar: nothing was heard of it yet, 2109; tof: "),
+                               HasSubstr("gps: "), ::testing::Not(HasSubstr("ultrasonic"))));
 }
 
 TEST_F(SensorManagerProcess, ReportsALidarThatFallsSilentAndDoesNotGetUpWithoutIt) {
@@ -261,5 +260,4 @@ TEST_F(SensorManagerProcess, ExplainsAFaultyFileAndEndsWithTwo) {
   EXPECT_THAT(peer_.Output(), HasSubstr("sensors.toml:2:10: error: lidar.source"));
 }
 
-}  // namespace
-}  // namespace musher::sensor
+}  // namespace musher::sensor::sensor_process_test

@@ -9,8 +9,7 @@
 
 #include "musher/test/modules/sensor/sensors_fixture.hpp"
 
-namespace musher::sensor {
-namespace {
+namespace musher::sensor::sensors_property_test {
 
 using Operation = msg::SensorOperation;
 
@@ -73,5 +72,4 @@ RC_GTEST_PROP(SensorsProperty, AreHeardExactlyWhileTheyAreStartedAndAwake, ()) {
   }
 }
 
-}  // namespace
-}  // namespace musher::sensor
+}  // namespace musher::sensor::sensors_property_test

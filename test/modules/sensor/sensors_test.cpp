@@ -7,20 +7,19 @@
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/test/modules/sensor/sensors_fixture.hpp"
 
-namespace musher::sensor {
-namespace {
+namespace musher::sensor::sensors_test {
 
 using std::chrono::seconds;
-using testing::AllOf;
-using testing::Contains;
-using testing::ContainsRegex;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::Key;
-using testing::Not;
-using testing::Pair;
-using testing::SizeIs;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ContainsRegex;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Key;
+using ::testing::Not;
+using ::testing::Pair;
+using ::testing::SizeIs;
 using Operation = msg::SensorOperation;
 
 class SensorsTest : public SensorsOnANetwork {
@@ -293,5 +292,4 @@ TEST_F(SensorsTest, ThatAreCriticalSayWhetherTheyHaveStarted) {
   EXPECT_TRUE(sensors_->CheckStarted());
 }
 
-}  // namespace
-}  // namespace musher::sensor
+}  // namespace musher::sensor::sensors_test

@@ -15,10 +15,9 @@
 #include "musher/test/modules/vision/faces.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 
-namespace musher::vision {
-namespace {
+namespace musher::vision::cascade_detector_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr double kBoardM = 0.35;  // side of a board with a face
 // What the detector's box encloses of a face on it, measured: nine sixteenths and a little more.
@@ -151,9 +150,9 @@ TEST(LookTool, TellsWhatIsFoundAndDrawsIt) {
   options.at_m = 1;
   std::ostringstream out;
   ASSERT_TRUE(tool::Look({}, options, out));
-  EXPECT_THAT(out.str(), testing::ContainsRegex("face.png: 640 x 480, 1 face in [0-9]+ ms"));
-  EXPECT_THAT(out.str(), testing::ContainsRegex("  at 0.[45][0-9]+ 0.[45][0-9]+, .* m away"));
-  EXPECT_THAT(out.str(), testing::ContainsRegex("it is 1.00 m away when face_m = 0.(19|2[0-3])"));
+  EXPECT_THAT(out.str(), ::testing::ContainsRegex("face.png: 640 x 480, 1 face in [0-9]+ ms"));
+  EXPECT_THAT(out.str(), ::testing::ContainsRegex("  at 0.[45][0-9]+ 0.[45][0-9]+, .* m away"));
+  EXPECT_THAT(out.str(), ::testing::ContainsRegex("it is 1.00 m away when face_m = 0.(19|2[0-3])"));
   const cv::Mat before = cv::imread(options.pictures[0]);
   const cv::Mat after = cv::imread(options.out);
   ASSERT_EQ(after.size(), before.size());
@@ -173,5 +172,4 @@ TEST(LookTool, SaysWhatItCannotReadOrWrite) {
               HasSubstr("/no/such/folder/boxes.png cannot be written"));
 }
 
-}  // namespace
-}  // namespace musher::vision
+}  // namespace musher::vision::cascade_detector_test

@@ -6,11 +6,10 @@
 
 #include "musher/test/modules/vision/faces.hpp"
 
-namespace musher::vision {
-namespace {
+namespace musher::vision::closeness_test {
 
 // Near below 0.8 m, clear beyond 1 m, held for 10 s; a picture each 100 ms.
-class ClosenessTest : public testing::Test {
+class ClosenessTest : public ::testing::Test {
  protected:
   bool See(const std::vector<Closeness::Sighting>& seen, std::int64_t after_ms = 100) {
     now_ns_ += after_ms * kMs;
@@ -112,5 +111,4 @@ RC_GTEST_PROP(ClosenessProperty, IsNeverClearOfOneWhoWasNotSeenToLeave, ()) {
   }
 }
 
-}  // namespace
-}  // namespace musher::vision
+}  // namespace musher::vision::closeness_test

@@ -4,12 +4,11 @@
 
 #include "musher/test/modules/vision/topics_on_network.hpp"
 
-namespace musher::vision {
-namespace {
+namespace musher::vision::face_topics_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 TEST_F(FaceTopicsTest, TellWhomToLookAtAndHowFarAwayThatIs) {
   looker_.found = std::vector{FaceAt(0.3, 0.4, HeightAt(1, 0.18))};
@@ -80,7 +79,7 @@ TEST_F(FaceTopicsTest, SayNothingOfWhoIsTooCloseAfterANewStartUntilTheyHaveLooke
   EXPECT_EQ(counts_.size(), 99U);
   Shoot(4);
   EXPECT_FALSE(closes_.empty());
-  EXPECT_THAT(closes_, testing::Each(msg::Bool{false}));
+  EXPECT_THAT(closes_, ::testing::Each(msg::Bool{false}));
 }
 
 TEST_F(FaceTopicsTest, SayThatNobodyIsTooCloseAsSoonAsTheySeeSomebodyFartherAway) {
@@ -247,5 +246,4 @@ TEST_F(FaceTopicsTest, KnowDistancesByTheConfigsAngleWhereNoCameraInfoComes) {
   EXPECT_EQ(closes_.back().data, true);
 }
 
-}  // namespace
-}  // namespace musher::vision
+}  // namespace musher::vision::face_topics_test

@@ -9,14 +9,13 @@
 
 #include "musher/test/modules/vision/faces.hpp"
 
-namespace musher::vision {
-namespace {
+namespace musher::vision::face_tracker_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 // A picture each 100 ms.
-class FaceTrackerTest : public testing::Test {
+class FaceTrackerTest : public ::testing::Test {
  protected:
   std::vector<int> See(const std::vector<FaceBox>& boxes, std::int64_t after_ms = 100) {
     now_ns_ += after_ms * kMs;
@@ -157,5 +156,4 @@ RC_GTEST_PROP(FaceTrackerProperty, SeesEachBoxAsOneFaceAndGivesNoNumberTwice, ()
   }
 }
 
-}  // namespace
-}  // namespace musher::vision
+}  // namespace musher::vision::face_tracker_test

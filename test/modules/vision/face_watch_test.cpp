@@ -7,11 +7,10 @@
 #include "musher/modules/vision/faces_json.hpp"
 #include "musher/test/modules/vision/faces.hpp"
 
-namespace musher::vision {
-namespace {
+namespace musher::vision::face_watch_test {
 
 // Faces of 0.18 m before the world's front camera; a picture each 100 ms.
-class FaceWatchTest : public testing::Test {
+class FaceWatchTest : public ::testing::Test {
  protected:
   static FaceBox FaceOf(double distance_m, double center_x = 0.5) {
     return FaceAt(center_x, 0.5, HeightAt(distance_m, 0.18));
@@ -107,5 +106,4 @@ TEST(FacesJson, OfNobodyIsAnEmptyList) {
   EXPECT_EQ(FacesJson(nobody), R"({"faces":[],"count":0,"timestamp":1.5})");
 }
 
-}  // namespace
-}  // namespace musher::vision
+}  // namespace musher::vision::face_watch_test

@@ -7,10 +7,9 @@
 
 #include "musher/test/modules/vision/faces.hpp"
 
-namespace musher::vision {
-namespace {
+namespace musher::vision::lens_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 double DistanceOf(const Lens& lens, const FaceBox& box) {
   return DistanceM(lens, box, box.height, 0.2);
@@ -69,5 +68,4 @@ TEST(Lens, IsNotMadeOfNumbersThatAreNone) {
   EXPECT_THAT(lens.error().message, HasSubstr("it is of no size"));
 }
 
-}  // namespace
-}  // namespace musher::vision
+}  // namespace musher::vision::lens_test

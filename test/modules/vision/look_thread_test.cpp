@@ -9,11 +9,10 @@
 #include "musher/test/modules/vision/faces.hpp"
 #include "musher/transport/linux_event_loop.hpp"
 
-namespace musher::vision {
-namespace {
+namespace musher::vision::look_thread_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 class ScriptedDetector : public Detector {
  public:
@@ -25,7 +24,7 @@ class ScriptedDetector : public Detector {
   const Script& script_;
 };
 
-class LookThreadTest : public testing::Test {
+class LookThreadTest : public ::testing::Test {
  protected:
   void Start() {
     thread_.emplace(
@@ -183,8 +182,7 @@ TEST_F(LookThreadTest, IsDroppedWithAPictureOnItsWay) {
   thread_->Look(1, Picture());
   thread_.reset();
   loop_.RunUntil([] { return false; }, loop_.Now() + Milliseconds(20));
-  EXPECT_THAT(results_, testing::IsEmpty());
+  EXPECT_THAT(results_, ::testing::IsEmpty());
 }
 
-}  // namespace
-}  // namespace musher::vision
+}  // namespace musher::vision::look_thread_test

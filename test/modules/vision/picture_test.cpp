@@ -6,10 +6,9 @@
 
 #include "musher/test/modules/vision/faces.hpp"
 
-namespace musher::vision {
-namespace {
+namespace musher::vision::picture_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using Verdict = StampGate::Verdict;
 
 std::string Said(const std::function<void(msg::Image&)>& spoil) {
@@ -92,5 +91,4 @@ TEST(StampGate, SeesTimeJumpBack) {
   EXPECT_EQ(gate.Judge(140 * kMs), Verdict::kLook);
 }
 
-}  // namespace
-}  // namespace musher::vision
+}  // namespace musher::vision::picture_test

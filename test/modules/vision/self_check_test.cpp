@@ -4,12 +4,11 @@
 
 #include "musher/test/modules/vision/topics_on_network.hpp"
 
-namespace musher::vision {
-namespace {
+namespace musher::vision::self_check_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 TEST_F(FaceTopicsTest, CheckThemselves) {
   pictures_.reset();
@@ -70,5 +69,4 @@ TEST_F(FaceTopicsTest, FailTheirCheckWithADetectorThatHangsOrFails) {
   EXPECT_THAT(log_.back(), HasSubstr("the detector has been at one for 5001 ms"));
 }
 
-}  // namespace
-}  // namespace musher::vision
+}  // namespace musher::vision::self_check_test

@@ -4,11 +4,10 @@
 
 #include "musher/test/modules/vision/faces.hpp"
 
-namespace musher::vision {
-namespace {
+namespace musher::vision::target_choice_test {
 
 // Lost after 1 s, another has to be nearer by a quarter; a picture each 100 ms.
-class TargetChoiceTest : public testing::Test {
+class TargetChoiceTest : public ::testing::Test {
  protected:
   std::optional<int> See(const std::vector<TargetChoice::Candidate>& frontal,
                          std::int64_t after_ms = 100) {
@@ -48,5 +47,4 @@ TEST_F(TargetChoiceTest, IsAnotherOneWhenTheChosenOneIsLost) {
   EXPECT_EQ(See({{1, 0.12}, {2, 0.1}}), 2) << "who comes back has lost the place";
 }
 
-}  // namespace
-}  // namespace musher::vision
+}  // namespace musher::vision::target_choice_test

@@ -6,12 +6,11 @@
 
 #include "musher/modules/program/states.hpp"
 
-namespace musher::vision {
-namespace {
+namespace musher::vision::vision_config_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 std::vector<std::string> Said(const std::string& text) {
   std::vector<std::string> said;
@@ -142,5 +141,4 @@ TEST(VisionConfig, ThatCannotBeReadIsTold) {
   EXPECT_FALSE(reading.diagnostics.empty());
 }
 
-}  // namespace
-}  // namespace musher::vision
+}  // namespace musher::vision::vision_config_test

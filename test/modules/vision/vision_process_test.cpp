@@ -19,11 +19,10 @@
 #include "musher/test/modules/actuator_peer.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
-namespace musher::vision {
-namespace {
+namespace musher::vision::vision_process_test {
 
 using msg::ActuatorCommand;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "SelfCheck",
                                              "Active",   "DeActive", "Protected",
@@ -56,7 +55,7 @@ self_check_ms = 15000
 face_m = 0.208
 )";
 
-class VisionProcess : public testing::Test {
+class VisionProcess : public ::testing::Test {
  protected:
   explicit VisionProcess(const std::string& program = "musher-vision-manager")
       : peer_("vision", kAllStates, program) {}
@@ -225,5 +224,4 @@ TEST_F(FaultyVision, IsHungWhenTheDetectorDoesNotComeBackAndWellWhenItDoes) {
   EXPECT_EQ(peer_.AwaitExit(), 0);
 }
 
-}  // namespace
-}  // namespace musher::vision
+}  // namespace musher::vision::vision_process_test

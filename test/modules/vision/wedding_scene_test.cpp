@@ -9,10 +9,9 @@
 #include "musher/modules/world/scene_toml.hpp"
 #include "musher/modules/world/shot.hpp"
 
-namespace musher::vision {
-namespace {
+namespace musher::vision::wedding_scene_test {
 
-class WeddingScene : public testing::Test {
+class WeddingScene : public ::testing::Test {
  protected:
   // Goes on to that time of the scene, and looks 5 times a second from `from_s` on.
   std::vector<Sight> Watch(double from_s, double to_s) {
@@ -81,5 +80,4 @@ TEST_F(WeddingScene, ThoseWhoPassAndDoNotLookAreNoTarget) {
   EXPECT_LE(targets, 1);
 }
 
-}  // namespace
-}  // namespace musher::vision
+}  // namespace musher::vision::wedding_scene_test

@@ -10,11 +10,10 @@
 #include "musher/modules/wedding/cast.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::acceptance_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 class WeddingShow : public ShowRig {};
 
@@ -246,5 +245,4 @@ TEST_F(WeddingShow, StandsNeutralInIdleAndLooksAboutALittle) {
   EXPECT_EQ(script_.gazes.size(), 250) << "each tick";
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::acceptance_test

@@ -9,12 +9,11 @@
 #include "musher/lifecycle/toml/file.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::extension_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 ShowConfig With(std::optional<SearchRules> search, std::optional<InterviewRules> interview) {
   ShowConfig config;
@@ -230,5 +229,4 @@ TEST(BothExtensions, LeadFromAFaceOverSearchAndTrackingToAnInterview) {
   EXPECT_THAT(rig.states(), ElementsAre("IDLE", "SEARCH", "TRACKING", "INTERVIEW"));
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::extension_test

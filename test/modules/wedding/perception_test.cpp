@@ -8,8 +8,7 @@
 
 #include "musher/test/modules/wedding/show_rig.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::perception_test {
 
 constexpr double kYawLimit = 2.0;
 
@@ -207,5 +206,4 @@ TEST_F(HeadCamera, HoldsItsGazeWhileNobodySaysHowTheHeadStands) {
   EXPECT_GT(data().motion.look_at_target.x, 0.5);
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::perception_test

@@ -3,10 +3,9 @@
 #include "musher/messages/protocol/camera.hpp"
 #include "musher/test/modules/wedding/wedding_process.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::second_generation_process_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 class SecondGenerationProcess : public WeddingProcess {
  protected:
@@ -96,5 +95,4 @@ TEST_F(SecondGenerationProcess, IsNotReadyUntilTheBodySaysSo) {
   ExpectDone("SelfCheck");
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::second_generation_process_test

@@ -9,12 +9,11 @@
 #include "musher/behavior/fsm/replay.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::second_generation_test {
 
-using testing::Contains;
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 ShowConfig SecondConfig(std::uint64_t seed = 1) {
   ShowConfig config;
@@ -181,7 +180,8 @@ TEST_F(SecondShow, LooksWhereItIsToldForAsLongAsThatCounts) {
   EXPECT_NEAR(data().motion.look_at_target.x, 0.1, 0.02);
   show_->OnLookAt({320, 240}, now_);
   ASSERT_EQ(script_.log.size(), 1U);
-  EXPECT_THAT(script_.log[0], testing::HasSubstr("set_look_at (320, 240, 0): x and y are 0 to 1"));
+  EXPECT_THAT(script_.log[0],
+              ::testing::HasSubstr("set_look_at (320, 240, 0): x and y are 0 to 1"));
 }
 
 TEST_F(SecondShow, RecordsAVideoOfAnInterviewAlsoWhenItIsBrokenOff) {
@@ -255,5 +255,4 @@ TEST_F(HeadCameraInfo, ACameraThatThereIsNotIsRefused) {
   EXPECT_TRUE(std::isfinite(data().perception.face_gaze.x));
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::second_generation_test

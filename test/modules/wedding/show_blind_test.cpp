@@ -6,10 +6,9 @@
 
 #include "musher/test/modules/wedding/show_rig.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::show_blind_test {
 
-using testing::IsEmpty;
+using ::testing::IsEmpty;
 
 class BlindShow : public ShowRig {
  protected:
@@ -81,5 +80,4 @@ TEST_F(BlindShow, GoesOnForAnHourWhereItsConfigDoesNotAskForEyes) {
   EXPECT_THAT(script_.log, IsEmpty());
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::show_blind_test

@@ -4,12 +4,11 @@
 
 #include <gmock/gmock.h>
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::show_config_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 std::vector<std::string> Faults(const std::string& text) {
   std::vector<std::string> lines;
@@ -125,5 +124,4 @@ TEST(WeddingConfigTest, CountsTheCharactersOfQuestionsAsPeopleDo) {
   EXPECT_THAT(reading.config->show.interview->question_characters, ElementsAre(2, 3));
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::show_config_test

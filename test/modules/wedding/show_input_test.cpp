@@ -8,12 +8,11 @@
 
 #include "musher/test/modules/wedding/show_rig.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::show_input_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -106,5 +105,4 @@ TEST_F(ShowInput, RefusesJointsSoFarRoundThatTheirSumIsNoNumberAndLooksOnWhereAF
   EXPECT_GT(data().motion.look_at_target.x, 0.5);
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::show_input_test

@@ -10,8 +10,7 @@
 #include "musher/behavior/fsm/replay.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::show_property_test {
 
 constexpr int kKinds = 9;
 
@@ -160,5 +159,4 @@ RC_GTEST_PROP(ShowProperty, TakesNoMorePhotosThanGesturesWereRaised, ()) {
   RC_ASSERT(show.photos() >= 1);
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::show_property_test

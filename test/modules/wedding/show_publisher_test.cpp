@@ -7,8 +7,7 @@
 #include "musher/behavior/fsm/replay.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::show_publisher_test {
 
 class ShowPublishers : public ShowRig {
  protected:
@@ -154,7 +153,7 @@ TEST_F(ShowPublishers, AFaceOutsideThePictureIsRefused) {
   Tick();
   EXPECT_EQ(state(), "IDLE");
   ASSERT_EQ(script_.log.size(), 1U);
-  EXPECT_THAT(script_.log[0], testing::HasSubstr("is not in the picture: x and y are 0 to 1"));
+  EXPECT_THAT(script_.log[0], ::testing::HasSubstr("is not in the picture: x and y are 0 to 1"));
 }
 
 TEST_F(ShowPublishers, ATargetThatIsHeardGoesBeforeTheFacesOfFacesJson) {
@@ -175,5 +174,4 @@ TEST_F(ShowPublishers, ADetectorThatPublishesFacesJsonAloneIsFollowedAndMissed) 
   EXPECT_GE(TicksTo("FAREWELL", 100), 70) << "1.5 s after the last face";
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::show_publisher_test

@@ -7,8 +7,7 @@
 #include "musher/behavior/fsm/replay.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::show_rest_test {
 
 class RestingShow : public ShowRig {};
 
@@ -64,12 +63,12 @@ TEST_F(RestingShow, AsksWhoIsTooCloseOnceHoweverOftenItIsSentHome) {
     Tick(5);
   }
   EXPECT_EQ(state(), "SAFE_STOP");
-  EXPECT_THAT(script_.sounds, testing::ElementsAre("too_close"));
+  EXPECT_THAT(script_.sounds, ::testing::ElementsAre("too_close"));
   TooClose(false);
   ASSERT_GT(TicksTo("IDLE", 150), 0);
   TooClose(true);
   Tick();
-  EXPECT_THAT(script_.sounds, testing::ElementsAre("too_close", "too_close")) << "another time";
+  EXPECT_THAT(script_.sounds, ::testing::ElementsAre("too_close", "too_close")) << "another time";
 }
 
 TEST_F(RestingShow, SweepsACommandAwayThatWaitsInIdle) {
@@ -80,5 +79,4 @@ TEST_F(RestingShow, SweepsACommandAwayThatWaitsInIdle) {
   EXPECT_EQ(state(), "IDLE");
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::show_rest_test

@@ -6,10 +6,9 @@
 
 #include "musher/test/modules/wedding/show_rig.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::show_stop_test {
 
-using testing::IsEmpty;
+using ::testing::IsEmpty;
 
 class StoppedShow : public ShowRig {
  protected:
@@ -158,5 +157,4 @@ TEST_F(StoppedShow, TakesNoSecondPhotoWhenASafetyStopComesAfterTheShutter) {
   EXPECT_EQ(script_.photos, 1);
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::show_stop_test

@@ -10,12 +10,11 @@
 #include "musher/behavior/fsm/snapshot.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::show_test {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -222,7 +221,7 @@ TEST_F(ShowTest, SurvivesTenThousandCommandsAtOnceAndObeysTheStopAmongThem) {
   EXPECT_EQ(state(), "IDLE") << "stop goes before all that wait";
   EXPECT_EQ(machine_->waiting_commands(), 0);
   EXPECT_EQ(machine_->counts().refused + machine_->counts().superseded, 10'000);
-  EXPECT_THAT(script_.log, testing::SizeIs(1));
+  EXPECT_THAT(script_.log, ::testing::SizeIs(1));
   Tick(150);
   EXPECT_THAT(script_.log.back(), HasSubstr("(and 9966 like it)"));
 }
@@ -332,5 +331,4 @@ TEST_F(ShowTest, ComesHomeWhereverItIsLeftAlone) {
   }
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::show_test

@@ -7,13 +7,12 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::wedding_process_test {
 
 using msg::ActuatorCommand;
-using testing::Contains;
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 // A writer keeps the last ten of a reader that has no CPU: what is said again is said seldom here,
 // so that no change is lost.
@@ -250,9 +249,9 @@ TEST_F(WeddingProcess, FailsItsSelfCheckByNameWithoutEyesVoiceOrBody) {
   ASSERT_TRUE(checked);
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
   EXPECT_THAT(checked.value().message,
-              testing::AllOf(HasSubstr("camera: nobody publishes /wedding/perception/target"),
-                             HasSubstr("audio: nobody listens to /wedding/audio/play"),
-                             HasSubstr("motion: nobody listens to /wedding/motion/pose")));
+              ::testing::AllOf(HasSubstr("camera: nobody publishes /wedding/perception/target"),
+                               HasSubstr("audio: nobody listens to /wedding/audio/play"),
+                               HasSubstr("motion: nobody listens to /wedding/motion/pose")));
 }
 
 TEST_F(WeddingProcess, GoesOnWithoutWhatIsOptionalAndSaysSo) {
@@ -292,5 +291,4 @@ TEST_F(WeddingProcess, ExplainsAFaultyFileAndEndsWithTwo) {
   EXPECT_THAT(peer_.Output(), HasSubstr("wedding.toml:2:8: error: idle.sway"));
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::wedding_process_test

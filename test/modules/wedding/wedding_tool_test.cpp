@@ -4,10 +4,9 @@
 #include "musher/test/modules/wedding/wedding_process.hpp"
 #include "musher/transport/clock.hpp"
 
-namespace musher::wedding {
-namespace {
+namespace musher::wedding::wedding_tool_test {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 class WeddingTool : public WeddingProcess {};
 
@@ -56,5 +55,4 @@ TEST_F(WeddingTool, RecordsAndPlaysTheSameAgain) {
   EXPECT_EQ(Run({"replay", file}), 2) << "there is none";
 }
 
-}  // namespace
-}  // namespace musher::wedding
+}  // namespace musher::wedding::wedding_tool_test

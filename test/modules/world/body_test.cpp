@@ -6,14 +6,13 @@
 
 #include "musher/test/modules/world/scenes.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::body_test {
 
 using Eigen::Vector3d;
-using testing::HasSubstr;
-using testing::Optional;
+using ::testing::HasSubstr;
+using ::testing::Optional;
 
-class BodyTest : public testing::Test {
+class BodyTest : public ::testing::Test {
  protected:
   void Lying() {
     Scene scene = EmptyYard();
@@ -283,5 +282,4 @@ TEST_F(BodyTest, FeelsGravityAndItsOwnStart) {
   EXPECT_NEAR(body().acceleration().x(), 0.5 * (1 - std::exp(-0.1)) / 0.02, 1e-6);
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::body_test

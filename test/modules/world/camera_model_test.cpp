@@ -9,8 +9,7 @@
 
 #include "musher/modules/world/lens.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::camera_model_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -120,5 +119,4 @@ TEST(CameraInPlace, FollowsTheBodysPlaceHeightAndAttitude) {
   EXPECT_LT(bowed.translation().z(), 0.3);
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::camera_model_test

@@ -13,11 +13,10 @@
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/test/modules/world/shots.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::guest_sights_test {
 
 using Eigen::Vector3d;
-using testing::SizeIs;
+using ::testing::SizeIs;
 
 const Scene& Wedding() {
   static const Scene scene =
@@ -196,5 +195,4 @@ TEST(Guests, AreDrawnWhereTheyAreAndHideWhatIsBehindThem) {
   EXPECT_NEAR(middle.y, pixel.y(), 25);
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::guest_sights_test

@@ -10,8 +10,7 @@
 #include "musher/modules/world/gesture_sight.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::guests_test {
 
 using Eigen::Vector2d;
 using LookAt = GuestLook::At;
@@ -216,5 +215,4 @@ TEST(GestureSight, IsOfTheNearestOfSeveral) {
   EXPECT_EQ(SeenGesture(world), Gesture::kV);
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::guests_test

@@ -18,16 +18,15 @@
 #include "musher/transport/clock.hpp"
 #include "musher/transport/sim/network.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::host_test {
 
 using std::chrono::seconds;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using transport::SampleInfo;
 
-class WorldHostTest : public testing::Test {
+class WorldHostTest : public ::testing::Test {
  protected:
   void Open(const Scene& scene) {
     HostOptions options;
@@ -290,7 +289,7 @@ TEST_F(WorldHostTest, DrawsWhatItHeardOfMachineAndLightsAndSaysWhere) {
   EXPECT_EQ(drawn->message, folder_ / "world.png");
   EXPECT_TRUE(std::filesystem::exists(drawn->message));
   const World world = host_->world();
-  EXPECT_THAT(world.track().states(), testing::Contains("Protected"));
+  EXPECT_THAT(world.track().states(), ::testing::Contains("Protected"));
   EXPECT_EQ(world.track().lights().at(1).red, 255);
 }
 
@@ -314,5 +313,4 @@ TEST_F(WorldHostTest, RefusesASpeedThatTimeCannotHave) {
   EXPECT_EQ(clocks_.size(), 50u);
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::host_test

@@ -13,8 +13,7 @@
 #include "musher/modules/world/scene_toml.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::humanoid_kinematics_test {
 
 using Eigen::Vector3d;
 
@@ -221,5 +220,4 @@ TEST(HumanoidPoses, AreTakenInTheTimeThatTheShowHasForThem) {
   }
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::humanoid_kinematics_test

@@ -11,12 +11,11 @@
 #include "musher/modules/world/scene_humanoid.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::humanoid_test {
 
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Optional;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Optional;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTiny = 1e-9;  // rounding
@@ -218,5 +217,4 @@ RC_GTEST_PROP(HumanoidProperty, NeverMovesFasterOrMoreAbruptlyThanItsLimits, ())
   }
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::humanoid_test

@@ -16,8 +16,7 @@
 #include "musher/transport/clock.hpp"
 #include "musher/transport/sim/network.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::motion_board_test {
 
 using std::chrono::seconds;
 
@@ -27,7 +26,7 @@ const motion::MotionTable& Table() {
   return table;
 }
 
-class MotionBoard : public testing::Test {
+class MotionBoard : public ::testing::Test {
  protected:
   MotionBoard() {
     HostOptions options;
@@ -136,5 +135,4 @@ TEST_F(MotionBoard, TellsTheAppWhyAFaultyBodyDoesNotMove) {
   EXPECT_EQ(Do(motion::kUserTrot, 1000, {0.5F, 0, 0}), 0);
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::motion_board_test

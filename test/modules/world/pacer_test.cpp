@@ -4,11 +4,10 @@
 
 #include <gmock/gmock.h>
 
-namespace musher::world {
-namespace {
+namespace musher::world::pacer_test {
 
-using testing::HasSubstr;
-using testing::Optional;
+using ::testing::HasSubstr;
+using ::testing::Optional;
 
 constexpr Duration kStep = Milliseconds(20);
 constexpr Time kStart = Time{} + std::chrono::hours(1);
@@ -80,5 +79,4 @@ TEST(Pacer, DoesNotTakeAPauseForSlowness) {
   EXPECT_NEAR(pacer.reached(), 1, 0.01);
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::pacer_test

@@ -12,10 +12,9 @@
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::picture_test {
 
-class Picture : public testing::Test {
+class Picture : public ::testing::Test {
  protected:
   // Draws and reads back.
   cv::Mat Of(const World& world) {
@@ -160,7 +159,7 @@ TEST_F(Picture, BearsAnyNameAStrangerMakesUp) {
 TEST_F(Picture, SaysWhereItCouldNotBeWritten) {
   const Result<> drawn = Draw(World(EmptyYard()), "/nowhere/world.png");
   ASSERT_FALSE(drawn);
-  EXPECT_THAT(drawn.error().message, testing::HasSubstr("/nowhere/world.png"));
+  EXPECT_THAT(drawn.error().message, ::testing::HasSubstr("/nowhere/world.png"));
 }
 
 TEST_F(Picture, LeavesNoHalfOneBehind) {
@@ -173,5 +172,4 @@ TEST_F(Picture, LeavesNoHalfOneBehind) {
   EXPECT_EQ(files, 1);
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::picture_test

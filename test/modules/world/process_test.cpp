@@ -29,8 +29,7 @@
 #include "musher/transport/linux_event_loop.hpp"
 #include "musher/transport/service.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::process_test {
 
 namespace fs = std::filesystem;
 using std::chrono::seconds;
@@ -58,7 +57,7 @@ start.standing = true
 picture.at_teardown = true
 )";
 
-class MusherWorld : public testing::Test {
+class MusherWorld : public ::testing::Test {
  protected:
   MusherWorld() {
     setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
@@ -289,5 +288,4 @@ TEST_F(MusherWorld, EndsWithUsageErrorsForAWrongScene) {
   EXPECT_EQ(child.value().Reap().number, 2);
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::process_test

@@ -9,8 +9,7 @@
 #include "musher/modules/world/place.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::ranging_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -166,5 +165,4 @@ RC_GTEST_PROP(RangingProperty, IsTheSameWithAnyReachThatIsLongEnough, ()) {
   RC_ASSERT(DistanceAlong(scene, from, along, reach) == (whole <= reach ? whole : kNothing));
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::ranging_test

@@ -12,8 +12,7 @@
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/test/modules/world/shots.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::render_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -303,8 +302,7 @@ TEST(Scenery, SaysWhichPictureIsGone) {
   scene.boards = {board};
   const auto scenery = Scenery::Make(scene);
   ASSERT_FALSE(scenery);
-  EXPECT_THAT(scenery.error().message, testing::HasSubstr("/nowhere/poster.png"));
+  EXPECT_THAT(scenery.error().message, ::testing::HasSubstr("/nowhere/poster.png"));
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::render_test

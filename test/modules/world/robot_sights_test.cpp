@@ -11,8 +11,7 @@
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/test/modules/world/shots.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::robot_sights_test {
 
 using Eigen::Vector2i;
 using Eigen::Vector3d;
@@ -206,5 +205,4 @@ TEST(RobotFigure, IsAsLargeAsItsSceneSaysAndStandsOnTheGround) {
   }
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::robot_sights_test

@@ -9,8 +9,7 @@
 #include "musher/modules/world/scene_toml.hpp"
 #include "musher/test/modules/world/shots.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::scene_looks_test {
 
 Scene Read(const std::string& text) {
   const SceneReading reading = ReadSceneText(text, "s.toml");
@@ -105,10 +104,10 @@ TEST(SceneLooks, SaysWhyAPictureCannotBeShown) {
       folder / "scene.toml");
   ASSERT_EQ(reading.diagnostics.size(), 2U);
   EXPECT_THAT(FormatDiagnostic(reading.diagnostics[0]),
-              testing::EndsWith("scene.toml:4:11: error: board[1].picture: the picture "
-                                "\"notes.png\" cannot be shown: it is no picture that can be "
-                                "decoded"));
-  EXPECT_THAT(FormatDiagnostic(reading.diagnostics[1]), testing::EndsWith("it is a folder"));
+              ::testing::EndsWith("scene.toml:4:11: error: board[1].picture: the picture "
+                                  "\"notes.png\" cannot be shown: it is no picture that can be "
+                                  "decoded"));
+  EXPECT_THAT(FormatDiagnostic(reading.diagnostics[1]), ::testing::EndsWith("it is a folder"));
 }
 
 TEST(SceneLooks, ChangesOfACameraWhatItSaysAndLeavesTheRest) {
@@ -132,5 +131,4 @@ enabled = false
   EXPECT_NEAR(right.hfov_rad, M_PI, 1e-12);
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::scene_looks_test

@@ -13,11 +13,10 @@
 #include "musher/modules/world/place.hpp"
 #include "musher/modules/world/scene_toml.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::scene_test {
 
 namespace fs = std::filesystem;
-using testing::IsEmpty;
+using ::testing::IsEmpty;
 
 std::string ReadText(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -90,5 +89,4 @@ TEST(Scene, ThatIsWrongIsToldEveryFaultWithItsPlace) {
   EXPECT_GE(cases, 6);
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::scene_test

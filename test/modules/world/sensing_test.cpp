@@ -8,11 +8,10 @@
 
 #include "musher/test/modules/world/scenes.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::sensing_test {
 
-using testing::Each;
-using testing::SizeIs;
+using ::testing::Each;
+using ::testing::SizeIs;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -215,5 +214,4 @@ TEST(Sensing, IsTheSameFromTheSameSeedAndLeavesTheBodysChanceAlone) {
   EXPECT_NE(MeasureScan(World(scene)).ranges, MeasureScan(World(other)).ranges);
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::sensing_test

@@ -11,8 +11,7 @@
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/test/modules/world/shots.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::sights_test {
 
 cv::Mat GreyOf(const Image& image) {
   cv::Mat bgr(image.height, image.width, CV_8UC3);
@@ -99,5 +98,4 @@ TEST(Text, IsWrittenAsLargeAsTheBoardAllowsInAnyLetters) {
   }
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::sights_test

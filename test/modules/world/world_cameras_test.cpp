@@ -14,15 +14,14 @@
 #include "musher/transport/clock.hpp"
 #include "musher/transport/sim/network.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::world_cameras_test {
 
 using std::chrono::seconds;
-using testing::Contains;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::Not;
-using testing::SizeIs;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
 
 // A yard with something in it, and cameras of few pixels.
 Scene SmallCameras() {
@@ -44,7 +43,7 @@ class CountingWorker : public PromptWorker {
   int runs = 0;
 };
 
-class WorldCamerasTest : public testing::Test {
+class WorldCamerasTest : public ::testing::Test {
  protected:
   void Open(const Scene& scene, Worker& worker) {
     HostOptions options;
@@ -294,5 +293,4 @@ TEST_F(WorldCamerasTest, MayEndWhileAShotIsDrawn) {
   EXPECT_THAT(seen, IsEmpty());
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::world_cameras_test

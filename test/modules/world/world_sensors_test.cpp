@@ -11,14 +11,13 @@
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/transport/sim/network.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::world_sensors_test {
 
 using std::chrono::seconds;
-using testing::IsEmpty;
-using testing::SizeIs;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
-class WorldSensorsTest : public testing::Test {
+class WorldSensorsTest : public ::testing::Test {
  protected:
   void Open(const Scene& scene) {
     HostOptions options;
@@ -89,7 +88,7 @@ TEST_F(WorldSensorsTest, FallSilentByTheirFaultsUntilThereIsNone) {
   const auto right_head = Listen("tof/right_head", right);
   Break("lidar");
   Break("tof_left_head");
-  EXPECT_THAT(log_, testing::ElementsAre("fault: lidar", "fault: tof_left_head"));
+  EXPECT_THAT(log_, ::testing::ElementsAre("fault: lidar", "fault: tof_left_head"));
   scans.clear();
   left.clear();
   right.clear();
@@ -133,5 +132,4 @@ TEST_F(WorldSensorsTest, AreMissingWhereTheSceneHasNone) {
   EXPECT_THAT(scans, IsEmpty());
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::world_sensors_test

@@ -11,15 +11,14 @@
 #include "musher/test/modules/world/scenes.hpp"
 #include "musher/transport/sim/network.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::world_show_test {
 
 using std::chrono::seconds;
-using testing::Each;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::SizeIs;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 // A humanoid before which a guest makes a heart from 2 s to 4 s.
 Scene Show() {
@@ -42,7 +41,7 @@ Scene Show() {
   return scene;
 }
 
-class WorldShowTest : public testing::Test {
+class WorldShowTest : public ::testing::Test {
  protected:
   void Open(const Scene& scene) {
     HostOptions options;
@@ -162,5 +161,4 @@ TEST_F(WorldShowTest, IsNoneOfARobotWithoutAHumanoidAndGuests) {
   EXPECT_EQ(reading->MatchedWriters(), 0);
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::world_show_test

@@ -8,14 +8,13 @@
 #include "musher/modules/world/place.hpp"
 #include "musher/test/modules/world/scenes.hpp"
 
-namespace musher::world {
-namespace {
+namespace musher::world::world_test {
 
 using Eigen::Vector2d;
-using testing::Contains;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::Optional;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Optional;
 
 double EnergyJ(const Scene& scene, double percent) {
   return percent / 100 * scene.battery.capacity_wh * 3600;
@@ -258,5 +257,4 @@ TEST(Track, DoesNotGrowForEverAndKeepsItsEnds) {
   EXPECT_GT(track.samples().back().at, Seconds(9990));
 }
 
-}  // namespace
-}  // namespace musher::world
+}  // namespace musher::world::world_test
