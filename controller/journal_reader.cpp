@@ -13,7 +13,7 @@
 namespace musher {
 namespace {
 
-constexpr int kBusyTimeoutMs = 1000;
+constexpr int kReaderBusyTimeoutMs = 1000;
 
 // What was said about damage, the first time; empty: there is none.
 using Damage = std::string;
@@ -25,7 +25,8 @@ struct Open {
   int version = 0;
 
   // Throws; the message says what is wrong.
-  explicit Open(const std::string& path) : database(path, SQLite::OPEN_READONLY, kBusyTimeoutMs) {
+  explicit Open(const std::string& path)
+      : database(path, SQLite::OPEN_READONLY, kReaderBusyTimeoutMs) {
     database.exec("PRAGMA cell_size_check = ON");
     // Without it a file that was cut short is not read at all. Nothing is written here.
     database.exec("PRAGMA writable_schema = ON");

@@ -28,10 +28,10 @@ namespace fs = std::filesystem;
 using transport::SystemError;
 using transport::UniqueFd;
 
-constexpr Duration kPeriod = Milliseconds(1000);
+constexpr Duration kLogPeriod = Milliseconds(1000);
 constexpr Duration kBusyPeriod = Milliseconds(100);
 constexpr Duration kReportPeriod = Milliseconds(60'000);  // of a flood that goes on
-constexpr int kNiceness = 10;
+constexpr int kLogNiceness = 10;
 
 std::string Megabytes(std::int64_t bytes) {
   std::array<char, 32> text{};
@@ -333,7 +333,7 @@ LogFiles::LogFiles(transport::EventLoop& loop, LogFilesOptions options)
     : loop_(loop),
       state_(std::make_shared<State>(options)),
       on_trouble_(std::move(options.on_trouble)),
-      disk_(loop, {.name = "logs", .niceness = kNiceness}) {
+      disk_(loop, {.name = "logs", .niceness = kLogNiceness}) {
   state_->Open();
   timer_ = loop_.At(loop_.Now(), [this] { LookLater(); });
 }
@@ -365,7 +365,7 @@ void LogFiles::LookLater() {
           const std::lock_guard lock(state_->mutex);
           busy = state_->busy;
         }
-        timer_ = loop_.At(loop_.Now() + (busy ? kBusyPeriod : kPeriod), [this] { LookLater(); });
+        timer_ = loop_.At(loop_.Now() + (busy ? kBusyPeriod : kLogPeriod), [this] { LookLater(); });
       });
 }
 

@@ -38,7 +38,7 @@ struct ChildFailure {
 };
 
 // Everything the child needs, prepared before the fork.
-struct Plan {
+struct SpawnPlan {
   std::vector<std::string> programs;  // to be tried in this order
   std::vector<std::string> environment;
   std::vector<char*> argv;
@@ -92,11 +92,11 @@ std::vector<std::string> Candidates(const ProcessSpec& spec) {
   }
 }
 
-Result<Plan> Prepare(const ProcessSpec& spec) {
+Result<SpawnPlan> Prepare(const ProcessSpec& spec) {
   if (spec.argv.empty() || spec.argv.front().empty()) {
     return Error{kCodeParametersInvalid, "no command"};
   }
-  Plan plan;
+  SpawnPlan plan;
   plan.programs = Candidates(spec);
   plan.environment = MergedEnvironment(spec.env);
   plan.argv = Pointers(spec.argv);
@@ -135,7 +135,7 @@ void CloseOthers(rlim_t max_fds) {
   for (rlim_t fd = kReportFd + 1; fd < max_fds; ++fd) close(static_cast<int>(fd));  // before 5.9
 }
 
-[[noreturn]] void RunChild(const Plan& plan, int report_fd) {
+[[noreturn]] void RunChild(const SpawnPlan& plan, int report_fd) {
   setsid();
   // Moved out of the way first, so that no dup2 below overwrites what is still needed.
   const int report = fcntl(report_fd, F_DUPFD_CLOEXEC, 16);

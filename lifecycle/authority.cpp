@@ -9,9 +9,9 @@ namespace musher {
 namespace {
 
 // So many ids of emergency stops that are over are remembered, here and on disk.
-constexpr std::size_t kReleasedKept = 64;
+constexpr std::size_t kMostReleasedKept = 64;
 // So many are engaged beside the first one at most; more change nothing.
-constexpr std::size_t kMostStops = 64;
+constexpr std::size_t kMostStopsKnown = 64;
 
 }  // namespace
 
@@ -110,12 +110,13 @@ StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
   };
   for (const auto* from : {&stored, &received}) {
     for (const EmergencyStop& stop : from->engaged) {
-      if (!known(stop) && stops.engaged.size() <= kMostStops) stops.engaged.push_back(stop);
+      if (!known(stop) && stops.engaged.size() <= kMostStopsKnown) stops.engaged.push_back(stop);
     }
   }
   auto& released = stops.released;
-  if (released.size() > kReleasedKept) {
-    released.erase(released.begin(), released.end() - static_cast<std::ptrdiff_t>(kReleasedKept));
+  if (released.size() > kMostReleasedKept) {
+    released.erase(released.begin(),
+                   released.end() - static_cast<std::ptrdiff_t>(kMostReleasedKept));
   }
   return stops;
 }
@@ -144,7 +145,7 @@ bool Decision::Add(const EmergencyStop& stop) {
   const auto found = std::find_if(others.begin(), others.end(), same);
   EmergencyStop* known = same(*first) ? &*first : found != others.end() ? &*found : nullptr;
   if (known == nullptr) {
-    if (others.size() >= kMostStops) return false;
+    if (others.size() >= kMostStopsKnown) return false;
     others.push_back(stop);
     return true;
   }
@@ -206,7 +207,7 @@ void Decision::On(const event::ReleaseRequested& requested) {
 void Decision::Release(std::uint64_t id) {
   auto& released = machine_.released_stops;
   released.push_back(id);
-  if (released.size() > kReleasedKept) released.erase(released.begin());
+  if (released.size() > kMostReleasedKept) released.erase(released.begin());
   Do(action::TellEmergencyStop{{id, "", ""}, false});
 }
 

@@ -12,7 +12,7 @@ namespace {
 // What a client's process needs to see that a controller has ended: the heartbeats that are missed,
 // and a grace for an answer under way.
 // The clocks of two hosts are compared by the report that took least time.
-constexpr Duration kClockSlack = Milliseconds(100);
+constexpr Duration kCommandClockSlack = Milliseconds(100);
 constexpr Duration kToldWithin = std::chrono::seconds(4);
 constexpr Duration kClientPeriod = Milliseconds(200);  // of looking
 // A request that comes while the machine is at rest is answered, or there is no such service.
@@ -46,7 +46,7 @@ void Judge::CheckWaiting(const std::string& name, std::size_t host, const Actuat
                           std::get<1>(next->first) == *config_.IndexOf(name);
   if (newer_sent) return;
   const Duration age = robot_.network().now() - order->second.sent;
-  if (age + kClockSlack >= order->second.budget) return;
+  if (age + kCommandClockSlack >= order->second.budget) return;
   Blame(Promise::kNotCancelled,
         name + " drops the command to " + command.target + " that it had accepted, after " +
             std::to_string(ToMilliseconds(age)) + " of " +

@@ -7,14 +7,14 @@
 namespace musher::simulation {
 namespace {
 
-constexpr std::array<std::string_view, 3> kNames = {"robot", "dock", "arm"};
+constexpr std::array<std::string_view, 3> kHostNames = {"robot", "dock", "arm"};
 constexpr Duration kBootTime = std::chrono::seconds(5);  // until the first process of ours starts
 constexpr double kSharedShare = 0.3;
 
 }  // namespace
 
 std::string_view HostName(std::size_t host) {
-  return kNames[host];
+  return kHostNames[host];
 }
 
 Layout DrawLayout(const MachineConfig& config, std::uint64_t seed, bool shared_processes) {
@@ -22,7 +22,7 @@ Layout DrawLayout(const MachineConfig& config, std::uint64_t seed, bool shared_p
   Layout layout;
   const bool several = config.transport == TransportProfile::kLan;
   const std::size_t hosts = !several ? 1 : (dice.Chance(0.4) ? 3 : 2);
-  layout.hosts.assign(kNames.begin(), kNames.begin() + static_cast<std::ptrdiff_t>(hosts));
+  layout.hosts.assign(kHostNames.begin(), kHostNames.begin() + static_cast<std::ptrdiff_t>(hosts));
   layout.controllers = {0, several && dice.Chance(0.8) ? std::size_t{1} : 0};
   for (std::size_t i = 0; i < config.actuators.size(); ++i) {
     const bool started_by_hand = config.actuators[i].command.empty();

@@ -18,7 +18,7 @@
 namespace musher::cli {
 namespace {
 
-constexpr Duration kTimeout = std::chrono::seconds(5);
+constexpr Duration kStopTimeout = std::chrono::seconds(5);
 constexpr std::size_t kLongestReason = 256;  // bytes
 
 // "alice@dog1"
@@ -65,7 +65,7 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Consol
     return console.Fail({ExitCode::kUsage, followed.error()});
   }
   const EstopReport report =
-      AwaitEverybody(*link.value(), *latching.value(), global.timeout.value_or(kTimeout));
+      AwaitEverybody(*link.value(), *latching.value(), global.timeout.value_or(kStopTimeout));
   if (!report.controller && report.actuators.empty()) {
     return console.Fail(link.value()->NotFound("controller and no actuator"));
   }
@@ -79,7 +79,7 @@ ExitCode Release(const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail({ExitCode::kUsage, link.error()});
   const auto answer =
-      link.value()->Ask<msg::ReleaseEmergencyStop>("release_emergency_stop", {Me()}, kTimeout);
+      link.value()->Ask<msg::ReleaseEmergencyStop>("release_emergency_stop", {Me()}, kStopTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     Failure with_hint = *failure;
     if (failure->exit == ExitCode::kNoController) {
@@ -91,7 +91,7 @@ ExitCode Release(const GlobalOptions& global, Console& console) {
   if (released.code != kCodeOk) {
     return console.Fail({ExitCode::kNotDone, {released.code, released.reason}});
   }
-  const auto status = link.value()->Ask<msg::GetStatus>("get_status", {}, kTimeout);
+  const auto status = link.value()->Ask<msg::GetStatus>("get_status", {}, kStopTimeout);
   if (const auto* failure = std::get_if<Failure>(&status)) return console.Fail(*failure);
   const msg::MachineStatus& machine = std::get<msg::GetStatus::Response>(status).status;
   console.Print(console.mode().json ? ReleaseJson(machine)

@@ -37,15 +37,15 @@ Result<KeyFolder> ChosenFolder(const GlobalOptions& global) {
 }
 
 // Where keys are to be made, and whose.
-struct Plan {
+struct KeyPlan {
   KeyFolder folder{""};
   std::vector<std::pair<std::string, Role>> identities = {
       {transport::kControllerIdentity, Role::kController}, {kOperator, Role::kOperator}};
 };
 
 // Of a config, or of a folder that may not be there yet. nullopt: all is said.
-std::optional<Plan> PlanFor(const std::string& where, Console& console) {
-  Plan plan;
+std::optional<KeyPlan> PlanFor(const std::string& where, Console& console) {
+  KeyPlan plan;
   if (std::filesystem::path(where).extension() != ".toml") {
     plan.folder = KeyFolder(std::filesystem::absolute(where).lexically_normal());
     return plan;

@@ -12,7 +12,7 @@
 namespace musher::cli {
 namespace {
 
-constexpr Duration kTimeout = std::chrono::seconds(60);
+constexpr Duration kPolicyTimeout = std::chrono::seconds(60);
 
 struct Asked {
   std::string command;  // as it was typed, for messages
@@ -25,7 +25,7 @@ ExitCode Ask(const Asked& asked, const std::function<std::string(const std::stri
   const auto link = Link::Open(global);
   if (!link) return console.Fail({ExitCode::kUsage, link.error()});
   const auto answer =
-      link.value()->Ask<msg::RequestPolicy>("request_policy", asked.request, kTimeout);
+      link.value()->Ask<msg::RequestPolicy>("request_policy", asked.request, kPolicyTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);
   const auto& response = std::get<msg::RequestPolicy::Response>(answer);
   if (response.code != kCodeOk) {

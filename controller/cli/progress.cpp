@@ -10,7 +10,7 @@ namespace musher::cli {
 namespace {
 
 constexpr std::size_t kLargestMessage = 128 * 1024;  // bytes
-constexpr std::size_t kMostWaiting = 10'000;
+constexpr std::size_t kMostLinesWaiting = 10'000;
 constexpr Duration kRetryPeriod = Milliseconds(100);
 
 }  // namespace
@@ -28,7 +28,7 @@ void ProgressSender::Send(const Progress& progress) {
   msg::Bytes bytes = msg::Encode(progress);
   if (bytes.size() > kLargestMessage) return;
   // A front that takes nothing for long loses the oldest lines, never the newest.
-  if (waiting_.size() == kMostWaiting) waiting_.pop_front();
+  if (waiting_.size() == kMostLinesWaiting) waiting_.pop_front();
   waiting_.push_back(std::move(bytes));
   Flush();
 }

@@ -11,7 +11,7 @@
 namespace musher::cli {
 namespace {
 
-constexpr Duration kTimeout = std::chrono::seconds(60);
+constexpr Duration kRestartTimeout = std::chrono::seconds(60);
 
 Failure WithHint(Failure failure, const std::string& actuator) {
   if (failure.exit == ExitCode::kNoAnswer || failure.exit == ExitCode::kInterrupted) {
@@ -26,8 +26,8 @@ Failure WithHint(Failure failure, const std::string& actuator) {
 ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
   if (!link) return console.Fail({ExitCode::kUsage, link.error()});
-  const auto answer =
-      link.value()->Ask<msg::RestartActuator>("restart_actuator", {options.actuator}, kTimeout);
+  const auto answer = link.value()->Ask<msg::RestartActuator>("restart_actuator",
+                                                              {options.actuator}, kRestartTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     return console.Fail(WithHint(*failure, options.actuator));
   }

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr Duration kJudgeEvery = Milliseconds(100);
 constexpr Duration kTermTime = Milliseconds(3000);  // from SIGTERM to SIGKILL
-constexpr Duration kKillTime = Milliseconds(2000);
+constexpr Duration kRunKillTime = Milliseconds(2000);
 
 // Slots are replaced: what the controller writes is not to go with one.
 std::string OutsideOfSlot(const std::string& path, const SlotRun& run) {
@@ -130,7 +130,7 @@ void EndOtherSlot(const SlotRun& run) {
     if (process) processes.push_back(std::move(process).value());
   }
   SignalAll(processes, SIGTERM, kTermTime);
-  SignalAll(processes, SIGKILL, kKillTime);
+  SignalAll(processes, SIGKILL, kRunKillTime);
 }
 
 Result<> RootClaim::Take(const std::string& root_path) {

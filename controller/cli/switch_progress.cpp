@@ -7,15 +7,16 @@
 namespace musher::cli {
 namespace {
 
-constexpr Duration kPeriod = Milliseconds(500);  // also before the first: most switches end sooner
-constexpr const char* kEraseLine = "\r\x1b[K";
+constexpr Duration kDrawPeriod =
+    Milliseconds(500);  // also before the first: most switches end sooner
+constexpr const char* kEraseDrawnLine = "\r\x1b[K";
 
 }  // namespace
 
 SwitchProgress::SwitchProgress(Link& link, const std::string& target, Console& console)
     : link_(link), target_(target), console_(console), begin_(link.loop().Now()) {
   if (!console.mode().terminal || console.mode().json) return;
-  ticks_ = link.loop().Every(kPeriod, [this] { Draw(); });
+  ticks_ = link.loop().Every(kDrawPeriod, [this] { Draw(); });
 }
 
 void SwitchProgress::Draw() {
@@ -24,12 +25,12 @@ void SwitchProgress::Draw() {
       std::chrono::duration_cast<std::chrono::seconds>(link_.loop().Now() - begin_).count();
   const std::string text = SwitchProgressText(*link_.status(), target_, seconds);
   if (text == drawn_) return;
-  console_.Redraw(kEraseLine + text);
+  console_.Redraw(kEraseDrawnLine + text);
   drawn_ = text;
 }
 
 void SwitchProgress::Clear() {
-  if (!drawn_.empty()) console_.Redraw(kEraseLine);
+  if (!drawn_.empty()) console_.Redraw(kEraseDrawnLine);
   drawn_.clear();
 }
 

@@ -16,7 +16,7 @@
 namespace musher::cli {
 namespace {
 
-constexpr Duration kTimeout = std::chrono::seconds(60);
+constexpr Duration kSwitchTimeout = std::chrono::seconds(60);
 // For its last writes to a slow disk, and to leave the network.
 constexpr Duration kControllerEnd = std::chrono::seconds(7);
 // Longer than a service manager takes to start another controller, and that to look around.
@@ -60,7 +60,7 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
   const auto running =
       Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
   if (!running) return console.Fail({ExitCode::kUsage, running.error()});
-  const Duration timeout = global.timeout.value_or(kTimeout);
+  const Duration timeout = global.timeout.value_or(kSwitchTimeout);
   SwitchClient::Options options;
   options.leader = {global.name_space, transport::HostId(), WatchByPidfd(link.value()->loop())};
   options.timeout = timeout + std::chrono::minutes(1);  // Await() says more about who is silent

@@ -12,7 +12,7 @@ constexpr std::array<Part, 4> kDevices = {
 constexpr std::array<Part, 4> kSensors = {
     {{"lidar", 2109}, {"tof", 2209}, {"ultrasonic", 2309, false}, {"gps", 2409, false}}};
 
-bool IsDigit(char c) {
+bool IsDecimal(char c) {
   return c >= '0' && c <= '9';
 }
 
@@ -22,8 +22,8 @@ bool Names(const std::string& message, std::int32_t code) {
   for (std::size_t at = message.find(number); at != std::string::npos;
        at = message.find(number, at + 1)) {
     const std::size_t end = at + number.size();
-    const bool alone =
-        (at == 0 || !IsDigit(message[at - 1])) && (end == message.size() || !IsDigit(message[end]));
+    const bool alone = (at == 0 || !IsDecimal(message[at - 1])) &&
+                       (end == message.size() || !IsDecimal(message[end]));
     if (alone) return true;
   }
   return false;

@@ -11,7 +11,7 @@ namespace musher::cyberdog {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Status = msg::SelfCheckStatus;
+using CheckStatus = msg::SelfCheckStatus;
 
 constexpr std::int32_t kNotKnown = -1;
 
@@ -77,14 +77,14 @@ std::int32_t Progress(const Machine& machine) {
                                  [](const ActuatorRecord& r) { return TroubleOf(r).has_value(); });
   switch (machine.phase) {
     case Phase::kStarting:
-      return Status::kChecking;
+      return CheckStatus::kChecking;
     case Phase::kFailed:
-      return Status::kCriticalFailed;
+      return CheckStatus::kCriticalFailed;
     case Phase::kRunning:
-      if (machine.policy.loaded) return well ? Status::kAllFine : Status::kFailedStarted;
-      return well ? Status::kFineStarting : Status::kFailedStarting;
+      if (machine.policy.loaded) return well ? CheckStatus::kAllFine : CheckStatus::kFailedStarted;
+      return well ? CheckStatus::kFineStarting : CheckStatus::kFailedStarting;
     default:
-      return Status::kUnknown;
+      return CheckStatus::kUnknown;
   }
 }
 

@@ -11,7 +11,7 @@ namespace {
 constexpr std::int32_t kCodesOfAModule = 100;
 
 // 0: there is no such phrase.
-struct Row {
+struct SoundRow {
   ModuleCode module;
   std::uint16_t self_check;
   std::uint16_t state_switch;
@@ -19,7 +19,7 @@ struct Row {
 
 // CyberDog's manager says 31024 and 31025 for sensor and device manager, which are those of audio
 // and motion; its AudioPlay.msg has these.
-constexpr std::array<Row, 18> kRows = {{
+constexpr std::array<SoundRow, 18> kSoundRows = {{
     {ModuleCode::kGps, 31006, 31016},
     {ModuleCode::kLidar, 31007, 31017},
     {ModuleCode::kTof, 31008, 31018},
@@ -57,10 +57,10 @@ ModuleCode ModuleOf(std::int32_t code) {
   return static_cast<ModuleCode>(code / kCodesOfAModule * kCodesOfAModule);
 }
 
-std::optional<std::uint16_t> SoundOf(ModuleCode module, std::uint16_t Row::*sound) {
-  const auto* const row =
-      std::find_if(kRows.begin(), kRows.end(), [&](const Row& r) { return r.module == module; });
-  if (row == kRows.end() || row->*sound == 0) return std::nullopt;
+std::optional<std::uint16_t> SoundOf(ModuleCode module, std::uint16_t SoundRow::*sound) {
+  const auto* const row = std::find_if(kSoundRows.begin(), kSoundRows.end(),
+                                       [&](const SoundRow& r) { return r.module == module; });
+  if (row == kSoundRows.end() || row->*sound == 0) return std::nullopt;
   return row->*sound;
 }
 
@@ -73,13 +73,13 @@ std::optional<std::uint16_t> SelfCheckSound(std::string_view actuator, std::int3
                                            [&](const Owner& o) { return o.actuator == actuator; });
     if (owner != kOwners.end()) module = owner->module;
   }
-  return SoundOf(module, &Row::self_check);
+  return SoundOf(module, &SoundRow::self_check);
 }
 
 std::optional<std::uint16_t> SwitchSound(std::int32_t code) {
   const ModuleCode module = ModuleOf(code);
   const bool check = code == MakeCode(module, KeyCode::kSelfCheckFailed);
-  return SoundOf(module, check ? &Row::self_check : &Row::state_switch);
+  return SoundOf(module, check ? &SoundRow::self_check : &SoundRow::state_switch);
 }
 
 }  // namespace musher::cyberdog

@@ -7,8 +7,8 @@
 namespace musher::ota {
 namespace {
 
-constexpr std::size_t kChunk = 64 << 10;  // bytes
-constexpr int kDeepest = 32;              // folders within each other
+constexpr std::size_t kReadChunk = 64 << 10;  // bytes
+constexpr int kDeepest = 32;                  // folders within each other
 
 Result<> Walk(Disk& disk, const std::string& folder, const std::string& below, int depth,
               std::vector<std::string>& files) {
@@ -57,7 +57,7 @@ Result<std::string> ReadAll(Disk& disk, const std::string& path, std::size_t mos
   if (!reader) return reader.error();
   std::string text;
   while (text.size() <= most_bytes) {
-    const auto bytes = reader.value()->Read(kChunk);
+    const auto bytes = reader.value()->Read(kReadChunk);
     if (!bytes) return bytes.error();
     if (bytes.value().empty()) return text;
     text += bytes.value();

@@ -8,7 +8,7 @@
 namespace musher::ota {
 namespace {
 
-constexpr std::size_t kChunk = 256 << 10;  // bytes
+constexpr std::size_t kCopyChunk = 256 << 10;  // bytes
 
 Error Interrupted() {
   return {kCodeFailed, "interrupted"};
@@ -22,7 +22,7 @@ Result<Digest> Stream(Disk& disk, const std::string& path, const OnBytes& on_byt
   Sha256 sha;
   Digest digest;
   while (true) {
-    const auto bytes = reader.value()->Read(kChunk);
+    const auto bytes = reader.value()->Read(kCopyChunk);
     if (!bytes) return bytes.error();
     if (bytes.value().empty()) break;
     sha.Add(bytes.value());

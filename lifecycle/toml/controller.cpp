@@ -11,7 +11,7 @@ namespace musher::config_toml {
 namespace {
 
 constexpr std::int64_t kLargestJournalMb = 100'000;
-constexpr std::int64_t kLargestLogMb = 100'000;
+constexpr std::int64_t kLargestControllerLogMb = 100'000;
 
 void ReadActuatorNames(TableReader& controller, Draft& draft) {
   constexpr std::string_view kKey = "actuators";
@@ -141,10 +141,10 @@ void ReadController(TableReader& root, Draft& draft) {
   if (const auto mb = controller.Integer("journal_size_mb", 1, kLargestJournalMb)) {
     config.journal_size_bytes = *mb << 20;
   }
-  if (const auto mb = controller.Integer("log_size_mb", 1, kLargestLogMb)) {
+  if (const auto mb = controller.Integer("log_size_mb", 1, kLargestControllerLogMb)) {
     config.log_size_bytes = *mb << 20;
   }
-  if (const auto mb = controller.Integer("logs_size_mb", 1, kLargestLogMb)) {
+  if (const auto mb = controller.Integer("logs_size_mb", 1, kLargestControllerLogMb)) {
     config.logs_size_bytes = *mb << 20;
   }
   controller.RefuseOthers();

@@ -22,9 +22,9 @@ using config_toml::Value;
 
 constexpr std::int64_t kLargestId = 65'535;
 
-class Reader {
+class PhraseReader {
  public:
-  Reader(const std::string& path, Findings& findings)
+  PhraseReader(const std::string& path, Findings& findings)
       : folder_(config_toml::FolderOf(path)), findings_(findings) {}
 
   Phrases Read(const Table& table) {
@@ -90,9 +90,10 @@ class Reader {
 }  // namespace
 
 PhrasesReading ReadPhrasesText(std::string_view text, const std::string& path) {
-  return config_toml::ReadTextWith<PhrasesReading>(
-      text, path,
-      [&](const Table& root, Findings& findings) { return Reader(path, findings).Read(root); });
+  return config_toml::ReadTextWith<PhrasesReading>(text, path,
+                                                   [&](const Table& root, Findings& findings) {
+                                                     return PhraseReader(path, findings).Read(root);
+                                                   });
 }
 
 PhrasesReading ReadPhrasesFile(const std::string& path) {

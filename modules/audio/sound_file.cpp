@@ -10,10 +10,10 @@
 namespace musher::audio {
 namespace {
 
-struct Close {
+struct CloseFile {
   void operator()(SNDFILE* file) const { sf_close(file); }
 };
-using File = std::unique_ptr<SNDFILE, Close>;
+using File = std::unique_ptr<SNDFILE, CloseFile>;
 
 Result<File> Open(const std::string& path, SF_INFO& info) {
   File file(sf_open(path.c_str(), SFM_READ, &info));

@@ -8,8 +8,8 @@ namespace {
 
 using msg::CameraService;
 
-constexpr std::uint32_t kLargestPx = 4096;
-constexpr std::uint32_t kFastestHz = 120;
+constexpr std::uint32_t kLargestAskedPx = 4096;
+constexpr std::uint32_t kFastestAskedHz = 120;
 constexpr std::size_t kLongestName = 128;
 
 KeyCode KeyOf(std::uint8_t result) {
@@ -44,13 +44,13 @@ bool EndsWith(const std::string& name, std::initializer_list<const char*> ending
 std::optional<std::string> FaultOfSize(const CameraService::Request& request) {
   if ((request.width == 0) != (request.height == 0))
     return "a width without a height, or the other way round";
-  if (request.width > kLargestPx || request.height > kLargestPx) {
+  if (request.width > kLargestAskedPx || request.height > kLargestAskedPx) {
     return "a picture of " + std::to_string(request.width) + "x" + std::to_string(request.height) +
-           " is larger than " + std::to_string(kLargestPx) + " pixels";
+           " is larger than " + std::to_string(kLargestAskedPx) + " pixels";
   }
   // A video's coding works with pairs of pixels.
   if (request.width % 2 != 0 || request.height % 2 != 0) return "a width or height that is odd";
-  if (request.fps > kFastestHz)
+  if (request.fps > kFastestAskedHz)
     return std::to_string(request.fps) + " pictures a second are too many";
   return std::nullopt;
 }

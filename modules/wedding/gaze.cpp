@@ -10,7 +10,7 @@ constexpr Duration kFollowStep = Milliseconds(20);
 constexpr Duration kLongestStep = Milliseconds(100);
 
 // Straight ahead for what is no number: a gaze is followed from, so it would stay none for good.
-double Within(double value) {
+double WithinPicture(double value) {
   return std::isnan(value) ? 0.5 : std::clamp(value, 0.0, 1.0);
 }
 
@@ -21,8 +21,8 @@ Gaze Follow(Gaze from, Gaze target, double follow, Duration step) {
   const double steps =
       static_cast<double>(counted.count()) / static_cast<double>(kFollowStep.count());
   const double share = 1 - std::pow(1 - follow, steps);
-  return {Within(from.x + share * (target.x - from.x)),
-          Within(from.y + share * (target.y - from.y))};
+  return {WithinPicture(from.x + share * (target.x - from.x)),
+          WithinPicture(from.y + share * (target.y - from.y))};
 }
 
 Gaze GazeAt(Gaze point, const HeadAngles& head, const GazeRules& rules) {
@@ -30,10 +30,10 @@ Gaze GazeAt(Gaze point, const HeadAngles& head, const GazeRules& rules) {
   const double edge = std::tan(rules.hfov_rad / 2);  // of the picture, at distance 1
   const double left = head.yaw_rad - std::atan(2 * (point.x - 0.5) * edge);
   const double x = 0.5 - left / (2 * rules.yaw_limit_rad);
-  if (rules.pitch_limit_rad <= 0) return {Within(x), point.y};
+  if (rules.pitch_limit_rad <= 0) return {WithinPicture(x), point.y};
   const double down =
       head.pitch_rad + std::atan(2 * (point.y - 0.5) * edge * rules.height_to_width);
-  return {Within(x), Within(0.5 + down / (2 * rules.pitch_limit_rad))};
+  return {WithinPicture(x), WithinPicture(0.5 + down / (2 * rules.pitch_limit_rad))};
 }
 
 double Nod(double pitch_rad, Gaze gaze, const GazeRules& rules, Duration step) {

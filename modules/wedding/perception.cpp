@@ -8,7 +8,7 @@
 namespace musher::wedding {
 namespace {
 
-bool IsShare(double value) {
+bool IsInUnitRange(double value) {
   return value >= 0 && value <= 1;  // false of NaN
 }
 
@@ -21,7 +21,7 @@ std::string Text(const Target& target) {
 }  // namespace
 
 Result<> Perception::OnTarget(const Target& target, Time now) {
-  if (!IsShare(target.point.x) || !IsShare(target.point.y)) {
+  if (!IsInUnitRange(target.point.x) || !IsInUnitRange(target.point.y)) {
     return Error{kCodeFailed,
                  "target " + Text(target) + " is not in the picture: x and y are 0 to 1"};
   }
@@ -109,7 +109,7 @@ void Perception::JudgeTooClose() {
 }
 
 Result<> Perception::OnLookAt(Gaze gaze, Time now) {
-  if (!IsShare(gaze.x) || !IsShare(gaze.y)) {
+  if (!IsInUnitRange(gaze.x) || !IsInUnitRange(gaze.y)) {
     return Error{kCodeFailed, "set_look_at " + Text({gaze, 0, {}}) + ": x and y are 0 to 1"};
   }
   look_ = gaze;

@@ -9,7 +9,7 @@
 namespace musher::wedding {
 
 // Of each: nothing when it is well, else what is missing.
-struct Findings {
+struct MissingParts {
   std::string camera;
   std::string audio;
   std::string motion;
@@ -20,6 +20,6 @@ struct CheckVerdict {
   Result<> result;      // names all that are required and missing
   std::string missing;  // of the optional ones, for the log; mostly nothing
 };
-CheckVerdict JudgeSelfCheck(const Findings& findings, const WeddingConfig& config);
+CheckVerdict JudgeSelfCheck(const MissingParts& findings, const WeddingConfig& config);
 
 }  // namespace musher::wedding

@@ -164,10 +164,10 @@ Result<> WeddingRobot::SelfCheck() {
   return verdict.result;
 }
 
-Findings WeddingRobot::Look() {
+MissingParts WeddingRobot::Look() {
   const auto wire = wire_.lock();
   if (!wire) return {};
-  Findings found;
+  MissingParts found;
   found.camera = Missing(wire->target->MatchedWriters(), "nobody publishes", topic::kTarget);
   if (found.camera.empty() && ticking() && (!seen_at_ || Now() - *seen_at_ > kVisionSilence)) {
     found.camera =

@@ -52,7 +52,7 @@ class WeddingRobot : public FsmActuator, private Stage {
   void Hear(transport::Endpoints& topics, Wire& wire);
   void HearJoints(transport::Endpoints& topics);
   void Serve(transport::Endpoints& topics);
-  Findings Look();
+  MissingParts Look();
   void ShowFace();
 
   void TakePose(std::string_view pose) override;

@@ -7,7 +7,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kFront = 0;
+constexpr std::size_t kFrontCamera = 0;
 
 bool IsInPicture(const Intrinsics& intrinsics, const Vector3d& point_camera_m) {
   const auto pixel = Project(intrinsics, point_camera_m);
@@ -19,10 +19,10 @@ bool IsInPicture(const Intrinsics& intrinsics, const Vector3d& point_camera_m) {
 
 Gesture SeenGesture(const World& world) {
   const Scene& scene = world.scene();
-  const CameraSpec& camera = scene.cameras.cameras[kFront];
+  const CameraSpec& camera = scene.cameras.cameras[kFrontCamera];
   if (!camera.enabled || world.IsSilent("camera front")) return Gesture::kNone;
   const Intrinsics intrinsics = IntrinsicsOf(camera);
-  const Eigen::Isometry3d camera_in_place = world.CameraPose(kFront);
+  const Eigen::Isometry3d camera_in_place = world.CameraPose(kFrontCamera);
   const Vector3d from_m = camera_in_place.translation();
   Gesture seen = Gesture::kNone;
   double nearest_m = kFarthestGestureM;

@@ -19,12 +19,12 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kMostTexels = 8e6;
-constexpr int kFractionBits = 4;
+constexpr int kGroundFractionBits = 4;
 constexpr double kSoftEdgeM = 0.04;  // of shadows
 
 using Points = std::vector<Vector2d>;
 
-cv::Scalar Bgr(const Color& color) {
+cv::Scalar GroundBgr(const Color& color) {
   return {double(color.blue), double(color.green), double(color.red)};
 }
 
@@ -56,7 +56,7 @@ class GroundPainter {
     const auto pixels = [&](double length_m) {
       return std::max(1, static_cast<int>(std::ceil(length_m * per_m_)));
     };
-    image_ = cv::Mat(pixels(size.y()), pixels(size.x()), CV_8UC3, Bgr(scene.ground.color));
+    image_ = cv::Mat(pixels(size.y()), pixels(size.x()), CV_8UC3, GroundBgr(scene.ground.color));
   }
 
   Result<Texture> Paint() {
@@ -71,7 +71,7 @@ class GroundPainter {
   cv::Point Fine(const Vector2d& point_m) const {
     const Vector2d pixel = (point_m - scene_.least_m) * per_m_ - Vector2d(0.5, 0.5);
     const auto fine = [](double value) {
-      return static_cast<int>(std::lround(value * (1 << kFractionBits)));
+      return static_cast<int>(std::lround(value * (1 << kGroundFractionBits)));
     };
     return {fine(pixel.x()), fine(pixel.y())};
   }
@@ -82,7 +82,7 @@ class GroundPainter {
     return points;
   }
   void Fill(const Points& corners_m, const Color& color) {
-    cv::fillConvexPoly(image_, Fine(corners_m), Bgr(color), cv::LINE_AA, kFractionBits);
+    cv::fillConvexPoly(image_, Fine(corners_m), GroundBgr(color), cv::LINE_AA, kGroundFractionBits);
   }
 
   Result<> Lay() {
@@ -188,7 +188,8 @@ class GroundPainter {
                                std::pair(-0.2, -1.2), std::pair(0.7, 0.2), std::pair(0.1, 0.2)}) {
       bolt.emplace_back(pad.center_m + Vector2d(x, y) * pad.size_m / 4);
     }
-    cv::fillPoly(image_, std::vector{Fine(bolt)}, Bgr(kPadEdge), cv::LINE_AA, kFractionBits);
+    cv::fillPoly(image_, std::vector{Fine(bolt)}, GroundBgr(kPadEdge), cv::LINE_AA,
+                 kGroundFractionBits);
   }
 
   // Each piece a rectangle, and a disc at each point, so that the width is right at every scale.
@@ -264,7 +265,7 @@ class GroundPainter {
   void FillHull(const Points& points_m, cv::Mat& mask) const {
     std::vector<cv::Point> hull;
     cv::convexHull(Fine(points_m), hull);
-    cv::fillConvexPoly(mask, hull, cv::Scalar(255), cv::LINE_AA, kFractionBits);
+    cv::fillConvexPoly(mask, hull, cv::Scalar(255), cv::LINE_AA, kGroundFractionBits);
   }
   // Of the shadow of a point at that height.
   Vector2d ShadowOffset(double height_m) const {

@@ -17,7 +17,7 @@ const std::pair<const char*, Color> kStates[] = {
     {"SelfCheck", {44, 168, 172}}, {"SetUp", {190, 214, 222}},    {"TearDown", {70, 76, 86}},
 };
 
-const std::pair<const char*, Color> kMotions[] = {
+const std::pair<const char*, Color> kMotionColors[] = {
     {"off", {206, 52, 48}},    {"lie", {168, 186, 214}},   {"stand", {150, 204, 168}},
     {"walk", {58, 150, 120}},  {"pose", {196, 176, 120}},  {"jump", {232, 140, 60}},
     {"flip", {214, 100, 140}}, {"dance", {150, 110, 190}}, {"show", {170, 140, 200}},
@@ -43,7 +43,7 @@ Color ColorOfBattery(double percent) {
 }
 
 Color ColorOfMotion(const std::string& motion) {
-  for (const auto& [name, color] : kMotions) {
+  for (const auto& [name, color] : kMotionColors) {
     if (motion == name) return color;
   }
   return kUnknown;

@@ -21,7 +21,7 @@ constexpr float kDither[4][4] = {{0.03F, 0.53F, 0.16F, 0.66F},
                                  {0.97F, 0.47F, 0.84F, 0.34F}};
 
 constexpr std::size_t kEdgesAtOnce = kBundle / 4;
-constexpr std::uint16_t kDark = 0;  // a surface where the lens shows nothing
+constexpr std::uint16_t kDarkSurface = 0;  // a surface where the lens shows nothing
 
 // From 0 to 255, to the nearest.
 std::int32_t Level(float light) {
@@ -114,7 +114,7 @@ class Drawing {
       tracer_.Look(rays, things_[index], sights);
       const std::size_t first = Index(tile.x, y);
       for (std::size_t i = 0; i < width; ++i) {
-        surfaces_[first + i] = gains[i] > 0 ? sights.surface[i] : kDark;
+        surfaces_[first + i] = gains[i] > 0 ? sights.surface[i] : kDarkSurface;
       }
       PutRow(sights, gains, width, image_.bgr.data() + 3 * first);
     }

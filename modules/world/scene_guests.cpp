@@ -23,9 +23,9 @@ using keys::Set;
 constexpr int kMostFace = 999;
 constexpr double kLeastTallM = 0.5;
 constexpr double kMostTallM = 2.5;
-constexpr double kLeastSpeed = 0.05;
-constexpr double kMostSpeed = 3;
-constexpr double kLongestS = 3600;  // of a timetable
+constexpr double kLeastWalk = 0.05;
+constexpr double kMostWalk = 3;
+constexpr double kLongestTimetableS = 3600;  // of a timetable
 constexpr std::size_t kMostGuests = 50;
 
 Duration FromSeconds(double seconds) {
@@ -55,7 +55,7 @@ class GuestReader {
     Set(guest.yaw_rad, keys::Angle(reader, "yaw_deg"));
     guest.face = static_cast<int>(reader.Integer("face", 0, kMostFace).value_or(0));
     Set(guest.height_m, reader.Number("height_m", kLeastTallM, kMostTallM));
-    Set(guest.speed_m_s, reader.Number("speed_m_s", kLeastSpeed, kMostSpeed));
+    Set(guest.speed_m_s, reader.Number("speed_m_s", kLeastWalk, kMostWalk));
     Set(guest.color, keys::ReadColor(reader, "color", findings_));
     Set(guest.gown, reader.Bool("gown"));
     keys::Each(reader, "act", findings_, [&](TableReader& act) { ReadAct(act, guest); });
@@ -93,9 +93,9 @@ class GuestReader {
     using LookAt = GuestLook::At;
     GuestAct act;
     reader.Require("at_s", "a time");
-    act.at = FromSeconds(reader.Number("at_s", 0, kLongestS).value_or(0));
+    act.at = FromSeconds(reader.Number("at_s", 0, kLongestTimetableS).value_or(0));
     act.walk_to_m = keys::Pair(reader, "walk_to_m");
-    act.speed_m_s = reader.Number("speed_m_s", kLeastSpeed, kMostSpeed);
+    act.speed_m_s = reader.Number("speed_m_s", kLeastWalk, kMostWalk);
     if (const auto look = reader.Choice<LookAt>(
             "look",
             {{"robot", LookAt::kRobot}, {"away", LookAt::kAway}, {"ahead", LookAt::kAhead}})) {
@@ -172,7 +172,7 @@ class GuestReader {
 
 void ReadGuests(TableReader& root, Findings& findings, Scene& scene) {
   keys::Section(root, "guests", findings, [&](TableReader& reader) {
-    if (const auto seconds = reader.Number("repeat_s", 0, kLongestS)) {
+    if (const auto seconds = reader.Number("repeat_s", 0, kLongestTimetableS)) {
       scene.guests_repeat = FromSeconds(*seconds);
     }
     Set(scene.gesture_topic, keys::Topic(reader, "gesture_topic"));

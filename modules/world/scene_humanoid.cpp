@@ -19,7 +19,7 @@ using config_toml::Table;
 using config_toml::TableReader;
 using keys::Set;
 
-constexpr double kMostSpeed = 20;          // rad/s
+constexpr double kMostJointSpeed = 20;     // rad/s
 constexpr double kMostAcceleration = 200;  // rad/s^2
 constexpr double kWidestYawDeg = 90;
 constexpr double kWidestPitchDeg = 45;
@@ -126,7 +126,7 @@ void ReadLimits(TableReader& reader, HumanoidSpec& spec) {
                                                        {"head", JointGroup::kHead}};
   for (const auto& [name, group] : groups) {
     MotionLimits& limits = spec.limits[static_cast<std::size_t>(group)];
-    Set(limits.speed_rad_s, reader.Number(name + "_speed_rad_s", 0.01, kMostSpeed));
+    Set(limits.speed_rad_s, reader.Number(name + "_speed_rad_s", 0.01, kMostJointSpeed));
     Set(limits.acceleration_rad_s2,
         reader.Number(name + "_acceleration_rad_s2", 0.01, kMostAcceleration));
   }

@@ -15,7 +15,7 @@ using config_toml::TableReader;
 using Eigen::Vector2d;
 using keys::Set;
 
-constexpr int kMostFace = 999;
+constexpr int kMostFaceOfThing = 999;
 constexpr std::size_t kLongestCode = 300;  // bytes; more squares than a camera can tell apart
 constexpr std::size_t kLongestText = 500;  // bytes
 constexpr double kArcStep = 3 * M_PI / 180;
@@ -103,7 +103,7 @@ class Things {
     if (reader.Has("face")) {
       ++signs;
       board.sign.kind = Sign::Kind::kFace;
-      board.sign.face = static_cast<int>(reader.Integer("face", 0, kMostFace).value_or(0));
+      board.sign.face = static_cast<int>(reader.Integer("face", 0, kMostFaceOfThing).value_or(0));
     }
     if (signs > 1) {
       findings_.Error(reader.at(), reader.path() +

@@ -15,8 +15,8 @@ using keys::Set;
 
 constexpr int kLeastPx = 16;
 constexpr int kMostPx = 4096;
-constexpr double kLeastHz = 0.1;
-constexpr double kMostHz = 50;  // a shot in each step of the world
+constexpr double kLeastViewHz = 0.1;
+constexpr double kMostViewHz = 50;  // a shot in each step of the world
 constexpr double kWidestPinholeDeg = 150;
 constexpr double kWidestFisheyeDeg = 220;
 
@@ -115,7 +115,7 @@ void ReadCamera(TableReader& reader, bool has_head, bool is_front, CameraSpec& c
   pixels("width_px", camera.width_px);
   pixels("height_px", camera.height_px);
   ReadFieldOfView(reader, camera);
-  Set(camera.rate_hz, reader.Number("rate_hz", kLeastHz, kMostHz));
+  Set(camera.rate_hz, reader.Number("rate_hz", kLeastViewHz, kMostViewHz));
   Set(camera.noise, reader.Number("noise", 0, 64));
   Set(camera.exposure, reader.Number("exposure", 0, 10));
   Set(camera.vignette, keys::Share(reader, "vignette"));

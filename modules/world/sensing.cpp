@@ -26,7 +26,7 @@ Chance ChanceOf(const World& world, Sensor sensor, std::size_t number = 0) {
   return Chance(of_sensor.Next() + static_cast<std::uint64_t>(world.now().count()));
 }
 
-Matrix3d Turned(double yaw, double pitch, double roll) {
+Matrix3d TurnedBy(double yaw, double pitch, double roll) {
   return (AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(pitch, Vector3d::UnitY()) *
           AngleAxisd(roll, Vector3d::UnitX()))
       .toRotationMatrix();
@@ -47,10 +47,10 @@ struct Eye {
 Eye Open(const World& world, const Mount& mount, double most_m) {
   const Pose2& pose = world.body().pose();
   const Attitude& attitude = world.body().attitude();
-  const Matrix3d body = Turned(pose.yaw_rad, attitude.pitch_rad, attitude.roll_rad);
+  const Matrix3d body = TurnedBy(pose.yaw_rad, attitude.pitch_rad, attitude.roll_rad);
   const Vector3d trunk(pose.position_m.x(), pose.position_m.y(), attitude.height_m);
   return {Surroundings(world.scene(), trunk + body * mount.position_m, most_m),
-          body * Turned(mount.yaw_rad, mount.pitch_rad, 0)};
+          body * TurnedBy(mount.yaw_rad, mount.pitch_rad, 0)};
 }
 
 // What the sensor says of a distance.

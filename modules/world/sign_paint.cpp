@@ -30,7 +30,7 @@ struct Sheet {
   double height = 0;
 };
 
-cv::Scalar Bgr(const Color& color) {
+cv::Scalar SignBgr(const Color& color) {
   return {double(color.blue), double(color.green), double(color.red)};
 }
 
@@ -51,9 +51,9 @@ Texture Code(const Board& board) {
   const int rim = kRim * side;
   const int width = std::max(sheet.size().width, code.cols + 2 * rim);
   const int height = std::max(sheet.size().height, code.rows + 2 * rim);
-  cv::Mat image(height, width, CV_8UC3, Bgr(board.color));
+  cv::Mat image(height, width, CV_8UC3, SignBgr(board.color));
   const cv::Rect where((width - code.cols) / 2, (height - code.rows) / 2, code.cols, code.rows);
-  image(where).setTo(Bgr(board.sign.ink), code < 128);
+  image(where).setTo(SignBgr(board.sign.ink), code < 128);
   return TextureOf(image);
 }
 
@@ -111,7 +111,7 @@ Result<Texture> Paint(const Board& board) {
     case Sign::Kind::kFace:
       return Face(board);
   }
-  return TextureOf(cv::Mat(1, 1, CV_8UC3, Bgr(board.color)));
+  return TextureOf(cv::Mat(1, 1, CV_8UC3, SignBgr(board.color)));
 }
 
 }  // namespace

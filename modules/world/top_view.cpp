@@ -18,7 +18,7 @@ using Eigen::Rotation2Dd;
 using Eigen::Vector2d;
 
 constexpr double kLetters = 12;
-constexpr double kTiny = 11;
+constexpr double kTinyLetters = 11;
 constexpr double kWayWidth = 3.5;
 constexpr double kOverhead = 1;  // metres
 
@@ -95,16 +95,16 @@ class TopView {
     for (const double x : Marks(scene_.least_m.x(), scene_.most_m.x(), every)) {
       const double px = At({x, 0}).x();
       canvas_.Line({px, low.y()}, {px, high.y()}, kGrid);
-      canvas_.Text(Metres(x), {px, low.y() + 17}, kTiny, kGreyInk, Align::kCenter);
+      canvas_.Text(Metres(x), {px, low.y() + 17}, kTinyLetters, kGreyInk, Align::kCenter);
     }
     for (const double y : Marks(scene_.least_m.y(), scene_.most_m.y(), every)) {
       const double py = At({0, y}).y();
       canvas_.Line({low.x(), py}, {high.x(), py}, kGrid);
-      canvas_.Text(Metres(y), {low.x() - 8, py + 4}, kTiny, kGreyInk, Align::kRight);
+      canvas_.Text(Metres(y), {low.x() - 8, py + 4}, kTinyLetters, kGreyInk, Align::kRight);
     }
     canvas_.Outline({low, {high.x(), low.y()}, high, {low.x(), high.y()}}, kGreyInk, 1.2);
-    canvas_.Text("x, m", {high.x(), low.y() + 32}, kTiny, kGreyInk, Align::kRight);
-    canvas_.Text("y, m", {low.x() - 8, high.y() - 8}, kTiny, kGreyInk, Align::kRight);
+    canvas_.Text("x, m", {high.x(), low.y() + 32}, kTinyLetters, kGreyInk, Align::kRight);
+    canvas_.Text("y, m", {low.x() - 8, high.y() - 8}, kTinyLetters, kGreyInk, Align::kRight);
   }
 
   static std::string Metres(double value) {
@@ -114,8 +114,8 @@ class TopView {
   }
 
   void Label(const std::string& name, const Vector2d& center_m, double narrow_m, const Color& ink) {
-    if (name.empty() || narrow_m * scale_ < kTiny + 4) return;
-    canvas_.Text(name, At(center_m) + Pixel(0, 4), kTiny, ink, Align::kCenter);
+    if (name.empty() || narrow_m * scale_ < kTinyLetters + 4) return;
+    canvas_.Text(name, At(center_m) + Pixel(0, 4), kTinyLetters, ink, Align::kCenter);
   }
 
   static Color EdgeOf(const Color& color) { return Mix(color, kInk, 0.4); }
@@ -223,8 +223,8 @@ class TopView {
       text += text.empty() ? "" : ": ";
       text += kGestureNames[static_cast<std::size_t>(guest.gesture)];
     }
-    canvas_.Text(text, At(guest.position_m) + Pixel(0, kGuestRadiusM * scale_ + 12), kTiny, kInk,
-                 Align::kCenter);
+    canvas_.Text(text, At(guest.position_m) + Pixel(0, kGuestRadiusM * scale_ + 12), kTinyLetters,
+                 kInk, Align::kCenter);
   }
 
   // A trunk with its head ahead; where it began hollow, where it is now full.

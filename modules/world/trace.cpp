@@ -17,7 +17,7 @@ constexpr float kLevel = -1e-6F;  // rays that go down less than this meet no gr
 
 constexpr std::uint16_t kSky = 1;
 constexpr std::uint16_t kFarGround = 2;
-constexpr std::uint16_t kGround = 3;
+constexpr std::uint16_t kGroundLabel = 3;
 constexpr std::uint16_t kFence = 4;  // and three more, one for each side
 constexpr std::uint16_t kThings = 16;
 constexpr std::uint16_t kFaces = 8;  // numbers that each thing has
@@ -96,7 +96,7 @@ void Tracer::Look(const Rays& rays, const Indices& things, Sights& sights) const
   // Most bundles are all sky or all ground.
   const auto begin = sights.surface.begin();
   if (std::find(begin, sights.surface.end(), kSky) != sights.surface.end()) ColorSky(ways, sights);
-  if (std::find(begin, sights.surface.end(), kGround) != sights.surface.end()) {
+  if (std::find(begin, sights.surface.end(), kGroundLabel) != sights.surface.end()) {
     FindGround(rays, ways);
     ColorGround(ways, sights);
   }
@@ -120,14 +120,14 @@ void Tracer::Turn(const Rays& rays, Ways& ways) const {
 
 // Which of fence, ground and sky, and how far.
 void Tracer::FindBackground(Ways& ways, Sights& sights) const {
-  constexpr float kTiny = 1e-9F;
+  constexpr float kTinyLength = 1e-9F;
   const Vector2f to_most = scenery_.most_m() - from_m_.head<2>();
   const Vector2f to_least = scenery_.least_m() - from_m_.head<2>();
   const auto to_edge = [](float least, float most, const Each<float>& along, Each<float>& far) {
     for (std::size_t i = 0; i < kBundle; ++i) {
       const float way = along[i];
       const float edge = way >= 0 ? most : least;
-      const float tiny = way >= 0 ? kTiny : -kTiny;
+      const float tiny = way >= 0 ? kTinyLength : -kTinyLength;
       far[i] = edge / (way + tiny);
     }
   };
@@ -148,7 +148,7 @@ void Tracer::FindBackground(Ways& ways, Sights& sights) const {
     const std::int32_t beyond = z < kLevel ? kFarGround : kSky;
     const float above = height + far * z;  // where it leaves the place
     const std::int32_t outside = above < fence ? side : beyond;
-    surface[i] = to_ground <= far ? kGround : outside;
+    surface[i] = to_ground <= far ? kGroundLabel : outside;
     const float least = above < fence ? far : kFar;
     ways.far_m[i] = least < to_ground ? least : to_ground;
   }
@@ -226,7 +226,7 @@ void Tracer::ColorGround(const Ways& ways, Sights& sights) const {
   const auto color = [&](Each<float>& own, int shift, float part) {
     for (std::size_t i = 0; i < kBundle; ++i) {
       const float here = static_cast<float>(texels[i] >> shift & 0xFF) * part * ways.light[i];
-      own[i] = sights.surface[i] == kGround ? here : own[i];
+      own[i] = sights.surface[i] == kGroundLabel ? here : own[i];
     }
   };
   color(sights.red, 16, light[0]);

@@ -11,7 +11,7 @@ double MillisecondsOf(Duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
 
-Time Now() {
+Time TimeNow() {
   return std::chrono::steady_clock::now();
 }
 
@@ -39,7 +39,7 @@ void Trial::Begin() {
   const auto status = observer().Latest();
   for (const msg::ActuatorInfo& info : status->actuators) pids_[info.name] = info.pid;
   ceiling_ = RankOf(state_);
-  begun_ = Now();
+  begun_ = TimeNow();
   struck_ = begun_;
   recovers_from_ = begun_;
 }
@@ -79,7 +79,7 @@ void Trial::MayBecome(const std::string& state) {
 }
 
 void Trial::Struck(Clock clock) {
-  recovers_from_ = Now();
+  recovers_from_ = TimeNow();
   if (clock == Clock::kBoth) struck_ = recovers_from_;
 }
 
@@ -110,11 +110,11 @@ void Trial::Detected(const std::string& what, const Is& is, Duration patience) {
 }
 
 void Trial::DetectedNow() {
-  outcome.detection_ms = MillisecondsOf(Now() - struck_);
+  outcome.detection_ms = MillisecondsOf(TimeNow() - struck_);
 }
 
 void Trial::RecoveredNow() {
-  outcome.recovery_ms = MillisecondsOf(Now() - recovers_from_);
+  outcome.recovery_ms = MillisecondsOf(TimeNow() - recovers_from_);
 }
 
 void Trial::Recovered(const std::string& what, const Is& is, Duration patience) {
@@ -139,12 +139,12 @@ void Trial::PassesSelfCheckLater(const std::string& victim, const std::string& s
 }
 
 void Trial::LetPass(Duration time) {
-  const Time end = Now() + time;
-  AwaitThat([&] { return Now() >= end; }, time + kPatience);
+  const Time end = TimeNow() + time;
+  AwaitThat([&] { return TimeNow() >= end; }, time + kPatience);
 }
 
 void Trial::JudgeAlways() {
-  outcome.whole_ms = MillisecondsOf(Now() - begun_);
+  outcome.whole_ms = MillisecondsOf(TimeNow() - begun_);
   if (!torn_down_) {
     const auto status = observer().GetStatus();
     Expect(status.ok(), "the controller does not answer any more");

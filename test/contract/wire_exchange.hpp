@@ -77,7 +77,7 @@ class Peer {
   void* loan_ = nullptr;
 };
 
-class Wire : public testing::Test {
+class Wire : public ::testing::Test {
  protected:
   template <class C, class M>
   void Exchange(const dds_topic_descriptor_t& type) {

@@ -46,12 +46,12 @@ std::unique_ptr<World> MakeDdsWorld() {
 }
 
 std::string Contract::Unique(const std::string& name) {
-  std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+  std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
   std::replace(test.begin(), test.end(), '/', '_');
   return test + "_" + std::to_string(getpid()) + "/" + name;
 }
 
-std::string WorldName(const testing::TestParamInfo<MakeWorld>& info) {
+std::string WorldName(const ::testing::TestParamInfo<MakeWorld>& info) {
   return info.param == &MakeSimWorld ? "Sim" : "Dds";
 }
 

@@ -41,7 +41,7 @@ T Must(Result<T> result) {
   return std::move(result).value();
 }
 
-class Contract : public testing::TestWithParam<MakeWorld> {
+class Contract : public ::testing::TestWithParam<MakeWorld> {
  protected:
   bool RunUntil(const std::function<bool()>& done) { return world_->RunUntil(done); }
   std::unique_ptr<Node> MakeNode() { return world_->MakeNode(); }
@@ -54,9 +54,9 @@ class Contract : public testing::TestWithParam<MakeWorld> {
   std::unique_ptr<World> world_ = GetParam()();
 };
 
-std::string WorldName(const testing::TestParamInfo<MakeWorld>& info);
+std::string WorldName(const ::testing::TestParamInfo<MakeWorld>& info);
 
 }  // namespace musher::transport
 
 #define MUSHER_ON_EVERY_TRANSPORT(Suite) \
-  INSTANTIATE_TEST_SUITE_P(, Suite, testing::Values(&MakeSimWorld, &MakeDdsWorld), WorldName)
+  INSTANTIATE_TEST_SUITE_P(, Suite, ::testing::Values(&MakeSimWorld, &MakeDdsWorld), WorldName)

@@ -18,7 +18,7 @@ namespace musher {
 inline constexpr Duration kFlushTimeout = Milliseconds(20000);
 inline constexpr std::size_t kAll = 1000000;
 
-class JournalTest : public testing::Test {
+class JournalTest : public ::testing::Test {
  protected:
   static JournalEntry Entry(std::int64_t wall_ns, std::string message = "") {
     JournalEntry entry;

@@ -39,7 +39,7 @@ inline std::string ReadFile(const std::string& path) {
 
 inline constexpr Duration kLoading = std::chrono::seconds(20);  // also on a busy machine
 
-class Supervisor : public testing::Test {
+class Supervisor : public ::testing::Test {
  protected:
   Supervisor() {
     mkfifo(pipe_path_.c_str(), 0600);

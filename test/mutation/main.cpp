@@ -10,12 +10,12 @@
 
 namespace {
 
-class Tracer : public testing::EmptyTestEventListener {
+class Tracer : public ::testing::EmptyTestEventListener {
  public:
   explicit Tracer(const std::string& path) : out_(path) {}
 
-  void OnTestStart(const testing::TestInfo&) override { musher::mutation::reached.reset(); }
-  void OnTestEnd(const testing::TestInfo& test) override {
+  void OnTestStart(const ::testing::TestInfo&) override { musher::mutation::reached.reset(); }
+  void OnTestEnd(const ::testing::TestInfo& test) override {
     out_ << test.test_suite_name() << '.' << test.name() << ' ' << test.result()->elapsed_time();
     for (std::size_t i = 0; i < musher::mutation::kMost; ++i) {
       if (musher::mutation::reached[i]) out_ << ' ' << i;
@@ -30,9 +30,9 @@ class Tracer : public testing::EmptyTestEventListener {
 }  // namespace
 
 int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
+  ::testing::InitGoogleTest(&argc, argv);
   if (const char* path = std::getenv("MUSHER_MUTANTS_REACHED")) {
-    testing::UnitTest::GetInstance()->listeners().Append(new Tracer(path));
+    ::testing::UnitTest::GetInstance()->listeners().Append(new Tracer(path));
   }
   return RUN_ALL_TESTS();
 }

@@ -21,7 +21,7 @@ std::string Outcome(const EstopReport::Actuator& actuator) {
                                   : Printable(actuator.trouble);
 }
 
-std::string Summary(const EstopReport& report) {
+std::string StopSummary(const EstopReport& report) {
   const std::size_t count = report.actuators.size();
   if (count == 0) return "no actuator is there";
   return count == 1 ? "1 actuator is stopped" : fmt::format("{} actuators are stopped", count);
@@ -55,7 +55,7 @@ std::string EstopText(const EstopReport& report, bool colour) {
             Paint(Outcome(actuator), actuator.stopped ? Style::kPlain : Style::kBad, colour) + '\n';
   }
   if (!report.complete()) return text;
-  text += Summary(report);
+  text += StopSummary(report);
   return text + (report.controller
                      ? "; nothing goes up until `musher estop --release`\n"
                      : "; no controller leads here: `musher up FILE` takes the stop over, and "

@@ -9,27 +9,27 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string Text(const Json& json) {
+std::string Dump(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace
 
 std::string OtaStepJson(const std::string& step, std::uint64_t bytes) {
-  return Text({{"step", step}, {"bytes", bytes}});
+  return Dump({{"step", step}, {"bytes", bytes}});
 }
 
 std::string OtaResultJson(const std::string& version, const std::string& outcome,
                           const std::string& reason) {
-  return Text({{"version", version}, {"outcome", outcome}, {"reason", reason}});
+  return Dump({{"version", version}, {"outcome", outcome}, {"reason", reason}});
 }
 
 std::string OtaKeysJson(const std::string& secret, const std::string& open) {
-  return Text({{"private_key", secret}, {"public_key", open}});
+  return Dump({{"private_key", secret}, {"public_key", open}});
 }
 
 std::string OtaBundleJson(const ota::Manifest& manifest, const std::string& where) {
-  return Text({{"folder", where},
+  return Dump({{"folder", where},
                {"robot", manifest.robot},
                {"version", manifest.version.text},
                {"created", manifest.created},
@@ -49,7 +49,7 @@ std::string OtaStatusJson(const OtaRobot& robot) {
             {"kept", robot.last->kept},
             {"reason", robot.last->reason}};
   }
-  return Text({{"robot", robot.robot},
+  return Dump({{"robot", robot.robot},
                {"root", robot.root},
                {"pid", robot.pid},
                {"slots", slots},

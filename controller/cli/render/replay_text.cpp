@@ -20,7 +20,7 @@ std::string LineText(const recording::ReplayLine& line, bool colour) {
          Paint(WithCode(Printable(e.message), e.code), style, colour) + '\n';
 }
 
-std::string Count(std::size_t count, const char* what) {
+std::string CountOf(std::size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
@@ -45,11 +45,11 @@ std::string ReplayText(const recording::ReplayReport& report, bool colour) {
             ", with the other config in " + Printable(report.replayed_state) + '\n';
   }
   if (report.not_replayed > 0) {
-    text += Count(report.not_replayed, "input") + " before the first snapshot left out\n";
+    text += CountOf(report.not_replayed, "input") + " before the first snapshot left out\n";
   }
-  text += Count(report.inputs, "input") + ", " + Count(report.decisions, "decision") + ": ";
-  text +=
-      report.equal() ? "each as it was recorded\n" : Count(report.differences, "difference") + "\n";
+  text += CountOf(report.inputs, "input") + ", " + CountOf(report.decisions, "decision") + ": ";
+  text += report.equal() ? "each as it was recorded\n"
+                         : CountOf(report.differences, "difference") + "\n";
   return text;
 }
 

@@ -16,7 +16,7 @@ namespace musher::fsm {
 
 inline constexpr Duration kStep = Milliseconds(20);
 
-class MachineFixture : public testing::Test {
+class MachineFixture : public ::testing::Test {
  protected:
   LoggingState& Add(const std::string& name, std::vector<std::string> ways = {},
                     Role role = Role::kNormal) {

@@ -8,7 +8,7 @@
 namespace musher::benchmark {
 namespace {
 
-constexpr int kActuators = 4;
+constexpr int kCrashActuators = 4;
 
 // Milliseconds until it is on record.
 double Kill(ObservedController& controller, std::size_t actuator) {
@@ -24,25 +24,25 @@ std::vector<double> OfChildren(int rounds) {
       [](const Fleet& self, const std::string& name) {
         return CommandKey(self.Module(name, 0)) + kPatientKeys + "restart_delay_ms = 0\n";
       },
-      kActuators);
+      kCrashActuators);
   ObservedController controller(fleet.config_file());
   std::vector<double> times;
   for (int i = 0; i < rounds; ++i) {
     controller.AwaitAllThere();
-    times.push_back(Kill(controller, i % kActuators));
+    times.push_back(Kill(controller, i % kCrashActuators));
   }
   return times;
 }
 
 std::vector<double> OfOthers(int rounds) {
-  const Fleet fleet([](const Fleet&, const std::string&) { return kPatientKeys; }, kActuators);
+  const Fleet fleet([](const Fleet&, const std::string&) { return kPatientKeys; }, kCrashActuators);
   HandStarted actuators(fleet);
   ObservedController controller(fleet.config_file());
   std::vector<double> times;
   for (int i = 0; i < rounds; ++i) {
     controller.AwaitAllThere();
-    times.push_back(Kill(controller, i % kActuators));
-    actuators.Start(i % kActuators);
+    times.push_back(Kill(controller, i % kCrashActuators));
+    actuators.Start(i % kCrashActuators);
   }
   return times;
 }

@@ -8,14 +8,14 @@
 namespace musher::benchmark {
 namespace {
 
-constexpr int kActuators = 4;
-constexpr int kHz = 50;
+constexpr int kHangActuators = 4;
+constexpr int kHangHz = 50;
 constexpr Duration kCheckpoint = Milliseconds(200);
 
 std::vector<double> Silences(ObservedController& controller, HandStarted& actuators, int rounds) {
   std::vector<double> times;
   for (int i = 0; i < rounds; ++i) {
-    const std::size_t actuator = i % kActuators;
+    const std::size_t actuator = i % kHangActuators;
     Board& board = actuators.board(actuator);
     AwaitCheckpoint(board);
     auto known = controller.Next(IsOnRecord(actuator, Health::kHung));
@@ -32,7 +32,7 @@ std::vector<double> Silences(ObservedController& controller, HandStarted& actuat
 std::vector<double> Stops(ObservedController& controller, HandStarted& actuators, int rounds) {
   std::vector<double> times;
   for (int i = 0; i < rounds; ++i) {
-    const std::size_t actuator = i % kActuators;
+    const std::size_t actuator = i % kHangActuators;
     auto known = controller.Next(IsOnRecord(actuator, Health::kHung));
     const Time stopped = std::chrono::steady_clock::now();
     kill(actuators.pid(actuator), SIGSTOP);
@@ -49,8 +49,8 @@ void Hang(int rounds) {
   const Table table("A hang → hung, on this host");
   {
     const std::string key = "checkpoint_ms = " + std::to_string(ToMilliseconds(kCheckpoint)) + "\n";
-    const Fleet fleet([&](const Fleet&, const std::string&) { return key; }, kActuators);
-    HandStarted actuators(fleet, kHz);
+    const Fleet fleet([&](const Fleet&, const std::string&) { return key; }, kHangActuators);
+    HandStarted actuators(fleet, kHangHz);
     ObservedController controller(fleet.config_file());
     controller.AwaitAllThere();
     table.Row("no checkpoint any more, by checkpoint_ms", Silences(controller, actuators, rounds),
@@ -59,7 +59,7 @@ void Hang(int rounds) {
     for (double& stop : stops) stop /= Seconds(kCheckpoint);
     table.Row("SIGSTOP, by checkpoint_ms", stops, "×", 2);
   }
-  const Fleet fleet([](const Fleet&, const std::string&) { return ""; }, kActuators);
+  const Fleet fleet([](const Fleet&, const std::string&) { return ""; }, kHangActuators);
   HandStarted actuators(fleet);
   ObservedController controller(fleet.config_file());
   controller.AwaitAllThere();

@@ -20,7 +20,7 @@
 namespace musher::benchmark {
 namespace {
 
-constexpr int kActuators = 12;
+constexpr int kIdleActuators = 12;
 
 // A network of this process and its children alone, so that all traffic on it is theirs.
 bool EnterOwnNetwork() {
@@ -86,7 +86,7 @@ Figures OfBareParticipants(double seconds) {
   const std::string uri = transport::dds::SettingsXml(TransportProfile::kLocal, std::nullopt);
   std::vector<Child> children;
   std::vector<pid_t> pids;
-  for (int i = 0; i <= kActuators; ++i) {
+  for (int i = 0; i <= kIdleActuators; ++i) {
     children.emplace_back(
         std::vector<std::string>{Program("benchmark_bare_participant"), std::to_string(Domain(1))},
         Child::Environment{{"CYCLONEDDS_URI", uri}});
@@ -98,7 +98,7 @@ Figures OfBareParticipants(double seconds) {
 // The controller's comes last.
 Figures OfMachine(const std::string& keys, int domain, double seconds) {
   setenv("ROS_DOMAIN_ID", std::to_string(Domain(domain)).c_str(), 1);
-  const Fleet fleet([&](const Fleet&, const std::string&) { return keys; }, kActuators);
+  const Fleet fleet([&](const Fleet&, const std::string&) { return keys; }, kIdleActuators);
   const HandStarted actuators(fleet);
   const Child controller({Program("benchmark_controller"), fleet.config_file()}, {},
                          Child::Output::kPiped);

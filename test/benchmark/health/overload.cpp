@@ -18,16 +18,16 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kActuators = 12;
+constexpr int kOverloadActuators = 12;
 constexpr int kWatched = 4;  // the first ones: cycles with checkpoints
-constexpr int kHz = 50;
+constexpr int kOverloadHz = 50;
 constexpr const char* kLoader = "a11";
 constexpr auto kSwitchPeriod = std::chrono::seconds(2);
 constexpr auto kLoadPeriod = std::chrono::minutes(3);
 
 std::string KeysOf(const Fleet& fleet, const std::string& name) {
   const bool watched = std::stoi(name.substr(1)) < kWatched;
-  std::string keys = CommandKey(fleet.Module(name, watched ? kHz : 0));
+  std::string keys = CommandKey(fleet.Module(name, watched ? kOverloadHz : 0));
   if (watched) keys += "checkpoint_ms = 200\n";
   if (name == kLoader) {
     keys += "checkpoint_ms = 200\ncheckpoint_ms_in = { SetUp = 30000, SelfCheck = 30000 }\n";
@@ -38,7 +38,7 @@ std::string KeysOf(const Fleet& fleet, const std::string& name) {
 // What went wrong by the controller's records. Nothing is broken, so each loss is a false one.
 class Losses {
  public:
-  Losses() : last_(kActuators) {}
+  Losses() : last_(kOverloadActuators) {}
 
   struct Counts {
     int crashed = 0, hung = 0, partitioned = 0, starved = 0, lost = 0, restarted = 0;
@@ -157,7 +157,7 @@ void Overload(double minutes, double factor, int load_ms) {
   for (long i = 0; i < count; ++i) {
     burners.emplace_back(std::vector<std::string>{Program("benchmark_health"), "burn"});
   }
-  const Fleet fleet(KeysOf, kActuators);
+  const Fleet fleet(KeysOf, kOverloadActuators);
   Board& loader = OpenBoard(fleet.BoardFile(kLoader));
   loader.load_ms = load_ms;
   const auto begin = Clock::now();

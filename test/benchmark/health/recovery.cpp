@@ -10,8 +10,8 @@
 namespace musher::benchmark {
 namespace {
 
-constexpr int kActuators = 4;
-constexpr int kHz = 50;
+constexpr int kRecoveryActuators = 4;
+constexpr int kRecoveryHz = 50;
 
 // What comes back of an actuator whose process is killed or hangs, step by step.
 class Comeback {
@@ -67,7 +67,7 @@ double Ms(Duration duration) {
 Times OfKills(ObservedController& controller, const std::vector<Board*>& boards, int rounds) {
   Times times;
   for (int i = 0; i < rounds; ++i) {
-    const std::size_t actuator = i % kActuators;
+    const std::size_t actuator = i % kRecoveryActuators;
     controller.AwaitAllThere();
     Comeback comeback(controller, actuator);
     const Time killed = std::chrono::steady_clock::now();
@@ -89,7 +89,7 @@ Times OfKills(ObservedController& controller, const std::vector<Board*>& boards,
 Times OfHangs(ObservedController& controller, const std::vector<Board*>& boards, int rounds) {
   Times times;
   for (int i = 0; i < rounds; ++i) {
-    const std::size_t actuator = i % kActuators;
+    const std::size_t actuator = i % kRecoveryActuators;
     Board& board = *boards[actuator];
     controller.AwaitAllThere();
     AwaitCheckpoint(board);
@@ -127,10 +127,10 @@ void PrintEnd(const Table& table, const Times& times) {
 void Recovery(int rounds) {
   const Fleet fleet(
       [](const Fleet& self, const std::string& name) {
-        return CommandKey(self.Module(name, kHz)) + kPatientKeys +
+        return CommandKey(self.Module(name, kRecoveryHz)) + kPatientKeys +
                "restart_delay_ms = 0\ncheckpoint_ms = 200\n";
       },
-      kActuators);
+      kRecoveryActuators);
   std::vector<Board*> boards;
   for (const std::string& name : fleet.names()) boards.push_back(&OpenBoard(fleet.BoardFile(name)));
   ObservedController controller(fleet.config_file());

@@ -19,7 +19,7 @@
 namespace musher::campaign {
 namespace {
 
-[[noreturn]] void Fail(const std::string& what) {
+[[noreturn]] void FailToIsolate(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
@@ -44,7 +44,7 @@ ifreq Request(const std::string& interface) {
 
 void Control(unsigned long what, ifreq request) {
   const transport::UniqueFd any(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  if (ioctl(any.get(), what, &request) != 0) Fail(request.ifr_name);
+  if (ioctl(any.get(), what, &request) != 0) FailToIsolate(request.ifr_name);
 }
 
 void SetFlags(const std::string& interface, bool up) {
@@ -103,12 +103,12 @@ void SetAddress(const std::string& interface, const std::string& address) {
 
 void MountMemory(const std::string& folder, int kilobytes) {
   const std::string size = "size=" + std::to_string(kilobytes) + "k";
-  if (mount("tmpfs", folder.c_str(), "tmpfs", 0, size.c_str()) != 0) Fail(folder);
+  if (mount("tmpfs", folder.c_str(), "tmpfs", 0, size.c_str()) != 0) FailToIsolate(folder);
 }
 
 void MakeReadOnly(const std::string& folder, bool read_only) {
   const unsigned long flags = MS_REMOUNT | MS_BIND | (read_only ? MS_RDONLY : 0);
-  if (mount(nullptr, folder.c_str(), nullptr, flags, nullptr) != 0) Fail(folder);
+  if (mount(nullptr, folder.c_str(), nullptr, flags, nullptr) != 0) FailToIsolate(folder);
 }
 
 }  // namespace musher::campaign

@@ -97,7 +97,7 @@ inline msg::Image Picture(std::uint32_t width = 64, std::uint32_t height = 48) {
   return picture;
 }
 
-class CamerasOnANetwork : public testing::Test {
+class CamerasOnANetwork : public ::testing::Test {
  protected:
   CamerasOnANetwork() {
     for (const std::string name : {"front", "left"}) {

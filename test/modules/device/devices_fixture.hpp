@@ -20,7 +20,7 @@ T Must(Result<T> result) {
   return std::move(result).value();
 }
 
-class DevicesOnANetwork : public testing::Test {
+class DevicesOnANetwork : public ::testing::Test {
  protected:
   DevicesOnANetwork() {
     config_.battery.source = BatterySource::kWorld;

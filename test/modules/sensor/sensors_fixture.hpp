@@ -23,7 +23,7 @@ T Must(Result<T> result) {
   return std::move(result).value();
 }
 
-class SensorsOnANetwork : public testing::Test {
+class SensorsOnANetwork : public ::testing::Test {
  protected:
   SensorsOnANetwork() {
     config_.Of(SensorKind::kLidar).sources = {"driver/scan"};

@@ -35,7 +35,7 @@ class FakeLooker : public Looker {
   std::function<void(LookResult)> on_result;
 };
 
-class FaceTopicsTest : public testing::Test {
+class FaceTopicsTest : public ::testing::Test {
  protected:
   FaceTopicsTest() {
     config_.rate_hz = 0;

@@ -32,7 +32,7 @@ class Script : public Stage {
   std::vector<std::string> motions;
 };
 
-class ShowRig : public testing::Test {
+class ShowRig : public ::testing::Test {
  protected:
   void SetUp() override { Begin({}); }
 

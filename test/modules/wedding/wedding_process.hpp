@@ -70,7 +70,7 @@ class Words : public std::vector<std::string> {
   std::size_t next_ = 0;
 };
 
-class WeddingProcess : public testing::Test {
+class WeddingProcess : public ::testing::Test {
  protected:
   void SetUp() override {
     Hear("wedding/fsm/state", states_);

@@ -12,7 +12,7 @@ constexpr int kReboots = 5;
 // Longer than starts in a row are counted.
 constexpr Duration kRest = Milliseconds(500);
 
-const Weather kCut{100, 0, {}, {}};
+const Weather kDeaf{100, 0, {}, {}};
 
 Time Now() {
   return std::chrono::steady_clock::now();
@@ -66,7 +66,7 @@ void IsTakenOverFromThere(Trial& trial, bool deaf) {
   const int starts = StartsOf(trial);
   Cable& cable = trial.robot.far_host()->cable();
   trial.Struck();
-  if (deaf) cable.Set(kCut, {}, 0);
+  if (deaf) cable.Set(kDeaf, {}, 0);
   benchmark::Child there = trial.robot.StartFarController({"--takeover"});
   if (deaf) {
     const auto led = [&] {
