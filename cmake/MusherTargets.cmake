@@ -13,7 +13,9 @@ endforeach()
 find_program(CCACHE ccache)
 if(CCACHE)
   set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  # It must be told that the headers which are compiled beforehand are no hindrance.
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
 # musher_target(<target>) compiles it as all of Musher is: with warnings, and ten sources at a time,
@@ -72,20 +74,25 @@ function(musher_program name)
   endif()
 endfunction()
 
-# musher_test(<name> SOURCES <cpp>... DEPENDS <target>... [LABELS ...] [TIMEOUT s]) makes a GoogleTest
-# program and gives each of its tests to ctest.
+# musher_test(<name> SOURCES <cpp>... DEPENDS <target>... [LABELS ...] [TIMEOUT s] [COST s]) makes a
+# GoogleTest program and gives each of its tests to ctest, which starts those of high cost first.
 function(musher_test name)
-  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT;COST" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   musher_target(${name})
   target_include_directories(${name} PRIVATE ${MUSHER_INCLUDE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} GTest::gmock_main)
+  target_compile_options(${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)  # for ccache
+  target_precompile_headers(${name} REUSE_FROM musher_test_headers)
   target_compile_definitions(${name} PRIVATE
     MUSHER_SOURCE_DIR="${CMAKE_SOURCE_DIR}" MUSHER_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 180)
   endif()
-  set(properties TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+  if(NOT ARG_COST)
+    set(ARG_COST 0)
+  endif()
+  set(properties TIMEOUT ${ARG_TIMEOUT} COST ${ARG_COST} LABELS "${ARG_LABELS}")
   include(GoogleTest)
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES ${properties})
 endfunction()
