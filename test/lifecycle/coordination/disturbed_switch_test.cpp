@@ -93,6 +93,40 @@ TEST_F(Switching, AnActuatorThatDiesDuringTheSwitchIsKnownAtOnce) {
   EXPECT_EQ(t.StateOf("a"), "Protected");
 }
 
+// Found on a real robot: "done" though one that was quick had died while a slow one still switched.
+TEST_F(Switching, AnActuatorThatDiesAfterItsPartOfTheSwitchIsMissingInTheOutcome) {
+  for (const char* target : {"Active", "LowPower", "SelfCheck"}) {
+    for (const bool ours : {false, true}) {
+      Theatre& t = In("Protected", ours ? Ours(3) : MachineOf(3));
+      t.On("c", target).takes = Milliseconds(80);
+      const RequestId request = t.Ask(target);
+      t.RunFor(Milliseconds(40));
+      t.Crash("a");
+      t.RunUntil([&] { return t.answers.count(request) > 0; });
+      const SwitchResult& result = t.answers.at(request);
+      EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded) << target << ours;
+      EXPECT_EQ(result.code, kCodeNetError) << target << ours;
+      EXPECT_THAT(result.reason, HasSubstr("a: ")) << target << ours;
+      EXPECT_THAT(result.degraded, ElementsAre("a")) << target << ours;
+    }
+  }
+}
+
+TEST_F(Switching, ACriticalActuatorThatDiesAfterItsPartIsMissingAndTakesTheMachineDown) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "a").critical = true;
+  ActuatorNamed(config, "a").on_lost = "Protected";
+  Theatre& t = In("Protected", config);
+  t.On("c", "Active").takes = Milliseconds(80);
+  const RequestId request = t.Ask("Active");
+  t.RunFor(Milliseconds(40));
+  t.Crash("a");
+  t.Rest();
+  EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(t.answers.at(request).reason, HasSubstr("a: "));
+  EXPECT_EQ(t.machine().state, "Protected");
+}
+
 TEST_F(Switching, AReportThatWasHeldUpOnTheWayDoesNotMakeLaterCommandsLookOld) {
   Theatre& t = In("Active");
   t.DelayReports("b", std::chrono::seconds(2));  // longer than any command is good for
