@@ -109,6 +109,7 @@ class Judge {
   void CheckTornDown(const ControllerProcess& controller, const SwitchResult& result);
   // command_invariants.cpp
   void CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report);
+  bool IsGivenUp(std::uint64_t epoch, std::size_t i) const;
   void OnReplyWritten(const ControllerProcess& controller, const std::string& service);
   void CheckClients();
   void CheckClientsAtRest();
