@@ -44,13 +44,25 @@ void Judge::CheckWaiting(const std::string& name, std::size_t host, const Actuat
   const auto next = std::next(order);
   const bool newer_sent = next != orders_.end() && std::get<0>(next->first) == before->epoch &&
                           std::get<1>(next->first) == *config_.IndexOf(name);
-  if (newer_sent) return;
+  if (newer_sent || IsGivenUp(before->epoch, *config_.IndexOf(name))) return;
   const Duration age = robot_.network().now() - order->second.sent;
   if (age + kCommandClockSlack >= order->second.budget) return;
   Blame(Promise::kNotCancelled,
         name + " drops the command to " + command.target + " that it had accepted, after " +
             std::to_string(ToMilliseconds(age)) + " of " +
             std::to_string(ToMilliseconds(order->second.budget)) + " ms, and no newer one came");
+}
+
+// The sender has lost the actuator meanwhile and told that outcome. It takes the actuator up again
+// with a question, which fences what it has given up.
+bool Judge::IsGivenUp(std::uint64_t epoch, std::size_t i) const {
+  for (std::size_t which = 0; which < 2; ++which) {
+    const ControllerProcess* controller = robot_.controller(which);
+    if (controller == nullptr || controller->shell().machine().epoch != epoch) continue;
+    const ActuatorRecord& record = controller->shell().machine().actuators[i];
+    if (!record.order && record.presence != Presence::kPresent) return true;
+  }
+  return false;
 }
 
 // A controller writes an answer to a client.

@@ -128,6 +128,7 @@ void ControllerProcess::Begin(bool takeover, bool restarted) {
   begin.policy = disk_.policy;
   begin.restarted = restarted;
   begun_ = true;
+  if (!restarted && hooks_.on_person_starts) hooks_.on_person_starts();
   shell_->Begin(std::move(begin));
 }
 

@@ -38,6 +38,7 @@ Judge::Judge(SimRobot& robot)
     CheckSignal(controller, pid);
   };
   robot_.on_power = [this] { power_due_.reset(); };
+  robot_.on_person_starts = [this] { PersonStarts(); };
 }
 
 void Judge::Blame(Promise promise, const std::string& what) {

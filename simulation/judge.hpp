@@ -52,8 +52,6 @@ class Judge {
   void AskedRestart(const std::string& name) { final_.erase(name); }
   // An emergency stop is engaged at a panel.
   void StopEngaged(std::size_t panel, std::uint64_t id);
-  // A person starts the machine, so that it may come up.
-  void PersonStarts();
   // A client asks for a switch.
   void ClientAsks(const State& target) { urgent_asked_ |= target == kError || target == kTearDown; }
   // What it says is no evidence from now on.
@@ -105,10 +103,12 @@ class Judge {
   void CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
                     const ActuatorReport& report);
   void CheckPower();
+  void PersonStarts() { stop_asked_.reset(); }
   void CheckStaysDown(const ControllerProcess& controller);
   void CheckTornDown(const ControllerProcess& controller, const SwitchResult& result);
   // command_invariants.cpp
   void CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report);
+  bool IsGivenUp(std::uint64_t epoch, std::size_t i) const;
   void OnReplyWritten(const ControllerProcess& controller, const std::string& service);
   void CheckClients();
   void CheckClientsAtRest();

@@ -105,9 +105,14 @@ void Judge::JudgePolicyChange(const Machine& machine, const Seen& seen) {
     return;
   }
   if (lowered_ && lowered_->first == machine.state) return;  // from here it is taken down at once
-  // Somebody else did it. What the battery kept him from may come later.
-  policy_up_to_.clear();
-  policy_down_to_.clear();
+  // Somebody else did it. What the battery kept him from may come later, or has begun already: in
+  // the step that ended this switch the battery may have left its ceiling.
+  const auto ended = [&](const State& target) {
+    return !machine.current || machine.current->purpose != Purpose::kPolicy ||
+           machine.current->target != target;
+  };
+  std::erase_if(policy_up_to_, ended);
+  std::erase_if(policy_down_to_, ended);
   lowered_.reset();
   if (std::exchange(woken_, false)) lowered_ = {State(kActive), machine.state};
 }

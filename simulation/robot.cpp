@@ -81,6 +81,9 @@ void SimRobot::Open(std::size_t which) {
   hooks.on_signal = [this, which](std::int32_t pid) {
     if (on_signal) on_signal(*controllers_[which], pid);
   };
+  hooks.on_person_starts = [this] {
+    if (on_person_starts) on_person_starts();
+  };
   hooks.on_power = [this] {
     if (on_power) on_power();
   };

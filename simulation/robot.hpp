@@ -57,6 +57,8 @@ class SimRobot {
   std::function<void(const action::Record&)> on_record;
   // Told of every process that a controller starts, before it does; may be empty.
   std::function<void(const ControllerProcess&, const std::string& name)> on_start;
+  // A controller that a person has started begins to lead; may be empty.
+  std::function<void()> on_person_starts;
   // Told of every power command; may be empty.
   std::function<void()> on_power;
   // Told of every sample that a controller writes; may be empty.

@@ -91,12 +91,9 @@ void Judge::CheckPower() {
   }
 }
 
-void Judge::PersonStarts() {
-  stop_asked_.reset();
-}
-
-// A TearDown that was accepted goes on, whatever becomes of the controller, until a person starts
-// the machine. Each disk knows of its own controllers' intent.
+// A TearDown that was accepted goes on, whatever becomes of the controller, until one begins that a
+// person has started: that one may have been asked for before the TearDown, and have listened
+// meanwhile. Each disk knows of its own controllers' intent.
 void Judge::CheckStaysDown(const ControllerProcess& controller) {
   const Machine& machine = controller.shell().machine();
   if (machine.stopping && !stop_asked_) {

@@ -155,7 +155,6 @@ void Story::SwitchOn() {
 }
 
 void Story::StartController(bool restarted) {
-  if (!restarted) judge_.PersonStarts();
   robot_.LaunchController(0, true, robot_.ListenTime(), restarted);
 }
 

@@ -228,10 +228,8 @@ void Story::DoToController(const Incident& incident) {
       robot_.FreezeController();
       return Later(incident.lasts, [this] { robot_.ThawController(); });
     case IncidentKind::kRival:
-      judge_.PersonStarts();
       return robot_.StartRival(false);
     case IncidentKind::kTakeover:
-      judge_.PersonStarts();
       return robot_.StartRival(true);
     case IncidentKind::kFullDisk:
       robot_.FillDisk(true);

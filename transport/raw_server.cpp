@@ -10,6 +10,8 @@ namespace musher::transport {
 namespace {
 
 constexpr Duration kLongestHold = std::chrono::seconds(5);
+// The two halves of a client that is closed are lost within this of each other.
+constexpr Duration kFarewell = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -20,7 +22,7 @@ Result<std::unique_ptr<RawServer>> RawServer::Make(Node& node, const std::string
 
   // The writer first, so that it exists when the first request comes.
   WriterCallbacks writer_callbacks;
-  writer_callbacks.on_match_changed = [self] { self->SendHeld(); };
+  writer_callbacks.on_match_changed = [self] { self->OnMatchChanged(); };
   auto replies = node.MakeRawWriter(ReplyTopic(service), ResponseType(type), kDefaultQos,
                                     std::move(writer_callbacks));
   if (!replies) return replies.error();
@@ -30,7 +32,7 @@ Result<std::unique_ptr<RawServer>> RawServer::Make(Node& node, const std::string
   reader_callbacks.on_sample = [self](std::span<const std::byte> bytes, const SampleInfo& info) {
     self->TakeRequest(bytes, info);
   };
-  reader_callbacks.on_match_changed = [self] { self->SendHeld(); };
+  reader_callbacks.on_match_changed = [self] { self->OnMatchChanged(); };
   auto requests = node.MakeRawReader(RequestTopic(service), RequestType(type), kServiceReaderQos,
                                      std::move(reader_callbacks));
   if (!requests) return requests.error();
@@ -72,8 +74,38 @@ void RawServer::TakeRequest(std::span<const std::byte> bytes, const SampleInfo& 
   if (!on_request_(id, bytes, std::move(reply), info.participant)) ++malformed_;
 }
 
+void RawServer::OnMatchChanged() {
+  if (!requests_) return;  // nobody can have asked yet
+  for (const PeerId participant : requests_->WriterParticipants()) peers_.try_emplace(participant);
+  for (auto& [participant, peer] : peers_) NoteMatches(participant, peer);
+  std::erase_if(peers_, [](const auto& entry) {
+    return entry.second.writers == 0 && entry.second.readers == 0;
+  });
+  SendHeld();
+}
+
+void RawServer::NoteMatches(PeerId participant, Peer& peer) {
+  const int writers = requests_->WritersOf(participant);
+  const int readers = replies_->ReadersOf(participant);
+  const int lost_writers = std::max(peer.writers - writers, 0);
+  const int lost_readers = std::max(peer.readers - readers, 0);
+  peer.writers = writers;
+  peer.readers = readers;
+  if (lost_writers == lost_readers) return;
+  peer.leaving += lost_writers - lost_readers;
+  peer.settled = nullptr;
+  if (peer.leaving == 0) return;
+  peer.settled = loop_.At(loop_.Now() + kFarewell, [this, &peer] {
+    peer.leaving = 0;
+    SendHeld();
+  });
+}
+
 bool RawServer::ReachesClientsOf(PeerId participant) const {
-  return replies_->ReadersOf(participant) >= std::max(requests_->WritersOf(participant), 1);
+  const auto peer = peers_.find(participant);
+  const int leaving = peer == peers_.end() ? 0 : std::max(peer->second.leaving, 0);
+  const int readers = replies_->ReadersOf(participant) - leaving;
+  return readers >= std::max(requests_->WritersOf(participant), 1);
 }
 
 void RawServer::SendHeld() {

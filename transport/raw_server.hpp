@@ -1,16 +1,19 @@
 #pragma once
 // The untyped half of a service server. A reply is held until the readers of the participant that
 // asked are matched, so that it cannot get lost between two halves of discovery: a participant has
-// one reply reader for each of its clients, hence as many as it has request writers. A reply that
-// has waited for 5 s is dropped; its client has gone or gives up by its own deadline. A request of
-// a participant that is not known (any more) is dropped: it could not be answered, and nobody could
-// say on whose behalf it is.
+// one reply reader for each of its clients, hence as many as it has request writers. Of a client
+// that is closed the writer may be lost first: its reader, which is still there, is not counted for
+// another client until it is lost as well, or for 1 s (it may never have been matched). A reply
+// that has waited for 5 s is dropped; its client has gone or gives up by its own deadline. A
+// request of a participant that is not known (any more) is dropped: it could not be answered, and
+// nobody could say on whose behalf it is.
 //
 // Threads: loop thread only.
 
 #include <cstdint>
 #include <functional>
 #include <list>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -46,11 +49,21 @@ class RawServer {
     LoopHandlePtr expiry;
   };
 
+  // What is matched of a participant.
+  struct Peer {
+    int writers = 0;
+    int readers = 0;
+    int leaving = 0;  // clients whose writer is lost and whose reader is not; below 0: vice versa
+    LoopHandlePtr settled;  // when that is forgotten
+  };
+
   RawServer(Node& node, OnRequest on_request)
       : loop_(node.loop()), on_request_(std::move(on_request)) {}
 
   void TakeRequest(std::span<const std::byte> bytes, const SampleInfo& info);
   void SendOrHold(PeerId participant, msg::Bytes reply);
+  void OnMatchChanged();
+  void NoteMatches(PeerId participant, Peer& peer);
   bool ReachesClientsOf(PeerId participant) const;
   void SendHeld();
   void Send(msg::Bytes reply);
@@ -63,6 +76,7 @@ class RawServer {
   std::uint64_t dropped_ = 0;
   std::uint64_t unknown_ = 0;
   std::list<Held> held_;
+  std::map<PeerId, Peer> peers_;
   std::unique_ptr<RawWriter> replies_;
   std::unique_ptr<RawReader> requests_;
 };

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
+#include "musher/simulation/story.hpp"
 #include "musher/simulation/trial.hpp"
 
 namespace musher::testing::judge_test {
@@ -33,6 +36,72 @@ TEST(Judge, LetsAControllerHaveItsTurnAtTheInstantOfItsDeadline) {
                                  At(Milliseconds(5000), IncidentKind::kSet, "LowPower")},
                                 options);
   EXPECT_FALSE(ending.violation) << ending.violation->what;
+}
+
+// A robot of three actuators, with a policy for the battery.
+MachineConfig ThreeActuators() {
+  auto config = simulation::ConfigAround(
+      "arm", {"SetUp", "SelfCheck", "Active", "Protected", "LowPower", "Error", "TearDown"});
+  MachineConfig made = std::move(config).value();
+  made.policy.emplace().battery.emplace();
+  made.policy->low_power.emplace();
+  return made;
+}
+
+// What the judge says against a run with these incidents; empty: nothing.
+std::string Against(const MachineConfig& config, const simulation::Incidents& incidents,
+                    std::uint64_t seed = 1) {
+  simulation::StoryOptions options = simulation::UsualOptions(config);
+  options.provided = false;
+  options.shared_processes = true;
+  const auto ending = TellStory(config, seed, incidents, options);
+  return ending.violation ? ending.violation->what : "";
+}
+
+// The wake-up leads to Protected, and Active begins in the very step in which that is reached.
+TEST(Judge, LetsTheMachineGoOnToActiveWhenItsCeilingGoesDuringAWakeUp) {
+  const MachineConfig config = ThreeActuators();
+  Incident low = At(Milliseconds(2000), IncidentKind::kBattery);
+  low.chance = 10 * 2 + 1;  // percent, and charging
+  Incident full = At(Milliseconds(5000), IncidentKind::kBattery);
+  full.chance = 100 * 2 + 1;
+  EXPECT_EQ(Against(config, {low, At(Milliseconds(2000), IncidentKind::kSet, "LowPower"),
+                             At(Milliseconds(5000), IncidentKind::kWakeUp), full}),
+            "");
+}
+
+// The command to Error waits behind that to Protected at an actuator that is stopped, and hung.
+TEST(Judge, LetsACommandBeFencedThatWasGivenUpAsLost) {
+  const MachineConfig config = [] {
+    MachineConfig made = ThreeActuators();
+    made.actuators[2].checkpoint = Milliseconds(200);
+    made.actuators[2].command.clear();  // not ours to kill
+    return made;
+  }();
+  Incident stopped = At(Milliseconds(5000), IncidentKind::kFreeze);
+  stopped.lasts = Milliseconds(500);
+  stopped.actuator = 2;
+  EXPECT_EQ(Against(config, {stopped, At(Milliseconds(5000), IncidentKind::kSet, "Protected"),
+                             At(Milliseconds(5000), IncidentKind::kSet, "Error")}),
+            "");
+}
+
+// The takeover was asked for first, and waits for the controller that is stopped.
+TEST(Judge, LetsATakeoverStartTheMachineThatWasTornDownWhileItWaited) {
+  Incident tear_down = At(Milliseconds(5000), IncidentKind::kClientSet, "TearDown");
+  tear_down.chance = 1;  // of the machine
+  EXPECT_EQ(Against(ThreeActuators(), {At(Milliseconds(5000), IncidentKind::kControllerFreeze),
+                                       tear_down, At(Milliseconds(5000), IncidentKind::kTakeover)}),
+            "");
+}
+
+// Its process lives on with the other actuator, so that nothing but a restart brings it back.
+TEST(Judge, LetsPeopleRestartWhatWasTornDownAloneInAProcessThatItShares) {
+  MachineConfig config = ThreeActuators();
+  config.actuators[1].command.clear();
+  std::uint64_t seed = 1;
+  while (simulation::DrawLayout(config, seed, true).ProcessOf(1) == 1) ++seed;
+  EXPECT_EQ(Against(config, {At(Milliseconds(5000), IncidentKind::kSetOne, "TearDown")}, seed), "");
 }
 
 }  // namespace musher::testing::judge_test

@@ -301,6 +301,54 @@ TEST(SimService, LosesNoReplyWhileDiscoveryIsHalfDone) {
   }
 }
 
+// Found by a simulated client that asked for two switches: the reader of the first was taken for
+// that of the second.
+TEST(SimService, LosesNoReplyWhenAnotherClientOfTheSameProcessEndsMeanwhile) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    Network network(seed);
+    network.SetFaults({.delay_max = Milliseconds(20)});
+    network.SetDiscoveryDelay(Milliseconds(0), Milliseconds(500));
+    const auto dog = network.MakeNode("dog"), desk = network.MakeNode("desk");
+    std::vector<std::unique_ptr<Client<msg::Trigger>>> clients(2);
+    int answered = 0;
+    for (auto& client : clients) {
+      client = MakeClient<msg::Trigger>(*desk, "reset").value();
+      client->Call({}, std::chrono::seconds(3), [&](const auto& answer) {
+        answered += answer.ok() ? 1 : 0;
+        client.reset();
+      });
+    }
+    const auto server = MakeServer<msg::Trigger>(*dog, "reset", [](const auto&, auto reply) {
+                          reply({true, ""});
+                        }).value();
+    network.RunFor(std::chrono::seconds(4));
+    EXPECT_EQ(answered, 2) << "seed " << seed;
+    EXPECT_FALSE(server->Holds());
+  }
+}
+
+// It ends before the server has heard of its reader: there is no farewell of that to wait for.
+TEST(SimService, HoldsNoReplyForEverAfterAClientThatWasHalfDiscovered) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    Network network(seed);
+    network.SetDiscoveryDelay(Milliseconds(0), Milliseconds(100));
+    const auto dog = network.MakeNode("dog"), desk = network.MakeNode("desk");
+    const auto server = MakeServer<msg::Trigger>(*dog, "reset", [](const auto&, auto reply) {
+                          reply({true, ""});
+                        }).value();
+    const auto client = MakeClient<msg::Trigger>(*desk, "reset").value();
+    for (int i = 0; i < 5; ++i) {
+      const auto fleeting = MakeClient<msg::Trigger>(*desk, "reset").value();
+      network.RunFor(Milliseconds(30));
+    }
+    int answered = 0;
+    client->Call({}, std::chrono::seconds(2),
+                 [&](const auto& answer) { answered += answer.ok() ? 1 : 0; });
+    network.RunFor(std::chrono::seconds(3));
+    EXPECT_EQ(answered, 1) << "seed " << seed;
+  }
+}
+
 TEST(SimService, EndsEveryCallExactlyOnceWhateverTheNetworkDoes) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     Network network(seed);
