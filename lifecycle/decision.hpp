@@ -28,6 +28,9 @@ inline constexpr Duration kEndTime = Milliseconds(2000);
 // Two clocks that are 100 ppm apart differ by 6 ms after this.
 inline constexpr Duration kClockGoodFor = std::chrono::seconds(60);
 
+// Of one that was torn down alone, whether its process has ended or lives on with others in it.
+inline constexpr const char* kTornDownAlone = "is torn down; only a new start brings it back";
+
 // How one order ended.
 struct OrderEnd {
   ActuatorOutcome outcome = ActuatorOutcome::kDone;

@@ -112,6 +112,8 @@ void Decision::Follow(std::size_t i) {
   if (machine_.emergency_stop && record.report.emergency_stop == 0) {
     Do(action::TellEmergencyStop{*machine_.emergency_stop, true});  // it may think that it is over
   }
+  if (record.state() == kTearDown && record.held)
+    Degrade(i, kCodeStateInvalid, kTornDownAlone, record.cause);
   JudgeArrival(i);
 }
 
@@ -350,7 +352,7 @@ void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause, 
   record.report.busy_number = 0;
   if (machine_.phase == Phase::kStopping) return;
   if (torn_down) {
-    return Degrade(i, kCodeStateInvalid, "is torn down; only a new start brings it back", cause);
+    return Degrade(i, kCodeStateInvalid, kTornDownAlone, cause);
   }
   // Why its SetUp failed says more than that its process is gone.
   if (!record.fault || had_answered) Degrade(i, code, how, cause);

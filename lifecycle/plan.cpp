@@ -175,6 +175,7 @@ class Planning {
   // Whether its callback need not run for it to be in the target. One that is held by an emergency
   // stop says that it is, and what its state had switched on is off.
   bool IsThere(const ActuatorRecord& record) const {
+    if (plan_.target == kTearDown && record.state() == kTearDown) return true;  // the end of all
     return record.state() == plan_.target && !record.fault && !record.report.held_by_stop;
   }
 
@@ -197,6 +198,9 @@ class Planning {
     if (record.presence != Presence::kPresent) {
       const bool loading = !record.fault && record.presence != Presence::kLost;
       leave_out(loading ? "is still starting" : "is not there", kCodeStatusError, !loading);
+    } else if (record.state() == kTearDown && plan_.target != kTearDown) {
+      // Its process lives on, with other actuators in it.
+      leave_out("is torn down; only a new start brings it back", kCodeStateInvalid, true);
     } else if (record.restart_asked && plan_.target != kTearDown) {
       leave_out("is being restarted", kCodeTargetBusy, false);
     } else if (Joining(record)) {

@@ -48,8 +48,10 @@ void Decision::Stop(const Plan& plan, std::vector<RequestId> requests, std::uint
     record.claim_again.reset();
     record.restart_at.reset();
     record.restart_asked = false;
-    if (record.presence == Presence::kPresent) continue;
-    record.fault.reset();  // what has ended cannot be left behind
+    const bool present = record.presence == Presence::kPresent;
+    // What has ended cannot be left behind.
+    if (!present || record.state() == kTearDown) record.fault.reset();
+    if (present) continue;
     record.set_up_by.reset();
     if (const auto pid = OwnProcess(i); pid != 0) Do(action::SignalProcess{i, pid, false});
   }

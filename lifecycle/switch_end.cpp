@@ -56,7 +56,8 @@ void Decision::Apply(const Switch& s, bool undone) {
   for (const ActuatorResult& other : s.others) {
     const std::size_t i = *config_.IndexOf(other.name);
     const bool was_held = std::exchange(Of(i).held, false);
-    if (was_held && Of(i).presence == Presence::kLost) Fall(i);  // it is missed from now on
+    const bool away = Of(i).presence == Presence::kLost || Of(i).state() == kTearDown;
+    if (was_held && away) Fall(i);  // it is missed from now on
     if (other.outcome == ActuatorOutcome::kUnsupported) {
       Degrade(i, other.code, other.message, s.cause);
     }
@@ -146,6 +147,7 @@ bool Decision::IsAway(std::size_t i, const State& target) const {
   const ActuatorRecord& record = Of(i);
   if (!record.fault) return false;
   if (record.report.busy()) return true;  // where it will be is not known
+  if (record.state() == kTearDown) return target != kTearDown;
   const bool there = record.presence == Presence::kPresent || target == kTearDown;
   return !there || (target == kSelfCheck ? !record.checked : record.state() != target);
 }
@@ -229,6 +231,8 @@ void Decision::EndSwitch() {
   if (s.purpose == Purpose::kStop) return OnTornDown(result);
   NoteEndOfSwitch(s, undone);
   Answer(s.requests, result);
+  const bool torn_down = s.only && s.target == kTearDown && !undone;
+  if (torn_down) Degrade(*s.only, kCodeStateInvalid, kTornDownAlone, told);
   if (s.purpose == Purpose::kStartUpCheck) return AfterStartUpCheck(told);
   if (s.purpose == Purpose::kStartUpActivate && undone) {
     return FailStartUp(result.reason, told);

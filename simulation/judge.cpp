@@ -235,7 +235,8 @@ void Judge::ControllerKilled(const ControllerProcess& controller) {
 
 void Judge::Answered(std::uint64_t request, const SwitchResult& result) {
   ++judgements_;
-  if (open_.erase(request) == 0) {
+  const auto open = open_.extract(request);
+  if (open.empty()) {
     return Blame(Promise::kOneAnswer, "a request for " + result.target + " was answered twice");
   }
   just_answered_.insert(result.target);
@@ -246,8 +247,12 @@ void Judge::Answered(std::uint64_t request, const SwitchResult& result) {
   }
   const bool there =
       result.outcome == SwitchOutcome::kDone || result.outcome == SwitchOutcome::kDoneDegraded;
+  for (std::size_t which = 0; which < 2; ++which) {
+    const ControllerProcess* asked = robot_.controller(which);
+    if (asked != nullptr && asked->serial() == open.mapped().controller)
+      CheckTornDown(*asked, result);
+  }
   const ControllerProcess* controller = robot_.leader();
-  if (controller != nullptr) CheckTornDown(*controller, result);
   const bool ranked = config_.RankOf(result.target) && result.target != kTearDown;
   if (!there || !result.actuator.empty() || !ranked || controller == nullptr) return;
   went_on_ = robot_.age();

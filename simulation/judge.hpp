@@ -105,6 +105,7 @@ class Judge {
   void CheckPower();
   void PersonStarts() { stop_asked_.reset(); }
   void CheckStaysDown(const ControllerProcess& controller);
+  bool RunsForAnother(const ControllerProcess& asked, std::size_t i, std::size_t host) const;
   void CheckTornDown(const ControllerProcess& controller, const SwitchResult& result);
   // command_invariants.cpp
   void CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report);

@@ -64,9 +64,7 @@ void Story::RepairActuators() {
     const ActuatorConfig& actuator = config_.actuators[process];
     const ActuatorRecord& record = leader->shell().machine().actuators[i];
     const ActuatorReport* report = robot_.ReportOf(i, record.report);
-    // One that was torn down alone in a process that it shares with others lives on.
-    const bool torn_down = report != nullptr && report->state == kTearDown;
-    const bool well = report != nullptr && !torn_down && !report->busy() && !record.fault;
+    const bool well = report != nullptr && !report->busy() && !record.fault;
     if (well) continue;
     Note("people restart " + actuator.name);
     EndElsewhere(actuator);

@@ -107,6 +107,20 @@ void Judge::CheckStaysDown(const ControllerProcess& controller) {
                                  " after a TearDown that was accepted");
 }
 
+// Whether it runs for another controller on its own host. That one began while the one that was
+// asked to tear down stood still or was out of reach: else that one would have let go.
+bool Judge::RunsForAnother(const ControllerProcess& asked, std::size_t i, std::size_t host) const {
+  for (std::size_t which = 0; which < 2; ++which) {
+    const ControllerProcess* other = robot_.controller(which);
+    if (other == nullptr || other->serial() == asked.serial() || !other->leads()) continue;
+    const std::int32_t pid = other->shell().machine().actuators[i].process;
+    const bool its_own =
+        pid != 0 && pid == robot_.processes().PidOf(config_.actuators[i].name, host);
+    if (other->host() == host && host != asked.host() && its_own) return true;
+  }
+  return false;
+}
+
 // TearDown is told to be done.
 void Judge::CheckTornDown(const ControllerProcess& controller, const SwitchResult& result) {
   if (result.target != kTearDown || !result.actuator.empty()) return;
@@ -120,6 +134,7 @@ void Judge::CheckTornDown(const ControllerProcess& controller, const SwitchResul
       const ActuatorRecord& record = controller.shell().machine().actuators[i];
       const bool heard = record.report.incarnation == report->incarnation;
       if (!heard && !config_.RankOf(report->state)) continue;
+      if (!heard && RunsForAnother(controller, i, host)) continue;
       Blame(Promise::kDownIsDown, "TearDown is told to be done, and " + name + " lives on in " +
                                       report->state + " on host " + robot_.hosts().name(host));
     }

@@ -193,4 +193,44 @@ TEST_F(FoundByStories, AControllerThatLeadsIsToldByNobodyThatAStopIsOver) {
   EXPECT_TRUE(t.machine().emergency_stop);
 }
 
+// b and another actuator are one process, which nothing ends.
+TEST_F(FoundByStories, OneThatIsTornDownAloneInASharedProcessUndoesNoSwitchUp) {
+  Theatre& t = In("Protected", MachineOf(3));
+  t.shared = {"b"};
+  EXPECT_TRUE(t.Set("TearDown", "b").done());
+  t.Rest();
+  ASSERT_TRUE(t.RecordOf("b").fault);
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("only a new start brings it back"));
+  const SwitchResult up = t.Set("Active");
+  EXPECT_EQ(up.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(up.reason, HasSubstr("b: is torn down; only a new start brings it back"));
+  EXPECT_EQ(t.StateOf("a"), "Active");
+  EXPECT_EQ(t.Set("SelfCheck").outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(t.Set("Active").degraded, ElementsAre("b"));
+  EXPECT_TRUE(t.Set("TearDown").done()) << "it is where the machine goes";
+}
+
+TEST_F(FoundByStories, OneThatIsBoundToWhatIsTornDownInASharedProcessRests) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "a").binds_to = {"b"};
+  Theatre& t = In("Active", config);
+  t.shared = {"b"};
+  t.Set("TearDown", "b");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("a"), "DeActive");
+}
+
+TEST_F(FoundByStories, ACriticalOneThatIsTornDownInASharedProcessKeepsTheMachineFromGoingUp) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "b").critical = true;
+  Theatre& t = In("Protected", config);
+  t.shared = {"b"};
+  t.Set("TearDown", "b");
+  t.ClearLog();
+  const SwitchResult up = t.Set("Active");
+  EXPECT_EQ(up.outcome, SwitchOutcome::kRefused);
+  EXPECT_THAT(up.reason, HasSubstr("critical b is torn down; only a new start brings it back"));
+  EXPECT_THAT(t.log(), ElementsAre());
+}
+
 }  // namespace musher::testing::found_by_stories_test

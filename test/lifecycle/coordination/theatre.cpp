@@ -308,8 +308,8 @@ void Theatre::Do(std::size_t i, const ActuatorAction& action) {
   } else if (std::holds_alternative<actuator_action::BecomeVisible>(action)) {
     actor.visible = true;
   } else if (const auto* finish = std::get_if<actuator_action::Finish>(&action)) {
-    const bool clean = finish->code == kCodeOk;
-    After(kWire * 3, [this, i, clean] {
+    if (shared.contains(config_.actuators[i].name) && finish->code == kCodeOk) return;
+    After(kWire * 3, [this, i, clean = finish->code == kCodeOk] {
       EndProcess(i, clean, clean ? "exit code 0" : "exit code 1", clean ? 0 : 1);
     });
   }

@@ -100,6 +100,7 @@ class Theatre {
   std::optional<std::string> fenced;
   std::vector<action::Record> told;  // the same, whole, of the present controller
   std::vector<std::string> signals;  // "audio:TERM"
+  std::set<std::string> shared;      // actuators whose process lives on after their TearDown
   std::function<void()> after_step;  // what holds after every step of the controller
   Time now() const { return now_; }
   // Commands written by the test itself, as a stranger might.
