@@ -2,6 +2,7 @@
 // Looks at a simulated robot after every event, and says when a promise does not hold. It judges by
 // what the actuators do, not by what the controller believes, wherever that can be told apart.
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -117,6 +118,7 @@ class Judge {
   void JudgeCeiling(const Machine& machine, bool at_rest);
   void JudgePolicyChange(const Machine& machine, const Seen& seen);
   void JudgeRaise(const State& raised_to, int percent);
+  void NoteLevels(const BatteryPolicy& policy, int percent);
   void JudgePower();
   bool ByPolicy(const State& state) const;
 
@@ -145,7 +147,8 @@ class Judge {
   std::uint64_t next_request_ = 1;
   std::vector<State> policy_up_to_;  // the targets of its last switches
   std::vector<State> policy_down_to_;
-  std::optional<int> raised_at_;       // percent of the battery when it last decided to raise
+  std::optional<int> raised_at_;  // percent of the battery when it last decided to raise
+  std::array<bool, 2> left_{};    // the levels of Protected and LowPower, and not reached again
   std::optional<State> judged_raise_;  // before its state was seen: a lowering began in that step
   bool lowering_begins_ = false;       // its switch is the next record
   std::optional<std::pair<State, State>> lowered_;  // by the battery: from, to

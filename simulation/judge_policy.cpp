@@ -35,12 +35,22 @@ void Judge::JudgeCeiling(const Machine& machine, bool at_rest) {
   const bool waits = machine.current || machine.fallback || policy.keep || policy.power ||
                      machine.state == kOta || (!at_rest && !policy.loaded);
   if (!config_.policy || !config_.policy->battery || !policy.battery) return;
+  NoteLevels(*config_.policy->battery, *policy.battery);
   const auto rank = config_.RankOf(machine.state);
   if (waits || machine.phase != Phase::kRunning || !rank) return;
   const auto most = MostAt(*config_.policy->battery, *policy.battery, policy.charging);
   if (!most || *rank <= *most) return;
   Blame(Promise::kWithinBattery,
         "the machine is in " + machine.state + " while " + BatteryText(policy));
+}
+
+// A level is left `hysteresis` above where it begins; from then on only its beginning counts.
+void Judge::NoteLevels(const BatteryPolicy& policy, int percent) {
+  const std::array begins = {policy.protected_at, policy.low_power_at};
+  for (std::size_t i = 0; i < begins.size(); ++i) {
+    if (percent <= begins[i]) left_[i] = false;
+    if (percent >= begins[i] + policy.hysteresis && percent > begins[i]) left_[i] = true;
+  }
 }
 
 // Keeps in mind what the policy says that it does: "…: down to LowPower", "…: back to Active", and
@@ -125,10 +135,12 @@ void Judge::JudgeRaise(const State& raised_to, int percent) {
     Blame(Promise::kNoFlapping, what + ", from where it had not taken it down");
   }
   const BatteryPolicy& battery = *config_.policy->battery;
-  const std::pair<std::string_view, int> levels[] = {{kProtected, battery.protected_at},
-                                                     {kLowPower, battery.low_power_at}};
-  for (const auto& [state, at] : levels) {
-    if (rank <= *BuiltInRank(state) || percent >= at + battery.hysteresis) continue;
+  const std::tuple<std::string_view, int, bool> levels[] = {
+      {kProtected, battery.protected_at, left_[0]}, {kLowPower, battery.low_power_at, left_[1]}};
+  for (const auto& [state, at, left] : levels) {
+    // It may have been left before: the raise is tried again after one that was undone.
+    const bool still_left = left && percent > at;
+    if (rank <= *BuiltInRank(state) || percent >= at + battery.hysteresis || still_left) continue;
     Blame(Promise::kNoFlapping, what + " at " + std::to_string(percent) + " %");
   }
   if (!lowered_) return;

@@ -104,4 +104,18 @@ TEST(Judge, LetsPeopleRestartWhatWasTornDownAloneInAProcessThatItShares) {
   EXPECT_EQ(Against(config, {At(Milliseconds(5000), IncidentKind::kSetOne, "TearDown")}, seed), "");
 }
 
+// The raise at 100 % is undone, and tried again at 21 %: below the hysteresis, but the ceiling was
+// left at 100 % and begins at 20 %.
+TEST(Judge, LetsARaiseBeTriedAgainWhereTheCeilingWasLeftBefore) {
+  Incident low = At(Milliseconds(3000), IncidentKind::kBattery);
+  low.chance = 10 * 2;  // percent, and no cable
+  Incident fails = At(Milliseconds(6000), IncidentKind::kFail);
+  fails.lasts = Milliseconds(50);  // the way back succeeds
+  Incident full = At(Milliseconds(6000), IncidentKind::kBattery);
+  full.chance = 100 * 2;
+  Incident lower = At(Milliseconds(6500), IncidentKind::kBattery);
+  lower.chance = 21 * 2;
+  EXPECT_EQ(Against(ThreeActuators(), {low, fails, full, lower}), "");
+}
+
 }  // namespace musher::testing::judge_test
