@@ -13,17 +13,19 @@ endforeach()
 find_program(CCACHE ccache)
 if(CCACHE)
   set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
-  # It must be told that the headers which are compiled beforehand are no hindrance.
+  # Without this ccache does not cache sources that use precompiled headers.
   set(CMAKE_CXX_COMPILER_LAUNCHER
     ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
-# musher_target(<target>) compiles it as all of Musher is: with warnings, and ten sources at a time,
-# which takes a third of the time, since what they include is read once. So names in the anonymous
-# namespaces of a target differ, and each test has a namespace of its own name.
+# musher_target(<target>) sets what all targets have in common: the warnings, and a unity build of ten
+# sources at a time, which halves the time because shared headers are read once. In a unity build the
+# names in the anonymous namespaces of a target must differ, and each test has a namespace of its own
+# name.
 #
-# Two warnings of GCC 12 are false alarms when it optimises strings and variants (its bugs 105651 and
-# 105562); the last one takes an anonymous namespace for one of several sources.
+# -Wno-restrict, -Wno-maybe-uninitialized: false alarms of GCC 12 when it optimises strings and variants
+# (its bugs 105651 and 105562). -Wno-subobject-linkage: GCC warns of a class with a member of a type in
+# an anonymous namespace unless both are in the main file, which in a unity build they are not.
 function(musher_target target)
   target_compile_options(${target} PRIVATE
     -Wall -Wextra -Wpedantic -Wconversion -Wno-sign-conversion

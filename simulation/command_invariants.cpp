@@ -53,8 +53,8 @@ void Judge::CheckWaiting(const std::string& name, std::size_t host, const Actuat
             std::to_string(ToMilliseconds(order->second.budget)) + " ms, and no newer one came");
 }
 
-// The sender has lost the actuator meanwhile and told that outcome. It takes the actuator up again
-// with a question, which fences what it has given up.
+// Whether the controller that sent the command has lost the actuator since and reported that
+// outcome. When the actuator is available again, the query that attaches it fences the old command.
 bool Judge::IsGivenUp(std::uint64_t epoch, std::size_t i) const {
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* controller = robot_.controller(which);

@@ -115,8 +115,8 @@ void Judge::JudgePolicyChange(const Machine& machine, const Seen& seen) {
     return;
   }
   if (lowered_ && lowered_->first == machine.state) return;  // from here it is taken down at once
-  // Somebody else did it. What the battery kept him from may come later, or has begun already: in
-  // the step that ended this switch the battery may have left its ceiling.
+  // A client made this switch. The policy may raise the machine later, or has begun to already: the
+  // battery may have left its ceiling in the step that ended this switch.
   const auto ended = [&](const State& target) {
     return !machine.current || machine.current->purpose != Purpose::kPolicy ||
            machine.current->target != target;

@@ -10,7 +10,7 @@
 namespace musher::simulation {
 namespace {
 
-// After which everybody knows of a process that ended where no controller watches it.
+// After this all hosts have noticed the end of a process that no controller of its host monitors.
 constexpr Duration kUntilMissed = std::chrono::seconds(12);
 
 }  // namespace

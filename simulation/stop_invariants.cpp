@@ -91,9 +91,9 @@ void Judge::CheckPower() {
   }
 }
 
-// A TearDown that was accepted goes on, whatever becomes of the controller, until one begins that a
-// person has started: that one may have been asked for before the TearDown, and have listened
-// meanwhile. Each disk knows of its own controllers' intent.
+// An accepted TearDown continues, even if its controller ends, until a controller begins that an
+// operator has started. The operator may have started it before the TearDown: it listens for other
+// controllers first. Each disk stores the intent of the controllers of its host only.
 void Judge::CheckStaysDown(const ControllerProcess& controller) {
   const Machine& machine = controller.shell().machine();
   if (machine.stopping && !stop_asked_) {
@@ -107,8 +107,9 @@ void Judge::CheckStaysDown(const ControllerProcess& controller) {
                                  " after a TearDown that was accepted");
 }
 
-// Whether it runs for another controller on its own host. That one began while the one that was
-// asked to tear down stood still or was out of reach: else that one would have let go.
+// Whether the actuator runs for another controller, on the host of that controller, which began
+// while the controller `asked` to tear down was stopped or disconnected; otherwise `asked` would
+// have released the machine.
 bool Judge::RunsForAnother(const ControllerProcess& asked, std::size_t i, std::size_t host) const {
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* other = robot_.controller(which);

@@ -1,1 +1,1 @@
-// Nothing: of this program only the headers are of use, which are compiled beforehand.
+// Empty: the target exists for its precompiled headers (headers.hpp).

@@ -1,5 +1,5 @@
 #pragma once
-// What is compiled beforehand for all tests. A test includes what it uses nevertheless.
+// The precompiled headers of all tests. A test includes what it uses nevertheless.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,8 +10,8 @@ namespace musher::transport {
 namespace {
 
 constexpr Duration kLongestHold = std::chrono::seconds(5);
-// The two halves of a client that is closed are lost within this of each other.
-constexpr Duration kFarewell = std::chrono::seconds(1);
+// The writer and the reader of a closed client are unmatched within this time of each other.
+constexpr Duration kUnmatchInterval = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -75,7 +75,7 @@ void RawServer::TakeRequest(std::span<const std::byte> bytes, const SampleInfo& 
 }
 
 void RawServer::OnMatchChanged() {
-  if (!requests_) return;  // nobody can have asked yet
+  if (!requests_) return;  // no request can have arrived yet
   for (const PeerId participant : requests_->WriterParticipants()) peers_.try_emplace(participant);
   for (auto& [participant, peer] : peers_) NoteMatches(participant, peer);
   std::erase_if(peers_, [](const auto& entry) {
@@ -95,7 +95,7 @@ void RawServer::NoteMatches(PeerId participant, Peer& peer) {
   peer.leaving += lost_writers - lost_readers;
   peer.settled = nullptr;
   if (peer.leaving == 0) return;
-  peer.settled = loop_.At(loop_.Now() + kFarewell, [this, &peer] {
+  peer.settled = loop_.At(loop_.Now() + kUnmatchInterval, [this, &peer] {
     peer.leaving = 0;
     SendHeld();
   });

@@ -1,12 +1,11 @@
 #pragma once
 // The untyped half of a service server. A reply is held until the readers of the participant that
 // asked are matched, so that it cannot get lost between two halves of discovery: a participant has
-// one reply reader for each of its clients, hence as many as it has request writers. Of a client
-// that is closed the writer may be lost first: its reader, which is still there, is not counted for
-// another client until it is lost as well, or for 1 s (it may never have been matched). A reply
-// that has waited for 5 s is dropped; its client has gone or gives up by its own deadline. A
-// request of a participant that is not known (any more) is dropped: it could not be answered, and
-// nobody could say on whose behalf it is.
+// one reply reader for each of its clients, hence as many as it has request writers. When a client
+// closes, its writer may be unmatched before its reader: that reader is not counted for another
+// client until it is unmatched as well, or for 1 s (it may never have been matched). A reply that
+// has waited for 5 s is dropped; its client has exited or times out. A request of a participant
+// that is not matched (any more) is dropped: it could not be answered or attributed.
 //
 // Threads: loop thread only.
 

@@ -68,19 +68,19 @@ std::vector<std::string> MakeAllSpeakMusher(MachineConfig& config) {
   return others;
 }
 
-struct ToldStory {
+struct SimulatedRun {
   std::string text;
   std::string svg;
   simulation::Ending ending;
 };
 
-Result<ToldStory> Tell(const MachineConfig& config, const StoryOptions& options,
-                       const StoryId& id) {
+Result<SimulatedRun> Tell(const MachineConfig& config, const StoryOptions& options,
+                          const StoryId& id) {
   auto incidents = IncidentsOf(config, id);
   if (!incidents) return incidents.error();
   Story story(config, id.seed, std::move(incidents).value(), options);
   Timeline timeline(story, config);
-  ToldStory told;
+  SimulatedRun told;
   told.ending = story.Tell();
   timeline.End(told.ending);
   told.text = timeline.Text();

@@ -327,7 +327,7 @@ TEST(SimService, LosesNoReplyWhenAnotherClientOfTheSameProcessEndsMeanwhile) {
   }
 }
 
-// It ends before the server has heard of its reader: there is no farewell of that to wait for.
+// The client ends before the server has matched its reader, so that no reader will be unmatched.
 TEST(SimService, HoldsNoReplyForEverAfterAClientThatWasHalfDiscovered) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     Network network(seed);
