@@ -93,7 +93,7 @@ TEST_F(Switching, AnActuatorThatDiesDuringTheSwitchIsKnownAtOnce) {
   EXPECT_EQ(t.StateOf("a"), "Protected");
 }
 
-// A switch is not "done" when an actuator has exited since its part of it, while others still switch.
+// A switch is not "done" when an actuator has exited since its part of it, while others switch.
 TEST_F(Switching, AnActuatorThatDiesAfterItsPartOfTheSwitchIsMissingInTheOutcome) {
   for (const char* target : {"Active", "LowPower", "SelfCheck"}) {
     for (const bool ours : {false, true}) {
