@@ -44,7 +44,7 @@ class Watch {
         link_.node(), transport::ResolveName(global_.name_space, name_ + "/behavior_state"),
         [this](const msg::String&, const transport::SampleInfo&) { changed_ = true; },
         transport::kLatchedQos, std::move(events));
-    if (!states) return console_.Fail({ExitCode::kUsage, states.error()});
+    if (!states) return console_.Fail(states.error());
     // The latched state comes at once, unless it has gone before it was found.
     const bool found = link_.RunUntil([this] { return changed_ || gone_; }, link_.discovery());
     if (!found) gone_ = true;
@@ -123,7 +123,7 @@ std::optional<Failure> Send(Link& link, const GlobalOptions& global,
 
 ExitCode Behavior(const BehaviorOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
-  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  if (!link) return console.Fail(link.error());
   const auto answer = AskBehavior(*link.value(), global, options.name,
                                   {"", options.watch ? kAllChanges : options.history});
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);

@@ -26,7 +26,7 @@ Failure Unknown(const std::string& name, const msg::Capabilities& told) {
 ExitCode Capabilities(const CapabilitiesOptions& options, const GlobalOptions& global,
                       Console& console) {
   const auto link = Link::Open(global);
-  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  if (!link) return console.Fail(link.error());
   const auto answer =
       link.value()->Ask<msg::GetCapabilities>("get_capabilities", {}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);

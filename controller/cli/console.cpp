@@ -77,4 +77,8 @@ ExitCode Console::Fail(const Failure& failure) {
   return failure.exit;
 }
 
+ExitCode Console::Fail(const Error& error) {
+  return Fail(Failure{ExitCode::kUsage, error});
+}
+
 }  // namespace musher::cli

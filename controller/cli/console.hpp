@@ -46,6 +46,8 @@ class Console {
   void Note(std::string_view text);
   // Complains; in JSON mode the failure is the result document, too. Returns its exit code.
   ExitCode Fail(const Failure& failure);
+  // Fails with ExitCode::kUsage.
+  ExitCode Fail(const Error& error);
 
  private:
   std::ostream& out_;

@@ -19,10 +19,10 @@ constexpr Duration kPatience = std::chrono::seconds(10);
 
 ExitCode EndWhatRuns(const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
-  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  if (!link) return console.Fail(link.error());
   const auto running =
       Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
-  if (!running) return console.Fail({ExitCode::kUsage, running.error()});
+  if (!running) return console.Fail(running.error());
   link.value()->RunUntil([&] { return link.value()->HasMachine(); }, link.value()->discovery());
   if (link.value()->HasMachine() || link.value()->LeaderHere() != 0) {
     return console.Fail(
@@ -35,7 +35,7 @@ ExitCode EndWhatRuns(const GlobalOptions& global, Console& console) {
   }
   const auto ending = Ending::Begin(link.value()->node(), global.name_space, *running.value(),
                                     global.timeout.value_or(kPatience));
-  if (!ending) return console.Fail({ExitCode::kUsage, ending.error()});
+  if (!ending) return console.Fail(ending.error());
   link.value()->RunUntil([&] { return ending.value()->Ended() || ending.value()->OutOfTime(); },
                          std::chrono::hours(1));
   const auto outcomes = ending.value()->Outcomes();

@@ -57,12 +57,12 @@ EstopReport AwaitEverybody(Link& link, const Latching& latching, Duration timeou
 
 ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
-  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  if (!link) return console.Fail(link.error());
   const auto latching = Latching::Begin(link.value()->node(), global.name_space,
                                         NewStop(options.reason), !global.keys.empty());
-  if (!latching) return console.Fail({ExitCode::kUsage, latching.error()});
+  if (!latching) return console.Fail(latching.error());
   if (const auto followed = link.value()->FollowStatus({}); !followed) {
-    return console.Fail({ExitCode::kUsage, followed.error()});
+    return console.Fail(followed.error());
   }
   const EstopReport report =
       AwaitEverybody(*link.value(), *latching.value(), global.timeout.value_or(kStopTimeout));
@@ -77,7 +77,7 @@ ExitCode Engage(const EstopOptions& options, const GlobalOptions& global, Consol
 
 ExitCode Release(const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
-  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  if (!link) return console.Fail(link.error());
   const auto answer =
       link.value()->Ask<msg::ReleaseEmergencyStop>("release_emergency_stop", {Me()}, kStopTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) {

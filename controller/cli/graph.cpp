@@ -55,7 +55,7 @@ Drawing DrawBehavior(const std::string& name, const std::string& format,
 
 ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console& console) {
   const Result<std::string> known = FormatOf(options);
-  if (!known) return console.Fail({ExitCode::kUsage, known.error()});
+  if (!known) return console.Fail(known.error());
   const std::string& format = known.value();
   Drawing drawn;
   if (!options.behavior.empty()) {
@@ -79,7 +79,7 @@ ExitCode Graph(const GraphOptions& options, const GlobalOptions& global, Console
   file << drawing;
   file.close();
   if (!file) {
-    return console.Fail({ExitCode::kUsage, {kCodeFailed, "cannot write " + options.output}});
+    return console.Fail({kCodeFailed, "cannot write " + options.output});
   }
   if (console.mode().json) console.Print(GraphFileJson(format, options.output));
   return ExitCode::kDone;

@@ -137,12 +137,12 @@ ExitCode Explain(const std::vector<msg::HistoryEntry>& entries, const State& sta
 
 ExitCode History(const HistoryOptions& options, const GlobalOptions& global, Console& console) {
   const auto selection = Select(options);
-  if (!selection) return console.Fail({ExitCode::kUsage, selection.error()});
+  if (!selection) return console.Fail(selection.error());
   const Selection& wanted = selection.value();
   std::unique_ptr<Link> link;
   if (options.journal.empty()) {
     auto opened = Link::Open(global);
-    if (!opened) return console.Fail({ExitCode::kUsage, opened.error()});
+    if (!opened) return console.Fail(opened.error());
     link = std::move(opened).value();
   }
   auto told = link ? Ask(*link, wanted.since, wanted.ReadLimit())

@@ -24,10 +24,6 @@ using transport::keys::Role;
 
 constexpr const char* kOperator = "operator";
 
-ExitCode Fail(Console& console, const Error& error) {
-  return console.Fail({ExitCode::kUsage, error});
-}
-
 // The folder of --keys, or why there is none.
 Result<KeyFolder> ChosenFolder(const GlobalOptions& global) {
   if (global.keys.empty()) {
@@ -53,17 +49,17 @@ std::optional<KeyPlan> PlanFor(const std::string& where, Console& console) {
   const auto config = LoadConfig(where, console);
   if (!config) return std::nullopt;
   if (config->keys.empty()) {
-    Fail(console, {kCodeParametersInvalid,
-                   where + " does not say where its keys are to be; add to it: [security] keys = "
-                           "\"keys\""});
+    console.Fail({kCodeParametersInvalid,
+                  where + " does not say where its keys are to be; add to it: [security] keys = "
+                          "\"keys\""});
     return std::nullopt;
   }
   plan.folder = KeyFolder(config->keys);
   for (const ActuatorConfig& actuator : config->actuators) {
     for (const auto& [name, role] : plan.identities) {
       if (name != actuator.name) continue;
-      Fail(console, {kCodeParametersInvalid, "an actuator cannot have the name '" + name +
-                                                 "' of an identity that every machine has"});
+      console.Fail({kCodeParametersInvalid, "an actuator cannot have the name '" + name +
+                                                "' of an identity that every machine has"});
       return std::nullopt;
     }
   }
@@ -94,7 +90,7 @@ ExitCode Done(Console& console, const KeyFolder& folder, const std::string& text
     return ExitCode::kDone;
   }
   const auto identities = List(folder);
-  if (!identities) return Fail(console, identities.error());
+  if (!identities) return console.Fail(identities.error());
   console.Print(KeysJson(folder.path(), identities.value()));
   return ExitCode::kDone;
 }
@@ -106,12 +102,12 @@ ExitCode KeysInit(const KeysInitOptions& options, Console& console) {
   if (!plan) return ExitCode::kUsage;
   const Protection protection = options.signed_only ? Protection::kSigned : Protection::kEncrypted;
   if (auto made = CreateAuthority(plan->folder, protection, options.force); !made) {
-    return Fail(console, made.error());
+    return console.Fail(made.error());
   }
   for (const auto& [name, role] : plan->identities) {
     const IssueOptions issue{options.days, options.force};
     if (auto made = Issue(plan->folder, name, role, issue); !made) {
-      return Fail(console, made.error());
+      return console.Fail(made.error());
     }
   }
   const std::string& path = plan->folder.path();
@@ -124,11 +120,11 @@ ExitCode KeysInit(const KeysInitOptions& options, Console& console) {
 
 ExitCode KeysAdd(const KeysAddOptions& options, const GlobalOptions& global, Console& console) {
   const auto folder = ChosenFolder(global);
-  if (!folder) return Fail(console, folder.error());
+  if (!folder) return console.Fail(folder.error());
   const Role role = transport::keys::RoleFrom(options.role).value();
   const IssueOptions issue{options.days, options.force};
   if (auto made = Issue(folder.value(), options.name, role, issue); !made) {
-    return Fail(console, made.error());
+    return console.Fail(made.error());
   }
   return Done(
       console, folder.value(),
@@ -141,9 +137,9 @@ ExitCode KeysAdd(const KeysAddOptions& options, const GlobalOptions& global, Con
 ExitCode KeysRevoke(const KeysRevokeOptions& options, const GlobalOptions& global,
                     Console& console) {
   const auto folder = ChosenFolder(global);
-  if (!folder) return Fail(console, folder.error());
+  if (!folder) return console.Fail(folder.error());
   if (auto revoked = Revoke(folder.value(), options.name); !revoked) {
-    return Fail(console, revoked.error());
+    return console.Fail(revoked.error());
   }
   return Done(
       console, folder.value(),
@@ -156,9 +152,9 @@ ExitCode KeysRevoke(const KeysRevokeOptions& options, const GlobalOptions& globa
 
 ExitCode KeysList(const GlobalOptions& global, Console& console) {
   const auto folder = ChosenFolder(global);
-  if (!folder) return Fail(console, folder.error());
+  if (!folder) return console.Fail(folder.error());
   const auto identities = List(folder.value());
-  if (!identities) return Fail(console, identities.error());
+  if (!identities) return console.Fail(identities.error());
   const std::int64_t now = WallNow();
   Table table({"NAME", "ROLE", "VALID UNTIL", "NOTE"});
   for (const Identity& identity : identities.value()) {

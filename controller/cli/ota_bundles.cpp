@@ -25,10 +25,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t kLargestKey = 16 << 10;  // bytes
 constexpr unsigned kOthers = 077;
 
-ExitCode Refuse(Console& console, const Error& error) {
-  return console.Fail({ExitCode::kUsage, error});
-}
-
 std::string Absolute(const std::string& path) {
   return fs::absolute(path).lexically_normal();
 }
@@ -53,8 +49,8 @@ std::optional<ota::Manifest> ManifestFor(const OtaBundleOptions& options, Consol
   const auto read = [&](const std::string& text, const char* option) {
     auto version = ota::ParseVersion(text);
     if (!version) {
-      Refuse(console, {kCodeParametersInvalid,
-                       fmt::format("{} '{}' is not MAJOR.MINOR.PATCH, as in 1.4.0", option, text)});
+      console.Fail({kCodeParametersInvalid,
+                    fmt::format("{} '{}' is not MAJOR.MINOR.PATCH, as in 1.4.0", option, text)});
     }
     return version;
   };
@@ -68,7 +64,7 @@ std::optional<ota::Manifest> ManifestFor(const OtaBundleOptions& options, Consol
   const auto config = LoadConfig(options.folder + "/" + options.config, console);
   if (!config) return std::nullopt;
   if (const auto fault = UpgradeFault(*config)) {
-    Refuse(console, {kCodeParametersInvalid, *fault});
+    console.Fail({kCodeParametersInvalid, *fault});
     return std::nullopt;
   }
   manifest.robot = options.robot.empty() ? config->name : options.robot;
@@ -113,15 +109,15 @@ ExitCode OtaKeygen(const OtaKeygenOptions& options, Console& console) {
   for (const std::string& file : {secret, open}) {
     const auto there = disk.Look(file);
     if (!there || there.value().kind == ota::Disk::Kind::kNothing) continue;
-    return Refuse(console, {kCodeParametersInvalid, file + " is there already"});
+    return console.Fail({kCodeParametersInvalid, file + " is there already"});
   }
   const auto keys = ota::MakeKeyPair();
-  if (!keys) return Refuse(console, keys.error());
+  if (!keys) return console.Fail(keys.error());
   if (auto w = ota::Replace(disk, secret, keys.value().private_pem, 0600); !w) {
-    return Refuse(console, w.error());
+    return console.Fail(w.error());
   }
   if (auto w = ota::Replace(disk, open, keys.value().public_pem, 0644); !w) {
-    return Refuse(console, w.error());
+    return console.Fail(w.error());
   }
   console.Print(console.mode().json
                     ? OtaKeysJson(secret, open)
@@ -136,11 +132,11 @@ ExitCode OtaBundle(const OtaBundleOptions& options, Console& console) {
   const auto manifest = ManifestFor(options, console);
   if (!manifest) return ExitCode::kUsage;
   const auto key = ReadPrivateKey(disk, options.key);
-  if (!key) return Refuse(console, key.error());
+  if (!key) return console.Fail(key.error());
   const auto made = Show<ota::Manifest>(console, "bundle", [&](const ota::OnBytes& on_bytes) {
     return ota::MakeBundle(disk, options.folder, *manifest, key.value(), options.out, on_bytes);
   });
-  if (!made) return Refuse(console, made.error());
+  if (!made) return console.Fail(made.error());
   return DoneWith(console, made.value(), options.out,
                   fmt::format("{}: version {} for {}, {}", options.out, made.value().version.text,
                               made.value().robot, Size(made.value())));
@@ -149,7 +145,7 @@ ExitCode OtaBundle(const OtaBundleOptions& options, Console& console) {
 ExitCode OtaInit(const OtaInitOptions& options, Console& console) {
   ota::PosixDisk disk;
   const auto key = ota::ReadAll(disk, options.key, kLargestKey);
-  if (!key) return Refuse(console, key.error());
+  if (!key) return console.Fail(key.error());
   const std::string root = Absolute(options.root);
   ota::RootConfig config;
   config.config = options.config;
@@ -171,15 +167,14 @@ ExitCode OtaVerify(const OtaVerifyOptions& options, const GlobalOptions& global,
   std::string key_file = options.key;
   if (key_file.empty()) {
     const auto path = FindRoot(options.root, global);
-    if (!path)
-      return Refuse(console, {path.error().code, path.error().message + "; or --key FILE"});
+    if (!path) return console.Fail({path.error().code, path.error().message + "; or --key FILE"});
     auto opened = ota::Root::Open(disk, path.value());
-    if (!opened) return Refuse(console, opened.error());
+    if (!opened) return console.Fail(opened.error());
     root.emplace(std::move(opened).value());
   }
   const auto key =
       root ? Result<std::string>(root->public_key()) : ota::ReadAll(disk, key_file, kLargestKey);
-  if (!key) return Refuse(console, key.error());
+  if (!key) return console.Fail(key.error());
   const auto read = Show<ota::SignedManifest>(console, "check", [&](const ota::OnBytes& on_bytes) {
     return ota::CheckBundle(disk, options.bundle, key.value(), on_bytes);
   });

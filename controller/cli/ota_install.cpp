@@ -162,10 +162,10 @@ class Upgrade {
 ExitCode WithRoot(const std::string& option, const GlobalOptions& global, Console& console,
                   const std::function<ExitCode(Upgrade&)>& work) {
   const auto path = FindRoot(option, global);
-  if (!path) return console.Fail({ExitCode::kUsage, path.error()});
+  if (!path) return console.Fail(path.error());
   ota::PosixDisk disk;
   const auto root = ota::Root::Open(disk, path.value());
-  if (!root) return console.Fail({ExitCode::kUsage, root.error()});
+  if (!root) return console.Fail(root.error());
   auto machine = RootMachine::Find(root.value(), global);
   if (const auto* failure = std::get_if<Failure>(&machine)) return console.Fail(*failure);
   Upgrade upgrade(root.value(), std::get<std::unique_ptr<RootMachine>>(std::move(machine)),

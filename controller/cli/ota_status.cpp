@@ -22,10 +22,10 @@ std::string RoleOf(const ota::SlotState& state, Slot slot) {
 
 ExitCode OtaStatus(const OtaStatusOptions& options, const GlobalOptions& global, Console& console) {
   const auto path = FindRoot(options.root, global);
-  if (!path) return console.Fail({ExitCode::kUsage, path.error()});
+  if (!path) return console.Fail(path.error());
   ota::PosixDisk disk;
   const auto root = ota::Root::Open(disk, path.value());
-  if (!root) return console.Fail({ExitCode::kUsage, root.error()});
+  if (!root) return console.Fail(root.error());
   const auto state = root.value().State();
   if (!state) return console.Fail({ExitCode::kNotDone, state.error()});
 

@@ -9,7 +9,7 @@ namespace musher::cli {
 
 ExitCode Plan(const PlanOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
-  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  if (!link) return console.Fail(link.error());
   const auto answer = link.value()->Ask<msg::GetPlan>("get_plan", {options.state, options.actuator},
                                                       std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);

@@ -23,7 +23,7 @@ struct Asked {
 ExitCode Ask(const Asked& asked, const std::function<std::string(const std::string&)>& done,
              const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
-  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  if (!link) return console.Fail(link.error());
   const auto answer =
       link.value()->Ask<msg::RequestPolicy>("request_policy", asked.request, kPolicyTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) return console.Fail(*failure);

@@ -15,7 +15,7 @@ ExitCode Replay(const ReplayOptions& options, Console& console) {
   what.epoch = options.epoch;
   if (!options.since.empty()) {
     const auto since = ParseSince(options.since, WallNow());
-    if (!since) return console.Fail({ExitCode::kUsage, since.error()});
+    if (!since) return console.Fail(since.error());
     what.since_wall_ns = since.value();
   }
   if (!options.config.empty()) {
@@ -23,11 +23,11 @@ ExitCode Replay(const ReplayOptions& options, Console& console) {
     if (!what.config) return ExitCode::kUsage;
   }
   const auto journal = ReadRecording(options.journal);
-  if (!journal) return console.Fail({ExitCode::kUsage, journal.error()});
+  if (!journal) return console.Fail(journal.error());
   const std::string& damage = journal.value().damage;
   if (!damage.empty()) console.Complain(damage);
   const auto replayed = recording::Replay(journal.value().rows, what);
-  if (!replayed) return console.Fail({ExitCode::kUsage, replayed.error()});
+  if (!replayed) return console.Fail(replayed.error());
   const recording::ReplayReport& report = replayed.value();
   for (const std::string& note : report.notes) console.Complain(note);
   console.Print(console.mode().json ? ReplayJson(report, damage)

@@ -25,7 +25,7 @@ Failure WithHint(Failure failure, const std::string& actuator) {
 
 ExitCode Restart(const RestartOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
-  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  if (!link) return console.Fail(link.error());
   const auto answer = link.value()->Ask<msg::RestartActuator>("restart_actuator",
                                                               {options.actuator}, kRestartTimeout);
   if (const auto* failure = std::get_if<Failure>(&answer)) {

@@ -79,7 +79,7 @@ int Run(int argc, const char* const* argv, std::ostream& out, std::ostream& err,
   try {
     return static_cast<int>(std::visit(Dispatch{line.global, console}, line.command));
   } catch (const std::exception& e) {  // the system has run out of something
-    return static_cast<int>(console.Fail({ExitCode::kUsage, {kCodeFailed, e.what()}}));
+    return static_cast<int>(console.Fail({kCodeFailed, e.what()}));
   }
 }
 

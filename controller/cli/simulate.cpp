@@ -102,14 +102,14 @@ ExitCode TellOne(const SimulateOptions& options, const MachineConfig& config,
   StoryId id{*options.seed, std::nullopt};
   if (!options.only.empty()) {
     auto numbers = ParseNumbers(options.only);
-    if (!numbers) return console.Fail({ExitCode::kUsage, numbers.error()});
+    if (!numbers) return console.Fail(numbers.error());
     id.only = std::move(numbers).value();
   }
   const auto told = Tell(config, story, id);
-  if (!told) return console.Fail({ExitCode::kUsage, told.error()});
+  if (!told) return console.Fail(told.error());
   if (!options.svg.empty()) {
     const auto written = Write(options.svg, told.value().svg);
-    if (!written) return console.Fail({ExitCode::kUsage, written.error()});
+    if (!written) return console.Fail(written.error());
   }
   const auto& ending = told.value().ending;
   console.Print(console.mode().json ? StoryJson(id, ending, told.value().text)
@@ -124,7 +124,7 @@ ExitCode Simulate(const SimulateOptions& options, Console& console) {
   if (!config) return ExitCode::kUsage;
   const std::vector<std::string> others = MakeAllSpeakMusher(*config);
   const auto story = OptionsFor(options, *config);
-  if (!story) return console.Fail({ExitCode::kUsage, story.error()});
+  if (!story) return console.Fail(story.error());
   if (options.seed) return TellOne(options, *config, story.value(), console);
 
   SimulationReport report{*config, options.file, story.value(), {}, {}, {}, {}, others};
@@ -140,7 +140,7 @@ ExitCode Simulate(const SimulateOptions& options, Console& console) {
     bad_story = told.value().text;
     if (!options.svg.empty()) {
       const auto written = Write(options.svg, told.value().svg);
-      if (!written) return console.Fail({ExitCode::kUsage, written.error()});
+      if (!written) return console.Fail(written.error());
     }
   }
   console.Print(console.mode().json ? SimulationJson(report, bad_story)

@@ -76,7 +76,7 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
                                      Console& console) {
   ota::PosixDisk disk;
   const auto fail = [&](const Error& error) {
-    console.Fail({ExitCode::kUsage, error});
+    console.Fail(error);
     return std::nullopt;
   };
   const auto root = ota::Root::Open(disk, fs::canonical(root_path));

@@ -91,7 +91,7 @@ ExitCode WithoutController(Failure failure, const Unled& running, Console& conso
 ExitCode Watch(Link& link, Console& console) {
   const auto followed =
       link.FollowStatus([&console](const auto& status) { Show(status, console); });
-  if (!followed) return console.Fail({ExitCode::kUsage, followed.error()});
+  if (!followed) return console.Fail(followed.error());
   if (const auto failure = link.AwaitStatus()) return console.Fail(*failure);
   link.RunUntilInterrupted();
   return ExitCode::kDone;
@@ -101,11 +101,11 @@ ExitCode Watch(Link& link, Console& console) {
 
 ExitCode Status(const StatusOptions& options, const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
-  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  if (!link) return console.Fail(link.error());
   if (options.watch) return Watch(*link.value(), console);
   const auto running =
       Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
-  if (!running) return console.Fail({ExitCode::kUsage, running.error()});
+  if (!running) return console.Fail(running.error());
   const auto answer = link.value()->Ask<msg::GetStatus>("get_status", {}, std::chrono::seconds(5));
   if (const auto* failure = std::get_if<Failure>(&answer)) {
     return WithoutController(*failure, running.value()->Now(), console);

@@ -53,13 +53,13 @@ void NameLeftBehind(std::map<std::string, Running::Actuator> running, Console& c
 ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
                        const GlobalOptions& global, Console& console) {
   const auto link = Link::Open(global);
-  if (!link) return console.Fail({ExitCode::kUsage, link.error()});
+  if (!link) return console.Fail(link.error());
   if (const auto r = link.value()->FollowStatus({}); !r) {
-    return console.Fail({ExitCode::kUsage, r.error()});
+    return console.Fail(r.error());
   }
   const auto running =
       Running::Begin(link.value()->node(), global.name_space, !global.keys.empty());
-  if (!running) return console.Fail({ExitCode::kUsage, running.error()});
+  if (!running) return console.Fail(running.error());
   const Duration timeout = global.timeout.value_or(kSwitchTimeout);
   SwitchClient::Options options;
   options.leader = {global.name_space, transport::HostId(), WatchByPidfd(link.value()->loop())};
@@ -74,7 +74,7 @@ ExitCode RequestSwitch(const std::string& target, const std::string& actuator,
         console.Complain(news);
       },
       [&end](const SwitchEnd& known) { end = known; });
-  if (!client) return console.Fail({ExitCode::kUsage, client.error()});
+  if (!client) return console.Fail(client.error());
   const auto failure = link.value()->Await([&] { return end.has_value(); },
                                            [&] { return client.value()->found(); }, timeout);
   progress.Clear();

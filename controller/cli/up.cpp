@@ -202,7 +202,7 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
     if (target->run) target->run->told = told;
     good = Judge(*target, options, global, console);
   }
-  if (!good) return console.Fail({ExitCode::kUsage, good.error()});
+  if (!good) return console.Fail(good.error());
   if (options.resume)
     Lead(options, *target, transport::UniqueFd(options.resume->progress), options.resume->front);
   const MachineConfig& config = target->config;
@@ -212,7 +212,7 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
   auto [ours, theirs] = MakeProgressPair();
   const pid_t front = getpid();
   const pid_t controller = fork();
-  if (controller < 0) return console.Fail({ExitCode::kUsage, transport::SystemError("fork")});
+  if (controller < 0) return console.Fail(transport::SystemError("fork"));
   if (controller == 0) {
     signals = {};
     ours = {};

@@ -58,7 +58,7 @@ ExitCode UpFront::Run() {
 void UpFront::OnProgress(const Progress& progress) {
   if (progress.kind == Progress::kNotStarted) {
     failed_to_start_ = true;
-    exit_ = console_.Fail({ExitCode::kUsage, {progress.code, progress.message}});
+    exit_ = console_.Fail({progress.code, progress.message});
     return;  // its end follows
   }
   if (progress.kind == Progress::kFenced) {

@@ -17,6 +17,10 @@
 
 namespace musher {
 
+// Of a call to an actuator. Long past every deadline of the decision code, which does its own
+// waiting: ends a forgotten call.
+inline constexpr Duration kCallTimeout = std::chrono::hours(2);
+
 class ActuatorLink {
  public:
   using Emit = std::function<void(Event)>;

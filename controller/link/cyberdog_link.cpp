@@ -8,8 +8,6 @@
 namespace musher {
 namespace {
 
-// Long past every deadline of the decision code, which does its own waiting: ends a forgotten call.
-constexpr Duration kCyberdogCallTimeout = std::chrono::hours(2);
 // CyberDog's own figures: a beat every 500 ms, lost after 5 without.
 constexpr Duration kSilence = 5 * Milliseconds(500);
 // What a module says to a state it does not have: the key alone, without its module's code.
@@ -55,7 +53,7 @@ void CyberdogLink::OnGone() {
 }
 
 void CyberdogLink::Drive() {
-  client_->Call({order()->target}, kCyberdogCallTimeout,
+  client_->Call({order()->target}, kCallTimeout,
                 [this, call = ++call_](const Result<msg::FsMachine::Response>& reply) {
                   if (call == call_) OnReply(reply);
                 });

@@ -6,12 +6,6 @@
 #include "musher/transport/lifecycle_wire.hpp"
 
 namespace musher {
-namespace {
-
-// Long past every deadline of the decision code, which does its own waiting: ends a forgotten call.
-constexpr Duration kCallTimeout = std::chrono::hours(2);
-
-}  // namespace
 
 Result<std::unique_ptr<ActuatorLink>> MusherLink::Make(transport::Node& node,
                                                        const MachineConfig& config,

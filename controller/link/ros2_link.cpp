@@ -8,8 +8,6 @@
 namespace musher {
 namespace {
 
-// Long past every deadline of the decision code, which does its own waiting: ends a forgotten call.
-constexpr Duration kRos2CallTimeout = std::chrono::hours(2);
 // How often a node is looked at until it says how it is, and when such an answer is of no use any
 // more.
 constexpr Duration kLookPeriod = Milliseconds(500);
@@ -237,7 +235,7 @@ void Ros2Link::Transit(const Ros2Transition& step) {
   step_over_ = false;
   ++era_;
   LookAt(Now() + kLookPeriod);
-  change_->Call({{step.id, ""}}, kRos2CallTimeout,
+  change_->Call({{step.id, ""}}, kCallTimeout,
                 [this, era = era_](const Result<msg::ChangeState::Response>& reply) {
                   if (era == era_) return OnChanged(reply);
                   if (!stray_) return;

@@ -31,10 +31,6 @@ Duration StampOf(const Json& object) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
 }
 
-bool IsShare(double value) {
-  return value >= 0 && value <= 1;  // false of NaN
-}
-
 Error Refusal(const std::string& why) {
   return {kCodeFailed, "faces: " + why};
 }
@@ -68,7 +64,7 @@ Result<Faces> ReadFaces(std::string_view json) {
     const auto x = Center(face, "center_x", "x", "width");
     const auto y = Center(face, "center_y", "y", "height");
     if (x && y) {
-      if (!IsShare(*x) || !IsShare(*y)) {
+      if (!IsInUnitRange(*x) || !IsInUnitRange(*y)) {
         return Refusal("a centre of (" + std::to_string(*x) + ", " + std::to_string(*y) +
                        ") is not in the picture: x and y are 0 to 1");
       }

@@ -17,6 +17,11 @@ struct Gaze {
   friend bool operator==(const Gaze&, const Gaze&) = default;
 };
 
+// Whether a coordinate of a gaze or of a picture is one: 0 to 1. False of NaN.
+constexpr bool IsInUnitRange(double value) {
+  return value >= 0 && value <= 1;
+}
+
 // Where the camera sits.
 enum class Mount {
   kBody,  // it stands still: a point of its picture is a gaze

@@ -8,10 +8,6 @@
 namespace musher::wedding {
 namespace {
 
-bool IsInUnitRange(double value) {
-  return value >= 0 && value <= 1;  // false of NaN
-}
-
 std::string Text(const Target& target) {
   std::ostringstream text;
   text << "(" << target.point.x << ", " << target.point.y << ", " << target.distance_m << ")";

@@ -12,12 +12,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-Matrix3d Turned(double yaw_rad, double pitch_rad, double roll_rad) {
-  return (AngleAxisd(yaw_rad, Vector3d::UnitZ()) * AngleAxisd(pitch_rad, Vector3d::UnitY()) *
-          AngleAxisd(roll_rad, Vector3d::UnitX()))
-      .toRotationMatrix();
-}
-
 }  // namespace
 
 Intrinsics IntrinsicsOf(const CameraSpec& camera) {
@@ -55,6 +49,12 @@ Vector3d RayOf(const Intrinsics& intrinsics, const Vector2d& pixel) {
   if (theta == 0) return Vector3d::UnitZ();
   const Vector2d aside = across.normalized() * std::sin(theta);
   return {aside.x(), aside.y(), std::cos(theta)};
+}
+
+Matrix3d Turned(double yaw_rad, double pitch_rad, double roll_rad) {
+  return (AngleAxisd(yaw_rad, Vector3d::UnitZ()) * AngleAxisd(pitch_rad, Vector3d::UnitY()) *
+          AngleAxisd(roll_rad, Vector3d::UnitX()))
+      .toRotationMatrix();
 }
 
 Isometry3d BodyInPlace(const Pose2& body, const Attitude& attitude) {

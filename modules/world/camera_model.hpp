@@ -38,6 +38,9 @@ struct Gaze {
   double pitch_rad = 0;  // downwards
 };
 
+// The rotation by these angles: first roll about x, then pitch about y, then yaw about z.
+Eigen::Matrix3d Turned(double yaw_rad, double pitch_rad, double roll_rad);
+
 // The body's frame in the place's.
 Eigen::Isometry3d BodyInPlace(const Pose2& body, const Attitude& attitude);
 

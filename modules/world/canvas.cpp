@@ -8,6 +8,7 @@
 #include <opencv2/freetype.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "musher/modules/world/bgr.hpp"
 #include "musher/modules/world/mat_pictures.hpp"
 
 namespace musher::world {
@@ -39,10 +40,6 @@ bool IsEastAsian(const std::string& text) {
     if ((lead == 0xE2 && next >= 0xBA) || (lead >= 0xE3 && lead < 0xF0)) return true;
   }
   return false;
-}
-
-cv::Scalar Bgr(const Color& color) {
-  return {double(color.blue), double(color.green), double(color.red)};
 }
 
 int Fine(double value) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/modules/world/bgr.hpp"
 #include "musher/modules/world/mat_pictures.hpp"
 #include "musher/modules/world/palette.hpp"
 #include "musher/modules/world/surface_paint.hpp"
@@ -23,10 +24,6 @@ constexpr int kGroundFractionBits = 4;
 constexpr double kSoftEdgeM = 0.04;  // of shadows
 
 using Points = std::vector<Vector2d>;
-
-cv::Scalar GroundBgr(const Color& color) {
-  return {double(color.blue), double(color.green), double(color.red)};
-}
 
 Points RoundOf(const Vector2d& center, double radius) {
   constexpr int kCorners = 32;
@@ -56,7 +53,7 @@ class GroundPainter {
     const auto pixels = [&](double length_m) {
       return std::max(1, static_cast<int>(std::ceil(length_m * per_m_)));
     };
-    image_ = cv::Mat(pixels(size.y()), pixels(size.x()), CV_8UC3, GroundBgr(scene.ground.color));
+    image_ = cv::Mat(pixels(size.y()), pixels(size.x()), CV_8UC3, Bgr(scene.ground.color));
   }
 
   Result<Texture> Paint() {
@@ -82,7 +79,7 @@ class GroundPainter {
     return points;
   }
   void Fill(const Points& corners_m, const Color& color) {
-    cv::fillConvexPoly(image_, Fine(corners_m), GroundBgr(color), cv::LINE_AA, kGroundFractionBits);
+    cv::fillConvexPoly(image_, Fine(corners_m), Bgr(color), cv::LINE_AA, kGroundFractionBits);
   }
 
   Result<> Lay() {
@@ -188,8 +185,7 @@ class GroundPainter {
                                std::pair(-0.2, -1.2), std::pair(0.7, 0.2), std::pair(0.1, 0.2)}) {
       bolt.emplace_back(pad.center_m + Vector2d(x, y) * pad.size_m / 4);
     }
-    cv::fillPoly(image_, std::vector{Fine(bolt)}, GroundBgr(kPadEdge), cv::LINE_AA,
-                 kGroundFractionBits);
+    cv::fillPoly(image_, std::vector{Fine(bolt)}, Bgr(kPadEdge), cv::LINE_AA, kGroundFractionBits);
   }
 
   // Each piece a rectangle, and a disc at each point, so that the width is right at every scale.

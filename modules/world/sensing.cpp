@@ -5,12 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "musher/modules/world/camera_model.hpp"
 #include "musher/modules/world/ranging.hpp"
 
 namespace musher::world {
 namespace {
 
-using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
@@ -24,12 +24,6 @@ Chance ChanceOf(const World& world, Sensor sensor, std::size_t number = 0) {
   transport::sim::Random seed(world.scene().seed);
   transport::sim::Random of_sensor(seed.Next() + static_cast<std::uint64_t>(sensor) + number);
   return Chance(of_sensor.Next() + static_cast<std::uint64_t>(world.now().count()));
-}
-
-Matrix3d TurnedBy(double yaw, double pitch, double roll) {
-  return (AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(pitch, Vector3d::UnitY()) *
-          AngleAxisd(roll, Vector3d::UnitX()))
-      .toRotationMatrix();
 }
 
 // A sensor in the place: what is about it, and where its own axes point.
@@ -47,10 +41,10 @@ struct Eye {
 Eye Open(const World& world, const Mount& mount, double most_m) {
   const Pose2& pose = world.body().pose();
   const Attitude& attitude = world.body().attitude();
-  const Matrix3d body = TurnedBy(pose.yaw_rad, attitude.pitch_rad, attitude.roll_rad);
+  const Matrix3d body = Turned(pose.yaw_rad, attitude.pitch_rad, attitude.roll_rad);
   const Vector3d trunk(pose.position_m.x(), pose.position_m.y(), attitude.height_m);
   return {Surroundings(world.scene(), trunk + body * mount.position_m, most_m),
-          body * TurnedBy(mount.yaw_rad, mount.pitch_rad, 0)};
+          body * Turned(mount.yaw_rad, mount.pitch_rad, 0)};
 }
 
 // What the sensor says of a distance.

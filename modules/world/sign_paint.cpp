@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "musher/modules/world/bgr.hpp"
 #include "musher/modules/world/canvas.hpp"
 #include "musher/modules/world/face.hpp"
 #include "musher/modules/world/mat_pictures.hpp"
@@ -30,10 +31,6 @@ struct Sheet {
   double height = 0;
 };
 
-cv::Scalar SignBgr(const Color& color) {
-  return {double(color.blue), double(color.green), double(color.red)};
-}
-
 // A code in the middle, with the white rim of four squares that readers want around it.
 Texture Code(const Board& board) {
   constexpr int kEncodersRim = 2;
@@ -51,9 +48,9 @@ Texture Code(const Board& board) {
   const int rim = kRim * side;
   const int width = std::max(sheet.size().width, code.cols + 2 * rim);
   const int height = std::max(sheet.size().height, code.rows + 2 * rim);
-  cv::Mat image(height, width, CV_8UC3, SignBgr(board.color));
+  cv::Mat image(height, width, CV_8UC3, Bgr(board.color));
   const cv::Rect where((width - code.cols) / 2, (height - code.rows) / 2, code.cols, code.rows);
-  image(where).setTo(SignBgr(board.sign.ink), code < 128);
+  image(where).setTo(Bgr(board.sign.ink), code < 128);
   return TextureOf(image);
 }
 
@@ -111,7 +108,7 @@ Result<Texture> Paint(const Board& board) {
     case Sign::Kind::kFace:
       return Face(board);
   }
-  return TextureOf(cv::Mat(1, 1, CV_8UC3, SignBgr(board.color)));
+  return TextureOf(cv::Mat(1, 1, CV_8UC3, Bgr(board.color)));
 }
 
 }  // namespace

@@ -3,14 +3,11 @@
 #include "musher/controller/cli/render/printable.hpp"
 #include "musher/controller/cli/render/table.hpp"
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/render/words.hpp"
 #include "musher/lifecycle/code.hpp"
 
 namespace musher::cli {
 namespace {
-
-std::string Join(const std::vector<std::string>& words) {
-  return fmt::format("{}", fmt::join(words, ", "));
-}
 
 std::string WhyNot(const msg::Capability& capability) {
   if (capability.allowed) return capability.reason;

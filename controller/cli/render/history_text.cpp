@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/render/words.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 #include "musher/lifecycle/code.hpp"
 
@@ -12,10 +13,6 @@ namespace {
 std::string Sentence(const std::string& message, std::int32_t code, bool colour) {
   if (code == kCodeOk) return Printable(message);
   return Paint(WithCode(Printable(message), code), Style::kBad, colour);
-}
-
-std::string Count(std::size_t count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 // Of a table; quoted where it has to be.

@@ -1,18 +1,10 @@
 #include "musher/controller/cli/render/json.hpp"
 
-#include <nlohmann/json.hpp>
-
+#include "musher/controller/cli/render/json_line.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 
 namespace musher::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;  // keys in the order they are written here
-
-// On one line; bytes that are not UTF-8 become U+FFFD.
-std::string Text(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 Json Of(const Diagnostic& d) {
   return {{"file", d.file},
@@ -108,27 +100,27 @@ std::string StatusJson(const msg::MachineStatus& status,
                        const std::map<std::string, Running::Actuator>& unlisted) {
   Json actuators = Json::object();
   for (const msg::ActuatorInfo& a : status.actuators) actuators[a.name] = Of(a);
-  return Text({{"machine", status.machine},
-               {"pid", status.pid},
-               {"state", status.state},
-               {"degraded", status.degraded},
-               {"actuators", actuators},
-               {"unlisted", Of(unlisted)},
-               {"phase", status.phase},
-               {"target", status.target},
-               {"epoch", status.epoch},
-               {"switch", status.switch_number},
-               {"namespace", status.name_space},
-               {"config", status.config_file},
-               {"config_hash", status.config_hash},
-               {"host", status.host},
-               {"emergency_stop",
-                {{"engaged", status.emergency_stop},
-                 {"by", status.emergency_stop_by},
-                 {"reason", status.emergency_stop_reason}}},
-               {"held_by_stop", status.held_by_stop},
-               {"not_on_disk", status.not_on_disk},
-               {"policy", status.policy.active ? Of(status.policy) : Json()}});
+  return JsonLine({{"machine", status.machine},
+                   {"pid", status.pid},
+                   {"state", status.state},
+                   {"degraded", status.degraded},
+                   {"actuators", actuators},
+                   {"unlisted", Of(unlisted)},
+                   {"phase", status.phase},
+                   {"target", status.target},
+                   {"epoch", status.epoch},
+                   {"switch", status.switch_number},
+                   {"namespace", status.name_space},
+                   {"config", status.config_file},
+                   {"config_hash", status.config_hash},
+                   {"host", status.host},
+                   {"emergency_stop",
+                    {{"engaged", status.emergency_stop},
+                     {"by", status.emergency_stop_by},
+                     {"reason", status.emergency_stop_reason}}},
+                   {"held_by_stop", status.held_by_stop},
+                   {"not_on_disk", status.not_on_disk},
+                   {"policy", status.policy.active ? Of(status.policy) : Json()}});
 }
 
 std::string SwitchJson(const msg::SetState::Response& result) {
@@ -140,15 +132,15 @@ std::string SwitchJson(const msg::SetState::Response& result) {
                          {"duration_ms", a.duration_ms},
                          {"state", a.state}};
   }
-  return Text({{"switch", result.switch_number},
-               {"target", result.target},
-               {"actuator", result.actuator},
-               {"outcome", result.outcome},
-               {"code", result.code},
-               {"reason", result.reason},
-               {"state", result.state},
-               {"degraded", result.degraded},
-               {"actuators", actuators}});
+  return JsonLine({{"switch", result.switch_number},
+                   {"target", result.target},
+                   {"actuator", result.actuator},
+                   {"outcome", result.outcome},
+                   {"code", result.code},
+                   {"reason", result.reason},
+                   {"state", result.state},
+                   {"degraded", result.degraded},
+                   {"actuators", actuators}});
 }
 
 std::string EstopJson(const EstopReport& report) {
@@ -161,41 +153,41 @@ std::string EstopJson(const EstopReport& report) {
   }
   Json earlier;  // null
   if (report.earlier) earlier = {{"by", report.earlier->by}, {"reason", report.earlier->reason}};
-  return Text({{"engaged", true},
-               {"by", report.by},
-               {"reason", report.reason},
-               {"complete", report.complete()},
-               {"controller", report.controller},
-               {"earlier", earlier},
-               {"actuators", actuators}});
+  return JsonLine({{"engaged", true},
+                   {"by", report.by},
+                   {"reason", report.reason},
+                   {"complete", report.complete()},
+                   {"controller", report.controller},
+                   {"earlier", earlier},
+                   {"actuators", actuators}});
 }
 
 std::string ReleaseJson(const msg::MachineStatus& machine) {
-  return Text({{"engaged", machine.emergency_stop},
-               {"machine", machine.machine},
-               {"state", machine.state},
-               {"phase", machine.phase}});
+  return JsonLine({{"engaged", machine.emergency_stop},
+                   {"machine", machine.machine},
+                   {"state", machine.state},
+                   {"phase", machine.phase}});
 }
 
 std::string PolicyJson(const msg::RequestPolicy::Request& request,
                        const msg::RequestPolicy::Response& response) {
-  return Text({{"request", request.request}, {"state", response.state}});
+  return JsonLine({{"request", request.request}, {"state", response.state}});
 }
 
 std::string RestartJson(const msg::ActuatorInfo& actuator) {
   Json json = {{"actuator", actuator.name}};
   json.update(Of(actuator));
-  return Text(json);
+  return JsonLine(json);
 }
 
 std::string CapabilitiesJson(const msg::Capabilities& all) {
   Json list = Json::array();
   for (const msg::Capability& c : all.capabilities) list.push_back(Of(c));
-  return Text({{"capabilities", list}});
+  return JsonLine({{"capabilities", list}});
 }
 
 std::string CapabilityJson(const msg::Capability& one) {
-  return Text(Of(one));
+  return JsonLine(Of(one));
 }
 
 std::string PlanJson(const msg::GetPlan::Response& plan) {
@@ -208,26 +200,26 @@ std::string PlanJson(const msg::GetPlan::Response& plan) {
                      {"deadline_ms", s.deadline_ms},
                      {"note", s.note}});
   }
-  return Text({{"target", plan.target},
-               {"actuator", plan.actuator},
-               {"allowed", plan.allowed},
-               {"code", plan.code},
-               {"reason", plan.reason},
-               {"direction", plan.direction},
-               {"state", plan.state},
-               {"steps", steps}});
+  return JsonLine({{"target", plan.target},
+                   {"actuator", plan.actuator},
+                   {"allowed", plan.allowed},
+                   {"code", plan.code},
+                   {"reason", plan.reason},
+                   {"direction", plan.direction},
+                   {"state", plan.state},
+                   {"steps", steps}});
 }
 
 std::string HistoryJson(const msg::GetHistory::Response& history) {
   Json list = Json::array();
   for (const msg::HistoryEntry& e : history.entries) list.push_back(OfEntry(e));
-  return Text({{"entries", list}, {"damage", history.error}});
+  return JsonLine({{"entries", list}, {"damage", history.error}});
 }
 
 std::string WhyJson(const Why& why) {
   Json chain = Json::array();
   for (const msg::HistoryEntry& e : why.chain) chain.push_back(OfEntry(e));
-  return Text({{"state", why.state}, {"chain", chain}, {"complete", why.complete}});
+  return JsonLine({{"state", why.state}, {"chain", chain}, {"complete", why.complete}});
 }
 
 std::string ReplayJson(const recording::ReplayReport& report, const std::string& damage) {
@@ -238,26 +230,26 @@ std::string ReplayJson(const recording::ReplayReport& report, const std::string&
     if (!line.input.empty()) json["input"] = Json::parse(line.input);
     lines.push_back(json);
   }
-  return Text({{"equal", report.equal()},
-               {"inputs", report.inputs},
-               {"decisions", report.decisions},
-               {"differences", report.differences},
-               {"not_replayed", report.not_replayed},
-               {"recorded_state", report.recorded_state},
-               {"replayed_state", report.replayed_state},
-               {"lines", lines},
-               {"notes", report.notes},
-               {"damage", damage}});
+  return JsonLine({{"equal", report.equal()},
+                   {"inputs", report.inputs},
+                   {"decisions", report.decisions},
+                   {"differences", report.differences},
+                   {"not_replayed", report.not_replayed},
+                   {"recorded_state", report.recorded_state},
+                   {"replayed_state", report.replayed_state},
+                   {"lines", lines},
+                   {"notes", report.notes},
+                   {"damage", damage}});
 }
 
 std::string CheckJson(const std::vector<Diagnostic>& diagnostics) {
-  return Text({{"valid", !HasError(diagnostics)}, {"diagnostics", Of(diagnostics)}});
+  return JsonLine({{"valid", !HasError(diagnostics)}, {"diagnostics", Of(diagnostics)}});
 }
 
 std::string BadConfigJson(const std::string& file, const std::vector<Diagnostic>& diagnostics) {
-  return Text({{"error", file + " is not a valid state config"},
-               {"code", kCodeParametersInvalid},
-               {"diagnostics", Of(diagnostics)}});
+  return JsonLine({{"error", file + " is not a valid state config"},
+                   {"code", kCodeParametersInvalid},
+                   {"diagnostics", Of(diagnostics)}});
 }
 
 std::string KeysJson(const std::string& folder,
@@ -269,7 +261,7 @@ std::string KeysJson(const std::string& folder,
                           {"revoked", identity.revoked},
                           {"has_key", identity.has_key}};
   }
-  return Text({{"folder", folder}, {"identities", all}});
+  return JsonLine({{"folder", folder}, {"identities", all}});
 }
 
 std::string BehaviorJson(const std::string& name, const msg::GetBehavior::Response& report) {
@@ -282,45 +274,45 @@ std::string BehaviorJson(const std::string& name, const msg::GetBehavior::Respon
                        {"cause", change.cause},
                        {"command", change.command}});
   }
-  return Text({{"name", name},
-               {"running", report.running},
-               {"ticking", report.ticking},
-               {"held_by_stop", report.held_by_stop},
-               {"state", report.current_state},
-               {"mode", report.operating_mode},
-               {"ticks", report.iter_count},
-               {"safety_triggered", report.safety_triggered},
-               {"unsafe", report.unsafe},
-               {"time_s", report.time_s},
-               {"time_in_state_s", report.time_in_state_s},
-               {"last_fault", report.last_fault},
-               {"history", changes}});
+  return JsonLine({{"name", name},
+                   {"running", report.running},
+                   {"ticking", report.ticking},
+                   {"held_by_stop", report.held_by_stop},
+                   {"state", report.current_state},
+                   {"mode", report.operating_mode},
+                   {"ticks", report.iter_count},
+                   {"safety_triggered", report.safety_triggered},
+                   {"unsafe", report.unsafe},
+                   {"time_s", report.time_s},
+                   {"time_in_state_s", report.time_in_state_s},
+                   {"last_fault", report.last_fault},
+                   {"history", changes}});
 }
 
 std::string BehaviorSentJson(const std::string& name, const std::string& command) {
-  return Text({{"name", name}, {"sent", command}});
+  return JsonLine({{"name", name}, {"sent", command}});
 }
 
 std::string GraphJson(const std::string& format, const std::string& drawing) {
-  return Text({{"format", format}, {"graph", drawing}});
+  return JsonLine({{"format", format}, {"graph", drawing}});
 }
 
 std::string GraphFileJson(const std::string& format, const std::string& file) {
-  return Text({{"format", format}, {"output", file}});
+  return JsonLine({{"format", format}, {"output", file}});
 }
 
 std::string ProgressJson(const Progress& progress) {
-  return Text({{"time", UtcText(progress.wall_ns)},
-               {"kind", progress.kind},
-               {"actuator", progress.actuator},
-               {"switch", progress.switch_number},
-               {"code", progress.code},
-               {"message", progress.message}});
+  return JsonLine({{"time", UtcText(progress.wall_ns)},
+                   {"kind", progress.kind},
+                   {"actuator", progress.actuator},
+                   {"switch", progress.switch_number},
+                   {"code", progress.code},
+                   {"message", progress.message}});
 }
 
 std::string RunningJson(const Failure& failure,
                         const std::map<std::string, Running::Actuator>& running) {
-  return Text(
+  return JsonLine(
       {{"error", failure.error.message}, {"code", failure.error.code}, {"actuators", Of(running)}});
 }
 
@@ -333,13 +325,13 @@ std::string EndingJson(const std::vector<Ending::Outcome>& outcomes) {
                          {"signal", o.signal},
                          {"message", o.trouble}};
   }
-  return Text({{"actuators", actuators}});
+  return JsonLine({{"actuators", actuators}});
 }
 
 std::string FailureJson(const Failure& failure) {
   Json json = {{"error", failure.error.message}, {"code", failure.error.code}};
   if (failure.switch_number != 0) json["switch"] = failure.switch_number;
-  return Text(json);
+  return JsonLine(json);
 }
 
 }  // namespace musher::cli

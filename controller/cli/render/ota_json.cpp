@@ -1,40 +1,30 @@
 // What `musher ota` says with --json.
 
-#include <nlohmann/json.hpp>
-
 #include "musher/controller/cli/render/json.hpp"
+#include "musher/controller/cli/render/json_line.hpp"
 
 namespace musher::cli {
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string Dump(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-}  // namespace
 
 std::string OtaStepJson(const std::string& step, std::uint64_t bytes) {
-  return Dump({{"step", step}, {"bytes", bytes}});
+  return JsonLine({{"step", step}, {"bytes", bytes}});
 }
 
 std::string OtaResultJson(const std::string& version, const std::string& outcome,
                           const std::string& reason) {
-  return Dump({{"version", version}, {"outcome", outcome}, {"reason", reason}});
+  return JsonLine({{"version", version}, {"outcome", outcome}, {"reason", reason}});
 }
 
 std::string OtaKeysJson(const std::string& secret, const std::string& open) {
-  return Dump({{"private_key", secret}, {"public_key", open}});
+  return JsonLine({{"private_key", secret}, {"public_key", open}});
 }
 
 std::string OtaBundleJson(const ota::Manifest& manifest, const std::string& where) {
-  return Dump({{"folder", where},
-               {"robot", manifest.robot},
-               {"version", manifest.version.text},
-               {"created", manifest.created},
-               {"files", manifest.files.size()},
-               {"bytes", manifest.SizeBytes()}});
+  return JsonLine({{"folder", where},
+                   {"robot", manifest.robot},
+                   {"version", manifest.version.text},
+                   {"created", manifest.created},
+                   {"files", manifest.files.size()},
+                   {"bytes", manifest.SizeBytes()}});
 }
 
 std::string OtaStatusJson(const OtaRobot& robot) {
@@ -49,11 +39,11 @@ std::string OtaStatusJson(const OtaRobot& robot) {
             {"kept", robot.last->kept},
             {"reason", robot.last->reason}};
   }
-  return Dump({{"robot", robot.robot},
-               {"root", robot.root},
-               {"pid", robot.pid},
-               {"slots", slots},
-               {"last", last}});
+  return JsonLine({{"robot", robot.robot},
+                   {"root", robot.root},
+                   {"pid", robot.pid},
+                   {"slots", slots},
+                   {"last", last}});
 }
 
 }  // namespace musher::cli

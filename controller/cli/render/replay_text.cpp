@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/render/words.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 #include "musher/lifecycle/code.hpp"
 
@@ -18,10 +19,6 @@ std::string LineText(const recording::ReplayLine& line, bool colour) {
   return Paint(mark, style, colour) + Paint(LocalText(e.wall_ns), Style::kDim, colour) +
          fmt::format("  {:<9}", Printable(e.kind)) +
          Paint(WithCode(Printable(e.message), e.code), style, colour) + '\n';
-}
-
-std::string CountOf(std::size_t count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -45,11 +42,11 @@ std::string ReplayText(const recording::ReplayReport& report, bool colour) {
             ", with the other config in " + Printable(report.replayed_state) + '\n';
   }
   if (report.not_replayed > 0) {
-    text += CountOf(report.not_replayed, "input") + " before the first snapshot left out\n";
+    text += Count(report.not_replayed, "input") + " before the first snapshot left out\n";
   }
-  text += CountOf(report.inputs, "input") + ", " + CountOf(report.decisions, "decision") + ": ";
-  text += report.equal() ? "each as it was recorded\n"
-                         : CountOf(report.differences, "difference") + "\n";
+  text += Count(report.inputs, "input") + ", " + Count(report.decisions, "decision") + ": ";
+  text +=
+      report.equal() ? "each as it was recorded\n" : Count(report.differences, "difference") + "\n";
   return text;
 }
 

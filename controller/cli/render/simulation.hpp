@@ -25,6 +25,10 @@ std::string SimulationText(const SimulationReport& report, const std::string& ba
                            bool colour);
 std::string SimulationJson(const SimulationReport& report, const std::string& bad_story);
 
+inline double Seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
 std::string StoryVerdict(const simulation::Ending& ending);
 std::string StoryJson(const simulation::StoryId& id, const simulation::Ending& ending,
                       const std::string& text);

@@ -7,10 +7,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-double Seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 ordered_json StoryOf(const simulation::StoryId& id) {
   ordered_json json = {{"seed", id.seed}};
   if (id.only) json["only"] = *id.only;

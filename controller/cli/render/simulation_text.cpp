@@ -9,10 +9,6 @@ namespace {
 using simulation::Promise;
 using simulation::Summary;
 
-double InSeconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 // 1234567 as "1,234,567".
 std::string Grouped(std::uint64_t number) {
   std::string text = std::to_string(number);
@@ -31,7 +27,7 @@ std::string Only(const simulation::StoryId& id) {
 
 std::string Figures(const SimulationReport& report) {
   const Summary& s = report.summary;
-  const double took = std::max(InSeconds(report.took), 1e-9);
+  const double took = std::max(Seconds(report.took), 1e-9);
   std::uint64_t faults = 0;
   std::uint64_t all = 0;
   for (std::size_t i = 0; i < simulation::kIncidentKinds; ++i) {
@@ -41,7 +37,7 @@ std::string Figures(const SimulationReport& report) {
   }
   std::string text =
       fmt::format("  lived     {} stories, {:.1f} robot-hours, in {:.1f} s: {} stories a minute\n",
-                  Grouped(s.stories), InSeconds(s.simulated) / 3600, took,
+                  Grouped(s.stories), Seconds(s.simulated) / 3600, took,
                   Grouped(static_cast<std::uint64_t>(static_cast<double>(s.stories) / took * 60)));
   text += "  switches ";
   for (std::size_t i = 0; i < s.switches.size(); ++i) {
@@ -53,13 +49,13 @@ std::string Figures(const SimulationReport& report) {
                       Grouped(all), Grouped(faults), Grouped(s.judgements));
   if (!s.rests.empty()) {
     const auto at = [&](double share) {
-      return InSeconds(
+      return Seconds(
           s.rests[static_cast<std::size_t>(share * static_cast<double>(s.rests.size() - 1))]);
     };
     text += fmt::format(
         "  at rest   {:.1f} s after the last fault (median), {:.1f} s (99 %), {:.1f} s (longest); "
         "bound {:.0f} s\n",
-        at(0.5), at(0.99), at(1), InSeconds(report.options.bound));
+        at(0.5), at(0.99), at(1), Seconds(report.options.bound));
   }
   return text;
 }
@@ -121,7 +117,7 @@ std::string SimulationText(const SimulationReport& report, const std::string& ba
 std::string StoryVerdict(const simulation::Ending& ending) {
   if (ending.violation) return "\nThis story ends badly.\n";
   return fmt::format("\nThis story ends well, {:.1f} s after the last fault.\n",
-                     InSeconds(ending.rested.value_or(Duration{})));
+                     Seconds(ending.rested.value_or(Duration{})));
 }
 
 }  // namespace musher::cli

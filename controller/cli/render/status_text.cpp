@@ -3,6 +3,7 @@
 #include "musher/controller/cli/render/printable.hpp"
 #include "musher/controller/cli/render/table.hpp"
 #include "musher/controller/cli/render/text.hpp"
+#include "musher/controller/cli/render/words.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 #include "musher/lifecycle/code.hpp"
 #include "musher/lifecycle/health.hpp"
@@ -105,10 +106,6 @@ std::string PolicyOf(const msg::PolicyInfo& p) {
   return text;
 }
 
-std::string JoinNames(const std::vector<std::string>& names) {
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
 }  // namespace
 
 Style StyleOfState(std::string_view state) {
@@ -138,10 +135,10 @@ std::string StatusText(const msg::MachineStatus& told, bool colour) {
     text += Paint(held, Style::kBad, colour) + '\n';
   }
   if (!status.not_on_disk.empty()) {
-    text += Paint("not on disk yet: " + JoinNames(status.not_on_disk), Style::kBad, colour) + '\n';
+    text += Paint("not on disk yet: " + Join(status.not_on_disk), Style::kBad, colour) + '\n';
   }
   if (!status.degraded.empty()) {
-    text += Paint("degraded: " + JoinNames(status.degraded), Style::kBad, colour) + '\n';
+    text += Paint("degraded: " + Join(status.degraded), Style::kBad, colour) + '\n';
   }
   if (const std::string policy = PolicyOf(status.policy); !policy.empty()) {
     const bool limited = !status.policy.ceiling.empty() || status.policy.battery_silent;
@@ -167,14 +164,14 @@ std::string StatusLine(const msg::MachineStatus& told, std::int64_t wall_ns) {
   for (const msg::ActuatorInfo& a : status.actuators) {
     if (!a.target.empty()) busy.push_back(a.name + ": " + a.target);
   }
-  if (!busy.empty()) line += "  busy: " + JoinNames(busy);
+  if (!busy.empty()) line += "  busy: " + Join(busy);
   if (const auto degraded = DegradedOf(status); !degraded.empty()) {
-    line += "  degraded: " + JoinNames(degraded);
+    line += "  degraded: " + Join(degraded);
   }
   if (const std::string policy = PolicyOf(status.policy); !policy.empty()) line += "  " + policy;
   if (status.emergency_stop) line += "  " + EmergencyStopOf(status);
   if (const std::string held = HeldByStopOf(status); !held.empty()) line += "  " + held;
-  if (!status.not_on_disk.empty()) line += "  not on disk yet: " + JoinNames(status.not_on_disk);
+  if (!status.not_on_disk.empty()) line += "  not on disk yet: " + Join(status.not_on_disk);
   return line;
 }
 

@@ -1,0 +1,14 @@
+#pragma once
+// Colours as OpenCV paints them. Not for headers that others include: it needs OpenCV.
+
+#include <opencv2/core.hpp>
+
+#include "musher/modules/world/color.hpp"
+
+namespace musher::world {
+
+inline cv::Scalar Bgr(const Color& color) {
+  return {double(color.blue), double(color.green), double(color.red)};
+}
+
+}  // namespace musher::world
