@@ -69,20 +69,20 @@ Result<std::unique_ptr<ActuatorShell>> ActuatorShell::Make(transport::Node& node
 Result<> ActuatorShell::Open() {
   const std::string& name_space = config_.name_space;
   transport::Qos status_qos = transport::kLatchedQos;
-  transport::Qos beat_qos = transport::kBeatQos;
-  status_qos.partition = beat_qos.partition = transport::SpeakingPartition(config_, index_);
+  transport::Qos heartbeat_qos = transport::kHeartbeatQos;
+  status_qos.partition = heartbeat_qos.partition = transport::SpeakingPartition(config_, index_);
   auto status = transport::MakePublisher<msg::ActuatorStatus>(
       node_, transport::ActuatorStatusTopic(name_space), status_qos);
   if (!status) return status.error();
   status_ = std::move(status).value();
-  auto beats = transport::MakePublisher<msg::ActuatorBeat>(
-      node_, transport::ActuatorBeatTopic(name_space), beat_qos);
-  if (!beats) return beats.error();
-  beats_ = std::move(beats).value();
+  auto heartbeats = transport::MakePublisher<msg::ActuatorBeat>(
+      node_, transport::ActuatorBeatTopic(name_space), heartbeat_qos);
+  if (!heartbeats) return heartbeats.error();
+  heartbeats_ = std::move(heartbeats).value();
   auto controllers = transport::MakeSubscription<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(name_space),
-      [this](const msg::ControllerBeat& beat, const transport::SampleInfo& info) {
-        Handle(actuator_event::ControllerHeard{info.participant, beat.epoch});
+      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo& info) {
+        Handle(actuator_event::ControllerHeard{info.participant, heartbeat.epoch});
       },
       transport::kLatchedFromManyQos);
   if (!controllers) return controllers.error();
@@ -169,28 +169,28 @@ void ActuatorShell::ArmTimer() {
 // Beats so often as is promised, and at once when the work thread hangs or gets on again.
 void ActuatorShell::LookAtWork() {
   const Time now = node_.loop().Now();
-  const Duration period = BeatPeriod(config_, index_);
+  const Duration period = HeartbeatPeriod(config_, index_);
   const Checkpoints::Look look = checkpoints_.Judge(now);
-  if (look.work != told_work_ || now - beat_at_ >= period) Beat(look);
-  const Duration next = std::min(checkpoints_.Period().value_or(period), beat_at_ + period - now);
+  if (look.work != told_work_ || now - heartbeat_at_ >= period) Heartbeat(look);
+  const Duration next = std::min(checkpoints_.Period().value_or(period), heartbeat_at_ + period - now);
   look_ = node_.loop().At(now + next, [this] { LookAtWork(); });
 }
 
 // One that is lost is followed by the next.
-void ActuatorShell::Beat(const Checkpoints::Look& look) {
-  beat_at_ = node_.loop().Now();
+void ActuatorShell::Heartbeat(const Checkpoints::Look& look) {
+  heartbeat_at_ = node_.loop().Now();
   told_work_ = look.work;
-  msg::ActuatorBeat beat;
-  beat.name = actuator_.name;
-  beat.incarnation = core_.report.incarnation;
-  beat.period_ns = BeatPeriod(config_, index_).count();
-  beat.work = transport::ToMessage(look.work);
+  msg::ActuatorBeat heartbeat;
+  heartbeat.name = actuator_.name;
+  heartbeat.incarnation = core_.report.incarnation;
+  heartbeat.period_ns = HeartbeatPeriod(config_, index_).count();
+  heartbeat.work = transport::ToMessage(look.work);
   if (look.work != Health::kWell) {
-    beat.during = look.during;
-    beat.silent_ns = look.silent.count();
-    beat.waited_ns = look.waited.count();
+    heartbeat.during = look.during;
+    heartbeat.silent_ns = look.silent.count();
+    heartbeat.waited_ns = look.waited.count();
   }
-  static_cast<void>(beats_->Publish(beat));
+  static_cast<void>(heartbeats_->Publish(heartbeat));
 }
 
 void ActuatorShell::Do(const actuator_action::RunEmergencyStop&) {

@@ -16,7 +16,7 @@
 #include "musher/lifecycle/config.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/transport/battery_watch.hpp"
 #include "musher/transport/node.hpp"
 #include "musher/transport/service.hpp"
@@ -83,7 +83,7 @@ class ActuatorShell {
   void Publish();
   void ArmTimer();
   void LookAtWork();
-  void Beat(const Checkpoints::Look& look);
+  void Heartbeat(const Checkpoints::Look& look);
   msg::ActuatorStatus Status();
 
   transport::Node& node_;
@@ -99,10 +99,10 @@ class ActuatorShell {
   std::map<RequestToken, std::function<void(const actuator_action::Answer&)>> replies_;
   Checkpoints checkpoints_;
   Health told_work_ = Health::kWell;  // with the last beat
-  Time beat_at_{};                    // when it was
+  Time heartbeat_at_{};                    // when it was
   std::optional<Time> armed_for_;
   std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> status_;
-  std::unique_ptr<transport::Publisher<msg::ActuatorBeat>> beats_;
+  std::unique_ptr<transport::Publisher<msg::ActuatorBeat>> heartbeats_;
   transport::LoopHandlePtr look_;
   transport::LoopHandlePtr timer_;
   std::unique_ptr<transport::Subscription> controllers_;

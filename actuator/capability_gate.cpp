@@ -33,7 +33,7 @@ bool CapabilityGate::held_by_stop() const {
 Result<> CapabilityGate::Judge(const MachineConfig& config, std::string_view actuator,
                                std::string_view capability, ModuleCode module) const {
   const std::lock_guard lock(mutex_);
-  return JudgeCapability(config, capability,
+  return EvaluateCapability(config, capability,
                          {actuator, state_, target_, emergency_stop_, battery_, held_by_stop_},
                          module);
 }

@@ -63,12 +63,12 @@ void Checkpoints::Mark(pid_t thread, Duration allowance, Time now) {
 Checkpoints::Look Checkpoints::Judge(Time now) {
   const std::lock_guard lock(mutex_);
   callback_.thread = worker_;
-  if (callback_.on) return JudgeOne(callback_, during_, now);
-  return own_.on ? JudgeOne(own_, "", now) : Look{};
+  if (callback_.on) return EvaluateOne(callback_, during_, now);
+  return own_.on ? EvaluateOne(own_, "", now) : Look{};
 }
 
 // Under the lock.
-Checkpoints::Look Checkpoints::JudgeOne(Watched& watched, const State& during, Time now) const {
+Checkpoints::Look Checkpoints::EvaluateOne(Watched& watched, const State& during, Time now) const {
   Look look;
   look.during = during;
   look.silent = now - watched.last;
@@ -80,7 +80,7 @@ Checkpoints::Look Checkpoints::JudgeOne(Watched& watched, const State& during, T
   watched.waited = waited;
   watched.looked = now;
   look.waited = std::min(waited + watched.unseen, look.silent);
-  look.work = JudgeSilence(look.silent, watched.allowance, look.waited);
+  look.work = EvaluateSilence(look.silent, watched.allowance, look.waited);
   return look;
 }
 

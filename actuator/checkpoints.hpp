@@ -66,7 +66,7 @@ class Checkpoints {
   };
 
   static Watched Watch(bool on, pid_t thread, Duration allowance, Time now);
-  Look JudgeOne(Watched& watched, const State& during, Time now) const;
+  Look EvaluateOne(Watched& watched, const State& during, Time now) const;
   Duration WaitOf(Watched& watched, Time now) const;
 
   const ActuatorConfig& config_;

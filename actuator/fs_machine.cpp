@@ -7,7 +7,7 @@
 namespace musher {
 namespace {
 
-constexpr Duration kBeatPeriod = Milliseconds(500);
+constexpr Duration kHeartbeatPeriod = Milliseconds(500);
 
 // The library of CyberDog's own modules says this without their module's code, and its manager
 // expects it so.
@@ -41,13 +41,13 @@ Result<std::unique_ptr<FsMachine>> FsMachine::Make(transport::Node& node,
 
 void FsMachine::OnListeners() {
   if (!heartbeats_ || heartbeats_->MatchedReaders() == 0) {
-    beat_ = nullptr;
-  } else if (!beat_) {
-    beat_ = node_.loop().Every(kBeatPeriod, [this] {
-      msg::Heartbeats beat;
-      beat.name = name_;
+    heartbeat_ = nullptr;
+  } else if (!heartbeat_) {
+    heartbeat_ = node_.loop().Every(kHeartbeatPeriod, [this] {
+      msg::Heartbeats heartbeat;
+      heartbeat.name = name_;
       // One that is lost is followed by the next.
-      static_cast<void>(heartbeats_->Publish(beat).ok());
+      static_cast<void>(heartbeats_->Publish(heartbeat).ok());
     });
   }
 }

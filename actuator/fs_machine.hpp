@@ -35,7 +35,7 @@ class FsMachine {
 
   transport::Node& node_;
   const std::string name_;
-  transport::LoopHandlePtr beat_;  // while somebody listens
+  transport::LoopHandlePtr heartbeat_;  // while somebody listens
   std::unique_ptr<transport::Publisher<msg::Heartbeats>> heartbeats_;
   std::unique_ptr<transport::Server<msg::FsMachine>> server_;  // last: its handler comes to us
 };

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "musher/actuator/actuator_rehearsal.hpp"
+#include "musher/actuator/callback_harness.hpp"
 #include "musher/actuator/actuator_shell.hpp"
 #include "musher/actuator/capability_gate.hpp"
 #include "musher/actuator/degraded_report.hpp"
@@ -362,30 +362,30 @@ std::shared_ptr<transport::NodeThread> MachineActuator::node() const {
   return impl_->node();
 }
 
-ActuatorRehearsal::ActuatorRehearsal(MachineActuator& actuator) : actuator_(actuator) {}
-std::vector<State> ActuatorRehearsal::States() const {
+CallbackHarness::CallbackHarness(MachineActuator& actuator) : actuator_(actuator) {}
+std::vector<State> CallbackHarness::States() const {
   return actuator_.impl_->callbacks().States();
 }
-Result<> ActuatorRehearsal::Adopt(const MachineConfig& config) {
+Result<> CallbackHarness::Adopt(const MachineConfig& config) {
   if (auto adopted = actuator_.impl_->Adopt(config); !adopted) return adopted;
   return actuator_.impl_->CheckCallbacks();
 }
-Result<> ActuatorRehearsal::Run(const State& state) {
+Result<> CallbackHarness::Run(const State& state) {
   return actuator_.impl_->callbacks().Run(state);
 }
-Result<> ActuatorRehearsal::EmergencyStop() {
+Result<> CallbackHarness::EmergencyStop() {
   return actuator_.impl_->RunEmergencyStop();
 }
-void ActuatorRehearsal::SetStopRequested(bool requested) {
+void CallbackHarness::SetStopRequested(bool requested) {
   actuator_.impl_->set_stop_requested(requested);
 }
-void ActuatorRehearsal::SetReport(const ActuatorReport& report) {
+void CallbackHarness::SetReport(const ActuatorReport& report) {
   actuator_.impl_->gate().SetReport(report);
 }
-void ActuatorRehearsal::SetBattery(std::optional<int> percent) {
+void CallbackHarness::SetBattery(std::optional<int> percent) {
   actuator_.impl_->gate().SetBattery(percent);
 }
-void ActuatorRehearsal::OnPoll(std::function<void()> on_poll) {
+void CallbackHarness::OnPoll(std::function<void()> on_poll) {
   actuator_.impl_->set_on_poll(std::move(on_poll));
 }
 

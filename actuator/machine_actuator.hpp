@@ -45,7 +45,7 @@ class Endpoints;
 
 namespace musher {
 
-class ActuatorRehearsal;
+class CallbackHarness;
 
 class MachineActuator {
  public:
@@ -176,7 +176,7 @@ class MachineActuator {
   virtual void OnEmergencyStop() {}
 
  private:
-  friend class ActuatorRehearsal;  // runs the callbacks without a machine, for tests
+  friend class CallbackHarness;  // runs the callbacks without a machine, for tests
   Result<> CheckCallbacks() const;
   class Impl;
   std::unique_ptr<Impl> impl_;

@@ -15,7 +15,7 @@
 namespace musher {
 namespace {
 
-constexpr int kMostTold = 20;  // changes, faults and unheeded commands in a second
+constexpr int kMostTold = 20;  // changes, faults and unhandled commands in a second
 
 // What the endpoints give, and keep for as long as they are there.
 struct Wire {
@@ -96,8 +96,8 @@ class FsmActuator::Impl : public fsm::Listener {
     Tell(change.at, line);
     if (!in_tick_) PublishSoon();
   }
-  void OnUnheeded(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
-    Tell(machine.time(), "command " + std::string(machine.Name(command)) + " is not heeded in " +
+  void OnUnhandled(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
+    Tell(machine.time(), "command " + std::string(machine.Name(command)) + " is not handled in " +
                              std::string(machine.Name(state)));
   }
   void OnFault(const fsm::Machine& machine, const fsm::Fault& fault) override {

@@ -47,7 +47,7 @@
 // `<actuator>/behavior_state` (std_msgs/String, latched: "PHOTO/COUNTDOWN"; "" when it does not
 // run), and send it its commands by `<actuator>/send_command` (musher behavior --send).
 //
-// In a trial (simulation/actuator_trial.hpp) there is neither wire nor clock: the machine is built,
+// In a trial (simulation/actuator_fault_test.hpp) there is neither wire nor clock: the machine is built,
 // started, paused and stopped, and is not ticked.
 //
 // Threads: the machine, the hooks and the handlers of topics run on the loop, one at a time, so
@@ -107,7 +107,7 @@ class FsmActuator : public MachineActuator {
 
   // From SetUp on. On the loop only.
   fsm::Machine& machine();
-  // A command from outside, for the machine to heed: that of <actuator>/send_command, and the one
+  // A command from outside, for the machine to handle: that of <actuator>/send_command, and the one
   // to be called by handlers of topics. Fails when the machine rests, so that nothing is done hours
   // later, and where Machine::Send() does. On the loop only.
   Result<> Send(std::string_view command);

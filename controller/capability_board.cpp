@@ -65,7 +65,7 @@ void CapabilityBoard::Publish() {
 
 msg::Capabilities CapabilityBoard::Now() const {
   msg::Capabilities now;
-  const auto verdicts = JudgeCapabilities(config_, machine_, battery_);
+  const auto verdicts = EvaluateCapabilities(config_, machine_, battery_);
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     const CapabilityConfig& declared = config_.capabilities[i];
     const CapabilityVerdict& verdict = verdicts[i];

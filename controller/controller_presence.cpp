@@ -31,17 +31,17 @@ Result<std::unique_ptr<ControllerPresence>> ControllerPresence::Make(transport::
 
 Result<> ControllerPresence::Open() {
   const std::string& name_space = config_.name_space;
-  auto beats = transport::MakePublisher<msg::ControllerBeat>(
+  auto heartbeats = transport::MakePublisher<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(name_space), transport::kLatchedQos);
-  if (!beats) return beats.error();
-  beats_ = std::move(beats).value();
+  if (!heartbeats) return heartbeats.error();
+  heartbeats_ = std::move(heartbeats).value();
   auto stops = transport::MakePublisher<msg::EmergencyStop>(
       node_, transport::EmergencyStopTopic(name_space), kStopsQos);
   if (!stops) return stops.error();
   released_stops_ = std::move(stops).value();
   auto rivals = transport::MakeSubscription<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(name_space),
-      [this](const msg::ControllerBeat& beat, const transport::SampleInfo&) { OnBeat(beat); },
+      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo&) { OnHeartbeat(heartbeat); },
       transport::kLatchedFromManyQos);
   if (!rivals) return rivals.error();
   rivals_ = std::move(rivals).value();
@@ -64,32 +64,32 @@ void ControllerPresence::Announce(std::uint64_t epoch) {
 
 // A beat that cannot be sent is followed by the next.
 void ControllerPresence::Repeat() {
-  if (!beats_) return;
-  static_cast<void>(beats_->Publish({config_.name, epoch_, identity_.incarnation, identity_.host,
+  if (!heartbeats_) return;
+  static_cast<void>(heartbeats_->Publish({config_.name, epoch_, identity_.incarnation, identity_.host,
                                      identity_.pid, ControllerBeatPeriod(config_).count()}));
 }
 
 void ControllerPresence::FallSilent() {
   timer_ = nullptr;
-  beats_ = nullptr;  // with it goes the last one, which newcomers would receive
+  heartbeats_ = nullptr;  // with it goes the last one, which newcomers would receive
   engaged_stops_ = nullptr;
   released_stops_ = nullptr;
 }
 
-void ControllerPresence::OnBeat(const msg::ControllerBeat& beat) {
+void ControllerPresence::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
   // Of two with the same epoch the lower has precedence, for both of them. Incarnations of
   // different hosts, and of different boots of one, say nothing about each other: the host comes
   // first.
-  const auto theirs = std::tie(beat.host, beat.incarnation, beat.pid);
+  const auto theirs = std::tie(heartbeat.host, heartbeat.incarnation, heartbeat.pid);
   const auto ours = std::tie(identity_.host, identity_.incarnation, identity_.pid);
   if (theirs == ours) return;
-  if (beat.epoch > kLastEpoch) return;  // no controller's
+  if (heartbeat.epoch > kLastEpoch) return;  // no controller's
   rival_ = {
-      "process " + std::to_string(beat.pid) +
-          (beat.host == identity_.host ? " of this host" : " of host " + beat.host.substr(0, 64)),
-      beat.epoch, beat.machine};
+      "process " + std::to_string(heartbeat.pid) +
+          (heartbeat.host == identity_.host ? " of this host" : " of host " + heartbeat.host.substr(0, 64)),
+      heartbeat.epoch, heartbeat.machine};
   // Only what may change something is an event: the rest would fill the journal.
-  if (beat.epoch >= epoch_) emit_(event::RivalHeard{beat.epoch, rival_->who, theirs < ours});
+  if (heartbeat.epoch >= epoch_) emit_(event::RivalHeard{heartbeat.epoch, rival_->who, theirs < ours});
 }
 
 void ControllerPresence::Tell(const EmergencyStop& stop, bool engaged) {

@@ -10,7 +10,7 @@
 
 #include "musher/lifecycle/config.hpp"
 #include "musher/lifecycle/coordinator.hpp"
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/transport/node.hpp"
 
 namespace musher {
@@ -51,7 +51,7 @@ class ControllerPresence {
   ControllerPresence(transport::Node& node, const MachineConfig& config, Identity identity,
                      Emit emit);
   Result<> Open();
-  void OnBeat(const msg::ControllerBeat& beat);
+  void OnHeartbeat(const msg::ControllerBeat& heartbeat);
 
   transport::Node& node_;
   const MachineConfig& config_;
@@ -59,7 +59,7 @@ class ControllerPresence {
   const Emit emit_;
   std::uint64_t epoch_ = 0;
   std::optional<Rival> rival_;
-  std::unique_ptr<transport::Publisher<msg::ControllerBeat>> beats_;
+  std::unique_ptr<transport::Publisher<msg::ControllerBeat>> heartbeats_;
   // Each keeps its last ones for those that come later. That of the engaged is there while there
   // are any: an actuator must not meet one that is over.
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> engaged_stops_;

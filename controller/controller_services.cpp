@@ -23,7 +23,7 @@ typename S::Response AnswerTo(const Result<>& result) {
   return {result.error().code, result.error().message};
 }
 
-std::optional<Error> JudgeLengths(const msg::SetState::Request& request) {
+std::optional<Error> CheckLengths(const msg::SetState::Request& request) {
   if (request.target.size() <= kLongestName && request.actuator.size() <= kLongestName) {
     return std::nullopt;
   }
@@ -124,7 +124,7 @@ Result<> ControllerServices::Open() {
 
 void ControllerServices::OnSetState(const msg::SetState::Request& request,
                                     const transport::Server<msg::SetState>::Reply& reply) {
-  if (const auto error = JudgeLengths(request)) {
+  if (const auto error = CheckLengths(request)) {
     SwitchResult refusal;
     refusal.outcome = SwitchOutcome::kRefused;
     refusal.code = error->code;
@@ -157,7 +157,7 @@ void ControllerServices::OnRequestPolicy(
 msg::GetPlan::Response ControllerServices::OnGetPlan(const msg::GetPlan::Request& request) const {
   const MachineConfig& config = shell_.config();
   const auto only = config.IndexOf(request.actuator);
-  auto error = JudgeLengths(request);
+  auto error = CheckLengths(request);
   if (!error && !request.actuator.empty() && !only) {
     error = Error{kCodeParametersInvalid, NoSuchActuator(request.actuator, config)};
   }

@@ -7,9 +7,9 @@
 namespace musher {
 
 HealthWatch::HealthWatch(transport::Node& node, const MachineConfig& config,
-                         ProcessWitness& witness, std::string host, Emit emit, Probe probe)
+                         ProcessProbe& probe, std::string host, Emit emit, Probe probe)
     : node_(node),
-      witness_(witness),
+      probe_(probe),
       host_(std::move(host)),
       emit_(std::move(emit)),
       probe_(std::move(probe)),
@@ -20,20 +20,20 @@ HealthWatch::HealthWatch(transport::Node& node, const MachineConfig& config,
 
 Result<std::unique_ptr<HealthWatch>> HealthWatch::Make(transport::Node& node,
                                                        const MachineConfig& config,
-                                                       ProcessWitness& witness, std::string host,
+                                                       ProcessProbe& probe, std::string host,
                                                        Emit emit, Probe probe) {
   std::unique_ptr<HealthWatch> watch(
-      new HealthWatch(node, config, witness, std::move(host), std::move(emit), std::move(probe)));
-  transport::Qos qos = transport::kBeatQos;
+      new HealthWatch(node, config, probe, std::move(host), std::move(emit), std::move(probe)));
+  transport::Qos qos = transport::kHeartbeatQos;
   qos.partition = transport::HearingPartition(!config.keys.empty());
-  auto beats = transport::MakeSubscription<msg::ActuatorBeat>(
+  auto heartbeats = transport::MakeSubscription<msg::ActuatorBeat>(
       node, transport::ActuatorBeatTopic(config.name_space),
-      [self = watch.get()](const msg::ActuatorBeat& beat, const transport::SampleInfo& info) {
-        if (transport::IsFrom(beat.name, info)) self->OnBeat(beat);
+      [self = watch.get()](const msg::ActuatorBeat& heartbeat, const transport::SampleInfo& info) {
+        if (transport::IsFrom(heartbeat.name, info)) self->OnHeartbeat(heartbeat);
       },
       qos);
-  if (!beats) return beats.error();
-  watch->beats_ = std::move(beats).value();
+  if (!heartbeats) return heartbeats.error();
+  watch->heartbeats_ = std::move(heartbeats).value();
   return watch;
 }
 
@@ -50,12 +50,12 @@ void HealthWatch::Forget(std::size_t actuator) {
   ArmTimer();
 }
 
-void HealthWatch::OnBeat(const msg::ActuatorBeat& beat) {
-  const auto found = index_.find(beat.name);
+void HealthWatch::OnHeartbeat(const msg::ActuatorBeat& heartbeat) {
+  const auto found = index_.find(heartbeat.name);
   if (found == index_.end()) return;
-  const Beat heard{Duration(beat.period_ns), transport::WorkFrom(beat.work), beat.during,
-                   Duration(beat.silent_ns), Duration(beat.waited_ns)};
-  Act(monitor_.Heard(found->second, beat.incarnation, heard, node_.loop().Now()));
+  const Heartbeat heard{Duration(heartbeat.period_ns), transport::WorkFrom(heartbeat.work), heartbeat.during,
+                   Duration(heartbeat.silent_ns), Duration(heartbeat.waited_ns)};
+  Act(monitor_.Heard(found->second, heartbeat.incarnation, heard, node_.loop().Now()));
 }
 
 void HealthWatch::Act(const std::vector<Finding>& findings) {
@@ -72,8 +72,8 @@ void HealthWatch::Do(const finding::Probe& f) {
 void HealthWatch::Do(const finding::Examine& f) {
   const pid_t pid = pids_[f.actuator];
   const Time now = node_.loop().Now();
-  if (f.mark) return witness_.Mark(f.actuator, pid, now);
-  Act(monitor_.Examined(f.actuator, witness_.Examine(f.actuator, pid, now), now));
+  if (f.mark) return probe_.Mark(f.actuator, pid, now);
+  Act(monitor_.Examined(f.actuator, probe_.Examine(f.actuator, pid, now), now));
 }
 
 void HealthWatch::Do(const finding::Changed& f) {

@@ -10,10 +10,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "musher/controller/process_witness.hpp"
+#include "musher/controller/process_probe.hpp"
 #include "musher/lifecycle/coordinator.hpp"
 #include "musher/lifecycle/health_monitor.hpp"
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/transport/node.hpp"
 
 namespace musher {
@@ -26,7 +26,7 @@ class HealthWatch {
   // All must outlive the watch. `host`: of this controller.
   static Result<std::unique_ptr<HealthWatch>> Make(transport::Node& node,
                                                    const MachineConfig& config,
-                                                   ProcessWitness& witness, std::string host,
+                                                   ProcessProbe& probe, std::string host,
                                                    Emit emit, Probe probe);
 
   // The process with this report is the one that counts, and was heard just now.
@@ -35,10 +35,10 @@ class HealthWatch {
   void Forget(std::size_t actuator);
 
  private:
-  HealthWatch(transport::Node& node, const MachineConfig& config, ProcessWitness& witness,
+  HealthWatch(transport::Node& node, const MachineConfig& config, ProcessProbe& probe,
               std::string host, Emit emit, Probe probe);
 
-  void OnBeat(const msg::ActuatorBeat& beat);
+  void OnHeartbeat(const msg::ActuatorBeat& heartbeat);
   void Act(const std::vector<Finding>& findings);
   void Do(const finding::Probe& f);
   void Do(const finding::Examine& f);
@@ -46,7 +46,7 @@ class HealthWatch {
   void ArmTimer();
 
   transport::Node& node_;
-  ProcessWitness& witness_;
+  ProcessProbe& probe_;
   const std::string host_;
   const Emit emit_;
   const Probe probe_;
@@ -55,7 +55,7 @@ class HealthWatch {
   std::vector<pid_t> pids_;
   std::optional<Time> armed_for_;
   transport::LoopHandlePtr timer_;
-  std::unique_ptr<transport::Subscription> beats_;  // last: its callbacks use all of the above
+  std::unique_ptr<transport::Subscription> heartbeats_;  // last: its callbacks use all of the above
 };
 
 }  // namespace musher

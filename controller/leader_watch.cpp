@@ -11,9 +11,9 @@ namespace {
 
 // A controller of another host is taken for ended after so many of its beats have not come, and not
 // before this: a beat may be lost, and a process may wait for a CPU.
-constexpr int kBeatsMissed = 4;
+constexpr int kHeartbeatsMissed = 4;
 constexpr Duration kShortestSilence = Milliseconds(750);
-constexpr Duration kSlowestBeat = Milliseconds(500);
+constexpr Duration kSlowestHeartbeat = Milliseconds(500);
 
 class PidfdWatch : public transport::LoopHandle {
  public:
@@ -57,12 +57,12 @@ Result<std::unique_ptr<LeaderWatch>> LeaderWatch::Make(transport::Node& node, Op
 }
 
 Result<> LeaderWatch::Open() {
-  auto beats = transport::MakeSubscription<msg::ControllerBeat>(
+  auto heartbeats = transport::MakeSubscription<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(options_.name_space),
-      [this](const msg::ControllerBeat& beat, const transport::SampleInfo&) { OnBeat(beat); },
+      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo&) { OnHeartbeat(heartbeat); },
       transport::kLatchedFromManyQos);
-  if (!beats) return beats.error();
-  beats_ = std::move(beats).value();
+  if (!heartbeats) return heartbeats.error();
+  heartbeats_ = std::move(heartbeats).value();
   transport::SubscriptionEvents events;
   events.on_writer_lost = [this](transport::PeerId writer) {
     if (leader_ && writer == from_.writer) End("leads no more");
@@ -91,7 +91,7 @@ void LeaderWatch::OnStatusOf(const msg::MachineStatus& status, const transport::
   leader_ = status;
   from_ = from;
   if (another) {
-    beat_period_ = kSlowestBeat;  // until it says otherwise
+    heartbeat_period_ = kSlowestHeartbeat;  // until it says otherwise
     if (!IsOurs(status)) {
       ExpectBeat();
     } else {
@@ -102,22 +102,22 @@ void LeaderWatch::OnStatusOf(const msg::MachineStatus& status, const transport::
   on_status_(status);
 }
 
-void LeaderWatch::OnBeat(const msg::ControllerBeat& beat) {
+void LeaderWatch::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
   const auto is_of = [&](const std::optional<msg::MachineStatus>& one) {
-    return one && beat.pid == one->pid && beat.host == one->host;
+    return one && heartbeat.pid == one->pid && heartbeat.host == one->host;
   };
   if (!leader_ && is_of(silent_))
     OnStatusOf(msg::MachineStatus(*silent_), transport::SampleInfo(silent_from_));
   const bool of_leader = is_of(leader_);
   if (!of_leader || IsOurs(*leader_)) return;
-  beat_period_ = std::clamp(Duration(beat.period_ns), Duration(Milliseconds(10)),
+  heartbeat_period_ = std::clamp(Duration(heartbeat.period_ns), Duration(Milliseconds(10)),
                             Duration(std::chrono::seconds(10)));
   ExpectBeat();
 }
 
 void LeaderWatch::ExpectBeat() {
   transport::EventLoop& loop = node_.loop();
-  silence_ = loop.At(loop.Now() + std::max(kBeatsMissed * beat_period_, kShortestSilence),
+  silence_ = loop.At(loop.Now() + std::max(kHeartbeatsMissed * heartbeat_period_, kShortestSilence),
                      [this] { OnSilence(); });
 }
 

@@ -17,7 +17,7 @@
 #include <optional>
 #include <string>
 
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/transport/event_loop.hpp"
 #include "musher/transport/node.hpp"
@@ -55,7 +55,7 @@ class LeaderWatch {
   LeaderWatch(transport::Node& node, Options options, OnStatus on_status, OnEnd on_end);
   Result<> Open();
   void OnStatusOf(const msg::MachineStatus& status, const transport::SampleInfo& from);
-  void OnBeat(const msg::ControllerBeat& beat);
+  void OnHeartbeat(const msg::ControllerBeat& heartbeat);
   void ExpectBeat();
   void OnSilence();
   void End(const std::string& how);
@@ -67,13 +67,13 @@ class LeaderWatch {
   const OnEnd on_end_;
   std::optional<msg::MachineStatus> leader_;
   transport::SampleInfo from_;                // its status
-  Duration beat_period_{};                    // as its heartbeat says
+  Duration heartbeat_period_{};                    // as its heartbeat says
   std::uint64_t ended_ = 0;                   // epoch of the last one whose process has ended
   std::optional<msg::MachineStatus> silent_;  // of the last one that was silent
   transport::SampleInfo silent_from_;
   transport::LoopHandlePtr process_;
   transport::LoopHandlePtr silence_;
-  std::unique_ptr<transport::Subscription> beats_;
+  std::unique_ptr<transport::Subscription> heartbeats_;
   std::unique_ptr<transport::Subscription> statuses_;
 };
 

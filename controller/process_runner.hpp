@@ -64,7 +64,7 @@ class ProcessRunner {
   // Watches a living process, e.g. one that the controller before us has started, or one of ours
   // that hosts several actuators: each of them may watch it. Of one that we did not start only its
   // end is told, not how. Fails when there is no such process. The caller knows that the pid is one
-  // of this host (HostId), and whose it is (ProcessWitness::Prove).
+  // of this host (HostId), and whose it is (ProcessProbe::Prove).
   virtual Result<> Watch(pid_t pid, OnExit on_exit) = 0;
 
   // Sends a signal to a started or watched process: to its whole group if it leads one. Fails when

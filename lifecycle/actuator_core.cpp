@@ -78,7 +78,7 @@ class Deciding {
   }
 
   void On(const event::ManagerCommand& arrived) {
-    if (auto refusal = JudgeManager(arrived.target)) return Refuse({arrived.token}, *refusal);
+    if (auto refusal = EvaluateManager(arrived.target)) return Refuse({arrived.token}, *refusal);
     SwitchCommand command;  // of number 0, which no controller gives
     command.target = arrived.target;
     Begin(command, {arrived.token});
@@ -290,21 +290,21 @@ class Deciding {
                                            " is from the past; " + std::to_string(report_.number) +
                                            " was seen already"};
     }
-    if (auto refusal = JudgeTarget(command.target)) return refusal;
+    if (auto refusal = CheckTarget(command.target)) return refusal;
     return MayBegin(command);
   }
 
-  std::optional<Refusal> JudgeManager(const State& target) const {
+  std::optional<Refusal> EvaluateManager(const State& target) const {
     if (report_.epoch != 0) {
       return Refusal{kCodePermissionDenied,
                      "a controller holds it, epoch " + std::to_string(report_.epoch)};
     }
     if (report_.busy()) return Refusal{kCodeTargetBusy, "it is busy with " + report_.target};
     if (report_.emergency_stop != 0 && GoesUp(target)) return Stopped();
-    return JudgeTarget(target);
+    return CheckTarget(target);
   }
 
-  std::optional<Refusal> JudgeTarget(const State& target) const {
+  std::optional<Refusal> CheckTarget(const State& target) const {
     if (report_.state == kTearDown) {
       return Refusal{kCodeStateInvalid,
                      "the actuator is torn down; only a new start brings it back"};
@@ -320,7 +320,7 @@ class Deciding {
 
   std::optional<Refusal> MayBegin(const SwitchCommand& command) const {
     if (report_.emergency_stop != 0 && GoesUp(command.target)) return Stopped();
-    return JudgeAge(command, now_);
+    return CheckAge(command, now_);
   }
 
   void Begin(const SwitchCommand& command, const std::vector<RequestToken>& tokens) {

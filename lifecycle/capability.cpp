@@ -35,7 +35,7 @@ Error RefuseState(const CapabilityConfig* declared, std::string_view capability,
               std::string(view.actuator) + " " + now};
 }
 
-Result<> JudgeBattery(const CapabilityConfig& declared, std::optional<int> battery,
+Result<> EvaluateBattery(const CapabilityConfig& declared, std::optional<int> battery,
                       ModuleCode module) {
   if (!declared.min_battery || (battery && *battery >= *declared.min_battery)) return Ok();
   const std::string found =
@@ -51,7 +51,7 @@ std::string Absence(const ActuatorConfig& actuator, const ActuatorRecord& record
   return actuator.name + " is " + std::string(PresenceName(record.presence));
 }
 
-CapabilityVerdict JudgeOne(const MachineConfig& config, const Machine& machine,
+CapabilityVerdict EvaluateOne(const MachineConfig& config, const Machine& machine,
                            const CapabilityConfig& declared, std::optional<int> battery) {
   CapabilityVerdict verdict{declared.name, true, kCodeOk, ""};
   for (const std::string& name : declared.actuators) {
@@ -63,7 +63,7 @@ CapabilityVerdict JudgeOne(const MachineConfig& config, const Machine& machine,
       if (!fault->message.empty()) trouble += ": " + fault->message;
     }
     Result<> allowed =
-        JudgeCapability(config, declared.name,
+        EvaluateCapability(config, declared.name,
                         {name, record.report.state, record.report.target,
                          record.report.emergency_stop != 0 || machine.emergency_stop.has_value(),
                          battery, record.report.held_by_stop});
@@ -81,7 +81,7 @@ CapabilityVerdict JudgeOne(const MachineConfig& config, const Machine& machine,
 
 }  // namespace
 
-Result<> JudgeCapability(const MachineConfig& config, std::string_view capability,
+Result<> EvaluateCapability(const MachineConfig& config, std::string_view capability,
                          const CapabilityView& view, ModuleCode module) {
   const CapabilityConfig* declared = config.CapabilityOf(capability);
   if (declared != nullptr && !declared->Takes(view.actuator)) {
@@ -102,16 +102,16 @@ Result<> JudgeCapability(const MachineConfig& config, std::string_view capabilit
   const bool runs =
       RunsIn(declared, view.state) && (view.target.empty() || RunsIn(declared, view.target));
   if (!runs) return RefuseState(declared, capability, view, module);
-  return declared == nullptr ? Ok() : JudgeBattery(*declared, view.battery, module);
+  return declared == nullptr ? Ok() : EvaluateBattery(*declared, view.battery, module);
 }
 
-std::vector<CapabilityVerdict> JudgeCapabilities(const MachineConfig& config,
+std::vector<CapabilityVerdict> EvaluateCapabilities(const MachineConfig& config,
                                                  const Machine& machine,
                                                  std::optional<int> battery) {
   std::vector<CapabilityVerdict> verdicts;
   verdicts.reserve(config.capabilities.size());
   for (const CapabilityConfig& declared : config.capabilities) {
-    verdicts.push_back(JudgeOne(config, machine, declared, battery));
+    verdicts.push_back(EvaluateOne(config, machine, declared, battery));
   }
   return verdicts;
 }

@@ -32,7 +32,7 @@ struct CapabilityView {
 // Whether the actuator may do it. The Error has the code of `module`: ProtectedError where the
 // robot spares itself (the capability runs in Active but not in Protected, or the battery is too
 // low or unknown), else StateInvalid. Where it may, nothing is allocated.
-Result<> JudgeCapability(const MachineConfig& config, std::string_view capability,
+Result<> EvaluateCapability(const MachineConfig& config, std::string_view capability,
                          const CapabilityView& view, ModuleCode module = ModuleCode::kRobot);
 
 // What is published of one capability.
@@ -47,7 +47,7 @@ struct CapabilityVerdict {
 
 // All that the config declares, in its order. One that takes several actuators is allowed when all
 // of them allow it; of the refusals the first is told.
-std::vector<CapabilityVerdict> JudgeCapabilities(const MachineConfig& config,
+std::vector<CapabilityVerdict> EvaluateCapabilities(const MachineConfig& config,
                                                  const Machine& machine,
                                                  std::optional<int> battery);
 

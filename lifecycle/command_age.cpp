@@ -14,7 +14,7 @@ std::string Quantity(Duration d) {
 
 }  // namespace
 
-std::optional<Error> JudgeAge(const SwitchCommand& command, Time now) {
+std::optional<Error> CheckAge(const SwitchCommand& command, Time now) {
   // The times of an unknown sender may be anything: what cannot be is not computed with.
   const bool possible = command.status_stamp <= now && command.status_stamp >= now - kLongestRun &&
                         command.since_status >= Duration::zero() &&

@@ -10,6 +10,6 @@ namespace musher {
 
 // Why `command` may not begin at `now`: it is older than its budget (Timeout), or its times cannot
 // be (ParametersInvalid); nullopt where it may.
-std::optional<Error> JudgeAge(const SwitchCommand& command, Time now);
+std::optional<Error> CheckAge(const SwitchCommand& command, Time now);
 
 }  // namespace musher

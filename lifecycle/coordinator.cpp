@@ -93,7 +93,7 @@ std::optional<Time> NextDeadlineOf(const ActuatorRecord& record) {
   std::optional<Time> next;
   const auto consider = [&](Time when) { next = next ? std::min(*next, when) : when; };
   if (record.order) consider(record.order->deadline);
-  if (record.claim_again) consider(*record.claim_again);
+  if (record.take_control_again) consider(*record.take_control_again);
   if (record.set_up_by && record.presence != Presence::kPresent) consider(*record.set_up_by);
   for (const auto& when : {record.restart_at, record.healthy_at, record.kill_at, record.free_by}) {
     if (when) consider(*when);

@@ -15,7 +15,7 @@ namespace musher {
 inline constexpr Duration kAskTimeout = Milliseconds(300);
 inline constexpr int kAskAttempts = 3;
 // How often an actuator that was heard of but has not answered is asked to follow.
-inline constexpr Duration kClaimPeriod = Milliseconds(500);
+inline constexpr Duration kTakeControlPeriod = Milliseconds(500);
 // After which it is asked again when it had not heard yet who we are.
 inline constexpr Duration kIntroductionPeriod = Milliseconds(20);
 // How long an actuator that follows a higher epoch is left alone: a controller that leads with it
@@ -79,7 +79,7 @@ class Decision {
 
  private:
   // orders.cpp
-  void Claim(std::size_t i);
+  void TakeControl(std::size_t i);
   void RaiseEpoch(std::uint64_t epoch, std::size_t because_of);
   void Accept(std::size_t i, const ActuatorReport& report);
   void Follow(std::size_t i);
@@ -93,12 +93,12 @@ class Decision {
   void EndOrder(std::size_t i, const OrderEnd& given);
   Leg* LegUnderWay(std::size_t i);
   void AskOrLose(std::size_t i);
-  OrderEnd JudgeReport(std::size_t i, const Order& order) const;
+  OrderEnd EvaluateReport(std::size_t i, const Order& order) const;
   void Lose(std::size_t i, const std::string& how, std::uint64_t cause = 0,
             std::int32_t code = kCodeNetError);
   void LoseSight(std::size_t i, const std::string& how, std::uint64_t cause = 0);
   void TakeForTornDown(std::size_t i);
-  void JudgeFoundBusy(std::size_t i);
+  void EvaluateFoundBusy(std::size_t i);
   void CheckOrders();
 
   // waiting.cpp
@@ -123,7 +123,7 @@ class Decision {
   bool StartLegs(std::vector<Leg>& legs);
   const Leg* Hindrance(const Leg& leg, const std::vector<Leg>& legs) const;
   std::optional<OrderEnd> FindUnfit(const Leg& leg) const;
-  void SkipLeg(Leg& leg, const Leg* hindrance);
+  void SkipLeg(Leg& leg, const Leg* blocker);
   bool Failed(const Switch& s) const;
   const Leg* WorstLeg(const Switch& s) const;
   void BeginRollback(Switch& s);
@@ -144,7 +144,7 @@ class Decision {
   // starting.cpp, adopting.cpp
   void StartStage(int stage, std::uint64_t cause);
   bool StartProcesses();
-  bool NeedsMet(std::size_t i, std::string& hindrance) const;
+  bool NeedsMet(std::size_t i, std::string& blocker) const;
   std::uint64_t CauseOfHindrance(std::size_t i) const;
   bool AnotherIsThere(std::size_t i, std::int32_t pid) const;
   bool StageSetUp(int stage) const;
@@ -169,7 +169,7 @@ class Decision {
   bool Fits(std::size_t i) const;
   bool MayFollow(std::size_t i) const;
   void TellUnchecked(std::size_t i);
-  bool MayJoin(std::size_t i, std::string& hindrance) const;
+  bool MayJoin(std::size_t i, std::string& blocker) const;
   std::string RestsBefore(std::size_t i) const;
   void Join(std::size_t i);
   void EndJoin(std::size_t i, const Order& order, const OrderEnd& end);
@@ -182,14 +182,14 @@ class Decision {
   std::int32_t ProcessOf(std::size_t i) const;
   void Recovered(std::size_t i, const std::string& how);
   void Hang(std::size_t i, bool silent, const std::string& how);
-  void Doom(std::size_t i, std::int32_t pid, Duration grace);
+  void Terminate(std::size_t i, std::int32_t pid, Duration grace);
   void Kill(std::size_t i);
   void TakeForEnded(std::size_t i);
   bool IsFinal(std::size_t i, const event::ProcessEnded& ended) const;
   std::string WhyFinal(const event::ProcessEnded& ended) const;
   void Recover(std::size_t i, const event::ProcessEnded& ended = {});
   void GiveUp(std::size_t i, const std::string& why);
-  void JudgeArrival(std::size_t i);
+  void EvaluateArrival(std::size_t i);
   void CheckRestarts();
   void ForgetEnd(std::size_t i);
   void CallOffRestart(std::size_t i);
@@ -222,7 +222,7 @@ class Decision {
   // policy_rules.cpp
   void BeginPolicy(const StoredPolicy& stored);
   bool AdvancePolicy();
-  void JudgeLevel(const std::string& seen);
+  void EvaluateLevel(const std::string& seen);
   void CountStillness();
   bool EndsKeep(const Switch& s) const;
   void EndKeep(const std::string& why);

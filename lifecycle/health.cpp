@@ -18,7 +18,7 @@ std::string_view HealthName(Health health) {
   return "well";
 }
 
-Health JudgeSilence(Duration silent, Duration allowance, Duration waited) {
+Health EvaluateSilence(Duration silent, Duration allowance, Duration waited) {
   if (silent <= allowance) return Health::kWell;
   return silent - waited > allowance ? Health::kHung : Health::kStarved;
 }

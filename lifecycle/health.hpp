@@ -19,6 +19,6 @@ std::string_view HealthName(Health health);  // "well", "starved", …
 // Judges somebody who has been silent for `silent` and should not be for longer than `allowance`.
 // For `waited` of that time it was ready to run and got no CPU: that is not its fault and does not
 // count. Gives kWell, kStarved or kHung.
-Health JudgeSilence(Duration silent, Duration allowance, Duration waited);
+Health EvaluateSilence(Duration silent, Duration allowance, Duration waited);
 
 }  // namespace musher

@@ -5,10 +5,10 @@
 namespace musher {
 namespace {
 
-constexpr Duration kSlowestBeat = Milliseconds(500);
-constexpr Duration kLanBeat = Milliseconds(125);
-constexpr Duration kControllerBeat = Milliseconds(500);
-constexpr int kBeatsMissed = 3;
+constexpr Duration kSlowestHeartbeat = Milliseconds(500);
+constexpr Duration kLanHeartbeat = Milliseconds(125);
+constexpr Duration kControllerHeartbeat = Milliseconds(500);
+constexpr int kHeartbeatsMissed = 3;
 // Below this a loaded network loses actuators that are well.
 constexpr Duration kLeastRemoteLimit = Milliseconds(500);
 // Of anybody's silence, whatever period it claims to beat in.
@@ -24,124 +24,124 @@ std::string Ms(Duration duration) {
 
 }  // namespace
 
-Duration BeatPeriod(const MachineConfig& config, std::size_t actuator) {
-  const Duration slowest = config.transport == TransportProfile::kLan ? kLanBeat : kSlowestBeat;
+Duration HeartbeatPeriod(const MachineConfig& config, std::size_t actuator) {
+  const Duration slowest = config.transport == TransportProfile::kLan ? kLanHeartbeat : kSlowestHeartbeat;
   const auto checkpoint = config.actuators[actuator].checkpoint;
   return checkpoint ? std::clamp(*checkpoint / 2, Milliseconds(10), slowest) : slowest;
 }
 
 Duration ControllerBeatPeriod(const MachineConfig& config) {
-  return config.transport == TransportProfile::kLan ? kLanBeat : kControllerBeat;
+  return config.transport == TransportProfile::kLan ? kLanHeartbeat : kControllerHeartbeat;
 }
 
 HealthMonitor::HealthMonitor(const MachineConfig& config)
-    : config_(&config), patients_(config.actuators.size()) {}
+    : config_(&config), monitored_(config.actuators.size()) {}
 
 void HealthMonitor::Watch(std::size_t actuator, std::uint64_t incarnation, const std::string& host,
                           bool local, Time now) {
-  Patient& patient = patients_[actuator];
-  if (patient.incarnation == incarnation) return;
-  patient = Patient{};
-  patient.incarnation = incarnation;
-  patient.host = host;
-  patient.local = local;
-  patient.heard = now;
+  MonitoredProcess& process = monitored_[actuator];
+  if (process.incarnation == incarnation) return;
+  process = MonitoredProcess{};
+  process.incarnation = incarnation;
+  process.host = host;
+  process.local = local;
+  process.heard = now;
   // Its first beats may have come before anybody listened.
   if (config_->actuators[actuator].protocol != Protocol::kMusher) return;
-  Promise(patient, BeatPeriod(*config_, actuator));
-  patient.look = now + patient.limit / 2;
+  Promise(process, HeartbeatPeriod(*config_, actuator));
+  process.look = now + process.limit / 2;
 }
 
 // The next beat is due in a period: how long it may be silent.
-void HealthMonitor::Promise(Patient& patient, Duration period) {
-  const Duration least = patient.local ? Milliseconds(40) : kLeastRemoteLimit;
+void HealthMonitor::Promise(MonitoredProcess& process, Duration period) {
+  const Duration least = process.local ? Milliseconds(40) : kLeastRemoteLimit;
   const Duration promised = std::clamp(period, Duration::zero(), kLongestLimit);
-  patient.limit = std::clamp(promised * kBeatsMissed, least, kLongestLimit);
+  process.limit = std::clamp(promised * kHeartbeatsMissed, least, kLongestLimit);
 }
 
 void HealthMonitor::Forget(std::size_t actuator) {
-  patients_[actuator] = Patient{};
+  monitored_[actuator] = MonitoredProcess{};
 }
 
 std::vector<Finding> HealthMonitor::Heard(std::size_t actuator, std::uint64_t incarnation,
                                           Time now) {
   std::vector<Finding> findings;
-  Patient& patient = patients_[actuator];
-  if (patient.incarnation != incarnation || incarnation == 0) return findings;
-  Revive(actuator, patient, now, findings);
+  MonitoredProcess& process = monitored_[actuator];
+  if (process.incarnation != incarnation || incarnation == 0) return findings;
+  Revive(actuator, process, now, findings);
   return findings;
 }
 
 std::vector<Finding> HealthMonitor::Heard(std::size_t actuator, std::uint64_t incarnation,
-                                          const Beat& beat, Time now) {
+                                          const Heartbeat& heartbeat, Time now) {
   std::vector<Finding> findings;
-  Patient& patient = patients_[actuator];
-  if (patient.incarnation != incarnation || incarnation == 0) return findings;
-  Promise(patient, beat.period);
-  Revive(actuator, patient, now, findings);
-  JudgeWork(actuator, patient, beat, now, findings);
+  MonitoredProcess& process = monitored_[actuator];
+  if (process.incarnation != incarnation || incarnation == 0) return findings;
+  Promise(process, heartbeat.period);
+  Revive(actuator, process, now, findings);
+  EvaluateWork(actuator, process, heartbeat, now, findings);
   return findings;
 }
 
 // Who is heard lives; what its work thread does is another matter.
-void HealthMonitor::Revive(std::size_t actuator, Patient& patient, Time now,
+void HealthMonitor::Revive(std::size_t actuator, MonitoredProcess& process, Time now,
                            std::vector<Finding>& findings) {
-  patient.heard = now;
-  patient.probed = false;
-  patient.forgiven = false;
-  patient.look.reset();
-  if (patient.limit != Duration::zero()) patient.look = now + patient.limit / 2;
-  const bool was_silent = patient.health != Health::kWell && patient.health != Health::kStarved;
-  if (was_silent && !patient.work_hung) {
-    Change(actuator, patient, Health::kWell, false, "it is heard again", findings);
+  process.heard = now;
+  process.probed = false;
+  process.forgiven = false;
+  process.look.reset();
+  if (process.limit != Duration::zero()) process.look = now + process.limit / 2;
+  const bool was_silent = process.health != Health::kWell && process.health != Health::kStarved;
+  if (was_silent && !process.work_hung) {
+    Change(actuator, process, Health::kWell, false, "it is heard again", findings);
   }
 }
 
-void HealthMonitor::JudgeWork(std::size_t actuator, Patient& patient, const Beat& beat, Time now,
+void HealthMonitor::EvaluateWork(std::size_t actuator, MonitoredProcess& process, const Heartbeat& heartbeat, Time now,
                               std::vector<Finding>& findings) {
   const std::string silence =
-      (beat.during.empty() ? "its work thread gave no checkpoint for "
-                           : "in " + beat.during + " it gave no checkpoint for ") +
-      Ms(beat.silent);
-  if (beat.work == Health::kHung) {
-    patient.work_hung = true;
-    return Change(actuator, patient, Health::kHung, false, silence, findings);
+      (heartbeat.during.empty() ? "its work thread gave no checkpoint for "
+                           : "in " + heartbeat.during + " it gave no checkpoint for ") +
+      Ms(heartbeat.silent);
+  if (heartbeat.work == Health::kHung) {
+    process.work_hung = true;
+    return Change(actuator, process, Health::kHung, false, silence, findings);
   }
-  patient.work_hung = false;
-  if (beat.work == Health::kStarved) {
-    patient.starved = now;
-    return Change(actuator, patient, Health::kStarved, false,
-                  silence + ", and waited for a CPU for " + Ms(beat.waited) + " of them", findings);
+  process.work_hung = false;
+  if (heartbeat.work == Health::kStarved) {
+    process.starved = now;
+    return Change(actuator, process, Health::kStarved, false,
+                  silence + ", and waited for a CPU for " + Ms(heartbeat.waited) + " of them", findings);
   }
-  const bool kept_up = now - patient.starved >= kStarvedFor;
-  if (patient.health == Health::kStarved && !kept_up) return;
-  Change(actuator, patient, Health::kWell, false,
-         patient.health == Health::kStarved ? "it keeps up again" : "its work goes on", findings);
+  const bool kept_up = now - process.starved >= kStarvedFor;
+  if (process.health == Health::kStarved && !kept_up) return;
+  Change(actuator, process, Health::kWell, false,
+         process.health == Health::kStarved ? "it keeps up again" : "its work goes on", findings);
 }
 
 std::vector<Finding> HealthMonitor::TimePassed(Time now) {
   std::vector<Finding> findings;
-  for (std::size_t i = 0; i < patients_.size(); ++i) {
-    Patient& patient = patients_[i];
-    if (!patient.look || *patient.look > now) continue;
-    if (now - *patient.look > kOwnDelay && !patient.forgiven) {
-      patient.forgiven = true;
-      patient.look = now + kOwnDelay;
+  for (std::size_t i = 0; i < monitored_.size(); ++i) {
+    MonitoredProcess& process = monitored_[i];
+    if (!process.look || *process.look > now) continue;
+    if (now - *process.look > kOwnDelay && !process.forgiven) {
+      process.forgiven = true;
+      process.look = now + kOwnDelay;
       continue;
     }
-    if (!patient.probed) {
-      patient.probed = true;
+    if (!process.probed) {
+      process.probed = true;
       // Silent for longer than the limit, and with time to answer though we were late ourselves.
-      patient.look = std::max(patient.heard + patient.limit + Duration(1), now + patient.limit / 4);
-      if (patient.local) findings.emplace_back(finding::Examine{i, true});
+      process.look = std::max(process.heard + process.limit + Duration(1), now + process.limit / 4);
+      if (process.local) findings.emplace_back(finding::Examine{i, true});
       findings.emplace_back(finding::Probe{i});
       continue;
     }
-    patient.look.reset();
-    if (patient.local) {
+    process.look.reset();
+    if (process.local) {
       findings.emplace_back(finding::Examine{i, false});
     } else {
-      JudgeRemote(i, patient, now, findings);
+      EvaluateRemote(i, process, now, findings);
     }
   }
   return findings;
@@ -151,65 +151,65 @@ std::vector<Finding> HealthMonitor::Examined(std::size_t actuator, const Examina
                                              Time now) {
   using Process = Examination::Process;
   std::vector<Finding> findings;
-  Patient& patient = patients_[actuator];
-  const Duration silent = now - patient.heard;
-  if (patient.incarnation == 0 || examination.process == Process::kGone || !patient.probed ||
-      silent < patient.limit) {
+  MonitoredProcess& process = monitored_[actuator];
+  const Duration silent = now - process.heard;
+  if (process.incarnation == 0 || examination.process == Process::kGone || !process.probed ||
+      silent < process.limit) {
     return findings;
   }
   const std::string silence = "nothing was heard of it for " + Ms(silent);
-  const Health health = JudgeSilence(silent, patient.limit, examination.waited);
+  const Health health = EvaluateSilence(silent, process.limit, examination.waited);
   if (examination.process == Process::kStopped) {
-    Change(actuator, patient, Health::kHung, true, "its process is stopped; " + silence, findings);
+    Change(actuator, process, Health::kHung, true, "its process is stopped; " + silence, findings);
   } else if (examination.process == Process::kTraced) {
-    patient.starved = now;
-    Change(actuator, patient, Health::kStarved, true, "a debugger holds its process", findings);
-    patient.look = now + patient.limit;
+    process.starved = now;
+    Change(actuator, process, Health::kStarved, true, "a debugger holds its process", findings);
+    process.look = now + process.limit;
   } else if (health == Health::kHung) {
-    Change(actuator, patient, Health::kHung, true,
+    Change(actuator, process, Health::kHung, true,
            silence + ", although it had to wait for a CPU for " + Ms(examination.waited) + " only",
            findings);
   } else {
-    patient.starved = now;
-    Change(actuator, patient, Health::kStarved, true,
+    process.starved = now;
+    Change(actuator, process, Health::kStarved, true,
            silence + ", and waited for a CPU for " + Ms(examination.waited) + " of them", findings);
-    patient.look = now + std::max(patient.limit - (silent - examination.waited), patient.limit / 4);
+    process.look = now + std::max(process.limit - (silent - examination.waited), process.limit / 4);
   }
   return findings;
 }
 
-void HealthMonitor::JudgeRemote(std::size_t actuator, Patient& patient, Time now,
+void HealthMonitor::EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
                                 std::vector<Finding>& findings) {
-  const std::string silence = "nothing was heard of it for " + Ms(now - patient.heard);
-  if (HostIsHeard(patient, now)) {
-    Change(actuator, patient, Health::kCrashed, true,
+  const std::string silence = "nothing was heard of it for " + Ms(now - process.heard);
+  if (HostIsHeard(process, now)) {
+    Change(actuator, process, Health::kCrashed, true,
            silence + ", while others of its host are heard", findings);
   } else {
-    Change(actuator, patient, Health::kPartitioned, true, silence + ", nor of its host", findings);
+    Change(actuator, process, Health::kPartitioned, true, silence + ", nor of its host", findings);
   }
 }
 
 // Whether another actuator of the host has been heard after this one fell silent: within half of
 // its limit, while this one has used up all of its own.
-bool HealthMonitor::HostIsHeard(const Patient& patient, Time now) const {
-  return std::any_of(patients_.begin(), patients_.end(), [&](const Patient& other) {
-    return &other != &patient && other.incarnation != 0 && other.host == patient.host &&
+bool HealthMonitor::HostIsHeard(const MonitoredProcess& process, Time now) const {
+  return std::any_of(monitored_.begin(), monitored_.end(), [&](const MonitoredProcess& other) {
+    return &other != &process && other.incarnation != 0 && other.host == process.host &&
            other.limit != Duration::zero() && now - other.heard < other.limit / 2;
   });
 }
 
-void HealthMonitor::Change(std::size_t actuator, Patient& patient, Health health, bool silent,
+void HealthMonitor::Change(std::size_t actuator, MonitoredProcess& process, Health health, bool silent,
                            std::string how, std::vector<Finding>& findings) {
-  if (patient.health == health) return;
-  patient.health = health;
+  if (process.health == health) return;
+  process.health = health;
   findings.emplace_back(
-      finding::Changed{actuator, patient.incarnation, health, silent, std::move(how)});
+      finding::Changed{actuator, process.incarnation, health, silent, std::move(how)});
 }
 
 std::optional<Time> HealthMonitor::NextDeadline() const {
   std::optional<Time> next;
-  for (const Patient& patient : patients_) {
-    if (patient.look) next = next ? std::min(*next, *patient.look) : *patient.look;
+  for (const MonitoredProcess& process : monitored_) {
+    if (process.look) next = next ? std::min(*next, *process.look) : *process.look;
   }
   return next;
 }

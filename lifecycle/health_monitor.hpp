@@ -27,12 +27,12 @@ namespace musher {
 // How often an actuator says that it lives: twice in its checkpoint, at most 500 ms apart, and 125
 // ms where hosts are several, since there nothing else tells of its end. Three that are missed in a
 // row are silence.
-Duration BeatPeriod(const MachineConfig& config, std::size_t actuator);
+Duration HeartbeatPeriod(const MachineConfig& config, std::size_t actuator);
 // How often a controller does.
 Duration ControllerBeatPeriod(const MachineConfig& config);
 
 // What an actuator says of itself.
-struct Beat {
+struct Heartbeat {
   Duration period{};            // until the next one
   Health work = Health::kWell;  // of its work thread: well, starved or hung
   State during;                 // whose callback runs; empty for work of its own
@@ -81,7 +81,7 @@ class HealthMonitor {
 
   // Anything came from it: a status, an answer.
   std::vector<Finding> Heard(std::size_t actuator, std::uint64_t incarnation, Time now);
-  std::vector<Finding> Heard(std::size_t actuator, std::uint64_t incarnation, const Beat& beat,
+  std::vector<Finding> Heard(std::size_t actuator, std::uint64_t incarnation, const Heartbeat& heartbeat,
                              Time now);
   std::vector<Finding> Examined(std::size_t actuator, const Examination& examination, Time now);
   std::vector<Finding> TimePassed(Time now);
@@ -89,7 +89,7 @@ class HealthMonitor {
   std::optional<Time> NextDeadline() const;
 
  private:
-  struct Patient {
+  struct MonitoredProcess {
     std::uint64_t incarnation = 0;  // 0: nobody is watched
     std::string host;
     bool local = false;
@@ -103,18 +103,18 @@ class HealthMonitor {
     Time starved{};  // when that was noticed last
   };
 
-  static void Promise(Patient& patient, Duration period);
-  void Revive(std::size_t actuator, Patient& patient, Time now, std::vector<Finding>& findings);
-  void JudgeWork(std::size_t actuator, Patient& patient, const Beat& beat, Time now,
+  static void Promise(MonitoredProcess& process, Duration period);
+  void Revive(std::size_t actuator, MonitoredProcess& process, Time now, std::vector<Finding>& findings);
+  void EvaluateWork(std::size_t actuator, MonitoredProcess& process, const Heartbeat& heartbeat, Time now,
                  std::vector<Finding>& findings);
-  void JudgeRemote(std::size_t actuator, Patient& patient, Time now,
+  void EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
                    std::vector<Finding>& findings);
-  bool HostIsHeard(const Patient& patient, Time now) const;
-  void Change(std::size_t actuator, Patient& patient, Health health, bool silent, std::string how,
+  bool HostIsHeard(const MonitoredProcess& process, Time now) const;
+  void Change(std::size_t actuator, MonitoredProcess& process, Health health, bool silent, std::string how,
               std::vector<Finding>& findings);
 
   const MachineConfig* config_;
-  std::vector<Patient> patients_;
+  std::vector<MonitoredProcess> monitored_;
 };
 
 }  // namespace musher

@@ -21,11 +21,11 @@ bool Decision::DriveLateOnes() {
       TellUnchecked(i);
       continue;
     }
-    std::string hindrance;
-    if (!MayJoin(i, hindrance)) {
-      if (hindrance.empty()) continue;
+    std::string blocker;
+    if (!MayJoin(i, blocker)) {
+      if (blocker.empty()) continue;
       changed |= !record.fault;  // those that come after it hear of it in turn
-      Degrade(i, kCodeStatusError, hindrance, CauseOfHindrance(i));
+      Degrade(i, kCodeStatusError, blocker, CauseOfHindrance(i));
       continue;
     }
     Join(i);
@@ -58,15 +58,15 @@ void Decision::TellUnchecked(std::size_t i) {
 }
 
 // Whether those that it comes after are there, for a self-check, or up, for going up itself.
-bool Decision::MayJoin(std::size_t i, std::string& hindrance) const {
+bool Decision::MayJoin(std::size_t i, std::string& blocker) const {
   const ActuatorRecord& record = Of(i);
   const auto own = config_.RankOf(record.state());
   const auto target = config_.RankOf(PlaceOf(i));
   const bool goes_up = record.due && target && (!own || *own < *target);
   if (record.due && !goes_up) return true;
   if (goes_up && machine_.emergency_stop && machine_.state != kError) return false;
-  if (!NeedsMet(i, hindrance)) {
-    if (hindrance.empty()) hindrance = RestsBefore(i);
+  if (!NeedsMet(i, blocker)) {
+    if (blocker.empty()) blocker = RestsBefore(i);
     return false;
   }
   return !goes_up || std::all_of(ConfigOf(i).after.begin(), ConfigOf(i).after.end(),
@@ -106,9 +106,9 @@ void Decision::Join(std::size_t i) {
 void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
   ActuatorRecord& record = Of(i);
   if (record.restart_asked) {
-    Doom(i, ProcessOf(i), kEndTime);
-    if (end.outcome != ActuatorOutcome::kDone && record.doomed != 0) {
-      Do(action::SignalProcess{i, record.doomed, false});
+    Terminate(i, ProcessOf(i), kEndTime);
+    if (end.outcome != ActuatorOutcome::kDone && record.terminating != 0) {
+      Do(action::SignalProcess{i, record.terminating, false});
     }
     return;
   }

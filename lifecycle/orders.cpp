@@ -9,12 +9,12 @@ namespace musher {
 
 // Asks an actuator that has shown itself to follow this controller. The answer gives its status and
 // a fresh stamp, by which it can later tell how old a command is.
-void Decision::Claim(std::size_t i) {
+void Decision::TakeControl(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const std::uint64_t seen = record.report.epoch;
-  const bool ours = record.claimed == record.report.incarnation;
+  const bool ours = record.controlled == record.report.incarnation;
   if (seen >= kLastEpoch) {
-    record.claim_again.reset();
+    record.take_control_again.reset();
     return Degrade(i, kCodePermissionDenied,
                    "it says that it follows epoch " + std::to_string(seen) +
                        ", which cannot be a controller's");
@@ -24,16 +24,16 @@ void Decision::Claim(std::size_t i) {
     if (!record.outbid_at)
       record.outbid_at = now_ + (config_.keys.empty() ? kRivalPatience : kSecuredRivalPatience);
     if (now_ < *record.outbid_at) {
-      record.claim_again = record.outbid_at;
+      record.take_control_again = record.outbid_at;
       if (record.set_up_by)
-        record.set_up_by = std::max(*record.set_up_by, *record.outbid_at + kClaimPeriod);
+        record.set_up_by = std::max(*record.set_up_by, *record.outbid_at + kTakeControlPeriod);
       return;
     }
     RaiseEpoch(seen + 1, i);
   }
   record.outbid_at.reset();
-  record.claimed = record.report.incarnation;
-  record.claim_again = now_ + kClaimPeriod;
+  record.controlled = record.report.incarnation;
+  record.take_control_again = now_ + kTakeControlPeriod;
   Do(action::SendAsk{i, record.report.number, false});
 }
 
@@ -88,7 +88,7 @@ void Decision::Accept(std::size_t i, const ActuatorReport& report) {
 // The actuator has answered its claim: it is present.
 void Decision::Follow(std::size_t i) {
   ActuatorRecord& record = Of(i);
-  record.claim_again.reset();
+  record.take_control_again.reset();
   if (record.presence == Presence::kPresent) return;
   const bool late = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
   record.presence = Presence::kPresent;
@@ -114,7 +114,7 @@ void Decision::Follow(std::size_t i) {
   }
   if (record.state() == kTearDown && record.held)
     Degrade(i, kCodeStateInvalid, kTornDownAlone, record.cause);
-  JudgeArrival(i);
+  EvaluateArrival(i);
 }
 
 // It is somewhere else than where it was sent, without having been told to.
@@ -131,16 +131,16 @@ void Decision::On(const event::StatusSeen& seen) {
   ActuatorRecord& record = Of(seen.actuator);
   const ActuatorReport& report = seen.report;
   const bool same = report.incarnation == record.report.incarnation;
-  if (same && (record.presence == Presence::kPresent || record.claim_again)) {
+  if (same && (record.presence == Presence::kPresent || record.take_control_again)) {
     if (report.stamp < record.report.stamp) return;
     Accept(seen.actuator, report);
     // The latch tells an outcome as well as the reply, and stays when the reply is lost.
     if (record.order && report.outcome_number == record.order->number) {
-      EndOrder(seen.actuator, JudgeReport(seen.actuator, *record.order));
+      EndOrder(seen.actuator, EvaluateReport(seen.actuator, *record.order));
     }
     return;
   }
-  if (same && record.doomed != 0) return;  // its end has been decided
+  if (same && record.terminating != 0) return;  // its end has been decided
   // What a process said before it died can come after its successor has spoken.
   // Incarnations are compared within a boot of a host only, which an empty host does not name.
   const bool of_the_past = !report.host.empty() && report.host == record.report.host &&
@@ -172,7 +172,7 @@ void Decision::On(const event::StatusSeen& seen) {
   }
   // Its services appear when it is set up; until then there is nobody to ask.
   if (not_set_up) return;
-  if (!stopping) Claim(seen.actuator);
+  if (!stopping) TakeControl(seen.actuator);
 }
 
 void Decision::On(const event::Replied& replied) {
@@ -181,16 +181,16 @@ void Decision::On(const event::Replied& replied) {
   if (replied.report.stamp >= record.report.stamp) Accept(replied.actuator, replied.report);
   const bool denied = replied.verdict == Verdict::kRefused && replied.code == kCodePermissionDenied;
   if (replied.ask && denied && replied.report.epoch > machine_.epoch)
-    return Claim(replied.actuator);
-  if (replied.ask && denied && record.claim_again) {
-    record.claim_again = now_ + kIntroductionPeriod;  // it has not heard yet who we are
+    return TakeControl(replied.actuator);
+  if (replied.ask && denied && record.take_control_again) {
+    record.take_control_again = now_ + kIntroductionPeriod;  // it has not heard yet who we are
   }
-  if (replied.ask && replied.verdict == Verdict::kDone && record.claim_again) {
+  if (replied.ask && replied.verdict == Verdict::kDone && record.take_control_again) {
     Follow(replied.actuator);
   }
   if (!record.order || record.order->number != replied.number) return;
   if (replied.ask && record.order->asked == 0) return;  // a claim, not the question
-  if (replied.ask) return EndOrder(replied.actuator, JudgeReport(replied.actuator, *record.order));
+  if (replied.ask) return EndOrder(replied.actuator, EvaluateReport(replied.actuator, *record.order));
   switch (replied.verdict) {
     case Verdict::kDone:
       return EndOrder(replied.actuator, DoneUnlessLie(replied.actuator, replied.message));
@@ -228,7 +228,7 @@ void Decision::Issue(std::size_t i, std::uint64_t number, const State& target, D
 }
 
 // What the latched status of an asked actuator says about the order.
-OrderEnd Decision::JudgeReport(std::size_t i, const Order& order) const {
+OrderEnd Decision::EvaluateReport(std::size_t i, const Order& order) const {
   const ActuatorReport& report = Of(i).report;
   const std::string time = std::to_string(ToMilliseconds(now_ - order.sent)) + " ms";
   if (report.outcome_number == order.number) {
@@ -269,13 +269,13 @@ void Decision::CheckOrders() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
     if (record.order && record.order->deadline <= now_) AskOrLose(i);
-    if (record.claim_again && *record.claim_again <= now_) Claim(i);
-    if (record.free_by && *record.free_by <= now_) JudgeFoundBusy(i);
+    if (record.take_control_again && *record.take_control_again <= now_) TakeControl(i);
+    if (record.free_by && *record.free_by <= now_) EvaluateFoundBusy(i);
   }
 }
 
 // What it was found busy with, or what was superseded, has its time, too.
-void Decision::JudgeFoundBusy(std::size_t i) {
+void Decision::EvaluateFoundBusy(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.free_by.reset();
   if (!record.report.busy() || record.order || record.presence != Presence::kPresent) return;
@@ -341,7 +341,7 @@ void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause, 
   const bool had_answered = record.presence == Presence::kPresent;
   if (record.order) EndOrder(i, {ActuatorOutcome::kLost, code, how, true, cause});
   record.presence = Presence::kLost;
-  record.claim_again.reset();
+  record.take_control_again.reset();
   record.checked = false;
   record.held = record.held && torn_down;  // who was torn down alone stays set apart
   record.due = false;
@@ -389,7 +389,7 @@ void Decision::On(const event::Vanished& vanished) {
   if (record.health != Health::kHung) record.health = Health::kCrashed;
   if (was_there) Lose(vanished.actuator, "crashed: " + vanished.how);
   if (record.restart_at || record.given_up) return;  // what we had started it with ended before
-  if (record.process != 0) return Doom(vanished.actuator, record.process, kEndTime);
+  if (record.process != 0) return Terminate(vanished.actuator, record.process, kEndTime);
   Recover(vanished.actuator);
 }
 

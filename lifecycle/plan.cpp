@@ -44,7 +44,7 @@ class Planning {
   }
 
   Plan Make() && {
-    plan_.refusal = JudgeTarget();
+    plan_.refusal = CheckTarget();
     if (plan_.refusal) return std::move(plan_);
     if (plan_.only) {
       AddSingle(*plan_.only);
@@ -58,7 +58,7 @@ class Planning {
   }
 
  private:
-  std::optional<Error> JudgeTarget() const {
+  std::optional<Error> CheckTarget() const {
     const State& target = plan_.target;
     if (!config_.HasState(target)) {
       const std::string near = Nearest(target, config_.states);

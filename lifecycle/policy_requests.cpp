@@ -128,7 +128,7 @@ std::optional<Error> Decision::HandleKeep(const Requested& requested, std::uint6
   if (requested.ticks == 0 && requested.state.empty()) {
     return Error{kCodeStateInvalid, "nothing keeps the machine in " + machine_.state};
   }
-  if (auto hindrance = KeptOrBusy()) return hindrance;
+  if (auto blocker = KeptOrBusy()) return blocker;
   if (machine_.state == kOta && requested.state != kOta) {
     return Error{kCodeStateInvalid, "the machine is in OTA; it has to leave that first"};
   }
@@ -152,7 +152,7 @@ std::optional<Error> Decision::HandleKeep(const Requested& requested, std::uint6
 }
 
 std::optional<Error> Decision::HandleOta(const Requested& requested, std::uint64_t asked) {
-  if (auto hindrance = KeptOrBusy()) return hindrance;
+  if (auto blocker = KeptOrBusy()) return blocker;
   const bool inside = machine_.state == kOta;
   if (requested.enable && inside) {
     Do(action::AnswerCall{requested.request, Ok()});
@@ -191,7 +191,7 @@ std::optional<Error> Decision::HandleLowPowerSwitch(const Requested& requested,
 }
 
 std::optional<Error> Decision::HandleWakeUp(const Requested& requested, std::uint64_t asked) {
-  if (auto hindrance = KeptOrBusy()) return hindrance;
+  if (auto blocker = KeptOrBusy()) return blocker;
   if (!InLowPower()) {
     return Error{kCodeStateInvalid, "the machine is not in LowPower, it is in " + machine_.state};
   }

@@ -62,11 +62,11 @@ void Decision::On(const event::BatterySeen& seen) {
   const bool cable = policy.battery && policy.charging != seen.charging;
   policy.battery = seen.percent;
   policy.charging = seen.charging;
-  JudgeLevel(cable ? (seen.charging ? ": the cable is in" : ": the cable is out") : "");
+  EvaluateLevel(cable ? (seen.charging ? ": the cable is in" : ": the cable is out") : "");
 }
 
 // Puts on record what changes the ceiling; it is the cause of what follows.
-void Decision::JudgeLevel(const std::string& seen) {
+void Decision::EvaluateLevel(const std::string& seen) {
   PolicyState& policy = machine_.policy;
   const BatteryLevel before = policy.level;
   policy.level = LevelAt(*config_.policy->battery, *policy.battery, before);

@@ -24,7 +24,7 @@ Duration DelayOf(const RestartConfig& restart, int n) {
 // Whether it is on its way, though it is not there yet.
 bool Decision::Coming(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
-  const bool about_to_end = record.doomed != 0;  // which is what it is restarted after
+  const bool about_to_end = record.terminating != 0;  // which is what it is restarted after
   return record.restart_at || record.restart_asked ||
          (record.set_up_by && (record.presence == Presence::kStarting || about_to_end));
 }
@@ -74,13 +74,13 @@ void Decision::Recovered(std::size_t i, const std::string& how) {
   record.cause =
       RecordActuator(i, kCodeOk, ConfigOf(i).name + " is well again: " + how, record.cause);
   if (!record.restart_asked) {  // else it is to end, well or not
-    record.doomed = 0;
+    record.terminating = 0;
     record.killed = false;
     record.kill_at.reset();
   }
   if (record.presence == Presence::kLost) {
     record.presence = Presence::kStarting;
-    return Claim(i);
+    return TakeControl(i);
   }
   if (record.presence == Presence::kPresent && record.fault && record.checked && !record.held) {
     record.due = true;
@@ -102,13 +102,13 @@ void Decision::Hang(std::size_t i, bool silent, const std::string& how) {
                               "what " + ConfigOf(i).name + " is doing is looked at; then process " +
                                   std::to_string(pid) + " gets SIGKILL",
                               Of(i).cause);
-  Doom(i, pid, kBacktraceTime);
+  Terminate(i, pid, kBacktraceTime);
   Do(action::TakeBacktrace{i, pid});
 }
 
-void Decision::Doom(std::size_t i, std::int32_t pid, Duration grace) {
+void Decision::Terminate(std::size_t i, std::int32_t pid, Duration grace) {
   ActuatorRecord& record = Of(i);
-  record.doomed = pid;
+  record.terminating = pid;
   record.killed = false;
   record.kill_at = now_ + grace;
   if (record.set_up_by) record.set_up_by = std::max(*record.set_up_by, now_ + grace + kEndTime);
@@ -116,7 +116,7 @@ void Decision::Doom(std::size_t i, std::int32_t pid, Duration grace) {
 
 void Decision::On(const event::BacktraceTaken& taken) {
   ActuatorRecord& record = Of(taken.actuator);
-  if (record.doomed != taken.pid || record.killed) return;  // it came to itself, or has ended
+  if (record.terminating != taken.pid || record.killed) return;  // it came to itself, or has ended
   action::Record backtrace;
   backtrace.kind = "process";
   backtrace.actuator = taken.actuator;
@@ -130,16 +130,16 @@ void Decision::On(const event::BacktraceTaken& taken) {
 void Decision::Kill(std::size_t i) {
   Of(i).killed = true;
   Of(i).kill_at = now_ + kEndTime;
-  Do(action::SignalProcess{i, Of(i).doomed, true});
+  Do(action::SignalProcess{i, Of(i).terminating, true});
 }
 
 // Its end was not seen, or the kernel holds it. Should it live on, its successor will say so.
 void Decision::TakeForEnded(std::size_t i) {
   ActuatorRecord& record = Of(i);
   RecordProcess(i, kCodeTimeout,
-                "nothing is heard of the end of process " + std::to_string(record.doomed) +
+                "nothing is heard of the end of process " + std::to_string(record.terminating) +
                     ", which was killed; it is taken for ended");
-  if (record.process == record.doomed) record.process = 0;
+  if (record.process == record.terminating) record.process = 0;
   record.dead = record.report.incarnation;
   if (record.presence == Presence::kPresent) Lose(i, "it was killed");
   Recover(i);
@@ -162,7 +162,7 @@ std::string Decision::WhyFinal(const event::ProcessEnded& ended) const {
 void Decision::Recover(std::size_t i, const event::ProcessEnded& ended) {
   ActuatorRecord& record = Of(i);
   const ActuatorConfig& config = ConfigOf(i);
-  record.doomed = 0;
+  record.terminating = 0;
   record.kill_at.reset();
   record.killed = false;
   record.healthy_at.reset();
@@ -200,7 +200,7 @@ void Decision::GiveUp(std::size_t i, const std::string& why) {
 }
 
 // It is there; its starts are counted until it has lived for a while.
-void Decision::JudgeArrival(std::size_t i) {
+void Decision::EvaluateArrival(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const RestartConfig& restart = ConfigOf(i).restart;
   record.given_up = record.restarts > restart.limit;
@@ -231,7 +231,7 @@ void Decision::CheckRestarts() {
 // What was to end has, or there would be no successor.
 void Decision::ForgetEnd(std::size_t i) {
   ActuatorRecord& record = Of(i);
-  record.doomed = 0;
+  record.terminating = 0;
   record.killed = false;
   record.kill_at.reset();
   record.restart_asked = false;
@@ -246,7 +246,7 @@ void Decision::CallOffRestart(std::size_t i) {
 void Decision::StartAgain(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.restart_at.reset();
-  record.hindered = false;
+  record.blocked = false;
   record.found_running = false;
   record.report.state = config_.default_state;  // how the last one ended is no matter any more
   record.presence = Presence::kStarting;
@@ -310,7 +310,7 @@ void Decision::EndForRestart(std::size_t i) {
   if (can_be_told) {
     return Issue(i, machine_.number + 1, State(kTearDown), config_.TimeFor(i, kTearDown), true);
   }
-  Doom(i, pid, kEndTime);
+  Terminate(i, pid, kEndTime);
   Do(action::SignalProcess{i, pid, false});
 }
 

@@ -73,18 +73,18 @@ bool Decision::StartProcesses() {
     const ActuatorConfig& actuator = ConfigOf(i);
     if (actuator.stage > machine_.stage || actuator.command.empty() || record.found_running ||
         record.presence != Presence::kAbsent || record.set_up_by ||
-        (record.fault && !record.hindered)) {
+        (record.fault && !record.blocked)) {
       continue;
     }
-    std::string hindrance;
-    if (!NeedsMet(i, hindrance)) {
-      if (hindrance.empty()) hindrance = RestsBefore(i);
-      if (hindrance.empty() || record.hindered) continue;
-      record.hindered = true;
-      Degrade(i, kCodeStatusError, hindrance, CauseOfHindrance(i));
+    std::string blocker;
+    if (!NeedsMet(i, blocker)) {
+      if (blocker.empty()) blocker = RestsBefore(i);
+      if (blocker.empty() || record.blocked) continue;
+      record.blocked = true;
+      Degrade(i, kCodeStatusError, blocker, CauseOfHindrance(i));
       Fall(i);
     } else {
-      if (std::exchange(record.hindered, false)) record.fault.reset();
+      if (std::exchange(record.blocked, false)) record.fault.reset();
       record.presence = Presence::kStarting;
       record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
       record.launching = true;
@@ -96,12 +96,12 @@ bool Decision::StartProcesses() {
 }
 
 // Whether all that actuator `i` comes after are there; `hindrance` says so when one never will be.
-bool Decision::NeedsMet(std::size_t i, std::string& hindrance) const {
+bool Decision::NeedsMet(std::size_t i, std::string& blocker) const {
   bool met = true;
   for (const std::string& name : ConfigOf(i).after) {
     const ActuatorRecord& needed = Of(*config_.IndexOf(name));
     if (needed.fault && !needed.parked && !Coming(*config_.IndexOf(name)))
-      hindrance = "needs " + name + ", which is degraded: " + needed.fault->message;
+      blocker = "needs " + name + ", which is degraded: " + needed.fault->message;
     if (needed.presence != Presence::kPresent || needed.fault) met = false;
   }
   return met;

@@ -45,7 +45,7 @@ void Decision::Stop(const Plan& plan, std::vector<RequestId> requests, std::uint
   }
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
-    record.claim_again.reset();
+    record.take_control_again.reset();
     record.restart_at.reset();
     record.restart_asked = false;
     const bool present = record.presence == Presence::kPresent;

@@ -210,14 +210,14 @@ const Leg* Decision::Hindrance(const Leg& leg, const std::vector<Leg>& legs) con
 }
 
 // Nothing is sent for `leg`. What is only behind one that may fail may fail like it.
-void Decision::SkipLeg(Leg& leg, const Leg* hindrance) {
+void Decision::SkipLeg(Leg& leg, const Leg* blocker) {
   leg.progress = Leg::Progress::kEnded;
   leg.outcome = ActuatorOutcome::kSkipped;
   leg.code = kCodeStatusError;
-  leg.message = hindrance == nullptr
+  leg.message = blocker == nullptr
                     ? "another actuator had failed before"
-                    : "needs " + ConfigOf(hindrance->actuator).name + ", which failed";
-  if (hindrance != nullptr && hindrance->may_fail && !Critical(leg.actuator)) leg.may_fail = true;
+                    : "needs " + ConfigOf(blocker->actuator).name + ", which failed";
+  if (blocker != nullptr && blocker->may_fail && !Critical(leg.actuator)) leg.may_fail = true;
 }
 
 // Why nothing can be sent for `leg` any more: it was there when the switch was planned, and has
@@ -258,9 +258,9 @@ bool Decision::StartLegs(std::vector<Leg>& legs) {
       changed = true;
       continue;
     }
-    const Leg* hindrance = strict ? Hindrance(leg, legs) : nullptr;
-    if (give_up || hindrance != nullptr) {
-      SkipLeg(leg, hindrance);
+    const Leg* blocker = strict ? Hindrance(leg, legs) : nullptr;
+    if (give_up || blocker != nullptr) {
+      SkipLeg(leg, blocker);
       changed = true;
       continue;
     }

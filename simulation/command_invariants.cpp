@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "musher/lifecycle/flow.hpp"
-#include "musher/simulation/judge.hpp"
+#include "musher/simulation/checker.hpp"
 
 namespace musher::simulation {
 namespace {
@@ -22,7 +22,7 @@ constexpr Duration kAnsweredAtRest = std::chrono::seconds(12);
 
 // After each step of an actuator: a command that had been accepted and waited behind a callback
 // waits on, begins, or is over for a reason that its sender knows.
-void Judge::CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report) {
+void Checker::CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report) {
   const ActuatorCore* core = robot_.processes().CoreOf(name, host);
   auto& known = waiting_[{name, host}];
   const std::optional<Waiting> before = known;
@@ -47,7 +47,7 @@ void Judge::CheckWaiting(const std::string& name, std::size_t host, const Actuat
   if (newer_sent || IsGivenUp(before->epoch, *config_.IndexOf(name))) return;
   const Duration age = robot_.network().now() - order->second.sent;
   if (age + kCommandClockSlack >= order->second.budget) return;
-  Blame(Promise::kNotCancelled,
+  ReportViolation(Invariant::kNotCancelled,
         name + " drops the command to " + command.target + " that it had accepted, after " +
             std::to_string(ToMilliseconds(age)) + " of " +
             std::to_string(ToMilliseconds(order->second.budget)) + " ms, and no newer one came");
@@ -55,7 +55,7 @@ void Judge::CheckWaiting(const std::string& name, std::size_t host, const Actuat
 
 // Whether the controller that sent the command has lost the actuator since and reported that
 // outcome. When the actuator is available again, the query that attaches it fences the old command.
-bool Judge::IsGivenUp(std::uint64_t epoch, std::size_t i) const {
+bool Checker::IsGivenUp(std::uint64_t epoch, std::size_t i) const {
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* controller = robot_.controller(which);
     if (controller == nullptr || controller->shell().machine().epoch != epoch) continue;
@@ -66,7 +66,7 @@ bool Judge::IsGivenUp(std::uint64_t epoch, std::size_t i) const {
 }
 
 // A controller writes an answer to a client.
-void Judge::OnReplyWritten(const ControllerProcess& controller, const std::string& service) {
+void Checker::OnReplyWritten(const ControllerProcess& controller, const std::string& service) {
   const Machine& machine = controller.shell().machine();
   const Time now = robot_.network().now();
   if (machine.phase == Phase::kFenced) {
@@ -76,32 +76,32 @@ void Judge::OnReplyWritten(const ControllerProcess& controller, const std::strin
   } else if (controller.begun()) {
     return;
   }
-  Blame(Promise::kLeaderAnswers, "a controller that does not lead answers " + service);
+  ReportViolation(Invariant::kLeaderAnswers, "a controller that does not lead answers " + service);
 }
 
-void Judge::CheckClients() {
+void Checker::CheckClients() {
   const Time now = robot_.network().now();
   if (now < check_clients_at_) return;
   check_clients_at_ = now + kClientPeriod;
   for (const Client::Request* request : robot_.OpenRequests()) {
     if (!request->orphaned || request->told || now - *request->orphaned < kToldWithin) continue;
-    Blame(Promise::kClientHears, "a client that had asked for " + request->target +
+    ReportViolation(Invariant::kClientHears, "a client that had asked for " + request->target +
                                      " is not told that the controller has ended");
   }
 }
 
-void Judge::CheckClientsAtRest() {
+void Checker::CheckClientsAtRest() {
   const Time now = robot_.network().now();
   for (const Client::Request* request : robot_.OpenRequests()) {
     if (now - request->asked < kAnsweredAtRest) continue;
-    Blame(Promise::kClientHears,
+    ReportViolation(Invariant::kClientHears,
           "a client that had asked for " + request->target + " hears of no outcome");
   }
 }
 
 // "done-degraded" names one that is not there, or that this switch has failed with. A fault of
 // before is neither.
-void Judge::CheckNotDegraded(const Machine& machine, const SwitchResult& result) {
+void Checker::CheckNotDegraded(const Machine& machine, const SwitchResult& result) {
   if (result.outcome != SwitchOutcome::kDoneDegraded) return;
   const bool all_did =
       std::all_of(result.actuators.begin(), result.actuators.end(),
@@ -111,7 +111,7 @@ void Judge::CheckNotDegraded(const Machine& machine, const SwitchResult& result)
         return record.presence == Presence::kPresent && record.state() == result.target;
       });
   if (!all_did || !all_there) return;
-  Blame(Promise::kDoneIsDone, "the switch to " + result.target + " is told to be done-degraded (" +
+  ReportViolation(Invariant::kDoneIsDone, "the switch to " + result.target + " is told to be done-degraded (" +
                                   result.reason + "), and all are there");
 }
 

@@ -41,7 +41,7 @@ struct Disk {
   bool wants_snapshot = false;  // since then
 };
 
-class ControllerProcess : private ProcessRunner, private ProcessWitness, private JournalSink {
+class ControllerProcess : private ProcessRunner, private ProcessProbe, private JournalSink {
  public:
   struct Hooks {
     std::function<void()> on_input;  // before each step of the decision code

@@ -1,6 +1,6 @@
 // What has to hold of hosts and the processes on them.
 
-#include "musher/simulation/judge.hpp"
+#include "musher/simulation/checker.hpp"
 
 namespace musher::simulation {
 namespace {
@@ -12,7 +12,7 @@ constexpr Duration kHeardAfter = std::chrono::seconds(2);
 
 // A controller starts a process. One of the same actuator may run on another host; the controller
 // knows of that unless the link was cut a moment ago.
-void Judge::CheckRunsNowhereElse(const ControllerProcess& controller, const std::string& name) {
+void Checker::CheckRunsNowhereElse(const ControllerProcess& controller, const std::string& name) {
   const Processes& processes = robot_.processes();
   const Time now = robot_.network().now();
   for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
@@ -33,7 +33,7 @@ void Judge::CheckRunsNowhereElse(const ControllerProcess& controller, const std:
       }
       continue;
     }
-    Blame(Promise::kRunsOnce, "the controller on host " + robot_.hosts().name(controller.host()) +
+    ReportViolation(Invariant::kRunsOnce, "the controller on host " + robot_.hosts().name(controller.host()) +
                                   " starts " + name + ", which runs on host " +
                                   robot_.hosts().name(host));
   }
@@ -41,24 +41,24 @@ void Judge::CheckRunsNowhereElse(const ControllerProcess& controller, const std:
 
 // A controller signals a process: one that it has started, or one that it takes for an actuator
 // whose name that process holds.
-void Judge::CheckSignal(const ControllerProcess& controller, std::int32_t pid) {
+void Checker::CheckSignal(const ControllerProcess& controller, std::int32_t pid) {
   const Machine& machine = controller.shell().machine();
   bool of_nobody = true;
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     const ActuatorRecord& record = machine.actuators[i];
-    const bool meant = record.process == pid || record.doomed == pid || record.report.pid == pid;
+    const bool meant = record.process == pid || record.terminating == pid || record.report.pid == pid;
     const bool holds =
         robot_.processes().PidOf(config_.actuators[i].name, controller.host()) == pid;
     of_nobody &= !(meant && holds);
   }
   if (!of_nobody || !robot_.processes().Exists(controller.host(), pid)) return;
-  Blame(Promise::kOnlyProven, "the controller signals process " + std::to_string(pid) +
+  ReportViolation(Invariant::kOnlyProven, "the controller signals process " + std::to_string(pid) +
                                   ", which is not of the actuator that it is meant for");
 }
 
-void Judge::CheckRunsOnce(const std::string& name) {
+void Checker::CheckRunsOnce(const std::string& name) {
   if (robot_.processes().CountOf(name) < 2 || twice_.contains(name)) return;
-  Blame(Promise::kRunsOnce, name + " runs on several hosts");
+  ReportViolation(Invariant::kRunsOnce, name + " runs on several hosts");
 }
 
 }  // namespace musher::simulation

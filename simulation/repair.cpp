@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "musher/simulation/story.hpp"
+#include "musher/simulation/scenario.hpp"
 #include "musher/simulation/way.hpp"
 
 namespace musher::simulation {
@@ -17,7 +17,7 @@ constexpr Duration kUntilMissed = std::chrono::seconds(12);
 
 // People come: they release the stop, start again what nothing else does, and bring the machine
 // back to where it is of use.
-void Story::Repair() {
+void Scenario::Repair() {
   if (config_.policy) {
     Note("people charge the battery");
     robot_.SetBattery(100, true);
@@ -44,19 +44,19 @@ void Story::Repair() {
   }
   RepairActuators();
   if (!ComeToRest("after its repair")) return;
-  if (BringHome() && !Over()) JudgeWhole();
+  if (BringHome() && !Over()) CheckWhole();
 }
 
-bool Story::ComeToRest(const std::string& when) {
-  RunUntil([this] { return judge_.AtRest(); }, options_.bound);
-  if (!judge_.AtRest()) {
-    judge_.Blame(Promise::kComesToRest,
-                 "the machine is not at rest " + when + ": " + judge_.Unrest());
+bool Scenario::ComeToRest(const std::string& when) {
+  RunUntil([this] { return checker_.AtRest(); }, options_.bound);
+  if (!checker_.AtRest()) {
+    checker_.ReportViolation(Invariant::kComesToRest,
+                 "the machine is not at rest " + when + ": " + checker_.Unrest());
   }
   return !Over();
 }
 
-void Story::RepairActuators() {
+void Scenario::RepairActuators() {
   if (EndSurplus()) RunFor(kUntilMissed);
   const auto* leader = robot_.leader();
   for (std::size_t i = 0; i < config_.actuators.size() && leader != nullptr; ++i) {
@@ -69,7 +69,7 @@ void Story::RepairActuators() {
     Note("people restart " + actuator.name);
     EndElsewhere(actuator);
     if (!actuator.command.empty()) {
-      judge_.AskedRestart(actuator.name);
+      checker_.AskedRestart(actuator.name);
       robot_.Restart(actuator.name);
       continue;
     }
@@ -82,7 +82,7 @@ void Story::RepairActuators() {
 }
 
 // What runs on another host than its controller is ended there.
-void Story::EndElsewhere(const ActuatorConfig& actuator) {
+void Scenario::EndElsewhere(const ActuatorConfig& actuator) {
   const std::size_t here = robot_.leader()->host();
   for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
     if (actuator.command.empty() || host == here) continue;
@@ -93,7 +93,7 @@ void Story::EndElsewhere(const ActuatorConfig& actuator) {
 }
 
 // Of an actuator that runs on several hosts people leave the one that the controller can restart.
-bool Story::EndSurplus() {
+bool Scenario::EndSurplus() {
   bool any = false;
   const std::size_t here = robot_.leader()->host();
   for (const ActuatorConfig& actuator : config_.actuators) {
@@ -111,17 +111,17 @@ bool Story::EndSurplus() {
   return any;
 }
 
-bool Story::BringHome() {
+bool Scenario::BringHome() {
   for (int tries = 0; tries < 3; ++tries) {
     const ControllerProcess* leader = robot_.leader();
     if (leader == nullptr) {
-      judge_.Blame(Promise::kComesToRest, "nobody leads the machine");
+      checker_.ReportViolation(Invariant::kComesToRest, "nobody leads the machine");
       return false;
     }
     const State from = leader->shell().machine().state;
     auto way = FindWay(config_, from, options_.home);
     if (!way) {
-      judge_.Blame(Promise::kWayBack, "the machine is in " + from +
+      checker_.ReportViolation(Invariant::kWayBack, "the machine is in " + from +
                                           ", from where no switch leads to " + options_.home);
       return false;
     }
@@ -131,7 +131,7 @@ bool Story::BringHome() {
     for (const State& next : *way) {
       Note("people ask for " + next);
       Ask(next);
-      RunUntil([this] { return judge_.AtRest(); }, options_.bound);
+      RunUntil([this] { return checker_.AtRest(); }, options_.bound);
       RunFor(std::chrono::seconds(2));
       if (Over()) return false;
     }
@@ -141,47 +141,47 @@ bool Story::BringHome() {
   return true;
 }
 
-void Story::JudgeWhole() {
+void Scenario::CheckWhole() {
   const Machine& machine = robot_.machine();
   if (machine.state != options_.home) {
-    return judge_.Blame(Promise::kWholeAgain, "repaired and asked for " + options_.home +
+    return checker_.ReportViolation(Invariant::kWholeAgain, "repaired and asked for " + options_.home +
                                                   ", the machine is in " + machine.state);
   }
   const auto degraded = Degraded(config_, machine);
   if (!degraded.empty()) {
     const std::size_t i = *config_.IndexOf(degraded.front());
-    return judge_.Blame(Promise::kWholeAgain,
+    return checker_.ReportViolation(Invariant::kWholeAgain,
                         "after the repair " + degraded.front() +
                             " is still degraded: " + TroubleOf(machine.actuators[i])->message);
   }
-  judge_.JudgeRest(false);
+  checker_.CheckRest(false);
   for (const ActuatorConfig& actuator : config_.actuators) {
     const std::size_t i = *config_.IndexOf(actuator.name);
     const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
     const std::string state = report == nullptr ? "gone" : "in " + report->state;
     if (report == nullptr || report->state != options_.home) {
-      judge_.Blame(Promise::kWholeAgain, "after the repair " + actuator.name + " is " + state);
+      checker_.ReportViolation(Invariant::kWholeAgain, "after the repair " + actuator.name + " is " + state);
     } else if (report->held_by_stop) {
-      judge_.Blame(Promise::kWholeAgain, "after the repair " + actuator.name +
+      checker_.ReportViolation(Invariant::kWholeAgain, "after the repair " + actuator.name +
                                              " is held by an emergency stop that was released");
     }
   }
 }
 
-void Story::SwitchOff() {
+void Scenario::SwitchOff() {
   if (!config_.HasState(kTearDown)) return;
   Note("people switch the robot off");
   Ask(State(kTearDown));
   const auto stopped = [this] { return robot_.machine().phase == Phase::kStopped; };
   if (!RunUntil(stopped, config_.shutdown_budget + Milliseconds(100))) {
-    return judge_.Blame(Promise::kEndsWhenAsked, "the machine is not torn down within its budget");
+    return checker_.ReportViolation(Invariant::kEndsWhenAsked, "the machine is not torn down within its budget");
   }
   RunFor(Milliseconds(100));
-  judge_.JudgeRest(false);
+  checker_.CheckRest(false);
 }
 
-StoryOptions UsualOptions(const MachineConfig& config) {
-  StoryOptions options;
+ScenarioOptions UsualOptions(const MachineConfig& config) {
+  ScenarioOptions options;
   Duration longest{};
   Duration delay{};
   int restarts = 1;

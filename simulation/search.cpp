@@ -11,27 +11,27 @@ namespace {
 
 // Seeds that are taken at once by a thread.
 constexpr std::uint64_t kBatch = 16;
-// Bad stories of each promise that are shrunk in search of the shortest.
+// Bad scenarios of each invariant that are shrunk in search of the shortest.
 constexpr std::size_t kShrunk = 5;
 
-std::optional<Promise> BrokenBy(const MachineConfig& config, const StoryOptions& options,
-                                const StoryId& id) {
-  const auto incidents = IncidentsOf(config, id);
-  if (!incidents) return std::nullopt;
-  const Ending ending = TellStory(config, id.seed, incidents.value(), options);
-  return ending.violation ? std::optional(ending.violation->promise) : std::nullopt;
+std::optional<Invariant> BrokenBy(const MachineConfig& config, const ScenarioOptions& options,
+                                const ScenarioId& id) {
+  const auto injections = InjectionsOf(config, id);
+  if (!injections) return std::nullopt;
+  const Ending ending = RunScenario(config, id.seed, injections.value(), options);
+  return ending.violation ? std::optional(ending.violation->invariant) : std::nullopt;
 }
 
 }  // namespace
 
-Result<Incidents> IncidentsOf(const MachineConfig& config, const StoryId& id) {
-  const Incidents all = DrawIncidents(config, id.seed);
+Result<Injections> InjectionsOf(const MachineConfig& config, const ScenarioId& id) {
+  const Injections all = SampleInjections(config, id.seed);
   if (!id.only) return all;
-  Incidents some;
+  Injections some;
   for (const std::size_t number : *id.only) {
     if (number == 0 || number > all.size()) {
       return Error{kCodeParametersInvalid, "seed " + std::to_string(id.seed) + " has " +
-                                               std::to_string(all.size()) + " incidents, and no " +
+                                               std::to_string(all.size()) + " injected events, and no " +
                                                std::to_string(number)};
     }
     some.push_back(all[number - 1]);
@@ -44,15 +44,15 @@ bool Summary::good() const {
 }
 
 void Summary::Add(std::uint64_t seed, const Ending& ending) {
-  ++stories;
+  ++scenarios;
   coverage.Add(ending.coverage);
   for (std::size_t i = 0; i < switches.size(); ++i) switches[i] += ending.switches[i];
-  judgements += ending.judgements;
+  checks += ending.checks;
   steps += ending.steps;
   simulated += ending.simulated;
   if (ending.rested) rests.push_back(*ending.rested);
   if (ending.violation) {
-    bad[static_cast<std::size_t>(ending.violation->promise)].push_back(seed);
+    bad[static_cast<std::size_t>(ending.violation->invariant)].push_back(seed);
   }
 }
 
@@ -61,7 +61,7 @@ void Summary::Sort() {
   for (auto& seeds : bad) std::sort(seeds.begin(), seeds.end());
 }
 
-Summary LiveMany(const MachineConfig& config, const StoryOptions& options, std::uint64_t first,
+Summary LiveMany(const MachineConfig& config, const ScenarioOptions& options, std::uint64_t first,
                  std::uint64_t count, unsigned threads,
                  const std::function<bool(std::uint64_t)>& on_done) {
   Summary summary;
@@ -74,12 +74,12 @@ Summary LiveMany(const MachineConfig& config, const StoryOptions& options, std::
       if (begin >= count || stop) return;
       for (std::uint64_t i = begin; i < std::min(begin + kBatch, count); ++i) {
         const std::uint64_t seed = first + i;
-        const Ending ending = TellStory(config, seed, DrawIncidents(config, seed), options);
+        const Ending ending = RunScenario(config, seed, SampleInjections(config, seed), options);
         const std::lock_guard lock(mutex);
         summary.Add(seed, ending);
       }
       const std::lock_guard lock(mutex);
-      if (on_done && !on_done(summary.stories)) stop = true;
+      if (on_done && !on_done(summary.scenarios)) stop = true;
     }
   };
   std::vector<std::jthread> others;
@@ -114,21 +114,21 @@ std::vector<std::size_t> ShrinkWhile(
   return only;
 }
 
-StoryId Shrink(const MachineConfig& config, const StoryOptions& options, std::uint64_t seed,
-               Promise promise) {
+ScenarioId Shrink(const MachineConfig& config, const ScenarioOptions& options, std::uint64_t seed,
+               Invariant invariant) {
   const auto bad = [&](const std::vector<std::size_t>& only) {
-    return BrokenBy(config, options, {seed, only}) == promise;
+    return BrokenBy(config, options, {seed, only}) == invariant;
   };
-  return {seed, ShrinkWhile(DrawIncidents(config, seed).size(), bad)};
+  return {seed, ShrinkWhile(SampleInjections(config, seed).size(), bad)};
 }
 
-std::optional<StoryId> ShortestBadStory(const MachineConfig& config, const StoryOptions& options,
+std::optional<ScenarioId> ShortestFailingScenario(const MachineConfig& config, const ScenarioOptions& options,
                                         const Summary& summary) {
-  std::optional<StoryId> shortest;
-  for (std::size_t promise = 0; promise < kPromises; ++promise) {
-    const auto& seeds = summary.bad[promise];
+  std::optional<ScenarioId> shortest;
+  for (std::size_t invariant = 0; invariant < kInvariants; ++invariant) {
+    const auto& seeds = summary.bad[invariant];
     for (std::size_t i = 0; i < std::min(kShrunk, seeds.size()); ++i) {
-      const StoryId id = Shrink(config, options, seeds[i], static_cast<Promise>(promise));
+      const ScenarioId id = Shrink(config, options, seeds[i], static_cast<Invariant>(invariant));
       if (!shortest || id.only->size() < shortest->only->size()) shortest = id;
     }
   }

@@ -14,7 +14,7 @@ std::string Seconds(Duration at) {
 
 std::string_view Mark(Timeline::Teller teller) {
   switch (teller) {
-    case Timeline::Teller::kIncident:
+    case Timeline::Teller::kInjection:
       return "  ⚡ ";
     case Timeline::Teller::kPeople:
       return "  ☺ ";
@@ -30,21 +30,21 @@ std::string_view Mark(Timeline::Teller teller) {
 
 }  // namespace
 
-Timeline::Timeline(Story& story, const MachineConfig& config) : story_(story), config_(config) {
+Timeline::Timeline(Scenario& scenario, const MachineConfig& config) : scenario_(scenario), config_(config) {
   bands_.push_back({"machine", {}});
   for (const ActuatorConfig& actuator : config.actuators) bands_.push_back({actuator.name, {}});
-  story.listener.on_incident = [this](Time, const Incident& incident) {
-    Add(Teller::kIncident, Describe(config_, incident));
+  scenario.listener.on_injection = [this](Time, const Injection& injection) {
+    Add(Teller::kInjection, Describe(config_, injection));
   };
-  story.listener.on_deed = [this](Time, const std::string& deed) { Add(Teller::kPeople, deed); };
-  story.listener.on_record = [this](Time, const action::Record& record) {
+  scenario.listener.on_repair = [this](Time, const std::string& action) { Add(Teller::kPeople, action); };
+  scenario.listener.on_record = [this](Time, const action::Record& record) {
     Add(Teller::kController, record.message);
   };
-  story.listener.on_change = [this](Time, const SimRobot& robot) { LookAt(robot); };
+  scenario.listener.on_change = [this](Time, const SimRobot& robot) { LookAt(robot); };
 }
 
 void Timeline::Add(Teller teller, std::string text) {
-  lines_.push_back({story_.robot().age(), teller, std::move(text)});
+  lines_.push_back({scenario_.robot().age(), teller, std::move(text)});
 }
 
 void Timeline::LookAt(const SimRobot& robot) {
@@ -68,7 +68,7 @@ void Timeline::LookAt(const SimRobot& robot) {
 
 void Timeline::Show(std::size_t band, const std::string& state, const std::string& target) {
   std::vector<Span>& spans = bands_[band].spans;
-  const Duration now = story_.robot().age();
+  const Duration now = scenario_.robot().age();
   if (!spans.empty()) {
     spans.back().to = now;
     if (spans.back().state == state && spans.back().target == target) return;
@@ -87,14 +87,14 @@ void Timeline::Show(std::size_t band, const std::string& state, const std::strin
 }
 
 void Timeline::End(const Ending& ending) {
-  end_ = story_.robot().age();
+  end_ = scenario_.robot().age();
   for (Band& band : bands_) {
     if (!band.spans.empty()) band.spans.back().to = end_;
   }
   if (ending.violation) {
     Add(Teller::kJudge, ending.violation->what);
     Add(Teller::kJudge,
-        "so it does not hold that " + std::string(PromiseText(ending.violation->promise)));
+        "so it does not hold that " + std::string(InvariantText(ending.violation->invariant)));
   }
 }
 

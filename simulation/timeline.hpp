@@ -1,26 +1,26 @@
 #pragma once
-// What happened in a story, for people: as text, a line for each thing that happened, or as a
+// What happened in a scenario, for people: as text, a line for each thing that happened, or as a
 // picture (SVG), a band for the machine and for each actuator.
 
 #include <map>
 #include <string>
 #include <vector>
 
-#include "musher/simulation/story.hpp"
+#include "musher/simulation/scenario.hpp"
 
 namespace musher::simulation {
 
 class Timeline {
  public:
-  // Listens to a story that has not been told yet, and that must outlive it.
-  Timeline(Story& story, const MachineConfig& config);
+  // Listens to a scenario that has not been told yet, and that must outlive it.
+  Timeline(Scenario& scenario, const MachineConfig& config);
   Timeline(const Timeline&) = delete;
   Timeline& operator=(const Timeline&) = delete;
 
   // To be called when it has been told.
   void End(const Ending& ending);
 
-  enum class Teller : std::uint8_t { kIncident, kPeople, kController, kActuator, kJudge };
+  enum class Teller : std::uint8_t { kInjection, kPeople, kController, kActuator, kJudge };
   struct Line {
     Duration at{};
     Teller teller = Teller::kController;
@@ -51,7 +51,7 @@ class Timeline {
   void Show(std::size_t band, const std::string& state, const std::string& target);
   void Add(Teller teller, std::string text);
 
-  const Story& story_;
+  const Scenario& scenario_;
   const MachineConfig& config_;
   std::vector<Line> lines_;
   std::vector<Band> bands_;  // the machine, then the actuators

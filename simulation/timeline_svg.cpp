@@ -1,5 +1,5 @@
-// The picture of a story: time from left to right, a band for the machine and for each actuator,
-// coloured by the state's rank; incidents above, what went wrong in red.
+// The picture of a scenario: time from left to right, a band for the machine and for each actuator,
+// coloured by the state's rank; injected events above, what went wrong in red.
 
 #include <algorithm>
 #include <array>
@@ -107,7 +107,7 @@ std::string Timeline::Svg(const std::string& title) const {
   const Axis axis(lines_, end_);
   std::vector<const Line*> told;  // beneath the bands, with a number in the picture
   for (const Line& line : lines_) {
-    const bool shown = line.teller == Teller::kIncident || line.teller == Teller::kPeople ||
+    const bool shown = line.teller == Teller::kInjection || line.teller == Teller::kPeople ||
                        line.teller == Teller::kJudge;
     if (shown) told.push_back(&line);
   }

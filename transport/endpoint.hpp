@@ -43,7 +43,7 @@ inline constexpr Qos kLatchedFromManyQos{Qos::Reliability::kReliable,
                                          Qos::Durability::kTransientLocal, 0};
 
 // Signs of life from many: one that is lost is followed by the next.
-inline constexpr Qos kBeatQos{Qos::Reliability::kBestEffort, Qos::Durability::kVolatile, 0};
+inline constexpr Qos kHeartbeatQos{Qos::Reliability::kBestEffort, Qos::Durability::kVolatile, 0};
 
 // A writer or reader of another participant, or that participant itself, which keeps its number
 // when it was out of reach meanwhile. 0 is nobody.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/transport/node.hpp"
 
 namespace musher::transport {

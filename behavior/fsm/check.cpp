@@ -41,10 +41,10 @@ class Checking {
       if (chart_.states[i].role == Role::kSafe && !leads_on_[i]) {
         Warn(i, "declares no way out: only a force or a reset ends a safe stop");
       }
-      JudgeWays(i);
+      EvaluateWays(i);
       for (const Chart& inside : chart_.states[i].inside) Descend(i, inside);
     }
-    JudgeTraps(reached, dead);
+    EvaluateTraps(reached, dead);
     return std::move(problems_);
   }
 
@@ -68,7 +68,7 @@ class Checking {
     return dead;
   }
 
-  void JudgeWays(std::size_t from) {
+  void EvaluateWays(std::size_t from) {
     for (std::size_t i = 0; i < chart_.ways.size(); ++i) {
       const Way& way = chart_.ways[i];
       if (Index(way.from) != from) continue;
@@ -84,7 +84,7 @@ class Checking {
   }
 
   // States from which nothing good is reached. Those that end in a dead end are not told again.
-  void JudgeTraps(const Marks& reached, const Marks& dead) {
+  void EvaluateTraps(const Marks& reached, const Marks& dead) {
     Marks good = dead;
     for (std::size_t i = 0; i < good.size(); ++i) {
       if (i == Index(chart_.start) || chart_.states[i].role != Role::kNormal) good[i] = true;

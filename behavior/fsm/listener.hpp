@@ -70,7 +70,7 @@ class Listener {
   // The machine is in its new state, whose OnEnter comes next.
   virtual void OnChange(const Machine& /*machine*/, const Change& /*change*/) {}
   // A command came to nothing in this state.
-  virtual void OnUnheeded(const Machine& /*machine*/, EventId /*command*/, StateId /*state*/) {}
+  virtual void OnUnhandled(const Machine& /*machine*/, EventId /*command*/, StateId /*state*/) {}
   // Before the machine goes to its safe state or stops.
   virtual void OnFault(const Machine& /*machine*/, const Fault& /*fault*/) {}
 };

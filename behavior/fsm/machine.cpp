@@ -164,8 +164,8 @@ void Machine::Follow(Next next) {
   if (tick_.command != kNoEvent) {
     if (next.keeps()) {
       GiveBack(std::exchange(tick_.command, kNoEvent));
-    } else if (!leaves && !(next.stays() && next.heeds())) {
-      Unheeded(tick_.command);
+    } else if (!leaves && !(next.stays() && next.handles())) {
+      Unhandled(tick_.command);
     }
   }
   if (leaves) return Begin(next);
@@ -239,7 +239,7 @@ void Machine::EndPresent(EventId command) {
   Machine* const inside = present_ == nullptr ? nullptr : present_->inside();
   if (inside != nullptr) static_cast<void>(inside->Stop());
   const EventId behind = std::exchange(cause_, kNoEvent);
-  if (behind != kNoEvent && behind != command) Unheeded(behind);
+  if (behind != kNoEvent && behind != command) Unhandled(behind);
 }
 
 // The current state has been left, or there was none.
@@ -272,7 +272,7 @@ void Machine::Fail(Phase phase, std::string what) {
 // is none, the machine stops.
 void Machine::LeaveFailed(Phase phase) {
   const EventId command = std::exchange(tick_.command, kNoEvent);
-  if (phase == Phase::kCheck && command != kNoEvent) Unheeded(command);
+  if (phase == Phase::kCheck && command != kNoEvent) Unhandled(command);
   if (safe_ == kNoState || current_ == safe_) return Halt(Cause::kFault);
   if (phase != Phase::kEnter && phase != Phase::kExit) {
     try {
@@ -381,9 +381,9 @@ void Machine::GiveBack(EventId event) {
   ++waiting_;
 }
 
-void Machine::Unheeded(EventId command) {
-  ++counts_.unheeded;
-  TellAll([&](Listener& listener) { listener.OnUnheeded(*this, command, current_); });
+void Machine::Unhandled(EventId command) {
+  ++counts_.unhandled;
+  TellAll([&](Listener& listener) { listener.OnUnhandled(*this, command, current_); });
 }
 
 void Machine::Remember(const Change& change) {

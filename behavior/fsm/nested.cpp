@@ -51,15 +51,15 @@ Next Nested::CheckTransition(const Tick& tick) {
   if (!decided.stays()) return decided;
   if (finished() && finished_way_ != kNoState) {
     const Next on = Next::To(finished_way_);
-    return decided.heeds() ? on : on.KeepCommand();
+    return decided.handles() ? on : on.KeepCommand();
   }
-  if (decided.heeds() || decided.keeps()) return decided;
+  if (decided.handles() || decided.keeps()) return decided;
   if (Index(tick.command) >= inner_events_.size()) return decided;
   const EventId event = inner_events_[Index(tick.command)];
   if (event == kNoEvent) return decided;
   // It may be the last one inside, after which nobody would look at the command.
   if (inner_->mode() == Mode::kTransitioning) return decided.KeepCommand();
-  return inner_->Send(event) ? Next::Heed() : decided;
+  return inner_->Send(event) ? Next::Handle() : decided;
 }
 
 void Nested::OnExit(const Tick& /*tick*/) {

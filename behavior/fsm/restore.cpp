@@ -95,8 +95,8 @@ class Machine::Restoring {
       return Fail("machine", "it is of " + saved_.machine + ", not of " + machine_.name());
     }
     if (machine_.running_) return Fail("running", machine_.name() + " runs already");
-    JudgeState();
-    JudgeTimes();
+    CheckState();
+    EvaluateTimes();
     Events("commands", saved_.commands);
     if (std::ranges::find(saved_.commands, "") != saved_.commands.end()) {
       Fail("commands", "one has no name");
@@ -114,8 +114,8 @@ class Machine::Restoring {
       State(key + "to", saved_.history[i].to);
       Events(key + "command", {saved_.history[i].command});
     }
-    JudgeParts("data", saved_.data);
-    JudgeParts("states", saved_.states);
+    CheckParts("data", saved_.data);
+    CheckParts("states", saved_.states);
     for (const Snapshot::Inside& inside : saved_.inside) {
       if (!machine_.FindState(inside.state)) {
         Fail(SnapshotKey("inside", inside.state), UnknownState(inside.state));
@@ -126,7 +126,7 @@ class Machine::Restoring {
         present ? machine_.nodes_[Index(*present)].state->inside() : nullptr;
     ForInside([&](Restoring& inside) {
       inside.Judge();
-      if (present || saved_.state.empty()) inside.JudgeRunning(&inside.machine_ == runs);
+      if (present || saved_.state.empty()) inside.EvaluateRunning(&inside.machine_ == runs);
     });
   }
 
@@ -147,7 +147,7 @@ class Machine::Restoring {
   }
 
  private:
-  void JudgeState() {
+  void CheckState() {
     State("state", saved_.state);
     if (saved_.running == saved_.state.empty()) {
       Fail("state", saved_.running ? "is missing" : "is there, though it does not run");
@@ -171,13 +171,13 @@ class Machine::Restoring {
   }
 
   // Of a machine inside: it runs while the state around it is the present one.
-  void JudgeRunning(bool runs) {
+  void EvaluateRunning(bool runs) {
     if (saved_.running == runs) return;
     Fail("running", runs ? "is false, though the state around it is the present one"
                          : "is true, though the state around it is not the present one");
   }
 
-  void JudgeTimes() {
+  void EvaluateTimes() {
     Within("time", saved_.time, kFarthest);
     Within("step", saved_.step, saved_.time);
     Within("elapsed", saved_.elapsed, saved_.time);
@@ -210,7 +210,7 @@ class Machine::Restoring {
     }
   }
 
-  void JudgeParts(const std::string& key, const std::vector<Snapshot::Part>& parts) {
+  void CheckParts(const std::string& key, const std::vector<Snapshot::Part>& parts) {
     std::vector<std::string> known;
     known.reserve(machine_.data_.size());
     for (const Data& data : machine_.data_) known.push_back(data.name);

@@ -65,25 +65,25 @@ struct Tick {
 // What CheckTransition decides.
 class Next {
  public:
-  static Next Stay() { return {kNoState, {}, Use::kUnheeded}; }
-  // Stays, and the command that came with the tick was heeded all the same.
-  static Next Heed() { return {kNoState, {}, Use::kHeeded}; }
+  static Next Stay() { return {kNoState, {}, Use::kUnhandled}; }
+  // Stays, and the command that came with the tick was handled all the same.
+  static Next Handle() { return {kNoState, {}, Use::kHandled}; }
   // `gradually`: how long the transition takes; zero: it is complete in the same tick. To the
   // state itself: it is left and entered anew.
   static Next To(StateId target, Duration gradually = {}) {
-    return {target, gradually, Use::kHeeded};
+    return {target, gradually, Use::kHandled};
   }
   // The same, but not because of the command, which goes on to wait for the next check.
   Next KeepCommand() const { return {target_, time_, Use::kKept}; }
 
   bool stays() const { return target_ == kNoState; }
-  bool heeds() const { return use_ == Use::kHeeded; }
+  bool handles() const { return use_ == Use::kHandled; }
   bool keeps() const { return use_ == Use::kKept; }
   StateId target() const { return target_; }
   Duration time() const { return time_; }
 
  private:
-  enum class Use : std::uint8_t { kUnheeded, kHeeded, kKept };  // of the command
+  enum class Use : std::uint8_t { kUnhandled, kHandled, kKept };  // of the command
 
   Next(StateId target, Duration time, Use use) : target_(target), use_(use), time_(time) {}
 
@@ -114,7 +114,7 @@ class State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  // Once, when the machine is built: the states it may go to and the events it heeds.
+  // Once, when the machine is built: the states it may go to and the events it handles.
   virtual void Declare(Ways& ways);
 
   virtual void OnEnter(const Tick& tick);

@@ -63,7 +63,7 @@ int ControllerProcess::Run() {
   if (run_) EndOtherSlot(*run_);
   if (const auto begun = Begin(); !begun) {
     // A version that cannot even be started is left for the one before.
-    start_again_ = run_ && run_->on_trial && EndTrial(*run_, begun.error());
+    start_again_ = run_ && run_->on_trial_boot && EndTrialBoot(*run_, begun.error());
     if (start_again_) OnTrouble("version " + run_->version + " is left: " + begun.error().message);
     if (start_again_) return static_cast<int>(ExitCode::kUsage);
     Tell(Progress::kNotStarted, begun.error().message, begun.error().code);
@@ -109,23 +109,23 @@ Result<> ControllerProcess::Begin() {
 }
 
 void ControllerProcess::BeginRun() {
-  if (auto claimed = claim_.Take(run_->root); !claimed) OnTrouble(claimed.error().message);
+  if (auto locked = root_lock_.Take(run_->root); !locked) OnTrouble(locked.error().message);
   if (!run_->told.empty()) {
-    controller_->shell().Remark(run_->on_trial ? kCodeOk : kCodeFailed, run_->told);
+    controller_->shell().Remark(run_->on_trial_boot ? kCodeOk : kCodeFailed, run_->told);
   }
   again_watch_ = loop_.WhenReadable(again_.get(), [this] {
     pid_t sender = 0;
     if (NextSignal(again_, &sender) == 0) return;
     StartAgain("process " + std::to_string(sender) + " asks for a start from the slot that is due");
   });
-  if (!run_->on_trial) return;
-  trial_.emplace(
+  if (!run_->on_trial_boot) return;
+  trial_boot_.emplace(
       loop_, disk_, *run_, config_, [this] { return &controller_->shell().machine(); },
-      [this](const Result<>& outcome) { OnTrialEnd(outcome); });
-  if (start_up_ && !start_up_->usable) trial_->Fail({kCodeFailed, start_up_->message});
+      [this](const Result<>& outcome) { OnTrialBootEnd(outcome); });
+  if (start_up_ && !start_up_->usable) trial_boot_->Fail({kCodeFailed, start_up_->message});
 }
 
-void ControllerProcess::OnTrialEnd(const Result<>& outcome) {
+void ControllerProcess::OnTrialBootEnd(const Result<>& outcome) {
   const std::string what =
       "version " + run_->version + " in slot " + std::string(ota::SlotName(run_->slot));
   if (!outcome) {
@@ -155,7 +155,7 @@ ControllerOptions ControllerProcess::Options() {
   options.hooks.on_start_up_ended = [this](const action::StartUpEnded& e) { OnStartUpEnded(e); };
   options.hooks.on_stopped = [this] {
     // Somebody took it down before it was known whether it is any good.
-    if (trial_) trial_->Fail({kCodeFailed, "the machine was taken down before it was up"});
+    if (trial_boot_) trial_boot_->Fail({kCodeFailed, "the machine was taken down before it was up"});
     loop_.Stop();
   };
   options.hooks.on_fenced = [this](const std::string& message) { OnFenced(message); };
@@ -182,10 +182,10 @@ void ControllerProcess::OnStartUpEnded(const action::StartUpEnded& ended) {
   // It ends what an earlier controller had begun to end: nothing stays up, and the front stays.
   const Phase phase = controller_->shell().machine().phase;
   if (phase == Phase::kStopping || phase == Phase::kStopped) return;
-  const bool judged = trial_ && !trial_->under_way();
-  if (run_ && run_->on_trial && !judged) {
+  const bool judged = trial_boot_ && !trial_boot_->under_way();
+  if (run_ && run_->on_trial_boot && !judged) {
     start_up_ = ended;
-    if (trial_ && !ended.usable) trial_->Fail({kCodeFailed, ended.message});
+    if (trial_boot_ && !ended.usable) trial_boot_->Fail({kCodeFailed, ended.message});
     return;
   }
   // The front leaves after a failed start, and the machine stays up for inspection.

@@ -53,7 +53,7 @@ class ControllerProcess {
  private:
   Result<> Begin();
   void BeginRun();
-  void OnTrialEnd(const Result<>& outcome);
+  void OnTrialBootEnd(const Result<>& outcome);
   void StartAgain(const std::string& why);
   ControllerOptions Options();
   void OnRecord(const action::Record& record);
@@ -87,9 +87,9 @@ class ControllerProcess {
   transport::LoopHandlePtr let_go_watch_;
   transport::LoopHandlePtr again_watch_;
   transport::LoopHandlePtr children_watch_;
-  RootClaim claim_;
+  RootLock root_lock_;
   std::optional<action::StartUpEnded> start_up_;  // of a version on trial, not told yet
-  std::optional<Trial> trial_;
+  std::optional<TrialBoot> trial_boot_;
 };
 
 }  // namespace musher::cli

@@ -20,7 +20,7 @@ constexpr Duration kPeriod = Milliseconds(50);
 constexpr Duration kExitGrace = Milliseconds(1000);  // a process that is torn down ends by itself
 constexpr Duration kTerminateTime = Milliseconds(2000);
 constexpr Duration kKillTime = Milliseconds(1000);
-constexpr Duration kBeatPeriod = Milliseconds(200);
+constexpr Duration kHeartbeatPeriod = Milliseconds(200);
 
 bool HasEnded(const transport::UniqueFd& process) {
   pollfd ended{process.get(), POLLIN, 0};
@@ -75,10 +75,10 @@ Result<> Ending::Open() {
   auto beats = transport::MakePublisher<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(name_space_), transport::kLatchedQos);
   if (!beats) return beats.error();
-  beats_ = std::move(beats).value();
-  beat_ = {"musher down",       epoch_,   transport::NewIncarnation(),
-           transport::HostId(), getpid(), kBeatPeriod.count()};
-  if (auto told = beats_->Publish(beat_); !told) return told;
+  heartbeats_ = std::move(beats).value();
+  heartbeat_ = {"musher down",       epoch_,   transport::NewIncarnation(),
+           transport::HostId(), getpid(), kHeartbeatPeriod.count()};
+  if (auto told = heartbeats_->Publish(heartbeat_); !told) return told;
   timer_ = node_.loop().Every(kPeriod, [this] { Advance(); });
   return Ok();
 }
@@ -115,7 +115,7 @@ void Ending::Ask(Target& target, const Actuators& running) {
   const msg::ActuatorStatus& status = found->second.status;
   const Time now = node_.loop().Now();
   target.asked = true;
-  static_cast<void>(beats_->Publish(beat_));  // it obeys only whom it has heard of
+  static_cast<void>(heartbeats_->Publish(heartbeat_));  // it obeys only whom it has heard of
   msg::ActuatorCommand::Request request;
   request.kind = msg::ActuatorCommand::kKindSwitch;
   request.epoch = epoch_;

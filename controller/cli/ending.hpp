@@ -17,7 +17,7 @@
 
 #include "musher/controller/cli/running.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/transport/service.hpp"
 #include "musher/transport/unique_fd.hpp"
 
@@ -70,8 +70,8 @@ class Ending {
   const Running& running_;
   const Time deadline_;
   std::uint64_t epoch_ = 1;
-  msg::ControllerBeat beat_;
-  std::unique_ptr<transport::Publisher<msg::ControllerBeat>> beats_;
+  msg::ControllerBeat heartbeat_;
+  std::unique_ptr<transport::Publisher<msg::ControllerBeat>> heartbeats_;
   std::map<std::string, Target> targets_;
   transport::LoopHandlePtr timer_;
 };

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "musher/messages/musher_msgs/actuator_status.hpp"
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/transport/node.hpp"
 

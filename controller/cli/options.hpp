@@ -110,11 +110,11 @@ struct GraphOptions {
 struct SimulateOptions {
   std::string file;
   std::uint64_t seeds = 1000;
-  std::optional<std::uint64_t> seed;  // tell this one story instead
-  std::string only;                   // of its incidents: "3,7"; empty: all
+  std::optional<std::uint64_t> seed;  // tell this one scenario instead
+  std::string only;                   // of its injected events: "3,7"; empty: all
   std::optional<double> bound_s;      // in which the machine has to come to rest
   std::string home;                   // where people bring it back to; empty: Active
-  std::string svg;                    // file for the picture of the bad story, or of the one told
+  std::string svg;                    // file for the picture of the failing scenario, or of the one told
   unsigned jobs = 0;                  // threads; 0: as many as there are cores
 };
 struct KeysInitOptions {

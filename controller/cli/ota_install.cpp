@@ -1,4 +1,4 @@
-// musher ota install|rollback: another version into the slot that is not used, a trial of it, and
+// musher ota install|rollback: another version into the slot that is not used, a trial boot of it, and
 // back where it fails. The files are this process's work, which can be killed at any time; the
 // machine is the controller's, which is only asked.
 
@@ -84,12 +84,12 @@ class Upgrade {
         return installation_->Copy(count);
       case Step::kCheckWritten:
         return installation_->CheckWritten(count);
-      case Step::kMarkTrial:
-        return MarkTrial();
+      case Step::kMarkTrialBoot:
+        return MarkTrialBoot();
       case Step::kStartAgain:
         return machine_->StartAgain();
-      case Step::kTrial:
-        return machine_->AwaitTrial();
+      case Step::kTrialBoot:
+        return machine_->AwaitTrialBoot();
       case Step::kLeaveOta:
         break;
     }
@@ -116,8 +116,8 @@ class Upgrade {
     return Refusal(ota::Fault::kBadManifest, message);
   }
 
-  Result<> MarkTrial() {
-    if (installation_) return installation_->MarkTrial();
+  Result<> MarkTrialBoot() {
+    if (installation_) return installation_->MarkTrialBoot();
     auto version = ota::MarkRollback(root_, running());
     if (!version) return version.error();
     version_ = version.value().text;

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr Duration kAnswerTimeout = std::chrono::seconds(5);
 constexpr Duration kSwitchTimeout = std::chrono::minutes(5);  // lying down takes its time
-constexpr Duration kGrace = std::chrono::seconds(60);  // beside the trial's own: down, and up again
+constexpr Duration kGrace = std::chrono::seconds(60);  // beside the trial boot's own: down, and up again
 
 // "/robot/slots/a/robot.toml" → "/robot"; empty: not of a root.
 std::string RootOf(const std::string& config_file) {
@@ -82,7 +82,7 @@ std::variant<std::unique_ptr<RootMachine>, Failure> RootMachine::Find(const ota:
   if (pid == 0) return nullptr;
   const auto state = root.State();
   if (!state) return Failure{ExitCode::kUsage, state.error()};
-  const bool tries = state.value().on_trial && state.value().started;
+  const bool tries = state.value().on_trial_boot && state.value().started;
   const ota::Slot slot = tries ? ota::Other(state.value().confirmed) : state.value().confirmed;
   const ConfigReading reading = ReadConfigFile(root.ConfigFile(slot));
   const GlobalOptions options = reading.config ? ForMachine(*reading.config, global) : global;
@@ -176,15 +176,15 @@ Result<> RootMachine::StartAgain() {
   return transport::SystemError("can't reach the controller, process " + std::to_string(pid_));
 }
 
-std::optional<Result<>> RootMachine::TrialEnd() const {
+std::optional<Result<>> RootMachine::TrialBootEnd() const {
   const auto state = root_.LoadState();
-  if (!state || state->on_trial) return std::nullopt;
+  if (!state || state->on_trial_boot) return std::nullopt;
   if (state->last && state->last->kept) return Result<>(Ok());
   const std::string why = state->last ? state->last->reason : "it is not known why";
   return Result<>(Refusal(ota::Fault::kGoneBack, why));
 }
 
-Result<> RootMachine::AwaitTrial() {
+Result<> RootMachine::AwaitTrialBoot() {
   const auto process = transport::OpenPidfd(pid_);
   if (!process) return process.error();
   bool ended = false;
@@ -199,9 +199,9 @@ Result<> RootMachine::AwaitTrial() {
     }
   });
   std::optional<Result<>> end;
-  link_->RunUntil([&] { return ended || (end = TrialEnd()).has_value(); },
+  link_->RunUntil([&] { return ended || (end = TrialBootEnd()).has_value(); },
                   root_.config().trial + kGrace);
-  if (!end) end = TrialEnd();
+  if (!end) end = TrialBootEnd();
   if (end) {
     if (!ended) AwaitMachine();
     return *end;

@@ -33,9 +33,9 @@ class RootMachine {
   Result<> LeaveOta();
   // Asks its controller to take it down, and to start it from the slot that is due.
   Result<> StartAgain();
-  // Waits for the end of the trial, which a machine that has gone back survives. An Error:
+  // Waits for the end of the trial boot, which a machine that has gone back survives. An Error:
   // Fault::kGoneBack, or that it is not known.
-  Result<> AwaitTrial();
+  Result<> AwaitTrialBoot();
 
   // Whether somebody wants the command to end. To be called now and then.
   bool Interrupted();
@@ -46,7 +46,7 @@ class RootMachine {
   std::optional<Failure> Connect();
   Result<> AskPolicy(bool enter);
   Result<> Switch(const std::string& state);
-  std::optional<Result<>> TrialEnd() const;
+  std::optional<Result<>> TrialBootEnd() const;
   void AwaitMachine();
 
   const ota::Root& root_;

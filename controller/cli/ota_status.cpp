@@ -14,7 +14,7 @@ using ota::Slot;
 // What a slot is for, in a word.
 std::string RoleOf(const ota::SlotState& state, Slot slot) {
   if (slot == state.confirmed) return "confirmed";
-  if (state.on_trial) return state.started ? "on trial" : "tried at the next start";
+  if (state.on_trial_boot) return state.started ? "on trial" : "tried at the next start";
   return state.other_good ? "the one before" : "not used";
 }
 

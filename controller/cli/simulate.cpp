@@ -16,9 +16,9 @@
 namespace musher::cli {
 namespace {
 
-using simulation::Story;
-using simulation::StoryId;
-using simulation::StoryOptions;
+using simulation::Scenario;
+using simulation::ScenarioId;
+using simulation::ScenarioOptions;
 using simulation::Timeline;
 
 // "3,7,12"
@@ -40,21 +40,21 @@ Result<std::vector<std::size_t>> ParseNumbers(const std::string& text) {
   return numbers;
 }
 
-Result<StoryOptions> OptionsFor(const SimulateOptions& options, const MachineConfig& config) {
-  StoryOptions story = simulation::UsualOptions(config);
+Result<ScenarioOptions> OptionsFor(const SimulateOptions& options, const MachineConfig& config) {
+  ScenarioOptions scenario = simulation::UsualOptions(config);
   if (options.bound_s) {
-    story.bound =
+    scenario.bound =
         std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*options.bound_s));
   }
-  if (options.home.empty()) return story;
+  if (options.home.empty()) return scenario;
   if (!config.RankOf(options.home) || !config.HasState(options.home)) {
     const std::string near = Nearest(options.home, config.states);
     return Error{kCodeParametersInvalid,
                  "--home: " + config.name + " has no state '" + options.home + "' to stay in" +
                      (near.empty() ? "" : "; did you mean '" + near + "'?")};
   }
-  story.home = State(options.home);
-  return story;
+  scenario.home = State(options.home);
+  return scenario;
 }
 
 // A simulated actuator speaks Musher's protocol, whatever the real one does.
@@ -74,14 +74,14 @@ struct SimulatedRun {
   simulation::Ending ending;
 };
 
-Result<SimulatedRun> Tell(const MachineConfig& config, const StoryOptions& options,
-                          const StoryId& id) {
-  auto incidents = IncidentsOf(config, id);
-  if (!incidents) return incidents.error();
-  Story story(config, id.seed, std::move(incidents).value(), options);
-  Timeline timeline(story, config);
+Result<SimulatedRun> Tell(const MachineConfig& config, const ScenarioOptions& options,
+                          const ScenarioId& id) {
+  auto injections = InjectionsOf(config, id);
+  if (!injections) return injections.error();
+  Scenario scenario(config, id.seed, std::move(injections).value(), options);
+  Timeline timeline(scenario, config);
   SimulatedRun told;
-  told.ending = story.Tell();
+  told.ending = scenario.Tell();
   timeline.End(told.ending);
   told.text = timeline.Text();
   told.svg = timeline.Svg(config.name + ", seed " + std::to_string(id.seed));
@@ -96,24 +96,24 @@ Result<> Write(const std::string& path, const std::string& text) {
   return Ok();
 }
 
-// One story, told.
+// One scenario, told.
 ExitCode TellOne(const SimulateOptions& options, const MachineConfig& config,
-                 const StoryOptions& story, Console& console) {
-  StoryId id{*options.seed, std::nullopt};
+                 const ScenarioOptions& scenario, Console& console) {
+  ScenarioId id{*options.seed, std::nullopt};
   if (!options.only.empty()) {
     auto numbers = ParseNumbers(options.only);
     if (!numbers) return console.Fail(numbers.error());
     id.only = std::move(numbers).value();
   }
-  const auto told = Tell(config, story, id);
+  const auto told = Tell(config, scenario, id);
   if (!told) return console.Fail(told.error());
   if (!options.svg.empty()) {
     const auto written = Write(options.svg, told.value().svg);
     if (!written) return console.Fail(written.error());
   }
   const auto& ending = told.value().ending;
-  console.Print(console.mode().json ? StoryJson(id, ending, told.value().text)
-                                    : told.value().text + StoryVerdict(ending));
+  console.Print(console.mode().json ? ScenarioJson(id, ending, told.value().text)
+                                    : told.value().text + ScenarioVerdict(ending));
   return ending.violation ? ExitCode::kNotDone : ExitCode::kDone;
 }
 
@@ -123,28 +123,28 @@ ExitCode Simulate(const SimulateOptions& options, Console& console) {
   auto config = LoadConfig(options.file, console);
   if (!config) return ExitCode::kUsage;
   const std::vector<std::string> others = MakeAllSpeakMusher(*config);
-  const auto story = OptionsFor(options, *config);
-  if (!story) return console.Fail(story.error());
-  if (options.seed) return TellOne(options, *config, story.value(), console);
+  const auto scenario = OptionsFor(options, *config);
+  if (!scenario) return console.Fail(scenario.error());
+  if (options.seed) return TellOne(options, *config, scenario.value(), console);
 
-  SimulationReport report{*config, options.file, story.value(), {}, {}, {}, {}, others};
+  SimulationReport report{*config, options.file, scenario.value(), {}, {}, {}, {}, others};
   const auto begun = std::chrono::steady_clock::now();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   report.threads = options.jobs == 0 ? cores : options.jobs;
-  report.summary = LiveMany(*config, story.value(), 1, options.seeds, report.threads, {});
+  report.summary = LiveMany(*config, scenario.value(), 1, options.seeds, report.threads, {});
   report.took = std::chrono::steady_clock::now() - begun;
-  report.worst = ShortestBadStory(*config, story.value(), report.summary);
-  std::string bad_story;
+  report.worst = ShortestFailingScenario(*config, scenario.value(), report.summary);
+  std::string failing_scenario;
   if (report.worst) {
-    const auto told = Tell(*config, story.value(), *report.worst);
-    bad_story = told.value().text;
+    const auto told = Tell(*config, scenario.value(), *report.worst);
+    failing_scenario = told.value().text;
     if (!options.svg.empty()) {
       const auto written = Write(options.svg, told.value().svg);
       if (!written) return console.Fail(written.error());
     }
   }
-  console.Print(console.mode().json ? SimulationJson(report, bad_story)
-                                    : SimulationText(report, bad_story, console.mode().colour));
+  console.Print(console.mode().json ? SimulationJson(report, failing_scenario)
+                                    : SimulationText(report, failing_scenario, console.mode().colour));
   return report.summary.good() ? ExitCode::kDone : ExitCode::kNotDone;
 }
 

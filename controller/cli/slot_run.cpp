@@ -17,7 +17,7 @@
 #include "musher/controller/ota/files.hpp"
 #include "musher/controller/ota/posix_disk.hpp"
 #include "musher/controller/ota/root.hpp"
-#include "musher/controller/ota/trial.hpp"
+#include "musher/controller/ota/trial_boot.hpp"
 #include "musher/transport/host.hpp"
 
 namespace musher::cli {
@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Duration kJudgeEvery = Milliseconds(100);
+constexpr Duration kCheckEvery = Milliseconds(100);
 constexpr Duration kTermTime = Milliseconds(3000);  // from SIGTERM to SIGKILL
 constexpr Duration kRunKillTime = Milliseconds(2000);
 
@@ -92,7 +92,7 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
     const auto boot = root.value().Boot();
     if (!boot) return fail(boot.error());
     const ota::Boot& b = boot.value();
-    ChosenSlot chosen{{root.value().path(), b.start, b.on_trial, b.version.text,
+    ChosenSlot chosen{{root.value().path(), b.start, b.on_trial_boot, b.version.text,
                        root.value().config().trial, left.empty() ? b.told : left},
                       {}};
     auto config = LoadConfig(root.value().ConfigFile(b.start), console);
@@ -102,17 +102,17 @@ std::optional<ChosenSlot> ChooseSlot(const std::string& root_path, bool takeover
       chosen.config.log = OutsideOfSlot(chosen.config.log, chosen.run);
       return chosen;
     }
-    if (!b.on_trial) return std::nullopt;
-    const auto ended = EndTrial(chosen.run, Error{kCodeFailed, "its state config is faulty"});
+    if (!b.on_trial_boot) return std::nullopt;
+    const auto ended = EndTrialBoot(chosen.run, Error{kCodeFailed, "its state config is faulty"});
     if (!ended) return fail(ended.error());
     left = "version " + b.version.text + " is left: its state config is faulty";
   }
 }
 
-Result<> EndTrial(const SlotRun& run, const Result<>& outcome) {
+Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome) {
   ota::PosixDisk disk;
   const auto root = ota::Root::Open(disk, run.root);
-  return root ? root.value().EndTrial(run.version, outcome) : Result<>(root.error());
+  return root ? root.value().EndTrialBoot(run.version, outcome) : Result<>(root.error());
 }
 
 void PutSlotFirstInPath(const SlotRun& run) {
@@ -133,7 +133,7 @@ void EndOtherSlot(const SlotRun& run) {
   SignalAll(processes, SIGKILL, kRunKillTime);
 }
 
-Result<> RootClaim::Take(const std::string& root_path) {
+Result<> RootLock::Take(const std::string& root_path) {
   disk_ = std::make_unique<ota::PosixDisk>();
   const auto root = ota::Root::Open(*disk_, root_path);
   if (!root) return root.error();
@@ -143,37 +143,37 @@ Result<> RootClaim::Take(const std::string& root_path) {
   return Ok();
 }
 
-Trial::Trial(transport::EventLoop& loop, DiskWriter& disk, const SlotRun& run,
+TrialBoot::TrialBoot(transport::EventLoop& loop, DiskWriter& disk, const SlotRun& run,
              const MachineConfig& config, std::function<const Machine*()> machine, OnEnd on_end)
     : disk_(disk),
       run_(run),
       config_(config),
       machine_(std::move(machine)),
       on_end_(std::move(on_end)),
-      judge_(loop.Every(kJudgeEvery, [this] { Judge(); })),
+      evaluation_(loop.Every(kCheckEvery, [this] { Judge(); })),
       deadline_(loop.At(loop.Now() + run.trial, [this] {
         Fail({kCodeTimeout, fmt::format("it was not up within {:g} s",
                                         std::chrono::duration<double>(run_.trial).count())});
       })) {}
 
-void Trial::Judge() {
+void TrialBoot::Judge() {
   const Machine* machine = machine_();
   if (machine == nullptr || ending_) return;
-  if (const auto verdict = ota::JudgeTrial(config_, *machine)) End(*verdict);
+  if (const auto verdict = ota::EvaluateTrialBoot(config_, *machine)) End(*verdict);
 }
 
-void Trial::Fail(const Error& why) {
+void TrialBoot::Fail(const Error& why) {
   if (!ending_) End(why);
 }
 
 // A version that cannot be remembered as kept is not kept: the next start would leave it anyway.
-void Trial::End(const Result<>& outcome) {
+void TrialBoot::End(const Result<>& outcome) {
   ending_ = true;
   const auto saved = std::make_shared<Result<>>();
   disk_.Do(
       "trial",
       [run = run_, outcome, saved] {
-        *saved = EndTrial(run, outcome);
+        *saved = EndTrialBoot(run, outcome);
         return Ok();  // it is tried once
       },
       [this, outcome, saved](const Result<>&) {

@@ -1,9 +1,9 @@
 #pragma once
 // What `musher up ROOT` starts: a version of the robot's software, from one of the two slots of a
-// root (controller/ota). And what its controller does about it: a version on trial is judged when
+// root (controller/ota). And what its controller does about it: a version on trial boot is judged when
 // it is up, and kept or left.
 //
-// Threads: loop thread only. The end of a trial is saved on the disk thread.
+// Threads: loop thread only. The end of a trial boot is saved on the disk thread.
 
 #include <csignal>
 #include <functional>
@@ -27,7 +27,7 @@ inline constexpr int kStartAgainSignal = SIGUSR2;
 struct SlotRun {
   std::string root;  // absolute
   ota::Slot slot = ota::Slot::kA;
-  bool on_trial = false;
+  bool on_trial_boot = false;
   std::string version;
   Duration trial{};  // that it may take to come up
   std::string told;  // why it is this slot
@@ -40,13 +40,13 @@ struct ChosenSlot {
   MachineConfig config;
 };
 
-// Chooses the slot of a root and remembers that. A version on trial whose config is faulty is given
+// Chooses the slot of a root and remembers that. A version on trial boot whose config is faulty is given
 // up for the one before. Says what is wrong, and gives nothing, when there is no version to start,
 // or when the machine of this root runs already and is not to be taken over.
 std::optional<ChosenSlot> ChooseSlot(const std::string& root, bool takeover, Console& console);
 
-// Remembers how the trial has ended: the version is kept, or why not.
-Result<> EndTrial(const SlotRun& run, const Result<>& outcome);
+// Remembers how the trial boot has ended: the version is kept, or why not.
+Result<> EndTrialBoot(const SlotRun& run, const Result<>& outcome);
 
 // The programs of the slot are found before all others, from now on in this process and in those it
 // starts.
@@ -57,7 +57,7 @@ void PutSlotFirstInPath(const SlotRun& run);
 void EndOtherSlot(const SlotRun& run);
 
 // Says that a machine runs from this root, as long as it lives.
-class RootClaim {
+class RootLock {
  public:
   // An Error is to be told and gone on with: then nobody knows of this machine.
   Result<> Take(const std::string& root);
@@ -67,12 +67,12 @@ class RootClaim {
   std::unique_ptr<ota::Disk::Lock> lock_;
 };
 
-// The trial of a version.
-class Trial {
+// The trial boot of a version.
+class TrialBoot {
  public:
   // `outcome`: it is kept, or why not. Called once that is on disk, on the loop.
   using OnEnd = std::function<void(const Result<>& outcome)>;
-  Trial(transport::EventLoop& loop, DiskWriter& disk, const SlotRun& run,
+  TrialBoot(transport::EventLoop& loop, DiskWriter& disk, const SlotRun& run,
         const MachineConfig& config, std::function<const Machine*()> machine, OnEnd on_end);
 
   bool under_way() const { return under_way_; }
@@ -90,7 +90,7 @@ class Trial {
   OnEnd on_end_;
   bool under_way_ = true;
   bool ending_ = false;  // its outcome is being saved
-  transport::LoopHandlePtr judge_;
+  transport::LoopHandlePtr evaluation_;
   transport::LoopHandlePtr deadline_;
 };
 

@@ -22,7 +22,7 @@
 #include "musher/controller/cli/render/text.hpp"
 #include "musher/controller/cli/signals.hpp"
 #include "musher/controller/cli/slot_run.hpp"
-#include "musher/controller/cli/up_front.hpp"
+#include "musher/controller/cli/up_launcher.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/host.hpp"
 #include "musher/transport/keys/check.hpp"
@@ -193,7 +193,7 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
   auto target = ChooseTarget(options, console);
   if (!target) return ExitCode::kUsage;
   auto good = Judge(*target, options, global, console);
-  if (!good && target->run && target->run->on_trial && EndTrial(*target->run, good)) {
+  if (!good && target->run && target->run->on_trial_boot && EndTrialBoot(*target->run, good)) {
     const std::string told =
         "version " + target->run->version + " is left: " + good.error().message;
     console.Complain(told);
@@ -219,7 +219,7 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
     Lead(options, *target, std::move(theirs), options.detach ? 0 : front);
   }
   theirs = {};
-  return UpFront(console, config.name, controller, std::move(ours), std::move(signals),
+  return UpLauncher(console, config.name, controller, std::move(ours), std::move(signals),
                  options.detach, options.restarted)
       .Run();
 }

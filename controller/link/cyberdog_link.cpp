@@ -13,7 +13,7 @@ constexpr Duration kSilence = 5 * Milliseconds(500);
 // What a module says to a state it does not have: the key alone, without its module's code.
 constexpr auto kNoSuchState = static_cast<std::int32_t>(KeyCode::kUnSupport);
 // Matches writers of either reliability. One history for all who beat, so it must not be short.
-constexpr transport::Qos kBeatsQos{transport::Qos::Reliability::kBestEffort,
+constexpr transport::Qos kHeartbeatsQos{transport::Qos::Reliability::kBestEffort,
                                    transport::Qos::Durability::kVolatile, 0};
 
 }  // namespace
@@ -32,12 +32,12 @@ Result<std::unique_ptr<ActuatorLink>> CyberdogLink::Make(transport::Node& node,
   link->client_ = std::move(client).value();
   auto beats = transport::MakeSubscription<msg::Heartbeats>(
       node, transport::ResolveName(config.name_space, "manager_heartbeats"),
-      [self, name = own.heartbeat_name](const msg::Heartbeats& beat, const transport::SampleInfo&) {
-        if (beat.name == name) self->OnBeat();
+      [self, name = own.heartbeat_name](const msg::Heartbeats& heartbeat, const transport::SampleInfo&) {
+        if (heartbeat.name == name) self->OnHeartbeat();
       },
-      kBeatsQos);
+      kHeartbeatsQos);
   if (!beats) return beats.error();
-  link->beats_ = std::move(beats).value();
+  link->heartbeats_ = std::move(beats).value();
   return std::unique_ptr<ActuatorLink>(std::move(link));
 }
 
@@ -78,7 +78,7 @@ void CyberdogLink::OnReply(const Result<msg::FsMachine::Response>& reply) {
   if (was_lost) TellStatus();
 }
 
-void CyberdogLink::OnBeat() {
+void CyberdogLink::OnHeartbeat() {
   if (!there()) return;
   const bool was_lost = silent_;
   SignOfLife();

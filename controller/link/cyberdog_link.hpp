@@ -37,7 +37,7 @@ class CyberdogLink : public ForeignLink {
   void Inquire(const AskCommand& ask) override;
 
   void OnReply(const Result<msg::FsMachine::Response>& reply);
-  void OnBeat();
+  void OnHeartbeat();
   void SignOfLife();
   void Watch(Time until);
   void OnSilence();
@@ -47,7 +47,7 @@ class CyberdogLink : public ForeignLink {
   bool silent_ = false;             // lost, because its beats have ceased
   transport::LoopHandlePtr watch_;  // none: it has not beaten yet, or is lost
   std::unique_ptr<transport::Client<msg::FsMachine>> client_;
-  std::unique_ptr<transport::Subscription> beats_;  // last: its callback uses all of the above
+  std::unique_ptr<transport::Subscription> heartbeats_;  // last: its callback uses all of the above
 };
 
 }  // namespace musher

@@ -53,9 +53,9 @@ Result<> FillSlot(const Root& root, Slot slot, const std::string& bundle,
   return disk.Sync(FolderOf(folder));
 }
 
-Result<> JudgeState(const SlotState& state, std::optional<Slot> running) {
+Result<> CheckState(const SlotState& state, std::optional<Slot> running) {
   if (!running) return Ok();
-  if (state.on_trial && state.started) {
+  if (state.on_trial_boot && state.started) {
     return Error{kCodeTargetBusy, "a version is on trial; it will be known soon whether it stays"};
   }
   if (*running != state.confirmed) {
@@ -68,7 +68,7 @@ Result<> JudgeState(const SlotState& state, std::optional<Slot> running) {
 
 }  // namespace
 
-Result<> JudgeVersion(const Manifest& manifest, const Version& present,
+Result<> CheckVersion(const Manifest& manifest, const Version& present,
                       const InstallOptions& options) {
   const auto order = Compare(manifest.version, present);
   const std::string both = "version " + manifest.version.text + ", the robot has " + present.text;
@@ -94,7 +94,7 @@ Result<Installation> Installation::Begin(const Root& root, std::string bundle,
   installation.lock_ = std::move(lock).value();
   const auto state = root.State();
   if (!state) return state.error();
-  if (auto good = JudgeState(state.value(), running); !good) return good.error();
+  if (auto good = CheckState(state.value(), running); !good) return good.error();
   installation.slot_ = Other(state.value().confirmed);
   const auto present = root.LookAtManifest(state.value().confirmed);
   if (!present) {
@@ -114,7 +114,7 @@ Result<> Installation::Check(const OnBytes& on_bytes) {
     return Refusal(Fault::kOtherRobot, "it is for the robot " + offered.robot + ", this one is " +
                                            root_->config().robot);
   }
-  if (auto good = JudgeVersion(offered, present_, options_); !good) return good;
+  if (auto good = CheckVersion(offered, present_, options_); !good) return good;
   auto whole = CheckBundle(root_->disk(), bundle_, root_->public_key(), on_bytes);
   if (!whole) return whole.error();
   if (whole.value().text != manifest.value().text) {
@@ -140,7 +140,7 @@ Result<> Installation::Prepare() {
       return Error{kCodeTargetBusy, "somebody has changed which slot is used meanwhile"};
     }
     SlotState next = state;
-    next.on_trial = next.started = next.other_good = false;
+    next.on_trial_boot = next.started = next.other_good = false;
     return next;
   });
 }
@@ -160,13 +160,13 @@ Result<> Installation::CheckWritten(const OnBytes& on_bytes) {
   return Ok();
 }
 
-Result<> Installation::MarkTrial() {
+Result<> Installation::MarkTrialBoot() {
   return root_->Change([this](const SlotState& state) -> Result<SlotState> {
     if (Other(state.confirmed) != slot_) {
       return Error{kCodeTargetBusy, "somebody has changed which slot is used meanwhile"};
     }
     SlotState next = state;
-    next.on_trial = true;
+    next.on_trial_boot = true;
     next.started = false;
     return next;
   });
@@ -177,7 +177,7 @@ namespace {
 // The version of the slot that is not confirmed, where it may be tried again.
 Result<Version> RollbackTarget(const Root& root, const SlotState& state,
                                std::optional<Slot> running) {
-  if (auto good = JudgeState(state, running); !good) return good.error();
+  if (auto good = CheckState(state, running); !good) return good.error();
   const Slot other = Other(state.confirmed);
   if (!state.other_good) {
     return Refusal(Fault::kNoVersion, "there is nothing to go back to: slot " +
@@ -203,7 +203,7 @@ Result<Version> MarkRollback(const Root& root, std::optional<Slot> running) {
     if (!content) return content.error();
     version = std::move(content).value();
     SlotState next = state;
-    next.on_trial = true;
+    next.on_trial_boot = true;
     next.started = false;
     return next;
   });

@@ -23,7 +23,7 @@ struct InstallOptions {
 };
 
 // Why a version may not follow the present one.
-Result<> JudgeVersion(const Manifest& manifest, const Version& present,
+Result<> CheckVersion(const Manifest& manifest, const Version& present,
                       const InstallOptions& options);
 
 class Installation {
@@ -37,7 +37,7 @@ class Installation {
   Result<> Prepare();
   Result<> Copy(const OnBytes& on_bytes);
   Result<> CheckWritten(const OnBytes& on_bytes);
-  Result<> MarkTrial();
+  Result<> MarkTrialBoot();
 
   Slot slot() const { return slot_; }
   const Version& present() const { return present_; }

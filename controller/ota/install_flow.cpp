@@ -16,11 +16,11 @@ std::string_view StepName(Step step) {
       return "copy";
     case Step::kCheckWritten:
       return "check what was written";
-    case Step::kMarkTrial:
+    case Step::kMarkTrialBoot:
       return "mark for trial";
     case Step::kStartAgain:
       return "start again";
-    case Step::kTrial:
+    case Step::kTrialBoot:
       return "trial";
     case Step::kLeaveOta:
       break;
@@ -32,18 +32,18 @@ Flow InstallFlow(bool machine_runs) {
   Flow flow;
   if (machine_runs) {
     flow.left = {Step::kCheck,        Step::kEnterOta,  Step::kPrepare,    Step::kCopy,
-                 Step::kCheckWritten, Step::kMarkTrial, Step::kStartAgain, Step::kTrial};
+                 Step::kCheckWritten, Step::kMarkTrialBoot, Step::kStartAgain, Step::kTrialBoot};
   } else {
-    flow.left = {Step::kCheck, Step::kPrepare, Step::kCopy, Step::kCheckWritten, Step::kMarkTrial};
+    flow.left = {Step::kCheck, Step::kPrepare, Step::kCopy, Step::kCheckWritten, Step::kMarkTrialBoot};
   }
   return flow;
 }
 
 Flow RollbackFlow(bool machine_runs) {
   Flow flow;
-  flow.left = {Step::kMarkTrial};
+  flow.left = {Step::kMarkTrialBoot};
   if (machine_runs) {
-    flow.left = {Step::kEnterOta, Step::kMarkTrial, Step::kStartAgain, Step::kTrial};
+    flow.left = {Step::kEnterOta, Step::kMarkTrialBoot, Step::kStartAgain, Step::kTrialBoot};
   }
   return flow;
 }
@@ -62,7 +62,7 @@ void Advance(Flow& flow, const Result<>& outcome) {
   }
   flow.failure = outcome.error();
   flow.left.clear();
-  // Once it is on trial, whoever starts the machine next tries it; until then it rests in OTA.
+  // Once it is on trial boot, whoever starts the machine next tries it; until then it rests in OTA.
   if (flow.in_ota && step != Step::kStartAgain) flow.left.push_back(Step::kLeaveOta);
 }
 

@@ -2,12 +2,12 @@
 // The order of an upgrade, and what follows when a step fails. Pure: steps and their ends go in,
 // the next step comes out.
 //
-//   check ─▶ enter OTA ─▶ prepare ─▶ copy ─▶ check written ─▶ mark trial ─▶ start again ─▶ trial
+//   check ─▶ enter OTA ─▶ prepare ─▶ copy ─▶ check written ─▶ mark trial boot ─▶ start again ─▶ trial boot
 //     │          └─────────────┴─────────┴──────────┴──────────────┘             │           │
 //     ▼                         leave OTA                                        ▼           ▼
 //    end, the machine as it was                                          end: kept, or gone back
 //
-// Without a machine that runs, the steps that need one fall out: the next start is the trial.
+// Without a machine that runs, the steps that need one fall out: the next start is the trial boot.
 
 #include <deque>
 #include <optional>
@@ -23,9 +23,9 @@ enum class Step {
   kPrepare,
   kCopy,
   kCheckWritten,
-  kMarkTrial,
+  kMarkTrialBoot,
   kStartAgain,
-  kTrial,
+  kTrialBoot,
   kLeaveOta,
 };
 std::string_view StepName(Step step);  // "check", "enter OTA", …

@@ -147,9 +147,9 @@ Result<Boot> Root::Boot() const {
   if (!boot) return boot.error();
   if (state != boot.value().next) {
     const auto saved = SaveState(boot.value().next);
-    if (!saved && boot.value().on_trial) {
+    if (!saved && boot.value().on_trial_boot) {
       SlotState untried = *state;
-      untried.on_trial = false;
+      untried.on_trial_boot = false;
       auto confirmed = DecideBoot(untried, CurrentSlot(), look);
       if (!confirmed) return confirmed.error();
       confirmed.value().told = boot.value().told + ", but not now: " + saved.error().message;
@@ -164,10 +164,10 @@ Result<Boot> Root::Boot() const {
   return boot;
 }
 
-Result<> Root::EndTrial(const std::string& version, const Result<>& outcome) const {
+Result<> Root::EndTrialBoot(const std::string& version, const Result<>& outcome) const {
   auto changed = Change([&](const SlotState& state) -> Result<SlotState> {
-    if (!state.on_trial) return Error{kCodeStateInvalid, "no version is on trial"};
-    return AfterTrial(state, version, outcome);
+    if (!state.on_trial_boot) return Error{kCodeStateInvalid, "no version is on trial"};
+    return AfterTrialBoot(state, version, outcome);
   });
   if (!changed || !outcome) return changed;
   const auto state = LoadState();

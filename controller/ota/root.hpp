@@ -67,11 +67,11 @@ class Root {
   // Replaces the state by what `change` makes of it, while nobody else does.
   Result<> Change(const std::function<Result<SlotState>(const SlotState&)>& change) const;
 
-  // Chooses what is started now, and remembers that. A trial that cannot be remembered is not
+  // Chooses what is started now, and remembers that. A trial boot that cannot be remembered is not
   // begun.
   Result<ota::Boot> Boot() const;
-  // The end of the trial under way.
-  Result<> EndTrial(const std::string& version, const Result<>& outcome) const;
+  // The end of the trial boot under way.
+  Result<> EndTrialBoot(const std::string& version, const Result<>& outcome) const;
   // The first version of a new root is in this slot.
   Result<> Begin(Slot slot) const;
 

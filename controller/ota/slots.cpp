@@ -79,7 +79,7 @@ std::string FormatState(const SlotState& state) {
   const auto flag = [](bool value) { return value ? "true\n" : "false\n"; };
   std::string text = "# Which version the robot starts. Written by musher.\nconfirmed = \"" +
                      std::string(SlotName(state.confirmed)) + "\"\n";
-  text += std::string("on_trial = ") + flag(state.on_trial);
+  text += std::string("on_trial = ") + flag(state.on_trial_boot);
   text += std::string("started = ") + flag(state.started);
   text += std::string("other_good = ") + flag(state.other_good);
   if (state.last) {
@@ -102,10 +102,10 @@ std::optional<SlotState> ParseState(std::string_view text) {
   SlotState state{*confirmed, Flag(*table, "on_trial"), Flag(*table, "started"),
                   Flag(*table, "other_good"), std::nullopt};
   const auto* last = Find(*table, "last");
-  if (const auto* end_of_trial = last == nullptr ? nullptr : last->value.As<Table>()) {
-    state.last = TrialEnd{SlotOf(Text(*end_of_trial, "slot")).value_or(*confirmed),
-                          Text(*end_of_trial, "version"), Flag(*end_of_trial, "kept"),
-                          Text(*end_of_trial, "reason")};
+  if (const auto* end_of_trial_boot = last == nullptr ? nullptr : last->value.As<Table>()) {
+    state.last = TrialBootEnd{SlotOf(Text(*end_of_trial_boot, "slot")).value_or(*confirmed),
+                          Text(*end_of_trial_boot, "version"), Flag(*end_of_trial_boot, "kept"),
+                          Text(*end_of_trial_boot, "reason")};
   }
   return state;
 }
@@ -117,7 +117,7 @@ Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slo
   std::string told;
   const Slot other = Other(state->confirmed);
   std::optional<SlotContent> tried;  // the other slot, once it was looked into
-  if (state->on_trial) {
+  if (state->on_trial_boot) {
     tried = look(other);
     if (*tried && !state->started) {
       next.started = true;
@@ -127,7 +127,7 @@ Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slo
     const std::string version = *tried ? tried->value().text : "";
     const std::string why =
         *tried ? "its first start did not come to its end" : tried->error().message;
-    next = AfterTrial(next, version, Error{kCodeFailed, why});
+    next = AfterTrialBoot(next, version, Error{kCodeFailed, why});
     told = "back to " + Name(state->confirmed) + ", since the version in " + Name(other) +
            " was not kept: " + why;
   }
@@ -145,12 +145,12 @@ Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slo
                   Name(other) + " is started, version " + tried->value().text};
 }
 
-SlotState AfterTrial(const SlotState& state, const std::string& version, const Result<>& outcome) {
+SlotState AfterTrialBoot(const SlotState& state, const std::string& version, const Result<>& outcome) {
   const Slot tried = Other(state.confirmed);
   SlotState next;
   next.confirmed = outcome ? tried : state.confirmed;
   next.other_good = outcome.ok();
-  next.last = TrialEnd{tried, version, outcome.ok(), outcome ? "" : outcome.error().message};
+  next.last = TrialBootEnd{tried, version, outcome.ok(), outcome ? "" : outcome.error().message};
   return next;
 }
 

@@ -3,7 +3,7 @@
 // in, the slot to start and the state to write out.
 //
 //             install, rollback        up                        self-check good
-//   confirmed ────────────────▶ trial ────▶ trial, started once ────────────────▶ confirmed (the
+//   confirmed ────────────────▶ trial boot ────▶ trial boot, started once ────────────────▶ confirmed (the
 //   new)
 //       ▲                         │                 │
 //       └─────────────────────────┴─────────────────┘ it does not verify; it failed; it was started
@@ -29,22 +29,22 @@ constexpr Slot Other(Slot slot) {
   return slot == Slot::kA ? Slot::kB : Slot::kA;
 }
 
-// How the last trial ended.
-struct TrialEnd {
+// How the last trial boot ended.
+struct TrialBootEnd {
   Slot slot = Slot::kA;
   std::string version;
   bool kept = false;
   std::string reason;  // why not
 
-  friend bool operator==(const TrialEnd&, const TrialEnd&) = default;
+  friend bool operator==(const TrialBootEnd&, const TrialBootEnd&) = default;
 };
 
 struct SlotState {
   Slot confirmed = Slot::kA;  // what the robot trusts
-  bool on_trial = false;      // the other one is to be tried …
+  bool on_trial_boot = false;      // the other one is to be tried …
   bool started = false;       // … and its one start has been used
   bool other_good = false;    // the other one was confirmed once, and is as it was then
-  std::optional<TrialEnd> last;
+  std::optional<TrialBootEnd> last;
 
   friend bool operator==(const SlotState&, const SlotState&) = default;
 };
@@ -60,7 +60,7 @@ using LookIntoSlot = std::function<SlotContent(Slot)>;
 
 struct Boot {
   Slot start = Slot::kA;
-  bool on_trial = false;  // it has to prove itself; only to be started once `next` is on disk
+  bool on_trial_boot = false;  // it has to prove itself; only to be started once `next` is on disk
   Version version;
   SlotState next;
   std::string told;  // why it is not what one would expect; empty: it is
@@ -71,7 +71,7 @@ struct Boot {
 Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slot> link,
                         const LookIntoSlot& look);
 
-// The state after the trial: the new version is kept, or why it is not.
-SlotState AfterTrial(const SlotState& state, const std::string& version, const Result<>& outcome);
+// The state after the trial boot: the new version is kept, or why it is not.
+SlotState AfterTrialBoot(const SlotState& state, const std::string& version, const Result<>& outcome);
 
 }  // namespace musher::ota

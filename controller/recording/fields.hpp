@@ -28,8 +28,8 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"dead", &ActuatorRecord::dead},
     Field{"found_running", &ActuatorRecord::found_running},
     Field{"set_up_by", &ActuatorRecord::set_up_by},
-    Field{"claimed", &ActuatorRecord::claimed},
-    Field{"claim_again", &ActuatorRecord::claim_again},
+    Field{"claimed", &ActuatorRecord::controlled},
+    Field{"claim_again", &ActuatorRecord::take_control_again},
     Field{"checked", &ActuatorRecord::checked},
     Field{"join_tried", &ActuatorRecord::join_tried},
     Field{"held", &ActuatorRecord::held},
@@ -45,13 +45,13 @@ inline constexpr std::tuple kFields<ActuatorRecord> = {
     Field{"given_up", &ActuatorRecord::given_up},
     Field{"restart_asked", &ActuatorRecord::restart_asked},
     Field{"restart_requests", &ActuatorRecord::restart_requests},
-    Field{"doomed", &ActuatorRecord::doomed},
+    Field{"doomed", &ActuatorRecord::terminating},
     Field{"kill_at", &ActuatorRecord::kill_at},
     Field{"killed", &ActuatorRecord::killed},
     Field{"parked", &ActuatorRecord::parked},
     Field{"outbid_at", &ActuatorRecord::outbid_at},
     Field{"free_by", &ActuatorRecord::free_by},
-    Field{"hindered", &ActuatorRecord::hindered},
+    Field{"hindered", &ActuatorRecord::blocked},
 };
 
 template <>

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "musher/simulation/actuator_trial.hpp"
+#include "musher/simulation/actuator_fault_test.hpp"
 
 // [machine]
 TEST(Door, OpensInTwoSecondsAndShutsItselfAfterFive) {
@@ -50,14 +50,14 @@ TEST(Door, StopsWhereItIsAtAnObstacleAndOpensOnceTheWayIsFree) {
 
 // [trial]
 TEST(Door, RestsOutsideOfActiveWhateverBefallsTheRobot) {
-  musher::simulation::ActuatorTrial<Door> trial;
-  trial.config_file = "robot.toml";
-  trial.always = [](const Door& door, const musher::ActuatorReport& report) {
+  musher::simulation::ActuatorFaultTest<Door> test;
+  test.config_file = "robot.toml";
+  test.always = [](const Door& door, const musher::ActuatorReport& report) {
     EXPECT_FALSE(door.ticking() && report.state != "Active") << "it moves in " << report.state;
   };
-  trial.after_emergency_stop = [](const Door& door, const musher::ActuatorReport&) {
+  test.after_emergency_stop = [](const Door& door, const musher::ActuatorReport&) {
     EXPECT_FALSE(door.ticking()) << "it moves in an emergency";
   };
-  trial.Run();
+  test.Run();
 }
 // [trial end]

@@ -2,19 +2,19 @@
 
 #include "gripper.hpp"
 
-#include "musher/simulation/actuator_trial.hpp"
+#include "musher/simulation/actuator_fault_test.hpp"
 
 // [test]
 TEST(Gripper, HasPowerOnlyWhereItShould) {
-  musher::simulation::ActuatorTrial<Gripper> trial;
-  trial.config_file = "robot.toml";
-  trial.always = [](const Gripper& gripper, const musher::ActuatorReport& report) {
+  musher::simulation::ActuatorFaultTest<Gripper> test;
+  test.config_file = "robot.toml";
+  test.always = [](const Gripper& gripper, const musher::ActuatorReport& report) {
     EXPECT_FALSE(report.state == "LowPower" && gripper.powered());
     EXPECT_FALSE(report.emergency_stop != 0 && gripper.powered());
   };
-  trial.after_emergency_stop = [](const Gripper& gripper, const musher::ActuatorReport&) {
+  test.after_emergency_stop = [](const Gripper& gripper, const musher::ActuatorReport&) {
     EXPECT_FALSE(gripper.powered());
   };
-  trial.Run();
+  test.Run();
 }
 // [test end]

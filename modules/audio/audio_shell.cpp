@@ -5,7 +5,7 @@
 
 namespace musher::audio {
 
-AudioShell::AudioShell(const Surroundings& around, const AudioConfig& config, SoundMaker& maker,
+AudioShell::AudioShell(const Dependencies& around, const AudioConfig& config, SoundMaker& maker,
                        Output& output)
     : around_(around),
       rules_{config.phrases, config.language, config.longest_text, config.cue_topics},
@@ -20,7 +20,7 @@ AudioShell::~AudioShell() {
   output_.Stop();
 }
 
-Result<std::unique_ptr<AudioShell>> AudioShell::Make(const Surroundings& around,
+Result<std::unique_ptr<AudioShell>> AudioShell::Make(const Dependencies& around,
                                                      const AudioConfig& config, SoundMaker& maker,
                                                      Output& output) {
   std::unique_ptr<AudioShell> shell(new AudioShell(around, config, maker, output));

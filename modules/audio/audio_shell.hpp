@@ -24,7 +24,7 @@
 
 namespace musher::audio {
 
-struct Surroundings {
+struct Dependencies {
   transport::Node& node;
   transport::Clock& clock;  // of the module's behaviour
   std::string name_space;
@@ -36,7 +36,7 @@ struct Surroundings {
 class AudioShell {
  public:
   // All of it outlives the shell.
-  static Result<std::unique_ptr<AudioShell>> Make(const Surroundings& around,
+  static Result<std::unique_ptr<AudioShell>> Make(const Dependencies& around,
                                                   const AudioConfig& config, SoundMaker& maker,
                                                   Output& output);
   ~AudioShell();
@@ -49,7 +49,7 @@ class AudioShell {
  private:
   using AnswerCode = std::function<void(std::int32_t code)>;
 
-  AudioShell(const Surroundings& around, const AudioConfig& config, SoundMaker& maker,
+  AudioShell(const Dependencies& around, const AudioConfig& config, SoundMaker& maker,
              Output& output);
   Result<> Connect();
   Result<> ConnectPlay();
@@ -68,7 +68,7 @@ class AudioShell {
   void Do(const play_action::Report& action);
   void Do(const play_action::Log& action);
 
-  const Surroundings around_;
+  const Dependencies around_;
   const PlayRules rules_;
   SoundMaker& maker_;
   Output& output_;

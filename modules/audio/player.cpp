@@ -147,15 +147,15 @@ class Decision {
   }
 
   Result<Utterance> Judge(const PlayOrder& order) const {
-    return order.is_text ? JudgeText(order.text) : JudgePhrase(order.play_id);
+    return order.is_text ? EvaluateText(order.text) : EvaluatePhrase(order.play_id);
   }
 
-  Result<Utterance> JudgePhrase(std::uint16_t id) const {
+  Result<Utterance> EvaluatePhrase(std::uint16_t id) const {
     if (auto phrase = rules_.phrases.Find(id, rules_.language)) return *std::move(phrase);
     return Error{AudioCode(AudioKey::kNoPhrase), "there is no phrase " + std::to_string(id)};
   }
 
-  Result<Utterance> JudgeText(const std::string& text) const {
+  Result<Utterance> EvaluateText(const std::string& text) const {
     const auto characters = CharactersIn(text);
     if (!characters) return Error{AudioCode(AudioKey::kNotUtf8), "the text is not UTF-8"};
     if (!HasSomethingToSay(text)) {

@@ -8,11 +8,11 @@
 
 namespace musher::camera {
 
-CameraDevice::CameraDevice(const Surroundings& around, const CameraConfig& camera,
+CameraDevice::CameraDevice(const Dependencies& around, const CameraConfig& camera,
                            const CamerasConfig& config)
     : around_(around), camera_(camera), core_(camera, config.silence, config.retry) {}
 
-Result<std::unique_ptr<CameraDevice>> CameraDevice::Make(const Surroundings& around,
+Result<std::unique_ptr<CameraDevice>> CameraDevice::Make(const Dependencies& around,
                                                          const CameraConfig& camera,
                                                          const CamerasConfig& config) {
   std::unique_ptr<CameraDevice> device(new CameraDevice(around, camera, config));

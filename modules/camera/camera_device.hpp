@@ -9,13 +9,13 @@
 
 #include "musher/modules/camera/camera_core.hpp"
 #include "musher/modules/camera/self_check.hpp"
-#include "musher/modules/camera/surroundings.hpp"
+#include "musher/modules/camera/dependencies.hpp"
 
 namespace musher::camera {
 
 class CameraDevice {
  public:
-  static Result<std::unique_ptr<CameraDevice>> Make(const Surroundings& around,
+  static Result<std::unique_ptr<CameraDevice>> Make(const Dependencies& around,
                                                     const CameraConfig& camera,
                                                     const CamerasConfig& config);
 
@@ -37,7 +37,7 @@ class CameraDevice {
   const CameraConfig& config() const { return camera_; }
 
  private:
-  CameraDevice(const Surroundings& around, const CameraConfig& camera, const CamerasConfig& config);
+  CameraDevice(const Dependencies& around, const CameraConfig& camera, const CamerasConfig& config);
   Result<> Connect();
   void Reconsider();
   void Do(CameraActions actions);
@@ -51,7 +51,7 @@ class CameraDevice {
   bool Watched() const;
   Time Now() const { return around_.node.loop().Now(); }
 
-  const Surroundings around_;
+  const Dependencies around_;
   const CameraConfig camera_;
   CameraCore core_;
   bool on_ = false;

@@ -30,7 +30,7 @@ Result<> CameraManager::Run(const State& state) {
 
 Result<> CameraManager::SetUp() {
   constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kParametersInvalid);
-  if (Result<> known = program::JudgeStates(machine_config(), "on_in", config_.on_in, kCode);
+  if (Result<> known = program::CheckStates(machine_config(), "on_in", config_.on_in, kCode);
       !known) {
     return known;
   }
@@ -50,7 +50,7 @@ Result<> CameraManager::MakeCameras() {
   auto clock = transport::Clock::Of(machine_config(), node);
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
-  const Surroundings around = {
+  const Dependencies around = {
       node,
       machine_config().name_space,
       [this] { return clock_->Stamp(); },
@@ -78,7 +78,7 @@ Result<> CameraManager::SelfCheck() {
   SelfCheckVerdict result;
   node_->RunOnLoop([&] { cameras_->SetChecked(true); });
   const auto judge = [&]() -> Result<> {
-    result = JudgeSelfCheck(cameras_->Check(), config_.critical);
+    result = EvaluateSelfCheck(cameras_->Check(), config_.critical);
     if (result.failing.empty()) return Ok();
     return Error{kCodeFailed, result.failing};
   };

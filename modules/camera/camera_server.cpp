@@ -37,7 +37,7 @@ std::string Size(const Shape& shape) {
 
 }  // namespace
 
-CameraServer::CameraServer(const Surroundings& around, const ServiceConfig& config,
+CameraServer::CameraServer(const Dependencies& around, const ServiceConfig& config,
                            CameraDevice& camera, std::unique_ptr<Store> store)
     : around_(around), config_(config), camera_(camera), store_(std::move(store)) {}
 
@@ -45,7 +45,7 @@ CameraServer::~CameraServer() {
   camera_.SetListener(nullptr);
 }
 
-Result<std::unique_ptr<CameraServer>> CameraServer::Make(const Surroundings& around,
+Result<std::unique_ptr<CameraServer>> CameraServer::Make(const Dependencies& around,
                                                          const ServiceConfig& config,
                                                          CameraDevice& camera,
                                                          std::unique_ptr<Store> store) {

@@ -23,7 +23,7 @@ class CameraServer {
   static constexpr double kVideoHz = 15;                        // where nobody says
 
   // Works with the pictures of `camera`, which outlives it.
-  static Result<std::unique_ptr<CameraServer>> Make(const Surroundings& around,
+  static Result<std::unique_ptr<CameraServer>> Make(const Dependencies& around,
                                                     const ServiceConfig& config,
                                                     CameraDevice& camera,
                                                     std::unique_ptr<Store> store);
@@ -58,7 +58,7 @@ class CameraServer {
     Pace pace;
   };
 
-  CameraServer(const Surroundings& around, const ServiceConfig& config, CameraDevice& camera,
+  CameraServer(const Dependencies& around, const ServiceConfig& config, CameraDevice& camera,
                std::unique_ptr<Store> store);
   Result<> Connect();
   void OnRequest(const Request& request, Reply reply);
@@ -74,7 +74,7 @@ class CameraServer {
 
   struct Obey;
 
-  const Surroundings around_;
+  const Dependencies around_;
   const ServiceConfig config_;
   CameraDevice& camera_;
   Shape wish_;

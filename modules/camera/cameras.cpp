@@ -12,7 +12,7 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
 
 }  // namespace
 
-Result<std::unique_ptr<Cameras>> Cameras::Make(const Surroundings& around,
+Result<std::unique_ptr<Cameras>> Cameras::Make(const Dependencies& around,
                                                const CamerasConfig& config,
                                                std::unique_ptr<Store> store) {
   std::unique_ptr<Cameras> cameras(new Cameras(config));

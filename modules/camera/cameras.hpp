@@ -14,7 +14,7 @@ namespace musher::camera {
 
 class Cameras {
  public:
-  static Result<std::unique_ptr<Cameras>> Make(const Surroundings& around,
+  static Result<std::unique_ptr<Cameras>> Make(const Dependencies& around,
                                                const CamerasConfig& config,
                                                std::unique_ptr<Store> store);
 

@@ -5,7 +5,7 @@
 
 namespace musher::camera {
 
-SelfCheckVerdict JudgeSelfCheck(const std::vector<CameraFinding>& findings,
+SelfCheckVerdict EvaluateSelfCheck(const std::vector<CameraFinding>& findings,
                                 const std::vector<std::string>& critical) {
   SelfCheckVerdict verdict;
   std::size_t failed = 0;

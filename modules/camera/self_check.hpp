@@ -20,7 +20,7 @@ struct SelfCheckVerdict {
   Result<> result;
   std::string failing;  // "left: no picture in 5000 ms, 4409; ..."
 };
-SelfCheckVerdict JudgeSelfCheck(const std::vector<CameraFinding>& findings,
+SelfCheckVerdict EvaluateSelfCheck(const std::vector<CameraFinding>& findings,
                                 const std::vector<std::string>& critical);
 
 }  // namespace musher::camera

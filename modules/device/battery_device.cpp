@@ -15,11 +15,11 @@ std::string Percent(const BatteryReading& reading) {
 
 }  // namespace
 
-BatteryDevice::BatteryDevice(const Surroundings& around, const BatteryConfig& config,
+BatteryDevice::BatteryDevice(const Dependencies& around, const BatteryConfig& config,
                              OnStatus on_status)
     : around_(around), config_(config), on_status_(std::move(on_status)) {}
 
-Result<std::unique_ptr<BatteryDevice>> BatteryDevice::Make(const Surroundings& around,
+Result<std::unique_ptr<BatteryDevice>> BatteryDevice::Make(const Dependencies& around,
                                                            const BatteryConfig& config,
                                                            OnStatus on_status) {
   std::unique_ptr<BatteryDevice> device(new BatteryDevice(around, config, std::move(on_status)));

@@ -13,7 +13,7 @@
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/modules/device/battery.hpp"
 #include "musher/modules/device/device_config.hpp"
-#include "musher/modules/device/surroundings.hpp"
+#include "musher/modules/device/dependencies.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::device {
@@ -24,7 +24,7 @@ class BatteryDevice {
 
   // `on_status` is told of each that is published.
   using OnStatus = std::function<void(const msg::BmsStatus&)>;
-  static Result<std::unique_ptr<BatteryDevice>> Make(const Surroundings& around,
+  static Result<std::unique_ptr<BatteryDevice>> Make(const Dependencies& around,
                                                      const BatteryConfig& config,
                                                      OnStatus on_status);
 
@@ -37,7 +37,7 @@ class BatteryDevice {
  private:
   using Command = msg::BmsCmd;
 
-  BatteryDevice(const Surroundings& around, const BatteryConfig& config, OnStatus on_status);
+  BatteryDevice(const Dependencies& around, const BatteryConfig& config, OnStatus on_status);
   Result<> Connect();
 
   void ReadHost();
@@ -49,7 +49,7 @@ class BatteryDevice {
   void Publish();
   Result<> Execute(const Command::Request& request);
 
-  const Surroundings around_;
+  const Dependencies around_;
   const BatteryConfig config_;
   const OnStatus on_status_;
 

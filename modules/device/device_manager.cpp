@@ -44,7 +44,7 @@ Result<> DeviceManager::MakeDevices() {
   });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
-  const Surroundings around = {node_->node(),
+  const Dependencies around = {node_->node(),
                                *clock_,
                                machine_config().name_space,
                                [this] { return clock_->Stamp(); },
@@ -61,7 +61,7 @@ Result<> DeviceManager::MakeDevices() {
 Result<> DeviceManager::SelfCheck() {
   SelfCheckVerdict verdict;
   const auto judge = [&]() -> Result<> {
-    verdict = JudgeSelfCheck(devices_->Check(), config_.critical);
+    verdict = EvaluateSelfCheck(devices_->Check(), config_.critical);
     return verdict.well() || !verdict.result ? verdict.result : Result<>(verdict.degraded);
   };
   static_cast<void>(program::AwaitOnLoop(*node_, config_.self_check_time, judge,

@@ -5,7 +5,7 @@
 
 namespace musher::device {
 
-Result<std::unique_ptr<Devices>> Devices::Make(const Surroundings& around,
+Result<std::unique_ptr<Devices>> Devices::Make(const Dependencies& around,
                                                const DeviceConfig& config) {
   std::unique_ptr<Devices> devices(new Devices(config.skip));
   auto led = LedDevice::Make(around, config.led);

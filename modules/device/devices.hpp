@@ -12,7 +12,7 @@
 #include "musher/modules/device/led_device.hpp"
 #include "musher/modules/device/power_key_device.hpp"
 #include "musher/modules/device/self_check.hpp"
-#include "musher/modules/device/surroundings.hpp"
+#include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/touch_device.hpp"
 #include "musher/modules/device/uwb_device.hpp"
 
@@ -20,7 +20,7 @@ namespace musher::device {
 
 class Devices {
  public:
-  static Result<std::unique_ptr<Devices>> Make(const Surroundings& around,
+  static Result<std::unique_ptr<Devices>> Make(const Dependencies& around,
                                                const DeviceConfig& config);
 
   // Of each device in their order, but for those the config skips.

@@ -8,7 +8,7 @@
 
 namespace musher::device {
 
-Result<std::unique_ptr<LedDevice>> LedDevice::Make(const Surroundings& around, bool present) {
+Result<std::unique_ptr<LedDevice>> LedDevice::Make(const Dependencies& around, bool present) {
   std::unique_ptr<LedDevice> device(new LedDevice(around, present));
   if (Result<> connected = device->Connect(); !connected) return connected.error();
   return device;

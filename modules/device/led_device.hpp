@@ -9,7 +9,7 @@
 #include "musher/messages/protocol/device.hpp"
 #include "musher/modules/device/led.hpp"
 #include "musher/modules/device/lights.hpp"
-#include "musher/modules/device/surroundings.hpp"
+#include "musher/modules/device/dependencies.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::device {
@@ -22,7 +22,7 @@ inline constexpr transport::Qos kLedQos{transport::Qos::Reliability::kReliable,
 class LedDevice {
  public:
   // `present`: there is one; else requests are judged and nothing is shown.
-  static Result<std::unique_ptr<LedDevice>> Make(const Surroundings& around, bool present);
+  static Result<std::unique_ptr<LedDevice>> Make(const Dependencies& around, bool present);
 
   // Fails with 1109 while nobody shows the lights.
   Result<> Check() const;
@@ -34,11 +34,11 @@ class LedDevice {
   void Flush();
 
  private:
-  LedDevice(const Surroundings& around, bool present) : around_(around), present_(present) {}
+  LedDevice(const Dependencies& around, bool present) : around_(around), present_(present) {}
   Result<> Connect();
   void ShowAll();
 
-  const Surroundings around_;
+  const Dependencies around_;
   const bool present_;
   LedArbiter arbiter_;
   std::unique_ptr<transport::Publisher<msg::LedState>> lights_;

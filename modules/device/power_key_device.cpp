@@ -5,7 +5,7 @@
 
 namespace musher::device {
 
-Result<std::unique_ptr<PowerKeyDevice>> PowerKeyDevice::Make(const Surroundings& around,
+Result<std::unique_ptr<PowerKeyDevice>> PowerKeyDevice::Make(const Dependencies& around,
                                                              const PowerKeyConfig& config) {
   std::unique_ptr<PowerKeyDevice> device(new PowerKeyDevice(around, config));
   if (!config.present) return device;

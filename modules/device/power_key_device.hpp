@@ -9,7 +9,7 @@
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/device/device_config.hpp"
-#include "musher/modules/device/surroundings.hpp"
+#include "musher/modules/device/dependencies.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::device {
@@ -21,18 +21,18 @@ class PowerKeyDevice {
 
   // Without a key, or the right to call `poweroff`, nothing is subscribed to; the log says the
   // latter.
-  static Result<std::unique_ptr<PowerKeyDevice>> Make(const Surroundings& around,
+  static Result<std::unique_ptr<PowerKeyDevice>> Make(const Dependencies& around,
                                                       const PowerKeyConfig& config);
 
  private:
-  PowerKeyDevice(const Surroundings& around, const PowerKeyConfig& config)
+  PowerKeyDevice(const Dependencies& around, const PowerKeyConfig& config)
       : around_(around), config_(config) {}
   Result<> Connect();
   void OnKey(bool pressed);
   void OnHeld(Time due);
   void PowerOff();
 
-  const Surroundings around_;
+  const Dependencies around_;
   const PowerKeyConfig config_;
   bool pressed_ = false;
   transport::LoopHandlePtr held_;  // by the steady clock: this is the real robot's end

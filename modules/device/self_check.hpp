@@ -31,7 +31,7 @@ struct SelfCheckVerdict {
 
   bool well() const { return result.ok() && degraded.code == kCodeOk; }
 };
-SelfCheckVerdict JudgeSelfCheck(const std::vector<DeviceFinding>& findings,
+SelfCheckVerdict EvaluateSelfCheck(const std::vector<DeviceFinding>& findings,
                                 const std::vector<std::string>& critical);
 
 }  // namespace musher::device

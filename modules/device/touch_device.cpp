@@ -5,7 +5,7 @@
 
 namespace musher::device {
 
-Result<std::unique_ptr<TouchDevice>> TouchDevice::Make(const Surroundings& around, bool present) {
+Result<std::unique_ptr<TouchDevice>> TouchDevice::Make(const Dependencies& around, bool present) {
   std::unique_ptr<TouchDevice> device(new TouchDevice(around));
   if (Result<> connected = device->Connect(present); !connected) return connected.error();
   return device;

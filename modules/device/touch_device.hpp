@@ -8,7 +8,7 @@
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
-#include "musher/modules/device/surroundings.hpp"
+#include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/touch.hpp"
 #include "musher/transport/service.hpp"
 
@@ -19,7 +19,7 @@ class TouchDevice {
   static constexpr Duration kWakeTime = Milliseconds(13'000);  // that the manager may take
 
   // `present`: there is one; else nothing is heard.
-  static Result<std::unique_ptr<TouchDevice>> Make(const Surroundings& around, bool present);
+  static Result<std::unique_ptr<TouchDevice>> Make(const Dependencies& around, bool present);
 
   // Fails with 1509 while nobody feels touches.
   Result<> Check() const;
@@ -27,12 +27,12 @@ class TouchDevice {
   void OnTimeJumped() { double_tap_.Forget(); }
 
  private:
-  explicit TouchDevice(const Surroundings& around) : around_(around) {}
+  explicit TouchDevice(const Dependencies& around) : around_(around) {}
   Result<> Connect(bool present);
   void OnTouch(std::int32_t touch_state);
   void WakeUp();
 
-  const Surroundings around_;
+  const Dependencies around_;
   DoubleTap double_tap_;
   bool waking_ = false;
   std::unique_ptr<transport::Publisher<msg::TouchStatus>> status_;

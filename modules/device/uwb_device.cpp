@@ -12,7 +12,7 @@ constexpr std::uint16_t kMaster = 1;
 
 }  // namespace
 
-Result<std::unique_ptr<UwbDevice>> UwbDevice::Make(const Surroundings& around, bool present) {
+Result<std::unique_ptr<UwbDevice>> UwbDevice::Make(const Dependencies& around, bool present) {
   std::unique_ptr<UwbDevice> device(new UwbDevice(around, present));
   if (Result<> connected = device->Connect(); !connected) return connected.error();
   return device;

@@ -8,7 +8,7 @@
 
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
-#include "musher/modules/device/surroundings.hpp"
+#include "musher/modules/device/dependencies.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::device {
@@ -16,17 +16,17 @@ namespace musher::device {
 class UwbDevice {
  public:
   // `present`: there is one; else nothing is heard, and the service refuses.
-  static Result<std::unique_ptr<UwbDevice>> Make(const Surroundings& around, bool present);
+  static Result<std::unique_ptr<UwbDevice>> Make(const Dependencies& around, bool present);
 
   // Fails with 1609 while no radio publishes readings.
   Result<> Check() const;
 
  private:
-  UwbDevice(const Surroundings& around, bool present) : around_(around), present_(present) {}
+  UwbDevice(const Dependencies& around, bool present) : around_(around), present_(present) {}
   Result<> Connect();
   void OnReading(const msg::UwbRaw& reading);
 
-  const Surroundings around_;
+  const Dependencies around_;
   const bool present_;
   bool connected_ = false;  // the tag
   bool refused_ = false;    // the last reading

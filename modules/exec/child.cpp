@@ -81,7 +81,7 @@ struct Plan {
         output(output_fd) {}
 };
 
-// SIGPIPE is ignored first: one that waits, because the keeper has ended, is dropped by that.
+// SIGPIPE is ignored first: one that waits, because the reaper has ended, is dropped by that.
 void ResetSignals() {
   struct sigaction action {};
   action.sa_handler = SIG_IGN;
@@ -112,9 +112,9 @@ int Execute(const Plan& plan, int report) {
   return reason;
 }
 
-// Forks. The child tells the keeper of itself before it executes the program: from then on it ends
+// Forks. The child tells the reaper of itself before it executes the program: from then on it ends
 // with us, whenever we are killed.
-pid_t Fork(const Plan& plan, const Keeper& keeper, int report) {
+pid_t Fork(const Plan& plan, const Reaper& reaper, int report) {
   sigset_t all;
   sigset_t before;
   sigfillset(&all);
@@ -122,7 +122,7 @@ pid_t Fork(const Plan& plan, const Keeper& keeper, int report) {
   const pid_t pid = fork();
   if (pid == 0) {
     setpgid(0, 0);
-    keeper.Add(getpid());
+    reaper.Add(getpid());
     const int reason = Execute(plan, report);
     [[maybe_unused]] const ssize_t written = write(report, &reason, sizeof(reason));
     _exit(127);
@@ -153,17 +153,17 @@ std::string ExitStatus::Text() const {
          (name != nullptr ? "SIG" + std::string(name) : "signal " + std::to_string(number));
 }
 
-Result<Child> Child::Start(const ChildSpec& spec, const Keeper& keeper, int output) {
+Result<Child> Child::Start(const ChildSpec& spec, const Reaper& reaper, int output) {
   const Plan plan(spec, output);
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return transport::SystemError("can't make a pipe");
   const transport::UniqueFd report(ends[0]);
   transport::UniqueFd writer(ends[1]);
-  const pid_t pid = Fork(plan, keeper, writer.get());
+  const pid_t pid = Fork(plan, reaper, writer.get());
   if (pid < 0) return transport::SystemError("can't fork");
   writer = {};
   auto pidfd = transport::OpenPidfd(pid);
-  Child child(pid, pidfd ? std::move(pidfd).value() : transport::UniqueFd(), keeper);
+  Child child(pid, pidfd ? std::move(pidfd).value() : transport::UniqueFd(), reaper);
   if (!child.pidfd_.valid()) return transport::SystemError("can't watch " + spec.argv.front());
   const int error = AwaitProgram(report);
   if (error == 0) return child;
@@ -174,7 +174,7 @@ Result<Child> Child::Start(const ChildSpec& spec, const Keeper& keeper, int outp
 Child::Child(Child&& other) noexcept
     : pid_(std::exchange(other.pid_, 0)),
       pidfd_(std::move(other.pidfd_)),
-      keeper_(other.keeper_),
+      reaper_(other.reaper_),
       reaped_(other.reaped_),
       status_(other.status_) {}
 
@@ -206,7 +206,7 @@ ExitStatus Child::Reap() {
   while (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOWAIT) != 0 && errno == EINTR) {
   }
   kill(-pid_, SIGKILL);  // before the leader is reaped, while the group's number is surely its own
-  keeper_->Remove(pid_);
+  reaper_->Remove(pid_);
   while (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED) != 0 && errno == EINTR) {
   }
   reaped_ = true;

@@ -15,7 +15,7 @@
 
 #include "musher/lifecycle/result.hpp"
 #include "musher/lifecycle/time.hpp"
-#include "musher/modules/exec/keeper.hpp"
+#include "musher/modules/exec/reaper.hpp"
 #include "musher/transport/unique_fd.hpp"
 
 namespace musher::exec {
@@ -40,8 +40,8 @@ struct ExitStatus {
 class Child {
  public:
   // Fails when the program cannot be run. `output` gets its stdout and stderr; -1: ours.
-  // The keeper must outlive the child.
-  static Result<Child> Start(const ChildSpec& spec, const Keeper& keeper, int output = -1);
+  // The reaper must outlive the child.
+  static Result<Child> Start(const ChildSpec& spec, const Reaper& reaper, int output = -1);
   // Kills one that still runs.
   ~Child();
   Child(Child&& other) noexcept;
@@ -65,12 +65,12 @@ class Child {
   ExitStatus Stop(Duration stop_time);
 
  private:
-  Child(pid_t pid, transport::UniqueFd pidfd, const Keeper& keeper)
-      : pid_(pid), pidfd_(std::move(pidfd)), keeper_(&keeper) {}
+  Child(pid_t pid, transport::UniqueFd pidfd, const Reaper& reaper)
+      : pid_(pid), pidfd_(std::move(pidfd)), reaper_(&reaper) {}
 
   pid_t pid_;
   transport::UniqueFd pidfd_;
-  const Keeper* keeper_;
+  const Reaper* reaper_;
   bool reaped_ = false;
   ExitStatus status_;
 };

@@ -42,7 +42,7 @@ class Running {
     while (!child_.Ended()) {
       Wait();
       ReadOutput();
-      Heed(wanted());
+      Handle(wanted());
     }
     ReadOutput();
     const ExitStatus status = child_.Reap();
@@ -73,7 +73,7 @@ class Running {
     }
   }
 
-  void Heed(Wanted wanted) {
+  void Handle(Wanted wanted) {
     if (wanted == Wanted::kYes) return;
     const Time now = std::chrono::steady_clock::now();
     if (wanted == Wanted::kGetDone || (kill_at_ && now >= *kill_at_)) {
@@ -95,14 +95,14 @@ class Running {
 
 }  // namespace
 
-Result<CommandEnd> RunCommand(const ChildSpec& spec, const Keeper& keeper, Duration stop_time,
+Result<CommandEnd> RunCommand(const ChildSpec& spec, const Reaper& reaper, Duration stop_time,
                               const std::function<Wanted()>& wanted) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return transport::SystemError("can't make a pipe");
   transport::UniqueFd reader(ends[0]);
   transport::UniqueFd writer(ends[1]);
   fcntl(reader.get(), F_SETFL, O_NONBLOCK);
-  auto child = Child::Start(spec, keeper, writer.get());
+  auto child = Child::Start(spec, reaper, writer.get());
   if (!child) return child.error();
   writer = transport::UniqueFd();  // so that the command's end of it is the only one
   return Running(std::move(child).value(), std::move(reader), stop_time).Finish(wanted);

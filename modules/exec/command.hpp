@@ -27,7 +27,7 @@ struct CommandEnd {
 };
 
 // Fails when the command cannot be run.
-Result<CommandEnd> RunCommand(const ChildSpec& spec, const Keeper& keeper, Duration stop_time,
+Result<CommandEnd> RunCommand(const ChildSpec& spec, const Reaper& reaper, Duration stop_time,
                               const std::function<Wanted()>& wanted);
 
 // Keeps the last line of a stream that is not blank: in valid UTF-8, without control characters, at

@@ -26,13 +26,13 @@ bool IsReadable(int fd) {
 
 }  // namespace
 
-ExecProcess::ExecProcess(const std::string& actuator_name, ExecConfig config, const Keeper& keeper)
-    : runner_(actuator_name, std::move(config), keeper),
+ExecProcess::ExecProcess(const std::string& actuator_name, ExecConfig config, const Reaper& reaper)
+    : runner_(actuator_name, std::move(config), reaper),
       signals_(TakeSignals()),
       actuator_(actuator_name) {
   actuator_.RegisterStateCallback([this](const State& state) {
     auto result = runner_.Run(state, [this] { return actuator_.StopRequested(); });
-    loop_.Post([this] { JudgeProgram(); });
+    loop_.Post([this] { EvaluateProgram(); });
     return result;
   });
 }
@@ -66,7 +66,7 @@ void ExecProcess::OnSetUp(bool ok) {
   if (const int watch = runner_.program_watch(); watch >= 0) {
     program_watch_ = loop_.WhenReadable(watch, [this] {
       program_watch_.reset();
-      JudgeProgram();
+      EvaluateProgram();
     });
   }
 }
@@ -78,7 +78,7 @@ void ExecProcess::OnSignal() {
 
 // Called when the program has ended and after each callback: what looked like the beginning of its
 // end may have been a TearDown that failed.
-void ExecProcess::JudgeProgram() {
+void ExecProcess::EvaluateProgram() {
   const int watch = runner_.program_watch();
   if (!set_up_ended_ || exit_code_ || watch < 0 || runner_.tearing_down()) return;
   if (!IsReadable(watch)) return;

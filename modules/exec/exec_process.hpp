@@ -20,8 +20,8 @@ namespace musher::exec {
 class ExecProcess {
  public:
   // Blocks SIGTERM, SIGINT and SIGHUP, which it takes from a descriptor: to be made before any
-  // thread is. The keeper must outlive the process.
-  ExecProcess(const std::string& actuator_name, ExecConfig config, const Keeper& keeper);
+  // thread is. The reaper must outlive the process.
+  ExecProcess(const std::string& actuator_name, ExecConfig config, const Reaper& reaper);
 
   // From SetUp to the end; gives the exit code: 0 after TearDown or a signal, 1 when SetUp failed
   // or the program ended by itself, which is said on stderr.
@@ -31,7 +31,7 @@ class ExecProcess {
   void Live();  // on the second thread
   void OnSetUp(bool ok);
   void OnSignal();
-  void JudgeProgram();
+  void EvaluateProgram();
   void End(int exit_code, Wanted wanted);
 
   transport::LinuxEventLoop loop_;

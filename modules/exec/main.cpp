@@ -104,12 +104,12 @@ int Run(const Options& options) {
   }
   if (!config) return kUsageError;
   if (options.check) return 0;
-  const auto keeper = musher::exec::Keeper::Start();
-  if (!keeper) {
-    std::cerr << actuator->name << ": " << keeper.error().message << std::endl;
+  const auto reaper = musher::exec::Reaper::Start();
+  if (!reaper) {
+    std::cerr << actuator->name << ": " << reaper.error().message << std::endl;
     return 1;
   }
-  return musher::exec::ExecProcess(actuator->name, *std::move(config), keeper.value())
+  return musher::exec::ExecProcess(actuator->name, *std::move(config), reaper.value())
       .Run(options.state_config);
 }
 

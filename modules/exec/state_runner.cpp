@@ -13,8 +13,8 @@ constexpr int kHighestKey = 99;
 
 }  // namespace
 
-StateRunner::StateRunner(std::string actuator, ExecConfig config, const Keeper& keeper)
-    : actuator_(std::move(actuator)), config_(std::move(config)), keeper_(keeper) {}
+StateRunner::StateRunner(std::string actuator, ExecConfig config, const Reaper& reaper)
+    : actuator_(std::move(actuator)), config_(std::move(config)), reaper_(reaper) {}
 
 Result<> StateRunner::Run(const State& state, const StopRequested& stop_requested) {
   const auto found = config_.states.find(state);
@@ -35,7 +35,7 @@ void StateRunner::StopProgram() {
 
 Result<> StateRunner::SetUp(const StateActions& actions, const StopRequested& stop_requested) {
   if (!actions.start.empty()) {
-    auto program = Child::Start(Spec(State(kSetUp), actions.start), keeper_);
+    auto program = Child::Start(Spec(State(kSetUp), actions.start), reaper_);
     if (!program) return Failure(KeyCode::kFailed, program.error().message);
     program_.emplace(std::move(program).value());
     program_watch_ = transport::UniqueFd(fcntl(program_->pidfd(), F_DUPFD_CLOEXEC, 0));
@@ -62,7 +62,7 @@ Result<> StateRunner::RunOne(const State& state, const StateActions& actions,
                              const StopRequested& stop_requested) {
   if (actions.run.empty()) return Ok();
   if (wanted_ != Wanted::kYes) return Failure(KeyCode::kStatusError, "the actuator is ending");
-  const auto end = RunCommand(Spec(state, actions.run), keeper_, config_.stop_time, [&] {
+  const auto end = RunCommand(Spec(state, actions.run), reaper_, config_.stop_time, [&] {
     const Wanted wanted = wanted_;
     return wanted == Wanted::kYes && stop_requested() ? Wanted::kNo : wanted;
   });

@@ -25,8 +25,8 @@ namespace musher::exec {
 
 class StateRunner {
  public:
-  // The keeper must outlive the runner. What still runs when the runner goes is killed.
-  StateRunner(std::string actuator, ExecConfig config, const Keeper& keeper);
+  // The reaper must outlive the runner. What still runs when the runner goes is killed.
+  StateRunner(std::string actuator, ExecConfig config, const Reaper& reaper);
 
   // An Error has CyberDog's code in the config's module, and says what the command said last.
   Result<> Run(const State& state, const std::function<bool()>& stop_requested);
@@ -59,7 +59,7 @@ class StateRunner {
 
   const std::string actuator_;
   const ExecConfig config_;
-  const Keeper& keeper_;
+  const Reaper& reaper_;
   std::atomic<Wanted> wanted_ = Wanted::kYes;
   std::atomic<bool> tearing_down_ = false;
   std::optional<Child> program_;

@@ -36,7 +36,7 @@ Result<> Decision::MayRun(const Motion& motion, const std::string& capability) c
   return rules_.allowed(capability);
 }
 
-Result<> Decision::JudgeOrder(const MotionOrder& order) const {
+Result<> Decision::CheckOrder(const MotionOrder& order) const {
   const Motion* motion = rules_.table.Find(order.id);
   if (motion == nullptr) {
     return Error{MotionCode(KeyCode::kUnSupport), "there is no motion " + std::to_string(order.id)};
@@ -53,14 +53,14 @@ Result<> Decision::JudgeOrder(const MotionOrder& order) const {
   return Ok();
 }
 
-Result<> Decision::JudgePlay(const motion_event::PlayArrived& event) const {
+Result<> Decision::CheckPlay(const motion_event::PlayArrived& event) const {
   if (event.orders.empty() || event.orders.size() > kMostOrders) {
     return Error{MotionCode(KeyCode::kParametersInvalid),
                  "expected 1 to " + std::to_string(kMostOrders) + " motions, found " +
                      std::to_string(event.orders.size())};
   }
   for (const MotionOrder& order : event.orders) {
-    if (auto good = JudgeOrder(order); !good) return good;
+    if (auto good = CheckOrder(order); !good) return good;
   }
   if (event.source == kFromMachine) {
     return Error{MotionCode(KeyCode::kPermissionDenied), "source FSM is the motion manager's own"};
@@ -105,7 +105,7 @@ void Decision::Take(const motion_event::PlayArrived& event) {
   const bool stop = std::any_of(event.orders.begin(), event.orders.end(),
                                 [](const MotionOrder& o) { return o.id == kEmergencyStop; });
   if (stop) return BeginEmergencyStop(event.token);
-  if (const auto good = JudgePlay(event); !good) {
+  if (const auto good = CheckPlay(event); !good) {
     const auto& [code, message] = good.error();
     Log(code, "motion " + std::to_string(id) + " of " + SourceName(event.source) +
                   " is refused: " + message);

@@ -33,10 +33,10 @@ class Decision {
 
   // Judging.
   Result<> MayRun(const Motion& motion, const std::string& capability) const;
-  Result<> JudgeOrder(const MotionOrder& order) const;
-  Result<> JudgePlay(const motion_event::PlayArrived& event) const;
-  Result<> JudgeServo(const ServoCommand& command) const;
-  Result<> JudgePriority(const ServoCommand& command) const;
+  Result<> CheckOrder(const MotionOrder& order) const;
+  Result<> CheckPlay(const motion_event::PlayArrived& event) const;
+  Result<> CheckServo(const ServoCommand& command) const;
+  Result<> CheckPriority(const ServoCommand& command) const;
   bool Dancing() const;
 
   // Servo.

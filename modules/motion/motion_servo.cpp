@@ -19,11 +19,11 @@ bool EndsStanding(const BodyCommand& last, const std::optional<State>& closed) {
 void Decision::Take(const motion_event::ServoArrived& event) {
   const ServoCommand& command = event.command;
   if (command.type == ServoCommand::kEnd) return EndServo(command);
-  if (const auto good = JudgeServo(command); !good) return RefuseServo(command, good.error());
+  if (const auto good = CheckServo(command); !good) return RefuseServo(command, good.error());
   FollowServo(command, *rules_.table.Find(command.order.id));
 }
 
-Result<> Decision::JudgeServo(const ServoCommand& command) const {
+Result<> Decision::CheckServo(const ServoCommand& command) const {
   const MotionOrder& order = command.order;
   const auto invalid = [](const std::string& what) {
     return Error{MotionCode(KeyCode::kParametersInvalid), what};
@@ -42,7 +42,7 @@ Result<> Decision::JudgeServo(const ServoCommand& command) const {
   }
   if (!AllFinite(order.arguments)) return invalid("a number is no number, or infinite");
   if (const auto wrong = WrongLength(order.arguments)) return invalid(*wrong);
-  if (auto priority = JudgePriority(command); !priority) return priority;
+  if (auto priority = CheckPriority(command); !priority) return priority;
   const bool resumes = core_.job && core_.job->way_of == command.source;
   if (core_.job && !core_.servo && !resumes) {
     return Error{MotionCode(KeyCode::kTargetBusy),
@@ -54,7 +54,7 @@ Result<> Decision::JudgeServo(const ServoCommand& command) const {
   return Ok();
 }
 
-Result<> Decision::JudgePriority(const ServoCommand& command) const {
+Result<> Decision::CheckPriority(const ServoCommand& command) const {
   const Priorities& priorities = rules_.config.priorities;
   const auto priority = priorities.find(command.source);
   if (priority == priorities.end()) {
@@ -70,7 +70,7 @@ Result<> Decision::JudgePriority(const ServoCommand& command) const {
 
 // A stop is always taken, but from those who have less priority than who has the body.
 void Decision::EndServo(const ServoCommand& command) {
-  if (const auto priority = JudgePriority(command); !priority) {
+  if (const auto priority = CheckPriority(command); !priority) {
     return RefuseServo(command, priority.error());
   }
   if (core_.servo) return StopServo("");

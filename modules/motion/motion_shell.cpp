@@ -12,14 +12,14 @@ constexpr Duration kStatusPeriod = Milliseconds(100);
 
 }  // namespace
 
-Result<std::unique_ptr<MotionShell>> MotionShell::Make(Surroundings surroundings,
+Result<std::unique_ptr<MotionShell>> MotionShell::Make(Dependencies surroundings,
                                                        const MakeBackend& make_backend) {
   std::unique_ptr<MotionShell> shell(new MotionShell(std::move(surroundings)));
   if (auto opened = shell->Open(make_backend); !opened) return opened.error();
   return shell;
 }
 
-MotionShell::MotionShell(Surroundings surroundings) : here_(std::move(surroundings)) {}
+MotionShell::MotionShell(Dependencies surroundings) : here_(std::move(surroundings)) {}
 
 Result<> MotionShell::Open(const MakeBackend& make_backend) {
   if (auto opened = OpenTopics(); !opened) return opened;

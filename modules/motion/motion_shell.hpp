@@ -26,7 +26,7 @@ namespace musher::motion {
 
 class MotionShell {
  public:
-  struct Surroundings {
+  struct Dependencies {
     transport::Node& node;
     transport::Clock& clock;
     const MotionTable& table;
@@ -40,7 +40,7 @@ class MotionShell {
       std::function<Result<std::unique_ptr<MotionBackend>>(MotionBackend::OnBody on_body)>;
   using OnAnswer = std::function<void(const motion_action::Answer&)>;
 
-  static Result<std::unique_ptr<MotionShell>> Make(Surroundings surroundings,
+  static Result<std::unique_ptr<MotionShell>> Make(Dependencies surroundings,
                                                    const MakeBackend& make_backend);
 
   void Do(const MotionEvent& event);
@@ -54,7 +54,7 @@ class MotionShell {
   Result<> Check() const;
 
  private:
-  explicit MotionShell(Surroundings surroundings);
+  explicit MotionShell(Dependencies surroundings);
 
   Result<> Open(const MakeBackend& make_backend);
   Result<> OpenTopics();
@@ -76,7 +76,7 @@ class MotionShell {
     return transport::ResolveName(here_.name_space, name);
   }
 
-  const Surroundings here_;
+  const Dependencies here_;
   MotionCore core_;
   RequestToken token_ = 0;
   std::map<RequestToken, OnAnswer> waiting_;

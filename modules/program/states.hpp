@@ -14,7 +14,7 @@ namespace musher::program {
 
 // Fails, by `code`, for the first that is neither a state of the machine nor a built-in one: those
 // a config for several machines may name.
-inline Result<> JudgeStates(const MachineConfig& machine, std::string_view key,
+inline Result<> CheckStates(const MachineConfig& machine, std::string_view key,
                             const std::vector<std::string>& states, std::int32_t code) {
   for (const std::string& state : states) {
     if (machine.HasState(state) || IsBuiltInState(state)) continue;

@@ -27,12 +27,12 @@ bool CanBe(float distance) {
   return distance >= 0 || distance == -INFINITY;
 }
 
-Result<> JudgeLimits(float least, float most) {
+Result<> CheckLimits(float least, float most) {
   if (std::isfinite(least) && std::isfinite(most) && least >= 0 && least <= most) return Ok();
   return Refused("its range is from " + Number(least) + " to " + Number(most));
 }
 
-Result<> JudgeDistances(const std::vector<float>& distances) {
+Result<> CheckDistances(const std::vector<float>& distances) {
   const auto bad = std::find_if_not(distances.begin(), distances.end(), CanBe);
   if (bad == distances.end()) return Ok();
   return Refused("distance " + std::to_string(bad - distances.begin()) + " is " + Number(*bad));
@@ -47,7 +47,7 @@ std::string Seconds(Duration duration) {
 }  // namespace
 
 Result<> Judge(const msg::LaserScan& scan) {
-  if (Result<> limits = JudgeLimits(scan.range_min, scan.range_max); !limits) return limits;
+  if (Result<> limits = CheckLimits(scan.range_min, scan.range_max); !limits) return limits;
   if (scan.ranges.empty() || scan.ranges.size() > kMostRays) {
     return Refused("it has " + std::to_string(scan.ranges.size()) + " rays");
   }
@@ -67,11 +67,11 @@ Result<> Judge(const msg::LaserScan& scan) {
                    " by " + Number(scan.angle_increment) + " are not those of " +
                    std::to_string(scan.ranges.size()) + " rays");
   }
-  return JudgeDistances(scan.ranges);
+  return CheckDistances(scan.ranges);
 }
 
 Result<> Judge(const msg::Range& range) {
-  if (Result<> limits = JudgeLimits(range.min_range, range.max_range); !limits) return limits;
+  if (Result<> limits = CheckLimits(range.min_range, range.max_range); !limits) return limits;
   if (!std::isfinite(range.field_of_view)) {
     return Refused("its field of view is " + Number(range.field_of_view));
   }
@@ -90,7 +90,7 @@ Result<> Judge(const msg::SingleTofPayload& tof, std::uint8_t position) {
     return Refused("it has " + std::to_string(tof.data.size()) + " zones and " +
                    std::to_string(tof.intensity.size()) + " intensities, not 64");
   }
-  return JudgeDistances(tof.data);
+  return CheckDistances(tof.data);
 }
 
 Result<> Judge(const msg::NavSatFix& fix) {
@@ -108,7 +108,7 @@ Result<> Judge(const msg::NavSatFix& fix) {
   return Ok();
 }
 
-Result<> StampJudge::Take(std::chrono::nanoseconds stamp, std::chrono::nanoseconds now) {
+Result<> StampChecker::Take(std::chrono::nanoseconds stamp, std::chrono::nanoseconds now) {
   if (last_ && stamp <= *last_) {
     return Refused("its stamp is " + Seconds(*last_ - stamp) + " before the last one's");
   }

@@ -21,10 +21,10 @@ Result<> Judge(const msg::SingleTofPayload& tof, std::uint8_t position);
 Result<> Judge(const msg::NavSatFix& fix);
 
 // Whether the stamps of one source can be true: near to the present time, and never backwards.
-class StampJudge {
+class StampChecker {
  public:
   // How far a stamp may be off, either way; zero: however far.
-  explicit StampJudge(Duration tolerance) : tolerance_(tolerance) {}
+  explicit StampChecker(Duration tolerance) : tolerance_(tolerance) {}
 
   Result<> Take(std::chrono::nanoseconds stamp, std::chrono::nanoseconds now);
   // Time has jumped.

@@ -5,7 +5,7 @@
 
 namespace musher::sensor {
 
-SelfCheckVerdict JudgeSelfCheck(const std::vector<SensorFinding>& findings,
+SelfCheckVerdict EvaluateSelfCheck(const std::vector<SensorFinding>& findings,
                                 const std::vector<SensorKind>& critical) {
   SelfCheckVerdict verdict;
   Error& degraded = verdict.degraded;

@@ -26,7 +26,7 @@ struct SelfCheckVerdict {
 
   bool well() const { return result.ok() && degraded.code == kCodeOk; }
 };
-SelfCheckVerdict JudgeSelfCheck(const std::vector<SensorFinding>& findings,
+SelfCheckVerdict EvaluateSelfCheck(const std::vector<SensorFinding>& findings,
                                 const std::vector<SensorKind>& critical);
 
 }  // namespace musher::sensor

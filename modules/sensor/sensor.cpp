@@ -65,7 +65,7 @@ template <msg::Message M>
 using SharedPublisher = std::shared_ptr<transport::Publisher<M>>;
 
 template <msg::Message M>
-Result<SharedPublisher<M>> Publish(const Surroundings& around, const std::string& topic) {
+Result<SharedPublisher<M>> Publish(const Dependencies& around, const std::string& topic) {
   auto made = transport::MakePublisher<M>(around.node, around.Name(topic));
   if (!made) return made.error();
   return SharedPublisher<M>(std::move(made).value());
@@ -85,7 +85,7 @@ SourceOptions OptionsOf(SensorKind kind, const ManagerConfig& config, std::size_
 
 // A sensor with one source, whose readings are published as `convert` makes them.
 template <msg::Message In, msg::Message Out, class Convert>
-Result<Sensor::Parts> MakeOne(SensorKind kind, const Surroundings& around,
+Result<Sensor::Parts> MakeOne(SensorKind kind, const Dependencies& around,
                               const ManagerConfig& config, const std::string& topic,
                               Convert convert) {
   auto publisher = Publish<Out>(around, topic);
@@ -105,7 +105,7 @@ Result<Sensor::Parts> MakeOne(SensorKind kind, const Surroundings& around,
 
 // Two ToF sensors, told together.
 template <msg::Message Out>
-Result<> AddTofs(const Surroundings& around, const ManagerConfig& config, const std::string& topic,
+Result<> AddTofs(const Dependencies& around, const ManagerConfig& config, const std::string& topic,
                  std::uint8_t left, Sensor::Parts& parts) {
   struct Shared {
     SharedPublisher<Out> publisher;
@@ -134,7 +134,7 @@ Result<> AddTofs(const Surroundings& around, const ManagerConfig& config, const 
   return Ok();
 }
 
-Result<Sensor::Parts> MakeTofs(const Surroundings& around, const ManagerConfig& config) {
+Result<Sensor::Parts> MakeTofs(const Dependencies& around, const ManagerConfig& config) {
   using Tof = msg::SingleTofPayload;
   Sensor::Parts parts;
   Result<> made =
@@ -146,7 +146,7 @@ Result<Sensor::Parts> MakeTofs(const Surroundings& around, const ManagerConfig& 
 }
 
 // A Range has its `variance` since Iron.
-Result<Sensor::Parts> MakeUltrasonic(const Surroundings& around, const ManagerConfig& config) {
+Result<Sensor::Parts> MakeUltrasonic(const Dependencies& around, const ManagerConfig& config) {
   constexpr SensorKind kKind = SensorKind::kUltrasonic;
   constexpr const char* kTopic = "ultrasonic_payload";
   if (config.ros_distro < RosDistro::kIron) {
@@ -165,7 +165,7 @@ struct Satellites {
   std::unique_ptr<transport::Subscription> subscription;
 };
 
-Result<Sensor::Parts> MakeGps(const Surroundings& around, const ManagerConfig& config) {
+Result<Sensor::Parts> MakeGps(const Dependencies& around, const ManagerConfig& config) {
   constexpr SensorKind kKind = SensorKind::kGps;
   const auto satellites = std::make_shared<Satellites>();
   if (const std::string& topic = config.Of(kKind).satellites; !topic.empty()) {
@@ -188,7 +188,7 @@ Result<Sensor::Parts> MakeGps(const Surroundings& around, const ManagerConfig& c
   return MakeOne<msg::NavSatFix, msg::GpsPayload>(kKind, around, config, "gps_payload", convert);
 }
 
-Result<Sensor::Parts> MakeParts(SensorKind kind, const Surroundings& around,
+Result<Sensor::Parts> MakeParts(SensorKind kind, const Dependencies& around,
                                 const ManagerConfig& config) {
   const auto as_it_is = [](const auto& reading) { return reading; };
   if (config.Of(kind).sources.empty()) return Sensor::Parts();
@@ -207,7 +207,7 @@ Result<Sensor::Parts> MakeParts(SensorKind kind, const Surroundings& around,
 
 }  // namespace
 
-Result<std::unique_ptr<Sensor>> MakeSensor(SensorKind kind, const Surroundings& around,
+Result<std::unique_ptr<Sensor>> MakeSensor(SensorKind kind, const Dependencies& around,
                                            const ManagerConfig& config) {
   auto parts = MakeParts(kind, around, config);
   if (!parts) return parts.error();

@@ -55,7 +55,7 @@ class Sensor {
 
 // Each publishes what counts: `scan`, `ultrasonic_payload`, `head_tof_payload` and
 // `rear_tof_payload`, `gps_payload`. Fails when an endpoint cannot be made.
-Result<std::unique_ptr<Sensor>> MakeSensor(SensorKind kind, const Surroundings& around,
+Result<std::unique_ptr<Sensor>> MakeSensor(SensorKind kind, const Dependencies& around,
                                            const ManagerConfig& config);
 
 }  // namespace musher::sensor

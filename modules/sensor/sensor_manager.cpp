@@ -48,7 +48,7 @@ Result<> SensorManager::MakeSensors() {
       node_->node(), transport::ResolveName(name_space, "node_errors"));
   if (!errors) return errors.error();
   errors_ = std::move(errors).value();
-  const Surroundings around = {node_->node(),
+  const Dependencies around = {node_->node(),
                                *clock_,
                                name_space,
                                [this] { return clock_->Stamp(); },
@@ -74,7 +74,7 @@ Result<> SensorManager::SelfCheck() {
   verdict.result = Enter(kSelfCheck);
   if (verdict.result) {
     static_cast<void>(Await(config_.self_check_time, [&]() -> Result<> {
-      verdict = JudgeSelfCheck(sensors_->Check(), config_.critical);
+      verdict = EvaluateSelfCheck(sensors_->Check(), config_.critical);
       return verdict.well() || !verdict.result ? verdict.result : Result<>(verdict.degraded);
     }));
   }

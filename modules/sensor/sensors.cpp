@@ -17,7 +17,7 @@ bool Sleeps(SensorKind kind, std::string_view state) {
 
 }  // namespace
 
-Result<std::unique_ptr<Sensors>> Sensors::Make(const Surroundings& around,
+Result<std::unique_ptr<Sensors>> Sensors::Make(const Dependencies& around,
                                                const ManagerConfig& config) {
   std::unique_ptr<Sensors> sensors(new Sensors(around, config));
   if (Result<> connected = sensors->Connect(); !connected) return connected.error();

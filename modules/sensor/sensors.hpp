@@ -22,7 +22,7 @@ namespace musher::sensor {
 
 class Sensors {
  public:
-  static Result<std::unique_ptr<Sensors>> Make(const Surroundings& around,
+  static Result<std::unique_ptr<Sensors>> Make(const Dependencies& around,
                                                const ManagerConfig& config);
 
   // The robot goes to that state, or is there again. Fails when a sensor cannot be heard.
@@ -41,13 +41,13 @@ class Sensors {
   void OnTimeJumped();
 
  private:
-  Sensors(const Surroundings& around, const ManagerConfig& config)
+  Sensors(const Dependencies& around, const ManagerConfig& config)
       : around_(around), config_(config) {}
   Result<> Connect();
   Sensor& Of(SensorKind kind) { return *sensors_.at(static_cast<std::size_t>(kind)); }
   const Sensor& Of(SensorKind kind) const { return *sensors_.at(static_cast<std::size_t>(kind)); }
 
-  const Surroundings around_;
+  const Dependencies around_;
   const ManagerConfig config_;
   std::array<std::unique_ptr<Sensor>, kSensorKinds.size()> sensors_;
   std::unique_ptr<transport::Server<msg::SensorOperation>> operations_;

@@ -10,7 +10,7 @@ constexpr Duration kGrace = Milliseconds(200);  // of the steady clock
 
 }  // namespace
 
-Source::Source(const Surroundings& around, SourceOptions options)
+Source::Source(const Dependencies& around, SourceOptions options)
     : around_(around), options_(std::move(options)), stamps_(options_.stamp_tolerance) {}
 
 Result<> Source::Listen() {

@@ -14,7 +14,7 @@
 
 #include "musher/modules/sensor/readings.hpp"
 #include "musher/modules/sensor/sensor_kind.hpp"
-#include "musher/modules/sensor/surroundings.hpp"
+#include "musher/modules/sensor/dependencies.hpp"
 
 namespace musher::sensor {
 
@@ -44,7 +44,7 @@ class Source {
   std::uint64_t refused() const { return refused_; }  // readings, since the beginning
 
  protected:
-  Source(const Surroundings& around, SourceOptions options);
+  Source(const Dependencies& around, SourceOptions options);
 
   virtual Result<std::unique_ptr<transport::Subscription>> Subscribe(
       transport::SubscriptionEvents events) = 0;
@@ -52,14 +52,14 @@ class Source {
   // A reading has come; says whether it counts.
   bool Take(const Result<>& judged, const msg::Header& header);
 
-  const Surroundings around_;
+  const Dependencies around_;
   const SourceOptions options_;
 
  private:
   void AwaitNext();
   void Complain(KeyCode key, const std::string& complaint);
 
-  StampJudge stamps_;
+  StampChecker stamps_;
   std::string complaint_ = "it is not heard";
   std::string wrong_stamp_;  // what was wrong with that of the last reading
   bool said_ = false;        // the complaint, or one before it that is not over
@@ -77,8 +77,8 @@ class SourceOf : public Source {
   using Judgement = std::function<Result<>(const M&)>;
   using Use = std::function<void(const M&)>;
 
-  SourceOf(const Surroundings& around, SourceOptions options, Judgement judge, Use use)
-      : Source(around, std::move(options)), judge_(std::move(judge)), use_(std::move(use)) {}
+  SourceOf(const Dependencies& around, SourceOptions options, Judgement judge, Use use)
+      : Source(around, std::move(options)), evaluation_(std::move(judge)), use_(std::move(use)) {}
 
  private:
   Result<std::unique_ptr<transport::Subscription>> Subscribe(
@@ -86,12 +86,12 @@ class SourceOf : public Source {
     return transport::MakeSubscription<M>(
         around_.node, around_.Name(options_.topic),
         [this](const M& reading, const auto&) {
-          if (Take(judge_(reading), reading.header)) use_(reading);
+          if (Take(evaluation_(reading), reading.header)) use_(reading);
         },
         transport::kSensorDataQos, std::move(events));
   }
 
-  const Judgement judge_;
+  const Judgement evaluation_;
   const Use use_;
 };
 

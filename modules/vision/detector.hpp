@@ -18,7 +18,7 @@ class Detector {
  public:
   virtual ~Detector() = default;
 
-  // In a picture that JudgePicture() has let pass. May throw: it is not asked again, but replaced
+  // In a picture that CheckPicture() has let pass. May throw: it is not asked again, but replaced
   // by a new one.
   virtual std::vector<FaceBox> Detect(const msg::Image& picture) = 0;
 };

@@ -25,10 +25,10 @@ std::string Ms(Duration time) {
 
 }  // namespace
 
-FaceTopics::FaceTopics(const Surroundings& around, VisionConfig config)
+FaceTopics::FaceTopics(const Dependencies& around, VisionConfig config)
     : around_(around), config_(std::move(config)), gate_(config_.rate_hz), watch_(config_.faces) {}
 
-Result<std::unique_ptr<FaceTopics>> FaceTopics::Make(const Surroundings& around,
+Result<std::unique_ptr<FaceTopics>> FaceTopics::Make(const Dependencies& around,
                                                      const VisionConfig& config) {
   std::unique_ptr<FaceTopics> topics(new FaceTopics(around, config));
   if (Result<> made = topics->MakePublishers(); !made) return made.error();
@@ -103,7 +103,7 @@ void FaceTopics::OnInfo(const msg::CameraInfo& info) {
 }
 
 void FaceTopics::OnPicture(msg::Image picture) {
-  const Result<> judged = JudgePicture(picture);
+  const Result<> judged = CheckPicture(picture);
   Set(picture_trouble_, judged, "pictures are well again");
   if (!judged) return;
   const msg::Stamp& stamp = picture.header.stamp;

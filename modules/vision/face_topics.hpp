@@ -28,7 +28,7 @@
 
 namespace musher::vision {
 
-struct Surroundings {
+struct Dependencies {
   transport::Node& node;
   transport::Clock& clock;  // of the module's behaviour
   std::string name_space;
@@ -39,7 +39,7 @@ struct Surroundings {
 
 class FaceTopics {
  public:
-  static Result<std::unique_ptr<FaceTopics>> Make(const Surroundings& around,
+  static Result<std::unique_ptr<FaceTopics>> Make(const Dependencies& around,
                                                   const VisionConfig& config);
 
   // The robot is in a state in which it looks; a self-check goes on, which tells nobody what it
@@ -66,7 +66,7 @@ class FaceTopics {
     std::optional<Time> told_at;
   };
 
-  FaceTopics(const Surroundings& around, VisionConfig config);
+  FaceTopics(const Dependencies& around, VisionConfig config);
   Result<> MakePublishers();
   Result<> Reconsider();
   Result<> Hear();
@@ -85,7 +85,7 @@ class FaceTopics {
     return transport::ResolveName(around_.name_space, config_.picture);
   }
 
-  const Surroundings around_;
+  const Dependencies around_;
   const VisionConfig config_;
   bool on_ = false;
   bool checked_ = false;

@@ -28,7 +28,7 @@ std::string Printable(std::string text) {
 
 }  // namespace
 
-Result<> JudgePicture(const msg::Image& picture) {
+Result<> CheckPicture(const msg::Image& picture) {
   std::uint32_t channels = 0;
   for (const auto& [name, count] : kEncodings) {
     if (picture.encoding == name) channels = count;

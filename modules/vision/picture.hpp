@@ -12,7 +12,7 @@ namespace musher::vision {
 
 // rgb8, bgr8, rgba8, bgra8 or mono8, and as many bytes as its size says. The Error says what is
 // wrong with it.
-Result<> JudgePicture(const msg::Image& picture);
+Result<> CheckPicture(const msg::Image& picture);
 
 // By their stamps: none twice, none that comes late, and not more of them than asked for.
 class StampGate {

@@ -33,7 +33,7 @@ Result<> VisionManager::Run(const State& state) {
 
 Result<> VisionManager::SetUp() {
   constexpr std::int32_t kCode = MakeCode(ModuleCode::kFace, KeyCode::kParametersInvalid);
-  if (Result<> known = program::JudgeStates(machine_config(), "look_in", config_.look_in, kCode);
+  if (Result<> known = program::CheckStates(machine_config(), "look_in", config_.look_in, kCode);
       !known) {
     return known;
   }
@@ -62,7 +62,7 @@ Result<> VisionManager::MakeTopics() {
                              Log({error.code, "the detector is lost: " + error.message});
                              GiveUp({error.code, "it cannot see any more"});
                            }});
-  const Surroundings around = {node_->node(),
+  const Dependencies around = {node_->node(),
                                *clock_,
                                machine_config().name_space,
                                [this] { return msg::FromStamp(clock_->Stamp()).count(); },

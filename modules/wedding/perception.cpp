@@ -77,7 +77,7 @@ void Perception::OnTooClose(bool too_close, PublisherId publisher, Time now) {
       too_close_words_.try_emplace(publisher, TooCloseWord{false, now, now}).first->second;
   word.too_close = too_close;
   word.last = now;
-  JudgeTooClose();
+  EvaluateTooClose();
 }
 
 void Perception::OnTooClosePublisherLost(PublisherId publisher, Time /*now*/) {
@@ -87,10 +87,10 @@ void Perception::OnTooClosePublisherLost(PublisherId publisher, Time /*now*/) {
     too_close_left_ = std::max(too_close_left_.value_or(word->second.last), word->second.last);
   }
   too_close_words_.erase(word);
-  JudgeTooClose();
+  EvaluateTooClose();
 }
 
-void Perception::JudgeTooClose() {
+void Perception::EvaluateTooClose() {
   const bool before = too_close_;
   const auto says = [](const auto& word) { return word.second.too_close; };
   const auto succeeds = [this](const auto& word) {

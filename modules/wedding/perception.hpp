@@ -78,7 +78,7 @@ class Perception {
   };
 
   void TakeTarget(const Target& target, Time now);
-  void JudgeTooClose();
+  void EvaluateTooClose();
   std::optional<HeadAngles> HeadAt(Duration stamp, Time now) const;
   bool Counts(const std::optional<Time>& at, Time now) const {
     return at && now - *at <= rules_.age;

@@ -9,7 +9,7 @@ void Add(std::string& all, const char* name, const std::string& what) {
 
 }  // namespace
 
-CheckVerdict JudgeSelfCheck(const MissingParts& findings, const WeddingConfig& config) {
+CheckVerdict EvaluateSelfCheck(const MissingParts& findings, const WeddingConfig& config) {
   std::string required;
   CheckVerdict verdict;
   const auto judge = [&](Need need, const char* name, const std::string& what) {

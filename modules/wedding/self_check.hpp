@@ -20,6 +20,6 @@ struct CheckVerdict {
   Result<> result;      // names all that are required and missing
   std::string missing;  // of the optional ones, for the log; mostly nothing
 };
-CheckVerdict JudgeSelfCheck(const MissingParts& findings, const WeddingConfig& config);
+CheckVerdict EvaluateSelfCheck(const MissingParts& findings, const WeddingConfig& config);
 
 }  // namespace musher::wedding

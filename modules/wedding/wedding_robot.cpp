@@ -154,7 +154,7 @@ void WeddingRobot::Serve(transport::Endpoints& topics) {
 Result<> WeddingRobot::SelfCheck() {
   CheckVerdict verdict;
   const auto look = [&]() -> Result<> {
-    verdict = JudgeSelfCheck(Look(), config_);
+    verdict = EvaluateSelfCheck(Look(), config_);
     if (!verdict.result || verdict.missing.empty()) return verdict.result;
     return Error{kCodeFailed, verdict.missing};
   };

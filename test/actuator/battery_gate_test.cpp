@@ -39,7 +39,7 @@ class BatteryGate : public ::testing::Test {
   }
   ~BatteryGate() override {
     node_->RunOnLoop([this] {
-      beat_.reset();
+      heartbeat_.reset();
       publisher_.reset();
     });
   }
@@ -50,7 +50,7 @@ class BatteryGate : public ::testing::Test {
     std::future<void> done = promise.get_future();
     bool told = false;
     node_->RunOnLoop([&] {
-      beat_ = node_->node().loop().Every(Milliseconds(5), [&, percent, allowed] {
+      heartbeat_ = node_->node().loop().Every(Milliseconds(5), [&, percent, allowed] {
         msg::BmsStatus status;
         status.batt_soc = percent;
         EXPECT_TRUE(publisher_->Publish(status).ok());
@@ -59,14 +59,14 @@ class BatteryGate : public ::testing::Test {
       });
     });
     const bool came = done.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
-    node_->RunOnLoop([&] { beat_.reset(); });
+    node_->RunOnLoop([&] { heartbeat_.reset(); });
     return came;
   }
 
   RobotFile file_;
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<transport::Publisher<msg::BmsStatus>> publisher_;
-  transport::LoopHandlePtr beat_;
+  transport::LoopHandlePtr heartbeat_;
   Legs legs_;
   MachineController controller_;
 };

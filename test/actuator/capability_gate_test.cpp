@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "musher/actuator/actuator_rehearsal.hpp"
+#include "musher/actuator/callback_harness.hpp"
 #include "musher/lifecycle/config_toml.hpp"
 
 namespace musher::capability_gate_test {
@@ -20,7 +20,7 @@ class Legs : public MachineActuator {
 
 class OnesOwnFunctions : public ::testing::Test {
  protected:
-  OnesOwnFunctions() : rehearsal_(legs_) {}
+  OnesOwnFunctions() : callbacks_(legs_) {}
 
   void Adopt() {
     const ConfigReading reading = ReadConfigText(R"(
@@ -41,18 +41,18 @@ class OnesOwnFunctions : public ::testing::Test {
     )",
                                                  "robot.toml");
     ASSERT_TRUE(reading.config);
-    ASSERT_TRUE(rehearsal_.Adopt(*reading.config).ok());
+    ASSERT_TRUE(callbacks_.Adopt(*reading.config).ok());
   }
   void Report(const State& state, const State& target = "", std::uint64_t emergency_stop = 0) {
     ActuatorReport report;
     report.state = state;
     report.target = target;
     report.emergency_stop = emergency_stop;
-    rehearsal_.SetReport(report);
+    callbacks_.SetReport(report);
   }
 
   Legs legs_;
-  ActuatorRehearsal rehearsal_;
+  CallbackHarness callbacks_;
 };
 
 TEST_F(OnesOwnFunctions, AreRefusedBeforeInit) {
@@ -84,11 +84,11 @@ TEST_F(OnesOwnFunctions, GoByTheBatteryThatWasHeardLast) {
   Adopt();
   Report("Active");
   EXPECT_THAT(legs_.Allowed("jump").error().message, HasSubstr("not known"));
-  rehearsal_.SetBattery(80);
+  callbacks_.SetBattery(80);
   EXPECT_TRUE(legs_.Allowed("jump").ok());
-  rehearsal_.SetBattery(29);
+  callbacks_.SetBattery(29);
   EXPECT_EQ(legs_.Allowed("jump").error().code, RobotCode(KeyCode::kProtectedError));
-  rehearsal_.SetBattery(std::nullopt);
+  callbacks_.SetBattery(std::nullopt);
   EXPECT_FALSE(legs_.Allowed("jump").ok());
 }
 

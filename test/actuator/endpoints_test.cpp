@@ -6,7 +6,7 @@
 
 #include <future>
 
-#include "musher/actuator/actuator_rehearsal.hpp"
+#include "musher/actuator/callback_harness.hpp"
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_srvs/set_bool.hpp"
@@ -84,7 +84,7 @@ TEST(Endpoints, ThatCannotBeOpenedFailSetUp) {
 
 TEST(Endpoints, AreNotThereInATrial) {
   Counter counter;
-  ActuatorRehearsal rehearsal(counter);
+  CallbackHarness rehearsal(counter);
   EXPECT_TRUE(rehearsal.Run(State(kSetUp)));
   EXPECT_TRUE(counter.kept().expired()) << "nothing was opened";
   int runs = 0;
@@ -94,7 +94,7 @@ TEST(Endpoints, AreNotThereInATrial) {
 
 TEST(EmergencyStopped, IsWhatTheMachineSaid) {
   Counter counter;
-  ActuatorRehearsal rehearsal(counter);
+  CallbackHarness rehearsal(counter);
   EXPECT_FALSE(counter.EmergencyStopped());
   ActuatorReport report;
   report.emergency_stop = 7;

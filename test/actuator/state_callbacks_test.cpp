@@ -5,7 +5,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "musher/actuator/actuator_rehearsal.hpp"
+#include "musher/actuator/callback_harness.hpp"
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
 #include "musher/lifecycle/config_toml.hpp"
@@ -59,13 +59,13 @@ class Arm : public MachineActuator {
 Result<> FitToRobot(MachineActuator& actuator) {
   const ConfigReading reading = ReadConfigText(kRobot, "robot.toml");
   EXPECT_TRUE(reading.config) << FormatDiagnostic(reading.diagnostics.at(0));
-  return ActuatorRehearsal(actuator).Adopt(*reading.config);
+  return CallbackHarness(actuator).Adopt(*reading.config);
 }
 
 TEST(TheCallbackOfAllOtherStates, IsGivenTheStateAlsoOneOfTheRobotsOwn) {
   Arm arm;
   ASSERT_TRUE(FitToRobot(arm));
-  ActuatorRehearsal rehearsal(arm);
+  CallbackHarness rehearsal(arm);
   EXPECT_TRUE(rehearsal.Run("SetUp"));
   EXPECT_TRUE(rehearsal.Run("Waving"));
   EXPECT_THAT(arm.entered, ElementsAre("SetUp", "Waving"));
@@ -79,7 +79,7 @@ TEST(TheCallbackOfAllOtherStates, LeavesAStateToItsOwnCallbackWhicheverWasRegist
     return kCodeOk;
   });
   ASSERT_TRUE(FitToRobot(arm));
-  ActuatorRehearsal rehearsal(arm);
+  CallbackHarness rehearsal(arm);
   EXPECT_TRUE(rehearsal.Run("Active"));
   EXPECT_TRUE(rehearsal.Run("SelfCheck"));
   EXPECT_EQ(active, 1);
@@ -95,7 +95,7 @@ TEST(TheCallbackOfAllOtherStates, LeavesAStateToItsOwnCallbackWhicheverWasRegist
     ++rest;
     return kCodeOk;
   });
-  EXPECT_TRUE(ActuatorRehearsal(other).Run("Active"));
+  EXPECT_TRUE(CallbackHarness(other).Run("Active"));
   EXPECT_EQ(active, 2);
   EXPECT_EQ(rest, 0);
 }
@@ -104,7 +104,7 @@ TEST(TheCallbackOfAllOtherStates, FailsWithItsErrorItsCodeOrWhatItThrows) {
   Arm arm;
   arm.fails_in = "Active";
   arm.throws_in = "Waving";
-  ActuatorRehearsal rehearsal(arm);
+  CallbackHarness rehearsal(arm);
   EXPECT_EQ(rehearsal.Run("Active").error(), (Error{3012, "no motor"}));
   const Result<> thrown = rehearsal.Run("Waving");
   ASSERT_FALSE(thrown);
@@ -113,8 +113,8 @@ TEST(TheCallbackOfAllOtherStates, FailsWithItsErrorItsCodeOrWhatItThrows) {
 
   MachineActuator plain("arm");
   plain.RegisterStateCallback([](const State& state) { return state == "Active" ? 3012 : 0; });
-  EXPECT_EQ(ActuatorRehearsal(plain).Run("Active").error().code, 3012);
-  EXPECT_TRUE(ActuatorRehearsal(plain).Run("SetUp"));
+  EXPECT_EQ(CallbackHarness(plain).Run("Active").error().code, 3012);
+  EXPECT_TRUE(CallbackHarness(plain).Run("SetUp"));
 }
 
 TEST(TheCallbackOfAllOtherStates, IsOne) {

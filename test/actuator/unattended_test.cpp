@@ -10,7 +10,7 @@
 
 #include "musher/actuator/machine_actuator.hpp"
 #include "musher/controller/machine_controller.hpp"
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/test/actuator/robot_file.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/node.hpp"
@@ -48,14 +48,14 @@ class Listener {
   Listener() : node_(transport::NodeThread::Start().value()) {
     const std::string name_space = "test_" + std::to_string(getpid());
     node_->RunOnLoop([&] {
-      beats_ = transport::MakeSubscription<msg::ActuatorBeat>(
+      heartbeats_ = transport::MakeSubscription<msg::ActuatorBeat>(
                    node_->node(), transport::ActuatorBeatTopic(name_space),
-                   [this](const msg::ActuatorBeat& beat, const transport::SampleInfo&) {
+                   [this](const msg::ActuatorBeat& heartbeat, const transport::SampleInfo&) {
                      const std::lock_guard lock(mutex_);
-                     beat_ = beat;
+                     heartbeat_ = heartbeat;
                      changed_.notify_all();
                    },
-                   transport::kBeatQos)
+                   transport::kHeartbeatQos)
                    .value();
       states_ = transport::MakeSubscription<msg::ActuatorStatus>(
                     node_->node(), transport::ActuatorStatusTopic(name_space),
@@ -74,7 +74,7 @@ class Listener {
   }
   ~Listener() {
     node_->RunOnLoop([this] {
-      beats_.reset();
+      heartbeats_.reset();
       states_.reset();
       button_.reset();
     });
@@ -87,7 +87,7 @@ class Listener {
   }
   bool AwaitBeat(const std::function<bool(const msg::ActuatorBeat&)>& holds) {
     std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, kPatience, [&] { return holds(beat_); });
+    return changed_.wait_for(lock, kPatience, [&] { return holds(heartbeat_); });
   }
   bool AwaitStatus(const std::function<bool(const msg::ActuatorStatus&)>& holds) {
     std::unique_lock lock(mutex_);
@@ -98,9 +98,9 @@ class Listener {
   std::shared_ptr<transport::NodeThread> node_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  msg::ActuatorBeat beat_;
+  msg::ActuatorBeat heartbeat_;
   msg::ActuatorStatus status_;
-  std::unique_ptr<transport::Subscription> beats_;
+  std::unique_ptr<transport::Subscription> heartbeats_;
   std::unique_ptr<transport::Subscription> states_;
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button_;
 };
@@ -156,10 +156,10 @@ TEST(Unattended, AWorkThreadThatHangsIsToldThoughItsLoopGoesOn) {
   ASSERT_TRUE(arm.Start().ok());
   arm.Checkpoint();  // and no more
   EXPECT_TRUE(listener.AwaitBeat(
-      [](const auto& beat) { return beat.work == msg::ActuatorBeat::kWorkHung; }));
+      [](const auto& heartbeat) { return heartbeat.work == msg::ActuatorBeat::kWorkHung; }));
   arm.Checkpoint(MachineActuator::kNoMore);
   EXPECT_TRUE(listener.AwaitBeat(
-      [](const auto& beat) { return beat.work == msg::ActuatorBeat::kWorkWell; }));
+      [](const auto& heartbeat) { return heartbeat.work == msg::ActuatorBeat::kWorkWell; }));
 }
 
 }  // namespace musher::unattended_test

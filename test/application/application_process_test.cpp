@@ -13,36 +13,36 @@ namespace musher::application_process_test {
 
 using cli::RunProgram;
 using ::testing::HasSubstr;
-using testing::Stage;
+using testing::Harness;
 
 class AnApplicationsProcess : public ::testing::Test {
  protected:
   AnApplicationsProcess() {
-    std::ofstream(stage_.path(), std::ios::app)
+    std::ofstream(harness_.path(), std::ios::app)
         << "command = [\"" MUSHER_BIN_DIR "/application_peer\"]\nrestart_delay_ms = 10\n";
-    stage_.node().RunOnLoop([this] {
-      order_ = transport::MakePublisher<msg::String>(stage_.node().node(), "order").value();
+    harness_.node().RunOnLoop([this] {
+      order_ = transport::MakePublisher<msg::String>(harness_.node().node(), "order").value();
     });
   }
   ~AnApplicationsProcess() override {
-    stage_.controller().SetState("TearDown");
-    stage_.node().RunOnLoop([this] { order_.reset(); });
+    harness_.controller().SetState("TearDown");
+    harness_.node().RunOnLoop([this] { order_.reset(); });
   }
 
   void Begin() {
-    ASSERT_TRUE(stage_.controller().Init(stage_.path()).ok());
-    ASSERT_TRUE(stage_.controller().AwaitSetUp().ok());
-    ASSERT_TRUE(stage_.controller().SetState("SelfCheck"));
-    ASSERT_TRUE(stage_.controller().SetState("Active"));
+    ASSERT_TRUE(harness_.controller().Init(harness_.path()).ok());
+    ASSERT_TRUE(harness_.controller().AwaitSetUp().ok());
+    ASSERT_TRUE(harness_.controller().SetState("SelfCheck"));
+    ASSERT_TRUE(harness_.controller().SetState("Active"));
     EXPECT_THAT(RunProgram({"behavior", "show"}).out, HasSubstr("WORK"));
   }
   void Order(const std::string& order) {
     ASSERT_TRUE(Until([this] {
       int readers = 0;
-      stage_.node().RunOnLoop([&] { readers = order_->MatchedReaders(); });
+      harness_.node().RunOnLoop([&] { readers = order_->MatchedReaders(); });
       return readers > 0;
     }));
-    stage_.node().RunOnLoop([&] { static_cast<void>(order_->Publish({order})); });
+    harness_.node().RunOnLoop([&] { static_cast<void>(order_->Publish({order})); });
   }
   static bool Until(const std::function<bool()>& holds) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
@@ -62,7 +62,7 @@ class AnApplicationsProcess : public ::testing::Test {
                std::string::npos;
   }
 
-  Stage stage_{"steady"};
+  Harness harness_{"steady"};
   std::unique_ptr<transport::Publisher<msg::String>> order_;
 };
 
@@ -79,7 +79,7 @@ TEST_F(AnApplicationsProcess, SaysWhyItsMachineStoppedAndIsStartedAgain) {
   EXPECT_TRUE(Until(IsBack)) << RunProgram({"history"}).out;
   const auto history = RunProgram({"history"});
   EXPECT_THAT(history.out, HasSubstr("exit code 1")) << history.err;
-  std::ifstream log(stage_.state_dir() + "/logs/show.log");
+  std::ifstream log(harness_.state_dir() + "/logs/show.log");
   EXPECT_THAT(std::string(std::istreambuf_iterator<char>(log), {}),
               HasSubstr("show: gives up: WORK: Run: the lamp is broken"));
 }

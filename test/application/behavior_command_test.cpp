@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using testing::Process;
 using testing::RobotFile;
 using testing::Show;
-using testing::Stage;
+using testing::Harness;
 
 const std::string kMusher = MUSHER_BIN_DIR "/musher";
 
@@ -28,10 +28,10 @@ class BehaviorCommand : public ::testing::Test {
  protected:
   // In PLAY for 40 ms.
   void Begin(Show& show) {
-    stage_.Open(show);
-    ASSERT_TRUE(stage_.controller().SetState("SelfCheck"));
-    ASSERT_TRUE(stage_.controller().SetState("Active"));
-    stage_.Tick(show, 7);
+    harness_.Open(show);
+    ASSERT_TRUE(harness_.controller().SetState("SelfCheck"));
+    ASSERT_TRUE(harness_.controller().SetState("Active"));
+    harness_.Tick(show, 7);
   }
   static bool Until(const std::function<bool()>& holds) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
@@ -42,7 +42,7 @@ class BehaviorCommand : public ::testing::Test {
     return show.Of([](Show& s) { return fsm::ToDot(s.machine().chart(), s.machine().Path()); });
   }
 
-  Stage stage_;
+  Harness harness_;
 };
 
 TEST_F(BehaviorCommand, ShowsStateModeTicksTimeAndTheLastChanges) {
@@ -65,8 +65,8 @@ TEST_F(BehaviorCommand, SaysThatTheMachineIsPausedAndWhyItIsInItsSafeState) {
   Show show;
   Begin(show);
   show.RunOnLoop([&] { show.data().unsafe = true; });
-  stage_.Tick(show, 1);
-  ASSERT_TRUE(stage_.controller().SetState("Protected"));
+  harness_.Tick(show, 1);
+  ASSERT_TRUE(harness_.controller().SetState("Protected"));
   const Ran ran = RunProgram({"behavior", "show", "--history", "1"});
   EXPECT_EQ(ran.out,
             "show  STOP  SAFE_STOP  for 0.000 s  paused\n"
@@ -96,7 +96,7 @@ TEST_F(BehaviorCommand, SendsACommandThatTheApplicationRegistered) {
   const Ran ran = RunProgram({"behavior", "show", "--send", "again"});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_EQ(ran.out, "again is sent to show\n");
-  stage_.Tick(show, 1);
+  harness_.Tick(show, 1);
   EXPECT_THAT(RunProgram({"behavior", "show"}).out, HasSubstr("decided by again"));
 }
 
@@ -106,7 +106,7 @@ TEST_F(BehaviorCommand, IsToldWhyACommandIsRefused) {
   const Ran unknown = RunProgram({"behavior", "show", "--send", "agian"});
   EXPECT_EQ(unknown.exit, 1);
   EXPECT_EQ(unknown.err, "musher: show: there is no event agian; did you mean again?\n");
-  ASSERT_TRUE(stage_.controller().SetState("Protected"));
+  ASSERT_TRUE(harness_.controller().SetState("Protected"));
   const Ran paused = RunProgram({"behavior", "show", "--send", "again"});
   EXPECT_EQ(paused.exit, 1);
   EXPECT_EQ(paused.err, "musher: show is paused in Protected\n");
@@ -120,13 +120,13 @@ TEST_F(BehaviorCommand, SendsNoCommandWithoutAName) {
 }
 
 TEST_F(BehaviorCommand, DrawsNoGraphIntoAFileOfAKindThatItCannotWrite) {
-  const std::string file = stage_.state_dir() + ".pdf";
+  const std::string file = harness_.state_dir() + ".pdf";
   const Ran ran = RunProgram({"graph", "--behavior", "show", "-o", file});
   EXPECT_EQ(ran.exit, 2);
   EXPECT_THAT(ran.err, HasSubstr(".pdf: a graph is .dot, .gv, .mmd, .mermaid or .svg"));
   EXPECT_FALSE(std::ifstream(file).is_open());
-  EXPECT_EQ(RunProgram({"graph", stage_.path(), "-o", file}).exit, 2) << "of a config, too";
-  EXPECT_EQ(RunProgram({"graph", stage_.path(), "-o", file, "--format", "dot"}).exit, 0);
+  EXPECT_EQ(RunProgram({"graph", harness_.path(), "-o", file}).exit, 2) << "of a config, too";
+  EXPECT_EQ(RunProgram({"graph", harness_.path(), "-o", file, "--format", "dot"}).exit, 0);
 }
 
 TEST_F(BehaviorCommand, FollowsEveryChangeUntilItIsInterrupted) {
@@ -137,11 +137,11 @@ TEST_F(BehaviorCommand, FollowsEveryChangeUntilItIsInterrupted) {
   ASSERT_NE(text.LineWith("decided"), "");
   ASSERT_NE(json.LineWith("\"decided\""), "");
   show.RunOnLoop([&] { show.data().unsafe = true; });
-  stage_.Tick(show, 1);
+  harness_.Tick(show, 1);
   EXPECT_THAT(text.LineWith("unsafe"), HasSubstr("0.160 s  PLAY -> STOP  unsafe"));
   EXPECT_THAT(json.LineWith("unsafe\""), HasSubstr(R"("from":"PLAY","to":"STOP")"));
   show.RunOnLoop([&] { show.data().unsafe = false; });
-  stage_.Tick(show, 6);
+  harness_.Tick(show, 6);
   EXPECT_THAT(text.LineWith("decided"), HasSubstr("STOP -> GREET"));
   text.Signal(SIGINT);
   EXPECT_EQ(text.Wait().exit, 0);
@@ -155,9 +155,9 @@ TEST_F(BehaviorCommand, TellsThatTheApplicationHasGoneAndThatItIsBack) {
   show.reset();
   EXPECT_NE(watch.LineWith("show has gone"), "");
   show = std::make_unique<Show>();
-  ASSERT_TRUE(show->Prepare(stage_.path()).ok());
+  ASSERT_TRUE(show->Prepare(harness_.path()).ok());
   ASSERT_TRUE(show->Start().ok());
-  ASSERT_TRUE(Until([&] { return stage_.controller().SetState("Active"); }));
+  ASSERT_TRUE(Until([&] { return harness_.controller().SetState("Active"); }));
   EXPECT_NE(watch.LineWith("- -> GREET  started"), "");
 }
 
@@ -190,7 +190,7 @@ TEST_F(BehaviorCommand, SaysThatNobodyIsThereAtAll) {
 }
 
 TEST_F(BehaviorCommand, SaysThatNoneRunsWhereThereIsOnlyAController) {
-  ASSERT_TRUE(stage_.controller().Init(stage_.path()).ok());
+  ASSERT_TRUE(harness_.controller().Init(harness_.path()).ok());
   const Ran ran = RunProgram({"behavior", "show"});
   EXPECT_EQ(ran.exit, 3);
   EXPECT_EQ(ran.err, "musher: no actuator 'show' in namespace '': none runs there\n");

@@ -4,7 +4,7 @@
 #include <future>
 
 #include "musher/behavior/fsm/nested.hpp"
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/test/application/show.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::Show;
 
-class AnFsmActuator : public testing::OnStage {
+class AnFsmActuator : public testing::WithHarness {
  protected:
   // What the actuator logs meanwhile.
   static std::string Logged(const std::function<void()>& work) {
@@ -27,9 +27,9 @@ class AnFsmActuator : public testing::OnStage {
 TEST_F(AnFsmActuator, FailsToBecomeActiveWhenItsResumeThrows) {
   Show show;
   show.data().throws = {{"resumes", "no"}};
-  stage_.Open(show);
-  ASSERT_TRUE(stage_.controller().SetState("SelfCheck"));
-  const SwitchResult result = stage_.controller().Switch("Active");
+  harness_.Open(show);
+  ASSERT_TRUE(harness_.controller().SetState("SelfCheck"));
+  const SwitchResult result = harness_.controller().Switch("Active");
   ASSERT_EQ(result.actuators.size(), 1U);
   EXPECT_THAT(result.actuators[0].message, HasSubstr("OnResume: no"));
   EXPECT_EQ(show.TakeLog().back(), "pauses");
@@ -40,7 +40,7 @@ TEST_F(AnFsmActuator, EndsTheProgramByAFaultAlsoOfAMachineThatRemembersNoChanges
   Show show({.machine = {.history = 0}});
   show.data().throws = {{"GREET runs", "no"}, {"STOP enters", "no, neither"}};
   Begin(show);
-  stage_.Tick(show, 2);
+  harness_.Tick(show, 2);
   auto ended = std::async(std::launch::async, [&] { return show.Wait(); });
   const bool in_time = ended.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
   show.Shutdown();
@@ -53,7 +53,7 @@ TEST_F(AnFsmActuator, RunsItsSafeStateWhileTheHookBeforeTheTickThrows) {
   Begin(show);
   show.RunOnLoop([&] { show.data().throws["before"] = "the camera is gone"; });
   for (int i = 0; i < 20; ++i) {
-    stage_.Tick(show, 1);
+    harness_.Tick(show, 1);
     EXPECT_EQ(show.Path(), "STOP") << i;
   }
   EXPECT_EQ(show.Ticks(), 20U);
@@ -68,9 +68,9 @@ TEST_F(AnFsmActuator, TellsAFaultOfAHookOnceAndAgainWhenItComesBack) {
     for (int i = 0; i < 3; ++i) {
       const std::string log = Logged([&] {
         show.RunOnLoop([&] { show.data().throws[hook] = "the camera is gone"; });
-        stage_.Tick(show, 3);
+        harness_.Tick(show, 3);
         show.RunOnLoop([&] { show.data().throws.clear(); });
-        stage_.Tick(show, 1);
+        harness_.Tick(show, 1);
       });
       const auto told = log.find("the camera is gone");
       ASSERT_NE(told, std::string::npos) << hook << " " << i;
@@ -83,33 +83,33 @@ TEST_F(AnFsmActuator, TellsACommandThatItsStateDoesNotHeedButFillsNoLogWithIt) {
   Show show;
   Begin(show);
   show.RunOnLoop([&] { show.data().unsafe = true; });
-  stage_.Tick(show, 1);
+  harness_.Tick(show, 1);
   const auto log = Logged([&] {
     for (int i = 0; i < 40; ++i) {
       show.RunOnLoop([&] { EXPECT_TRUE(show.machine().Send("again")); });
-      stage_.Tick(show, 1);
+      harness_.Tick(show, 1);
     }
   });
-  EXPECT_THAT(log, HasSubstr("command again is not heeded in STOP"));
-  EXPECT_EQ(show.Of([](Show& s) { return s.machine().counts().unheeded; }), 40U);
+  EXPECT_THAT(log, HasSubstr("command again is not handled in STOP"));
+  EXPECT_EQ(show.Of([](Show& s) { return s.machine().counts().unhandled; }), 40U);
   EXPECT_LE(std::count(log.begin(), log.end(), '\n'), 23) << "in 0.8 s";
 }
 
 TEST_F(AnFsmActuator, KeepsNoCommandThatATopicBringsWhileItRests) {
   Show show;
   Begin(show);
-  stage_.Tick(show, 6);
-  ASSERT_TRUE(stage_.controller().SetState("LowPower"));
+  harness_.Tick(show, 6);
+  ASSERT_TRUE(harness_.controller().SetState("LowPower"));
   show.RunOnLoop([&] {
     const Result<> sent = show.Send("again");
     ASSERT_FALSE(sent);
     EXPECT_EQ(sent.error().message, "show is paused in LowPower");
   });
-  ASSERT_TRUE(stage_.controller().SetState("Active"));
-  stage_.Tick(show, 1);
+  ASSERT_TRUE(harness_.controller().SetState("Active"));
+  harness_.Tick(show, 1);
   EXPECT_EQ(show.Path(), "PLAY");
   show.RunOnLoop([&] { EXPECT_TRUE(show.Send("again")); });
-  stage_.Tick(show, 1);
+  harness_.Tick(show, 1);
   EXPECT_EQ(show.Path(), "GREET");
 }
 
@@ -138,25 +138,25 @@ TEST_F(AnFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
     bool paused_ = false;
   };
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
-  stage_.node().RunOnLoop([&] {
+  harness_.node().RunOnLoop([&] {
     button = transport::MakePublisher<msg::EmergencyStop>(
-                 stage_.node().node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                 harness_.node().node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
                  .value();
     static_cast<void>(button->Publish({7, true, "a test", ""}));
   });
   Early show;
-  ASSERT_TRUE(show.Prepare(stage_.path()).ok());
+  ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   EXPECT_TRUE(show.Start().ok());
   EXPECT_TRUE(show.heard);
   EXPECT_FALSE(show.paused_early);
-  stage_.node().RunOnLoop([&] { button.reset(); });
+  harness_.node().RunOnLoop([&] { button.reset(); });
 }
 
 TEST_F(AnFsmActuator, TellsAFaultOfTearDownOnce) {
   Show show;
   Begin(show);
   show.RunOnLoop([&] { show.data().throws["GREET leaves"] = "no hinge"; });
-  const std::string log = Logged([&] { EXPECT_TRUE(stage_.controller().SetState("TearDown")); });
+  const std::string log = Logged([&] { EXPECT_TRUE(harness_.controller().SetState("TearDown")); });
   const auto told = log.find("no hinge");
   ASSERT_NE(told, std::string::npos) << log;
   EXPECT_EQ(log.find("no hinge", told + 1), std::string::npos) << log;
@@ -194,25 +194,25 @@ class Nest : public FsmActuator {
 
 TEST_F(AnFsmActuator, PublishesTheWholePathOfAStateThatItIsForcedIntoWhileItRests) {
   Nest show;
-  ASSERT_TRUE(show.Prepare(stage_.path()).ok());
+  ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   ASSERT_TRUE(show.Start().ok());
-  ASSERT_TRUE(stage_.controller().Init(stage_.path()).ok());
-  ASSERT_TRUE(stage_.controller().AwaitSetUp().ok());
+  ASSERT_TRUE(harness_.controller().Init(harness_.path()).ok());
+  ASSERT_TRUE(harness_.controller().AwaitSetUp().ok());
   for (const char* state : {"SelfCheck", "Active", "LowPower"}) {
-    ASSERT_TRUE(stage_.controller().SetState(state)) << state;
+    ASSERT_TRUE(harness_.controller().SetState(state)) << state;
   }
   std::vector<std::string> told;
   std::unique_ptr<transport::Subscription> topic;
   const auto await = [&](const std::string& path) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     for (bool there = false; !there && std::chrono::steady_clock::now() < deadline;) {
-      stage_.node().RunOnLoop([&] { there = !told.empty() && told.back() == path; });
+      harness_.node().RunOnLoop([&] { there = !told.empty() && told.back() == path; });
       std::this_thread::yield();
     }
   };
-  stage_.node().RunOnLoop([&] {
+  harness_.node().RunOnLoop([&] {
     topic = transport::MakeSubscription<msg::String>(
-                stage_.node().node(), "show/behavior_state",
+                harness_.node().node(), "show/behavior_state",
                 [&](const msg::String& state, const auto&) { told.push_back(state.data); },
                 transport::kLatchedQos)
                 .value();
@@ -220,7 +220,7 @@ TEST_F(AnFsmActuator, PublishesTheWholePathOfAStateThatItIsForcedIntoWhileItRest
   await("IDLE");
   show.Force("SHOW");
   await("SHOW/A");
-  stage_.node().RunOnLoop([&] { topic.reset(); });
+  harness_.node().RunOnLoop([&] { topic.reset(); });
   EXPECT_THAT(told, ElementsAre("IDLE", "SHOW/A"));
 }
 

@@ -3,7 +3,7 @@
 
 #include <future>
 
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/test/application/show.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
@@ -13,26 +13,26 @@ namespace musher::fsm_actuator_test {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::Show;
-using testing::Stage;
+using testing::Harness;
 
-class AnFsmActuator : public testing::OnStage {
+class AnFsmActuator : public testing::WithHarness {
  protected:
-  bool Go(const std::string& state) { return stage_.controller().SetState(state); }
+  bool Go(const std::string& state) { return harness_.controller().SetState(state); }
 };
 
 TEST_F(AnFsmActuator, TicksItsMachineAtItsRateOfTheWorldsTimeWhileItIsActive) {
   Show show({.rate_hz = 50});
-  stage_.Open(show);
-  stage_.Tick(show, 3);
+  harness_.Open(show);
+  harness_.Tick(show, 3);
   EXPECT_EQ(show.Path(), "") << "not before";
   ASSERT_TRUE(Go("SelfCheck"));
   ASSERT_TRUE(Go("Active"));
   EXPECT_EQ(show.Path(), "GREET");
   EXPECT_EQ(show.Ticks(), 0U);
-  stage_.Tick(show, 4);
+  harness_.Tick(show, 4);
   EXPECT_EQ(show.Ticks(), 4U);
   EXPECT_EQ(show.Path(), "GREET");
-  stage_.Tick(show, 1);
+  harness_.Tick(show, 1);
   EXPECT_EQ(show.Path(), "PLAY") << "after 100 ms";
   EXPECT_THAT(show.TakeLog(),
               ElementsAre("resumes", "GREET enters", "GREET leaves", "PLAY enters"));
@@ -40,7 +40,7 @@ TEST_F(AnFsmActuator, TicksItsMachineAtItsRateOfTheWorldsTimeWhileItIsActive) {
 
 TEST_F(AnFsmActuator, StampsWithTheTimeOfItsMachine) {
   Show show;
-  stage_.Open(show);
+  harness_.Open(show);
   const auto stamp = show.Of([](Show& s) { return s.Stamp(); });
   EXPECT_EQ(msg::FromStamp(stamp), show.Of([](Show& s) { return s.Now(); }).time_since_epoch());
 }
@@ -57,17 +57,17 @@ static_assert(!TakesStateCallbacks<Show>);
 TEST_F(AnFsmActuator, RestsInEveryOtherStateAndGoesOnWhereItWas) {
   Show show;
   Begin(show);
-  stage_.Tick(show, 3);
+  harness_.Tick(show, 3);
   for (const std::string state : {"Protected", "DeActive", "LowPower", "OTA"}) {
     show.TakeLog();
     ASSERT_TRUE(Go(state)) << state;
     EXPECT_THAT(show.TakeLog(), ElementsAre("pauses")) << state;
     const std::uint64_t ticks = show.Ticks();
-    stage_.Advance(show, std::chrono::hours(1));
+    harness_.Advance(show, std::chrono::hours(1));
     EXPECT_EQ(show.Ticks(), ticks) << state;
     ASSERT_TRUE(Go("Active"));
     EXPECT_THAT(show.TakeLog(), ElementsAre("resumes")) << state;
-    stage_.Tick(show, 1);
+    harness_.Tick(show, 1);
     EXPECT_EQ(show.Ticks(), ticks + 1);
     EXPECT_EQ(show.Path(), "GREET") << "the hour does not count";
   }
@@ -77,7 +77,7 @@ TEST_F(AnFsmActuator, RestsInEveryOtherStateAndGoesOnWhereItWas) {
 TEST_F(AnFsmActuator, BeginsAnewWhereItIsToldTo) {
   Show show({.resume = FsmActuator::Resume::kAnew});
   Begin(show);
-  stage_.Tick(show, 5);
+  harness_.Tick(show, 5);
   ASSERT_EQ(show.Path(), "PLAY");
   ASSERT_TRUE(Go("LowPower"));
   EXPECT_EQ(show.Path(), "PLAY");
@@ -99,9 +99,9 @@ TEST_F(AnFsmActuator, RestsAtAnEmergencyStopUntilActiveIsSetAgainAfterTheRelease
   Show show;
   Begin(show);
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
-  stage_.node().RunOnLoop([&] {
+  harness_.node().RunOnLoop([&] {
     button = transport::MakePublisher<msg::EmergencyStop>(
-                 stage_.node().node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
+                 harness_.node().node(), transport::EmergencyStopTopic(""), transport::kLatchedQos)
                  .value();
     static_cast<void>(button->Publish({7, true, "a test", ""}));
   });
@@ -113,23 +113,23 @@ TEST_F(AnFsmActuator, RestsAtAnEmergencyStopUntilActiveIsSetAgainAfterTheRelease
   EXPECT_EQ(show.TakeLog().back(), "pauses");
   std::unique_ptr<transport::Client<msg::ReleaseEmergencyStop>> release;
   std::promise<Result<msg::ReleaseEmergencyStop::Response>> released;
-  stage_.node().RunOnLoop([&] {
+  harness_.node().RunOnLoop([&] {
     release = transport::MakeClient<msg::ReleaseEmergencyStop>(
-                  stage_.node().node(), transport::MachineService("", "release_emergency_stop"))
+                  harness_.node().node(), transport::MachineService("", "release_emergency_stop"))
                   .value();
     release->Call({"a test"}, std::chrono::seconds(20),
                   [&](auto answer) { released.set_value(std::move(answer)); });
   });
   const auto answer = released.get_future().get();
   ASSERT_TRUE(answer && answer.value().code == kCodeOk);
-  stage_.Tick(show, 2);
+  harness_.Tick(show, 2);
   EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); })) << "the release moves nothing";
   const auto sent = show.Of([](Show& s) { return s.Send("go"); });
   ASSERT_FALSE(sent);
   EXPECT_NE(sent.error().message.find("held by the emergency stop"), std::string::npos);
   ASSERT_TRUE(Go("Active"));
   EXPECT_TRUE(show.Of([](Show& s) { return s.ticking(); }));
-  stage_.node().RunOnLoop([&] {
+  harness_.node().RunOnLoop([&] {
     release.reset();
     button.reset();
   });
@@ -138,8 +138,8 @@ TEST_F(AnFsmActuator, RestsAtAnEmergencyStopUntilActiveIsSetAgainAfterTheRelease
 TEST_F(AnFsmActuator, FailsItsSelfCheckWithTheReasonOfTheApplication) {
   Show show;
   show.data().unsafe = true;
-  stage_.Open(show);
-  const SwitchResult checked = stage_.controller().Switch("SelfCheck");
+  harness_.Open(show);
+  const SwitchResult checked = harness_.controller().Switch("SelfCheck");
   ASSERT_EQ(checked.actuators.size(), 1U);
   EXPECT_EQ(checked.actuators[0].code, 5109);
 }
@@ -152,7 +152,7 @@ TEST_F(AnFsmActuator, FailsItsSetUpWithEveryFaultOfItsMachine) {
     Result<> BuildMachine(fsm::Machine& machine) override { return machine.Build("NOWHERE"); }
   };
   Faulty show;
-  ASSERT_TRUE(show.Prepare(stage_.path()).ok());
+  ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   const Result<> started = show.Start();
   ASSERT_FALSE(started.ok());
   EXPECT_THAT(started.error().message, HasSubstr("no states are registered"));
@@ -166,22 +166,22 @@ TEST_F(AnFsmActuator, FailsItsSetUpWhenNobodyHasBuiltTheMachine) {
     Result<> BuildMachine(fsm::Machine& /*machine*/) override { return Ok(); }
   };
   Empty show;
-  ASSERT_TRUE(show.Prepare(stage_.path()).ok());
+  ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   EXPECT_THAT(show.Start().error().message, HasSubstr("Build()"));
 }
 
 TEST_F(AnFsmActuator, GoesToItsSafeStateWhenAHookAroundTheTickThrowsAndOutOfItAfter) {
   for (const std::string hook : {"before", "after"}) {
-    Stage stage;
+    Harness harness;
     Show show;
-    stage.Open(show);
-    ASSERT_TRUE(stage.controller().SetState("SelfCheck"));
-    ASSERT_TRUE(stage.controller().SetState("Active"));
+    harness.Open(show);
+    ASSERT_TRUE(harness.controller().SetState("SelfCheck"));
+    ASSERT_TRUE(harness.controller().SetState("Active"));
     show.RunOnLoop([&] { show.data().throws[hook] = "the camera is gone"; });
-    stage.Tick(show, 10);
+    harness.Tick(show, 10);
     EXPECT_EQ(show.Path(), "STOP") << hook << ": for as long as it throws";
     show.RunOnLoop([&] { show.data().throws.clear(); });
-    stage.Tick(show, 10);
+    harness.Tick(show, 10);
     EXPECT_NE(show.Path(), "STOP") << hook;
   }
 }
@@ -190,7 +190,7 @@ TEST_F(AnFsmActuator, EndsTheProgramWhenItsMachineStopsByAFault) {
   Show show;
   show.data().throws = {{"GREET runs", "no"}, {"STOP enters", "no, neither"}};
   Begin(show);
-  stage_.Tick(show, 2);
+  harness_.Tick(show, 2);
   EXPECT_EQ(show.Wait(), 1);
   EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
   EXPECT_EQ(show.TakeLog().back(), "pauses");
@@ -201,7 +201,7 @@ TEST_F(AnFsmActuator, EndsTheProgramWhenAHookThrowsAndThereIsNoSafeState) {
   show.data().safe_state = false;
   Begin(show);
   show.RunOnLoop([&] { show.data().throws["before"] = "no"; });
-  stage_.Tick(show, 1);
+  harness_.Tick(show, 1);
   EXPECT_EQ(show.Wait(), 1);
 }
 
@@ -209,7 +209,7 @@ TEST_F(AnFsmActuator, RestsWhenItsApplicationStopsTheMachineAndStartsItAtTheNext
   Show show;
   Begin(show);
   show.RunOnLoop([&] { show.data().left_early = true; });
-  stage_.Tick(show, 2);
+  harness_.Tick(show, 2);
   EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
   show.RunOnLoop([&] { show.data().left_early = false; });
   ASSERT_TRUE(Go("Protected"));
@@ -220,9 +220,9 @@ TEST_F(AnFsmActuator, RestsWhenItsApplicationStopsTheMachineAndStartsItAtTheNext
 TEST_F(AnFsmActuator, FailsToBecomeActiveWhenItsMachineStopsAsItBegins) {
   Show show;
   show.data().throws = {{"GREET enters", "no"}, {"STOP enters", "no, neither"}};
-  stage_.Open(show);
+  harness_.Open(show);
   ASSERT_TRUE(Go("SelfCheck"));
-  const SwitchResult result = stage_.controller().Switch("Active");
+  const SwitchResult result = harness_.controller().Switch("Active");
   ASSERT_EQ(result.actuators.size(), 1U);
   EXPECT_THAT(result.actuators[0].message, HasSubstr("STOP: OnEnter: no, neither"));
 }
@@ -246,23 +246,23 @@ TEST_F(AnFsmActuator, SurvivesAPauseThatThrows) {
 TEST_F(AnFsmActuator, GoesOnWhenTheWorldIsRestarted) {
   Show show;
   Begin(show);
-  stage_.Tick(show, 3);
-  stage_.Advance(show, -std::chrono::seconds(900));
-  stage_.Tick(show, 1);
+  harness_.Tick(show, 3);
+  harness_.Advance(show, -std::chrono::seconds(900));
+  harness_.Tick(show, 1);
   EXPECT_EQ(show.Path(), "GREET") << "time that runs back is no time";
-  stage_.Tick(show, 3);
+  harness_.Tick(show, 3);
   EXPECT_EQ(show.Path(), "PLAY");
 }
 
 TEST_F(AnFsmActuator, DoesNotTakeTheFirstTimeOfAWorldForTheLengthOfATick) {
   Show show;
-  ASSERT_TRUE(show.Prepare(stage_.path()).ok());
+  ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   ASSERT_TRUE(show.Start().ok());
-  ASSERT_TRUE(stage_.controller().Init(stage_.path()).ok());
-  ASSERT_TRUE(stage_.controller().AwaitSetUp().ok());
+  ASSERT_TRUE(harness_.controller().Init(harness_.path()).ok());
+  ASSERT_TRUE(harness_.controller().AwaitSetUp().ok());
   ASSERT_TRUE(Go("SelfCheck"));
   ASSERT_TRUE(Go("Active"));
-  stage_.Tick(show, 4);
+  harness_.Tick(show, 4);
   EXPECT_EQ(show.Path(), "GREET") << "1000 s are not 100 ms of it";
 }
 

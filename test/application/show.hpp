@@ -137,9 +137,9 @@ class Show : public FsmActuator {
 };
 
 // The controller of a machine that has the show as its only actuator, and the world's clock.
-class Stage {
+class Harness {
  public:
-  explicit Stage(const std::string& clock = "topic") {
+  explicit Harness(const std::string& clock = "topic") {
     setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
     const std::string states =
         R"(["SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "Protected", "LowPower", "OTA",
@@ -156,11 +156,11 @@ class Stage {
                    .value();
     });
   }
-  ~Stage() {
+  ~Harness() {
     node_->RunOnLoop([this] { world_.reset(); });
   }
-  Stage(const Stage&) = delete;
-  Stage& operator=(const Stage&) = delete;
+  Harness(const Harness&) = delete;
+  Harness& operator=(const Harness&) = delete;
 
   std::string path() const { return folder_ / "robot.toml"; }
   std::string state_dir() const { return folder_ / "state"; }
@@ -201,16 +201,16 @@ class Stage {
   MachineController controller_;
 };
 
-class OnStage : public ::testing::Test {
+class WithHarness : public ::testing::Test {
  protected:
   // In Active.
   void Begin(Show& show) {
-    stage_.Open(show);
-    ASSERT_TRUE(stage_.controller().SetState("SelfCheck"));
-    ASSERT_TRUE(stage_.controller().SetState("Active"));
+    harness_.Open(show);
+    ASSERT_TRUE(harness_.controller().SetState("SelfCheck"));
+    ASSERT_TRUE(harness_.controller().SetState("Active"));
   }
 
-  Stage stage_;
+  Harness harness_;
 };
 
 }  // namespace musher::testing

@@ -10,7 +10,7 @@
 #include "musher/actuator/actuator_shell.hpp"
 #include "musher/simulation/controller_process.hpp"
 #include "musher/simulation/processes.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::rebooted_host_test {

@@ -5,7 +5,7 @@
 
 #include "musher/controller/controller_shell.hpp"
 #include "musher/simulation/processes.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
 namespace musher::testing::remote_takeover_test {
@@ -19,7 +19,7 @@ class NoWork : public simulation::Module {
 };
 
 // A host without any of the actuators' processes, and what its controller starts there.
-class EmptyHost : public ProcessRunner, public ProcessWitness, public JournalSink {
+class EmptyHost : public ProcessRunner, public ProcessProbe, public JournalSink {
  public:
   Result<pid_t> Start(const ProcessSpec& spec, OnExit) override {
     started.push_back(spec.name);
@@ -52,7 +52,7 @@ class RemoteTakeover : public ::testing::Test {
     ControllerShell::World world;
     world.node = node_.get();
     world.processes = &host_;
-    world.witness = &host_;
+    world.probe = &host_;
     world.journal = &host_;
     world.save_epoch = [](auto, const auto& saved) { saved(Ok()); };
     world.save_emergency_stops = [](const auto&, const auto& saved) { saved(Ok()); };

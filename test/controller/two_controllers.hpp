@@ -9,7 +9,7 @@
 #include <string>
 
 #include "musher/simulation/controller_process.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::testing {

@@ -7,7 +7,7 @@
 
 #include "musher/lifecycle/flow.hpp"
 #include "musher/test/fuzz/stranger.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::fuzz {
 namespace {
@@ -24,9 +24,9 @@ MachineConfig Config() {
   return config;
 }
 
-class Stage {
+class Harness {
  public:
-  explicit Stage(Input& input) : input_(input) {
+  explicit Harness(Input& input) : input_(input) {
     core_.report.incarnation = 77;
     Do(event::Started{});
     if (!input_.Bool()) Do(event::CallbackEnded{});
@@ -126,6 +126,6 @@ class Stage {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   musher::fuzz::Input input(data, size);
-  musher::fuzz::Stage(input).Run();
+  musher::fuzz::Harness(input).Run();
   return 0;
 }

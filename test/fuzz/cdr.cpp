@@ -6,7 +6,7 @@
 #include "musher/messages/lifecycle_msgs/services.hpp"
 #include "musher/messages/lifecycle_msgs/transition_event.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/protocol/fs_machine.hpp"

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "musher/test/fuzz/stranger.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::fuzz {
 namespace {
@@ -28,67 +28,67 @@ MachineConfig Config(std::uint8_t kind) {
   return config;
 }
 
-class Stage {
+class Harness {
  public:
-  explicit Stage(Input& input) : input_(input), theatre_(Config(input.Byte())) {
-    theatre_.after_step = [this] { Check(); };
+  explicit Harness(Input& input) : input_(input), harness_(Config(input.Byte())) {
+    harness_.after_step = [this] { Check(); };
     const bool from_start = input_.Bool();
-    theatre_.Begin();
+    harness_.Begin();
     if (from_start) return;
-    theatre_.RunFor(std::chrono::seconds(5));
-    theatre_.Set(State(kDeActive));
-    theatre_.ClearLog();
+    harness_.RunFor(std::chrono::seconds(5));
+    harness_.Set(State(kDeActive));
+    harness_.ClearLog();
     allowed_ = *BuiltInRank(kDeActive);
   }
 
   void Run() {
     for (int steps = 0; steps < 40 && !input_.empty(); ++steps) {
       Next();
-      theatre_.RunFor(Milliseconds(input_.Byte()));
+      harness_.RunFor(Milliseconds(input_.Byte()));
     }
-    theatre_.Rest(std::chrono::seconds(30));
+    harness_.Rest(std::chrono::seconds(30));
   }
 
  private:
   void Next() {
     const std::size_t i = input_.Below(std::size(kNames));
-    const ActuatorRecord& record = theatre_.RecordOf(kNames[i]);
+    const ActuatorRecord& record = harness_.RecordOf(kNames[i]);
     switch (input_.Below(12)) {
       case 0:
       case 1:
       case 2:
-        return theatre_.Tell(
-            event::StatusSeen{i, AnyReport(input_, record.report, theatre_.now())});
+        return harness_.Tell(
+            event::StatusSeen{i, AnyReport(input_, record.report, harness_.now())});
       case 3: {
         const std::uint64_t number = record.order ? record.order->number : record.report.number;
         const auto verdict = transport::VerdictFrom(input_.Byte());
-        return theatre_.Tell(
+        return harness_.Tell(
             event::Replied{i, input_.Bool() ? number : input_.Take<std::uint64_t>(), input_.Bool(),
                            verdict, input_.Take<std::int32_t>(), std::string(input_.Text()),
-                           AnyReport(input_, record.report, theatre_.now())});
+                           AnyReport(input_, record.report, harness_.now())});
       }
       case 4:
-        return theatre_.Tell(
+        return harness_.Tell(
             event::Vanished{i, record.report.incarnation, input_.Bool(), "it is out of reach"});
       case 5:
-        return theatre_.Tell(event::HealthChanged{i, record.report.incarnation,
+        return harness_.Tell(event::HealthChanged{i, record.report.incarnation,
                                                   transport::WorkFrom(input_.Byte()), input_.Bool(),
                                                   "a beat says so"});
       case 6:
-        return theatre_.Tell(event::EmergencyStopSeen{
+        return harness_.Tell(event::EmergencyStopSeen{
             {input_.Number(1, 2), std::string(input_.Text()), std::string(input_.Text())}});
       case 7:
-        theatre_.Release();
+        harness_.Release();
         return;
       case 8:
         // One of the true epoch or above leads from then on, which is no fault.
-        return theatre_.Tell(event::RivalHeard{
-            input_.Number(theatre_.machine().epoch - 1, kLastEpoch) | (input_.Bool() ? kBeyond : 0),
+        return harness_.Tell(event::RivalHeard{
+            input_.Number(harness_.machine().epoch - 1, kLastEpoch) | (input_.Bool() ? kBeyond : 0),
             "somebody", input_.Bool()});
       case 9:
-        return theatre_.Crash(kNames[i]);
+        return harness_.Crash(kNames[i]);
       case 10:
-        theatre_.Restart(kNames[i]);
+        harness_.Restart(kNames[i]);
         return;
       default:
         return Ask(i);
@@ -100,25 +100,25 @@ class Stage {
     const State target = targets[input_.Below(std::size(targets))];
     if (const auto rank = BuiltInRank(target)) allowed_ = std::max(allowed_, *rank);
     if (input_.Bool()) {
-      theatre_.Ask(target, kNames[i]);
+      harness_.Ask(target, kNames[i]);
     } else {
-      theatre_.Ask(target);
+      harness_.Ask(target);
     }
   }
 
   void Check() {
-    const Machine& machine = theatre_.machine();
-    const MachineConfig& config = theatre_.config();
+    const Machine& machine = harness_.machine();
+    const MachineConfig& config = harness_.config();
     const auto deadline = NextDeadline(config, machine);
-    Require(!deadline || *deadline > theatre_.now(), "no deadline is in the past");
+    Require(!deadline || *deadline > harness_.now(), "no deadline is in the past");
     Require(machine.epoch <= kLastEpoch, "epochs stay in their bounds");
     Require(machine.number <= kLastNumber, "numbers stay in their bounds");
     Require(machine.state == kUninitialized || config.HasState(machine.state),
             "the machine is in a state of its own");
     const auto rank = config.RankOf(machine.state);
     Require(!rank || *rank <= allowed_, "the machine goes up for nobody but people");
-    for (; callbacks_ < theatre_.log().size(); ++callbacks_) {
-      const std::string& run = theatre_.log()[callbacks_];
+    for (; callbacks_ < harness_.log().size(); ++callbacks_) {
+      const std::string& run = harness_.log()[callbacks_];
       const auto target = config.RankOf(run.substr(run.find(':') + 1));
       Require(!target || *target <= allowed_, "actuators go up for nobody but people: " + run);
     }
@@ -131,7 +131,7 @@ class Stage {
   static constexpr std::uint64_t kBeyond = kLastEpoch << 1;  // of no controller
 
   Input& input_;
-  testing::Theatre theatre_;
+  testing::Harness harness_;
   Rank allowed_ = *BuiltInRank(kActive);
   std::size_t callbacks_ = 0;
   bool stopped_ = false;
@@ -143,6 +143,6 @@ class Stage {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   musher::fuzz::Input input(data, size);
-  musher::fuzz::Stage(input).Run();
+  musher::fuzz::Harness(input).Run();
   return 0;
 }

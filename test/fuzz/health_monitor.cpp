@@ -4,14 +4,14 @@
 #include "musher/lifecycle/health_monitor.hpp"
 
 #include "musher/test/fuzz/stranger.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::fuzz {
 namespace {
 
-class Stage {
+class Harness {
  public:
-  explicit Stage(Input& input) : input_(input) {
+  explicit Harness(Input& input) : input_(input) {
     config_.transport = input_.Bool() ? TransportProfile::kLan : TransportProfile::kLocal;
     config_.actuators[0].checkpoint = Milliseconds(100);
   }
@@ -32,10 +32,10 @@ class Stage {
         return Count(monitor_.Heard(i, incarnation, now_));
       case 1:
       case 2: {
-        const Beat beat{Duration(AnyTime(input_, now_)), transport::WorkFrom(input_.Byte()),
+        const Heartbeat heartbeat{Duration(AnyTime(input_, now_)), transport::WorkFrom(input_.Byte()),
                         AnyState(input_), Duration(AnyTime(input_, now_)),
                         Duration(AnyTime(input_, now_))};
-        return Count(monitor_.Heard(i, incarnation, beat, now_));
+        return Count(monitor_.Heard(i, incarnation, heartbeat, now_));
       }
       case 3:
         return Count(monitor_.Examined(i,
@@ -67,6 +67,6 @@ class Stage {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   musher::fuzz::Input input(data, size);
-  musher::fuzz::Stage(input).Run();
+  musher::fuzz::Harness(input).Run();
   return 0;
 }

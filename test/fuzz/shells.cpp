@@ -12,7 +12,7 @@
 #include "musher/messages/protocol/heartbeats.hpp"
 #include "musher/simulation/robot.hpp"
 #include "musher/test/fuzz/stranger.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/raw_server.hpp"
 
 namespace musher::fuzz {
@@ -76,9 +76,9 @@ class Peer {
   std::vector<std::unique_ptr<transport::RawServer>> servers_;
 };
 
-class Stage {
+class Harness {
  public:
-  explicit Stage(const Input& input)
+  explicit Harness(const Input& input)
       : input_(std::make_shared<Input>(input)),
         robot_(1, Config(), [this](const std::string& name, const State& state) {
           const auto rank = BuiltInRank(state);
@@ -135,15 +135,15 @@ class Stage {
                            "a", AnyReport(input, robot_.ReportOf("a").value_or(ActuatorReport{}),
                                           robot_.network().now()))));
       case 2: {
-        msg::ActuatorBeat beat;
-        beat.name = "a";
-        beat.incarnation = robot_.ReportOf("a").value_or(ActuatorReport{}).incarnation;
-        beat.work = input.Byte();
-        beat.period_ns = AnyTime(input, robot_.network().now());
-        beat.silent_ns = AnyTime(input, robot_.network().now());
-        beat.waited_ns = AnyTime(input, robot_.network().now());
-        beat.during = AnyState(input);
-        return Send(1, msg::Encode(beat));
+        msg::ActuatorBeat heartbeat;
+        heartbeat.name = "a";
+        heartbeat.incarnation = robot_.ReportOf("a").value_or(ActuatorReport{}).incarnation;
+        heartbeat.work = input.Byte();
+        heartbeat.period_ns = AnyTime(input, robot_.network().now());
+        heartbeat.silent_ns = AnyTime(input, robot_.network().now());
+        heartbeat.waited_ns = AnyTime(input, robot_.network().now());
+        heartbeat.during = AnyState(input);
+        return Send(1, msg::Encode(heartbeat));
       }
       case 3:
         return Send(2, msg::Encode(msg::EmergencyStop{input.Number(1, 2), input.Bool(),
@@ -178,6 +178,6 @@ class Stage {
 }  // namespace musher::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  musher::fuzz::Stage(musher::fuzz::Input(data, size)).Run();
+  musher::fuzz::Harness(musher::fuzz::Input(data, size)).Run();
   return 0;
 }

@@ -15,7 +15,7 @@
 #include "musher/lifecycle/version.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/behavior.hpp"
 #include "musher/messages/musher_msgs/body.hpp"
 #include "musher/messages/musher_msgs/capabilities.hpp"

@@ -38,7 +38,7 @@ const std::map<std::string, std::vector<std::string>>& Libraries() {
       {"dds/", {"transport/dds/", "test/contract/", "test/benchmark/"}},
       {"openssl/", {"transport/keys/", "controller/ota/signature.cpp"}},
       {"toml++/", {"lifecycle/toml/"}},
-      {"CLI/", {"controller/cli/", "modules/", "test/benchmark/", "test/campaign/"}},
+      {"CLI/", {"controller/cli/", "modules/", "test/benchmark/", "test/fault_injection/"}},
       {"SQLiteCpp/", {"controller/", "test/controller/"}},
       {"sqlite3.h", {"controller/", "test/controller/"}},
       {"nlohmann/", {"controller/", "modules/", "test/"}},
@@ -66,7 +66,7 @@ std::string ModuleOf(const std::string& path) {
   return path.substr(begin, path.find('/', begin) - begin);
 }
 
-std::string JudgeOurs(const SourceFile& file, const std::string& header) {
+std::string EvaluateOurs(const SourceFile& file, const std::string& header) {
   const auto allowed = MayInclude().find(file.Folder());
   if (allowed == MayInclude().end()) return {};
   const std::string folder = header.substr(0, header.find('/'));
@@ -82,7 +82,7 @@ std::string JudgeOurs(const SourceFile& file, const std::string& header) {
   return {};
 }
 
-std::string JudgeLibrary(const SourceFile& file, const std::string& header) {
+std::string EvaluateLibrary(const SourceFile& file, const std::string& header) {
   for (const auto& [library, places] : Libraries()) {
     if (!header.starts_with(library)) continue;
     const bool at_home = std::any_of(places.begin(), places.end(),
@@ -106,8 +106,8 @@ std::vector<std::string> ForbiddenIncludes(const SourceFile& file) {
     const std::string header = match[1];
     const bool ours = header.starts_with("musher/");
     const std::string complaint =
-        ours ? JudgeOurs(file, header.substr(std::string("musher/").size()))
-             : JudgeLibrary(file, header);
+        ours ? EvaluateOurs(file, header.substr(std::string("musher/").size()))
+             : EvaluateLibrary(file, header);
     if (!complaint.empty()) complaints.push_back(At(file, line.number, complaint));
   }
   return complaints;

@@ -31,10 +31,10 @@ class Capabilities : public ::testing::Test {
 
   Result<> Judge(std::string_view capability, std::string_view state, std::string_view target = "",
                  std::optional<int> battery = std::nullopt) const {
-    return JudgeCapability(config_, capability, {"legs", state, target, false, battery});
+    return EvaluateCapability(config_, capability, {"legs", state, target, false, battery});
   }
   CapabilityVerdict Verdict(const std::string& name) const {
-    for (const CapabilityVerdict& verdict : JudgeCapabilities(config_, machine_, battery_)) {
+    for (const CapabilityVerdict& verdict : EvaluateCapabilities(config_, machine_, battery_)) {
       if (verdict.name == name) return verdict;
     }
     ADD_FAILURE() << "no verdict on " << name;
@@ -55,7 +55,7 @@ TEST_F(Capabilities, RunInTheirStates) {
 
 TEST_F(Capabilities, AreRefusedWhereAReleasedStopHoldsTheirActuator) {
   EXPECT_EQ(
-      JudgeCapability(config_, "walk", {"legs", "Active", "", false, std::nullopt, true}).error(),
+      EvaluateCapability(config_, "walk", {"legs", "Active", "", false, std::nullopt, true}).error(),
       (Error{kStateInvalid,
              "legs is held by the emergency stop that was released; `musher set "
              "Active` ends that"}));
@@ -71,7 +71,7 @@ TEST_F(Capabilities, AreRefusedAsProtectedWhereTheyRunInActiveButNotInProtected)
 }
 
 TEST_F(Capabilities, HaveTheCodeOfTheModuleThatAsks) {
-  const auto refused = JudgeCapability(config_, "flip", {"legs", "Protected", "", false, {}},
+  const auto refused = EvaluateCapability(config_, "flip", {"legs", "Protected", "", false, {}},
                                        ModuleCode::kMotionManager);
   EXPECT_EQ(refused.error().code, 3013);
 }
@@ -96,7 +96,7 @@ TEST_F(Capabilities, WhileACallbackRunsMustBeAllowedInBothStates) {
 
 TEST_F(Capabilities, AreAllRefusedDuringAnEmergencyStop) {
   for (const char* capability : {"walk", "sing"}) {
-    const auto refused = JudgeCapability(config_, capability, {"legs", "Active", "", true, {}});
+    const auto refused = EvaluateCapability(config_, capability, {"legs", "Active", "", true, {}});
     ASSERT_FALSE(refused.ok());
     EXPECT_EQ(refused.error().code, kStateInvalid);
     EXPECT_NE(refused.error().message.find("emergency stop"), std::string::npos);
@@ -114,7 +114,7 @@ TEST_F(Capabilities, NeedTheBatteryThatTheySay) {
 }
 
 TEST_F(Capabilities, AreNotThoseOfAnActuatorThatTheyAreNotDeclaredFor) {
-  const auto refused = JudgeCapability(config_, "flip", {"eyes", "Active", "", false, {}});
+  const auto refused = EvaluateCapability(config_, "flip", {"eyes", "Active", "", false, {}});
   EXPECT_EQ(refused.error(), (Error{kStateInvalid, "flip is not declared for eyes"}));
 }
 
@@ -156,7 +156,7 @@ TEST_F(Capabilities, AreRefusedByAStopThatTheMachineOrTheActuatorKnowsOf) {
 TEST_F(Capabilities, AreToldInTheOrderOfTheConfigWithTheBatteryAsItIs) {
   battery_ = 12;
   std::string names;
-  for (const CapabilityVerdict& verdict : JudgeCapabilities(config_, machine_, battery_)) {
+  for (const CapabilityVerdict& verdict : EvaluateCapabilities(config_, machine_, battery_)) {
     names += verdict.name + (verdict.allowed ? "+ " : "- ");
   }
   EXPECT_EQ(names, "flip+ walk+ jump- follow+ ");

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::testing::flow_test {
 

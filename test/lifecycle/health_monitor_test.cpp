@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::testing::health_monitor_test {
 
@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Process = Examination::Process;
 
-constexpr Duration kBeat = Milliseconds(100);  // so the limit is 300 ms
+constexpr Duration kHeartbeat = Milliseconds(100);  // so the limit is 300 ms
 constexpr std::uint64_t kFirst = 7;            // the incarnation of each
 
 // The world of a monitor: who beats, what the kernel says, and all that it found, in words.
@@ -24,8 +24,8 @@ class Monitor : public ::testing::Test {
   void Watch(std::size_t i, bool local, const std::string& host = "here") {
     monitor_.Watch(i, kFirst, host, local, now_);
     local_[i] = local;
-    beats_[i] = true;
-    Take(monitor_.Heard(i, kFirst, Beat{kBeat, Health::kWell, "", {}, {}}, now_));
+    heartbeats_[i] = true;
+    Take(monitor_.Heard(i, kFirst, Heartbeat{kHeartbeat, Health::kWell, "", {}, {}}, now_));
   }
 
   // Time passes; those who beat do, and deadlines are kept, `late` each.
@@ -33,10 +33,10 @@ class Monitor : public ::testing::Test {
     const Time end = now_ + duration;
     while (true) {
       const auto next = monitor_.NextDeadline();
-      const Time at = std::min(next ? *next + late : Time::max(), next_beat_);
+      const Time at = std::min(next ? *next + late : Time::max(), next_heartbeat_);
       if (at > end) break;
       now_ = std::max(now_, at);
-      if (now_ >= next_beat_) {
+      if (now_ >= next_heartbeat_) {
         BeatAll();
       } else {
         const Time looked = now_;
@@ -49,9 +49,9 @@ class Monitor : public ::testing::Test {
   }
   void BeatAll() {
     for (std::size_t i = 0; i < 3; ++i) {
-      if (beats_[i]) Take(monitor_.Heard(i, kFirst, beat_[i], now_));
+      if (heartbeats_[i]) Take(monitor_.Heard(i, kFirst, heartbeat_[i], now_));
     }
-    next_beat_ = now_ + kBeat;
+    next_heartbeat_ = now_ + kHeartbeat;
   }
 
   void Take(const std::vector<Finding>& findings) {
@@ -76,11 +76,11 @@ class Monitor : public ::testing::Test {
   MachineConfig config_;
   HealthMonitor monitor_;
   Time now_;
-  Time next_beat_ = Time::min();
-  bool beats_[3] = {};
-  Beat beat_[3] = {{kBeat, Health::kWell, "", {}, {}},
-                   {kBeat, Health::kWell, "", {}, {}},
-                   {kBeat, Health::kWell, "", {}, {}}};
+  Time next_heartbeat_ = Time::min();
+  bool heartbeats_[3] = {};
+  Heartbeat heartbeat_[3] = {{kHeartbeat, Health::kWell, "", {}, {}},
+                   {kHeartbeat, Health::kWell, "", {}, {}},
+                   {kHeartbeat, Health::kWell, "", {}, {}}};
   bool answers_[3] = {};
   bool local_[3] = {};
   Examination kernel_;
@@ -98,7 +98,7 @@ TEST_F(Monitor, FindsNothingWhileEverybodyBeats) {
 TEST_F(Monitor, AsksAndMarksAtHalfTheLimitAndLooksWhenItIsOver) {
   Watch(0, true);
   RunFor(Milliseconds(10));
-  beats_[0] = false;
+  heartbeats_[0] = false;
   RunFor(Milliseconds(145));
   EXPECT_THAT(Found(), ElementsAre("mark a", "probe a"));
   RunFor(Milliseconds(200));
@@ -111,7 +111,7 @@ TEST_F(Monitor, AsksAndMarksAtHalfTheLimitAndLooksWhenItIsOver) {
 
 TEST_F(Monitor, OneThatAnswersTheProbeLivesThoughItsBeatsAreLost) {
   Watch(0, true);
-  beats_[0] = false;
+  heartbeats_[0] = false;
   answers_[0] = true;
   RunFor(std::chrono::minutes(1));
   for (const std::string& found : Found())
@@ -120,7 +120,7 @@ TEST_F(Monitor, OneThatAnswersTheProbeLivesThoughItsBeatsAreLost) {
 
 TEST_F(Monitor, OneThatWaitedForACpuIsStarvedAndLookedAtAgain) {
   Watch(0, true);
-  beats_[0] = false;
+  heartbeats_[0] = false;
   kernel_.waited = Milliseconds(200);  // all the time since the mark
   RunFor(Milliseconds(401));
   EXPECT_THAT(Found(), ElementsAre("mark a", "probe a", "examine a", "a starved, silent"));
@@ -134,10 +134,10 @@ TEST_F(Monitor, OneThatWaitedForACpuIsStarvedAndLookedAtAgain) {
 
 TEST_F(Monitor, OneThatWasStarvedIsCalledSoUntilItHasKeptUpForAWhile) {
   Watch(0, true);
-  beat_[0].work = Health::kStarved;
+  heartbeat_[0].work = Health::kStarved;
   RunFor(Milliseconds(200));
   EXPECT_THAT(Found(), ElementsAre("a starved"));
-  beat_[0].work = Health::kWell;
+  heartbeat_[0].work = Health::kWell;
   RunFor(Milliseconds(1800));
   EXPECT_THAT(Found(), IsEmpty());
   RunFor(Milliseconds(400));
@@ -146,7 +146,7 @@ TEST_F(Monitor, OneThatWasStarvedIsCalledSoUntilItHasKeptUpForAWhile) {
 
 TEST_F(Monitor, AStoppedProcessHangsHoweverLongItWaited) {
   Watch(0, true);
-  beats_[0] = false;
+  heartbeats_[0] = false;
   kernel_ = {Process::kStopped, std::chrono::hours(1)};
   RunFor(Milliseconds(500));
   EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
@@ -155,7 +155,7 @@ TEST_F(Monitor, AStoppedProcessHangsHoweverLongItWaited) {
 
 TEST_F(Monitor, OneThatADebuggerHoldsIsNotCalledHungForAsLongAsThatTakes) {
   Watch(0, true);
-  beats_[0] = false;
+  heartbeats_[0] = false;
   kernel_.process = Process::kTraced;
   RunFor(std::chrono::minutes(10));
   EXPECT_THAT(Found(), ::testing::Not(::testing::Contains("a hung, silent")));
@@ -167,7 +167,7 @@ TEST_F(Monitor, OneThatADebuggerHoldsIsNotCalledHungForAsLongAsThatTakes) {
 
 TEST_F(Monitor, OneWhoseProcessIsGoneIsLeftToWhoHearsOfExits) {
   Watch(0, true);
-  beats_[0] = false;
+  heartbeats_[0] = false;
   kernel_.process = Process::kGone;
   RunFor(std::chrono::minutes(1));
   EXPECT_THAT(Found(), ElementsAre("mark a", "probe a", "examine a"));
@@ -175,10 +175,10 @@ TEST_F(Monitor, OneWhoseProcessIsGoneIsLeftToWhoHearsOfExits) {
 
 TEST_F(Monitor, AHungOneThatIsHeardAgainIsWell) {
   Watch(0, true);
-  beats_[0] = false;
+  heartbeats_[0] = false;
   RunFor(Milliseconds(500));
   Found();
-  beats_[0] = true;
+  heartbeats_[0] = true;
   RunFor(Milliseconds(200));
   EXPECT_THAT(Found(), ElementsAre("a well"));
 }
@@ -186,7 +186,7 @@ TEST_F(Monitor, AHungOneThatIsHeardAgainIsWell) {
 TEST_F(Monitor, OfAnotherHostItCallsOneSilentAmongOthersCrashed) {
   Watch(0, false, "there");
   Watch(1, false, "there");
-  beats_[0] = false;
+  heartbeats_[0] = false;
   RunFor(std::chrono::seconds(2));
   EXPECT_THAT(Found(), ElementsAre("probe a", "a crashed, silent"));
 }
@@ -195,7 +195,7 @@ TEST_F(Monitor, OfAnotherHostItCallsAllThatAreSilentPartitioned) {
   Watch(0, false, "there");
   Watch(1, false, "there");
   Watch(2, true);
-  beats_[0] = beats_[1] = false;
+  heartbeats_[0] = heartbeats_[1] = false;
   RunFor(std::chrono::seconds(2));
   EXPECT_THAT(Found(),
               ElementsAre("probe a", "probe b", "a partitioned, silent", "b partitioned, silent"));
@@ -204,17 +204,17 @@ TEST_F(Monitor, OfAnotherHostItCallsAllThatAreSilentPartitioned) {
 TEST_F(Monitor, TheOnlyOneOfItsHostCannotBeToldFromItsHost) {
   Watch(0, false, "there");
   Watch(1, false, "elsewhere");
-  beats_[0] = false;
+  heartbeats_[0] = false;
   RunFor(std::chrono::seconds(2));
   EXPECT_THAT(Found(), ElementsAre("probe a", "a partitioned, silent"));
 }
 
 TEST_F(Monitor, APartitionThatEndsIsTold) {
   Watch(0, false, "there");
-  beats_[0] = false;
+  heartbeats_[0] = false;
   RunFor(std::chrono::seconds(2));
   Found();
-  beats_[0] = true;
+  heartbeats_[0] = true;
   RunFor(Milliseconds(200));
   EXPECT_THAT(Found(), ElementsAre("a well"));
 }
@@ -222,11 +222,11 @@ TEST_F(Monitor, APartitionThatEndsIsTold) {
 TEST_F(Monitor, ForgivesItsOwnLatenessOnceAndGivesTimeToAnswer) {
   Watch(0, true);
   Watch(1, true);
-  beats_[0] = beats_[1] = false;
+  heartbeats_[0] = heartbeats_[1] = false;
   now_ += std::chrono::seconds(10);  // the controller itself was stopped
   Take(monitor_.TimePassed(now_));
   EXPECT_THAT(Found(), IsEmpty()) << "what was sent meanwhile may wait behind the timer";
-  Take(monitor_.Heard(1, kFirst, beat_[1], now_ + Milliseconds(1)));
+  Take(monitor_.Heard(1, kFirst, heartbeat_[1], now_ + Milliseconds(1)));
   RunFor(Milliseconds(30));
   EXPECT_THAT(Found(), ElementsAre("mark a", "probe a"));
   RunFor(Milliseconds(60));
@@ -237,7 +237,7 @@ TEST_F(Monitor, ForgivesItsOwnLatenessOnceAndGivesTimeToAnswer) {
 
 TEST_F(Monitor, ForgivesItsOwnLatenessAgainOnceAnybodyIsHeard) {
   Watch(0, true);
-  beats_[0] = false;
+  heartbeats_[0] = false;
   for (int i = 0; i < 2; ++i) {
     now_ += std::chrono::seconds(10);
     Take(monitor_.TimePassed(now_));
@@ -250,7 +250,7 @@ TEST_F(Monitor, ForgivesItsOwnLatenessAgainOnceAnybodyIsHeard) {
 TEST_F(Monitor, ForgivesALatenessThatIsMoreThanALoopsOwn) {
   for (const int late_ms : {20, 21}) {
     Watch(0, true);
-    beats_[0] = false;
+    heartbeats_[0] = false;
     now_ = *monitor_.NextDeadline() + Milliseconds(late_ms);
     Take(monitor_.TimePassed(now_));
     const auto at_once = std::vector<std::string>{"mark a", "probe a"};
@@ -260,10 +260,10 @@ TEST_F(Monitor, ForgivesALatenessThatIsMoreThanALoopsOwn) {
 
 TEST_F(Monitor, CallsOneWellThatHasKeptUpForTwoSeconds) {
   Watch(0, true);
-  Take(monitor_.Heard(0, kFirst, Beat{kBeat, Health::kStarved, "", {}, {}}, now_));
-  Take(monitor_.Heard(0, kFirst, beat_[0], now_ + Milliseconds(1999)));
+  Take(monitor_.Heard(0, kFirst, Heartbeat{kHeartbeat, Health::kStarved, "", {}, {}}, now_));
+  Take(monitor_.Heard(0, kFirst, heartbeat_[0], now_ + Milliseconds(1999)));
   EXPECT_THAT(Found(), ElementsAre("a starved"));
-  Take(monitor_.Heard(0, kFirst, beat_[0], now_ + Milliseconds(2000)));
+  Take(monitor_.Heard(0, kFirst, heartbeat_[0], now_ + Milliseconds(2000)));
   EXPECT_THAT(Found(), ElementsAre("a well"));
 }
 
@@ -273,7 +273,7 @@ TEST_F(Monitor, AsksAtHalfTheLimitAlsoWhoHasNotBeatenYet) {
 }
 
 TEST_F(Monitor, WatchesNobodyForASignOfNobodyAndTheFirstThereIs) {
-  Take(monitor_.Heard(0, 0, Beat{kBeat, Health::kHung, "", {}, {}}, now_));
+  Take(monitor_.Heard(0, 0, Heartbeat{kHeartbeat, Health::kHung, "", {}, {}}, now_));
   Take(monitor_.Heard(0, 0, now_));
   EXPECT_FALSE(monitor_.NextDeadline());
   EXPECT_THAT(Found(), IsEmpty());
@@ -281,27 +281,27 @@ TEST_F(Monitor, WatchesNobodyForASignOfNobodyAndTheFirstThereIs) {
   now_ += Milliseconds(10);
   Take(monitor_.Heard(0, 1, now_));
   EXPECT_EQ(monitor_.NextDeadline(), now_ + Milliseconds(750));
-  Take(monitor_.Heard(0, 1, beat_[0], now_));
+  Take(monitor_.Heard(0, 1, heartbeat_[0], now_));
   EXPECT_EQ(monitor_.NextDeadline(), now_ + Milliseconds(150));
 }
 
 TEST_F(Monitor, IsNotForeverForgivingWhenItIsAlwaysLate) {
   Watch(0, true);
-  beats_[0] = false;
+  heartbeats_[0] = false;
   RunFor(std::chrono::seconds(3), Milliseconds(50));
   EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
 }
 
 TEST_F(Monitor, TellsTheWorkThreadsVerdictAndItsState) {
   Watch(0, true);
-  beat_[0] = {kBeat, Health::kHung, "Active", Milliseconds(512), {}};
+  heartbeat_[0] = {kHeartbeat, Health::kHung, "Active", Milliseconds(512), {}};
   RunFor(Milliseconds(200));
   EXPECT_THAT(Found(), ElementsAre("a hung"));
   EXPECT_EQ(how_, "in Active it gave no checkpoint for 512 ms");
   answers_[0] = true;
   Take(monitor_.Heard(0, kFirst, now_));
   EXPECT_THAT(Found(), IsEmpty()) << "that it answers says nothing of its work";
-  beat_[0] = {kBeat, Health::kWell, "", {}, {}};
+  heartbeat_[0] = {kHeartbeat, Health::kWell, "", {}, {}};
   RunFor(Milliseconds(200));
   EXPECT_THAT(Found(), ElementsAre("a well"));
 }
@@ -318,19 +318,19 @@ TEST_F(Monitor, NeverJudgesOneOfAProtocolWithoutBeats) {
 TEST_F(Monitor, ForgetsOneWhoseProcessHasEndedAndIgnoresItsLastWords) {
   Watch(0, true);
   monitor_.Forget(0);
-  beats_[0] = false;
-  Take(monitor_.Heard(0, kFirst, beat_[0], now_));
+  heartbeats_[0] = false;
+  Take(monitor_.Heard(0, kFirst, heartbeat_[0], now_));
   RunFor(std::chrono::hours(1));
   EXPECT_THAT(Found(), IsEmpty());
 }
 
 TEST_F(Monitor, StartsAnewWithASuccessor) {
   Watch(0, true);
-  beats_[0] = false;
+  heartbeats_[0] = false;
   RunFor(Milliseconds(390));
   Found();
   monitor_.Watch(0, kFirst + 1, "here", true, now_);
-  Take(monitor_.Heard(0, kFirst, beat_[0], now_));  // a word of the one before
+  Take(monitor_.Heard(0, kFirst, heartbeat_[0], now_));  // a word of the one before
   RunFor(Milliseconds(390));
   EXPECT_THAT(Found(), ::testing::Not(::testing::Contains("a hung, silent")));
 }
@@ -344,8 +344,8 @@ TEST_F(Monitor, JudgesOneThatIsSilentFromItsFirstMoment) {
 TEST_F(Monitor, IsNeverAskedToWaitForeverByAStrangePeriod) {
   for (const Duration period : {Duration(std::chrono::hours(1000)), Duration::max()}) {
     Watch(0, true);
-    beats_[0] = false;
-    Take(monitor_.Heard(0, kFirst, Beat{period, Health::kWell, "", {}, {}}, now_));
+    heartbeats_[0] = false;
+    Take(monitor_.Heard(0, kFirst, Heartbeat{period, Health::kWell, "", {}, {}}, now_));
     RunFor(std::chrono::seconds(59));
     EXPECT_THAT(Found(), ::testing::Not(::testing::Contains("a hung, silent")));
     RunFor(std::chrono::seconds(2));
@@ -356,30 +356,30 @@ TEST_F(Monitor, IsNeverAskedToWaitForeverByAStrangePeriod) {
 TEST_F(Monitor, ComputesWithNoPeriodThatIsNone) {
   for (const std::int64_t period : {INT64_MIN, std::int64_t{-1}, std::int64_t{1} << 62}) {
     Watch(0, true);
-    beats_[0] = false;
-    Take(monitor_.Heard(0, kFirst, Beat{Duration(period), Health::kWell, "", {}, {}}, now_));
+    heartbeats_[0] = false;
+    Take(monitor_.Heard(0, kFirst, Heartbeat{Duration(period), Health::kWell, "", {}, {}}, now_));
     RunFor(period < 0 ? Milliseconds(50) : Duration(std::chrono::seconds(61)));
     EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
   }
 }
 
-TEST(BeatPeriod, OfAControllerIsShortWhereHostsAreSeveral) {
+TEST(HeartbeatPeriod, OfAControllerIsShortWhereHostsAreSeveral) {
   MachineConfig config = MachineOf(1);
   EXPECT_EQ(ControllerBeatPeriod(config), Milliseconds(500));
   config.transport = TransportProfile::kLan;
   EXPECT_EQ(ControllerBeatPeriod(config), Milliseconds(125));
 }
 
-TEST(BeatPeriod, IsHalfOfTheCheckpointWithinBounds) {
+TEST(HeartbeatPeriod, IsHalfOfTheCheckpointWithinBounds) {
   MachineConfig config = MachineOf(1);
-  EXPECT_EQ(BeatPeriod(config, 0), Milliseconds(500));
+  EXPECT_EQ(HeartbeatPeriod(config, 0), Milliseconds(500));
   config.actuators[0].checkpoint = Milliseconds(400);
-  EXPECT_EQ(BeatPeriod(config, 0), Milliseconds(200));
+  EXPECT_EQ(HeartbeatPeriod(config, 0), Milliseconds(200));
   config.actuators[0].checkpoint = Milliseconds(1);
-  EXPECT_EQ(BeatPeriod(config, 0), Milliseconds(10));
+  EXPECT_EQ(HeartbeatPeriod(config, 0), Milliseconds(10));
   config.actuators[0].checkpoint = std::chrono::hours(1);
   config.transport = TransportProfile::kLan;
-  EXPECT_EQ(BeatPeriod(config, 0), Milliseconds(125));
+  EXPECT_EQ(HeartbeatPeriod(config, 0), Milliseconds(125));
 }
 
 }  // namespace musher::testing::health_monitor_test

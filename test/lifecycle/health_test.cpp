@@ -10,18 +10,18 @@ namespace musher::health_test {
 constexpr Duration kAllowed = Milliseconds(100);
 
 TEST(Silence, IsNobodysFaultWithinTheAllowance) {
-  EXPECT_EQ(JudgeSilence(Milliseconds(99), kAllowed, {}), Health::kWell);
-  EXPECT_EQ(JudgeSilence(Milliseconds(100), kAllowed, {}), Health::kWell);
+  EXPECT_EQ(EvaluateSilence(Milliseconds(99), kAllowed, {}), Health::kWell);
+  EXPECT_EQ(EvaluateSilence(Milliseconds(100), kAllowed, {}), Health::kWell);
 }
 
 TEST(Silence, BeyondTheAllowanceIsAHangOfOneThatCouldRun) {
-  EXPECT_EQ(JudgeSilence(Milliseconds(101), kAllowed, {}), Health::kHung);
-  EXPECT_EQ(JudgeSilence(Milliseconds(200), kAllowed, Milliseconds(99)), Health::kHung);
+  EXPECT_EQ(EvaluateSilence(Milliseconds(101), kAllowed, {}), Health::kHung);
+  EXPECT_EQ(EvaluateSilence(Milliseconds(200), kAllowed, Milliseconds(99)), Health::kHung);
 }
 
 TEST(Silence, OfOneThatWaitedForACpuDoesNotCount) {
-  EXPECT_EQ(JudgeSilence(Milliseconds(200), kAllowed, Milliseconds(100)), Health::kStarved);
-  EXPECT_EQ(JudgeSilence(std::chrono::hours(1), kAllowed, std::chrono::hours(1)), Health::kStarved);
+  EXPECT_EQ(EvaluateSilence(Milliseconds(200), kAllowed, Milliseconds(100)), Health::kStarved);
+  EXPECT_EQ(EvaluateSilence(std::chrono::hours(1), kAllowed, std::chrono::hours(1)), Health::kStarved);
 }
 
 TEST(Silence, IsNamedInOneWord) {
@@ -42,7 +42,7 @@ RC_GTEST_PROP(SilenceProperty, WaitingLongerForACpuNeverMakesTheVerdictWorse, ()
   Duration less = AnyDuration();
   Duration more = AnyDuration();
   if (less > more) std::swap(less, more);
-  RC_ASSERT(JudgeSilence(silent, allowance, more) <= JudgeSilence(silent, allowance, less));
+  RC_ASSERT(EvaluateSilence(silent, allowance, more) <= EvaluateSilence(silent, allowance, less));
 }
 
 RC_GTEST_PROP(SilenceProperty, LongerSilenceNeverMakesTheVerdictBetter, ()) {
@@ -51,7 +51,7 @@ RC_GTEST_PROP(SilenceProperty, LongerSilenceNeverMakesTheVerdictBetter, ()) {
   Duration less = AnyDuration();
   Duration more = AnyDuration();
   if (less > more) std::swap(less, more);
-  RC_ASSERT(JudgeSilence(less, allowance, waited) <= JudgeSilence(more, allowance, waited));
+  RC_ASSERT(EvaluateSilence(less, allowance, waited) <= EvaluateSilence(more, allowance, waited));
 }
 
 }  // namespace musher::health_test

@@ -6,7 +6,7 @@
 
 #include "musher/lifecycle/code.hpp"
 #include "musher/lifecycle/machine.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::testing::plan_test {
 

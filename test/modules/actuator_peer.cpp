@@ -48,10 +48,10 @@ ActuatorPeer::ActuatorPeer(std::string actuator, const std::vector<std::string>&
                 },
                 transport::kLatchedFromManyQos)
                 .value();
-  beats_ = transport::MakePublisher<msg::ControllerBeat>(*node_, transport::ControllerBeatTopic(""),
+  heartbeats_ = transport::MakePublisher<msg::ControllerBeat>(*node_, transport::ControllerBeatTopic(""),
                                                          transport::kLatchedQos)
                .value();
-  static_cast<void>(beats_->Publish({"robot", 1, 1, "", getpid(), 0}));
+  static_cast<void>(heartbeats_->Publish({"robot", 1, 1, "", getpid(), 0}));
   client_ =
       transport::MakeClient<msg::ActuatorCommand>(*node_, transport::CommandService("", actuator_))
           .value();

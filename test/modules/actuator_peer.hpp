@@ -11,7 +11,7 @@
 
 #include "musher/lifecycle/report.hpp"
 #include "musher/messages/musher_msgs/actuator_command.hpp"
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/modules/exec/child.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/transport/dds/dds_node.hpp"
@@ -76,7 +76,7 @@ class ActuatorPeer {
   std::optional<Reply> reply_;
   std::optional<Reply> answer_;  // to the question
   std::unique_ptr<transport::Subscription> status_;
-  std::unique_ptr<transport::Publisher<msg::ControllerBeat>> beats_;
+  std::unique_ptr<transport::Publisher<msg::ControllerBeat>> heartbeats_;
   std::unique_ptr<transport::Client<msg::ActuatorCommand>> client_;
   std::optional<exec::Child> process_;
 };

@@ -17,7 +17,7 @@ from collections import Counter
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 WALK = "RandomWalk.LeavesEverybodyWhereTheyBelongAndAnswersEverybody"
-FAULTS = "*/Stories.KeepEveryPromise/*"
+FAULTS = "*/Scenarios.HoldEveryInvariant/*"
 MIXED = "SeededFaultsAmongProtocols.LeaveTheMachineInOneStateOnceTheyHaveCeased"
 MEMORY = 2 << 30  # bytes, of one run; a mutant may want more and more
 
@@ -52,7 +52,7 @@ class Runs:
         """Which tests come by which mutants, and how long each stage takes without one."""
         self.by, self.stages = {}, []
         path = os.path.join(self.folder, "reached.txt")
-        others = "*-Stories.*:" + ":".join(self.seeds)
+        others = "*-Scenarios.*:" + ":".join(self.seeds)
         for tests, seeds in [(others, 0), *self.seeds.items()]:
             code, output, took = self.run(tests, seeds=seeds, limit=600, reached=path)
             if code != 0:

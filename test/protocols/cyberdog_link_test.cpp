@@ -2,7 +2,7 @@
 
 #include "musher/lifecycle/code.hpp"
 #include "musher/test/protocols/cyberdog_module.hpp"
-#include "musher/test/protocols/link_stage.hpp"
+#include "musher/test/protocols/link_harness.hpp"
 
 namespace musher::testing::cyberdog_link_test {
 
@@ -17,9 +17,9 @@ class DrivingACyberdogModule : public LinkStage {
     StartModule("a");
   }
 
-  void StartModule(const std::string& beats_as, Duration set_up_takes = Milliseconds(5)) {
+  void StartModule(const std::string& heartbeats_as, Duration set_up_takes = Milliseconds(5)) {
     process_ = network_.MakeNode("robot");
-    module_ = std::make_unique<CyberdogModule>(*process_, "", "a", beats_as, set_up_takes);
+    module_ = std::make_unique<CyberdogModule>(*process_, "", "a", heartbeats_as, set_up_takes);
   }
   void EndModule() {
     module_ = nullptr;

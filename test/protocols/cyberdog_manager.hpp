@@ -33,10 +33,10 @@ class CyberdogManager {
                              node, transport::ResolveName(name_space, module + "machine_service"))
                              .value());
     }
-    beats_ = transport::MakeSubscription<msg::Heartbeats>(
+    heartbeats_ = transport::MakeSubscription<msg::Heartbeats>(
                  node, transport::ResolveName(name_space, "manager_heartbeats"),
-                 [this](const msg::Heartbeats& beat, const transport::SampleInfo&) {
-                   ++heard[beat.name];
+                 [this](const msg::Heartbeats& heartbeat, const transport::SampleInfo&) {
+                   ++heard[heartbeat.name];
                  },
                  transport::kDefaultQos)
                  .value();
@@ -74,7 +74,7 @@ class CyberdogManager {
   std::vector<std::string> modules_;
   Duration timeout_;
   std::vector<std::unique_ptr<transport::Client<msg::FsMachine>>> clients_;
-  std::unique_ptr<transport::Subscription> beats_;
+  std::unique_ptr<transport::Subscription> heartbeats_;
 };
 
 }  // namespace musher::testing

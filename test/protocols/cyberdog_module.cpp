@@ -6,18 +6,18 @@
 namespace musher::testing {
 
 CyberdogModule::CyberdogModule(transport::Node& node, std::string name_space, std::string name,
-                               std::string beats_as, Duration set_up_takes)
+                               std::string heartbeats_as, Duration set_up_takes)
     : node_(node),
       name_space_(std::move(name_space)),
       name_(std::move(name)),
-      beats_as_(std::move(beats_as)) {
+      heartbeats_as_(std::move(heartbeats_as)) {
   end_ = node.loop().At(node.loop().Now() + set_up_takes, [this] { Open(); });
-  if (beats_as_.empty()) return;
+  if (heartbeats_as_.empty()) return;
   heartbeats_ = transport::MakePublisher<msg::Heartbeats>(
                     node, transport::ResolveName(name_space_, "manager_heartbeats"),
                     transport::kSystemDefaultQos)
                     .value();
-  beat_ = node.loop().Every(Milliseconds(500), [this] { Beat(); });
+  heartbeat_ = node.loop().Every(Milliseconds(500), [this] { Heartbeat(); });
 }
 
 void CyberdogModule::Open() {
@@ -51,11 +51,11 @@ void CyberdogModule::Run(const std::string& state, const Reply& reply) {
   });
 }
 
-void CyberdogModule::Beat() {
-  if (!beats || (busy_ && !beats_while_busy)) return;
-  msg::Heartbeats beat;
-  beat.name = beats_as_;
-  static_cast<void>(heartbeats_->Publish(beat));
+void CyberdogModule::Heartbeat() {
+  if (!beats || (busy_ && !heartbeats_while_busy)) return;
+  msg::Heartbeats heartbeat;
+  heartbeat.name = heartbeats_as_;
+  static_cast<void>(heartbeats_->Publish(heartbeat));
 }
 
 }  // namespace musher::testing

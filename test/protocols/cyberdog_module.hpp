@@ -24,13 +24,13 @@ class CyberdogModule {
 
   // `beats_as` empty: it does not beat.
   CyberdogModule(transport::Node& node, std::string name_space, std::string name,
-                 std::string beats_as, Duration set_up_takes = Milliseconds(5));
+                 std::string heartbeats_as, Duration set_up_takes = Milliseconds(5));
 
   std::map<std::string, Callback> script;
   std::vector<std::string> unknown_states;  // those not in its table
   int lost_replies = 0;                     // so many of the next are not sent
   bool beats = true;
-  bool beats_while_busy = false;
+  bool heartbeats_while_busy = false;
 
   const std::vector<std::string>& log() const { return log_; }  // the callbacks that were begun
 
@@ -40,18 +40,18 @@ class CyberdogModule {
   void Open();
   void Next();
   void Run(const std::string& state, const Reply& reply);
-  void Beat();
+  void Heartbeat();
 
   transport::Node& node_;
   const std::string name_space_;
   const std::string name_;
-  const std::string beats_as_;
+  const std::string heartbeats_as_;
   bool busy_ = false;
   std::deque<std::pair<std::string, Reply>> queue_;
   std::vector<std::string> log_;
   std::unique_ptr<transport::Publisher<msg::Heartbeats>> heartbeats_;
   std::unique_ptr<transport::Server<msg::FsMachine>> server_;
-  transport::LoopHandlePtr beat_;
+  transport::LoopHandlePtr heartbeat_;
   transport::LoopHandlePtr end_;
 };
 

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "musher/simulation/robot.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/test/protocols/cyberdog_manager.hpp"
 #include "musher/test/protocols/cyberdog_module.hpp"
 #include "musher/test/protocols/ros_managed_node.hpp"

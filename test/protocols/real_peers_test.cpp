@@ -11,7 +11,7 @@
 #include "musher/controller/link/actuator_link.hpp"
 #include "musher/controller/machine_controller.hpp"
 #include "musher/test/actuator/robot_file.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/test/protocols/cyberdog_manager.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/linux_event_loop.hpp"

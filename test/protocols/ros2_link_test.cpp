@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "musher/lifecycle/code.hpp"
-#include "musher/test/protocols/link_stage.hpp"
+#include "musher/test/protocols/link_harness.hpp"
 #include "musher/test/protocols/ros_managed_node.hpp"
 
 namespace musher::testing::ros2_link_test {

@@ -1,6 +1,6 @@
 // Schedules of faults drawn from seeds against a machine of three CyberDog modules and three ROS 2
 // nodes beside one actuator of ours; then quiet, and all of them are in one state. MUSHER_SEED=n
-// runs one seed and tells its story; MUSHER_SEEDS=n runs that many.
+// runs one seed and tells its scenario; MUSHER_SEEDS=n runs that many.
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 #include <iostream>
 
 #include "musher/simulation/robot.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/test/protocols/cyberdog_module.hpp"
 #include "musher/test/protocols/ros_managed_node.hpp"
 
@@ -20,9 +20,9 @@ using transport::sim::LinkFaults;
 using transport::sim::Random;
 using Outcome = RosManagedNode::Outcome;
 
-class MixedStory {
+class MixedScenario {
  public:
-  explicit MixedStory(std::uint64_t seed) : dice_(seed), robot_(seed, Config()) {
+  explicit MixedScenario(std::uint64_t seed) : random_(seed), robot_(seed, Config()) {
     for (const ActuatorConfig& actuator : robot_.config().actuators) {
       const std::string name = actuator.name;
       if (actuator.protocol == Protocol::kCyberdog) {
@@ -97,24 +97,24 @@ class MixedStory {
       ros->tells_events = !Draw(0.2);
     }
   }
-  bool Draw(double chance) { return faulty_ && dice_.Chance(chance); }
+  bool Draw(double chance) { return faulty_ && random_.Chance(chance); }
 
   void TakeATurn() {
     DrawFaults();
     static const std::vector<State> kTargets = {"Active", "Protected", "LowPower", "DeActive",
                                                 "OTA"};
-    const State target = kTargets[dice_.Next() % kTargets.size()];
-    const std::string& victim = robot_.config().actuators[dice_.Next() % 7].name;
-    if (dice_.Chance(0.1)) robot_.network().Partition("controller", victim);
-    if (dice_.Chance(0.15)) robot_.CrashActuator(victim);
-    if (dice_.Chance(0.1)) {
+    const State target = kTargets[random_.Next() % kTargets.size()];
+    const std::string& victim = robot_.config().actuators[random_.Next() % 7].name;
+    if (random_.Chance(0.1)) robot_.network().Partition("controller", victim);
+    if (random_.Chance(0.15)) robot_.CrashActuator(victim);
+    if (random_.Chance(0.1)) {
       robot_.CrashController();
       robot_.RunFor(Milliseconds(50));
       robot_.StartController();
       robot_.RunUntil([this] { return robot_.machine().phase != Phase::kStarting; });
     }
     ASSERT_TRUE(robot_.Set(target)) << "every switch has an end";
-    if (dice_.Chance(0.5)) HealAll();
+    if (random_.Chance(0.5)) HealAll();
   }
 
   void HealAll() {
@@ -160,7 +160,7 @@ class MixedStory {
     for (const auto& [name, ros] : nodes_) EXPECT_EQ(ros->state(), Ros2State::kInactive) << name;
   }
 
-  Random dice_;
+  Random random_;
   bool faulty_ = true;
   std::map<std::string, CyberdogModule*> modules_;
   std::map<std::string, RosManagedNode*> nodes_;
@@ -176,9 +176,9 @@ TEST(SeededFaultsAmongProtocols, LeaveTheMachineInOneStateOnceTheyHaveCeased) {
   const std::uint64_t only = Environment("MUSHER_SEED", 0);
   const std::uint64_t last = only != 0 ? only : Environment("MUSHER_SEEDS", 500);
   for (std::uint64_t seed = only != 0 ? only : 1; seed <= last; ++seed) {
-    MixedStory story(seed);
-    story.Run();
-    if (only != 0 || HasFailure()) story.Tell();
+    MixedScenario scenario(seed);
+    scenario.Run();
+    if (only != 0 || HasFailure()) scenario.Tell();
     ASSERT_FALSE(HasFailure()) << "again with: MUSHER_SEED=" << seed << " protocol_test";
   }
 }

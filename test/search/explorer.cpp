@@ -50,7 +50,7 @@ class Explorer {
     if (IsQuiet(node.world, choices)) {
       ++searched_.figures.leaves;
       Notes notes;
-      JudgeRest(model_, node.world, notes);
+      CheckRest(model_, node.world, notes);
       if (!notes.wrong.empty()) return Tell(node.id, std::nullopt, std::move(notes));
     }
     for (std::uint32_t k = 0; k < choices.size(); ++k) {
@@ -107,8 +107,8 @@ Searched SearchAll(const Model& model, const World& root) {
   return searched;
 }
 
-std::string StoryOf(const Model& model, const World& root, const std::string& path) {
-  std::string story;
+std::string ScenarioOf(const Model& model, const World& root, const std::string& path) {
+  std::string scenario;
   World world = root;
   std::istringstream steps(path);
   Notes notes;
@@ -116,13 +116,13 @@ std::string StoryOf(const Model& model, const World& root, const std::string& pa
   for (std::string step; std::getline(steps, step, '.');) {
     const std::vector<Choice> choices = Choices(model, world);
     const std::size_t k = std::stoul(step);
-    if (k >= choices.size()) return story + "(there is no choice " + step + " here)\n";
+    if (k >= choices.size()) return scenario + "(there is no choice " + step + " here)\n";
     Make(model, world, choices[k], notes);
   }
-  if (IsQuiet(world, Choices(model, world))) JudgeRest(model, world, notes);
-  for (const std::string& sentence : notes.story) story += "  " + sentence + "\n";
-  for (const std::string& wrong : notes.wrong) story += "WRONG: " + wrong + "\n";
-  return story;
+  if (IsQuiet(world, Choices(model, world))) CheckRest(model, world, notes);
+  for (const std::string& sentence : notes.scenario) scenario += "  " + sentence + "\n";
+  for (const std::string& wrong : notes.wrong) scenario += "WRONG: " + wrong + "\n";
+  return scenario;
 }
 
 }  // namespace musher::search

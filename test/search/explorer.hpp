@@ -1,5 +1,5 @@
 #pragma once
-// The search: breadth first, so that the story of a fault is as short as it can be.
+// The search: breadth first, so that the scenario of a fault is as short as it can be.
 
 #include <cstdint>
 #include <optional>
@@ -20,7 +20,7 @@ struct Figures {
   Figures& operator+=(const Figures& other);
 };
 
-// A way to something that must not be: by it the story can be told again.
+// A way to something that must not be: by it the scenario can be told again.
 struct Fault {
   std::vector<std::string> wrong;
   std::string path;  // "0.3.1": which of Choices() was made in each node
@@ -35,6 +35,6 @@ struct Searched {
 Searched SearchAll(const Model& model, const World& root);
 
 // What happens on this path, and what is wrong there, in sentences.
-std::string StoryOf(const Model& model, const World& root, const std::string& path);
+std::string ScenarioOf(const Model& model, const World& root, const std::string& path);
 
 }  // namespace musher::search

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/test/search/stage.hpp"
+#include "musher/test/search/harness.hpp"
 
 namespace musher::search {
 namespace {
@@ -41,7 +41,7 @@ bool IsWaitedFor(const World& world, const ActuatorRecord& record, const Actuato
 // Whether nobody waits for this reply any more, and the latch tells as much.
 bool IsOver(const World& world, const Actor& actor, const ActuatorRecord& record,
             const event::Replied& reply) {
-  const bool waited = (record.order && record.order->number == reply.number) || record.claim_again;
+  const bool waited = (record.order && record.order->number == reply.number) || record.take_control_again;
   const bool told = actor.status_due && SaysTheSame(actor.core.report, reply.report) &&
                     actor.core.report.emergency_stop == reply.report.emergency_stop;
   return !waited && record.presence == Presence::kPresent &&
@@ -49,10 +49,10 @@ bool IsOver(const World& world, const Actor& actor, const ActuatorRecord& record
 }
 
 // What nobody waits for is put away, so that nodes which differ by it alone are one.
-void Tidy(Stage& stage) {
-  World& world = stage.world();
+void Tidy(Harness& harness) {
+  World& world = harness.world();
   if (world.faults_left == 0) {
-    for (const Message& message : std::exchange(world.outbox, {})) stage.Deliver(message, false);
+    for (const Message& message : std::exchange(world.outbox, {})) harness.Deliver(message, false);
   }
   const bool stopped = world.machine.phase == Phase::kStopped;
   for (std::size_t i = 0; i < kActuators; ++i) {
@@ -74,8 +74,8 @@ void Tidy(Stage& stage) {
 
 class Making {
  public:
-  Making(Stage& stage, const Choice& choice)
-      : stage_(stage), world_(stage.world()), choice_(choice), i_(choice.actuator) {}
+  Making(Harness& harness, const Choice& choice)
+      : harness_(harness), world_(harness.world()), choice_(choice), i_(choice.actuator) {}
 
   void Make() {
     world_.faults_left -= choice_.cost;
@@ -90,14 +90,14 @@ class Making {
 
  private:
   Actor& actor() { return world_.actors[i_]; }
-  std::string name() const { return stage_.Name(i_); }
+  std::string name() const { return harness_.Name(i_); }
   State target() { return actor().core.report.target; }
 
   void Simple() {
     switch (choice_.deed) {
       case Deed::kAsk:
         world_.at_start = false;
-        return stage_.Ask(stage_.Wanted());
+        return harness_.Ask(harness_.Wanted());
       case Deed::kDeliver:
         return Sent();
       case Deed::kEndOk:
@@ -109,54 +109,54 @@ class Making {
       case Deed::kStatus:
         return Status();
       case Deed::kEnd:
-        stage_.Say("the end of " + name() + "'s process is heard of");
-        return stage_.TellEnd(i_);
+        harness_.Say("the end of " + name() + "'s process is heard of");
+        return harness_.TellEnd(i_);
       case Deed::kSeeStop:
-        stage_.Say("the controller hears of the emergency stop");
+        harness_.Say("the controller hears of the emergency stop");
         world_.stop_seen_due = false;
-        return stage_.Tell(event::EmergencyStopSeen{{5, "somebody", ""}});
+        return harness_.Tell(event::EmergencyStopSeen{{5, "somebody", ""}});
       case Deed::kCrash:
-        stage_.Say("FAULT: " + name() + " crashes");
-        return stage_.Crash(i_);
+        harness_.Say("FAULT: " + name() + " crashes");
+        return harness_.Crash(i_);
       case Deed::kRestart:
-        stage_.Say("FAULT: the controller dies, and another takes over");
-        return stage_.RestartController();
+        harness_.Say("FAULT: the controller dies, and another takes over");
+        return harness_.RestartController();
       case Deed::kAskError:
-        stage_.Say("CROSSED by a more urgent request");
-        return stage_.Ask(State(kError));
+        harness_.Say("CROSSED by a more urgent request");
+        return harness_.Ask(State(kError));
       case Deed::kAskTearDown:
-        stage_.Say("CROSSED by a more urgent request");
-        return stage_.Ask(State(kTearDown));
+        harness_.Say("CROSSED by a more urgent request");
+        return harness_.Ask(State(kTearDown));
       case Deed::kEngageStopLate:
-        stage_.Say("CROSSED by an emergency stop; FAULT: held back: what tells " + name());
+        harness_.Say("CROSSED by an emergency stop; FAULT: held back: what tells " + name());
         actor().late.emplace_back(StopMessage{});
-        return stage_.EngageStop(i_);
+        return harness_.EngageStop(i_);
       default:
-        stage_.Say("CROSSED by an emergency stop");
-        return stage_.EngageStop();
+        harness_.Say("CROSSED by an emergency stop");
+        return harness_.EngageStop();
     }
   }
 
   void PassTime() {
-    const Time next = *NextDeadline(stage_.config(), world_.machine);
-    stage_.Say(std::to_string(ToMilliseconds(next - world_.now)) + " ms pass");
+    const Time next = *NextDeadline(harness_.config(), world_.machine);
+    harness_.Say(std::to_string(ToMilliseconds(next - world_.now)) + " ms pass");
     world_.now = std::max(world_.now, next);
     for (std::size_t k = 0; k < kActuators; ++k) {
       if (world_.actors[k].work != Work::kRunning) continue;
-      stage_.Say("FAULT: " + stage_.Name(k) + "'s callback is overdue");
+      harness_.Say("FAULT: " + harness_.Name(k) + "'s callback is overdue");
       world_.actors[k].work = Work::kOverdue;
     }
-    stage_.Tell(event::TimePassed{});
+    harness_.Tell(event::TimePassed{});
   }
 
   void TakeLate() {
     const Late late = actor().late[choice_.index];
     actor().late.erase(actor().late.begin() + choice_.index);
-    stage_.Say("what was held back comes: " + Text(late));
-    if (const auto* message = std::get_if<Message>(&late)) return stage_.Deliver(*message, true);
-    if (const auto* reply = std::get_if<event::Replied>(&late)) return stage_.Tell(*reply);
-    if (const auto* seen = std::get_if<event::StatusSeen>(&late)) return stage_.Tell(*seen);
-    stage_.HearStop(i_);
+    harness_.Say("what was held back comes: " + Text(late));
+    if (const auto* message = std::get_if<Message>(&late)) return harness_.Deliver(*message, true);
+    if (const auto* reply = std::get_if<event::Replied>(&late)) return harness_.Tell(*reply);
+    if (const auto* seen = std::get_if<event::StatusSeen>(&late)) return harness_.Tell(*seen);
+    harness_.HearStop(i_);
   }
 
   std::string Text(const Late& late) const {
@@ -167,10 +167,10 @@ class Making {
   }
   std::string Text(const Message& message) const {
     if (const auto* command = std::get_if<SwitchCommand>(&message.what)) {
-      return "command " + std::to_string(command->number) + " to " + stage_.Name(message.to) +
+      return "command " + std::to_string(command->number) + " to " + harness_.Name(message.to) +
              ", " + command->target;
     }
-    return "the question to " + stage_.Name(message.to) + " about " +
+    return "the question to " + harness_.Name(message.to) + " about " +
            std::to_string(std::get<AskCommand>(message.what).number);
   }
   std::string Text(const event::Replied& reply) const {
@@ -183,20 +183,20 @@ class Making {
     world_.outbox.erase(world_.outbox.begin());
     switch (choice_.deed) {
       case Deed::kLose:
-        return stage_.Say("FAULT: lost: " + Text(message));
+        return harness_.Say("FAULT: lost: " + Text(message));
       case Deed::kHold:
         actor().late.emplace_back(message);
-        return stage_.Say("FAULT: held back: " + Text(message));
+        return harness_.Say("FAULT: held back: " + Text(message));
       case Deed::kDouble:
         actor().late.emplace_back(message);
-        stage_.Say("FAULT: comes twice: " + Text(message));
-        return stage_.Deliver(message, false);
+        harness_.Say("FAULT: comes twice: " + Text(message));
+        return harness_.Deliver(message, false);
       case Deed::kUnheard:
-        stage_.Say("FAULT: before the controller was heard of: " + Text(message));
-        return stage_.Deliver(message, false, false);
+        harness_.Say("FAULT: before the controller was heard of: " + Text(message));
+        return harness_.Deliver(message, false, false);
       default:
-        stage_.Say(Text(message));
-        return stage_.Deliver(message, false);
+        harness_.Say(Text(message));
+        return harness_.Deliver(message, false);
     }
   }
 
@@ -204,20 +204,20 @@ class Making {
     const bool failed = choice_.deed == Deed::kEndFailed;
     const bool asked = choice_.deed == Deed::kEndAsked;
     const bool overtaken = !actor().replies.empty();
-    stage_.Say((failed ? "FAULT: " : "") + name() + "'s callback of " + target() +
+    harness_.Say((failed ? "FAULT: " : "") + name() + "'s callback of " + target() +
                (failed  ? " fails"
                 : asked ? " ends because it was asked to stop"
                         : " ends"));
-    stage_.EndCallback(i_, failed || asked ? kFailure : 0, asked ? "asked to stop" : "");
+    harness_.EndCallback(i_, failed || asked ? kFailure : 0, asked ? "asked to stop" : "");
     if (choice_.deed == Deed::kEndCrash) {
-      stage_.Say("FAULT: and its process, which is heard before its reply");
+      harness_.Say("FAULT: and its process, which is heard before its reply");
       Move(true);
-      return stage_.Crash(i_);
+      return harness_.Crash(i_);
     }
     if (choice_.deed == Deed::kEndFirst) {
-      stage_.Say("and its process, which is heard before its reply");
-      if (actor().end) stage_.TellEnd(i_);
-      actor().status_due = false;  // heard after the end, it is not heeded
+      harness_.Say("and its process, which is heard before its reply");
+      if (actor().end) harness_.TellEnd(i_);
+      actor().status_due = false;  // heard after the end, it is not handled
       return;
     }
     if (!actor().replies.empty() && !overtaken) Reply();
@@ -235,43 +235,43 @@ class Making {
     switch (choice_.deed) {
       case Deed::kReplyLost:
       case Deed::kEndReplyLost:
-        stage_.Say("FAULT: lost: " + text);
+        harness_.Say("FAULT: lost: " + text);
         return Move(false);
       case Deed::kReplyHeld:
       case Deed::kEndReplyHeld:
-        stage_.Say("FAULT: held back: " + text);
+        harness_.Say("FAULT: held back: " + text);
         return Move(true);
       case Deed::kReplyDoubled:
       case Deed::kEndReplyDoubled:
-        stage_.Say("FAULT: comes twice: " + text);
+        harness_.Say("FAULT: comes twice: " + text);
         actor().late.emplace_back(actor().replies.front());
-        return stage_.TellReply(i_);
+        return harness_.TellReply(i_);
       default:
-        stage_.Say(text + " comes");
-        return stage_.TellReply(i_);
+        harness_.Say(text + " comes");
+        return harness_.TellReply(i_);
     }
   }
 
   void Status() {
     const std::string text = name() + "'s status, " + actor().core.report.state;
     if (choice_.deed == Deed::kStatus) {
-      stage_.Say(text);
-      return stage_.TellStatus(i_);
+      harness_.Say(text);
+      return harness_.TellStatus(i_);
     }
     const bool twice = choice_.deed == Deed::kStatusDoubled;
     const bool lost = choice_.deed == Deed::kStatusLost;
-    stage_.Say((lost    ? "FAULT: lost: "
+    harness_.Say((lost    ? "FAULT: lost: "
                 : twice ? "FAULT: comes twice: "
                         : "FAULT: held back: ") +
                text);
     actor().status_due = false;
     if (lost) return;
-    const event::StatusSeen seen{i_, stage_.Report(i_)};
+    const event::StatusSeen seen{i_, harness_.Report(i_)};
     actor().late.emplace_back(seen);
-    if (twice) stage_.Tell(seen);
+    if (twice) harness_.Tell(seen);
   }
 
-  Stage& stage_;
+  Harness& harness_;
   World& world_;
   const Choice& choice_;
   std::size_t i_;
@@ -280,9 +280,9 @@ class Making {
 }  // namespace
 
 void Make(const Model& model, World& world, const Choice& choice, Notes& notes) {
-  Stage stage(model, world, notes);
-  Making(stage, choice).Make();
-  Tidy(stage);
+  Harness harness(model, world, notes);
+  Making(harness, choice).Make();
+  Tidy(harness);
 }
 
 Model::Model(MachineConfig machine, State wanted, Rules decisions)
@@ -305,18 +305,18 @@ World NewWorld(const Model& model) {
 }
 
 void Begin(const Model& model, World& world, bool by_hand, Notes& notes) {
-  Stage stage(model, world, notes);
+  Harness harness(model, world, notes);
   for (std::size_t i = 0; i < kActuators; ++i) {
-    if (model.config.actuators[i].command.empty()) stage.StartActuator(i);
+    if (model.config.actuators[i].command.empty()) harness.StartActuator(i);
   }
-  stage.BeginController(by_hand);
-  Tidy(stage);
+  harness.BeginController(by_hand);
+  Tidy(harness);
 }
 
 void Ask(const Model& model, World& world, const State& target, Notes& notes) {
-  Stage stage(model, world, notes);
-  stage.Ask(target);
-  Tidy(stage);
+  Harness harness(model, world, notes);
+  harness.Ask(target);
+  Tidy(harness);
 }
 
 void Settle(const Model& model, World& world, Notes& notes) {

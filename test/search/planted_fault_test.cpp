@@ -1,4 +1,4 @@
-// The search can fail: each test plants a fault in the rules and is told its story_.
+// The search can fail: each test plants a fault in the rules and is told its scenario_.
 
 #include <gmock/gmock.h>
 
@@ -22,11 +22,11 @@ class PlantedFault : public ::testing::Test {
     World root = WorldIn(sound, from);
     root.faults = root.faults_left = faults;
     searched_ = SearchAll(model, root);
-    if (searched_.fault) story_ = StoryOf(model, root, searched_.fault->path);
+    if (searched_.fault) scenario_ = ScenarioOf(model, root, searched_.fault->path);
   }
 
   Searched searched_;
-  std::string story_;
+  std::string scenario_;
 };
 
 // Changes the event before the controller sees it.
@@ -50,9 +50,9 @@ TEST_F(PlantedFault, AFailureThatIsDroppedIsFound) {
          "LowPower", "Active", 1);
   ASSERT_TRUE(searched_.fault);
   EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("done is told while")));
-  EXPECT_THAT(story_, HasSubstr("FAULT: "));
-  EXPECT_THAT(story_, HasSubstr("callback of Active fails"));
-  EXPECT_THAT(story_, HasSubstr("WRONG: done is told while"));
+  EXPECT_THAT(scenario_, HasSubstr("FAULT: "));
+  EXPECT_THAT(scenario_, HasSubstr("callback of Active fails"));
+  EXPECT_THAT(scenario_, HasSubstr("WRONG: done is told while"));
 }
 
 TEST_F(PlantedFault, ACrashThatIsNotHeardOfIsFound) {
@@ -104,7 +104,7 @@ TEST_F(PlantedFault, ACommandOfThePastThatBeginsIsFound) {
   Search(rules, "Active", "LowPower", 2);
   ASSERT_TRUE(searched_.fault);
   EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("which is of the past")));
-  EXPECT_THAT(story_, HasSubstr("what was held back comes"));
+  EXPECT_THAT(scenario_, HasSubstr("what was held back comes"));
 }
 
 TEST_F(PlantedFault, AnActuatorThatForgetsTheEmergencyStopIsFound) {
@@ -121,7 +121,7 @@ TEST_F(PlantedFault, AnActuatorThatForgetsTheEmergencyStopIsFound) {
   Search(rules, "LowPower", "Active", 1);
   ASSERT_TRUE(searched_.fault);
   EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("while an emergency stop is latched")));
-  EXPECT_THAT(story_, HasSubstr("CROSSED by an emergency stop"));
+  EXPECT_THAT(scenario_, HasSubstr("CROSSED by an emergency stop"));
 }
 
 // The callback that was running when the stop came counts as if none had come.
@@ -134,10 +134,10 @@ TEST_F(PlantedFault, AnEmergencyStopThatACallbackUndoesIsFound) {
   Search(rules, "LowPower", "Active", 1);
   ASSERT_TRUE(searched_.fault);
   EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("is energised under an emergency stop")));
-  EXPECT_THAT(story_, HasSubstr("CROSSED by an emergency stop"));
+  EXPECT_THAT(scenario_, HasSubstr("CROSSED by an emergency stop"));
 }
 
-TEST_F(PlantedFault, TheStoryThatIsToldIsTheShortest) {
+TEST_F(PlantedFault, TheScenarioThatIsToldIsTheShortest) {
   Search(WithEvent<event::Vanished>(
              [](event::Vanished& vanished, const Machine&) { vanished.incarnation = 0; }),
          "Active", "Active", 2);

@@ -37,7 +37,7 @@ bool EndIsUnheardOf(const Actor& actor) {
   return !actor.alive && actor.end.has_value();
 }
 
-void JudgeDone(const Model& model, const World& world, const SwitchResult& result, Notes& notes) {
+void CheckDone(const Model& model, const World& world, const SwitchResult& result, Notes& notes) {
   if (result.target != kSelfCheck && world.machine.state != result.target) {
     notes.wrong.push_back("done is told while the machine is in " + world.machine.state);
   }
@@ -59,7 +59,7 @@ void JudgeDone(const Model& model, const World& world, const SwitchResult& resul
 }
 
 // All are back. Where the machine is between states, nobody may be above rest.
-void JudgeUndone(const Model& model, const World& world, const SwitchResult& result, Notes& notes) {
+void CheckUndone(const Model& model, const World& world, const SwitchResult& result, Notes& notes) {
   const bool at_rest = model.config.RankOf(world.machine.state).has_value();
   if (result.state != world.machine.state || result.state == result.target) {
     notes.wrong.push_back("undone is told, and that the machine is in " + result.state);
@@ -78,7 +78,7 @@ void JudgeUndone(const Model& model, const World& world, const SwitchResult& res
   }
 }
 
-void JudgePlace(const Model& model, const World& world, std::size_t i, Notes& notes) {
+void CheckPlace(const Model& model, const World& world, std::size_t i, Notes& notes) {
   const MachineConfig& config = model.config;
   const Machine& machine = world.machine;
   const Actor& actor = world.actors[i];
@@ -107,7 +107,7 @@ void JudgePlace(const Model& model, const World& world, std::size_t i, Notes& no
 }
 
 // Of two in order the one is not sent anything while the other is on its way, nor after it.
-void JudgeOrder(const Model& model, const World& world, const action::SendSwitch& send,
+void CheckOrder(const Model& model, const World& world, const action::SendSwitch& send,
                 Notes& notes) {
   const auto& current = world.machine.current;
   if (!current) return;
@@ -139,7 +139,7 @@ void JudgeOrder(const Model& model, const World& world, const action::SendSwitch
 }
 
 // On the way up it is all or nobody, and nobody was degraded before.
-void JudgeUp(const Model& model, const World& world, const action::AnswerSetState& answer,
+void CheckUp(const Model& model, const World& world, const action::AnswerSetState& answer,
              Notes& notes) {
   const SwitchResult& result = answer.result;
   if (answer.request != 1 || !IsHigher(model.config, result.target, world.from)) return;
@@ -150,7 +150,7 @@ void JudgeUp(const Model& model, const World& world, const action::AnswerSetStat
 }
 
 // Without an order among them a fault costs no more than one.
-void JudgeDegraded(const Model& model, const World& world, Notes& notes) {
+void CheckDegraded(const Model& model, const World& world, Notes& notes) {
   const auto& actuators = model.config.actuators;
   const bool in_order = std::any_of(actuators.begin(), actuators.end(),
                                     [](const ActuatorConfig& a) { return !a.after.empty(); });
@@ -169,7 +169,7 @@ bool IsHigher(const MachineConfig& config, const State& to, const State& from) {
   return high && low && *high > *low;
 }
 
-void JudgeStopped(const Model& model, const World& world, std::size_t i,
+void CheckStopped(const Model& model, const World& world, std::size_t i,
                   const ActuatorReport& before, Notes& notes) {
   const Actor& actor = world.actors[i];
   const ActuatorReport& report = actor.core.report;
@@ -183,9 +183,9 @@ void JudgeStopped(const Model& model, const World& world, std::size_t i,
   }
 }
 
-void JudgeCommand(const Model& model, const World& world, const action::SendSwitch& send,
+void CheckCommand(const Model& model, const World& world, const action::SendSwitch& send,
                   Notes& notes) {
-  JudgeOrder(model, world, send, notes);
+  CheckOrder(model, world, send, notes);
   const Machine& machine = world.machine;
   const State& state = machine.actuators[send.actuator].state();
   if (!IsHigher(model.config, send.target, state) || send.target == machine.state) return;
@@ -197,7 +197,7 @@ void JudgeCommand(const Model& model, const World& world, const action::SendSwit
                         " to " + send.target + ", which nobody asked for");
 }
 
-void JudgeBeginning(const Model& model, const World& world, std::size_t i, const State& target,
+void CheckBeginning(const Model& model, const World& world, std::size_t i, const State& target,
                     std::uint64_t epoch, std::uint64_t number, Notes& notes) {
   const Actor& actor = world.actors[i];
   const ActuatorReport& report = actor.core.report;
@@ -220,7 +220,7 @@ void JudgeBeginning(const Model& model, const World& world, std::size_t i, const
   }
 }
 
-void JudgeStep(const Model& model, const World& world, const Before& before, Notes& notes) {
+void CheckStep(const Model& model, const World& world, const Before& before, Notes& notes) {
   const MachineConfig& config = model.config;
   const Machine& machine = world.machine;
   const auto deadline = NextDeadline(config, machine);
@@ -247,7 +247,7 @@ void JudgeStep(const Model& model, const World& world, const Before& before, Not
   }
 }
 
-void JudgeAnswer(const Model& model, const World& world, const action::AnswerSetState& answer,
+void CheckAnswer(const Model& model, const World& world, const action::AnswerSetState& answer,
                  Notes& notes) {
   const SwitchResult& result = answer.result;
   const Request& request = world.requests[answer.request - 1];
@@ -257,10 +257,10 @@ void JudgeAnswer(const Model& model, const World& world, const action::AnswerSet
   switch (result.outcome) {
     case SwitchOutcome::kDone:
     case SwitchOutcome::kDoneDegraded:
-      JudgeUp(model, world, answer, notes);
-      return JudgeDone(model, world, result, notes);
+      CheckUp(model, world, answer, notes);
+      return CheckDone(model, world, result, notes);
     case SwitchOutcome::kUndone:
-      return JudgeUndone(model, world, result, notes);
+      return CheckUndone(model, world, result, notes);
     case SwitchOutcome::kSuperseded:
       if (!AskedFor(world, State(kError)) && !AskedFor(world, State(kTearDown))) {
         notes.wrong.emplace_back("superseded by nothing");
@@ -272,7 +272,7 @@ void JudgeAnswer(const Model& model, const World& world, const action::AnswerSet
   }
 }
 
-void JudgeRest(const Model& model, const World& world, Notes& notes) {
+void CheckRest(const Model& model, const World& world, Notes& notes) {
   for (const Request& request : world.requests) {
     if (request.answers == 0 && !request.gone) {
       notes.wrong.push_back("nothing is left to happen, and nobody was told what became of " +
@@ -282,8 +282,8 @@ void JudgeRest(const Model& model, const World& world, Notes& notes) {
   if (world.machine.current) notes.wrong.emplace_back("a switch has no end");
   if (world.machine.phase == Phase::kStopping) notes.wrong.emplace_back("the end has no end");
   if (world.machine.phase != Phase::kRunning) return;
-  JudgeDegraded(model, world, notes);
-  for (std::size_t i = 0; i < kActuators; ++i) JudgePlace(model, world, i, notes);
+  CheckDegraded(model, world, notes);
+  for (std::size_t i = 0; i < kActuators; ++i) CheckPlace(model, world, i, notes);
 }
 
 }  // namespace musher::search

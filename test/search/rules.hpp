@@ -16,28 +16,28 @@ struct Before {
 };
 
 // The controller sends a command: nothing rises unless somebody asked for it, or to join.
-void JudgeCommand(const Model& model, const World& world, const action::SendSwitch& send,
+void CheckCommand(const Model& model, const World& world, const action::SendSwitch& send,
                   Notes& notes);
 
 // An actuator begins a callback by command `number` of `epoch` (0: by itself).
-void JudgeBeginning(const Model& model, const World& world, std::size_t i, const State& target,
+void CheckBeginning(const Model& model, const World& world, std::size_t i, const State& target,
                     std::uint64_t epoch, std::uint64_t number, Notes& notes);
 
 // The controller has taken a step. `before`: how things stood.
 // After each step of an actuator; `before`: its report before the step.
-void JudgeStopped(const Model& model, const World& world, std::size_t i,
+void CheckStopped(const Model& model, const World& world, std::size_t i,
                   const ActuatorReport& before, Notes& notes);
 
 // Whether `to` is more active than `from`, both being states to stay in.
 bool IsHigher(const MachineConfig& config, const State& to, const State& from);
 
-void JudgeStep(const Model& model, const World& world, const Before& before, Notes& notes);
+void CheckStep(const Model& model, const World& world, const Before& before, Notes& notes);
 
 // Somebody is told how the switch ended.
-void JudgeAnswer(const Model& model, const World& world, const action::AnswerSetState& answer,
+void CheckAnswer(const Model& model, const World& world, const action::AnswerSetState& answer,
                  Notes& notes);
 
 // Nothing is left to happen.
-void JudgeRest(const Model& model, const World& world, Notes& notes);
+void CheckRest(const Model& model, const World& world, Notes& notes);
 
 }  // namespace musher::search

@@ -3,7 +3,7 @@
 //
 //   MUSHER_SEARCH_FAULTS=2   so many faults instead
 //   MUSHER_SEARCH_TARGET=s   only to this state
-//   MUSHER_SEARCH_PATH=0.3   with a target: nothing is searched, the story of this path is told
+//   MUSHER_SEARCH_PATH=0.3   with a target: nothing is searched, the scenario of this path is told
 //   MUSHER_REPORT_DIR=dir    the figures as files
 
 #include <gmock/gmock.h>
@@ -51,14 +51,14 @@ class ExhaustiveSearch : public ::testing::TestWithParam<std::tuple<std::string,
     World root = WorldIn(model, from());
     root.faults = root.faults_left = faults();
     if (const std::string path = Environment("MUSHER_SEARCH_PATH"); !path.empty()) {
-      std::cout << StoryOf(model, root, path);
+      std::cout << ScenarioOf(model, root, path);
       return {};
     }
     const Searched searched = SearchAll(model, root);
     if (searched.fault) {
       const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
       ADD_FAILURE() << "from " << from() << " to " << to << "\n"
-                    << StoryOf(model, root, searched.fault->path)
+                    << ScenarioOf(model, root, searched.fault->path)
                     << "again with: MUSHER_SEARCH_FAULTS=" << faults()
                     << " MUSHER_SEARCH_TARGET=" << to
                     << " MUSHER_SEARCH_PATH=" << searched.fault->path
@@ -87,7 +87,7 @@ TEST_P(ExhaustiveSearch, RefusesWhatTheFlowDoesNotAllowAndOnlyThat) {
     notes.tell = true;
     Ask(model, world, to, notes);
     const std::string refused = "  request 1 is told: refused in " + from();
-    const auto told = std::count(notes.story.begin(), notes.story.end(), refused);
+    const auto told = std::count(notes.scenario.begin(), notes.scenario.end(), refused);
     EXPECT_EQ(told, MayGo(from(), to) ? 0 : 1) << from() << " to " << to;
     EXPECT_THAT(notes.wrong, ::testing::IsEmpty());
     if (MayGo(from(), to)) continue;

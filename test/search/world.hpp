@@ -172,8 +172,8 @@ struct Model {
 
 // What was noticed while one choice was made.
 struct Notes {
-  bool tell = false;               // whether `story` is wanted
-  std::vector<std::string> story;  // in sentences
+  bool tell = false;               // whether `scenario` is wanted
+  std::vector<std::string> scenario;  // in sentences
   std::vector<std::string> wrong;  // what is against the rules
 };
 

@@ -29,7 +29,7 @@
 #include <vector>
 
 #include "musher/messages/musher_msgs/actuator_command.hpp"
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/musher_msgs/machine_services.hpp"
 #include "musher/messages/musher_msgs/machine_status.hpp"
 #include "musher/messages/protocol/heartbeats.hpp"
@@ -82,9 +82,9 @@ class Peer {
       return Publish<msg::EmergencyStop>(EmergencyStopTopic(name_space_), stop, "");
     }
     if (words[0] == "announce") {
-      msg::ControllerBeat beat;
-      beat.epoch = kHighEpoch;
-      return Publish<msg::ControllerBeat>(ControllerBeatTopic(name_space_), beat, "");
+      msg::ControllerBeat heartbeat;
+      heartbeat.epoch = kHighEpoch;
+      return Publish<msg::ControllerBeat>(ControllerBeatTopic(name_space_), heartbeat, "");
     }
     if (words[0] == "watch") {
       return Watch<msg::MachineStatus>(
@@ -180,11 +180,11 @@ class Peer {
     status.incarnation = ~std::uint64_t{0} >> 1U;  // newer than any
     status.pid = getpid();
     status.host = HostId();
-    msg::ActuatorBeat beat;
-    beat.name = actuator;
-    beat.incarnation = status.incarnation;
-    beat.work = msg::ActuatorBeat::kWorkHung;
-    if (auto r = Publish(ActuatorBeatTopic(name_space_), beat, partition); !r) return r;
+    msg::ActuatorBeat heartbeat;
+    heartbeat.name = actuator;
+    heartbeat.incarnation = status.incarnation;
+    heartbeat.work = msg::ActuatorBeat::kWorkHung;
+    if (auto r = Publish(ActuatorBeatTopic(name_space_), heartbeat, partition); !r) return r;
     return Publish(ActuatorStatusTopic(name_space_), status, partition);
   }
 

@@ -6,7 +6,7 @@
 #include "musher/messages/musher_msgs/capabilities.hpp"
 #include "musher/messages/protocol/device.hpp"
 #include "musher/simulation/robot.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
 namespace musher::testing::capability_test {
@@ -157,7 +157,7 @@ TEST_P(OfSeed, WhatIsToldIsWhatTheActuatorsAllow) {
       for (const std::string& name : declared.actuators) {
         const auto report = robot_.ReportOf(name);
         ASSERT_TRUE(report);
-        allowed &= JudgeCapability(robot_.config(), declared.name,
+        allowed &= CheckCapability(robot_.config(), declared.name,
                                    {name, report->state, report->target,
                                     report->emergency_stop != 0, std::nullopt})
                        .ok();

@@ -7,13 +7,13 @@
 #include <memory>
 #include <string>
 
-#include "musher/simulation/actuator_trial.hpp"
+#include "musher/simulation/actuator_fault_test.hpp"
 
 namespace musher::testing {
 
-using simulation::ActuatorTrial;
+using simulation::ActuatorFaultTest;
 using simulation::Faults;
-using simulation::TrialFailure;
+using simulation::FaultTestFailure;
 
 // What outlives a process: the motor, as the last command has left it.
 struct Motor {
@@ -76,15 +76,15 @@ class GoodMotor : public MachineActuator {
 
 // A trial of such an actuator, whose motor fails now and then.
 template <typename T>
-struct MotorTrial : ActuatorTrial<T> {
+struct MotorFaultTest : ActuatorFaultTest<T> {
   Motor motor;
 
-  MotorTrial() {
+  MotorFaultTest() {
     this->make_with_faults = [this](Faults& faults) {
       motor.faults = &faults;
       return std::make_unique<T>(motor);
     };
-    this->before_story = [this] { motor = {}; };
+    this->before_scenario = [this] { motor = {}; };
     this->always = [](const T& actuator, const ActuatorReport& report) {
       if (report.state == "Active") return;
       EXPECT_FALSE(actuator.powered()) << "in " << report.state;
@@ -93,10 +93,10 @@ struct MotorTrial : ActuatorTrial<T> {
       EXPECT_FALSE(actuator.powered()) << "during an emergency stop";
     };
   }
-  TrialFailure Failure() {
+  FaultTestFailure Failure() {
     auto found = this->Find();
     if (!found || !found.value()) {
-      ADD_FAILURE() << (found ? "every story ended well" : found.error().message);
+      ADD_FAILURE() << (found ? "every scenario ended well" : found.error().message);
       return {};
     }
     return *found.value();

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "musher/simulation/judge.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/simulation/checker.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 #include "musher/transport/service.hpp"
 
@@ -15,7 +15,7 @@ namespace musher::testing::planted_flaw_test {
 
 using simulation::Act;
 using simulation::Layout;
-using simulation::Promise;
+using simulation::Invariant;
 using simulation::SimRobot;
 using ::testing::HasSubstr;
 
@@ -27,7 +27,7 @@ class PlantedFlaw : public ::testing::Test {
     return config;
   }
   // Each callback has half a minute.
-  static MachineConfig Patient(MachineConfig config) {
+  static MachineConfig MonitoredProcess(MachineConfig config) {
     for (ActuatorConfig& actuator : config.actuators) {
       std::fill(actuator.times.begin(), actuator.times.end(), Duration(std::chrono::seconds(30)));
     }
@@ -48,13 +48,13 @@ class PlantedFlaw : public ::testing::Test {
           return state == slow_ ? Act{std::chrono::seconds(20)} : Act{};
         },
         std::move(layout));
-    judge_.emplace(*robot_);
+    checker_.emplace(*robot_);
   }
   // Until `done`; the invariants are checked after every event.
   bool RunUntil(const std::function<bool()>& done, Duration limit) {
     return robot_->RunUntil(
         [&] {
-          judge_->AfterEvent();
+          checker_->AfterEvent();
           return done();
         },
         limit);
@@ -74,15 +74,15 @@ class PlantedFlaw : public ::testing::Test {
   ActuatorCore& CoreOf(const std::string& name) {
     return const_cast<ActuatorCore&>(*robot_->processes().CoreOf(name, 0));
   }
-  void ExpectFound(Promise promise, const std::string& what) {
-    ASSERT_TRUE(judge_->violation());
-    EXPECT_EQ(judge_->violation()->promise, promise) << judge_->violation()->what;
-    EXPECT_THAT(judge_->violation()->what, HasSubstr(what));
+  void ExpectFound(Invariant invariant, const std::string& what) {
+    ASSERT_TRUE(checker_->violation());
+    EXPECT_EQ(checker_->violation()->invariant, invariant) << checker_->violation()->what;
+    EXPECT_THAT(checker_->violation()->what, HasSubstr(what));
   }
 
   State slow_;
   std::optional<SimRobot> robot_;
-  std::optional<simulation::Judge> judge_;
+  std::optional<simulation::Checker> checker_;
 };
 
 TEST_F(PlantedFlaw, AControllerThatDoesNotListenStartsWhatRunsOnAnotherHost) {
@@ -91,49 +91,49 @@ TEST_F(PlantedFlaw, AControllerThatDoesNotListenStartsWhatRunsOnAnotherHost) {
   RunFor(std::chrono::seconds(3));
   robot_->StartController();  // at once
   RunFor(std::chrono::seconds(1));
-  ExpectFound(Promise::kRunsOnce, "starts a, which runs on host dock");
+  ExpectFound(Invariant::kRunsOnce, "starts a, which runs on host dock");
 }
 
 TEST_F(PlantedFlaw, AReleaseThatIsNotOnDiskIsUndoneByItsPanelAfterARestart) {
   Make(Started(2));
   BringUp();
-  judge_->StopEngaged(0, 7);
+  checker_->StopEngaged(0, 7);
   robot_->EngageEmergencyStop(7);
   RunFor(std::chrono::seconds(1));
   robot_->ReleaseEmergencyStop();
   RunFor(std::chrono::seconds(1));
-  judge_->JudgeRest(false);
-  EXPECT_FALSE(judge_->violation()) << judge_->violation()->what;
+  checker_->CheckRest(false);
+  EXPECT_FALSE(checker_->violation()) << checker_->violation()->what;
   robot_->CrashController();
   robot_->disk(0).stops = {};
   BringUp();
   RunFor(std::chrono::seconds(1));
-  judge_->JudgeRest(false);
-  ExpectFound(Promise::kStopStays, "although all are released");
+  checker_->CheckRest(false);
+  ExpectFound(Invariant::kStopStays, "although all are released");
 }
 
 TEST_F(PlantedFlaw, AStopThatAnActuatorForgetsIsFound) {
   Make(Started(1));
   BringUp();
-  judge_->StopEngaged(0, 7);
+  checker_->StopEngaged(0, 7);
   robot_->EngageEmergencyStop(7);
   RunFor(std::chrono::seconds(1));
   CoreOf("a").stops.clear();
   CoreOf("a").report.emergency_stop = 0;
-  judge_->JudgeRest(false);
-  ASSERT_TRUE(judge_->violation());
+  checker_->CheckRest(false);
+  ASSERT_TRUE(checker_->violation());
 }
 
 TEST_F(PlantedFlaw, AnActuatorThatForgetsThatAStopHoldsItIsFound) {
   Make(Started(1));
   BringUp();
-  judge_->StopEngaged(0, 7);
+  checker_->StopEngaged(0, 7);
   robot_->EngageEmergencyStop(7);
   RunFor(std::chrono::seconds(1));
   CoreOf("a").report.held_by_stop = false;
   robot_->ReleaseEmergencyStop();
   RunFor(std::chrono::seconds(1));
-  ExpectFound(Promise::kStopIsSeen, "a says that it is in Active, with its power off");
+  ExpectFound(Invariant::kStopIsSeen, "a says that it is in Active, with its power off");
 }
 
 TEST_F(PlantedFlaw, ACallbackThatUndoesAnEmergencyStopIsFound) {
@@ -150,7 +150,7 @@ TEST_F(PlantedFlaw, ACallbackThatUndoesAnEmergencyStopIsFound) {
   RunFor(std::chrono::seconds(1));
   CoreOf("a").stopped_meanwhile = false;  // so that its end counts as it is
   RunFor(std::chrono::seconds(30));
-  ExpectFound(Promise::kStopWins, "although it has latched an emergency stop");
+  ExpectFound(Invariant::kStopWins, "although it has latched an emergency stop");
 }
 
 TEST_F(PlantedFlaw, HardwareThatACallbackSwitchesOnUnderAStopIsFound) {
@@ -170,12 +170,12 @@ TEST_F(PlantedFlaw, HardwareThatACallbackSwitchesOnUnderAStopIsFound) {
   robot_->RunUntil(
       [&] {
         if (robot_->processes().IsPowered("a", 0)) CoreOf("a").stopped_meanwhile = false;
-        judge_->AfterEvent();
-        return judge_->violation().has_value();
+        checker_->AfterEvent();
+        return checker_->violation().has_value();
       },
       std::chrono::seconds(30));
-  ASSERT_TRUE(judge_->violation());
-  EXPECT_EQ(judge_->violation()->promise, Promise::kStopWins);
+  ASSERT_TRUE(checker_->violation());
+  EXPECT_EQ(checker_->violation()->invariant, Invariant::kStopWins);
 }
 
 TEST_F(PlantedFlaw, AnIntentToStopThatIsLostBringsTheMachineUpAgain) {
@@ -191,23 +191,23 @@ TEST_F(PlantedFlaw, AnIntentToStopThatIsLostBringsTheMachineUpAgain) {
   slow_.clear();
   robot_->LaunchController(0, true, {}, true);
   RunFor(std::chrono::seconds(5));
-  ExpectFound(Promise::kStaysDown, "after a TearDown that was accepted");
+  ExpectFound(Invariant::kStaysDown, "after a TearDown that was accepted");
 }
 
 TEST_F(PlantedFlaw, ATearDownThatIsToldToBeDoneBesideALivingActuatorIsFound) {
   Make(Started(2));
   BringUp();
-  const std::uint64_t request = judge_->Asked(*robot_->leader(), State(kTearDown));
+  const std::uint64_t request = checker_->Asked(*robot_->leader(), State(kTearDown));
   SwitchResult done;
   done.target = State(kTearDown);
   done.outcome = SwitchOutcome::kDone;
-  judge_->Answered(request, done);
-  ExpectFound(Promise::kDownIsDown, "a lives on in Active");
+  checker_->Answered(request, done);
+  ExpectFound(Invariant::kDownIsDown, "a lives on in Active");
 }
 
 TEST_F(PlantedFlaw, ACommandThatIsDroppedWhileItWaitsIsFound) {
   slow_ = State(kLowPower);
-  Make(Patient(Started(1)));
+  Make(MonitoredProcess(Started(1)));
   BringUp();
   Request(State(kLowPower));
   RunFor(std::chrono::seconds(1));
@@ -215,7 +215,7 @@ TEST_F(PlantedFlaw, ACommandThatIsDroppedWhileItWaitsIsFound) {
   ASSERT_TRUE(RunUntil([&] { return CoreOf("a").waiting.has_value(); }, std::chrono::seconds(1)));
   CoreOf("a").waiting.reset();
   RunFor(std::chrono::seconds(40));
-  ExpectFound(Promise::kNotCancelled, "a drops the command to Error");
+  ExpectFound(Invariant::kNotCancelled, "a drops the command to Error");
 }
 
 TEST_F(PlantedFlaw, AControllerThatAnswersWhileItListensIsFound) {
@@ -235,18 +235,18 @@ TEST_F(PlantedFlaw, AControllerThatAnswersWhileItListensIsFound) {
   RunFor(Milliseconds(400));
   caller->Call({}, std::chrono::seconds(1), [](const auto&) {});
   RunFor(Milliseconds(400));
-  ExpectFound(Promise::kLeaderAnswers, "a controller that does not lead answers");
+  ExpectFound(Invariant::kLeaderAnswers, "a controller that does not lead answers");
 }
 
 TEST_F(PlantedFlaw, AClientThatIsNotToldOfTheEndOfItsControllerIsFound) {
   slow_ = State(kLowPower);
-  Make(Patient(Started(1)));
+  Make(MonitoredProcess(Started(1)));
   BringUp();
   robot_->ClientOn(0).SetState(State(kLowPower), "");
   RunFor(Milliseconds(500));
   robot_->ClientOn(0).OnControllerKilled();  // it is not: the client sees it live
   RunFor(std::chrono::seconds(5));
-  ExpectFound(Promise::kClientHears, "is not told that the controller has ended");
+  ExpectFound(Invariant::kClientHears, "is not told that the controller has ended");
 }
 
 TEST_F(PlantedFlaw, ASignalToAProcessThatIsNotTheActuatorsIsFound) {
@@ -257,7 +257,7 @@ TEST_F(PlantedFlaw, ASignalToAProcessThatIsNotTheActuatorsIsFound) {
   robot_->network().Block("b", "controller");
   robot_->StartActuator("b");  // the controller knows nothing of it
   robot_->on_signal(*robot_->leader(), robot_->processes().PidOf("b"));
-  ExpectFound(Promise::kOnlyProven, "is not of the actuator that it is meant for");
+  ExpectFound(Invariant::kOnlyProven, "is not of the actuator that it is meant for");
 }
 
 }  // namespace musher::testing::planted_flaw_test

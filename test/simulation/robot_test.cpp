@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/lifecycle_wire.hpp"
 
 namespace musher::testing::robot_test {

@@ -106,7 +106,7 @@ class SnapshotReader {
     auto entry = Below(table, "counts");
     if (!entry) return;
     counts.changes = Count(*entry, "changes");
-    counts.unheeded = Count(*entry, "unheeded");
+    counts.unhandled = Count(*entry, "unhandled");
     counts.superseded = Count(*entry, "superseded");
     counts.refused = Count(*entry, "refused");
     counts.faults = Count(*entry, "faults");

@@ -74,7 +74,7 @@ class SnapshotWriter {
   void WriteCounts(const Counts& counts, const std::string& path) {
     Table(path + "counts");
     Number("changes", counts.changes);
-    Number("unheeded", counts.unheeded);
+    Number("unhandled", counts.unhandled);
     Number("superseded", counts.superseded);
     Number("refused", counts.refused);
     Number("faults", counts.faults);

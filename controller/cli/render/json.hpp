@@ -60,7 +60,7 @@ struct OtaRobot {
   std::string robot;
   std::string root;
   int pid = 0;  // of its controller; 0: it does not run
-  std::optional<ota::TrialEnd> last;
+  std::optional<ota::TrialBootEnd> last;
   std::vector<SlotInfo> slots;
 };
 std::string OtaStatusJson(const OtaRobot& robot);

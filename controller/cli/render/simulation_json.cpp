@@ -7,7 +7,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json StoryOf(const simulation::StoryId& id) {
+ordered_json ScenarioOf(const simulation::ScenarioId& id) {
   ordered_json json = {{"seed", id.seed}};
   if (id.only) json["only"] = *id.only;
   return json;
@@ -15,12 +15,12 @@ ordered_json StoryOf(const simulation::StoryId& id) {
 
 ordered_json CoverageOf(const simulation::Coverage& coverage) {
   ordered_json json;
-  for (std::size_t kind = 0; kind < simulation::kIncidentKinds; ++kind) {
-    const auto incident = static_cast<simulation::IncidentKind>(kind);
-    ordered_json& row = json[std::string(KindName(incident))];
-    for (std::size_t moment = 0; moment < simulation::kMoments; ++moment) {
-      const auto when = static_cast<simulation::Moment>(moment);
-      row[std::string(MomentName(when))] = coverage.Of(incident, when);
+  for (std::size_t kind = 0; kind < simulation::kInjectionKinds; ++kind) {
+    const auto injection = static_cast<simulation::InjectionKind>(kind);
+    ordered_json& row = json[std::string(KindName(injection))];
+    for (std::size_t phase = 0; phase < simulation::kMachinePhases; ++phase) {
+      const auto when = static_cast<simulation::MachinePhase>(phase);
+      row[std::string(MachinePhaseName(when))] = coverage.Of(injection, when);
     }
   }
   return json;
@@ -28,14 +28,14 @@ ordered_json CoverageOf(const simulation::Coverage& coverage) {
 
 }  // namespace
 
-std::string SimulationJson(const SimulationReport& report, const std::string& bad_story) {
+std::string SimulationJson(const SimulationReport& report, const std::string& failing_scenario) {
   const simulation::Summary& s = report.summary;
   ordered_json json = {{"file", report.file},
-                       {"stories", s.stories},
+                       {"scenarios", s.scenarios},
                        {"good", s.good()},
                        {"simulated_s", Seconds(s.simulated)},
                        {"took_s", Seconds(report.took)},
-                       {"judgements", s.judgements},
+                       {"checks", s.checks},
                        {"bound_s", Seconds(report.options.bound)}};
   for (std::size_t i = 0; i < s.switches.size(); ++i) {
     json["switches"][std::string(OutcomeName(static_cast<SwitchOutcome>(i)))] = s.switches[i];
@@ -45,23 +45,23 @@ std::string SimulationJson(const SimulationReport& report, const std::string& ba
                       {"longest", Seconds(s.rests.back())}};
   }
   json["coverage"] = CoverageOf(s.coverage);
-  for (std::size_t i = 0; i < simulation::kPromises; ++i) {
-    json["promises"].push_back(
-        {{"promise", PromiseText(static_cast<simulation::Promise>(i))}, {"broken_by", s.bad[i]}});
+  for (std::size_t i = 0; i < simulation::kInvariants; ++i) {
+    json["invariants"].push_back(
+        {{"invariant", InvariantText(static_cast<simulation::Invariant>(i))}, {"broken_by", s.bad[i]}});
   }
   if (report.worst) {
-    json["shortest_bad_story"] = StoryOf(*report.worst);
-    json["shortest_bad_story"]["text"] = bad_story;
+    json["shortest_failing_scenario"] = ScenarioOf(*report.worst);
+    json["shortest_failing_scenario"]["text"] = failing_scenario;
   }
   return json.dump(2) + "\n";
 }
 
-std::string StoryJson(const simulation::StoryId& id, const simulation::Ending& ending,
+std::string ScenarioJson(const simulation::ScenarioId& id, const simulation::Ending& ending,
                       const std::string& text) {
-  ordered_json json = StoryOf(id);
+  ordered_json json = ScenarioOf(id);
   json["good"] = !ending.violation.has_value();
   if (ending.violation) {
-    json["broken"] = PromiseText(ending.violation->promise);
+    json["broken"] = InvariantText(ending.violation->invariant);
     json["what"] = ending.violation->what;
   }
   json["text"] = text;

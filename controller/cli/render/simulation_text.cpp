@@ -6,7 +6,7 @@
 namespace musher::cli {
 namespace {
 
-using simulation::Promise;
+using simulation::Invariant;
 using simulation::Summary;
 
 // 1234567 as "1,234,567".
@@ -16,7 +16,7 @@ std::string Grouped(std::uint64_t number) {
   return text;
 }
 
-std::string Only(const simulation::StoryId& id) {
+std::string Only(const simulation::ScenarioId& id) {
   std::string only;
   if (!id.only) return only;
   for (const std::size_t number : *id.only) {
@@ -30,23 +30,23 @@ std::string Figures(const SimulationReport& report) {
   const double took = std::max(Seconds(report.took), 1e-9);
   std::uint64_t faults = 0;
   std::uint64_t all = 0;
-  for (std::size_t i = 0; i < simulation::kIncidentKinds; ++i) {
-    const auto kind = static_cast<simulation::IncidentKind>(i);
+  for (std::size_t i = 0; i < simulation::kInjectionKinds; ++i) {
+    const auto kind = static_cast<simulation::InjectionKind>(i);
     all += s.coverage.Of(kind);
     if (IsFault(kind)) faults += s.coverage.Of(kind);
   }
   std::string text =
-      fmt::format("  lived     {} stories, {:.1f} robot-hours, in {:.1f} s: {} stories a minute\n",
-                  Grouped(s.stories), Seconds(s.simulated) / 3600, took,
-                  Grouped(static_cast<std::uint64_t>(static_cast<double>(s.stories) / took * 60)));
+      fmt::format("  lived     {} scenarios, {:.1f} robot-hours, in {:.1f} s: {} scenarios a minute\n",
+                  Grouped(s.scenarios), Seconds(s.simulated) / 3600, took,
+                  Grouped(static_cast<std::uint64_t>(static_cast<double>(s.scenarios) / took * 60)));
   text += "  switches ";
   for (std::size_t i = 0; i < s.switches.size(); ++i) {
     text +=
         fmt::format(" {} {}{}", Grouped(s.switches[i]), OutcomeName(static_cast<SwitchOutcome>(i)),
                     i + 1 < s.switches.size() ? "," : "\n");
   }
-  text += fmt::format("  befell    {} incidents, {} of them faults; judged {} times\n",
-                      Grouped(all), Grouped(faults), Grouped(s.judgements));
+  text += fmt::format("  befell    {} injected events, {} of them faults; judged {} times\n",
+                      Grouped(all), Grouped(faults), Grouped(s.checks));
   if (!s.rests.empty()) {
     const auto at = [&](double share) {
       return Seconds(
@@ -60,16 +60,16 @@ std::string Figures(const SimulationReport& report) {
   return text;
 }
 
-std::string Promises(const Summary& s, bool colour) {
+std::string Invariants(const Summary& s, bool colour) {
   std::string text;
-  for (std::size_t i = 0; i < simulation::kPromises; ++i) {
+  for (std::size_t i = 0; i < simulation::kInvariants; ++i) {
     const auto& bad = s.bad[i];
     text += bad.empty() ? Paint("  kept    ", Style::kGood, colour)
                         : Paint("  BROKEN  ", Style::kBad, colour);
-    text += PromiseText(static_cast<Promise>(i));
+    text += InvariantText(static_cast<Invariant>(i));
     if (!bad.empty()) {
       text += fmt::format(": {} {}, seed {} first", Grouped(bad.size()),
-                          bad.size() == 1 ? "story" : "stories", bad.front());
+                          bad.size() == 1 ? "scenario" : "scenarios", bad.front());
     }
     text += "\n";
   }
@@ -78,27 +78,27 @@ std::string Promises(const Summary& s, bool colour) {
 
 std::string Verdict(const SimulationReport& report, bool colour) {
   if (report.summary.good()) {
-    return Paint("Every story ends well.", Style::kGood, colour) + "\n";
+    return Paint("Every scenario ends well.", Style::kGood, colour) + "\n";
   }
   std::uint64_t bad = 0;
   bool ours = false;
-  for (std::size_t i = 0; i < simulation::kPromises; ++i) {
+  for (std::size_t i = 0; i < simulation::kInvariants; ++i) {
     bad += report.summary.bad[i].size();
-    ours |= !report.summary.bad[i].empty() && !DependsOnConfig(static_cast<Promise>(i));
+    ours |= !report.summary.bad[i].empty() && !DependsOnConfig(static_cast<Invariant>(i));
   }
   std::string text =
-      fmt::format("{} of {} stories end badly.", Grouped(bad), Grouped(report.summary.stories));
+      fmt::format("{} of {} scenarios end badly.", Grouped(bad), Grouped(report.summary.scenarios));
   text = Paint(text, Style::kBad, colour) + "\n";
-  if (ours) text += "A promise of Musher itself is broken: please report it with this config.\n";
+  if (ours) text += "A invariant of Musher itself is broken: please report it with this config.\n";
   return text;
 }
 
 }  // namespace
 
-std::string SimulationText(const SimulationReport& report, const std::string& bad_story,
+std::string SimulationText(const SimulationReport& report, const std::string& failing_scenario,
                            bool colour) {
-  std::string text = fmt::format("{}: {} actuators, {} stories\n\n", Printable(report.file),
-                                 report.config.actuators.size(), Grouped(report.summary.stories));
+  std::string text = fmt::format("{}: {} actuators, {} scenarios\n\n", Printable(report.file),
+                                 report.config.actuators.size(), Grouped(report.summary.scenarios));
   text += Figures(report);
   if (!report.others.empty()) {
     text += fmt::format("  note      simulated as if they spoke Musher's protocol: {}\n",
@@ -106,17 +106,17 @@ std::string SimulationText(const SimulationReport& report, const std::string& ba
   }
   text += "\nWhat befell the robot, and what it was doing then:\n\n" +
           report.summary.coverage.Text() + "\n";
-  text += Promises(report.summary, colour) + "\n";
+  text += Invariants(report.summary, colour) + "\n";
   if (report.worst) {
-    text += fmt::format("The shortest bad story: musher simulate {} --seed {}{}\n\n{}\n",
-                        Printable(report.file), report.worst->seed, Only(*report.worst), bad_story);
+    text += fmt::format("The shortest failing scenario: musher simulate {} --seed {}{}\n\n{}\n",
+                        Printable(report.file), report.worst->seed, Only(*report.worst), failing_scenario);
   }
   return text + Verdict(report, colour);
 }
 
-std::string StoryVerdict(const simulation::Ending& ending) {
-  if (ending.violation) return "\nThis story ends badly.\n";
-  return fmt::format("\nThis story ends well, {:.1f} s after the last fault.\n",
+std::string ScenarioVerdict(const simulation::Ending& ending) {
+  if (ending.violation) return "\nThis scenario ends badly.\n";
+  return fmt::format("\nThis scenario ends well, {:.1f} s after the last fault.\n",
                      Seconds(ending.rested.value_or(Duration{})));
 }
 

@@ -27,7 +27,7 @@ constexpr int kMostPlayId = 65'535;
 class Grammar {
  public:
   Grammar() {
-    program::SetUpHandTool(app_, global_, "Whose time a wait of 15 s goes by; topic: /clock",
+    program::SetUpCommandLineTool(app_, global_, "Whose time a wait of 15 s goes by; topic: /clock",
                            kFooter);
     app_.add_option("--phrases", global_.phrases,
                     "The table of phrases to list; default the one that came with this program")

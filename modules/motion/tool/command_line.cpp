@@ -30,7 +30,7 @@ Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUS
 class Grammar {
  public:
   Grammar() {
-    program::SetUpHandTool(app_, global_, "Whose time --seconds and 20 Hz go by; topic: /clock",
+    program::SetUpCommandLineTool(app_, global_, "Whose time --seconds and 20 Hz go by; topic: /clock",
                            kFooter);
     AddGlobalOptions();
     AddResult();

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "musher/modules/motion/motion_command.hpp"
-#include "musher/modules/program/hand_tool.hpp"
+#include "musher/modules/program/command_line_tool.hpp"
 
 namespace musher::motion::tool {
 

@@ -6,7 +6,7 @@
 
 #include "musher/messages/protocol/motion.hpp"
 #include "musher/modules/motion/motion_command.hpp"
-#include "musher/modules/program/hand_tool.hpp"
+#include "musher/modules/program/command_line_tool.hpp"
 #include "musher/transport/endpoint.hpp"
 
 namespace musher::motion::tool {

@@ -44,7 +44,7 @@ class Looking {
     cv::Mat mat = cv::imread(file, cv::IMREAD_COLOR);
     if (mat.empty()) return Error{kCodeFailed, file + " is no picture that can be read"};
     const msg::Image picture = MessageOf(mat);
-    if (Result<> judged = JudgePicture(picture); !judged) return judged;
+    if (Result<> judged = CheckPicture(picture); !judged) return judged;
     const auto begin = std::chrono::steady_clock::now();
     std::vector<FaceBox> faces = detector_.Detect(picture);
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;

@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "musher/lifecycle/version.hpp"
-#include "musher/modules/program/hand_tool.hpp"
+#include "musher/modules/program/command_line_tool.hpp"
 #include "musher/modules/program/module_main.hpp"
 #include "musher/modules/vision/tool/look.hpp"
 

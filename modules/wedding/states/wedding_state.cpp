@@ -19,7 +19,7 @@ fsm::Next WeddingState::CheckTransition(const fsm::Tick& tick) {
   if (tick.command != fsm::kNoEvent) {
     if (tick.command == stop_ || tick.command == idle_) {
       data_.LeaveAlone();
-      if (to_idle_ == fsm::kNoState) return fsm::Next::Heed();
+      if (to_idle_ == fsm::kNoState) return fsm::Next::Handle();
       target = to_idle_;
     }
     if (tick.command == photo_) target = to_photo_;

@@ -8,7 +8,7 @@
 #include "musher/messages/geometry_msgs/point_stamped.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
-#include "musher/modules/program/hand_tool.hpp"
+#include "musher/modules/program/command_line_tool.hpp"
 #include "musher/modules/wedding/tool/tool.hpp"
 #include "musher/modules/wedding/topic_names.hpp"
 
@@ -81,7 +81,7 @@ int Publish(HandLink& link, const std::string& topic, const M& message, Duration
 class Grammar {
  public:
   Grammar() {
-    program::SetUpHandTool(app_, options_, "Whose time --for goes by; topic: /clock", kFooter);
+    program::SetUpCommandLineTool(app_, options_, "Whose time --for goes by; topic: /clock", kFooter);
     app_.add_option("--for", seconds_, "Say it again and again, 10 times a second, for so many s")
         ->check(program::Between(0, 3600))
         ->type_name("SECONDS");

@@ -61,9 +61,9 @@ std::unique_ptr<Machine> Roving(int depth) {
 class Watcher : public Listener {
  public:
   void OnChange(const Machine&, const Change&) override { ++changes; }
-  void OnUnheeded(const Machine&, EventId, StateId) override { ++unheeded; }
+  void OnUnhandled(const Machine&, EventId, StateId) override { ++unhandled; }
   int changes = 0;
-  int unheeded = 0;
+  int unhandled = 0;
 };
 
 TEST(Tick, TakesNoMemory) {
@@ -94,7 +94,7 @@ TEST(Tick, TakesNoMemory) {
   }
   EXPECT_EQ(testing::AskedOfNew().times - before, 0U);
   EXPECT_GT(watcher.changes, 300);
-  EXPECT_GT(watcher.unheeded, 50);
+  EXPECT_GT(watcher.unhandled, 50);
   EXPECT_GT(written, 100'000U);
 }
 

@@ -21,12 +21,12 @@ class Counting : public Listener {
   void OnFault(const Machine& machine, const Fault& fault) override {
     faults.push_back(machine.Describe(fault));
   }
-  void OnUnheeded(const Machine& machine, EventId command, StateId state) override {
-    unheeded.push_back(std::string(machine.Name(command)) + " in " +
+  void OnUnhandled(const Machine& machine, EventId command, StateId state) override {
+    unhandled.push_back(std::string(machine.Name(command)) + " in " +
                        std::string(machine.Name(state)));
   }
   std::vector<std::string> seen;
-  std::vector<std::string> unheeded;
+  std::vector<std::string> unhandled;
   std::vector<std::string> faults;
   std::function<void(const Machine&)> during;
 };
@@ -152,7 +152,7 @@ TEST_F(MachineFound, KeepsACommandForTheNextStateWhenATransitionIsNotBecauseOfIt
   idle.check = [=](const Tick&) { return Next::To(to).KeepCommand(); };
   tracking.check = [&](const Tick& tick) {
     seen = tick.command;
-    return Next::Heed();
+    return Next::Handle();
   };
   ASSERT_TRUE(machine_.Send("photo"));
   Run();
@@ -160,7 +160,7 @@ TEST_F(MachineFound, KeepsACommandForTheNextStateWhenATransitionIsNotBecauseOfIt
   EXPECT_EQ(machine_.waiting_commands(), 1U);
   Run();
   EXPECT_EQ(seen, *machine_.FindEvent("photo"));
-  EXPECT_EQ(machine_.counts().unheeded, 0U);
+  EXPECT_EQ(machine_.counts().unhandled, 0U);
 }
 
 TEST_F(MachineFound, KeepsCommandsInTheirOrderWhenOneIsGivenBack) {
@@ -173,7 +173,7 @@ TEST_F(MachineFound, KeepsCommandsInTheirOrderWhenOneIsGivenBack) {
   idle.check = [&](const Tick& tick) {
     if (given_back++ == 0) return Next::Stay().KeepCommand();
     seen.emplace_back(machine_.Name(tick.command));
-    return Next::Heed();
+    return Next::Handle();
   };
   for (const char* command : {"one", "two"}) ASSERT_TRUE(machine_.Send(command));
   Run(3);
@@ -195,14 +195,14 @@ TEST_F(MachineFound, DoesNotGiveACommandBackThatAnUrgentOneSweptAway) {
   EXPECT_EQ(machine_.counts().superseded, 1U);
 }
 
-TEST_F(MachineFound, CountsNoCommandAsUnheededThatAStateHeedsAndStays) {
+TEST_F(MachineFound, CountsNoCommandAsUnhandledThatAStateHeedsAndStays) {
   machine_.AddEvent("louder");
   LoggingState& idle = Add("IDLE");
   Start("IDLE");
-  idle.check = [](const Tick&) { return Next::Heed(); };
+  idle.check = [](const Tick&) { return Next::Handle(); };
   ASSERT_TRUE(machine_.Send("louder"));
   Run();
-  EXPECT_EQ(machine_.counts().unheeded, 0U);
+  EXPECT_EQ(machine_.counts().unhandled, 0U);
   EXPECT_EQ(machine_.waiting_commands(), 0U);
 }
 
@@ -226,21 +226,21 @@ TEST_F(MachineFound, TellsOfACommandWhoseTransitionBrokeOffOrWhoseCheckFailed) {
   safe = false;
   Run();
   EXPECT_EQ(Current(), "SAFE_STOP");
-  EXPECT_THAT(listener.unheeded, ElementsAre("photo in IDLE"));
+  EXPECT_THAT(listener.unhandled, ElementsAre("photo in IDLE"));
 
   safe = true;
   ASSERT_TRUE(machine_.Force("PHOTO"));
   photo.check = [](const Tick&) -> Next { throw std::runtime_error("no camera"); };
   ASSERT_TRUE(machine_.Send("photo"));
   Run();
-  EXPECT_THAT(listener.unheeded, ElementsAre("photo in IDLE", "photo in PHOTO"));
+  EXPECT_THAT(listener.unhandled, ElementsAre("photo in IDLE", "photo in PHOTO"));
 
   ASSERT_TRUE(machine_.Force("IDLE"));
   ASSERT_TRUE(machine_.Send("photo"));
   Run();
   ASSERT_EQ(machine_.mode(), Mode::kTransitioning);
   ASSERT_TRUE(machine_.Stop());
-  EXPECT_EQ(machine_.counts().unheeded, 3U);
+  EXPECT_EQ(machine_.counts().unhandled, 3U);
 }
 
 TEST_F(MachineFound, CountsACommandThatEndsItsTransitionOnlyInTheHistory) {
@@ -256,7 +256,7 @@ TEST_F(MachineFound, CountsACommandThatEndsItsTransitionOnlyInTheHistory) {
   Run(3);
   EXPECT_EQ(Current(), "PHOTO");
   ASSERT_TRUE(machine_.Force("IDLE"));
-  EXPECT_EQ(machine_.counts().unheeded, 0U);
+  EXPECT_EQ(machine_.counts().unhandled, 0U);
 }
 
 TEST_F(MachineFound, CountsTheCommandsThatAResetOrAStopSweepsAway) {

@@ -96,7 +96,7 @@ TEST_F(MachineTest, CountsACommandThatNoStateHeeded) {
   Start("IDLE");
   ASSERT_TRUE(machine_.Send("photo"));
   Run();
-  EXPECT_EQ(machine_.counts().unheeded, 1U);
+  EXPECT_EQ(machine_.counts().unhandled, 1U);
   EXPECT_EQ(machine_.waiting_commands(), 0U);
 }
 

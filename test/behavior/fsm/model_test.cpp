@@ -23,7 +23,7 @@ struct Deed {
   bool throws = false;
   int target = kNone;  // kStates: one that was not declared
   Duration gradually{};
-  bool heeds = false;
+  bool handles = false;
   bool keeps = false;
 };
 
@@ -35,7 +35,7 @@ Deed DeedOf(std::uint64_t seed, int state, Phase phase, int n) {
   if ((whim >> 8) % 3 == 0) deed.target = static_cast<int>((whim >> 16) % (kStates + 1));
   if (deed.target == kStates && (whim >> 20) % 4 != 0) deed.target = 0;
   if ((whim >> 24) % 2 == 0) deed.gradually = Milliseconds((whim >> 32) % 80);
-  deed.heeds = (whim >> 40) % 2 == 0;
+  deed.handles = (whim >> 40) % 2 == 0;
   deed.keeps = (whim >> 48) % 4 == 0;
   return deed;
 }
@@ -64,7 +64,7 @@ class Doing : public State {
   }
   Next CheckTransition(const Tick& tick) override {
     const Deed deed = Do(Phase::kCheck, tick);
-    Next next = deed.target == kNone ? (deed.heeds ? Next::Heed() : Next::Stay())
+    Next next = deed.target == kNone ? (deed.handles ? Next::Handle() : Next::Stay())
                                      : Next::To(static_cast<StateId>(deed.target), deed.gradually);
     return deed.keeps ? next.KeepCommand() : next;
   }

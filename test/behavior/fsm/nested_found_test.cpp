@@ -149,7 +149,7 @@ TEST_F(NestedFound, LosesNoCommandThatComesInTheInnerMachinesLastTransition) {
   EXPECT_EQ(machine_.waiting_commands(), 1U);
   Run(5);
   EXPECT_EQ(Current(), "IDLE");
-  EXPECT_EQ(machine_.counts().unheeded, 1U);
+  EXPECT_EQ(machine_.counts().unhandled, 1U);
   EXPECT_EQ(inner_->waiting_commands(), 0U);
 }
 
@@ -157,12 +157,12 @@ TEST_F(NestedFound, DoesNotKeepACommandThatItHeededAsTheInnerMachineHadFinished)
   Make({.finished = "IDLE"});
   Enter();
   ASSERT_TRUE(inner_->Force("DONE"));
-  show_->decision = Next::Heed();
+  show_->decision = Next::Handle();
   ASSERT_TRUE(machine_.Send("yes"));
   Run();
   EXPECT_EQ(Current(), "IDLE");
   EXPECT_EQ(machine_.waiting_commands(), 0U);
-  EXPECT_EQ(machine_.counts().unheeded, 0U);
+  EXPECT_EQ(machine_.counts().unhandled, 0U);
 }
 
 TEST_F(NestedFound, GivesTheInnerMachineNoCommandThatTheOuterStateKeeps) {
@@ -172,7 +172,7 @@ TEST_F(NestedFound, GivesTheInnerMachineNoCommandThatTheOuterStateKeeps) {
   ASSERT_TRUE(machine_.Send("yes"));
   Run(3);
   EXPECT_EQ(machine_.waiting_commands(), 1U);
-  EXPECT_EQ(inner_->counts().unheeded, 0U);
+  EXPECT_EQ(inner_->counts().unhandled, 0U);
 }
 
 // They were restored, into a state that could never be left and a machine that ran unseen.

@@ -162,7 +162,7 @@ TEST_F(NestedTest, GivesTheInnerMachineTheCommandsThatItDoesNotHeedItself) {
   ASSERT_TRUE(machine_.Send("yes"));
   Run();
   EXPECT_EQ(machine_.Path(), "SHOW/TAKE");
-  EXPECT_EQ(machine_.counts().unheeded, 0U);
+  EXPECT_EQ(machine_.counts().unhandled, 0U);
   EXPECT_EQ(inner_->Name(inner_->history().back().command), "yes");
 }
 
@@ -172,19 +172,19 @@ TEST_F(NestedTest, HeedsACommandBeforeTheInnerMachineDoes) {
   ASSERT_TRUE(machine_.Send("stop"));
   Run();
   EXPECT_EQ(Current(), "IDLE");
-  EXPECT_EQ(inner_->counts().unheeded, 0U);
+  EXPECT_EQ(inner_->counts().unhandled, 0U);
 }
 
-TEST_F(NestedTest, CountsACommandAsUnheededWhereItEndsUp) {
+TEST_F(NestedTest, CountsACommandAsUnhandledWhereItEndsUp) {
   Make();
   Enter();
   ASSERT_TRUE(machine_.Send("no"));
   Run();
-  EXPECT_EQ(machine_.counts().unheeded, 1U);
+  EXPECT_EQ(machine_.counts().unhandled, 1U);
   ASSERT_TRUE(machine_.Send("yes"));
   Run();
-  EXPECT_EQ(machine_.counts().unheeded, 1U);
-  EXPECT_EQ(inner_->counts().unheeded, 1U);
+  EXPECT_EQ(machine_.counts().unhandled, 1U);
+  EXPECT_EQ(inner_->counts().unhandled, 1U);
 }
 
 TEST_F(NestedTest, GoesOnOnceTheInnerMachineHasFinishedAndKeepsTheCommandOfThatTick) {

@@ -196,7 +196,7 @@ TEST_F(OrderTest, AnUrgentCommandWaitsForTheEndOfATransitionAloneAndFirst) {
   EventId seen = kNoEvent;
   b_->check = [&](const Tick& tick) {
     seen = tick.command;
-    return Next::Heed();
+    return Next::Handle();
   };
   Run(3);
   EXPECT_EQ(seen, stop_);
@@ -306,7 +306,7 @@ TEST_F(OrderTest, AListenerMaySendACommandAndTheNewStateSeesItInTheNextTick) {
   EventId seen = kNoEvent;
   b_->check = [&](const Tick& tick) {
     seen = tick.command;
-    return Next::Heed();
+    return Next::Handle();
   };
   a_->Go("B");
   Run();

@@ -83,7 +83,7 @@ history = [
 
 [counts]
 changes = 2
-unheeded = 0
+unhandled = 0
 superseded = 0
 refused = 0
 faults = 0
@@ -113,7 +113,7 @@ history = [
 
 [inside.SHOW.counts]
 changes = 1
-unheeded = 0
+unhandled = 0
 superseded = 0
 refused = 0
 faults = 0

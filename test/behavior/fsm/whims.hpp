@@ -1,6 +1,6 @@
 #pragma once
 // Machines whose states do what a seed makes of what they see: for what has to hold whatever states
-// do. They stay, leave at once or gradually, heed, keep or ignore commands, send some, and throw.
+// do. They stay, leave at once or gradually, handle, keep or ignore commands, send some, and throw.
 
 #include <rapidcheck.h>
 
@@ -47,7 +47,7 @@ class Whim : public State {
   void OnExit(const Tick& tick) override { Maybe(tick, 4); }
   Next CheckTransition(const Tick& tick) override {
     const std::uint64_t whim = Maybe(tick, 5);
-    if (whim % 8 < 5) return whim % 8 < 2 ? Next::Heed() : Next::Stay();
+    if (whim % 8 < 5) return whim % 8 < 2 ? Next::Handle() : Next::Stay();
     const StateId to = ways_[(whim >> 8) % (whim % 1024 == 7 ? 6 : 5)];
     const Next next = Next::To(to, Milliseconds((whim >> 16) % 3 == 0 ? (whim >> 24) % 90 : 0));
     return (whim >> 32) % 4 == 0 ? next.KeepCommand() : next;

@@ -110,7 +110,7 @@ void Robot::Listen() {
         heard.command = command;
         heard.command_at = now();
       });
-  hear.operator()<msg::Clock>("clock", transport::kBeatQos,
+  hear.operator()<msg::Clock>("clock", transport::kHeartbeatQos,
                               [now](Heard& heard, const msg::Clock& clock) {
                                 heard.clock = msg::FromStamp(clock.clock);
                                 heard.clock_at = now();

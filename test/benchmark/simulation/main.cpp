@@ -8,7 +8,7 @@
 #include <string>
 
 #include "musher/simulation/robot.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::testing {
 namespace {

@@ -57,14 +57,14 @@ class Simulating : public ::testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(Simulating, ARobotWithoutAFlawEndsEveryStoryWell) {
+TEST_F(Simulating, ARobotWithoutAFlawEndsEveryScenarioWell) {
   const Ran ran = RunProgram({"simulate", Config(Robot(kProvided)), "--seeds", "300"});
   EXPECT_EQ(ran.exit, 0) << ran.out;
-  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 300 stories"), Not(HasSubstr("BROKEN")),
-                             HasSubstr("controller-crash"), HasSubstr("Every story ends well.")));
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 300 scenarios"), Not(HasSubstr("BROKEN")),
+                             HasSubstr("controller-crash"), HasSubstr("Every scenario ends well.")));
 }
 
-TEST_F(Simulating, TheConfigsThatShipEndEveryStoryWell) {
+TEST_F(Simulating, TheConfigsThatShipEndEveryScenarioWell) {
   for (const char* name : {"robot.toml", "wedding.toml", "cyberdog.toml"}) {
     const Ran ran = RunProgram(
         {"simulate", std::string(MUSHER_SOURCE_DIR) + "/config/" + name, "--seeds", "300"});
@@ -78,24 +78,24 @@ TEST_F(Simulating, ARestartLimitWithoutOnLostIsFoundAndToldInTheFewestCrashes) {
   EXPECT_EQ(ran.exit, 1);
   const auto json = nlohmann::json::parse(ran.out);
   EXPECT_FALSE(json["good"]);
-  const auto& story = json["shortest_bad_story"];
-  EXPECT_THAT(story["text"].get<std::string>(),
+  const auto& scenario = json["shortest_failing_scenario"];
+  EXPECT_THAT(scenario["text"].get<std::string>(),
               AllOf(HasSubstr("⚡"), HasSubstr("without voice, which"),
                     HasSubstr("it has no on_lost (\"Active\" if the machine may do without it)")));
-  EXPECT_LE(story["only"].size(), 3U);  // no more than the crashes that two restarts take
+  EXPECT_LE(scenario["only"].size(), 3U);  // no more than the crashes that two restarts take
 }
 
-TEST_F(Simulating, AWrongConfigWithoutOnLostIsFoundAndTakesOneIncident) {
+TEST_F(Simulating, AWrongConfigWithoutOnLostIsFoundAndTakesOneInjection) {
   std::string robot = Robot("");
   const std::string key = "restart_prevent_exit_codes = []\n";
   robot.erase(robot.find(key), key.size());
   const Ran ran = RunProgram({"simulate", Config(robot), "--seeds", "300", "--json"});
   EXPECT_EQ(ran.exit, 1);
-  const auto story = nlohmann::json::parse(ran.out)["shortest_bad_story"];
-  EXPECT_THAT(story["text"].get<std::string>(),
+  const auto scenario = nlohmann::json::parse(ran.out)["shortest_failing_scenario"];
+  EXPECT_THAT(scenario["text"].get<std::string>(),
               AllOf(HasSubstr("the configuration of voice is wrong"),
                     HasSubstr("without voice, which is not started again after its exit code")));
-  EXPECT_EQ(story["only"].size(), 1U);
+  EXPECT_EQ(scenario["only"].size(), 1U);
 }
 
 TEST_F(Simulating, AFlowWithNoWayBackFromOtaIsFoundAndDrawn) {
@@ -104,7 +104,7 @@ TEST_F(Simulating, AFlowWithNoWayBackFromOtaIsFoundAndDrawn) {
 from = ["Active", "Protected", "DeActive", "LowPower"]
 to = ["Active", "Protected", "DeActive", "LowPower", "OTA"]
 )"));
-  const std::string svg = folder_ / "story.svg";
+  const std::string svg = folder_ / "scenario.svg";
   const Ran ran = RunProgram({"simulate", config, "--seeds", "100", "--svg", svg});
   EXPECT_EQ(ran.exit, 1);
   EXPECT_THAT(ran.out, HasSubstr("the machine is in OTA, from where no switch leads to Active"));
@@ -131,19 +131,19 @@ TEST_F(Simulating, ALoweringThatBeginsAsARaiseEndsIsRememberedByTheCheck) {
   EXPECT_EQ(ran.exit, 0) << ran.out;
 }
 
-TEST_F(Simulating, TheCommandItPrintsTellsTheSameStoryAgain) {
+TEST_F(Simulating, TheCommandItPrintsTellsTheSameScenarioAgain) {
   const std::string config = Config(Robot(""));
   const auto report =
       nlohmann::json::parse(RunProgram({"simulate", config, "--seeds", "300", "--json"}).out);
-  const auto& story = report["shortest_bad_story"];
+  const auto& scenario = report["shortest_failing_scenario"];
   std::string only;
-  for (const auto& number : story["only"]) {
+  for (const auto& number : scenario["only"]) {
     only += (only.empty() ? "" : ",") + std::to_string(number.get<int>());
   }
   const Ran told = RunProgram(
-      {"simulate", config, "--seed", std::to_string(story["seed"].get<int>()), "--only", only});
+      {"simulate", config, "--seed", std::to_string(scenario["seed"].get<int>()), "--only", only});
   EXPECT_EQ(told.exit, 1);
-  EXPECT_THAT(told.out, StartsWith(story["text"].get<std::string>()));
+  EXPECT_THAT(told.out, StartsWith(scenario["text"].get<std::string>()));
 }
 
 TEST_F(Simulating, WrongInputIsNamedAndNothingIsLived) {

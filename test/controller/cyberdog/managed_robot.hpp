@@ -14,7 +14,7 @@
 #include "musher/messages/std_srvs/set_bool.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/simulation/robot.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::testing {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "musher/controller/cyberdog/voice.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::cyberdog::voice_property_test {
 

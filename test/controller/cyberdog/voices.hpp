@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "musher/controller/cyberdog/voice.hpp"
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::cyberdog {
 

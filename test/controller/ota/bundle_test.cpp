@@ -53,7 +53,7 @@ TEST_F(Bundle, ThatIsAllRightIsTaken) {
   ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
   const auto boot = OpenRoot(*disk_).Boot();
   ASSERT_TRUE(boot);
-  EXPECT_TRUE(boot.value().on_trial);
+  EXPECT_TRUE(boot.value().on_trial_boot);
   EXPECT_TRUE(Holds(*disk_, Slot::kB, "1.1.0"));
 }
 

@@ -38,8 +38,8 @@ TEST_F(DiskTrouble, FullAtAnyOperationEndsTheInstallationAndHarmsNothing) {
     ASSERT_TRUE(boot);
     // Only once the last rename is done it is not known whether it will survive.
     ASSERT_TRUE(Holds(*disk_, boot.value().start, boot.value().version.text));
-    if (boot.value().on_trial) {
-      ASSERT_TRUE(OpenRoot(*disk_).EndTrial("1.1.0", Ok()));
+    if (boot.value().on_trial_boot) {
+      ASSERT_TRUE(OpenRoot(*disk_).EndTrialBoot("1.1.0", Ok()));
     }
     ASSERT_TRUE(Install(*disk_, BundleOf("1.2.0")));
     ASSERT_TRUE(Holds(*disk_, OpenRoot(*disk_).Boot().value().start, "1.2.0"));
@@ -48,23 +48,23 @@ TEST_F(DiskTrouble, FullAtAnyOperationEndsTheInstallationAndHarmsNothing) {
   std::cout << failures << " operations on a full disk\n";
 }
 
-TEST_F(DiskTrouble, ATrialThatCannotBeRememberedIsNotBegun) {
+TEST_F(DiskTrouble, ATrialBootThatCannotBeRememberedIsNotBegun) {
   ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
   FailFrom(1);
   const auto boot = OpenRoot(*disk_).Boot();
   ASSERT_TRUE(boot);
-  EXPECT_FALSE(boot.value().on_trial);
+  EXPECT_FALSE(boot.value().on_trial_boot);
   EXPECT_EQ(boot.value().version.text, "1.0.0");
   EXPECT_THAT(boot.value().told, HasSubstr("but not now"));
   disk_->hinder = nullptr;
-  EXPECT_TRUE(OpenRoot(*disk_).Boot().value().on_trial);
+  EXPECT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
 }
 
-TEST_F(DiskTrouble, ATrialWhoseEndCannotBeWrittenIsLeftByTheNextStart) {
+TEST_F(DiskTrouble, ATrialBootWhoseEndCannotBeWrittenIsLeftByTheNextStart) {
   ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
-  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial);
+  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
   FailFrom(1);
-  EXPECT_FALSE(OpenRoot(*disk_).EndTrial("1.1.0", Ok()));
+  EXPECT_FALSE(OpenRoot(*disk_).EndTrialBoot("1.1.0", Ok()));
   const auto boot = OpenRoot(*disk_).Boot();  // nor can this be written
   ASSERT_TRUE(boot);
   EXPECT_EQ(boot.value().version.text, "1.0.0");
@@ -81,8 +81,8 @@ TEST_F(DiskTrouble, ReadOnlyRobotsStart) {
 
 TEST_F(DiskTrouble, ADamagedConfirmedVersionIsReplacedByTheOther) {
   ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
-  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial);
-  ASSERT_TRUE(OpenRoot(*disk_).EndTrial("1.1.0", Ok()));
+  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
+  ASSERT_TRUE(OpenRoot(*disk_).EndTrialBoot("1.1.0", Ok()));
   disk_->Put("/robot/slots/b/bin/legs", "?");
   const auto boot = OpenRoot(*disk_).Boot();
   ASSERT_TRUE(boot);
@@ -94,8 +94,8 @@ TEST_F(DiskTrouble, ADamagedConfirmedVersionIsReplacedByTheOther) {
 // The slot's programs come first on PATH.
 TEST_F(DiskTrouble, AVersionWithAProgramThatWasNotSignedIsNotStarted) {
   ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
-  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial);
-  ASSERT_TRUE(OpenRoot(*disk_).EndTrial("1.1.0", Ok()));
+  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
+  ASSERT_TRUE(OpenRoot(*disk_).EndTrialBoot("1.1.0", Ok()));
   const std::string program = "/robot/slots/b/bin/sh";
   ASSERT_TRUE(disk_->Create(program, 0755));
   auto boot = OpenRoot(*disk_).Boot();
@@ -120,8 +120,8 @@ TEST_F(DiskTrouble, WhatAModuleLeavesBesideItsProgramAndCannotBeRunIsOfNoInteres
 
 TEST_F(DiskTrouble, AStateThatIsDamagedOrLostLeavesTheVersionThatTheLinkNames) {
   ASSERT_TRUE(Install(*disk_, BundleOf("1.1.0")));
-  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial);
-  ASSERT_TRUE(OpenRoot(*disk_).EndTrial("1.1.0", Ok()));
+  ASSERT_TRUE(OpenRoot(*disk_).Boot().value().on_trial_boot);
+  ASSERT_TRUE(OpenRoot(*disk_).EndTrialBoot("1.1.0", Ok()));
   const std::string whole = disk_->Content("/robot/ota_state");
   for (std::size_t size = 0; size < whole.size(); ++size) {
     disk_->Put("/robot/ota_state", whole.substr(0, size));

@@ -78,8 +78,8 @@ TEST_F(RealFiles, KilledAtAnyOperationAreFoundWithAVersionThatStarts) {
     const auto boot = root.value().Boot();
     ASSERT_TRUE(boot) << boot.error().message;
     ASSERT_TRUE(root.value().Look(boot.value().start));
-    if (boot.value().on_trial) {
-      ASSERT_TRUE(root.value().EndTrial(boot.value().version.text, Ok()));
+    if (boot.value().on_trial_boot) {
+      ASSERT_TRUE(root.value().EndTrialBoot(boot.value().version.text, Ok()));
     }
     ASSERT_EQ(Install("1.2.0", 0), 0);
     ASSERT_EQ(root.value().Boot().value().version.text, "1.2.0");

@@ -79,10 +79,10 @@ Result<> Install(Disk& disk, const std::string& path, const std::string& bundle)
   if (auto r = steps.Prepare(); !r) return r;
   if (auto r = steps.Copy({}); !r) return r;
   if (auto r = steps.CheckWritten({}); !r) return r;
-  if (auto r = steps.MarkTrial(); !r) return r;
+  if (auto r = steps.MarkTrialBoot(); !r) return r;
   const auto boot = root.value().Boot();
   if (!boot) return boot.error();
-  return root.value().EndTrial(boot.value().version.text, Ok());
+  return root.value().EndTrialBoot(boot.value().version.text, Ok());
 }
 
 }  // namespace

@@ -28,24 +28,24 @@ class Life {
     const std::set<std::string> before = may_start_;
     may_start_.insert(version);
     ASSERT_TRUE(Install(*disk_, BundleOf(version)));
-    EndTrial(version, keeps, before);
+    EndTrialBoot(version, keeps, before);
   }
   void GoBack(const std::string& version) {
     const std::set<std::string> before = may_start_;
     may_start_.insert(version);
     ASSERT_TRUE(MarkRollback(OpenRoot(*disk_), std::nullopt));
-    EndTrial(version, true, before);
+    EndTrialBoot(version, true, before);
   }
 
  private:
-  void EndTrial(const std::string& version, bool keeps, const std::set<std::string>& before) {
+  void EndTrialBoot(const std::string& version, bool keeps, const std::set<std::string>& before) {
     const Root root = OpenRoot(*disk_);
     const auto boot = root.Boot();
     ASSERT_TRUE(boot);
-    ASSERT_TRUE(boot.value().on_trial) << boot.value().told;
+    ASSERT_TRUE(boot.value().on_trial_boot) << boot.value().told;
     ASSERT_EQ(boot.value().version.text, version);
     const Result<> outcome = keeps ? Ok() : Result<>(Error{kCodeFailed, "the legs do not answer"});
-    ASSERT_TRUE(root.EndTrial(version, outcome));
+    ASSERT_TRUE(root.EndTrialBoot(version, outcome));
     may_start_ = keeps ? std::set<std::string>{version} : before;
   }
 
@@ -68,7 +68,7 @@ class Life {
     if (!root) return root.error().message;
     const auto state = root.value().LoadState();
     if (!state) return "ota_state is not whole";
-    if (state->on_trial && !root.value().Look(Other(state->confirmed))) {
+    if (state->on_trial_boot && !root.value().Look(Other(state->confirmed))) {
       return "a version is on trial that is not whole";
     }
     const auto boot = root.value().Boot();
@@ -76,10 +76,10 @@ class Life {
     const std::string version = boot.value().version.text;
     if (!may_start_.contains(version)) return "starts version " + version;
     if (!Holds(disk, boot.value().start, version)) return "version " + version + " is not whole";
-    if (boot.value().on_trial && !root.value().EndTrial(version, Ok())) return "cannot keep it";
+    if (boot.value().on_trial_boot && !root.value().EndTrialBoot(version, Ok())) return "cannot keep it";
     if (const auto again = Install(disk, BundleOf("9.0.0")); !again) return again.error().message;
     const auto next = root.value().Boot();
-    if (!next || !next.value().on_trial || !Holds(disk, next.value().start, "9.0.0")) {
+    if (!next || !next.value().on_trial_boot || !Holds(disk, next.value().start, "9.0.0")) {
       return "the next upgrade is not tried";
     }
     return "";
@@ -163,11 +163,11 @@ TEST_F(Flaw, AStateThatIsRenamedBeforeItIsSyncedIsFound) {
   EXPECT_GT(life_.faults().size(), 0U);
 }
 
-TEST_F(Flaw, ATrialThatIsMarkedBeforeItIsWrittenIsFound) {
+TEST_F(Flaw, ATrialBootThatIsMarkedBeforeItIsWrittenIsFound) {
   const Root root = OpenRoot(life_.disk());
   auto steps = Installation::Begin(root, BundleOf("1.1.0"), {}, std::nullopt);
   ASSERT_TRUE(steps && steps.value().Check({}) && steps.value().Prepare());
-  ASSERT_TRUE(steps.value().MarkTrial());
+  ASSERT_TRUE(steps.value().MarkTrialBoot());
   ASSERT_TRUE(steps.value().Copy({}));
   EXPECT_GT(life_.faults().size(), 0U);
 }

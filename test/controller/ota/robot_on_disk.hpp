@@ -77,7 +77,7 @@ inline Result<> Install(Disk& disk, const std::string& bundle, InstallOptions op
   if (auto r = steps.Prepare(); !r) return r;
   if (auto r = steps.Copy({}); !r) return r;
   if (auto r = steps.CheckWritten({}); !r) return r;
-  return steps.MarkTrial();
+  return steps.MarkTrialBoot();
 }
 
 // Whether a slot has exactly the files of a version, judged without the code under test.

@@ -60,7 +60,7 @@ TEST(SlotStates, SurviveTheDisk) {
     for (int flags = 0; flags < 8; ++flags) {
       SlotState state{confirmed, (flags & 1) != 0, (flags & 2) != 0, (flags & 4) != 0, {}};
       EXPECT_EQ(ParseState(FormatState(state)), state);
-      state.last = TrialEnd{Slot::kB, "1.2.0", false, "legs: \"it's\"\nbroken"};
+      state.last = TrialBootEnd{Slot::kB, "1.2.0", false, "legs: \"it's\"\nbroken"};
       state.last->reason = "legs: said \"no\" in one line";
       EXPECT_EQ(ParseState(FormatState(state)), state);
     }
@@ -81,7 +81,7 @@ TEST(Boots, StartWhatIsConfirmed) {
   const auto boot = DecideBoot(SlotState{Slot::kA, false, false, true, {}}, {}, content.Look());
   ASSERT_TRUE(boot);
   EXPECT_EQ(boot.value().start, Slot::kA);
-  EXPECT_FALSE(boot.value().on_trial);
+  EXPECT_FALSE(boot.value().on_trial_boot);
   EXPECT_EQ(boot.value().told, "");
 }
 
@@ -101,11 +101,11 @@ TEST(Boots, TryAVersionOnce) {
   const auto first = DecideBoot(state, {}, content.Look());
   ASSERT_TRUE(first);
   EXPECT_EQ(first.value().start, Slot::kB);
-  EXPECT_TRUE(first.value().on_trial);
+  EXPECT_TRUE(first.value().on_trial_boot);
   const auto second = DecideBoot(first.value().next, {}, content.Look());
   ASSERT_TRUE(second);
   EXPECT_EQ(second.value().start, Slot::kA);
-  EXPECT_FALSE(second.value().next.on_trial);
+  EXPECT_FALSE(second.value().next.on_trial_boot);
   EXPECT_FALSE(second.value().next.other_good);
   EXPECT_THAT(second.value().told, HasSubstr("its first start did not come to its end"));
   const auto third = DecideBoot(second.value().next, {}, content.Look());
@@ -152,14 +152,14 @@ TEST(Boots, FindAVersionWhereverThereIsOne) {
           ASSERT_TRUE(boot.value().start == Slot::kA ? a : b);
           const auto next = DecideBoot(boot.value().next, link, content.Look());
           ASSERT_TRUE(next);
-          ASSERT_FALSE(next.value().on_trial);
+          ASSERT_FALSE(next.value().on_trial_boot);
         }
       }
     }
   }
 }
 
-TEST(Flows, TakeTheMachineOutOfOtaAfterEveryFailureBeforeTheTrial) {
+TEST(Flows, TakeTheMachineOutOfOtaAfterEveryFailureBeforeTheTrialBoot) {
   const Flow whole = InstallFlow(true);
   for (std::size_t failing = 0; failing < whole.left.size(); ++failing) {
     Flow flow = whole;
@@ -170,7 +170,7 @@ TEST(Flows, TakeTheMachineOutOfOtaAfterEveryFailureBeforeTheTrial) {
     EXPECT_EQ(flow.failure->message, "no");
     const bool was_there = step == Step::kEnterOta || step == Step::kPrepare ||
                            step == Step::kCopy || step == Step::kCheckWritten ||
-                           step == Step::kMarkTrial;
+                           step == Step::kMarkTrialBoot;
     ASSERT_EQ(flow.left.size(), was_there ? 1U : 0U);
     if (!was_there) continue;
     EXPECT_EQ(flow.left.front(), Step::kLeaveOta);
@@ -186,7 +186,7 @@ TEST(Flows, WithoutAMachineNeverAskForOne) {
     for (; !flow.left.empty(); Advance(flow, Ok())) {
       const Step step = flow.left.front();
       EXPECT_TRUE(step == Step::kCheck || step == Step::kPrepare || step == Step::kCopy ||
-                  step == Step::kCheckWritten || step == Step::kMarkTrial);
+                  step == Step::kCheckWritten || step == Step::kMarkTrialBoot);
     }
     EXPECT_FALSE(flow.failure);
   }

@@ -3,7 +3,7 @@
 #include <signal.h>
 
 #include "musher/messages/musher_msgs/actuator_status.hpp"
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/test/integration/cli/machine.hpp"
 #include "musher/transport/dds/dds_node.hpp"
 #include "musher/transport/lifecycle_wire.hpp"

@@ -68,7 +68,7 @@ TEST_F(Killed, MachineInOtaCanBeTakenOutOfItByHand) {
   EXPECT_EQ(Where(), "Active from a");
 }
 
-TEST_F(Killed, ControllerInTheTrialIsFollowedByOneFromTheVersionBefore) {
+TEST_F(Killed, ControllerInTheTrialBootIsFollowedByOneFromTheVersionBefore) {
   Make("1.1.0", {.set_up = Waits()});
   ASSERT_EQ(UpDetached().exit, 0);
   Process installer(Command({"ota", "install", Bundle("1.1.0")}));
@@ -86,7 +86,7 @@ TEST_F(Killed, ControllerInTheTrialIsFollowedByOneFromTheVersionBefore) {
   for (const auto& actuator : Status()["actuators"]) EXPECT_EQ(actuator["state"], "Active");
 }
 
-TEST_F(Killed, MachineIsTakenDownInTheTrialAndStartsFromTheVersionBefore) {
+TEST_F(Killed, MachineIsTakenDownInTheTrialBootAndStartsFromTheVersionBefore) {
   Make("1.1.0", {.set_up = Waits()});
   ASSERT_EQ(Install("1.1.0").exit, 0);
   Process up(Command({"up", root_}));

@@ -15,7 +15,7 @@ using ::testing::Not;
 
 class Adopting : public Switching {
  protected:
-  static void Restart(Theatre& t, bool lost_disk = false) {
+  static void Restart(Harness& t, bool lost_disk = false) {
     t.RestartController(lost_disk);
     t.Rest();
   }
@@ -23,7 +23,7 @@ class Adopting : public Switching {
 
 TEST_F(Adopting, DisturbsNobodyInWhateverStateTheMachineIs) {
   for (const char* state : {"Active", "Protected", "DeActive", "LowPower", "OTA", "Error"}) {
-    Theatre& t = In(state, Ours(3));
+    Harness& t = In(state, Ours(3));
     Restart(t);
     EXPECT_EQ(t.machine().state, state);
     EXPECT_EQ(t.machine().phase, Phase::kRunning);
@@ -35,7 +35,7 @@ TEST_F(Adopting, DisturbsNobodyInWhateverStateTheMachineIs) {
 TEST_F(Adopting, EndsASwitchDownThatTheOneBeforeDiedIn) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "a").after = {"b"};  // so b goes down after a
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.On("b", "LowPower").takes = Milliseconds(90);
   t.Ask("LowPower");
   t.RunFor(Milliseconds(40));
@@ -49,7 +49,7 @@ TEST_F(Adopting, EndsASwitchDownThatTheOneBeforeDiedIn) {
 
 TEST_F(Adopting, SpeaksOfASwitchLeftHalfWayOnlyWhereOneWas) {
   const auto half_way = Contains(HasSubstr("half way"));
-  Theatre& started_again = In("Protected", Ours(3));
+  Harness& started_again = In("Protected", Ours(3));
   started_again.On("b", "Protected").takes = Milliseconds(90);
   started_again.Crash("b");
   ASSERT_TRUE(started_again.RunUntil([&] { return started_again.StateOf("b") == "SelfCheck"; }));
@@ -63,7 +63,7 @@ TEST_F(Adopting, SpeaksOfASwitchLeftHalfWayOnlyWhereOneWas) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "a").controller_lost = Milliseconds(1000);
   ActuatorNamed(config, "a").on_controller_lost = "Protected";
-  Theatre& fallen = In("Active", config);
+  Harness& fallen = In("Active", config);
   fallen.Mute("a", true, true);
   fallen.RunFor(Milliseconds(1100));
   fallen.Inject("a", actuator_event::TimePassed{});
@@ -77,7 +77,7 @@ TEST_F(Adopting, SpeaksOfASwitchLeftHalfWayOnlyWhereOneWas) {
 }
 
 TEST_F(Adopting, FollowsOneThatIsOnItsWayDownThoughNobodyIsThereYet) {
-  Theatre& t = In("Active", Ours(3));
+  Harness& t = In("Active", Ours(3));
   for (const char* name : {"a", "b", "c"}) t.On(name, "LowPower").takes = Milliseconds(90);
   t.Ask("LowPower");
   t.RunFor(Milliseconds(40));
@@ -87,7 +87,7 @@ TEST_F(Adopting, FollowsOneThatIsOnItsWayDownThoughNobodyIsThereYet) {
 }
 
 TEST_F(Adopting, UndoesASwitchUpThatTheOneBeforeDiedIn) {
-  Theatre& t = In("Protected", Ours(3));
+  Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").takes = Milliseconds(90);
   t.Ask("Active");
   t.RunFor(Milliseconds(40));
@@ -98,7 +98,7 @@ TEST_F(Adopting, UndoesASwitchUpThatTheOneBeforeDiedIn) {
 }
 
 TEST_F(Adopting, OneThatWasOnItsFirstWayUpFollowsTheMachine) {
-  Theatre& t = In("Protected", Ours(3));
+  Harness& t = In("Protected", Ours(3));
   t.On("b", "Protected").takes = Milliseconds(90);
   t.Crash("b");
   ASSERT_TRUE(t.RunUntil([&] { return t.StateOf("b") == "SelfCheck"; }));
@@ -111,7 +111,7 @@ TEST_F(Adopting, OneThatWasOnItsFirstWayUpFollowsTheMachine) {
 }
 
 TEST_F(Adopting, KeepsApartWhoWasSetApartAndDoesNotTakeThatForTheMachinesState) {
-  Theatre& t = In("Active", Ours(3));
+  Harness& t = In("Active", Ours(3));
   ASSERT_TRUE(t.Set("LowPower", "b").done());
   t.ClearLog();
   Restart(t);
@@ -124,7 +124,7 @@ TEST_F(Adopting, KeepsApartWhoWasSetApartAndDoesNotTakeThatForTheMachinesState) 
 }
 
 TEST_F(Adopting, StartsOnlyWhatDoesNotRun) {
-  Theatre& t = In("Protected", Ours(3));
+  Harness& t = In("Protected", Ours(3));
   t.Crash("b");
   Restart(t);
   EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SelfCheck", "b:Protected"));
@@ -132,7 +132,7 @@ TEST_F(Adopting, StartsOnlyWhatDoesNotRun) {
 }
 
 TEST_F(Adopting, OneThatShowsItselfAndNeverAnswersHoldsNobodyUp) {
-  Theatre& t = In("Protected", Ours(3));
+  Harness& t = In("Protected", Ours(3));
   t.Mute("b", true, true);
   Restart(t);
   EXPECT_EQ(t.machine().phase, Phase::kRunning);
@@ -141,7 +141,7 @@ TEST_F(Adopting, OneThatShowsItselfAndNeverAnswersHoldsNobodyUp) {
 }
 
 TEST_F(Adopting, ACriticalOneThatIsGoneAndDoesNotComeBackTakesTheMachineDown) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;
   t.Crash("b");
   Restart(t);
@@ -150,7 +150,7 @@ TEST_F(Adopting, ACriticalOneThatIsGoneAndDoesNotComeBackTakesTheMachineDown) {
 
 TEST_F(Adopting, DoesNotTakeASwitchOutOfACheckByHandForAStart) {
   for (const char* state : {"DeActive", "Error", "TearDown"}) {
-    Theatre& t = In("Error", Ours(3));
+    Harness& t = In("Error", Ours(3));
     ASSERT_TRUE(t.Set("SelfCheck").done());
     for (const char* name : {"a", "b", "c"}) t.On(name, state).takes = Milliseconds(90);
     t.ClearLog();
@@ -164,7 +164,7 @@ TEST_F(Adopting, DoesNotTakeASwitchOutOfACheckByHandForAStart) {
 }
 
 TEST_F(Adopting, NoticesThatACallbackOfTheOneBeforeNeverEnds) {
-  Theatre& t = In("Active", MachineOf(3));
+  Harness& t = In("Active", MachineOf(3));
   t.On("a", "DeActive").hangs = true;
   t.Ask("DeActive");
   t.RunFor(Milliseconds(20));
@@ -175,7 +175,7 @@ TEST_F(Adopting, NoticesThatACallbackOfTheOneBeforeNeverEnds) {
 }
 
 TEST_F(Adopting, ListsAllThatComeAfterOneThatDoesNotCome) {
-  Theatre& t = In("Error", Chain());
+  Harness& t = In("Error", Chain());
   ASSERT_TRUE(t.Set("SelfCheck").done());
   t.On("c", "DeActive").hangs = true;
   t.Ask("DeActive");
@@ -187,7 +187,7 @@ TEST_F(Adopting, ListsAllThatComeAfterOneThatDoesNotCome) {
 }
 
 TEST_F(Adopting, LearnsHowACallbackOfTheOneBeforeEndedThoughTheLatchIsNotHeard) {
-  Theatre& t = In("LowPower", MachineOf(3));
+  Harness& t = In("LowPower", MachineOf(3));
   t.On("a", "Active").takes = Milliseconds(60);
   t.Ask("Active");
   t.RunFor(Milliseconds(20));
@@ -202,7 +202,7 @@ TEST_F(Adopting, LearnsHowACallbackOfTheOneBeforeEndedThoughTheLatchIsNotHeard) 
 }
 
 TEST_F(Adopting, EndsATearDownThatTheOneBeforeDiedIn) {
-  Theatre& t = In("Active", Ours(3));
+  Harness& t = In("Active", Ours(3));
   for (const char* name : {"a", "b", "c"}) t.On(name, "TearDown").takes = Milliseconds(90);
   t.Ask("TearDown");
   t.RunFor(Milliseconds(40));
@@ -215,7 +215,7 @@ TEST_F(Adopting, EndsATearDownThatTheOneBeforeDiedIn) {
 }
 
 TEST_F(Adopting, WithALostDiskOutbidsTheEpochThatTheActuatorsFollow) {
-  Theatre& t = In("Protected", Ours(3));
+  Harness& t = In("Protected", Ours(3));
   for (int i = 0; i < 4; ++i) Restart(t);
   ASSERT_EQ(t.machine().epoch, 5U);
   Restart(t, /*lost_disk=*/true);
@@ -225,7 +225,7 @@ TEST_F(Adopting, WithALostDiskOutbidsTheEpochThatTheActuatorsFollow) {
 }
 
 TEST_F(Adopting, OneThatWasSetToErrorByHandIsLedOutThroughSelfCheck) {
-  Theatre& t = In("Active", Ours(3));
+  Harness& t = In("Active", Ours(3));
   ASSERT_TRUE(t.Set("Error", "b").done());
   t.ClearLog();
   Restart(t);
@@ -237,7 +237,7 @@ TEST_F(Adopting, OneThatWasSetToErrorByHandIsLedOutThroughSelfCheck) {
 }
 
 TEST_F(Adopting, OneThatIsFoundInErrorLaterIsListedAndNotDrivenBehindAPersonsBack) {
-  Theatre& t = In("Error", MachineOf(2));
+  Harness& t = In("Error", MachineOf(2));
   t.Mute("b", true, true);
   t.Crash("a");
   t.RunFor(Milliseconds(1));
@@ -256,7 +256,7 @@ TEST_F(Adopting, OneThatIsFoundInErrorLaterIsListedAndNotDrivenBehindAPersonsBac
 
 // It counted as being in Error, and done was told while it went to SelfCheck.
 TEST_F(Adopting, OneOnItsWayOutOfErrorIsBroughtBackByASwitchToError) {
-  Theatre& t = In("Error", Ours(3));
+  Harness& t = In("Error", Ours(3));
   t.On("c", "SelfCheck").takes = Milliseconds(90);
   t.Ask("SelfCheck");
   t.RunFor(Milliseconds(40));
@@ -268,7 +268,7 @@ TEST_F(Adopting, OneOnItsWayOutOfErrorIsBroughtBackByASwitchToError) {
 }
 
 TEST_F(Adopting, OfAMachineInErrorIsLedOutThroughSelfCheck) {
-  Theatre& t = In("Error", Ours(3));
+  Harness& t = In("Error", Ours(3));
   Restart(t);
   EXPECT_EQ(t.machine().state, "Error");
   EXPECT_EQ(t.Set("Active").code, kCodeStateInvalid);

@@ -18,7 +18,7 @@ class Authority : public Switching {
  protected:
   // What an actuator says of itself, changed a little.
   template <typename Change>
-  static void Say(Theatre& t, const std::string& name, Change change) {
+  static void Say(Harness& t, const std::string& name, Change change) {
     ActuatorReport report = t.CoreOf(name).report;
     report.stamp = t.now();
     change(report);
@@ -29,7 +29,7 @@ class Authority : public Switching {
 // Another controller
 
 TEST_F(Authority, OneWithAHigherEpochIsGivenWayToAtOnce) {
-  Theatre& t = In("Active", Ours(3));
+  Harness& t = In("Active", Ours(3));
   t.HearRival(t.machine().epoch + 1);
   ASSERT_TRUE(t.fenced);
   EXPECT_THAT(*t.fenced, HasSubstr("process 1 elsewhere"));
@@ -38,7 +38,7 @@ TEST_F(Authority, OneWithAHigherEpochIsGivenWayToAtOnce) {
 }
 
 TEST_F(Authority, OneWithALowerEpochOrOneThatCannotBeIsNotHeeded) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.RestartController();
   t.Rest();
   t.HearRival(t.machine().epoch - 1);
@@ -50,7 +50,7 @@ TEST_F(Authority, OneWithALowerEpochOrOneThatCannotBeIsNotHeeded) {
 }
 
 TEST_F(Authority, WhoeverWaitsIsAnsweredWhenTheControllerIsFenced) {
-  Theatre& t = In("Active", Ours(3));
+  Harness& t = In("Active", Ours(3));
   t.On("b", "LowPower").takes = Milliseconds(80);
   const RequestId one = t.Ask("LowPower");
   const RequestId same = t.Ask("LowPower");
@@ -68,7 +68,7 @@ TEST_F(Authority, WhoeverWaitsIsAnsweredWhenTheControllerIsFenced) {
 }
 
 TEST_F(Authority, WhoeverWaitsForTheEndIsAnsweredTooAlsoAfterTheTearDown) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.On("b", "TearDown").code = 3001;
   t.On("b", "TERM").hangs = true;
   const RequestId request = t.Ask("TearDown");
@@ -83,7 +83,7 @@ TEST_F(Authority, WhoeverWaitsForTheEndIsAnsweredTooAlsoAfterTheTearDown) {
 }
 
 TEST_F(Authority, AFencedControllerTouchesNothingAndRefusesEverybody) {
-  Theatre& t = In("Active", Ours(3));
+  Harness& t = In("Active", Ours(3));
   t.StopAll(5);
   t.Find("b", Health::kHung);
   t.RunFor(Milliseconds(10));
@@ -104,7 +104,7 @@ TEST_F(Authority, AFencedControllerTouchesNothingAndRefusesEverybody) {
 }
 
 TEST_F(Authority, OneThatIsHeardWhileAHigherEpochIsBeingOutbidLeads) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.RestartController();
   t.Rest();
   t.RestartController(/*lost_disk=*/true);
@@ -119,7 +119,7 @@ TEST_F(Authority, OneThatIsHeardWhileAHigherEpochIsBeingOutbidLeads) {
 // Modules that say what cannot be
 
 TEST_F(Authority, OneThatLiesAboutItsStateIsNotBelieved) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   const RequestId request = t.Ask("Active");
   ActuatorReport report = t.CoreOf("b").report;
   report.stamp = t.now();
@@ -132,7 +132,7 @@ TEST_F(Authority, OneThatLiesAboutItsStateIsNotBelieved) {
 }
 
 TEST_F(Authority, NorIsOneThatLiesInItsStatus) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   const RequestId request = t.Ask("Active");
   Say(t, "b", [&](ActuatorReport& report) {
     report.outcome_number = t.RecordOf("b").order->number;
@@ -143,7 +143,7 @@ TEST_F(Authority, NorIsOneThatLiesInItsStatus) {
 }
 
 TEST_F(Authority, OneThatGoesElsewhereByItselfIsToldOfAndDrivenBack) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   Say(t, "b", [](ActuatorReport& report) { report.state = "LowPower"; });
   EXPECT_THAT(t.records, Contains("b has gone to LowPower by itself"));
   t.Rest();
@@ -151,14 +151,14 @@ TEST_F(Authority, OneThatGoesElsewhereByItselfIsToldOfAndDrivenBack) {
 }
 
 TEST(Drift, IsNotSeenInAStart) {
-  Theatre t(Ours(2));
+  Harness t(Ours(2));
   t.Begin();
   t.Rest();
   EXPECT_THAT(t.records, Not(Contains(HasSubstr("by itself"))));
 }
 
 TEST_F(Authority, AnotherOfItsNameOnAnotherHostIsIgnoredWhileItAnswers) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   const ActuatorReport before = t.RecordOf("b").report;
   Say(t, "b", [](ActuatorReport& report) {
     report.host = "elsewhere";
@@ -174,7 +174,7 @@ TEST_F(Authority, AnotherOfItsNameOnAnotherHostIsIgnoredWhileItAnswers) {
 
 // Its status is latched: it was said once, while the process from before the boot still counted.
 TEST_F(Authority, OneOfAHostThatWasStartedAgainIsTakenUpWhenTheOneFromBeforeIsLost) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   Say(t, "b", [](ActuatorReport& report) {
     report.host = "the host's next boot";
     report.incarnation = 1;  // its clock has begun again
@@ -185,11 +185,11 @@ TEST_F(Authority, OneOfAHostThatWasStartedAgainIsTakenUpWhenTheOneFromBeforeIsLo
   t.Find("b", Health::kPartitioned, true);
   EXPECT_EQ(t.RecordOf("b").presence, Presence::kStarting);
   EXPECT_EQ(t.RecordOf("b").report.incarnation, 1U);
-  EXPECT_EQ(t.RecordOf("b").claimed, 1U);
+  EXPECT_EQ(t.RecordOf("b").controlled, 1U);
 }
 
 TEST_F(Authority, OneOfAnotherHostThatHasGoneIsNotTakenUp) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   const ActuatorReport before = t.RecordOf("b").report;
   Say(t, "b", [](ActuatorReport& report) {
     report.host = "elsewhere";
@@ -201,7 +201,7 @@ TEST_F(Authority, OneOfAnotherHostThatHasGoneIsNotTakenUp) {
 }
 
 TEST_F(Authority, IncarnationsOfHostsThatAreNotKnownAreNotCompared) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.Find("b", Health::kPartitioned, true);
   Say(t, "b", [](ActuatorReport& report) {
     report.host = "";
@@ -211,7 +211,7 @@ TEST_F(Authority, IncarnationsOfHostsThatAreNotKnownAreNotCompared) {
 }
 
 TEST_F(Authority, AnAnswerOfAProcessThatIsNotTheOneMeantIsNotTaken) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   const RequestId request = t.Ask("LowPower");
   ActuatorReport report = t.CoreOf("b").report;
   report.incarnation += 1;
@@ -222,7 +222,7 @@ TEST_F(Authority, AnAnswerOfAProcessThatIsNotTheOneMeantIsNotTaken) {
 }
 
 TEST_F(Authority, AnEpochThatCannotBeIsNotFollowedByAll) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.Find("b", Health::kPartitioned, true);
   const std::uint64_t epoch = t.machine().epoch;
   for (const std::uint64_t absurd : {kLastEpoch, std::numeric_limits<std::uint64_t>::max()}) {
@@ -236,7 +236,7 @@ TEST_F(Authority, AnEpochThatCannotBeIsNotFollowedByAll) {
 }
 
 TEST_F(Authority, ANumberThatCannotBeDoesNotEndAllCounting) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   Say(t, "b",
       [](ActuatorReport& report) { report.number = std::numeric_limits<std::uint64_t>::max(); });
   const SwitchResult result = t.Set("LowPower");
@@ -245,7 +245,7 @@ TEST_F(Authority, ANumberThatCannotBeDoesNotEndAllCounting) {
 }
 
 TEST_F(Authority, StatusFromThePastChangesNothing) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   const Machine before = t.machine();
   Say(t, "b", [&](ActuatorReport& report) {
     report.stamp -= std::chrono::seconds(1);
@@ -256,7 +256,7 @@ TEST_F(Authority, StatusFromThePastChangesNothing) {
 }
 
 TEST_F(Authority, AClockOfAnActuatorThatJumpsLosesNobody) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   Say(t, "b", [](ActuatorReport& report) { report.stamp += std::chrono::hours(24); });
   t.RunFor(std::chrono::seconds(1));
   EXPECT_EQ(t.RecordOf("b").presence, Presence::kPresent);

@@ -251,7 +251,7 @@ TEST_F(Rules, BatteryRulesWaitWhileLaterStagesLoad) {
   MachineConfig config = WithPolicy();
   ActuatorNamed(config, "b").stage = 2;
   ActuatorNamed(config, "b").command = {"run", "b"};
-  Theatre t(config);
+  Harness t(config);
   t.On("b", "SetUp").takes = Milliseconds(90);
   t.Begin();
   t.RunUntil([&] { return t.machine().state == "Active"; });

@@ -23,7 +23,7 @@ class Binding : public Switching {
 };
 
 TEST_F(Binding, TakesTheDependentDownAndUpAroundTheRestart) {
-  Theatre& t = In("Active", Bound());
+  Harness& t = In("Active", Bound());
   t.Crash("a");
   t.Rest();
   EXPECT_THAT(t.log(), ElementsAre("b:DeActive", "a:SetUp", "a:SelfCheck", "a:Active", "b:Active"));
@@ -33,7 +33,7 @@ TEST_F(Binding, TakesTheDependentDownAndUpAroundTheRestart) {
 TEST_F(Binding, HoldsUntilTheOtherIsActiveAgainAndNotOnlyPresent) {
   MachineConfig config = Bound();
   ActuatorNamed(config, "b").after = {};
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.On("a", "Active").takes = Milliseconds(60);
   t.Crash("a");
   ASSERT_TRUE(t.RunUntil([&] { return t.CoreOf("a").report.target == "Active"; }));
@@ -45,7 +45,7 @@ TEST_F(Binding, HoldsUntilTheOtherIsActiveAgainAndNotOnlyPresent) {
 }
 
 TEST_F(Binding, HoldsWhereTheOtherIsBackAndFailsToBecomeActive) {
-  Theatre& t = In("Active", Bound());
+  Harness& t = In("Active", Bound());
   t.On("a", "Active").code = 3001;
   t.Crash("a");
   t.Rest();
@@ -59,7 +59,7 @@ TEST_F(Binding, HoldsWhereTheOtherIsBackAndFailsToBecomeActive) {
 
 // Less active than the machine was, and more active than the one that rests.
 TEST_F(Binding, OneAtRestIsNotRaisedByASwitchOnTheWayDownNorByThePresentState) {
-  Theatre& t = In("Active", Bound());
+  Harness& t = In("Active", Bound());
   t.On("a", "SetUp").code = 3001;
   t.Crash("a");
   t.Rest();
@@ -73,14 +73,14 @@ TEST_F(Binding, OneAtRestIsNotRaisedByASwitchOnTheWayDownNorByThePresentState) {
 TEST_F(Binding, LeavesThoseAloneThatDoNotAskForIt) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "b").after = {"a"};
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Crash("a");
   t.Rest();
   EXPECT_THAT(t.log(), ElementsAre("a:SetUp", "a:SelfCheck", "a:Active"));
 }
 
 TEST_F(Binding, SaysWhyOneRests) {
-  Theatre& t = In("Active", Bound());
+  Harness& t = In("Active", Bound());
   t.On("a", "SetUp").code = 3001;
   t.Crash("a");
   t.Rest();
@@ -94,7 +94,7 @@ TEST_F(Binding, OneWithoutDeActiveRestsInLowPower) {
   ActuatorConfig& b = ActuatorNamed(config, "b");
   std::erase(b.states, State(kDeActive));
   b.times.resize(b.states.size());
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Crash("a");
   t.RunFor(Milliseconds(50));
   EXPECT_EQ(t.StateOf("b"), "LowPower");
@@ -104,7 +104,7 @@ TEST_F(Binding, IsHandedOnAlongAChain) {
   MachineConfig config = Bound();
   ActuatorNamed(config, "c").after = {"b"};
   ActuatorNamed(config, "c").binds_to = {"b"};
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Crash("a");
   t.RunFor(Milliseconds(50));
   EXPECT_EQ(t.StateOf("b"), "DeActive");
@@ -118,7 +118,7 @@ TEST_F(Binding, OfTwoToEachOtherKeepsNobodyDownForEver) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "a").binds_to = {"b"};
   ActuatorNamed(config, "b").binds_to = {"a", "c"};
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Crash("a");
   t.RunFor(Milliseconds(50));
   EXPECT_EQ(t.StateOf("b"), "DeActive");
@@ -133,7 +133,7 @@ TEST_F(Binding, OfTwoToEachOtherKeepsNobodyDownForEver) {
 TEST_F(Binding, AHungOneTakesItsDependentsDownToo) {
   MachineConfig config = MachineOf(2);  // not ours to restart
   ActuatorNamed(config, "b").binds_to = {"a"};
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Find("a", Health::kHung);
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "DeActive");
@@ -143,7 +143,7 @@ TEST_F(Binding, AHungOneTakesItsDependentsDownToo) {
 }
 
 TEST_F(Binding, ASelfCheckThatFailsAfterTheReturnKeepsTheDependentAtRest) {
-  Theatre& t = In("Active", Bound());
+  Harness& t = In("Active", Bound());
   t.On("a", "SelfCheck").code = 3009;
   t.Crash("a");
   t.Rest();
@@ -158,7 +158,7 @@ TEST_F(Binding, ASelfCheckThatFailsAfterTheReturnKeepsTheDependentAtRest) {
 }
 
 TEST_F(Binding, OneAtRestIsLeftOutOfASwitchUpAndTheResultSaysSo) {
-  Theatre& t = In("Protected", Bound());
+  Harness& t = In("Protected", Bound());
   t.On("a", "SetUp").code = 3001;
   t.Crash("a");
   t.Rest();
@@ -170,7 +170,7 @@ TEST_F(Binding, OneAtRestIsLeftOutOfASwitchUpAndTheResultSaysSo) {
 }
 
 TEST_F(Binding, OneAtRestFollowsTheMachineFurtherDown) {
-  Theatre& t = In("Active", Bound());
+  Harness& t = In("Active", Bound());
   t.On("a", "SetUp").code = 3001;
   t.Crash("a");
   t.Rest();
@@ -181,7 +181,7 @@ TEST_F(Binding, OneAtRestFollowsTheMachineFurtherDown) {
 }
 
 TEST_F(Binding, OneThatIsHeldStaysWhereItWasPut) {
-  Theatre& t = In("Active", Bound());
+  Harness& t = In("Active", Bound());
   ASSERT_TRUE(t.Set("Protected", "b").done());
   t.ClearLog();
   t.Crash("a");
@@ -191,7 +191,7 @@ TEST_F(Binding, OneThatIsHeldStaysWhereItWasPut) {
 }
 
 TEST_F(Binding, OneThatIsSlowToRestIsTakenToRestAllTheSame) {
-  Theatre& t = In("Active", Bound());
+  Harness& t = In("Active", Bound());
   t.On("a", "SetUp").code = 3001;
   t.On("b", "DeActive").takes = Milliseconds(180);  // of 100
   t.Crash("a");
@@ -201,7 +201,7 @@ TEST_F(Binding, OneThatIsSlowToRestIsTakenToRestAllTheSame) {
 }
 
 TEST_F(Binding, WaitsForASwitchUnderWay) {
-  Theatre& t = In("Active", Bound());
+  Harness& t = In("Active", Bound());
   t.On("c", "Protected").takes = Milliseconds(80);
   const RequestId request = t.Ask("Protected");
   t.RunFor(Milliseconds(30));
@@ -214,7 +214,7 @@ TEST_F(Binding, WaitsForASwitchUnderWay) {
 TEST_F(Binding, HoldsAtAStartToo) {
   MachineConfig config = Bound();
   ActuatorNamed(config, "b").after = {};
-  Theatre t(config);
+  Harness t(config);
   t.On("a", "SelfCheck").code = 3009;
   t.Begin();
   t.Rest();

@@ -16,7 +16,7 @@ using ::testing::StartsWith;
 class Causes : public Switching {
  protected:
   // The messages from the last record that begins with `message` to its first cause.
-  static std::vector<std::string> Chain(const Theatre& t, const std::string& message) {
+  static std::vector<std::string> Chain(const Harness& t, const std::string& message) {
     const auto last = std::find_if(t.told.rbegin(), t.told.rend(), [&](const auto& record) {
       return record.message.starts_with(message);
     });
@@ -34,14 +34,14 @@ class Causes : public Switching {
 };
 
 TEST_F(Causes, RecordsAreNumberedFromOneWithoutGaps) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.Set("LowPower");
   ASSERT_GT(t.told.size(), 10U);
   for (std::size_t i = 0; i < t.told.size(); ++i) EXPECT_EQ(t.told[i].id, i + 1);
 }
 
 TEST_F(Causes, TheEndOfASwitchIsCausedByTheRequest) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.Set("LowPower");
   EXPECT_THAT(Chain(t, "switch 3 is done"),
               ElementsAre("switch 3 is done", "a switch to LowPower is asked for"));
@@ -49,14 +49,14 @@ TEST_F(Causes, TheEndOfASwitchIsCausedByTheRequest) {
 }
 
 TEST_F(Causes, AStartIsExplainedFromItsBeginning) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   EXPECT_THAT(Chain(t, "the machine is Active"),
               ElementsAre("the machine is Active", "switch 2 is done", "switch 1 is done",
                           "3 actuators are set up", StartsWith("controller epoch 1 begins")));
 }
 
 TEST_F(Causes, AnUndoneSwitchIsCausedByTheOneThatFailed) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   t.On("b", "Active").code = 3009;
   t.Set("Active");
   t.Rest();
@@ -69,7 +69,7 @@ TEST_F(Causes, AnUndoneSwitchIsCausedByTheOneThatFailed) {
 }
 
 TEST_F(Causes, ARefusalIsCausedByTheRequestAndSaysWhatIsUnderWay) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.Ask("LowPower");
   t.Set("Protected");
   EXPECT_THAT(Chain(t, "a switch to Protected is refused"),
@@ -78,7 +78,7 @@ TEST_F(Causes, ARefusalIsCausedByTheRequestAndSaysWhatIsUnderWay) {
 }
 
 TEST_F(Causes, SilenceIsNamedBeforeTheLoss) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.Ask("LowPower");
   t.Mute("b", true, true);
   t.Rest();
@@ -91,7 +91,7 @@ TEST_F(Causes, SilenceIsNamedBeforeTheLoss) {
 TEST_F(Causes, OneThatCannotBeAskedIsNotSaidToBeAsked) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "b").protocol = Protocol::kCyberdog;
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Ask("LowPower");
   t.Mute("b", true, true);
   t.Rest();
@@ -101,7 +101,7 @@ TEST_F(Causes, OneThatCannotBeAskedIsNotSaidToBeAsked) {
 }
 
 TEST_F(Causes, ASwitchThatTookOverIsNamed) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.Ask("LowPower");
   t.Set("Error");
   EXPECT_THAT(Chain(t, "switch 3 is superseded"),
@@ -123,7 +123,7 @@ class CausesOfProcesses : public ::testing::Test {
 };
 
 TEST_F(CausesOfProcesses, AFallbackIsExplainedDownToTheProcess) {
-  Theatre t(Config());
+  Harness t(Config());
   t.Begin();
   t.Rest();
   ASSERT_EQ(t.machine().state, "Active");
@@ -144,7 +144,7 @@ TEST_F(CausesOfProcesses, AFallbackIsExplainedDownToTheProcess) {
 }
 
 TEST_F(CausesOfProcesses, WhatNeedsADegradedOneNamesItsCause) {
-  Theatre t(Config());
+  Harness t(Config());
   t.On("a", "SetUp").code = 3001;
   t.Begin();
   t.Rest();

@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 // Time
 
 TEST_F(Switching, AnActuatorThatIsOverdueIsAskedAndNotGuessed) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.On("b", "LowPower").takes = Milliseconds(200);  // of 100
   const SwitchResult result = t.Set("LowPower");
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
@@ -22,7 +22,7 @@ TEST_F(Switching, AnActuatorThatIsOverdueIsAskedAndNotGuessed) {
 }
 
 TEST_F(Switching, ALateResultNeverChangesTheSwitchButTheActuatorIsNoLongerDegraded) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.On("b", "LowPower").takes = Milliseconds(200);
   EXPECT_THAT(t.Set("LowPower").degraded, ElementsAre("b"));
   t.Rest();
@@ -31,7 +31,7 @@ TEST_F(Switching, ALateResultNeverChangesTheSwitchButTheActuatorIsNoLongerDegrad
 }
 
 TEST_F(Switching, AnOverdueActuatorIsBroughtBackWithTheOthersOnTheWayUp) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   t.On("b", "Active").takes = Milliseconds(150);
   const SwitchResult result = t.Set("Active");
   EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
@@ -43,7 +43,7 @@ TEST_F(Switching, AnOverdueActuatorIsBroughtBackWithTheOthersOnTheWayUp) {
 }
 
 TEST_F(Switching, AnOverdueCallbackIsAskedToStop) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   t.On("b", "Active").ends_when_asked = true;
   EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kUndone);
   t.Rest();
@@ -52,7 +52,7 @@ TEST_F(Switching, AnOverdueCallbackIsAskedToStop) {
 }
 
 TEST_F(Switching, ALostReplyIsNotTakenForAFailureBecauseTheLatchSaysDone) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.Ask("LowPower");
   t.RunFor(Milliseconds(5));
   t.Mute("b", false, true);  // neither its reply nor its latch gets through …
@@ -64,7 +64,7 @@ TEST_F(Switching, ALostReplyIsNotTakenForAFailureBecauseTheLatchSaysDone) {
 }
 
 TEST_F(Switching, AnActuatorThatDoesNotEvenAnswerTheQuestionIsLost) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.Mute("b", true, true);
   const SwitchResult result = t.Set("LowPower");
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
@@ -73,7 +73,7 @@ TEST_F(Switching, AnActuatorThatDoesNotEvenAnswerTheQuestionIsLost) {
 }
 
 TEST_F(Switching, AHungActuatorKeepsTheSwitchNoLongerThanItsTimeAndTheQuestion) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.On("b", "LowPower").hangs = true;
   const Time begun = t.now();
   t.Set("LowPower");
@@ -81,7 +81,7 @@ TEST_F(Switching, AHungActuatorKeepsTheSwitchNoLongerThanItsTimeAndTheQuestion) 
 }
 
 TEST_F(Switching, AnActuatorThatDiesDuringTheSwitchIsKnownAtOnce) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   t.On("b", "Active").hangs = true;
   const RequestId request = t.Ask("Active");
   t.RunFor(Milliseconds(20));
@@ -97,7 +97,7 @@ TEST_F(Switching, AnActuatorThatDiesDuringTheSwitchIsKnownAtOnce) {
 TEST_F(Switching, AnActuatorThatDiesAfterItsPartOfTheSwitchIsMissingInTheOutcome) {
   for (const char* target : {"Active", "LowPower", "SelfCheck"}) {
     for (const bool ours : {false, true}) {
-      Theatre& t = In("Protected", ours ? Ours(3) : MachineOf(3));
+      Harness& t = In("Protected", ours ? Ours(3) : MachineOf(3));
       t.On("c", target).takes = Milliseconds(80);
       const RequestId request = t.Ask(target);
       t.RunFor(Milliseconds(40));
@@ -116,7 +116,7 @@ TEST_F(Switching, ACriticalActuatorThatDiesAfterItsPartIsMissingAndTakesTheMachi
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "a").critical = true;
   ActuatorNamed(config, "a").on_lost = "Protected";
-  Theatre& t = In("Protected", config);
+  Harness& t = In("Protected", config);
   t.On("c", "Active").takes = Milliseconds(80);
   const RequestId request = t.Ask("Active");
   t.RunFor(Milliseconds(40));
@@ -128,7 +128,7 @@ TEST_F(Switching, ACriticalActuatorThatDiesAfterItsPartIsMissingAndTakesTheMachi
 }
 
 TEST_F(Switching, AReportThatWasHeldUpOnTheWayDoesNotMakeLaterCommandsLookOld) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.DelayReports("b", std::chrono::seconds(2));  // longer than any command is good for
   t.Set("Protected", "b");
   t.Rest();
@@ -139,7 +139,7 @@ TEST_F(Switching, AReportThatWasHeldUpOnTheWayDoesNotMakeLaterCommandsLookOld) {
 // SelfCheck
 
 TEST_F(Switching, SelfCheckInTheRunPhaseRunsTheCallbacksAndLeavesTheState) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   const SwitchResult result = t.Set("SelfCheck");
   EXPECT_TRUE(result.done());
   EXPECT_EQ(result.state, "Protected");
@@ -148,7 +148,7 @@ TEST_F(Switching, SelfCheckInTheRunPhaseRunsTheCallbacksAndLeavesTheState) {
 }
 
 TEST_F(Switching, SelfCheckAsksEverybodyThoughTheFirstFails) {
-  Theatre& t = In("Active", Chain());
+  Harness& t = In("Active", Chain());
   t.On("c", "SelfCheck").code = 1409;
   const SwitchResult result = t.Set("SelfCheck");
   EXPECT_THAT(t.log(), ElementsAre("c:SelfCheck", "b:SelfCheck", "a:SelfCheck"));
@@ -158,7 +158,7 @@ TEST_F(Switching, SelfCheckAsksEverybodyThoughTheFirstFails) {
 TEST_F(Switching, SelfCheckTakesSilenceForAFailureAndGivesTheWorst) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "c").critical = true;
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.On("a", "SelfCheck").code = 1409;
   t.On("b", "SelfCheck").hangs = true;
   SwitchResult result = t.Set("SelfCheck");
@@ -170,7 +170,7 @@ TEST_F(Switching, SelfCheckTakesSilenceForAFailureAndGivesTheWorst) {
 }
 
 TEST_F(Switching, AFailedCheckStaysOnRecordUntilOnePasses) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.On("b", "SelfCheck").code = 1409;
   EXPECT_THAT(t.Set("SelfCheck").degraded, ElementsAre("b"));
   EXPECT_THAT(t.Set("Protected").degraded, ElementsAre("b"));
@@ -181,7 +181,7 @@ TEST_F(Switching, AFailedCheckStaysOnRecordUntilOnePasses) {
 // One at a time
 
 TEST_F(Switching, RefusesAnotherSwitchWhileOneIsUnderWay) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   const RequestId first = t.Ask("LowPower");
   const SwitchResult second = t.Set("Protected");
   EXPECT_EQ(second.outcome, SwitchOutcome::kRefused);
@@ -191,7 +191,7 @@ TEST_F(Switching, RefusesAnotherSwitchWhileOneIsUnderWay) {
 }
 
 TEST_F(Switching, TheSameRequestTwiceIsOneSwitch) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   const RequestId first = t.Ask("LowPower");
   const RequestId again = t.Ask("LowPower");
   t.Rest();
@@ -201,7 +201,7 @@ TEST_F(Switching, TheSameRequestTwiceIsOneSwitch) {
 }
 
 TEST_F(Switching, AMoreUrgentOneSupersedesAtOnceAndTheNewestCommandWaits) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   t.On("b", "Active").takes = Milliseconds(50);
   const RequestId first = t.Ask("Active");
   t.RunFor(Milliseconds(20));
@@ -214,7 +214,7 @@ TEST_F(Switching, AMoreUrgentOneSupersedesAtOnceAndTheNewestCommandWaits) {
 // One actuator
 
 TEST_F(Switching, OneActuatorIsHeldUntilTheNextGlobalSwitch) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   EXPECT_TRUE(t.Set("Protected", "b").done());
   EXPECT_EQ(t.machine().state, "Active");
   EXPECT_EQ(t.StateOf("b"), "Protected");
@@ -226,14 +226,14 @@ TEST_F(Switching, OneActuatorIsHeldUntilTheNextGlobalSwitch) {
 }
 
 TEST_F(Switching, OneActuatorMayNotBeMoreActiveThanTheMachine) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   const SwitchResult result = t.Set("Active", "b");
   EXPECT_EQ(result.code, kCodeStateInvalid);
   EXPECT_THAT(result.reason, HasSubstr("may not be more active"));
 }
 
 TEST_F(Switching, OneActuatorThatFailsStaysWhereItWas) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   ASSERT_TRUE(t.Set("DeActive", "b").done());
   t.On("b", "Protected").code = 5001;
   const SwitchResult result = t.Set("Protected", "b");
@@ -245,7 +245,7 @@ TEST_F(Switching, OneActuatorThatFailsStaysWhereItWas) {
 // Loss
 
 TEST_F(Switching, NumbersNeverFallBehindWhatAnActuatorHasSeen) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.Inject("b", actuator_event::AskArrived{999'999, {t.machine().epoch, 500, false}, 1});
   t.Rest();
   const SwitchResult result = t.Set("LowPower");
@@ -254,7 +254,7 @@ TEST_F(Switching, NumbersNeverFallBehindWhatAnActuatorHasSeen) {
 }
 
 TEST_F(Switching, UpIsRefusedWhileOneIsStillOnItsWayElsewhere) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.On("b", "LowPower").takes = Milliseconds(300);
   ASSERT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
   const SwitchResult result = t.Set("Active");
@@ -265,7 +265,7 @@ TEST_F(Switching, UpIsRefusedWhileOneIsStillOnItsWayElsewhere) {
 }
 
 TEST_F(Switching, OneActuatorThatIsTornDownIsDegradedUntilItIsStartedAgain) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   EXPECT_TRUE(t.Set("TearDown", "b").done());
   t.Rest();
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
@@ -279,7 +279,7 @@ TEST_F(Switching, ALostCriticalActuatorTakesTheMachineDownToItsOnLost) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "b").critical = true;
   ActuatorNamed(config, "b").on_lost = "Protected";
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(t.machine().state, "Protected");
@@ -290,7 +290,7 @@ TEST_F(Switching, ALostCriticalActuatorTakesTheMachineDownToItsOnLost) {
 }
 
 TEST_F(Switching, ALostActuatorThatIsNotCriticalLeavesTheMachineDegraded) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");

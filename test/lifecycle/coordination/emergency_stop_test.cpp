@@ -16,14 +16,14 @@ constexpr std::uint64_t kStop = 5;
 
 class EmergencyStopped : public Switching {
  protected:
-  static void Stop(Theatre& t, std::uint64_t id = kStop) {
+  static void Stop(Harness& t, std::uint64_t id = kStop) {
     t.StopAll(id);
     t.RunFor(Milliseconds(1));
   }
 };
 
 TEST_F(EmergencyStopped, ReachesEverybodyIsKeptOnDiskAndChangesNoState) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   Stop(t);
   for (const char* name : {"a", "b", "c"}) {
     EXPECT_EQ(t.CoreOf(name).report.emergency_stop, kStop);
@@ -37,7 +37,7 @@ TEST_F(EmergencyStopped, ReachesEverybodyIsKeptOnDiskAndChangesNoState) {
 }
 
 TEST_F(EmergencyStopped, RefusesWhatGoesUpAndLetsDownWhatGoesDown) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   Stop(t);
   const SwitchResult up = t.Set("Active");
   EXPECT_EQ(up.outcome, SwitchOutcome::kRefused);
@@ -50,7 +50,7 @@ TEST_F(EmergencyStopped, RefusesWhatGoesUpAndLetsDownWhatGoesDown) {
 }
 
 TEST_F(EmergencyStopped, RefusesASwitchUpAlsoWhenNobodyWouldBeDrivenByIt) {
-  Theatre& t = In("Protected", MachineOf(1));
+  Harness& t = In("Protected", MachineOf(1));
   t.Crash("a");
   t.RunFor(Milliseconds(1));
   Stop(t);
@@ -59,7 +59,7 @@ TEST_F(EmergencyStopped, RefusesASwitchUpAlsoWhenNobodyWouldBeDrivenByIt) {
 }
 
 TEST_F(EmergencyStopped, RefusesOneActuatorToGoUp) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   ASSERT_TRUE(t.Set("LowPower", "b").done());
   Stop(t);
   EXPECT_EQ(t.Set("Protected", "b").code, kCodeProtectedError);
@@ -68,7 +68,7 @@ TEST_F(EmergencyStopped, RefusesOneActuatorToGoUp) {
 }
 
 TEST_F(EmergencyStopped, UndoesASwitchUpUnderWay) {
-  Theatre& t = In("Protected", Chain());
+  Harness& t = In("Protected", Chain());
   t.On("b", "Active").ends_when_asked = true;
   const RequestId request = t.Ask("Active");
   t.RunFor(Milliseconds(30));
@@ -83,7 +83,7 @@ TEST_F(EmergencyStopped, UndoesASwitchUpUnderWay) {
 }
 
 TEST_F(EmergencyStopped, UndoesASwitchUpWhoseLastCallbackEndsAllTheSame) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   const RequestId request = t.Ask("Active");
   t.RunFor(Milliseconds(5));
   Stop(t);
@@ -93,7 +93,7 @@ TEST_F(EmergencyStopped, UndoesASwitchUpWhoseLastCallbackEndsAllTheSame) {
 }
 
 TEST_F(EmergencyStopped, LetsASwitchDownGoOn) {
-  Theatre& t = In("Active", Chain());
+  Harness& t = In("Active", Chain());
   const RequestId request = t.Ask("LowPower");
   t.RunFor(Milliseconds(15));
   Stop(t);
@@ -103,7 +103,7 @@ TEST_F(EmergencyStopped, LetsASwitchDownGoOn) {
 }
 
 TEST_F(EmergencyStopped, LetsTheMachineFallAndEnd) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   Stop(t);
   t.On("b", "SetUp").code = 3001;
   t.Crash("b");
@@ -114,7 +114,7 @@ TEST_F(EmergencyStopped, LetsTheMachineFallAndEnd) {
 }
 
 TEST_F(EmergencyStopped, OneThatIsRestartedIsCheckedAndWaitsForTheRelease) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   Stop(t);
   t.Crash("b");
   t.Rest();
@@ -127,7 +127,7 @@ TEST_F(EmergencyStopped, OneThatIsRestartedIsCheckedAndWaitsForTheRelease) {
 }
 
 TEST_F(EmergencyStopped, AJoinUnderWayEndsAndTheNextStepWaits) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.On("b", "Active").ends_when_asked = true;
   t.Crash("b");
   ASSERT_TRUE(t.RunUntil([&] { return t.CoreOf("b").report.target == "Active"; }));
@@ -139,7 +139,7 @@ TEST_F(EmergencyStopped, AJoinUnderWayEndsAndTheNextStepWaits) {
 // What a released stop has switched off
 
 TEST_F(EmergencyStopped, RefusesThePresentStateInsteadOfSayingThatItIsDone) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   Stop(t);
   const SwitchResult again = t.Set("Active");
   EXPECT_EQ(again.outcome, SwitchOutcome::kRefused);
@@ -150,7 +150,7 @@ TEST_F(EmergencyStopped, RefusesThePresentStateInsteadOfSayingThatItIsDone) {
 }
 
 TEST_F(EmergencyStopped, SettingThePresentStateAfterTheReleaseRunsTheCallbacksOfThoseThatWereHeld) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   Stop(t);
   t.Release();
   t.Rest();
@@ -166,7 +166,7 @@ TEST_F(EmergencyStopped, SettingThePresentStateAfterTheReleaseRunsTheCallbacksOf
 }
 
 TEST_F(EmergencyStopped, OneAloneLetsGoWhenItsOwnStateIsSet) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   Stop(t);
   t.Release();
   t.Rest();
@@ -176,7 +176,7 @@ TEST_F(EmergencyStopped, OneAloneLetsGoWhenItsOwnStateIsSet) {
 }
 
 TEST_F(EmergencyStopped, ANewControllerFindsWhoIsHeldByAStopThatWasReleased) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   Stop(t);
   t.Release();
   t.Rest();
@@ -187,7 +187,7 @@ TEST_F(EmergencyStopped, ANewControllerFindsWhoIsHeldByAStopThatWasReleased) {
 }
 
 TEST_F(EmergencyStopped, OneThatWasRestartedAfterTheReleaseIsNotHeld) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   Stop(t);
   t.Release();
   t.Crash("b");
@@ -201,7 +201,7 @@ TEST_F(EmergencyStopped, OneThatWasRestartedAfterTheReleaseIsNotHeld) {
 // The start
 
 TEST(EmergencyStopAtTheStart, KeepsTheMachineFromGoingUpAndTellsTheWayOut) {
-  Theatre t(Ours(2));
+  Harness t(Ours(2));
   t.stops_on_disk.engaged = {{kStop, "somebody", "smoke"}};
   t.Begin();
   t.Rest();
@@ -218,7 +218,7 @@ TEST(EmergencyStopAtTheStart, KeepsTheMachineFromGoingUpAndTellsTheWayOut) {
 }
 
 TEST(EmergencyStopAtTheStart, EndsAStartInTheMiddleOfItsCheck) {
-  Theatre t(Ours(2));
+  Harness t(Ours(2));
   t.Begin();
   ASSERT_TRUE(t.RunUntil([&] { return t.CoreOf("a").report.target == "SelfCheck"; }));
   t.StopAll(kStop);
@@ -228,7 +228,7 @@ TEST(EmergencyStopAtTheStart, EndsAStartInTheMiddleOfItsCheck) {
 }
 
 TEST(EmergencyStopAtTheStart, EndsAStartOnItsWayToActive) {
-  Theatre t(Ours(2));
+  Harness t(Ours(2));
   t.On("b", "Active").ends_when_asked = true;
   t.Begin();
   ASSERT_TRUE(t.RunUntil([&] { return t.StateOf("a") == "Active"; }));
@@ -245,7 +245,7 @@ TEST(EmergencyStopAtTheStart, EndsAStartOnItsWayToActive) {
 // Several, and their end
 
 TEST_F(EmergencyStopped, TwoAtOnceAreReleasedTogether) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.Inject("a", actuator_event::EmergencyStopHeard{6, true, 0});  // it heard the second first
   Stop(t, 5);
   Stop(t, 6);
@@ -259,7 +259,7 @@ TEST_F(EmergencyStopped, TwoAtOnceAreReleasedTogether) {
 }
 
 TEST_F(EmergencyStopped, OneThatIsReleasedDoesNotComeBackByALateWord) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   Stop(t);
   t.Release();
   t.Rest();
@@ -271,12 +271,12 @@ TEST_F(EmergencyStopped, OneThatIsReleasedDoesNotComeBackByALateWord) {
 }
 
 TEST_F(EmergencyStopped, ReleasingWhereNoneIsEngagedIsRefused) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   EXPECT_EQ(t.calls.at(t.Release()).error().code, kCodeStateInvalid);
 }
 
 TEST_F(EmergencyStopped, OneThatMissedTheReleaseIsToldAgain) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   Stop(t);
   t.Release();
   t.Crash("b");
@@ -291,7 +291,7 @@ TEST_F(EmergencyStopped, OneThatMissedTheReleaseIsToldAgain) {
 // The second was engaged while the first was being released: the actuators have it, the controller
 // not yet.
 TEST_F(EmergencyStopped, OneEngagedBesideAReleaseStaysEngaged) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   Stop(t);
   t.Inject("a", actuator_event::EmergencyStopHeard{kStop + 1, true, 0});
   t.Release();
@@ -303,7 +303,7 @@ TEST_F(EmergencyStopped, OneEngagedBesideAReleaseStaysEngaged) {
 
 // A callback that switches on at its end, and a stop that comes beside it.
 TEST_F(EmergencyStopped, AStopInTheMidstOfAnUpwardCallbackUndoesTheSwitch) {
-  Theatre& t = In("DeActive");
+  Harness& t = In("DeActive");
   t.On("b", "Active").takes = Milliseconds(80);  // it does not listen to the request to stop
   const RequestId up = t.Ask("Active");
   t.RunFor(Milliseconds(40));
@@ -318,7 +318,7 @@ TEST_F(EmergencyStopped, AStopInTheMidstOfAnUpwardCallbackUndoesTheSwitch) {
 
 // Its panel is still there and says "engaged" to the next controller.
 TEST_F(EmergencyStopped, AReleasedStopStaysReleasedAfterARestartOfTheController) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   Stop(t);
   t.Release();
   t.Rest();
@@ -330,7 +330,7 @@ TEST_F(EmergencyStopped, AReleasedStopStaysReleasedAfterARestartOfTheController)
 }
 
 TEST_F(EmergencyStopped, AllStopsThatAreEngagedSurviveAController) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   Stop(t);
   Stop(t, kStop + 1);
   t.RestartController();
@@ -361,7 +361,7 @@ TEST(EmergencyStopBeforeBegin, IsKeptAndPublishedOnceTheControllerLeads) {
 }
 
 TEST_F(EmergencyStopped, SurvivesAControllerByItsDisk) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   Stop(t);
   t.RestartController();
   t.Rest();
@@ -375,7 +375,7 @@ TEST_F(EmergencyStopped, SurvivesAControllerByItsDisk) {
 }
 
 TEST_F(EmergencyStopped, SurvivesAControllerByItsActuators) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   Stop(t);
   t.stops_on_disk = {};
   t.RestartController(/*lost_disk=*/true);
@@ -386,7 +386,7 @@ TEST_F(EmergencyStopped, SurvivesAControllerByItsActuators) {
 }
 
 TEST_F(EmergencyStopped, EngagedWithoutAControllerIsFoundByTheNext) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   for (const char* name : {"a", "b"}) {
     t.Inject(name, actuator_event::EmergencyStopHeard{kStop, true, 0});
   }

@@ -21,19 +21,19 @@ constexpr const char* kWords = "b.toml:7:1: error: unknown key 'sped'; did you m
 class ExitCode : public Switching {
  protected:
   // From now on a start of b ends as soon as it has read its config.
-  static void Misconfigure(Theatre& t) {
+  static void Misconfigure(Harness& t) {
     t.On("b", "exec").exit_code = kUsageExitCode;
     t.On("b", "exec").message = kWords;
   }
-  static void Mend(Theatre& t) { t.On("b", "exec").exit_code = 0; }
+  static void Mend(Harness& t) { t.On("b", "exec").exit_code = 0; }
 
-  static std::ptrdiff_t StartsOf(const Theatre& t, const std::string& name) {
+  static std::ptrdiff_t StartsOf(const Harness& t, const std::string& name) {
     return std::count_if(t.records.begin(), t.records.end(), [&](const std::string& record) {
       return record.starts_with(name + " is started as process");
     });
   }
 
-  static Result<> RestartByHand(Theatre& t, const std::string& name) {
+  static Result<> RestartByHand(Harness& t, const std::string& name) {
     const RequestId call = t.Restart(name);
     EXPECT_TRUE(t.RunUntil([&] { return t.calls.count(call) > 0; })) << "no answer";
     return t.calls.at(call);
@@ -41,7 +41,7 @@ class ExitCode : public Switching {
 };
 
 TEST_F(ExitCode, TwoIsNotStartedAgainAndToldWithItsLastWords) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.Exit("b", 2, kWords);
   t.Rest();
   EXPECT_EQ(StartsOf(t, "b"), 1);
@@ -56,14 +56,14 @@ TEST_F(ExitCode, TwoIsNotStartedAgainAndToldWithItsLastWords) {
 }
 
 TEST_F(ExitCode, IsToldOnce) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.Exit("b", 2, kWords);
   t.Rest();
   EXPECT_THAT(t.records, Contains(StartsWith("b is degraded")).Times(1));
 }
 
 TEST_F(ExitCode, OtherCodesAndSignalsAreStartedAgain) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.Exit("b", 1, "the port is gone");
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "Active");
@@ -75,7 +75,7 @@ TEST_F(ExitCode, OtherCodesAndSignalsAreStartedAgain) {
 
 // So that a recording that was made before there was an exit code is replayed as it was decided.
 TEST_F(ExitCode, ThatIsNotToldIsNotReadFromTheWords) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.Tell(event::ProcessEnded{1, t.RecordOf("b").process, false, "exit code 2: no such map"});
   EXPECT_TRUE(t.RecordOf("b").restart_at);
 }
@@ -83,7 +83,7 @@ TEST_F(ExitCode, ThatIsNotToldIsNotReadFromTheWords) {
 TEST_F(ExitCode, ThatTheConfigNamesCountsInsteadOfTwo) {
   MachineConfig config = Ours(2);
   ActuatorNamed(config, "b").restart.prevent_exit_codes = {3, 78};
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Exit("b", 2, "panic: no such map");
   t.Rest();
   ASSERT_EQ(t.StateOf("b"), "Active");
@@ -97,7 +97,7 @@ TEST_F(ExitCode, ThatTheConfigNamesCountsInsteadOfTwo) {
 TEST_F(ExitCode, NoneMeansThatAllAreStartedAgain) {
   MachineConfig config = Ours(2);
   ActuatorNamed(config, "b").restart.prevent_exit_codes = {};
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Exit("b", 2, kWords);
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "Active");
@@ -106,14 +106,14 @@ TEST_F(ExitCode, NoneMeansThatAllAreStartedAgain) {
 TEST_F(ExitCode, CountsForAlwaysToo) {
   MachineConfig config = Ours(2);
   ActuatorNamed(config, "b").restart.policy = RestartPolicy::kAlways;
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Exit("b", 2, kWords);
   t.Rest();
   EXPECT_FALSE(t.IsAlive("b"));
 }
 
 TEST_F(ExitCode, OfACriticalOneTakesTheMachineToItsOnLostAtOnce) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   t.Exit("b", 2, kWords);
   t.RunFor(Milliseconds(50));
   EXPECT_EQ(t.machine().state, "Protected") << "its first restart would come after 100 ms";
@@ -121,7 +121,7 @@ TEST_F(ExitCode, OfACriticalOneTakesTheMachineToItsOnLostAtOnce) {
 }
 
 TEST_F(ExitCode, IsTheCauseOfWhatFollowsFromIt) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   t.Exit("b", 2, kWords);
   t.Rest();
   const auto fall = std::find_if(t.told.begin(), t.told.end(), [](const action::Record& record) {
@@ -134,7 +134,7 @@ TEST_F(ExitCode, IsTheCauseOfWhatFollowsFromIt) {
 }
 
 TEST_F(ExitCode, InACrashLoopEndsIt) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   Misconfigure(t);
   t.Crash("b");
   t.Rest();
@@ -143,7 +143,7 @@ TEST_F(ExitCode, InACrashLoopEndsIt) {
 }
 
 TEST_F(ExitCode, InASwitchUpUndoesIt) {
-  Theatre& t = In("Protected", Ours(3));
+  Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").takes = Milliseconds(80);
   const RequestId request = t.Ask("Active");
   t.RunFor(Milliseconds(30));
@@ -155,7 +155,7 @@ TEST_F(ExitCode, InASwitchUpUndoesIt) {
 }
 
 TEST_F(ExitCode, OfOneThatIsTornDownAloneIsAsTornDownAsAnother) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   EXPECT_TRUE(t.Set("TearDown", "b").done());
   t.Exit("b", 2, kWords);
   t.Rest();
@@ -165,7 +165,7 @@ TEST_F(ExitCode, OfOneThatIsTornDownAloneIsAsTornDownAsAnother) {
 // By hand
 
 TEST_F(ExitCode, IsOverOnceAPersonHasMendedTheFileAndRestartsIt) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   Misconfigure(t);
   t.Exit("b", 2, kWords);
   t.Rest();
@@ -181,7 +181,7 @@ TEST_F(ExitCode, IsOverOnceAPersonHasMendedTheFileAndRestartsIt) {
 }
 
 TEST_F(ExitCode, OfOneThatWasToldToEndForARestartHindersNone) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.On("b", "TearDown").hangs = true;
   const RequestId call = t.Restart("b");
   t.RunFor(Milliseconds(20));
@@ -193,7 +193,7 @@ TEST_F(ExitCode, OfOneThatWasToldToEndForARestartHindersNone) {
 }
 
 TEST_F(ExitCode, IsTriedAnewByTheNextController) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.Exit("b", 2, kWords);
   t.Rest();
   t.RestartController();
@@ -204,7 +204,7 @@ TEST_F(ExitCode, IsTriedAnewByTheNextController) {
 // While the machine starts
 
 TEST_F(ExitCode, AtTheStartOfACriticalOneFailsTheStartUpAtOnce) {
-  Theatre t(OursWithCriticalB());
+  Harness t(OursWithCriticalB());
   Misconfigure(t);
   t.Begin();
   t.RunFor(Milliseconds(90));
@@ -223,7 +223,7 @@ TEST_F(ExitCode, AtTheStartOfACriticalOneFailsTheStartUpAtOnce) {
 TEST_F(ExitCode, AtTheStartOfAnotherOneLeavesTheMachineWithoutIt) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "c").after = {"b"};
-  Theatre t(config);
+  Harness t(config);
   Misconfigure(t);
   t.Begin();
   t.Rest();
@@ -241,7 +241,7 @@ TEST_F(ExitCode, AtTheStartOfAnotherOneLeavesTheMachineWithoutIt) {
 TEST_F(ExitCode, OfOneThatComesInALaterStageLeavesTheFirstAsItIs) {
   MachineConfig config = Ours(2);
   ActuatorNamed(config, "b").stage = 2;
-  Theatre t(config);
+  Harness t(config);
   Misconfigure(t);
   t.Begin();
   t.Rest();

@@ -14,7 +14,7 @@ using ::testing::Not;
 class Hang : public Switching {};
 
 TEST_F(Hang, LeavesABacktraceThenTheProcessIsKilledRestartedAndDrivenAgain) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.Find("b", Health::kHung);
   EXPECT_EQ(t.RecordOf("b").presence, Presence::kLost);
   EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("hung: as the test says"));
@@ -28,7 +28,7 @@ TEST_F(Hang, LeavesABacktraceThenTheProcessIsKilledRestartedAndDrivenAgain) {
 }
 
 TEST_F(Hang, IsKilledThoughNobodyCanTellWhatItWasDoing) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.Find("b", Health::kHung, true);
   t.Tell(event::BacktraceTaken{1, 1, "of some other process"});
   EXPECT_THAT(t.signals, ElementsAre());
@@ -37,7 +37,7 @@ TEST_F(Hang, IsKilledThoughNobodyCanTellWhatItWasDoing) {
 }
 
 TEST_F(Hang, ThatEndsBeforeTheKillIsForgiven) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.Find("b", Health::kHung, true);
   t.RunFor(Milliseconds(20));
   t.Find("b", Health::kWell);
@@ -50,7 +50,7 @@ TEST_F(Hang, ThatEndsBeforeTheKillIsForgiven) {
 
 // The end of the one before can be seen after its successor has spoken.
 TEST_F(Hang, WhoseSuccessorIsThereAlreadyIsNotTakenForEnded) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.On("b", "KILL").hangs = true;
   t.Find("b", Health::kHung, true);
   t.RunFor(Milliseconds(60));
@@ -64,7 +64,7 @@ TEST_F(Hang, WhoseSuccessorIsThereAlreadyIsNotTakenForEnded) {
 }
 
 TEST_F(Hang, CountsAsARestartAndEndsAtTheLimit) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(t.machine().state, "Active");
     t.Find("b", Health::kHung);
@@ -78,7 +78,7 @@ TEST_F(Hang, CountsAsARestartAndEndsAtTheLimit) {
 TEST_F(Hang, WithoutARestartPolicyIsListedAndTheProcessLeftAsItIs) {
   MachineConfig config = OursWithCriticalB();
   ActuatorNamed(config, "b").restart.policy = RestartPolicy::kNo;
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Find("b", Health::kHung);
   t.RunFor(std::chrono::seconds(10));
   EXPECT_THAT(t.signals, ElementsAre());
@@ -87,7 +87,7 @@ TEST_F(Hang, WithoutARestartPolicyIsListedAndTheProcessLeftAsItIs) {
 }
 
 TEST_F(Hang, OfOneThatSomebodyElseStartedIsListedUntilItEnds) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.Find("b", Health::kHung);
   t.Rest();
   EXPECT_THAT(t.signals, ElementsAre());
@@ -98,7 +98,7 @@ TEST_F(Hang, OfOneThatSomebodyElseStartedIsListedUntilItEnds) {
 }
 
 TEST_F(Hang, OfAnAdoptedProcessIsKilledAndRestartedAsWell) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.RestartController();
   t.Rest();
   ASSERT_EQ(t.RecordOf("b").process, 0) << "adopted";
@@ -110,7 +110,7 @@ TEST_F(Hang, OfAnAdoptedProcessIsKilledAndRestartedAsWell) {
 }
 
 TEST_F(Hang, OfOneThatNotEvenSigkillEndsIsTakenForEndedAfterAWhile) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   t.On("b", "KILL").hangs = true;  // its driver never returns
   t.On("b", "exec").code = kCodeFailed;
   t.Find("b", Health::kHung, true);
@@ -121,7 +121,7 @@ TEST_F(Hang, OfOneThatNotEvenSigkillEndsIsTakenForEndedAfterAWhile) {
 }
 
 TEST_F(Hang, InASwitchUpUndoesItAndTheRestartedOneFollows) {
-  Theatre& t = In("Protected", Ours(3));
+  Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").hangs = true;
   const RequestId request = t.Ask("Active");
   t.RunFor(Milliseconds(30));
@@ -134,7 +134,7 @@ TEST_F(Hang, InASwitchUpUndoesItAndTheRestartedOneFollows) {
 TEST(HangInSetUp, IsRestartedWhileTheStartWaits) {
   MachineConfig config = OursWithCriticalB(2);
   config.actuators[1].checkpoint = Milliseconds(50);
-  Theatre t(config);
+  Harness t(config);
   t.On("b", "SetUp").hangs = true;
   t.Begin();
   t.RunFor(Milliseconds(60));
@@ -146,7 +146,7 @@ TEST(HangInSetUp, IsRestartedWhileTheStartWaits) {
 }
 
 TEST_F(Hang, AStarvedOneIsToldOfAndLeftAlone) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   t.Find("b", Health::kStarved, true);
   t.Rest();
   EXPECT_THAT(t.records, Contains(HasSubstr("b is starved")));
@@ -159,7 +159,7 @@ TEST_F(Hang, OneOfAnotherHostThatIsCutOffTakesACriticalMachineDownAndJoinsWhenIt
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "b").critical = true;
   ActuatorNamed(config, "b").on_lost = "Protected";
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Find("b", Health::kPartitioned, true);
   t.Rest();
   EXPECT_EQ(t.machine().state, "Protected");
@@ -171,7 +171,7 @@ TEST_F(Hang, OneOfAnotherHostThatIsCutOffTakesACriticalMachineDownAndJoinsWhenIt
 }
 
 TEST_F(Hang, VerdictsOfAProcessThatIsGoneChangeNothing) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   const std::uint64_t gone = t.RecordOf("b").report.incarnation;
   t.Crash("b");
   t.Rest();

@@ -50,7 +50,7 @@ class NothingStarts : public ::testing::TestWithParam<Combination> {
     ActuatorNamed(config, "a").critical = true;
     return config;
   }
-  void Start(Theatre& t) const {
+  void Start(Harness& t) const {
     for (const char* name : {"a", "b"}) t.On(name, reason().state) = reason().behaviour;
     t.Begin(std::get<2>(GetParam()));
     if (std::get<2>(GetParam())) t.Tell(event::SetUpAwaited{99});
@@ -59,7 +59,7 @@ class NothingStarts : public ::testing::TestWithParam<Combination> {
 };
 
 TEST_P(NothingStarts, EndsTheStartWithTheReasonAndLeavesNothingBehind) {
-  Theatre t(Config());
+  Harness t(Config());
   Start(t);
   if (std::get<2>(GetParam())) {  // the program that drives the start hears of it
     ASSERT_EQ(t.calls.count(99), 1U);
@@ -77,7 +77,7 @@ TEST_P(NothingStarts, EndsTheStartWithTheReasonAndLeavesNothingBehind) {
 
 TEST_P(NothingStarts, CanBeRepairedByHandWithoutANewController) {
   if (std::get<2>(GetParam())) GTEST_SKIP() << "the program that drives the start decides";
-  Theatre t(Config());
+  Harness t(Config());
   Start(t);
   for (const char* name : {"a", "b"}) {
     t.On(name, reason().state) = {};

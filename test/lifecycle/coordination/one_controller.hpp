@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::testing {
 

@@ -21,15 +21,15 @@ inline MachineConfig WithPolicy(int actuators = 2) {
 class Rules : public Switching {
  protected:
   // A robot in `state` whose states are noted from now on.
-  Theatre& Robot(const State& state = "Active", MachineConfig config = WithPolicy()) {
-    theatre_ = &In(state, std::move(config));
-    theatre_->after_step = [this] {
-      const State& now = theatre_->machine().state;
+  Harness& Robot(const State& state = "Active", MachineConfig config = WithPolicy()) {
+    harness_ = &In(state, std::move(config));
+    harness_->after_step = [this] {
+      const State& now = harness_->machine().state;
       if (states_.empty() || states_.back() != now) states_.push_back(now);
     };
-    return *theatre_;
+    return *harness_;
   }
-  Theatre& robot() { return *theatre_; }
+  Harness& robot() { return *harness_; }
   const State& state() { return robot().machine().state; }
   const PolicyState& policy() { return robot().machine().policy; }
   // The states that the machine has been in since Robot().
@@ -86,7 +86,7 @@ class Rules : public Switching {
   }
 
  private:
-  Theatre* theatre_ = nullptr;
+  Harness* harness_ = nullptr;
   std::vector<State> states_;
 };
 

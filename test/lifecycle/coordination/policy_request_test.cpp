@@ -158,7 +158,7 @@ TEST_F(Requests, WithoutAPolicyAllAreRefused) {
 }
 
 TEST_F(Requests, BeforeTheMachineBeginsAndAfterItsEndAllAreAnswered) {
-  Theatre t(WithPolicy());
+  Harness t(WithPolicy());
   const RequestId before = t.AskPolicy({0, PolicyRequest::kPowerOff, "", 0, false});
   EXPECT_EQ(Text(t.calls.at(before)), "104: the machine is not set up yet");
   t.Begin();

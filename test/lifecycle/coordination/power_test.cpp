@@ -106,9 +106,9 @@ TEST_F(Power, AnEmergencyStopDoesNotKeepTheRobotOn) {
   EXPECT_EQ(robot().power.size(), 1U);
 }
 
-// Found by a story: the rule that nothing goes up meanwhile took TearDown for going up.
+// Found by a scenario: the rule that nothing goes up meanwhile took TearDown for going up.
 TEST_F(Power, OffDuringTheStartTearsTheMachineDown) {
-  Theatre t(WithPolicy());
+  Harness t(WithPolicy());
   t.Begin();
   t.AskPolicy({0, PolicyRequest::kPowerOff, "", 0, false});
   t.On("a", "SelfCheck").hangs = true;

@@ -1,6 +1,6 @@
 // What holds whatever happens, in whatever order: seeds drive a machine through crashes, hangs,
 // silence, emergency stops, restarts and switches. A failure names its seed and what was done;
-// MUSHER_SEED=n runs one seed and tells its story, MUSHER_SEEDS=n runs that many.
+// MUSHER_SEED=n runs one seed and tells its scenario, MUSHER_SEEDS=n runs that many.
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <iostream>
 #include <random>
 
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::testing::random_walk_test {
 
@@ -66,18 +66,18 @@ class Walk {
   }
 
   // What was done, and the last that the controller told.
-  std::string Story() const {
-    std::string story = story_;
+  std::string Scenario() const {
+    std::string scenario = scenario_;
     const std::size_t told = t_.records.size();
-    for (std::size_t i = told > 40 ? told - 40 : 0; i < told; ++i) story += t_.records[i] + "\n";
-    return story;
+    for (std::size_t i = told > 40 ? told - 40 : 0; i < told; ++i) scenario += t_.records[i] + "\n";
+    return scenario;
   }
 
  private:
   int Below(int n) { return static_cast<int>(random_() % static_cast<unsigned>(n)); }
   std::string AnyName() { return std::string(1, static_cast<char>('a' + Below(4))); }
   void Note(const std::string& what) {
-    story_ += "  at " + std::to_string(ToMilliseconds(t_.now().time_since_epoch()) - 3'600'000) +
+    scenario_ += "  at " + std::to_string(ToMilliseconds(t_.now().time_since_epoch()) - 3'600'000) +
               " ms " + what + "\n";
   }
 
@@ -202,7 +202,7 @@ class Walk {
       EXPECT_FALSE(record.order) << name;
       EXPECT_FALSE(record.restart_asked) << name;
       EXPECT_FALSE(record.kill_at) << name;
-      EXPECT_EQ(record.doomed, 0) << name;
+      EXPECT_EQ(record.terminating, 0) << name;
       const auto own = t_.config().RankOf(record.state());
       const auto machines = t_.config().RankOf(machine.state);
       const bool waits = machine.emergency_stop && (!own || (machines && *own < *machines));
@@ -229,8 +229,8 @@ class Walk {
   }
 
   std::mt19937_64 random_;
-  Theatre t_;
-  std::string story_;
+  Harness t_;
+  std::string scenario_;
   std::vector<RequestId> requests_;
   std::vector<RequestId> calls_;
   bool stopped_ = false;
@@ -243,9 +243,9 @@ TEST(RandomWalk, LeavesEverybodyWhereTheyBelongAndAnswersEverybody) {
   for (std::uint64_t seed = only != 0 ? only : 1; seed <= last; ++seed) {
     Walk walk(seed);
     walk.Run();
-    if (only != 0) std::cout << walk.Story();
+    if (only != 0) std::cout << walk.Scenario();
     ASSERT_FALSE(HasFailure()) << "again with: MUSHER_SEED=" << seed << " coordination_test\n"
-                               << walk.Story();
+                               << walk.Scenario();
   }
 }
 

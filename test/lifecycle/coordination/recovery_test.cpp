@@ -15,7 +15,7 @@ using ::testing::Not;
 class Recovery : public Switching {
  protected:
   // How long after its crash the process is there again.
-  static Duration DelayOfCrash(Theatre& t, const std::string& name) {
+  static Duration DelayOfCrash(Harness& t, const std::string& name) {
     const Time begun = t.now();
     t.Crash(name);
     t.RunFor(Milliseconds(1));
@@ -27,7 +27,7 @@ class Recovery : public Switching {
 };
 
 TEST_F(Recovery, DrivesWhatCrashedThroughSetUpAndSelfCheckWhileTheOthersStay) {
-  Theatre& t = In("Protected", Ours(3));
+  Harness& t = In("Protected", Ours(3));
   t.Crash("b");
   t.Rest();
   EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SelfCheck", "b:Protected"));
@@ -37,7 +37,7 @@ TEST_F(Recovery, DrivesWhatCrashedThroughSetUpAndSelfCheckWhileTheOthersStay) {
 }
 
 TEST_F(Recovery, DrivesItToWhereTheMachineHasGoneMeanwhile) {
-  Theatre& t = In("Active", Ours(3));
+  Harness& t = In("Active", Ours(3));
   t.Crash("b");
   t.RunFor(Milliseconds(20));
   EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
@@ -50,7 +50,7 @@ TEST_F(Recovery, WaitsLongerBeforeEachRestartUpToACeiling) {
   MachineConfig config = Ours(2);
   config.actuators[1].restart.limit = 10;
   config.actuators[1].restart.max_delay = Milliseconds(500);
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   for (const int delay : {100, 200, 400, 500, 500}) {
     EXPECT_EQ(DelayOfCrash(t, "b"), Milliseconds(delay));
   }
@@ -61,12 +61,12 @@ TEST_F(Recovery, DelaysThatAreZeroStayZeroHoweverFastTheyGrow) {
   config.actuators[1].restart.limit = 400;
   config.actuators[1].restart.delay = {};
   config.actuators[1].restart.growth = 100;
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   for (int i = 0; i < 300; ++i) ASSERT_LE(DelayOfCrash(t, "b"), Milliseconds(1));
 }
 
 TEST_F(Recovery, CountsAnewAfterAHealthyTime) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   EXPECT_EQ(DelayOfCrash(t, "b"), Milliseconds(100));
   t.RunFor(Milliseconds(4800));
   EXPECT_EQ(DelayOfCrash(t, "b"), Milliseconds(200)) << "not yet";
@@ -75,7 +75,7 @@ TEST_F(Recovery, CountsAnewAfterAHealthyTime) {
 }
 
 TEST_F(Recovery, TimeOutOfReachIsNoHealthyTime) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   DelayOfCrash(t, "b");
   t.Find("b", Health::kPartitioned, true);
   t.Rest();
@@ -83,7 +83,7 @@ TEST_F(Recovery, TimeOutOfReachIsNoHealthyTime) {
 }
 
 TEST_F(Recovery, GivesUpAtTheLimitAndLeavesTheMachineDegraded) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.On("b", "SetUp").code = 5012;
   t.On("b", "SetUp").message = "no sound card";
   t.Crash("b");
@@ -96,7 +96,7 @@ TEST_F(Recovery, GivesUpAtTheLimitAndLeavesTheMachineDegraded) {
 }
 
 TEST_F(Recovery, ACriticalOneOutOfRestartsTakesTheMachineToItsOnLostAndNotBefore) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;
   t.Crash("b");
   t.RunFor(Milliseconds(500));
@@ -108,7 +108,7 @@ TEST_F(Recovery, ACriticalOneOutOfRestartsTakesTheMachineToItsOnLostAndNotBefore
 }
 
 TEST_F(Recovery, ACriticalOneThatCrashesWhileItJoinsIsOnlyRestarted) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   t.Crash("b");
   ASSERT_TRUE(t.RunUntil([&] { return t.RecordOf("b").order.has_value(); }));
   t.Crash("b");
@@ -118,7 +118,7 @@ TEST_F(Recovery, ACriticalOneThatCrashesWhileItJoinsIsOnlyRestarted) {
 }
 
 TEST_F(Recovery, ACriticalOneThatFailsItsSelfCheckAfterARestartTakesTheMachineDown) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   t.On("b", "SelfCheck").code = 3009;
   t.Crash("b");
   t.Rest();
@@ -127,7 +127,7 @@ TEST_F(Recovery, ACriticalOneThatFailsItsSelfCheckAfterARestartTakesTheMachineDo
 }
 
 TEST_F(Recovery, ACriticalOneWhoseSecondSetUpNeverEndsTakesTheMachineDown) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   t.On("b", "SetUp").hangs = true;
   t.Crash("b");
   t.Rest();
@@ -137,7 +137,7 @@ TEST_F(Recovery, ACriticalOneWhoseSecondSetUpNeverEndsTakesTheMachineDown) {
 TEST_F(Recovery, AnExplicitOnLostCountsForOneThatIsNotCritical) {
   MachineConfig config = MachineOf(2);
   config.actuators[1].on_lost = "LowPower";
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(t.machine().state, "LowPower");
@@ -148,7 +148,7 @@ TEST_F(Recovery, TheFlowOfTheConfigForbidsNoFallback) {
   MachineConfig config = MachineOf(2);
   config.actuators[1].on_lost = "LowPower";
   std::erase_if(config.flow, [](const FlowEdge& edge) { return edge.to == "LowPower"; });
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kRefused)
       << "what a person asks for, it does";
   t.Crash("b");
@@ -160,7 +160,7 @@ TEST_F(Recovery, OfSeveralLostOnesTheLeastActiveOnLostCounts) {
   MachineConfig config = MachineOf(3);
   config.actuators[1].on_lost = "Protected";
   config.actuators[2].on_lost = "LowPower";
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Crash("b");
   t.Crash("c");
   t.Rest();
@@ -172,7 +172,7 @@ TEST_F(Recovery, OfSeveralLostOnesTheLeastActiveOnLostCounts) {
 TEST_F(Recovery, OnFailureLeavesOneThatEndedWellButAlwaysDoesNot) {
   MachineConfig config = Ours(2);
   config.actuators[1].restart.policy = RestartPolicy::kAlways;
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   for (const char* name : {"a", "b"}) {
     t.Tell(
         event::ProcessEnded{*config.IndexOf(name), t.RecordOf(name).process, true, "exit code 0"});
@@ -186,7 +186,7 @@ TEST_F(Recovery, OnFailureLeavesOneThatEndedWellButAlwaysDoesNot) {
 TEST_F(Recovery, NoMeansNo) {
   MachineConfig config = Ours(2);
   config.actuators[1].restart.policy = RestartPolicy::kNo;
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Crash("b");
   t.Rest();
   EXPECT_FALSE(t.IsAlive("b"));
@@ -195,7 +195,7 @@ TEST_F(Recovery, NoMeansNo) {
 TEST_F(Recovery, OneThatIsTornDownByHandStaysSo) {
   MachineConfig config = Ours(2);
   config.actuators[1].restart.policy = RestartPolicy::kAlways;
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   EXPECT_TRUE(t.Set("TearDown", "b").done());
   t.Rest();
   EXPECT_FALSE(t.IsAlive("b"));
@@ -207,7 +207,7 @@ TEST_F(Recovery, OneThatIsTornDownByHandStaysSo) {
 }
 
 TEST_F(Recovery, AProcessThatCannotBeStartedIsTriedAgainByTheSamePolicy) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.On("b", "exec").code = kCodeFailed;
   t.On("b", "exec").message = "no such file";
   t.Crash("b");
@@ -222,7 +222,7 @@ TEST_F(Recovery, OneThatSomebodyElseStartsFasterThanItCanBeCountedIsLeftAloneFor
   MachineConfig config = MachineOf(2);
   config.actuators[1].restart.limit = 3;
   config.actuators[1].restart.reset_after = std::chrono::seconds(5);
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   for (int i = 0; i < 5; ++i) {
     t.Crash("b");
     t.RunFor(Milliseconds(1));
@@ -240,7 +240,7 @@ TEST_F(Recovery, OneThatSomebodyElseStartsFasterThanItCanBeCountedIsLeftAloneFor
 TEST_F(Recovery, OneThatComesAndGoesWithItsLinkIsNotCountedAsStartedAnew) {
   MachineConfig config = MachineOf(2);
   config.actuators[1].restart.limit = 3;
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Crash("b");
   t.RunFor(Milliseconds(1));
   t.StartActuator("b");
@@ -258,7 +258,7 @@ TEST_F(Recovery, OneThatComesAndGoesWithItsLinkIsNotCountedAsStartedAnew) {
 // Words that come late, or twice
 
 TEST_F(Recovery, ALateWordOfALostWriterDoesNotTakeTheSuccessorForLost) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   const std::uint64_t dead = t.RecordOf("b").report.incarnation;
   t.Crash("b");
   ASSERT_TRUE(t.RunUntil([&] {
@@ -272,7 +272,7 @@ TEST_F(Recovery, ALateWordOfALostWriterDoesNotTakeTheSuccessorForLost) {
 }
 
 TEST_F(Recovery, AnExitThatIsSeenByItsSilenceFirstDoesNotTakeTheMachineDown) {
-  Theatre& t = In("Active", OursWithCriticalB());
+  Harness& t = In("Active", OursWithCriticalB());
   t.Tell(event::Vanished{1, t.RecordOf("b").report.incarnation, false, "it is out of reach"});
   t.Crash("b");
   t.Rest();
@@ -281,7 +281,7 @@ TEST_F(Recovery, AnExitThatIsSeenByItsSilenceFirstDoesNotTakeTheMachineDown) {
 }
 
 TEST_F(Recovery, TheEndOfAWrapperAndOfItsActuatorIsOneLoss) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   ActuatorReport report = t.CoreOf("b").report;
   report.incarnation += 1'000'000;  // the command is a script; this is what it runs
   report.pid += 1'000'000;

@@ -13,7 +13,7 @@ using ::testing::IsEmpty;
 // While the machine starts
 
 TEST(RestartWhileStarting, TheStageWaitsForOneThatIsStartedAgain) {
-  Theatre t(OursWithCriticalB());
+  Harness t(OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;
   t.Begin();
   t.RunFor(Milliseconds(250));
@@ -28,7 +28,7 @@ TEST(RestartWhileStarting, TheStageWaitsForOneThatIsStartedAgain) {
 TEST(RestartWhileStarting, OneThatComesAfterItWaitsToo) {
   MachineConfig config = Ours(2);
   ActuatorNamed(config, "a").after = {"b"};
-  Theatre t(config);
+  Harness t(config);
   t.On("b", "SetUp").code = 3012;
   t.Begin();
   t.RunFor(Milliseconds(50));
@@ -38,7 +38,7 @@ TEST(RestartWhileStarting, OneThatComesAfterItWaitsToo) {
 }
 
 TEST(RestartWhileStarting, ACriticalOneOutOfRestartsFailsTheStart) {
-  Theatre t(OursWithCriticalB());
+  Harness t(OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;
   t.Begin();
   t.Rest();
@@ -49,7 +49,7 @@ TEST(RestartWhileStarting, ACriticalOneOutOfRestartsFailsTheStart) {
 }
 
 TEST(RestartWhileStarting, AFailedStartIsFinishedByHandOnceTheCriticalOneIsRestarted) {
-  Theatre t(OursWithCriticalB());
+  Harness t(OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;
   t.Begin();
   t.Rest();
@@ -64,7 +64,7 @@ TEST(RestartWhileStarting, AFailedStartIsFinishedByHandOnceTheCriticalOneIsResta
 }
 
 TEST(RestartWhileStarting, OneThatCrashesAfterItsCheckIsCheckedAgain) {
-  Theatre t(Ours(3));
+  Harness t(Ours(3));
   t.On("a", "SelfCheck").takes = Milliseconds(90);
   t.Begin();
   ASSERT_TRUE(t.RunUntil([&] { return t.StateOf("b") == "SelfCheck"; }));
@@ -78,7 +78,7 @@ TEST(RestartWhileStarting, OneThatCrashesAfterItsCheckIsCheckedAgain) {
 TEST(RestartWhileStarting, ACriticalOneThatIsGivenUpAfterItsActivationTakesTheMachineDown) {
   MachineConfig config = OursWithCriticalB();
   ActuatorNamed(config, "b").restart.limit = 0;
-  Theatre t(config);
+  Harness t(config);
   t.On("a", "Active").takes = Milliseconds(90);
   t.Begin();
   ASSERT_TRUE(t.RunUntil([&] { return t.StateOf("b") == "Active"; }));
@@ -93,7 +93,7 @@ TEST(RestartWhileStarting, ACriticalOneThatIsGivenUpAfterItsActivationTakesTheMa
 class RestartAcross : public Switching {};
 
 TEST_F(RestartAcross, ASwitchUpIsUndoneAndTheRestartedOneFollows) {
-  Theatre& t = In("Protected", Ours(3));
+  Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").takes = Milliseconds(80);
   const RequestId request = t.Ask("Active");
   t.RunFor(Milliseconds(30));
@@ -104,7 +104,7 @@ TEST_F(RestartAcross, ASwitchUpIsUndoneAndTheRestartedOneFollows) {
 }
 
 TEST_F(RestartAcross, ASwitchDownGoesOnAndTheRestartedOneFollows) {
-  Theatre& t = In("Active", Ours(3));
+  Harness& t = In("Active", Ours(3));
   t.On("b", "LowPower").takes = Milliseconds(80);
   const RequestId request = t.Ask("LowPower");
   t.RunFor(Milliseconds(30));
@@ -119,7 +119,7 @@ TEST_F(RestartAcross, OneThatIsStartedAnewBeforeItsTurnIsNotActivatedUnchecked) 
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "b").after = {"a"};
   ActuatorNamed(config, "b").restart.delay = {};
-  Theatre& t = In("Protected", config);
+  Harness& t = In("Protected", config);
   t.On("a", "Active").takes = Milliseconds(90);
   const RequestId request = t.Ask("Active");
   t.RunFor(Milliseconds(10));
@@ -132,7 +132,7 @@ TEST_F(RestartAcross, OneThatIsStartedAnewBeforeItsTurnIsNotActivatedUnchecked) 
 }
 
 TEST_F(RestartAcross, NobodyIsRestartedWhileTheMachineEnds) {
-  Theatre& t = In("Active", Ours(3));
+  Harness& t = In("Active", Ours(3));
   t.On("a", "TearDown").takes = Milliseconds(90);
   t.Crash("c");
   t.RunFor(Milliseconds(50));
@@ -146,7 +146,7 @@ TEST_F(RestartAcross, NobodyIsRestartedWhileTheMachineEnds) {
 }
 
 TEST_F(RestartAcross, AdoptedProcessesAreRestartedAndEndWithTheMachine) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.RestartController();
   t.Rest();
   t.Crash("b");
@@ -162,7 +162,7 @@ TEST_F(RestartAcross, AdoptedProcessesAreRestartedAndEndWithTheMachine) {
 
 class RestartByHand : public Switching {
  protected:
-  static Result<> Do(Theatre& t, const std::string& name) {
+  static Result<> Do(Harness& t, const std::string& name) {
     const RequestId call = t.Restart(name);
     EXPECT_TRUE(t.RunUntil([&] { return t.calls.count(call) > 0; })) << "no answer";
     return t.calls.at(call);
@@ -170,7 +170,7 @@ class RestartByHand : public Switching {
 };
 
 TEST_F(RestartByHand, TearsItDownStartsItAndAnswersWhenItIsBack) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   EXPECT_TRUE(Do(t, "b"));
   EXPECT_THAT(t.log(), ElementsAre("b:TearDown", "b:SetUp", "b:SelfCheck", "b:Active"));
   EXPECT_EQ(t.StateOf("b"), "Active");
@@ -178,7 +178,7 @@ TEST_F(RestartByHand, TearsItDownStartsItAndAnswersWhenItIsBack) {
 }
 
 TEST_F(RestartByHand, OfOneThatDoesNotEndGetsHarder) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.On("b", "TearDown").hangs = true;
   t.On("b", "TERM").hangs = true;
   EXPECT_TRUE(Do(t, "b"));
@@ -187,7 +187,7 @@ TEST_F(RestartByHand, OfOneThatDoesNotEndGetsHarder) {
 }
 
 TEST_F(RestartByHand, OfOneThatIgnoresSigtermAndIsHeardAgainStillEnds) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.On("b", "TERM").hangs = true;
   t.Find("b", Health::kPartitioned, true);
   const RequestId call = t.Restart("b");
@@ -199,7 +199,7 @@ TEST_F(RestartByHand, OfOneThatIgnoresSigtermAndIsHeardAgainStillEnds) {
 }
 
 TEST_F(RestartByHand, BringsBackOneThatWasGivenUp) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.On("b", "SetUp").code = 5012;
   t.Crash("b");
   t.Rest();
@@ -213,7 +213,7 @@ TEST_F(RestartByHand, BringsBackOneThatWasGivenUp) {
 TEST_F(RestartByHand, OfAHungOneDoesNotWaitForItsTearDown) {
   MachineConfig config = Ours(2);
   config.actuators[1].restart.policy = RestartPolicy::kNo;
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.Find("b", Health::kHung);
   EXPECT_TRUE(Do(t, "b"));
   EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SelfCheck", "b:Active"));
@@ -222,7 +222,7 @@ TEST_F(RestartByHand, OfAHungOneDoesNotWaitForItsTearDown) {
 TEST_F(RestartByHand, SaysWhyItDoesNotComeBack) {
   MachineConfig config = Ours(2);
   config.actuators[1].restart.policy = RestartPolicy::kNo;
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   t.On("b", "SelfCheck").code = 5009;
   t.On("b", "SelfCheck").message = "no microphone";
   const Result<> answer = Do(t, "b");
@@ -235,7 +235,7 @@ TEST_F(RestartByHand, SaysWhyItDoesNotComeBack) {
 }
 
 TEST_F(RestartByHand, AskedForTwiceIsOneRestartAndBothAreAnswered) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   const RequestId first = t.Restart("b");
   const RequestId second = t.Restart("b");
   t.Rest();
@@ -247,7 +247,7 @@ TEST_F(RestartByHand, AskedForTwiceIsOneRestartAndBothAreAnswered) {
 TEST_F(RestartByHand, IsRefusedWhereItCannotBe) {
   MachineConfig config = Ours(2);
   config.actuators[1].command.clear();
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   EXPECT_THAT(Do(t, "aa").error().message, HasSubstr("did you mean 'a'?"));
   EXPECT_EQ(Do(t, "b").error().code, kCodeUnSupport);
   t.Set("TearDown");
@@ -255,7 +255,7 @@ TEST_F(RestartByHand, IsRefusedWhereItCannotBe) {
 }
 
 TEST_F(RestartByHand, IsAnsweredAlsoWhenTheMachineEndsMeanwhile) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.On("b", "TearDown").takes = Milliseconds(80);
   const RequestId call = t.Restart("b");
   t.RunFor(Milliseconds(20));
@@ -265,7 +265,7 @@ TEST_F(RestartByHand, IsAnsweredAlsoWhenTheMachineEndsMeanwhile) {
 }
 
 TEST_F(RestartByHand, OneThatIsBeingRestartedHindersNoSwitch) {
-  Theatre& t = In("Protected", OursWithCriticalB());
+  Harness& t = In("Protected", OursWithCriticalB());
   t.On("b", "TearDown").takes = Milliseconds(80);
   const RequestId call = t.Restart("b");
   t.RunFor(Milliseconds(20));
@@ -277,7 +277,7 @@ TEST_F(RestartByHand, OneThatIsBeingRestartedHindersNoSwitch) {
 }
 
 TEST_F(RestartByHand, IsAnsweredAlsoWhileAnEmergencyStopKeepsItDown) {
-  Theatre& t = In("Active", Ours(2));
+  Harness& t = In("Active", Ours(2));
   t.StopAll(5);
   t.RunFor(Milliseconds(10));
   EXPECT_TRUE(Do(t, "b"));

@@ -22,7 +22,7 @@ class SelfChecked : public ::testing::Test {
     t.Rest();
   }
 
-  Theatre t;
+  Harness t;
 };
 
 TEST_F(SelfChecked, ADegradedCriticalOneReachesActiveAndIsListedWithItsReason) {
@@ -92,7 +92,7 @@ class CriticalCodes : public ::testing::Test {
 };
 
 TEST_F(CriticalCodes, AFailureWithAnotherCodeIsPassedDegraded) {
-  Theatre t(Config());
+  Harness t(Config());
   t.On("b", "SelfCheck").code = 1109;
   t.On("b", "SelfCheck").message = "led: silent";
   t.Begin();
@@ -107,7 +107,7 @@ TEST_F(CriticalCodes, AFailureWithAnotherCodeIsPassedDegraded) {
 }
 
 TEST_F(CriticalCodes, AFailureWithOneOfThemBlocksTheStart) {
-  Theatre t(Config());
+  Harness t(Config());
   t.On("b", "SelfCheck").code = 1409;
   t.Begin();
   t.Rest();
@@ -115,7 +115,7 @@ TEST_F(CriticalCodes, AFailureWithOneOfThemBlocksTheStart) {
 }
 
 TEST_F(CriticalCodes, SilenceIsAFailureWhateverTheCodes) {
-  Theatre t(Config());
+  Harness t(Config());
   t.On("b", "SelfCheck").hangs = true;
   t.Begin();
   t.Rest();
@@ -123,7 +123,7 @@ TEST_F(CriticalCodes, SilenceIsAFailureWhateverTheCodes) {
 }
 
 TEST_F(CriticalCodes, OneThatJoinsLateIsPassedDegradedToo) {
-  Theatre t(Config());
+  Harness t(Config());
   t.Begin();
   t.Rest();
   t.On("b", "SelfCheck").code = 1109;

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::testing::start_up_test {
 
@@ -15,7 +15,7 @@ MachineConfig Started(int actuators) {
 }
 
 TEST(StartUp, BringsEverybodyThroughSetUpAndSelfCheckToActive) {
-  Theatre t(Started(2));
+  Harness t(Started(2));
   t.Begin();
   t.Rest();
   EXPECT_TRUE(t.usable());
@@ -26,7 +26,7 @@ TEST(StartUp, BringsEverybodyThroughSetUpAndSelfCheckToActive) {
 }
 
 TEST(StartUp, WaitsForActuatorsStartedByHand) {
-  Theatre t(MachineOf(2));
+  Harness t(MachineOf(2));
   t.Begin();
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");
@@ -36,7 +36,7 @@ TEST(StartUp, StartsProcessesInTheOrderOfAfter) {
   MachineConfig config = Started(3);
   ActuatorNamed(config, "a").after = {"b"};
   ActuatorNamed(config, "b").after = {"c"};
-  Theatre t(config);
+  Harness t(config);
   t.Begin();
   t.Rest();
   EXPECT_THAT(t.log(), ElementsAre("c:SetUp", "b:SetUp", "a:SetUp", "c:SelfCheck", "b:SelfCheck",
@@ -46,7 +46,7 @@ TEST(StartUp, StartsProcessesInTheOrderOfAfter) {
 TEST(StartUp, TakesTheCriticalPathAndNotTheSum) {
   MachineConfig config = Started(3);
   ActuatorNamed(config, "b").after = {"a"};
-  Theatre t(config);
+  Harness t(config);
   t.On("c", "SetUp").takes = Milliseconds(60);  // beside a and b, one after the other
   t.On("a", "SetUp").takes = Milliseconds(30);
   t.On("b", "SetUp").takes = Milliseconds(30);
@@ -57,7 +57,7 @@ TEST(StartUp, TakesTheCriticalPathAndNotTheSum) {
 }
 
 TEST(StartUp, GoesOnDegradedWhenAnActuatorThatIsNotCriticalFailsItsSelfCheck) {
-  Theatre t(Started(2));
+  Harness t(Started(2));
   t.On("b", "SelfCheck").code = 2109;
   t.On("b", "SelfCheck").message = "no lidar";
   t.Begin();
@@ -72,7 +72,7 @@ TEST(StartUp, GoesOnDegradedWhenAnActuatorThatIsNotCriticalFailsItsSelfCheck) {
 TEST(StartUp, StaysInSelfCheckWithProcessesUpWhenACriticalActuatorFailsItsCheck) {
   MachineConfig config = Started(2);
   ActuatorNamed(config, "b").critical = true;
-  Theatre t(config);
+  Harness t(config);
   t.On("b", "SelfCheck").code = 3009;
   t.Begin();
   t.Rest();
@@ -87,7 +87,7 @@ TEST(StartUp, StaysInSelfCheckWithProcessesUpWhenACriticalActuatorFailsItsCheck)
 TEST(StartUp, CanBeFinishedByHandOnceTheCheckPasses) {
   MachineConfig config = Started(2);
   ActuatorNamed(config, "b").critical = true;
-  Theatre t(config);
+  Harness t(config);
   t.On("b", "SelfCheck").code = 3009;
   t.Begin();
   t.Rest();
@@ -101,7 +101,7 @@ TEST(StartUp, CanBeFinishedByHandOnceTheCheckPasses) {
 TEST(StartUp, BringsTheOthersToRestWhenACriticalActuatorCannotBeActivated) {
   MachineConfig config = Started(2);
   ActuatorNamed(config, "b").critical = true;
-  Theatre t(config);
+  Harness t(config);
   t.On("b", "Active").code = 3001;
   t.Begin();
   t.Rest();
@@ -112,7 +112,7 @@ TEST(StartUp, BringsTheOthersToRestWhenACriticalActuatorCannotBeActivated) {
 
 TEST(StartUp, NamesAnActuatorWhoseSetUpFailedAndItsCode) {
   MachineConfig config = Started(2);
-  Theatre t(config);
+  Harness t(config);
   t.On("b", "SetUp").code = 5012;
   t.On("b", "SetUp").message = "no sound card";
   t.Begin();
@@ -124,7 +124,7 @@ TEST(StartUp, NamesAnActuatorWhoseSetUpFailedAndItsCode) {
 }
 
 TEST(StartUp, GivesUpOnAnActuatorThatIsNotSetUpInItsTime) {
-  Theatre t(Started(2));
+  Harness t(Started(2));
   t.On("b", "SetUp").hangs = true;
   t.Begin();
   t.Rest();
@@ -134,7 +134,7 @@ TEST(StartUp, GivesUpOnAnActuatorThatIsNotSetUpInItsTime) {
 }
 
 TEST(StartUp, FailsWhenNobodyIsSetUp) {
-  Theatre t(Started(1));
+  Harness t(Started(1));
   t.On("a", "SetUp").hangs = true;
   t.Begin();
   t.Rest();
@@ -145,7 +145,7 @@ TEST(StartUp, FailsWhenNobodyIsSetUp) {
 TEST(StartUp, DoesNotStartWhatNeedsAnActuatorThatFailed) {
   MachineConfig config = Started(3);
   ActuatorNamed(config, "b").after = {"a"};
-  Theatre t(config);
+  Harness t(config);
   t.On("a", "SetUp").code = 5001;
   t.Begin();
   t.Rest();
@@ -155,7 +155,7 @@ TEST(StartUp, DoesNotStartWhatNeedsAnActuatorThatFailed) {
 }
 
 TEST(StartUp, RefusesSwitchesUntilItIsSetUp) {
-  Theatre t(Started(1));
+  Harness t(Started(1));
   t.On("a", "SetUp").hangs = true;
   t.Begin();
   const SwitchResult result = t.Set("Active");
@@ -164,7 +164,7 @@ TEST(StartUp, RefusesSwitchesUntilItIsSetUp) {
 }
 
 TEST(StartUpByHand, LeavesSelfCheckAndActiveToTheProgram) {
-  Theatre t(MachineOf(2));
+  Harness t(MachineOf(2));
   t.Begin(/*by_hand=*/true);
   t.Rest();
   EXPECT_EQ(t.machine().state, "SetUp");
@@ -181,7 +181,7 @@ MachineConfig TwoStages() {
 }
 
 TEST(LaterStages, AreStartedOnceTheRobotIsUsableAndJoinItsPresentState) {
-  Theatre t(TwoStages());
+  Harness t(TwoStages());
   t.Begin();
   t.RunUntil([&] { return t.start_up().has_value(); });
   EXPECT_EQ(t.machine().state, "Active");
@@ -193,7 +193,7 @@ TEST(LaterStages, AreStartedOnceTheRobotIsUsableAndJoinItsPresentState) {
 }
 
 TEST(LaterStages, JoinTheStateTheMachineHasGoneToMeanwhile) {
-  Theatre t(TwoStages());
+  Harness t(TwoStages());
   t.On("c", "SetUp").takes = Milliseconds(90);
   t.Begin();
   t.RunUntil([&] { return t.start_up().has_value(); });
@@ -208,7 +208,7 @@ TEST(LaterStages, AreActivatedInTheOrderOfAfter) {
   ActuatorNamed(config, "b").stage = 2;
   ActuatorNamed(config, "c").stage = 2;
   ActuatorNamed(config, "c").after = {"b"};
-  Theatre t(config);
+  Harness t(config);
   t.On("b", "SelfCheck").takes = Milliseconds(60);
   t.Begin();
   t.Rest();
@@ -219,7 +219,7 @@ TEST(LaterStages, AreActivatedInTheOrderOfAfter) {
 }
 
 TEST(LaterStages, ThatFailTheirCheckLeaveTheRobotUsable) {
-  Theatre t(TwoStages());
+  Harness t(TwoStages());
   t.On("c", "SelfCheck").code = 4309;
   t.Begin();
   t.Rest();
@@ -229,7 +229,7 @@ TEST(LaterStages, ThatFailTheirCheckLeaveTheRobotUsable) {
 }
 
 TEST(LaterStages, JoinAfterTheirCheckIsRepeatedAndPasses) {
-  Theatre t(TwoStages());
+  Harness t(TwoStages());
   t.On("c", "SelfCheck").code = 4309;
   t.Begin();
   t.Rest();
@@ -240,7 +240,7 @@ TEST(LaterStages, JoinAfterTheirCheckIsRepeatedAndPasses) {
 }
 
 TEST(Restart, OfAnActuatorDrivesItAgainToWhereTheMachineIs) {
-  Theatre t(MachineOf(2));
+  Harness t(MachineOf(2));
   t.Begin();
   t.Rest();
   EXPECT_TRUE(t.Set("Protected").done());
@@ -255,7 +255,7 @@ TEST(Restart, OfAnActuatorDrivesItAgainToWhereTheMachineIs) {
 }
 
 TEST(Adoption, OfRunningActuatorsDisturbsNobody) {
-  Theatre t(MachineOf(3));
+  Harness t(MachineOf(3));
   t.Begin();
   t.Rest();
   ASSERT_TRUE(t.Set("Protected").done());
@@ -268,7 +268,7 @@ TEST(Adoption, OfRunningActuatorsDisturbsNobody) {
 }
 
 TEST(Adoption, TakesAHigherEpochThanTheActuatorsHaveSeen) {
-  Theatre t(MachineOf(2));
+  Harness t(MachineOf(2));
   t.Begin(false, 41);  // the disk said so
   t.Rest();
   EXPECT_EQ(t.machine().epoch, 42U);
@@ -279,7 +279,7 @@ TEST(Adoption, TakesAHigherEpochThanTheActuatorsHaveSeen) {
 }
 
 TEST(Adoption, AfterADeathInTheMiddleOfASwitchGoesToTheLeastActiveState) {
-  Theatre t(MachineOf(2));
+  Harness t(MachineOf(2));
   t.Begin();
   t.Rest();
   ASSERT_TRUE(t.Set("Protected").done());

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::testing::stopping_test {
 
@@ -23,7 +23,7 @@ class Stopping : public ::testing::Test {
     EXPECT_EQ(t.machine().state, "Active");
     t.ClearLog();
   }
-  Theatre t;
+  Harness t;
 };
 
 TEST_F(Stopping, TearsDownInReverseOrderAndTheProcessesEndByThemselves) {
@@ -113,7 +113,7 @@ TEST(StoppingEarly, EndsProcessesThatAreStillSettingUp) {
   MachineConfig config = MachineOf(2);
   for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
   ActuatorNamed(config, "b").times.assign(9, Milliseconds(60'000));
-  Theatre t(config);
+  Harness t(config);
   t.On("b", "SetUp").hangs = true;
   t.Begin();
   t.RunFor(Milliseconds(500));
@@ -133,7 +133,7 @@ MachineConfig TwoStages() {
 }
 
 TEST(StoppingByStages, TheLastStageIsTornDownBeforeTheFirst) {
-  Theatre t(TwoStages());
+  Harness t(TwoStages());
   t.Begin();
   t.Rest();
   ASSERT_EQ(t.StateOf("c"), "Active");
@@ -150,7 +150,7 @@ TEST(StoppingByStages, TheLastStageIsTornDownBeforeTheFirst) {
 TEST(StoppingByStages, AStageThatHangsDoesNotTakeTheTimeOfTheOnesBeforeIt) {
   MachineConfig config = TwoStages();
   for (ActuatorConfig& actuator : config.actuators) actuator.times.assign(9, Milliseconds(5000));
-  Theatre t(config);
+  Harness t(config);
   t.Begin();
   t.Rest();
   t.On("c", "TearDown").hangs = true;
@@ -166,7 +166,7 @@ TEST(StoppingByStages, AStageThatHangsDoesNotTakeTheTimeOfTheOnesBeforeIt) {
 TEST_F(Stopping, AFrozenHandStartedActuatorIsListedThoughTheRestIsDown) {
   MachineConfig config = MachineOf(2);
   ActuatorNamed(config, "a").command = {"run", "a"};
-  Theatre robot(config);
+  Harness robot(config);
   robot.Begin();
   robot.Rest();
   robot.Mute("b", true, true);
@@ -180,7 +180,7 @@ TEST_F(Stopping, AFrozenHandStartedActuatorIsListedThoughTheRestIsDown) {
 
 TEST_F(Stopping, OneThatIsLostDuringTearDownIsListed) {
   MachineConfig config = MachineOf(2);
-  Theatre robot(config);
+  Harness robot(config);
   robot.Begin();
   robot.Rest();
   robot.On("a", "TearDown").takes = Milliseconds(80);
@@ -191,7 +191,7 @@ TEST_F(Stopping, OneThatIsLostDuringTearDownIsListed) {
 }
 
 TEST_F(Stopping, OneThatIsKnownToHaveEndedIsNotListed) {
-  Theatre robot(MachineOf(2));
+  Harness robot(MachineOf(2));
   robot.Begin();
   robot.Rest();
   robot.Crash("b");
@@ -212,7 +212,7 @@ TEST_F(Stopping, AProcessThatOutlivesSigkillIsListed) {
 TEST(StoppingWithAFault, AnOldFaultOfOneThatIsTornDownNowDoesNotMakeTheTearDownDegraded) {
   MachineConfig config = MachineOf(3);
   for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
-  Theatre t(config);
+  Harness t(config);
   t.On("b", "SelfCheck").code = 3009;
   t.Begin();
   t.Rest();

@@ -10,7 +10,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 TEST_F(Switching, IsDoneWhenEverybodyIsThere) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   const SwitchResult result = t.Set("LowPower");
   EXPECT_EQ(result.outcome, SwitchOutcome::kDone);
   EXPECT_EQ(result.code, 0);
@@ -21,14 +21,14 @@ TEST_F(Switching, IsDoneWhenEverybodyIsThere) {
 }
 
 TEST_F(Switching, RunsAllAtOnceWhereNothingComesAfterAnything) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   const Time begun = t.now();
   t.Set("Protected");
   EXPECT_LT(t.now() - begun, Milliseconds(15));
 }
 
 TEST_F(Switching, GoesUpInTheOrderOfAfterAndDownInReverse) {
-  Theatre& t = In("Protected", Chain());
+  Harness& t = In("Protected", Chain());
   EXPECT_TRUE(t.Set("Active").done());
   EXPECT_THAT(t.log(), ElementsAre("c:Active", "b:Active", "a:Active"));
   t.ClearLog();
@@ -37,7 +37,7 @@ TEST_F(Switching, GoesUpInTheOrderOfAfterAndDownInReverse) {
 }
 
 TEST_F(Switching, ToThePresentStateDrivesOnlyThoseThatAreNotThere) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   EXPECT_TRUE(t.Set("DeActive", "b").done());
   t.ClearLog();
   EXPECT_TRUE(t.Set("Active").done());
@@ -45,14 +45,14 @@ TEST_F(Switching, ToThePresentStateDrivesOnlyThoseThatAreNotThere) {
 }
 
 TEST_F(Switching, GivesNumbersThatOnlyGrow) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   const auto first = t.Set("Protected").number;
   const auto second = t.Set("Active").number;
   EXPECT_LT(first, second);
 }
 
 TEST_F(Switching, OutsideTheFlowIsRefusedWithWhatIsReachable) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   ASSERT_TRUE(t.Set("Error").done());
   const SwitchResult result = t.Set("LowPower");
   EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);
@@ -62,7 +62,7 @@ TEST_F(Switching, OutsideTheFlowIsRefusedWithWhatIsReachable) {
 }
 
 TEST_F(Switching, LeavesErrorThroughASelfCheckByHand) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   ASSERT_TRUE(t.Set("Error").done());
   ASSERT_TRUE(t.Set("SelfCheck").done());
   EXPECT_EQ(t.machine().state, "SelfCheck");
@@ -71,7 +71,7 @@ TEST_F(Switching, LeavesErrorThroughASelfCheckByHand) {
 }
 
 TEST_F(Switching, ToAnUnknownStateIsRefusedAndNamesTheNearest) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   const SwitchResult result = t.Set("Actve");
   EXPECT_EQ(result.code, kCodeParametersInvalid);
   EXPECT_THAT(result.reason, HasSubstr("did you mean 'Active'"));
@@ -81,7 +81,7 @@ TEST_F(Switching, ToAnUnknownStateIsRefusedAndNamesTheNearest) {
 // On the way up
 
 TEST_F(Switching, UpIsUndoneWhenOneFails) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   t.On("b", "Active").code = 5001;
   t.On("b", "Active").message = "amplifier";
   const SwitchResult result = t.Set("Active");
@@ -97,14 +97,14 @@ TEST_F(Switching, UpIsUndoneWhenOneFails) {
 }
 
 TEST_F(Switching, UpRunsTheOldCallbackOfTheOneThatFailedToClearUpWhatWasHalfDone) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   t.On("b", "Active").code = 5001;
   t.Set("Active");
   EXPECT_THAT(t.log(), ::testing::Contains("b:Protected"));
 }
 
 TEST_F(Switching, UpSendsNothingMoreOnceOneHasFailedAndGoesBackInReverse) {
-  Theatre& t = In("Protected", Chain());
+  Harness& t = In("Protected", Chain());
   t.On("b", "Active").code = 5001;
   const SwitchResult result = t.Set("Active");
   EXPECT_THAT(t.log(), ElementsAre("c:Active", "b:Active", "b:Protected", "c:Protected"));
@@ -120,7 +120,7 @@ TEST_F(Switching, UpIsRefusedBeforeAnythingIsSentWhenOneDoesNotListTheTarget) {
     ActuatorNamed(config, name).states.emplace_back("Turbo");
     ActuatorNamed(config, name).times.push_back(Milliseconds(100));
   }
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   const SwitchResult result = t.Set("Turbo");
   EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);
   EXPECT_EQ(result.code, kCodeUnSupport);
@@ -129,14 +129,14 @@ TEST_F(Switching, UpIsRefusedBeforeAnythingIsSentWhenOneDoesNotListTheTarget) {
 }
 
 TEST_F(Switching, NothingBecomesMoreActiveThroughARollback) {
-  Theatre& t = In("LowPower");
+  Harness& t = In("LowPower");
   t.On("b", "Active").code = 5001;
   t.Set("Active");
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "LowPower");
 }
 
 TEST_F(Switching, AnActuatorThatCannotBeBroughtBackIsDegraded) {
-  Theatre& t = In("Protected");
+  Harness& t = In("Protected");
   t.On("b", "Active").code = 5001;
   t.On("a", "Protected").code = 3001;
   const SwitchResult result = t.Set("Active");
@@ -149,7 +149,7 @@ TEST_F(Switching, ACriticalActuatorThatCannotBeBroughtBackTakesTheMachineDownToI
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "a").critical = true;
   ActuatorNamed(config, "a").on_lost = "LowPower";
-  Theatre& t = In("Protected", config);
+  Harness& t = In("Protected", config);
   t.On("b", "Active").code = 5001;
   t.On("a", "Protected").code = 3001;
   t.Set("Active");
@@ -158,7 +158,7 @@ TEST_F(Switching, ACriticalActuatorThatCannotBeBroughtBackTakesTheMachineDownToI
 }
 
 TEST_F(Switching, UpDoesNotFailBecauseOfOneThatWasDegradedBefore) {
-  Theatre& t = In("Active");
+  Harness& t = In("Active");
   t.On("b", "Protected").code = 5001;
   EXPECT_EQ(t.Set("Protected").outcome, SwitchOutcome::kDoneDegraded);
   t.On("b", "Active").code = 5001;
@@ -169,7 +169,7 @@ TEST_F(Switching, UpDoesNotFailBecauseOfOneThatWasDegradedBefore) {
 }
 
 TEST_F(Switching, UpDoesNotFailBecauseOfOneThatIsBehindADegradedOne) {
-  Theatre& t = In("Active", Chain());
+  Harness& t = In("Active", Chain());
   t.On("c", "Protected").code = 5001;
   EXPECT_EQ(t.Set("Protected").outcome, SwitchOutcome::kDoneDegraded);
   t.On("c", "Active").code = 5001;
@@ -182,7 +182,7 @@ TEST_F(Switching, UpDoesNotFailBecauseOfOneThatIsBehindADegradedOne) {
 // On the way down
 
 TEST_F(Switching, DownGoesOnWhenOneFailsAndListsIt) {
-  Theatre& t = In("Active", Chain());
+  Harness& t = In("Active", Chain());
   t.On("b", "LowPower").code = 5001;
   const SwitchResult result = t.Set("LowPower");
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
@@ -197,7 +197,7 @@ TEST_F(Switching, DownGoesOnWithoutOneThatDoesNotListTheTarget) {
   MachineConfig config = MachineOf(2);
   ActuatorNamed(config, "b").states = {"SetUp", "SelfCheck", "Active", "TearDown"};
   ActuatorNamed(config, "b").times.assign(4, Milliseconds(100));
-  Theatre& t = In("Active", config);
+  Harness& t = In("Active", config);
   const SwitchResult result = t.Set("LowPower");
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_EQ(Of(result, "b").outcome, ActuatorOutcome::kUnsupported);

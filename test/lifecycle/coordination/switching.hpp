@@ -6,23 +6,23 @@
 #include <optional>
 #include <string>
 
-#include "musher/test/lifecycle/coordination/theatre.hpp"
+#include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::testing {
 
 class Switching : public ::testing::Test {
  protected:
   // A machine in `state`, its log empty.
-  Theatre& In(const State& state, MachineConfig config = MachineOf(3)) {
-    theatre_.emplace(std::move(config));
-    theatre_->Begin();
-    theatre_->Rest();
-    EXPECT_EQ(theatre_->machine().state, "Active");
+  Harness& In(const State& state, MachineConfig config = MachineOf(3)) {
+    harness_.emplace(std::move(config));
+    harness_->Begin();
+    harness_->Rest();
+    EXPECT_EQ(harness_->machine().state, "Active");
     if (state != "Active") {
-      EXPECT_TRUE(theatre_->Set(state).done());
+      EXPECT_TRUE(harness_->Set(state).done());
     }
-    theatre_->ClearLog();
-    return *theatre_;
+    harness_->ClearLog();
+    return *harness_;
   }
 
   static const ActuatorResult& Of(const SwitchResult& result, const std::string& name) {
@@ -35,7 +35,7 @@ class Switching : public ::testing::Test {
   }
 
  private:
-  std::optional<Theatre> theatre_;
+  std::optional<Harness> harness_;
 };
 
 // Processes that we start, and start again after 100, 200, 400 ms.

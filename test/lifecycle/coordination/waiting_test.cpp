@@ -15,13 +15,13 @@ using ::testing::HasSubstr;
 class WaitingSwitches : public Switching {
  protected:
   // The machine is in `state`; c has been started anew and is on its way there, 80 of its 100 ms.
-  Theatre& WithALateOne(const State& state, MachineConfig config = MachineOf(3)) {
-    Theatre& t = In(state, std::move(config));
+  Harness& WithALateOne(const State& state, MachineConfig config = MachineOf(3)) {
+    Harness& t = In(state, std::move(config));
     t.On("c", state).takes = Milliseconds(80);
     StartLate(t, "c", state);
     return t;
   }
-  static void StartLate(Theatre& t, const std::string& name, const State& state) {
+  static void StartLate(Harness& t, const std::string& name, const State& state) {
     t.Crash(name);
     t.RunFor(Milliseconds(1));
     t.StartActuator(name);
@@ -31,18 +31,18 @@ class WaitingSwitches : public Switching {
     }));
     t.ClearLog();
   }
-  static bool Answered(const Theatre& t, RequestId request) { return t.answers.count(request) > 0; }
+  static bool Answered(const Harness& t, RequestId request) { return t.answers.count(request) > 0; }
 };
 
 TEST_F(WaitingSwitches, UpIsBegunOnceTheLateActuatorIsFreeAndTakesItAlong) {
-  Theatre& t = WithALateOne("LowPower");
+  Harness& t = WithALateOne("LowPower");
   const SwitchResult result = t.Set("Active");
   EXPECT_TRUE(result.done()) << result.reason;
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Active");
 }
 
 TEST_F(WaitingSwitches, NothingIsSentBeforeTheLateActuatorIsFree) {
-  Theatre& t = WithALateOne("LowPower");
+  Harness& t = WithALateOne("LowPower");
   const RequestId request = t.Ask("Active");
   EXPECT_FALSE(Answered(t, request));
   EXPECT_THAT(t.log(), ElementsAre());
@@ -50,7 +50,7 @@ TEST_F(WaitingSwitches, NothingIsSentBeforeTheLateActuatorIsFree) {
 }
 
 TEST_F(WaitingSwitches, TheSameRequestJoinsTheOneThatWaits) {
-  Theatre& t = WithALateOne("LowPower");
+  Harness& t = WithALateOne("LowPower");
   const RequestId first = t.Ask("Active");
   const RequestId again = t.Ask("Active");
   t.Rest();
@@ -59,7 +59,7 @@ TEST_F(WaitingSwitches, TheSameRequestJoinsTheOneThatWaits) {
 }
 
 TEST_F(WaitingSwitches, AnotherRequestIsToldWhenToComeAgain) {
-  Theatre& t = WithALateOne("LowPower");
+  Harness& t = WithALateOne("LowPower");
   const RequestId first = t.Ask("Active");
   const SwitchResult other = t.Set("DeActive");
   EXPECT_EQ(other.outcome, SwitchOutcome::kRefused);
@@ -72,7 +72,7 @@ TEST_F(WaitingSwitches, AnotherRequestIsToldWhenToComeAgain) {
 
 TEST_F(WaitingSwitches, AMoreUrgentRequestIsBegunInstead) {
   for (const char* urgent : {"Error", "TearDown"}) {
-    Theatre& t = WithALateOne("LowPower");
+    Harness& t = WithALateOne("LowPower");
     const RequestId request = t.Ask("Active");
     EXPECT_EQ(t.Set(urgent).outcome, SwitchOutcome::kDone);
     ASSERT_TRUE(Answered(t, request));
@@ -83,7 +83,7 @@ TEST_F(WaitingSwitches, AMoreUrgentRequestIsBegunInstead) {
 }
 
 TEST_F(WaitingSwitches, OneThatWaitsForAnActuatorThatHangsIsRefusedWithinItsTime) {
-  Theatre& t = WithALateOne("LowPower");
+  Harness& t = WithALateOne("LowPower");
   t.On("c", "LowPower").hangs = true;
   StartLate(t, "c", "LowPower");
   const Time begun = t.now();
@@ -94,7 +94,7 @@ TEST_F(WaitingSwitches, OneThatWaitsForAnActuatorThatHangsIsRefusedWithinItsTime
 }
 
 TEST_F(WaitingSwitches, OneThatWaitsForAnActuatorThatDiesGoesOnWithoutIt) {
-  Theatre& t = WithALateOne("LowPower");
+  Harness& t = WithALateOne("LowPower");
   const RequestId request = t.Ask("Active");
   t.Crash("c");
   t.Rest();
@@ -105,7 +105,7 @@ TEST_F(WaitingSwitches, OneThatWaitsForAnActuatorThatDiesGoesOnWithoutIt) {
 }
 
 TEST_F(WaitingSwitches, AnEmergencyStopRefusesTheOneThatWaitsAtOnce) {
-  Theatre& t = WithALateOne("LowPower");
+  Harness& t = WithALateOne("LowPower");
   const RequestId request = t.Ask("Active");
   t.StopAll(7);
   t.RunFor(Milliseconds(10));
@@ -114,7 +114,7 @@ TEST_F(WaitingSwitches, AnEmergencyStopRefusesTheOneThatWaitsAtOnce) {
 }
 
 TEST_F(WaitingSwitches, AControllerThatIsFencedTellsTheOneThatWaits) {
-  Theatre& t = WithALateOne("LowPower");
+  Harness& t = WithALateOne("LowPower");
   const RequestId request = t.Ask("Active");
   t.HearRival(9);
   ASSERT_TRUE(Answered(t, request));
@@ -123,7 +123,7 @@ TEST_F(WaitingSwitches, AControllerThatIsFencedTellsTheOneThatWaits) {
 }
 
 TEST_F(WaitingSwitches, OfTheLateActuatorItselfWaitsToo) {
-  Theatre& t = WithALateOne("Active");
+  Harness& t = WithALateOne("Active");
   const SwitchResult result = t.Set("LowPower", "c");
   EXPECT_TRUE(result.done()) << result.reason;
   EXPECT_EQ(t.StateOf("c"), "LowPower");
@@ -133,7 +133,7 @@ TEST_F(WaitingSwitches, OfTheLateActuatorItselfWaitsToo) {
 TEST_F(WaitingSwitches, NoOtherLateActuatorIsDrivenBeforeTheOneThatWaits) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "b").after = {"c"};  // it goes up behind c
-  Theatre& t = WithALateOne("LowPower", config);
+  Harness& t = WithALateOne("LowPower", config);
   t.On("b", "LowPower").takes = Milliseconds(80);
   t.Crash("b");
   t.RunFor(Milliseconds(1));
@@ -147,7 +147,7 @@ TEST_F(WaitingSwitches, NoOtherLateActuatorIsDrivenBeforeTheOneThatWaits) {
 }
 
 TEST_F(WaitingSwitches, ThePlanSaysThatItWouldWaitAndForWhat) {
-  Theatre& t = WithALateOne("LowPower");
+  Harness& t = WithALateOne("LowPower");
   const Plan plan = MakePlan(t.config(), t.machine(), State("Active"));
   ASSERT_TRUE(plan.free_by);
   EXPECT_GT(*plan.free_by, t.now());
@@ -159,7 +159,7 @@ TEST_F(WaitingSwitches, WhatIsAgainstASwitchOtherwiseIsToldAtOnce) {
   MachineConfig config = MachineOf(3);
   std::erase(ActuatorNamed(config, "b").states, "DeActive");
   ActuatorNamed(config, "b").times.pop_back();
-  Theatre& t = WithALateOne("LowPower", config);
+  Harness& t = WithALateOne("LowPower", config);
   const SwitchResult result = t.Set("DeActive");
   EXPECT_EQ(result.code, kCodeUnSupport) << result.reason;
 }

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "musher/test/modules/audio/stage.hpp"
+#include "musher/test/modules/audio/harness.hpp"
 #include "musher/transport/sim/network.hpp"
 
 namespace musher::audio::audio_shell_test {

@@ -5,7 +5,7 @@
 #include "musher/modules/audio/audio_config.hpp"
 #include "musher/modules/audio/sound_file.hpp"
 #include "musher/test/controller/temp_folder.hpp"
-#include "musher/test/modules/audio/stage.hpp"
+#include "musher/test/modules/audio/harness.hpp"
 
 namespace musher::audio::testing::cues_test {
 
@@ -20,7 +20,7 @@ using ::testing::SizeIs;
 
 constexpr std::size_t kUrgent = 0;  // of TheCueTopics()
 
-class CueDecision : public ::testing::Test, protected Stage {};
+class CueDecision : public ::testing::Test, protected Harness {};
 
 TEST_F(CueDecision, SaysTheTextOfACueOrPlaysItsRecording) {
   Cue(kUrgent, "greeting");
@@ -34,7 +34,7 @@ TEST_F(CueDecision, SaysTheTextOfACueOrPlaysItsRecording) {
 }
 
 TEST_F(CueDecision, InterruptsWhatPlaysWhereItsTopicDoes) {
-  Say(1, "long story");
+  Say(1, "long scenario");
   Made();
   Cue(kUrgent, "greeting");
   EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5021}));
@@ -43,7 +43,7 @@ TEST_F(CueDecision, InterruptsWhatPlaysWhereItsTopicDoes) {
 }
 
 TEST_F(CueDecision, WaitsForItsTurnWhereItsTopicDoesNotInterrupt) {
-  Say(1, "long story");
+  Say(1, "long scenario");
   Made();
   Cue(kPatientCues, "greeting");
   Cue(kPatientCues, "shutter");
@@ -55,10 +55,10 @@ TEST_F(CueDecision, WaitsForItsTurnWhereItsTopicDoesNotInterrupt) {
 }
 
 TEST_F(CueDecision, GoesByTheCueItselfWhereThatSaysWhetherItInterrupts) {
-  Say(1, "long story");
+  Say(1, "long scenario");
   Made();
   Cue(kUrgent, "by the way");
-  EXPECT_EQ(player().current->what.text, "long story");
+  EXPECT_EQ(player().current->what.text, "long scenario");
   Cue(kPatientCues, "fire");
   EXPECT_EQ(player().current->what.text, "fire");
   Made(), Ended();

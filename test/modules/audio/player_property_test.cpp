@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "musher/test/modules/audio/stage.hpp"
+#include "musher/test/modules/audio/harness.hpp"
 
 namespace musher::audio::testing::player_property_test {
 
@@ -23,7 +23,7 @@ class Trial {
     for (int i = 0; i < steps && !broken_; ++i) Look(Next());
     for (int i = 0; i < 100 && !broken_ && (making_ != 0 || playing_ != 0); ++i) Look(Finish());
     Check(open_.empty(), "somebody is never answered");
-    Check(!stage_.player().current && stage_.player().waiting.empty(), "something never plays");
+    Check(!harness_.player().current && harness_.player().waiting.empty(), "something never plays");
     Check(!reported_, "sound is reported for ever");
     return broken_;
   }
@@ -35,20 +35,20 @@ class Trial {
         return Ask(0);
       case 1:
       case 2:
-        return Ask(Open(stage_.now() + kAnswerTime));
+        return Ask(Open(harness_.now() + kAnswerTime));
       case 3:
-        return stage_.Do(play_event::StopAsked{Open(stage_.now())});
+        return harness_.Do(play_event::StopAsked{Open(harness_.now())});
       case 4:
-        return stage_.Do(play_event::VolumeAsked{Open(stage_.now()), Number(150)});
+        return harness_.Do(play_event::VolumeAsked{Open(harness_.now()), Number(150)});
       case 5:
         return Stray(playing_, [](SoundNumber n) { return play_event::Ended{n, {}}; });
       case 6:
         return Stray(making_, [](SoundNumber n) { return play_event::Made{n, {}}; });
       case 7:
-        return stage_.Pass(Milliseconds(Number(4'000)));
+        return harness_.Pass(Milliseconds(Number(4'000)));
       case 8: {
         static const std::vector<std::string> ids = {"greeting", "shutter", "fire", "unknown"};
-        return stage_.Cue(pick_(2), ids[pick_(ids.size())]);
+        return harness_.Cue(pick_(2), ids[pick_(ids.size())]);
       }
       default:
         return Finish();
@@ -57,16 +57,16 @@ class Trial {
 
   PlayActions Ask(CallToken token) {
     static const std::vector<std::string> texts = {"hello", "", "\xFF", std::string(101, 'a')};
-    if (pick_(2) == 0) return stage_.Say(token, texts[pick_(texts.size())]);
+    if (pick_(2) == 0) return harness_.Say(token, texts[pick_(texts.size())]);
     static const std::vector<std::uint16_t> ids = {60, 1050, 4711, 9999};
-    return stage_.PlayId(token, ids[pick_(ids.size())]);
+    return harness_.PlayId(token, ids[pick_(ids.size())]);
   }
 
   // Something is said of a sound that is not under way, or only seems so.
   template <class MakeEvent>
   PlayActions Stray(SoundNumber true_one, MakeEvent make_event) {
     const SoundNumber number = pick_(20);
-    PlayActions actions = stage_.Do(make_event(number));
+    PlayActions actions = harness_.Do(make_event(number));
     Check(number == true_one || actions.empty(), "a sound that is gone is taken for another");
     return actions;
   }
@@ -74,9 +74,9 @@ class Trial {
   // What is under way comes to its end, one way or the other.
   PlayActions Finish() {
     const Result<> result = pick_(4) == 0 ? Result<>(Error{5012, "lost"}) : Ok();
-    if (making_ != 0) return stage_.Do(play_event::Made{making_, result});
-    if (playing_ != 0) return stage_.Do(play_event::Ended{playing_, result});
-    return stage_.Pass(Milliseconds(1));
+    if (making_ != 0) return harness_.Do(play_event::Made{making_, result});
+    if (playing_ != 0) return harness_.Do(play_event::Ended{playing_, result});
+    return harness_.Pass(Milliseconds(1));
   }
 
   CallToken Open(Time deadline) {
@@ -86,18 +86,18 @@ class Trial {
 
   void Look(const PlayActions& actions) {
     // Made and Ended of a number that is under way are true whoever said them.
-    const auto* current = stage_.player().current ? &*stage_.player().current : nullptr;
+    const auto* current = harness_.player().current ? &*harness_.player().current : nullptr;
     for (const PlayAction& action : actions) {
       std::visit([this](const auto& a) { See(a); }, action);
     }
     making_ = current != nullptr && !current->sounding ? current->number : 0;
     playing_ = current != nullptr && current->sounding ? current->number : 0;
     for (const auto& [token, deadline] : open_) {
-      Check(stage_.now() < deadline, "an answer comes too late");
+      Check(harness_.now() < deadline, "an answer comes too late");
     }
-    Check(stage_.player().waiting.size() <= kMostWaiting, "too many wait");
-    Check(current != nullptr || stage_.player().waiting.empty(), "one waits for nothing");
-    Check(stage_.player().volume <= kFullVolume, "the volume is out of its range");
+    Check(harness_.player().waiting.size() <= kMostWaiting, "too many wait");
+    Check(current != nullptr || harness_.player().waiting.empty(), "one waits for nothing");
+    Check(harness_.player().volume <= kFullVolume, "the volume is out of its range");
     Check(playing_ == 0 || reported_, "there is sound and nobody is told");
   }
   void See(const play_action::Answer& answer) {
@@ -123,7 +123,7 @@ class Trial {
   int Number(std::size_t below) { return static_cast<int>(pick_(below)); }
 
   Pick pick_;
-  Stage stage_;
+  Harness harness_;
   CallToken last_token_ = 0;
   std::map<CallToken, Time> open_;  // and when they have to be answered at the latest
   std::set<SoundNumber> made_;

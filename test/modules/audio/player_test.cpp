@@ -1,7 +1,7 @@
 // What is heard, in which order, and what everybody is answered: the decision code alone.
 
 #include "musher/messages/protocol/audio.hpp"
-#include "musher/test/modules/audio/stage.hpp"
+#include "musher/test/modules/audio/harness.hpp"
 
 namespace musher::audio::testing::player_test {
 
@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-class PlayerDecision : public ::testing::Test, protected Stage {};
+class PlayerDecision : public ::testing::Test, protected Harness {};
 
 TEST_F(PlayerDecision, MakesTheSoundThenPlaysItAndAnswersAtItsEnd) {
   Say(7, "Hello");
@@ -101,7 +101,7 @@ TEST_F(PlayerDecision, TakesASoundThatEndsAfterItsLimitForOneTooLate) {
 }
 
 TEST_F(PlayerDecision, InterruptsWhatPlaysByATopicAndSaysSoToTheInterrupted) {
-  Say(1, "long story");
+  Say(1, "long scenario");
   Made();
   Say(2, "waits");
   PlayId(0, 60);

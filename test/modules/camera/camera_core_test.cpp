@@ -152,13 +152,13 @@ TEST(CameraCore, GoesOnAtItsRateAfterTheWorldIsRestarted) {
 
 TEST(CameraSelfCheck, FailsForACriticalCameraOnlyOrWhenAllFail) {
   const Result<> bad = Error{4409, "dark"};
-  EXPECT_TRUE(JudgeSelfCheck({{"front", {}}, {"left", bad}}, {"front"}).result);
-  EXPECT_EQ(JudgeSelfCheck({{"front", {}}, {"left", bad}}, {"front"}).failing, "left: dark, 4409");
-  const auto critical = JudgeSelfCheck({{"front", bad}, {"left", {}}}, {"front"});
+  EXPECT_TRUE(EvaluateSelfCheck({{"front", {}}, {"left", bad}}, {"front"}).result);
+  EXPECT_EQ(EvaluateSelfCheck({{"front", {}}, {"left", bad}}, {"front"}).failing, "left: dark, 4409");
+  const auto critical = EvaluateSelfCheck({{"front", bad}, {"left", {}}}, {"front"});
   ASSERT_FALSE(critical.result);
   EXPECT_EQ(critical.result.error(), (Error{4409, "front (critical): dark, 4409"}));
-  EXPECT_FALSE(JudgeSelfCheck({{"front", bad}, {"left", bad}}, {}).result);
-  EXPECT_TRUE(JudgeSelfCheck({}, {}).result);
+  EXPECT_FALSE(EvaluateSelfCheck({{"front", bad}, {"left", bad}}, {}).result);
+  EXPECT_TRUE(EvaluateSelfCheck({}, {}).result);
 }
 
 }  // namespace musher::camera::camera_core_test

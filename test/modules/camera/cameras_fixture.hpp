@@ -117,7 +117,7 @@ class CamerasOnANetwork : public ::testing::Test {
     cameras_->Enter(state);
     Run(Milliseconds(500));  // discovery
   }
-  Surroundings Around() {
+  Dependencies Around() {
     return {
         *dog_,
         "dog1",

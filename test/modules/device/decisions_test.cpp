@@ -117,13 +117,13 @@ DeviceFinding Failing(const std::string& device, std::int32_t code) {
 }
 
 TEST(DeviceSelfCheck, PassesWhenAllAreWell) {
-  EXPECT_TRUE(JudgeSelfCheck({Well("bms"), Well("led")}, {"bms"}).well());
-  EXPECT_TRUE(JudgeSelfCheck({}, {}).well());
+  EXPECT_TRUE(EvaluateSelfCheck({Well("bms"), Well("led")}, {"bms"}).well());
+  EXPECT_TRUE(EvaluateSelfCheck({}, {}).well());
 }
 
 TEST(DeviceSelfCheck, IsPassedDegradedWithoutDevicesThatAreNotCritical) {
   const SelfCheckVerdict verdict =
-      JudgeSelfCheck({Well("bms"), Failing("touch", 1509), Failing("led", 1109)}, {"bms"});
+      EvaluateSelfCheck({Well("bms"), Failing("touch", 1509), Failing("led", 1109)}, {"bms"});
   EXPECT_TRUE(verdict.result) << "a dead light does not keep the robot from its work";
   EXPECT_EQ(verdict.degraded.code, 1509);
   EXPECT_EQ(verdict.degraded.message, "touch: silent, 1509; led: silent, 1109");
@@ -131,7 +131,7 @@ TEST(DeviceSelfCheck, IsPassedDegradedWithoutDevicesThatAreNotCritical) {
 
 TEST(DeviceSelfCheck, GivesTheCodeOfACriticalDeviceBeforeAllOthers) {
   const Result<> result =
-      JudgeSelfCheck({Failing("bms", 1409), Failing("touch", 1509), Failing("led", 1109)}, {"led"})
+      EvaluateSelfCheck({Failing("bms", 1409), Failing("touch", 1509), Failing("led", 1109)}, {"led"})
           .result;
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, 1109);
@@ -140,8 +140,8 @@ TEST(DeviceSelfCheck, GivesTheCodeOfACriticalDeviceBeforeAllOthers) {
 
 // The sum of these codes is a multiple of 256, which CyberDog's manager takes for "all is well".
 TEST(DeviceSelfCheck, IsNotPassedByFailuresWhoseCodesAddUpToNothing) {
-  EXPECT_FALSE(JudgeSelfCheck({Failing("bms", 1151), Failing("led", 1153)}, {}).well());
-  EXPECT_FALSE(JudgeSelfCheck({Failing("bms", 1151), Failing("led", 1153)}, {"led"}).result);
+  EXPECT_FALSE(EvaluateSelfCheck({Failing("bms", 1151), Failing("led", 1153)}, {}).well());
+  EXPECT_FALSE(EvaluateSelfCheck({Failing("bms", 1151), Failing("led", 1153)}, {"led"}).result);
 }
 
 }  // namespace musher::device::decisions_test

@@ -32,7 +32,7 @@ class DevicesOnANetwork : public ::testing::Test {
     devices_ = Must(Devices::Make(Around(), config_));
     Run(Milliseconds(500));  // discovery
   }
-  Surroundings Around() {
+  Dependencies Around() {
     return {*dog_,
             *clock_,
             "dog1",

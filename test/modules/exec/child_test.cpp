@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 class ChildTest : public ::testing::Test {
  protected:
   Result<Child> Start(const ChildSpec& spec, int output = -1) {
-    return Child::Start(spec, keeper_.value(), output);
+    return Child::Start(spec, reaper_.value(), output);
   }
   Result<Child> Shell(const std::string& line) { return Start({{"sh", "-c", line}, "", {}}); }
 
@@ -39,7 +39,7 @@ class ChildTest : public ::testing::Test {
   }
 
   const TempFolder folder_;
-  const Result<Keeper> keeper_ = Keeper::Start();
+  const Result<Reaper> reaper_ = Reaper::Start();
 };
 
 TEST_F(ChildTest, GivesItsExitCode) {

@@ -16,7 +16,7 @@ class CommandTest : public ::testing::Test {
   Result<CommandEnd> Run(
       const std::string& line, const std::function<Wanted()>& wanted = [] { return Wanted::kYes; },
       Duration stop_time = std::chrono::seconds(20)) {
-    return RunCommand({{"sh", "-c", line}, "", {}}, keeper_.value(), stop_time, wanted);
+    return RunCommand({{"sh", "-c", line}, "", {}}, reaper_.value(), stop_time, wanted);
   }
 
   // Not wanted any more as soon as the command has written its pid into `file`.
@@ -25,7 +25,7 @@ class CommandTest : public ::testing::Test {
   }
 
   const TempFolder folder_;
-  const Result<Keeper> keeper_ = Keeper::Start();
+  const Result<Reaper> reaper_ = Reaper::Start();
 };
 
 TEST_F(CommandTest, GivesTheExitCodeAndTheLastLine) {
@@ -88,7 +88,7 @@ TEST_F(CommandTest, DoesNotWaitForWhatItLeavesBehind) {
 }
 
 TEST_F(CommandTest, ThatCannotBeRunIsAnError) {
-  const auto end = RunCommand({{"/no/such/program"}, "", {}}, keeper_.value(), Milliseconds(1),
+  const auto end = RunCommand({{"/no/such/program"}, "", {}}, reaper_.value(), Milliseconds(1),
                               [] { return Wanted::kYes; });
   ASSERT_FALSE(end);
   EXPECT_THAT(end.error().message, HasSubstr("can't run /no/such/program: No such file"));

@@ -30,7 +30,7 @@ class StateRunnerTest : public ::testing::Test {
     return runner.Run(state, [] { return false; });
   }
   Result<> Run(const State& state) {
-    StateRunner runner("motion", config_, keeper_.value());
+    StateRunner runner("motion", config_, reaper_.value());
     return Run(runner, state);
   }
 
@@ -40,7 +40,7 @@ class StateRunnerTest : public ::testing::Test {
   }
 
   const TempFolder folder_;
-  const Result<Keeper> keeper_ = Keeper::Start();
+  const Result<Reaper> reaper_ = Reaper::Start();
   ExecConfig config_;
 };
 
@@ -84,7 +84,7 @@ TEST_F(StateRunnerTest, TellsACommandItsStateActuatorAndProgram) {
   Start("exec sleep infinity");
   On("Active",
      "echo $MUSHER_STATE $MUSHER_ACTUATOR > " + folder_ / "told" + "; kill -0 $MUSHER_PROGRAM_PID");
-  StateRunner runner("motion", config_, keeper_.value());
+  StateRunner runner("motion", config_, reaper_.value());
   ASSERT_TRUE(Run(runner, "SetUp"));
   EXPECT_TRUE(Run(runner, "Active"));
   EXPECT_EQ(Content("told"), "Active motion\n");
@@ -92,7 +92,7 @@ TEST_F(StateRunnerTest, TellsACommandItsStateActuatorAndProgram) {
 
 TEST_F(StateRunnerTest, StopsACommandThatIsNotWaitedForAnyMore) {
   On("Active", "echo $$ > " + folder_ / "ready" + "; exec sleep infinity");
-  StateRunner runner("motion", config_, keeper_.value());
+  StateRunner runner("motion", config_, reaper_.value());
   const auto result = runner.Run("Active", [this] { return ReadPid(folder_ / "ready") > 0; });
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error(), (Error{3007, "stopped as it was not waited for any more"}));
@@ -101,13 +101,13 @@ TEST_F(StateRunnerTest, StopsACommandThatIsNotWaitedForAnyMore) {
 TEST_F(StateRunnerTest, TakesAnEndInTimeForDoneEvenWhenStopped) {
   On("Active",
      "trap 'exit 0' TERM; echo $$ > " + folder_ / "ready" + "; while :; do sleep 0.01; done");
-  StateRunner runner("motion", config_, keeper_.value());
+  StateRunner runner("motion", config_, reaper_.value());
   EXPECT_TRUE(runner.Run("Active", [this] { return ReadPid(folder_ / "ready") > 0; }));
 }
 
 TEST_F(StateRunnerTest, BeginsNothingOnceItIsHurried) {
   On("Active", "touch " + folder_ / "begun");
-  StateRunner runner("motion", config_, keeper_.value());
+  StateRunner runner("motion", config_, reaper_.value());
   runner.Hurry(Wanted::kNo);
   EXPECT_EQ(Run(runner, "Active").error().code, 3004);
   EXPECT_EQ(Content("begun"), "");
@@ -115,7 +115,7 @@ TEST_F(StateRunnerTest, BeginsNothingOnceItIsHurried) {
 
 TEST_F(StateRunnerTest, KeepsTheProgramRunningUntilTearDown) {
   Start("echo $$ > " + folder_ / "program" + "; exec sleep infinity");
-  StateRunner runner("motion", config_, keeper_.value());
+  StateRunner runner("motion", config_, reaper_.value());
   ASSERT_TRUE(Run(runner, "SetUp"));
   const pid_t program = ReadPid(folder_ / "program");
   ASSERT_TRUE(Run(runner, "Active"));
@@ -128,7 +128,7 @@ TEST_F(StateRunnerTest, KeepsTheProgramRunningUntilTearDown) {
 TEST_F(StateRunnerTest, KillsAProgramThatIsDeafToSigterm) {
   config_.stop_time = Milliseconds(50);
   Start("trap '' TERM; echo $$ > " + folder_ / "program" + "; while :; do sleep 1; done");
-  StateRunner runner("motion", config_, keeper_.value());
+  StateRunner runner("motion", config_, reaper_.value());
   ASSERT_TRUE(Run(runner, "SetUp"));
   const pid_t program = ReadPid(folder_ / "program");
   ASSERT_GT(program, 0);
@@ -156,7 +156,7 @@ TEST_F(StateRunnerTest, FailsSetUpAndEndsItsCommandWhenTheProgramEnds) {
 TEST_F(StateRunnerTest, StopsTheProgramWhenSetUpFails) {
   Start("echo $$ > " + folder_ / "program" + "; exec sleep infinity");
   On("SetUp", "while [ ! -s " + folder_ / "program" + " ]; do sleep 0.01; done; exit 5");
-  StateRunner runner("motion", config_, keeper_.value());
+  StateRunner runner("motion", config_, reaper_.value());
   EXPECT_EQ(Run(runner, "SetUp").error().code, 3005);
   EXPECT_TRUE(Gone(ReadPid(folder_ / "program")));
 }
@@ -164,7 +164,7 @@ TEST_F(StateRunnerTest, StopsTheProgramWhenSetUpFails) {
 TEST_F(StateRunnerTest, KeepsTheProgramWhenTearDownFails) {
   Start("echo $$ > " + folder_ / "program" + "; exec sleep infinity");
   On("TearDown", "exit 5");
-  StateRunner runner("motion", config_, keeper_.value());
+  StateRunner runner("motion", config_, reaper_.value());
   ASSERT_TRUE(Run(runner, "SetUp"));
   EXPECT_EQ(Run(runner, "TearDown").error().code, 3005);
   EXPECT_FALSE(runner.tearing_down());
@@ -174,7 +174,7 @@ TEST_F(StateRunnerTest, KeepsTheProgramWhenTearDownFails) {
 TEST_F(StateRunnerTest, SeesThatTheProgramHasEnded) {
   Start("exec sleep infinity");
   On("Active", "kill -KILL $MUSHER_PROGRAM_PID");
-  StateRunner runner("motion", config_, keeper_.value());
+  StateRunner runner("motion", config_, reaper_.value());
   EXPECT_EQ(runner.program_watch(), -1);
   ASSERT_TRUE(Run(runner, "SetUp"));
   pollfd watch{runner.program_watch(), POLLIN, 0};

@@ -6,7 +6,7 @@
 
 #include "musher/test/contract/domain.hpp"
 #include "musher/test/modules/motion/robot_rig.hpp"
-#include "musher/test/modules/motion/stage.hpp"
+#include "musher/test/modules/motion/harness.hpp"
 
 namespace musher::motion::testing::motion_process_test {
 

@@ -1,14 +1,14 @@
-// What holds for every order of commands, events and times (motion_trial.hpp lists it).
+// What holds for every order of commands, events and times (motion_fault_test.hpp lists it).
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "musher/test/modules/motion/motion_trial.hpp"
+#include "musher/test/modules/motion/motion_fault_test.hpp"
 
 namespace musher::motion::testing::motion_property_test {
 
 RC_GTEST_PROP(MotionManager, KeepsItsPromisesWhateverHappens, ()) {
-  MotionTrial trial([](std::size_t below) { return *rc::gen::inRange<std::size_t>(0, below); });
+  MotionFaultTest trial([](std::size_t below) { return *rc::gen::inRange<std::size_t>(0, below); });
   const auto broken = trial.Run(*rc::gen::inRange(1, 150));
   if (broken) RC_FAIL(*broken);
 }
@@ -17,7 +17,7 @@ RC_GTEST_PROP(MotionManager, KeepsItsPromisesWhateverHappens, ()) {
 TEST(MotionManager, KeepsItsPromisesInManyLives) {
   for (std::uint64_t seed = 1; seed <= 500; ++seed) {
     std::uint64_t state = seed;
-    MotionTrial trial([&](std::size_t below) {
+    MotionFaultTest trial([&](std::size_t below) {
       state = state * 6364136223846793005U + 1442695040888963407U;
       return static_cast<std::size_t>(state >> 33U) % below;
     });

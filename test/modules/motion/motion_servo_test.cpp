@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "musher/test/modules/motion/stage.hpp"
+#include "musher/test/modules/motion/harness.hpp"
 
 namespace musher::motion::testing::motion_servo_test {
 
@@ -16,115 +16,115 @@ using ::testing::IsEmpty;
 constexpr std::array<float, 3> kStill{};
 
 TEST(MotionServo, MovesTheBodyAsLongAsFramesCome) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(2000));
-  EXPECT_THAT(stage.Commanded(), ElementsAre(303));
-  EXPECT_EQ(stage.ServoCode(), kCodeOk);
-  EXPECT_EQ(stage.sent.back().command.vel, (std::array<float, 3>{0.2F, 0, 0}));
+  Harness harness;
+  harness.Stream(303, Milliseconds(2000));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303));
+  EXPECT_EQ(harness.ServoCode(), kCodeOk);
+  EXPECT_EQ(harness.sent.back().command.vel, (std::array<float, 3>{0.2F, 0, 0}));
 }
 
 TEST(MotionServo, ReachesTheBoardWithItsFirstFrame) {
-  Stage stage;
-  stage.Servo(303);
-  ASSERT_EQ(stage.sent.size(), 1U);
-  EXPECT_EQ(stage.sent[0].at, stage.now);
+  Harness harness;
+  harness.Servo(303);
+  ASSERT_EQ(harness.sent.size(), 1U);
+  EXPECT_EQ(harness.sent[0].at, harness.now);
 }
 
 TEST(MotionServo, ReachesTheBoardAt20HzHoweverFastFramesCome) {
-  Stage stage;
-  const Time begin = stage.now;
+  Harness harness;
+  const Time begin = harness.now;
   for (int i = 0; i < 500; ++i) {
-    stage.Servo(303, 0, {0.001F * static_cast<float>(i), 0, 0});
-    stage.RunFor(Milliseconds(2));
+    harness.Servo(303, 0, {0.001F * static_cast<float>(i), 0, 0});
+    harness.RunFor(Milliseconds(2));
   }
-  EXPECT_EQ(stage.now - begin, Milliseconds(1000));
-  EXPECT_NEAR(static_cast<double>(stage.sent.size()), 20, 1);
-  EXPECT_GT(stage.sent.back().command.vel[0], 0.46F) << "the newest frame counts";
+  EXPECT_EQ(harness.now - begin, Milliseconds(1000));
+  EXPECT_NEAR(static_cast<double>(harness.sent.size()), 20, 1);
+  EXPECT_GT(harness.sent.back().command.vel[0], 0.46F) << "the newest frame counts";
 }
 
 TEST(MotionServo, TakesFramesOfTypeStartLikeData) {
-  Stage stage;
-  stage.Servo(303, 0, {0.2F, 0, 0}, ServoCommand::kStart);
-  EXPECT_THAT(stage.Commanded(), ElementsAre(303));
+  Harness harness;
+  harness.Servo(303, 0, {0.2F, 0, 0}, ServoCommand::kStart);
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303));
 }
 
 TEST(MotionServo, StopsTheBodyAfterEnd) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(500));
-  stage.Servo(303, 0, {}, ServoCommand::kEnd);
-  EXPECT_EQ(stage.sent.back().at, stage.now);
-  EXPECT_EQ(stage.sent.back().command.id, kWalkStand);
-  EXPECT_EQ(stage.sent.back().command.vel, kStill);
-  EXPECT_TRUE(stage.core.Idle());
-  EXPECT_EQ(stage.ServoCode(), kCodeOk);
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.Servo(303, 0, {}, ServoCommand::kEnd);
+  EXPECT_EQ(harness.sent.back().at, harness.now);
+  EXPECT_EQ(harness.sent.back().command.id, kWalkStand);
+  EXPECT_EQ(harness.sent.back().command.vel, kStill);
+  EXPECT_TRUE(harness.core.Idle());
+  EXPECT_EQ(harness.ServoCode(), kCodeOk);
 }
 
 TEST(MotionServo, StopsTheBody200msAfterTheLastFrame) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(500));
-  stage.Servo(303);
-  const Time last = stage.now;
-  stage.RunFor(Milliseconds(199));
-  EXPECT_EQ(stage.sent.back().command.id, 303);
-  stage.RunFor(Milliseconds(1));
-  EXPECT_EQ(stage.sent.back().command.id, kWalkStand);
-  EXPECT_EQ(stage.sent.back().at, last + Milliseconds(200));
-  EXPECT_TRUE(stage.core.Idle()) << "whoever comes next gets the body";
-  EXPECT_THAT(stage.log, Contains(HasSubstr("no frame for 200 ms")));
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.Servo(303);
+  const Time last = harness.now;
+  harness.RunFor(Milliseconds(199));
+  EXPECT_EQ(harness.sent.back().command.id, 303);
+  harness.RunFor(Milliseconds(1));
+  EXPECT_EQ(harness.sent.back().command.id, kWalkStand);
+  EXPECT_EQ(harness.sent.back().at, last + Milliseconds(200));
+  EXPECT_TRUE(harness.core.Idle()) << "whoever comes next gets the body";
+  EXPECT_THAT(harness.log, Contains(HasSubstr("no frame for 200 ms")));
 }
 
 // A program that stood still heard nothing meanwhile; that is no fault of the stream.
 TEST(MotionServo, GoesOnWhenItsFramesOnlyWaitedToBeRead) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(500));
-  stage.StandStill(Milliseconds(700));
-  stage.Stream(303, Milliseconds(500));
-  EXPECT_THAT(stage.Commanded(), ElementsAre(303));
-  EXPECT_THAT(stage.log, IsEmpty());
-  EXPECT_EQ(stage.ServoCode(), kCodeOk);
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.StandStill(Milliseconds(700));
+  harness.Stream(303, Milliseconds(500));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303));
+  EXPECT_THAT(harness.log, IsEmpty());
+  EXPECT_EQ(harness.ServoCode(), kCodeOk);
 }
 
 TEST(MotionServo, IsStoppedAtTheSecondLookWhenNoFrameHadWaited) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(500));
-  stage.StandStill(Milliseconds(700));
-  EXPECT_TRUE(stage.core.servo);
-  stage.StandStill(Milliseconds(700));
-  EXPECT_EQ(stage.sent.back().command.id, kWalkStand) << "however late that is";
-  EXPECT_TRUE(stage.core.Idle());
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.StandStill(Milliseconds(700));
+  EXPECT_TRUE(harness.core.servo);
+  harness.StandStill(Milliseconds(700));
+  EXPECT_EQ(harness.sent.back().command.id, kWalkStand) << "however late that is";
+  EXPECT_TRUE(harness.core.Idle());
 }
 
 TEST(MotionServo, IsStoppedWithItsLastValueAndStepHeight) {
-  Stage stage;
+  Harness harness;
   ServoCommand command;
   command.order.id = 303;
   command.order.arguments.vel_des = {0.3F, 0, 0};
   command.order.arguments.step_height = {0.06F, 0.07F};
   command.order.arguments.value = 2;
-  stage.Do(motion_event::ServoArrived{command});
-  stage.RunFor(Milliseconds(300));
-  EXPECT_EQ(stage.sent.back().command.id, kWalkStand);
-  EXPECT_EQ(stage.sent.back().command.value, 2);
-  EXPECT_EQ(stage.sent.back().command.step_height, (std::array<float, 2>{0.06F, 0.07F}));
+  harness.Do(motion_event::ServoArrived{command});
+  harness.RunFor(Milliseconds(300));
+  EXPECT_EQ(harness.sent.back().command.id, kWalkStand);
+  EXPECT_EQ(harness.sent.back().command.value, 2);
+  EXPECT_EQ(harness.sent.back().command.step_height, (std::array<float, 2>{0.06F, 0.07F}));
 }
 
 TEST(MotionServo, OfForceControl201EndsWithoutWalkStand) {
-  Stage stage;
-  stage.Stream(201, Milliseconds(300));
-  stage.RunFor(Milliseconds(1000));
-  EXPECT_THAT(stage.Commanded(), ElementsAre(201));
-  EXPECT_TRUE(stage.core.Idle());
+  Harness harness;
+  harness.Stream(201, Milliseconds(300));
+  harness.RunFor(Milliseconds(1000));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(201));
+  EXPECT_TRUE(harness.core.Idle());
 }
 
 TEST(MotionServo, RepeatsItsStopUntilTheBoardTakesItButNotForEver) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(300));
-  stage.board.deaf = true;
-  stage.Servo(303, 0, {}, ServoCommand::kEnd);
-  const std::size_t before = stage.sent.size();
-  stage.RunFor(Milliseconds(3000));
-  EXPECT_NEAR(static_cast<double>(stage.sent.size() - before), 20, 1);
-  Stage hearing;
+  Harness harness;
+  harness.Stream(303, Milliseconds(300));
+  harness.board.deaf = true;
+  harness.Servo(303, 0, {}, ServoCommand::kEnd);
+  const std::size_t before = harness.sent.size();
+  harness.RunFor(Milliseconds(3000));
+  EXPECT_NEAR(static_cast<double>(harness.sent.size() - before), 20, 1);
+  Harness hearing;
   hearing.Stream(303, Milliseconds(300));
   hearing.Servo(303, 0, {}, ServoCommand::kEnd);
   const std::size_t then = hearing.sent.size();
@@ -133,65 +133,65 @@ TEST(MotionServo, RepeatsItsStopUntilTheBoardTakesItButNotForEver) {
 }
 
 TEST(MotionServo, GoesThroughRecoveryStandWhereTheBodyLies) {
-  Stage stage;
-  stage.Body(kGetDown);
-  stage.Stream(303, Milliseconds(2000));
-  EXPECT_THAT(stage.Commanded(), ElementsAre(kRecoveryStand, 303));
+  Harness harness;
+  harness.Body(kGetDown);
+  harness.Stream(303, Milliseconds(2000));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kRecoveryStand, 303));
 }
 
 TEST(MotionServo, DoesNotBeginWhenTheStreamEndsDuringTheRecoveryStand) {
-  Stage stage;
-  stage.Body(kGetDown);
-  stage.Servo(303);
-  stage.RunFor(Milliseconds(2000));
-  EXPECT_THAT(stage.Commanded(), ElementsAre(kRecoveryStand));
-  EXPECT_TRUE(stage.core.Idle());
+  Harness harness;
+  harness.Body(kGetDown);
+  harness.Servo(303);
+  harness.RunFor(Milliseconds(2000));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kRecoveryStand));
+  EXPECT_TRUE(harness.core.Idle());
 }
 
 // In the beginning its next frame was refused, and the streamer gave up.
 TEST(MotionServo, ResumesAStreamThatStalledWhileTheBodyStandsUpForIt) {
-  Stage stage;
-  stage.Body(kGetDown);
-  stage.Servo(303);
-  stage.RunFor(Milliseconds(250));
-  ASSERT_FALSE(stage.core.servo) << "the watchdog";
-  ASSERT_TRUE(stage.core.job) << "it still stands up";
-  stage.Servo(303, kFromDebug);
-  EXPECT_EQ(stage.ServoCode(), 3011) << "to others the body is busy";
-  stage.Servo(303);
-  EXPECT_EQ(stage.ServoCode(), kCodeOk);
-  EXPECT_TRUE(stage.core.servo && stage.core.job) << "and it waits again for the same stand";
-  stage.Stream(303, Milliseconds(2000));
-  EXPECT_EQ(stage.ServoCode(), kCodeOk);
-  EXPECT_THAT(stage.Commanded(), ElementsAre(kRecoveryStand, 303));
+  Harness harness;
+  harness.Body(kGetDown);
+  harness.Servo(303);
+  harness.RunFor(Milliseconds(250));
+  ASSERT_FALSE(harness.core.servo) << "the watchdog";
+  ASSERT_TRUE(harness.core.job) << "it still stands up";
+  harness.Servo(303, kFromDebug);
+  EXPECT_EQ(harness.ServoCode(), 3011) << "to others the body is busy";
+  harness.Servo(303);
+  EXPECT_EQ(harness.ServoCode(), kCodeOk);
+  EXPECT_TRUE(harness.core.servo && harness.core.job) << "and it waits again for the same stand";
+  harness.Stream(303, Milliseconds(2000));
+  EXPECT_EQ(harness.ServoCode(), kCodeOk);
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kRecoveryStand, 303));
 }
 
 TEST(MotionServo, IsDroppedWhenTheRecoveryStandFails) {
-  Stage stage;
-  stage.Body(kGetDown);
-  stage.board.fault = 10;  // stand stuck
-  stage.Servo(303);
-  stage.RunFor(Milliseconds(190));
-  EXPECT_THAT(stage.Commanded(), ElementsAre(kRecoveryStand));
-  EXPECT_EQ(stage.ServoCode(), 3052);
-  EXPECT_TRUE(stage.core.Idle());
+  Harness harness;
+  harness.Body(kGetDown);
+  harness.board.fault = 10;  // stand stuck
+  harness.Servo(303);
+  harness.RunFor(Milliseconds(190));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kRecoveryStand));
+  EXPECT_EQ(harness.ServoCode(), 3052);
+  EXPECT_TRUE(harness.core.Idle());
 }
 
 TEST(MotionServo, OfAnotherGaitChangesOver) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(500));
-  stage.Stream(305, Milliseconds(500));
-  EXPECT_THAT(stage.Commanded(), ElementsAre(303, 305));
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.Stream(305, Milliseconds(500));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303, 305));
 }
 
 TEST(MotionServo, WhileAResultCommandRunsIsRefusedWith3011) {
-  Stage stage;
-  const auto flip = stage.Ask(121);
-  stage.RunFor(Milliseconds(100));
-  stage.Servo(303);
-  EXPECT_EQ(stage.ServoCode(), 3011);
-  EXPECT_EQ(stage.CodeOf(flip), kCodeOk);
-  EXPECT_THAT(stage.Commanded(), ElementsAre(121));
+  Harness harness;
+  const auto flip = harness.Ask(121);
+  harness.RunFor(Milliseconds(100));
+  harness.Servo(303);
+  EXPECT_EQ(harness.ServoCode(), 3011);
+  EXPECT_EQ(harness.CodeOf(flip), kCodeOk);
+  EXPECT_THAT(harness.Commanded(), ElementsAre(121));
 }
 
 struct BadFrame {
@@ -213,13 +213,13 @@ ServoCommand Frame(std::int32_t id, std::int32_t source, std::vector<float> vel,
 class BadServo : public ::testing::TestWithParam<BadFrame> {};
 
 TEST_P(BadServo, IsRefusedWithItsCodeALogLineAndNothingMoves) {
-  Stage stage;
-  stage.Do(motion_event::ServoArrived{GetParam().command});
-  EXPECT_EQ(stage.ServoCode(), GetParam().code);
-  EXPECT_FALSE(stage.told.back().result) << "a refusal never says success";
-  EXPECT_EQ(stage.LogLines(), 1U);
-  stage.RunFor(Milliseconds(500));
-  EXPECT_THAT(stage.sent, IsEmpty());
+  Harness harness;
+  harness.Do(motion_event::ServoArrived{GetParam().command});
+  EXPECT_EQ(harness.ServoCode(), GetParam().code);
+  EXPECT_FALSE(harness.told.back().result) << "a refusal never says success";
+  EXPECT_EQ(harness.LogLines(), 1U);
+  harness.RunFor(Milliseconds(500));
+  EXPECT_THAT(harness.sent, IsEmpty());
 }
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -242,128 +242,128 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& param) { return param.param.name; });
 
 TEST(MotionServo, IsSlowedDownToTheLimitsOfItsGaitAndSaysSoOnce) {
-  Stage stage;
+  Harness harness;
   for (int i = 0; i < 20; ++i) {
-    stage.Servo(303, 0, {9, -9, 9});
-    stage.RunFor(Milliseconds(50));
+    harness.Servo(303, 0, {9, -9, 9});
+    harness.RunFor(Milliseconds(50));
   }
-  EXPECT_EQ(stage.sent.back().command.vel, (std::array<float, 3>{0.65F, -0.30F, 1.25F}));
-  EXPECT_EQ(stage.LogLines(), 1U);
+  EXPECT_EQ(harness.sent.back().command.vel, (std::array<float, 3>{0.65F, -0.30F, 1.25F}));
+  EXPECT_EQ(harness.LogLines(), 1U);
 }
 
 TEST(MotionServo, IsRefusedWith3035WhenTheBoardIsSilent) {
-  Stage stage;
-  stage.board.silent = true;
-  stage.RunFor(Milliseconds(600));
-  stage.Servo(303);
-  EXPECT_EQ(stage.ServoCode(), 3035);
-  EXPECT_THAT(stage.sent, IsEmpty());
+  Harness harness;
+  harness.board.silent = true;
+  harness.RunFor(Milliseconds(600));
+  harness.Servo(303);
+  EXPECT_EQ(harness.ServoCode(), 3035);
+  EXPECT_THAT(harness.sent, IsEmpty());
 }
 
 TEST(MotionServo, TakesNoBoardForSilentWhoseReportsOnlyWaitToBeRead) {
-  Stage stage;
-  stage.StandStill(Milliseconds(700));
-  stage.Servo(303);
-  EXPECT_EQ(stage.ServoCode(), kCodeOk) << "its frame is read before the reports";
-  stage.Stream(303, Milliseconds(200));
-  EXPECT_EQ(stage.ServoCode(), kCodeOk);
-  stage.board.silent = true;
-  stage.StandStill(Milliseconds(700));
-  stage.Stream(303, Milliseconds(100));
-  EXPECT_EQ(stage.ServoCode(), 3035) << "but this one was silent";
+  Harness harness;
+  harness.StandStill(Milliseconds(700));
+  harness.Servo(303);
+  EXPECT_EQ(harness.ServoCode(), kCodeOk) << "its frame is read before the reports";
+  harness.Stream(303, Milliseconds(200));
+  EXPECT_EQ(harness.ServoCode(), kCodeOk);
+  harness.board.silent = true;
+  harness.StandStill(Milliseconds(700));
+  harness.Stream(303, Milliseconds(100));
+  EXPECT_EQ(harness.ServoCode(), 3035) << "but this one was silent";
 }
 
 TEST(MotionServo, TellsAllTheTimeWhatTheBoardMakesOfIt) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(1000));
-  const std::size_t before = stage.told.size();
-  stage.Stream(303, Milliseconds(1000));
-  EXPECT_NEAR(static_cast<double>(stage.told.size() - before), 20, 2);
-  EXPECT_EQ(stage.told.back().motion_id, 303);
-  EXPECT_EQ(stage.told.back().bar, 100);
-  EXPECT_TRUE(stage.told.back().result);
+  Harness harness;
+  harness.Stream(303, Milliseconds(1000));
+  const std::size_t before = harness.told.size();
+  harness.Stream(303, Milliseconds(1000));
+  EXPECT_NEAR(static_cast<double>(harness.told.size() - before), 20, 2);
+  EXPECT_EQ(harness.told.back().motion_id, 303);
+  EXPECT_EQ(harness.told.back().bar, 100);
+  EXPECT_TRUE(harness.told.back().result);
 }
 
 TEST(MotionServo, TellsThatTheBoardFellSilent) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(500));
-  stage.board.silent = true;
-  stage.Stream(303, Milliseconds(1000));
-  const motion_action::TellServo expected{-1, stage.told.back().cmd_id, -1, -1, false, 3035};
-  EXPECT_EQ(stage.told.back(), expected);
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.board.silent = true;
+  harness.Stream(303, Milliseconds(1000));
+  const motion_action::TellServo expected{-1, harness.told.back().cmd_id, -1, -1, false, 3035};
+  EXPECT_EQ(harness.told.back(), expected);
 }
 
 TEST(MotionServo, TellsTheBoardsErrorAsItsCode) {
-  Stage stage;
-  stage.board.fault = 4;
-  stage.Stream(303, Milliseconds(500));
-  EXPECT_EQ(stage.ServoCode(), 3024);
-  EXPECT_FALSE(stage.told.back().result);
+  Harness harness;
+  harness.board.fault = 4;
+  harness.Stream(303, Milliseconds(500));
+  EXPECT_EQ(harness.ServoCode(), 3024);
+  EXPECT_FALSE(harness.told.back().result);
 }
 
 // --- Who has the body
 
 TEST(MotionPriority, LetsTheHigherOneTakeTheBodyFromTheLower) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(200), kFromAlgorithm);
-  stage.Servo(308, kFromApp);
-  EXPECT_EQ(stage.core.servo->source, kFromApp);
-  stage.RunFor(Milliseconds(50));
-  EXPECT_THAT(stage.Commanded(), ElementsAre(303, 308));
+  Harness harness;
+  harness.Stream(303, Milliseconds(200), kFromAlgorithm);
+  harness.Servo(308, kFromApp);
+  EXPECT_EQ(harness.core.servo->source, kFromApp);
+  harness.RunFor(Milliseconds(50));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303, 308));
 }
 
 // In the original `result` was left as the command before had it.
 TEST(MotionPriority, RefusesTheLowerOneWith3001) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(200), kFromApp);
-  stage.Servo(308, kFromAudio);
-  EXPECT_EQ(stage.ServoCode(), 3001);
-  EXPECT_FALSE(stage.told.back().result);
-  stage.RunFor(Milliseconds(50));
-  EXPECT_THAT(stage.Commanded(), ElementsAre(303));
+  Harness harness;
+  harness.Stream(303, Milliseconds(200), kFromApp);
+  harness.Servo(308, kFromAudio);
+  EXPECT_EQ(harness.ServoCode(), 3001);
+  EXPECT_FALSE(harness.told.back().result);
+  harness.RunFor(Milliseconds(50));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303));
 }
 
 TEST(MotionPriority, DoesNotLetTheLowerOneStopTheHigher) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(200), kFromApp);
-  stage.Servo(303, kFromAlgorithm, {}, ServoCommand::kEnd);
-  EXPECT_EQ(stage.ServoCode(), 3001);
-  EXPECT_TRUE(stage.core.servo);
+  Harness harness;
+  harness.Stream(303, Milliseconds(200), kFromApp);
+  harness.Servo(303, kFromAlgorithm, {}, ServoCommand::kEnd);
+  EXPECT_EQ(harness.ServoCode(), 3001);
+  EXPECT_TRUE(harness.core.servo);
 }
 
 TEST(MotionPriority, LetsTheHigherOneStopTheLower) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(200), kFromAlgorithm);
-  stage.Servo(303, kFromDebug, {}, ServoCommand::kEnd);
-  EXPECT_FALSE(stage.core.servo);
-  EXPECT_EQ(stage.sent.back().command.id, kWalkStand);
+  Harness harness;
+  harness.Stream(303, Milliseconds(200), kFromAlgorithm);
+  harness.Servo(303, kFromDebug, {}, ServoCommand::kEnd);
+  EXPECT_FALSE(harness.core.servo);
+  EXPECT_EQ(harness.sent.back().command.id, kWalkStand);
 }
 
 TEST(MotionPriority, IsFreeAgainWhenTheStreamEnded) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(200), kFromApp);
-  stage.RunFor(Milliseconds(200));
-  stage.Servo(303, kFromAlgorithm);
-  EXPECT_EQ(stage.core.servo->source, kFromAlgorithm);
+  Harness harness;
+  harness.Stream(303, Milliseconds(200), kFromApp);
+  harness.RunFor(Milliseconds(200));
+  harness.Servo(303, kFromAlgorithm);
+  EXPECT_EQ(harness.core.servo->source, kFromAlgorithm);
 }
 
 // A refused frame must not keep the watchdog of the other's quiet.
 TEST(MotionPriority, FramesOfARefusedOneDoNotKeepTheBodyMoving) {
-  Stage stage;
-  stage.Servo(303, kFromApp);
+  Harness harness;
+  harness.Servo(303, kFromApp);
   for (int i = 0; i < 4; ++i) {
-    stage.RunFor(Milliseconds(50));
-    if (stage.core.servo) stage.Servo(303, kFromAlgorithm);
+    harness.RunFor(Milliseconds(50));
+    if (harness.core.servo) harness.Servo(303, kFromAlgorithm);
   }
-  EXPECT_EQ(stage.sent.back().command.id, kWalkStand);
+  EXPECT_EQ(harness.sent.back().command.id, kWalkStand);
 }
 
 TEST(MotionPriority, IsData) {
-  Stage stage;
-  stage.config.priorities[kFromAlgorithm] = -5;
-  stage.Stream(303, Milliseconds(200), kFromApp);
-  stage.Servo(303, kFromAlgorithm);
-  EXPECT_EQ(stage.core.servo->source, kFromAlgorithm);
+  Harness harness;
+  harness.config.priorities[kFromAlgorithm] = -5;
+  harness.Stream(303, Milliseconds(200), kFromApp);
+  harness.Servo(303, kFromAlgorithm);
+  EXPECT_EQ(harness.core.servo->source, kFromAlgorithm);
 }
 
 }  // namespace musher::motion::testing::motion_servo_test

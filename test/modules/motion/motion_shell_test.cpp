@@ -6,7 +6,7 @@
 #include "musher/modules/motion/motion_shell.hpp"
 #include "musher/modules/motion/motion_wire.hpp"
 #include "musher/modules/motion/topic_backend.hpp"
-#include "musher/test/modules/motion/stage.hpp"
+#include "musher/test/modules/motion/harness.hpp"
 #include "musher/test/modules/motion/topic_board.hpp"
 #include "musher/transport/sim/network.hpp"
 

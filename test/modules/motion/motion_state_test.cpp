@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "musher/test/modules/motion/stage.hpp"
+#include "musher/test/modules/motion/harness.hpp"
 
 namespace musher::motion::testing::motion_state_test {
 
@@ -17,319 +17,319 @@ const Error kProtected{3013, "the battery is low, charge it first"};
 // --- Gating
 
 TEST(MotionGate, RefusesAResultCommandWithTheCodeAndReasonOfItsCapability) {
-  Stage stage;
-  stage.refused["back_flip"] = kProtected;
-  const auto token = stage.Ask(121);
-  EXPECT_EQ(stage.CodeOf(token), 3013);
-  EXPECT_EQ(stage.answers.at(token).message, kProtected.message);
-  EXPECT_THAT(stage.log, Contains(HasSubstr("the battery is low")));
-  EXPECT_THAT(stage.sent, IsEmpty());
-  EXPECT_EQ(stage.CodeOf(stage.Ask(111)), kCodeOk) << "standing up is another capability";
+  Harness harness;
+  harness.refused["back_flip"] = kProtected;
+  const auto token = harness.Ask(121);
+  EXPECT_EQ(harness.CodeOf(token), 3013);
+  EXPECT_EQ(harness.answers.at(token).message, kProtected.message);
+  EXPECT_THAT(harness.log, Contains(HasSubstr("the battery is low")));
+  EXPECT_THAT(harness.sent, IsEmpty());
+  EXPECT_EQ(harness.CodeOf(harness.Ask(111)), kCodeOk) << "standing up is another capability";
 }
 
 TEST(MotionGate, RefusesAServoFrameWithOneResponse) {
-  Stage stage;
-  stage.refused["walk"] = kInvalid;
-  stage.Servo(303);
-  ASSERT_EQ(stage.told.size(), 1U);
-  EXPECT_EQ(stage.told[0].code, 3003);
-  EXPECT_FALSE(stage.told[0].result);
-  stage.RunFor(Milliseconds(500));
-  EXPECT_THAT(stage.sent, IsEmpty());
+  Harness harness;
+  harness.refused["walk"] = kInvalid;
+  harness.Servo(303);
+  ASSERT_EQ(harness.told.size(), 1U);
+  EXPECT_EQ(harness.told[0].code, 3003);
+  EXPECT_FALSE(harness.told[0].result);
+  harness.RunFor(Milliseconds(500));
+  EXPECT_THAT(harness.sent, IsEmpty());
 }
 
 TEST(MotionGate, StopsTheBodyWhenTheStateForbidsFurtherFrames) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(500));
-  stage.refused["walk"] = kInvalid;
-  const Time then = stage.now;
-  stage.Stream(303, Milliseconds(500));
-  EXPECT_THAT(stage.Commanded(), ElementsAre(303, kWalkStand));
-  EXPECT_LE(stage.sent.back().at, then + Milliseconds(250));
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.refused["walk"] = kInvalid;
+  const Time then = harness.now;
+  harness.Stream(303, Milliseconds(500));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303, kWalkStand));
+  EXPECT_LE(harness.sent.back().at, then + Milliseconds(250));
 }
 
 TEST(MotionGate, IsAskedAgainWhenTheMotionBegins) {
-  Stage stage;
-  stage.Body(kGetDown);
-  const auto token = stage.Ask(121);
-  stage.RunFor(Milliseconds(200));
-  stage.refused["back_flip"] = kProtected;  // while it stands up for it
-  EXPECT_EQ(stage.CodeOf(token), 3013);
-  EXPECT_THAT(stage.Commanded(), ElementsAre(kRecoveryStand));
+  Harness harness;
+  harness.Body(kGetDown);
+  const auto token = harness.Ask(121);
+  harness.RunFor(Milliseconds(200));
+  harness.refused["back_flip"] = kProtected;  // while it stands up for it
+  EXPECT_EQ(harness.CodeOf(token), 3013);
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kRecoveryStand));
 }
 
 TEST(MotionGate, IsAskedAgainWhenAServoMotionBeginsAfterStandingUp) {
-  Stage stage;
-  stage.Body(kGetDown);
-  stage.Servo(303);
-  stage.refused["walk"] = kInvalid;
+  Harness harness;
+  harness.Body(kGetDown);
+  harness.Servo(303);
+  harness.refused["walk"] = kInvalid;
   for (int i = 0; i < 40; ++i) {
-    stage.RunFor(Milliseconds(25));
-    if (stage.core.servo) stage.core.servo->last_frame = stage.now;
+    harness.RunFor(Milliseconds(25));
+    if (harness.core.servo) harness.core.servo->last_frame = harness.now;
   }
-  EXPECT_THAT(stage.Commanded(), ElementsAre(kRecoveryStand));
-  EXPECT_FALSE(stage.core.servo);
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kRecoveryStand));
+  EXPECT_FALSE(harness.core.servo);
 }
 
 TEST(MotionGate, IsShutBeforeTheFirstActive) {
-  Stage stage;
-  stage.core.closed = State(kUninitialized);
-  EXPECT_EQ(stage.CodeOf(stage.Ask(111)), 3003);
-  stage.Servo(303);
-  EXPECT_EQ(stage.ServoCode(), 3003);
-  EXPECT_THAT(stage.sent, IsEmpty());
+  Harness harness;
+  harness.core.closed = State(kUninitialized);
+  EXPECT_EQ(harness.CodeOf(harness.Ask(111)), 3003);
+  harness.Servo(303);
+  EXPECT_EQ(harness.ServoCode(), 3003);
+  EXPECT_THAT(harness.sent, IsEmpty());
 }
 
 // --- A state that leaves no room for motion
 
 TEST(MotionState, ThatIsClosedStopsAWalkAtOnce) {
   for (const std::string_view state : {kDeActive, kError, kLowPower}) {
-    Stage stage;
-    stage.Stream(303, Milliseconds(500));
-    stage.Do(motion_event::Closed{State(state)});
-    EXPECT_EQ(stage.sent.back().command.id, kWalkStand);
-    EXPECT_EQ(stage.sent.back().at, stage.now);
-    stage.Servo(303);
-    EXPECT_EQ(stage.ServoCode(), 3003);
+    Harness harness;
+    harness.Stream(303, Milliseconds(500));
+    harness.Do(motion_event::Closed{State(state)});
+    EXPECT_EQ(harness.sent.back().command.id, kWalkStand);
+    EXPECT_EQ(harness.sent.back().at, harness.now);
+    harness.Servo(303);
+    EXPECT_EQ(harness.ServoCode(), 3003);
   }
 }
 
 TEST(MotionState, ThatIsTearDownOrOtaSendsNoWalkStand) {
   for (const std::string_view state : {kTearDown, kOta}) {
-    Stage stage;
-    stage.Stream(303, Milliseconds(500));
-    stage.Do(motion_event::Closed{State(state)});
-    stage.RunFor(Milliseconds(500));
-    EXPECT_THAT(stage.Commanded(), ElementsAre(303));
-    EXPECT_TRUE(stage.core.Idle());
+    Harness harness;
+    harness.Stream(303, Milliseconds(500));
+    harness.Do(motion_event::Closed{State(state)});
+    harness.RunFor(Milliseconds(500));
+    EXPECT_THAT(harness.Commanded(), ElementsAre(303));
+    EXPECT_TRUE(harness.core.Idle());
   }
 }
 
 TEST(MotionState, ThatIsErrorAnswersWhoWaitsWith3003AndBreaksOffADance) {
-  Stage stage;
-  stage.board.motion = Milliseconds(60'000);
-  const auto dance = stage.Ask(140);
-  stage.RunFor(Milliseconds(1000));
-  stage.Do(motion_event::Closed{State(kError)});
-  EXPECT_EQ(stage.CodeOf(dance), 3003);
-  EXPECT_THAT(stage.Commanded(), ElementsAre(140, kRecoveryStand));
+  Harness harness;
+  harness.board.motion = Milliseconds(60'000);
+  const auto dance = harness.Ask(140);
+  harness.RunFor(Milliseconds(1000));
+  harness.Do(motion_event::Closed{State(kError)});
+  EXPECT_EQ(harness.CodeOf(dance), 3003);
+  EXPECT_THAT(harness.Commanded(), ElementsAre(140, kRecoveryStand));
 }
 
 TEST(MotionState, ThatIsErrorLetsAFlipLand) {
-  Stage stage;
-  const auto flip = stage.Ask(121);
-  stage.RunFor(Milliseconds(200));
-  stage.Do(motion_event::Closed{State(kError)});
-  EXPECT_EQ(stage.CodeOf(flip), 3003);
-  stage.RunFor(Milliseconds(1000));
-  EXPECT_THAT(stage.Commanded(), ElementsAre(121));
+  Harness harness;
+  const auto flip = harness.Ask(121);
+  harness.RunFor(Milliseconds(200));
+  harness.Do(motion_event::Closed{State(kError)});
+  EXPECT_EQ(harness.CodeOf(flip), 3003);
+  harness.RunFor(Milliseconds(1000));
+  EXPECT_THAT(harness.Commanded(), ElementsAre(121));
 }
 
 TEST(MotionState, ThatIsErrorEndsATimedWalkStanding) {
-  Stage stage;
+  Harness harness;
   MotionArguments arguments;
   arguments.duration_ms = 10'000;
-  stage.board.motion = Milliseconds(10'000);
-  stage.Ask(303, 0, arguments);
-  stage.RunFor(Milliseconds(1000));
-  stage.Do(motion_event::Closed{State(kError)});
-  EXPECT_EQ(stage.sent.back().command.id, kWalkStand);
+  harness.board.motion = Milliseconds(10'000);
+  harness.Ask(303, 0, arguments);
+  harness.RunFor(Milliseconds(1000));
+  harness.Do(motion_event::Closed{State(kError)});
+  EXPECT_EQ(harness.sent.back().command.id, kWalkStand);
 }
 
 TEST(MotionState, ThatIsActiveAgainMovesNothingByItself) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(500));
-  stage.Do(motion_event::Closed{State(kLowPower)});
-  stage.RunFor(Milliseconds(500));
-  ASSERT_EQ(stage.CodeOf(stage.LieDown(kGetDown, 3)), kCodeOk);
-  const std::size_t before = stage.sent.size();
-  stage.Do(motion_event::Opened{});
-  stage.RunFor(Milliseconds(5000));
-  EXPECT_EQ(stage.sent.size(), before);
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.Do(motion_event::Closed{State(kLowPower)});
+  harness.RunFor(Milliseconds(500));
+  ASSERT_EQ(harness.CodeOf(harness.LieDown(kGetDown, 3)), kCodeOk);
+  const std::size_t before = harness.sent.size();
+  harness.Do(motion_event::Opened{});
+  harness.RunFor(Milliseconds(5000));
+  EXPECT_EQ(harness.sent.size(), before);
 }
 
 // --- Lying down
 
 TEST(MotionLieDown, TakesTheBodyDownFromStanding) {
-  Stage stage;
-  EXPECT_EQ(stage.CodeOf(stage.LieDown(kGetDown, 3)), kCodeOk);
-  EXPECT_THAT(stage.Commanded(), ElementsAre(kGetDown));
+  Harness harness;
+  EXPECT_EQ(harness.CodeOf(harness.LieDown(kGetDown, 3)), kCodeOk);
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kGetDown));
 }
 
 TEST(MotionLieDown, DoesNothingWhereTheBodyLiesAlready) {
   for (const std::int32_t lying : {kEmergencyStop, kGetDown}) {
-    Stage stage;
-    stage.Body(lying);
-    EXPECT_EQ(stage.CodeOf(stage.LieDown(kPassiveGetDown, 0)), kCodeOk);
-    EXPECT_THAT(stage.sent, IsEmpty());
+    Harness harness;
+    harness.Body(lying);
+    EXPECT_EQ(harness.CodeOf(harness.LieDown(kPassiveGetDown, 0)), kCodeOk);
+    EXPECT_THAT(harness.sent, IsEmpty());
   }
 }
 
 TEST(MotionLieDown, IsNotHeldUpByTheStateOrByWhoHasTheBody) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(500));
-  stage.Do(motion_event::Closed{State(kOta)});
-  stage.refused[""] = kInvalid;
-  EXPECT_EQ(stage.CodeOf(stage.LieDown(kGetDown, 0)), kCodeOk);
-  EXPECT_THAT(stage.Commanded(), ElementsAre(303, kGetDown));
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.Do(motion_event::Closed{State(kOta)});
+  harness.refused[""] = kInvalid;
+  EXPECT_EQ(harness.CodeOf(harness.LieDown(kGetDown, 0)), kCodeOk);
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303, kGetDown));
 }
 
 TEST(MotionLieDown, InterruptsAnything) {
-  Stage stage;
-  const auto flip = stage.Ask(121);
-  stage.RunFor(Milliseconds(100));
-  EXPECT_EQ(stage.CodeOf(stage.LieDown(kGetDown, 3)), kCodeOk);
-  EXPECT_EQ(stage.CodeOf(flip), 3003);
+  Harness harness;
+  const auto flip = harness.Ask(121);
+  harness.RunFor(Milliseconds(100));
+  EXPECT_EQ(harness.CodeOf(harness.LieDown(kGetDown, 3)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(flip), 3003);
 }
 
 // In the original the state callback reported success whether the body lay or not.
 TEST(MotionLieDown, ThatFailsThreeTimesSaysSo) {
-  Stage stage;
-  stage.board.deaf = true;
-  const Time begin = stage.now;
-  EXPECT_EQ(stage.CodeOf(stage.LieDown(kGetDown, 3)), 3035);
-  EXPECT_EQ(stage.now - begin, Milliseconds(3 * 200 + 2 * 500)) << "three tries 500 ms apart";
+  Harness harness;
+  harness.board.deaf = true;
+  const Time begin = harness.now;
+  EXPECT_EQ(harness.CodeOf(harness.LieDown(kGetDown, 3)), 3035);
+  EXPECT_EQ(harness.now - begin, Milliseconds(3 * 200 + 2 * 500)) << "three tries 500 ms apart";
 }
 
 TEST(MotionLieDown, WithoutALimitGoesOnUntilItSucceeds) {
-  Stage stage;
-  stage.board.deaf = true;
-  const auto token = stage.LieDown(kPassiveGetDown, 0);
-  stage.RunFor(Milliseconds(60'000));
-  EXPECT_THAT(stage.answers, IsEmpty());
-  stage.board.deaf = false;
-  EXPECT_EQ(stage.CodeOf(token), kCodeOk);
-  EXPECT_THAT(stage.Commanded(), ElementsAre(kPassiveGetDown));
+  Harness harness;
+  harness.board.deaf = true;
+  const auto token = harness.LieDown(kPassiveGetDown, 0);
+  harness.RunFor(Milliseconds(60'000));
+  EXPECT_THAT(harness.answers, IsEmpty());
+  harness.board.deaf = false;
+  EXPECT_EQ(harness.CodeOf(token), kCodeOk);
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kPassiveGetDown));
 }
 
 TEST(MotionLieDown, ThatNobodyWaitsForAnyMoreIsGivenUpWith3007) {
-  Stage stage;
-  stage.board.deaf = true;
-  const auto token = stage.LieDown(kGetDown, 0);
-  stage.RunFor(Milliseconds(1000));
-  stage.Do(motion_event::Cancelled{token});
-  EXPECT_EQ(stage.CodeOf(token), 3007);
-  const std::size_t before = stage.sent.size();
-  stage.RunFor(Milliseconds(5000));
-  EXPECT_EQ(stage.sent.size(), before);
+  Harness harness;
+  harness.board.deaf = true;
+  const auto token = harness.LieDown(kGetDown, 0);
+  harness.RunFor(Milliseconds(1000));
+  harness.Do(motion_event::Cancelled{token});
+  EXPECT_EQ(harness.CodeOf(token), 3007);
+  const std::size_t before = harness.sent.size();
+  harness.RunFor(Milliseconds(5000));
+  EXPECT_EQ(harness.sent.size(), before);
 }
 
 TEST(MotionLieDown, KeepsOthersOutBetweenItsTries) {
-  Stage stage;
-  stage.board.deaf = true;
-  stage.LieDown(kGetDown, 3);
-  stage.RunFor(Milliseconds(300));
-  EXPECT_EQ(stage.CodeOf(stage.Ask(111)), 3011);
-  stage.Servo(303);
-  EXPECT_EQ(stage.ServoCode(), 3011);
+  Harness harness;
+  harness.board.deaf = true;
+  harness.LieDown(kGetDown, 3);
+  harness.RunFor(Milliseconds(300));
+  EXPECT_EQ(harness.CodeOf(harness.Ask(111)), 3011);
+  harness.Servo(303);
+  EXPECT_EQ(harness.ServoCode(), 3011);
 }
 
 // --- Emergency stop
 
 TEST(MotionEmergencyStop, IsSentAtOnceWhateverRuns) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(500));
-  const auto stop = stage.Ask(kEmergencyStop);
-  EXPECT_EQ(stage.sent.back().command.id, kEmergencyStop);
-  EXPECT_EQ(stage.sent.back().at, stage.now);
-  EXPECT_EQ(stage.ServoCode(), 3040);
-  EXPECT_EQ(stage.CodeOf(stop), kCodeOk);
-  EXPECT_THAT(stage.Commanded(), ElementsAre(303, kEmergencyStop)) << "no WALK_STAND after it";
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  const auto stop = harness.Ask(kEmergencyStop);
+  EXPECT_EQ(harness.sent.back().command.id, kEmergencyStop);
+  EXPECT_EQ(harness.sent.back().at, harness.now);
+  EXPECT_EQ(harness.ServoCode(), 3040);
+  EXPECT_EQ(harness.CodeOf(stop), kCodeOk);
+  EXPECT_THAT(harness.Commanded(), ElementsAre(303, kEmergencyStop)) << "no WALK_STAND after it";
 }
 
 TEST(MotionEmergencyStop, EndsTheMotionOfAResultCommandWith3040) {
-  Stage stage;
-  const auto dance = stage.Ask(140);
-  stage.RunFor(Milliseconds(200));
-  stage.Ask(kEmergencyStop);
-  EXPECT_EQ(stage.CodeOf(dance), 3040);
+  Harness harness;
+  const auto dance = harness.Ask(140);
+  harness.RunFor(Milliseconds(200));
+  harness.Ask(kEmergencyStop);
+  EXPECT_EQ(harness.CodeOf(dance), 3040);
 }
 
 TEST(MotionEmergencyStop, LatchesUntilRecoveryStand) {
-  Stage stage;
-  ASSERT_EQ(stage.CodeOf(stage.Ask(kEmergencyStop)), kCodeOk);
-  EXPECT_EQ(stage.CodeOf(stage.Ask(121)), 3040);
-  EXPECT_EQ(stage.CodeOf(stage.Ask(kGetDown)), 3040);
-  stage.Servo(303);
-  EXPECT_EQ(stage.ServoCode(), 3040);
-  EXPECT_EQ(stage.CodeOf(stage.Ask(kEmergencyStop)), kCodeOk) << "once more is fine";
-  EXPECT_EQ(stage.CodeOf(stage.Ask(kRecoveryStand)), kCodeOk);
-  EXPECT_EQ(stage.CodeOf(stage.Ask(121)), kCodeOk);
+  Harness harness;
+  ASSERT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3040);
+  EXPECT_EQ(harness.CodeOf(harness.Ask(kGetDown)), 3040);
+  harness.Servo(303);
+  EXPECT_EQ(harness.ServoCode(), 3040);
+  EXPECT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop)), kCodeOk) << "once more is fine";
+  EXPECT_EQ(harness.CodeOf(harness.Ask(kRecoveryStand)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), kCodeOk);
 }
 
 // In the original id 0 was refused with 3003 in every state but Active and Protected.
 TEST(MotionEmergencyStop, IsTakenInEveryState) {
   for (const std::string_view state :
        {kUninitialized, kSetUp, kSelfCheck, kDeActive, kLowPower, kOta, kError, kTearDown}) {
-    Stage stage;
-    stage.core.closed = State(state);
-    stage.refused[""] = kInvalid;
-    EXPECT_EQ(stage.CodeOf(stage.Ask(kEmergencyStop)), kCodeOk) << state;
-    EXPECT_THAT(stage.Commanded(), ElementsAre(kEmergencyStop));
+    Harness harness;
+    harness.core.closed = State(state);
+    harness.refused[""] = kInvalid;
+    EXPECT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop)), kCodeOk) << state;
+    EXPECT_THAT(harness.Commanded(), ElementsAre(kEmergencyStop));
   }
 }
 
 TEST(MotionEmergencyStop, IsTakenFromWhoeverSendsIt) {
   for (const std::int32_t source : {-2, -1, 0, 4, 99, -99}) {
-    Stage stage;
-    EXPECT_EQ(stage.CodeOf(stage.Ask(kEmergencyStop, source)), kCodeOk);
+    Harness harness;
+    EXPECT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop, source)), kCodeOk);
   }
 }
 
 TEST(MotionEmergencyStop, IsTakenWithNonsenseInIt) {
-  Stage stage;
+  Harness harness;
   MotionArguments arguments;
   arguments.vel_des = {std::numeric_limits<float>::quiet_NaN()};
   arguments.duration_ms = -5;
-  EXPECT_EQ(stage.CodeOf(stage.Ask(kEmergencyStop, 0, arguments)), kCodeOk);
-  EXPECT_EQ(stage.sent.front().command.vel, (std::array<float, 3>{}));
+  EXPECT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop, 0, arguments)), kCodeOk);
+  EXPECT_EQ(harness.sent.front().command.vel, (std::array<float, 3>{}));
 }
 
 TEST(MotionEmergencyStop, IsRepeatedUntilTheBoardTakesIt) {
-  Stage stage;
-  stage.board.deaf = true;
-  EXPECT_EQ(stage.CodeOf(stage.Ask(kEmergencyStop)), 3035)
+  Harness harness;
+  harness.board.deaf = true;
+  EXPECT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop)), 3035)
       << "who asked is told that it is not sure";
-  stage.RunFor(Milliseconds(10'000));
-  EXPECT_GE(stage.sent.size(), 200U);
-  stage.board.deaf = false;
-  stage.RunFor(Milliseconds(100));
-  const std::size_t before = stage.sent.size();
-  stage.RunFor(Milliseconds(1000));
-  EXPECT_EQ(stage.sent.size(), before);
+  harness.RunFor(Milliseconds(10'000));
+  EXPECT_GE(harness.sent.size(), 200U);
+  harness.board.deaf = false;
+  harness.RunFor(Milliseconds(100));
+  const std::size_t before = harness.sent.size();
+  harness.RunFor(Milliseconds(1000));
+  EXPECT_EQ(harness.sent.size(), before);
 }
 
 TEST(MotionEmergencyStop, OfTheMachineIsTheSame) {
-  Stage stage;
-  stage.Stream(303, Milliseconds(500));
-  stage.Do(motion_event::EmergencyStop{});
-  EXPECT_EQ(stage.sent.back().command.id, kEmergencyStop);
-  EXPECT_EQ(stage.CodeOf(stage.Ask(121)), 3040);
+  Harness harness;
+  harness.Stream(303, Milliseconds(500));
+  harness.Do(motion_event::EmergencyStop{});
+  EXPECT_EQ(harness.sent.back().command.id, kEmergencyStop);
+  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3040);
 }
 
 TEST(MotionEmergencyStop, OfTheMachineIsNotClearedWhileItIsEngaged) {
-  Stage stage;
-  stage.Do(motion_event::EmergencyStop{});
-  stage.RunFor(Milliseconds(1000));
-  stage.refused[""] = {3003, "an emergency stop is engaged"};
-  EXPECT_EQ(stage.CodeOf(stage.Ask(kRecoveryStand)), 3003);
-  EXPECT_EQ(stage.CodeOf(stage.Ask(121)), 3040);
-  stage.refused.clear();
-  EXPECT_EQ(stage.CodeOf(stage.Ask(kRecoveryStand)), kCodeOk);
-  EXPECT_FALSE(stage.core.emergency_stop);
+  Harness harness;
+  harness.Do(motion_event::EmergencyStop{});
+  harness.RunFor(Milliseconds(1000));
+  harness.refused[""] = {3003, "an emergency stop is engaged"};
+  EXPECT_EQ(harness.CodeOf(harness.Ask(kRecoveryStand)), 3003);
+  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3040);
+  harness.refused.clear();
+  EXPECT_EQ(harness.CodeOf(harness.Ask(kRecoveryStand)), kCodeOk);
+  EXPECT_FALSE(harness.core.emergency_stop);
 }
 
 TEST(MotionEmergencyStop, LeavesABodyThatLiesToLowPower) {
-  Stage stage;
-  ASSERT_EQ(stage.CodeOf(stage.Ask(kEmergencyStop)), kCodeOk);
-  EXPECT_EQ(stage.CodeOf(stage.LieDown(kGetDown, 3)), kCodeOk);
+  Harness harness;
+  ASSERT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.LieDown(kGetDown, 3)), kCodeOk);
 }
 
 TEST(MotionEmergencyStop, InTheMiddleOfAQueueStopsAtOnce) {
-  Stage stage;
-  stage.Play({{111, {}}, {kEmergencyStop, {}}});
-  EXPECT_THAT(stage.Commanded(), ElementsAre(kEmergencyStop));
-  EXPECT_TRUE(stage.core.emergency_stop);
+  Harness harness;
+  harness.Play({{111, {}}, {kEmergencyStop, {}}});
+  EXPECT_THAT(harness.Commanded(), ElementsAre(kEmergencyStop));
+  EXPECT_TRUE(harness.core.emergency_stop);
 }
 
 }  // namespace musher::motion::testing::motion_state_test

@@ -9,7 +9,7 @@
 #include "musher/lifecycle/config_toml.hpp"
 #include "musher/modules/motion/motion_config.hpp"
 #include "musher/modules/motion/motion_table.hpp"
-#include "musher/test/modules/motion/stage.hpp"
+#include "musher/test/modules/motion/harness.hpp"
 
 namespace musher::motion::testing::motion_table_test {
 
@@ -113,7 +113,7 @@ TEST(MotionTable, AllowsInProtectedWhatARobotMayDoToSpareItself) {
   std::set<std::int32_t> results;
   for (const Motion& motion : TheTable().motions()) {
     const auto may = [&](const std::string& capability) {
-      return JudgeCapability(*robot.config, capability, view).ok();
+      return EvaluateCapability(*robot.config, capability, view).ok();
     };
     if (motion.capability.empty() || may(motion.capability)) results.insert(motion.id);
     EXPECT_TRUE(motion.servo.empty() || may(motion.servo)) << "servo " << motion.id;

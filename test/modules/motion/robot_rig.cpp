@@ -14,7 +14,7 @@
 #include <iterator>
 
 #include "musher/test/contract/domain.hpp"
-#include "musher/test/modules/motion/stage.hpp"
+#include "musher/test/modules/motion/harness.hpp"
 
 namespace musher::motion::testing {
 namespace {

@@ -83,7 +83,7 @@ TEST(SelfCheck, IsInTheOrderLidarTofUltrasonicGps) {
 
 TEST(SelfCheck, EndsAtTheFirstCriticalSensorThatFailsWithItsCodeAlone) {
   const SelfCheckVerdict verdict =
-      JudgeSelfCheck(Findings({SensorKind::kLidar, SensorKind::kTof, SensorKind::kGps}),
+      EvaluateSelfCheck(Findings({SensorKind::kLidar, SensorKind::kTof, SensorKind::kGps}),
                      {SensorKind::kGps, SensorKind::kTof});
   ASSERT_FALSE(verdict.result);
   EXPECT_EQ(verdict.result.error().code, 2209);
@@ -92,7 +92,7 @@ TEST(SelfCheck, EndsAtTheFirstCriticalSensorThatFailsWithItsCodeAlone) {
 
 TEST(SelfCheck, IsPassedDegradedByTheOthersTogetherUnderTheCodeOfTheFirst) {
   const SelfCheckVerdict verdict =
-      JudgeSelfCheck(Findings({SensorKind::kUltrasonic, SensorKind::kTof}), {SensorKind::kLidar});
+      EvaluateSelfCheck(Findings({SensorKind::kUltrasonic, SensorKind::kTof}), {SensorKind::kLidar});
   EXPECT_TRUE(verdict.result) << "the robot does its work without them";
   EXPECT_EQ(verdict.degraded.code, 2209);
   EXPECT_EQ(verdict.degraded.message, "tof: silent, 2209; ultrasonic: silent, 2309");
@@ -108,7 +108,7 @@ TEST(SelfCheck, NeverTakesAFailureForNone) {
         if ((failing >> static_cast<unsigned>(kind)) & 1U) failed.push_back(kind);
         if ((critical >> static_cast<unsigned>(kind)) & 1U) wanted.push_back(kind);
       }
-      const SelfCheckVerdict verdict = JudgeSelfCheck(Findings(failed), wanted);
+      const SelfCheckVerdict verdict = EvaluateSelfCheck(Findings(failed), wanted);
       ASSERT_EQ(verdict.well(), failed.empty());
       ASSERT_EQ(verdict.result.ok(), (failing & critical) == 0);
       if (failed.empty()) continue;

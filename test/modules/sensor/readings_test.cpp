@@ -106,7 +106,7 @@ TEST(Readings, WithoutAFixMayNotKnowWhereTheyAre) {
 }
 
 TEST(Stamps, NearToNowCountAndOthersDoNot) {
-  StampJudge judge(Milliseconds(500));
+  StampChecker judge(Milliseconds(500));
   EXPECT_TRUE(judge.Take(seconds(10), seconds(10)));
   EXPECT_TRUE(judge.Take(seconds(11), seconds(11) - Milliseconds(500)));
   EXPECT_THAT(judge.Take(seconds(13), seconds(12)).error().message, HasSubstr("1 s ahead"));
@@ -115,7 +115,7 @@ TEST(Stamps, NearToNowCountAndOthersDoNot) {
 }
 
 TEST(Stamps, NeverGoBackUnlessTimeDoes) {
-  StampJudge judge(Duration::zero());
+  StampChecker judge(Duration::zero());
   EXPECT_TRUE(judge.Take(seconds(10), seconds(500)));
   EXPECT_FALSE(judge.Take(seconds(10), seconds(500)));
   EXPECT_FALSE(judge.Take(seconds(9), seconds(500)));

@@ -34,7 +34,7 @@ class SensorsOnANetwork : public ::testing::Test {
   }
 
   void Start() {
-    const Surroundings around = {*dog_,
+    const Dependencies around = {*dog_,
                                  *clock_,
                                  "dog1",
                                  [this] { return Now(); },

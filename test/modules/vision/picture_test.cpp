@@ -14,7 +14,7 @@ using Verdict = StampGate::Verdict;
 std::string Said(const std::function<void(msg::Image&)>& spoil) {
   msg::Image picture = Picture();
   spoil(picture);
-  const Result<> judged = JudgePicture(picture);
+  const Result<> judged = CheckPicture(picture);
   return judged ? "" : judged.error().message;
 }
 

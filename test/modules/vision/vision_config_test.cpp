@@ -125,7 +125,7 @@ TEST(StatesOfAModule, RefuseAMisspeltOneWithTheNearest) {
   MachineConfig machine;
   machine.states = {"Active", "DeActive", "Show"};
   const auto judge = [&](const std::vector<std::string>& states) {
-    const Result<> judged = program::JudgeStates(machine, "look_in", states, 5910);
+    const Result<> judged = program::CheckStates(machine, "look_in", states, 5910);
     return judged ? "" : judged.error().message;
   };
   EXPECT_EQ(judge({"Active", "Actve"}),

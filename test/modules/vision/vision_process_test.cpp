@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "musher/messages/geometry_msgs/point_stamped.hpp"
-#include "musher/messages/musher_msgs/beats.hpp"
+#include "musher/messages/musher_msgs/heartbeats.hpp"
 #include "musher/messages/sensor_msgs/image.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_msgs/string.hpp"
@@ -202,24 +202,24 @@ TEST_F(FaultyVision, EndsWithExitCodeOneWhenTheDetectorFailsAgainAndAgain) {
 }
 
 TEST_F(FaultyVision, IsHungWhenTheDetectorDoesNotComeBackAndWellWhenItDoes) {
-  std::optional<msg::ActuatorBeat> beat;
+  std::optional<msg::ActuatorBeat> heartbeat;
   subscriptions_.push_back(
       transport::MakeSubscription<msg::ActuatorBeat>(
           peer_.node(), transport::ActuatorBeatTopic(""),
-          [&](const msg::ActuatorBeat& message, const auto&) { beat = message; },
-          transport::kBeatQos)
+          [&](const msg::ActuatorBeat& message, const auto&) { heartbeat = message; },
+          transport::kHeartbeatQos)
           .value());
   StartWithCamera();
   Tell("hang");
-  ASSERT_TRUE(peer_.Until([&] { return beat && beat->work == msg::ActuatorBeat::kWorkHung; }))
-      << (beat ? "the last beat: work " + std::to_string(beat->work) + " during '" + beat->during +
-                     "', silent for " + std::to_string(beat->silent_ns) + " ns, waited for " +
-                     std::to_string(beat->waited_ns) + " ns; "
+  ASSERT_TRUE(peer_.Until([&] { return heartbeat && heartbeat->work == msg::ActuatorBeat::kWorkHung; }))
+      << (heartbeat ? "the last beat: work " + std::to_string(heartbeat->work) + " during '" + heartbeat->during +
+                     "', silent for " + std::to_string(heartbeat->silent_ns) + " ns, waited for " +
+                     std::to_string(heartbeat->waited_ns) + " ns; "
                : "no beat; ")
       << peer_.Output();
   Tell("work");
   std::ofstream(peer_.folder() / "gate") << "go on";
-  EXPECT_TRUE(peer_.Until([&] { return beat->work == msg::ActuatorBeat::kWorkWell; }));
+  EXPECT_TRUE(peer_.Until([&] { return heartbeat->work == msg::ActuatorBeat::kWorkWell; }));
   ExpectDone("TearDown");
   EXPECT_EQ(peer_.AwaitExit(), 0);
 }

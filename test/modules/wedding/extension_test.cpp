@@ -147,7 +147,7 @@ TEST_F(InterviewShow, HeedsTheCommandInTrackingOnly) {
   Command("interview");
   Tick();
   EXPECT_EQ(state(), "IDLE");
-  EXPECT_EQ(machine_->counts().unheeded, 1U);
+  EXPECT_EQ(machine_->counts().unhandled, 1U);
 }
 
 TEST_F(InterviewShow, AsksThreeQuestionsAndThanks) {

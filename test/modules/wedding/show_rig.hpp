@@ -11,7 +11,7 @@
 
 namespace musher::wedding {
 
-class Script : public Stage {
+class Script : public Harness {
  public:
   void TakePose(std::string_view pose) override { poses.emplace_back(pose); }
   void LookAt(Gaze gaze) override { gazes.push_back(gaze); }

@@ -79,7 +79,7 @@ TEST_F(StoppedShow, GreetsWhoComesWhenNobodyStoodThere) {
   Command("stop");
   Tick();
   EXPECT_EQ(TicksToWithFace("TRACKING", 5), 1);
-  EXPECT_THAT(script_.log, IsEmpty()) << "a stop in IDLE is heeded";
+  EXPECT_THAT(script_.log, IsEmpty()) << "a stop in IDLE is handled";
 }
 
 TEST_F(StoppedShow, BeginsWithTheSameFaceAnewWhenItIsToldTo) {

@@ -105,7 +105,7 @@ TEST_F(ShowTest, ObeysStopInSafeStopOnlyOnceNobodyIsTooClose) {
   Command("stop");
   Tick();
   EXPECT_EQ(state(), "SAFE_STOP");
-  EXPECT_EQ(machine_->counts().unheeded, 1U);
+  EXPECT_EQ(machine_->counts().unhandled, 1U);
   TooClose(false);
   Tick();
   Command("stop");

@@ -128,13 +128,13 @@ TEST_F(MusherWorld, RunsThroughTheStatesOfAMachineAndDrawsAtTheEnd) {
 }
 
 TEST_F(MusherWorld, RunsAloneUntilASignalAndDrawsThen) {
-  const auto keeper = exec::Keeper::Start();
-  ASSERT_TRUE(keeper);
+  const auto reaper = exec::Reaper::Start();
+  ASSERT_TRUE(reaper);
   exec::ChildSpec spec;
   spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
                "dog1"};
   spec.cwd = folder_.path();
-  auto child = exec::Child::Start(spec, keeper.value());
+  auto child = exec::Child::Start(spec, reaper.value());
   ASSERT_TRUE(child);
   ExpectLife();
   child.value().Signal(SIGINT);
@@ -144,13 +144,13 @@ TEST_F(MusherWorld, RunsAloneUntilASignalAndDrawsThen) {
 }
 
 TEST_F(MusherWorld, IsToldWhatIsToHappen) {
-  const auto keeper = exec::Keeper::Start();
-  ASSERT_TRUE(keeper);
+  const auto reaper = exec::Reaper::Start();
+  ASSERT_TRUE(reaper);
   exec::ChildSpec spec;
   spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
                "dog1"};
   spec.cwd = folder_.path();
-  auto child = exec::Child::Start(spec, keeper.value());
+  auto child = exec::Child::Start(spec, reaper.value());
   ASSERT_TRUE(child);
   double percent = 0;
   const auto batteries = transport::MakeSubscription<msg::BatteryState>(
@@ -193,13 +193,13 @@ TEST_F(MusherWorld, IsToldWhatIsToHappen) {
 }
 
 TEST_F(MusherWorld, ShowsWhatItsCamerasSeeToThoseWhoWatch) {
-  const auto keeper = exec::Keeper::Start();
-  ASSERT_TRUE(keeper);
+  const auto reaper = exec::Reaper::Start();
+  ASSERT_TRUE(reaper);
   exec::ChildSpec spec;
   spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--alone", "--namespace",
                "dog1"};
   spec.cwd = folder_.path();
-  auto child = exec::Child::Start(spec, keeper.value());
+  auto child = exec::Child::Start(spec, reaper.value());
   ASSERT_TRUE(child);
   std::vector<msg::Image> seen;
   std::optional<msg::CameraInfo> info;
@@ -224,13 +224,13 @@ TEST_F(MusherWorld, ShowsWhatItsCamerasSeeToThoseWhoWatch) {
 }
 
 TEST_F(MusherWorld, PlaysTheWeddingForWhomeverLooks) {
-  const auto keeper = exec::Keeper::Start();
-  ASSERT_TRUE(keeper);
+  const auto reaper = exec::Reaper::Start();
+  ASSERT_TRUE(reaper);
   exec::ChildSpec spec;
   spec.argv = {MUSHER_BIN_DIR "/musher-world", MUSHER_SOURCE_DIR "/config/scenes/wedding.toml",
                "--alone", "--namespace", "dog1"};
   spec.cwd = folder_.path();
-  auto child = exec::Child::Start(spec, keeper.value());
+  auto child = exec::Child::Start(spec, reaper.value());
   ASSERT_TRUE(child);
   msg::JointState joints;
   std::vector<std::string> gestures;
@@ -258,8 +258,8 @@ TEST_F(MusherWorld, PlaysTheWeddingForWhomeverLooks) {
 }
 
 TEST_F(MusherWorld, DrawsWhatACameraSeesIntoAFile) {
-  const auto keeper = exec::Keeper::Start();
-  ASSERT_TRUE(keeper);
+  const auto reaper = exec::Reaper::Start();
+  ASSERT_TRUE(reaper);
   const auto shoot = [&](const std::string& camera) {
     exec::ChildSpec spec;
     spec.argv = {MUSHER_BIN_DIR "/musher-world",
@@ -269,7 +269,7 @@ TEST_F(MusherWorld, DrawsWhatACameraSeesIntoAFile) {
                  folder_ / "shot.png",
                  "--for",
                  "0.5"};
-    auto child = exec::Child::Start(spec, keeper.value());
+    auto child = exec::Child::Start(spec, reaper.value());
     return child ? child.value().Reap().number : -1;
   };
   EXPECT_EQ(shoot("left"), 0);
@@ -278,12 +278,12 @@ TEST_F(MusherWorld, DrawsWhatACameraSeesIntoAFile) {
 }
 
 TEST_F(MusherWorld, EndsWithUsageErrorsForAWrongScene) {
-  const auto keeper = exec::Keeper::Start();
-  ASSERT_TRUE(keeper);
+  const auto reaper = exec::Reaper::Start();
+  ASSERT_TRUE(reaper);
   std::ofstream(folder_ / "scene.toml") << "speed = -1\n";
   exec::ChildSpec spec;
   spec.argv = {MUSHER_BIN_DIR "/musher-world", folder_ / "scene.toml", "--alone"};
-  auto child = exec::Child::Start(spec, keeper.value());
+  auto child = exec::Child::Start(spec, reaper.value());
   ASSERT_TRUE(child);
   EXPECT_EQ(child.value().Reap().number, 2);
 }

@@ -204,22 +204,22 @@ std::vector<double> Numbers(const World& world) {
           world.battery().percent(),      body.motor_temperature_c(0)};
 }
 
-std::vector<std::vector<double>> Story(std::uint64_t seed) {
+std::vector<std::vector<double>> Scenario(std::uint64_t seed) {
   Scene scene = FullYard();
   scene.seed = seed;
   World world(scene);
   Commander commander(world);
-  std::vector<std::vector<double>> story;
+  std::vector<std::vector<double>> scenario;
   for (int i = 0; i < 20; ++i) {
     commander.Walk({0.4, 0.05, 0.3}, Seconds(1));
-    story.push_back(Numbers(world));
+    scenario.push_back(Numbers(world));
   }
-  return story;
+  return scenario;
 }
 
 TEST(World, IsTheSameFromTheSameSeed) {
-  EXPECT_EQ(Story(7), Story(7));
-  EXPECT_NE(Story(7), Story(8));
+  EXPECT_EQ(Scenario(7), Scenario(7));
+  EXPECT_NE(Scenario(7), Scenario(8));
 }
 
 TEST(World, IsAValueThatGoesOnFromACopy) {

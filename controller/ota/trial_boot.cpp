@@ -1,0 +1,39 @@
+#include "musher/controller/ota/trial_boot.hpp"
+
+#include <algorithm>
+
+#include "musher/lifecycle/code.hpp"
+
+namespace musher::ota {
+namespace {
+
+// It is where the machine is, or it is known why not.
+bool Settled(const MachineConfig& config, const Machine& machine, std::size_t actuator) {
+  const ActuatorRecord& record = machine.actuators[actuator];
+  if (record.fault || record.held) return true;
+  if (record.presence != Presence::kPresent || record.report.busy() || record.order) return false;
+  return record.state() == machine.state || !config.actuators[actuator].Lists(machine.state);
+}
+
+std::string Why(const MachineConfig& config, std::size_t actuator, const Error& fault) {
+  return "critical " + config.actuators[actuator].name + ": " + WithCode(fault.message, fault.code);
+}
+
+}  // namespace
+
+std::optional<Result<>> EvaluateTrialBoot(const MachineConfig& config, const Machine& machine) {
+  if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) return std::nullopt;
+  bool settled = machine.phase == Phase::kRunning && !machine.current;
+  for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
+    const auto& fault = machine.actuators[i].fault;
+    const bool coming_back = machine.actuators[i].restart_at.has_value();
+    if (fault && config.actuators[i].critical && !coming_back) {
+      return Result<>(Error{fault->code, Why(config, i, *fault)});
+    }
+    settled = settled && !coming_back && Settled(config, machine, i);
+  }
+  if (machine.phase == Phase::kFailed) return Result<>(Error{kCodeFailed, "the start-up failed"});
+  return settled ? std::optional(Ok()) : std::nullopt;
+}
+
+}  // namespace musher::ota

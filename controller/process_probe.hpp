@@ -1,0 +1,73 @@
+#pragma once
+// What can be told about a process of this host without its help. The real one asks the kernel; the
+// simulation has its own.
+//
+// Threads: loop thread only, callbacks too.
+
+#include <sys/types.h>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "musher/controller/backtrace.hpp"
+#include "musher/lifecycle/health_monitor.hpp"
+#include "musher/transport/scheduling.hpp"
+
+namespace musher {
+
+class ProcessProbe {
+ public:
+  virtual ~ProcessProbe() = default;
+
+  // Whether process `pid` is the actuator's, which so far only a status says: it is in the session
+  // of `child`, the process that we have started for this actuator (0: none), or it holds the
+  // actuator's name on this host and is root's or of our user. The Error says why not, with
+  // kCodeStateInvalid when there is no such process.
+  virtual Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) = 0;
+
+  // The process that holds the actuator's name and is root's or of our user; 0: none.
+  virtual pid_t Find(const std::string& actuator) = 0;
+
+  // Remembers how the process stands, so that Examine() can measure from here. Several actuators
+  // may share a process; each has a mark of its own.
+  virtual void Mark(std::size_t actuator, pid_t pid, Time now) = 0;
+  // How it stands, and how long it, or this process here, waited for a CPU since the mark.
+  virtual Examination Examine(std::size_t actuator, pid_t pid, Time now) = 0;
+
+  // What its threads are doing, for a person to read; `done` runs once, maybe with the reason why
+  // that is not to be had.
+  virtual void TakeBacktrace(pid_t pid, Duration timeout,
+                             std::function<void(Result<std::string>)> done) = 0;
+};
+
+class KernelProbe : public ProcessProbe {
+ public:
+  // Loop and processes must outlive the probe. `lock_of` gives the name that the process of an
+  // actuator holds (transport::NameLock).
+  using LockOf = std::function<std::string(const std::string& actuator)>;
+  KernelProbe(transport::EventLoop& loop, ProcessRunner& processes, LockOf lock_of)
+      : lock_of_(std::move(lock_of)), backtraces_(loop, processes) {}
+
+  Result<> Prove(const std::string& actuator, pid_t pid, pid_t child) override;
+  pid_t Find(const std::string& actuator) override;
+  void Mark(std::size_t actuator, pid_t pid, Time now) override;
+  Examination Examine(std::size_t actuator, pid_t pid, Time now) override;
+  void TakeBacktrace(pid_t pid, Duration timeout,
+                     std::function<void(Result<std::string>)> done) override;
+
+ private:
+  struct Samples {
+    pid_t pid = 0;
+    transport::ProcessSample theirs;
+    transport::ProcessSample ours;
+  };
+
+  const LockOf lock_of_;
+  std::map<std::size_t, Samples> marks_;  // by actuator
+  BacktraceTaker backtraces_;
+};
+
+}  // namespace musher

@@ -1,0 +1,35 @@
+// The gripper against drawn faults, in virtual time.
+
+#include "gripper.hpp"
+
+#include "musher/simulation/actuator_fault_test.hpp"
+
+// [trial]
+TEST(Gripper, HoldsNothingWhereTheRobotSparesItself) {
+  musher::simulation::ActuatorFaultTest<Gripper> test;
+  test.config_file = "robot.toml";
+  test.make = [] {  // a jaw that takes no time, since a trial has none to give
+    return std::make_unique<Gripper>(GripperConfig{.speed_mm_s = 1e12});
+  };
+  test.always = [](const Gripper& gripper, const musher::ActuatorReport& report) {
+    EXPECT_FALSE(report.state == "LowPower" && gripper.powered());
+    EXPECT_FALSE(report.state == "Protected" && gripper.width_mm() < 80);
+  };
+  test.after_emergency_stop = [](const Gripper& gripper, const musher::ActuatorReport&) {
+    EXPECT_FALSE(gripper.moves());
+  };
+  test.Run();
+}
+// [trial end]
+
+// [jaw]
+TEST(Jaw, IsHalfwayAfterHalfTheTimeAndStaysWhereItIsHalted) {
+  const musher::Time start{};
+  Jaw jaw(80, 40);
+  jaw.MoveTo(0, start);
+  EXPECT_DOUBLE_EQ(jaw.WidthAt(start + musher::Milliseconds(1000)), 40);
+  jaw.Halt(start + musher::Milliseconds(1500));
+  EXPECT_DOUBLE_EQ(jaw.WidthAt(start + musher::Milliseconds(9000)), 20);
+  EXPECT_FALSE(jaw.MovesAt(start + musher::Milliseconds(9000)));
+}
+// [jaw end]

@@ -1,0 +1,26 @@
+#pragma once
+// What every device is given: where it talks, what time it is, and where it says what was wrong.
+
+#include <functional>
+#include <string>
+
+#include "musher/lifecycle/state.hpp"
+#include "musher/messages/builtin_interfaces/time.hpp"
+#include "musher/transport/clock.hpp"
+#include "musher/transport/node.hpp"
+
+namespace musher::device {
+
+struct Dependencies {
+  transport::Node& node;
+  transport::Clock& clock;  // of the module's behaviour
+  std::string name_space;
+  std::function<msg::Stamp()> stamp;            // for headers
+  std::function<void(const std::string&)> log;  // one line, without its end
+  std::function<State()> state;                 // of the actuator
+  std::function<Result<>()> may_power_motors;   // or why not
+
+  std::string Name(std::string_view name) const { return transport::ResolveName(name_space, name); }
+};
+
+}  // namespace musher::device

@@ -1,0 +1,44 @@
+#pragma once
+// Sees to it that nothing we started outlives us, even when we are killed with SIGKILL: a small
+// process beside us that is told of every process group we start, and kills those that are left as
+// soon as we are gone, in whatever way. (PR_SET_PDEATHSIG would reach a child, but not its
+// children, and it fires when the thread ends that made the child.)
+//
+// A child calls Add() itself, before it executes its program, and holds the pipe until then: the
+// reaper knows every group before its program runs, also when we are killed right after the fork.
+//
+// Threads: Start() while the process has one thread; the rest from any. Add() also in a process
+// that was just forked: it is async-signal-safe.
+
+#include <sys/types.h>
+
+#include <utility>
+
+#include "musher/lifecycle/result.hpp"
+#include "musher/transport/unique_fd.hpp"
+
+namespace musher::exec {
+
+class Reaper {
+ public:
+  // Forks.
+  static Result<Reaper> Start();
+  // Lets it kill what is left, and waits until it has.
+  ~Reaper();
+  Reaper(Reaper&& other) noexcept
+      : pid_(std::exchange(other.pid_, 0)), pipe_(std::move(other.pipe_)) {}
+  Reaper& operator=(Reaper&&) = delete;
+
+  // `group` runs; it has ended. The second must come before the group's leader is reaped, so that
+  // its number cannot mean another group yet.
+  void Add(pid_t group) const;
+  void Remove(pid_t group) const;
+
+ private:
+  Reaper(pid_t pid, transport::UniqueFd pipe) : pid_(pid), pipe_(std::move(pipe)) {}
+
+  pid_t pid_;
+  transport::UniqueFd pipe_;
+};
+
+}  // namespace musher::exec

@@ -1,0 +1,253 @@
+#include "musher/simulation/fault_test.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <utility>
+
+#include "musher/lifecycle/config_toml.hpp"
+#include "musher/simulation/timeline.hpp"
+
+namespace musher::simulation {
+namespace {
+
+using transport::sim::Random;
+
+ScenarioOptions OptionsFor(const MachineConfig& config) {
+  ScenarioOptions options = UsualOptions(config);
+  options.provided = false;  // the module is judged, not the config
+  return options;
+}
+
+bool IsNumber(const std::string& text, std::uint64_t& number) {
+  const char* end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && last == end;
+}
+
+std::string Variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+// The least active one that can be left again.
+State LeastState(const MachineConfig& config) {
+  State least;
+  for (const State& state : config.states) {
+    const auto rank = config.RankOf(state);
+    if (!rank || state == kTearDown || state == kError || state == kOta) continue;
+    if (least.empty() || *rank < *config.RankOf(least)) least = state;
+  }
+  return least.empty() ? config.states.front() : least;
+}
+
+std::string Quoted(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "\"" : ", \"") + word + "\"";
+  return "[" + text + "]";
+}
+
+}  // namespace
+
+FaultTest::FaultTest(MachineConfig config, std::size_t actuator, ModuleUnderTest::Production production,
+             std::function<std::string()> complaint, std::function<void()> before_scenario)
+    : config_(std::move(config)),
+      actuator_(actuator),
+      options_(OptionsFor(config_)),
+      production_(std::move(production)),
+      complaint_(std::move(complaint)),
+      before_scenario_(std::move(before_scenario)) {
+  const auto and_ask = [this](auto check) {
+    return [this, check = std::move(check)](const MachineActuator& tried,
+                                            const ActuatorReport& report) {
+      check(tried, report);
+      if (const std::string what = complaint_(); !what.empty()) on_complaint_(what);
+    };
+  };
+  production_.check = and_ask(std::move(production_.check));
+  production_.check_stop = and_ask(std::move(production_.check_stop));
+  production_.complain = [this](const std::string& what) {
+    on_complaint_(config_.actuators[actuator_].name + ": " + what);
+  };
+  production_.on_stuck = [this] { stuck_ = true; };
+  production_.tally = &tally_;
+  production_.config = &config_;
+}
+
+std::optional<FaultTest::Verdict> FaultTest::TellOnce(const ScenarioId& id) {
+  if (before_scenario_) before_scenario_();
+  stuck_ = false;
+  Injections injections = SampleInjectionsAt(config_, actuator_, id.seed);
+  if (id.only) {
+    Injections some;
+    for (const std::size_t number : *id.only) some.push_back(injections.at(number - 1));
+    injections = std::move(some);
+  }
+  ++tally_.scenarios;
+  std::optional<Verdict> verdict;
+  {
+    Scenario scenario(config_, id.seed, std::move(injections), options_);
+    on_complaint_ = [&](const std::string& what) {
+      if (!verdict) verdict = {what, std::nullopt};
+      scenario.EndNow();
+    };
+    Random random(id.seed);
+    scenario.UseModule(config_.actuators[actuator_].name, [&](const Scenario::Draw& draw) {
+      return std::make_unique<ModuleUnderTest>(production_, draw, random.Next());
+    });
+    Timeline timeline(scenario, config_);
+    const Ending ending = scenario.Tell();
+    timeline.End(ending);
+    timeline_ = timeline.Text();
+    if (!verdict && ending.violation) {
+      verdict = {ending.violation->what + "; so it does not hold that " +
+                     std::string(InvariantText(ending.violation->invariant)),
+                 ending.violation->invariant};
+    }
+  }
+  if (const std::string what = complaint_(); !verdict && !what.empty()) {
+    verdict = {what, std::nullopt};
+  }
+  return verdict;
+}
+
+FaultTestFailure FaultTest::Shorten(std::uint64_t seed, const Verdict& verdict) {
+  FaultTestFailure failure{{seed, std::nullopt}, verdict.what, timeline_, true};
+  if (stuck_) return failure;  // it would take as long again, and another thread
+  const auto bad = [&](const std::optional<std::vector<std::size_t>>& only) {
+    const auto again = TellOnce({seed, only});
+    return again && again->invariant == verdict.invariant;
+  };
+  failure.again = bad(std::nullopt);
+  if (!failure.again) return failure;
+  failure.id.only = ShrinkWhile(SampleInjectionsAt(config_, actuator_, seed).size(), bad);
+  if (const auto last = TellOnce(failure.id)) failure.what = last->what;
+  failure.timeline = timeline_;
+  return failure;
+}
+
+std::optional<FaultTestFailure> FaultTest::Find(std::uint64_t first, std::uint64_t count) {
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    if (const auto verdict = TellOnce({seed, std::nullopt})) {
+      return Shorten(seed, *verdict);
+    }
+  }
+  return std::nullopt;
+}
+
+Result<std::optional<FaultTestFailure>> FaultTest::Tell(const ScenarioId& id) {
+  const std::size_t count = SampleInjectionsAt(config_, actuator_, id.seed).size();
+  for (const std::size_t number : id.only.value_or(std::vector<std::size_t>())) {
+    if (number == 0 || number > count) {
+      return Error{kCodeParametersInvalid, "seed " + std::to_string(id.seed) + " has " +
+                                               std::to_string(count) + " injected events, and no " +
+                                               std::to_string(number)};
+    }
+  }
+  std::optional<FaultTestFailure> failure;
+  if (const auto verdict = TellOnce(id)) failure = {id, verdict->what, timeline_, true};
+  return failure;
+}
+
+Injections SampleInjectionsAt(const MachineConfig& config, std::size_t actuator, std::uint64_t seed) {
+  Injections injections = SampleInjections(config, seed);
+  Random random(seed * 2 + 2);
+  for (Injection& injection : injections) {
+    if (random.Chance(0.5)) injection.actuator = actuator;
+  }
+  const Duration last = injections.empty() ? Duration::zero() : injections.back().at;
+  const auto add = [&](InjectionKind kind, Duration at, const State& state) {
+    Injection injection;
+    injection.kind = kind;
+    injection.at = at;
+    injection.actuator = actuator;
+    injection.state = state;
+    injection.lasts = Milliseconds(200);
+    injection.chance = random.Next();
+    injections.push_back(injection);
+  };
+  // The machine goes down and up again, and then, beside a callback on the way, something happens.
+  const State home = UsualOptions(config).home;
+  const Duration down = random.Between(Milliseconds(300), last + Milliseconds(1000));
+  const Duration up = down + random.Between(Milliseconds(50), Milliseconds(500));
+  const Duration then = up + random.Between(Duration::zero(), Milliseconds(150));
+  add(InjectionKind::kSet, down, LeastState(config));
+  add(InjectionKind::kSet, up, home);
+  switch (random.Next() % 6) {
+    case 0:
+    case 1:
+      add(InjectionKind::kEmergencyStop, then, {});
+      break;
+    case 2:
+      add(InjectionKind::kCrash, then, {});
+      break;
+    case 3:
+      add(InjectionKind::kSlow, up, {});
+      break;
+    case 4:
+      add(InjectionKind::kFail, random.Chance(0.5) ? down : up, {});
+      break;
+    default:
+      if (config.HasState(kTearDown)) add(InjectionKind::kSet, then, State(kTearDown));
+      break;
+  }
+  std::stable_sort(injections.begin(), injections.end(),
+                   [](const Injection& a, const Injection& b) { return a.at < b.at; });
+  return injections;
+}
+
+Result<MachineConfig> ConfigAround(const std::string& actuator, const std::vector<State>& states) {
+  std::ostringstream text;
+  const std::vector<std::string> names = {"before_" + actuator, actuator, "after_" + actuator};
+  text << "[controller]\nname = \"trial\"\nactuators = " << Quoted(names)
+       << "\nstates = " << Quoted(states)
+       << "\ndefault_time = 1000\ndefault_state = \"Uninitialized\"\n";
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    text << "[actuator." << names[i] << "]\nstates = " << Quoted(states) << "\ntimes = [";
+    for (std::size_t k = 0; k < states.size(); ++k) text << "1000, ";
+    text << "]\ncommand = [\"" << names[i] << "\"]\n";
+    if (i > 0) text << "after = [\"" << names[i - 1] << "\"]\n";
+    if (i == 1) text << "critical = true\n";
+  }
+  ConfigReading reading = ReadConfigText(text.str(), "trial.toml");
+  if (reading.config) return std::move(*reading.config);
+  std::string faults = "no config can be made for " + actuator + ", so give one:";
+  for (const Diagnostic& diagnostic : reading.diagnostics)
+    faults += "\n" + FormatDiagnostic(diagnostic);
+  return Error{kCodeParametersInvalid, faults};
+}
+
+std::string TrialCommand(const ScenarioId& id, const std::string& test) {
+  std::string only;
+  for (const std::size_t number : id.only.value_or(std::vector<std::size_t>())) {
+    only += (only.empty() ? " MUSHER_ONLY=" : ",") + std::to_string(number);
+  }
+  if (id.only && id.only->empty()) only = " MUSHER_ONLY=none";
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  return "MUSHER_SEED=" + std::to_string(id.seed) + only + " " + program.string() +
+         " --gtest_filter='" + test + "'";
+}
+
+Result<std::optional<ScenarioId>> ScenarioFromEnvironment() {
+  const std::string seed = Variable("MUSHER_SEED");
+  if (seed.empty()) return std::optional<ScenarioId>();
+  ScenarioId id;
+  if (!IsNumber(seed, id.seed)) return Error{kCodeParametersInvalid, "MUSHER_SEED is no number"};
+  const std::string only = Variable("MUSHER_ONLY");
+  if (only.empty()) return std::optional(id);
+  id.only.emplace();
+  std::istringstream numbers(only == "none" ? "" : only);
+  for (std::string one; std::getline(numbers, one, ',');) {
+    std::uint64_t number = 0;
+    if (!IsNumber(one, number)) {
+      return Error{kCodeParametersInvalid, "MUSHER_ONLY is no list of numbers such as 3,7"};
+    }
+    id.only->push_back(number);
+  }
+  return std::optional(id);
+}
+
+}  // namespace musher::simulation

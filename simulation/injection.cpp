@@ -1,0 +1,356 @@
+#include "musher/simulation/injection.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "musher/simulation/hosts.hpp"
+#include "musher/transport/sim/random.hpp"
+
+namespace musher::simulation {
+namespace {
+
+using transport::sim::Random;
+
+struct KindRow {
+  InjectionKind kind;
+  std::string_view name;
+  int weight;  // how often it is drawn
+};
+
+constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
+    {InjectionKind::kCrash, "crash", 9},
+    {InjectionKind::kWrongConfig, "wrong-config", 0},  // some of the crashes are one
+    {InjectionKind::kFreeze, "freeze", 4},
+    {InjectionKind::kHang, "hang", 4},
+    {InjectionKind::kSlow, "slow", 4},
+    {InjectionKind::kFail, "fail", 5},
+    {InjectionKind::kLie, "lie", 2},
+    {InjectionKind::kLoss, "loss", 3},
+    {InjectionKind::kDelay, "delay", 3},
+    {InjectionKind::kDuplication, "duplication", 3},
+    {InjectionKind::kReordering, "reordering", 3},
+    {InjectionKind::kPartition, "partition", 3},
+    {InjectionKind::kDeaf, "deaf", 2},
+    {InjectionKind::kMute, "mute", 2},
+    {InjectionKind::kControllerCrash, "controller-crash", 4},
+    {InjectionKind::kControllerFreeze, "controller-freeze", 2},
+    {InjectionKind::kRival, "rival", 1},
+    {InjectionKind::kTakeover, "takeover", 1},
+    {InjectionKind::kFullDisk, "full-disk", 2},
+    {InjectionKind::kWallClock, "wall-clock", 1},
+    {InjectionKind::kSet, "set", 34},
+    {InjectionKind::kSetOne, "set-one", 4},
+    {InjectionKind::kBattery, "battery", 4},
+    {InjectionKind::kEmergencyStop, "emergency-stop", 3},
+    {InjectionKind::kRelease, "release", 4},
+    {InjectionKind::kRestart, "restart", 2},
+    // These have dice of their own.
+    {InjectionKind::kStillness, "stillness", 0},
+    {InjectionKind::kWakeUp, "wake-up", 0},
+    {InjectionKind::kKeep, "keep", 0},
+    {InjectionKind::kOta, "ota", 0},
+    {InjectionKind::kLowPowerSwitch, "low-power-switch", 0},
+    {InjectionKind::kPowerOff, "power-off", 0},
+    {InjectionKind::kReboot, "reboot", 0},
+    {InjectionKind::kHostPartition, "host-partition", 0},
+    {InjectionKind::kHostOneWay, "host-one-way", 0},
+    {InjectionKind::kStalledDisk, "stalled-disk", 0},
+    {InjectionKind::kCrossingStops, "crossing-stops", 0},
+    {InjectionKind::kClientSet, "client-set", 0},
+    {InjectionKind::kClientStatus, "client-status", 0},
+    {InjectionKind::kClientRelease, "client-release", 0},
+    {InjectionKind::kClientRestart, "client-restart", 0},
+}};
+
+// How often what makes a process end is its configuration.
+constexpr double kWrongConfigShare = 0.2;
+
+// How often a robot with a policy meets something that concerns it, and what.
+constexpr double kPolicyShare = 0.4;
+constexpr InjectionKind kOfPolicy[] = {
+    InjectionKind::kBattery,        InjectionKind::kBattery,   InjectionKind::kBattery,
+    InjectionKind::kBattery,        InjectionKind::kStillness, InjectionKind::kStillness,
+    InjectionKind::kWakeUp,         InjectionKind::kKeep,      InjectionKind::kOta,
+    InjectionKind::kLowPowerSwitch, InjectionKind::kPowerOff};
+constexpr int kFull = 100;
+
+// How often something happens to a host instead of a single process.
+constexpr double kHostShare = 0.03;
+constexpr double kSeveralHostsShare = 0.15;
+// How often a client does something at the same time as well, and what.
+constexpr double kClientShare = 0.2;
+constexpr double kOrphanShare = 0.6;
+constexpr InjectionKind kOfClients[] = {InjectionKind::kClientSet,     InjectionKind::kClientSet,
+                                       InjectionKind::kClientStatus,  InjectionKind::kClientStatus,
+                                       InjectionKind::kClientRelease, InjectionKind::kClientRestart};
+constexpr InjectionKind kOfHosts[] = {InjectionKind::kHostPartition, InjectionKind::kHostOneWay,
+                                     InjectionKind::kHostOneWay, InjectionKind::kReboot};
+
+// Where the levels are, everything happens; and at the ends.
+int DrawPercent(const MachineConfig& config, std::uint64_t chance) {
+  const BatteryPolicy battery = config.policy->battery.value_or(BatteryPolicy{});
+  const int near[] = {battery.tear_down_at, battery.low_power_at, battery.protected_at};
+  const auto spread = static_cast<int>(chance / 8 % 8) - 3;
+  switch (chance % 8) {
+    case 0:
+      return static_cast<int>(chance / 8 % (kFull + 1));
+    case 1:
+      return kFull;
+    case 2:
+      return std::clamp(near[0] + spread, 0, kFull);
+    case 3:
+    case 4:
+      return std::clamp(near[1] + spread, 1, kFull);
+    default:
+      return std::clamp(near[2] + spread, 1, kFull);
+  }
+}
+
+constexpr std::uint64_t kAllWeights = std::accumulate(
+    kKinds.begin(), kKinds.end(), std::uint64_t{0}, [](std::uint64_t sum, const KindRow& row) {
+      return sum + static_cast<std::uint64_t>(row.weight);
+    });
+
+const KindRow& RowOf(InjectionKind kind) {
+  return kKinds[static_cast<std::size_t>(kind)];
+}
+
+InjectionKind DrawKind(Random& random) {
+  int left = static_cast<int>(random.Next() % kAllWeights);
+  for (const KindRow& row : kKinds) {
+    left -= row.weight;
+    if (left < 0) return row.kind;
+  }
+  return InjectionKind::kSet;
+}
+
+// As likely between 1 and 10 ms as between 1 and 10 s.
+Duration DrawLogUniform(Random& random, Duration least, Duration most) {
+  constexpr double kUnit = 1.0 / 9007199254740992.0;  // 2^-53
+  const double share = static_cast<double>(random.Next() >> 11) * kUnit;
+  const double ratio = static_cast<double>(most.count()) / static_cast<double>(least.count());
+  return Duration(
+      static_cast<Duration::rep>(static_cast<double>(least.count()) * std::pow(ratio, share)));
+}
+
+// The states that can be asked for; a TearDown, after which little happens, is rare.
+State DrawState(const MachineConfig& config, Random& random) {
+  std::vector<State> states;
+  for (const State& state : config.states) {
+    if (state == kSetUp || state == kTearDown) continue;
+    states.push_back(state);
+  }
+  if (states.empty() || (config.HasState(kTearDown) && random.Chance(0.02))) return State(kTearDown);
+  return states[random.Next() % states.size()];
+}
+
+// The moments that few would meet by chance, and what leads to them.
+class Drawing {
+ public:
+  Drawing(const MachineConfig& config, std::uint64_t seed)
+      : config_(config),
+        random_(seed * 2 + 1),
+        policy_random_(seed * 2 + 0x706f6c),
+        exit_random_(seed * 2 + 0x65786974),
+        host_random_(seed * 2 + 0x72656274),
+        hosts_(DrawLayout(config, seed, false).hosts.size()) {}
+
+  Injections Draw() {
+    const std::uint64_t count = 1 + random_.Next() % (1 + random_.Next() % 16);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const bool crash =
+          !injections_.empty() && injections_.back().kind == InjectionKind::kControllerCrash;
+      if (crash && host_random_.Chance(kOrphanShare)) AddOrphan();
+      if (!injections_.empty() && host_random_.Chance(kClientShare)) AddOfClient();
+      at_ += DrawLogUniform(random_, std::chrono::microseconds(100), std::chrono::seconds(4));
+      if (random_.Chance(0.35)) {
+        DrawAimed();
+      } else {
+        AddAny();
+      }
+    }
+    return std::move(injections_);
+  }
+
+ private:
+  Injection& Add(InjectionKind kind, const State& state, Duration after = {}) {
+    at_ += after;
+    Injection injection;
+    injection.kind = kind;
+    injection.at = at_;
+    injection.actuator = random_.Next() % config_.actuators.size();
+    injection.state = state;
+    injection.lasts = DrawLogUniform(random_, Milliseconds(1), std::chrono::seconds(10));
+    injection.chance = random_.Next();
+    if (kind == InjectionKind::kBattery) injection.state = AtBattery(injection);
+    if (kind == InjectionKind::kBattery && !config_.policy) injection.kind = InjectionKind::kSet;
+    injections_.push_back(injection);
+    return injections_.back();
+  }
+
+  // What a battery at any level would have an application ask for, where there is no policy.
+  State AtBattery(const Injection& injection) const {
+    const auto percent = static_cast<int>(injection.chance % (kFull + 1));
+    const State state{percent <= 5 ? kLowPower : (percent <= 20 ? kProtected : kActive)};
+    return config_.HasState(state) ? state : config_.states.front();
+  }
+
+  // Another injected event at the same time. Batteries fall and rise in a row.
+  void MakeOfPolicy(Injection& injection) {
+    injection.kind = kOfPolicy[policy_random_.Next() % std::size(kOfPolicy)];
+    injection.chance = policy_random_.Next();
+    if (injection.kind != InjectionKind::kBattery) return;
+    const auto percent = static_cast<std::uint64_t>(DrawPercent(config_, injection.chance));
+    const std::uint64_t cable = policy_random_.Chance(0.3) ? 1 : 0;
+    injection.chance = percent * 2 + cable;
+  }
+
+  // A client waits for a switch when the controller is killed.
+  void AddOrphan() {
+    Injection crash = injections_.back();
+    if (host_random_.Chance(0.3)) crash.lasts = std::chrono::seconds(8);  // longer than it waits
+    AddOfClient();
+    Injection request = injections_.back();
+    request.kind = InjectionKind::kClientSet;
+    request.at -=
+        std::min(request.at, DrawLogUniform(host_random_, Milliseconds(5), Milliseconds(80)));
+    injections_.pop_back();
+    injections_.back() = request;
+    injections_.push_back(crash);
+  }
+
+  // At the same time as the last one.
+  void AddOfClient() {
+    Injection injection = injections_.back();
+    injection.when.reset();
+    injection.kind = kOfClients[host_random_.Next() % std::size(kOfClients)];
+    injection.actuator = host_random_.Next() % config_.actuators.size();
+    injection.state = DrawState(config_, host_random_);
+    injection.host = host_random_.Next() % hosts_;
+    injection.chance = host_random_.Next();
+    injections_.push_back(injection);
+  }
+
+  // Another one at the same time.
+  void MakeOfHosts(Injection& injection) {
+    injection.kind =
+        hosts_ > 1 ? kOfHosts[host_random_.Next() % std::size(kOfHosts)] : InjectionKind::kReboot;
+    injection.host = host_random_.Next() % hosts_;
+    injection.other_host = (injection.host + 1 + host_random_.Next() % 2) % hosts_;
+    if (injection.other_host == injection.host) injection.other_host = (injection.host + 1) % hosts_;
+  }
+
+  Injection& AddAny() {
+    Injection& injection = Add(DrawKind(random_), DrawState(config_, random_));
+    if (config_.policy && policy_random_.Chance(kPolicyShare)) MakeOfPolicy(injection);
+    if (injection.kind == InjectionKind::kCrash && exit_random_.Chance(kWrongConfigShare)) {
+      injection.kind = InjectionKind::kWrongConfig;
+    }
+    if (injection.kind == InjectionKind::kFullDisk && host_random_.Chance(0.5)) {
+      injection.kind = InjectionKind::kStalledDisk;
+    }
+    if (injection.kind == InjectionKind::kEmergencyStop && host_random_.Chance(0.4)) {
+      injection.kind = InjectionKind::kCrossingStops;
+    }
+    if (host_random_.Chance(hosts_ > 1 ? kSeveralHostsShare : kHostShare)) MakeOfHosts(injection);
+    return injection;
+  }
+
+  void DrawAimed() {
+    static constexpr MachinePhase kAims[] = {
+        MachinePhase::kJoining,     MachinePhase::kSent,        MachinePhase::kHalfWay,     MachinePhase::kAsking,
+        MachinePhase::kRollingBack, MachinePhase::kFallingBack, MachinePhase::kTearingDown, MachinePhase::kSettingUp};
+    const MachinePhase aim = kAims[random_.Next() % std::size(kAims)];
+    if (aim == MachinePhase::kTearingDown && random_.Chance(0.6)) return;  // little comes after it
+    LeadTo(aim);
+    AddAny().when = aim;
+  }
+
+  void LeadTo(MachinePhase aim) {
+    switch (aim) {
+      case MachinePhase::kAsking:
+        Add(InjectionKind::kHang, {}).lasts = Milliseconds(100);
+        Add(InjectionKind::kSet, DrawState(config_, random_), Milliseconds(1));
+        return;
+      case MachinePhase::kRollingBack:
+        Add(InjectionKind::kSet, Least());
+        Add(InjectionKind::kFail, {}, Milliseconds(300)).lasts = Milliseconds(100);
+        Add(InjectionKind::kSet, State(kActive), Milliseconds(1));
+        return;
+      case MachinePhase::kFallingBack:
+        return LeadToFall();
+      case MachinePhase::kTearingDown:
+        Add(InjectionKind::kSet, State(kTearDown));
+        return;
+      case MachinePhase::kJoining:
+        Add(InjectionKind::kCrash, {});
+        return;
+      default:
+        Add(InjectionKind::kSet, DrawState(config_, random_));
+        return;
+    }
+  }
+
+  // One with an on_lost dies until it is given up.
+  void LeadToFall() {
+    for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+      const ActuatorConfig& actuator = config_.actuators[i];
+      if (actuator.on_lost.empty() || actuator.restart.limit > 5) continue;
+      const bool once = actuator.restart.policy == RestartPolicy::kNo || actuator.command.empty();
+      const int lives = once ? 0 : actuator.restart.limit;
+      double delay = static_cast<double>(actuator.restart.delay.count());
+      Duration after{};
+      for (int life = 0; life <= lives; ++life) {
+        Add(InjectionKind::kCrash, {}, after).actuator = i;
+        after = std::min(Duration(static_cast<Duration::rep>(delay)), actuator.restart.max_delay) +
+                Milliseconds(300);
+        delay *= actuator.restart.growth;
+      }
+      return;
+    }
+  }
+
+  // The least active state that robots work in.
+  State Least() const {
+    for (const std::string_view state : {kLowPower, kDeActive, kProtected}) {
+      if (config_.HasState(state)) return State(state);
+    }
+    return config_.states.front();
+  }
+
+  const MachineConfig& config_;
+  Random random_;
+  Random policy_random_;  // so that the rest of a life does not depend on it
+  Random exit_random_;    // nor on this
+  Random host_random_;
+  std::size_t hosts_;
+  Duration at_{};
+  Injections injections_;
+};
+
+}  // namespace
+
+std::string_view KindName(InjectionKind kind) {
+  return RowOf(kind).name;
+}
+
+bool IsFault(InjectionKind kind) {
+  const bool of_hosts = kind >= InjectionKind::kReboot && kind <= InjectionKind::kStalledDisk;
+  return kind < InjectionKind::kSet || of_hosts;
+}
+
+Injections SampleInjections(const MachineConfig& config, std::uint64_t seed) {
+  return Drawing(config, seed).Draw();
+}
+
+int BatteryOf(const Injection& injection) {
+  return static_cast<int>(injection.chance / 2 % (kFull + 1));
+}
+
+bool ChargesIn(const Injection& injection) {
+  return injection.chance % 2 == 1;
+}
+
+}  // namespace musher::simulation

@@ -1,0 +1,53 @@
+#include "musher/simulation/phase.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace musher::simulation {
+namespace {
+
+constexpr std::array<std::string_view, kMachinePhases> kNames = {
+    "nobody leads", "setting up",   "at rest",      "joining", "sent",         "half way",
+    "asking",       "rolling back", "falling back", "stopped", "tearing down", "over"};
+
+MachinePhase MachinePhaseOfSwitch(const Switch& s, const Machine& machine) {
+  if (s.rolling_back) return MachinePhase::kRollingBack;
+  if (s.purpose == Purpose::kStop) return MachinePhase::kTearingDown;
+  const bool asking =
+      std::any_of(machine.actuators.begin(), machine.actuators.end(),
+                  [](const ActuatorRecord& r) { return r.order && r.order->asked > 0; });
+  if (asking) return MachinePhase::kAsking;
+  if (s.purpose == Purpose::kFallback) return MachinePhase::kFallingBack;
+  const bool some = std::any_of(s.legs.begin(), s.legs.end(), [](const Leg& leg) {
+    return leg.progress == Leg::Progress::kEnded;
+  });
+  return some ? MachinePhase::kHalfWay : MachinePhase::kSent;
+}
+
+}  // namespace
+
+std::string_view MachinePhaseName(MachinePhase phase) {
+  return kNames[static_cast<std::size_t>(phase)];
+}
+
+MachinePhase MachinePhaseOf(const Machine* machine) {
+  if (machine == nullptr) return MachinePhase::kNoController;
+  if (machine->current) return MachinePhaseOfSwitch(*machine->current, *machine);
+  switch (machine->phase) {
+    case Phase::kStopping:
+      return MachinePhase::kTearingDown;
+    case Phase::kStopped:
+    case Phase::kFailed:
+      return MachinePhase::kOver;
+    case Phase::kStarting:
+      return MachinePhase::kSettingUp;
+    default:
+      break;
+  }
+  const bool joining = std::any_of(machine->actuators.begin(), machine->actuators.end(),
+                                   [](const ActuatorRecord& r) { return r.order.has_value(); });
+  if (joining) return MachinePhase::kJoining;
+  return machine->emergency_stop ? MachinePhase::kStopped : MachinePhase::kAtRest;
+}
+
+}  // namespace musher::simulation

@@ -1,0 +1,221 @@
+#include "musher/simulation/scenario.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "musher/simulation/way.hpp"
+
+namespace musher::simulation {
+namespace {
+
+using transport::sim::Random;
+
+constexpr Duration kForEver = std::chrono::hours(24);
+
+// A number that depends on nothing but these.
+std::uint64_t Scramble(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
+  Random random(a * 0x9e3779b97f4a7c15 + b * 0xbf58476d1ce4e5b9 + c);
+  random.Next();
+  return random.Next();
+}
+
+// Nobody publishes /clock: the time of a scenario is that of its world.
+MachineConfig InStorysTime(MachineConfig config) {
+  config.clock = ClockSource::kSteady;
+  return config;
+}
+
+}  // namespace
+
+Scenario::Scenario(const MachineConfig& config, std::uint64_t seed, Injections injections,
+             const ScenarioOptions& options)
+    : config_(config),
+      seed_(seed),
+      injections_(std::move(injections)),
+      options_(options),
+      supervised_(Scramble(seed, 3, 3) % 2 == 0),
+      fault_windows_(config.actuators.size()),
+      runs_(config.actuators.size()),
+      robot_(
+          seed, InStorysTime(config),
+          [this](const std::string& name, const State& state) { return DrawAct(name, state); },
+          DrawLayout(config, seed, options.shared_processes)),
+      checker_(robot_) {
+  for (std::size_t i = 0; i < config.actuators.size(); ++i) {
+    for (const State& state : config.actuators[i].states) {
+      patience_ = std::max(patience_, config.TimeFor(i, state) + Milliseconds(500));
+    }
+  }
+  robot_.on_killed = [this](const ControllerProcess& controller) {
+    checker_.ControllerKilled(controller);
+  };
+  robot_.on_record = [this](const action::Record& record) {
+    Mix(record.message);
+    checker_.OnRecord(record);
+    if (listener.on_record) listener.on_record(robot_.network().now(), record);
+  };
+}
+
+Scenario::~Scenario() = default;
+
+void Scenario::UseModule(const std::string& actuator,
+                      std::function<std::unique_ptr<Module>(const Draw& draw)> make) {
+  auto& make_module = robot_.processes().make_module;
+  make_module = [this, actuator, make = std::move(make),
+                 others = std::move(make_module)](const std::string& name) {
+    if (name != actuator) return others(name);
+    return make([this, name](const State& state) { return DrawAct(name, state); });
+  };
+}
+
+Ending RunScenario(const MachineConfig& config, std::uint64_t seed, const Injections& injections,
+                 const ScenarioOptions& options) {
+  return Scenario(config, seed, injections, options).Tell();
+}
+
+Ending Scenario::Tell() {
+  SwitchOn();
+  if (!Over()) Inject();
+  if (!Over()) Cease();
+  if (!Over()) Rest();
+  if (!Over()) Repair();
+  if (!Over()) SwitchOff();
+  ending_.violation = checker_.violation();
+  ending_.checks = checker_.checks();
+  ending_.steps = robot_.network().steps();
+  ending_.simulated = robot_.age();
+  return ending_;
+}
+
+void Scenario::Mix(const std::string& text) {
+  for (const char c : text) {  // FNV-1a
+    ending_.fingerprint = (ending_.fingerprint ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  }
+  ending_.fingerprint ^=
+      static_cast<std::uint64_t>(robot_.network().now().time_since_epoch().count());
+}
+
+// Usually some milliseconds, and never longer than allowed; unless something is wrong.
+Act Scenario::DrawAct(const std::string& name, const State& state) {
+  const std::size_t i = *config_.IndexOf(name);
+  Random random(Scramble(seed_, i, ++runs_[i]));
+  const Duration limit = config_.TimeFor(i, state);
+  Act act;
+  act.takes = std::min(limit / 2, random.Between(std::chrono::microseconds(200), Milliseconds(40)));
+  const Time now = robot_.network().now();
+  const FaultWindow& window = fault_windows_[i];
+  if (now < window.fails) act.error = {kCodeFailed, "drawn"};
+  if (now < window.slow) act.takes = random.Between(limit / 2, limit + limit / 4);
+  if (now < window.hangs) act.takes = kForEver;
+  return act;
+}
+
+void Scenario::Later(Duration delay, std::function<void()> what) {
+  later_.push_back({robot_.network().now() + delay, std::move(what)});
+}
+
+bool Scenario::RunUntil(const std::function<bool()>& done, Duration limit) {
+  const Time end = robot_.network().now() + limit;
+  for (;;) {
+    const auto next = std::min_element(later_.begin(), later_.end(),
+                                       [](const TimedAction& a, const TimedAction& b) { return a.at < b.at; });
+    const bool first = next != later_.end() && next->at <= end;
+    const Time until = first ? next->at : end;
+    bool held = false;
+    const auto stop = [&] {
+      checker_.AfterEvent();
+      if (listener.on_change) listener.on_change(robot_.network().now(), robot_);
+      held = done();
+      return held || Over();
+    };
+    if (robot_.network().RunUntil(stop, until)) return held;
+    if (!first) return false;
+    const auto what = std::move(next->what);
+    later_.erase(next);
+    what();
+    checker_.AfterEvent();
+  }
+}
+
+void Scenario::RunFor(Duration duration) {
+  RunUntil([] { return false; }, duration);
+}
+
+void Scenario::SwitchOn() {
+  Random random(Scramble(seed_, 1, 1));
+  for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
+    // Hosts are switched on at different times.
+    robot_.hosts().SetUptime(host, random.Between(std::chrono::seconds(10), std::chrono::hours(1)));
+  }
+  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    if (!IsByHand(i)) continue;
+    Later(random.Between(Duration::zero(), Milliseconds(50)), [this, i] { StartByHand(i); });
+  }
+  StartController();
+}
+
+void Scenario::StartController(bool restarted) {
+  robot_.LaunchController(0, true, robot_.ListenTime(), restarted);
+}
+
+bool Scenario::IsByHand(std::size_t actuator) const {
+  return config_.actuators[actuator].command.empty() &&
+         robot_.layout().ProcessOf(actuator) == actuator;
+}
+
+void Scenario::StartByHand(std::size_t actuator) {
+  const std::string& name = config_.actuators[actuator].name;
+  if (!robot_.IsAlive(name)) robot_.StartActuator(name);
+}
+
+void Scenario::Inject() {
+  for (const Injection& injection : injections_) {
+    RunFor(injection.at - robot_.age());
+    if (injection.when) RunUntil([&] { return Now() == *injection.when; }, patience_);
+    if (Over()) return;
+    ending_.coverage.Count(injection.kind, Now());
+    if (listener.on_injection) listener.on_injection(robot_.network().now(), injection);
+    Do(injection);
+    checker_.AfterEvent();
+  }
+  while (!later_.empty() && !Over()) {
+    RunFor(later_.back().at - robot_.network().now());
+  }
+}
+
+MachinePhase Scenario::Now() const {
+  const ControllerProcess* leader = robot_.leader();
+  return MachinePhaseOf(leader == nullptr ? nullptr : &leader->shell().machine());
+}
+
+// The world becomes kind.
+void Scenario::Cease() {
+  if (config_.policy) robot_.SetMotion(303);  // who lies still goes to rest by itself
+  std::fill(fault_windows_.begin(), fault_windows_.end(), FaultWindow{});
+  for (const ActuatorConfig& actuator : config_.actuators) {
+    robot_.processes().Misconfigure(actuator.name, false);
+  }
+  if (!robot_.has_controller()) {
+    Note("the controller is started again");
+    robot_.CrashController();
+    StartController();
+  }
+}
+
+void Scenario::Rest() {
+  const Time ceased = robot_.network().now();
+  if (!ComeToRest(std::to_string(ToMilliseconds(options_.bound)) +
+                  " ms after the last fault has ceased")) {
+    return;
+  }
+  ending_.rested = robot_.network().now() - ceased;
+  // What is only just noticed comes yet.
+  RunFor(std::chrono::seconds(15));
+  if (ComeToRest("though it had been")) checker_.CheckRest(options_.provided);
+}
+
+void Scenario::Note(const std::string& action) {
+  if (listener.on_repair) listener.on_repair(robot_.network().now(), action);
+}
+
+}  // namespace musher::simulation

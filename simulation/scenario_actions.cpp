@@ -1,0 +1,255 @@
+// What injected events do to the robot.
+
+#include <algorithm>
+
+#include "musher/simulation/scenario.hpp"
+
+namespace musher::simulation {
+
+using transport::sim::LinkFaults;
+
+namespace {
+
+constexpr std::int32_t kLying = 0;
+constexpr std::int32_t kWalking = 303;
+
+}  // namespace
+
+void Scenario::Do(const Injection& injection) {
+  const std::string& name = config_.actuators[injection.actuator].name;
+  const Time now = robot_.network().now();
+  FaultWindow& window = fault_windows_[injection.actuator];
+  switch (injection.kind) {
+    case InjectionKind::kCrash:
+      return robot_.CrashActuator(name);
+    case InjectionKind::kWrongConfig:
+      return Misconfigure(name, injection.lasts);
+    case InjectionKind::kFreeze:
+      if (!robot_.IsAlive(name)) return;
+      robot_.FreezeActuator(name);
+      return Later(injection.lasts, [this, name] {
+        if (robot_.IsAlive(name)) robot_.ThawActuator(name);
+      });
+    case InjectionKind::kHang:
+      window.hangs = now + injection.lasts;
+      return;
+    case InjectionKind::kSlow:
+      window.slow = now + injection.lasts;
+      return;
+    case InjectionKind::kFail:
+      window.fails = now + injection.lasts;
+      return;
+    case InjectionKind::kLie:
+      if (!robot_.IsAlive(name)) return;
+      checker_.Lied(name);
+      return robot_.Lie(name, injection.state);
+    case InjectionKind::kSet:
+      return Ask(injection.state);
+    case InjectionKind::kSetOne:
+      return Ask(injection.state, name);
+    case InjectionKind::kBattery:
+      return robot_.SetBattery(BatteryOf(injection), ChargesIn(injection));
+    case InjectionKind::kEmergencyStop:
+      return Engage(injection.chance / 2 % 2, injection.chance | 1);
+    case InjectionKind::kRelease:
+      return robot_.ReleaseEmergencyStop();
+    case InjectionKind::kRestart:
+      checker_.AskedRestart(name);
+      return robot_.Restart(name);
+    default:
+      if (injection.kind >= InjectionKind::kClientSet) return DoByClient(injection);
+      if (injection.kind == InjectionKind::kCrossingStops) return DoToStops(injection);
+      if (injection.kind == InjectionKind::kStalledDisk) return DoToController(injection);
+      if (injection.kind >= InjectionKind::kReboot) return DoToHosts(injection);
+      if (injection.kind > InjectionKind::kRestart) return DoToPolicy(injection);
+      return injection.kind < InjectionKind::kControllerCrash ? DoToNetwork(injection)
+                                                            : DoToController(injection);
+  }
+}
+
+void Scenario::Misconfigure(const std::string& name, Duration lasts) {
+  robot_.processes().Misconfigure(name, true);
+  if (robot_.IsAlive(name)) {
+    checker_.FindsConfigWrong(name);
+    robot_.processes().End(name, WrongConfigExit());
+  }
+  Later(lasts, [this, name] { robot_.processes().Misconfigure(name, false); });
+}
+
+void Scenario::DoToPolicy(const Injection& injection) {
+  const std::uint64_t chance = injection.chance;
+  switch (injection.kind) {
+    case InjectionKind::kStillness:
+      return robot_.SetMotion(chance % 4 == 0 ? kWalking : kLying);
+    case InjectionKind::kWakeUp:
+      return AskPolicy({0, PolicyRequest::kWakeUp, "", 0, false});
+    case InjectionKind::kKeep:
+      return AskPolicy(
+          {0, PolicyRequest::kKeep, injection.state, static_cast<std::int64_t>(chance % 8), false});
+    case InjectionKind::kOta:
+      return AskPolicy({0, PolicyRequest::kOta, "", 0, chance % 2 == 0});
+    case InjectionKind::kLowPowerSwitch:
+      return AskPolicy({0, PolicyRequest::kLowPowerSwitch, "", 0, chance % 3 != 0});
+    default:
+      return AskPolicy({0, PolicyRequest::kPowerOff, "", 0, false});
+  }
+}
+
+void Scenario::AskPolicy(const event::PolicyRequested& asked) {
+  ControllerProcess* leader = robot_.leader();
+  if (leader == nullptr || leader->frozen) return;
+  const std::uint64_t request = checker_.AskedPolicy(*leader, asked);
+  leader->shell().AskPolicy(asked, [this, request, asked](const Result<>& answer) {
+    Mix(answer ? "ok" : answer.error().message);
+    checker_.AnsweredPolicy(request, asked, answer);
+  });
+}
+
+void Scenario::DoToNetwork(const Injection& injection) {
+  if (injection.kind < InjectionKind::kPartition) {
+    const auto which =
+        static_cast<std::size_t>(injection.kind) - static_cast<std::size_t>(InjectionKind::kLoss);
+    ++network_troubles_[which];
+    ApplyNetworkFaults();
+    return Later(injection.lasts, [this, which] {
+      --network_troubles_[which];
+      ApplyNetworkFaults();
+    });
+  }
+  const bool deaf = injection.kind != InjectionKind::kMute;
+  const bool mute = injection.kind != InjectionKind::kDeaf;
+  const std::size_t process = robot_.layout().ProcessOf(injection.actuator);
+  const auto set = [this, name = config_.actuators[process].name, deaf, mute](bool blocked) {
+    for (const char* controller : SimRobot::kControllerEndpoints) {
+      if (deaf) robot_.hosts().SetBlocked(controller, name, blocked);
+      if (mute) robot_.hosts().SetBlocked(name, controller, blocked);
+    }
+  };
+  set(true);
+  Later(injection.lasts, [set] { set(false); });
+}
+
+void Scenario::Engage(std::size_t panel, std::uint64_t id) {
+  checker_.StopEngaged(panel, id);
+  robot_.EngageEmergencyStop(id, panel);
+}
+
+// Two panels engage a stop, and a release comes between or about the same time.
+void Scenario::DoToStops(const Injection& injection) {
+  const std::uint64_t chance = injection.chance;
+  const std::size_t panel = chance / 2 % 2;
+  Engage(panel, chance | 1);
+  Later(Milliseconds(static_cast<std::int64_t>(chance / 16 % 40)),
+        [this, panel, id = (chance >> 9) | 1] { Engage(1 - panel, id); });
+  Later(Milliseconds(static_cast<std::int64_t>(chance / 1024 % 60)),
+        [this] { robot_.ReleaseEmergencyStop(); });
+}
+
+void Scenario::DoByClient(const Injection& injection) {
+  Client& client = robot_.ClientOn(injection.host);
+  client.on_end = [this](const Client::Request&, const SwitchEnd& end) {
+    ++ending_.client_ends[static_cast<std::size_t>(end.kind)];
+    Mix(end.result.outcome);
+  };
+  client.on_answer = [this](bool answered) { ++ending_.client_calls[answered ? 1 : 0]; };
+  const std::string& name = config_.actuators[injection.actuator].name;
+  switch (injection.kind) {
+    case InjectionKind::kClientSet:
+      checker_.ClientAsks(injection.state);
+      return client.SetState(injection.state, injection.chance % 8 == 0 ? name : "");
+    case InjectionKind::kClientRelease:
+      return client.ReleaseEmergencyStop();
+    case InjectionKind::kClientRestart:
+      checker_.AskedRestart(name);
+      return client.Restart(name);
+    default:
+      return client.GetStatus();
+  }
+}
+
+void Scenario::DoToHosts(const Injection& injection) {
+  const std::size_t from = injection.host;
+  const std::size_t to = injection.other_host;
+  if (injection.kind == InjectionKind::kReboot) return Reboot(from, injection.lasts);
+  const auto set = [this, from, to,
+                    both = injection.kind == InjectionKind::kHostPartition](bool blocked) {
+    robot_.hosts().SetHostBlocked(from, to, blocked);
+    if (both) robot_.hosts().SetHostBlocked(to, from, blocked);
+  };
+  set(true);
+  Later(injection.lasts, [set] { set(false); });
+}
+
+// What a person or the host's own start-up had started comes back with the host.
+void Scenario::Reboot(std::size_t host, Duration lasts) {
+  bool had_controller = false;
+  for (std::size_t which = 0; which < 2; ++which) {
+    const ControllerProcess* controller = robot_.controller(which);
+    had_controller |= controller != nullptr && controller->host() == host;
+  }
+  robot_.RebootHost(host);
+  Later(lasts, [this, host, had_controller] {
+    for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+      if (IsByHand(i) && robot_.layout().HostOf(i) == host) StartByHand(i);
+    }
+    const bool none = !robot_.has_controller() && robot_.controller(0) == nullptr;
+    const bool here = robot_.layout().controllers[0] == host;
+    if (had_controller && none) StartController(supervised_ && here);
+  });
+}
+
+void Scenario::ApplyNetworkFaults() {
+  LinkFaults faults;
+  if (network_troubles_[0] > 0) faults.loss = 0.2;
+  if (network_troubles_[1] > 0) faults.delay_max = Milliseconds(80);
+  if (network_troubles_[2] > 0) faults.duplication = 0.3;
+  if (network_troubles_[3] > 0) faults.reordering = 0.3;
+  robot_.network().SetFaults(faults);
+}
+
+void Scenario::DoToController(const Injection& injection) {
+  if (injection.kind != InjectionKind::kWallClock) {
+    checker_.ControllersBlocked(injection.kind == InjectionKind::kFullDisk ||
+                               injection.kind == InjectionKind::kStalledDisk);
+  }
+  switch (injection.kind) {
+    case InjectionKind::kControllerCrash: {
+      // A supervisor restarts what has crashed on its host.
+      const bool restarted = supervised_ && (robot_.controller(0) != nullptr || robot_.OneHost());
+      robot_.CrashController();
+      return Later(injection.lasts, [this, restarted] {
+        if (!robot_.has_controller() && robot_.controller(0) == nullptr) StartController(restarted);
+      });
+    }
+    case InjectionKind::kStalledDisk:
+      robot_.StallDisk(true);
+      return Later(injection.lasts, [this] { robot_.StallDisk(false); });
+    case InjectionKind::kControllerFreeze:
+      robot_.FreezeController();
+      return Later(injection.lasts, [this] { robot_.ThawController(); });
+    case InjectionKind::kRival:
+      return robot_.StartRival(false);
+    case InjectionKind::kTakeover:
+      return robot_.StartRival(true);
+    case InjectionKind::kFullDisk:
+      robot_.FillDisk(true);
+      return Later(injection.lasts, [this] { robot_.FillDisk(false); });
+    default:
+      return robot_.JumpWallClock(
+          Milliseconds(static_cast<std::int64_t>(injection.chance % 7'200'000)) -
+          std::chrono::hours(1));
+  }
+}
+
+void Scenario::Ask(const State& target, const std::optional<std::string>& actuator) {
+  ControllerProcess* leader = robot_.leader();
+  if (leader == nullptr || leader->frozen) return;
+  const std::uint64_t request = checker_.Asked(*leader, target);
+  leader->shell().SetState(target, actuator, [this, request](const SwitchResult& result) {
+    ++ending_.switches[static_cast<std::size_t>(result.outcome)];
+    Mix(std::string(OutcomeName(result.outcome)));
+    checker_.Answered(request, result);
+  });
+}
+
+}  // namespace musher::simulation

@@ -1,0 +1,95 @@
+// The other host is started again, or has a controller of its own.
+
+#include <algorithm>
+
+#include "musher/test/fault_injection/faults/network.hpp"
+
+namespace musher::fault_injection::network {
+namespace {
+
+// More often than a controller remembers processes of an actuator.
+constexpr int kReboots = 5;
+// Longer than starts in a row are counted.
+constexpr Duration kRest = Milliseconds(500);
+
+const LinkImpairment kDeaf{100, 0, {}, {}};
+
+Time Now() {
+  return std::chrono::steady_clock::now();
+}
+
+int StartsOf(FaultRun& run) {
+  int starts = 0;
+  for (const std::string& name : Modules()) starts += run.robot.board(name).starts;
+  return starts;
+}
+
+bool ActuatorIsMissing(const msg::MachineStatus& status) {
+  return std::any_of(status.actuators.begin(), status.actuators.end(),
+                     [](const auto& info) { return info.presence != "present"; });
+}
+
+// Whether each actuator answers from another process than in `before`: one whose process died with
+// its host passes for present until its silence is noticed.
+bool AllAreOtherProcesses(const msg::MachineStatus& status, const msg::MachineStatus& before) {
+  return std::all_of(status.actuators.begin(), status.actuators.end(),
+                     [&](const auto& info) { return info.pid != Find(before, info.name).pid; });
+}
+
+}  // namespace
+
+void IsRebooted(FaultRun& run) {
+  run.MayAllBeHurt();
+  const int before = RankOf(run.state());
+  for (int i = 0; i < kReboots; ++i) {
+    const Time at = Now();
+    const msg::MachineStatus last = *run.observer().Latest();
+    if (i == 0) run.Struck();
+    run.robot.far_host()->Reboot();
+    const std::string which = "after reboot " + std::to_string(i + 1);
+    if (i == 0) run.Detected("the actuators are missed", ActuatorIsMissing);
+    run.Require(run.observer().AwaitSince(at, ActuatorIsMissing, kPatience).has_value(),
+                  "no actuator is missed " + which);
+    run.Recovered("settled " + which, [before, &last](const auto& status) {
+      const int rank = RankOf(status.state);
+      return rank >= 0 && rank <= before && IsSettled(status, status.state) &&
+             AllAreOtherProcesses(status, last);
+    });
+    run.LetPass(kRest);
+  }
+}
+
+void IsTakenOverFromThere(FaultRun& run, bool deaf) {
+  run.ControllerMayDie();
+  run.MayAllBeHurt();
+  const auto before = run.observer().Latest();
+  const int starts = StartsOf(run);
+  Link& link = run.robot.far_host()->link();
+  run.Struck();
+  if (deaf) link.Set(kDeaf, {}, 0);
+  benchmark::Child there = run.robot.StartFarController({"--takeover"});
+  if (deaf) {
+    const auto led = [&] {
+      const auto said = run.observer().LatestOfActuators();
+      return std::any_of(said.begin(), said.end(), [&](const auto& actuator) {
+        return actuator.second.epoch > before->epoch;
+      });
+    };
+    // Whether it is heard over here that they follow another is the network's to say.
+    static_cast<void>(AwaitThat(led, std::chrono::seconds(4)));
+    link.Heal();
+  }
+  const int first = run.robot.AwaitEndOfFirst();
+  run.Expect(first == 1, "the first controller ends with " + std::to_string(first) + ", not 1");
+  run.DetectedNow();
+  run.Recovered("led from the other host", [&](const auto& status) {
+    return status.host != before->host && status.epoch > before->epoch &&
+           RankOf(status.state) <= RankOf(before->state) && IsSettled(status, status.state);
+  });
+  run.Expect(StartsOf(run) == starts, "modules were started again by the take-over");
+  run.robot.StartController({"--takeover"});
+  run.Expect(there.Wait() == 1, "the controller of the other host does not let go");
+  run.Require(run.robot.AwaitSettled(), "the machine is not taken back");
+}
+
+}  // namespace musher::fault_injection::network

@@ -1,0 +1,27 @@
+// Dies in each SetUp: given up after its restarts, and the machine goes where it goes without it.
+
+#include <signal.h>
+
+#include "musher/test/fault_injection/faults/process.hpp"
+#include "musher/test/fault_injection/faults/expectation.hpp"
+
+namespace musher::fault_injection::process {
+
+void CrashesAgainAndAgain(FaultRun& run) {
+  const std::string victim = run.Victim({"legs", "arm", "eyes", "hands"});
+  Board& board = run.robot.board(victim);
+  board.exit_code = 3;
+  board.end_in = IndexOfState("SetUp");
+  board.end = End::kExit;
+  const int before = board.starts;
+  const pid_t pid = run.robot.PidOf(victim);
+  run.Struck();
+  kill(pid, SIGKILL);
+  run.Detected(victim + " has crashed", IsKnownAs(victim, "crashed"));
+  AwaitExpectation(run, victim, Loss::kForGood);
+  // Those that died, and the one that a person asked for.
+  const int starts = board.starts - before;
+  run.Expect(starts == kRestartLimit + 1, "started " + std::to_string(starts) + " times");
+}
+
+}  // namespace musher::fault_injection::process

@@ -1,0 +1,90 @@
+// It ends: by a signal from outside, or by itself.
+
+#include <signal.h>
+
+#include "musher/test/fault_injection/faults/process.hpp"
+#include "musher/test/fault_injection/faults/expectation.hpp"
+
+namespace musher::fault_injection::process {
+namespace {
+
+std::vector<std::string> Everybody() {
+  std::vector<std::string> names;
+  for (const Member& member : Crew()) names.push_back(member.name);
+  return names;
+}
+
+// An exit code is told to the parent alone; an end that nobody can explain is a failure.
+Loss AsSeen(FaultRun& run, const std::string& victim, Loss loss) {
+  return run.robot.IsChildOfController(victim) ? loss : Loss::kFailure;
+}
+
+void Signal(FaultRun& run, const std::string& victim, int signal, Loss loss) {
+  const pid_t pid = run.robot.PidOf(victim);
+  loss = AsSeen(run, victim, loss);
+  run.Struck();
+  kill(pid, signal);
+  run.Detected(victim + " has crashed", IsKnownAs(victim, "crashed"));
+  AwaitExpectation(run, victim, loss);
+}
+
+void EndByItself(FaultRun& run, End end, Loss loss) {
+  const std::string victim = run.Victim(Modules());
+  loss = AsSeen(run, victim, loss);
+  run.Struck();
+  run.robot.board(victim).end = end;
+  // An orderly end is no crash.
+  run.Detected(victim + " has ended", [&victim](const msg::MachineStatus& status) {
+    const msg::ActuatorInfo& info = Find(status, victim);
+    return info.health == "crashed" || info.presence != "present" || info.restarts > 0;
+  });
+  Relieve(run.robot.board(victim));
+  AwaitExpectation(run, victim, loss);
+}
+
+}  // namespace
+
+void Killed(FaultRun& run) {
+  Signal(run, run.Victim(Everybody()), SIGKILL, Loss::kFailure);
+}
+
+void Terminated(FaultRun& run) {
+  const std::string victim = run.Victim(Everybody());
+  // musher-exec ends its program and itself in order, which is no failure.
+  Signal(run, victim, SIGTERM, MemberOf(victim).wrapped ? Loss::kClean : Loss::kFailure);
+}
+
+void SeveralKilled(FaultRun& run) {
+  std::vector<std::string> restarted = {"legs", "arm", "eyes", "hands", "voice"};
+  run.random.Shuffle(restarted);
+  restarted.resize(static_cast<std::size_t>(run.random.Between(2, 5)));
+  std::vector<pid_t> pids;
+  for (const std::string& victim : restarted) {
+    run.MayBeHurt(victim);
+    run.Drawn("victim", victim);
+    pids.push_back(run.robot.PidOf(victim));
+  }
+  run.Struck();
+  for (const pid_t pid : pids) kill(pid, SIGKILL);
+  run.Detected("all of them have crashed", [&](const msg::MachineStatus& status) {
+    return std::all_of(restarted.begin(), restarted.end(), [&](const std::string& victim) {
+      return Find(status, victim).health == "crashed";
+    });
+  });
+  run.RecoveredIn(run.state());
+}
+
+void Exits(FaultRun& run, int code) {
+  for (const std::string& name : Modules()) run.robot.board(name).exit_code = code;
+  EndByItself(run, End::kExit, code == 0 ? Loss::kClean : Loss::kFailure);
+}
+
+void Aborts(FaultRun& run) {
+  EndByItself(run, End::kAbort, Loss::kFailure);
+}
+
+void Segfaults(FaultRun& run) {
+  EndByItself(run, End::kSegfault, Loss::kFailure);
+}
+
+}  // namespace musher::fault_injection::process

@@ -1,0 +1,58 @@
+#pragma once
+// What a fault-injection suite has found, as tables and as a picture.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "musher/test/fault_injection/fault_run.hpp"
+
+namespace musher::fault_injection {
+
+// Milliseconds from the fault; count 0: not measured.
+struct Figures {
+  std::size_t count = 0;
+  double p50 = 0;
+  double p99 = 0;
+  double max = 0;
+};
+
+struct KindFigures {
+  std::string kind;
+  std::string family;
+  std::string about;
+  std::size_t count = 0;
+  std::size_t failed = 0;
+  Figures detection;
+  Figures recovery;
+};
+
+class Report {
+ public:
+  Report(std::vector<Outcome> outcomes, std::uint64_t seed, std::vector<std::string> skipped);
+
+  // report.md, report.json and report.svg in this folder, which is made. Throws on a bad folder.
+  void Write(const std::filesystem::path& folder) const;
+
+  std::size_t failed() const;
+  std::string Summary() const;  // a line
+  const std::vector<KindFigures>& kinds() const { return kinds_; }
+
+ private:
+  std::string Markdown() const;
+  std::string Json() const;
+
+  std::vector<Outcome> outcomes_;
+  std::uint64_t seed_;
+  std::vector<std::string> skipped_;
+  std::vector<KindFigures> kinds_;
+};
+
+// Detection and recovery of each kind on a logarithmic axis.
+std::string Svg(const std::vector<KindFigures>& kinds, const std::string& title);
+
+// How one fault alone is repeated.
+std::string Again(const Outcome& outcome);
+
+}  // namespace musher::fault_injection

@@ -1,0 +1,248 @@
+#include "musher/test/fault_injection/robot/observer.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <utility>
+
+#include "musher/transport/lifecycle_wire.hpp"
+
+namespace musher::fault_injection {
+namespace {
+
+constexpr Duration kSlice = Milliseconds(50);           // of a wait that a signal may end
+constexpr Duration kServiceFound = Milliseconds(5000);  // after who leads has shown itself
+constexpr Duration kAnswered = std::chrono::seconds(30);
+constexpr Duration kStatusAnswered = std::chrono::seconds(5);
+
+std::atomic<bool> interrupted = false;
+
+Time Now() {
+  return std::chrono::steady_clock::now();
+}
+
+template <class T>
+T Must(Result<T> result) {
+  if (!result) throw std::runtime_error(result.error().message);
+  return std::move(result).value();
+}
+
+}  // namespace
+
+void Interrupt() {
+  interrupted = true;
+}
+
+void ThrowIfInterrupted() {
+  if (interrupted) throw Interrupted{};
+}
+
+Observer::Observer(int domain, TransportProfile profile, const std::string& name_space) {
+  transport::DdsOptions options;
+  options.domain_id = domain;
+  options.profile = profile;
+  options.impatient = true;
+  node_ = Must(transport::NodeThread::Start(options));
+  node_->RunOnLoop([&] { Make(name_space); });
+}
+
+Observer::~Observer() {
+  node_->RunOnLoop([this] {
+    subscriptions_.clear();
+    emergency_stop_.reset();
+    set_state_.reset();
+    restart_.reset();
+    get_status_.reset();
+    release_.reset();
+  });
+}
+
+void Observer::Make(const std::string& name_space) {
+  transport::Node& node = node_->node();
+  const auto service = [&](const char* name) {
+    return transport::MachineService(name_space, name);
+  };
+  set_state_ = Must(transport::MakeClient<msg::SetState>(node, service("set_state")));
+  restart_ = Must(transport::MakeClient<msg::RestartActuator>(node, service("restart_actuator")));
+  get_status_ = Must(transport::MakeClient<msg::GetStatus>(node, service("get_status")));
+  release_ = Must(
+      transport::MakeClient<msg::ReleaseEmergencyStop>(node, service("release_emergency_stop")));
+  emergency_stop_topic_ = transport::EmergencyStopTopic(name_space);
+  subscriptions_.push_back(Must(transport::MakeSubscription<msg::MachineStatus>(
+      node, transport::MachineStatusTopic(name_space),
+      [this](const msg::MachineStatus& status, const transport::SampleInfo& info) {
+        leader_ = info.participant;
+        OnMachine(status);
+      },
+      transport::kLatchedFromManyQos)));
+  subscriptions_.push_back(Must(transport::MakeSubscription<msg::ActuatorStatus>(
+      node, transport::ActuatorStatusTopic(name_space),
+      [this](const msg::ActuatorStatus& status, const transport::SampleInfo&) {
+        OnActuator(status);
+      },
+      transport::kLatchedFromManyQos)));
+}
+
+void Observer::OnMachine(std::optional<msg::MachineStatus> status) {
+  const std::lock_guard lock(mutex_);
+  machine_.push_back({Now(), std::move(status)});
+  changed_.notify_all();
+}
+
+void Observer::OnActuator(const msg::ActuatorStatus& status) {
+  {
+    const std::lock_guard lock(mutex_);
+    actuators_.push_back(status);
+    latest_of_actuators_[status.name] = status;
+    changed_.notify_all();
+  }
+  for (auto trigger = triggers_.begin(); trigger != triggers_.end();) {
+    if (!trigger->when(status)) {
+      ++trigger;
+      continue;
+    }
+    trigger->act();
+    trigger->done.set_value();
+    trigger = triggers_.erase(trigger);
+  }
+}
+
+std::optional<Time> Observer::AwaitUntil(Time deadline,
+                                         const std::function<std::optional<Time>()>& found) {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    if (const auto at = found()) return at;
+    const Time now = Now();
+    if (now >= deadline) return std::nullopt;
+    changed_.wait_until(lock, std::min(deadline, now + kSlice));
+    ThrowIfInterrupted();
+  }
+}
+
+std::optional<Time> Observer::AwaitSince(Time since, const Is& is, Duration patience) {
+  std::size_t looked_at = 0;
+  return AwaitUntil(Now() + patience, [&]() -> std::optional<Time> {
+    for (; looked_at < machine_.size(); ++looked_at) {
+      const Seen& seen = machine_[looked_at];
+      if (seen.at >= since && seen.status && is(*seen.status)) return seen.at;
+    }
+    return std::nullopt;
+  });
+}
+
+std::optional<Time> Observer::Await(const Is& is, Duration patience) {
+  return AwaitUntil(Now() + patience, [&]() -> std::optional<Time> {
+    if (machine_.empty() || !machine_.back().status || !is(*machine_.back().status)) {
+      return std::nullopt;
+    }
+    return machine_.back().at;
+  });
+}
+
+std::optional<msg::MachineStatus> Observer::Latest() {
+  const std::lock_guard lock(mutex_);
+  return machine_.empty() ? std::nullopt : machine_.back().status;
+}
+
+std::vector<msg::MachineStatus> Observer::Since(Time since) {
+  const std::lock_guard lock(mutex_);
+  std::vector<msg::MachineStatus> statuses;
+  for (const Seen& seen : machine_) {
+    if (seen.at >= since && seen.status) statuses.push_back(*seen.status);
+  }
+  return statuses;
+}
+
+bool Observer::AwaitAllIn(const std::string& state, Duration patience) {
+  const auto all_in = [&]() -> std::optional<Time> {
+    const bool all = std::all_of(latest_of_actuators_.begin(), latest_of_actuators_.end(),
+                                 [&](const auto& said) { return said.second.state == state; });
+    return all ? std::optional(Now()) : std::nullopt;
+  };
+  return AwaitUntil(Now() + patience, all_in).has_value();
+}
+
+void Observer::Forget() {
+  const std::lock_guard lock(mutex_);
+  if (machine_.size() > 1) machine_.erase(machine_.begin(), machine_.end() - 1);
+  actuators_.clear();
+}
+
+std::vector<msg::ActuatorStatus> Observer::Said() {
+  const std::lock_guard lock(mutex_);
+  return actuators_;
+}
+
+std::map<std::string, msg::ActuatorStatus> Observer::LatestOfActuators() {
+  const std::lock_guard lock(mutex_);
+  return latest_of_actuators_;
+}
+
+std::shared_future<void> Observer::Once(When when, std::function<void()> act) {
+  std::shared_future<void> done;
+  node_->RunOnLoop([&] {
+    Trigger& trigger = triggers_.emplace_back();
+    trigger.when = std::move(when);
+    trigger.act = std::move(act);
+    done = trigger.done.get_future().share();
+  });
+  return done;
+}
+
+void Observer::ForgetTriggers() {
+  node_->RunOnLoop([this] { triggers_.clear(); });
+}
+
+template <msg::Service S>
+std::shared_future<Result<typename S::Response>> Observer::Call(
+    std::unique_ptr<transport::Client<S>>& client, const typename S::Request& request) {
+  const auto leads_to_leader = [&] {
+    bool found = false;
+    node_->RunOnLoop([&] {
+      const std::vector<transport::PeerId> servers = client->Servers();
+      found = std::find(servers.begin(), servers.end(), leader_) != servers.end();
+    });
+    return found;
+  };
+  const Time deadline = Now() + kServiceFound;
+  while (!leads_to_leader() && Now() < deadline) {
+    AwaitUntil(Now() + Milliseconds(2), [] { return std::nullopt; });
+  }
+  auto expectation = std::make_shared<std::promise<Result<typename S::Response>>>();
+  std::shared_future<Result<typename S::Response>> answer = expectation->get_future().share();
+  node_->RunOnLoop([&] {
+    client->Call(request, std::is_same_v<S, msg::GetStatus> ? kStatusAnswered : kAnswered,
+                 [expectation](auto reply) { expectation->set_value(std::move(reply)); });
+  });
+  return answer;
+}
+
+std::shared_future<Result<msg::SetState::Response>> Observer::SetState(
+    const std::string& target, const std::string& actuator) {
+  return Call<msg::SetState>(set_state_, {target, actuator});
+}
+
+Result<msg::RestartActuator::Response> Observer::Restart(const std::string& actuator) {
+  return Answer(Call<msg::RestartActuator>(restart_, {actuator}));
+}
+
+Result<msg::MachineStatus> Observer::GetStatus() {
+  auto answer = Answer(Call<msg::GetStatus>(get_status_, {}));
+  if (!answer) return answer.error();
+  return answer.value().status;
+}
+
+void Observer::EngageEmergencyStop(std::uint64_t id) {
+  node_->RunOnLoop([&] {
+    emergency_stop_ = Must(transport::MakePublisher<msg::EmergencyStop>(
+        node_->node(), emergency_stop_topic_, transport::kLatchedQos));
+    const auto sent = emergency_stop_->Publish({id, true, "fault-injection suite", "as a person would"});
+    if (!sent) throw std::runtime_error(sent.error().message);
+  });
+}
+
+Result<msg::ReleaseEmergencyStop::Response> Observer::ReleaseEmergencyStop() {
+  node_->RunOnLoop([this] { emergency_stop_.reset(); });
+  return Answer(Call<msg::ReleaseEmergencyStop>(release_, {"fault-injection suite"}));
+}
+
+}  // namespace musher::fault_injection

@@ -1,0 +1,236 @@
+// Faults that drawn scenarios (test/simulation) have found, each as small as it could be made.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "musher/test/lifecycle/coordination/switching.hpp"
+
+namespace musher::testing::found_by_simulation_test {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class FoundBySimulation : public Switching {
+ protected:
+  static void Unlist(MachineConfig& config, const std::string& name, const State& state) {
+    ActuatorConfig& actuator = ActuatorNamed(config, name);
+    const auto at = std::find(actuator.states.begin(), actuator.states.end(), state);
+    actuator.times.erase(actuator.times.begin() + (at - actuator.states.begin()));
+    actuator.states.erase(at);
+  }
+};
+
+TEST_F(FoundBySimulation, ARollbackTakesNobodyAboveTheMachine) {
+  MachineConfig config = MachineOf(2);
+  Unlist(config, "a", "LowPower");  // so it stays in Active when the machine goes there
+  Harness& t = In("Active", config);
+  t.Set("LowPower");
+  ASSERT_EQ(t.StateOf("a"), "Active");
+  t.On("b", "Protected").code = 5001;
+  t.On("b", "Protected").takes = Milliseconds(50);
+  t.ClearLog();
+  EXPECT_EQ(t.Set("Protected").outcome, SwitchOutcome::kUndone);
+  t.Rest();
+  EXPECT_THAT(t.log(), Not(Contains("a:Active")));
+  EXPECT_EQ(t.StateOf("a"), "Protected");
+}
+
+TEST_F(FoundBySimulation, ACriticalOneOfALaterStageThatIsNeverStartedCountsAsLost) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "b").stage = 2;
+  ActuatorNamed(config, "b").after = {"a"};
+  ActuatorNamed(config, "b").critical = true;
+  ActuatorNamed(config, "b").on_lost = "Protected";
+  ActuatorNamed(config, "a").restart.policy = RestartPolicy::kNo;
+  Harness t(config);
+  t.On("a", "SelfCheck").code = 5001;
+  t.Begin();
+  t.Rest();
+  EXPECT_FALSE(t.IsAlive("b"));
+  EXPECT_NE(t.machine().state, "Active");
+}
+
+TEST_F(FoundBySimulation, OneThatWasNotStartedForWantOfAnotherIsStartedWhenThatOneIsThere) {
+  MachineConfig config = Ours(3);
+  ActuatorNamed(config, "a").command.clear();  // started by hand, and late
+  ActuatorNamed(config, "b").after = {"a"};
+  Harness t(config);
+  t.On("a", "exec").code = kCodeFailed;
+  t.Begin();
+  t.Crash("a");
+  t.Rest();
+  ASSERT_FALSE(t.IsAlive("b"));
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("needs a"));
+  t.StartActuator("a");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(FoundBySimulation, WhoWaitsForOneThatRestsSaysSo) {
+  MachineConfig config = Ours(3);
+  ActuatorNamed(config, "b").binds_to = {"a"};
+  ActuatorNamed(config, "c").after = {"b"};
+  ActuatorNamed(config, "a").restart.policy = RestartPolicy::kNo;
+  Harness& t = In("Active", config);
+  t.Crash("a");  // b rests …
+  t.Rest();
+  t.Crash("c");  // … and c cannot come back before it
+  t.Rest();
+  ASSERT_TRUE(t.RecordOf("c").fault);
+  EXPECT_THAT(t.RecordOf("c").fault->message, HasSubstr("waits for b, which rests"));
+}
+
+TEST_F(FoundBySimulation, TearDownOfOneBeforeTheMachineIsSetUpIsRefused) {
+  Harness t(Ours(2));
+  t.On("a", "SetUp").takes = Milliseconds(80);
+  t.Begin();
+  t.RunUntil([&] { return t.RecordOf("b").presence == Presence::kPresent; });
+  const RequestId request = t.Ask("TearDown", "b");
+  t.Rest();
+  ASSERT_EQ(t.answers.count(request), 1U);
+  EXPECT_EQ(t.answers[request].outcome, SwitchOutcome::kRefused);
+  EXPECT_EQ(t.machine().state, "Active");
+}
+
+TEST_F(FoundBySimulation, ACriticalOneThatWasTornDownAloneIsMissedFromTheNextSwitchOn) {
+  MachineConfig config = Ours(2);
+  ActuatorNamed(config, "a").critical = true;
+  ActuatorNamed(config, "a").on_lost = "Protected";
+  Harness& t = In("Active", config);
+  t.Set("TearDown", "a");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Active");  // it was meant so
+  t.Set("Active");
+  t.Rest();
+  EXPECT_EQ(t.machine().state, "Protected");
+}
+
+TEST_F(FoundBySimulation, ACheckThatEndsAfterItsSwitchWasSupersededCounts) {
+  MachineConfig config = MachineOf(2);
+  ActuatorNamed(config, "a").critical = true;
+  Harness t(config);
+  t.On("a", "SelfCheck").code = 5001;
+  t.Begin();
+  t.Rest();
+  ASSERT_EQ(t.machine().phase, Phase::kFailed);
+  t.On("a", "SelfCheck") = {};
+  t.On("a", "SelfCheck").takes = Milliseconds(60);
+  t.Mute("a", false, true);  // that it is busy with its check is never heard
+  t.Ask("SelfCheck");
+  t.RunFor(Milliseconds(20));
+  const RequestId error = t.Ask("Error");
+  t.RunFor(Milliseconds(20));
+  t.Mute("a", false, false);
+  t.Rest();
+  EXPECT_EQ(t.answers[error].state, "Error");
+  EXPECT_EQ(t.StateOf("a"), "Error");
+}
+
+TEST_F(FoundBySimulation, ARollbackTakesNobodyHigherThanTheSwitchHad) {
+  MachineConfig config = Ours(2);
+  Unlist(config, "a", "OTA");
+  Harness& t = In("Active", config);
+  t.Set("OTA");
+  t.Crash("a");  // so it comes back to a step of a start, and has no OTA to join
+  t.Rest();
+  ASSERT_FALSE(t.config().RankOf(t.StateOf("a")));
+  t.On("b", "LowPower").code = 5001;
+  t.On("b", "LowPower").takes = Milliseconds(50);
+  t.ClearLog();
+  EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kUndone);
+  t.Rest();
+  EXPECT_THAT(t.log(), Not(Contains("a:DeActive")));
+}
+
+TEST_F(FoundBySimulation, ACheckThatHangsAfterItsSwitchWasSupersededIsOnRecord) {
+  MachineConfig config = MachineOf(2);
+  ActuatorNamed(config, "a").critical = true;
+  Harness t(config);
+  t.On("a", "SelfCheck").code = 5001;
+  t.Begin();
+  t.Rest();
+  ASSERT_EQ(t.machine().phase, Phase::kFailed);
+  t.On("a", "SelfCheck") = {};
+  t.On("a", "SelfCheck").hangs = true;
+  t.Ask("SelfCheck");
+  t.RunFor(Milliseconds(5));
+  t.Ask("Error");
+  t.Rest();
+  ASSERT_TRUE(t.RecordOf("a").fault);
+  EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("still busy with SelfCheck"));
+}
+
+// This one the fault-injection suite has found.
+TEST_F(FoundBySimulation, OneWhoseCheckInTheRunPhaseIsOverdueIsWellWhenThatHasPassed) {
+  Harness& t = In("Active");
+  t.On("b", "SelfCheck").takes = Milliseconds(300);  // of 100
+  EXPECT_EQ(t.Set("SelfCheck").outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
+  t.Rest();
+  EXPECT_EQ(t.StateOf("b"), "Active");
+  EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
+}
+
+TEST_F(FoundBySimulation, AControllerThatListensHearsThatAStopIsOver) {
+  const EmergencyStop stop{7, "a panel", ""};
+  StoredStops received = Merge({}, {{stop}, {}});
+  EXPECT_EQ(received.engaged.size(), 1U);
+  received = Merge(received, {{}, {7}});
+  EXPECT_TRUE(received.engaged.empty());
+  received = Merge(received, {{stop}, {}});  // latched, and late
+  EXPECT_TRUE(received.engaged.empty());
+}
+
+TEST_F(FoundBySimulation, AControllerThatLeadsIsToldByNobodyThatAStopIsOver) {
+  Harness& t = In("Active");
+  t.StopAll(7);
+  t.Rest();
+  t.Tell(event::EmergencyStopSeen{{7, "", ""}, false});
+  EXPECT_TRUE(t.machine().emergency_stop);
+}
+
+// b and another actuator are one process, which nothing ends.
+TEST_F(FoundBySimulation, OneThatIsTornDownAloneInASharedProcessUndoesNoSwitchUp) {
+  Harness& t = In("Protected", MachineOf(3));
+  t.shared = {"b"};
+  EXPECT_TRUE(t.Set("TearDown", "b").done());
+  t.Rest();
+  ASSERT_TRUE(t.RecordOf("b").fault);
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("only a new start brings it back"));
+  const SwitchResult up = t.Set("Active");
+  EXPECT_EQ(up.outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(up.reason, HasSubstr("b: is torn down; only a new start brings it back"));
+  EXPECT_EQ(t.StateOf("a"), "Active");
+  EXPECT_EQ(t.Set("SelfCheck").outcome, SwitchOutcome::kDoneDegraded);
+  EXPECT_THAT(t.Set("Active").degraded, ElementsAre("b"));
+  EXPECT_TRUE(t.Set("TearDown").done()) << "it is where the machine goes";
+}
+
+TEST_F(FoundBySimulation, OneThatIsBoundToWhatIsTornDownInASharedProcessRests) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "a").binds_to = {"b"};
+  Harness& t = In("Active", config);
+  t.shared = {"b"};
+  t.Set("TearDown", "b");
+  t.Rest();
+  EXPECT_EQ(t.StateOf("a"), "DeActive");
+}
+
+TEST_F(FoundBySimulation, ACriticalOneThatIsTornDownInASharedProcessKeepsTheMachineFromGoingUp) {
+  MachineConfig config = MachineOf(3);
+  ActuatorNamed(config, "b").critical = true;
+  Harness& t = In("Protected", config);
+  t.shared = {"b"};
+  t.Set("TearDown", "b");
+  t.ClearLog();
+  const SwitchResult up = t.Set("Active");
+  EXPECT_EQ(up.outcome, SwitchOutcome::kRefused);
+  EXPECT_THAT(up.reason, HasSubstr("critical b is torn down; only a new start brings it back"));
+  EXPECT_THAT(t.log(), ElementsAre());
+}
+
+}  // namespace musher::testing::found_by_simulation_test

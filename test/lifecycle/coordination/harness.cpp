@@ -1,0 +1,400 @@
+#include "musher/test/lifecycle/coordination/harness.hpp"
+
+#include <utility>
+
+namespace musher::testing {
+namespace {
+
+constexpr Duration kWire = std::chrono::microseconds(100);
+
+}  // namespace
+
+MachineConfig MachineOf(int actuators) {
+  MachineConfig config;
+  config.name = "test";
+  for (const std::string_view state : BuiltInStates()) {
+    if (state != kUninitialized) config.states.emplace_back(state);
+    if (const auto rank = BuiltInRank(state)) config.ranks[State(state)] = *rank;
+  }
+  config.flow = DefaultFlow(config.states);
+  config.default_time = Milliseconds(100);
+  for (int i = 0; i < actuators; ++i) {
+    ActuatorConfig actuator;
+    actuator.name = std::string(1, static_cast<char>('a' + i));
+    actuator.states = config.states;
+    actuator.times.assign(config.states.size(), Milliseconds(100));
+    config.actuators.push_back(actuator);
+  }
+  return config;
+}
+
+ActuatorConfig& ActuatorNamed(MachineConfig& config, const std::string& name) {
+  return config.actuators[*config.IndexOf(name)];
+}
+
+Harness::Harness(MachineConfig config)
+    : config_(std::move(config)),
+      machine_(MakeMachine(config_)),
+      actors_(config_.actuators.size()),
+      now_(std::chrono::hours(1)) {}
+
+Behaviour& Harness::On(const std::string& actuator, const std::string& state) {
+  return actors_[Index(actuator)].script[state];
+}
+
+void Harness::After(Duration delay, std::function<void()> what) {
+  later_.emplace(now_ + delay, std::move(what));
+}
+
+bool Harness::StepTime(Time limit) {
+  const auto deadline = NextDeadline(config_, machine_);
+  const bool timer_first = deadline && (later_.empty() || *deadline < later_.begin()->first);
+  if (!timer_first && later_.empty()) return false;
+  const Time next = timer_first ? *deadline : later_.begin()->first;
+  if (next > limit) return false;
+  now_ = std::max(now_, next);
+  if (timer_first) {
+    Tell(event::TimePassed{});
+  } else {
+    const auto what = std::move(later_.begin()->second);
+    later_.erase(later_.begin());
+    what();
+  }
+  return true;
+}
+
+void Harness::RunFor(Duration duration) {
+  const Time end = now_ + duration;
+  while (StepTime(end)) {
+  }
+  now_ = end;
+}
+
+void Harness::Rest(Duration limit) {
+  const Time end = now_ + limit;
+  while (StepTime(end)) {
+  }
+}
+
+bool Harness::RunUntil(const std::function<bool()>& done) {
+  const Time end = now_ + std::chrono::hours(1);
+  while (!done()) {
+    if (!StepTime(end)) return done();
+  }
+  return true;
+}
+
+void Harness::Tell(const Event& event) {
+  for (const Action& action : Step(config_, machine_, event, now_)) Do(action);
+  if (after_step) after_step();
+}
+
+void Harness::Begin(bool by_hand, std::uint64_t epoch, bool restarted) {
+  std::vector<bool> running;
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    if (config_.actuators[i].command.empty() && !actors_[i].alive) {
+      StartActuator(config_.actuators[i].name);
+    }
+    running.push_back(actors_[i].alive);
+  }
+  Tell(event::Begin{by_hand,
+                    epoch,
+                    running,
+                    "here",
+                    stops_on_disk,
+                    {},
+                    policy_on_disk,
+                    stop_intent_on_disk,
+                    restarted});
+}
+
+// A disk that has just died with the controller's process does not answer the next one.
+template <class T>
+void Harness::Save(Stored what, std::uint64_t save, T& stored, T value) {
+  const auto end = [this, what, save, &stored, value = std::move(value), generation = generation_] {
+    if (generation != generation_) return;
+    if (disk_fails.empty()) stored = value;
+    Tell(event::SaveEnded{what, save, disk_fails.empty(), disk_fails});
+  };
+  if (disk_takes) After(*disk_takes, end);
+}
+
+void Harness::RestartController(bool lost_disk, bool restarted) {
+  ++generation_;
+  machine_ = MakeMachine(config_);
+  start_up_.reset();
+  Begin(false, lost_disk ? 0 : epoch_on_disk_, restarted);
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    if (!actors_[i].alive) continue;
+    After(kWire, [this, i] { Tell(event::StatusSeen{i, ReportOf(i)}); });  // the latch
+  }
+}
+
+RequestId Harness::AskPolicy(event::PolicyRequested asked) {
+  asked.request = next_request_++;
+  Tell(asked);
+  return asked.request;
+}
+
+void Harness::StartActuator(const std::string& name) {
+  Actor& actor = actors_[Index(name)];
+  auto script = actor.script;
+  actor = Actor{};
+  actor.script = std::move(script);
+  actor.alive = true;
+  actor.pid = next_pid_++;
+  actor.core.report.incarnation = static_cast<std::uint64_t>(actor.pid);
+  actor.core.report.pid = actor.pid;
+  actor.core.report.host = "here";
+  After(kWire, [this, i = Index(name), pid = actor.pid] {
+    if (actors_[i].pid != pid) return;
+    Perform(i, actuator_event::Started{});
+    for (const std::uint64_t stop : latched_stops_) {
+      Perform(i, actuator_event::EmergencyStopHeard{stop, true, 0});
+    }
+  });
+}
+
+void Harness::Crash(const std::string& name) {
+  EndProcess(Index(name), false, "killed by SIGKILL");
+}
+
+void Harness::Exit(const std::string& name, int code, const std::string& words) {
+  EndProcess(Index(name), false, "exit code " + std::to_string(code) + ": " + words, code);
+}
+
+void Harness::EndProcess(std::size_t i, bool clean, const std::string& how, int exit_code) {
+  Actor& actor = actors_[i];
+  if (!actor.alive) return;
+  actor.alive = false;
+  After(kWire, [=, this, pid = actor.pid] {
+    const bool ours = machine_.actuators[i].process == pid;
+    if (ours) return Tell(event::ProcessEnded{i, pid, clean, how, exit_code});
+    Tell(event::Vanished{i, static_cast<std::uint64_t>(pid), true, "its process ended"});
+  });
+}
+
+// Its last sign of life was a while ago, or it says itself that its work thread is stuck.
+void Harness::Find(const std::string& name, Health health, bool silent) {
+  const std::size_t i = Index(name);
+  Tell(event::HealthChanged{i, actors_[i].core.report.incarnation, health, silent,
+                            "as the test says"});
+}
+
+void Harness::StopAll(std::uint64_t id, const std::string& by) {
+  latched_stops_.insert(id);
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    After(kWire, [this, i, id] { Perform(i, actuator_event::EmergencyStopHeard{id, true, 0}); });
+  }
+  After(kWire, [this, id, by] { Tell(event::EmergencyStopSeen{{id, by, ""}}); });
+}
+
+void Harness::TellActuators(const action::TellEmergencyStop& stop) {
+  if (stop.engaged) latched_stops_.insert(stop.stop.id);
+  if (!stop.engaged) latched_stops_.erase(stop.stop.id);
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    After(kWire, [=, this, sender = ControllerId()] {
+      Perform(i, actuator_event::EmergencyStopHeard{stop.stop.id, stop.engaged, sender});
+    });
+  }
+}
+
+RequestId Harness::Restart(const std::string& name) {
+  const RequestId request = next_request_++;
+  Tell(event::RestartRequested{request, name});
+  return request;
+}
+
+RequestId Harness::Release() {
+  const RequestId request = next_request_++;
+  Tell(event::ReleaseRequested{request, "the test"});
+  return request;
+}
+
+void Harness::HearRival(std::uint64_t epoch) {
+  Tell(event::RivalHeard{epoch, "process 1 elsewhere", false});
+}
+
+void Harness::Mute(const std::string& name, bool to_actuator, bool from_actuator) {
+  actors_[Index(name)].deaf = to_actuator;
+  actors_[Index(name)].dumb = from_actuator;
+}
+
+RequestId Harness::Ask(const State& target, std::optional<std::string> actuator) {
+  const RequestId request = next_request_++;
+  Tell(event::SetStateRequested{request, target, std::move(actuator)});
+  return request;
+}
+
+SwitchResult Harness::Set(const State& target, std::optional<std::string> actuator) {
+  const RequestId request = Ask(target, std::move(actuator));
+  RunUntil([&] { return answers.count(request) > 0; });
+  return answers.at(request);
+}
+
+State Harness::StateOf(const std::string& actuator) const {
+  return actors_[Index(actuator)].core.report.state;
+}
+
+const ActuatorRecord& Harness::RecordOf(const std::string& actuator) const {
+  return machine_.actuators[Index(actuator)];
+}
+
+const ActuatorCore& Harness::CoreOf(const std::string& actuator) const {
+  return actors_[Index(actuator)].core;
+}
+
+ActuatorReport Harness::ReportOf(std::size_t i) const {
+  ActuatorReport report = actors_[i].core.report;
+  report.stamp = now_;
+  return report;
+}
+
+std::vector<ActuatorAction> Harness::Inject(const std::string& actuator,
+                                            const ActuatorEvent& event) {
+  const std::size_t i = Index(actuator);
+  auto actions = Step(config_, i, actors_[i].core, event, now_);
+  for (const ActuatorAction& action : actions) Do(i, action);
+  return actions;
+}
+
+void Harness::Perform(std::size_t i, const ActuatorEvent& event) {
+  if (!actors_[i].alive) return;
+  for (const ActuatorAction& action : Step(config_, i, actors_[i].core, event, now_)) {
+    Do(i, action);
+  }
+}
+
+void Harness::Do(std::size_t i, const ActuatorAction& action) {
+  Actor& actor = actors_[i];
+  const std::string& name = config_.actuators[i].name;
+  const auto end_callback = [this, i](const actuator_event::CallbackEnded& ended) {
+    return [=, this, run = actors_[i].run, pid = actors_[i].pid] {
+      if (actors_[i].run != run || actors_[i].pid != pid) return;
+      ++actors_[i].run;
+      Perform(i, ended);
+    };
+  };
+  if (const auto* run = std::get_if<actuator_action::RunCallback>(&action)) {
+    log_.push_back(name + ":" + run->target);
+    const auto own = actor.script.find(run->target);
+    const auto common = actor.script.find("");
+    const Behaviour behaviour = own != actor.script.end()      ? own->second
+                                : common != actor.script.end() ? common->second
+                                                               : Behaviour{};
+    ++actor.run;
+    actor.hanging = behaviour.ends_when_asked;
+    if (!behaviour.hangs && !behaviour.ends_when_asked) {
+      After(behaviour.takes, end_callback({behaviour.code, behaviour.message,
+                                           behaviour.degraded_code, behaviour.degraded_reason}));
+    }
+  } else if (std::holds_alternative<actuator_action::RequestStop>(action)) {
+    if (actor.hanging) After(kWire, end_callback({kCodeFailed, "stopped on request"}));
+    actor.hanging = false;
+  } else if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
+    const auto request = actor.requests.extract(answer->token);
+    if (request.empty() || actor.dumb) return;
+    After(kWire + actor.delay, [this, i, answer = *answer, number = request.mapped().first,
+                                ask = request.mapped().second, report = ReportOf(i),
+                                generation = generation_] {
+      if (generation != generation_) return;
+      Tell(event::Replied{i, number, ask, answer.verdict, answer.code, answer.message, report});
+    });
+  } else if (std::holds_alternative<actuator_action::PublishStatus>(action)) {
+    if (actor.dumb) return;
+    After(kWire + actor.delay, [this, i, report = ReportOf(i)] {
+      Tell(event::StatusSeen{i, report});
+    });
+  } else if (std::holds_alternative<actuator_action::BecomeVisible>(action)) {
+    actor.visible = true;
+  } else if (const auto* finish = std::get_if<actuator_action::Finish>(&action)) {
+    if (shared.contains(config_.actuators[i].name) && finish->code == kCodeOk) return;
+    After(kWire * 3, [this, i, clean = finish->code == kCodeOk] {
+      EndProcess(i, clean, clean ? "exit code 0" : "exit code 1", clean ? 0 : 1);
+    });
+  }
+}
+
+void Harness::Do(const Action& action) {
+  const auto deliver = [this](std::size_t i, std::uint64_t number, bool ask, auto make_event) {
+    const RequestToken token = next_token_++;
+    After(kWire, [=, this, sender = ControllerId(), epoch = machine_.epoch] {
+      Actor& actor = actors_[i];
+      if (!actor.alive || !actor.visible || actor.deaf) return;
+      actor.requests[token] = {number, ask};
+      Perform(i, actuator_event::ControllerHeard{sender, epoch});
+      Perform(i, make_event(token));
+    });
+  };
+  const Sender sender = ControllerId();
+  if (const auto* send = std::get_if<action::SendSwitch>(&action)) {
+    const ActuatorRecord& record = machine_.actuators[send->actuator];
+    const SwitchCommand command{machine_.epoch,
+                                send->number,
+                                send->target,
+                                send->budget,
+                                record.clock_theirs,
+                                now_ - record.clock_ours,
+                                record.report.incarnation,
+                                send->apart};
+    deliver(send->actuator, send->number, false, [command, sender](RequestToken token) {
+      return ActuatorEvent{actuator_event::SwitchArrived{token, command, sender}};
+    });
+  } else if (const auto* ask = std::get_if<action::SendAsk>(&action)) {
+    const AskCommand command{machine_.epoch, ask->number, ask->stop};
+    deliver(ask->actuator, ask->number, true, [command, sender](RequestToken token) {
+      return ActuatorEvent{actuator_event::AskArrived{token, command, sender}};
+    });
+  } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
+    const Behaviour exec = actors_[start->actuator].script["exec"];
+    if (exec.code != kCodeOk) return Tell(event::ProcessNotStarted{start->actuator, exec.message});
+    StartActuator(config_.actuators[start->actuator].name);
+    Tell(event::ProcessStarted{start->actuator, actors_[start->actuator].pid});
+    if (exec.exit_code != 0) {
+      Exit(config_.actuators[start->actuator].name, exec.exit_code, exec.message);
+    }
+  } else if (std::holds_alternative<action::FindProcesses>(action)) {
+    event::ProcessesFound found;
+    for (const Actor& actor : actors_) found.processes.push_back(actor.alive ? actor.pid : 0);
+    Tell(found);
+  } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
+    signals.push_back(config_.actuators[signal->actuator].name +
+                      (signal->kill ? ":KILL" : ":TERM"));
+    const bool obeys = !actors_[signal->actuator].script[signal->kill ? "KILL" : "TERM"].hangs;
+    if (obeys) {
+      EndProcess(signal->actuator, false, signal->kill ? "killed by SIGKILL" : "killed by SIGTERM");
+    }
+  } else if (const auto* answer = std::get_if<action::AnswerSetState>(&action)) {
+    answers[answer->request] = answer->result;
+  } else if (const auto* call = std::get_if<action::AnswerCall>(&action)) {
+    calls.emplace(call->request, call->result);
+  } else if (const auto* take = std::get_if<action::TakeBacktrace>(&action)) {
+    After(Milliseconds(50), [this, take = *take] {
+      Tell(event::BacktraceTaken{take.actuator, take.pid, "in its main loop"});
+    });
+  } else if (const auto* stop = std::get_if<action::TellEmergencyStop>(&action)) {
+    TellActuators(*stop);
+  } else if (const auto* stops = std::get_if<action::SaveEmergencyStops>(&action)) {
+    Save(Stored::kEmergencyStops, stops->save, stops_on_disk, stops->stops);
+  } else if (const auto* policy = std::get_if<action::SavePolicy>(&action)) {
+    Save(Stored::kPolicy, policy->save, policy_on_disk, policy->policy);
+  } else if (const auto* intent = std::get_if<action::SaveStopIntent>(&action)) {
+    Save(Stored::kStopIntent, intent->save, stop_intent_on_disk, intent->intended);
+  } else if (const auto* command = std::get_if<action::RunPowerCommand>(&action)) {
+    power.emplace_back(now_, command->reboot);
+  } else if (const auto* epoch = std::get_if<action::SaveEpoch>(&action)) {
+    Save(Stored::kEpoch, epoch->save, epoch_on_disk_, epoch->epoch);
+  } else if (const auto* end = std::get_if<action::Fenced>(&action)) {
+    fenced = end->message;
+  } else if (const auto* record = std::get_if<action::Record>(&action)) {
+    records.push_back(record->message);
+    if (record->id == 1) told.clear();
+    told.push_back(*record);
+  } else if (const auto* ended = std::get_if<action::StartUpEnded>(&action)) {
+    start_up_ = *ended;
+  } else if (std::holds_alternative<action::Stopped>(action)) {
+    stopped_ = true;
+  }
+}
+
+}  // namespace musher::testing

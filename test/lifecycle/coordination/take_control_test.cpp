@@ -1,0 +1,209 @@
+// How an actuator that shows itself comes to follow, and what is believed of what it says.
+
+#include "musher/lifecycle/code.hpp"
+#include "musher/test/lifecycle/coordination/one_controller.hpp"
+
+namespace musher::testing::take_control_test {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+using TakeControl = OneController;
+
+TEST_F(TakeControl, IsRepeatedUntilItIsAnsweredAndOutbidsNobody) {
+  Begin();
+  Say(0, Report(0));
+  ASSERT_THAT(Did<action::SendAsk>(), SizeIs(1));
+  now_ += Milliseconds(1);
+  ActuatorReport report = Report(0);  // it has heard the question; its answer is lost
+  report.epoch = machine_.epoch;
+  Say(0, report);
+  Forget();
+  Pass(Milliseconds(498));
+  EXPECT_THAT(Did<action::SendAsk>(), IsEmpty());
+  Pass(Milliseconds(1));
+  EXPECT_THAT(Did<action::SendAsk>(), SizeIs(1));
+  EXPECT_THAT(Did<action::SaveEpoch>(), IsEmpty());
+}
+
+TEST_F(TakeControl, OfOneThatFollowsAnotherOfOurEpochComesAfterThatOneHadTimeToSpeak) {
+  Begin();
+  ActuatorReport report = Report(0);
+  report.epoch = machine_.epoch;
+  Say(0, report);
+  EXPECT_EQ(Of(0).set_up_by, now_ + Milliseconds(1700)) << "it is not given up meanwhile";
+  Forget();
+  Pass(Milliseconds(1199));
+  EXPECT_THAT(Did<action::SendAsk>(), IsEmpty());
+  Pass(Milliseconds(1));
+  EXPECT_THAT(Did<action::SendAsk>(), SizeIs(1));
+  EXPECT_EQ(machine_.epoch, report.epoch + 1);
+}
+
+TEST_F(TakeControl, ThatIsDeniedIsRepeatedSoonAndIsNoAnswer) {
+  Begin();
+  Say(0, Report(0));
+  Do(event::Replied{0, 0, true, Verdict::kRefused, kCodePermissionDenied, "", Report(0)});
+  EXPECT_EQ(Of(0).presence, Presence::kStarting);
+  EXPECT_EQ(Next(), now_ + Milliseconds(20));
+}
+
+TEST_F(TakeControl, ThatIsRefusedForAnotherReasonIsNotHurriedNorOutbid) {
+  Begin();
+  Say(0, Report(0));
+  const auto again = Of(0).take_control_again;
+  now_ += Milliseconds(1);
+  ActuatorReport report = Report(0);
+  report.epoch = machine_.epoch + 5;
+  Do(event::Replied{0, 0, true, Verdict::kRefused, kCodeParametersInvalid, "", report});
+  EXPECT_EQ(Of(0).presence, Presence::kStarting);
+  EXPECT_EQ(Of(0).take_control_again, again);
+  EXPECT_FALSE(Of(0).outbid_at);
+}
+
+TEST_F(TakeControl, ThatIsAnsweredMakesItPresentAndTellsItsProcessWhereThereIsOne) {
+  Begin();
+  Come(0);
+  EXPECT_EQ(Told("a is present").message, "a is present in SetUp, process 700");
+  ActuatorReport report = Report(1);
+  report.pid = 0;
+  Say(1, report);
+  report.epoch = machine_.epoch;
+  Do(event::Replied{1, 0, true, Verdict::kDone, kCodeOk, "", report});
+  EXPECT_EQ(Told("b is present").message, "b is present in SetUp");
+}
+
+using Reports = OneController;
+
+TEST_F(Reports, OfTheSameMomentTheLaterCounts) {
+  StartUp();
+  ActuatorReport report = Report(0, "Active");
+  report.outcome_message = "first";
+  Say(0, report);
+  report.outcome_message = "second";
+  Say(0, report);
+  EXPECT_EQ(Of(0).report.outcome_message, "second");
+  report.stamp -= Duration(1);
+  report.outcome_message = "third";
+  Say(0, report);
+  EXPECT_EQ(Of(0).report.outcome_message, "second");
+}
+
+TEST_F(Reports, OnlyACheckThatWasSeenToRunCountsAsPassed) {
+  Begin();
+  Come(0);
+  ActuatorReport report = Report(0, "SelfCheck");
+  Say(0, report);
+  EXPECT_FALSE(Of(0).checked);
+  report = Report(0, "SelfCheck");
+  report.target = "LowPower";
+  Say(0, report);
+  report = Report(0, "LowPower");
+  Say(0, report);
+  EXPECT_FALSE(Of(0).checked) << "what came free was no check";
+}
+
+TEST_F(Reports, ASetUpThatFailedIsToldWithItsCodeAndOneThatHasNotBegunIsNoFailure) {
+  Begin();
+  Say(0, Report(0, "Uninitialized"));
+  EXPECT_FALSE(Of(0).fault);
+  ActuatorReport report = Report(1, "Uninitialized");
+  report.outcome_code = 5012;
+  report.outcome_message = "no microphone";
+  Say(1, report);
+  ASSERT_TRUE(Of(1).fault);
+  EXPECT_EQ(Of(1).fault->code, 5012);
+  EXPECT_THAT(Of(1).fault->message, HasSubstr("no microphone"));
+}
+
+TEST_F(Reports, OfANewProcessEndWhatTheOldOneWasSent) {
+  StartUp();
+  Do(event::SetStateRequested{1, "LowPower", {}});
+  ASSERT_TRUE(Of(0).order);
+  ActuatorReport report = Report(0);
+  report.incarnation += 100;
+  report.pid += 100;
+  report.epoch = 0;
+  Say(0, report);
+  EXPECT_FALSE(Of(0).order);
+  EXPECT_FALSE(Of(0).checked);
+  EXPECT_EQ(Of(0).presence, Presence::kStarting);
+  EXPECT_TRUE(IsTold("it was started anew"));
+}
+
+TEST_F(Reports, OfAnImpostorAreToldWithNoMoreOfItsNameThanOneReads) {
+  StartUp();
+  ActuatorReport report = Report(0);
+  report.incarnation += 100;
+  report.host = std::string(100, 'h');
+  Say(0, report);
+  EXPECT_THAT(Told("another process says").message, HasSubstr(" " + std::string(64, 'h') + ";"));
+}
+
+TEST_F(Reports, OfAProcessThatHasEndedBringNobodyBack) {
+  StartUp();
+  const ActuatorReport last = Report(0, "Active");
+  Do(event::Vanished{0, last.incarnation, true, "its process ended"});
+  Say(0, last);
+  EXPECT_EQ(Of(0).presence, Presence::kLost);
+}
+
+TEST_F(Reports, OneThatIsLostInItsSetUpIsDegraded) {
+  Begin();
+  ActuatorReport report = Report(0, "Uninitialized");
+  report.target = "SetUp";
+  Say(0, report);
+  Do(event::Vanished{0, report.incarnation, true, "its process 700 ended"});
+  ASSERT_TRUE(Of(0).fault);
+  EXPECT_THAT(Of(0).fault->message, HasSubstr("crashed: its process 700 ended"));
+  EXPECT_EQ(Of(0).health, Health::kCrashed);
+}
+
+using Orders = OneController;
+
+TEST_F(Orders, AreAskedForThreeTimesBeforeTheActuatorIsLost) {
+  StartUp();
+  Do(event::SetStateRequested{1, "LowPower", {}});
+  Pass(Milliseconds(999));
+  EXPECT_EQ(Of(0).presence, Presence::kPresent);
+  Pass(Milliseconds(1));
+  EXPECT_EQ(Of(0).presence, Presence::kLost);
+  EXPECT_THAT(Did<action::SendAsk>(), SizeIs(6));  // three each
+}
+
+TEST_F(Orders, HaveNumbersAboveAllThatWasSeen) {
+  StartUp();
+  const std::uint64_t before = machine_.number;
+  ActuatorReport report = Report(0);
+  report.incarnation += 100;
+  report.pid += 100;
+  report.epoch = 0;
+  Say(0, report);
+  report.epoch = machine_.epoch;
+  Do(event::Replied{0, 0, true, Verdict::kDone, kCodeOk, "", report});
+  ASSERT_TRUE(Of(0).order) << "it joins";
+  EXPECT_EQ(Of(0).order->number, before + 1);
+}
+
+TEST_F(Orders, ThatACyberdogModuleDoesInItsTimeAreNoHang) {
+  config_.actuators[0].protocol = Protocol::kCyberdog;
+  config_.actuators[0].command = {"run"};
+  config_.actuators[0].restart.policy = RestartPolicy::kOnFailure;
+  StartUp();
+  Do(event::SetStateRequested{1, "LowPower", {}});
+  Obey(0);
+  EXPECT_THAT(Did<action::TakeBacktrace>(), IsEmpty());
+  Obey(1);
+  Do(event::SetStateRequested{2, "OTA", {}});
+  Pass(Milliseconds(100));
+  Do(event::Replied{0, machine_.number, true, Verdict::kDone, kCodeOk, "", [&] {
+                      ActuatorReport report = Report(0, "LowPower");
+                      report.busy_number = machine_.number;
+                      report.target = "OTA";
+                      return report;
+                    }()});
+  EXPECT_THAT(Did<action::TakeBacktrace>(), SizeIs(1)) << "it can't be asked";
+}
+
+}  // namespace musher::testing::take_control_test

@@ -1,0 +1,97 @@
+// Those who are not of the machine: without keys, with keys of another robot, with revoked ones.
+//
+// That a stranger hears nothing means something only while others hear: each test waits until a
+// permitted process has heard much of what the stranger has not.
+
+#include "musher/test/security/secured_machine.hpp"
+
+namespace musher::testing::unauthorized_test {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Strangers : public SecuredMachine {
+ protected:
+  // What the stranger tries all the time, and all that it listens to.
+  static std::vector<std::string> EverythingBad() {
+    return {"announce", "pose:legs",  "pose:legs:legs", "command:legs",  "serve:voice",
+            "stop",     "set:Active", "hear:chat",      "publish:gossip"};
+  }
+  // Ends the stranger; it has spoken to nobody and heard nobody.
+  static void ExpectWasAlone(Process& stranger) {
+    stranger.Signal(SIGTERM);
+    const std::string said = stranger.Wait().out;
+    EXPECT_THAT(said, HasSubstr("ready"));
+    for (const char* word : {"machine ", "beats ", "heard ", "answered", "asked", "refused"}) {
+      EXPECT_THAT(said, Not(HasSubstr(word)));
+    }
+  }
+  // One who may hear has heard much of a friend, and nothing of the stranger.
+  void AwaitMuchTalk() const {
+    const auto talker = Peer(keys_, "voice", {"publish:chat"});
+    const auto ear = Peer(keys_, "operator", {"hear:chat", "hear:gossip"});
+    for (int i = 0; i < 200; ++i) ASSERT_NE(ear->LineWith("heard chat"), "");
+    ear->Signal(SIGTERM);
+    EXPECT_THAT(ear->Wait().out, Not(HasSubstr("heard gossip")));
+  }
+};
+
+TEST_F(Strangers, WithoutKeysHearNothingAndChangeNothing) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const auto stranger = Liar("-", "-", EverythingBad());
+  ASSERT_NO_FATAL_FAILURE(AwaitMuchTalk());
+  ExpectTheMachineIsSound();
+  ExpectWasAlone(*stranger);
+}
+
+TEST_F(Strangers, WithoutKeysAreToldByTheCommandLineWhatIsMissing) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  unsetenv("MUSHER_KEYS");
+  const Ended status = Musher({"status"});
+  EXPECT_EQ(status.exit, 3);
+  EXPECT_THAT(status.err, HasSubstr("is not heard without keys: use --keys FOLDER"));
+  EXPECT_EQ(Musher({"set", "Active", "--timeout", "1"}).exit, 3);
+  EXPECT_EQ(Musher({"estop", "--timeout", "1"}).exit, 3);
+  setenv("MUSHER_KEYS", keys_.c_str(), 1);
+  EXPECT_EQ(Status()["state"], "LowPower");
+}
+
+TEST_F(Strangers, OfAnotherRobotAreStrangersHere) {
+  ASSERT_NO_FATAL_FAILURE(Start());
+  const std::string foreign = folder_ / "foreign";
+  ASSERT_EQ(Musher({"keys", "init", foreign}).exit, 0);
+  const auto stranger = Liar(foreign, "controller", EverythingBad());
+  ASSERT_NO_FATAL_FAILURE(AwaitMuchTalk());
+  ExpectTheMachineIsSound();
+  ExpectWasAlone(*stranger);
+  const Ended status = Musher({"status", "--keys", foreign, "--timeout", "1"});
+  EXPECT_EQ(status.exit, 3);
+  EXPECT_THAT(status.err, HasSubstr("is not heard with the keys of operator in " + foreign));
+}
+
+// The revoked one keeps the folder as it was, so that nothing on its own side stops it.
+TEST_F(Strangers, AreThoseWhoseCertificateIsRevokedOnceTheMachineIsStartedAgain) {
+  Identity("fired", "operator");
+  const std::string kept = folder_ / "kept";
+  std::filesystem::copy(keys_, kept, std::filesystem::copy_options::recursive);
+  ASSERT_NO_FATAL_FAILURE(Start());
+  EXPECT_EQ(Musher({"status", "--keys", kept, "--identity", "fired"}).exit, 0);
+  const Ended revoke = Musher({"keys", "revoke", "fired"});
+  EXPECT_EQ(revoke.exit, 0) << revoke.err;
+  EXPECT_THAT(revoke.out, HasSubstr("copy it into the folder\nof keys on every host"));
+  ASSERT_EQ(Musher({"down"}).exit, 0);
+  ASSERT_NO_FATAL_FAILURE(Start());
+
+  const auto stranger = Liar(kept, "fired", EverythingBad());
+  ASSERT_NO_FATAL_FAILURE(AwaitMuchTalk());
+  ExpectTheMachineIsSound();
+  ExpectWasAlone(*stranger);
+  const Ended set =
+      Musher({"set", "Active", "--keys", kept, "--identity", "fired", "--timeout", "1"});
+  EXPECT_EQ(set.exit, 3) << set.out;
+  const Ended own_side = As("fired", {"status"});
+  EXPECT_EQ(own_side.exit, 2);
+  EXPECT_THAT(own_side.err, HasSubstr("fired.cert is revoked, says " + keys_ + "/revoked.crl"));
+}
+
+}  // namespace musher::testing::unauthorized_test

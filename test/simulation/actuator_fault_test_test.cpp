@@ -1,0 +1,323 @@
+// Good and bad actuators under trial: the good one passes, and each bad one is found.
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <set>
+#include <stdexcept>
+
+#include "musher/test/simulation/motor.hpp"
+
+namespace musher::testing::actuator_fault_test_test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(ActuatorFaultTest, PassesAGoodActuatorThatHasMetEverything) {
+  MotorFaultTest<GoodMotor> test;
+  test.Run();
+  const simulation::FaultTestCounts& met = test.tally();
+  std::cout << met.scenarios << " scenarios, " << met.processes << " processes, " << met.callbacks
+            << " callbacks: " << met.failed << " failed, " << met.repeated << " repeated, "
+            << met.asked_to_stop << " asked to stop, " << met.killed_in << " killed, "
+            << met.stopped_beside << " of " << met.emergency_stops << " stops beside, "
+            << met.stopped_before << " before the first instruction; " << met.torn_down
+            << " torn down\n";
+  EXPECT_GT(met.processes, met.scenarios);
+  EXPECT_GT(met.failed, 0U);
+  EXPECT_GT(met.repeated, 0U);
+  EXPECT_GT(met.asked_to_stop, 0U);
+  EXPECT_GT(met.killed_in, 0U);
+  EXPECT_GT(met.stopped_beside, 0U);
+  EXPECT_GT(met.stopped_before, 0U);
+  EXPECT_GT(met.emergency_stops, met.stopped_beside);
+  EXPECT_GT(met.torn_down, met.scenarios / 2);
+}
+
+// Notes that it has done it before it has.
+class ForgetfulMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> PowerOn() override {
+    off_ = false;
+    return GoodMotor::PowerOn();
+  }
+  Result<> PowerOff() override {
+    if (std::exchange(off_, true)) return Ok();
+    return GoodMotor::PowerOff();
+  }
+
+ private:
+  bool off_ = false;
+};
+
+TEST(ActuatorFaultTest, FindsPowerThatStaysOnInLowPowerAfterACallbackHasFailed) {
+  MotorFaultTest<ForgetfulMotor> test;
+  test.always = [](const ForgetfulMotor& motor, const ActuatorReport& report) {
+    EXPECT_FALSE(report.state == "LowPower" && motor.powered());
+  };
+  const FaultTestFailure failure = test.Failure();
+  EXPECT_THAT(failure.what, HasSubstr("motor.powered()"));
+  EXPECT_LE(failure.id.only->size(), 5U) << failure.timeline;
+  EXPECT_THAT(failure.timeline, HasSubstr("callbacks of motor fail"));
+}
+
+// Trusts that the process before it has left the motor without power.
+class TrustingMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> SetUp() override { return Ok(); }
+};
+
+TEST(ActuatorFaultTest, FindsWhatAProcessLeavesBehindForTheNext) {
+  const FaultTestFailure failure = MotorFaultTest<TrustingMotor>().Failure();
+  EXPECT_THAT(failure.what, HasSubstr("in SetUp"));
+  EXPECT_THAT(failure.timeline, HasSubstr("motor is gone"));
+}
+
+// Goes on after an emergency stop that came beside its callback.
+class StubbornMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> PowerOn() override {
+    for (int step = 0; step < 5; ++step) static_cast<void>(StopRequested());
+    return motor().Power(true);
+  }
+};
+
+TEST(ActuatorFaultTest, FindsACallbackThatGoesOnAfterAnEmergencyStop) {
+  MotorFaultTest<StubbornMotor> test;
+  test.after_emergency_stop = [](const StubbornMotor& motor, const ActuatorReport&) {
+    EXPECT_FALSE(motor.powered()) << "during a stop";
+  };
+  const FaultTestFailure failure = test.Failure();
+  EXPECT_THAT(failure.what, HasSubstr("during a stop"));
+  EXPECT_THAT(failure.timeline, HasSubstr("an emergency stop is engaged"));
+}
+
+// Switches on at its first instruction, and does not look whether a stop has come before it.
+class HastyMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> PowerOn() override { return motor().Power(true); }
+};
+
+TEST(ActuatorFaultTest, FindsPowerThatComesAfterAStopBeforeTheFirstInstruction) {
+  MotorFaultTest<HastyMotor> test;
+  test.scenarios = 3000;
+  test.after_emergency_stop = [](const HastyMotor& motor, const ActuatorReport&) {
+    EXPECT_FALSE(motor.powered()) << "during a stop";
+  };
+  EXPECT_THAT(test.Failure().what, HasSubstr("during a stop"));
+}
+
+// Opens what is open already.
+class OnceOnlyMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> PowerOn() override {
+    if (powered()) throw std::runtime_error("the motor has power already");
+    return GoodMotor::PowerOn();
+  }
+};
+
+TEST(ActuatorFaultTest, FindsACallbackThatCannotBeRunTwice) {
+  const FaultTestFailure failure = MotorFaultTest<OnceOnlyMotor>().Failure();
+  EXPECT_THAT(failure.what, HasSubstr("motor: its callback of Active was done, and failed when it "
+                                      "was run again"));
+  EXPECT_THAT(failure.what, HasSubstr("the motor has power already"));
+}
+
+// Is of no use after a crash.
+class BrokenMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> SetUp() override {
+    if (powered()) return Error{6104, "the motor is busy"};
+    return GoodMotor::SetUp();
+  }
+};
+
+TEST(ActuatorFaultTest, FindsAnActuatorThatDoesNotComeBackAfterACrash) {
+  const FaultTestFailure failure = MotorFaultTest<BrokenMotor>().Failure();
+  EXPECT_THAT(failure.what, HasSubstr("so it does not hold"));
+  EXPECT_THAT(failure.timeline, HasSubstr("the motor is busy"));
+}
+
+// Its callback of SelfCheck waits for an answer that does not come, and looks up from it never, or
+// for ever.
+std::atomic<bool> the_test_is_over = false;
+
+class DeafMotor : public GoodMotor {
+ public:
+  explicit DeafMotor(Motor& motor) : GoodMotor(motor) {
+    RegisterStateCallback("OTA", [] {
+      while (!the_test_is_over) continue;
+      return 0;
+    });
+  }
+};
+
+TEST(ActuatorFaultTest, GivesUpACallbackThatNeitherEndsNorAsksWhetherItShould) {
+  MotorFaultTest<DeafMotor> test;
+  test.real_time_limit = std::chrono::milliseconds(200);
+  const FaultTestFailure failure = test.Failure();
+  the_test_is_over = true;
+  EXPECT_THAT(failure.what, HasSubstr("motor: its callback of OTA neither ends nor asks "
+                                      "StopRequested() for 200 ms of real time"));
+  EXPECT_THAT(failure.timeline, HasSubstr("motor in "));
+}
+
+class WaitingMotor : public GoodMotor {
+ public:
+  explicit WaitingMotor(Motor& motor) : GoodMotor(motor) {
+    RegisterStateCallback("OTA", [this] {
+      while (!StopRequested()) continue;
+      return 6108;
+    });
+  }
+};
+
+TEST(ActuatorFaultTest, LetsVirtualTimePassForACallbackThatPollsUntilItIsAskedToStop) {
+  MotorFaultTest<WaitingMotor> test;
+  test.scenarios = 20;
+  ASSERT_TRUE(test.Find());
+  EXPECT_GT(test.tally().asked_to_stop, 0U);
+}
+
+// Waits in OnEmergencyStop() for the callback beside it, which waits for the world.
+class LockingMotor : public GoodMotor {
+ public:
+  using GoodMotor::GoodMotor;
+
+ protected:
+  Result<> PowerOn() override {
+    const std::lock_guard lock(mutex_);
+    return GoodMotor::PowerOn();
+  }
+  void OnEmergencyStop() override {
+    const std::lock_guard lock(mutex_);
+    GoodMotor::OnEmergencyStop();
+  }
+
+ private:
+  std::mutex mutex_;
+};
+
+TEST(ActuatorFaultTest, FindsAnEmergencyStopThatWaitsForACallback) {
+  MotorFaultTest<LockingMotor> test;
+  test.real_time_limit = std::chrono::milliseconds(200);
+  EXPECT_THAT(test.Failure().what, HasSubstr("its OnEmergencyStop() does not come back beside a "
+                                              "callback of Active"));
+}
+
+TEST(ActuatorFaultTest, TellsTheSameFromTheSameSeed) {
+  const FaultTestFailure one = MotorFaultTest<ForgetfulMotor>().Failure();
+  const FaultTestFailure two = MotorFaultTest<ForgetfulMotor>().Failure();
+  EXPECT_EQ(one.id.seed, two.id.seed);
+  EXPECT_EQ(one.id.only, two.id.only);
+  EXPECT_EQ(one.timeline, two.timeline);
+}
+
+TEST(ActuatorFaultTest, SaysWhenAStoryIsNotTheSameAgain) {
+  MotorFaultTest<TrustingMotor> test;
+  bool spoilt = false;
+  test.always = [&](const TrustingMotor&, const ActuatorReport&) {
+    EXPECT_TRUE(std::exchange(spoilt, true)) << "once only";
+  };
+  const FaultTestFailure failure = test.Failure();
+  EXPECT_FALSE(failure.again);
+  EXPECT_THAT(failure.what, HasSubstr("once only"));
+}
+
+TEST(ActuatorFaultTest, FailsTheTestWithACommandAndTheScenario) {
+  static MotorFaultTest<TrustingMotor> test;
+  EXPECT_NONFATAL_FAILURE(test.Run(), "again with: MUSHER_SEED=");
+  EXPECT_NONFATAL_FAILURE(test.Run(), "--gtest_filter='ActuatorFaultTest.FailsTheTestWithACommand");
+  EXPECT_NONFATAL_FAILURE(test.Run(), "motor is gone");
+}
+
+TEST(ActuatorFaultTest, TellsTheScenarioOfTheEnvironment) {
+  const FaultTestFailure failure = MotorFaultTest<TrustingMotor>().Failure();
+  const std::string command = TrialCommand(failure.id, "A.Test");
+  const auto begin = command.find("MUSHER_ONLY=") + std::string("MUSHER_ONLY=").size();
+  setenv("MUSHER_SEED", std::to_string(failure.id.seed).c_str(), 1);
+  setenv("MUSHER_ONLY", command.substr(begin, command.find(' ', begin) - begin).c_str(), 1);
+  static MotorFaultTest<TrustingMotor> test;
+  ::testing::internal::CaptureStdout();
+  EXPECT_NONFATAL_FAILURE(test.Run(), "in SetUp");
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), failure.timeline);
+  setenv("MUSHER_ONLY", "1000", 1);
+  EXPECT_NONFATAL_FAILURE(test.Run(), "injected events, and no 1000");
+  setenv("MUSHER_SEED", "soon", 1);
+  EXPECT_NONFATAL_FAILURE(test.Run(), "MUSHER_SEED is no number");
+  unsetenv("MUSHER_SEED");
+  unsetenv("MUSHER_ONLY");
+}
+
+TEST(ActuatorFaultTest, TakesAConfigAndSaysWhenItDoesNotFit) {
+  MotorFaultTest<GoodMotor> test;
+  test.config_file = MUSHER_SOURCE_DIR "/examples/first_module/robot.toml";
+  EXPECT_THAT(test.Find().error().message, HasSubstr("has no actuator 'motor'"));
+  test.config_file.clear();
+  test.config_text = R"(
+    [controller]
+    actuators = ["motor"]
+    states = ["SetUp", "Active"]
+    default_time = 1000
+    default_state = "Uninitialized"
+    [actuator.motor]
+    states = ["SetUp", "Active"]
+    times = [1000, 1000]
+  )";
+  EXPECT_THAT(test.Find().error().message, HasSubstr("there is a callback for state 'LowPower'"));
+}
+
+class DancingMotor : public GoodMotor {
+ public:
+  explicit DancingMotor(Motor& motor) : GoodMotor(motor) {
+    RegisterStateCallback("Dancing", [] { return 0; });
+  }
+};
+
+class SimpleMotor : public MachineActuator {
+ public:
+  SimpleMotor() : MachineActuator("motor") {
+    RegisterStateCallback([](const State& state) {
+      entered_.insert(state);
+      return 0;
+    });
+  }
+  ~SimpleMotor() override { Shutdown(); }
+
+  inline static std::set<State> entered_;
+};
+
+TEST(ActuatorFaultTest, WithoutAConfigTriesOneWithACallbackForAllStatesInTheBuiltInOnes) {
+  ActuatorFaultTest<SimpleMotor> test;
+  test.scenarios = 100;
+  const auto found = test.Find();
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_FALSE(found.value());
+  EXPECT_THAT(SimpleMotor::entered_, ElementsAre("Active", "DeActive", "Error", "LowPower", "OTA",
+                                                 "Protected", "SelfCheck", "SetUp", "TearDown"));
+}
+
+TEST(ActuatorFaultTest, NeedsAConfigForStatesOfTheRobotsOwn) {
+  EXPECT_THAT(MotorFaultTest<DancingMotor>().Find().error().message, HasSubstr("Dancing"));
+}
+
+}  // namespace musher::testing::actuator_fault_test_test

@@ -1,0 +1,121 @@
+// What the judge must not say.
+
+#include <gtest/gtest.h>
+
+#include <utility>
+
+#include "musher/simulation/scenario.hpp"
+#include "musher/simulation/fault_test.hpp"
+
+namespace musher::testing::judge_test {
+
+using simulation::Injection;
+using simulation::InjectionKind;
+
+Injection At(Duration at, InjectionKind kind, const State& state = {}) {
+  Injection injection;
+  injection.at = at;
+  injection.kind = kind;
+  injection.actuator = 1;
+  injection.state = state;
+  injection.lasts = Milliseconds(100);
+  return injection;
+}
+
+// A second controller begins at the very instant at which the first one's patience ends: whose turn
+// comes first is no fault of the other's.
+TEST(Checker, LetsAControllerHaveItsTurnAtTheInstantOfItsDeadline) {
+  const auto config = simulation::ConfigAround("arm", {"SetUp", "SelfCheck", "Active", "LowPower"});
+  ASSERT_TRUE(config) << config.error().message;
+  simulation::ScenarioOptions options = simulation::UsualOptions(config.value());
+  options.provided = false;
+  const auto ending = RunScenario(config.value(), 1,
+                                {At(Milliseconds(2000), InjectionKind::kHang),
+                                 At(Milliseconds(2000), InjectionKind::kSet, "LowPower"),
+                                 At(Milliseconds(5000), InjectionKind::kTakeover),
+                                 At(Milliseconds(5000), InjectionKind::kSet, "LowPower")},
+                                options);
+  EXPECT_FALSE(ending.violation) << ending.violation->what;
+}
+
+// A robot of three actuators, with a policy for the battery.
+MachineConfig ThreeActuators() {
+  auto config = simulation::ConfigAround(
+      "arm", {"SetUp", "SelfCheck", "Active", "Protected", "LowPower", "Error", "TearDown"});
+  MachineConfig made = std::move(config).value();
+  made.policy.emplace().battery.emplace();
+  made.policy->low_power.emplace();
+  return made;
+}
+
+// What the judge says against a run with these injected events; empty: nothing.
+std::string Against(const MachineConfig& config, const simulation::Injections& injections,
+                    std::uint64_t seed = 1) {
+  simulation::ScenarioOptions options = simulation::UsualOptions(config);
+  options.provided = false;
+  options.shared_processes = true;
+  const auto ending = RunScenario(config, seed, injections, options);
+  return ending.violation ? ending.violation->what : "";
+}
+
+// The wake-up leads to Protected, and Active begins in the very step in which that is reached.
+TEST(Checker, LetsTheMachineGoOnToActiveWhenItsCeilingGoesDuringAWakeUp) {
+  const MachineConfig config = ThreeActuators();
+  Injection low = At(Milliseconds(2000), InjectionKind::kBattery);
+  low.chance = 10 * 2 + 1;  // percent, and charging
+  Injection full = At(Milliseconds(5000), InjectionKind::kBattery);
+  full.chance = 100 * 2 + 1;
+  EXPECT_EQ(Against(config, {low, At(Milliseconds(2000), InjectionKind::kSet, "LowPower"),
+                             At(Milliseconds(5000), InjectionKind::kWakeUp), full}),
+            "");
+}
+
+// The command to Error waits behind that to Protected at an actuator that is stopped, and hung.
+TEST(Checker, LetsACommandBeFencedThatWasGivenUpAsLost) {
+  const MachineConfig config = [] {
+    MachineConfig made = ThreeActuators();
+    made.actuators[2].checkpoint = Milliseconds(200);
+    made.actuators[2].command.clear();  // not ours to kill
+    return made;
+  }();
+  Injection stopped = At(Milliseconds(5000), InjectionKind::kFreeze);
+  stopped.lasts = Milliseconds(500);
+  stopped.actuator = 2;
+  EXPECT_EQ(Against(config, {stopped, At(Milliseconds(5000), InjectionKind::kSet, "Protected"),
+                             At(Milliseconds(5000), InjectionKind::kSet, "Error")}),
+            "");
+}
+
+// The takeover was asked for first, and waits for the controller that is stopped.
+TEST(Checker, LetsATakeoverStartTheMachineThatWasTornDownWhileItWaited) {
+  Injection tear_down = At(Milliseconds(5000), InjectionKind::kClientSet, "TearDown");
+  tear_down.chance = 1;  // of the machine
+  EXPECT_EQ(Against(ThreeActuators(), {At(Milliseconds(5000), InjectionKind::kControllerFreeze),
+                                       tear_down, At(Milliseconds(5000), InjectionKind::kTakeover)}),
+            "");
+}
+
+// Its process lives on with the other actuator, so that nothing but a restart brings it back.
+TEST(Checker, LetsPeopleRestartWhatWasTornDownAloneInAProcessThatItShares) {
+  MachineConfig config = ThreeActuators();
+  config.actuators[1].command.clear();
+  std::uint64_t seed = 1;
+  while (simulation::DrawLayout(config, seed, true).ProcessOf(1) == 1) ++seed;
+  EXPECT_EQ(Against(config, {At(Milliseconds(5000), InjectionKind::kSetOne, "TearDown")}, seed), "");
+}
+
+// The raise at 100 % is undone, and tried again at 21 %: below the hysteresis, but the ceiling was
+// left at 100 % and begins at 20 %.
+TEST(Checker, LetsARaiseBeTriedAgainWhereTheCeilingWasLeftBefore) {
+  Injection low = At(Milliseconds(3000), InjectionKind::kBattery);
+  low.chance = 10 * 2;  // percent, and no cable
+  Injection fails = At(Milliseconds(6000), InjectionKind::kFail);
+  fails.lasts = Milliseconds(50);  // the way back succeeds
+  Injection full = At(Milliseconds(6000), InjectionKind::kBattery);
+  full.chance = 100 * 2;
+  Injection lower = At(Milliseconds(6500), InjectionKind::kBattery);
+  lower.chance = 21 * 2;
+  EXPECT_EQ(Against(ThreeActuators(), {low, fails, full, lower}), "");
+}
+
+}  // namespace musher::testing::judge_test

@@ -1,0 +1,174 @@
+// Robots drawn from seeds, what befalls them drawn from the same seeds, and every invariant judged
+// after every event.
+//
+//   MUSHER_SEED=42 [MUSHER_ONLY=3,7] simulation_test --gtest_filter='*KeepEvery*/0'
+//     lives one life, maybe with some of its injected events only, and tells it
+//   MUSHER_SEEDS=1000000 …
+//     lives that many; the gate lives 10,000
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <iostream>
+#include <sstream>
+
+#include "musher/simulation/search.hpp"
+#include "musher/simulation/timeline.hpp"
+#include "musher/test/simulation/drawn_config.hpp"
+#include "musher/test/simulation/replay_check.hpp"
+
+namespace musher::testing::scenario_test {
+
+using simulation::Ending;
+using simulation::Injections;
+using simulation::Scenario;
+using simulation::ScenarioId;
+using simulation::ScenarioOptions;
+using simulation::Timeline;
+
+std::string Environment(const char* name, const std::string& otherwise) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? otherwise : value;
+}
+
+ScenarioOptions OptionsFor(const MachineConfig& config) {
+  ScenarioOptions options = simulation::UsualOptions(config);
+  options.provided = false;  // a drawn robot may do without any of its actuators
+  options.shared_processes = true;
+  return options;
+}
+
+std::string ToldAgain(const MachineConfig& config, const ScenarioId& id) {
+  Scenario scenario(config, id.seed, simulation::InjectionsOf(config, id).value(), OptionsFor(config));
+  Timeline timeline(scenario, config);
+  timeline.End(scenario.Tell());
+  return timeline.Text();
+}
+
+std::string Command(const ScenarioId& id) {
+  std::string only;
+  for (const std::size_t number : id.only.value_or(std::vector<std::size_t>())) {
+    only += (only.empty() ? " MUSHER_ONLY=" : ",") + std::to_string(number);
+  }
+  return "MUSHER_SEED=" + std::to_string(id.seed) + only +
+         " simulation_test --gtest_filter='*KeepEvery*/0'";
+}
+
+// Every thirtieth life is also replayed from its journal; but what a controller receives while it
+// listens for others, as with profile lan, is not in there as what it decides on.
+void ExpectInvariantsHold(std::uint64_t seed, simulation::Coverage& coverage) {
+  const MachineConfig config = DrawConfig(seed);
+  const ScenarioOptions options = OptionsFor(config);
+  Scenario scenario(config, seed, simulation::SampleInjections(config, seed), options);
+  const Ending ending = scenario.Tell();
+  coverage.Add(ending.coverage);
+  if (ending.violation) {
+    const ScenarioId id = Shrink(config, options, seed, ending.violation->invariant);
+    FAIL() << ending.violation->what << "\nagain with: " << Command(id) << "\n"
+           << ToldAgain(config, id);
+  }
+  const bool whole = config.transport == TransportProfile::kLocal && !scenario.robot().disk(0).gap &&
+                     scenario.robot().disk(1).recording.empty();
+  if (seed % 30 == 0 && whole) ExpectReplaysTheSame(scenario.robot());
+}
+
+constexpr std::uint64_t kParts = 10;
+
+class Scenarios : public ::testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(Scenarios, HoldEveryInvariant) {
+  simulation::Coverage coverage;
+  const std::string only = Environment("MUSHER_SEED", "");
+  if (!only.empty()) {
+    if (GetParam() != 0) GTEST_SKIP();
+    ScenarioId id{std::stoull(only), std::nullopt};
+    if (const std::string numbers = Environment("MUSHER_ONLY", ""); !numbers.empty()) {
+      std::istringstream text(numbers);
+      id.only.emplace();
+      for (std::string number; std::getline(text, number, ',');) {
+        id.only->push_back(std::stoul(number));
+      }
+    }
+    const std::string run = ToldAgain(DrawConfig(id.seed), id);
+    std::cout << run;
+    EXPECT_EQ(run.find("✗"), std::string::npos) << "it still ends badly";
+    if (!id.only) ExpectInvariantsHold(id.seed, coverage);
+    return;
+  }
+  const std::uint64_t seeds = std::stoull(Environment("MUSHER_SEEDS", "10000"));
+  for (std::uint64_t seed = 1 + GetParam(); seed <= seeds && !HasFatalFailure(); seed += kParts) {
+    ExpectInvariantsHold(seed, coverage);
+  }
+  std::cout << coverage.Text();
+}
+
+INSTANTIATE_TEST_SUITE_P(Part, Scenarios, ::testing::Range(std::uint64_t{0}, kParts));
+
+TEST(AStory, IsTheSameToTheByteFromTheSameSeed) {
+  for (const std::uint64_t seed : {3, 14, 159, 265, 358, 979}) {
+    const MachineConfig config = DrawConfig(seed);
+    const ScenarioId id{seed, std::nullopt};
+    EXPECT_EQ(ToldAgain(config, id), ToldAgain(config, id));
+  }
+}
+
+// Found by trying a module in the robot that walks: a keep by /clock never ended, since nobody
+// publishes that.
+TEST(AStory, OfARobotThatGoesByAWorldsClockHasATimeOfItsOwn) {
+  MachineConfig config = DrawConfig(0);
+  config.policy.emplace();
+  config.clock = ClockSource::kTopic;
+  simulation::Injection keep;
+  keep.kind = simulation::InjectionKind::kKeep;
+  keep.at = std::chrono::seconds(5);
+  keep.state = kActive;
+  keep.chance = 7;  // seconds
+  const Ending ending = simulation::RunScenario(config, 1, {keep}, OptionsFor(config));
+  EXPECT_FALSE(ending.violation) << ending.violation->what;
+}
+
+TEST(AStory, StaysAsItIsForTheOtherInjectionsWhenSomeAreLeftOut) {
+  const MachineConfig config = DrawConfig(12);
+  const Injections all = simulation::SampleInjections(config, 12);
+  ASSERT_GE(all.size(), 3U);
+  const auto some = simulation::InjectionsOf(config, {12, std::vector<std::size_t>{1, 3}});
+  EXPECT_THAT(some.value(), ::testing::ElementsAre(all[0], all[2]));
+  EXPECT_FALSE(simulation::InjectionsOf(config, {12, std::vector<std::size_t>{all.size() + 1}}));
+}
+
+TEST(Scenarios, AreTheSameHoweverManyThreadsLiveThem) {
+  const MachineConfig config = DrawConfig(5);
+  const auto one = LiveMany(config, OptionsFor(config), 1, 100, 1, {});
+  const auto two = LiveMany(config, OptionsFor(config), 1, 100, 2, {});
+  EXPECT_EQ(one.coverage.Text(), two.coverage.Text());
+  EXPECT_EQ(one.rests, two.rests);
+  EXPECT_EQ(one.steps, two.steps);
+}
+
+TEST(Scenarios, LetEveryInjectionMeetEveryMachinePhaseThatCanBe) {
+  simulation::Coverage coverage;
+  std::array<std::uint64_t, 3> client_ends{};
+  std::array<std::uint64_t, 2> client_calls{};
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    const MachineConfig config = DrawConfig(seed);
+    const Ending ending =
+        RunScenario(config, seed, simulation::SampleInjections(config, seed), OptionsFor(config));
+    coverage.Add(ending.coverage);
+    for (std::size_t i = 0; i < 3; ++i) client_ends[i] += ending.client_ends[i];
+    for (std::size_t i = 0; i < 2; ++i) client_calls[i] += ending.client_calls[i];
+  }
+  // Clients are answered, told by a successor, and told that nobody knows; or by no controller.
+  EXPECT_THAT(client_ends, ::testing::Each(::testing::Gt(0U)));
+  EXPECT_THAT(client_calls, ::testing::Each(::testing::Gt(0U)));
+  for (std::size_t kind = 0; kind < simulation::kInjectionKinds; ++kind) {
+    EXPECT_GT(coverage.Of(static_cast<simulation::InjectionKind>(kind)), 0U)
+        << KindName(static_cast<simulation::InjectionKind>(kind));
+  }
+  for (std::size_t phase = 0; phase < simulation::kMachinePhases; ++phase) {
+    EXPECT_GT(coverage.Of(simulation::InjectionKind::kSet, static_cast<simulation::MachinePhase>(phase)),
+              0U)
+        << MachinePhaseName(static_cast<simulation::MachinePhase>(phase));
+  }
+}
+
+}  // namespace musher::testing::scenario_test
