@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <map>
 
 #include "musher/test/house/build_rules.hpp"
 #include "musher/test/house/doc_rules.hpp"
@@ -51,6 +52,10 @@ bool IsDocument(const SourceFile& file) {
 bool IsGuide(const SourceFile& file) {
   return file.path == "README.md" || (file.In("docs/") && file.Is(".md"));
 }
+// By people who learn the project.
+bool IsRead(const SourceFile& file) {
+  return IsCpp(file) || IsDocument(file) || file.Is("CMakeLists.txt") || file.In("scripts/");
+}
 bool IsAny(const SourceFile&) {
   return true;
 }
@@ -84,6 +89,16 @@ TEST(House, TestsWaitForEventsAndNeverSleep) {
 
 TEST(House, NothingIsLeftForLaterInTheCode) {
   EXPECT_THAT(Complaints(IsAny, Leftovers), IsEmpty());
+}
+
+TEST(House, SpeaksTheLanguageOfTheField) {
+  std::map<std::string, std::string> words;
+  for (const SourceFile& file : Tree()) {
+    if (file.path == "test/house/private_words.txt") words = ReadPrivateWords(file.text);
+  }
+  ASSERT_FALSE(words.empty());
+  EXPECT_THAT(Complaints(IsRead, [&](const auto& file) { return PrivateWords(file, words); }),
+              IsEmpty());
 }
 
 TEST(House, NoFileIsTooLongToRead) {

@@ -1,5 +1,6 @@
 #include "musher/test/house/text_rules.hpp"
 
+#include <cctype>
 #include <regex>
 
 namespace musher::house {
@@ -41,6 +42,39 @@ std::vector<std::string> Leftovers(const SourceFile& file) {
       "ME|XX"
       "X)\\b");
   return Find(file, file.text, leftover, "is left over");
+}
+
+std::map<std::string, std::string> ReadPrivateWords(const std::string& text) {
+  std::map<std::string, std::string> words;
+  for (const Line& line : Lines(text)) {
+    const std::size_t colon = line.text.find(": ");
+    if (line.text.starts_with('#') || colon == std::string::npos) continue;
+    words.emplace(line.text.substr(0, colon), line.text.substr(colon + 2));
+  }
+  return words;
+}
+
+std::vector<std::string> PrivateWords(const SourceFile& file,
+                                      const std::map<std::string, std::string>& words) {
+  std::vector<std::string> complaints;
+  for (const Line& line : Lines(file.text)) {
+    std::string word;
+    const auto end_word = [&] {
+      const auto found = words.find(word);
+      if (found != words.end()) {
+        complaints.push_back(At(file, line.number, "'" + word + "'; say: " + found->second));
+      }
+      word.clear();
+    };
+    for (const char c : line.text) {
+      if (std::islower(static_cast<unsigned char>(c)) == 0) end_word();
+      if (std::isalpha(static_cast<unsigned char>(c)) != 0) {
+        word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      }
+    }
+    end_word();
+  }
+  return complaints;
 }
 
 std::vector<std::string> Oversize(const SourceFile& file) {

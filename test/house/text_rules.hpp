@@ -1,6 +1,10 @@
 #pragma once
 // What may not stand in a file, wherever it is included.
 
+#include <map>
+#include <string>
+#include <vector>
+
 #include "musher/test/house/source_tree.hpp"
 
 namespace musher::house {
@@ -11,6 +15,11 @@ std::vector<std::string> Impurities(const SourceFile& file);
 std::vector<std::string> Sleeps(const SourceFile& file);
 // Notes that something is not done.
 std::vector<std::string> Leftovers(const SourceFile& file);
+// "word: what to say instead" on each line, '#' begins a comment.
+std::map<std::string, std::string> ReadPrivateWords(const std::string& text);
+// Words, also as parts of snake_case and CamelCase, for which the field has another word.
+std::vector<std::string> PrivateWords(const SourceFile& file,
+                                      const std::map<std::string, std::string>& words);
 // A file that asks to be split.
 std::vector<std::string> Oversize(const SourceFile& file);
 // A header that may be included twice.

@@ -39,6 +39,15 @@ TEST(TextRules, FindLeftovers) {
   EXPECT_THAT(Leftovers(Cpp("int to_do = 1;")), IsEmpty());
 }
 
+TEST(TextRules, FindWordsThatTheFieldDoesNotSearchFor) {
+  const auto words = ReadPrivateWords("# a comment: no word\nzebra: horse\n");
+  EXPECT_THAT(PrivateWords(Cpp("// The zebra runs."), words), SizeIs(1));
+  EXPECT_THAT(PrivateWords(Cpp("int zebra_count = 1;"), words), SizeIs(1));
+  EXPECT_THAT(PrivateWords(Cpp("void FeedTheZebraNow();"), words), SizeIs(1));
+  EXPECT_THAT(PrivateWords({"docs/guide.md", "Zebra"}, words), SizeIs(1));
+  EXPECT_THAT(PrivateWords(Cpp("// Zebras have no zebrafish."), words), IsEmpty());
+}
+
 TEST(TextRules, FindFilesOfMoreThanFourHundredLines) {
   std::string text;
   for (int i = 0; i < 400; ++i) text += "\n";
