@@ -135,7 +135,7 @@ void Checker::OnStart(const ControllerProcess& controller, const std::string& na
 }
 
 void Checker::AfterEvent() {
-  CheckPower();
+  CheckPowerOff();
   if (!free_and_stopped_.empty()) CheckPower();
   CheckClients();
   if (!dirty_) return;

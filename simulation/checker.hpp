@@ -119,7 +119,7 @@ class Checker {
   void CheckPolicyChange(const Machine& machine, const Seen& seen);
   void CheckRaise(const State& raised_to, int percent);
   void NoteLevels(const BatteryPolicy& policy, int percent);
-  void CheckPower();
+  void CheckPowerOff();
   bool ByPolicy(const State& state) const;
 
   void CheckLoss(const Machine& machine, std::size_t i, bool provided);

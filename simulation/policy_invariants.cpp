@@ -176,7 +176,7 @@ void Checker::ControllersBlocked(bool forgetful) {
   forgetful_ |= forgetful;
 }
 
-void Checker::CheckPower() {
+void Checker::CheckPowerOff() {
   if (!power_due_ || robot_.network().now() <= *power_due_) return;
   ReportViolation(Invariant::kPowerComes, "the robot should have lost its power by now");
 }
