@@ -53,8 +53,8 @@ Controller::Controller(transport::Node& node, int domain_id, const MachineConfig
       options_(std::move(options)),
       disk_(node.loop()),
       processes_(node.loop(), disk_),
-      probe_(node.loop(), processes_,
-               [this](const std::string& actuator) { return LockOf(actuator); }) {}
+      process_probe_(node.loop(), processes_,
+                     [this](const std::string& actuator) { return LockOf(actuator); }) {}
 
 Controller::~Controller() = default;
 
@@ -218,7 +218,7 @@ Result<> Controller::OpenShell() {
   ControllerShell::World world;
   world.node = &node_;
   world.processes = &processes_;
-  world.probe = &probe_;
+  world.process_probe = &process_probe_;
   world.journal = journal_.get();
   using OnSaved = ControllerShell::World::OnSaved;
   using Write = std::function<Result<>(StateStore&)>;

@@ -15,8 +15,8 @@
 #include "musher/controller/disk_writer.hpp"
 #include "musher/controller/journal.hpp"
 #include "musher/controller/log_files.hpp"
-#include "musher/controller/process_supervisor.hpp"
 #include "musher/controller/process_probe.hpp"
+#include "musher/controller/process_supervisor.hpp"
 #include "musher/controller/state_store.hpp"
 #include "musher/transport/host.hpp"
 
@@ -96,7 +96,7 @@ class Controller {
   DiskWriter disk_;
   std::unique_ptr<LogFiles> logs_;  // null without a store
   ProcessSupervisor processes_;
-  KernelProbe probe_;
+  KernelProbe process_probe_;
   std::unique_ptr<ControllerShell> shell_;
   std::unique_ptr<ControllerServices> services_;  // null unless this controller leads
   std::unique_ptr<cyberdog::Manager> manager_;    // the same, and where the config wants none

@@ -50,7 +50,8 @@ Result<> ControllerShell::Open() {
   if (!presence) return presence.error();
   presence_ = std::move(presence).value();
   auto health = HealthWatch::Make(
-      node, config_, *world_.probe, world_.host, [this](const Event& event) { Handle(event); },
+      node, config_, *world_.process_probe, world_.host,
+      [this](const Event& event) { Handle(event); },
       [this](std::size_t i) {
         LinkTo(i).Ask({machine_.epoch, 0, false});  // a probe fences nothing
       });
@@ -226,10 +227,12 @@ void ControllerShell::Do(const action::AnswerCall& a) {
 }
 
 void ControllerShell::Do(const action::TakeBacktrace& a) {
-  world_.probe->TakeBacktrace(a.pid, kBacktraceTimeout, [this, a](Result<std::string> stacks) {
-    Handle(event::BacktraceTaken{
-        a.actuator, a.pid, stacks ? stacks.value() : "no backtrace: " + stacks.error().message});
-  });
+  world_.process_probe->TakeBacktrace(
+      a.pid, kBacktraceTimeout, [this, a](Result<std::string> stacks) {
+        Handle(event::BacktraceTaken{
+            a.actuator, a.pid,
+            stacks ? stacks.value() : "no backtrace: " + stacks.error().message});
+      });
 }
 
 void ControllerShell::Do(const action::TellEmergencyStop& a) {

@@ -19,8 +19,8 @@
 #include "musher/controller/journal.hpp"
 #include "musher/controller/link/actuator_link.hpp"
 #include "musher/controller/policy_inputs.hpp"
-#include "musher/controller/process_runner.hpp"
 #include "musher/controller/process_probe.hpp"
+#include "musher/controller/process_runner.hpp"
 #include "musher/controller/recording/recorder.hpp"
 #include "musher/lifecycle/coordinator.hpp"
 #include "musher/messages/musher_msgs/actuator_status.hpp"
@@ -36,7 +36,7 @@ class ControllerShell {
   struct World {
     transport::Node* node = nullptr;
     ProcessRunner* processes = nullptr;
-    ProcessProbe* probe = nullptr;
+    ProcessProbe* process_probe = nullptr;
     JournalSink* journal = nullptr;
     // What has to survive this controller. Each hands its value to the disk and does not wait for
     // it: `done` runs on the loop, at once or later, when it is there or has failed, and once more

@@ -52,7 +52,7 @@ void ControllerShell::Do(const action::FindProcesses&) {
   event::ProcessesFound found;
   for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
     const ActuatorConfig& actuator = config_.actuators[i];
-    const pid_t pid = actuator.command.empty() ? 0 : world_.probe->Find(actuator.name);
+    const pid_t pid = actuator.command.empty() ? 0 : world_.process_probe->Find(actuator.name);
     found.processes.push_back(WatchFound(i, pid) ? pid : 0);
   }
   Handle(found);
@@ -106,7 +106,8 @@ ActuatorReport ControllerShell::Believed(std::size_t actuator, ActuatorReport re
 Result<> ControllerShell::ProveAndWatch(std::size_t actuator, const ActuatorReport& report) {
   const std::int32_t child = machine_.actuators[actuator].process;
   if (report.pid == child) return Ok();  // watched since it was started
-  Result<> proven = world_.probe->Prove(config_.actuators[actuator].name, report.pid, child);
+  Result<> proven =
+      world_.process_probe->Prove(config_.actuators[actuator].name, report.pid, child);
   if (!proven || report.pid == world_.pid) return proven;
   return world_.processes->Watch(report.pid, [this, actuator, incarnation = report.incarnation,
                                               pid = report.pid](const ProcessExit& exit) {

@@ -7,9 +7,9 @@
 namespace musher {
 
 HealthWatch::HealthWatch(transport::Node& node, const MachineConfig& config,
-                         ProcessProbe& probe, std::string host, Emit emit, Probe probe)
+                         ProcessProbe& process_probe, std::string host, Emit emit, Probe probe)
     : node_(node),
-      probe_(probe),
+      process_probe_(process_probe),
       host_(std::move(host)),
       emit_(std::move(emit)),
       probe_(std::move(probe)),
@@ -20,10 +20,10 @@ HealthWatch::HealthWatch(transport::Node& node, const MachineConfig& config,
 
 Result<std::unique_ptr<HealthWatch>> HealthWatch::Make(transport::Node& node,
                                                        const MachineConfig& config,
-                                                       ProcessProbe& probe, std::string host,
-                                                       Emit emit, Probe probe) {
-  std::unique_ptr<HealthWatch> watch(
-      new HealthWatch(node, config, probe, std::move(host), std::move(emit), std::move(probe)));
+                                                       ProcessProbe& process_probe,
+                                                       std::string host, Emit emit, Probe probe) {
+  std::unique_ptr<HealthWatch> watch(new HealthWatch(node, config, process_probe, std::move(host),
+                                                     std::move(emit), std::move(probe)));
   transport::Qos qos = transport::kHeartbeatQos;
   qos.partition = transport::HearingPartition(!config.keys.empty());
   auto heartbeats = transport::MakeSubscription<msg::ActuatorBeat>(
@@ -53,8 +53,9 @@ void HealthWatch::Forget(std::size_t actuator) {
 void HealthWatch::OnHeartbeat(const msg::ActuatorBeat& heartbeat) {
   const auto found = index_.find(heartbeat.name);
   if (found == index_.end()) return;
-  const Heartbeat heard{Duration(heartbeat.period_ns), transport::WorkFrom(heartbeat.work), heartbeat.during,
-                   Duration(heartbeat.silent_ns), Duration(heartbeat.waited_ns)};
+  const Heartbeat heard{Duration(heartbeat.period_ns), transport::WorkFrom(heartbeat.work),
+                        heartbeat.during, Duration(heartbeat.silent_ns),
+                        Duration(heartbeat.waited_ns)};
   Act(monitor_.Heard(found->second, heartbeat.incarnation, heard, node_.loop().Now()));
 }
 
@@ -72,8 +73,8 @@ void HealthWatch::Do(const finding::Probe& f) {
 void HealthWatch::Do(const finding::Examine& f) {
   const pid_t pid = pids_[f.actuator];
   const Time now = node_.loop().Now();
-  if (f.mark) return probe_.Mark(f.actuator, pid, now);
-  Act(monitor_.Examined(f.actuator, probe_.Examine(f.actuator, pid, now), now));
+  if (f.mark) return process_probe_.Mark(f.actuator, pid, now);
+  Act(monitor_.Examined(f.actuator, process_probe_.Examine(f.actuator, pid, now), now));
 }
 
 void HealthWatch::Do(const finding::Changed& f) {

@@ -26,7 +26,7 @@ class HealthWatch {
   // All must outlive the watch. `host`: of this controller.
   static Result<std::unique_ptr<HealthWatch>> Make(transport::Node& node,
                                                    const MachineConfig& config,
-                                                   ProcessProbe& probe, std::string host,
+                                                   ProcessProbe& process_probe, std::string host,
                                                    Emit emit, Probe probe);
 
   // The process with this report is the one that counts, and was heard just now.
@@ -35,7 +35,7 @@ class HealthWatch {
   void Forget(std::size_t actuator);
 
  private:
-  HealthWatch(transport::Node& node, const MachineConfig& config, ProcessProbe& probe,
+  HealthWatch(transport::Node& node, const MachineConfig& config, ProcessProbe& process_probe,
               std::string host, Emit emit, Probe probe);
 
   void OnHeartbeat(const msg::ActuatorBeat& heartbeat);
@@ -46,7 +46,7 @@ class HealthWatch {
   void ArmTimer();
 
   transport::Node& node_;
-  ProcessProbe& probe_;
+  ProcessProbe& process_probe_;
   const std::string host_;
   const Emit emit_;
   const Probe probe_;

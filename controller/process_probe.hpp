@@ -45,8 +45,8 @@ class ProcessProbe {
 
 class KernelProbe : public ProcessProbe {
  public:
-  // Loop and processes must outlive the probe. `lock_of` gives the name that the process of an
-  // actuator holds (transport::NameLock).
+  // Loop and processes must outlive the process_probe. `lock_of` gives the name that the process of
+  // an actuator holds (transport::NameLock).
   using LockOf = std::function<std::string(const std::string& actuator)>;
   KernelProbe(transport::EventLoop& loop, ProcessRunner& processes, LockOf lock_of)
       : lock_of_(std::move(lock_of)), backtraces_(loop, processes) {}

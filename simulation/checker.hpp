@@ -1,6 +1,6 @@
 #pragma once
-// Looks at a simulated robot after every event, and says when a invariant does not hold. It judges by
-// what the actuators do, not by what the controller believes, wherever that can be told apart.
+// Looks at a simulated robot after every event, and says when a invariant does not hold. It judges
+// by what the actuators do, not by what the controller believes, wherever that can be told apart.
 
 #include <array>
 #include <cstdint>
@@ -119,7 +119,7 @@ class Checker {
   void CheckPolicyChange(const Machine& machine, const Seen& seen);
   void CheckRaise(const State& raised_to, int percent);
   void NoteLevels(const BatteryPolicy& policy, int percent);
-  void CheckPower();
+  void CheckPowerOff();
   bool ByPolicy(const State& state) const;
 
   void CheckLoss(const Machine& machine, std::size_t i, bool provided);

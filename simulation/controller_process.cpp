@@ -22,7 +22,7 @@ ControllerProcess::ControllerProcess(transport::sim::Network& network, const std
   ControllerShell::World world;
   world.node = node_.get();
   world.processes = this;
-  world.probe = this;
+  world.process_probe = this;
   world.journal = this;
   world.save_epoch = [this](std::uint64_t epoch, const auto& done) {
     Save(disk_.epoch, epoch, done);

@@ -52,7 +52,7 @@ class RemoteTakeover : public ::testing::Test {
     ControllerShell::World world;
     world.node = node_.get();
     world.processes = &host_;
-    world.probe = &host_;
+    world.process_probe = &host_;
     world.journal = &host_;
     world.save_epoch = [](auto, const auto& saved) { saved(Ok()); };
     world.save_emergency_stops = [](const auto&, const auto& saved) { saved(Ok()); };
