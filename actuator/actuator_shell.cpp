@@ -172,7 +172,8 @@ void ActuatorShell::LookAtWork() {
   const Duration period = HeartbeatPeriod(config_, index_);
   const Checkpoints::Look look = checkpoints_.Judge(now);
   if (look.work != told_work_ || now - heartbeat_at_ >= period) Heartbeat(look);
-  const Duration next = std::min(checkpoints_.Period().value_or(period), heartbeat_at_ + period - now);
+  const Duration next =
+      std::min(checkpoints_.Period().value_or(period), heartbeat_at_ + period - now);
   look_ = node_.loop().At(now + next, [this] { LookAtWork(); });
 }
 

@@ -99,7 +99,7 @@ class ActuatorShell {
   std::map<RequestToken, std::function<void(const actuator_action::Answer&)>> replies_;
   Checkpoints checkpoints_;
   Health told_work_ = Health::kWell;  // with the last beat
-  Time heartbeat_at_{};                    // when it was
+  Time heartbeat_at_{};               // when it was
   std::optional<Time> armed_for_;
   std::unique_ptr<transport::Publisher<msg::ActuatorStatus>> status_;
   std::unique_ptr<transport::Publisher<msg::ActuatorBeat>> heartbeats_;

@@ -34,8 +34,8 @@ Result<> CapabilityGate::Judge(const MachineConfig& config, std::string_view act
                                std::string_view capability, ModuleCode module) const {
   const std::lock_guard lock(mutex_);
   return EvaluateCapability(config, capability,
-                         {actuator, state_, target_, emergency_stop_, battery_, held_by_stop_},
-                         module);
+                            {actuator, state_, target_, emergency_stop_, battery_, held_by_stop_},
+                            module);
 }
 
 }  // namespace musher

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "musher/actuator/callback_harness.hpp"
 #include "musher/actuator/actuator_shell.hpp"
+#include "musher/actuator/callback_harness.hpp"
 #include "musher/actuator/capability_gate.hpp"
 #include "musher/actuator/degraded_report.hpp"
 #include "musher/actuator/state_callbacks.hpp"

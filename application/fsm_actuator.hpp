@@ -47,8 +47,8 @@
 // `<actuator>/behavior_state` (std_msgs/String, latched: "PHOTO/COUNTDOWN"; "" when it does not
 // run), and send it its commands by `<actuator>/send_command` (musher behavior --send).
 //
-// In a trial (simulation/actuator_fault_test.hpp) there is neither wire nor clock: the machine is built,
-// started, paused and stopped, and is not ticked.
+// In a trial (simulation/actuator_fault_test.hpp) there is neither wire nor clock: the machine is
+// built, started, paused and stopped, and is not ticked.
 //
 // Threads: the machine, the hooks and the handlers of topics run on the loop, one at a time, so
 // they share data without locks. BuildMachine() and SelfCheck() run on the actuator's worker. All

@@ -54,7 +54,7 @@ Controller::Controller(transport::Node& node, int domain_id, const MachineConfig
       disk_(node.loop()),
       processes_(node.loop(), disk_),
       probe_(node.loop(), processes_,
-               [this](const std::string& actuator) { return LockOf(actuator); }) {}
+             [this](const std::string& actuator) { return LockOf(actuator); }) {}
 
 Controller::~Controller() = default;
 

@@ -15,8 +15,8 @@
 #include "musher/controller/disk_writer.hpp"
 #include "musher/controller/journal.hpp"
 #include "musher/controller/log_files.hpp"
-#include "musher/controller/process_supervisor.hpp"
 #include "musher/controller/process_probe.hpp"
+#include "musher/controller/process_supervisor.hpp"
 #include "musher/controller/state_store.hpp"
 #include "musher/transport/host.hpp"
 

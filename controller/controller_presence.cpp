@@ -41,7 +41,9 @@ Result<> ControllerPresence::Open() {
   released_stops_ = std::move(stops).value();
   auto rivals = transport::MakeSubscription<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(name_space),
-      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo&) { OnHeartbeat(heartbeat); },
+      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo&) {
+        OnHeartbeat(heartbeat);
+      },
       transport::kLatchedFromManyQos);
   if (!rivals) return rivals.error();
   rivals_ = std::move(rivals).value();
@@ -65,8 +67,9 @@ void ControllerPresence::Announce(std::uint64_t epoch) {
 // A beat that cannot be sent is followed by the next.
 void ControllerPresence::Repeat() {
   if (!heartbeats_) return;
-  static_cast<void>(heartbeats_->Publish({config_.name, epoch_, identity_.incarnation, identity_.host,
-                                     identity_.pid, ControllerBeatPeriod(config_).count()}));
+  static_cast<void>(
+      heartbeats_->Publish({config_.name, epoch_, identity_.incarnation, identity_.host,
+                            identity_.pid, ControllerBeatPeriod(config_).count()}));
 }
 
 void ControllerPresence::FallSilent() {
@@ -84,12 +87,13 @@ void ControllerPresence::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
   const auto ours = std::tie(identity_.host, identity_.incarnation, identity_.pid);
   if (theirs == ours) return;
   if (heartbeat.epoch > kLastEpoch) return;  // no controller's
-  rival_ = {
-      "process " + std::to_string(heartbeat.pid) +
-          (heartbeat.host == identity_.host ? " of this host" : " of host " + heartbeat.host.substr(0, 64)),
-      heartbeat.epoch, heartbeat.machine};
+  rival_ = {"process " + std::to_string(heartbeat.pid) +
+                (heartbeat.host == identity_.host ? " of this host"
+                                                  : " of host " + heartbeat.host.substr(0, 64)),
+            heartbeat.epoch, heartbeat.machine};
   // Only what may change something is an event: the rest would fill the journal.
-  if (heartbeat.epoch >= epoch_) emit_(event::RivalHeard{heartbeat.epoch, rival_->who, theirs < ours});
+  if (heartbeat.epoch >= epoch_)
+    emit_(event::RivalHeard{heartbeat.epoch, rival_->who, theirs < ours});
 }
 
 void ControllerPresence::Tell(const EmergencyStop& stop, bool engaged) {

@@ -6,8 +6,8 @@
 
 namespace musher {
 
-HealthWatch::HealthWatch(transport::Node& node, const MachineConfig& config,
-                         ProcessProbe& probe, std::string host, Emit emit, Probe probe)
+HealthWatch::HealthWatch(transport::Node& node, const MachineConfig& config, ProcessProbe& probe,
+                         std::string host, Emit emit, Probe probe)
     : node_(node),
       probe_(probe),
       host_(std::move(host)),
@@ -53,8 +53,9 @@ void HealthWatch::Forget(std::size_t actuator) {
 void HealthWatch::OnHeartbeat(const msg::ActuatorBeat& heartbeat) {
   const auto found = index_.find(heartbeat.name);
   if (found == index_.end()) return;
-  const Heartbeat heard{Duration(heartbeat.period_ns), transport::WorkFrom(heartbeat.work), heartbeat.during,
-                   Duration(heartbeat.silent_ns), Duration(heartbeat.waited_ns)};
+  const Heartbeat heard{Duration(heartbeat.period_ns), transport::WorkFrom(heartbeat.work),
+                        heartbeat.during, Duration(heartbeat.silent_ns),
+                        Duration(heartbeat.waited_ns)};
   Act(monitor_.Heard(found->second, heartbeat.incarnation, heard, node_.loop().Now()));
 }
 

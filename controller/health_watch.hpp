@@ -25,9 +25,8 @@ class HealthWatch {
 
   // All must outlive the watch. `host`: of this controller.
   static Result<std::unique_ptr<HealthWatch>> Make(transport::Node& node,
-                                                   const MachineConfig& config,
-                                                   ProcessProbe& probe, std::string host,
-                                                   Emit emit, Probe probe);
+                                                   const MachineConfig& config, ProcessProbe& probe,
+                                                   std::string host, Emit emit, Probe probe);
 
   // The process with this report is the one that counts, and was heard just now.
   void OnReport(std::size_t actuator, const ActuatorReport& report);

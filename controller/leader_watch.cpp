@@ -59,7 +59,9 @@ Result<std::unique_ptr<LeaderWatch>> LeaderWatch::Make(transport::Node& node, Op
 Result<> LeaderWatch::Open() {
   auto heartbeats = transport::MakeSubscription<msg::ControllerBeat>(
       node_, transport::ControllerBeatTopic(options_.name_space),
-      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo&) { OnHeartbeat(heartbeat); },
+      [this](const msg::ControllerBeat& heartbeat, const transport::SampleInfo&) {
+        OnHeartbeat(heartbeat);
+      },
       transport::kLatchedFromManyQos);
   if (!heartbeats) return heartbeats.error();
   heartbeats_ = std::move(heartbeats).value();
@@ -111,7 +113,7 @@ void LeaderWatch::OnHeartbeat(const msg::ControllerBeat& heartbeat) {
   const bool of_leader = is_of(leader_);
   if (!of_leader || IsOurs(*leader_)) return;
   heartbeat_period_ = std::clamp(Duration(heartbeat.period_ns), Duration(Milliseconds(10)),
-                            Duration(std::chrono::seconds(10)));
+                                 Duration(std::chrono::seconds(10)));
   ExpectBeat();
 }
 

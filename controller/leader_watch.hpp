@@ -67,7 +67,7 @@ class LeaderWatch {
   const OnEnd on_end_;
   std::optional<msg::MachineStatus> leader_;
   transport::SampleInfo from_;                // its status
-  Duration heartbeat_period_{};                    // as its heartbeat says
+  Duration heartbeat_period_{};               // as its heartbeat says
   std::uint64_t ended_ = 0;                   // epoch of the last one whose process has ended
   std::optional<msg::MachineStatus> silent_;  // of the last one that was silent
   transport::SampleInfo silent_from_;

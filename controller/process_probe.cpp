@@ -58,7 +58,7 @@ Examination KernelProbe::Examine(std::size_t actuator, pid_t pid, Time now) {
 }
 
 void KernelProbe::TakeBacktrace(pid_t pid, Duration timeout,
-                                  std::function<void(Result<std::string>)> done) {
+                                std::function<void(Result<std::string>)> done) {
   backtraces_.Take(pid, timeout, std::move(done));
 }
 

@@ -36,7 +36,7 @@ Error RefuseState(const CapabilityConfig* declared, std::string_view capability,
 }
 
 Result<> EvaluateBattery(const CapabilityConfig& declared, std::optional<int> battery,
-                      ModuleCode module) {
+                         ModuleCode module) {
   if (!declared.min_battery || (battery && *battery >= *declared.min_battery)) return Ok();
   const std::string found =
       battery ? "it has " + std::to_string(*battery) + " %" : "its level is not known";
@@ -52,7 +52,7 @@ std::string Absence(const ActuatorConfig& actuator, const ActuatorRecord& record
 }
 
 CapabilityVerdict EvaluateOne(const MachineConfig& config, const Machine& machine,
-                           const CapabilityConfig& declared, std::optional<int> battery) {
+                              const CapabilityConfig& declared, std::optional<int> battery) {
   CapabilityVerdict verdict{declared.name, true, kCodeOk, ""};
   for (const std::string& name : declared.actuators) {
     const std::size_t i = *config.IndexOf(name);
@@ -64,9 +64,9 @@ CapabilityVerdict EvaluateOne(const MachineConfig& config, const Machine& machin
     }
     Result<> allowed =
         EvaluateCapability(config, declared.name,
-                        {name, record.report.state, record.report.target,
-                         record.report.emergency_stop != 0 || machine.emergency_stop.has_value(),
-                         battery, record.report.held_by_stop});
+                           {name, record.report.state, record.report.target,
+                            record.report.emergency_stop != 0 || machine.emergency_stop.has_value(),
+                            battery, record.report.held_by_stop});
     if (const std::string absence = Absence(config.actuators[i], record); !absence.empty()) {
       allowed = Error{kCodeStateInvalid, absence};
     }
@@ -82,7 +82,7 @@ CapabilityVerdict EvaluateOne(const MachineConfig& config, const Machine& machin
 }  // namespace
 
 Result<> EvaluateCapability(const MachineConfig& config, std::string_view capability,
-                         const CapabilityView& view, ModuleCode module) {
+                            const CapabilityView& view, ModuleCode module) {
   const CapabilityConfig* declared = config.CapabilityOf(capability);
   if (declared != nullptr && !declared->Takes(view.actuator)) {
     return Error{MakeCode(module, KeyCode::kStateInvalid),
@@ -106,8 +106,8 @@ Result<> EvaluateCapability(const MachineConfig& config, std::string_view capabi
 }
 
 std::vector<CapabilityVerdict> EvaluateCapabilities(const MachineConfig& config,
-                                                 const Machine& machine,
-                                                 std::optional<int> battery) {
+                                                    const Machine& machine,
+                                                    std::optional<int> battery) {
   std::vector<CapabilityVerdict> verdicts;
   verdicts.reserve(config.capabilities.size());
   for (const CapabilityConfig& declared : config.capabilities) {

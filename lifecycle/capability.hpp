@@ -33,7 +33,7 @@ struct CapabilityView {
 // robot spares itself (the capability runs in Active but not in Protected, or the battery is too
 // low or unknown), else StateInvalid. Where it may, nothing is allocated.
 Result<> EvaluateCapability(const MachineConfig& config, std::string_view capability,
-                         const CapabilityView& view, ModuleCode module = ModuleCode::kRobot);
+                            const CapabilityView& view, ModuleCode module = ModuleCode::kRobot);
 
 // What is published of one capability.
 struct CapabilityVerdict {
@@ -48,7 +48,7 @@ struct CapabilityVerdict {
 // All that the config declares, in its order. One that takes several actuators is allowed when all
 // of them allow it; of the refusals the first is told.
 std::vector<CapabilityVerdict> EvaluateCapabilities(const MachineConfig& config,
-                                                 const Machine& machine,
-                                                 std::optional<int> battery);
+                                                    const Machine& machine,
+                                                    std::optional<int> battery);
 
 }  // namespace musher

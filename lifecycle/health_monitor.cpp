@@ -25,7 +25,8 @@ std::string Ms(Duration duration) {
 }  // namespace
 
 Duration HeartbeatPeriod(const MachineConfig& config, std::size_t actuator) {
-  const Duration slowest = config.transport == TransportProfile::kLan ? kLanHeartbeat : kSlowestHeartbeat;
+  const Duration slowest =
+      config.transport == TransportProfile::kLan ? kLanHeartbeat : kSlowestHeartbeat;
   const auto checkpoint = config.actuators[actuator].checkpoint;
   return checkpoint ? std::clamp(*checkpoint / 2, Milliseconds(10), slowest) : slowest;
 }
@@ -97,11 +98,12 @@ void HealthMonitor::Revive(std::size_t actuator, MonitoredProcess& process, Time
   }
 }
 
-void HealthMonitor::EvaluateWork(std::size_t actuator, MonitoredProcess& process, const Heartbeat& heartbeat, Time now,
-                              std::vector<Finding>& findings) {
+void HealthMonitor::EvaluateWork(std::size_t actuator, MonitoredProcess& process,
+                                 const Heartbeat& heartbeat, Time now,
+                                 std::vector<Finding>& findings) {
   const std::string silence =
       (heartbeat.during.empty() ? "its work thread gave no checkpoint for "
-                           : "in " + heartbeat.during + " it gave no checkpoint for ") +
+                                : "in " + heartbeat.during + " it gave no checkpoint for ") +
       Ms(heartbeat.silent);
   if (heartbeat.work == Health::kHung) {
     process.work_hung = true;
@@ -111,7 +113,8 @@ void HealthMonitor::EvaluateWork(std::size_t actuator, MonitoredProcess& process
   if (heartbeat.work == Health::kStarved) {
     process.starved = now;
     return Change(actuator, process, Health::kStarved, false,
-                  silence + ", and waited for a CPU for " + Ms(heartbeat.waited) + " of them", findings);
+                  silence + ", and waited for a CPU for " + Ms(heartbeat.waited) + " of them",
+                  findings);
   }
   const bool kept_up = now - process.starved >= kStarvedFor;
   if (process.health == Health::kStarved && !kept_up) return;
@@ -179,7 +182,7 @@ std::vector<Finding> HealthMonitor::Examined(std::size_t actuator, const Examina
 }
 
 void HealthMonitor::EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
-                                std::vector<Finding>& findings) {
+                                   std::vector<Finding>& findings) {
   const std::string silence = "nothing was heard of it for " + Ms(now - process.heard);
   if (HostIsHeard(process, now)) {
     Change(actuator, process, Health::kCrashed, true,
@@ -198,8 +201,8 @@ bool HealthMonitor::HostIsHeard(const MonitoredProcess& process, Time now) const
   });
 }
 
-void HealthMonitor::Change(std::size_t actuator, MonitoredProcess& process, Health health, bool silent,
-                           std::string how, std::vector<Finding>& findings) {
+void HealthMonitor::Change(std::size_t actuator, MonitoredProcess& process, Health health,
+                           bool silent, std::string how, std::vector<Finding>& findings) {
   if (process.health == health) return;
   process.health = health;
   findings.emplace_back(

@@ -81,8 +81,8 @@ class HealthMonitor {
 
   // Anything came from it: a status, an answer.
   std::vector<Finding> Heard(std::size_t actuator, std::uint64_t incarnation, Time now);
-  std::vector<Finding> Heard(std::size_t actuator, std::uint64_t incarnation, const Heartbeat& heartbeat,
-                             Time now);
+  std::vector<Finding> Heard(std::size_t actuator, std::uint64_t incarnation,
+                             const Heartbeat& heartbeat, Time now);
   std::vector<Finding> Examined(std::size_t actuator, const Examination& examination, Time now);
   std::vector<Finding> TimePassed(Time now);
 
@@ -104,14 +104,15 @@ class HealthMonitor {
   };
 
   static void Promise(MonitoredProcess& process, Duration period);
-  void Revive(std::size_t actuator, MonitoredProcess& process, Time now, std::vector<Finding>& findings);
-  void EvaluateWork(std::size_t actuator, MonitoredProcess& process, const Heartbeat& heartbeat, Time now,
-                 std::vector<Finding>& findings);
-  void EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
-                   std::vector<Finding>& findings);
-  bool HostIsHeard(const MonitoredProcess& process, Time now) const;
-  void Change(std::size_t actuator, MonitoredProcess& process, Health health, bool silent, std::string how,
+  void Revive(std::size_t actuator, MonitoredProcess& process, Time now,
               std::vector<Finding>& findings);
+  void EvaluateWork(std::size_t actuator, MonitoredProcess& process, const Heartbeat& heartbeat,
+                    Time now, std::vector<Finding>& findings);
+  void EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
+                      std::vector<Finding>& findings);
+  bool HostIsHeard(const MonitoredProcess& process, Time now) const;
+  void Change(std::size_t actuator, MonitoredProcess& process, Health health, bool silent,
+              std::string how, std::vector<Finding>& findings);
 
   const MachineConfig* config_;
   std::vector<MonitoredProcess> monitored_;

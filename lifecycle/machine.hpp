@@ -69,17 +69,17 @@ struct ActuatorRecord {
   std::int32_t process = 0;    // pid of the process we started, while it lives; 0: none
   bool launching = false;      // its process is being started, the pid is not known yet
   std::uint64_t dead = 0;      // the incarnation whose process is known to have ended
-  bool blocked = false;       // not started, since one that it needs is degraded
+  bool blocked = false;        // not started, since one that it needs is degraded
   bool found_running = false;  // a process of this name runs already: wait for it, do not start one
-  std::optional<Time> set_up_by;    // not present by then: given up for now
-  std::optional<Time> free_by;      // it is busy with what nobody here waits for
-  std::uint64_t controlled = 0;        // the incarnation that was asked to follow this controller
+  std::optional<Time> set_up_by;  // not present by then: given up for now
+  std::optional<Time> free_by;    // it is busy with what nobody here waits for
+  std::uint64_t controlled = 0;   // the incarnation that was asked to follow this controller
   std::optional<Time> take_control_again;  // it has not answered yet; ask again at this time
-  bool checked = false;             // passed its self-check since its process started
-  bool join_tried = false;          // the self-check of a late one was commanded
-  bool held = false;                // set apart by SetState(actuator, state)
-  bool due = false;                 // to be driven to where the machine is, as soon as it is free
-  std::optional<Error> fault;       // why it is degraded
+  bool checked = false;                    // passed its self-check since its process started
+  bool join_tried = false;                 // the self-check of a late one was commanded
+  bool held = false;                       // set apart by SetState(actuator, state)
+  bool due = false;                // to be driven to where the machine is, as soon as it is free
+  std::optional<Error> fault;      // why it is degraded
   std::optional<Error> tolerated;  // what its last self-check failed with, and was no critical code
   std::optional<Order> order;      // the command on its way
   std::uint64_t cause = 0;         // the record that says why it is degraded, gone or back
@@ -91,7 +91,7 @@ struct ActuatorRecord {
   bool given_up = false;           // restarted too often, or not to be restarted
   bool restart_asked = false;      // by a person: its process has to end, then it is started again
   std::vector<std::uint64_t> restart_requests;  // who is told when it is back
-  std::int32_t terminating = 0;                      // the process that is about to be killed …
+  std::int32_t terminating = 0;                 // the process that is about to be killed …
   std::optional<Time> kill_at;                  // … at the latest then
   bool killed = false;                          // it was; by kill_at its end has to be told
   bool parked = false;                          // taken to rest: one that it is bound to is not up

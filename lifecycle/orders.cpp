@@ -190,7 +190,8 @@ void Decision::On(const event::Replied& replied) {
   }
   if (!record.order || record.order->number != replied.number) return;
   if (replied.ask && record.order->asked == 0) return;  // a claim, not the question
-  if (replied.ask) return EndOrder(replied.actuator, EvaluateReport(replied.actuator, *record.order));
+  if (replied.ask)
+    return EndOrder(replied.actuator, EvaluateReport(replied.actuator, *record.order));
   switch (replied.verdict) {
     case Verdict::kDone:
       return EndOrder(replied.actuator, DoneUnlessLie(replied.actuator, replied.message));

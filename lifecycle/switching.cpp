@@ -214,9 +214,8 @@ void Decision::SkipLeg(Leg& leg, const Leg* blocker) {
   leg.progress = Leg::Progress::kEnded;
   leg.outcome = ActuatorOutcome::kSkipped;
   leg.code = kCodeStatusError;
-  leg.message = blocker == nullptr
-                    ? "another actuator had failed before"
-                    : "needs " + ConfigOf(blocker->actuator).name + ", which failed";
+  leg.message = blocker == nullptr ? "another actuator had failed before"
+                                   : "needs " + ConfigOf(blocker->actuator).name + ", which failed";
   if (blocker != nullptr && blocker->may_fail && !Critical(leg.actuator)) leg.may_fail = true;
 }
 

@@ -13,13 +13,13 @@
 //   }
 //
 // A scenario that ends badly fails the test with its seed, a command that tells it again, and what
-// happened, in as few injected events as can be. Bad is: what `always` says; a callback that fails when
-// it is run twice in its state; one that neither ends nor asks StopRequested(); an
+// happened, in as few injected events as can be. Bad is: what `always` says; a callback that fails
+// when it is run twice in its state; one that neither ends nor asks StopRequested(); an
 // OnEmergencyStop() that throws or blocks; an actuator that is of no use after its repair; and
 // every other invariant of `musher simulate`.
 //
-//   MUSHER_SEED=42 [MUSHER_ONLY=3,7]   tells that scenario, maybe of some of its injected events only
-//   MUSHER_SEEDS=100000                tries so many
+//   MUSHER_SEED=42 [MUSHER_ONLY=3,7]   tells that scenario, maybe of some of its injected events
+//   only MUSHER_SEEDS=100000                tries so many
 //
 // What it is not: the process is an object. To be killed, it leaves a callback by an exception out
 // of StopRequested() and is destroyed without TearDown; what is static in your code outlives it, as
@@ -103,8 +103,8 @@ class ActuatorFaultTest {
     }
   }
 
-  // The first failing scenario; nothing when there is none. Fails when there can be no trial: the config
-  // is faulty, or does not fit the callbacks.
+  // The first failing scenario; nothing when there is none. Fails when there can be no trial: the
+  // config is faulty, or does not fit the callbacks.
   Result<std::optional<FaultTestFailure>> Find() {
     const Silence silence;
     return On([this](FaultTest& test) -> Result<std::optional<FaultTestFailure>> {

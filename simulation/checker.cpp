@@ -47,7 +47,7 @@ void Checker::ReportViolation(Invariant invariant, const std::string& what) {
 }
 
 void Checker::OnWrite(const ControllerProcess& controller, const std::string& topic,
-                    const msg::Bytes& bytes) {
+                      const msg::Bytes& bytes) {
   if (topic.starts_with("rr/")) return OnReplyWritten(controller, topic.substr(3));
   if (!topic.ends_with("musher/emergency_stop")) return;
   if (const auto stop = msg::Decode<msg::EmergencyStop>(bytes)) OnStopPublished(controller, *stop);
@@ -58,8 +58,9 @@ void Checker::OnReport(const std::string& name, std::size_t host, const Actuator
   ActuatorReport& before = reports_[{name, report.host}];
   if (before.incarnation != report.incarnation) before = ActuatorReport{};
   if (report.epoch < before.epoch || report.number < before.number) {
-    ReportViolation(Invariant::kNothingStale, name + " went back to epoch " + std::to_string(report.epoch) +
-                                      ", command " + std::to_string(report.number));
+    ReportViolation(Invariant::kNothingStale, name + " went back to epoch " +
+                                                  std::to_string(report.epoch) + ", command " +
+                                                  std::to_string(report.number));
   }
   const bool begun = report.busy() && (!before.busy() || before.target != report.target ||
                                        before.busy_number != report.busy_number);
@@ -71,11 +72,12 @@ void Checker::OnReport(const std::string& name, std::size_t host, const Actuator
 
 // A callback has begun.
 void Checker::OnBegun(const std::string& name, const ActuatorReport& before,
-                    const ActuatorReport& report) {
+                      const ActuatorReport& report) {
   const bool rises = Rises(config_, report.state, report.target);
   const std::string what = name + " begins " + report.target + " in " + report.state;
   if (rises && report.emergency_stop != 0 && before.emergency_stop == report.emergency_stop) {
-    return ReportViolation(Invariant::kStopWins, what + " although it has latched an emergency stop");
+    return ReportViolation(Invariant::kStopWins,
+                           what + " although it has latched an emergency stop");
   }
   if (report.target == kSetUp) return;
   if (report.busy_number == 0) {
@@ -86,13 +88,15 @@ void Checker::OnBegun(const std::string& name, const ActuatorReport& before,
   on_its_own_.erase(name);
   const auto order = orders_.find({report.epoch, *config_.IndexOf(name), report.busy_number});
   if (order == orders_.end()) {
-    return ReportViolation(Invariant::kNothingStale, what + " although no controller has sent that command");
+    return ReportViolation(Invariant::kNothingStale,
+                           what + " although no controller has sent that command");
   }
   const Duration age = robot_.network().now() - order->second.sent;
   if (age > order->second.budget + kClockSlack) {
-    ReportViolation(Invariant::kNothingStale, what + ", by a command that is " +
-                                      std::to_string(ToMilliseconds(age)) + " ms old and had " +
-                                      std::to_string(ToMilliseconds(order->second.budget)) + " ms");
+    ReportViolation(Invariant::kNothingStale,
+                    what + ", by a command that is " + std::to_string(ToMilliseconds(age)) +
+                        " ms old and had " + std::to_string(ToMilliseconds(order->second.budget)) +
+                        " ms");
   }
   if (rises && !order->second.may_rise) {
     ReportViolation(Invariant::kNothingRises, what + ", which nobody has asked for");
@@ -118,8 +122,9 @@ void Checker::OnStart(const ControllerProcess& controller, const std::string& na
   CheckRunsNowhereElse(controller, name);
   const auto ended = final_.find(name);
   if (ended != final_.end() && ended->second == controller.serial()) {
-    ReportViolation(Invariant::kNotInVain,
-          name + ", which ended with exit code 2, is started again, and nobody has asked for it");
+    ReportViolation(
+        Invariant::kNotInVain,
+        name + ", which ended with exit code 2, is started again, and nobody has asked for it");
   }
   final_.erase(name);
   const std::size_t i = *config_.IndexOf(name);
@@ -207,8 +212,8 @@ void Checker::CheckChange(const Machine& machine, Seen& seen) {
     }
   }
   if (!machine.told_state.empty() && machine.told_state != machine.state) {
-    ReportViolation(Invariant::kExplained,
-          "the machine is in " + machine.state + ", the journal says " + machine.told_state);
+    ReportViolation(Invariant::kExplained, "the machine is in " + machine.state +
+                                               ", the journal says " + machine.told_state);
   }
   if (seen.state != machine.state) CheckPolicyChange(machine, seen);
   seen.state = machine.state;
@@ -237,13 +242,15 @@ void Checker::Answered(std::uint64_t request, const SwitchResult& result) {
   ++checks_;
   const auto open = open_.extract(request);
   if (open.empty()) {
-    return ReportViolation(Invariant::kOneAnswer, "a request for " + result.target + " was answered twice");
+    return ReportViolation(Invariant::kOneAnswer,
+                           "a request for " + result.target + " was answered twice");
   }
   just_answered_.insert(result.target);
   if (result.outcome == SwitchOutcome::kSuperseded && !urgent_asked_ &&
       result.code != kCodePermissionDenied) {
     ReportViolation(Invariant::kPolicyWaits, "the switch to " + result.target + " is superseded (" +
-                                     result.reason + "), and nobody has asked for anything urgent");
+                                                 result.reason +
+                                                 "), and nobody has asked for anything urgent");
   }
   const bool there =
       result.outcome == SwitchOutcome::kDone || result.outcome == SwitchOutcome::kDoneDegraded;
@@ -264,8 +271,8 @@ void Checker::Answered(std::uint64_t request, const SwitchResult& result) {
     if (report == nullptr || IsExcused(machine, i, result)) continue;
     if (report->state == result.target) continue;
     ReportViolation(Invariant::kDoneIsDone, "the switch to " + result.target + " is told to be " +
-                                    std::string(OutcomeName(result.outcome)) + ", but " + name +
-                                    " is in " + report->state);
+                                                std::string(OutcomeName(result.outcome)) +
+                                                ", but " + name + " is in " + report->state);
   }
 }
 
@@ -296,7 +303,8 @@ std::string Checker::Unrest(const Machine& machine, std::size_t i) const {
   if (r.restart_at || r.restart_asked) return "is to be started again";
   if (r.terminating != 0 || r.kill_at) return "is to be killed";
   if (r.free_by) return "is busy with what it was found with";
-  if (r.take_control_again && r.presence == Presence::kStarting && alive) return "is asked to follow";
+  if (r.take_control_again && r.presence == Presence::kStarting && alive)
+    return "is asked to follow";
   const bool waits = machine.emergency_stop || r.held || machine.phase != Phase::kRunning ||
                      r.presence != Presence::kPresent;
   return r.due && !waits ? "is to be driven to where the machine is" : "";
@@ -330,7 +338,7 @@ void Checker::CheckRest(bool provided) {
   const Machine& machine = controller->shell().machine();
   if (!open_.empty()) {
     ReportViolation(Invariant::kOneAnswer,
-          "who asked for " + open_.begin()->second.target + " is not answered");
+                    "who asked for " + open_.begin()->second.target + " is not answered");
   }
   CheckCeiling(machine, true);
   if (machine.phase != Phase::kStopped) {
@@ -367,8 +375,9 @@ void Checker::CheckPlace(const Machine& machine, std::size_t i) {
   }
   if (report->state == machine.state || waits || !rank) return;
   if (config_.actuators[i].stage > machine.stage && record.presence == Presence::kAbsent) return;
-  ReportViolation(Invariant::kOneTruth, name + " is in " + report->state + " while the machine is in " +
-                                machine.state + ", and nothing says why");
+  ReportViolation(Invariant::kOneTruth, name + " is in " + report->state +
+                                            " while the machine is in " + machine.state +
+                                            ", and nothing says why");
 }
 
 void Checker::CheckLoss(const Machine& machine, std::size_t i, bool provided) {
@@ -381,20 +390,22 @@ void Checker::CheckLoss(const Machine& machine, std::size_t i, bool provided) {
     if (*rank <= *config_.RankOf(actuator.on_lost)) return;
     // People may go on without one that is not critical.
     if (!actuator.critical && went_on_ >= lost_at_[i]) return;
-    return ReportViolation(actuator.critical ? Invariant::kSafeWithoutCritical : Invariant::kProvidedFor,
-                 "the machine rests in " + machine.state + " without " + actuator.name +
-                     ", whose on_lost is " + actuator.on_lost);
+    return ReportViolation(
+        actuator.critical ? Invariant::kSafeWithoutCritical : Invariant::kProvidedFor,
+        "the machine rests in " + machine.state + " without " + actuator.name +
+            ", whose on_lost is " + actuator.on_lost);
   }
   if (!provided || actuator.command.empty()) return;  // others are started by somebody else
-  ReportViolation(Invariant::kProvidedFor,
-        "the machine rests in " + machine.state + " without " + actuator.name + ", " +
-            (record.given_up ? (record.restarts < actuator.restart.limit
-                                    ? "which is not started again after its exit code"
-                                    : "which was given up after " +
-                                          std::to_string(record.restarts) + " restarts")
-                             : (robot_.IsAlive(actuator.name) ? "which hangs, and nothing ends that"
-                                                              : "which nothing will start again")) +
-            "; it has no on_lost (\"Active\" if the machine may do without it)");
+  ReportViolation(
+      Invariant::kProvidedFor,
+      "the machine rests in " + machine.state + " without " + actuator.name + ", " +
+          (record.given_up
+               ? (record.restarts < actuator.restart.limit
+                      ? "which is not started again after its exit code"
+                      : "which was given up after " + std::to_string(record.restarts) + " restarts")
+               : (robot_.IsAlive(actuator.name) ? "which hangs, and nothing ends that"
+                                                : "which nothing will start again")) +
+          "; it has no on_lost (\"Active\" if the machine may do without it)");
 }
 
 }  // namespace musher::simulation

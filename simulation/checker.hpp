@@ -1,6 +1,6 @@
 #pragma once
-// Looks at a simulated robot after every event, and says when a invariant does not hold. It judges by
-// what the actuators do, not by what the controller believes, wherever that can be told apart.
+// Looks at a simulated robot after every event, and says when a invariant does not hold. It judges
+// by what the actuators do, not by what the controller believes, wherever that can be told apart.
 
 #include <array>
 #include <cstdint>

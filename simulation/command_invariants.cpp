@@ -22,7 +22,8 @@ constexpr Duration kAnsweredAtRest = std::chrono::seconds(12);
 
 // After each step of an actuator: a command that had been accepted and waited behind a callback
 // waits on, begins, or is over for a reason that its sender knows.
-void Checker::CheckWaiting(const std::string& name, std::size_t host, const ActuatorReport& report) {
+void Checker::CheckWaiting(const std::string& name, std::size_t host,
+                           const ActuatorReport& report) {
   const ActuatorCore* core = robot_.processes().CoreOf(name, host);
   auto& known = waiting_[{name, host}];
   const std::optional<Waiting> before = known;
@@ -48,9 +49,10 @@ void Checker::CheckWaiting(const std::string& name, std::size_t host, const Actu
   const Duration age = robot_.network().now() - order->second.sent;
   if (age + kCommandClockSlack >= order->second.budget) return;
   ReportViolation(Invariant::kNotCancelled,
-        name + " drops the command to " + command.target + " that it had accepted, after " +
-            std::to_string(ToMilliseconds(age)) + " of " +
-            std::to_string(ToMilliseconds(order->second.budget)) + " ms, and no newer one came");
+                  name + " drops the command to " + command.target +
+                      " that it had accepted, after " + std::to_string(ToMilliseconds(age)) +
+                      " of " + std::to_string(ToMilliseconds(order->second.budget)) +
+                      " ms, and no newer one came");
 }
 
 // Whether the controller that sent the command has lost the actuator since and reported that
@@ -86,7 +88,7 @@ void Checker::CheckClients() {
   for (const Client::Request* request : robot_.OpenRequests()) {
     if (!request->orphaned || request->told || now - *request->orphaned < kToldWithin) continue;
     ReportViolation(Invariant::kClientHears, "a client that had asked for " + request->target +
-                                     " is not told that the controller has ended");
+                                                 " is not told that the controller has ended");
   }
 }
 
@@ -95,7 +97,7 @@ void Checker::CheckClientsAtRest() {
   for (const Client::Request* request : robot_.OpenRequests()) {
     if (now - request->asked < kAnsweredAtRest) continue;
     ReportViolation(Invariant::kClientHears,
-          "a client that had asked for " + request->target + " hears of no outcome");
+                    "a client that had asked for " + request->target + " hears of no outcome");
   }
 }
 
@@ -111,8 +113,9 @@ void Checker::CheckNotDegraded(const Machine& machine, const SwitchResult& resul
         return record.presence == Presence::kPresent && record.state() == result.target;
       });
   if (!all_did || !all_there) return;
-  ReportViolation(Invariant::kDoneIsDone, "the switch to " + result.target + " is told to be done-degraded (" +
-                                  result.reason + "), and all are there");
+  ReportViolation(Invariant::kDoneIsDone, "the switch to " + result.target +
+                                              " is told to be done-degraded (" + result.reason +
+                                              "), and all are there");
 }
 
 }  // namespace musher::simulation

@@ -51,8 +51,9 @@ std::string Quoted(const std::vector<std::string>& words) {
 
 }  // namespace
 
-FaultTest::FaultTest(MachineConfig config, std::size_t actuator, ModuleUnderTest::Production production,
-             std::function<std::string()> complaint, std::function<void()> before_scenario)
+FaultTest::FaultTest(MachineConfig config, std::size_t actuator,
+                     ModuleUnderTest::Production production, std::function<std::string()> complaint,
+                     std::function<void()> before_scenario)
     : config_(std::move(config)),
       actuator_(actuator),
       options_(OptionsFor(config_)),
@@ -151,7 +152,8 @@ Result<std::optional<FaultTestFailure>> FaultTest::Tell(const ScenarioId& id) {
   return failure;
 }
 
-Injections SampleInjectionsAt(const MachineConfig& config, std::size_t actuator, std::uint64_t seed) {
+Injections SampleInjectionsAt(const MachineConfig& config, std::size_t actuator,
+                              std::uint64_t seed) {
   Injections injections = SampleInjections(config, seed);
   Random random(seed * 2 + 2);
   for (Injection& injection : injections) {

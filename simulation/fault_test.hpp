@@ -17,7 +17,7 @@ namespace musher::simulation {
 
 // A scenario that ended badly.
 struct FaultTestFailure {
-  ScenarioId id;        // shrunk
+  ScenarioId id;     // shrunk
   std::string what;  // a sentence
   std::string timeline;
   bool again = true;  // it ended badly when it was told again
@@ -28,7 +28,7 @@ class FaultTest {
   // `production.judge` and the like need not complain themselves: `complaint` is asked after each;
   // empty: nothing is wrong.
   FaultTest(MachineConfig config, std::size_t actuator, ModuleUnderTest::Production production,
-        std::function<std::string()> complaint, std::function<void()> before_scenario);
+            std::function<std::string()> complaint, std::function<void()> before_scenario);
 
   // Tells so many scenarios, from that seed on; gives the first bad one.
   std::optional<FaultTestFailure> Find(std::uint64_t first, std::uint64_t count);
@@ -58,9 +58,11 @@ class FaultTest {
   FaultTestCounts tally_;
 };
 
-// What befalls a robot whose actuator is under trial: as SampleInjections() has it, but aimed at that
-// one half of the time; and once something happens to it in the midst of a way down and up again.
-Injections SampleInjectionsAt(const MachineConfig& config, std::size_t actuator, std::uint64_t seed);
+// What befalls a robot whose actuator is under trial: as SampleInjections() has it, but aimed at
+// that one half of the time; and once something happens to it in the midst of a way down and up
+// again.
+Injections SampleInjectionsAt(const MachineConfig& config, std::size_t actuator,
+                              std::uint64_t seed);
 
 // A robot of an actuator with these states and two neighbours, one before and one after it. Fails
 // for a state that only a config can explain.

@@ -33,9 +33,9 @@ void Checker::CheckRunsNowhereElse(const ControllerProcess& controller, const st
       }
       continue;
     }
-    ReportViolation(Invariant::kRunsOnce, "the controller on host " + robot_.hosts().name(controller.host()) +
-                                  " starts " + name + ", which runs on host " +
-                                  robot_.hosts().name(host));
+    ReportViolation(Invariant::kRunsOnce,
+                    "the controller on host " + robot_.hosts().name(controller.host()) +
+                        " starts " + name + ", which runs on host " + robot_.hosts().name(host));
   }
 }
 
@@ -46,14 +46,16 @@ void Checker::CheckSignal(const ControllerProcess& controller, std::int32_t pid)
   bool of_nobody = true;
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     const ActuatorRecord& record = machine.actuators[i];
-    const bool meant = record.process == pid || record.terminating == pid || record.report.pid == pid;
+    const bool meant =
+        record.process == pid || record.terminating == pid || record.report.pid == pid;
     const bool holds =
         robot_.processes().PidOf(config_.actuators[i].name, controller.host()) == pid;
     of_nobody &= !(meant && holds);
   }
   if (!of_nobody || !robot_.processes().Exists(controller.host(), pid)) return;
-  ReportViolation(Invariant::kOnlyProven, "the controller signals process " + std::to_string(pid) +
-                                  ", which is not of the actuator that it is meant for");
+  ReportViolation(Invariant::kOnlyProven,
+                  "the controller signals process " + std::to_string(pid) +
+                      ", which is not of the actuator that it is meant for");
 }
 
 void Checker::CheckRunsOnce(const std::string& name) {

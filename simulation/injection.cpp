@@ -82,11 +82,11 @@ constexpr double kSeveralHostsShare = 0.15;
 // How often a client does something at the same time as well, and what.
 constexpr double kClientShare = 0.2;
 constexpr double kOrphanShare = 0.6;
-constexpr InjectionKind kOfClients[] = {InjectionKind::kClientSet,     InjectionKind::kClientSet,
-                                       InjectionKind::kClientStatus,  InjectionKind::kClientStatus,
-                                       InjectionKind::kClientRelease, InjectionKind::kClientRestart};
+constexpr InjectionKind kOfClients[] = {
+    InjectionKind::kClientSet,    InjectionKind::kClientSet,     InjectionKind::kClientStatus,
+    InjectionKind::kClientStatus, InjectionKind::kClientRelease, InjectionKind::kClientRestart};
 constexpr InjectionKind kOfHosts[] = {InjectionKind::kHostPartition, InjectionKind::kHostOneWay,
-                                     InjectionKind::kHostOneWay, InjectionKind::kReboot};
+                                      InjectionKind::kHostOneWay, InjectionKind::kReboot};
 
 // Where the levels are, everything happens; and at the ends.
 int DrawPercent(const MachineConfig& config, std::uint64_t chance) {
@@ -142,7 +142,8 @@ State DrawState(const MachineConfig& config, Random& random) {
     if (state == kSetUp || state == kTearDown) continue;
     states.push_back(state);
   }
-  if (states.empty() || (config.HasState(kTearDown) && random.Chance(0.02))) return State(kTearDown);
+  if (states.empty() || (config.HasState(kTearDown) && random.Chance(0.02)))
+    return State(kTearDown);
   return states[random.Next() % states.size()];
 }
 
@@ -239,7 +240,8 @@ class Drawing {
         hosts_ > 1 ? kOfHosts[host_random_.Next() % std::size(kOfHosts)] : InjectionKind::kReboot;
     injection.host = host_random_.Next() % hosts_;
     injection.other_host = (injection.host + 1 + host_random_.Next() % 2) % hosts_;
-    if (injection.other_host == injection.host) injection.other_host = (injection.host + 1) % hosts_;
+    if (injection.other_host == injection.host)
+      injection.other_host = (injection.host + 1) % hosts_;
   }
 
   Injection& AddAny() {
@@ -259,9 +261,10 @@ class Drawing {
   }
 
   void DrawAimed() {
-    static constexpr MachinePhase kAims[] = {
-        MachinePhase::kJoining,     MachinePhase::kSent,        MachinePhase::kHalfWay,     MachinePhase::kAsking,
-        MachinePhase::kRollingBack, MachinePhase::kFallingBack, MachinePhase::kTearingDown, MachinePhase::kSettingUp};
+    static constexpr MachinePhase kAims[] = {MachinePhase::kJoining,     MachinePhase::kSent,
+                                             MachinePhase::kHalfWay,     MachinePhase::kAsking,
+                                             MachinePhase::kRollingBack, MachinePhase::kFallingBack,
+                                             MachinePhase::kTearingDown, MachinePhase::kSettingUp};
     const MachinePhase aim = kAims[random_.Next() % std::size(kAims)];
     if (aim == MachinePhase::kTearingDown && random_.Chance(0.6)) return;  // little comes after it
     LeadTo(aim);

@@ -1,7 +1,7 @@
 #pragma once
 // What befalls a simulated robot: faults, and what people and applications ask for, each at its
-// time. A list of them, with a seed, is a whole scenario; taking some away leaves the others as they
-// are.
+// time. A list of them, with a seed, is a whole scenario; taking some away leaves the others as
+// they are.
 
 #include <cstddef>
 #include <cstdint>
@@ -67,14 +67,14 @@ std::string_view KindName(InjectionKind kind);  // "crash", "controller-freeze",
 
 struct Injection {
   InjectionKind kind = InjectionKind::kCrash;
-  Duration at{};               // after the robot was switched on, at the earliest
+  Duration at{};                     // after the robot was switched on, at the earliest
   std::optional<MachinePhase> when;  // then it waits for this, but not for ever
-  std::size_t actuator = 0;    // of the config; means nothing where everybody is concerned
-  std::size_t host = 0;        // of the layout
-  std::size_t other_host = 0;  // of what concerns two
-  State state;                 // that is asked for, or lied about
-  Duration lasts{};            // of what lasts
-  std::uint64_t chance = 0;    // for whatever else has to be drawn
+  std::size_t actuator = 0;          // of the config; means nothing where everybody is concerned
+  std::size_t host = 0;              // of the layout
+  std::size_t other_host = 0;        // of what concerns two
+  State state;                       // that is asked for, or lied about
+  Duration lasts{};                  // of what lasts
+  std::uint64_t chance = 0;          // for whatever else has to be drawn
 
   friend bool operator==(const Injection&, const Injection&) = default;
 };

@@ -190,7 +190,8 @@ class ModuleUnderTest::LockstepWorker : public Worker {
   transport::LoopHandlePtr step_;
 };
 
-ModuleUnderTest::ModuleUnderTest(const Production& production, Scenario::Draw draw, std::uint64_t seed)
+ModuleUnderTest::ModuleUnderTest(const Production& production, Scenario::Draw draw,
+                                 std::uint64_t seed)
     : production_(production),
       draw_(std::move(draw)),
       random_(seed),

@@ -41,7 +41,7 @@ void Checker::CheckCeiling(const Machine& machine, bool at_rest) {
   const auto most = MostAt(*config_.policy->battery, *policy.battery, policy.charging);
   if (!most || *rank <= *most) return;
   ReportViolation(Invariant::kWithinBattery,
-        "the machine is in " + machine.state + " while " + BatteryText(policy));
+                  "the machine is in " + machine.state + " while " + BatteryText(policy));
 }
 
 // A level is left `hysteresis` above where it begins; from then on only its beginning counts.
@@ -149,7 +149,7 @@ void Checker::CheckRaise(const State& raised_to, int percent) {
 }
 
 std::uint64_t Checker::AskedPolicy(const ControllerProcess& controller,
-                                 const event::PolicyRequested& asked) {
+                                   const event::PolicyRequested& asked) {
   const bool up = asked.what == PolicyRequest::kWakeUp ||
                   (asked.what == PolicyRequest::kOta && !asked.enable) ||
                   (asked.what == PolicyRequest::kLowPowerSwitch && !asked.enable);
@@ -158,7 +158,7 @@ std::uint64_t Checker::AskedPolicy(const ControllerProcess& controller,
 }
 
 void Checker::AnsweredPolicy(std::uint64_t request, const event::PolicyRequested& asked,
-                           const Result<>& answer) {
+                             const Result<>& answer) {
   ++checks_;
   if (open_.erase(request) == 0) {
     return ReportViolation(Invariant::kOneAnswer, "a request of the policy was answered twice");

@@ -51,7 +51,7 @@ bool Scenario::ComeToRest(const std::string& when) {
   RunUntil([this] { return checker_.AtRest(); }, options_.bound);
   if (!checker_.AtRest()) {
     checker_.ReportViolation(Invariant::kComesToRest,
-                 "the machine is not at rest " + when + ": " + checker_.Unrest());
+                             "the machine is not at rest " + when + ": " + checker_.Unrest());
   }
   return !Over();
 }
@@ -121,8 +121,9 @@ bool Scenario::BringHome() {
     const State from = leader->shell().machine().state;
     auto way = FindWay(config_, from, options_.home);
     if (!way) {
-      checker_.ReportViolation(Invariant::kWayBack, "the machine is in " + from +
-                                          ", from where no switch leads to " + options_.home);
+      checker_.ReportViolation(
+          Invariant::kWayBack,
+          "the machine is in " + from + ", from where no switch leads to " + options_.home);
       return false;
     }
     // A check by hand takes along those that had failed theirs.
@@ -144,15 +145,16 @@ bool Scenario::BringHome() {
 void Scenario::CheckWhole() {
   const Machine& machine = robot_.machine();
   if (machine.state != options_.home) {
-    return checker_.ReportViolation(Invariant::kWholeAgain, "repaired and asked for " + options_.home +
-                                                  ", the machine is in " + machine.state);
+    return checker_.ReportViolation(
+        Invariant::kWholeAgain,
+        "repaired and asked for " + options_.home + ", the machine is in " + machine.state);
   }
   const auto degraded = Degraded(config_, machine);
   if (!degraded.empty()) {
     const std::size_t i = *config_.IndexOf(degraded.front());
-    return checker_.ReportViolation(Invariant::kWholeAgain,
-                        "after the repair " + degraded.front() +
-                            " is still degraded: " + TroubleOf(machine.actuators[i])->message);
+    return checker_.ReportViolation(
+        Invariant::kWholeAgain, "after the repair " + degraded.front() + " is still degraded: " +
+                                    TroubleOf(machine.actuators[i])->message);
   }
   checker_.CheckRest(false);
   for (const ActuatorConfig& actuator : config_.actuators) {
@@ -160,10 +162,12 @@ void Scenario::CheckWhole() {
     const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
     const std::string state = report == nullptr ? "gone" : "in " + report->state;
     if (report == nullptr || report->state != options_.home) {
-      checker_.ReportViolation(Invariant::kWholeAgain, "after the repair " + actuator.name + " is " + state);
+      checker_.ReportViolation(Invariant::kWholeAgain,
+                               "after the repair " + actuator.name + " is " + state);
     } else if (report->held_by_stop) {
-      checker_.ReportViolation(Invariant::kWholeAgain, "after the repair " + actuator.name +
-                                             " is held by an emergency stop that was released");
+      checker_.ReportViolation(
+          Invariant::kWholeAgain,
+          "after the repair " + actuator.name + " is held by an emergency stop that was released");
     }
   }
 }
@@ -174,7 +178,8 @@ void Scenario::SwitchOff() {
   Ask(State(kTearDown));
   const auto stopped = [this] { return robot_.machine().phase == Phase::kStopped; };
   if (!RunUntil(stopped, config_.shutdown_budget + Milliseconds(100))) {
-    return checker_.ReportViolation(Invariant::kEndsWhenAsked, "the machine is not torn down within its budget");
+    return checker_.ReportViolation(Invariant::kEndsWhenAsked,
+                                    "the machine is not torn down within its budget");
   }
   RunFor(Milliseconds(100));
   checker_.CheckRest(false);

@@ -28,7 +28,7 @@ MachineConfig InStorysTime(MachineConfig config) {
 }  // namespace
 
 Scenario::Scenario(const MachineConfig& config, std::uint64_t seed, Injections injections,
-             const ScenarioOptions& options)
+                   const ScenarioOptions& options)
     : config_(config),
       seed_(seed),
       injections_(std::move(injections)),
@@ -59,7 +59,7 @@ Scenario::Scenario(const MachineConfig& config, std::uint64_t seed, Injections i
 Scenario::~Scenario() = default;
 
 void Scenario::UseModule(const std::string& actuator,
-                      std::function<std::unique_ptr<Module>(const Draw& draw)> make) {
+                         std::function<std::unique_ptr<Module>(const Draw& draw)> make) {
   auto& make_module = robot_.processes().make_module;
   make_module = [this, actuator, make = std::move(make),
                  others = std::move(make_module)](const std::string& name) {
@@ -69,7 +69,7 @@ void Scenario::UseModule(const std::string& actuator,
 }
 
 Ending RunScenario(const MachineConfig& config, std::uint64_t seed, const Injections& injections,
-                 const ScenarioOptions& options) {
+                   const ScenarioOptions& options) {
   return Scenario(config, seed, injections, options).Tell();
 }
 
@@ -117,8 +117,9 @@ void Scenario::Later(Duration delay, std::function<void()> what) {
 bool Scenario::RunUntil(const std::function<bool()>& done, Duration limit) {
   const Time end = robot_.network().now() + limit;
   for (;;) {
-    const auto next = std::min_element(later_.begin(), later_.end(),
-                                       [](const TimedAction& a, const TimedAction& b) { return a.at < b.at; });
+    const auto next =
+        std::min_element(later_.begin(), later_.end(),
+                         [](const TimedAction& a, const TimedAction& b) { return a.at < b.at; });
     const bool first = next != later_.end() && next->at <= end;
     const Time until = first ? next->at : end;
     bool held = false;

@@ -1,6 +1,6 @@
 #pragma once
-// One life of a simulated robot: it is switched on, injected events befall it, they cease, it comes to
-// rest, people repair what is left, and at last it is switched off. The same config, seed and
+// One life of a simulated robot: it is switched on, injected events befall it, they cease, it comes
+// to rest, people repair what is left, and at last it is switched off. The same config, seed and
 // injected events make the same life, to the byte.
 
 #include <array>
@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "musher/simulation/checker.hpp"
 #include "musher/simulation/coverage.hpp"
 #include "musher/simulation/injection.hpp"
-#include "musher/simulation/checker.hpp"
 #include "musher/simulation/invariant.hpp"
 #include "musher/simulation/robot.hpp"
 
@@ -49,7 +49,7 @@ class Scenario {
  public:
   // `config` must outlive it.
   Scenario(const MachineConfig& config, std::uint64_t seed, Injections injections,
-        const ScenarioOptions& options);
+           const ScenarioOptions& options);
   ~Scenario();
 
   // Something of the caller's stands behind an actuator, made anew with each process. `draw` says
@@ -145,6 +145,6 @@ class Scenario {
 
 // All drawn from the seed.
 Ending RunScenario(const MachineConfig& config, std::uint64_t seed, const Injections& injections,
-                 const ScenarioOptions& options);
+                   const ScenarioOptions& options);
 
 }  // namespace musher::simulation

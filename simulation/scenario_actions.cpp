@@ -63,7 +63,7 @@ void Scenario::Do(const Injection& injection) {
       if (injection.kind >= InjectionKind::kReboot) return DoToHosts(injection);
       if (injection.kind > InjectionKind::kRestart) return DoToPolicy(injection);
       return injection.kind < InjectionKind::kControllerCrash ? DoToNetwork(injection)
-                                                            : DoToController(injection);
+                                                              : DoToController(injection);
   }
 }
 
@@ -210,7 +210,7 @@ void Scenario::ApplyNetworkFaults() {
 void Scenario::DoToController(const Injection& injection) {
   if (injection.kind != InjectionKind::kWallClock) {
     checker_.ControllersBlocked(injection.kind == InjectionKind::kFullDisk ||
-                               injection.kind == InjectionKind::kStalledDisk);
+                                injection.kind == InjectionKind::kStalledDisk);
   }
   switch (injection.kind) {
     case InjectionKind::kControllerCrash: {

@@ -15,7 +15,7 @@ constexpr std::uint64_t kBatch = 16;
 constexpr std::size_t kShrunk = 5;
 
 std::optional<Invariant> BrokenBy(const MachineConfig& config, const ScenarioOptions& options,
-                                const ScenarioId& id) {
+                                  const ScenarioId& id) {
   const auto injections = InjectionsOf(config, id);
   if (!injections) return std::nullopt;
   const Ending ending = RunScenario(config, id.seed, injections.value(), options);
@@ -30,9 +30,9 @@ Result<Injections> InjectionsOf(const MachineConfig& config, const ScenarioId& i
   Injections some;
   for (const std::size_t number : *id.only) {
     if (number == 0 || number > all.size()) {
-      return Error{kCodeParametersInvalid, "seed " + std::to_string(id.seed) + " has " +
-                                               std::to_string(all.size()) + " injected events, and no " +
-                                               std::to_string(number)};
+      return Error{kCodeParametersInvalid,
+                   "seed " + std::to_string(id.seed) + " has " + std::to_string(all.size()) +
+                       " injected events, and no " + std::to_string(number)};
     }
     some.push_back(all[number - 1]);
   }
@@ -115,15 +115,16 @@ std::vector<std::size_t> ShrinkWhile(
 }
 
 ScenarioId Shrink(const MachineConfig& config, const ScenarioOptions& options, std::uint64_t seed,
-               Invariant invariant) {
+                  Invariant invariant) {
   const auto bad = [&](const std::vector<std::size_t>& only) {
     return BrokenBy(config, options, {seed, only}) == invariant;
   };
   return {seed, ShrinkWhile(SampleInjections(config, seed).size(), bad)};
 }
 
-std::optional<ScenarioId> ShortestFailingScenario(const MachineConfig& config, const ScenarioOptions& options,
-                                        const Summary& summary) {
+std::optional<ScenarioId> ShortestFailingScenario(const MachineConfig& config,
+                                                  const ScenarioOptions& options,
+                                                  const Summary& summary) {
   std::optional<ScenarioId> shortest;
   for (std::size_t invariant = 0; invariant < kInvariants; ++invariant) {
     const auto& seeds = summary.bad[invariant];

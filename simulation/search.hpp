@@ -14,7 +14,8 @@
 
 namespace musher::simulation {
 
-// Which scenario: the one that a seed draws, or some of its injected events, by their number from 1.
+// Which scenario: the one that a seed draws, or some of its injected events, by their number
+// from 1.
 struct ScenarioId {
   std::uint64_t seed = 0;
   std::optional<std::vector<std::size_t>> only;
@@ -40,8 +41,8 @@ struct Summary {
   void Sort();
 };
 
-// Lives the scenarios of the seeds from `first` on, on `threads` threads. `on_done` is told how many
-// are over, now and then; it may say false to end early. The summary is the same however many
+// Lives the scenarios of the seeds from `first` on, on `threads` threads. `on_done` is told how
+// many are over, now and then; it may say false to end early. The summary is the same however many
 // threads there are.
 Summary LiveMany(const MachineConfig& config, const ScenarioOptions& options, std::uint64_t first,
                  std::uint64_t count, unsigned threads,
@@ -53,11 +54,12 @@ std::vector<std::size_t> ShrinkWhile(
 
 // The same invariant broken by as few injected events as can be.
 ScenarioId Shrink(const MachineConfig& config, const ScenarioOptions& options, std::uint64_t seed,
-               Invariant invariant);
+                  Invariant invariant);
 
-// Of the bad ones of a summary: those that break a invariant are shrunk, some of them, and that with
-// the fewest injected events is taken. nullopt: none is bad.
-std::optional<ScenarioId> ShortestFailingScenario(const MachineConfig& config, const ScenarioOptions& options,
-                                        const Summary& summary);
+// Of the bad ones of a summary: those that break a invariant are shrunk, some of them, and that
+// with the fewest injected events is taken. nullopt: none is bad.
+std::optional<ScenarioId> ShortestFailingScenario(const MachineConfig& config,
+                                                  const ScenarioOptions& options,
+                                                  const Summary& summary);
 
 }  // namespace musher::simulation

@@ -49,8 +49,9 @@ void Checker::CheckStopsAtRest(const Machine& machine) {
   const std::string what = open ? " although one is engaged" : " although all are released";
   const bool told = machine.emergency_stop.has_value();
   if (told != open && !excused(told)) {
-    return ReportViolation(Invariant::kStopStays, std::string("the controller knows of ") +
-                                          (told ? "an" : "no") + " emergency stop" + what);
+    return ReportViolation(
+        Invariant::kStopStays,
+        std::string("the controller knows of ") + (told ? "an" : "no") + " emergency stop" + what);
   }
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
@@ -58,25 +59,27 @@ void Checker::CheckStopsAtRest(const Machine& machine) {
     const bool latched = report->emergency_stop != 0;
     if (latched == open || excused(latched)) continue;
     ReportViolation(Invariant::kStopStays, config_.actuators[i].name + " has latched " +
-                                   (latched ? "an" : "no") + " emergency stop" + what);
+                                               (latched ? "an" : "no") + " emergency stop" + what);
   }
 }
 
 // A callback ends beside an emergency stop.
 void Checker::CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
-                         const ActuatorReport& report) {
+                           const ActuatorReport& report) {
   const bool says_on = !report.busy() && !report.held_by_stop && report.incarnation != 0 &&
                        Rises(config_, kUninitialized, report.state);
   const Processes& processes = robot_.processes();
   if (says_on && processes.HasPower(name, host) && !processes.IsPowered(name, host)) {
-    ReportViolation(Invariant::kStopIsSeen, name + " says that it is in " + report.state +
-                                    ", with its power off, and not that a stop holds it");
+    ReportViolation(Invariant::kStopIsSeen,
+                    name + " says that it is in " + report.state +
+                        ", with its power off, and not that a stop holds it");
   }
   if (report.emergency_stop == 0 || before.emergency_stop != report.emergency_stop) return;
   if (!report.busy()) free_and_stopped_.emplace_back(name, host);
   if (before.busy() && Rises(config_, before.state, report.state)) {
-    ReportViolation(Invariant::kStopWins, name + " has risen from " + before.state + " to " + report.state +
-                                  " although it has latched an emergency stop");
+    ReportViolation(Invariant::kStopWins, name + " has risen from " + before.state + " to " +
+                                              report.state +
+                                              " although it has latched an emergency stop");
   }
 }
 
@@ -86,8 +89,9 @@ void Checker::CheckPower() {
     const ActuatorReport* report = robot_.processes().ReportOf(name, host);
     if (report == nullptr || report->busy() || report->emergency_stop == 0) continue;
     if (!robot_.processes().IsPowered(name, host)) continue;
-    ReportViolation(Invariant::kStopWins, name + " in " + report->state +
-                                  " has its power on although it has latched an emergency stop");
+    ReportViolation(Invariant::kStopWins,
+                    name + " in " + report->state +
+                        " has its power on although it has latched an emergency stop");
   }
 }
 
@@ -103,14 +107,15 @@ void Checker::CheckStaysDown(const ControllerProcess& controller) {
   const bool is_up =
       machine.phase == Phase::kRunning && stop_asked_->controller != controller.serial();
   if (!is_up) return;
-  ReportViolation(Invariant::kStaysDown, "a supervisor's start brings the machine to " + machine.state +
-                                 " after a TearDown that was accepted");
+  ReportViolation(Invariant::kStaysDown, "a supervisor's start brings the machine to " +
+                                             machine.state + " after a TearDown that was accepted");
 }
 
 // Whether the actuator runs for another controller, on the host of that controller, which began
 // while the controller `asked` to tear down was stopped or disconnected; otherwise `asked` would
 // have released the machine.
-bool Checker::RunsForAnother(const ControllerProcess& asked, std::size_t i, std::size_t host) const {
+bool Checker::RunsForAnother(const ControllerProcess& asked, std::size_t i,
+                             std::size_t host) const {
   for (std::size_t which = 0; which < 2; ++which) {
     const ControllerProcess* other = robot_.controller(which);
     if (other == nullptr || other->serial() == asked.serial() || !other->leads()) continue;
@@ -136,8 +141,9 @@ void Checker::CheckTornDown(const ControllerProcess& controller, const SwitchRes
       const bool heard = record.report.incarnation == report->incarnation;
       if (!heard && !config_.RankOf(report->state)) continue;
       if (!heard && RunsForAnother(controller, i, host)) continue;
-      ReportViolation(Invariant::kDownIsDown, "TearDown is told to be done, and " + name + " lives on in " +
-                                      report->state + " on host " + robot_.hosts().name(host));
+      ReportViolation(Invariant::kDownIsDown, "TearDown is told to be done, and " + name +
+                                                  " lives on in " + report->state + " on host " +
+                                                  robot_.hosts().name(host));
     }
   }
 }

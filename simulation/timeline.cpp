@@ -30,13 +30,16 @@ std::string_view Mark(Timeline::Teller teller) {
 
 }  // namespace
 
-Timeline::Timeline(Scenario& scenario, const MachineConfig& config) : scenario_(scenario), config_(config) {
+Timeline::Timeline(Scenario& scenario, const MachineConfig& config)
+    : scenario_(scenario), config_(config) {
   bands_.push_back({"machine", {}});
   for (const ActuatorConfig& actuator : config.actuators) bands_.push_back({actuator.name, {}});
   scenario.listener.on_injection = [this](Time, const Injection& injection) {
     Add(Teller::kInjection, Describe(config_, injection));
   };
-  scenario.listener.on_repair = [this](Time, const std::string& action) { Add(Teller::kPeople, action); };
+  scenario.listener.on_repair = [this](Time, const std::string& action) {
+    Add(Teller::kPeople, action);
+  };
   scenario.listener.on_record = [this](Time, const action::Record& record) {
     Add(Teller::kController, record.message);
   };

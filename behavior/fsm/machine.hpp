@@ -47,7 +47,7 @@ enum class Urgency : std::uint8_t { kNormal, kUrgent };
 // Of a machine's life, since it was built.
 struct Counts {
   std::uint64_t changes = 0;
-  std::uint64_t unhandled = 0;    // commands that came to nothing, also when a transition broke off
+  std::uint64_t unhandled = 0;   // commands that came to nothing, also when a transition broke off
   std::uint64_t superseded = 0;  // commands that an urgent one, a reset or a stop swept away
   std::uint64_t refused = 0;     // commands that found no room
   std::uint64_t faults = 0;
@@ -112,8 +112,8 @@ class Machine {
   // if anything is, nothing has changed.
   [[nodiscard]] std::vector<SnapshotFault> Restore(const Snapshot& saved, Time now);
 
-  // A command for the state to handle. Fails when nobody registered it, when too many wait, and when
-  // the machine does not run.
+  // A command for the state to handle. Fails when nobody registered it, when too many wait, and
+  // when the machine does not run.
   Result<> Send(EventId event);
   Result<> Send(std::string_view event);
   // At once, whether declared or not; waiting commands stay.

@@ -12,8 +12,8 @@
 //   is left gradually             the inner machine rests; its safety checks are not asked
 //   is left, however              the inner machine is stopped: its state is left too
 //
-// A command that the outer state neither handles nor keeps goes to the inner machine, if that has an
-// event of the same name; while a gradual transition goes on inside it waits outside. A fault of
+// A command that the outer state neither handles nor keeps goes to the inner machine, if that has
+// an event of the same name; while a gradual transition goes on inside it waits outside. A fault of
 // the inner machine is its own as long as its safe state deals with it; one that stops it is a
 // fault of the outer state, told with the path ("PHOTO/CONFIRM"). Once the inner machine is in a
 // final state the outer one goes to `finished`, in the next tick.

@@ -155,7 +155,8 @@ ControllerOptions ControllerProcess::Options() {
   options.hooks.on_start_up_ended = [this](const action::StartUpEnded& e) { OnStartUpEnded(e); };
   options.hooks.on_stopped = [this] {
     // Somebody took it down before it was known whether it is any good.
-    if (trial_boot_) trial_boot_->Fail({kCodeFailed, "the machine was taken down before it was up"});
+    if (trial_boot_)
+      trial_boot_->Fail({kCodeFailed, "the machine was taken down before it was up"});
     loop_.Stop();
   };
   options.hooks.on_fenced = [this](const std::string& message) { OnFenced(message); };

@@ -77,7 +77,7 @@ Result<> Ending::Open() {
   if (!beats) return beats.error();
   heartbeats_ = std::move(beats).value();
   heartbeat_ = {"musher down",       epoch_,   transport::NewIncarnation(),
-           transport::HostId(), getpid(), kHeartbeatPeriod.count()};
+                transport::HostId(), getpid(), kHeartbeatPeriod.count()};
   if (auto told = heartbeats_->Publish(heartbeat_); !told) return told;
   timer_ = node_.loop().Every(kPeriod, [this] { Advance(); });
   return Ok();

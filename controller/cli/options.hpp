@@ -114,8 +114,8 @@ struct SimulateOptions {
   std::string only;                   // of its injected events: "3,7"; empty: all
   std::optional<double> bound_s;      // in which the machine has to come to rest
   std::string home;                   // where people bring it back to; empty: Active
-  std::string svg;                    // file for the picture of the failing scenario, or of the one told
-  unsigned jobs = 0;                  // threads; 0: as many as there are cores
+  std::string svg;    // file for the picture of the failing scenario, or of the one told
+  unsigned jobs = 0;  // threads; 0: as many as there are cores
 };
 struct KeysInitOptions {
   std::string where;  // a state config with [security], or a folder

@@ -1,5 +1,5 @@
-// musher ota install|rollback: another version into the slot that is not used, a trial boot of it, and
-// back where it fails. The files are this process's work, which can be killed at any time; the
+// musher ota install|rollback: another version into the slot that is not used, a trial boot of it,
+// and back where it fails. The files are this process's work, which can be killed at any time; the
 // machine is the controller's, which is only asked.
 
 #include <fmt/format.h>

@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 
 constexpr Duration kAnswerTimeout = std::chrono::seconds(5);
 constexpr Duration kSwitchTimeout = std::chrono::minutes(5);  // lying down takes its time
-constexpr Duration kGrace = std::chrono::seconds(60);  // beside the trial boot's own: down, and up again
+constexpr Duration kGrace =
+    std::chrono::seconds(60);  // beside the trial boot's own: down, and up again
 
 // "/robot/slots/a/robot.toml" → "/robot"; empty: not of a root.
 std::string RootOf(const std::string& config_file) {

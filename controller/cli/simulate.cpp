@@ -143,8 +143,9 @@ ExitCode Simulate(const SimulateOptions& options, Console& console) {
       if (!written) return console.Fail(written.error());
     }
   }
-  console.Print(console.mode().json ? SimulationJson(report, failing_scenario)
-                                    : SimulationText(report, failing_scenario, console.mode().colour));
+  console.Print(console.mode().json
+                    ? SimulationJson(report, failing_scenario)
+                    : SimulationText(report, failing_scenario, console.mode().colour));
   return report.summary.good() ? ExitCode::kDone : ExitCode::kNotDone;
 }
 

@@ -144,7 +144,8 @@ Result<> RootLock::Take(const std::string& root_path) {
 }
 
 TrialBoot::TrialBoot(transport::EventLoop& loop, DiskWriter& disk, const SlotRun& run,
-             const MachineConfig& config, std::function<const Machine*()> machine, OnEnd on_end)
+                     const MachineConfig& config, std::function<const Machine*()> machine,
+                     OnEnd on_end)
     : disk_(disk),
       run_(run),
       config_(config),

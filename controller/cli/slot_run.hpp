@@ -1,7 +1,7 @@
 #pragma once
 // What `musher up ROOT` starts: a version of the robot's software, from one of the two slots of a
-// root (controller/ota). And what its controller does about it: a version on trial boot is judged when
-// it is up, and kept or left.
+// root (controller/ota). And what its controller does about it: a version on trial boot is judged
+// when it is up, and kept or left.
 //
 // Threads: loop thread only. The end of a trial boot is saved on the disk thread.
 
@@ -40,9 +40,9 @@ struct ChosenSlot {
   MachineConfig config;
 };
 
-// Chooses the slot of a root and remembers that. A version on trial boot whose config is faulty is given
-// up for the one before. Says what is wrong, and gives nothing, when there is no version to start,
-// or when the machine of this root runs already and is not to be taken over.
+// Chooses the slot of a root and remembers that. A version on trial boot whose config is faulty is
+// given up for the one before. Says what is wrong, and gives nothing, when there is no version to
+// start, or when the machine of this root runs already and is not to be taken over.
 std::optional<ChosenSlot> ChooseSlot(const std::string& root, bool takeover, Console& console);
 
 // Remembers how the trial boot has ended: the version is kept, or why not.
@@ -73,7 +73,7 @@ class TrialBoot {
   // `outcome`: it is kept, or why not. Called once that is on disk, on the loop.
   using OnEnd = std::function<void(const Result<>& outcome)>;
   TrialBoot(transport::EventLoop& loop, DiskWriter& disk, const SlotRun& run,
-        const MachineConfig& config, std::function<const Machine*()> machine, OnEnd on_end);
+            const MachineConfig& config, std::function<const Machine*()> machine, OnEnd on_end);
 
   bool under_way() const { return under_way_; }
   // It has ended for a reason that the machine does not show. Nothing where it had ended before.

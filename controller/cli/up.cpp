@@ -220,7 +220,7 @@ ExitCode Up(const UpOptions& options, const GlobalOptions& global, Console& cons
   }
   theirs = {};
   return UpLauncher(console, config.name, controller, std::move(ours), std::move(signals),
-                 options.detach, options.restarted)
+                    options.detach, options.restarted)
       .Run();
 }
 

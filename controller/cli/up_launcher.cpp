@@ -29,8 +29,8 @@ std::string HowItEnded(pid_t pid) {
 }  // namespace
 
 UpLauncher::UpLauncher(Console& console, std::string machine, pid_t controller,
-                 transport::UniqueFd progress, transport::UniqueFd signals, bool detach,
-                 bool restarted)
+                       transport::UniqueFd progress, transport::UniqueFd signals, bool detach,
+                       bool restarted)
     : console_(console),
       machine_(std::move(machine)),
       controller_(controller),

@@ -36,7 +36,7 @@ class UpLauncher {
  public:
   // `signals`: TakeEndSignals(). `restarted`: as UpOptions has it.
   UpLauncher(Console& console, std::string machine, pid_t controller, transport::UniqueFd progress,
-          transport::UniqueFd signals, bool detach, bool restarted);
+             transport::UniqueFd signals, bool detach, bool restarted);
 
   ExitCode Run();
 

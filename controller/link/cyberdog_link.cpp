@@ -14,7 +14,7 @@ constexpr Duration kSilence = 5 * Milliseconds(500);
 constexpr auto kNoSuchState = static_cast<std::int32_t>(KeyCode::kUnSupport);
 // Matches writers of either reliability. One history for all who beat, so it must not be short.
 constexpr transport::Qos kHeartbeatsQos{transport::Qos::Reliability::kBestEffort,
-                                   transport::Qos::Durability::kVolatile, 0};
+                                        transport::Qos::Durability::kVolatile, 0};
 
 }  // namespace
 
@@ -32,7 +32,8 @@ Result<std::unique_ptr<ActuatorLink>> CyberdogLink::Make(transport::Node& node,
   link->client_ = std::move(client).value();
   auto beats = transport::MakeSubscription<msg::Heartbeats>(
       node, transport::ResolveName(config.name_space, "manager_heartbeats"),
-      [self, name = own.heartbeat_name](const msg::Heartbeats& heartbeat, const transport::SampleInfo&) {
+      [self, name = own.heartbeat_name](const msg::Heartbeats& heartbeat,
+                                        const transport::SampleInfo&) {
         if (heartbeat.name == name) self->OnHeartbeat();
       },
       kHeartbeatsQos);

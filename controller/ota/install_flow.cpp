@@ -31,10 +31,11 @@ std::string_view StepName(Step step) {
 Flow InstallFlow(bool machine_runs) {
   Flow flow;
   if (machine_runs) {
-    flow.left = {Step::kCheck,        Step::kEnterOta,  Step::kPrepare,    Step::kCopy,
+    flow.left = {Step::kCheck,        Step::kEnterOta,      Step::kPrepare,    Step::kCopy,
                  Step::kCheckWritten, Step::kMarkTrialBoot, Step::kStartAgain, Step::kTrialBoot};
   } else {
-    flow.left = {Step::kCheck, Step::kPrepare, Step::kCopy, Step::kCheckWritten, Step::kMarkTrialBoot};
+    flow.left = {Step::kCheck, Step::kPrepare, Step::kCopy, Step::kCheckWritten,
+                 Step::kMarkTrialBoot};
   }
   return flow;
 }

@@ -2,7 +2,8 @@
 // The order of an upgrade, and what follows when a step fails. Pure: steps and their ends go in,
 // the next step comes out.
 //
-//   check ─▶ enter OTA ─▶ prepare ─▶ copy ─▶ check written ─▶ mark trial boot ─▶ start again ─▶ trial boot
+//   check ─▶ enter OTA ─▶ prepare ─▶ copy ─▶ check written ─▶ mark trial boot ─▶ start again ─▶
+//   trial boot
 //     │          └─────────────┴─────────┴──────────┴──────────────┘             │           │
 //     ▼                         leave OTA                                        ▼           ▼
 //    end, the machine as it was                                          end: kept, or gone back

@@ -104,8 +104,8 @@ std::optional<SlotState> ParseState(std::string_view text) {
   const auto* last = Find(*table, "last");
   if (const auto* end_of_trial_boot = last == nullptr ? nullptr : last->value.As<Table>()) {
     state.last = TrialBootEnd{SlotOf(Text(*end_of_trial_boot, "slot")).value_or(*confirmed),
-                          Text(*end_of_trial_boot, "version"), Flag(*end_of_trial_boot, "kept"),
-                          Text(*end_of_trial_boot, "reason")};
+                              Text(*end_of_trial_boot, "version"), Flag(*end_of_trial_boot, "kept"),
+                              Text(*end_of_trial_boot, "reason")};
   }
   return state;
 }
@@ -145,7 +145,8 @@ Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slo
                   Name(other) + " is started, version " + tried->value().text};
 }
 
-SlotState AfterTrialBoot(const SlotState& state, const std::string& version, const Result<>& outcome) {
+SlotState AfterTrialBoot(const SlotState& state, const std::string& version,
+                         const Result<>& outcome) {
   const Slot tried = Other(state.confirmed);
   SlotState next;
   next.confirmed = outcome ? tried : state.confirmed;

@@ -3,8 +3,8 @@
 // in, the slot to start and the state to write out.
 //
 //             install, rollback        up                        self-check good
-//   confirmed ────────────────▶ trial boot ────▶ trial boot, started once ────────────────▶ confirmed (the
-//   new)
+//   confirmed ────────────────▶ trial boot ────▶ trial boot, started once ────────────────▶
+//   confirmed (the new)
 //       ▲                         │                 │
 //       └─────────────────────────┴─────────────────┘ it does not verify; it failed; it was started
 //                                                     before and did not come to its end
@@ -40,10 +40,10 @@ struct TrialBootEnd {
 };
 
 struct SlotState {
-  Slot confirmed = Slot::kA;  // what the robot trusts
-  bool on_trial_boot = false;      // the other one is to be tried …
-  bool started = false;       // … and its one start has been used
-  bool other_good = false;    // the other one was confirmed once, and is as it was then
+  Slot confirmed = Slot::kA;   // what the robot trusts
+  bool on_trial_boot = false;  // the other one is to be tried …
+  bool started = false;        // … and its one start has been used
+  bool other_good = false;     // the other one was confirmed once, and is as it was then
   std::optional<TrialBootEnd> last;
 
   friend bool operator==(const SlotState&, const SlotState&) = default;
@@ -72,6 +72,7 @@ Result<Boot> DecideBoot(const std::optional<SlotState>& state, std::optional<Slo
                         const LookIntoSlot& look);
 
 // The state after the trial boot: the new version is kept, or why it is not.
-SlotState AfterTrialBoot(const SlotState& state, const std::string& version, const Result<>& outcome);
+SlotState AfterTrialBoot(const SlotState& state, const std::string& version,
+                         const Result<>& outcome);
 
 }  // namespace musher::ota

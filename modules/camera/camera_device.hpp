@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "musher/modules/camera/camera_core.hpp"
-#include "musher/modules/camera/self_check.hpp"
 #include "musher/modules/camera/dependencies.hpp"
+#include "musher/modules/camera/self_check.hpp"
 
 namespace musher::camera {
 

@@ -6,7 +6,7 @@
 namespace musher::camera {
 
 SelfCheckVerdict EvaluateSelfCheck(const std::vector<CameraFinding>& findings,
-                                const std::vector<std::string>& critical) {
+                                   const std::vector<std::string>& critical) {
   SelfCheckVerdict verdict;
   std::size_t failed = 0;
   bool critical_failed = false;

@@ -21,6 +21,6 @@ struct SelfCheckVerdict {
   std::string failing;  // "left: no picture in 5000 ms, 4409; ..."
 };
 SelfCheckVerdict EvaluateSelfCheck(const std::vector<CameraFinding>& findings,
-                                const std::vector<std::string>& critical);
+                                   const std::vector<std::string>& critical);
 
 }  // namespace musher::camera

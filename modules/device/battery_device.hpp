@@ -12,8 +12,8 @@
 #include "musher/messages/protocol/device.hpp"
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/modules/device/battery.hpp"
-#include "musher/modules/device/device_config.hpp"
 #include "musher/modules/device/dependencies.hpp"
+#include "musher/modules/device/device_config.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::device {

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "musher/modules/device/battery_device.hpp"
+#include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/device_config.hpp"
 #include "musher/modules/device/led_device.hpp"
 #include "musher/modules/device/power_key_device.hpp"
 #include "musher/modules/device/self_check.hpp"
-#include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/touch_device.hpp"
 #include "musher/modules/device/uwb_device.hpp"
 

@@ -7,9 +7,9 @@
 
 #include "musher/messages/musher_msgs/body.hpp"
 #include "musher/messages/protocol/device.hpp"
+#include "musher/modules/device/dependencies.hpp"
 #include "musher/modules/device/led.hpp"
 #include "musher/modules/device/lights.hpp"
-#include "musher/modules/device/dependencies.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::device {

@@ -8,8 +8,8 @@
 
 #include "musher/messages/std_msgs/basic.hpp"
 #include "musher/messages/std_srvs/trigger.hpp"
-#include "musher/modules/device/device_config.hpp"
 #include "musher/modules/device/dependencies.hpp"
+#include "musher/modules/device/device_config.hpp"
 #include "musher/transport/service.hpp"
 
 namespace musher::device {

@@ -5,7 +5,7 @@
 namespace musher::device {
 
 SelfCheckVerdict EvaluateSelfCheck(const std::vector<DeviceFinding>& findings,
-                                const std::vector<std::string>& critical) {
+                                   const std::vector<std::string>& critical) {
   const auto is_critical = [&](const DeviceFinding& finding) {
     return std::find(critical.begin(), critical.end(), finding.device) != critical.end();
   };

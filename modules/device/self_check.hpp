@@ -32,6 +32,6 @@ struct SelfCheckVerdict {
   bool well() const { return result.ok() && degraded.code == kCodeOk; }
 };
 SelfCheckVerdict EvaluateSelfCheck(const std::vector<DeviceFinding>& findings,
-                                const std::vector<std::string>& critical);
+                                   const std::vector<std::string>& critical);
 
 }  // namespace musher::device

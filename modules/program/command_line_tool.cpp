@@ -41,7 +41,7 @@ void TakeEnvironment(HandOptions& options) {
 }  // namespace
 
 void SetUpCommandLineTool(CLI::App& app, HandOptions& options, const std::string& clock_use,
-                   const std::string& footer) {
+                          const std::string& footer) {
   constexpr int kMostDomain = 232;
   constexpr std::size_t kHelpColumn = 32;
   app.require_subcommand(1);

@@ -48,7 +48,7 @@ struct HandOptions {
 // Makes the app a tool of commands with these options. `options` must outlive its parsing.
 // `clock_use` is for --help: what goes by that clock.
 void SetUpCommandLineTool(CLI::App& app, HandOptions& options, const std::string& clock_use,
-                   const std::string& footer);
+                          const std::string& footer);
 // Reads the command line, and what it does not give from MUSHER_NAMESPACE, MUSHER_KEYS and
 // MUSHER_IDENTITY. Nothing: a command was chosen.
 std::optional<ParseEnd> Parse(CLI::App& app, int argc, const char* const* argv,

@@ -6,7 +6,7 @@
 namespace musher::sensor {
 
 SelfCheckVerdict EvaluateSelfCheck(const std::vector<SensorFinding>& findings,
-                                const std::vector<SensorKind>& critical) {
+                                   const std::vector<SensorKind>& critical) {
   SelfCheckVerdict verdict;
   Error& degraded = verdict.degraded;
   for (const SensorFinding& finding : findings) {

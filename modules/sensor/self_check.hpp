@@ -27,6 +27,6 @@ struct SelfCheckVerdict {
   bool well() const { return result.ok() && degraded.code == kCodeOk; }
 };
 SelfCheckVerdict EvaluateSelfCheck(const std::vector<SensorFinding>& findings,
-                                const std::vector<SensorKind>& critical);
+                                   const std::vector<SensorKind>& critical);
 
 }  // namespace musher::sensor

@@ -12,9 +12,9 @@
 #include <optional>
 #include <string>
 
+#include "musher/modules/sensor/dependencies.hpp"
 #include "musher/modules/sensor/readings.hpp"
 #include "musher/modules/sensor/sensor_kind.hpp"
-#include "musher/modules/sensor/dependencies.hpp"
 
 namespace musher::sensor {
 

@@ -49,14 +49,14 @@ class Listener {
     const std::string name_space = "test_" + std::to_string(getpid());
     node_->RunOnLoop([&] {
       heartbeats_ = transport::MakeSubscription<msg::ActuatorBeat>(
-                   node_->node(), transport::ActuatorBeatTopic(name_space),
-                   [this](const msg::ActuatorBeat& heartbeat, const transport::SampleInfo&) {
-                     const std::lock_guard lock(mutex_);
-                     heartbeat_ = heartbeat;
-                     changed_.notify_all();
-                   },
-                   transport::kHeartbeatQos)
-                   .value();
+                        node_->node(), transport::ActuatorBeatTopic(name_space),
+                        [this](const msg::ActuatorBeat& heartbeat, const transport::SampleInfo&) {
+                          const std::lock_guard lock(mutex_);
+                          heartbeat_ = heartbeat;
+                          changed_.notify_all();
+                        },
+                        transport::kHeartbeatQos)
+                        .value();
       states_ = transport::MakeSubscription<msg::ActuatorStatus>(
                     node_->node(), transport::ActuatorStatusTopic(name_space),
                     [this](const msg::ActuatorStatus& status, const transport::SampleInfo&) {

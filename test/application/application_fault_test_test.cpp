@@ -6,8 +6,8 @@
 
 namespace musher::application_fault_test_test {
 
-using testing::Show;
 using testing::Harness;
+using testing::Show;
 
 TEST(AnApplication, GoesOnInActiveOnlyAndNeverInAnEmergencyWhateverBefallsIt) {
   const Harness harness;

@@ -12,8 +12,8 @@
 namespace musher::application_process_test {
 
 using cli::RunProgram;
-using ::testing::HasSubstr;
 using testing::Harness;
+using ::testing::HasSubstr;
 
 class AnApplicationsProcess : public ::testing::Test {
  protected:

@@ -16,11 +16,11 @@ namespace musher::behavior_command_test {
 
 using cli::Ran;
 using cli::RunProgram;
+using testing::Harness;
 using ::testing::HasSubstr;
 using testing::Process;
 using testing::RobotFile;
 using testing::Show;
-using testing::Harness;
 
 const std::string kMusher = MUSHER_BIN_DIR "/musher";
 

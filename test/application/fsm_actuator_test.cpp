@@ -11,9 +11,9 @@
 namespace musher::fsm_actuator_test {
 
 using ::testing::ElementsAre;
+using testing::Harness;
 using ::testing::HasSubstr;
 using testing::Show;
-using testing::Harness;
 
 class AnFsmActuator : public testing::WithHarness {
  protected:

@@ -93,7 +93,7 @@ void FaultRun::Require(bool holds, const std::string& what) {
 }
 
 void FaultRun::ExpectOutcome(const Result<msg::SetState::Response>& answer,
-                          const std::string& expected) {
+                             const std::string& expected) {
   if (!answer) {
     Expect(false, "the switch has no outcome: " + answer.error().message);
   } else {

@@ -10,12 +10,12 @@
 #include <cstdlib>
 #include <exception>
 
-#include "musher/test/fault_injection/suite.hpp"
 #include "musher/test/fault_injection/host/isolation.hpp"
 #include "musher/test/fault_injection/host/reaper.hpp"
 #include "musher/test/fault_injection/options.hpp"
 #include "musher/test/fault_injection/report/report.hpp"
 #include "musher/test/fault_injection/robot/processes.hpp"
+#include "musher/test/fault_injection/suite.hpp"
 
 namespace musher::fault_injection {
 namespace {
@@ -27,8 +27,8 @@ void Tell(const Outcome& outcome, std::size_t number, std::size_t of) {
     std::printf("        FAILED: %s\n", failure.c_str());
   }
   if (!outcome.failures.empty()) {
-    std::printf("        again: fault-injection suite --only %s --faults 1 --seed %llu\n", outcome.kind.c_str(),
-                static_cast<unsigned long long>(outcome.seed));
+    std::printf("        again: fault-injection suite --only %s --faults 1 --seed %llu\n",
+                outcome.kind.c_str(), static_cast<unsigned long long>(outcome.seed));
   }
   std::fflush(stdout);
 }
@@ -80,7 +80,8 @@ int Main(const Options& options) {
 
 int main(int argc, char** argv) {
   try {
-    const musher::fault_injection::Options options = musher::fault_injection::ReadOptions(argc, argv);
+    const musher::fault_injection::Options options =
+        musher::fault_injection::ReadOptions(argc, argv);
     if (options.list) return musher::fault_injection::List();
     return musher::fault_injection::Main(options);
   } catch (const musher::fault_injection::Usage& usage) {

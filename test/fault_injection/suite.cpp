@@ -18,7 +18,7 @@ constexpr int kDiskKilobytes = 24 * 1024;
 }  // namespace
 
 void Suite::Run(const std::vector<PlannedFault>& plan,
-                   const std::function<void(const Outcome&)>& ended) {
+                const std::function<void(const Outcome&)>& ended) {
   for (const PlannedFault& fault : plan) {
     ThrowIfInterrupted();
     ended(RunOne(fault));

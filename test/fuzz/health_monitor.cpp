@@ -32,9 +32,9 @@ class Harness {
         return Count(monitor_.Heard(i, incarnation, now_));
       case 1:
       case 2: {
-        const Heartbeat heartbeat{Duration(AnyTime(input_, now_)), transport::WorkFrom(input_.Byte()),
-                        AnyState(input_), Duration(AnyTime(input_, now_)),
-                        Duration(AnyTime(input_, now_))};
+        const Heartbeat heartbeat{Duration(AnyTime(input_, now_)),
+                                  transport::WorkFrom(input_.Byte()), AnyState(input_),
+                                  Duration(AnyTime(input_, now_)), Duration(AnyTime(input_, now_))};
         return Count(monitor_.Heard(i, incarnation, heartbeat, now_));
       }
       case 3:

@@ -6,7 +6,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t kMostSteps = 150;
   musher::fuzz::Input input(data, size);
-  musher::motion::testing::MotionFaultTest trial([&](std::size_t below) { return input.Below(below); });
+  musher::motion::testing::MotionFaultTest trial(
+      [&](std::size_t below) { return input.Below(below); });
   const auto broken = trial.Run(static_cast<int>(std::min(kMostSteps, size / 3 + 1)));
   musher::fuzz::Require(!broken, broken.value_or(""));
   return 0;

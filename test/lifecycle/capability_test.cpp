@@ -54,11 +54,11 @@ TEST_F(Capabilities, RunInTheirStates) {
 }
 
 TEST_F(Capabilities, AreRefusedWhereAReleasedStopHoldsTheirActuator) {
-  EXPECT_EQ(
-      EvaluateCapability(config_, "walk", {"legs", "Active", "", false, std::nullopt, true}).error(),
-      (Error{kStateInvalid,
-             "legs is held by the emergency stop that was released; `musher set "
-             "Active` ends that"}));
+  EXPECT_EQ(EvaluateCapability(config_, "walk", {"legs", "Active", "", false, std::nullopt, true})
+                .error(),
+            (Error{kStateInvalid,
+                   "legs is held by the emergency stop that was released; `musher set "
+                   "Active` ends that"}));
   machine_.actuators[0].report.held_by_stop = true;
   EXPECT_FALSE(Verdict("walk").allowed);
 }
@@ -72,7 +72,7 @@ TEST_F(Capabilities, AreRefusedAsProtectedWhereTheyRunInActiveButNotInProtected)
 
 TEST_F(Capabilities, HaveTheCodeOfTheModuleThatAsks) {
   const auto refused = EvaluateCapability(config_, "flip", {"legs", "Protected", "", false, {}},
-                                       ModuleCode::kMotionManager);
+                                          ModuleCode::kMotionManager);
   EXPECT_EQ(refused.error().code, 3013);
 }
 

@@ -14,7 +14,7 @@ using ::testing::IsEmpty;
 using Process = Examination::Process;
 
 constexpr Duration kHeartbeat = Milliseconds(100);  // so the limit is 300 ms
-constexpr std::uint64_t kFirst = 7;            // the incarnation of each
+constexpr std::uint64_t kFirst = 7;                 // the incarnation of each
 
 // The world of a monitor: who beats, what the kernel says, and all that it found, in words.
 class Monitor : public ::testing::Test {
@@ -79,8 +79,8 @@ class Monitor : public ::testing::Test {
   Time next_heartbeat_ = Time::min();
   bool heartbeats_[3] = {};
   Heartbeat heartbeat_[3] = {{kHeartbeat, Health::kWell, "", {}, {}},
-                   {kHeartbeat, Health::kWell, "", {}, {}},
-                   {kHeartbeat, Health::kWell, "", {}, {}}};
+                             {kHeartbeat, Health::kWell, "", {}, {}},
+                             {kHeartbeat, Health::kWell, "", {}, {}}};
   bool answers_[3] = {};
   bool local_[3] = {};
   Examination kernel_;

@@ -21,7 +21,8 @@ TEST(Silence, BeyondTheAllowanceIsAHangOfOneThatCouldRun) {
 
 TEST(Silence, OfOneThatWaitedForACpuDoesNotCount) {
   EXPECT_EQ(EvaluateSilence(Milliseconds(200), kAllowed, Milliseconds(100)), Health::kStarved);
-  EXPECT_EQ(EvaluateSilence(std::chrono::hours(1), kAllowed, std::chrono::hours(1)), Health::kStarved);
+  EXPECT_EQ(EvaluateSilence(std::chrono::hours(1), kAllowed, std::chrono::hours(1)),
+            Health::kStarved);
 }
 
 TEST(Silence, IsNamedInOneWord) {

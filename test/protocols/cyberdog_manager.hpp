@@ -34,12 +34,12 @@ class CyberdogManager {
                              .value());
     }
     heartbeats_ = transport::MakeSubscription<msg::Heartbeats>(
-                 node, transport::ResolveName(name_space, "manager_heartbeats"),
-                 [this](const msg::Heartbeats& heartbeat, const transport::SampleInfo&) {
-                   ++heard[heartbeat.name];
-                 },
-                 transport::kDefaultQos)
-                 .value();
+                      node, transport::ResolveName(name_space, "manager_heartbeats"),
+                      [this](const msg::Heartbeats& heartbeat, const transport::SampleInfo&) {
+                        ++heard[heartbeat.name];
+                      },
+                      transport::kDefaultQos)
+                      .value();
   }
 
   // Whether every module is set up, which is all that a visible service tells.

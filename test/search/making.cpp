@@ -41,7 +41,8 @@ bool IsWaitedFor(const World& world, const ActuatorRecord& record, const Actuato
 // Whether nobody waits for this reply any more, and the latch tells as much.
 bool IsOver(const World& world, const Actor& actor, const ActuatorRecord& record,
             const event::Replied& reply) {
-  const bool waited = (record.order && record.order->number == reply.number) || record.take_control_again;
+  const bool waited =
+      (record.order && record.order->number == reply.number) || record.take_control_again;
   const bool told = actor.status_due && SaysTheSame(actor.core.report, reply.report) &&
                     actor.core.report.emergency_stop == reply.report.emergency_stop;
   return !waited && record.presence == Presence::kPresent &&
@@ -205,9 +206,9 @@ class Making {
     const bool asked = choice_.deed == Deed::kEndAsked;
     const bool overtaken = !actor().replies.empty();
     harness_.Say((failed ? "FAULT: " : "") + name() + "'s callback of " + target() +
-               (failed  ? " fails"
-                : asked ? " ends because it was asked to stop"
-                        : " ends"));
+                 (failed  ? " fails"
+                  : asked ? " ends because it was asked to stop"
+                          : " ends"));
     harness_.EndCallback(i_, failed || asked ? kFailure : 0, asked ? "asked to stop" : "");
     if (choice_.deed == Deed::kEndCrash) {
       harness_.Say("FAULT: and its process, which is heard before its reply");
@@ -261,9 +262,9 @@ class Making {
     const bool twice = choice_.deed == Deed::kStatusDoubled;
     const bool lost = choice_.deed == Deed::kStatusLost;
     harness_.Say((lost    ? "FAULT: lost: "
-                : twice ? "FAULT: comes twice: "
-                        : "FAULT: held back: ") +
-               text);
+                  : twice ? "FAULT: comes twice: "
+                          : "FAULT: held back: ") +
+                 text);
     actor().status_due = false;
     if (lost) return;
     const event::StatusSeen seen{i_, harness_.Report(i_)};

@@ -172,9 +172,9 @@ struct Model {
 
 // What was noticed while one choice was made.
 struct Notes {
-  bool tell = false;               // whether `scenario` is wanted
+  bool tell = false;                  // whether `scenario` is wanted
   std::vector<std::string> scenario;  // in sentences
-  std::vector<std::string> wrong;  // what is against the rules
+  std::vector<std::string> wrong;     // what is against the rules
 };
 
 // All that may happen next. Faults only as far as there are some left.

@@ -221,7 +221,7 @@ TEST(ActuatorFaultTest, FindsAnEmergencyStopThatWaitsForACallback) {
   MotorFaultTest<LockingMotor> test;
   test.real_time_limit = std::chrono::milliseconds(200);
   EXPECT_THAT(test.Failure().what, HasSubstr("its OnEmergencyStop() does not come back beside a "
-                                              "callback of Active"));
+                                             "callback of Active"));
 }
 
 TEST(ActuatorFaultTest, TellsTheSameFromTheSameSeed) {

@@ -4,8 +4,8 @@
 
 #include <utility>
 
-#include "musher/simulation/scenario.hpp"
 #include "musher/simulation/fault_test.hpp"
+#include "musher/simulation/scenario.hpp"
 
 namespace musher::testing::judge_test {
 
@@ -30,11 +30,11 @@ TEST(Checker, LetsAControllerHaveItsTurnAtTheInstantOfItsDeadline) {
   simulation::ScenarioOptions options = simulation::UsualOptions(config.value());
   options.provided = false;
   const auto ending = RunScenario(config.value(), 1,
-                                {At(Milliseconds(2000), InjectionKind::kHang),
-                                 At(Milliseconds(2000), InjectionKind::kSet, "LowPower"),
-                                 At(Milliseconds(5000), InjectionKind::kTakeover),
-                                 At(Milliseconds(5000), InjectionKind::kSet, "LowPower")},
-                                options);
+                                  {At(Milliseconds(2000), InjectionKind::kHang),
+                                   At(Milliseconds(2000), InjectionKind::kSet, "LowPower"),
+                                   At(Milliseconds(5000), InjectionKind::kTakeover),
+                                   At(Milliseconds(5000), InjectionKind::kSet, "LowPower")},
+                                  options);
   EXPECT_FALSE(ending.violation) << ending.violation->what;
 }
 
@@ -90,9 +90,10 @@ TEST(Checker, LetsACommandBeFencedThatWasGivenUpAsLost) {
 TEST(Checker, LetsATakeoverStartTheMachineThatWasTornDownWhileItWaited) {
   Injection tear_down = At(Milliseconds(5000), InjectionKind::kClientSet, "TearDown");
   tear_down.chance = 1;  // of the machine
-  EXPECT_EQ(Against(ThreeActuators(), {At(Milliseconds(5000), InjectionKind::kControllerFreeze),
-                                       tear_down, At(Milliseconds(5000), InjectionKind::kTakeover)}),
-            "");
+  EXPECT_EQ(
+      Against(ThreeActuators(), {At(Milliseconds(5000), InjectionKind::kControllerFreeze),
+                                 tear_down, At(Milliseconds(5000), InjectionKind::kTakeover)}),
+      "");
 }
 
 // Its process lives on with the other actuator, so that nothing but a restart brings it back.
@@ -101,7 +102,8 @@ TEST(Checker, LetsPeopleRestartWhatWasTornDownAloneInAProcessThatItShares) {
   config.actuators[1].command.clear();
   std::uint64_t seed = 1;
   while (simulation::DrawLayout(config, seed, true).ProcessOf(1) == 1) ++seed;
-  EXPECT_EQ(Against(config, {At(Milliseconds(5000), InjectionKind::kSetOne, "TearDown")}, seed), "");
+  EXPECT_EQ(Against(config, {At(Milliseconds(5000), InjectionKind::kSetOne, "TearDown")}, seed),
+            "");
 }
 
 // The raise at 100 % is undone, and tried again at 21 %: below the hysteresis, but the ceiling was

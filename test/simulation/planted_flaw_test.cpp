@@ -14,8 +14,8 @@
 namespace musher::testing::planted_flaw_test {
 
 using simulation::Act;
-using simulation::Layout;
 using simulation::Invariant;
+using simulation::Layout;
 using simulation::SimRobot;
 using ::testing::HasSubstr;
 

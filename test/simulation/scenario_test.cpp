@@ -39,7 +39,8 @@ ScenarioOptions OptionsFor(const MachineConfig& config) {
 }
 
 std::string ToldAgain(const MachineConfig& config, const ScenarioId& id) {
-  Scenario scenario(config, id.seed, simulation::InjectionsOf(config, id).value(), OptionsFor(config));
+  Scenario scenario(config, id.seed, simulation::InjectionsOf(config, id).value(),
+                    OptionsFor(config));
   Timeline timeline(scenario, config);
   timeline.End(scenario.Tell());
   return timeline.Text();
@@ -67,8 +68,8 @@ void ExpectInvariantsHold(std::uint64_t seed, simulation::Coverage& coverage) {
     FAIL() << ending.violation->what << "\nagain with: " << Command(id) << "\n"
            << ToldAgain(config, id);
   }
-  const bool whole = config.transport == TransportProfile::kLocal && !scenario.robot().disk(0).gap &&
-                     scenario.robot().disk(1).recording.empty();
+  const bool whole = config.transport == TransportProfile::kLocal &&
+                     !scenario.robot().disk(0).gap && scenario.robot().disk(1).recording.empty();
   if (seed % 30 == 0 && whole) ExpectReplaysTheSame(scenario.robot());
 }
 
@@ -165,8 +166,9 @@ TEST(Scenarios, LetEveryInjectionMeetEveryMachinePhaseThatCanBe) {
         << KindName(static_cast<simulation::InjectionKind>(kind));
   }
   for (std::size_t phase = 0; phase < simulation::kMachinePhases; ++phase) {
-    EXPECT_GT(coverage.Of(simulation::InjectionKind::kSet, static_cast<simulation::MachinePhase>(phase)),
-              0U)
+    EXPECT_GT(
+        coverage.Of(simulation::InjectionKind::kSet, static_cast<simulation::MachinePhase>(phase)),
+        0U)
         << MachinePhaseName(static_cast<simulation::MachinePhase>(phase));
   }
 }

@@ -17,7 +17,7 @@ struct SimulationReport {
   unsigned threads = 1;
   Duration took{};
   std::optional<simulation::ScenarioId> worst;  // the shortest failing scenario
-  std::vector<std::string> others;           // actuators that speak another protocol
+  std::vector<std::string> others;              // actuators that speak another protocol
 };
 
 // `failing_scenario`: the timeline of the worst; empty when there is none.
@@ -31,6 +31,6 @@ inline double Seconds(Duration duration) {
 
 std::string ScenarioVerdict(const simulation::Ending& ending);
 std::string ScenarioJson(const simulation::ScenarioId& id, const simulation::Ending& ending,
-                      const std::string& text);
+                         const std::string& text);
 
 }  // namespace musher::cli

@@ -47,7 +47,8 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
   json["coverage"] = CoverageOf(s.coverage);
   for (std::size_t i = 0; i < simulation::kInvariants; ++i) {
     json["invariants"].push_back(
-        {{"invariant", InvariantText(static_cast<simulation::Invariant>(i))}, {"broken_by", s.bad[i]}});
+        {{"invariant", InvariantText(static_cast<simulation::Invariant>(i))},
+         {"broken_by", s.bad[i]}});
   }
   if (report.worst) {
     json["shortest_failing_scenario"] = ScenarioOf(*report.worst);
@@ -57,7 +58,7 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
 }
 
 std::string ScenarioJson(const simulation::ScenarioId& id, const simulation::Ending& ending,
-                      const std::string& text) {
+                         const std::string& text) {
   ordered_json json = ScenarioOf(id);
   json["good"] = !ending.violation.has_value();
   if (ending.violation) {

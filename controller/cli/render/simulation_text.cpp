@@ -35,10 +35,10 @@ std::string Figures(const SimulationReport& report) {
     all += s.coverage.Of(kind);
     if (IsFault(kind)) faults += s.coverage.Of(kind);
   }
-  std::string text =
-      fmt::format("  lived     {} scenarios, {:.1f} robot-hours, in {:.1f} s: {} scenarios a minute\n",
-                  Grouped(s.scenarios), Seconds(s.simulated) / 3600, took,
-                  Grouped(static_cast<std::uint64_t>(static_cast<double>(s.scenarios) / took * 60)));
+  std::string text = fmt::format(
+      "  lived     {} scenarios, {:.1f} robot-hours, in {:.1f} s: {} scenarios a minute\n",
+      Grouped(s.scenarios), Seconds(s.simulated) / 3600, took,
+      Grouped(static_cast<std::uint64_t>(static_cast<double>(s.scenarios) / took * 60)));
   text += "  switches ";
   for (std::size_t i = 0; i < s.switches.size(); ++i) {
     text +=
@@ -109,7 +109,8 @@ std::string SimulationText(const SimulationReport& report, const std::string& fa
   text += Invariants(report.summary, colour) + "\n";
   if (report.worst) {
     text += fmt::format("The shortest failing scenario: musher simulate {} --seed {}{}\n\n{}\n",
-                        Printable(report.file), report.worst->seed, Only(*report.worst), failing_scenario);
+                        Printable(report.file), report.worst->seed, Only(*report.worst),
+                        failing_scenario);
   }
   return text + Verdict(report, colour);
 }

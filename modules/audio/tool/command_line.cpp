@@ -28,7 +28,7 @@ class Grammar {
  public:
   Grammar() {
     program::SetUpCommandLineTool(app_, global_, "Whose time a wait of 15 s goes by; topic: /clock",
-                           kFooter);
+                                  kFooter);
     app_.add_option("--phrases", global_.phrases,
                     "The table of phrases to list; default the one that came with this program")
         ->type_name("FILE");

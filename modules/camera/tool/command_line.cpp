@@ -38,7 +38,8 @@ constexpr double kLongestS = 86'400;
 class Grammar {
  public:
   Grammar() {
-    program::SetUpCommandLineTool(app_, global_, "Whose time pictures have; topic: /clock", kFooter);
+    program::SetUpCommandLineTool(app_, global_, "Whose time pictures have; topic: /clock",
+                                  kFooter);
     AddList();
     AddShot();
     AddStrip();

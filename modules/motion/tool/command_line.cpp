@@ -30,8 +30,8 @@ Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUS
 class Grammar {
  public:
   Grammar() {
-    program::SetUpCommandLineTool(app_, global_, "Whose time --seconds and 20 Hz go by; topic: /clock",
-                           kFooter);
+    program::SetUpCommandLineTool(app_, global_,
+                                  "Whose time --seconds and 20 Hz go by; topic: /clock", kFooter);
     AddGlobalOptions();
     AddResult();
     AddServo();

@@ -81,7 +81,8 @@ int Publish(HandLink& link, const std::string& topic, const M& message, Duration
 class Grammar {
  public:
   Grammar() {
-    program::SetUpCommandLineTool(app_, options_, "Whose time --for goes by; topic: /clock", kFooter);
+    program::SetUpCommandLineTool(app_, options_, "Whose time --for goes by; topic: /clock",
+                                  kFooter);
     app_.add_option("--for", seconds_, "Say it again and again, 10 times a second, for so many s")
         ->check(program::Between(0, 3600))
         ->type_name("SECONDS");

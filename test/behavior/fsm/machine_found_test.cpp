@@ -23,7 +23,7 @@ class Counting : public Listener {
   }
   void OnUnhandled(const Machine& machine, EventId command, StateId state) override {
     unhandled.push_back(std::string(machine.Name(command)) + " in " +
-                       std::string(machine.Name(state)));
+                        std::string(machine.Name(state)));
   }
   std::vector<std::string> seen;
   std::vector<std::string> unhandled;

@@ -60,8 +60,9 @@ class Simulating : public ::testing::Test {
 TEST_F(Simulating, ARobotWithoutAFlawEndsEveryScenarioWell) {
   const Ran ran = RunProgram({"simulate", Config(Robot(kProvided)), "--seeds", "300"});
   EXPECT_EQ(ran.exit, 0) << ran.out;
-  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 300 scenarios"), Not(HasSubstr("BROKEN")),
-                             HasSubstr("controller-crash"), HasSubstr("Every scenario ends well.")));
+  EXPECT_THAT(ran.out,
+              AllOf(HasSubstr("2 actuators, 300 scenarios"), Not(HasSubstr("BROKEN")),
+                    HasSubstr("controller-crash"), HasSubstr("Every scenario ends well.")));
 }
 
 TEST_F(Simulating, TheConfigsThatShipEndEveryScenarioWell) {

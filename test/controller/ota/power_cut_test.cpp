@@ -76,7 +76,8 @@ class Life {
     const std::string version = boot.value().version.text;
     if (!may_start_.contains(version)) return "starts version " + version;
     if (!Holds(disk, boot.value().start, version)) return "version " + version + " is not whole";
-    if (boot.value().on_trial_boot && !root.value().EndTrialBoot(version, Ok())) return "cannot keep it";
+    if (boot.value().on_trial_boot && !root.value().EndTrialBoot(version, Ok()))
+      return "cannot keep it";
     if (const auto again = Install(disk, BundleOf("9.0.0")); !again) return again.error().message;
     const auto next = root.value().Boot();
     if (!next || !next.value().on_trial_boot || !Holds(disk, next.value().start, "9.0.0")) {

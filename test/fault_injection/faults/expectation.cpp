@@ -22,21 +22,21 @@ void AwaitExpectation(FaultRun& run, const std::string& victim, Loss loss) {
   const Expectation expectation = ExpectationFor(victim, loss, run.state());
   if (expectation.back) return run.RecoveredIn(expectation.state);
   run.Recovered(victim + " is gone, the others are in " + expectation.state,
-                  [&](const msg::MachineStatus& status) {
-                    const msg::ActuatorInfo& info = Find(status, victim);
-                    return IsSettled(status, expectation.state, {victim}) && info.degraded &&
-                           info.presence != "present" && !info.restarting;
-                  });
+                [&](const msg::MachineStatus& status) {
+                  const msg::ActuatorInfo& info = Find(status, victim);
+                  return IsSettled(status, expectation.state, {victim}) && info.degraded &&
+                         info.presence != "present" && !info.restarting;
+                });
   // A person brings it back.
   Relieve(run.robot.board(victim));
   const auto answer = run.observer().Restart(victim);
   run.Require(answer.ok() && answer.value().code == 0,
-                "musher restart " + victim +
-                    " fails: " + (answer.ok() ? answer.value().reason : answer.error().message));
+              "musher restart " + victim +
+                  " fails: " + (answer.ok() ? answer.value().reason : answer.error().message));
   run.Require(run.observer()
-                    .Await([&](const auto& s) { return IsSettled(s, expectation.state); }, kPatience)
-                    .has_value(),
-                victim + " does not come back by hand");
+                  .Await([&](const auto& s) { return IsSettled(s, expectation.state); }, kPatience)
+                  .has_value(),
+              victim + " does not come back by hand");
 }
 
 Observer::Is IsKnownAs(const std::string& actuator, const std::string& health) {

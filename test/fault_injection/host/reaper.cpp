@@ -20,7 +20,8 @@ namespace {
 constexpr const char* kMark = "MUSHER_FAULT_INJECTION";
 
 std::filesystem::path NewFolder() {
-  std::string folder = std::filesystem::temp_directory_path() / "musher-fault-injection suite-XXXXXX";
+  std::string folder =
+      std::filesystem::temp_directory_path() / "musher-fault-injection suite-XXXXXX";
   if (mkdtemp(folder.data()) == nullptr) {
     throw std::system_error(errno, std::generic_category(), folder);
   }

@@ -1,6 +1,6 @@
 #pragma once
-// A small process that cleans up behind the fault-injection suite, whatever that dies of: kills all that it has
-// started, and removes its folder.
+// A small process that cleans up behind the fault-injection suite, whatever that dies of: kills all
+// that it has started, and removes its folder.
 
 #include <sys/types.h>
 

@@ -80,5 +80,6 @@ int Main(const std::string& name, Board& board, int hz) {
 
 int main(int argc, char** argv) {
   if (argc != 4) return EXIT_FAILURE;
-  return musher::fault_injection::Main(argv[1], musher::fault_injection::OpenBoard(argv[2]), std::atoi(argv[3]));
+  return musher::fault_injection::Main(argv[1], musher::fault_injection::OpenBoard(argv[2]),
+                                       std::atoi(argv[3]));
 }

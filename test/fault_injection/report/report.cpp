@@ -71,7 +71,8 @@ void WriteFile(const std::filesystem::path& path, const std::string& text) {
 }  // namespace
 
 std::string Again(const Outcome& outcome) {
-  return "fault-injection suite --only " + outcome.kind + " --faults 1 --seed " + std::to_string(outcome.seed);
+  return "fault-injection suite --only " + outcome.kind + " --faults 1 --seed " +
+         std::to_string(outcome.seed);
 }
 
 Report::Report(std::vector<Outcome> outcomes, std::uint64_t seed, std::vector<std::string> skipped)

@@ -1,6 +1,6 @@
 #pragma once
-// What the fault-injection suite tells a module to suffer from, in memory that both map: it reaches the module
-// in whatever state that is, and the successor of one that died finds it, too.
+// What the fault-injection suite tells a module to suffer from, in memory that both map: it reaches
+// the module in whatever state that is, and the successor of one that died finds it, too.
 //
 // Threads and processes: any.
 

@@ -1,5 +1,6 @@
 #pragma once
-// The actuators of the fault-injection suite's robots, and what is promised of each: the fault-injection suite judges by it.
+// The actuators of the fault-injection suite's robots, and what is promised of each: the
+// fault-injection suite judges by it.
 
 #include <set>
 #include <string>

@@ -235,7 +235,8 @@ void Observer::EngageEmergencyStop(std::uint64_t id) {
   node_->RunOnLoop([&] {
     emergency_stop_ = Must(transport::MakePublisher<msg::EmergencyStop>(
         node_->node(), emergency_stop_topic_, transport::kLatchedQos));
-    const auto sent = emergency_stop_->Publish({id, true, "fault-injection suite", "as a person would"});
+    const auto sent =
+        emergency_stop_->Publish({id, true, "fault-injection suite", "as a person would"});
     if (!sent) throw std::runtime_error(sent.error().message);
   });
 }

@@ -1,9 +1,11 @@
 #pragma once
 // What anybody on the network can see of a machine, with the time at which it came, and the calls
-// that anybody can make. The fault-injection suite judges by this alone, not by the controller's insides.
+// that anybody can make. The fault-injection suite judges by this alone, not by the controller's
+// insides.
 //
-// Threads: calls from the fault-injection suite's thread; triggers run on the observer's loop, at once.
-// Errors: throws std::runtime_error when the network cannot be used, Interrupted out of a wait.
+// Threads: calls from the fault-injection suite's thread; triggers run on the observer's loop, at
+// once. Errors: throws std::runtime_error when the network cannot be used, Interrupted out of a
+// wait.
 
 #include <condition_variable>
 #include <functional>

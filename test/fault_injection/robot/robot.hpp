@@ -2,8 +2,8 @@
 // A robot of real processes: `musher up` as a person runs it, its actuators, and an observer beside
 // it.
 //
-// Threads: the fault-injection suite's. Errors: throws std::runtime_error when the robot cannot be brought into
-// the state that a run begins in; that is a failed run, too.
+// Threads: the fault-injection suite's. Errors: throws std::runtime_error when the robot cannot be
+// brought into the state that a run begins in; that is a failed run, too.
 
 #include <sys/types.h>
 

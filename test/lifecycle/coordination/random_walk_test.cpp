@@ -78,7 +78,7 @@ class Walk {
   std::string AnyName() { return std::string(1, static_cast<char>('a' + Below(4))); }
   void Note(const std::string& what) {
     scenario_ += "  at " + std::to_string(ToMilliseconds(t_.now().time_since_epoch()) - 3'600'000) +
-              " ms " + what + "\n";
+                 " ms " + what + "\n";
   }
 
   void DoAnything() {

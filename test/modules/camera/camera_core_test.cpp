@@ -153,7 +153,8 @@ TEST(CameraCore, GoesOnAtItsRateAfterTheWorldIsRestarted) {
 TEST(CameraSelfCheck, FailsForACriticalCameraOnlyOrWhenAllFail) {
   const Result<> bad = Error{4409, "dark"};
   EXPECT_TRUE(EvaluateSelfCheck({{"front", {}}, {"left", bad}}, {"front"}).result);
-  EXPECT_EQ(EvaluateSelfCheck({{"front", {}}, {"left", bad}}, {"front"}).failing, "left: dark, 4409");
+  EXPECT_EQ(EvaluateSelfCheck({{"front", {}}, {"left", bad}}, {"front"}).failing,
+            "left: dark, 4409");
   const auto critical = EvaluateSelfCheck({{"front", bad}, {"left", {}}}, {"front"});
   ASSERT_FALSE(critical.result);
   EXPECT_EQ(critical.result.error(), (Error{4409, "front (critical): dark, 4409"}));

@@ -131,7 +131,8 @@ TEST(DeviceSelfCheck, IsPassedDegradedWithoutDevicesThatAreNotCritical) {
 
 TEST(DeviceSelfCheck, GivesTheCodeOfACriticalDeviceBeforeAllOthers) {
   const Result<> result =
-      EvaluateSelfCheck({Failing("bms", 1409), Failing("touch", 1509), Failing("led", 1109)}, {"led"})
+      EvaluateSelfCheck({Failing("bms", 1409), Failing("touch", 1509), Failing("led", 1109)},
+                        {"led"})
           .result;
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, 1109);

@@ -99,7 +99,8 @@ RequestToken Harness::LieDown(std::int32_t id, int tries) {
   return token_;
 }
 
-void Harness::Servo(std::int32_t id, std::int32_t source, std::vector<float> vel, std::int32_t type) {
+void Harness::Servo(std::int32_t id, std::int32_t source, std::vector<float> vel,
+                    std::int32_t type) {
   ServoCommand command;
   command.type = type;
   command.source = source;

@@ -66,7 +66,7 @@ void MotionFaultTest::ServoFrame() {
                                                           {0, kInfinity, 0},
                                                           {0.3F}});
   harness_.Servo(Any({303, 303, 305, 309, 201, 121, 7777}), Any({-1, 0, 0, 3, 4, -2, 9}), vel,
-               Any({0, 1, 1, 1, 2, 3}));
+                 Any({0, 1, 1, 1, 2, 3}));
 }
 
 void MotionFaultTest::Command() {
@@ -91,7 +91,8 @@ void MotionFaultTest::ChangeState() {
       harness_.refused.clear();
       return;
     case 3:
-      harness_.refused[Any<std::string>({"walk", "back_flip", "dance", "stand", ""})] = {3013, "no"};
+      harness_.refused[Any<std::string>({"walk", "back_flip", "dance", "stand", ""})] = {3013,
+                                                                                         "no"};
       return;
     case 4:
       harness_.LieDown(Any({kGetDown, kPassiveGetDown}), Any({1, 3}));
@@ -128,7 +129,7 @@ void MotionFaultTest::ChangeBoard() {
 // --- The promises --------------------------------------------------------------------------------
 
 void MotionFaultTest::Watch(const MotionCore& before, const MotionEvent& event,
-                        const MotionActions& actions) {
+                            const MotionActions& actions) {
   for (const MotionAction& action : actions) {
     if (const auto* send = std::get_if<motion_action::Send>(&action)) {
       Judge(send->command, event);

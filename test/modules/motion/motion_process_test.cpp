@@ -5,8 +5,8 @@
 #include <csignal>
 
 #include "musher/test/contract/domain.hpp"
-#include "musher/test/modules/motion/robot_rig.hpp"
 #include "musher/test/modules/motion/harness.hpp"
+#include "musher/test/modules/motion/robot_rig.hpp"
 
 namespace musher::motion::testing::motion_process_test {
 

@@ -42,7 +42,8 @@ TEST(MotionReport, ReportsAHotAndAnOverloadedMotorOnce) {
   harness.board.report.motor_error[6] = 4;
   harness.RunFor(std::chrono::seconds(1));
   EXPECT_THAT(harness.reported, ElementsAre(3033, 3034, 3055));
-  EXPECT_THAT(harness.log, Contains(HasSubstr("motor 3: a motor reports that it is too hot (3033)")));
+  EXPECT_THAT(harness.log,
+              Contains(HasSubstr("motor 3: a motor reports that it is too hot (3033)")));
 }
 
 TEST(MotionReport, ReportsAnEmergencyStopAs3088OnceInThreeMinutes) {

@@ -84,15 +84,15 @@ TEST(SelfCheck, IsInTheOrderLidarTofUltrasonicGps) {
 TEST(SelfCheck, EndsAtTheFirstCriticalSensorThatFailsWithItsCodeAlone) {
   const SelfCheckVerdict verdict =
       EvaluateSelfCheck(Findings({SensorKind::kLidar, SensorKind::kTof, SensorKind::kGps}),
-                     {SensorKind::kGps, SensorKind::kTof});
+                        {SensorKind::kGps, SensorKind::kTof});
   ASSERT_FALSE(verdict.result);
   EXPECT_EQ(verdict.result.error().code, 2209);
   EXPECT_EQ(verdict.result.error().message, "tof (critical): silent, 2209");
 }
 
 TEST(SelfCheck, IsPassedDegradedByTheOthersTogetherUnderTheCodeOfTheFirst) {
-  const SelfCheckVerdict verdict =
-      EvaluateSelfCheck(Findings({SensorKind::kUltrasonic, SensorKind::kTof}), {SensorKind::kLidar});
+  const SelfCheckVerdict verdict = EvaluateSelfCheck(
+      Findings({SensorKind::kUltrasonic, SensorKind::kTof}), {SensorKind::kLidar});
   EXPECT_TRUE(verdict.result) << "the robot does its work without them";
   EXPECT_EQ(verdict.degraded.code, 2209);
   EXPECT_EQ(verdict.degraded.message, "tof: silent, 2209; ultrasonic: silent, 2309");

@@ -211,11 +211,13 @@ TEST_F(FaultyVision, IsHungWhenTheDetectorDoesNotComeBackAndWellWhenItDoes) {
           .value());
   StartWithCamera();
   Tell("hang");
-  ASSERT_TRUE(peer_.Until([&] { return heartbeat && heartbeat->work == msg::ActuatorBeat::kWorkHung; }))
-      << (heartbeat ? "the last beat: work " + std::to_string(heartbeat->work) + " during '" + heartbeat->during +
-                     "', silent for " + std::to_string(heartbeat->silent_ns) + " ns, waited for " +
-                     std::to_string(heartbeat->waited_ns) + " ns; "
-               : "no beat; ")
+  ASSERT_TRUE(peer_.Until([&] {
+    return heartbeat && heartbeat->work == msg::ActuatorBeat::kWorkHung;
+  })) << (heartbeat
+              ? "the last beat: work " + std::to_string(heartbeat->work) + " during '" +
+                    heartbeat->during + "', silent for " + std::to_string(heartbeat->silent_ns) +
+                    " ns, waited for " + std::to_string(heartbeat->waited_ns) + " ns; "
+              : "no beat; ")
       << peer_.Output();
   Tell("work");
   std::ofstream(peer_.folder() / "gate") << "go on";

@@ -16,7 +16,7 @@ void FailInSetUp(FaultRun& run) {
   run.Struck();
   kill(pid, SIGKILL);
   run.Detected(victim + " has failed its SetUp",
-                 [&](const auto& status) { return Find(status, victim).restarts > 1; });
+               [&](const auto& status) { return Find(status, victim).restarts > 1; });
   Relieve(board);
   run.RecoveredIn(run.state());
 }
@@ -51,11 +51,11 @@ void Fails(FaultRun& run, const std::string& state) {
   run.ExpectOutcome(result, expectation.outcome);
   if (expectation.outcome == "undone") return run.RecoveredIn(expectation.state);
   run.Recovered(victim + " is listed as degraded, the others are there",
-                  [&](const msg::MachineStatus& status) {
-                    const msg::ActuatorInfo& info = Find(status, victim);
-                    return IsSettled(status, expectation.state, {victim}) && info.degraded &&
-                           info.health == "well";
-                  });
+                [&](const msg::MachineStatus& status) {
+                  const msg::ActuatorInfo& info = Find(status, victim);
+                  return IsSettled(status, expectation.state, {victim}) && info.degraded &&
+                         info.health == "well";
+                });
   // A person says it once more.
   const auto again = Answer(run.observer().SetState(state));
   run.ExpectOutcome(again, "done");

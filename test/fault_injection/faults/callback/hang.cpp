@@ -51,7 +51,7 @@ void Hangs(FaultRun& run, const std::string& state) {
     run.Detected(victim + " hangs", IsKnownAs(victim, "hung"));
   } else {
     run.Detected(victim + " is overdue",
-                   [&](const auto& status) { return Find(status, victim).degraded; });
+                 [&](const auto& status) { return Find(status, victim).degraded; });
   }
   const auto result = Answer(answer);
   Relieve(board);
@@ -82,7 +82,7 @@ void ThreadIsSilent(FaultRun& run) {
   } else {
     const auto killed = [&](const auto& s) { return Find(s, victim).restarts > 0; };
     run.Require(run.observer().Await(killed, kPatience).has_value(),
-                  victim + " is not started again");
+                victim + " is not started again");
     Relieve(board);
   }
   run.RecoveredIn(state);

@@ -102,18 +102,16 @@ void KilledInStartUp(FaultRun& run) {
   run.MayAllBeHurt();
   run.MayBecome("Active");
   run.robot.Down();
-  const std::string at =
-      run.random.Pick(std::vector<std::string>{"SetUp", "SelfCheck", "Active"});
+  const std::string at = run.random.Pick(std::vector<std::string>{"SetUp", "SelfCheck", "Active"});
   run.Drawn("at", at);
   for (const std::string& name : Modules()) run.robot.board(name).callback_ms = kSlowCallbackMs;
   // By then its children are there, and their parent is the front's child.
   Robot& robot = run.robot;
-  const auto killed =
-      run.observer().Once([at](const auto& status) { return status.target == at; },
-                            [&robot] {
-                              if (const pid_t pid = robot.ControllerPid(); pid > 0)
-                                kill(pid, SIGKILL);
-                            });
+  const auto killed = run.observer().Once([at](const auto& status) { return status.target == at; },
+                                          [&robot] {
+                                            if (const pid_t pid = robot.ControllerPid(); pid > 0)
+                                              kill(pid, SIGKILL);
+                                          });
   robot.StartController();
   Answer(killed);
   run.Struck();
@@ -134,7 +132,7 @@ void KilledInStop(FaultRun& run) {
   const pid_t pid = run.robot.LivingController();
   const auto killed =
       run.observer().Once([](const auto& status) { return status.target == "TearDown"; },
-                            [pid] { kill(pid, SIGKILL); });
+                          [pid] { kill(pid, SIGKILL); });
   const auto answer = run.observer().SetState("TearDown");
   Answer(killed);
   run.Struck();

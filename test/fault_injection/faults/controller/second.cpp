@@ -59,8 +59,8 @@ void TakenOverInSwitch(FaultRun& run) {
   const std::string target = run.state() == "Active" ? "LowPower" : "Active";
   run.MayBecome(target);
   for (const std::string& name : Modules()) run.robot.board(name).callback_ms = 150;
-  const auto begun = run.observer().Once(
-      [target](const auto& status) { return status.target == target; }, [] {});
+  const auto begun =
+      run.observer().Once([target](const auto& status) { return status.target == target; }, [] {});
   const auto answer = run.observer().SetState(target);
   Answer(begun);
   TakeOver(run);
@@ -78,7 +78,7 @@ void StoppedInSwitch(FaultRun& run) {
   const pid_t pid = run.robot.LivingController();
   const auto struck =
       run.observer().Once([target](const auto& status) { return status.target == target; },
-                            [pid] { kill(pid, SIGTERM); });
+                          [pid] { kill(pid, SIGTERM); });
   const auto answer = run.observer().SetState(target);
   Answer(struck);
   run.Struck();

@@ -49,7 +49,7 @@ void IsRebooted(FaultRun& run) {
     const std::string which = "after reboot " + std::to_string(i + 1);
     if (i == 0) run.Detected("the actuators are missed", ActuatorIsMissing);
     run.Require(run.observer().AwaitSince(at, ActuatorIsMissing, kPatience).has_value(),
-                  "no actuator is missed " + which);
+                "no actuator is missed " + which);
     run.Recovered("settled " + which, [before, &last](const auto& status) {
       const int rank = RankOf(status.state);
       return rank >= 0 && rank <= before && IsSettled(status, status.state) &&

@@ -2,8 +2,8 @@
 
 #include <signal.h>
 
-#include "musher/test/fault_injection/faults/network.hpp"
 #include "musher/test/fault_injection/faults/expectation.hpp"
+#include "musher/test/fault_injection/faults/network.hpp"
 
 namespace musher::fault_injection::network {
 namespace {
@@ -23,7 +23,7 @@ bool AllAre(const msg::MachineStatus& status, const std::string& health) {
 
 void AwaitAllPartitioned(FaultRun& run) {
   run.Detected("all are partitioned",
-                 [](const auto& status) { return AllAre(status, "partitioned"); });
+               [](const auto& status) { return AllAre(status, "partitioned"); });
 }
 
 // Back, but nowhere that is more active than before.
@@ -51,10 +51,9 @@ void IsCut(FaultRun& run) {
   link.Set(kCut, kCut, 0);
   AwaitAllPartitioned(run);
   const std::string state = WithoutAnybody(run.state());
-  run.Require(run.observer()
-                    .Await([&](const auto& s) { return s.state == state; }, kPatience)
-                    .has_value(),
-                "without its actuators the machine does not go to " + state);
+  run.Require(
+      run.observer().Await([&](const auto& s) { return s.state == state; }, kPatience).has_value(),
+      "without its actuators the machine does not go to " + state);
   run.LetPass(more);
   run.Struck(FaultRun::Clock::kRecovery);
   link.Heal();
@@ -105,7 +104,7 @@ void IsCutInSwitch(FaultRun& run) {
   Link& link = run.robot.far_host()->link();
   const auto begun =
       run.observer().Once([target](const auto& status) { return status.target == target; },
-                            [&link] { link.Set(kCut, kCut, 0); });
+                          [&link] { link.Set(kCut, kCut, 0); });
   const auto answer = run.observer().SetState(target);
   Answer(begun);
   run.Struck();

@@ -8,8 +8,8 @@ void Superseded(FaultRun& run) {
   const std::string target = run.state() == "Active" ? "LowPower" : "Active";
   run.MayBecome(target);
   for (const std::string& name : Modules()) run.robot.board(name).callback_ms = 100;
-  const auto begun = run.observer().Once(
-      [target](const auto& status) { return status.target == target; }, [] {});
+  const auto begun =
+      run.observer().Once([target](const auto& status) { return status.target == target; }, [] {});
   const auto older = run.observer().SetState(target);
   Answer(begun);
   run.Struck();
@@ -36,7 +36,7 @@ void ManyCalls(FaultRun& run) {
     const msg::SetState::Response& result = answer.value();
     const bool is_done = result.outcome == "done";
     run.Expect(is_done || (result.outcome == "refused" && result.code == 111),
-                 "the switch to " + result.target + " is " + result.outcome + ": " + result.reason);
+               "the switch to " + result.target + " is " + result.outcome + ": " + result.reason);
     if (is_done) state = result.target;
     if (is_done) ++done;
   }

@@ -17,20 +17,20 @@ void Stop(FaultRun& run) {
   run.Struck();
   run.observer().EngageEmergencyStop(id);
   run.Require(AwaitThat([&] { return AllHaveLatched(run, id); }, kPatience),
-                "not all have latched the stop");
+              "not all have latched the stop");
   run.DetectedNow();
   run.Require(run.observer()
-                    .AwaitSince(
-                        run.struck(), [](const auto& s) { return s.emergency_stop; }, kPatience)
-                    .has_value(),
-                "the status does not tell of the stop");
+                  .AwaitSince(
+                      run.struck(), [](const auto& s) { return s.emergency_stop; }, kPatience)
+                  .has_value(),
+              "the status does not tell of the stop");
 }
 
 void Release(FaultRun& run) {
   const auto released = run.observer().ReleaseEmergencyStop();
   run.Require(released.ok() && released.value().code == 0, "the stop cannot be released");
   run.Require(AwaitThat([&] { return AllHaveLatched(run, 0); }, kPatience),
-                "not all have released the stop");
+              "not all have released the stop");
 }
 
 }  // namespace
@@ -43,9 +43,9 @@ void EmergencyStopAtRest(FaultRun& run) {
   run.RecoveredIn(run.state());
   Release(run);
   run.Require(run.observer()
-                    .Await([&](const auto& s) { return IsSettled(s, run.state()); }, kPatience)
-                    .has_value(),
-                "the release has changed something");
+                  .Await([&](const auto& s) { return IsSettled(s, run.state()); }, kPatience)
+                  .has_value(),
+              "the release has changed something");
 }
 
 void EmergencyStopInSwitch(FaultRun& run) {

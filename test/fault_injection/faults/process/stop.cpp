@@ -2,8 +2,8 @@
 
 #include <signal.h>
 
-#include "musher/test/fault_injection/faults/process.hpp"
 #include "musher/test/fault_injection/faults/expectation.hpp"
+#include "musher/test/fault_injection/faults/process.hpp"
 
 namespace musher::fault_injection::process {
 
@@ -21,9 +21,9 @@ void StoppedForLong(FaultRun& run) {
   run.RecoveredIn(state, {victim});
   kill(pid, SIGCONT);
   run.Require(run.observer()
-                    .Await([&](const auto& s) { return IsSettled(s, state); }, kPatience)
-                    .has_value(),
-                victim + " does not come back when it goes on");
+                  .Await([&](const auto& s) { return IsSettled(s, state); }, kPatience)
+                  .has_value(),
+              victim + " does not come back when it goes on");
 }
 
 void StoppedShortly(FaultRun& run) {

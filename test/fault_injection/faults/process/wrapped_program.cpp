@@ -2,8 +2,8 @@
 
 #include <signal.h>
 
-#include "musher/test/fault_injection/faults/process.hpp"
 #include "musher/test/fault_injection/faults/expectation.hpp"
+#include "musher/test/fault_injection/faults/process.hpp"
 #include "musher/test/fault_injection/robot/processes.hpp"
 
 namespace musher::fault_injection::process {

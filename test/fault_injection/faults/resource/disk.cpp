@@ -22,24 +22,23 @@ void MustGoOn(FaultRun& run) {
   run.ExpectOutcome(Answer(run.observer().SetState(target)), "done");
   const std::string victim = run.Victim({"legs", "arm", "eyes", "hands", "voice"});
   kill(run.robot.PidOf(victim), SIGKILL);
-  run.Require(run.observer()
-                    .AwaitSince(run.struck(), IsKnownAs(victim, "crashed"), kPatience)
-                    .has_value(),
-                "the status never tells that " + victim + " has crashed");
+  run.Require(
+      run.observer().AwaitSince(run.struck(), IsKnownAs(victim, "crashed"), kPatience).has_value(),
+      "the status never tells that " + victim + " has crashed");
   run.RecoveredIn(target);
 }
 
 // The controller says what is wrong, and that once.
 void MustSaySoOnce(FaultRun& run) {
   run.Require(AwaitThat([&] { return run.robot.CountLines("trouble") > 0; }, kPatience),
-                "the controller says nothing of its trouble");
+              "the controller says nothing of its trouble");
   if (!run.outcome.detection_ms) run.DetectedNow();
 }
 
 void MustNotHaveRepeatedItself(FaultRun& run) {
   const int said = run.robot.CountLines("trouble");
   run.Expect(said <= 2,
-               "the controller has told of its trouble " + std::to_string(said) + " times");
+             "the controller has told of its trouble " + std::to_string(said) + " times");
 }
 
 // Another controller, which finds all as it should be.
@@ -74,7 +73,7 @@ void FileSizeIsLimited(FaultRun& run) {
   const rlimit limit{1, RLIM_INFINITY};
   run.ControllerMayDie();
   run.Require(prlimit(run.robot.LivingController(), RLIMIT_FSIZE, &limit, nullptr) == 0,
-                "prlimit(RLIMIT_FSIZE)");
+              "prlimit(RLIMIT_FSIZE)");
   run.Struck();
   (void)Answer(run.observer().SetState("SelfCheck"));
   run.Require(!run.robot.ControllerHasEnded(), "the controller died of a file that is limited");
@@ -100,7 +99,7 @@ void FilesAreLimited(FaultRun& run) {
   run.Expect(answer.ok(), "no answer without file descriptors");
   prlimit(controller, RLIMIT_NOFILE, &before, nullptr);
   if (!run.observer().Await([&](const auto& s) { return IsSettled(s, target); },
-                              Milliseconds(1500))) {
+                            Milliseconds(1500))) {
     (void)run.observer().Restart(victim);  // it was given up meanwhile
   }
   run.RecoveredIn(target);
@@ -113,7 +112,7 @@ void StateFolderVanishes(FaultRun& run) {
   MustGoOn(run);
   RestartController(run);
   run.Expect(fs::exists(run.robot.StateFolder() / "epoch"),
-               "the next controller has not made its folder anew");
+             "the next controller has not made its folder anew");
 }
 
 void StateFolderIsReadOnly(FaultRun& run) {
@@ -138,7 +137,7 @@ void StateFolderIsReadOnly(FaultRun& run) {
   run.Require(adopted, "without a state folder no controller adopts the robot");
   run.robot.StartController();
   run.Require(run.robot.AwaitSettled(run.observer().Latest()->state),
-                "the next controller does not adopt the robot");
+              "the next controller does not adopt the robot");
 }
 
 }  // namespace musher::fault_injection::resource

@@ -37,7 +37,7 @@ class Stall {
     run_.robot.StallDisk(false);
     const auto saved = [](const msg::MachineStatus& status) { return status.not_on_disk.empty(); };
     run_.Require(run_.observer().Await(saved, kPatience).has_value(),
-                   "the status names something that is not on disk on a disk that works");
+                 "the status names something that is not on disk on a disk that works");
   }
 
  private:
@@ -68,7 +68,7 @@ void MustAnswerFor(FaultRun& run, Duration time) {
     run.LetPass(Milliseconds(20));
   }
   run.Expect(longest < kPrompt,
-               "an answer took " + std::to_string(ToMilliseconds(longest)) + " ms");
+             "an answer took " + std::to_string(ToMilliseconds(longest)) + " ms");
 }
 
 }  // namespace
@@ -78,22 +78,22 @@ void DiskStallsAndStops(FaultRun& run) {
   Stall stall(run);
   run.Expect(run.robot.Musher({"estop", "the disk stalls"}) == 0, "musher estop fails");
   run.Require(AwaitThat([&] { return AllHaveLatched(run, true); }, kPrompt),
-                "not all have latched the stop");
+              "not all have latched the stop");
   run.DetectedNow();
   const auto is_told = [](const auto& s) { return s.emergency_stop && IsUnsaved(s, "emergency"); };
   run.Require(run.observer().AwaitSince(run.struck(), is_told, kPatience).has_value(),
-                "the status does not say that the emergency stop is not on disk");
+              "the status does not say that the emergency stop is not on disk");
   const auto refused = Answer(run.observer().SetState("Active"));
   run.ExpectOutcome(refused, "refused");
   run.Struck(FaultRun::Clock::kRecovery);
   stall.End();
   run.RecoveredIn(run.state());
   run.Expect(std::filesystem::exists(run.robot.StateFolder() / "emergency_stop"),
-               "the emergency stop is not on disk");
+             "the emergency stop is not on disk");
   const auto released = run.observer().ReleaseEmergencyStop();
   run.Require(released.ok() && released.value().code == 0, "the stop cannot be released");
   run.Require(AwaitThat([&] { return AllHaveLatched(run, false); }, kPatience),
-                "not all have released the stop");
+              "not all have released the stop");
 }
 
 void DiskStallsInSwitch(FaultRun& run) {
@@ -103,7 +103,7 @@ void DiskStallsInSwitch(FaultRun& run) {
   const Time asked = std::chrono::steady_clock::now();
   run.ExpectOutcome(Answer(run.observer().SetState(target)), "done");
   run.Expect(std::chrono::steady_clock::now() - asked < kPrompt,
-               "the switch has waited for the disk");
+             "the switch has waited for the disk");
   run.RecoveredIn(target);
   stall.End();
 }
@@ -135,7 +135,7 @@ void DiskStallsAndTearsDown(FaultRun& run) {
   run.RecoveredNow();
   const Duration allowed = Milliseconds(kShutdownBudgetMs) + kLastWords;
   run.Expect(std::chrono::steady_clock::now() - run.struck() < allowed,
-               "the controller has waited for the disk for too long");
+             "the controller has waited for the disk for too long");
 }
 
 }  // namespace musher::fault_injection::resource
