@@ -1,34 +1,34 @@
 #pragma once
-// Tries an actuator class against faults, in a GoogleTest: a whole robot in virtual time, your
-// class behind one of its actuators, and what befalls it drawn from seeds. No DDS, no processes, no
-// waiting. Link musher::simulation and GTest.
+// Tests an actuator class under injected faults, in a GoogleTest: a whole robot in virtual time
+// with your class behind one of its actuators, and events sampled from seeds. No DDS, no processes,
+// no waiting. Link musher::simulation and GTest.
 //
 //   TEST(Gripper, HasNoPowerInLowPower) {
-//     musher::simulation::ActuatorFaultTest<Gripper> trial;
-//     trial.config_file = "robot.toml";
-//     trial.always = [](const Gripper& gripper, const musher::ActuatorReport& report) {
+//     musher::simulation::ActuatorFaultTest<Gripper> test;
+//     test.config_file = "robot.toml";
+//     test.always = [](const Gripper& gripper, const musher::ActuatorReport& report) {
 //       EXPECT_FALSE(report.state == "LowPower" && gripper.powered());
 //     };
-//     trial.Run();
+//     test.Run();
 //   }
 //
-// A scenario that ends badly fails the test with its seed, a command that tells it again, and what
-// happened, in as few injected events as can be. Bad is: what `always` says; a callback that fails
-// when it is run twice in its state; one that neither ends nor asks StopRequested(); an
-// OnEmergencyStop() that throws or blocks; an actuator that is of no use after its repair; and
-// every other invariant of `musher simulate`.
+// A failing scenario fails the test. The message has its seed, a command that replays it, and a
+// timeline with as few injected events as possible. A scenario fails when `always` reports a
+// failure; a callback fails when it runs twice in its state; a callback neither ends nor calls
+// StopRequested(); OnEmergencyStop() throws or blocks; the actuator does not work after its repair;
+// or any other invariant of `musher simulate` is violated.
 //
-//   MUSHER_SEED=42 [MUSHER_ONLY=3,7]   tells that scenario, maybe of some of its injected events
-//   only MUSHER_SEEDS=100000                tries so many
+//   MUSHER_SEED=42 [MUSHER_ONLY=3,7]   replays that scenario, optionally with these events only
+//   MUSHER_SEEDS=100000                runs so many scenarios
 //
-// What it is not: the process is an object. To be killed, it leaves a callback by an exception out
-// of StopRequested() and is destroyed without TearDown; what is static in your code outlives it, as
-// hardware does, so let a fake of the hardware be static or the test's, and nothing else. Callbacks
-// run on a thread, in turn with the simulation; they take no virtual time but at StopRequested()
-// and at their end. Threads and clocks of your own are real, and nothing that they do comes back
-// the same from the same seed. Checkpoint() does nothing.
+// Limits: the process is an object. When it is killed, StopRequested() throws an exception that
+// leaves the callback, and the object is destroyed without TearDown. Static objects of your code
+// outlive it, as hardware does: make a fake of the hardware static or a member of the test, and
+// nothing else. Callbacks run on a thread, in turn with the simulation; virtual time passes only in
+// StopRequested() and at their end. Threads and clocks of your own are real, so a seed does not
+// reproduce what they do. Checkpoint() does nothing.
 //
-// Threads: that of the test.
+// Threads: `make`, `always` and the other functions of this class run on the thread of the test.
 
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
@@ -57,42 +57,42 @@ class ActuatorFaultTest {
  public:
   static_assert(std::is_base_of_v<MachineActuator, T>);
 
-  // The state config of the robot: a file, or the text of one. Without: your actuator, one before
+  // The state config of the robot: a file, or the text of one. Default: your actuator, one before
   // and one after it.
   std::string config_file;
   std::string config_text;
-  // Makes a process of the actuator. Without: T's default constructor.
+  // Makes a process of the actuator. Default: T's default constructor.
   std::function<std::unique_ptr<T>()> make;
-  // The same for one whose fake hardware fails when Faults says so. Without it, callbacks that are
-  // to fail do so before their first step.
+  // The same for an actuator whose fake hardware fails when Faults::ShouldFail() says so. Without
+  // it, an injected callback failure happens before the first step of the callback.
   std::function<std::unique_ptr<T>(Faults& faults)> make_with_faults;
-  // Before each scenario; puts back what outlives a process.
+  // Runs before each scenario; resets what outlives a process.
   std::function<void()> before_scenario;
-  // Has to hold whenever a callback has succeeded, and when an emergency stop is engaged beside
-  // none. Says so with EXPECT_ and ASSERT_. `report.state` is the state that the actuator is in,
-  // `report.emergency_stop` is 0 without a stop. After a failed callback things may be half done
-  // until the next one has succeeded; then nothing is asked.
+  // Must hold whenever a callback has succeeded, and when an emergency stop is engaged while no
+  // callback runs. Checks with EXPECT_ and ASSERT_. `report.state` is the state that the actuator
+  // is in, `report.emergency_stop` is 0 without a stop. After a failed callback it is not called
+  // until the next callback has succeeded, since the work may be half done.
   std::function<void(const T& actuator, const ActuatorReport& report)> always;
-  // Has to hold as soon as OnEmergencyStop() has run, maybe in the midst of the callback of
+  // Must hold as soon as OnEmergencyStop() has run, which may be during the callback of
   // `report.target`.
   std::function<void(const T& actuator, const ActuatorReport& report)> after_emergency_stop;
-  // What the battery has in all scenarios, %: Allowed() goes by it where a capability has a
-  // min_battery. nullopt: it is not known.
+  // The battery's level in all scenarios, %: Allowed() compares it with the min_battery of a
+  // capability. nullopt: it is not known.
   std::optional<int> battery = 100;
   std::uint64_t first_seed = 1;
   std::uint64_t scenarios = 300;
-  // A callback that has neither ended nor asked StopRequested() for so long is stuck.
+  // A callback that has neither ended nor called StopRequested() for so long is stuck.
   std::chrono::milliseconds real_time_limit{10'000};
 
-  // Fails the running test at the first failing scenario. What actuators say is only to be
-  // heard when a scenario is told again.
+  // Fails the running test at the first failing scenario. The output of actuators is printed only
+  // when a scenario is replayed (MUSHER_SEED).
   void Run() {
-    const auto told = ScenarioFromEnvironment();
-    if (!told) {
-      ADD_FAILURE() << told.error().message;
+    const auto chosen = ScenarioFromEnvironment();
+    if (!chosen) {
+      ADD_FAILURE() << chosen.error().message;
       return;
     }
-    if (told.value()) return TellAgain(*told.value());
+    if (chosen.value()) return Replay(*chosen.value());
     const char* seeds = std::getenv("MUSHER_SEEDS");
     if (seeds != nullptr) scenarios = std::strtoull(seeds, nullptr, 10);
     const auto found = Find();
@@ -103,8 +103,8 @@ class ActuatorFaultTest {
     }
   }
 
-  // The first failing scenario; nothing when there is none. Fails when there can be no trial: the
-  // config is faulty, or does not fit the callbacks.
+  // The first failing scenario; nothing when there is none. Fails when no scenario can run: the
+  // config has errors, or does not fit the callbacks.
   Result<std::optional<FaultTestFailure>> Find() {
     const Silence silence;
     return On([this](FaultTest& test) -> Result<std::optional<FaultTestFailure>> {
@@ -112,13 +112,13 @@ class ActuatorFaultTest {
     });
   }
 
-  // What the actuators of the last trial met.
-  const FaultTestCounts& tally() const { return tally_; }
+  // What the actuators of the last Run() or Find() went through.
+  const FaultTestCounts& counts() const { return counts_; }
 
  private:
-  using Answer = Result<std::optional<FaultTestFailure>>;
+  using FindResult = Result<std::optional<FaultTestFailure>>;
 
-  // Of std::cout and std::cerr.
+  // Discards what is written to std::cout and std::cerr.
   class Silence {
    public:
     Silence() : out_(std::cout.rdbuf(nullptr)), error_(std::cerr.rdbuf(nullptr)) {}
@@ -141,12 +141,12 @@ class ActuatorFaultTest {
     return nullptr;
   }
 
-  // The config, once it fits the actuator.
+  // The config. Fails when it does not fit the actuator.
   Result<MachineConfig> ReadConfig(MachineActuator& actuator) const {
-    CallbackHarness rehearsal(actuator);
-    auto config = ConfigFor(actuator.name(), rehearsal.States());
+    CallbackHarness harness(actuator);
+    auto config = ConfigFor(actuator.name(), harness.States());
     if (!config) return config;
-    if (auto fits = rehearsal.Adopt(config.value()); !fits) return fits.error();
+    if (auto fits = harness.Adopt(config.value()); !fits) return fits.error();
     return config;
   }
 
@@ -160,34 +160,35 @@ class ActuatorFaultTest {
     return Error{kCodeParametersInvalid, faults};
   }
 
-  ModuleUnderTest::Production Produce() {
-    ModuleUnderTest::Production production;
-    production.make = [this](Faults& faults) { return Make(faults); };
-    production.fails_by_itself = make_with_faults != nullptr;
-    production.real_time_limit = real_time_limit;
-    production.battery = battery;
-    production.check = [this](const MachineActuator& actuator, const ActuatorReport& report) {
-      Ask(always, actuator, report);
+  ModuleUnderTest::Setup MakeSetup() {
+    ModuleUnderTest::Setup setup;
+    setup.make = [this](Faults& faults) { return Make(faults); };
+    setup.fails_by_itself = make_with_faults != nullptr;
+    setup.real_time_limit = real_time_limit;
+    setup.battery = battery;
+    setup.check = [this](const MachineActuator& actuator, const ActuatorReport& report) {
+      Check(always, actuator, report);
     };
-    production.check_stop = [this](const MachineActuator& actuator, const ActuatorReport& report) {
-      Ask(after_emergency_stop, actuator, report);
+    setup.check_stop = [this](const MachineActuator& actuator, const ActuatorReport& report) {
+      Check(after_emergency_stop, actuator, report);
     };
-    return production;
+    return setup;
   }
 
-  template <typename Checker>
-  static void Ask(const Checker& check, const MachineActuator& actuator,
-                  const ActuatorReport& report) {
-    if (!check) return;
+  template <typename Property>
+  static void Check(const Property& property, const MachineActuator& actuator,
+                    const ActuatorReport& report) {
+    if (!property) return;
     try {
-      check(static_cast<const T&>(actuator), report);
+      property(static_cast<const T&>(actuator), report);
     } catch (const std::exception& e) {
       ADD_FAILURE() << "the test threw: " << e.what();
     }
   }
 
-  // GoogleTest's failures are collected meanwhile, so that only the shortest scenario is told.
-  Answer On(const std::function<Answer(FaultTest&)>& work) {
+  // Collects GoogleTest's failures while `work` runs, so that only those of the shortest scenario
+  // are reported.
+  FindResult On(const std::function<FindResult(FaultTest&)>& work) {
     if (before_scenario) before_scenario();
     Faults none(0);
     std::unique_ptr<MachineActuator> probe = Make(none);
@@ -199,9 +200,9 @@ class ActuatorFaultTest {
     auto failures = std::make_unique<::testing::TestPartResultArray>();
     using Reporter = ::testing::ScopedFakeTestPartResultReporter;
     const Reporter of_callbacks(Reporter::INTERCEPT_ALL_THREADS, failures.get());
-    const Reporter of_judges(Reporter::INTERCEPT_ONLY_CURRENT_THREAD, failures.get());
+    const Reporter of_checks(Reporter::INTERCEPT_ONLY_CURRENT_THREAD, failures.get());
     int seen = 0;
-    const auto complaint = [&]() -> std::string {
+    const auto next_failure = [&]() -> std::string {
       while (seen < failures->size()) {
         const auto& part = failures->GetTestPartResult(seen++);
         if (!part.failed()) continue;
@@ -212,20 +213,20 @@ class ActuatorFaultTest {
       }
       return {};
     };
-    FaultTest test(std::move(config).value(), index, Produce(), complaint, before_scenario);
-    Answer answer = work(test);
-    tally_ = test.tally();
+    FaultTest test(std::move(config).value(), index, MakeSetup(), next_failure, before_scenario);
+    FindResult result = work(test);
+    counts_ = test.counts();
     timeline_ = test.timeline();
-    return answer;
+    return result;
   }
 
-  void TellAgain(const ScenarioId& id) {
-    const auto told = On([&](FaultTest& test) { return test.Tell(id); });
+  void Replay(const ScenarioId& id) {
+    const auto failure = On([&](FaultTest& test) { return test.Run(id); });
     std::cout << timeline_;
-    if (!told) {
-      ADD_FAILURE() << told.error().message;
-    } else if (told.value()) {
-      ADD_FAILURE() << told.value()->what;
+    if (!failure) {
+      ADD_FAILURE() << failure.error().message;
+    } else if (failure.value()) {
+      ADD_FAILURE() << failure.value()->what;
     }
   }
 
@@ -233,15 +234,16 @@ class ActuatorFaultTest {
     const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
     const std::string name =
         test == nullptr ? "*" : std::string(test->test_suite_name()) + "." + test->name();
-    ADD_FAILURE() << failure.what << "\nagain with: " << TrialCommand(failure.id, name) << "\n"
-                  << (failure.again ? ""
-                                    : "told again, this scenario ended well: something outlives it "
-                                      "(put it back in before_scenario), or time or threads of the "
-                                      "actuator's own play a part\n")
+    ADD_FAILURE() << failure.what << "\nreplay with: " << ReplayCommand(failure.id, name) << "\n"
+                  << (failure.reproduced
+                          ? ""
+                          : "not reproduced: the replayed scenario passed. Either some state "
+                            "outlives a scenario (reset it in before_scenario), or the actuator "
+                            "uses real time or threads of its own\n")
                   << failure.timeline;
   }
 
-  FaultTestCounts tally_;
+  FaultTestCounts counts_;
   std::string timeline_;
 };
 

@@ -8,11 +8,11 @@
 namespace musher::simulation {
 namespace {
 
-// How much older than its budget a command may be that begins: the clocks of two hosts are compared
-// by the report that took least time.
+// How much older than its budget a command may be when it begins: the clocks of two hosts are
+// compared by the report with the shortest transit time.
 constexpr Duration kClockSlack = Milliseconds(100);
 
-bool BehindIt(const Switch& s) {
+bool IsRequested(const Switch& s) {
   return s.purpose == Purpose::kRequested || s.purpose == Purpose::kStartUpActivate ||
          s.purpose == Purpose::kStartUpCheck;
 }
@@ -58,9 +58,9 @@ void Checker::OnReport(const std::string& name, std::size_t host, const Actuator
   ActuatorReport& before = reports_[{name, report.host}];
   if (before.incarnation != report.incarnation) before = ActuatorReport{};
   if (report.epoch < before.epoch || report.number < before.number) {
-    ReportViolation(Invariant::kNothingStale, name + " went back to epoch " +
-                                                  std::to_string(report.epoch) + ", command " +
-                                                  std::to_string(report.number));
+    ReportViolation(Invariant::kNoStaleCommand, name + " goes back to epoch " +
+                                                    std::to_string(report.epoch) + ", command " +
+                                                    std::to_string(report.number));
   }
   const bool begun = report.busy() && (!before.busy() || before.target != report.target ||
                                        before.busy_number != report.busy_number);
@@ -76,35 +76,35 @@ void Checker::OnBegun(const std::string& name, const ActuatorReport& before,
   const bool rises = Rises(config_, report.state, report.target);
   const std::string what = name + " begins " + report.target + " in " + report.state;
   if (rises && report.emergency_stop != 0 && before.emergency_stop == report.emergency_stop) {
-    return ReportViolation(Invariant::kStopWins,
+    return ReportViolation(Invariant::kEmergencyStopHolds,
                            what + " although it has latched an emergency stop");
   }
   if (report.target == kSetUp) return;
   if (report.busy_number == 0) {
-    on_its_own_.insert(name);
-    if (rises) ReportViolation(Invariant::kNothingRises, what + " of its own accord");
+    self_switched_.insert(name);
+    if (rises) ReportViolation(Invariant::kNoUnrequestedActivation, what + " without a command");
     return;
   }
-  on_its_own_.erase(name);
-  const auto order = orders_.find({report.epoch, *config_.IndexOf(name), report.busy_number});
-  if (order == orders_.end()) {
-    return ReportViolation(Invariant::kNothingStale,
+  self_switched_.erase(name);
+  const auto sent = sent_commands_.find({report.epoch, *config_.IndexOf(name), report.busy_number});
+  if (sent == sent_commands_.end()) {
+    return ReportViolation(Invariant::kNoStaleCommand,
                            what + " although no controller has sent that command");
   }
-  const Duration age = robot_.network().now() - order->second.sent;
-  if (age > order->second.budget + kClockSlack) {
-    ReportViolation(Invariant::kNothingStale,
+  const Duration age = robot_.network().now() - sent->second.sent;
+  if (age > sent->second.budget + kClockSlack) {
+    ReportViolation(Invariant::kNoStaleCommand,
                     what + ", by a command that is " + std::to_string(ToMilliseconds(age)) +
-                        " ms old and had " + std::to_string(ToMilliseconds(order->second.budget)) +
+                        " ms old and had " + std::to_string(ToMilliseconds(sent->second.budget)) +
                         " ms");
   }
-  if (rises && !order->second.may_rise) {
-    ReportViolation(Invariant::kNothingRises, what + ", which nobody has asked for");
+  if (rises && !sent->second.may_rise) {
+    ReportViolation(Invariant::kNoUnrequestedActivation, what + ", which was not requested");
   }
 }
 
-// Only of its own child a controller knows by which exit code it ended.
-void Checker::FindsConfigWrong(const std::string& name) {
+// A controller knows the exit code of its own children only.
+void Checker::OnWrongConfig(const std::string& name) {
   const ControllerProcess* leader = robot_.leader();
   if (leader == nullptr) return;
   const std::size_t i = *config_.IndexOf(name);
@@ -114,29 +114,28 @@ void Checker::FindsConfigWrong(const std::string& name) {
                          record.process == robot_.processes().PidOf(name, leader->host()) &&
                          !record.found_running;
   const bool counts = restart.policy != RestartPolicy::kNo && restart.Prevents(kUsageExitCode);
-  if (its_child && counts && !record.restart_asked) final_[name] = leader->serial();
+  if (its_child && counts && !record.restart_asked) config_errors_[name] = leader->serial();
 }
 
 void Checker::OnStart(const ControllerProcess& controller, const std::string& name) {
   ++checks_;
   CheckRunsNowhereElse(controller, name);
-  const auto ended = final_.find(name);
-  if (ended != final_.end() && ended->second == controller.serial()) {
-    ReportViolation(
-        Invariant::kNotInVain,
-        name + ", which ended with exit code 2, is started again, and nobody has asked for it");
+  const auto ended = config_errors_.find(name);
+  if (ended != config_errors_.end() && ended->second == controller.serial()) {
+    ReportViolation(Invariant::kNoRestartOnConfigError,
+                    name + ", which exited with code 2, is restarted without a request");
   }
-  final_.erase(name);
+  config_errors_.erase(name);
   const std::size_t i = *config_.IndexOf(name);
   const RestartConfig& restart = config_.actuators[i].restart;
   const bool ends_at_once = robot_.processes().IsMisconfigured(name);
   const bool counts = restart.policy != RestartPolicy::kNo && restart.Prevents(kUsageExitCode);
-  if (ends_at_once && counts) final_[name] = controller.serial();
+  if (ends_at_once && counts) config_errors_[name] = controller.serial();
 }
 
 void Checker::AfterEvent() {
   CheckPowerOff();
-  if (!free_and_stopped_.empty()) CheckPower();
+  if (!idle_and_stopped_.empty()) CheckPower();
   CheckClients();
   if (!dirty_) return;
   dirty_ = false;
@@ -148,12 +147,12 @@ void Checker::AfterEvent() {
       continue;
     }
     ++checks_;
-    LookAt(*controller);
+    CheckController(*controller);
   }
-  just_answered_.clear();
+  just_replied_.clear();
 }
 
-void Checker::LookAt(const ControllerProcess& controller) {
+void Checker::CheckController(const ControllerProcess& controller) {
   const Machine& machine = controller.shell().machine();
   CheckDeadline(controller, seen_[controller.serial()]);
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
@@ -166,11 +165,11 @@ void Checker::LookAt(const ControllerProcess& controller) {
 }
 
 void Checker::OnSend(const Machine& machine, const action::SendSwitch& command) {
-  orders_[{machine.epoch, command.actuator, command.number}] = {
+  sent_commands_[{machine.epoch, command.actuator, command.number}] = {
       robot_.network().now(), command.budget, MayRise(machine, command.target)};
 }
 
-// Of what happens at one instant something else may come first, say a step of another controller.
+// Of the events at one instant another one may come first, such as a step of another controller.
 void Checker::CheckDeadline(const ControllerProcess& controller, Seen& seen) {
   constexpr int kOthers = 100;
   const Time now = robot_.network().now();
@@ -178,19 +177,20 @@ void Checker::CheckDeadline(const ControllerProcess& controller, Seen& seen) {
   if (!deadline || *deadline > controller.Now()) return seen.over_since.reset();
   if (!seen.over_since) seen.over_since = {now, 0};
   if (now > seen.over_since->first || ++seen.over_since->second > kOthers) {
-    ReportViolation(Invariant::kNoSpinning, "a deadline of the controller is over and stays");
+    ReportViolation(Invariant::kNoPastDeadline,
+                    "a deadline of the controller has passed and is still its next");
   }
 }
 
-// An actuator may be driven up by a switch that was asked for, or to where the machine is.
+// An actuator may be commanded up by a requested switch, or to the machine's state.
 bool Checker::MayRise(const Machine& machine, const State& target) const {
   const auto& s = machine.current;
-  const bool may = s && (BehindIt(*s) || s->purpose == Purpose::kPolicy);  // see CheckRaise
+  const bool may = s && (IsRequested(*s) || s->purpose == Purpose::kPolicy);  // see CheckRaise
   if (may && s->target == target) return true;
   const auto place = config_.RankOf(machine.state);
   const auto rank = config_.RankOf(target);
   if (rank && place && *rank <= *place) return true;
-  // Back to where it was, after a switch that had taken it down.
+  // A rollback of a single actuator may lead back up.
   return machine.current && machine.current->rolling_back && machine.current->only;
 }
 
@@ -201,132 +201,79 @@ void Checker::CheckChange(const Machine& machine, Seen& seen) {
     // Several switches may have ended since.
     const bool asked =
         seen.asked == machine.state || ByPolicy(machine.state) ||
-        std::any_of(just_answered_.begin(), just_answered_.end(), [&](const State& state) {
+        std::any_of(just_replied_.begin(), just_replied_.end(), [&](const State& state) {
           const auto other = config_.RankOf(state);
           return other && *other >= *rank;
         });
     const std::string what = "the machine went from " + seen.state + " to " + machine.state;
-    if (!asked) ReportViolation(Invariant::kNothingRises, what + ", which nobody had asked for");
+    if (!asked)
+      ReportViolation(Invariant::kNoUnrequestedActivation, what + ", which was not requested");
     if (seen.stopped && machine.emergency_stop) {
-      ReportViolation(Invariant::kStopWins, what + " during an emergency stop");
+      ReportViolation(Invariant::kEmergencyStopHolds, what + " during an emergency stop");
     }
   }
   if (!machine.told_state.empty() && machine.told_state != machine.state) {
-    ReportViolation(Invariant::kExplained, "the machine is in " + machine.state +
-                                               ", the journal says " + machine.told_state);
+    ReportViolation(Invariant::kStatesRecorded, "the machine is in " + machine.state +
+                                                    ", the journal records " + machine.told_state);
   }
   if (seen.state != machine.state) CheckPolicyChange(machine, seen);
   seen.state = machine.state;
   seen.stopped = machine.emergency_stop.has_value();
   const bool requested =
-      (seen.requested && machine.state == seen.asked) || just_answered_.contains(machine.state);
-  if (requested && !machine.current) went_on_ = robot_.age();
+      (seen.requested && machine.state == seen.asked) || just_replied_.contains(machine.state);
+  if (requested && !machine.current) requested_state_at_ = robot_.age();
   seen.asked.reset();
-  if (machine.current && BehindIt(*machine.current)) seen.asked = machine.current->target;
+  if (machine.current && IsRequested(*machine.current)) seen.asked = machine.current->target;
   seen.requested = machine.current && machine.current->purpose == Purpose::kRequested;
 }
 
-std::uint64_t Checker::Asked(const ControllerProcess& controller, const State& target) {
-  urgent_asked_ |= target == kError || target == kTearDown;
-  open_[next_request_] = {target, controller.serial()};
+std::uint64_t Checker::OnRequest(const ControllerProcess& controller, const State& target) {
+  urgent_requested_ |= target == kError || target == kTearDown;
+  open_requests_[next_request_] = {target, controller.serial()};
   return next_request_++;
 }
 
-void Checker::ControllerKilled(const ControllerProcess& controller) {
-  ControllersBlocked(false);
-  std::erase_if(
-      open_, [&](const auto& request) { return request.second.controller == controller.serial(); });
+void Checker::OnControllerKilled(const ControllerProcess& controller) {
+  OnControllersBlocked(false);
+  std::erase_if(open_requests_, [&](const auto& request) {
+    return request.second.controller == controller.serial();
+  });
 }
 
-void Checker::Answered(std::uint64_t request, const SwitchResult& result) {
-  ++checks_;
-  const auto open = open_.extract(request);
-  if (open.empty()) {
-    return ReportViolation(Invariant::kOneAnswer,
-                           "a request for " + result.target + " was answered twice");
-  }
-  just_answered_.insert(result.target);
-  if (result.outcome == SwitchOutcome::kSuperseded && !urgent_asked_ &&
-      result.code != kCodePermissionDenied) {
-    ReportViolation(Invariant::kPolicyWaits, "the switch to " + result.target + " is superseded (" +
-                                                 result.reason +
-                                                 "), and nobody has asked for anything urgent");
-  }
-  const bool there =
-      result.outcome == SwitchOutcome::kDone || result.outcome == SwitchOutcome::kDoneDegraded;
-  for (std::size_t which = 0; which < 2; ++which) {
-    const ControllerProcess* asked = robot_.controller(which);
-    if (asked != nullptr && asked->serial() == open.mapped().controller)
-      CheckTornDown(*asked, result);
-  }
-  const ControllerProcess* controller = robot_.leader();
-  const bool ranked = config_.RankOf(result.target) && result.target != kTearDown;
-  if (!there || !result.actuator.empty() || !ranked || controller == nullptr) return;
-  went_on_ = robot_.age();
-  const Machine& machine = controller->shell().machine();
-  CheckNotDegraded(machine, result);
-  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
-    const std::string& name = config_.actuators[i].name;
-    const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
-    if (report == nullptr || IsExcused(machine, i, result)) continue;
-    if (report->state == result.target) continue;
-    ReportViolation(Invariant::kDoneIsDone, "the switch to " + result.target + " is told to be " +
-                                                std::string(OutcomeName(result.outcome)) +
-                                                ", but " + name + " is in " + report->state);
-  }
-}
-
-// Whether an actuator need not be where "done" says: it is listed, on its way, not to be trusted,
-// or came too late to take part.
-bool Checker::IsExcused(const Machine& machine, std::size_t i, const SwitchResult& result) const {
-  const std::string& name = config_.actuators[i].name;
-  const ActuatorRecord& record = machine.actuators[i];
-  const auto& degraded = result.degraded;
-  if (std::find(degraded.begin(), degraded.end(), name) != degraded.end()) return true;
-  const bool took_part =
-      std::any_of(result.actuators.begin(), result.actuators.end(), [&](const ActuatorResult& one) {
-        return one.name == name && one.outcome == ActuatorOutcome::kDone;
-      });
-  const bool joining = record.presence != Presence::kPresent || !record.checked || record.due ||
-                       record.order || record.parked || (record.fault && !took_part);
-  return joining || liars_.contains(name) || on_its_own_.contains(name) ||
-         robot_.ReportOf(i, record.report)->incarnation != record.report.incarnation;
-}
-
-// What will become of an actuator by itself; empty: nothing.
-std::string Checker::Unrest(const Machine& machine, std::size_t i) const {
+// What an actuator will do by itself; empty: nothing.
+std::string Checker::PendingActivity(const Machine& machine, std::size_t i) const {
   const ActuatorRecord& r = machine.actuators[i];
   const bool alive = robot_.IsAlive(config_.actuators[i].name);
   if (r.set_up_by && r.presence != Presence::kPresent && alive) return "is being set up";
   if (r.fault && !r.order && !r.restart_at && r.terminating == 0 && !r.restart_asked) return {};
-  if (r.order) return "has been commanded " + r.order->target;
-  if (r.restart_at || r.restart_asked) return "is to be started again";
+  if (r.order) return "has a command to " + r.order->target;
+  if (r.restart_at || r.restart_asked) return "is to be restarted";
   if (r.terminating != 0 || r.kill_at) return "is to be killed";
-  if (r.free_by) return "is busy with what it was found with";
+  if (r.free_by) return "is busy with the callback that it was found in";
   if (r.take_control_again && r.presence == Presence::kStarting && alive)
-    return "is asked to follow";
+    return "is being attached";
   const bool waits = machine.emergency_stop || r.held || machine.phase != Phase::kRunning ||
                      r.presence != Presence::kPresent;
-  return r.due && !waits ? "is to be driven to where the machine is" : "";
+  return r.due && !waits ? "is to be switched to the machine's state" : "";
 }
 
-std::string Checker::Unrest() const {
+std::string Checker::PendingActivity() const {
   const ControllerProcess* controller = robot_.leader();
-  if (controller == nullptr) return "nobody leads the machine";
+  if (controller == nullptr) return "no controller leads the machine";
   if (robot_.leaders() > 1) return "two controllers lead the machine";
   const Machine& machine = controller->shell().machine();
   if (machine.phase == Phase::kStopped) return {};
   if (machine.current) return "a switch to " + machine.current->target + " is under way";
-  if (machine.policy.keep) return "it is kept in " + machine.policy.keep->state;
+  if (machine.policy.keep) return "an application keeps it in " + machine.policy.keep->state;
   if (machine.policy.power) return "the robot is being powered off";
-  if (machine.policy.still_since) return "it is about to rest";
-  if (machine.fallback) return "it is to fall back to " + *machine.fallback;
+  if (machine.policy.still_since) return "it is about to go to LowPower";
+  if (machine.fallback) return "it is about to fall back to " + *machine.fallback;
   if (machine.phase != Phase::kRunning && machine.phase != Phase::kFailed) {
     return "the machine is " + std::string(PhaseName(machine.phase));
   }
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
-    const std::string unrest = Unrest(machine, i);
-    if (!unrest.empty()) return config_.actuators[i].name + " " + unrest;
+    const std::string activity = PendingActivity(machine, i);
+    if (!activity.empty()) return config_.actuators[i].name + " " + activity;
   }
   return {};
 }
@@ -336,9 +283,9 @@ void Checker::CheckRest(bool provided) {
   if (controller == nullptr) return;
   ++checks_;
   const Machine& machine = controller->shell().machine();
-  if (!open_.empty()) {
-    ReportViolation(Invariant::kOneAnswer,
-                    "who asked for " + open_.begin()->second.target + " is not answered");
+  if (!open_requests_.empty()) {
+    ReportViolation(Invariant::kOneReplyPerRequest,
+                    "a request for " + open_requests_.begin()->second.target + " has no reply");
   }
   CheckCeiling(machine, true);
   if (machine.phase != Phase::kStopped) {
@@ -350,7 +297,8 @@ void Checker::CheckRest(bool provided) {
       const std::string& name = config_.actuators[i].name;
       const bool here = robot_.processes().IsAlive(name, controller->host());
       if (!config_.actuators[i].command.empty() && here) {
-        ReportViolation(Invariant::kEndsWhenAsked, name + " outlives the machine");
+        ReportViolation(Invariant::kTearDownEndsProcesses,
+                        "the process of " + name + " outlives the machine");
       }
       continue;
     }
@@ -365,19 +313,19 @@ void Checker::CheckPlace(const Machine& machine, std::size_t i) {
   const ActuatorRecord& record = machine.actuators[i];
   const std::string& name = config_.actuators[i].name;
   const ActuatorReport* report = robot_.ReportOf(i, record.report);
-  if (report == nullptr || record.held || record.fault || liars_.contains(name)) return;
+  if (report == nullptr || record.held || record.fault || false_reporters_.contains(name)) return;
   const auto own = config_.RankOf(report->state);
   const auto rank = config_.RankOf(machine.state);
   const bool waits = machine.emergency_stop && (!own || (rank && *own < *rank));
   if (machine.emergency_stop && record.presence == Presence::kPresent &&
       report->emergency_stop == 0) {
-    ReportViolation(Invariant::kStopWins, name + " has not latched the emergency stop");
+    ReportViolation(Invariant::kEmergencyStopHolds, name + " has not latched the emergency stop");
   }
   if (report->state == machine.state || waits || !rank) return;
   if (config_.actuators[i].stage > machine.stage && record.presence == Presence::kAbsent) return;
-  ReportViolation(Invariant::kOneTruth, name + " is in " + report->state +
-                                            " while the machine is in " + machine.state +
-                                            ", and nothing says why");
+  ReportViolation(Invariant::kStatesAgree, name + " is in " + report->state +
+                                               " while the machine is in " + machine.state +
+                                               ", without a recorded reason");
 }
 
 void Checker::CheckLoss(const Machine& machine, std::size_t i, bool provided) {
@@ -388,24 +336,24 @@ void Checker::CheckLoss(const Machine& machine, std::size_t i, bool provided) {
   if (record.presence == Presence::kAbsent && machine.emergency_stop) return;  // of a later stage
   if (!actuator.on_lost.empty()) {
     if (*rank <= *config_.RankOf(actuator.on_lost)) return;
-    // People may go on without one that is not critical.
-    if (!actuator.critical && went_on_ >= lost_at_[i]) return;
+    // An operator may continue without an actuator that is not critical.
+    if (!actuator.critical && requested_state_at_ >= lost_at_[i]) return;
     return ReportViolation(
-        actuator.critical ? Invariant::kSafeWithoutCritical : Invariant::kProvidedFor,
-        "the machine rests in " + machine.state + " without " + actuator.name +
+        actuator.critical ? Invariant::kSafeWithoutCritical : Invariant::kOnLostCoversLoss,
+        "the machine stays in " + machine.state + " without " + actuator.name +
             ", whose on_lost is " + actuator.on_lost);
   }
-  if (!provided || actuator.command.empty()) return;  // others are started by somebody else
+  if (!provided || actuator.command.empty()) return;  // others are not started by the controller
   ReportViolation(
-      Invariant::kProvidedFor,
-      "the machine rests in " + machine.state + " without " + actuator.name + ", " +
+      Invariant::kOnLostCoversLoss,
+      "the machine stays in " + machine.state + " without " + actuator.name + ", " +
           (record.given_up
                ? (record.restarts < actuator.restart.limit
-                      ? "which is not started again after its exit code"
+                      ? "which is not restarted after its exit code"
                       : "which was given up after " + std::to_string(record.restarts) + " restarts")
-               : (robot_.IsAlive(actuator.name) ? "which hangs, and nothing ends that"
-                                                : "which nothing will start again")) +
-          "; it has no on_lost (\"Active\" if the machine may do without it)");
+               : (robot_.IsAlive(actuator.name) ? "which hangs, and is not killed"
+                                                : "which is not restarted")) +
+          "; it has no on_lost (\"Active\" if the machine may run without it)");
 }
 
 }  // namespace musher::simulation

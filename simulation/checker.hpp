@@ -1,6 +1,6 @@
 #pragma once
-// Looks at a simulated robot after every event, and says when a invariant does not hold. It judges
-// by what the actuators do, not by what the controller believes, wherever that can be told apart.
+// Checks the invariants of a simulated robot after every event, and reports the first violation. It
+// goes by what the actuators do, not by what the controller believes, wherever the two can differ.
 
 #include <array>
 #include <cstdint>
@@ -20,73 +20,77 @@ namespace musher::simulation {
 
 class Checker {
  public:
-  // Hangs itself into the robot, which must outlive it.
+  // Sets the robot's callbacks. The robot must outlive it.
   explicit Checker(SimRobot& robot);
   Checker(const Checker&) = delete;
   Checker& operator=(const Checker&) = delete;
 
   const std::optional<Violation>& violation() const { return violation_; }
-  // The first one counts.
+  // Keeps the first one only.
   void ReportViolation(Invariant invariant, const std::string& what);
-  // How often something was judged.
+  // How many checks were made.
   std::uint64_t checks() const { return checks_; }
 
-  // To be called after every event of the network; cheap when no decision was taken.
+  // To be called after every event of the network; cheap when no controller took a decision.
   void AfterEvent();
-  // A person asks a controller for a switch; whoever answers tells what he gets.
-  std::uint64_t Asked(const ControllerProcess& controller, const State& target);
-  void Answered(std::uint64_t request, const SwitchResult& result);
+  // An operator requests a switch from a controller; OnReply() takes the number that it returns.
+  std::uint64_t OnRequest(const ControllerProcess& controller, const State& target);
+  void OnReply(std::uint64_t request, const SwitchResult& result);
   // To be called with every record of a controller.
   void OnRecord(const action::Record& record);
-  // The same as Asked() and Answered(), of what is asked of the policy.
-  std::uint64_t AskedPolicy(const ControllerProcess& controller,
-                            const event::PolicyRequested& asked);
-  void AnsweredPolicy(std::uint64_t request, const event::PolicyRequested& asked,
-                      const Result<>& answer);
-  // Something befalls the controllers that may cost them a power-off, or what they remember.
-  void ControllersBlocked(bool forgetful);
-  // A controller is killed: its callers get no answer.
-  void ControllerKilled(const ControllerProcess& controller);
-  // A process that lives finds its configuration wrong, and is about to end with exit code 2.
-  void FindsConfigWrong(const std::string& name);
-  // A person asks for a restart.
-  void AskedRestart(const std::string& name) { final_.erase(name); }
+  // The same as OnRequest() and OnReply(), for requests to the policy.
+  std::uint64_t OnPolicyRequest(const ControllerProcess& controller,
+                                const event::PolicyRequested& requested);
+  void OnPolicyReply(std::uint64_t request, const event::PolicyRequested& requested,
+                     const Result<>& reply);
+  // An event hits the controllers that may cancel a power-off or, with `state_lost`, lose what they
+  // have stored.
+  void OnControllersBlocked(bool state_lost);
+  // A controller is killed: its callers get no reply.
+  void OnControllerKilled(const ControllerProcess& controller);
+  // A live process is about to exit with code 2 (configuration error).
+  void OnWrongConfig(const std::string& name);
+  // An operator requests a restart.
+  void OnRestartRequest(const std::string& name) { config_errors_.erase(name); }
   // An emergency stop is engaged at a panel.
-  void StopEngaged(std::size_t panel, std::uint64_t id);
-  // A client asks for a switch.
-  void ClientAsks(const State& target) { urgent_asked_ |= target == kError || target == kTearDown; }
-  // What it says is no evidence from now on.
-  void Lied(const std::string& name) { liars_.insert(name); }
+  void OnStopEngaged(std::size_t panel, std::uint64_t id);
+  // A client requests a switch.
+  void OnClientRequest(const State& target) {
+    urgent_requested_ |= target == kError || target == kTearDown;
+  }
+  // The actuator publishes a false state: its reports are no evidence from now on.
+  void OnFalseReport(const std::string& name) { false_reporters_.insert(name); }
 
-  // Whether nothing is going on, and nothing will by itself.
-  bool AtRest() const { return Unrest().empty(); }
-  std::string Unrest() const;  // what is going on; empty: nothing
-  // What has to hold then. `provided`: also that the config says what follows from every loss.
+  // Whether the state is stable: nothing is under way, and nothing will start by itself.
+  bool AtRest() const { return PendingActivity().empty(); }
+  std::string PendingActivity() const;  // what is under way; empty: nothing
+  // Checks what must hold in a stable state. `provided`: also that the config's on_lost covers
+  // every lost actuator.
   void CheckRest(bool provided);
 
  private:
-  struct SentOrder {
+  struct SentCommand {
     Time sent{};
     Duration budget{};
-    bool may_rise = false;
+    bool may_rise = false;  // it may lead to a more active state
   };
   struct Seen {  // of a controller
     State state;
     bool stopped = false;
-    bool requested = false;      // `asked` is, by a person or a client
-    std::optional<State> asked;  // the target of the switch under way, if a person or the start is
-                                 // behind it
-    // Since when its next deadline is over, and how often it was looked at meanwhile.
+    bool requested = false;      // an operator or a client requested `asked`
+    std::optional<State> asked;  // the target of the switch under way, if it was requested or is a
+                                 // part of the start
+    // Since when its next deadline has passed, and how often it was checked since then.
     std::optional<std::pair<Time, int>> over_since;
   };
-  using OrderKey =
+  using CommandKey =
       std::tuple<std::uint64_t, std::size_t, std::uint64_t>;  // epoch, actuator, number
 
   void OnReport(const std::string& name, std::size_t host, const ActuatorReport& report);
   void OnWrite(const ControllerProcess& controller, const std::string& topic,
                const msg::Bytes& bytes);
   void OnBegun(const std::string& name, const ActuatorReport& before, const ActuatorReport& report);
-  void LookAt(const ControllerProcess& controller);
+  void CheckController(const ControllerProcess& controller);
   void OnSend(const Machine& machine, const action::SendSwitch& command);
   void OnStart(const ControllerProcess& controller, const std::string& name);
   bool MayRise(const Machine& machine, const State& target) const;
@@ -104,7 +108,7 @@ class Checker {
   void CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
                     const ActuatorReport& report);
   void CheckPower();
-  void PersonStarts() { stop_asked_.reset(); }
+  void PersonStarts() { accepted_tear_down_.reset(); }
   void CheckStaysDown(const ControllerProcess& controller);
   bool RunsForAnother(const ControllerProcess& asked, std::size_t i, std::size_t host) const;
   void CheckTornDown(const ControllerProcess& controller, const SwitchResult& result);
@@ -114,7 +118,7 @@ class Checker {
   void OnReplyWritten(const ControllerProcess& controller, const std::string& service);
   void CheckClients();
   void CheckClientsAtRest();
-  // judge_policy.cpp
+  // policy_invariants.cpp
   void CheckCeiling(const Machine& machine, bool at_rest);
   void CheckPolicyChange(const Machine& machine, const Seen& seen);
   void CheckRaise(const State& raised_to, int percent);
@@ -124,7 +128,7 @@ class Checker {
 
   void CheckLoss(const Machine& machine, std::size_t i, bool provided);
   void CheckPlace(const Machine& machine, std::size_t i);
-  std::string Unrest(const Machine& machine, std::size_t i) const;
+  std::string PendingActivity(const Machine& machine, std::size_t i) const;
   void CheckNotDegraded(const Machine& machine, const SwitchResult& result);
   bool IsExcused(const Machine& machine, std::size_t i, const SwitchResult& result) const;
 
@@ -134,43 +138,43 @@ class Checker {
   std::uint64_t checks_ = 0;
   bool dirty_ = false;
   std::map<std::pair<std::string, std::string>, ActuatorReport> reports_;  // by actuator, host
-  std::map<OrderKey, SentOrder> orders_;
+  std::map<CommandKey, SentCommand> sent_commands_;
   std::map<std::uint64_t, Seen> seen_;  // by the serial of the controller
   struct Request {
     State target;
     std::uint64_t controller = 0;  // its serial
   };
-  std::map<std::uint64_t, Request> open_;  // requests that are not answered
-  std::set<State> just_answered_;
-  std::vector<Duration> lost_at_;  // when an actuator was there for the last time
-  Duration went_on_{};  // when a person's switch ended with the machine in the state that was asked
+  std::map<std::uint64_t, Request> open_requests_;  // that have no reply yet
+  std::set<State> just_replied_;
+  std::vector<Duration> lost_at_;  // when each actuator was available for the last time
+  Duration requested_state_at_{};  // when an operator's switch last ended in the requested state
   std::uint64_t next_request_ = 1;
   std::vector<State> policy_up_to_;  // the targets of its last switches
   std::vector<State> policy_down_to_;
-  std::optional<int> raised_at_;  // percent of the battery when it last decided to raise
-  std::array<bool, 2> left_{};    // the levels of Protected and LowPower, and not reached again
-  std::optional<State> judged_raise_;  // before its state was seen: a lowering began in that step
-  bool lowering_begins_ = false;       // its switch is the next record
+  std::optional<int> raised_at_;  // the battery's percentage when it last decided to raise
+  std::array<bool, 2> left_{};    // the levels of Protected and LowPower; not reached again since
+  std::optional<State> checked_raise_;  // before its state was seen: a lowering began in that step
+  bool lowering_begins_ = false;        // its switch is the next record
   std::optional<std::pair<State, State>> lowered_;  // by the battery: from, to
-  bool woken_ = false;         // somebody wanted more than the battery may have allowed
-  bool forgetful_ = false;     // a disk was full: a controller may remember what is over
-  bool urgent_asked_ = false;  // for Error or TearDown, which supersede others
+  bool raise_requested_ = false;                    // possibly above what the battery permits
+  bool state_lost_ = false;        // a disk was full: a controller may have stored outdated state
+  bool urgent_requested_ = false;  // Error or TearDown, which supersede others
   std::optional<Time> power_due_;
-  // Who ended for good, since a new start does not help, and the controller whose child it was.
-  std::map<std::string, std::uint64_t> final_;
-  std::set<std::string> liars_;
-  std::set<std::string> on_its_own_;              // went where it is without a command
-  std::set<std::string> twice_;                   // started while another one could not be heard
+  // The actuators that exited with a configuration error, and the controller whose child each was.
+  std::map<std::string, std::uint64_t> config_errors_;
+  std::set<std::string> false_reporters_;
+  std::set<std::string> self_switched_;  // entered their state without a command
+  std::set<std::string> duplicated_;     // started while the link to another process of it was cut
   std::map<std::uint64_t, std::size_t> engaged_;  // emergency stops: the panel
   std::map<std::size_t, std::uint64_t> last_of_panel_;
-  std::set<std::uint64_t> taken_up_;                         // by a controller
-  std::map<std::uint64_t, std::set<std::size_t>> released_;  // by the hosts that know of it
-  std::vector<std::pair<std::string, std::size_t>> free_and_stopped_;  // actuator, host
-  struct StopAsked {
+  std::set<std::uint64_t> accepted_stops_;                   // by a controller
+  std::map<std::uint64_t, std::set<std::size_t>> released_;  // stop: hosts that stored the release
+  std::vector<std::pair<std::string, std::size_t>> idle_and_stopped_;  // actuator, host
+  struct AcceptedTearDown {
     std::uint64_t controller = 0;  // its serial
     std::size_t host = 0;
   };
-  std::optional<StopAsked> stop_asked_;  // a TearDown was accepted
+  std::optional<AcceptedTearDown> accepted_tear_down_;  // a TearDown was accepted
   struct Waiting {
     std::uint64_t incarnation = 0;
     std::uint64_t epoch = 0;

@@ -27,20 +27,21 @@ Client::~Client() {
 
 void Client::SetState(const State& target, const std::string& actuator) {
   const std::uint64_t id = next_id_++;
-  open_.push_back({.id = id, .target = target, .asked = network_.now(), .orphaned = {}});
+  open_requests_.push_back(
+      {.id = id, .target = target, .requested = network_.now(), .orphaned = {}});
   const auto find = [this, id] {
-    return std::find_if(open_.begin(), open_.end(),
+    return std::find_if(open_requests_.begin(), open_requests_.end(),
                         [id](const Request& request) { return request.id == id; });
   };
   SwitchClient::Options options;
   options.leader.name_space = config_.name_space;
   auto client = SwitchClient::Make(
       *node_, std::move(options), target, actuator,
-      [find](const std::string&) { find()->told = true; },
+      [find](const std::string&) { find()->notified = true; },
       [this, id, find](const SwitchEnd& end) {
         const Request request = *find();
-        open_.erase(find());
-        // Not inside its own callback.
+        open_requests_.erase(find());
+        // Deleted after its own callback.
         node_->loop().Post([this, id] {
           std::erase_if(switches_, [id](const auto& one) { return one.first == id; });
         });
@@ -59,7 +60,7 @@ void Client::Call(const char* service, const typename S::Request& request) {
     node_->loop().Post([this, raw] {
       std::erase_if(calls_, [raw](const auto& call) { return call.get() == raw; });
     });
-    if (on_answer) on_answer(reply.ok());
+    if (on_reply) on_reply(reply.ok());
   });
 }
 
@@ -76,11 +77,11 @@ void Client::Restart(const std::string& actuator) {
 }
 
 void Client::OnControllerKilled() {
-  for (Request& request : open_) {
+  for (Request& request : open_requests_) {
     const auto one = std::find_if(switches_.begin(), switches_.end(),
                                   [&](const auto& s) { return s.first == request.id; });
-    const bool asked = one != switches_.end() && one->second->found();
-    if (asked && !request.orphaned && !request.told) request.orphaned = network_.now();
+    const bool pending = one != switches_.end() && one->second->found();
+    if (pending && !request.orphaned && !request.notified) request.orphaned = network_.now();
   }
 }
 

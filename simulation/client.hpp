@@ -1,5 +1,5 @@
 #pragma once
-// A client of the machine, as the command line and applications are: a process of its own that
+// A client of the machine, such as the command line or an application: a process of its own that
 // calls the controller's services over the simulated network.
 //
 // Threads: one, that of the network.
@@ -30,23 +30,23 @@ class Client {
   void ReleaseEmergencyStop();
   void Restart(const std::string& actuator);
 
-  // A switch that was requested and whose end is not known yet.
+  // A requested switch whose outcome is not known yet.
   struct Request {
     std::uint64_t id = 0;
     State target;
-    Time asked{};                  // by the network's clock
-    std::optional<Time> orphaned;  // the controller that had it is killed
-    bool told = false;             // that it is
+    Time requested{};              // by the network's clock
+    std::optional<Time> orphaned;  // when its controller was killed
+    bool notified = false;         // the client has noticed that
   };
-  const std::list<Request>& open() const { return open_; }
-  // A controller is killed: what was requested of it has no answer.
-  void OnControllerKilled();  // the one that led
+  const std::list<Request>& open() const { return open_requests_; }
+  // The leading controller is killed: its open requests have no reply.
+  void OnControllerKilled();
   std::size_t host() const { return host_; }
 
-  // May be empty. A switch has ended; `end.kind` is kUnknown when it is not known how.
+  // May be empty. A switch has ended; `end.kind` is kUnknown when the outcome is not known.
   std::function<void(const Request&, const SwitchEnd&)> on_end;
-  // A call other than for a switch has ended: with an answer, or without.
-  std::function<void(bool answered)> on_answer;
+  // A call other than for a switch has ended: with a reply, or without.
+  std::function<void(bool replied)> on_reply;
 
  private:
   template <class S>
@@ -57,9 +57,9 @@ class Client {
   const std::size_t host_;
   std::uint64_t next_id_ = 1;
   std::unique_ptr<transport::Node> node_;
-  std::list<Request> open_;
+  std::list<Request> open_requests_;
   std::list<std::pair<std::uint64_t, std::unique_ptr<SwitchClient>>> switches_;
-  std::list<std::shared_ptr<void>> calls_;  // the clients of the other services
+  std::list<std::shared_ptr<void>> calls_;  // transport clients of the other services
 };
 
 }  // namespace musher::simulation

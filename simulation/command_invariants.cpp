@@ -1,4 +1,4 @@
-// What has to hold of commands that wait at an actuator, of the calls of clients, and of outcomes.
+// The invariants of commands that wait at an actuator, of clients' calls, and of switch outcomes.
 
 #include <algorithm>
 #include <iterator>
@@ -9,19 +9,19 @@
 namespace musher::simulation {
 namespace {
 
-// What a client's process needs to see that a controller has ended: the heartbeats that are missed,
-// and a grace for an answer under way.
-// The clocks of two hosts are compared by the report that took least time.
+// The clocks of two hosts are compared by the report with the shortest transit time.
 constexpr Duration kCommandClockSlack = Milliseconds(100);
-constexpr Duration kToldWithin = std::chrono::seconds(4);
-constexpr Duration kClientPeriod = Milliseconds(200);  // of looking
-// A request that comes while the machine is at rest is answered, or there is no such service.
-constexpr Duration kAnsweredAtRest = std::chrono::seconds(12);
+// A client's process notices within this that a controller has ended: the missed heartbeats, and a
+// grace for a reply under way.
+constexpr Duration kNotifiedWithin = std::chrono::seconds(4);
+constexpr Duration kClientPeriod = Milliseconds(200);  // of the checks
+// A request in a stable state has a reply, or the service is not available.
+constexpr Duration kRepliedAtRest = std::chrono::seconds(12);
 
 }  // namespace
 
-// After each step of an actuator: a command that had been accepted and waited behind a callback
-// waits on, begins, or is over for a reason that its sender knows.
+// Runs after each step of an actuator: an accepted command that waits behind a callback still
+// waits, has begun, or was cancelled for a reason that its sender knows.
 void Checker::CheckWaiting(const std::string& name, std::size_t host,
                            const ActuatorReport& report) {
   const ActuatorCore* core = robot_.processes().CoreOf(name, host);
@@ -39,20 +39,21 @@ void Checker::CheckWaiting(const std::string& name, std::size_t host,
   const bool stopped = report.emergency_stop != 0 && (command.target == report.state ||
                                                       Rises(config_, report.state, command.target));
   if (begun || stopped || report.epoch > before->epoch || report.state == kTearDown) return;
-  const auto order = orders_.find({before->epoch, *config_.IndexOf(name), command.number});
-  if (order == orders_.end()) return;
-  // A newer one need not have come: the question about it fences this one as well.
-  const auto next = std::next(order);
-  const bool newer_sent = next != orders_.end() && std::get<0>(next->first) == before->epoch &&
+  const auto sent = sent_commands_.find({before->epoch, *config_.IndexOf(name), command.number});
+  if (sent == sent_commands_.end()) return;
+  // A newer one need not have arrived: the query about it fences this one as well.
+  const auto next = std::next(sent);
+  const bool newer_sent = next != sent_commands_.end() &&
+                          std::get<0>(next->first) == before->epoch &&
                           std::get<1>(next->first) == *config_.IndexOf(name);
   if (newer_sent || IsGivenUp(before->epoch, *config_.IndexOf(name))) return;
-  const Duration age = robot_.network().now() - order->second.sent;
-  if (age + kCommandClockSlack >= order->second.budget) return;
-  ReportViolation(Invariant::kNotCancelled,
-                  name + " drops the command to " + command.target +
-                      " that it had accepted, after " + std::to_string(ToMilliseconds(age)) +
-                      " of " + std::to_string(ToMilliseconds(order->second.budget)) +
-                      " ms, and no newer one came");
+  const Duration age = robot_.network().now() - sent->second.sent;
+  if (age + kCommandClockSlack >= sent->second.budget) return;
+  ReportViolation(Invariant::kNoCommandDropped,
+                  name + " drops the accepted command to " + command.target + " after " +
+                      std::to_string(ToMilliseconds(age)) + " of " +
+                      std::to_string(ToMilliseconds(sent->second.budget)) +
+                      " ms, without a newer command");
 }
 
 // Whether the controller that sent the command has lost the actuator since and reported that
@@ -67,18 +68,19 @@ bool Checker::IsGivenUp(std::uint64_t epoch, std::size_t i) const {
   return false;
 }
 
-// A controller writes an answer to a client.
+// A controller writes a reply to a client.
 void Checker::OnReplyWritten(const ControllerProcess& controller, const std::string& service) {
   const Machine& machine = controller.shell().machine();
   const Time now = robot_.network().now();
   if (machine.phase == Phase::kFenced) {
-    // A caller that waits is told of the fence as it happens.
+    // A caller that waits gets a refusal at the moment of the fence.
     const auto fenced = fenced_at_.emplace(controller.serial(), now).first->second;
     if (now == fenced) return;
   } else if (controller.begun()) {
     return;
   }
-  ReportViolation(Invariant::kLeaderAnswers, "a controller that does not lead answers " + service);
+  ReportViolation(Invariant::kOnlyLeaderReplies,
+                  "a controller that does not lead replies to " + service);
 }
 
 void Checker::CheckClients() {
@@ -86,23 +88,81 @@ void Checker::CheckClients() {
   if (now < check_clients_at_) return;
   check_clients_at_ = now + kClientPeriod;
   for (const Client::Request* request : robot_.OpenRequests()) {
-    if (!request->orphaned || request->told || now - *request->orphaned < kToldWithin) continue;
-    ReportViolation(Invariant::kClientHears, "a client that had asked for " + request->target +
-                                                 " is not told that the controller has ended");
+    if (!request->orphaned || request->notified || now - *request->orphaned < kNotifiedWithin)
+      continue;
+    ReportViolation(Invariant::kClientGetsOutcome,
+                    "a client that requested " + request->target +
+                        " is not notified that the controller has ended");
   }
 }
 
 void Checker::CheckClientsAtRest() {
   const Time now = robot_.network().now();
   for (const Client::Request* request : robot_.OpenRequests()) {
-    if (now - request->asked < kAnsweredAtRest) continue;
-    ReportViolation(Invariant::kClientHears,
-                    "a client that had asked for " + request->target + " hears of no outcome");
+    if (now - request->requested < kRepliedAtRest) continue;
+    ReportViolation(Invariant::kClientGetsOutcome,
+                    "a client that requested " + request->target + " receives no outcome");
   }
 }
 
-// "done-degraded" names one that is not there, or that this switch has failed with. A fault of
-// before is neither.
+void Checker::OnReply(std::uint64_t request, const SwitchResult& result) {
+  ++checks_;
+  const auto open = open_requests_.extract(request);
+  if (open.empty()) {
+    return ReportViolation(Invariant::kOneReplyPerRequest,
+                           "a request for " + result.target + " got two replies");
+  }
+  just_replied_.insert(result.target);
+  if (result.outcome == SwitchOutcome::kSuperseded && !urgent_requested_ &&
+      result.code != kCodePermissionDenied) {
+    ReportViolation(Invariant::kPolicyNeverSupersedes,
+                    "the switch to " + result.target + " is superseded (" + result.reason +
+                        "), although nothing urgent was requested");
+  }
+  const bool done =
+      result.outcome == SwitchOutcome::kDone || result.outcome == SwitchOutcome::kDoneDegraded;
+  for (std::size_t which = 0; which < 2; ++which) {
+    const ControllerProcess* replying = robot_.controller(which);
+    if (replying != nullptr && replying->serial() == open.mapped().controller)
+      CheckTornDown(*replying, result);
+  }
+  const ControllerProcess* controller = robot_.leader();
+  const bool ranked = config_.RankOf(result.target) && result.target != kTearDown;
+  if (!done || !result.actuator.empty() || !ranked || controller == nullptr) return;
+  requested_state_at_ = robot_.age();
+  const Machine& machine = controller->shell().machine();
+  CheckNotDegraded(machine, result);
+  for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
+    const std::string& name = config_.actuators[i].name;
+    const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
+    if (report == nullptr || IsExcused(machine, i, result)) continue;
+    if (report->state == result.target) continue;
+    ReportViolation(Invariant::kDoneIsComplete, "the switch to " + result.target +
+                                                    " is reported as " +
+                                                    std::string(OutcomeName(result.outcome)) +
+                                                    ", but " + name + " is in " + report->state);
+  }
+}
+
+// Whether an actuator need not be in the state that "done" reports: it is listed as degraded, still
+// joining, reports false states, or joined too late to take part.
+bool Checker::IsExcused(const Machine& machine, std::size_t i, const SwitchResult& result) const {
+  const std::string& name = config_.actuators[i].name;
+  const ActuatorRecord& record = machine.actuators[i];
+  const auto& degraded = result.degraded;
+  if (std::find(degraded.begin(), degraded.end(), name) != degraded.end()) return true;
+  const bool took_part =
+      std::any_of(result.actuators.begin(), result.actuators.end(), [&](const ActuatorResult& one) {
+        return one.name == name && one.outcome == ActuatorOutcome::kDone;
+      });
+  const bool joining = record.presence != Presence::kPresent || !record.checked || record.due ||
+                       record.order || record.parked || (record.fault && !took_part);
+  return joining || false_reporters_.contains(name) || self_switched_.contains(name) ||
+         robot_.ReportOf(i, record.report)->incarnation != record.report.incarnation;
+}
+
+// "done-degraded" lists an actuator that is not available, or that failed in this switch. An
+// earlier fault is neither.
 void Checker::CheckNotDegraded(const Machine& machine, const SwitchResult& result) {
   if (result.outcome != SwitchOutcome::kDoneDegraded) return;
   const bool all_did =
@@ -113,9 +173,9 @@ void Checker::CheckNotDegraded(const Machine& machine, const SwitchResult& resul
         return record.presence == Presence::kPresent && record.state() == result.target;
       });
   if (!all_did || !all_there) return;
-  ReportViolation(Invariant::kDoneIsDone, "the switch to " + result.target +
-                                              " is told to be done-degraded (" + result.reason +
-                                              "), and all are there");
+  ReportViolation(Invariant::kDoneIsComplete,
+                  "the switch to " + result.target + " is reported as done-degraded (" +
+                      result.reason + "), although all actuators are in that state");
 }
 
 }  // namespace musher::simulation

@@ -102,7 +102,7 @@ void ControllerProcess::Save(T& stored, const T& value,
   disk_.writes.push_back({serial_, [this, write] { node_->loop().Post(write); }});
 }
 
-// What is not durable is lost with its process.
+// Rows that are not durable are lost with the process.
 ControllerProcess::~ControllerProcess() {
   std::erase_if(disk_.writes, [this](const auto& write) { return write.controller == serial_; });
   if (disk_.stalled && disk_.recording.size() > disk_.durable) {
@@ -152,7 +152,7 @@ Result<pid_t> ControllerProcess::Start(const ProcessSpec& spec, OnExit on_exit) 
 
 Result<> ControllerProcess::Watch(pid_t pid, OnExit on_exit) {
   if (!processes_.Exists(host_, pid)) return Error{kCodeFailed, "no such process"};
-  // Not a child: only that it ended is known.
+  // Not a child: its exit code is not known.
   watchers_[pid].push_back([on_exit = std::move(on_exit)](const ProcessExit&) { on_exit({}); });
   return Ok();
 }

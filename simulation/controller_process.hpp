@@ -1,7 +1,7 @@
 #pragma once
-// The process of a controller in a simulation: the real shell and decision code on one of the
-// robot's hosts, with a disk that outlives it. It starts, watches and signals processes of its own
-// host only.
+// The process of a simulated controller: the real shell and decision code on one of the robot's
+// hosts, with a disk that outlives it. It starts, watches and signals processes of its own host
+// only.
 //
 // Threads: one, that of the network.
 
@@ -21,24 +21,24 @@
 
 namespace musher::simulation {
 
-// What a controller finds again when it is started anew.
+// What a controller stores, and reads when it is started again.
 struct Disk {
   std::uint64_t epoch = 0;
   StoredStops stops;
   bool stop_intent = false;
   StoredPolicy policy;
   std::vector<JournalRow> recording;
-  std::map<std::string, std::string> files;  // small ones for people, by name
-  bool full = false;                         // nothing can be written
-  bool stalled = false;                      // nothing that is written ends
+  std::map<std::string, std::string> files;  // small text files, by name
+  bool full = false;                         // every write fails
+  bool stalled = false;                      // no write ends
   struct Write {
     std::uint64_t controller = 0;  // its serial
     std::function<void()> end;
   };
-  std::vector<Write> writes;    // those that wait for the end of the stall
-  std::size_t durable = 0;      // rows of the recording, when the stall began
-  bool gap = false;             // something could not be, once
-  bool wants_snapshot = false;  // since then
+  std::vector<Write> writes;    // that wait for the end of the stall
+  std::size_t durable = 0;      // rows of the recording when the stall began
+  bool gap = false;             // a row was lost
+  bool wants_snapshot = false;  // a row was lost since the last snapshot
 };
 
 class ControllerProcess : private ProcessRunner, private ProcessProbe, private JournalSink {
@@ -48,10 +48,10 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
     std::function<void(const action::Record&)> on_record;
     std::function<void(const Machine&, const action::SendSwitch&)> on_send;
     std::function<void(const std::string& name)> on_start;  // of a process
-    std::function<void()> on_person_starts;    // it begins, and a person has started it
-    std::function<void()> on_power;            // the power command
-    std::function<void(pid_t pid)> on_signal;  // before a process is signalled
-    std::function<void()> on_over;  // it is stopped, fenced or refused: its process may end
+    std::function<void()> on_person_starts;                 // it begins, started by an operator
+    std::function<void()> on_power;                         // the power command
+    std::function<void(pid_t pid)> on_signal;               // before a process is signalled
+    std::function<void()> on_over;  // it is stopped, fenced or refused: its process may exit
   };
 
   // All must outlive it.
@@ -60,8 +60,8 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
                     Hooks hooks);
   ~ControllerProcess() override;
 
-  // Takes the machine over; refuses when another controller was heard, unless with `takeover`.
-  // `restarted`: by a supervisor.
+  // Takes control of the machine. Refuses when it has received heartbeats of another controller,
+  // unless `takeover` is set. `restarted`: by a supervisor.
   void Begin(bool takeover, bool restarted = false);
   // A process has ended.
   void OnEnd(std::size_t host, std::int32_t pid, const ProcessExit& exit);
@@ -71,14 +71,14 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
   transport::Node& node() { return *node_; }
   Time Now() const { return node_->loop().Now(); }
   bool begun() const { return begun_; }
-  // Leads the machine, as far as it knows.
+  // Whether it leads the machine, as far as it knows.
   bool leads() const {
     return begun_ && shell_->machine().phase != Phase::kFenced &&
            shell_->machine().phase != Phase::kIdle;
   }
   std::int32_t pid() const { return pid_; }
   std::size_t host() const { return host_; }
-  // Of all controllers, ever.
+  // Unique among all processes of the simulation.
   std::uint64_t serial() const { return serial_; }
   const std::string& endpoint() const { return endpoint_; }
   transport::PeerId participant() const { return network_.ParticipantOf(*node_); }
@@ -123,7 +123,7 @@ class ControllerProcess : private ProcessRunner, private ProcessProbe, private J
   std::unique_ptr<transport::Node> node_;
   std::unique_ptr<ControllerShell> shell_;
   std::unique_ptr<ControllerServices> services_;  // null unless it leads
-  std::unique_ptr<cyberdog::Manager> manager_;    // the same, and where the config wants none
+  std::unique_ptr<cyberdog::Manager> manager_;    // the same; also null where the config has none
 };
 
 }  // namespace musher::simulation

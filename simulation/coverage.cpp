@@ -29,11 +29,10 @@ std::uint64_t Coverage::Of(InjectionKind kind) const {
 
 std::string Coverage::Text() const {
   constexpr std::size_t kFirst = 18;
-  constexpr std::size_t kColumn = 7;  // of words, and of millions
+  constexpr std::size_t kColumn = 7;  // for a word, or millions
   std::string heads[2] = {Padded("", kFirst, true), Padded("", kFirst, true)};
   for (std::size_t phase = 0; phase < kMachinePhases; ++phase) {
-    const std::string name(
-        MachinePhaseName(static_cast<MachinePhase>(phase)));  // of one word or two
+    const std::string name(MachinePhaseName(static_cast<MachinePhase>(phase)));  // one word or two
     const std::size_t space = std::min(name.find(' '), name.size());
     heads[0] += " " + Padded(name.substr(0, space), kColumn, false);
     heads[1] += " " + Padded(name.substr(std::min(space + 1, name.size())), kColumn, false);

@@ -1,5 +1,5 @@
 #pragma once
-// Which injected events met the robot in which phase, so that one that never happens is seen.
+// Counts which injected events hit the robot in which phase, so that a missing combination shows.
 
 #include <array>
 #include <cstdint>
@@ -21,7 +21,7 @@ class Coverage {
     return counts_[static_cast<std::size_t>(kind)][static_cast<std::size_t>(phase)];
   }
   std::uint64_t Of(InjectionKind kind) const;
-  // A table for people: a row for each kind, a column for each moment.
+  // A text table: a row for each kind, a column for each phase.
   std::string Text() const;
 
  private:

@@ -17,7 +17,7 @@ using transport::sim::Random;
 
 ScenarioOptions OptionsFor(const MachineConfig& config) {
   ScenarioOptions options = UsualOptions(config);
-  options.provided = false;  // the module is judged, not the config
+  options.provided = false;  // the module is tested, not the config
   return options;
 }
 
@@ -32,7 +32,7 @@ std::string Variable(const char* name) {
   return value == nullptr ? "" : value;
 }
 
-// The least active one that can be left again.
+// The least active state that can be left again.
 State LeastState(const MachineConfig& config) {
   State least;
   for (const State& state : config.states) {
@@ -51,33 +51,33 @@ std::string Quoted(const std::vector<std::string>& words) {
 
 }  // namespace
 
-FaultTest::FaultTest(MachineConfig config, std::size_t actuator,
-                     ModuleUnderTest::Production production, std::function<std::string()> complaint,
+FaultTest::FaultTest(MachineConfig config, std::size_t actuator, ModuleUnderTest::Setup setup,
+                     std::function<std::string()> next_failure,
                      std::function<void()> before_scenario)
     : config_(std::move(config)),
       actuator_(actuator),
       options_(OptionsFor(config_)),
-      production_(std::move(production)),
-      complaint_(std::move(complaint)),
+      setup_(std::move(setup)),
+      next_failure_(std::move(next_failure)),
       before_scenario_(std::move(before_scenario)) {
-  const auto and_ask = [this](auto check) {
-    return [this, check = std::move(check)](const MachineActuator& tried,
+  const auto then_report = [this](auto check) {
+    return [this, check = std::move(check)](const MachineActuator& module,
                                             const ActuatorReport& report) {
-      check(tried, report);
-      if (const std::string what = complaint_(); !what.empty()) on_complaint_(what);
+      check(module, report);
+      if (const std::string what = next_failure_(); !what.empty()) on_failure_(what);
     };
   };
-  production_.check = and_ask(std::move(production_.check));
-  production_.check_stop = and_ask(std::move(production_.check_stop));
-  production_.complain = [this](const std::string& what) {
-    on_complaint_(config_.actuators[actuator_].name + ": " + what);
+  setup_.check = then_report(std::move(setup_.check));
+  setup_.check_stop = then_report(std::move(setup_.check_stop));
+  setup_.report_error = [this](const std::string& what) {
+    on_failure_(config_.actuators[actuator_].name + ": " + what);
   };
-  production_.on_stuck = [this] { stuck_ = true; };
-  production_.tally = &tally_;
-  production_.config = &config_;
+  setup_.on_stuck = [this] { stuck_ = true; };
+  setup_.counts = &counts_;
+  setup_.config = &config_;
 }
 
-std::optional<FaultTest::Verdict> FaultTest::TellOnce(const ScenarioId& id) {
+std::optional<FaultTest::Verdict> FaultTest::RunOnce(const ScenarioId& id) {
   if (before_scenario_) before_scenario_();
   stuck_ = false;
   Injections injections = SampleInjectionsAt(config_, actuator_, id.seed);
@@ -86,29 +86,30 @@ std::optional<FaultTest::Verdict> FaultTest::TellOnce(const ScenarioId& id) {
     for (const std::size_t number : *id.only) some.push_back(injections.at(number - 1));
     injections = std::move(some);
   }
-  ++tally_.scenarios;
+  ++counts_.scenarios;
   std::optional<Verdict> verdict;
   {
     Scenario scenario(config_, id.seed, std::move(injections), options_);
-    on_complaint_ = [&](const std::string& what) {
+    on_failure_ = [&](const std::string& what) {
       if (!verdict) verdict = {what, std::nullopt};
       scenario.EndNow();
     };
     Random random(id.seed);
-    scenario.UseModule(config_.actuators[actuator_].name, [&](const Scenario::Draw& draw) {
-      return std::make_unique<ModuleUnderTest>(production_, draw, random.Next());
-    });
+    scenario.UseModule(
+        config_.actuators[actuator_].name, [&](const Scenario::ActSampler& sample_act) {
+          return std::make_unique<ModuleUnderTest>(setup_, sample_act, random.Next());
+        });
     Timeline timeline(scenario, config_);
-    const Ending ending = scenario.Tell();
+    const Ending ending = scenario.Run();
     timeline.End(ending);
     timeline_ = timeline.Text();
     if (!verdict && ending.violation) {
-      verdict = {ending.violation->what + "; so it does not hold that " +
-                     std::string(InvariantText(ending.violation->invariant)),
+      verdict = {ending.violation->what +
+                     "; violated: " + std::string(InvariantText(ending.violation->invariant)),
                  ending.violation->invariant};
     }
   }
-  if (const std::string what = complaint_(); !verdict && !what.empty()) {
+  if (const std::string what = next_failure_(); !verdict && !what.empty()) {
     verdict = {what, std::nullopt};
   }
   return verdict;
@@ -116,29 +117,29 @@ std::optional<FaultTest::Verdict> FaultTest::TellOnce(const ScenarioId& id) {
 
 FaultTestFailure FaultTest::Shorten(std::uint64_t seed, const Verdict& verdict) {
   FaultTestFailure failure{{seed, std::nullopt}, verdict.what, timeline_, true};
-  if (stuck_) return failure;  // it would take as long again, and another thread
+  if (stuck_) return failure;  // each replay would take as long, and leave another thread behind
   const auto bad = [&](const std::optional<std::vector<std::size_t>>& only) {
-    const auto again = TellOnce({seed, only});
+    const auto again = RunOnce({seed, only});
     return again && again->invariant == verdict.invariant;
   };
-  failure.again = bad(std::nullopt);
-  if (!failure.again) return failure;
+  failure.reproduced = bad(std::nullopt);
+  if (!failure.reproduced) return failure;
   failure.id.only = ShrinkWhile(SampleInjectionsAt(config_, actuator_, seed).size(), bad);
-  if (const auto last = TellOnce(failure.id)) failure.what = last->what;
+  if (const auto last = RunOnce(failure.id)) failure.what = last->what;
   failure.timeline = timeline_;
   return failure;
 }
 
 std::optional<FaultTestFailure> FaultTest::Find(std::uint64_t first, std::uint64_t count) {
   for (std::uint64_t seed = first; seed < first + count; ++seed) {
-    if (const auto verdict = TellOnce({seed, std::nullopt})) {
+    if (const auto verdict = RunOnce({seed, std::nullopt})) {
       return Shorten(seed, *verdict);
     }
   }
   return std::nullopt;
 }
 
-Result<std::optional<FaultTestFailure>> FaultTest::Tell(const ScenarioId& id) {
+Result<std::optional<FaultTestFailure>> FaultTest::Run(const ScenarioId& id) {
   const std::size_t count = SampleInjectionsAt(config_, actuator_, id.seed).size();
   for (const std::size_t number : id.only.value_or(std::vector<std::size_t>())) {
     if (number == 0 || number > count) {
@@ -148,7 +149,7 @@ Result<std::optional<FaultTestFailure>> FaultTest::Tell(const ScenarioId& id) {
     }
   }
   std::optional<FaultTestFailure> failure;
-  if (const auto verdict = TellOnce(id)) failure = {id, verdict->what, timeline_, true};
+  if (const auto verdict = RunOnce(id)) failure = {id, verdict->what, timeline_, true};
   return failure;
 }
 
@@ -167,23 +168,23 @@ Injections SampleInjectionsAt(const MachineConfig& config, std::size_t actuator,
     injection.actuator = actuator;
     injection.state = state;
     injection.lasts = Milliseconds(200);
-    injection.chance = random.Next();
+    injection.random = random.Next();
     injections.push_back(injection);
   };
-  // The machine goes down and up again, and then, beside a callback on the way, something happens.
+  // The machine switches down and up again, and an event hits the actuator's callback meanwhile.
   const State home = UsualOptions(config).home;
   const Duration down = random.Between(Milliseconds(300), last + Milliseconds(1000));
   const Duration up = down + random.Between(Milliseconds(50), Milliseconds(500));
-  const Duration then = up + random.Between(Duration::zero(), Milliseconds(150));
+  const Duration during = up + random.Between(Duration::zero(), Milliseconds(150));
   add(InjectionKind::kSet, down, LeastState(config));
   add(InjectionKind::kSet, up, home);
   switch (random.Next() % 6) {
     case 0:
     case 1:
-      add(InjectionKind::kEmergencyStop, then, {});
+      add(InjectionKind::kEmergencyStop, during, {});
       break;
     case 2:
-      add(InjectionKind::kCrash, then, {});
+      add(InjectionKind::kCrash, during, {});
       break;
     case 3:
       add(InjectionKind::kSlow, up, {});
@@ -192,7 +193,7 @@ Injections SampleInjectionsAt(const MachineConfig& config, std::size_t actuator,
       add(InjectionKind::kFail, random.Chance(0.5) ? down : up, {});
       break;
     default:
-      if (config.HasState(kTearDown)) add(InjectionKind::kSet, then, State(kTearDown));
+      if (config.HasState(kTearDown)) add(InjectionKind::kSet, during, State(kTearDown));
       break;
   }
   std::stable_sort(injections.begin(), injections.end(),
@@ -203,7 +204,7 @@ Injections SampleInjectionsAt(const MachineConfig& config, std::size_t actuator,
 Result<MachineConfig> ConfigAround(const std::string& actuator, const std::vector<State>& states) {
   std::ostringstream text;
   const std::vector<std::string> names = {"before_" + actuator, actuator, "after_" + actuator};
-  text << "[controller]\nname = \"trial\"\nactuators = " << Quoted(names)
+  text << "[controller]\nname = \"fault_test\"\nactuators = " << Quoted(names)
        << "\nstates = " << Quoted(states)
        << "\ndefault_time = 1000\ndefault_state = \"Uninitialized\"\n";
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -213,15 +214,15 @@ Result<MachineConfig> ConfigAround(const std::string& actuator, const std::vecto
     if (i > 0) text << "after = [\"" << names[i - 1] << "\"]\n";
     if (i == 1) text << "critical = true\n";
   }
-  ConfigReading reading = ReadConfigText(text.str(), "trial.toml");
+  ConfigReading reading = ReadConfigText(text.str(), "fault_test.toml");
   if (reading.config) return std::move(*reading.config);
-  std::string faults = "no config can be made for " + actuator + ", so give one:";
+  std::string faults = "no default config fits " + actuator + "; set config_file or config_text:";
   for (const Diagnostic& diagnostic : reading.diagnostics)
     faults += "\n" + FormatDiagnostic(diagnostic);
   return Error{kCodeParametersInvalid, faults};
 }
 
-std::string TrialCommand(const ScenarioId& id, const std::string& test) {
+std::string ReplayCommand(const ScenarioId& id, const std::string& test) {
   std::string only;
   for (const std::size_t number : id.only.value_or(std::vector<std::size_t>())) {
     only += (only.empty() ? " MUSHER_ONLY=" : ",") + std::to_string(number);
@@ -237,7 +238,8 @@ Result<std::optional<ScenarioId>> ScenarioFromEnvironment() {
   const std::string seed = Variable("MUSHER_SEED");
   if (seed.empty()) return std::optional<ScenarioId>();
   ScenarioId id;
-  if (!IsNumber(seed, id.seed)) return Error{kCodeParametersInvalid, "MUSHER_SEED is no number"};
+  if (!IsNumber(seed, id.seed))
+    return Error{kCodeParametersInvalid, "MUSHER_SEED is not a number: " + seed};
   const std::string only = Variable("MUSHER_ONLY");
   if (only.empty()) return std::optional(id);
   id.only.emplace();
@@ -245,7 +247,8 @@ Result<std::optional<ScenarioId>> ScenarioFromEnvironment() {
   for (std::string one; std::getline(numbers, one, ',');) {
     std::uint64_t number = 0;
     if (!IsNumber(one, number)) {
-      return Error{kCodeParametersInvalid, "MUSHER_ONLY is no list of numbers such as 3,7"};
+      return Error{kCodeParametersInvalid,
+                   "MUSHER_ONLY is not a list of numbers such as 3,7: " + only};
     }
     id.only->push_back(number);
   }

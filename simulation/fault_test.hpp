@@ -1,6 +1,6 @@
 #pragma once
-// An actuator class in many scenarios; the first that ends badly is told in short. What
-// actuator_fault_test.hpp, which users have, is made of.
+// Runs an actuator class in many scenarios and shrinks the first one that fails. The part of
+// actuator_fault_test.hpp (which users include) that needs no template.
 //
 // Threads: one, and those of the callbacks (module_under_test.hpp).
 
@@ -15,62 +15,62 @@
 
 namespace musher::simulation {
 
-// A scenario that ended badly.
+// A scenario that failed.
 struct FaultTestFailure {
   ScenarioId id;     // shrunk
   std::string what;  // a sentence
   std::string timeline;
-  bool again = true;  // it ended badly when it was told again
+  bool reproduced = true;  // it failed again when it was replayed
 };
 
 class FaultTest {
  public:
-  // `production.judge` and the like need not complain themselves: `complaint` is asked after each;
-  // empty: nothing is wrong.
-  FaultTest(MachineConfig config, std::size_t actuator, ModuleUnderTest::Production production,
-            std::function<std::string()> complaint, std::function<void()> before_scenario);
+  // `setup.check` and `setup.check_stop` need not report failures themselves: `next_failure` is
+  // called after each of them, and returns the next failure of the test; empty: there is none.
+  FaultTest(MachineConfig config, std::size_t actuator, ModuleUnderTest::Setup setup,
+            std::function<std::string()> next_failure, std::function<void()> before_scenario);
 
-  // Tells so many scenarios, from that seed on; gives the first bad one.
+  // Runs `count` scenarios from the seed `first` on; returns the first failing one, shrunk.
   std::optional<FaultTestFailure> Find(std::uint64_t first, std::uint64_t count);
-  // Tells one. Fails when there is no such injected event; nothing: it ended well.
-  Result<std::optional<FaultTestFailure>> Tell(const ScenarioId& id);
-  // What the last scenario told, as text.
+  // Runs one scenario; nothing: it passed. Fails when it has no injected event of that number.
+  Result<std::optional<FaultTestFailure>> Run(const ScenarioId& id);
+  // Of the last scenario, as text.
   const std::string& timeline() const { return timeline_; }
-  const FaultTestCounts& tally() const { return tally_; }
+  const FaultTestCounts& counts() const { return counts_; }
 
  private:
   struct Verdict {
     std::string what;
-    std::optional<Invariant> invariant;  // of the machine's; else it is the module's own fault
+    std::optional<Invariant> invariant;  // that is violated; nullopt: the module's check failed
   };
-  std::optional<Verdict> TellOnce(const ScenarioId& id);
+  std::optional<Verdict> RunOnce(const ScenarioId& id);
   FaultTestFailure Shorten(std::uint64_t seed, const Verdict& verdict);
 
   const MachineConfig config_;
   const std::size_t actuator_;
   const ScenarioOptions options_;
-  ModuleUnderTest::Production production_;
-  const std::function<std::string()> complaint_;
+  ModuleUnderTest::Setup setup_;
+  const std::function<std::string()> next_failure_;
   const std::function<void()> before_scenario_;
-  std::function<void(const std::string&)> on_complaint_;  // in the scenario that is told
-  bool stuck_ = false;                                    // a thread was given up
+  std::function<void(const std::string&)> on_failure_;  // of the running scenario
+  bool stuck_ = false;                                  // a thread was given up
   std::string timeline_;
-  FaultTestCounts tally_;
+  FaultTestCounts counts_;
 };
 
-// What befalls a robot whose actuator is under trial: as SampleInjections() has it, but aimed at
-// that one half of the time; and once something happens to it in the midst of a way down and up
-// again.
+// The injected events for a robot whose actuator is under test: as SampleInjections(), but half of
+// them hit that actuator. In addition the machine switches down and up once, and one event hits the
+// actuator during that.
 Injections SampleInjectionsAt(const MachineConfig& config, std::size_t actuator,
                               std::uint64_t seed);
 
 // A robot of an actuator with these states and two neighbours, one before and one after it. Fails
-// for a state that only a config can explain.
+// for a state whose rank only a config can give.
 Result<MachineConfig> ConfigAround(const std::string& actuator, const std::vector<State>& states);
 
-// "MUSHER_SEED=42 MUSHER_ONLY=3,7 ./gripper_test --gtest_filter=Gripper.KeepsItsWord"
-std::string TrialCommand(const ScenarioId& id, const std::string& test);
-// MUSHER_SEED and MUSHER_ONLY of the environment; nothing when there is no such seed.
+// "MUSHER_SEED=42 MUSHER_ONLY=3,7 ./gripper_test --gtest_filter=Gripper.HoldsItsLoad"
+std::string ReplayCommand(const ScenarioId& id, const std::string& test);
+// MUSHER_SEED and MUSHER_ONLY of the environment; nothing without MUSHER_SEED.
 Result<std::optional<ScenarioId>> ScenarioFromEnvironment();
 
 }  // namespace musher::simulation

@@ -1,17 +1,17 @@
-// What has to hold of hosts and the processes on them.
+// The invariants of hosts and the processes on them.
 
 #include "musher/simulation/checker.hpp"
 
 namespace musher::simulation {
 namespace {
 
-// So long a process has to have been in reach for its status to be known at a controller.
-constexpr Duration kHeardAfter = std::chrono::seconds(2);
+// After this long with a working link a controller has received a process's status.
+constexpr Duration kReceivedAfter = std::chrono::seconds(2);
 
 }  // namespace
 
-// A controller starts a process. One of the same actuator may run on another host; the controller
-// knows of that unless the link was cut a moment ago.
+// A controller starts a process. If one of the same actuator runs on another host, the controller
+// knows of it unless the link was cut shortly before.
 void Checker::CheckRunsNowhereElse(const ControllerProcess& controller, const std::string& name) {
   const Processes& processes = robot_.processes();
   const Time now = robot_.network().now();
@@ -21,46 +21,46 @@ void Checker::CheckRunsNowhereElse(const ControllerProcess& controller, const st
     const std::string& endpoint = processes.EndpointOf(name, host);
     const auto in_reach = [&](const std::string& from, const std::string& to) {
       const auto blocked = robot_.hosts().BlockedUntil(from, to);
-      return !blocked || *blocked <= now - kHeardAfter;
+      return !blocked || *blocked <= now - kReceivedAfter;
     };
     const bool known =
         in_reach(endpoint, controller.endpoint()) && in_reach(controller.endpoint(), endpoint) &&
-        processes.StartOf(name, host) <= now - kHeardAfter && !processes.IsFrozen(name, host);
+        processes.StartOf(name, host) <= now - kReceivedAfter && !processes.IsFrozen(name, host);
     if (!known) {
       const std::size_t process = robot_.layout().ProcessOf(*config_.IndexOf(name));
       for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
-        if (robot_.layout().ProcessOf(i) == process) twice_.insert(config_.actuators[i].name);
+        if (robot_.layout().ProcessOf(i) == process) duplicated_.insert(config_.actuators[i].name);
       }
       continue;
     }
-    ReportViolation(Invariant::kRunsOnce,
+    ReportViolation(Invariant::kNoDuplicateActuator,
                     "the controller on host " + robot_.hosts().name(controller.host()) +
                         " starts " + name + ", which runs on host " + robot_.hosts().name(host));
   }
 }
 
-// A controller signals a process: one that it has started, or one that it takes for an actuator
-// whose name that process holds.
+// A controller signals a process: it must be its child, or hold the name of the actuator that the
+// controller takes it for.
 void Checker::CheckSignal(const ControllerProcess& controller, std::int32_t pid) {
   const Machine& machine = controller.shell().machine();
-  bool of_nobody = true;
+  bool unproven = true;
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     const ActuatorRecord& record = machine.actuators[i];
     const bool meant =
         record.process == pid || record.terminating == pid || record.report.pid == pid;
     const bool holds =
         robot_.processes().PidOf(config_.actuators[i].name, controller.host()) == pid;
-    of_nobody &= !(meant && holds);
+    unproven &= !(meant && holds);
   }
-  if (!of_nobody || !robot_.processes().Exists(controller.host(), pid)) return;
-  ReportViolation(Invariant::kOnlyProven,
+  if (!unproven || !robot_.processes().Exists(controller.host(), pid)) return;
+  ReportViolation(Invariant::kOnlyOwnProcessesSignalled,
                   "the controller signals process " + std::to_string(pid) +
-                      ", which is not of the actuator that it is meant for");
+                      ", which is not the process of that actuator");
 }
 
 void Checker::CheckRunsOnce(const std::string& name) {
-  if (robot_.processes().CountOf(name) < 2 || twice_.contains(name)) return;
-  ReportViolation(Invariant::kRunsOnce, name + " runs on several hosts");
+  if (robot_.processes().CountOf(name) < 2 || duplicated_.contains(name)) return;
+  ReportViolation(Invariant::kNoDuplicateActuator, name + " runs on several hosts");
 }
 
 }  // namespace musher::simulation

@@ -8,7 +8,8 @@ namespace musher::simulation {
 namespace {
 
 constexpr std::array<std::string_view, 3> kHostNames = {"robot", "dock", "arm"};
-constexpr Duration kBootTime = std::chrono::seconds(5);  // until the first process of ours starts
+constexpr Duration kBootTime =
+    std::chrono::seconds(5);  // until the first process of the robot starts
 constexpr double kSharedShare = 0.3;
 
 }  // namespace
@@ -17,7 +18,7 @@ std::string_view HostName(std::size_t host) {
   return kHostNames[host];
 }
 
-Layout DrawLayout(const MachineConfig& config, std::uint64_t seed, bool shared_processes) {
+Layout SampleLayout(const MachineConfig& config, std::uint64_t seed, bool shared_processes) {
   transport::sim::Random random(seed * 2 + 0x686f7374);
   Layout layout;
   const bool several = config.transport == TransportProfile::kLan;

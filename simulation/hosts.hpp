@@ -1,7 +1,7 @@
 #pragma once
 // The hosts of a simulated robot. Processes of one host share its id, its pids and its clock, which
 // counts from its last boot. On the network each process has an endpoint of its own
-// (transport::sim calls it a host), so that one process can be cut off as well as a whole host.
+// (transport::sim calls it a host), so that a single process can be cut off, or a whole host.
 //
 // Threads: one, that of the network.
 
@@ -19,17 +19,18 @@
 
 namespace musher::simulation {
 
-// Of the hosts that are drawn.
+// The name of a host in a sampled layout.
 std::string_view HostName(std::size_t host);
 
-// Which host each part of a robot is on, and which actuators share a process.
+// Which host each process of a robot runs on, and which actuators share a process.
 struct Layout {
   std::vector<std::string> hosts = {"sim"};
-  // Of each actuator of the config, an index into `hosts`; empty: all on the first.
+  // For each actuator of the config, an index into `hosts`; empty: all on the first.
   std::vector<std::size_t> host_of;
-  // The actuator in whose process it runs, itself or an earlier one; empty: each has its own.
+  // For each actuator, the one in whose process it runs: itself or an earlier one; empty: each has
+  // a process of its own.
   std::vector<std::size_t> process_of;
-  // Of the first controller and of the one that takes over.
+  // The hosts of the first controller and of the one that takes over.
   std::array<std::size_t, 2> controllers{};
 
   std::size_t HostOf(std::size_t actuator) const { return host_of.empty() ? 0 : host_of[actuator]; }
@@ -38,10 +39,10 @@ struct Layout {
   }
 };
 
-// A config of profile "lan" has two or three hosts: actuators without a command are on any of them,
-// the others where the controller starts them. `shared_processes`: some actuators without a command
-// run in the process of another.
-Layout DrawLayout(const MachineConfig& config, std::uint64_t seed, bool shared_processes);
+// Samples a layout. A config of profile "lan" gets two or three hosts: actuators without a command
+// run on any of them, the others where the controller starts them. `shared_processes`: some
+// actuators without a command run in the process of another.
+Layout SampleLayout(const MachineConfig& config, std::uint64_t seed, bool shared_processes);
 
 class Hosts {
  public:
@@ -49,27 +50,28 @@ class Hosts {
 
   std::size_t size() const { return hosts_.size(); }
   const std::string& name(std::size_t host) const { return hosts_[host].name; }
-  // What transport::HostId() gives there: the name and the boot.
+  // What transport::HostId() returns on that host: the name and the boot.
   std::string Id(std::size_t host) const;
-  // What transport::NewIncarnation() gives there: the time since its boot, in ns; never twice.
+  // What transport::NewIncarnation() returns there: the time since its boot, in ns; never the same
+  // value twice.
   std::uint64_t NewIncarnation(std::size_t host);
   std::int32_t NewPid(std::size_t host) { return hosts_[host].next_pid++; }
 
-  // Of a process that starts; of all hosts, ever.
+  // For a process that starts; unique among all hosts.
   std::uint64_t NewSerial() { return next_serial_++; }
 
   // How long ago it was booted.
   void SetUptime(std::size_t host, Duration uptime);
-  // Its clock and its pids begin again. Its processes must have ended.
+  // Resets its clock and its pids. Its processes must have ended.
   void Reboot(std::size_t host);
 
-  // An endpoint of the network belongs to the host: it has its clock and its links.
+  // Assigns an endpoint of the network to the host: it gets the host's clock and links.
   void Attach(const std::string& endpoint, std::size_t host);
-  // Nothing gets from one to the other. Calls are counted: as often as it was blocked it has to be
-  // freed.
+  // Blocks the link from one endpoint to the other. Calls are counted: each call that blocks needs
+  // one that unblocks.
   void SetBlocked(const std::string& from, const std::string& to, bool blocked);
   void SetHostBlocked(std::size_t from, std::size_t to, bool blocked);
-  // When the link was free again; the end of time: it is blocked. nullopt: it never was.
+  // When the link was unblocked; Time::max(): it is blocked; nullopt: it never was.
   std::optional<Time> BlockedUntil(const std::string& from, const std::string& to) const;
 
  private:

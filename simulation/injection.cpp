@@ -16,12 +16,12 @@ using transport::sim::Random;
 struct KindRow {
   InjectionKind kind;
   std::string_view name;
-  int weight;  // how often it is drawn
+  int weight;  // of its probability
 };
 
 constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
     {InjectionKind::kCrash, "crash", 9},
-    {InjectionKind::kWrongConfig, "wrong-config", 0},  // some of the crashes are one
+    {InjectionKind::kWrongConfig, "wrong-config", 0},  // some crashes become one, see below
     {InjectionKind::kFreeze, "freeze", 4},
     {InjectionKind::kHang, "hang", 4},
     {InjectionKind::kSlow, "slow", 4},
@@ -46,7 +46,7 @@ constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
     {InjectionKind::kEmergencyStop, "emergency-stop", 3},
     {InjectionKind::kRelease, "release", 4},
     {InjectionKind::kRestart, "restart", 2},
-    // These have dice of their own.
+    // These have random generators of their own.
     {InjectionKind::kStillness, "stillness", 0},
     {InjectionKind::kWakeUp, "wake-up", 0},
     {InjectionKind::kKeep, "keep", 0},
@@ -64,10 +64,10 @@ constexpr std::array<KindRow, kInjectionKinds> kKinds = {{
     {InjectionKind::kClientRestart, "client-restart", 0},
 }};
 
-// How often what makes a process end is its configuration.
+// The share of process ends that are configuration errors.
 constexpr double kWrongConfigShare = 0.2;
 
-// How often a robot with a policy meets something that concerns it, and what.
+// The share of events that concern the policy, if there is one, and their kinds.
 constexpr double kPolicyShare = 0.4;
 constexpr InjectionKind kOfPolicy[] = {
     InjectionKind::kBattery,        InjectionKind::kBattery,   InjectionKind::kBattery,
@@ -76,10 +76,10 @@ constexpr InjectionKind kOfPolicy[] = {
     InjectionKind::kLowPowerSwitch, InjectionKind::kPowerOff};
 constexpr int kFull = 100;
 
-// How often something happens to a host instead of a single process.
+// The share of events that hit a host instead of a single process, with one host and with several.
 constexpr double kHostShare = 0.03;
 constexpr double kSeveralHostsShare = 0.15;
-// How often a client does something at the same time as well, and what.
+// The share of events with a client's request at the same time, and their kinds.
 constexpr double kClientShare = 0.2;
 constexpr double kOrphanShare = 0.6;
 constexpr InjectionKind kOfClients[] = {
@@ -88,14 +88,14 @@ constexpr InjectionKind kOfClients[] = {
 constexpr InjectionKind kOfHosts[] = {InjectionKind::kHostPartition, InjectionKind::kHostOneWay,
                                       InjectionKind::kHostOneWay, InjectionKind::kReboot};
 
-// Where the levels are, everything happens; and at the ends.
-int DrawPercent(const MachineConfig& config, std::uint64_t chance) {
+// Mostly around the policy's levels, and at both ends.
+int SamplePercent(const MachineConfig& config, std::uint64_t random) {
   const BatteryPolicy battery = config.policy->battery.value_or(BatteryPolicy{});
   const int near[] = {battery.tear_down_at, battery.low_power_at, battery.protected_at};
-  const auto spread = static_cast<int>(chance / 8 % 8) - 3;
-  switch (chance % 8) {
+  const auto spread = static_cast<int>(random / 8 % 8) - 3;
+  switch (random % 8) {
     case 0:
-      return static_cast<int>(chance / 8 % (kFull + 1));
+      return static_cast<int>(random / 8 % (kFull + 1));
     case 1:
       return kFull;
     case 2:
@@ -117,7 +117,7 @@ const KindRow& RowOf(InjectionKind kind) {
   return kKinds[static_cast<std::size_t>(kind)];
 }
 
-InjectionKind DrawKind(Random& random) {
+InjectionKind SampleKind(Random& random) {
   int left = static_cast<int>(random.Next() % kAllWeights);
   for (const KindRow& row : kKinds) {
     left -= row.weight;
@@ -126,8 +126,8 @@ InjectionKind DrawKind(Random& random) {
   return InjectionKind::kSet;
 }
 
-// As likely between 1 and 10 ms as between 1 and 10 s.
-Duration DrawLogUniform(Random& random, Duration least, Duration most) {
+// Log-uniform: as likely between 1 and 10 ms as between 1 and 10 s.
+Duration SampleLogUniform(Random& random, Duration least, Duration most) {
   constexpr double kUnit = 1.0 / 9007199254740992.0;  // 2^-53
   const double share = static_cast<double>(random.Next() >> 11) * kUnit;
   const double ratio = static_cast<double>(most.count()) / static_cast<double>(least.count());
@@ -135,8 +135,8 @@ Duration DrawLogUniform(Random& random, Duration least, Duration most) {
       static_cast<Duration::rep>(static_cast<double>(least.count()) * std::pow(ratio, share)));
 }
 
-// The states that can be asked for; a TearDown, after which little happens, is rare.
-State DrawState(const MachineConfig& config, Random& random) {
+// A state that can be requested; TearDown, after which little happens, is rare.
+State SampleState(const MachineConfig& config, Random& random) {
   std::vector<State> states;
   for (const State& state : config.states) {
     if (state == kSetUp || state == kTearDown) continue;
@@ -147,27 +147,27 @@ State DrawState(const MachineConfig& config, Random& random) {
   return states[random.Next() % states.size()];
 }
 
-// The moments that few would meet by chance, and what leads to them.
-class Drawing {
+// Samples the events of a scenario, some aimed at phases that few would hit at random.
+class InjectionSampler {
  public:
-  Drawing(const MachineConfig& config, std::uint64_t seed)
+  InjectionSampler(const MachineConfig& config, std::uint64_t seed)
       : config_(config),
         random_(seed * 2 + 1),
         policy_random_(seed * 2 + 0x706f6c),
         exit_random_(seed * 2 + 0x65786974),
         host_random_(seed * 2 + 0x72656274),
-        hosts_(DrawLayout(config, seed, false).hosts.size()) {}
+        hosts_(SampleLayout(config, seed, false).hosts.size()) {}
 
-  Injections Draw() {
+  Injections Sample() {
     const std::uint64_t count = 1 + random_.Next() % (1 + random_.Next() % 16);
     for (std::uint64_t i = 0; i < count; ++i) {
       const bool crash =
           !injections_.empty() && injections_.back().kind == InjectionKind::kControllerCrash;
       if (crash && host_random_.Chance(kOrphanShare)) AddOrphan();
       if (!injections_.empty() && host_random_.Chance(kClientShare)) AddOfClient();
-      at_ += DrawLogUniform(random_, std::chrono::microseconds(100), std::chrono::seconds(4));
+      at_ += SampleLogUniform(random_, std::chrono::microseconds(100), std::chrono::seconds(4));
       if (random_.Chance(0.35)) {
-        DrawAimed();
+        AddAimed();
       } else {
         AddAny();
       }
@@ -183,58 +183,59 @@ class Drawing {
     injection.at = at_;
     injection.actuator = random_.Next() % config_.actuators.size();
     injection.state = state;
-    injection.lasts = DrawLogUniform(random_, Milliseconds(1), std::chrono::seconds(10));
-    injection.chance = random_.Next();
+    injection.lasts = SampleLogUniform(random_, Milliseconds(1), std::chrono::seconds(10));
+    injection.random = random_.Next();
     if (kind == InjectionKind::kBattery) injection.state = AtBattery(injection);
     if (kind == InjectionKind::kBattery && !config_.policy) injection.kind = InjectionKind::kSet;
     injections_.push_back(injection);
     return injections_.back();
   }
 
-  // What a battery at any level would have an application ask for, where there is no policy.
+  // The state that an application would request for the battery's level, where there is no policy.
   State AtBattery(const Injection& injection) const {
-    const auto percent = static_cast<int>(injection.chance % (kFull + 1));
+    const auto percent = static_cast<int>(injection.random % (kFull + 1));
     const State state{percent <= 5 ? kLowPower : (percent <= 20 ? kProtected : kActive)};
     return config_.HasState(state) ? state : config_.states.front();
   }
 
-  // Another injected event at the same time. Batteries fall and rise in a row.
+  // Replaces the event by one that concerns the policy.
   void MakeOfPolicy(Injection& injection) {
     injection.kind = kOfPolicy[policy_random_.Next() % std::size(kOfPolicy)];
-    injection.chance = policy_random_.Next();
+    injection.random = policy_random_.Next();
     if (injection.kind != InjectionKind::kBattery) return;
-    const auto percent = static_cast<std::uint64_t>(DrawPercent(config_, injection.chance));
+    const auto percent = static_cast<std::uint64_t>(SamplePercent(config_, injection.random));
     const std::uint64_t cable = policy_random_.Chance(0.3) ? 1 : 0;
-    injection.chance = percent * 2 + cable;
+    injection.random = percent * 2 + cable;
   }
 
-  // A client waits for a switch when the controller is killed.
+  // Adds a client's switch that is under way when the controller is killed.
   void AddOrphan() {
     Injection crash = injections_.back();
-    if (host_random_.Chance(0.3)) crash.lasts = std::chrono::seconds(8);  // longer than it waits
+    if (host_random_.Chance(0.3))
+      crash.lasts = std::chrono::seconds(8);  // longer than the client waits
     AddOfClient();
     Injection request = injections_.back();
     request.kind = InjectionKind::kClientSet;
     request.at -=
-        std::min(request.at, DrawLogUniform(host_random_, Milliseconds(5), Milliseconds(80)));
+        std::min(request.at, SampleLogUniform(host_random_, Milliseconds(5), Milliseconds(80)));
     injections_.pop_back();
     injections_.back() = request;
     injections_.push_back(crash);
   }
 
-  // At the same time as the last one.
+  // Adds a client's request at the time of the last event.
   void AddOfClient() {
     Injection injection = injections_.back();
     injection.when.reset();
     injection.kind = kOfClients[host_random_.Next() % std::size(kOfClients)];
     injection.actuator = host_random_.Next() % config_.actuators.size();
-    injection.state = DrawState(config_, host_random_);
+    injection.state = SampleState(config_, host_random_);
     injection.host = host_random_.Next() % hosts_;
-    injection.chance = host_random_.Next();
+    injection.random = host_random_.Next();
     injections_.push_back(injection);
   }
 
-  // Another one at the same time.
+  // Replaces the event by one that hits a host.
   void MakeOfHosts(Injection& injection) {
     injection.kind =
         hosts_ > 1 ? kOfHosts[host_random_.Next() % std::size(kOfHosts)] : InjectionKind::kReboot;
@@ -245,7 +246,7 @@ class Drawing {
   }
 
   Injection& AddAny() {
-    Injection& injection = Add(DrawKind(random_), DrawState(config_, random_));
+    Injection& injection = Add(SampleKind(random_), SampleState(config_, random_));
     if (config_.policy && policy_random_.Chance(kPolicyShare)) MakeOfPolicy(injection);
     if (injection.kind == InjectionKind::kCrash && exit_random_.Chance(kWrongConfigShare)) {
       injection.kind = InjectionKind::kWrongConfig;
@@ -260,9 +261,9 @@ class Drawing {
     return injection;
   }
 
-  void DrawAimed() {
+  void AddAimed() {
     static constexpr MachinePhase kAims[] = {MachinePhase::kJoining,     MachinePhase::kSent,
-                                             MachinePhase::kHalfWay,     MachinePhase::kAsking,
+                                             MachinePhase::kPartlyDone,  MachinePhase::kOverdue,
                                              MachinePhase::kRollingBack, MachinePhase::kFallingBack,
                                              MachinePhase::kTearingDown, MachinePhase::kSettingUp};
     const MachinePhase aim = kAims[random_.Next() % std::size(kAims)];
@@ -273,9 +274,9 @@ class Drawing {
 
   void LeadTo(MachinePhase aim) {
     switch (aim) {
-      case MachinePhase::kAsking:
+      case MachinePhase::kOverdue:
         Add(InjectionKind::kHang, {}).lasts = Milliseconds(100);
-        Add(InjectionKind::kSet, DrawState(config_, random_), Milliseconds(1));
+        Add(InjectionKind::kSet, SampleState(config_, random_), Milliseconds(1));
         return;
       case MachinePhase::kRollingBack:
         Add(InjectionKind::kSet, Least());
@@ -283,7 +284,7 @@ class Drawing {
         Add(InjectionKind::kSet, State(kActive), Milliseconds(1));
         return;
       case MachinePhase::kFallingBack:
-        return LeadToFall();
+        return LeadToFallback();
       case MachinePhase::kTearingDown:
         Add(InjectionKind::kSet, State(kTearDown));
         return;
@@ -291,21 +292,21 @@ class Drawing {
         Add(InjectionKind::kCrash, {});
         return;
       default:
-        Add(InjectionKind::kSet, DrawState(config_, random_));
+        Add(InjectionKind::kSet, SampleState(config_, random_));
         return;
     }
   }
 
-  // One with an on_lost dies until it is given up.
-  void LeadToFall() {
+  // Crashes an actuator that has an on_lost until it is given up.
+  void LeadToFallback() {
     for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
       const ActuatorConfig& actuator = config_.actuators[i];
       if (actuator.on_lost.empty() || actuator.restart.limit > 5) continue;
       const bool once = actuator.restart.policy == RestartPolicy::kNo || actuator.command.empty();
-      const int lives = once ? 0 : actuator.restart.limit;
+      const int restarts = once ? 0 : actuator.restart.limit;
       double delay = static_cast<double>(actuator.restart.delay.count());
       Duration after{};
-      for (int life = 0; life <= lives; ++life) {
+      for (int crash = 0; crash <= restarts; ++crash) {
         Add(InjectionKind::kCrash, {}, after).actuator = i;
         after = std::min(Duration(static_cast<Duration::rep>(delay)), actuator.restart.max_delay) +
                 Milliseconds(300);
@@ -325,8 +326,9 @@ class Drawing {
 
   const MachineConfig& config_;
   Random random_;
-  Random policy_random_;  // so that the rest of a life does not depend on it
-  Random exit_random_;    // nor on this
+  // Generators of their own, so that the other events do not depend on them.
+  Random policy_random_;
+  Random exit_random_;
   Random host_random_;
   std::size_t hosts_;
   Duration at_{};
@@ -345,15 +347,15 @@ bool IsFault(InjectionKind kind) {
 }
 
 Injections SampleInjections(const MachineConfig& config, std::uint64_t seed) {
-  return Drawing(config, seed).Draw();
+  return InjectionSampler(config, seed).Sample();
 }
 
 int BatteryOf(const Injection& injection) {
-  return static_cast<int>(injection.chance / 2 % (kFull + 1));
+  return static_cast<int>(injection.random / 2 % (kFull + 1));
 }
 
 bool ChargesIn(const Injection& injection) {
-  return injection.chance % 2 == 1;
+  return injection.random % 2 == 1;
 }
 
 }  // namespace musher::simulation

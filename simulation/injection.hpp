@@ -1,7 +1,7 @@
 #pragma once
-// What befalls a simulated robot: faults, and what people and applications ask for, each at its
-// time. A list of them, with a seed, is a whole scenario; taking some away leaves the others as
-// they are.
+// The events that are injected into a simulated robot: faults, and requests of operators and
+// applications, each at its time. A list of them, with a seed, is a whole scenario; removing some
+// leaves the others as they are.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,50 +16,51 @@
 namespace musher::simulation {
 
 enum class InjectionKind : std::uint8_t {
-  kCrash,             // an actuator's process ends
-  kWrongConfig,       // it ends with exit code 2, and so does each that starts meanwhile
-  kFreeze,            // it is stopped for a while, as by SIGSTOP
-  kHang,              // callbacks that begin meanwhile do not end
-  kSlow,              // they take about as long as they may, or longer
-  kFail,              // they end with a code
-  kLie,               // an actuator says that it is in a state, and is not
-  kLoss,              // messages are lost, everywhere, for a while
-  kDelay,             // they come late
-  kDuplication,       // they come twice
-  kReordering,        // they overtake each other
-  kPartition,         // an actuator and the controllers do not hear each other
-  kDeaf,              // it does not hear them
-  kMute,              // they do not hear it
-  kControllerCrash,   // the controllers end; one is started again after a while
-  kControllerFreeze,  // the one that leads is stopped for a while
-  kRival,             // a second controller comes up, and refuses if it hears the first
-  kTakeover,          // a second one takes over
-  kFullDisk,          // the controllers can write nothing, for a while
+  // Events that last hold for Injection::lasts.
+  kCrash,        // an actuator's process is killed
+  kWrongConfig,  // it exits with code 2, as does each process of it that starts meanwhile; lasts
+  kFreeze,       // it is frozen, as by SIGSTOP; lasts
+  kHang,         // callbacks that begin meanwhile never return; lasts
+  kSlow,         // callbacks take half their time limit or more, some exceed it; lasts
+  kFail,         // callbacks fail; lasts
+  kLie,          // an actuator publishes a state once that it is not in
+  kLoss,         // messages are lost on all links; lasts
+  kDelay,        // messages are delayed; lasts
+  kDuplication,  // messages are duplicated; lasts
+  kReordering,   // messages are reordered; lasts
+  kPartition,    // the link between an actuator and the controllers is cut; lasts
+  kDeaf,         // the same, only towards the actuator; lasts
+  kMute,         // the same, only from the actuator; lasts
+  kControllerCrash,   // the controllers are killed; one is started again afterwards
+  kControllerFreeze,  // the leading controller is frozen; lasts
+  kRival,             // a second controller starts, and refuses if it receives the first
+  kTakeover,          // a second controller starts with --takeover
+  kFullDisk,          // every write of the controllers fails; lasts
   kWallClock,         // the wall clock jumps
-  kSet,               // a person switches the machine
-  kSetOne,            // a person switches one actuator
-  kBattery,           // the battery comes to a level, maybe with its cable in
-  kEmergencyStop,
-  kRelease,  // of emergency stops
-  kRestart,  // a person restarts an actuator
-  // Where the config has [policy].
+  kSet,               // an operator switches the machine
+  kSetOne,            // an operator switches one actuator
+  kBattery,           // the battery reaches a level, possibly while charging
+  kEmergencyStop,     // an emergency stop is engaged
+  kRelease,           // the emergency stops are released
+  kRestart,           // an operator restarts an actuator
+  // Only with a config that has [policy].
   kStillness,       // the body lies still, or moves again
-  kWakeUp,          // somebody wakes the robot up
+  kWakeUp,          // the robot is woken up
   kKeep,            // an application keeps the machine in a state, or ends that
   kOta,             // an application enters OTA, or leaves it
-  kLowPowerSwitch,  // a person switches LowPower by lying still on or off
-  kPowerOff,        // a person switches the robot off by its button
+  kLowPowerSwitch,  // an operator switches automatic LowPower on or off
+  kPowerOff,        // an operator presses the power button
   // Of hosts.
-  kReboot,         // a host is rebooted: its processes end, its clock begins again
-  kHostPartition,  // two hosts are cut off from each other, for a while
-  kHostOneWay,     // nothing gets from one host to another, for a while
-  kStalledDisk,    // what the controllers write does not end, for a while
+  kReboot,         // a host reboots: its processes end, its clock is reset
+  kHostPartition,  // the link between two hosts is cut; lasts
+  kHostOneWay,     // the link from one host to another is cut; lasts
+  kStalledDisk,    // no write of the controllers ends; lasts
   kCrossingStops,  // two panels engage an emergency stop, and a release crosses them
-  // By a client on a host.
-  kClientSet,      // it requests a switch
-  kClientStatus,   // it queries the status
-  kClientRelease,  // it releases the emergency stops
-  kClientRestart,  // it restarts an actuator
+  // Requests of a client on a host.
+  kClientSet,      // a switch
+  kClientStatus,   // the status
+  kClientRelease,  // the release of the emergency stops
+  kClientRestart,  // the restart of an actuator
 };
 inline constexpr std::size_t kInjectionKinds = 41;
 
@@ -68,29 +69,29 @@ std::string_view KindName(InjectionKind kind);  // "crash", "controller-freeze",
 struct Injection {
   InjectionKind kind = InjectionKind::kCrash;
   Duration at{};                     // after the robot was switched on, at the earliest
-  std::optional<MachinePhase> when;  // then it waits for this, but not for ever
-  std::size_t actuator = 0;          // of the config; means nothing where everybody is concerned
-  std::size_t host = 0;              // of the layout
-  std::size_t other_host = 0;        // of what concerns two
-  State state;                       // that is asked for, or lied about
-  Duration lasts{};                  // of what lasts
-  std::uint64_t chance = 0;          // for whatever else has to be drawn
+  std::optional<MachinePhase> when;  // then it waits for this phase, with a timeout
+  std::size_t actuator = 0;    // index in the config; unused where all actuators are concerned
+  std::size_t host = 0;        // index in the layout
+  std::size_t other_host = 0;  // of events that concern two hosts
+  State state;                 // the requested, or falsely reported, state
+  Duration lasts{};            // of events that last
+  std::uint64_t random = 0;    // a random number for any other parameter
 
   friend bool operator==(const Injection&, const Injection&) = default;
 };
 using Injections = std::vector<Injection>;
 
-// Whether it is a fault, as against a request.
+// Whether it is a fault rather than a request.
 bool IsFault(InjectionKind kind);
 
-// The same from the same seed, in the order of their time: some of them milliseconds apart, or
-// aimed at a moment, so that they meet in one switch.
+// Samples the events of a scenario, the same from the same seed, in the order of their time. Some
+// are milliseconds apart, or wait for a phase, so that they meet in one switch.
 Injections SampleInjections(const MachineConfig& config, std::uint64_t seed);
 
 // "the process of audio is killed"
 std::string Describe(const MachineConfig& config, const Injection& injection);
 
-// Of kBattery: the percentage, and whether the cable is in.
+// Of kBattery: the percentage, and whether the battery is charging.
 int BatteryOf(const Injection& injection);
 bool ChargesIn(const Injection& injection);
 

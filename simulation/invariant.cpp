@@ -4,68 +4,71 @@ namespace musher::simulation {
 
 std::string_view InvariantText(Invariant invariant) {
   switch (invariant) {
-    case Invariant::kNothingRises:
-      return "nothing becomes more active because something failed";
-    case Invariant::kDoneIsDone:
-      return "\"done\" means that all are there that are not listed as degraded";
-    case Invariant::kNothingStale:
+    case Invariant::kNoUnrequestedActivation:
+      return "no fault makes anything more active";
+    case Invariant::kDoneIsComplete:
+      return "after \"done\" each actuator is in the target state, or listed as degraded";
+    case Invariant::kNoStaleCommand:
       return "no stale command is executed";
-    case Invariant::kStopWins:
-      return "nothing becomes more active during an emergency stop";
-    case Invariant::kOneAnswer:
-      return "whoever asks is answered once";
-    case Invariant::kExplained:
-      return "the journal tells of every state of the machine";
-    case Invariant::kNoSpinning:
+    case Invariant::kEmergencyStopHolds:
+      return "no actuator becomes more active during an emergency stop";
+    case Invariant::kOneReplyPerRequest:
+      return "every request gets one reply";
+    case Invariant::kStatesRecorded:
+      return "the journal records every state of the machine";
+    case Invariant::kNoPastDeadline:
       return "the next deadline is never in the past";
-    case Invariant::kComesToRest:
-      return "the machine comes to rest when faults cease";
-    case Invariant::kOneTruth:
-      return "at rest, who lives is where the machine is, or is listed with a reason";
-    case Invariant::kEndsWhenAsked:
+    case Invariant::kReachesStableState:
+      return "the machine reaches a stable state after the last fault";
+    case Invariant::kStatesAgree:
+      return "in a stable state each live actuator is in the machine's state, or listed with a "
+             "reason";
+    case Invariant::kTearDownEndsProcesses:
       return "TearDown ends every process within its budget";
-    case Invariant::kNotInVain:
-      return "who finds its configuration wrong is not started again until somebody asks";
-    case Invariant::kRunsOnce:
-      return "no actuator runs twice";
-    case Invariant::kStopStays:
-      return "an emergency stop stays until it is released, and then is over";
-    case Invariant::kStopIsSeen:
-      return "an actuator that an emergency stop has switched off says so until it is on again";
-    case Invariant::kStaysDown:
-      return "after an accepted TearDown only a person brings the machine up";
-    case Invariant::kDownIsDown:
-      return "TearDown is \"done\" when no actuator lives above it";
-    case Invariant::kNotCancelled:
-      return "an accepted command is cancelled by a newer one only";
-    case Invariant::kLeaderAnswers:
-      return "only the controller that leads answers clients";
-    case Invariant::kClientHears:
-      return "a client is told an outcome, or that there is none, within a bound";
-    case Invariant::kOnlyProven:
-      return "a process is signalled when it is a child or holds the actuator's name";
+    case Invariant::kNoRestartOnConfigError:
+      return "an actuator that exits with code 2 (configuration error) is not restarted "
+             "automatically";
+    case Invariant::kNoDuplicateActuator:
+      return "no actuator runs on two hosts";
+    case Invariant::kEmergencyStopLatched:
+      return "an emergency stop stays engaged until it is released, and is over afterwards";
+    case Invariant::kEmergencyStopReported:
+      return "an actuator that an emergency stop switched off reports it until it is on again";
+    case Invariant::kNoStartAfterTearDown:
+      return "after an accepted TearDown only an operator starts the machine again";
+    case Invariant::kTearDownIsComplete:
+      return "TearDown is \"done\" only when no running actuator is in a higher state";
+    case Invariant::kNoCommandDropped:
+      return "only a newer command or its timeout cancels an accepted command";
+    case Invariant::kOnlyLeaderReplies:
+      return "only the leading controller replies to clients";
+    case Invariant::kClientGetsOutcome:
+      return "a client receives an outcome, or that there is none, within a bound";
+    case Invariant::kOnlyOwnProcessesSignalled:
+      return "a signalled process is a child of the controller, or holds the actuator's name";
     case Invariant::kWithinBattery:
-      return "nobody is more active than the battery allows";
+      return "no actuator is more active than the battery permits";
     case Invariant::kNoFlapping:
-      return "the battery raises only whom it has taken down, beyond its hysteresis";
-    case Invariant::kPolicyWaits:
-      return "the policy supersedes nobody";
-    case Invariant::kPowerComes:
-      return "a power-off that was accepted comes in its time";
+      return "the battery raises only what it has lowered, beyond its hysteresis";
+    case Invariant::kPolicyNeverSupersedes:
+      return "the policy supersedes no switch";
+    case Invariant::kPowerOffInTime:
+      return "an accepted power-off happens within its time";
     case Invariant::kSafeWithoutCritical:
-      return "without a critical actuator the machine is in its on_lost, or less active";
-    case Invariant::kProvidedFor:
-      return "for an actuator that is lost for good, on_lost says how the machine goes on";
-    case Invariant::kWayBack:
-      return "from wherever it rests, people can bring the machine back";
-    case Invariant::kWholeAgain:
-      return "and then all actuators are there";
+      return "without a critical actuator the machine is in its on_lost state, or less active";
+    case Invariant::kOnLostCoversLoss:
+      return "on_lost names the machine's state for every actuator that is lost for good";
+    case Invariant::kRecoverable:
+      return "an operator can recover the machine from every stable state";
+    case Invariant::kAllAvailableAfterRecovery:
+      return "after that recovery all actuators are available";
   }
   return {};
 }
 
 bool DependsOnConfig(Invariant invariant) {
-  return invariant >= Invariant::kSafeWithoutCritical || invariant == Invariant::kComesToRest;
+  return invariant >= Invariant::kSafeWithoutCritical ||
+         invariant == Invariant::kReachesStableState;
 }
 
 }  // namespace musher::simulation

@@ -1,10 +1,10 @@
 #pragma once
 // A user's actuator class behind an actuator of a simulated robot.
 //
-// Threads: the network's, and one for the callback that runs; of the two only one runs at a time.
-// StopRequested() hands over: virtual time goes on while the callback waits there, so what comes
-// beside a callback (an emergency stop, a request to stop, its end by SIGKILL) comes between two of
-// its polls. Real time plays no part, but for a callback that never hands over.
+// Threads: the network's, and one for the running callback; only one of the two runs at a time.
+// StopRequested() hands over to the network's: virtual time goes on while the callback waits there.
+// So an event during a callback (an emergency stop, a request to stop, its end by SIGKILL) happens
+// between two of its polls. Real time matters only for a callback that never hands over.
 
 #include <chrono>
 #include <cstdint>
@@ -19,15 +19,15 @@
 
 namespace musher::simulation {
 
-// What a fake of the hardware is told by the scenario: asked in callbacks, on their thread.
+// Tells a fake of the hardware when to fail. Called in callbacks, on their thread.
 class Faults {
  public:
   explicit Faults(std::uint64_t seed) : random_(seed) {}
 
-  // Whether the step fails that is being taken. By chance while callbacks are to fail, else never.
-  bool Strike() { return under_way_ && random_.Chance(0.5); }
-  // For whatever else a fake has to draw.
-  std::uint64_t Draw() { return random_.Next(); }
+  // Whether the current step fails: at random while callback failures are injected, else never.
+  bool ShouldFail() { return under_way_ && random_.Chance(0.5); }
+  // A random number, for whatever else a fake varies.
+  std::uint64_t Random() { return random_.Next(); }
 
   void SetUnderWay(bool under_way) { under_way_ = under_way; }
 
@@ -36,44 +36,44 @@ class Faults {
   bool under_way_ = false;
 };
 
-// What the actuators under trial met.
+// What the actuators under test went through.
 struct FaultTestCounts {
   std::uint64_t scenarios = 0;
   std::uint64_t processes = 0;
   std::uint64_t callbacks = 0;
-  std::uint64_t failed = 0;           // of them
-  std::uint64_t repeated = 0;         // run again in the same state
-  std::uint64_t asked_to_stop = 0;    // that saw it
-  std::uint64_t killed_in = 0;        // whose process was killed
-  std::uint64_t stopped_beside = 0;   // beside which an emergency stop was engaged
-  std::uint64_t stopped_before = 0;   // the same, between its start and its first instruction
-  std::uint64_t emergency_stops = 0;  // altogether
+  std::uint64_t failed = 0;          // of them
+  std::uint64_t repeated = 0;        // run again in the same state
+  std::uint64_t stop_requested = 0;  // that saw StopRequested() return true
+  std::uint64_t killed = 0;          // whose process was killed
+  std::uint64_t stops_during_callback = 0;
+  std::uint64_t stops_before_callback = 0;  // of these, before its first instruction
+  std::uint64_t emergency_stops = 0;        // in all
   std::uint64_t torn_down = 0;
 };
 
 class ModuleUnderTest : public Module {
  public:
-  struct Production {
+  struct Setup {
     std::function<std::unique_ptr<MachineActuator>(Faults&)> make;
-    // The fakes fail (Faults), so that callbacks need not be made to.
+    // The fakes fail (Faults), so that callbacks need not be failed from outside.
     bool fails_by_itself = false;
     std::chrono::milliseconds real_time_limit{10'000};
-    // Beside no callback: one has succeeded, or an emergency stop was engaged.
+    // Called while no callback runs: one has succeeded, or an emergency stop was engaged.
     std::function<void(const MachineActuator&, const ActuatorReport&)> check;
-    // An emergency stop was engaged, maybe in the midst of a callback; or a callback has ended
-    // under one without being taken to its state.
+    // An emergency stop was engaged, possibly during a callback; or a callback has ended during a
+    // stop and the actuator did not enter its state.
     std::function<void(const MachineActuator&, const ActuatorReport&)> check_stop;
-    // What is wrong with the actuator: the rest of a sentence about it.
-    std::function<void(const std::string& what)> complain;
-    // A thread of it is given up, which never comes back.
+    // The actuator is faulty. `what` continues a sentence that begins with its name.
+    std::function<void(const std::string& what)> report_error;
+    // A callback does not return: its thread is given up.
     std::function<void()> on_stuck;
-    FaultTestCounts* tally = nullptr;
-    const MachineConfig* config = nullptr;  // that Allowed() judges by
+    FaultTestCounts* counts = nullptr;
+    const MachineConfig* config = nullptr;  // that Allowed() goes by
     std::optional<int> battery;             // %; nullopt: not known
   };
 
-  // `production` must outlive it.
-  ModuleUnderTest(const Production& production, Scenario::Draw draw, std::uint64_t seed);
+  // `setup` must outlive it.
+  ModuleUnderTest(const Setup& setup, Scenario::ActSampler sample_act, std::uint64_t seed);
   ~ModuleUnderTest() override;
 
   Act Run(const State& state) override;
@@ -84,18 +84,18 @@ class ModuleUnderTest : public Module {
 
  private:
   class LockstepWorker;
-  struct Stage;  // shared with the thread of the callback
+  struct CallbackThread;  // the state that is shared with the thread of the callback
 
   void GiveUp(const std::string& why);
 
-  const Production& production_;
-  const Scenario::Draw draw_;
+  const Setup& setup_;
+  const Scenario::ActSampler sample_act_;
   transport::sim::Random random_;
-  std::shared_ptr<Stage> stage_;
+  std::shared_ptr<CallbackThread> callback_;
   State state_;                // that was commanded last
-  bool waits_ = false;         // its callback for its thread, before its first instruction
-  Act act_;                    // and what was drawn for it
-  std::optional<bool> ended_;  // its callback, well or not; the actuator is yet to notice
+  bool waits_ = false;         // the callback waits for its thread, before its first instruction
+  Act act_;                    // that was sampled for the callback
+  std::optional<bool> ended_;  // the callback's success; nullopt once the actuator has noticed it
   bool settled_ = false;       // the last callback has succeeded
   ActuatorReport report_;
 };

@@ -7,21 +7,21 @@ namespace musher::simulation {
 namespace {
 
 constexpr std::array<std::string_view, kMachinePhases> kNames = {
-    "nobody leads", "setting up",   "at rest",      "joining", "sent",         "half way",
-    "asking",       "rolling back", "falling back", "stopped", "tearing down", "over"};
+    "no leader", "setting up",   "at rest",      "joining", "sent",         "partly done",
+    "overdue",   "rolling back", "falling back", "stopped", "tearing down", "over"};
 
 MachinePhase MachinePhaseOfSwitch(const Switch& s, const Machine& machine) {
   if (s.rolling_back) return MachinePhase::kRollingBack;
   if (s.purpose == Purpose::kStop) return MachinePhase::kTearingDown;
-  const bool asking =
+  const bool overdue =
       std::any_of(machine.actuators.begin(), machine.actuators.end(),
                   [](const ActuatorRecord& r) { return r.order && r.order->asked > 0; });
-  if (asking) return MachinePhase::kAsking;
+  if (overdue) return MachinePhase::kOverdue;
   if (s.purpose == Purpose::kFallback) return MachinePhase::kFallingBack;
   const bool some = std::any_of(s.legs.begin(), s.legs.end(), [](const Leg& leg) {
     return leg.progress == Leg::Progress::kEnded;
   });
-  return some ? MachinePhase::kHalfWay : MachinePhase::kSent;
+  return some ? MachinePhase::kPartlyDone : MachinePhase::kSent;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// What a machine is doing, for the judgement of what can strike it when.
+// The phases of a machine, by which the coverage of injected events is counted.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,26 +9,25 @@
 
 namespace musher::simulation {
 
-// What the machine is doing.
 enum class MachinePhase : std::uint8_t {
-  kNoController,  // nobody leads
-  kSettingUp,     // its processes come up
+  kNoController,  // no controller leads
+  kSettingUp,     // its processes start
   kAtRest,
-  kJoining,      // one actuator is on its own way to where the machine is
-  kSent,         // a switch has begun, nobody has answered
-  kHalfWay,      // some have answered
-  kAsking,       // one is overdue
-  kRollingBack,  // a switch up has failed
+  kJoining,      // an actuator is switched to the machine's state by itself
+  kSent,         // a switch has begun, no actuator has replied
+  kPartlyDone,   // some actuators have replied
+  kOverdue,      // an actuator is overdue, and the controller queries it
+  kRollingBack,  // a switch up has failed and is undone
   kFallingBack,  // to on_lost
-  kStopped,      // by an emergency stop, at rest
+  kStopped,      // at rest during an emergency stop
   kTearingDown,
   kOver,  // torn down, or the start has failed
 };
 inline constexpr std::size_t kMachinePhases = 12;
 
-std::string_view MachinePhaseName(MachinePhase phase);  // "at rest", "half way", …
+std::string_view MachinePhaseName(MachinePhase phase);  // "at rest", "partly done", …
 
-// null: nobody leads.
+// null: no controller leads.
 MachinePhase MachinePhaseOf(const Machine* machine);
 
 }  // namespace musher::simulation

@@ -1,5 +1,5 @@
-// What is promised of the policy. Levels are judged here by the percentage alone, not by what the
-// controller makes of it.
+// The invariants of the policy. They go by the battery's percentage alone, not by the level that
+// the controller derives from it.
 
 #include <algorithm>
 #include <cstdlib>
@@ -10,17 +10,17 @@
 namespace musher::simulation {
 namespace {
 
-// What the event loop and the network take.
+// For the event loop and the network.
 constexpr Duration kPowerSlack = std::chrono::seconds(1);
 
-// The rank that a battery without a memory allows at most.
+// The highest rank that the battery permits, without hysteresis.
 std::optional<Rank> MostAt(const BatteryPolicy& policy, int percent, bool charging) {
   if (percent <= policy.low_power_at && !charging) return BuiltInRank(kLowPower);
   if (percent <= policy.protected_at) return BuiltInRank(kProtected);
   return std::nullopt;
 }
 
-// Of "the battery is at 22 %, …".
+// Reads 22 from "the battery is at 22 %, …".
 std::optional<int> PercentIn(const std::string& text) {
   constexpr std::string_view kBefore = "the battery is at ";
   if (!text.starts_with(kBefore)) return std::nullopt;
@@ -29,7 +29,8 @@ std::optional<int> PercentIn(const std::string& text) {
 
 }  // namespace
 
-// As soon as nothing else is under way. `at_rest`: then there is no more excuse of loading.
+// Checked as soon as nothing else is under way. `at_rest`: the stored policy must be loaded by
+// then.
 void Checker::CheckCeiling(const Machine& machine, bool at_rest) {
   const PolicyState& policy = machine.policy;
   const bool waits = machine.current || machine.fallback || policy.keep || policy.power ||
@@ -44,7 +45,7 @@ void Checker::CheckCeiling(const Machine& machine, bool at_rest) {
                   "the machine is in " + machine.state + " while " + BatteryText(policy));
 }
 
-// A level is left `hysteresis` above where it begins; from then on only its beginning counts.
+// A level is left at `hysteresis` above its threshold; from then on only the threshold counts.
 void Checker::NoteLevels(const BatteryPolicy& policy, int percent) {
   const std::array begins = {policy.protected_at, policy.low_power_at};
   for (std::size_t i = 0; i < begins.size(); ++i) {
@@ -53,27 +54,27 @@ void Checker::NoteLevels(const BatteryPolicy& policy, int percent) {
   }
 }
 
-// Keeps in mind what the policy says that it does: "…: down to LowPower", "…: back to Active", and
+// Reads the policy's decisions from its records: "…: down to LowPower", "…: back to Active", and
 // then "switch 7 begins: to LowPower from Protected, …".
 void Checker::OnRecord(const action::Record& record) {
   const std::string& text = record.message;
   if (record.actuator && text.ends_with(" is restarted by hand")) {
-    final_.erase(config_.actuators[*record.actuator].name);
+    config_errors_.erase(config_.actuators[*record.actuator].name);
   }
-  // A request that ends in the step in which it comes is not seen as a switch under way.
+  // A request that ends in the same step never shows as the switch under way.
   constexpr std::string_view kAsked = " is asked for";
   constexpr std::string_view kSwitchTo = "a switch to ";
   if (text.starts_with(kSwitchTo) && text.ends_with(kAsked)) {
-    just_answered_.insert(
+    just_replied_.insert(
         text.substr(kSwitchTo.size(), text.size() - kSwitchTo.size() - kAsked.size()));
   }
   if (std::exchange(lowering_begins_, false)) {
     const std::size_t at = text.find(" from ") + 6;
     const State from = text.substr(at, text.find(',', at) - at);
-    // The raise that led there has ended in this very step.
+    // The raise to `from` has ended in this step.
     if (std::erase(policy_up_to_, from) != 0) {
       CheckRaise(from, raised_at_.value_or(0));
-      judged_raise_ = from;
+      checked_raise_ = from;
     }
     if (!lowered_ || lowered_->second != from) lowered_ = {from, from};
     lowered_->second = policy_down_to_.back();
@@ -84,38 +85,38 @@ void Checker::OnRecord(const action::Record& record) {
   const std::size_t at = down == std::string::npos ? back : down;
   if (record.kind != "policy" || at == std::string::npos) return;
   const State target = text.substr(at + std::string_view(": down to ").size());
-  if (target.find(' ') != std::string::npos) return;  // it is refused
+  if (target.find(' ') != std::string::npos) return;  // a refusal
   (back == at ? policy_up_to_ : policy_down_to_).push_back(target);
   if (back == at) {
     raised_at_ = PercentIn(text);
     return;
   }
   lowering_begins_ = text.starts_with("the battery");
-  if (!lowering_begins_) lowered_.reset();  // it has lain still
+  if (!lowering_begins_) lowered_.reset();  // by lying still
 }
 
 bool Checker::ByPolicy(const State& state) const {
   const auto has = [&](const std::vector<State>& all) {
     return std::find(all.begin(), all.end(), state) != all.end();
   };
-  return has(policy_up_to_) || has(policy_down_to_) || judged_raise_ == state;
+  return has(policy_up_to_) || has(policy_down_to_) || checked_raise_ == state;
 }
 
-// The state of the machine has changed.
+// The machine's state has changed.
 void Checker::CheckPolicyChange(const Machine& machine, const Seen& seen) {
   const auto before = config_.RankOf(seen.state);
   if (!config_.policy || !before) return;  // a step of a start
-  if (std::exchange(judged_raise_, std::nullopt) == machine.state) return;
+  if (std::exchange(checked_raise_, std::nullopt) == machine.state) return;
   if (ByPolicy(machine.state)) {
     const bool up = std::erase(policy_up_to_, machine.state) != 0;
     const bool down = std::erase(policy_down_to_, machine.state) != 0;
-    // The battery may have fallen while the machine was on its way.
+    // The battery may have fallen during the switch.
     const int percent = raised_at_.value_or(machine.policy.battery.value_or(0));
     if (up && !down) CheckRaise(machine.state, percent);
     return;
   }
-  if (lowered_ && lowered_->first == machine.state) return;  // from here it is taken down at once
-  // A client made this switch. The policy may raise the machine later, or has begun to already: the
+  if (lowered_ && lowered_->first == machine.state) return;  // it is lowered from here at once
+  // A client requested this switch. The policy may raise the machine later, or has begun to: the
   // battery may have left its ceiling in the step that ended this switch.
   const auto ended = [&](const State& target) {
     return !machine.current || machine.current->purpose != Purpose::kPolicy ||
@@ -124,21 +125,21 @@ void Checker::CheckPolicyChange(const Machine& machine, const Seen& seen) {
   std::erase_if(policy_up_to_, ended);
   std::erase_if(policy_down_to_, ended);
   lowered_.reset();
-  if (std::exchange(woken_, false)) lowered_ = {State(kActive), machine.state};
+  if (std::exchange(raise_requested_, false)) lowered_ = {State(kActive), machine.state};
 }
 
 void Checker::CheckRaise(const State& raised_to, int percent) {
   const Rank rank = *config_.RankOf(raised_to);
   const std::string what = "the policy has raised the machine to " + raised_to;
   const bool back = lowered_ && rank <= config_.RankOf(lowered_->first).value_or(0);
-  if (!back && !forgetful_) {
-    ReportViolation(Invariant::kNoFlapping, what + ", from where it had not taken it down");
+  if (!back && !state_lost_) {
+    ReportViolation(Invariant::kNoFlapping, what + ", which it had not lowered from there");
   }
   const BatteryPolicy& battery = *config_.policy->battery;
   const std::tuple<std::string_view, int, bool> levels[] = {
       {kProtected, battery.protected_at, left_[0]}, {kLowPower, battery.low_power_at, left_[1]}};
   for (const auto& [state, at, left] : levels) {
-    // It may have been left before: the raise is tried again after one that was undone.
+    // It may have been left before: a raise is retried after one that was undone.
     const bool still_left = left && percent > at;
     if (rank <= *BuiltInRank(state) || percent >= at + battery.hysteresis || still_left) continue;
     ReportViolation(Invariant::kNoFlapping, what + " at " + std::to_string(percent) + " %");
@@ -148,37 +149,39 @@ void Checker::CheckRaise(const State& raised_to, int percent) {
   if (lowered_->first == raised_to) lowered_.reset();
 }
 
-std::uint64_t Checker::AskedPolicy(const ControllerProcess& controller,
-                                   const event::PolicyRequested& asked) {
-  const bool up = asked.what == PolicyRequest::kWakeUp ||
-                  (asked.what == PolicyRequest::kOta && !asked.enable) ||
-                  (asked.what == PolicyRequest::kLowPowerSwitch && !asked.enable);
-  woken_ |= up;
-  return Asked(controller, asked.what == PolicyRequest::kKeep ? asked.state : State(kActive));
+std::uint64_t Checker::OnPolicyRequest(const ControllerProcess& controller,
+                                       const event::PolicyRequested& requested) {
+  const bool up = requested.what == PolicyRequest::kWakeUp ||
+                  (requested.what == PolicyRequest::kOta && !requested.enable) ||
+                  (requested.what == PolicyRequest::kLowPowerSwitch && !requested.enable);
+  raise_requested_ |= up;
+  return OnRequest(controller,
+                   requested.what == PolicyRequest::kKeep ? requested.state : State(kActive));
 }
 
-void Checker::AnsweredPolicy(std::uint64_t request, const event::PolicyRequested& asked,
-                             const Result<>& answer) {
+void Checker::OnPolicyReply(std::uint64_t request, const event::PolicyRequested& requested,
+                            const Result<>& reply) {
   ++checks_;
-  if (open_.erase(request) == 0) {
-    return ReportViolation(Invariant::kOneAnswer, "a request of the policy was answered twice");
+  if (open_requests_.erase(request) == 0) {
+    return ReportViolation(Invariant::kOneReplyPerRequest,
+                           "a request to the policy got two replies");
   }
-  just_answered_.insert(asked.what == PolicyRequest::kKeep ? asked.state : State(kActive));
-  if (!answer) return;
+  just_replied_.insert(requested.what == PolicyRequest::kKeep ? requested.state : State(kActive));
+  if (!reply) return;
   const bool alone = robot_.controller(1) == nullptr;
-  if (asked.what == PolicyRequest::kPowerOff && !power_due_ && alone) {
+  if (requested.what == PolicyRequest::kPowerOff && !power_due_ && alone) {
     power_due_ = robot_.network().now() + config_.policy->power.force_after + kPowerSlack;
   }
 }
 
-void Checker::ControllersBlocked(bool forgetful) {
+void Checker::OnControllersBlocked(bool state_lost) {
   power_due_.reset();
-  forgetful_ |= forgetful;
+  state_lost_ |= state_lost;
 }
 
 void Checker::CheckPowerOff() {
   if (!power_due_ || robot_.network().now() <= *power_due_) return;
-  ReportViolation(Invariant::kPowerComes, "the robot should have lost its power by now");
+  ReportViolation(Invariant::kPowerOffInTime, "the accepted power-off has not happened in time");
 }
 
 }  // namespace musher::simulation

@@ -10,7 +10,7 @@
 
 namespace musher::simulation {
 
-// Runs the callback at once and says so as much later as the module wants.
+// Runs the callback at once, and reports its end as much later as the module says.
 class Processes::SimWorker : public Worker {
  public:
   using OnDone = std::function<void(const State&)>;  // of a callback that succeeds
@@ -39,7 +39,7 @@ Processes::Processes(transport::sim::Network& network, const MachineConfig& conf
       config_(config),
       hosts_(hosts),
       layout_(layout),
-      keeper_(network.MakeNode("keeper")) {}
+      environment_(network.MakeNode("environment")) {}
 
 Processes::~Processes() {
   while (!alive_.empty()) End(alive_.begin()->first, {ProcessExit::Kind::kKilled, SIGKILL});
@@ -153,7 +153,7 @@ ActuatorShell::Hooks Processes::HooksOf(const Process& process, Part& part,
   return hooks;
 }
 
-// A process ends when all of its actuators are torn down, or one could not be set up.
+// A process exits when all of its actuators are torn down, or when a SetUp has failed.
 void Processes::OnFinished(const std::string& name, std::uint64_t serial, const Error& error) {
   const auto process = alive_.find(serial);
   if (process == alive_.end()) return;
@@ -167,7 +167,7 @@ void Processes::OnFinished(const std::string& name, std::uint64_t serial, const 
 }
 
 void Processes::EndLater(std::uint64_t serial, const ProcessExit& exit) {
-  keeper_->loop().Post([=, this] {
+  environment_->loop().Post([=, this] {
     if (alive_.count(serial) > 0) End(serial, exit);
   });
 }
@@ -242,7 +242,7 @@ std::int32_t Processes::PidOf(const std::string& name, std::size_t host) const {
 Result<> Processes::Signal(std::size_t host, std::int32_t pid, int signal) {
   const Process* process = Find(host, pid);
   if (process == nullptr) return Error{kCodeFailed, "no such process"};
-  if (process->frozen && signal != SIGKILL) return Ok();  // it would come when it goes on
+  if (process->frozen && signal != SIGKILL) return Ok();  // pending until it is resumed
   EndLater(process->serial, {ProcessExit::Kind::kKilled, signal});
   return Ok();
 }

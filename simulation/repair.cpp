@@ -1,11 +1,11 @@
-// How people repair the robot, use it again and switch it off.
+// How the operator repairs the robot, recovers it and switches it off.
 
 #include <signal.h>
 
 #include <algorithm>
 
+#include "musher/simulation/path.hpp"
 #include "musher/simulation/scenario.hpp"
-#include "musher/simulation/way.hpp"
 
 namespace musher::simulation {
 namespace {
@@ -15,18 +15,18 @@ constexpr Duration kUntilMissed = std::chrono::seconds(12);
 
 }  // namespace
 
-// People come: they release the stop, start again what nothing else does, and bring the machine
-// back to where it is of use.
+// The operator releases the stop, starts what nothing else starts again, and recovers the machine
+// to its home state.
 void Scenario::Repair() {
   if (config_.policy) {
-    Note("people charge the battery");
+    Note("the operator charges the battery");
     robot_.SetBattery(100, true);
     RunFor(std::chrono::seconds(2));
-    if (!ComeToRest("after the charge")) return;
+    if (!ReachStableState("after the battery was charged")) return;
   }
-  // The TearDown of a client that found no controller may reach the first one that comes.
+  // The TearDown of a client that found no controller may reach the first one that starts.
   for (int tries = 0; tries < 3 && robot_.machine().phase == Phase::kStopped; ++tries) {
-    Note("the machine was torn down; it is started anew");
+    Note("the machine was torn down; the operator starts it again");
     robot_.CrashController();
     for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
       if (!IsByHand(i)) continue;
@@ -34,24 +34,24 @@ void Scenario::Repair() {
       StartByHand(i);
     }
     StartController();
-    if (!ComeToRest("after its start")) return;
+    if (!ReachStableState("after its start")) return;
   }
   for (int tries = 0; tries < 8 && robot_.machine().emergency_stop; ++tries) {
-    Note("people release the emergency stop");
+    Note("the operator releases the emergency stop");
     robot_.ReleaseEmergencyStop();
-    RunFor(std::chrono::seconds(1));  // another one may have been engaged beside it
-    if (Over() || !ComeToRest("after the release")) return;
+    RunFor(std::chrono::seconds(1));  // another one may be engaged as well
+    if (Over() || !ReachStableState("after the release")) return;
   }
   RepairActuators();
-  if (!ComeToRest("after its repair")) return;
-  if (BringHome() && !Over()) CheckWhole();
+  if (!ReachStableState("after its repair")) return;
+  if (RecoverHome() && !Over()) CheckAllAvailable();
 }
 
-bool Scenario::ComeToRest(const std::string& when) {
+bool Scenario::ReachStableState(const std::string& when) {
   RunUntil([this] { return checker_.AtRest(); }, options_.bound);
   if (!checker_.AtRest()) {
-    checker_.ReportViolation(Invariant::kComesToRest,
-                             "the machine is not at rest " + when + ": " + checker_.Unrest());
+    checker_.ReportViolation(Invariant::kReachesStableState, "the machine is not stable " + when +
+                                                                 ": " + checker_.PendingActivity());
   }
   return !Over();
 }
@@ -66,10 +66,10 @@ void Scenario::RepairActuators() {
     const ActuatorReport* report = robot_.ReportOf(i, record.report);
     const bool well = report != nullptr && !report->busy() && !record.fault;
     if (well) continue;
-    Note("people restart " + actuator.name);
+    Note("the operator restarts " + actuator.name);
     EndElsewhere(actuator);
     if (!actuator.command.empty()) {
-      checker_.AskedRestart(actuator.name);
+      checker_.OnRestartRequest(actuator.name);
       robot_.Restart(actuator.name);
       continue;
     }
@@ -81,7 +81,7 @@ void Scenario::RepairActuators() {
   RunFor(std::chrono::seconds(15));
 }
 
-// What runs on another host than its controller is ended there.
+// Ends the processes of the actuator on hosts other than the leading controller's.
 void Scenario::EndElsewhere(const ActuatorConfig& actuator) {
   const std::size_t here = robot_.leader()->host();
   for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
@@ -92,7 +92,8 @@ void Scenario::EndElsewhere(const ActuatorConfig& actuator) {
   }
 }
 
-// Of an actuator that runs on several hosts people leave the one that the controller can restart.
+// Of an actuator that runs on several hosts the operator keeps the process that the controller can
+// restart.
 bool Scenario::EndSurplus() {
   bool any = false;
   const std::size_t here = robot_.leader()->host();
@@ -103,7 +104,7 @@ bool Scenario::EndSurplus() {
     for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
       const bool surplus = host != keep && robot_.processes().CountOf(actuator.name) > 1;
       if (!surplus || !robot_.processes().IsAlive(actuator.name, host)) continue;
-      Note("people end " + actuator.name + " on host " + robot_.hosts().name(host));
+      Note("the operator ends " + actuator.name + " on host " + robot_.hosts().name(host));
       robot_.processes().End(actuator.name, host, {ProcessExit::Kind::kKilled, SIGKILL});
       any = true;
     }
@@ -111,27 +112,27 @@ bool Scenario::EndSurplus() {
   return any;
 }
 
-bool Scenario::BringHome() {
+bool Scenario::RecoverHome() {
   for (int tries = 0; tries < 3; ++tries) {
     const ControllerProcess* leader = robot_.leader();
     if (leader == nullptr) {
-      checker_.ReportViolation(Invariant::kComesToRest, "nobody leads the machine");
+      checker_.ReportViolation(Invariant::kReachesStableState, "no controller leads the machine");
       return false;
     }
     const State from = leader->shell().machine().state;
-    auto way = FindWay(config_, from, options_.home);
-    if (!way) {
+    auto path = FindPath(config_, from, options_.home);
+    if (!path) {
       checker_.ReportViolation(
-          Invariant::kWayBack,
+          Invariant::kRecoverable,
           "the machine is in " + from + ", from where no switch leads to " + options_.home);
       return false;
     }
-    // A check by hand takes along those that had failed theirs.
-    if (config_.HasState(kSelfCheck)) way->insert(way->begin(), State(kSelfCheck));
-    if (way->size() < 2 && from == options_.home) way->push_back(options_.home);
-    for (const State& next : *way) {
-      Note("people ask for " + next);
-      Ask(next);
+    // A requested self-check includes the actuators that failed theirs.
+    if (config_.HasState(kSelfCheck)) path->insert(path->begin(), State(kSelfCheck));
+    if (path->size() < 2 && from == options_.home) path->push_back(options_.home);
+    for (const State& next : *path) {
+      Note("the operator requests " + next);
+      RequestSwitch(next);
       RunUntil([this] { return checker_.AtRest(); }, options_.bound);
       RunFor(std::chrono::seconds(2));
       if (Over()) return false;
@@ -142,31 +143,32 @@ bool Scenario::BringHome() {
   return true;
 }
 
-void Scenario::CheckWhole() {
+void Scenario::CheckAllAvailable() {
   const Machine& machine = robot_.machine();
   if (machine.state != options_.home) {
-    return checker_.ReportViolation(
-        Invariant::kWholeAgain,
-        "repaired and asked for " + options_.home + ", the machine is in " + machine.state);
+    return checker_.ReportViolation(Invariant::kAllAvailableAfterRecovery,
+                                    "after the repair and a switch to " + options_.home +
+                                        ", the machine is in " + machine.state);
   }
   const auto degraded = Degraded(config_, machine);
   if (!degraded.empty()) {
     const std::size_t i = *config_.IndexOf(degraded.front());
     return checker_.ReportViolation(
-        Invariant::kWholeAgain, "after the repair " + degraded.front() + " is still degraded: " +
-                                    TroubleOf(machine.actuators[i])->message);
+        Invariant::kAllAvailableAfterRecovery,
+        "after the repair " + degraded.front() +
+            " is still degraded: " + TroubleOf(machine.actuators[i])->message);
   }
   checker_.CheckRest(false);
   for (const ActuatorConfig& actuator : config_.actuators) {
     const std::size_t i = *config_.IndexOf(actuator.name);
     const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
-    const std::string state = report == nullptr ? "gone" : "in " + report->state;
+    const std::string state = report == nullptr ? "not running" : "in " + report->state;
     if (report == nullptr || report->state != options_.home) {
-      checker_.ReportViolation(Invariant::kWholeAgain,
+      checker_.ReportViolation(Invariant::kAllAvailableAfterRecovery,
                                "after the repair " + actuator.name + " is " + state);
     } else if (report->held_by_stop) {
       checker_.ReportViolation(
-          Invariant::kWholeAgain,
+          Invariant::kAllAvailableAfterRecovery,
           "after the repair " + actuator.name + " is held by an emergency stop that was released");
     }
   }
@@ -174,11 +176,11 @@ void Scenario::CheckWhole() {
 
 void Scenario::SwitchOff() {
   if (!config_.HasState(kTearDown)) return;
-  Note("people switch the robot off");
-  Ask(State(kTearDown));
+  Note("the operator switches the robot off");
+  RequestSwitch(State(kTearDown));
   const auto stopped = [this] { return robot_.machine().phase == Phase::kStopped; };
   if (!RunUntil(stopped, config_.shutdown_budget + Milliseconds(100))) {
-    return checker_.ReportViolation(Invariant::kEndsWhenAsked,
+    return checker_.ReportViolation(Invariant::kTearDownEndsProcesses,
                                     "the machine is not torn down within its budget");
   }
   RunFor(Milliseconds(100));
@@ -195,7 +197,7 @@ ScenarioOptions UsualOptions(const MachineConfig& config) {
     for (const State& state : config.actuators[i].states) {
       one = std::max(one, config.TimeFor(i, state));
     }
-    longest += one;  // as if all came after each other
+    longest += one;  // as if each waited for the one before
     restarts = std::max(restarts, config.actuators[i].restart.limit);
     delay = std::max(delay, config.actuators[i].restart.max_delay);
   }

@@ -10,10 +10,11 @@
 namespace musher::simulation {
 namespace {
 
-// Plays a script.
-class Scripted : public Module {
+// Runs its callbacks by a script.
+class ScriptedModule : public Module {
  public:
-  Scripted(const Script& script, std::string name) : script_(script), name_(std::move(name)) {}
+  ScriptedModule(const Script& script, std::string name)
+      : script_(script), name_(std::move(name)) {}
   Act Run(const State& state) override { return script_ ? script_(name_, state) : Act{}; }
 
  private:
@@ -21,11 +22,11 @@ class Scripted : public Module {
   const std::string name_;
 };
 
-// How long a controller listens for others before it begins.
-constexpr Duration kLookAround = Milliseconds(1000);
-// How long the one before has to let go.
-constexpr Duration kLetGoTimeout = Milliseconds(1000);
-// How often battery and body say how they are.
+// How long a controller listens for others before it begins, with several hosts.
+constexpr Duration kListenTime = Milliseconds(1000);
+// How long the controller before it has to release control.
+constexpr Duration kReleaseTimeout = Milliseconds(1000);
+// How often the battery and the body publish their status.
 constexpr Duration kBodyPeriod = std::chrono::seconds(1);
 
 }  // namespace
@@ -36,10 +37,10 @@ SimRobot::SimRobot(std::uint64_t seed, MachineConfig config, Script script, Layo
       network_(seed),
       hosts_(network_, layout_.hosts),
       switched_on_(network_.now()),
-      keeper_(network_.MakeNode("keeper")),
+      environment_(network_.MakeNode("environment")),
       processes_(network_, config_, hosts_, layout_) {
   processes_.make_module = [script = std::move(script)](const std::string& name) {
-    return std::make_unique<Scripted>(script, name);
+    return std::make_unique<ScriptedModule>(script, name);
   };
   network_.on_write = [this](transport::PeerId participant, const std::string& topic,
                              const msg::Bytes& bytes) {
@@ -87,12 +88,12 @@ void SimRobot::Open(std::size_t which) {
   hooks.on_power = [this] {
     if (on_power) on_power();
   };
-  // One that has stopped the machine stays, to be looked at; one that is fenced ends.
+  // A controller that has stopped the machine stays, for the checks; a fenced one ends.
   hooks.on_over = [this, which] {
     const auto serial = controllers_[which]->serial();
-    keeper_->loop().Post([this, which, serial] {
+    environment_->loop().Post([this, which, serial] {
       const auto& controller = controllers_[which];
-      // Meanwhile the next controller may have been started in its place.
+      // The next controller may already run in its place.
       if (controller && controller->serial() == serial && !controller->leads())
         EndController(which);
     });
@@ -118,31 +119,31 @@ void SimRobot::LaunchController(std::size_t which, bool takeover, Duration liste
   });
 }
 
-// With profile lan there may be another on another host.
+// With profile lan there may be a controller on another host.
 Duration SimRobot::ListenTime() const {
-  return config_.transport == TransportProfile::kLan ? kLookAround : Duration::zero();
+  return config_.transport == TransportProfile::kLan ? kListenTime : Duration::zero();
 }
 
 void SimRobot::StartRival(bool takeover) {
   if (controllers_[1]) return;
-  if (!OneHost()) return LaunchController(1, takeover, kLookAround);
+  if (!OneHost()) return LaunchController(1, takeover, kListenTime);
   const auto& first = controllers_[0];
   if (first && first->leads() && first->shell().machine().phase == Phase::kStopped) {
-    EndController(0);  // it would have ended by itself
+    EndController(0);  // a real one has exited by itself
   }
   if (!first) return LaunchController(1, takeover, ListenTime());
-  if (takeover) TakeOverHere();
+  if (takeover) TakeOverOnSameHost();
 }
 
-// The first is asked to let go, and killed when it does not within a second.
-void SimRobot::TakeOverHere() {
+// The first controller is requested to release control, and killed if it does not within a second.
+void SimRobot::TakeOverOnSameHost() {
   if (takes_over_) return;
   const bool stuck = controllers_[0]->frozen;
   if (!stuck) {
     controllers_[0]->shell().LetGo("process " + std::to_string(hosts_.NewPid(0)) + " of this host");
   }
-  const Duration patience = stuck ? kLetGoTimeout : Milliseconds(1);
-  takes_over_ = keeper_->loop().At(keeper_->loop().Now() + patience, [this] {
+  const Duration timeout = stuck ? kReleaseTimeout : Milliseconds(1);
+  takes_over_ = environment_->loop().At(environment_->loop().Now() + timeout, [this] {
     takes_over_.reset();
     if (controllers_[1]) return;
     KillController(0);
@@ -246,31 +247,31 @@ void SimRobot::SetBattery(int percent, bool charging) {
   battery_.emplace();
   battery_->batt_soc = static_cast<std::uint8_t>(percent);
   battery_->power_wired_charging = charging;
-  SayOfBody();
+  PublishBody();
 }
 
 void SimRobot::SetMotion(std::int32_t motion) {
   motion_.emplace();
   motion_->motion_id = motion;
-  SayOfBody();
+  PublishBody();
 }
 
-void SimRobot::SayOfBody() {
+void SimRobot::PublishBody() {
   const std::string prefix = config_.name_space.empty() ? "" : config_.name_space + "/";
-  if (!says_) {
+  if (!body_timer_) {
     const BatteryPolicy battery;
     const LowPowerPolicy low_power;
     const PolicyConfig policy = config_.policy.value_or(PolicyConfig{});
-    batteries_ = transport::MakePublisher<msg::BmsStatus>(
-                     *keeper_, prefix + policy.battery.value_or(battery).topic)
-                     .value();
-    motions_ = transport::MakePublisher<msg::MotionStatus>(
-                   *keeper_, prefix + policy.low_power.value_or(low_power).topic)
-                   .value();
-    says_ = keeper_->loop().Every(kBodyPeriod, [this] { SayOfBody(); });
+    battery_publisher_ = transport::MakePublisher<msg::BmsStatus>(
+                             *environment_, prefix + policy.battery.value_or(battery).topic)
+                             .value();
+    motion_publisher_ = transport::MakePublisher<msg::MotionStatus>(
+                            *environment_, prefix + policy.low_power.value_or(low_power).topic)
+                            .value();
+    body_timer_ = environment_->loop().Every(kBodyPeriod, [this] { PublishBody(); });
   }
-  if (battery_) static_cast<void>(batteries_->Publish(*battery_));
-  if (motion_) static_cast<void>(motions_->Publish(*motion_));
+  if (battery_) static_cast<void>(battery_publisher_->Publish(*battery_));
+  if (motion_) static_cast<void>(motion_publisher_->Publish(*motion_));
 }
 
 void SimRobot::ReleaseEmergencyStop() {
@@ -328,11 +329,11 @@ std::optional<SwitchResult> SimRobot::Set(const State& target,
                                           Duration limit) {
   auto* leading = leader();
   if (leading == nullptr) return std::nullopt;
-  auto answer = std::make_shared<std::optional<SwitchResult>>();
+  auto reply = std::make_shared<std::optional<SwitchResult>>();
   leading->shell().SetState(target, actuator,
-                            [answer](const SwitchResult& result) { *answer = result; });
-  RunUntil([&] { return answer->has_value(); }, limit);
-  return *answer;
+                            [reply](const SwitchResult& result) { *reply = result; });
+  RunUntil([&] { return reply->has_value(); }, limit);
+  return *reply;
 }
 
 std::optional<ActuatorReport> SimRobot::ReportOf(const std::string& name) const {

@@ -1,7 +1,7 @@
 #pragma once
 // A whole robot in virtual time: the real shells and decision code of controllers and actuators, on
-// the simulated network, with simulated hosts and processes. People who ask for something are at
-// the controller that leads.
+// the simulated network, with simulated hosts and processes. An operator's requests go directly to
+// the leading controller.
 //
 // Threads: one.
 
@@ -23,12 +23,12 @@
 
 namespace musher::simulation {
 
-// What the callback of an actuator's state does, asked each time it begins.
+// Decides what the callback of an actuator's state does; called each time a callback begins.
 using Script = std::function<Act(const std::string& actuator, const State& state)>;
 
 class SimRobot {
  public:
-  // The endpoint of the first controller, and of one that competes with it.
+  // The endpoints of the first controller and of the one that competes with it.
   static constexpr const char* kControllerEndpoints[] = {"controller", "rival"};
 
   SimRobot(std::uint64_t seed, MachineConfig config, Script script = {}, Layout layout = {});
@@ -49,69 +49,69 @@ class SimRobot {
     processes_.UseProgram(name, std::move(program));
   }
 
-  // Told of every step of a controller's decision code, before it; may be empty.
+  // Each of these may be empty.
+  // Before every step of a controller's decision code.
   std::function<void()> on_input;
-  // Told of every command of a controller, before it is sent; may be empty.
+  // Before a controller sends a command.
   std::function<void(const Machine&, const action::SendSwitch&)> on_send;
-  // Told of every record of any controller; may be empty.
+  // A controller has made a record.
   std::function<void(const action::Record&)> on_record;
-  // Told of every process that a controller starts, before it does; may be empty.
+  // Before a controller starts a process.
   std::function<void(const ControllerProcess&, const std::string& name)> on_start;
-  // A controller that a person has started begins to lead; may be empty.
+  // A controller that an operator has started begins to lead.
   std::function<void()> on_person_starts;
-  // Told of every power command; may be empty.
+  // A controller runs the power command.
   std::function<void()> on_power;
-  // Told of every sample that a controller writes; may be empty.
+  // A controller writes a sample.
   std::function<void(const ControllerProcess&, const std::string& topic, const msg::Bytes&)>
       on_write;
-  // Told of every signal that a controller sends, before it does; may be empty.
+  // Before a controller sends a signal.
   std::function<void(const ControllerProcess&, std::int32_t pid)> on_signal;
-  // Told of every controller that is killed, before it is; may be empty.
+  // Before a controller is killed.
   std::function<void(const ControllerProcess&)> on_killed;
 
-  // `listens`: so long it only listens, as one that may have rivals on other hosts does; this call
-  // waits for the end of that.
+  // `listens`: how long it only listens for other controllers before it begins; this call waits for
+  // that.
   void StartController(Duration listens = {});
-  // The same without waiting.
-  // `restarted`: by a supervisor.
+  // The same without waiting. `restarted`: by a supervisor.
   void LaunchController(std::size_t which, bool takeover, Duration listens, bool restarted = false);
   bool OneHost() const { return layout_.controllers[0] == layout_.controllers[1]; }
-  Duration ListenTime() const;  // how long one has to by the config
-  // Another one. On another host it listens for a second; then it takes the machine over, or
-  // refuses to if it has heard the first. On the same host it finds the folder of the first locked:
-  // it ends the first, or refuses.
+  Duration ListenTime() const;  // how long the config makes it listen
+  // Starts a second controller. On another host it listens for a second; then it takes over, or
+  // refuses if it has received heartbeats of the first. On the same host the folder of the first is
+  // locked: the second ends the first, or refuses.
   void StartRival(bool takeover);
-  void CrashController();  // those that there are
-  // All processes there end, and its clock begins again.
+  void CrashController();  // kills all controllers
+  // Ends all processes of the host and resets its clock.
   void RebootHost(std::size_t host);
   void FreezeController();
   void ThawController();
-  void StartActuator(const std::string& name) { processes_.Launch(name); }  // as a person would
+  void StartActuator(const std::string& name) { processes_.Launch(name); }  // as an operator would
   void CrashActuator(const std::string& name);
   void FreezeActuator(const std::string& name) { processes_.Freeze(name); }
   void ThawActuator(const std::string& name) { processes_.Thaw(name); }
   bool IsAlive(const std::string& name) const { return processes_.IsAlive(name); }
-  // The actuator says that it is in that state, once; it is not.
+  // The actuator publishes that state once, although it is not in it.
   void Lie(const std::string& name, const State& state) { processes_.Lie(name, state); }
-  // The disks of the controllers take nothing more, or do again.
+  // Every write to the disks of the controllers fails, or works again.
   void FillDisk(bool full);
-  // What is written to the disks of the controllers does not end, or ends now.
+  // Writes to the disks of the controllers do not end, or all end now.
   void StallDisk(bool stalled);
-  // The wall clocks of the controllers jump.
+  // Changes the wall clocks of the controllers.
   void JumpWallClock(Duration by);
 
-  // A panel engages an emergency stop. It lives on, and so does what it has said last.
+  // A panel engages an emergency stop. The panel stays available, and its last sample latched.
   void EngageEmergencyStop(std::uint64_t id, std::size_t panel = 0);
-  // The client of that host.
+  // The client on that host.
   Client& ClientOn(std::size_t host);
   std::vector<const Client::Request*> OpenRequests() const;
-  // The battery and the body say so from now on, once a second.
+  // Publishes the battery's and the body's status from now on, once a second.
   void SetBattery(int percent, bool charging);
   void SetMotion(std::int32_t motion);
-  void ReleaseEmergencyStop();  // by the controller, for a person
-  // A person restarts an actuator and does not wait for it.
+  void ReleaseEmergencyStop();  // by the controller, for an operator
+  // An operator restarts an actuator; does not wait for it.
   void Restart(const std::string& name);
-  // Asks for a switch; nothing when there is no controller or it does not answer in time.
+  // Requests a switch and waits; nothing when there is no controller, or no reply in time.
   std::optional<SwitchResult> Set(const State& target,
                                   const std::optional<std::string>& actuator = std::nullopt,
                                   Duration limit = std::chrono::minutes(10));
@@ -119,18 +119,18 @@ class SimRobot {
   bool RunUntil(const std::function<bool()>& done, Duration limit = std::chrono::minutes(10));
   void RunFor(Duration duration) { network_.RunFor(duration); }
 
-  // The controller that leads, of two the one with the higher epoch; else one that has stopped the
+  // The leading controller, of two the one with the higher epoch; else one that has stopped the
   // machine; null when there is none.
   ControllerProcess* leader();
   const ControllerProcess* leader() const { return const_cast<SimRobot*>(this)->leader(); }
   bool has_controller() const { return leader() != nullptr; }
-  std::size_t leaders() const;  // without those that have stopped it
-  // On that host; null when it does not live.
-  const ControllerProcess* controller(std::size_t host) const { return controllers_[host].get(); }
+  std::size_t leaders() const;  // without those that have stopped the machine
+  // The first controller or the second one; null when it does not run.
+  const ControllerProcess* controller(std::size_t which) const { return controllers_[which].get(); }
   const Machine& machine() const { return leader()->shell().machine(); }
-  // What the actuator itself says; nothing when its process does not live.
+  // The actuator's own report; nothing when its process does not run.
   std::optional<ActuatorReport> ReportOf(const std::string& name) const;
-  // The same of the process that gave that report; where it does not live, of any.
+  // The same of the process that `followed` is from; when it does not run, of any.
   const ActuatorReport* ReportOf(std::size_t actuator, const ActuatorReport& followed) const;
   std::vector<std::string> journal() const;  // the messages of its entries
   const std::vector<JournalRow>& recording() const { return disks_[0].recording; }
@@ -141,16 +141,16 @@ class SimRobot {
   void Open(std::size_t which);
   void EndController(std::size_t which);
   void KillController(std::size_t which);
-  void TakeOverHere();
+  void TakeOverOnSameHost();
   Disk& DiskOf(std::size_t which) { return disks_[OneHost() ? 0 : which]; }
-  void SayOfBody();
+  void PublishBody();
 
   MachineConfig config_;
   const Layout layout_;
   transport::sim::Network network_;
   Hosts hosts_;
   Time switched_on_;
-  std::unique_ptr<transport::Node> keeper_;  // whose loop runs what belongs to no process
+  std::unique_ptr<transport::Node> environment_;  // its loop runs what belongs to no process
   struct Panel {
     std::unique_ptr<transport::Node> node;
     std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
@@ -164,9 +164,9 @@ class SimRobot {
   transport::LoopHandlePtr takes_over_;
   std::optional<msg::BmsStatus> battery_;
   std::optional<msg::MotionStatus> motion_;
-  std::unique_ptr<transport::Publisher<msg::BmsStatus>> batteries_;
-  std::unique_ptr<transport::Publisher<msg::MotionStatus>> motions_;
-  transport::LoopHandlePtr says_;
+  std::unique_ptr<transport::Publisher<msg::BmsStatus>> battery_publisher_;
+  std::unique_ptr<transport::Publisher<msg::MotionStatus>> motion_publisher_;
+  transport::LoopHandlePtr body_timer_;
 };
 
 }  // namespace musher::simulation

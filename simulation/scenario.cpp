@@ -3,24 +3,24 @@
 #include <algorithm>
 #include <utility>
 
-#include "musher/simulation/way.hpp"
+#include "musher/simulation/path.hpp"
 
 namespace musher::simulation {
 namespace {
 
 using transport::sim::Random;
 
-constexpr Duration kForEver = std::chrono::hours(24);
+constexpr Duration kForever = std::chrono::hours(24);
 
-// A number that depends on nothing but these.
+// A number that depends on these only.
 std::uint64_t Scramble(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
   Random random(a * 0x9e3779b97f4a7c15 + b * 0xbf58476d1ce4e5b9 + c);
   random.Next();
   return random.Next();
 }
 
-// Nobody publishes /clock: the time of a scenario is that of its world.
-MachineConfig InStorysTime(MachineConfig config) {
+// Nothing publishes /clock in a scenario: its time is the network's.
+MachineConfig WithSteadyClock(MachineConfig config) {
   config.clock = ClockSource::kSteady;
   return config;
 }
@@ -35,19 +35,19 @@ Scenario::Scenario(const MachineConfig& config, std::uint64_t seed, Injections i
       options_(options),
       supervised_(Scramble(seed, 3, 3) % 2 == 0),
       fault_windows_(config.actuators.size()),
-      runs_(config.actuators.size()),
+      callback_runs_(config.actuators.size()),
       robot_(
-          seed, InStorysTime(config),
-          [this](const std::string& name, const State& state) { return DrawAct(name, state); },
-          DrawLayout(config, seed, options.shared_processes)),
+          seed, WithSteadyClock(config),
+          [this](const std::string& name, const State& state) { return SampleAct(name, state); },
+          SampleLayout(config, seed, options.shared_processes)),
       checker_(robot_) {
   for (std::size_t i = 0; i < config.actuators.size(); ++i) {
     for (const State& state : config.actuators[i].states) {
-      patience_ = std::max(patience_, config.TimeFor(i, state) + Milliseconds(500));
+      phase_timeout_ = std::max(phase_timeout_, config.TimeFor(i, state) + Milliseconds(500));
     }
   }
   robot_.on_killed = [this](const ControllerProcess& controller) {
-    checker_.ControllerKilled(controller);
+    checker_.OnControllerKilled(controller);
   };
   robot_.on_record = [this](const action::Record& record) {
     Mix(record.message);
@@ -58,26 +58,27 @@ Scenario::Scenario(const MachineConfig& config, std::uint64_t seed, Injections i
 
 Scenario::~Scenario() = default;
 
-void Scenario::UseModule(const std::string& actuator,
-                         std::function<std::unique_ptr<Module>(const Draw& draw)> make) {
+void Scenario::UseModule(
+    const std::string& actuator,
+    std::function<std::unique_ptr<Module>(const ActSampler& sample_act)> make) {
   auto& make_module = robot_.processes().make_module;
   make_module = [this, actuator, make = std::move(make),
                  others = std::move(make_module)](const std::string& name) {
     if (name != actuator) return others(name);
-    return make([this, name](const State& state) { return DrawAct(name, state); });
+    return make([this, name](const State& state) { return SampleAct(name, state); });
   };
 }
 
 Ending RunScenario(const MachineConfig& config, std::uint64_t seed, const Injections& injections,
                    const ScenarioOptions& options) {
-  return Scenario(config, seed, injections, options).Tell();
+  return Scenario(config, seed, injections, options).Run();
 }
 
-Ending Scenario::Tell() {
+Ending Scenario::Run() {
   SwitchOn();
   if (!Over()) Inject();
-  if (!Over()) Cease();
-  if (!Over()) Rest();
+  if (!Over()) EndFaults();
+  if (!Over()) Settle();
   if (!Over()) Repair();
   if (!Over()) SwitchOff();
   ending_.violation = checker_.violation();
@@ -95,18 +96,18 @@ void Scenario::Mix(const std::string& text) {
       static_cast<std::uint64_t>(robot_.network().now().time_since_epoch().count());
 }
 
-// Usually some milliseconds, and never longer than allowed; unless something is wrong.
-Act Scenario::DrawAct(const std::string& name, const State& state) {
+// Some milliseconds, and never longer than its time limit, unless a fault is injected.
+Act Scenario::SampleAct(const std::string& name, const State& state) {
   const std::size_t i = *config_.IndexOf(name);
-  Random random(Scramble(seed_, i, ++runs_[i]));
+  Random random(Scramble(seed_, i, ++callback_runs_[i]));
   const Duration limit = config_.TimeFor(i, state);
   Act act;
   act.takes = std::min(limit / 2, random.Between(std::chrono::microseconds(200), Milliseconds(40)));
   const Time now = robot_.network().now();
   const FaultWindow& window = fault_windows_[i];
-  if (now < window.fails) act.error = {kCodeFailed, "drawn"};
+  if (now < window.fails) act.error = {kCodeFailed, "injected"};
   if (now < window.slow) act.takes = random.Between(limit / 2, limit + limit / 4);
-  if (now < window.hangs) act.takes = kForEver;
+  if (now < window.hangs) act.takes = kForever;
   return act;
 }
 
@@ -122,14 +123,14 @@ bool Scenario::RunUntil(const std::function<bool()>& done, Duration limit) {
                          [](const TimedAction& a, const TimedAction& b) { return a.at < b.at; });
     const bool first = next != later_.end() && next->at <= end;
     const Time until = first ? next->at : end;
-    bool held = false;
+    bool reached = false;
     const auto stop = [&] {
       checker_.AfterEvent();
       if (listener.on_change) listener.on_change(robot_.network().now(), robot_);
-      held = done();
-      return held || Over();
+      reached = done();
+      return reached || Over();
     };
-    if (robot_.network().RunUntil(stop, until)) return held;
+    if (robot_.network().RunUntil(stop, until)) return reached;
     if (!first) return false;
     const auto what = std::move(next->what);
     later_.erase(next);
@@ -172,11 +173,11 @@ void Scenario::StartByHand(std::size_t actuator) {
 void Scenario::Inject() {
   for (const Injection& injection : injections_) {
     RunFor(injection.at - robot_.age());
-    if (injection.when) RunUntil([&] { return Now() == *injection.when; }, patience_);
+    if (injection.when) RunUntil([&] { return Now() == *injection.when; }, phase_timeout_);
     if (Over()) return;
     ending_.coverage.Count(injection.kind, Now());
     if (listener.on_injection) listener.on_injection(robot_.network().now(), injection);
-    Do(injection);
+    Apply(injection);
     checker_.AfterEvent();
   }
   while (!later_.empty() && !Over()) {
@@ -189,30 +190,31 @@ MachinePhase Scenario::Now() const {
   return MachinePhaseOf(leader == nullptr ? nullptr : &leader->shell().machine());
 }
 
-// The world becomes kind.
-void Scenario::Cease() {
-  if (config_.policy) robot_.SetMotion(303);  // who lies still goes to rest by itself
+// Ends all injected faults, and starts a controller if there is none.
+void Scenario::EndFaults() {
+  if (config_.policy)
+    robot_.SetMotion(303);  // walking: a body that lies still goes to LowPower by itself
   std::fill(fault_windows_.begin(), fault_windows_.end(), FaultWindow{});
   for (const ActuatorConfig& actuator : config_.actuators) {
     robot_.processes().Misconfigure(actuator.name, false);
   }
   if (!robot_.has_controller()) {
-    Note("the controller is started again");
+    Note("the operator starts the controller again");
     robot_.CrashController();
     StartController();
   }
 }
 
-void Scenario::Rest() {
-  const Time ceased = robot_.network().now();
-  if (!ComeToRest(std::to_string(ToMilliseconds(options_.bound)) +
-                  " ms after the last fault has ceased")) {
+void Scenario::Settle() {
+  const Time faults_ended = robot_.network().now();
+  if (!ReachStableState(std::to_string(ToMilliseconds(options_.bound)) +
+                        " ms after the last fault")) {
     return;
   }
-  ending_.rested = robot_.network().now() - ceased;
-  // What is only just noticed comes yet.
+  ending_.rested = robot_.network().now() - faults_ended;
+  // A fault may be detected only now.
   RunFor(std::chrono::seconds(15));
-  if (ComeToRest("though it had been")) checker_.CheckRest(options_.provided);
+  if (ReachStableState("although it was before")) checker_.CheckRest(options_.provided);
 }
 
 void Scenario::Note(const std::string& action) {

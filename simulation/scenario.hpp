@@ -1,7 +1,7 @@
 #pragma once
-// One life of a simulated robot: it is switched on, injected events befall it, they cease, it comes
-// to rest, people repair what is left, and at last it is switched off. The same config, seed and
-// injected events make the same life, to the byte.
+// One run of a simulated robot: it is switched on, events are injected, the faults end, it reaches
+// a stable state, an operator repairs what is still degraded, and it is switched off. The same
+// config, seed and injected events give the same run, to the byte.
 
 #include <array>
 #include <cstdint>
@@ -20,29 +20,30 @@
 namespace musher::simulation {
 
 struct ScenarioOptions {
-  Duration bound{};      // in which the machine has to come to rest when faults have ceased
-  State home;            // where people bring it back to
-  bool provided = true;  // every loss has to be provided for
+  Duration bound{};               // within which the machine must be stable after the last fault
+  State home;                     // the state to which the operator recovers the machine
+  bool provided = true;           // the config's on_lost must cover every lost actuator
   bool shared_processes = false;  // some actuators run in the process of another
 };
 
-// What may be asked of a config: the longest chain of `after`, each link as slow as it may be, as
-// often as anything may be restarted, and a minute; home is Active, or the most active state.
+// The default options for a config. The bound is a minute plus the longest chain of `after`, with
+// each callback at its time limit, as often as any actuator may be restarted. Home is Active, or
+// the most active state.
 ScenarioOptions UsualOptions(const MachineConfig& config);
 
-// How it went.
+// The outcome of a scenario.
 struct Ending {
   std::optional<Violation> violation;
   Coverage coverage;
   std::array<std::uint64_t, 5> switches{};  // by SwitchOutcome
   std::array<std::uint64_t, 3>
-      client_ends{};  // of switches that clients asked for, by SwitchEnd::Kind
-  std::array<std::uint64_t, 2> client_calls{};  // of clients: without an answer, with one
+      client_ends{};  // of switches that clients requested, by SwitchEnd::Kind
+  std::array<std::uint64_t, 2> client_calls{};  // of clients: without a reply, with one
   std::uint64_t checks = 0;
   std::uint64_t steps = 0;         // events of the network
-  Duration simulated{};            // how long the life was
-  std::optional<Duration> rested;  // so long after the last fault had ceased
-  std::uint64_t fingerprint = 0;   // of all that was told and done
+  Duration simulated{};            // how long the run was, in virtual time
+  std::optional<Duration> rested;  // how long after the last fault the machine was stable
+  std::uint64_t fingerprint = 0;   // of all records and replies
 };
 
 class Scenario {
@@ -52,78 +53,78 @@ class Scenario {
            const ScenarioOptions& options);
   ~Scenario();
 
-  // Something of the caller's stands behind an actuator, made anew with each process. `draw` says
-  // what befalls its callback that begins. Before Tell().
-  using Draw = std::function<Act(const State&)>;
+  // Puts a module of the caller behind an actuator; each process makes one. `sample_act` samples
+  // how a callback that begins will end. To be called before Run().
+  using ActSampler = std::function<Act(const State&)>;
   void UseModule(const std::string& actuator,
-                 std::function<std::unique_ptr<Module>(const Draw& draw)> make);
-  // Ends the scenario after the present event: the caller has seen enough.
-  void EndNow() { seen_enough_ = true; }
+                 std::function<std::unique_ptr<Module>(const ActSampler& sample_act)> make);
+  // Ends the scenario after the current event.
+  void EndNow() { end_now_ = true; }
 
-  // Lives it. Once.
-  Ending Tell();
+  // To be called once.
+  Ending Run();
 
-  // What a listener may want to draw. Set before Tell().
+  // Observes the run. Set before Run().
   struct Listener {
     std::function<void(Time, const Injection&)> on_injection;
-    std::function<void(Time, const std::string&)> on_repair;  // of the people who repair it
+    std::function<void(Time, const std::string&)> on_repair;  // an action of the operator
     std::function<void(Time, const action::Record&)> on_record;
-    std::function<void(Time, const SimRobot&)> on_change;  // of anybody's state, maybe
+    std::function<void(Time, const SimRobot&)> on_change;  // a state may have changed
   };
   Listener listener;
 
   const SimRobot& robot() const { return robot_; }
 
  private:
-  struct FaultWindow {  // of an actuator's callbacks, until then
+  struct FaultWindow {  // the ends of the faults of an actuator's callbacks
     Time hangs{};
     Time slow{};
     Time fails{};
   };
-  // Something to be done at its time.
   struct TimedAction {
     Time at{};
     std::function<void()> what;
   };
 
-  Act DrawAct(const std::string& name, const State& state);
+  Act SampleAct(const std::string& name, const State& state);
   void SwitchOn();
   void Inject();
-  void Cease();
-  void Rest();
+  void EndFaults();
+  void Settle();
   void Repair();
   void SwitchOff();
 
-  void Do(const Injection& injection);
+  void Apply(const Injection& injection);
   void Misconfigure(const std::string& name, Duration lasts);
-  void DoToNetwork(const Injection& injection);
-  void DoToController(const Injection& injection);
-  void Ask(const State& target, const std::optional<std::string>& actuator = std::nullopt);
-  void DoToPolicy(const Injection& injection);
-  void AskPolicy(const event::PolicyRequested& asked);
+  void ApplyToNetwork(const Injection& injection);
+  void ApplyToController(const Injection& injection);
+  void RequestSwitch(const State& target,
+                     const std::optional<std::string>& actuator = std::nullopt);
+  void ApplyToPolicy(const Injection& injection);
+  void RequestPolicy(const event::PolicyRequested& requested);
   void ApplyNetworkFaults();
-  void DoToHosts(const Injection& injection);
+  void ApplyToHosts(const Injection& injection);
   void Reboot(std::size_t host, Duration lasts);
   void StartController(bool restarted = false);
-  void DoToStops(const Injection& injection);
-  void DoByClient(const Injection& injection);
+  void ApplyToStops(const Injection& injection);
+  void ApplyByClient(const Injection& injection);
   void Engage(std::size_t panel, std::uint64_t id);
   void StartByHand(std::size_t actuator);
-  // Started by hand, in a process of its own.
+  // Whether it is started by hand, in a process of its own.
   bool IsByHand(std::size_t actuator) const;
   MachinePhase Now() const;
   void Later(Duration delay, std::function<void()> what);
-  // Lets time pass; stops early at a violation.
+  // Runs in virtual time; stops early at a violation.
   bool RunUntil(const std::function<bool()>& done, Duration limit);
   void RunFor(Duration duration);
-  bool Over() const { return seen_enough_ || checker_.violation().has_value(); }
+  bool Over() const { return end_now_ || checker_.violation().has_value(); }
 
-  bool ComeToRest(const std::string& when);
+  bool ReachStableState(const std::string& when);
   void RepairActuators();
   bool EndSurplus();
   void EndElsewhere(const ActuatorConfig& actuator);
-  bool BringHome();
-  void CheckWhole();
+  bool RecoverHome();
+  void CheckAllAvailable();
   void Note(const std::string& action);
   void Mix(const std::string& text);
 
@@ -131,19 +132,19 @@ class Scenario {
   const std::uint64_t seed_;
   const Injections injections_;
   const ScenarioOptions options_;
-  const bool supervised_;  // a supervisor restarts the controller
-  Duration patience_{};    // how long an injected event waits for its moment
+  const bool supervised_;     // a supervisor restarts the controller
+  Duration phase_timeout_{};  // how long an injected event waits for its phase
   Ending ending_;
-  bool seen_enough_ = false;
+  bool end_now_ = false;
   std::vector<FaultWindow> fault_windows_;
-  std::vector<std::uint64_t> runs_;        // of callbacks, by actuator
-  std::array<int, 4> network_troubles_{};  // under way: loss, delay, duplication, reordering
+  std::vector<std::uint64_t> callback_runs_;  // by actuator
+  std::array<int, 4> network_faults_{};       // active: loss, delay, duplication, reordering
   std::vector<TimedAction> later_;
   SimRobot robot_;
   Checker checker_;
 };
 
-// All drawn from the seed.
+// Runs a scenario with everything sampled from the seed.
 Ending RunScenario(const MachineConfig& config, std::uint64_t seed, const Injections& injections,
                    const ScenarioOptions& options);
 

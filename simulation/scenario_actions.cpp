@@ -1,4 +1,4 @@
-// What injected events do to the robot.
+// How injected events act on the robot.
 
 #include <algorithm>
 
@@ -15,7 +15,7 @@ constexpr std::int32_t kWalking = 303;
 
 }  // namespace
 
-void Scenario::Do(const Injection& injection) {
+void Scenario::Apply(const Injection& injection) {
   const std::string& name = config_.actuators[injection.actuator].name;
   const Time now = robot_.network().now();
   FaultWindow& window = fault_windows_[injection.actuator];
@@ -41,78 +41,78 @@ void Scenario::Do(const Injection& injection) {
       return;
     case InjectionKind::kLie:
       if (!robot_.IsAlive(name)) return;
-      checker_.Lied(name);
+      checker_.OnFalseReport(name);
       return robot_.Lie(name, injection.state);
     case InjectionKind::kSet:
-      return Ask(injection.state);
+      return RequestSwitch(injection.state);
     case InjectionKind::kSetOne:
-      return Ask(injection.state, name);
+      return RequestSwitch(injection.state, name);
     case InjectionKind::kBattery:
       return robot_.SetBattery(BatteryOf(injection), ChargesIn(injection));
     case InjectionKind::kEmergencyStop:
-      return Engage(injection.chance / 2 % 2, injection.chance | 1);
+      return Engage(injection.random / 2 % 2, injection.random | 1);
     case InjectionKind::kRelease:
       return robot_.ReleaseEmergencyStop();
     case InjectionKind::kRestart:
-      checker_.AskedRestart(name);
+      checker_.OnRestartRequest(name);
       return robot_.Restart(name);
     default:
-      if (injection.kind >= InjectionKind::kClientSet) return DoByClient(injection);
-      if (injection.kind == InjectionKind::kCrossingStops) return DoToStops(injection);
-      if (injection.kind == InjectionKind::kStalledDisk) return DoToController(injection);
-      if (injection.kind >= InjectionKind::kReboot) return DoToHosts(injection);
-      if (injection.kind > InjectionKind::kRestart) return DoToPolicy(injection);
-      return injection.kind < InjectionKind::kControllerCrash ? DoToNetwork(injection)
-                                                              : DoToController(injection);
+      if (injection.kind >= InjectionKind::kClientSet) return ApplyByClient(injection);
+      if (injection.kind == InjectionKind::kCrossingStops) return ApplyToStops(injection);
+      if (injection.kind == InjectionKind::kStalledDisk) return ApplyToController(injection);
+      if (injection.kind >= InjectionKind::kReboot) return ApplyToHosts(injection);
+      if (injection.kind > InjectionKind::kRestart) return ApplyToPolicy(injection);
+      return injection.kind < InjectionKind::kControllerCrash ? ApplyToNetwork(injection)
+                                                              : ApplyToController(injection);
   }
 }
 
 void Scenario::Misconfigure(const std::string& name, Duration lasts) {
   robot_.processes().Misconfigure(name, true);
   if (robot_.IsAlive(name)) {
-    checker_.FindsConfigWrong(name);
+    checker_.OnWrongConfig(name);
     robot_.processes().End(name, WrongConfigExit());
   }
   Later(lasts, [this, name] { robot_.processes().Misconfigure(name, false); });
 }
 
-void Scenario::DoToPolicy(const Injection& injection) {
-  const std::uint64_t chance = injection.chance;
+void Scenario::ApplyToPolicy(const Injection& injection) {
+  const std::uint64_t random = injection.random;
   switch (injection.kind) {
     case InjectionKind::kStillness:
-      return robot_.SetMotion(chance % 4 == 0 ? kWalking : kLying);
+      return robot_.SetMotion(random % 4 == 0 ? kWalking : kLying);
     case InjectionKind::kWakeUp:
-      return AskPolicy({0, PolicyRequest::kWakeUp, "", 0, false});
+      return RequestPolicy({0, PolicyRequest::kWakeUp, "", 0, false});
     case InjectionKind::kKeep:
-      return AskPolicy(
-          {0, PolicyRequest::kKeep, injection.state, static_cast<std::int64_t>(chance % 8), false});
+      return RequestPolicy(
+          {0, PolicyRequest::kKeep, injection.state, static_cast<std::int64_t>(random % 8), false});
     case InjectionKind::kOta:
-      return AskPolicy({0, PolicyRequest::kOta, "", 0, chance % 2 == 0});
+      return RequestPolicy({0, PolicyRequest::kOta, "", 0, random % 2 == 0});
     case InjectionKind::kLowPowerSwitch:
-      return AskPolicy({0, PolicyRequest::kLowPowerSwitch, "", 0, chance % 3 != 0});
+      return RequestPolicy({0, PolicyRequest::kLowPowerSwitch, "", 0, random % 3 != 0});
     default:
-      return AskPolicy({0, PolicyRequest::kPowerOff, "", 0, false});
+      return RequestPolicy({0, PolicyRequest::kPowerOff, "", 0, false});
   }
 }
 
-void Scenario::AskPolicy(const event::PolicyRequested& asked) {
+void Scenario::RequestPolicy(const event::PolicyRequested& requested) {
   ControllerProcess* leader = robot_.leader();
   if (leader == nullptr || leader->frozen) return;
-  const std::uint64_t request = checker_.AskedPolicy(*leader, asked);
-  leader->shell().AskPolicy(asked, [this, request, asked](const Result<>& answer) {
-    Mix(answer ? "ok" : answer.error().message);
-    checker_.AnsweredPolicy(request, asked, answer);
+  const std::uint64_t request = checker_.OnPolicyRequest(*leader, requested);
+  leader->shell().AskPolicy(requested, [this, request, requested](const Result<>& reply) {
+    Mix(reply ? "ok" : reply.error().message);
+    checker_.OnPolicyReply(request, requested, reply);
   });
 }
 
-void Scenario::DoToNetwork(const Injection& injection) {
+void Scenario::ApplyToNetwork(const Injection& injection) {
   if (injection.kind < InjectionKind::kPartition) {
     const auto which =
         static_cast<std::size_t>(injection.kind) - static_cast<std::size_t>(InjectionKind::kLoss);
-    ++network_troubles_[which];
+    ++network_faults_[which];
     ApplyNetworkFaults();
     return Later(injection.lasts, [this, which] {
-      --network_troubles_[which];
+      --network_faults_[which];
       ApplyNetworkFaults();
     });
   }
@@ -130,44 +130,44 @@ void Scenario::DoToNetwork(const Injection& injection) {
 }
 
 void Scenario::Engage(std::size_t panel, std::uint64_t id) {
-  checker_.StopEngaged(panel, id);
+  checker_.OnStopEngaged(panel, id);
   robot_.EngageEmergencyStop(id, panel);
 }
 
-// Two panels engage a stop, and a release comes between or about the same time.
-void Scenario::DoToStops(const Injection& injection) {
-  const std::uint64_t chance = injection.chance;
-  const std::size_t panel = chance / 2 % 2;
-  Engage(panel, chance | 1);
-  Later(Milliseconds(static_cast<std::int64_t>(chance / 16 % 40)),
-        [this, panel, id = (chance >> 9) | 1] { Engage(1 - panel, id); });
-  Later(Milliseconds(static_cast<std::int64_t>(chance / 1024 % 60)),
+// Two panels engage a stop; the release comes between them or at about the same time.
+void Scenario::ApplyToStops(const Injection& injection) {
+  const std::uint64_t random = injection.random;
+  const std::size_t panel = random / 2 % 2;
+  Engage(panel, random | 1);
+  Later(Milliseconds(static_cast<std::int64_t>(random / 16 % 40)),
+        [this, panel, id = (random >> 9) | 1] { Engage(1 - panel, id); });
+  Later(Milliseconds(static_cast<std::int64_t>(random / 1024 % 60)),
         [this] { robot_.ReleaseEmergencyStop(); });
 }
 
-void Scenario::DoByClient(const Injection& injection) {
+void Scenario::ApplyByClient(const Injection& injection) {
   Client& client = robot_.ClientOn(injection.host);
   client.on_end = [this](const Client::Request&, const SwitchEnd& end) {
     ++ending_.client_ends[static_cast<std::size_t>(end.kind)];
     Mix(end.result.outcome);
   };
-  client.on_answer = [this](bool answered) { ++ending_.client_calls[answered ? 1 : 0]; };
+  client.on_reply = [this](bool replied) { ++ending_.client_calls[replied ? 1 : 0]; };
   const std::string& name = config_.actuators[injection.actuator].name;
   switch (injection.kind) {
     case InjectionKind::kClientSet:
-      checker_.ClientAsks(injection.state);
-      return client.SetState(injection.state, injection.chance % 8 == 0 ? name : "");
+      checker_.OnClientRequest(injection.state);
+      return client.SetState(injection.state, injection.random % 8 == 0 ? name : "");
     case InjectionKind::kClientRelease:
       return client.ReleaseEmergencyStop();
     case InjectionKind::kClientRestart:
-      checker_.AskedRestart(name);
+      checker_.OnRestartRequest(name);
       return client.Restart(name);
     default:
       return client.GetStatus();
   }
 }
 
-void Scenario::DoToHosts(const Injection& injection) {
+void Scenario::ApplyToHosts(const Injection& injection) {
   const std::size_t from = injection.host;
   const std::size_t to = injection.other_host;
   if (injection.kind == InjectionKind::kReboot) return Reboot(from, injection.lasts);
@@ -180,7 +180,8 @@ void Scenario::DoToHosts(const Injection& injection) {
   Later(injection.lasts, [set] { set(false); });
 }
 
-// What a person or the host's own start-up had started comes back with the host.
+// After the reboot the actuators that are started by hand, and a controller that ran on the host,
+// start again.
 void Scenario::Reboot(std::size_t host, Duration lasts) {
   bool had_controller = false;
   for (std::size_t which = 0; which < 2; ++which) {
@@ -200,21 +201,21 @@ void Scenario::Reboot(std::size_t host, Duration lasts) {
 
 void Scenario::ApplyNetworkFaults() {
   LinkFaults faults;
-  if (network_troubles_[0] > 0) faults.loss = 0.2;
-  if (network_troubles_[1] > 0) faults.delay_max = Milliseconds(80);
-  if (network_troubles_[2] > 0) faults.duplication = 0.3;
-  if (network_troubles_[3] > 0) faults.reordering = 0.3;
+  if (network_faults_[0] > 0) faults.loss = 0.2;
+  if (network_faults_[1] > 0) faults.delay_max = Milliseconds(80);
+  if (network_faults_[2] > 0) faults.duplication = 0.3;
+  if (network_faults_[3] > 0) faults.reordering = 0.3;
   robot_.network().SetFaults(faults);
 }
 
-void Scenario::DoToController(const Injection& injection) {
+void Scenario::ApplyToController(const Injection& injection) {
   if (injection.kind != InjectionKind::kWallClock) {
-    checker_.ControllersBlocked(injection.kind == InjectionKind::kFullDisk ||
-                                injection.kind == InjectionKind::kStalledDisk);
+    checker_.OnControllersBlocked(injection.kind == InjectionKind::kFullDisk ||
+                                  injection.kind == InjectionKind::kStalledDisk);
   }
   switch (injection.kind) {
     case InjectionKind::kControllerCrash: {
-      // A supervisor restarts what has crashed on its host.
+      // A supervisor restarts only a controller that crashed on its own host.
       const bool restarted = supervised_ && (robot_.controller(0) != nullptr || robot_.OneHost());
       robot_.CrashController();
       return Later(injection.lasts, [this, restarted] {
@@ -236,19 +237,19 @@ void Scenario::DoToController(const Injection& injection) {
       return Later(injection.lasts, [this] { robot_.FillDisk(false); });
     default:
       return robot_.JumpWallClock(
-          Milliseconds(static_cast<std::int64_t>(injection.chance % 7'200'000)) -
+          Milliseconds(static_cast<std::int64_t>(injection.random % 7'200'000)) -
           std::chrono::hours(1));
   }
 }
 
-void Scenario::Ask(const State& target, const std::optional<std::string>& actuator) {
+void Scenario::RequestSwitch(const State& target, const std::optional<std::string>& actuator) {
   ControllerProcess* leader = robot_.leader();
   if (leader == nullptr || leader->frozen) return;
-  const std::uint64_t request = checker_.Asked(*leader, target);
+  const std::uint64_t request = checker_.OnRequest(*leader, target);
   leader->shell().SetState(target, actuator, [this, request](const SwitchResult& result) {
     ++ending_.switches[static_cast<std::size_t>(result.outcome)];
     Mix(std::string(OutcomeName(result.outcome)));
-    checker_.Answered(request, result);
+    checker_.OnReply(request, result);
   });
 }
 

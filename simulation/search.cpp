@@ -9,13 +9,13 @@
 namespace musher::simulation {
 namespace {
 
-// Seeds that are taken at once by a thread.
+// How many seeds a thread takes at once.
 constexpr std::uint64_t kBatch = 16;
-// Bad scenarios of each invariant that are shrunk in search of the shortest.
+// How many failing scenarios of each invariant are shrunk to find the shortest.
 constexpr std::size_t kShrunk = 5;
 
-std::optional<Invariant> BrokenBy(const MachineConfig& config, const ScenarioOptions& options,
-                                  const ScenarioId& id) {
+std::optional<Invariant> ViolatedBy(const MachineConfig& config, const ScenarioOptions& options,
+                                    const ScenarioId& id) {
   const auto injections = InjectionsOf(config, id);
   if (!injections) return std::nullopt;
   const Ending ending = RunScenario(config, id.seed, injections.value(), options);
@@ -61,9 +61,9 @@ void Summary::Sort() {
   for (auto& seeds : bad) std::sort(seeds.begin(), seeds.end());
 }
 
-Summary LiveMany(const MachineConfig& config, const ScenarioOptions& options, std::uint64_t first,
-                 std::uint64_t count, unsigned threads,
-                 const std::function<bool(std::uint64_t)>& on_done) {
+Summary RunMany(const MachineConfig& config, const ScenarioOptions& options, std::uint64_t first,
+                std::uint64_t count, unsigned threads,
+                const std::function<bool(std::uint64_t)>& on_done) {
   Summary summary;
   std::mutex mutex;  // guards the summary and on_done
   std::atomic<std::uint64_t> next = 0;
@@ -90,7 +90,7 @@ Summary LiveMany(const MachineConfig& config, const ScenarioOptions& options, st
   return summary;
 }
 
-// Delta debugging: first large parts are left out, then single ones.
+// Delta debugging: removes large parts first, then single events.
 std::vector<std::size_t> ShrinkWhile(
     std::size_t count, const std::function<bool(const std::vector<std::size_t>&)>& bad) {
   std::vector<std::size_t> only(count);
@@ -117,7 +117,7 @@ std::vector<std::size_t> ShrinkWhile(
 ScenarioId Shrink(const MachineConfig& config, const ScenarioOptions& options, std::uint64_t seed,
                   Invariant invariant) {
   const auto bad = [&](const std::vector<std::size_t>& only) {
-    return BrokenBy(config, options, {seed, only}) == invariant;
+    return ViolatedBy(config, options, {seed, only}) == invariant;
   };
   return {seed, ShrinkWhile(SampleInjections(config, seed).size(), bad)};
 }

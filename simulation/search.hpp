@@ -1,7 +1,7 @@
 #pragma once
-// Many scenarios of one config, and the shortest bad one.
+// Runs many scenarios of one config, and shrinks the failing ones.
 //
-// Threads: LiveMany() uses several; the rest one.
+// Threads: RunMany() uses several; the rest one.
 
 #include <array>
 #include <cstdint>
@@ -14,17 +14,16 @@
 
 namespace musher::simulation {
 
-// Which scenario: the one that a seed draws, or some of its injected events, by their number
-// from 1.
+// Names a scenario: the events sampled from a seed, or only those of some numbers (from 1).
 struct ScenarioId {
   std::uint64_t seed = 0;
   std::optional<std::vector<std::size_t>> only;
 };
 
-// The injected events of a scenario. Fails when there is no injected event of a number.
+// The injected events of a scenario. Fails for a number that the seed has no event for.
 Result<Injections> InjectionsOf(const MachineConfig& config, const ScenarioId& id);
 
-// What many scenarios had in common.
+// The results of many scenarios.
 struct Summary {
   std::uint64_t scenarios = 0;
   Coverage coverage;
@@ -32,7 +31,7 @@ struct Summary {
   std::uint64_t checks = 0;
   std::uint64_t steps = 0;
   Duration simulated{};
-  std::vector<Duration> rests;  // how long after the last fault, ascending
+  std::vector<Duration> rests;                              // Ending::rested, ascending
   std::array<std::vector<std::uint64_t>, kInvariants> bad;  // seeds, ascending, by invariant
 
   bool good() const;
@@ -41,23 +40,24 @@ struct Summary {
   void Sort();
 };
 
-// Lives the scenarios of the seeds from `first` on, on `threads` threads. `on_done` is told how
-// many are over, now and then; it may say false to end early. The summary is the same however many
-// threads there are.
-Summary LiveMany(const MachineConfig& config, const ScenarioOptions& options, std::uint64_t first,
-                 std::uint64_t count, unsigned threads,
-                 const std::function<bool(std::uint64_t)>& on_done);
+// Runs the scenarios of the seeds from `first` on, on `threads` threads. `on_done` is called now
+// and then with how many are done; it returns false to end early. The summary does not depend on
+// the number of threads.
+Summary RunMany(const MachineConfig& config, const ScenarioOptions& options, std::uint64_t first,
+                std::uint64_t count, unsigned threads,
+                const std::function<bool(std::uint64_t)>& on_done);
 
-// Of the injected events 1 to `count` as few as can be that are `bad` still. All of them are.
+// Removes as many of the injected events 1 to `count` as possible while `bad` still holds. It must
+// hold for all of them.
 std::vector<std::size_t> ShrinkWhile(
     std::size_t count, const std::function<bool(const std::vector<std::size_t>&)>& bad);
 
-// The same invariant broken by as few injected events as can be.
+// The scenario of the seed with as few injected events as violate the same invariant.
 ScenarioId Shrink(const MachineConfig& config, const ScenarioOptions& options, std::uint64_t seed,
                   Invariant invariant);
 
-// Of the bad ones of a summary: those that break a invariant are shrunk, some of them, and that
-// with the fewest injected events is taken. nullopt: none is bad.
+// Shrinks some failing scenarios of each violated invariant, and returns the one with the fewest
+// injected events. nullopt: none failed.
 std::optional<ScenarioId> ShortestFailingScenario(const MachineConfig& config,
                                                   const ScenarioOptions& options,
                                                   const Summary& summary);

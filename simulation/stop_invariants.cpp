@@ -1,4 +1,4 @@
-// What has to hold of emergency stops, and of the intent to stop.
+// The invariants of emergency stops, and of an accepted TearDown.
 
 #include <algorithm>
 
@@ -7,22 +7,22 @@
 
 namespace musher::simulation {
 
-void Checker::StopEngaged(std::size_t panel, std::uint64_t id) {
+void Checker::OnStopEngaged(std::size_t panel, std::uint64_t id) {
   engaged_[id] = panel;
   last_of_panel_[panel] = id;
 }
 
-// What a controller publishes. It alone releases.
+// A controller publishes a stop. Only a controller releases one.
 void Checker::OnStopPublished(const ControllerProcess& controller, const msg::EmergencyStop& stop) {
   if (stop.engaged) {
-    taken_up_.insert(stop.id);
+    accepted_stops_.insert(stop.id);
   } else {
     released_[stop.id].insert(controller.host());
   }
 }
 
-// A release is on the disk of the host whose controller was asked. Where another host leads
-// afterwards, a panel that lives on engages the stop again.
+// A release is stored on the disk of the host whose controller received it. If a controller of
+// another host leads afterwards, a panel that is still available engages the stop again.
 bool Checker::ReleasedElsewhere() const {
   const ControllerProcess* leader = robot_.leader();
   return leader != nullptr &&
@@ -31,11 +31,11 @@ bool Checker::ReleasedElsewhere() const {
          });
 }
 
-// Whether one is not released. A panel keeps its last one only: of one before that nothing is left
-// if no controller had taken it up, or where that was on a disk that is lost.
+// Whether a stop is still engaged. A panel keeps its last stop only: an earlier one is gone if no
+// controller had received it, or if it was stored on a disk that is lost.
 bool Checker::StopIsOpen() const {
   return std::any_of(engaged_.begin(), engaged_.end(), [&](const auto& stop) {
-    const bool kept = taken_up_.contains(stop.first) && !forgetful_;
+    const bool kept = accepted_stops_.contains(stop.first) && !state_lost_;
     const bool known = kept || last_of_panel_.at(stop.second) == stop.first;
     return known && !released_.contains(stop.first);
   });
@@ -44,52 +44,53 @@ bool Checker::StopIsOpen() const {
 void Checker::CheckStopsAtRest(const Machine& machine) {
   const bool open = StopIsOpen();
   const auto excused = [&](bool latched) {
-    return latched && !open && (forgetful_ || ReleasedElsewhere());
+    return latched && !open && (state_lost_ || ReleasedElsewhere());
   };
-  const std::string what = open ? " although one is engaged" : " although all are released";
-  const bool told = machine.emergency_stop.has_value();
-  if (told != open && !excused(told)) {
+  const std::string what = open ? " although one is engaged" : " although all stops are released";
+  const bool known = machine.emergency_stop.has_value();
+  if (known != open && !excused(known)) {
     return ReportViolation(
-        Invariant::kStopStays,
-        std::string("the controller knows of ") + (told ? "an" : "no") + " emergency stop" + what);
+        Invariant::kEmergencyStopLatched,
+        std::string("the controller knows of ") + (known ? "an" : "no") + " emergency stop" + what);
   }
   for (std::size_t i = 0; i < machine.actuators.size(); ++i) {
     const ActuatorReport* report = robot_.ReportOf(i, machine.actuators[i].report);
     if (report == nullptr || machine.actuators[i].presence != Presence::kPresent) continue;
     const bool latched = report->emergency_stop != 0;
     if (latched == open || excused(latched)) continue;
-    ReportViolation(Invariant::kStopStays, config_.actuators[i].name + " has latched " +
-                                               (latched ? "an" : "no") + " emergency stop" + what);
+    ReportViolation(Invariant::kEmergencyStopLatched, config_.actuators[i].name + " has latched " +
+                                                          (latched ? "an" : "no") +
+                                                          " emergency stop" + what);
   }
 }
 
-// A callback ends beside an emergency stop.
+// Runs after each step of an actuator.
 void Checker::CheckStopped(const std::string& name, std::size_t host, const ActuatorReport& before,
                            const ActuatorReport& report) {
-  const bool says_on = !report.busy() && !report.held_by_stop && report.incarnation != 0 &&
-                       Rises(config_, kUninitialized, report.state);
+  const bool reports_on = !report.busy() && !report.held_by_stop && report.incarnation != 0 &&
+                          Rises(config_, kUninitialized, report.state);
   const Processes& processes = robot_.processes();
-  if (says_on && processes.HasPower(name, host) && !processes.IsPowered(name, host)) {
-    ReportViolation(Invariant::kStopIsSeen,
-                    name + " says that it is in " + report.state +
-                        ", with its power off, and not that a stop holds it");
+  if (reports_on && processes.HasPower(name, host) && !processes.IsPowered(name, host)) {
+    ReportViolation(
+        Invariant::kEmergencyStopReported,
+        name + " reports " + report.state + " with its power off, and not that a stop holds it");
   }
   if (report.emergency_stop == 0 || before.emergency_stop != report.emergency_stop) return;
-  if (!report.busy()) free_and_stopped_.emplace_back(name, host);
+  if (!report.busy()) idle_and_stopped_.emplace_back(name, host);
   if (before.busy() && Rises(config_, before.state, report.state)) {
-    ReportViolation(Invariant::kStopWins, name + " has risen from " + before.state + " to " +
-                                              report.state +
-                                              " although it has latched an emergency stop");
+    ReportViolation(Invariant::kEmergencyStopHolds,
+                    name + " has switched up from " + before.state + " to " + report.state +
+                        " although it has latched an emergency stop");
   }
 }
 
-// After all that the step of an actuator does.
+// Runs after the whole step of an actuator.
 void Checker::CheckPower() {
-  for (const auto& [name, host] : std::exchange(free_and_stopped_, {})) {
+  for (const auto& [name, host] : std::exchange(idle_and_stopped_, {})) {
     const ActuatorReport* report = robot_.processes().ReportOf(name, host);
     if (report == nullptr || report->busy() || report->emergency_stop == 0) continue;
     if (!robot_.processes().IsPowered(name, host)) continue;
-    ReportViolation(Invariant::kStopWins,
+    ReportViolation(Invariant::kEmergencyStopHolds,
                     name + " in " + report->state +
                         " has its power on although it has latched an emergency stop");
   }
@@ -100,15 +101,16 @@ void Checker::CheckPower() {
 // controllers first. Each disk stores the intent of the controllers of its host only.
 void Checker::CheckStaysDown(const ControllerProcess& controller) {
   const Machine& machine = controller.shell().machine();
-  if (machine.stopping && !stop_asked_) {
-    stop_asked_ = StopAsked{controller.serial(), controller.host()};
+  if (machine.stopping && !accepted_tear_down_) {
+    accepted_tear_down_ = AcceptedTearDown{controller.serial(), controller.host()};
   }
-  if (!stop_asked_ || forgetful_ || stop_asked_->host != controller.host()) return;
+  if (!accepted_tear_down_ || state_lost_ || accepted_tear_down_->host != controller.host()) return;
   const bool is_up =
-      machine.phase == Phase::kRunning && stop_asked_->controller != controller.serial();
+      machine.phase == Phase::kRunning && accepted_tear_down_->controller != controller.serial();
   if (!is_up) return;
-  ReportViolation(Invariant::kStaysDown, "a supervisor's start brings the machine to " +
-                                             machine.state + " after a TearDown that was accepted");
+  ReportViolation(Invariant::kNoStartAfterTearDown,
+                  "a supervisor's restart brings the machine to " + machine.state +
+                      " after an accepted TearDown");
 }
 
 // Whether the actuator runs for another controller, on the host of that controller, which began
@@ -127,7 +129,7 @@ bool Checker::RunsForAnother(const ControllerProcess& asked, std::size_t i,
   return false;
 }
 
-// TearDown is told to be done.
+// TearDown is reported as done.
 void Checker::CheckTornDown(const ControllerProcess& controller, const SwitchResult& result) {
   if (result.target != kTearDown || !result.actuator.empty()) return;
   if (result.outcome != SwitchOutcome::kDone) return;
@@ -135,15 +137,15 @@ void Checker::CheckTornDown(const ControllerProcess& controller, const SwitchRes
     const std::string& name = config_.actuators[i].name;
     for (std::size_t host = 0; host < robot_.hosts().size(); ++host) {
       const ActuatorReport* report = robot_.processes().ReportOf(name, host);
-      if (report == nullptr || report->state == kTearDown || twice_.contains(name)) continue;
-      // One that starts meanwhile has not been heard yet.
+      if (report == nullptr || report->state == kTearDown || duplicated_.contains(name)) continue;
+      // The controller may have no report yet of an actuator that is starting.
       const ActuatorRecord& record = controller.shell().machine().actuators[i];
-      const bool heard = record.report.incarnation == report->incarnation;
-      if (!heard && !config_.RankOf(report->state)) continue;
-      if (!heard && RunsForAnother(controller, i, host)) continue;
-      ReportViolation(Invariant::kDownIsDown, "TearDown is told to be done, and " + name +
-                                                  " lives on in " + report->state + " on host " +
-                                                  robot_.hosts().name(host));
+      const bool received = record.report.incarnation == report->incarnation;
+      if (!received && !config_.RankOf(report->state)) continue;
+      if (!received && RunsForAnother(controller, i, host)) continue;
+      ReportViolation(Invariant::kTearDownIsComplete, "TearDown is reported as done, and " + name +
+                                                          " still runs in " + report->state +
+                                                          " on host " + robot_.hosts().name(host));
     }
   }
 }

@@ -12,17 +12,17 @@ std::string Seconds(Duration at) {
   return text.data();
 }
 
-std::string_view Mark(Timeline::Teller teller) {
-  switch (teller) {
-    case Timeline::Teller::kInjection:
+std::string_view Mark(Timeline::Source source) {
+  switch (source) {
+    case Timeline::Source::kInjection:
       return "  ⚡ ";
-    case Timeline::Teller::kPeople:
+    case Timeline::Source::kOperator:
       return "  ☺ ";
-    case Timeline::Teller::kController:
+    case Timeline::Source::kController:
       return "      ";
-    case Timeline::Teller::kActuator:
+    case Timeline::Source::kActuator:
       return "        · ";
-    case Timeline::Teller::kJudge:
+    case Timeline::Source::kChecker:
       return "  ✗ ";
   }
   return {};
@@ -35,22 +35,22 @@ Timeline::Timeline(Scenario& scenario, const MachineConfig& config)
   bands_.push_back({"machine", {}});
   for (const ActuatorConfig& actuator : config.actuators) bands_.push_back({actuator.name, {}});
   scenario.listener.on_injection = [this](Time, const Injection& injection) {
-    Add(Teller::kInjection, Describe(config_, injection));
+    Add(Source::kInjection, Describe(config_, injection));
   };
   scenario.listener.on_repair = [this](Time, const std::string& action) {
-    Add(Teller::kPeople, action);
+    Add(Source::kOperator, action);
   };
   scenario.listener.on_record = [this](Time, const action::Record& record) {
-    Add(Teller::kController, record.message);
+    Add(Source::kController, record.message);
   };
-  scenario.listener.on_change = [this](Time, const SimRobot& robot) { LookAt(robot); };
+  scenario.listener.on_change = [this](Time, const SimRobot& robot) { Update(robot); };
 }
 
-void Timeline::Add(Teller teller, std::string text) {
-  lines_.push_back({scenario_.robot().age(), teller, std::move(text)});
+void Timeline::Add(Source source, std::string text) {
+  lines_.push_back({scenario_.robot().age(), source, std::move(text)});
 }
 
-void Timeline::LookAt(const SimRobot& robot) {
+void Timeline::Update(const SimRobot& robot) {
   const auto* leader = robot.leader();
   if (leader == nullptr) {
     Show(0, "", "");
@@ -81,11 +81,11 @@ void Timeline::Show(std::size_t band, const std::string& state, const std::strin
   if (band == 0) return;
   const std::string& name = bands_[band].name;
   if (state.empty()) {
-    if (was_there) Add(Teller::kActuator, name + " is gone");
+    if (was_there) Add(Source::kActuator, name + " has exited");
   } else if (target.empty()) {
-    Add(Teller::kActuator, name + " is in " + state);
+    Add(Source::kActuator, name + " is in " + state);
   } else {
-    Add(Teller::kActuator, name + " in " + state + " begins " + target);
+    Add(Source::kActuator, name + " in " + state + " begins " + target);
   }
 }
 
@@ -95,16 +95,15 @@ void Timeline::End(const Ending& ending) {
     if (!band.spans.empty()) band.spans.back().to = end_;
   }
   if (ending.violation) {
-    Add(Teller::kJudge, ending.violation->what);
-    Add(Teller::kJudge,
-        "so it does not hold that " + std::string(InvariantText(ending.violation->invariant)));
+    Add(Source::kChecker, ending.violation->what);
+    Add(Source::kChecker, "violated: " + std::string(InvariantText(ending.violation->invariant)));
   }
 }
 
 std::string Timeline::Text() const {
   std::string text;
   for (const Line& line : lines_) {
-    text += Seconds(line.at) + std::string(Mark(line.teller)) + line.text + "\n";
+    text += Seconds(line.at) + std::string(Mark(line.source)) + line.text + "\n";
   }
   return text;
 }

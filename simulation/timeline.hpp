@@ -1,6 +1,6 @@
 #pragma once
-// What happened in a scenario, for people: as text, a line for each thing that happened, or as a
-// picture (SVG), a band for the machine and for each actuator.
+// The timeline of a scenario, as text (a line for each event) or as a picture (SVG, a band for the
+// machine and for each actuator).
 
 #include <map>
 #include <string>
@@ -12,26 +12,26 @@ namespace musher::simulation {
 
 class Timeline {
  public:
-  // Listens to a scenario that has not been told yet, and that must outlive it.
+  // Observes a scenario, which has not run yet and must outlive it.
   Timeline(Scenario& scenario, const MachineConfig& config);
   Timeline(const Timeline&) = delete;
   Timeline& operator=(const Timeline&) = delete;
 
-  // To be called when it has been told.
+  // To be called after the run.
   void End(const Ending& ending);
 
-  enum class Teller : std::uint8_t { kInjection, kPeople, kController, kActuator, kJudge };
+  enum class Source : std::uint8_t { kInjection, kOperator, kController, kActuator, kChecker };
   struct Line {
     Duration at{};
-    Teller teller = Teller::kController;
+    Source source = Source::kController;
     std::string text;
   };
   // One state of the machine or of an actuator.
   struct Span {
     Duration from{};
     Duration to{};
-    std::string state;   // empty: not there
-    std::string target;  // its callback runs; empty: none
+    std::string state;   // empty: not available
+    std::string target;  // of the running callback; empty: none
     friend bool operator==(const Span&, const Span&) = default;
   };
   struct Band {
@@ -47,9 +47,9 @@ class Timeline {
   std::string Svg(const std::string& title) const;
 
  private:
-  void LookAt(const SimRobot& robot);
+  void Update(const SimRobot& robot);
   void Show(std::size_t band, const std::string& state, const std::string& target);
-  void Add(Teller teller, std::string text);
+  void Add(Source source, std::string text);
 
   const Scenario& scenario_;
   const MachineConfig& config_;

@@ -1,5 +1,5 @@
 // The picture of a scenario: time from left to right, a band for the machine and for each actuator,
-// coloured by the state's rank; injected events above, what went wrong in red.
+// coloured by the state's rank; numbered marks for injected events, violations in red.
 
 #include <algorithm>
 #include <array>
@@ -39,7 +39,7 @@ std::string Escaped(const std::string& text) {
   return escaped;
 }
 
-// The more active, the warmer.
+// A warmer colour for a more active state.
 std::string_view ColourOf(const MachineConfig& config, const std::string& state) {
   if (state.empty()) return "none";
   if (state == kError) return "#d98880";
@@ -56,8 +56,8 @@ std::string Label(double x, double y, const std::string& attributes, const std::
          Escaped(text) + "</text>\n";
 }
 
-// Time on the axis: what happens is milliseconds apart at first and seconds later, so each thing
-// that happened gets some room: half by time, half by order.
+// Time on the axis: events are milliseconds apart at first and seconds later, so a position is 15 %
+// by time and 85 % by order.
 class Axis {
  public:
   Axis(const std::vector<Timeline::Line>& lines, Duration end) : end_(end) {
@@ -105,14 +105,14 @@ std::string DrawBand(const MachineConfig& config, const Timeline::Band& band, co
 
 std::string Timeline::Svg(const std::string& title) const {
   const Axis axis(lines_, end_);
-  std::vector<const Line*> told;  // beneath the bands, with a number in the picture
+  std::vector<const Line*> numbered;  // listed beneath the bands
   for (const Line& line : lines_) {
-    const bool shown = line.teller == Teller::kInjection || line.teller == Teller::kPeople ||
-                       line.teller == Teller::kJudge;
-    if (shown) told.push_back(&line);
+    const bool shown = line.source == Source::kInjection || line.source == Source::kOperator ||
+                       line.source == Source::kChecker;
+    if (shown) numbered.push_back(&line);
   }
   const double bands_end = kTop + kRow * static_cast<double>(bands_.size());
-  const double height = bands_end + 40 + 18 * static_cast<double>(told.size());
+  const double height = bands_end + 40 + 18 * static_cast<double>(numbered.size());
   const double width = kLeft + kWidth + 30;
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + Number(width) +
                     " " + Number(height) + "\" font-family=\"sans-serif\" font-size=\"13\">\n";
@@ -121,12 +121,12 @@ std::string Timeline::Svg(const std::string& title) const {
   for (std::size_t i = 0; i < bands_.size(); ++i) {
     svg += DrawBand(config_, bands_[i], axis, kTop + kRow * static_cast<double>(i));
   }
-  for (std::size_t i = 0; i < told.size(); ++i) {
-    const Line& line = *told[i];
+  for (std::size_t i = 0; i < numbered.size(); ++i) {
+    const Line& line = *numbered[i];
     const double x = axis.X(line.at);
-    const std::string colour = line.teller == Teller::kJudge    ? "#c0392b"
-                               : line.teller == Teller::kPeople ? "#2471a3"
-                                                                : "#ca6f1e";
+    const std::string colour = line.source == Source::kChecker    ? "#c0392b"
+                               : line.source == Source::kOperator ? "#2471a3"
+                                                                  : "#ca6f1e";
     svg += "<line x1=\"" + Number(x) + "\" y1=\"" + Number(kTop - 4) + "\" x2=\"" + Number(x) +
            "\" y2=\"" + Number(bands_end) + "\" stroke=\"" + colour + "\"/>\n";
     svg += Label(x, kTop - 8 - 11 * static_cast<double>(i % 2),

@@ -1,5 +1,5 @@
-// musher simulate FILE: many lives of a robot with this config, on the real decision code, in
-// virtual time, with faults drawn from seeds. Touches no network and no process.
+// musher simulate FILE: many scenarios of a robot with this config, on the real decision code, in
+// virtual time, with faults sampled from seeds. Touches no network and no process.
 
 #include <algorithm>
 #include <charconv>
@@ -29,10 +29,10 @@ Result<std::vector<std::size_t>> ParseNumbers(const std::string& text) {
   while (at < end) {
     std::size_t number = 0;
     const auto [next, error] = std::from_chars(at, end, number);
-    const bool goes_on = next == end || (*next == ',' && next + 1 != end);
-    if (error != std::errc() || !goes_on) {
+    const bool continues = next == end || (*next == ',' && next + 1 != end);
+    if (error != std::errc() || !continues) {
       return Error{kCodeParametersInvalid,
-                   "--only: '" + text + "' is no list of numbers; expected one as in 3,7,12"};
+                   "--only: '" + text + "' is not a list of numbers; use commas, as in 3,7,12"};
     }
     numbers.push_back(number);
     at = next == end ? end : next + 1;
@@ -50,15 +50,15 @@ Result<ScenarioOptions> OptionsFor(const SimulateOptions& options, const Machine
   if (!config.RankOf(options.home) || !config.HasState(options.home)) {
     const std::string near = Nearest(options.home, config.states);
     return Error{kCodeParametersInvalid,
-                 "--home: " + config.name + " has no state '" + options.home + "' to stay in" +
+                 "--home: " + config.name + " has no stable state '" + options.home + "'" +
                      (near.empty() ? "" : "; did you mean '" + near + "'?")};
   }
   scenario.home = State(options.home);
   return scenario;
 }
 
-// A simulated actuator speaks Musher's protocol, whatever the real one does.
-std::vector<std::string> MakeAllSpeakMusher(MachineConfig& config) {
+// Simulated actuators use Musher's protocol. Returns the names of those that really use another.
+std::vector<std::string> MakeAllUseMusher(MachineConfig& config) {
   std::vector<std::string> others;
   for (ActuatorConfig& actuator : config.actuators) {
     if (actuator.protocol == Protocol::kMusher) continue;
@@ -74,18 +74,18 @@ struct SimulatedRun {
   simulation::Ending ending;
 };
 
-Result<SimulatedRun> Tell(const MachineConfig& config, const ScenarioOptions& options,
-                          const ScenarioId& id) {
+Result<SimulatedRun> RunWithTimeline(const MachineConfig& config, const ScenarioOptions& options,
+                                     const ScenarioId& id) {
   auto injections = InjectionsOf(config, id);
   if (!injections) return injections.error();
   Scenario scenario(config, id.seed, std::move(injections).value(), options);
   Timeline timeline(scenario, config);
-  SimulatedRun told;
-  told.ending = scenario.Tell();
-  timeline.End(told.ending);
-  told.text = timeline.Text();
-  told.svg = timeline.Svg(config.name + ", seed " + std::to_string(id.seed));
-  return told;
+  SimulatedRun run;
+  run.ending = scenario.Run();
+  timeline.End(run.ending);
+  run.text = timeline.Text();
+  run.svg = timeline.Svg(config.name + ", seed " + std::to_string(id.seed));
+  return run;
 }
 
 Result<> Write(const std::string& path, const std::string& text) {
@@ -96,24 +96,24 @@ Result<> Write(const std::string& path, const std::string& text) {
   return Ok();
 }
 
-// One scenario, told.
-ExitCode TellOne(const SimulateOptions& options, const MachineConfig& config,
-                 const ScenarioOptions& scenario, Console& console) {
+// Runs the scenario of --seed, and prints its timeline.
+ExitCode RunOne(const SimulateOptions& options, const MachineConfig& config,
+                const ScenarioOptions& scenario, Console& console) {
   ScenarioId id{*options.seed, std::nullopt};
   if (!options.only.empty()) {
     auto numbers = ParseNumbers(options.only);
     if (!numbers) return console.Fail(numbers.error());
     id.only = std::move(numbers).value();
   }
-  const auto told = Tell(config, scenario, id);
-  if (!told) return console.Fail(told.error());
+  const auto run = RunWithTimeline(config, scenario, id);
+  if (!run) return console.Fail(run.error());
   if (!options.svg.empty()) {
-    const auto written = Write(options.svg, told.value().svg);
+    const auto written = Write(options.svg, run.value().svg);
     if (!written) return console.Fail(written.error());
   }
-  const auto& ending = told.value().ending;
-  console.Print(console.mode().json ? ScenarioJson(id, ending, told.value().text)
-                                    : told.value().text + ScenarioVerdict(ending));
+  const auto& ending = run.value().ending;
+  console.Print(console.mode().json ? ScenarioJson(id, ending, run.value().text)
+                                    : run.value().text + ScenarioVerdict(ending));
   return ending.violation ? ExitCode::kNotDone : ExitCode::kDone;
 }
 
@@ -122,24 +122,24 @@ ExitCode TellOne(const SimulateOptions& options, const MachineConfig& config,
 ExitCode Simulate(const SimulateOptions& options, Console& console) {
   auto config = LoadConfig(options.file, console);
   if (!config) return ExitCode::kUsage;
-  const std::vector<std::string> others = MakeAllSpeakMusher(*config);
+  const std::vector<std::string> others = MakeAllUseMusher(*config);
   const auto scenario = OptionsFor(options, *config);
   if (!scenario) return console.Fail(scenario.error());
-  if (options.seed) return TellOne(options, *config, scenario.value(), console);
+  if (options.seed) return RunOne(options, *config, scenario.value(), console);
 
   SimulationReport report{*config, options.file, scenario.value(), {}, {}, {}, {}, others};
-  const auto begun = std::chrono::steady_clock::now();
+  const auto begin = std::chrono::steady_clock::now();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   report.threads = options.jobs == 0 ? cores : options.jobs;
-  report.summary = LiveMany(*config, scenario.value(), 1, options.seeds, report.threads, {});
-  report.took = std::chrono::steady_clock::now() - begun;
+  report.summary = RunMany(*config, scenario.value(), 1, options.seeds, report.threads, {});
+  report.took = std::chrono::steady_clock::now() - begin;
   report.worst = ShortestFailingScenario(*config, scenario.value(), report.summary);
   std::string failing_scenario;
   if (report.worst) {
-    const auto told = Tell(*config, scenario.value(), *report.worst);
-    failing_scenario = told.value().text;
+    const auto run = RunWithTimeline(*config, scenario.value(), *report.worst);
+    failing_scenario = run.value().text;
     if (!options.svg.empty()) {
-      const auto written = Write(options.svg, told.value().svg);
+      const auto written = Write(options.svg, run.value().svg);
       if (!written) return console.Fail(written.error());
     }
   }

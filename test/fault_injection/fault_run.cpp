@@ -26,61 +26,60 @@ void FaultRun::Begin() {
   const std::vector<std::string> states = {"Active",    "Active",   "Active",
                                            "Protected", "DeActive", "LowPower"};
   state_ = random.Pick(states);
-  Drawn("in", state_);
+  Sampled("in", state_);
   robot.GoTo(state_);
   const auto rested = [](const msg::MachineStatus& status) {
     return std::all_of(status.actuators.begin(), status.actuators.end(),
                        [](const auto& info) { return info.restarts == 0; });
   };
-  // Or the faults of runs before would count as restarts in a row.
-  Require(observer().Await(rested, kPatience).has_value(), "restarts are counted for ever");
+  // Else the faults of earlier runs would count as restarts in a row.
+  Require(observer().Await(rested, kTimeout).has_value(), "the restart counters are not reset");
   robot.ForgetLines();
-  ForgetWhatWasSaid();
+  ForgetReports();
   const auto status = observer().Latest();
   for (const msg::ActuatorInfo& info : status->actuators) pids_[info.name] = info.pid;
   ceiling_ = RankOf(state_);
   begun_ = TimeNow();
-  struck_ = begun_;
+  injected_at_ = begun_;
   recovers_from_ = begun_;
 }
 
 void FaultRun::MoveTo(const std::string& state) {
-  Drawn("then in", state);
+  Sampled("then in", state);
   robot.GoTo(state);
   state_ = state;
   ceiling_ = RankOf(state);
-  ForgetWhatWasSaid();
+  ForgetReports();
 }
 
-// On a busy machine what an actuator said before it came here is heard late, and was held against
-// it.
-void FaultRun::ForgetWhatWasSaid() {
-  Require(observer().AwaitAllIn(state_, kPatience), "not all actuators say that they are here");
+// On a busy machine the reports of earlier states arrive late; they must not count as more active.
+void FaultRun::ForgetReports() {
+  Require(observer().AwaitAllIn(state_, kTimeout), "not all actuators report " + state_);
   observer().Forget();
 }
 
 std::string FaultRun::Victim(const std::vector<std::string>& among) {
   const std::string& name = random.Pick(among);
-  Drawn("victim", name);
-  MayBeHurt(name);
+  Sampled("victim", name);
+  MayBeAffected(name);
   return name;
 }
 
-void FaultRun::MayAllBeHurt() {
-  for (const Member& member : Crew()) MayBeHurt(member.name);
+void FaultRun::MayAllBeAffected() {
+  for (const Member& member : Crew()) MayBeAffected(member.name);
 }
 
-void FaultRun::Drawn(const std::string& what, const std::string& value) {
-  outcome.drawn += (outcome.drawn.empty() ? "" : ", ") + what + " " + value;
+void FaultRun::Sampled(const std::string& what, const std::string& value) {
+  outcome.sampled += (outcome.sampled.empty() ? "" : ", ") + what + " " + value;
 }
 
 void FaultRun::MayBecome(const std::string& state) {
   ceiling_ = std::max(ceiling_, RankOf(state));
 }
 
-void FaultRun::Struck(Clock clock) {
+void FaultRun::FaultInjected(Clock clock) {
   recovers_from_ = TimeNow();
-  if (clock == Clock::kBoth) struck_ = recovers_from_;
+  if (clock == Clock::kBoth) injected_at_ = recovers_from_;
 }
 
 void FaultRun::Expect(bool holds, const std::string& what) {
@@ -92,34 +91,34 @@ void FaultRun::Require(bool holds, const std::string& what) {
   if (!holds) throw Over{};
 }
 
-void FaultRun::ExpectOutcome(const Result<msg::SetState::Response>& answer,
+void FaultRun::ExpectOutcome(const Result<msg::SetState::Response>& reply,
                              const std::string& expected) {
-  if (!answer) {
-    Expect(false, "the switch has no outcome: " + answer.error().message);
+  if (!reply) {
+    Expect(false, "the switch has no outcome: " + reply.error().message);
   } else {
-    const msg::SetState::Response& result = answer.value();
+    const msg::SetState::Response& result = reply.value();
     Expect(result.outcome == expected, "the switch to " + result.target + " is " + result.outcome +
                                            ", not " + expected + ": " + result.reason);
   }
 }
 
-void FaultRun::Detected(const std::string& what, const Is& is, Duration patience) {
-  const auto at = observer().AwaitSince(struck_, is, patience);
-  Require(at.has_value(), "the status never tells: " + what);
-  outcome.detection_ms = MillisecondsOf(*at - struck_);
+void FaultRun::Detected(const std::string& what, const Is& is, Duration timeout) {
+  const auto at = observer().AwaitSince(injected_at_, is, timeout);
+  Require(at.has_value(), "the status never reports: " + what);
+  outcome.detection_ms = MillisecondsOf(*at - injected_at_);
 }
 
 void FaultRun::DetectedNow() {
-  outcome.detection_ms = MillisecondsOf(TimeNow() - struck_);
+  outcome.detection_ms = MillisecondsOf(TimeNow() - injected_at_);
 }
 
 void FaultRun::RecoveredNow() {
   outcome.recovery_ms = MillisecondsOf(TimeNow() - recovers_from_);
 }
 
-void FaultRun::Recovered(const std::string& what, const Is& is, Duration patience) {
-  const auto at = observer().Await(is, patience);
-  Require(at.has_value(), "it does not come about: " + what);
+void FaultRun::Recovered(const std::string& what, const Is& is, Duration timeout) {
+  const auto at = observer().Await(is, timeout);
+  Require(at.has_value(), "it does not happen: " + what);
   outcome.recovery_ms = std::max(0.0, MillisecondsOf(*at - recovers_from_));
 }
 
@@ -132,39 +131,39 @@ void FaultRun::RecoveredIn(const std::string& state, const std::set<std::string>
 
 void FaultRun::PassesSelfCheckLater(const std::string& victim, const std::string& state) {
   RecoveredIn(state, {victim});
-  ExpectOutcome(Answer(observer().SetState("SelfCheck")), "done");
+  ExpectOutcome(AwaitFuture(observer().SetState("SelfCheck")), "done");
   const auto settled = [&](const msg::MachineStatus& s) { return IsSettled(s, state); };
-  Require(observer().Await(settled, kPatience).has_value(),
-          victim + " is not back after its self-check");
+  Require(observer().Await(settled, kTimeout).has_value(),
+          victim + " is not available after its self-check");
 }
 
 void FaultRun::LetPass(Duration time) {
   const Time end = TimeNow() + time;
-  AwaitThat([&] { return TimeNow() >= end; }, time + kPatience);
+  AwaitThat([&] { return TimeNow() >= end; }, time + kTimeout);
 }
 
 void FaultRun::CheckAlways() {
   outcome.whole_ms = MillisecondsOf(TimeNow() - begun_);
   if (!torn_down_) {
     const auto status = observer().GetStatus();
-    Expect(status.ok(), "the controller does not answer any more");
+    Expect(status.ok(), "the controller does not reply any more");
     CheckOthers();
   }
   CheckActivity();
   CheckSwitches();
 }
 
-// Nobody but the victims was taken for lost, or has lost its process.
+// No actuator but the victims was reported as lost, or has another process.
 void FaultRun::CheckOthers() {
-  std::set<std::string> complained;
-  for (const msg::MachineStatus& status : observer().Since(struck_)) {
+  std::set<std::string> reported;
+  for (const msg::MachineStatus& status : observer().Since(injected_at_)) {
     for (const msg::ActuatorInfo& info : status.actuators) {
-      if (hurt_.count(info.name) > 0 || complained.count(info.name) > 0) continue;
+      if (affected_.count(info.name) > 0 || reported.count(info.name) > 0) continue;
       const bool other_process = info.pid != 0 && info.pid != pids_[info.name];
-      // A controller that has just begun has not heard of anybody yet.
+      // A controller that has just begun has no reports yet.
       const bool unknown = status.phase != "running" && controller_may_die_;
       if (unknown || (!IsLost(info) && !other_process)) continue;
-      complained.insert(info.name);
+      reported.insert(info.name);
       outcome.failures.push_back("false loss: " + info.name + " is " + info.presence + ", " +
                                  info.health + ", process " + std::to_string(info.pid) + " after " +
                                  std::to_string(pids_[info.name]) + ": " + info.message);
@@ -172,17 +171,17 @@ void FaultRun::CheckOthers() {
   }
 }
 
-// Nobody became more active than the machine was, or was told to become.
+// No actuator became more active than the machine was, or was commanded to become.
 void FaultRun::CheckActivity() {
-  std::set<std::string> complained;
-  for (const msg::ActuatorStatus& status : observer().Said()) {
+  std::set<std::string> reported;
+  for (const msg::ActuatorStatus& status : observer().Reports()) {
     const std::string what = status.name + " in " + status.state;
-    if (RankOf(status.state) <= ceiling_ || !complained.insert(what).second) continue;
+    if (RankOf(status.state) <= ceiling_ || !reported.insert(what).second) continue;
     outcome.failures.push_back("more active than it was: " + what);
   }
 }
 
-// Each switch has at most one end; exactly one when its controller lived to tell.
+// Each switch has at most one outcome; exactly one when its controller kept running.
 void FaultRun::CheckSwitches() {
   static const std::regex end(R"(^switch (\d+) is (done|done-degraded|undone|refused|superseded))");
   std::map<std::pair<int, std::string>, int> ends;  // by controller and switch
@@ -195,7 +194,7 @@ void FaultRun::CheckSwitches() {
     if (std::regex_search(message, match, end)) ++ends[{controller, match[1]}];
   }
   for (const auto& [which, count] : ends) {
-    Expect(count == 1, "switch " + which.second + " has " + std::to_string(count) + " ends");
+    Expect(count == 1, "switch " + which.second + " has " + std::to_string(count) + " outcomes");
   }
 }
 

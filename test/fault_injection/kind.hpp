@@ -1,5 +1,5 @@
 #pragma once
-// A kind of fault: how a robot is hurt, and what has to come of it.
+// A kind of fault: how it is injected, and what must follow.
 
 #include <functional>
 #include <string>
@@ -16,8 +16,8 @@ enum class Need { kNothing, kMounts, kNetwork };
 struct Kind {
   std::string name;
   std::string family;  // the folder it is in
-  std::string about;   // what is done, in a few words
-  std::function<void(FaultRun&)> strike;
+  std::string about;   // what is injected, in a few words
+  std::function<void(FaultRun&)> inject;
   Shape shape = Shape::kHere;
   Need need = Need::kNothing;
 };

@@ -14,21 +14,21 @@ namespace {
 
 void AddProcess(std::vector<Kind>& kinds) {
   using namespace process;
-  const auto add = [&](const char* name, const char* about, std::function<void(FaultRun&)> strike) {
-    kinds.push_back({name, "process", about, std::move(strike)});
+  const auto add = [&](const char* name, const char* about, std::function<void(FaultRun&)> inject) {
+    kinds.push_back({name, "process", about, std::move(inject)});
   };
   const auto exits = [](int code) { return [code](FaultRun& run) { Exits(run, code); }; };
   add("kill", "SIGKILL", Killed);
   add("kill-several", "SIGKILL of two to five at once", SeveralKilled);
   add("term", "SIGTERM", Terminated);
-  add("stop-long", "SIGSTOP until it is called hung", StoppedForLong);
+  add("stop-long", "SIGSTOP until it is reported as hung", StoppedForLong);
   add("stop-short", "SIGSTOP and SIGCONT within its limit", StoppedShortly);
-  add("exit-0", "ends by itself with exit code 0", exits(0));
-  add("exit-1", "ends by itself with exit code 1", exits(1));
-  add("exit-77", "ends by itself with exit code 77", exits(77));
+  add("exit-0", "exits with code 0", exits(0));
+  add("exit-1", "exits with code 1", exits(1));
+  add("exit-77", "exits with code 77", exits(77));
   add("abort", "calls abort()", Aborts);
   add("segfault", "a segmentation fault", Segfaults);
-  add("crash-loop", "dies in each SetUp until it is given up", CrashesAgainAndAgain);
+  add("crash-loop", "exits in each SetUp until it is given up", CrashesRepeatedly);
   add("wrapped-kill", "SIGKILL of the program in a musher-exec", WrappedProgramKilled);
 }
 
@@ -46,25 +46,25 @@ void AddCallback(std::vector<Kind>& kinds) {
   using namespace callback;
   for (const std::string state : kStates) {
     kinds.push_back({Hyphenated("hang", state), "callback",
-                     "the callback of " + state + " does not come back",
+                     "the callback of " + state + " does not return",
                      [state](FaultRun& run) { Hangs(run, state); }});
   }
   for (const std::string state : kStates) {
     kinds.push_back({Hyphenated("fail", state), "callback", "the callback of " + state + " fails",
                      [state](FaultRun& run) { Fails(run, state); }});
   }
-  kinds.push_back(
-      {"silent-thread", "callback", "the cycle gives no more checkpoints", ThreadIsSilent});
+  kinds.push_back({"silent-thread", "callback", "the work thread stops its checkpoints",
+                   ThreadStopsCheckpoints});
 }
 
 void AddResource(std::vector<Kind>& kinds) {
   using namespace resource;
-  const auto add = [&](const char* name, const char* about, std::function<void(FaultRun&)> strike,
+  const auto add = [&](const char* name, const char* about, std::function<void(FaultRun&)> inject,
                        Need need = Need::kNothing) {
-    kinds.push_back({name, "resource", about, std::move(strike), Shape::kHere, need});
+    kinds.push_back({name, "resource", about, std::move(inject), Shape::kHere, need});
   };
-  add("cpu-busy", "others keep all cores busy", CoresAreBusy);
-  add("memory-limit", "a module asks for more memory than it may have", MemoryIsLimited);
+  add("cpu-busy", "other processes keep all cores busy", CoresAreBusy);
+  add("memory-limit", "a module allocates more memory than its limit", MemoryIsLimited);
   add("disk-full", "the disk of the state folder is full", DiskIsFull, Need::kMounts);
   add("file-size-limit", "RLIMIT_FSIZE of the controller", FileSizeIsLimited);
   add("files-limit", "RLIMIT_NOFILE of the controller, and a crash", FilesAreLimited);
@@ -80,62 +80,63 @@ void AddResource(std::vector<Kind>& kinds) {
 
 void AddController(std::vector<Kind>& kinds) {
   using namespace controller;
-  const auto add = [&](const char* name, const char* about, std::function<void(FaultRun&)> strike) {
-    kinds.push_back({name, "controller", about, std::move(strike)});
+  const auto add = [&](const char* name, const char* about, std::function<void(FaultRun&)> inject) {
+    kinds.push_back({name, "controller", about, std::move(inject)});
   };
-  const auto at = [](Moment moment) { return [moment](FaultRun& run) { KilledAt(run, moment); }; };
-  add("controller-kill", "SIGKILL at rest", at(Moment::kAtRest));
-  add("kill-requested", "SIGKILL as a switch is asked for", at(Moment::kRequested));
-  add("kill-commands-out", "SIGKILL as the first actuator begins", at(Moment::kCommandsOut));
-  add("kill-some-replied", "SIGKILL as the first actuator is done", at(Moment::kSomeReplied));
-  add("kill-in-self-check", "SIGKILL in a self-check", at(Moment::kSelfCheck));
-  add("kill-in-rollback", "SIGKILL while a switch is undone", at(Moment::kRollback));
+  const auto at = [](SwitchPhase phase) {
+    return [phase](FaultRun& run) { KilledAt(run, phase); };
+  };
+  add("controller-kill", "SIGKILL at rest", at(SwitchPhase::kAtRest));
+  add("kill-requested", "SIGKILL as a switch is requested", at(SwitchPhase::kRequested));
+  add("kill-commands-out", "SIGKILL as the first actuator begins", at(SwitchPhase::kCommandsOut));
+  add("kill-some-replied", "SIGKILL as the first actuator is done", at(SwitchPhase::kSomeReplied));
+  add("kill-in-self-check", "SIGKILL in a self-check", at(SwitchPhase::kSelfCheck));
+  add("kill-in-rollback", "SIGKILL while a switch is undone", at(SwitchPhase::kRollback));
   add("kill-in-start-up", "SIGKILL while the robot starts", KilledInStartUp);
   add("kill-in-stop", "SIGKILL while the robot is torn down", KilledInStop);
   add("freeze-short", "SIGSTOP and SIGCONT, soon", FrozenShortly);
-  add("freeze-long", "the same, later than actuators wait", FrozenForLong);
+  add("freeze-long", "the same, beyond controller_lost_ms of the actuators", FrozenForLong);
   add("second-refused", "a second controller", SecondIsRefused);
   add("takeover", "a second controller with --takeover", TakenOver);
-  add("takeover-frozen", "the same beside one that is stopped", TakenOverFrozen);
-  add("takeover-in-switch", "the same in the middle of a switch", TakenOverInSwitch);
-  add("stop-in-switch", "SIGTERM in the middle of a switch", StoppedInSwitch);
+  add("takeover-frozen", "the same, while the first is frozen", TakenOverFrozen);
+  add("takeover-in-switch", "the same during a switch", TakenOverInSwitch);
+  add("stop-in-switch", "SIGTERM during a switch", StoppedInSwitch);
 }
 
 void AddOperation(std::vector<Kind>& kinds) {
   using namespace operation;
-  const auto add = [&](const char* name, const char* about, std::function<void(FaultRun&)> strike) {
-    kinds.push_back({name, "operation", about, std::move(strike)});
+  const auto add = [&](const char* name, const char* about, std::function<void(FaultRun&)> inject) {
+    kinds.push_back({name, "operation", about, std::move(inject)});
   };
   add("estop", "an emergency stop at rest", EmergencyStopAtRest);
   add("estop-in-switch", "an emergency stop in a switch up", EmergencyStopInSwitch);
-  add("supersede", "Error over a switch that is under way", Superseded);
-  add("many-calls", "four switches are asked for at once", ManyCalls);
+  add("supersede", "Error requested during a switch", Superseded);
+  add("many-calls", "four switches are requested at once", ManyCalls);
 }
 
 void AddNetwork(std::vector<Kind>& kinds) {
   using namespace network;
-  const auto add = [&](const char* name, const char* about, std::function<void(FaultRun&)> strike) {
-    kinds.push_back({name, "network", about, std::move(strike), Shape::kTwoHosts, Need::kNetwork});
+  const auto add = [&](const char* name, const char* about, std::function<void(FaultRun&)> inject) {
+    kinds.push_back({name, "network", about, std::move(inject), Shape::kTwoHosts, Need::kNetwork});
   };
   add("loss", "2 to 50 % of packets are lost each way, and a switch", LosesPackets);
   add("delay", "5 to 100 ms each way, and switches", IsSlow);
-  add("duplicates", "packets come twice, and switches", DoublesPackets);
-  add("reordering", "packets overtake each other, and switches", ReordersPackets);
+  add("duplicates", "packets are duplicated, and switches", DoublesPackets);
+  add("reordering", "packets are reordered, and switches", ReordersPackets);
   add("partition", "the link is cut", IsCut);
-  add("one-way-deaf", "the actuators hear nothing, for less than a lease of DDS",
+  add("one-way-deaf", "the actuators receive nothing, for less than a DDS lease",
       [](FaultRun& run) { IsDeaf(run, false); });
   add("one-way-deaf-long", "the same for longer", [](FaultRun& run) { IsDeaf(run, true); });
-  add("one-way-mute", "the actuators are not heard", IsMute);
-  add("partition-in-switch", "the link is cut in the middle of a switch", IsCutInSwitch);
+  add("one-way-mute", "nothing is received from the actuators", IsMute);
+  add("partition-in-switch", "the link is cut during a switch", IsCutInSwitch);
   add("link-down", "an interface goes down and up", LinkGoesDown);
-  add("stop-without-link", "the robot is taken down while an interface is down",
-      StoppedWithoutLink);
-  add("far-reboot", "the other host is started again, five times", IsRebooted);
+  add("stop-without-link", "the robot is torn down while an interface is down", StoppedWithoutLink);
+  add("far-reboot", "the other host reboots, five times", IsRebooted);
   add("far-takeover", "a controller on the other host with --takeover, and back",
       [](FaultRun& run) { IsTakenOverFromThere(run, false); });
-  add("far-takeover-deaf", "the same while the other host hears nothing of this one",
+  add("far-takeover-deaf", "the same while the other host receives nothing from this one",
       [](FaultRun& run) { IsTakenOverFromThere(run, true); });
-  add("far-kill", "SIGKILL on the other host", KilledFarAway);
+  add("far-kill", "SIGKILL on the other host", KilledOnOtherHost);
 }
 
 }  // namespace

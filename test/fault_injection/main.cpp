@@ -1,8 +1,8 @@
-// Hurts a robot of real processes in every way a robot is hurt, and judges what becomes of it:
+// Injects faults into a robot of real processes, and checks detection, recovery and invariants:
 //
-//   fault-injection suite --faults 500 --seed 1 --report DIR [--only KIND]... [--list]
+//   fault_injection --faults 500 --seed 1 --report DIR [--only KIND]... [--list]
 //
-// Exit codes: 0 all as promised, 1 a judgement failed, 2 usage, 130 interrupted.
+// Exit codes: 0 all checks hold, 1 a check failed, 2 usage, 130 interrupted.
 
 #include <signal.h>
 
@@ -20,14 +20,14 @@
 namespace musher::fault_injection {
 namespace {
 
-void Tell(const Outcome& outcome, std::size_t number, std::size_t of) {
+void Print(const Outcome& outcome, std::size_t number, std::size_t of) {
   std::printf("%3zu/%zu %-22s %6.2f s  %s\n", number, of, outcome.kind.c_str(),
-              outcome.whole_ms / 1000, outcome.drawn.c_str());
+              outcome.whole_ms / 1000, outcome.sampled.c_str());
   for (const std::string& failure : outcome.failures) {
     std::printf("        FAILED: %s\n", failure.c_str());
   }
   if (!outcome.failures.empty()) {
-    std::printf("        again: fault-injection suite --only %s --faults 1 --seed %llu\n",
+    std::printf("        replay: fault_injection --only %s --faults 1 --seed %llu\n",
                 outcome.kind.c_str(), static_cast<unsigned long long>(outcome.seed));
   }
   std::fflush(stdout);
@@ -37,7 +37,7 @@ void InterruptBySignal(int) {
   Interrupt();
 }
 
-// An end by a signal is an end in order: the report is written, nothing is left behind.
+// A signal ends the run in order: the report is written, all processes and files are removed.
 void WatchSignals() {
   struct sigaction action {};
   action.sa_handler = InterruptBySignal;
@@ -64,7 +64,7 @@ int Main(const Options& options) {
   try {
     Suite(places).Run(plan, [&](const Outcome& outcome) {
       outcomes.push_back(outcome);
-      Tell(outcome, outcomes.size(), plan.size());
+      Print(outcome, outcomes.size(), plan.size());
     });
   } catch (const Interrupted&) {
     interrupted = true;
@@ -85,10 +85,10 @@ int main(int argc, char** argv) {
     if (options.list) return musher::fault_injection::List();
     return musher::fault_injection::Main(options);
   } catch (const musher::fault_injection::Usage& usage) {
-    std::fprintf(stderr, "fault-injection suite: %s\n", usage.message.c_str());
+    std::fprintf(stderr, "fault_injection: %s\n", usage.message.c_str());
     return 2;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "fault-injection suite: %s\n", error.what());
+    std::fprintf(stderr, "fault_injection: %s\n", error.what());
     return EXIT_FAILURE;
   }
 }

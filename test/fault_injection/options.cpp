@@ -11,9 +11,9 @@
 namespace musher::fault_injection {
 namespace {
 
-constexpr int kMostFaults = 100'000;
+constexpr int kMaxFaults = 100'000;
 
-bool IsMeant(const Kind& kind, const std::string& word) {
+bool Matches(const Kind& kind, const std::string& word) {
   return kind.name == word || kind.family == word;
 }
 
@@ -30,8 +30,8 @@ Usage Unknown(const std::string& word) {
           "\nkinds: " + list};
 }
 
-// Why a kind cannot be run here; "": it can.
-std::string Hindrance(const Kind& kind, const Isolation& isolation) {
+// Why a kind cannot run here; "": it can.
+std::string MissingRequirement(const Kind& kind, const Isolation& isolation) {
   if (kind.need == Need::kNetwork) return isolation.no_network;
   if (kind.need == Need::kMounts) return isolation.no_mounts;
   return "";
@@ -41,15 +41,16 @@ std::string Hindrance(const Kind& kind, const Isolation& isolation) {
 
 Options ReadOptions(int argc, char** argv) {
   Options options;
-  CLI::App app("Hurts a robot of real processes and judges what becomes of it");
+  CLI::App app("Injects faults into a robot of real processes and checks what follows");
   app.add_option("--faults", options.faults, "how many faults")
-      ->check(CLI::Range(1, kMostFaults))
+      ->check(CLI::Range(1, kMaxFaults))
       ->capture_default_str();
-  app.add_option("--seed", options.seed, "of all draws: the same seed is the same plan of faults")
+  app.add_option("--seed", options.seed,
+                 "of the random generator: the same seed gives the same faults")
       ->capture_default_str();
   app.add_option("--report", options.report, "folder for report.md, .json, .svg and failed/")
       ->capture_default_str();
-  app.add_option("--only", options.only, "a kind or a family of kinds; more than once: each")
+  app.add_option("--only", options.only, "only this kind or family of kinds; may be repeated")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_flag("--list", options.list, "prints the kinds");
@@ -62,7 +63,7 @@ Options ReadOptions(int argc, char** argv) {
   }
   for (const std::string& word : options.only) {
     const bool known = std::any_of(AllKinds().begin(), AllKinds().end(),
-                                   [&](const Kind& kind) { return IsMeant(kind, word); });
+                                   [&](const Kind& kind) { return Matches(kind, word); });
     if (!known) throw Unknown(word);
   }
   return options;
@@ -82,18 +83,18 @@ Selection Select(const Options& options, const Isolation& isolation) {
   Selection selection;
   std::map<std::string, std::string> skipped;  // names by reason
   for (const Kind& kind : AllKinds()) {
-    const auto meant = [&](const std::string& word) { return IsMeant(kind, word); };
+    const auto meant = [&](const std::string& word) { return Matches(kind, word); };
     const auto by_name = [&](const std::string& word) { return kind.name == word; };
     const auto& only = options.only;
     const bool named = std::any_of(only.begin(), only.end(), by_name);
     if (!only.empty() && !std::any_of(only.begin(), only.end(), meant)) continue;
-    const std::string blocker = Hindrance(kind, isolation);
+    const std::string blocker = MissingRequirement(kind, isolation);
     if (blocker.empty()) {
       selection.kinds.push_back(&kind);
       continue;
     }
     if (named) {
-      throw Usage{kind.name + " cannot be run here: " + blocker};
+      throw Usage{kind.name + " cannot run here: " + blocker};
     }
     std::string& names = skipped[blocker];
     names += (names.empty() ? "" : ", ") + kind.name;

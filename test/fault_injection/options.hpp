@@ -1,5 +1,5 @@
 #pragma once
-// The fault-injection suite's command line.
+// The command line of the fault-injection suite.
 
 #include <cstdint>
 #include <string>
@@ -13,12 +13,12 @@ namespace musher::fault_injection {
 struct Options {
   int faults = 40;
   std::uint64_t seed = 1;
-  std::string report = "fault-injection suite-report";
+  std::string report = "fault_injection_report";
   std::vector<std::string> only;  // kinds or families
   bool list = false;
 };
 
-// A wrong command line; exit code 2.
+// An invalid command line; exit code 2.
 struct Usage {
   std::string message;
 };
@@ -26,7 +26,7 @@ struct Usage {
 // Throws Usage. Ends the program after --help.
 Options ReadOptions(int argc, char** argv);
 
-// Prints all kinds; gives the exit code.
+// Prints all kinds; returns the exit code.
 int List();
 
 struct Selection {
@@ -34,8 +34,8 @@ struct Selection {
   std::vector<std::string> skipped;  // a line for each reason
 };
 
-// What can be run here of what is asked for. Throws Usage when an unknown kind is, or one alone
-// that this machine does not allow.
+// The requested kinds that can run here. Throws Usage for an unknown kind, and for a kind requested
+// by name that this machine does not permit.
 Selection Select(const Options& options, const Isolation& isolation);
 
 }  // namespace musher::fault_injection

@@ -1,5 +1,5 @@
 #pragma once
-// Which faults, in which order, with which draws: a function of the seed.
+// Which faults, in which order, with which random numbers: a function of the seed.
 
 #include <cstdint>
 #include <vector>
@@ -10,12 +10,12 @@ namespace musher::fault_injection {
 
 struct PlannedFault {
   const Kind* kind = nullptr;
-  std::uint64_t seed = 0;  // of its draws
+  std::uint64_t seed = 0;  // of its random generator
 };
 
-// `count` faults of these kinds, each as often as the others, give or take one. A fault's own seed
-// makes it the only one of a plan of one fault of its kind. Faults of the same shape of robot come
-// together: a robot is reused.
+// `count` faults of these kinds, each kind equally often, plus or minus one. A plan of one fault of
+// its kind with a fault's own seed repeats that fault. Faults of the same shape of robot are
+// adjacent, so that a robot is reused.
 std::vector<PlannedFault> MakePlan(const std::vector<const Kind*>& kinds, int count,
                                    std::uint64_t seed);
 

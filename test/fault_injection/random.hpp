@@ -1,6 +1,6 @@
 #pragma once
-// Draws that are the same on every machine for the same seed (splitmix64); those of <random> are
-// not.
+// A random generator with the same numbers on every machine for the same seed (splitmix64);
+// <random> does not guarantee that.
 
 #include <cstddef>
 #include <cstdint>

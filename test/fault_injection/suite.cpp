@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kTrialsOfARobot = 60;  // then a new one is built
+constexpr int kRunsOfARobot = 60;  // then a new one is built
 constexpr int kDiskKilobytes = 24 * 1024;
 
 }  // namespace
@@ -27,7 +27,7 @@ void Suite::Run(const std::vector<PlannedFault>& plan,
 }
 
 Robot& Suite::RobotOf(Shape shape) {
-  if (robot_ && (robot_->shape() != shape || runs_of_robot_ >= kTrialsOfARobot)) robot_.reset();
+  if (robot_ && (robot_->shape() != shape || runs_of_robot_ >= kRunsOfARobot)) robot_.reset();
   if (!robot_) {
     const fs::path folder = places_.work / ("robot" + std::to_string(robots_));
     fs::create_directories(folder / "disk");
@@ -47,7 +47,7 @@ Outcome Suite::RunOne(const PlannedFault& fault) {
   outcome.kind = fault.kind->name;
   outcome.seed = fault.seed;
   try {
-    Strike(fault, outcome);
+    Inject(fault, outcome);
   } catch (const std::exception& error) {
     outcome.failures.emplace_back(error.what());
   }
@@ -63,13 +63,13 @@ Outcome Suite::RunOne(const PlannedFault& fault) {
   return outcome;
 }
 
-void Suite::Strike(const PlannedFault& fault, Outcome& outcome) {
+void Suite::Inject(const PlannedFault& fault, Outcome& outcome) {
   Robot& robot = RobotOf(fault.kind->shape);
   FaultRun run(robot, fault.seed);
   run.outcome = outcome;
   try {
     run.Begin();
-    fault.kind->strike(run);
+    fault.kind->inject(run);
     run.CheckAlways();
   } catch (const FaultRun::Over&) {
   } catch (const std::exception& error) {
@@ -80,7 +80,7 @@ void Suite::Strike(const PlannedFault& fault, Outcome& outcome) {
   if (outcome.failures.empty()) robot.Fix();
 }
 
-// What the robot wrote, and how its actuators stood.
+// Saves the robot's files, and the last status of each actuator.
 void Suite::KeepEvidence(const Outcome& outcome) {
   const fs::path folder = places_.evidence / (outcome.kind + "-" + std::to_string(outcome.seed));
   std::error_code ignored;
@@ -88,12 +88,12 @@ void Suite::KeepEvidence(const Outcome& outcome) {
   fs::create_directories(folder, ignored);
   if (robot_) fs::copy(robot_->folder(), folder, fs::copy_options::recursive, ignored);
   std::ofstream file(folder / "failures.txt");
-  file << outcome.kind << ", seed " << outcome.seed << ", " << outcome.drawn << "\n";
+  file << outcome.kind << ", seed " << outcome.seed << ", " << outcome.sampled << "\n";
   for (const std::string& failure : outcome.failures) file << failure << "\n";
   if (!robot_) return;
   for (const auto& [name, status] : robot_->observer().LatestOfActuators()) {
-    file << name << " said last: " << status.state << ", on its way to '" << status.target
-         << "', epoch " << status.epoch << ", number " << status.number << "\n";
+    file << name << ": last status " << status.state << ", target '" << status.target << "', epoch "
+         << status.epoch << ", number " << status.number << "\n";
   }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Runs a plan of faults on robots that live as long as they settle again.
+// Runs a plan of faults. A robot is reused as long as it settles after each fault.
 
 #include <filesystem>
 #include <functional>
@@ -13,24 +13,24 @@
 namespace musher::fault_injection {
 
 struct Places {
-  std::filesystem::path work;      // of the robots' files
-  std::filesystem::path evidence;  // where those of a failed run are kept
+  std::filesystem::path work;      // for the robots' files
+  std::filesystem::path evidence;  // for copies of the files of failed runs
   bool own_mounts = false;
   bool own_network = false;
-  std::vector<pid_t> helpers;  // children of ours that are not a robot's
+  std::vector<pid_t> helpers;  // children of this process that are not a robot's
 };
 
 class Suite {
  public:
   explicit Suite(Places places) : places_(std::move(places)) {}
 
-  // Runs one fault after the other; `ended` hears of each. Throws Interrupted.
+  // Runs one fault after the other, and calls `ended` after each. Throws Interrupted.
   void Run(const std::vector<PlannedFault>& plan, const std::function<void(const Outcome&)>& ended);
 
  private:
   Outcome RunOne(const PlannedFault& fault);
   Robot& RobotOf(Shape shape);
-  void Strike(const PlannedFault& fault, Outcome& outcome);
+  void Inject(const PlannedFault& fault, Outcome& outcome);
   void KeepEvidence(const Outcome& outcome);
 
   const Places places_;

@@ -1,12 +1,12 @@
-// One actuator and anybody who commands it. Whoever has not announced itself as a controller moves
-// nothing; whatever comes, epochs and numbers do not fall, an emergency stop holds, nothing runs
-// that the actuator does not list, and everybody is answered at most once.
+// One actuator and any senders of commands. A sender that has not announced itself as a controller
+// changes nothing. For every input epochs and numbers do not fall, an emergency stop holds, only
+// listed states run, and every request gets at most one reply.
 
 #include <map>
 #include <set>
 
 #include "musher/lifecycle/flow.hpp"
-#include "musher/test/fuzz/stranger.hpp"
+#include "musher/test/fuzz/untrusted.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::fuzz {
@@ -28,60 +28,60 @@ class Harness {
  public:
   explicit Harness(Input& input) : input_(input) {
     core_.report.incarnation = 77;
-    Do(event::Started{});
-    if (!input_.Bool()) Do(event::CallbackEnded{});
+    StepWith(event::Started{});
+    if (!input_.Bool()) StepWith(event::CallbackEnded{});
   }
 
   void Run() {
     for (int steps = 0; steps < 200 && !input_.empty() && !finished_; ++steps) Next();
-    for (const RequestToken token : answered_) Require(token <= token_, "an answer has a question");
+    for (const RequestToken token : replied_) Require(token <= token_, "a reply has a request");
   }
 
  private:
   void Next() {
     switch (input_.Below(8)) {
       case 0: {
-        const event::ControllerHeard heard{Anybody(),
+        const event::ControllerHeard heard{AnySender(),
                                            input_.Number(core_.report.epoch, kLastEpoch)};
         announced_.insert({heard.sender, heard.epoch});
-        return Do(heard);
+        return StepWith(heard);
       }
       case 1:
       case 2: {
         const event::SwitchArrived arrived{++token_, AnyCommand(input_, core_.report, now_),
-                                           Anybody()};
-        return DoFrom(arrived.sender, arrived.command.epoch, arrived);
+                                           AnySender()};
+        return StepFrom(arrived.sender, arrived.command.epoch, arrived);
       }
       case 3: {
         const AskCommand ask{input_.Number(core_.report.epoch, kLastEpoch),
                              input_.Number(core_.report.number, kLastNumber), input_.Bool()};
-        const event::AskArrived arrived{++token_, ask, Anybody()};
-        return DoFrom(arrived.sender, ask.epoch, arrived);
+        const event::AskArrived arrived{++token_, ask, AnySender()};
+        return StepFrom(arrived.sender, ask.epoch, arrived);
       }
       case 4:
-        return Do(event::ManagerCommand{++token_, AnyState(input_)});
+        return StepWith(event::ManagerCommand{++token_, AnyState(input_)});
       case 5:
         if (!core_.report.busy()) return;
-        return Do(event::CallbackEnded{input_.Bool() ? input_.Take<std::int32_t>() : kCodeOk,
-                                       std::string(input_.Text())});
+        return StepWith(event::CallbackEnded{input_.Bool() ? input_.Take<std::int32_t>() : kCodeOk,
+                                             std::string(input_.Text())});
       case 6:
-        return Do(event::EmergencyStopHeard{input_.Number(core_.report.emergency_stop, 1),
-                                            input_.Bool(), Anybody()});
+        return StepWith(event::EmergencyStopHeard{input_.Number(core_.report.emergency_stop, 1),
+                                                  input_.Bool(), AnySender()});
       default:
         now_ += Milliseconds(input_.Take<std::uint16_t>());
-        return Do(event::TimePassed{});
+        return StepWith(event::TimePassed{});
     }
   }
 
-  // Who has not announced itself with the epoch is refused, whatever it says.
-  void DoFrom(Sender sender, std::uint64_t epoch, const ActuatorEvent& what) {
+  // A sender that has not announced itself with the epoch is refused.
+  void StepFrom(Sender sender, std::uint64_t epoch, const ActuatorEvent& what) {
     const ActuatorCore before = core_;
-    Do(what);
+    StepWith(what);
     const bool known = sender == before.controller || announced_.count({sender, epoch}) > 0;
-    if (!known) Require(core_ == before, "a stranger changes nothing");
+    if (!known) Require(core_ == before, "an unknown sender changes nothing");
   }
 
-  void Do(const ActuatorEvent& what) {
+  void StepWith(const ActuatorEvent& what) {
     const ActuatorCore before = core_;
     const auto actions = Step(config_, 0, core_, what, now_);
     for (const ActuatorAction& action : actions) Check(action, before, what);
@@ -96,20 +96,20 @@ class Harness {
 
   void Check(const ActuatorAction& action, const ActuatorCore& before, const ActuatorEvent& what) {
     if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
-      Require(answered_.insert(answer->token).second, "nobody is answered twice");
+      Require(replied_.insert(answer->token).second, "a request gets one reply");
     } else if (const auto* run = std::get_if<actuator_action::RunCallback>(&action)) {
       const bool ended = std::holds_alternative<event::CallbackEnded>(what);
       Require(!before.report.busy() || ended, "one callback runs at a time");
-      Require(config_.actuators[0].Lists(run->target), "only what it lists runs");
+      Require(config_.actuators[0].Lists(run->target), "only listed states run");
       const bool up = Rises(config_, before.report.state, run->target) &&
                       Rises(config_, core_.report.state, run->target);
-      Require(before.report.emergency_stop == 0 || !up, "nothing goes up while it is stopped");
+      Require(before.report.emergency_stop == 0 || !up, "no switch up during an emergency stop");
     } else if (std::holds_alternative<actuator_action::Finish>(action)) {
       finished_ = true;
     }
   }
 
-  Sender Anybody() { return input_.Below(4); }
+  Sender AnySender() { return input_.Below(4); }
 
   const MachineConfig config_ = Config();
   Input& input_;
@@ -117,7 +117,7 @@ class Harness {
   Time now_ = Time(std::chrono::hours(1));
   RequestToken token_ = 0;
   bool finished_ = false;
-  std::set<RequestToken> answered_;
+  std::set<RequestToken> replied_;
   std::set<std::pair<Sender, std::uint64_t>> announced_;
 };
 

@@ -1,5 +1,5 @@
-// Samples of every message, as a stranger may send them: the first byte says of which. What decodes
-// is a value: encoded and decoded again it is the same.
+// Untrusted samples of every message; the first byte selects the message. A sample that decodes is
+// a value: encoded and decoded again it is the same.
 
 #include "musher/messages/cdr.hpp"
 
@@ -22,10 +22,10 @@ template <class M>
 void RoundTrip(std::span<const std::byte> bytes) {
   const auto message = Decode<M>(bytes);
   if (!message) return;
-  // Floating-point fields may be no numbers, which equal nothing: the bytes are compared.
+  // Compares bytes, since floating-point fields may be NaN.
   const Bytes once = Encode(*message);
   const auto again = Decode<M>(once);
-  fuzz::Require(again.has_value(), "what was encoded decodes");
+  fuzz::Require(again.has_value(), "an encoded value decodes");
   fuzz::Require(Encode(*again) == once, "a round trip changes nothing");
 }
 

@@ -1,5 +1,5 @@
-// The state config, as a person writes it: it is judged without a crash, what is said about it is
-// said about a place in it, and what is accepted can be worked with.
+// The state config as any text: the check does not crash, each diagnostic has a position in the
+// text, and an accepted config is usable.
 
 #include "musher/lifecycle/config_toml.hpp"
 
@@ -16,8 +16,8 @@ using fuzz::Require;
 void RequireLocated(const Diagnostic& diagnostic, std::string_view text) {
   const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
   Require(diagnostic.line >= 0 && diagnostic.line <= lines, "a diagnostic is inside the file");
-  Require((diagnostic.line == 0) == (diagnostic.column == 0), "a place has a line and a column");
-  Require(!diagnostic.message.empty(), "a diagnostic says something");
+  Require((diagnostic.line == 0) == (diagnostic.column == 0), "a position has a line and a column");
+  Require(!diagnostic.message.empty(), "a diagnostic has a message");
 }
 
 void RequireConsistent(const MachineConfig& config) {
@@ -39,7 +39,7 @@ void RequireConsistent(const MachineConfig& config) {
   }
 }
 
-// A plan of every switch, and the beginning of a start.
+// Plans every switch, and begins a start.
 void RequireUsable(const MachineConfig& config) {
   Machine machine = MakeMachine(config);
   for (const State& state : config.states) {
@@ -62,10 +62,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const ConfigReading reading = ReadConfigText(text, "/robots/sled.toml");
   for (const Diagnostic& diagnostic : reading.diagnostics) RequireLocated(diagnostic, text);
   fuzz::Require(reading.config.has_value() != HasError(reading.diagnostics),
-                "there is a config, or an error says why not");
+                "either a config or an error");
   const ConfigReading again = ReadConfigText(text, "/robots/sled.toml");
   fuzz::Require(again.config == reading.config && again.diagnostics == reading.diagnostics,
-                "the same text is judged the same");
+                "the same text gives the same result");
   if (!reading.config) return 0;
   RequireConsistent(*reading.config);
   RequireUsable(*reading.config);

@@ -1,10 +1,10 @@
-// A controller with its actuators, and a stranger who says whatever he likes in their names. Nobody
-// becomes more active than people have asked for, an emergency stop holds, numbers stay in their
-// bounds, the loop never spins.
+// A controller with its actuators, and an untrusted sender that publishes anything in their names.
+// No actuator becomes more active than requested, an emergency stop holds, numbers stay in their
+// bounds, and the loop never spins.
 
 #include <algorithm>
 
-#include "musher/test/fuzz/stranger.hpp"
+#include "musher/test/fuzz/untrusted.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::fuzz {
@@ -73,7 +73,7 @@ class Harness {
       case 5:
         return harness_.Tell(event::HealthChanged{i, record.report.incarnation,
                                                   transport::WorkFrom(input_.Byte()), input_.Bool(),
-                                                  "a beat says so"});
+                                                  "by its heartbeat"});
       case 6:
         return harness_.Tell(event::EmergencyStopSeen{
             {input_.Number(1, 2), std::string(input_.Text()), std::string(input_.Text())}});
@@ -81,21 +81,21 @@ class Harness {
         harness_.Release();
         return;
       case 8:
-        // One of the true epoch or above leads from then on, which is no fault.
+        // A controller of the current epoch or a higher one leads from then on, which is correct.
         return harness_.Tell(event::RivalHeard{
             input_.Number(harness_.machine().epoch - 1, kLastEpoch) | (input_.Bool() ? kBeyond : 0),
-            "somebody", input_.Bool()});
+            "another", input_.Bool()});
       case 9:
         return harness_.Crash(kNames[i]);
       case 10:
         harness_.Restart(kNames[i]);
         return;
       default:
-        return Ask(i);
+        return RequestSwitch(i);
     }
   }
 
-  void Ask(std::size_t i) {
+  void RequestSwitch(std::size_t i) {
     const char* const targets[] = {"Protected", "DeActive", "LowPower", "SelfCheck", "Error"};
     const State target = targets[input_.Below(std::size(targets))];
     if (const auto rank = BuiltInRank(target)) allowed_ = std::max(allowed_, *rank);
@@ -114,16 +114,16 @@ class Harness {
     Require(machine.epoch <= kLastEpoch, "epochs stay in their bounds");
     Require(machine.number <= kLastNumber, "numbers stay in their bounds");
     Require(machine.state == kUninitialized || config.HasState(machine.state),
-            "the machine is in a state of its own");
+            "the machine is in one of its states");
     const auto rank = config.RankOf(machine.state);
-    Require(!rank || *rank <= allowed_, "the machine goes up for nobody but people");
+    Require(!rank || *rank <= allowed_, "the machine switches up on request only");
     for (; callbacks_ < harness_.log().size(); ++callbacks_) {
       const std::string& run = harness_.log()[callbacks_];
       const auto target = config.RankOf(run.substr(run.find(':') + 1));
-      Require(!target || *target <= allowed_, "actuators go up for nobody but people: " + run);
+      Require(!target || *target <= allowed_, "actuators switch up on request only: " + run);
     }
     const bool both = rank_ && rank && stopped_ && machine.emergency_stop;
-    Require(!both || *rank <= *rank_, "the machine does not go up while it is stopped");
+    Require(!both || *rank <= *rank_, "the machine does not switch up during an emergency stop");
     stopped_ = machine.emergency_stop.has_value();
     rank_ = rank;
   }

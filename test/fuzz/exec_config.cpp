@@ -1,4 +1,4 @@
-// The file of musher-exec, as a person writes it, and the last line of what a program prints.
+// The config of musher-exec as any text, and the last line of a program's output.
 
 #include "musher/modules/exec/exec_config.hpp"
 
@@ -20,7 +20,7 @@ ActuatorConfig Actuator() {
   return actuator;
 }
 
-void Judge(std::string_view text) {
+void CheckConfig(std::string_view text) {
   const ActuatorConfig actuator = Actuator();
   const ExecReading reading = ReadExecText(text, "/robots/voice.toml", actuator);
   const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
@@ -28,9 +28,9 @@ void Judge(std::string_view text) {
     Require(diagnostic.line >= 0 && diagnostic.line <= lines, "a diagnostic is inside the file");
   }
   Require(reading.config.has_value() != HasError(reading.diagnostics),
-          "there is a config, or an error says why not");
+          "either a config or an error");
   Require(ReadExecText(text, "/robots/voice.toml", actuator).config == reading.config,
-          "the same text is judged the same");
+          "the same text gives the same result");
   if (!reading.config) return;
   Require(reading.config->stop_time >= Duration::zero(), "times are not negative");
   for (const auto& [state, actions] : reading.config->states) {
@@ -39,13 +39,13 @@ void Judge(std::string_view text) {
   }
 }
 
-void KeepLastLine(std::string_view text) {
+void CheckLastLine(std::string_view text) {
   LastLine whole;
   whole.Add(text);
   LastLine parts;
   for (const char c : text) parts.Add({&c, 1});
   const std::string line = whole.Get();
-  Require(line == parts.Get(), "it does not matter in which pieces output comes");
+  Require(line == parts.Get(), "the result does not depend on the pieces of the output");
   Require(line.size() <= 200, "a reason is short");
   Require(std::none_of(line.begin(), line.end(), [](char c) { return c >= 0 && c < ' '; }),
           "a reason has no control characters");
@@ -56,7 +56,7 @@ void KeepLastLine(std::string_view text) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  musher::exec::Judge(text);
-  musher::exec::KeepLastLine(text);
+  musher::exec::CheckConfig(text);
+  musher::exec::CheckLastLine(text);
   return 0;
 }

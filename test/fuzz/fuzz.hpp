@@ -1,5 +1,5 @@
 #pragma once
-// What the fuzzers share. Each is one file with LLVMFuzzerTestOneInput(): libFuzzer calls it in the
+// Shared by the fuzzers. Each is one file with LLVMFuzzerTestOneInput(): libFuzzer calls it in the
 // `fuzz` preset, replay_corpus.cpp in every other build.
 
 #include <algorithm>
@@ -15,14 +15,14 @@
 
 namespace musher::fuzz {
 
-// What has to hold for every input; ends the process where it does not, asserts or none.
+// Aborts the process unless `holds`, also in builds without asserts.
 inline void Require(bool holds, const std::string& what) {
   if (holds) return;
-  std::fprintf(stderr, "does not hold: %s\n", what.c_str());
+  std::fprintf(stderr, "violated: %s\n", what.c_str());
   std::abort();
 }
 
-// Reads decisions from bytes. What is read past their end is zero.
+// Reads values from bytes; past their end, zeros.
 class Input {
  public:
   Input(const std::uint8_t* data, std::size_t size) : rest_(data, size) {}
@@ -48,7 +48,7 @@ class Input {
   }
   std::string_view Rest() { return Bytes(rest_.size()); }
 
-  // Numbers at which something may tip over, and any other.
+  // A boundary value, or any other number.
   std::uint64_t Number(std::uint64_t near, std::uint64_t last) {
     switch (Below(8)) {
       case 0:

@@ -7,7 +7,9 @@
 namespace musher::fuzz {
 
 struct Greeter {
-  Greeter() : machine(MakeGreeter(robot)) { Require(machine->Build("IDLE").ok(), "it is built"); }
+  Greeter() : machine(MakeGreeter(robot)) {
+    Require(machine->Build("IDLE").ok(), "the machine builds");
+  }
 
   Result<> Apply(std::string_view name, std::string_view text) {
     if (name == "sees") robot.sees_somebody = text == "yes";

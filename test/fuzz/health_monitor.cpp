@@ -1,9 +1,9 @@
-// Signs of life as a stranger may send them: the monitor computes with none of their times in a way
-// that overflows, and never waits for a moment that is over.
+// Untrusted heartbeats: the monitor's computations with their times do not overflow, and it never
+// waits for a time in the past.
 
 #include "musher/lifecycle/health_monitor.hpp"
 
-#include "musher/test/fuzz/stranger.hpp"
+#include "musher/test/fuzz/untrusted.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 
 namespace musher::fuzz {
@@ -53,7 +53,8 @@ class Harness {
   }
 
   void Count(const std::vector<Finding>& findings) const {
-    Require(findings.size() <= 2 * config_.actuators.size(), "an actuator is found out once");
+    Require(findings.size() <= 2 * config_.actuators.size(),
+            "at most two health events for each actuator");
   }
 
   Input& input_;

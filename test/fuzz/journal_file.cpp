@@ -1,5 +1,5 @@
-// A journal whose file was damaged: bytes of it are others, its end is missing. What is left is
-// read or there is a reason; no row is believed that was never written.
+// A journal whose file is damaged: some bytes differ, its end is missing. The reader returns the
+// remaining rows or an error; it never returns a row that was not written.
 
 #include <fstream>
 #include <iterator>
@@ -54,13 +54,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   const std::string path = whole.folder.Write("damaged.sqlite", bytes);
   const auto reading = ReadJournal(path, INT64_MIN, 10'000);
-  fuzz::Require(reading.ok() || !reading.error().message.empty(), "there are rows or a reason");
+  fuzz::Require(reading.ok() || !reading.error().message.empty(), "either rows or an error");
   if (reading.ok()) {
     for (const JournalEntry& entry : reading.value().entries) {
-      fuzz::Require(whole.messages.count(entry.message) > 0, "only what was written is believed");
+      fuzz::Require(whole.messages.count(entry.message) > 0, "only written rows are returned");
     }
   }
   const auto recording = ReadRecording(path);
-  fuzz::Require(recording.ok() || !recording.error().message.empty(), "there are rows or a reason");
+  fuzz::Require(recording.ok() || !recording.error().message.empty(), "either rows or an error");
   return 0;
 }

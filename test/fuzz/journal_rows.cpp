@@ -1,6 +1,6 @@
-// Rows of a journal whose checksum fits though nobody of ours wrote them: one on each line, behind
-// "e" an event, behind "m" a machine, behind "c" a config as JSON; "g" is a gap. What is read can
-// be written and read again, and a replay ends with a report or a reason.
+// Untrusted rows of a journal with valid checksums: one on each line, behind "e" an event, behind
+// "m" a machine, behind "c" a config as JSON; "g" is a gap. A decoded row can be encoded and
+// decoded again, and a replay ends with a report or an error.
 
 #include <memory>
 
@@ -52,8 +52,9 @@ class Rows {
 
   void Replay() const {
     const auto report = recording::Replay(rows_, {});
-    Require(report.ok() || !report.error().message.empty(), "there is a report or a reason");
-    if (report.ok()) Require(!cli::ReplayJson(report.value(), "").empty(), "it can be written");
+    Require(report.ok() || !report.error().message.empty(), "either a report or an error");
+    if (report.ok())
+      Require(!cli::ReplayJson(report.value(), "").empty(), "the report can be rendered");
   }
 
  private:

@@ -1,4 +1,4 @@
-// A motion manager and anybody who commands it: what motion_fault_test.hpp promises, from bytes.
+// A motion manager and any senders of commands: the checks of motion_fault_test.hpp, from bytes.
 
 #include "musher/test/fuzz/fuzz.hpp"
 #include "musher/test/modules/motion/motion_fault_test.hpp"

@@ -1,4 +1,4 @@
-// The motion manager's two files, from any text: a table or a reason, never a crash.
+// The motion manager's two files as any text: a result or an error, never a crash.
 
 #include "musher/modules/motion/motion_table.hpp"
 #include "musher/modules/motion/motion_config.hpp"
@@ -8,9 +8,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto table = musher::motion::ReadTableText(text, "motions.toml");
   musher::fuzz::Require(table.table.has_value() != HasError(table.diagnostics),
-                        "there is a table or an error");
+                        "either a table or an error");
   const auto config = musher::motion::ReadMotionConfigText(text, "motion_manager.toml");
   musher::fuzz::Require(config.config.has_value() != HasError(config.diagnostics),
-                        "there is a config or an error");
+                        "either a config or an error");
   return 0;
 }

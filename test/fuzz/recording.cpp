@@ -1,5 +1,5 @@
-// What a Recorder wrote, as anybody may have changed it. What can be read and played is recorded
-// again, and that recording is played without a difference.
+// A changed recording of a Recorder. If it can be read and played, it is recorded again, and that
+// recording plays without a difference.
 
 #include "musher/behavior/fsm/recorder.hpp"
 #include "musher/behavior/fsm/replay.hpp"
@@ -11,11 +11,11 @@ namespace {
 using fuzz::Greeter;
 using fuzz::Require;
 
-// Plays it, and gives the recording of that; nothing where it cannot be played.
+// Plays a recording, and returns the recording of that; nothing when it cannot be played.
 std::optional<std::string> Play(std::string_view text, Replayed& replayed) {
   const auto recording = ReadRecording(text, "a.record");
   if (!recording) {
-    Require(recording.error().message.starts_with("a.record:"), "a fault has its place");
+    Require(recording.error().message.starts_with("a.record:"), "an error has a position");
     return std::nullopt;
   }
   Greeter greeter;
@@ -41,8 +41,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto again = musher::fsm::Play(input.Rest(), first);
   if (!again) return 0;
   musher::fsm::Replayed second;
-  Require(musher::fsm::Play(*again, second).has_value(), "what was recorded can be played");
+  Require(musher::fsm::Play(*again, second).has_value(), "a new recording can be played");
   Require(!second.difference, second.difference.value_or("") + " in\n" + *again);
-  Require(first.ticks == second.ticks, "it is as long");
+  Require(first.ticks == second.ticks, "both have the same length");
   return 0;
 }

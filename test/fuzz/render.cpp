@@ -1,5 +1,5 @@
-// What the command line shows of messages that anybody may have sent: a line of JSON that is JSON,
-// and a text that does nothing to a terminal but print.
+// The command line's output for untrusted messages: a valid line of JSON, and a text without
+// control characters for the terminal.
 
 #include <nlohmann/json.hpp>
 
@@ -14,7 +14,7 @@ namespace {
 using fuzz::Require;
 
 void RequireJson(const std::string& text) {
-  Require(nlohmann::json::accept(text), "JSON is JSON");
+  Require(nlohmann::json::accept(text), "the JSON is valid");
   Require(text.find('\n') == std::string::npos, "a document is on one line");
 }
 

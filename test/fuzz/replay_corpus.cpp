@@ -1,4 +1,4 @@
-// The kept inputs of a fuzzer, once each: what was found stays found in builds without libFuzzer.
+// Runs the kept inputs of a fuzzer once each, as a regression test in builds without libFuzzer.
 //
 //   fuzz_<target> FILE_OR_FOLDER...
 
@@ -30,9 +30,9 @@ int main(int argc, char** argv) {
       return 1;
     }
     std::printf("%s\n", path.c_str());
-    std::fflush(stdout);  // the last one that is named is the one that fails
+    std::fflush(stdout);  // the last printed file is the one that fails
     LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
   }
-  if (files.empty()) std::fprintf(stderr, "there is nothing to replay\n");
+  if (files.empty()) std::fprintf(stderr, "no inputs to replay\n");
   return files.empty() ? 1 : 0;
 }

@@ -1,5 +1,5 @@
-// A scene file of musher-world, and a life in it: what comes after a zero byte are commands for the
-// body, or for a humanoid's pose and gaze, eight bytes each.
+// A scene file of musher-world, and a run in it: after a zero byte come commands for the body, or
+// for a humanoid's pose and gaze, eight bytes each.
 
 #include <algorithm>
 #include <cmath>
@@ -33,16 +33,17 @@ BoardCommand CommandIn(std::string_view bytes) {
   return command;
 }
 
-void RequireSense(const World& world) {
+void RequireValid(const World& world) {
   const Body& body = world.body();
   Require(IsFree(world.scene(), body.pose().position_m), "no body is inside an obstacle");
   const double percent = world.battery().percent();
   Require(percent >= 0 && percent <= 100, "a battery is within 0 and 100 %");
-  Require(body.progress_percent() >= 0 && body.progress_percent() <= 100, "progress is in %");
+  Require(body.progress_percent() >= 0 && body.progress_percent() <= 100,
+          "progress is within 0 and 100 %");
   Require(body.speed().allFinite() && body.turn_rate().allFinite() &&
               body.acceleration().allFinite() && std::isfinite(body.pose().yaw_rad) &&
               body.odometry().position_m.allFinite() && std::isfinite(body.motor_temperature_c(0)),
-          "what a body reports are numbers");
+          "a body reports finite numbers");
   const double apart_m = world.scene().body.radius_m + kGuestRadiusM - 1e-6;
   for (const Guest& guest : world.guests()) {
     Require(!guest.here || (guest.position_m - body.pose().position_m).norm() >= apart_m,
@@ -57,11 +58,11 @@ void RequireSense(const World& world) {
     Require(axis.position_rad >= joint.least_rad - 1e-6 &&
                 axis.position_rad <= joint.most_rad + 1e-6 &&
                 std::abs(axis.speed_rad_s) <= limits.speed_rad_s + 1e-6,
-            "joints keep their limits");
+            "joints stay within their limits");
   }
 }
 
-void Live(const Scene& scene, std::string_view commands) {
+void RunCommands(const Scene& scene, std::string_view commands) {
   World world(scene);
   while (commands.size() >= kCommandSize) {
     static_cast<void>(world.Command(CommandIn(commands)));
@@ -74,23 +75,22 @@ void Live(const Scene& scene, std::string_view commands) {
     if (extra == 6) static_cast<void>(world.SetPose(std::string(commands.substr(0, 7))));
     for (int i = 0; i < kStepsOfACommand; ++i) {
       world.Step();
-      RequireSense(world);
+      RequireValid(world);
     }
     commands.remove_prefix(kCommandSize);
   }
 }
 
-void Judge(std::string_view text, std::string_view commands) {
+void CheckScene(std::string_view text, std::string_view commands) {
   const SceneReading reading = ReadSceneText(text, kPath);
   const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
   for (const Diagnostic& diagnostic : reading.diagnostics) {
-    const bool of_poses = diagnostic.file != kPath;  // which are in a file of their own
+    const bool of_poses = diagnostic.file != kPath;  // poses have a file of their own
     Require(diagnostic.line >= 0 && (of_poses || diagnostic.line <= lines),
             "a diagnostic is inside the file");
   }
-  Require(reading.scene.has_value() != HasError(reading.diagnostics),
-          "there is a scene, or an error says why not");
-  if (reading.scene) Live(*reading.scene, commands);
+  Require(reading.scene.has_value() != HasError(reading.diagnostics), "either a scene or an error");
+  if (reading.scene) RunCommands(*reading.scene, commands);
 }
 
 }  // namespace
@@ -99,6 +99,6 @@ void Judge(std::string_view text, std::string_view commands) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   const std::size_t end = std::min(bytes.find('\0'), bytes.size());
-  musher::world::Judge(bytes.substr(0, end), bytes.substr(std::min(end + 1, bytes.size())));
+  musher::world::CheckScene(bytes.substr(0, end), bytes.substr(std::min(end + 1, bytes.size())));
   return 0;
 }

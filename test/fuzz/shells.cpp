@@ -1,6 +1,6 @@
-// A whole robot on the simulated network, and a stranger on it who publishes bytes on every topic
-// that somebody reads. The robot goes on: nobody becomes more active than was asked for, and once
-// the stranger has gone a person gets an answer.
+// A whole robot on the simulated network, and an untrusted participant that publishes bytes on
+// every topic with a subscription. The robot keeps working: no actuator becomes more active than
+// requested, and a request gets a reply afterwards.
 
 #include <memory>
 #include <vector>
@@ -11,14 +11,14 @@
 #include "musher/messages/protocol/fs_machine.hpp"
 #include "musher/messages/protocol/heartbeats.hpp"
 #include "musher/simulation/robot.hpp"
-#include "musher/test/fuzz/stranger.hpp"
+#include "musher/test/fuzz/untrusted.hpp"
 #include "musher/test/lifecycle/coordination/harness.hpp"
 #include "musher/transport/raw_server.hpp"
 
 namespace musher::fuzz {
 namespace {
 
-// a is one of ours, b a CyberDog module, c a ROS 2 node; those two answer with anything.
+// a is a Musher actuator, b a CyberDog module, c a ROS 2 node; b and c reply with any bytes.
 MachineConfig Config() {
   MachineConfig config = testing::MachineOf(3);
   for (ActuatorConfig& actuator : config.actuators) {
@@ -37,7 +37,7 @@ msg::Bytes ToBytes(std::string_view text) {
   return {bytes.begin(), bytes.end()};
 }
 
-// The services of a program that is not ours. Each reply says what it should, or the next bytes.
+// The services of another program. Each reply is correct, or the next bytes of the input.
 class Peer {
  public:
   Peer(transport::Node& node, const std::string& name, std::shared_ptr<Input> input)
@@ -82,7 +82,8 @@ class Harness {
       : input_(std::make_shared<Input>(input)),
         robot_(1, Config(), [this](const std::string& name, const State& state) {
           const auto rank = BuiltInRank(state);
-          Require(name != "a" || !rank || *rank <= allowed_, "nobody goes up for a stranger");
+          Require(name != "a" || !rank || *rank <= allowed_,
+                  "no switch up for an untrusted participant");
           return simulation::Act{};
         }) {
     for (const char* name : {"b", "c"}) {
@@ -91,7 +92,8 @@ class Harness {
       });
     }
     for (const auto& [topic, type] : Topics()) {
-      writers_.push_back(stranger_->MakeRawWriter(topic, type, transport::kLatchedQos, {}).value());
+      writers_.push_back(
+          untrusted_->MakeRawWriter(topic, type, transport::kLatchedQos, {}).value());
     }
     robot_.StartController();
     robot_.RunFor(std::chrono::seconds(2));
@@ -103,7 +105,7 @@ class Harness {
     for (int steps = 0; steps < 40 && !input_->empty(); ++steps) Next();
     *input_ = Input(nullptr, 0);
     robot_.RunFor(std::chrono::seconds(5));
-    Require(robot_.Set(State(kLowPower)).has_value(), "who asks gets an answer");
+    Require(robot_.Set(State(kLowPower)).has_value(), "a request gets a reply");
   }
 
  private:
@@ -170,7 +172,7 @@ class Harness {
   std::shared_ptr<Input> input_;
   Rank allowed_ = *BuiltInRank(kActive);
   simulation::SimRobot robot_;
-  std::unique_ptr<transport::Node> stranger_ = robot_.network().MakeNode("stranger");
+  std::unique_ptr<transport::Node> untrusted_ = robot_.network().MakeNode("untrusted");
   std::vector<std::unique_ptr<transport::RawWriter>> writers_;
 };
 

@@ -1,5 +1,6 @@
-// The small files of a controller's folder, damaged in any way: an epoch is read or refused, a file
-// of an emergency stop means that one is engaged, and what was read can be saved and read again.
+// The small files of a controller's folder, damaged in any way: an epoch is read or refused, a
+// damaged emergency stop file means that a stop is engaged, and what was read can be saved and read
+// again.
 
 #include <algorithm>
 #include <string>
@@ -17,16 +18,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   folder.Write("epoch", text);
   folder.Write("emergency_stop", text);
   const auto epoch = store.LoadEpoch();
-  fuzz::Require(epoch.ok() || !epoch.error().message.empty(), "what is damaged is called so");
+  fuzz::Require(epoch.ok() || !epoch.error().message.empty(), "a damaged file gives an error");
   const StoredStops stops = store.LoadEmergencyStops();
   const bool whole = ("\n" + std::string(text) + "\n").find("\nend\n") != std::string::npos;
-  fuzz::Require(whole || !stops.engaged.empty(), "a file that cannot be read means a stop");
+  fuzz::Require(whole || !stops.engaged.empty(),
+                "a file that cannot be read means a stop is engaged");
   const fuzz::Folder other;
   other.Write("controller.lock", text);
-  fuzz::Require(StateStore::OwnerOf(other.path()) >= 0, "an owner is a process");
-  fuzz::Require(store.SaveEmergencyStops(stops).ok(), "what was read can be saved");
+  fuzz::Require(StateStore::OwnerOf(other.path()) >= 0, "an owner is a process id");
+  fuzz::Require(store.SaveEmergencyStops(stops).ok(), "read stops can be saved");
   const StoredStops again = store.LoadEmergencyStops();
-  fuzz::Require(again.released == stops.released, "what is released stays so");
+  fuzz::Require(again.released == stops.released, "released stops stay released");
   const bool same =
       std::equal(stops.engaged.begin(), stops.engaged.end(), again.engaged.begin(),
                  again.engaged.end(), [](const auto& a, const auto& b) { return a.id == b.id; });

@@ -1,4 +1,4 @@
-// What may happen next.
+// The choices in a state of the world.
 
 #include <algorithm>
 #include <utility>
@@ -8,8 +8,8 @@
 namespace musher::search {
 namespace {
 
-bool Expects(const World& world, const Actor& actor) {
-  const auto& tokens = actor.core.running_for;
+bool Expects(const World& world, const SimActuator& actuator) {
+  const auto& tokens = actuator.core.running_for;
   return std::any_of(tokens.begin(), tokens.end(),
                      [&](RequestToken token) { return (token & 127) == world.generation + 1; });
 }
@@ -25,17 +25,17 @@ class Listing {
     }
     ListStop();
     if (world_.at_start) {
-      Free(Deed::kAsk);
-      if (world_.stop_seen_due) Free(Deed::kSeeStop);
+      Free(ChoiceKind::kRequest);
+      if (world_.stop_seen_due) Free(ChoiceKind::kSeeStop);
       return std::move(choices_);
     }
     for (std::size_t i = 0; i < kActuators; ++i) ListActuator(i);
-    if (world_.stop_seen_due && Leads()) Free(Deed::kSeeStop);
+    if (world_.stop_seen_due && Leads()) Free(ChoiceKind::kSeeStop);
     ListTime();
     if (world_.faults_left > 0 && Leads()) {
-      Fault(Deed::kRestart);
-      Fault(Deed::kAskError);
-      if (world_.machine.phase != Phase::kStopping) Fault(Deed::kAskTearDown);
+      Fault(ChoiceKind::kRestart);
+      Fault(ChoiceKind::kRequestError);
+      if (world_.machine.phase != Phase::kStopping) Fault(ChoiceKind::kRequestTearDown);
     }
     return std::move(choices_);
   }
@@ -43,75 +43,76 @@ class Listing {
  private:
   bool Leads() const { return world_.machine.phase != Phase::kStopped; }
 
-  void Free(Deed deed, std::size_t i = 0, std::size_t index = 0) {
-    choices_.push_back({deed, static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(index), 0});
+  void Free(ChoiceKind kind, std::size_t i = 0, std::size_t index = 0) {
+    choices_.push_back({kind, static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(index), 0});
   }
-  void Fault(Deed deed, std::size_t i = 0) {
-    if (world_.faults_left > 0) choices_.push_back({deed, static_cast<std::uint8_t>(i), 0, 1});
+  void Fault(ChoiceKind kind, std::size_t i = 0) {
+    if (world_.faults_left > 0) choices_.push_back({kind, static_cast<std::uint8_t>(i), 0, 1});
   }
 
   void ListStop() {
     if (world_.stopped || !Leads()) return;
-    Fault(Deed::kEngageStop);
+    Fault(ChoiceKind::kEngageStop);
     for (std::size_t i = 0; i < kActuators && world_.faults_left > 1; ++i) {
-      if (!world_.actors[i].alive) continue;
-      choices_.push_back({Deed::kEngageStopLate, static_cast<std::uint8_t>(i), 0, 2});
+      if (!world_.actuators[i].alive) continue;
+      choices_.push_back({ChoiceKind::kEngageStopLate, static_cast<std::uint8_t>(i), 0, 2});
     }
   }
 
   void ListSending() {
     const Message& first = world_.outbox.front();
-    const Actor& actor = world_.actors[first.to];
-    Free(Deed::kDeliver, first.to);
+    const SimActuator& actuator = world_.actuators[first.to];
+    Free(ChoiceKind::kDeliver, first.to);
     ListStop();
-    Fault(Deed::kRestart);
-    if (!actor.alive || !actor.visible) return;
-    Fault(Deed::kLose, first.to);
-    Fault(Deed::kHold, first.to);
-    Fault(Deed::kDouble, first.to);
-    if (actor.core.controller != first.sender) Fault(Deed::kUnheard, first.to);
+    Fault(ChoiceKind::kRestart);
+    if (!actuator.alive || !actuator.visible) return;
+    Fault(ChoiceKind::kLose, first.to);
+    Fault(ChoiceKind::kHold, first.to);
+    Fault(ChoiceKind::kDuplicate, first.to);
+    if (actuator.core.controller != first.sender) Fault(ChoiceKind::kUnannounced, first.to);
   }
 
   void ListActuator(std::size_t i) {
-    const Actor& actor = world_.actors[i];
-    if (actor.end) Free(Deed::kEnd, i);
-    for (std::size_t k = 0; k < actor.late.size(); ++k) Free(Deed::kLate, i, k);
-    if (!actor.replies.empty()) {
-      Free(Deed::kReply, i);
-      for (const Deed d : {Deed::kReplyHeld, Deed::kReplyDoubled}) Fault(d, i);
-      // The last word of a dead process may be lost with it.
-      actor.alive ? Fault(Deed::kReplyLost, i) : Free(Deed::kReplyLost, i);
+    const SimActuator& actuator = world_.actuators[i];
+    if (actuator.end) Free(ChoiceKind::kEnd, i);
+    for (std::size_t k = 0; k < actuator.late.size(); ++k) Free(ChoiceKind::kLate, i, k);
+    if (!actuator.replies.empty()) {
+      Free(ChoiceKind::kReply, i);
+      for (const ChoiceKind d : {ChoiceKind::kReplyHeld, ChoiceKind::kReplyDuplicated}) Fault(d, i);
+      // The last reply of an ended process may be lost with it.
+      actuator.alive ? Fault(ChoiceKind::kReplyLost, i) : Free(ChoiceKind::kReplyLost, i);
     }
-    if (actor.status_due) {
-      Free(Deed::kStatus, i);
-      Fault(Deed::kStatusLost, i);
-      Fault(Deed::kStatusHeld, i);
-      Fault(Deed::kStatusDoubled, i);
+    if (actuator.status_due) {
+      Free(ChoiceKind::kStatus, i);
+      Fault(ChoiceKind::kStatusLost, i);
+      Fault(ChoiceKind::kStatusHeld, i);
+      Fault(ChoiceKind::kStatusDuplicated, i);
     }
-    if (!actor.alive) return;
-    Fault(Deed::kCrash, i);
-    if (actor.work == Work::kNone) return;
-    Free(Deed::kEndOk, i);
-    if (actor.core.report.target == kTearDown) Free(Deed::kEndFirst, i);
-    Fault(Deed::kEndFailed, i);
-    if (actor.work == Work::kOverdue && actor.stop_requested) Free(Deed::kEndAsked, i);
-    if (!Expects(world_, actor) || !actor.replies.empty()) return;
-    if (actor.core.report.target != kTearDown) Fault(Deed::kEndCrash, i);
-    Fault(Deed::kEndReplyLost, i);
-    Fault(Deed::kEndReplyHeld, i);
-    Fault(Deed::kEndReplyDoubled, i);
+    if (!actuator.alive) return;
+    Fault(ChoiceKind::kCrash, i);
+    if (actuator.work == Work::kNone) return;
+    Free(ChoiceKind::kEndOk, i);
+    if (actuator.core.report.target == kTearDown) Free(ChoiceKind::kEndFirst, i);
+    Fault(ChoiceKind::kEndFailed, i);
+    if (actuator.work == Work::kOverdue && actuator.stop_requested)
+      Free(ChoiceKind::kEndOnRequest, i);
+    if (!Expects(world_, actuator) || !actuator.replies.empty()) return;
+    if (actuator.core.report.target != kTearDown) Fault(ChoiceKind::kEndCrash, i);
+    Fault(ChoiceKind::kEndReplyLost, i);
+    Fault(ChoiceKind::kEndReplyHeld, i);
+    Fault(ChoiceKind::kEndReplyDuplicated, i);
   }
 
-  // Time passes when nothing is on its way; what still runs then is overdue.
+  // Time passes when no message is under way; a callback that still runs then is overdue.
   void ListTime() {
     if (world_.stop_seen_due && Leads()) return;
     std::uint8_t cost = 0;
-    for (const Actor& actor : world_.actors) {
-      if (actor.end || actor.status_due || !actor.replies.empty()) return;
-      if (actor.work == Work::kRunning) ++cost;
+    for (const SimActuator& actuator : world_.actuators) {
+      if (actuator.end || actuator.status_due || !actuator.replies.empty()) return;
+      if (actuator.work == Work::kRunning) ++cost;
     }
     if (cost > world_.faults_left || !NextDeadline(model_.config, world_.machine)) return;
-    choices_.push_back({Deed::kTime, 0, 0, cost});
+    choices_.push_back({ChoiceKind::kTime, 0, 0, cost});
   }
 
   const Model& model_;
@@ -127,13 +128,14 @@ std::vector<Choice> Choices(const Model& model, const World& world) {
 
 bool IsQuiet(const World& world, const std::vector<Choice>& choices) {
   return std::all_of(choices.begin(), choices.end(), [&](const Choice& choice) {
-    const bool overdue = world.actors[choice.actuator].work == Work::kOverdue &&
-                         (choice.deed == Deed::kEndOk || choice.deed == Deed::kEndAsked);
-    const auto& late = world.actors[choice.actuator].late;
-    // The latch is repeated until it has come.
-    const bool lost =
-        choice.deed == Deed::kLate && (std::holds_alternative<Message>(late[choice.index]) ||
-                                       std::holds_alternative<event::Replied>(late[choice.index]));
+    const bool overdue =
+        world.actuators[choice.actuator].work == Work::kOverdue &&
+        (choice.kind == ChoiceKind::kEndOk || choice.kind == ChoiceKind::kEndOnRequest);
+    const auto& late = world.actuators[choice.actuator].late;
+    // A latched status is repeated until it has arrived.
+    const bool lost = choice.kind == ChoiceKind::kLate &&
+                      (std::holds_alternative<Message>(late[choice.index]) ||
+                       std::holds_alternative<event::Replied>(late[choice.index]));
     return choice.cost > 0 || lost || overdue;
   });
 }

@@ -19,7 +19,7 @@ class Explorer {
   Searched Run(const World& root) && {
     const Identity identity = IdentityOf(model_, root);
     seen_.insert(identity.fingerprint);
-    came_.push_back({});
+    origins_.push_back({});
     layer_.push_back({0, identity.twins, root});
     while (!layer_.empty() && !searched_.fault) {
       for (Node& node : layer_) {
@@ -29,7 +29,7 @@ class Explorer {
       layer_ = std::exchange(next_, {});
     }
     searched_.figures.pairs = 1;
-    searched_.figures.nodes = came_.size();
+    searched_.figures.nodes = origins_.size();
     return std::move(searched_);
   }
 
@@ -39,8 +39,8 @@ class Explorer {
     unsigned twins = 0;
     World world;
   };
-  // How a node was come to first.
-  struct Came {
+  // How a node was reached first.
+  struct Origin {
     std::uint32_t from = 0;
     std::uint32_t choice = 0;
   };
@@ -51,7 +51,7 @@ class Explorer {
       ++searched_.figures.leaves;
       Notes notes;
       CheckRest(model_, node.world, notes);
-      if (!notes.wrong.empty()) return Tell(node.id, std::nullopt, std::move(notes));
+      if (!notes.violations.empty()) return ReportFault(node.id, std::nullopt, std::move(notes));
     }
     for (std::uint32_t k = 0; k < choices.size(); ++k) {
       if ((node.twins >> choices[k].actuator & 1U) != 0) continue;
@@ -59,31 +59,31 @@ class Explorer {
       Notes notes;
       Make(model_, world, choices[k], notes);
       ++searched_.figures.transitions;
-      if (!notes.wrong.empty()) return Tell(node.id, k, std::move(notes));
+      if (!notes.violations.empty()) return ReportFault(node.id, k, std::move(notes));
       const Identity identity = IdentityOf(model_, world);
       if (!seen_.insert(identity.fingerprint).second) continue;
-      came_.push_back({node.id, k});
+      origins_.push_back({node.id, k});
       next_.push_back(
-          {static_cast<std::uint32_t>(came_.size() - 1), identity.twins, std::move(world)});
+          {static_cast<std::uint32_t>(origins_.size() - 1), identity.twins, std::move(world)});
     }
   }
 
-  void Tell(std::uint32_t id, std::optional<std::uint32_t> last, Notes notes) {
+  void ReportFault(std::uint32_t id, std::optional<std::uint32_t> last, Notes notes) {
     std::vector<std::uint32_t> path;
     if (last) path.push_back(*last);
-    for (; id != 0; id = came_[id].from) path.push_back(came_[id].choice);
+    for (; id != 0; id = origins_[id].from) path.push_back(origins_[id].choice);
     std::string text;
     std::reverse(path.begin(), path.end());
     for (const std::uint32_t choice : path) {
       text += (text.empty() ? "" : ".") + std::to_string(choice);
     }
-    searched_.fault = Fault{std::move(notes.wrong), text};
+    searched_.fault = Fault{std::move(notes.violations), text};
   }
 
   const Model& model_;
   Searched searched_;
   std::unordered_set<Fingerprint, FingerprintHash> seen_;
-  std::vector<Came> came_;
+  std::vector<Origin> origins_;
   std::vector<Node> layer_;
   std::vector<Node> next_;
 };
@@ -112,16 +112,17 @@ std::string ScenarioOf(const Model& model, const World& root, const std::string&
   World world = root;
   std::istringstream steps(path);
   Notes notes;
-  notes.tell = true;
+  notes.log = true;
   for (std::string step; std::getline(steps, step, '.');) {
     const std::vector<Choice> choices = Choices(model, world);
     const std::size_t k = std::stoul(step);
-    if (k >= choices.size()) return scenario + "(there is no choice " + step + " here)\n";
+    if (k >= choices.size()) return scenario + "(no choice " + step + " here)\n";
     Make(model, world, choices[k], notes);
   }
   if (IsQuiet(world, Choices(model, world))) CheckRest(model, world, notes);
   for (const std::string& sentence : notes.scenario) scenario += "  " + sentence + "\n";
-  for (const std::string& wrong : notes.wrong) scenario += "WRONG: " + wrong + "\n";
+  for (const std::string& violation : notes.violations)
+    scenario += "VIOLATION: " + violation + "\n";
   return scenario;
 }
 

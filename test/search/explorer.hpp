@@ -1,5 +1,5 @@
 #pragma once
-// The search: breadth first, so that the scenario of a fault is as short as it can be.
+// The search: breadth first, so that the scenario of a violation is as short as possible.
 
 #include <cstdint>
 #include <optional>
@@ -20,10 +20,10 @@ struct Figures {
   Figures& operator+=(const Figures& other);
 };
 
-// A way to something that must not be: by it the scenario can be told again.
+// The violations in a node, and the path to it, which replays the scenario.
 struct Fault {
-  std::vector<std::string> wrong;
-  std::string path;  // "0.3.1": which of Choices() was made in each node
+  std::vector<std::string> violations;
+  std::string path;  // "0.3.1": the index in Choices() at each node
 };
 
 struct Searched {
@@ -31,10 +31,10 @@ struct Searched {
   std::optional<Fault> fault;
 };
 
-// All that can come of `root`, up to the first thing that is wrong.
+// Searches everything that can follow from `root`, up to the first violation.
 Searched SearchAll(const Model& model, const World& root);
 
-// What happens on this path, and what is wrong there, in sentences.
+// The events on this path and the violations at its end, in sentences.
 std::string ScenarioOf(const Model& model, const World& root, const std::string& path);
 
 }  // namespace musher::search

@@ -1,5 +1,5 @@
 #pragma once
-// What was searched, in figures: a table for people, and files where MUSHER_REPORT_DIR says.
+// The figures of the searches: a table as text, and files in the folder MUSHER_REPORT_DIR.
 
 #include <map>
 #include <string>
@@ -11,8 +11,8 @@ namespace musher::search {
 
 class FiguresTable {
  public:
-  // Of one machine from one state; a file "search-<name>.json" of its own, so that tests may run in
-  // parallel.
+  // The figures of one machine from one state; each has a file "search-<name>.json" of its own, so
+  // that tests can run in parallel.
   void Add(const std::string& scenario, const State& from, int faults, const Figures& figures);
 
   // One line for each machine and number of faults, as Markdown.

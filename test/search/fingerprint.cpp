@@ -54,7 +54,7 @@ class Mixer {
     for (const T& x : all) One(x);
   }
 
-  // Without the emergency stop: it is looked at when the report comes, and not kept in mind.
+  // Without the emergency stop: it matters when the report arrives only, and is not stored.
   void One(const ActuatorReport& r) {
     Add(r.state, r.target, r.busy_number, r.epoch, r.number, r.outcome_number, r.outcome_code);
     Add(r.incarnation, r.apart, r.held_by_stop, r.degraded_code);
@@ -66,7 +66,7 @@ class Mixer {
   }
   void One(const actuator_event::ControllerHeard& heard) { Add(heard.sender, heard.epoch); }
   void One(const SwitchCommand& c) {
-    // How old it is by the actuator's clock.
+    // Its age by the actuator's clock.
     Add(c.epoch, c.number, c.target, c.budget, c.incarnation, c.apart);
     Add(ToMilliseconds(now_ - c.status_stamp - c.since_status));
   }
@@ -79,21 +79,22 @@ class Mixer {
   void One(const Lowering& l) { Add(l.from, l.to, l.epoch); }
   void One(const Keep& k) { Add(k.state, k.until, k.switch_number); }
   void One(const PowerDown& p) { Add(p.reboot, p.tear_down_at, p.force_at, p.commanded); }
-  // The world's clock is no time of this one: by how much it lies back would make every state new.
+  // The policy's clock is another one: its distance from now would make every state different.
   void One(const PolicyState& p) {
     Add(p.clock.time_since_epoch().count(), p.loaded, p.battery, p.charging, p.level,
         p.stored.low_power, p.stored.lowering);
     Add(p.withheld, p.low_power, p.still, p.still_since, p.keep, p.power, p.failures, p.retry_at);
     Add(p.battery_silent, p.invalid_told, p.calls);
   }
-  void One(const Request& r) { Add(r.target, r.answers, r.gone); }
+  void One(const Request& r) { Add(r.target, r.replies, r.abandoned); }
 
   Time now_;
   std::uint64_t high_ = 1;
   std::uint64_t low_ = 2;
 };
 
-// What is on its way from one actuator: its stamp counts by whether the controller has a newer one.
+// A message under way from an actuator: of its stamp only whether the controller has a newer one
+// counts.
 void AddReply(Mixer& mixer, const ActuatorRecord& record, const event::Replied& r) {
   mixer.Add(r.number, r.ask, r.verdict, r.report, r.report.emergency_stop,
             r.report.stamp < record.report.stamp);
@@ -142,9 +143,9 @@ Fingerprint OfActuator(const Model& model, const World& world, std::size_t i) {
       if (other.name == model.config.actuators[i].name) mixer.Add(other.outcome);
     }
   }
-  const Actor& a = world.actors[i];
+  const SimActuator& a = world.actuators[i];
   mixer.Add(a.alive, a.visible, a.work, a.stop_requested, a.energised, a.status_due, a.end, a.epoch,
-            a.begun, a.asked);
+            a.begun, a.queried);
   const ActuatorCore& c = a.core;
   mixer.Add(c.report, c.report.emergency_stop, c.running_for, c.was_apart, c.waiting, c.unsettled,
             c.half_way_down, c.controller, c.announced, c.released, c.stops, c.stopped_meanwhile,

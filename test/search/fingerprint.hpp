@@ -1,10 +1,10 @@
 #pragma once
-// Which nodes of the search are the same. 128 bits stand for a node: with 10^8 nodes the chance
-// that two different ones meet is below 10^-21.
+// Which nodes of the search are the same. A node has 128 bits: with 10^8 nodes the probability of a
+// collision is below 10^-21.
 //
-// Left out is what no decision looks at: texts, ids of records, durations, the codes of failures.
-// Times count from now, stamps by which came later. Actuators with the same config and no order
-// among them are interchangeable: the fingerprint does not tell which of them is which.
+// Without what no decision depends on: texts, ids of records, durations, the codes of failures.
+// Times count from now, stamps by their order. Actuators with the same config and no order among
+// them are interchangeable: the fingerprint does not distinguish them.
 
 #include <cstdint>
 #include <functional>
@@ -24,8 +24,8 @@ struct FingerprintHash {
   std::size_t operator()(const Fingerprint& f) const { return f.low; }
 };
 
-// A node by its fingerprint. `twins` has a bit for each actuator that stands as an interchangeable
-// one before it does: what may happen to it happens to that one, too.
+// A node's fingerprint. `twins` has a bit for each actuator in the same state as an interchangeable
+// earlier one, so that its choices are searched for that one only.
 struct Identity {
   Fingerprint fingerprint;
   unsigned twins = 0;

@@ -9,11 +9,11 @@
 namespace musher::search {
 namespace {
 
-// Each actuator's clock is so much ahead of the stamps that it gives while time stands still.
+// How far each actuator's clock is ahead of its stamps, which differ while time stands still.
 constexpr Duration kClockAhead = Milliseconds(1);
 constexpr std::uint64_t kStopId = 5;
 
-// The token of a request tells what it was and whose.
+// The token of a request holds its number, its kind and its sender.
 RequestToken TokenOf(std::uint64_t number, bool ask, Sender sender) {
   return number << 8 | static_cast<RequestToken>(ask) << 7 | sender;
 }
@@ -28,19 +28,19 @@ bool FromActuator(const Late& late) {
          std::holds_alternative<event::StatusSeen>(late);
 }
 
-void Harness::Say(const std::string& sentence) {
-  if (notes_.tell) notes_.scenario.push_back(sentence);
+void Harness::Log(const std::string& sentence) {
+  if (notes_.log) notes_.scenario.push_back(sentence);
 }
 
 ActuatorReport Harness::Report(std::size_t i) {
-  Actor& actor = world_.actors[i];
-  ActuatorReport report = actor.core.report;
-  report.stamp = world_.now + Duration(++actor.reports);
+  SimActuator& actuator = world_.actuators[i];
+  ActuatorReport report = actuator.core.report;
+  report.stamp = world_.now + Duration(++actuator.reports);
   return report;
 }
 
 // Events are handled one after the other, as in the controller's shell.
-void Harness::Tell(const Event& event) {
+void Harness::Feed(const Event& event) {
   queue_.push_back(event);
   if (handling_) return;
   handling_ = true;
@@ -49,27 +49,27 @@ void Harness::Tell(const Event& event) {
     queue_.pop_front();
     Machine& machine = world_.machine;
     // The controller has ended, or is about to and can only refuse.
-    const bool asked = std::holds_alternative<event::SetStateRequested>(next);
-    if (machine.phase == Phase::kStopped && !asked) continue;
+    const bool requested = std::holds_alternative<event::SetStateRequested>(next);
+    if (machine.phase == Phase::kStopped && !requested) continue;
     const bool starting = machine.current && machine.current->purpose == Purpose::kStartUpActivate;
     const Before before{machine.state, machine.phase, machine.emergency_stop.has_value(), starting};
     const auto actions = model_.rules.controller(config_, machine, next, world_.now);
-    for (const Action& action : actions) Do(action);
+    for (const Action& action : actions) Apply(action);
     CheckStep(model_, world_, before, notes_);
   }
   handling_ = false;
 }
 
-void Harness::Ask(const State& target) {
+void Harness::RequestSwitch(const State& target) {
   world_.requests.push_back({target});
-  Say("somebody asks for " + target);
-  Tell(event::SetStateRequested{world_.requests.size(), target, std::nullopt});
+  Log("a caller requests " + target);
+  Feed(event::SetStateRequested{world_.requests.size(), target, std::nullopt});
 }
 
 void Harness::BeginController(bool by_hand) {
   std::vector<bool> running;
-  for (const Actor& actor : world_.actors) running.push_back(actor.alive);
-  Tell(event::Begin{by_hand, world_.epoch_on_disk, running, "here", world_.stops_on_disk});
+  for (const SimActuator& actuator : world_.actuators) running.push_back(actuator.alive);
+  Feed(event::Begin{by_hand, world_.epoch_on_disk, running, "here", world_.stops_on_disk});
 }
 
 void Harness::RestartController() {
@@ -77,155 +77,157 @@ void Harness::RestartController() {
   ++w.generation;
   w.machine = MakeMachine(config_);
   w.outbox.clear();
-  for (Request& request : w.requests) request.gone |= request.answers == 0;
+  for (Request& request : w.requests) request.abandoned |= request.replies == 0;
   w.stop_seen_due = w.stopped && w.stops_on_disk.engaged.empty();
-  for (Actor& actor : w.actors) {
-    actor.replies.clear();
-    actor.end.reset();
-    actor.status_due = actor.alive;  // the latch is there for whoever comes
-    std::erase_if(actor.late, FromActuator);
+  for (SimActuator& actuator : w.actuators) {
+    actuator.replies.clear();
+    actuator.end.reset();
+    actuator.status_due = actuator.alive;  // latched for the next controller
+    std::erase_if(actuator.late, FromActuator);
   }
   BeginController(false);
 }
 
-void Harness::TellReply(std::size_t i) {
-  auto& replies = world_.actors[i].replies;
+void Harness::FeedReply(std::size_t i) {
+  auto& replies = world_.actuators[i].replies;
   const event::Replied reply = std::move(replies.front());
   replies.erase(replies.begin());
-  Tell(reply);
+  Feed(reply);
 }
 
-void Harness::TellStatus(std::size_t i) {
-  world_.actors[i].status_due = false;
-  Tell(event::StatusSeen{i, Report(i)});
+void Harness::FeedStatus(std::size_t i) {
+  world_.actuators[i].status_due = false;
+  Feed(event::StatusSeen{i, Report(i)});
 }
 
-void Harness::TellEnd(std::size_t i) {
-  const bool clean = *std::exchange(world_.actors[i].end, std::nullopt);
-  const std::int32_t pid = world_.actors[i].core.report.pid;
+void Harness::FeedEnd(std::size_t i) {
+  const bool clean = *std::exchange(world_.actuators[i].end, std::nullopt);
+  const std::int32_t pid = world_.actuators[i].core.report.pid;
   const std::string how = clean ? "exit code 0" : "killed";
   if (world_.machine.actuators[i].process == pid) {
-    return Tell(event::ProcessEnded{i, pid, clean, how});
+    return Feed(event::ProcessEnded{i, pid, clean, how});
   }
-  Tell(event::Vanished{i, static_cast<std::uint64_t>(pid), true, "its process ended"});
+  Feed(event::Vanished{i, static_cast<std::uint64_t>(pid), true, "its process ended"});
 }
 
 void Harness::StartActuator(std::size_t i) {
-  Actor& actor = world_.actors[i];
-  Actor next;
-  next.late = std::move(actor.late);
-  next.processes = actor.processes + 1;
-  actor = std::move(next);
-  actor.alive = true;
-  actor.core.report.pid = actor.processes;
-  actor.core.report.incarnation = static_cast<std::uint64_t>(actor.core.report.pid);
-  actor.core.report.host = "here";
-  Perform(i, actuator_event::Started{});
-  if (world_.stopped) HearStop(i);  // its topic is latched
+  SimActuator& actuator = world_.actuators[i];
+  SimActuator next;
+  next.late = std::move(actuator.late);
+  next.processes = actuator.processes + 1;
+  actuator = std::move(next);
+  actuator.alive = true;
+  actuator.core.report.pid = actuator.processes;
+  actuator.core.report.incarnation = static_cast<std::uint64_t>(actuator.core.report.pid);
+  actuator.core.report.host = "here";
+  StepActuator(i, actuator_event::Started{});
+  if (world_.stopped) ReceiveStop(i);  // its topic is latched
 }
 
-// A process that is not there, or not set up, has nobody who listens.
+// A process that has ended, or is not set up, receives nothing.
 void Harness::Deliver(const Message& message, bool held_back, bool introduced) {
-  const Actor& actor = world_.actors[message.to];
-  if (!actor.alive || !actor.visible) return;
+  const SimActuator& actuator = world_.actuators[message.to];
+  if (!actuator.alive || !actuator.visible) return;
   if (introduced) {
-    Perform(message.to, actuator_event::ControllerHeard{message.sender, message.epoch});
+    StepActuator(message.to, actuator_event::ControllerHeard{message.sender, message.epoch});
   }
   if (const auto* command = std::get_if<SwitchCommand>(&message.what)) {
     const RequestToken token = TokenOf(command->number, false, message.sender);
-    Perform(message.to, actuator_event::SwitchArrived{token, *command, message.sender}, held_back);
+    StepActuator(message.to, actuator_event::SwitchArrived{token, *command, message.sender},
+                 held_back);
   } else {
     const AskCommand& ask = std::get<AskCommand>(message.what);
     const RequestToken token = TokenOf(ask.number, true, message.sender);
-    Perform(message.to, actuator_event::AskArrived{token, ask, message.sender});
+    StepActuator(message.to, actuator_event::AskArrived{token, ask, message.sender});
   }
 }
 
-// Its last instruction switches the output on, on the way up, or off; a check switches nothing.
+// The end of a callback switches the output on, towards a more active state, or off; a self-check
+// switches nothing.
 void Harness::EndCallback(std::size_t i, std::int32_t code, const std::string& text) {
-  Actor& actor = world_.actors[i];
-  actor.work = Work::kNone;
-  const ActuatorReport& report = actor.core.report;
+  SimActuator& actuator = world_.actuators[i];
+  actuator.work = Work::kNone;
+  const ActuatorReport& report = actuator.core.report;
   if (code == kCodeOk && config_.RankOf(report.target)) {
     const bool again = report.target == report.state && report.emergency_stop == 0 &&
                        Rises(config_, kUninitialized, report.target);
-    actor.energised = again || Rises(config_, report.state, report.target);
+    actuator.energised = again || Rises(config_, report.state, report.target);
   }
-  Perform(i, actuator_event::CallbackEnded{code, text});
+  StepActuator(i, actuator_event::CallbackEnded{code, text});
 }
 
-void Harness::HearStop(std::size_t i) {
-  Perform(i, actuator_event::EmergencyStopHeard{kStopId, true, 0});
+void Harness::ReceiveStop(std::size_t i) {
+  StepActuator(i, actuator_event::EmergencyStopHeard{kStopId, true, 0});
 }
 
 void Harness::Crash(std::size_t i) {
-  Actor& actor = world_.actors[i];
-  actor.status_due = false;
+  SimActuator& actuator = world_.actuators[i];
+  actuator.status_due = false;
   EndProcess(i, false);
-  TellEnd(i);
+  FeedEnd(i);
 }
 
 void Harness::EndProcess(std::size_t i, bool clean) {
-  Actor& actor = world_.actors[i];
-  actor.alive = actor.visible = false;
-  actor.work = Work::kNone;
-  actor.end = clean;
+  SimActuator& actuator = world_.actuators[i];
+  actuator.alive = actuator.visible = false;
+  actuator.work = Work::kNone;
+  actuator.end = clean;
 }
 
-void Harness::EngageStop(std::optional<std::size_t> but) {
+void Harness::EngageStop(std::optional<std::size_t> except) {
   world_.stopped = world_.stop_seen_due = true;
   for (std::size_t i = 0; i < kActuators; ++i) {
-    if (i != but) HearStop(i);
+    if (i != except) ReceiveStop(i);
   }
 }
 
-void Harness::Perform(std::size_t i, const ActuatorEvent& event, bool held_back) {
-  Actor& actor = world_.actors[i];
-  if (!actor.alive) return;
-  // The command that this may begin.
-  std::uint64_t epoch = actor.core.waiting ? actor.core.waiting->command.epoch : 0;
+void Harness::StepActuator(std::size_t i, const ActuatorEvent& event, bool held_back) {
+  SimActuator& actuator = world_.actuators[i];
+  if (!actuator.alive) return;
+  // Of the command that this event may begin.
+  std::uint64_t epoch = actuator.core.waiting ? actuator.core.waiting->command.epoch : 0;
   const auto* arrived = std::get_if<actuator_event::SwitchArrived>(&event);
   if (arrived != nullptr) epoch = arrived->command.epoch;
-  const ActuatorReport before = actor.core.report;
+  const ActuatorReport before = actuator.core.report;
   const auto actions =
-      model_.rules.actuator(config_, i, actor.core, event, world_.now + kClockAhead);
+      model_.rules.actuator(config_, i, actuator.core, event, world_.now + kClockAhead);
   for (const ActuatorAction& action : actions) {
     if (const auto* run = std::get_if<actuator_action::RunCallback>(&action)) {
-      const std::uint64_t number = actor.core.report.busy_number;
-      CheckBeginning(model_, world_, i, run->target, epoch, number, notes_);
-      actor.begun = std::max(actor.begun, number);
-      actor.work = held_back ? Work::kOverdue : Work::kRunning;
-      actor.stop_requested = false;
+      const std::uint64_t number = actuator.core.report.busy_number;
+      CheckBegin(model_, world_, i, run->target, epoch, number, notes_);
+      actuator.begun = std::max(actuator.begun, number);
+      actuator.work = held_back ? Work::kOverdue : Work::kRunning;
+      actuator.stop_requested = false;
     }
     if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
-      if (answer->code != kCodePermissionDenied) actor.epoch = std::max(actor.epoch, epoch);
+      if (answer->code != kCodePermissionDenied) actuator.epoch = std::max(actuator.epoch, epoch);
       const auto* ask = std::get_if<actuator_event::AskArrived>(&event);
       if (ask != nullptr && answer->verdict == Verdict::kDone) {
-        actor.epoch = std::max(actor.epoch, ask->command.epoch);
-        actor.asked = std::max(actor.asked, ask->command.number);
+        actuator.epoch = std::max(actuator.epoch, ask->command.epoch);
+        actuator.queried = std::max(actuator.queried, ask->command.number);
       }
     }
-    Do(i, action);
+    Apply(i, action);
   }
   CheckStopped(model_, world_, i, before, notes_);
 }
 
-void Harness::Do(std::size_t i, const ActuatorAction& action) {
-  Actor& actor = world_.actors[i];
-  if (std::holds_alternative<actuator_action::RunEmergencyStop>(action)) actor.energised = false;
+void Harness::Apply(std::size_t i, const ActuatorAction& action) {
+  SimActuator& actuator = world_.actuators[i];
+  if (std::holds_alternative<actuator_action::RunEmergencyStop>(action)) actuator.energised = false;
   if (const auto* run = std::get_if<actuator_action::RunCallback>(&action)) {
-    Say("  " + Name(i) + " begins " + run->target);
+    Log("  " + Name(i) + " begins " + run->target);
   } else if (std::holds_alternative<actuator_action::RequestStop>(action)) {
-    actor.stop_requested = true;
+    actuator.stop_requested = true;
   } else if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
-    if (SenderOf(answer->token) != Controller()) return;  // whoever asked is no more
-    actor.replies.push_back({i, answer->token >> 8, (answer->token >> 7 & 1) != 0, answer->verdict,
-                             answer->code, answer->message, Report(i)});
+    if (SenderOf(answer->token) != Controller()) return;  // its caller has ended
+    actuator.replies.push_back({i, answer->token >> 8, (answer->token >> 7 & 1) != 0,
+                                answer->verdict, answer->code, answer->message, Report(i)});
   } else if (std::holds_alternative<actuator_action::PublishStatus>(action) ||
              std::holds_alternative<actuator_action::RunEmergencyStop>(action)) {
-    actor.status_due = true;
+    actuator.status_due = true;
   } else if (std::holds_alternative<actuator_action::BecomeVisible>(action)) {
-    actor.visible = true;
+    actuator.visible = true;
   } else if (const auto* finish = std::get_if<actuator_action::Finish>(&action)) {
     EndProcess(i, finish->code == kCodeOk);
   }
@@ -235,7 +237,7 @@ void Harness::Send(std::size_t i, std::variant<SwitchCommand, AskCommand> what) 
   world_.outbox.push_back({i, Controller(), world_.machine.epoch, std::move(what)});
 }
 
-void Harness::Do(const Action& action) {
+void Harness::Apply(const Action& action) {
   World& w = world_;
   if (const auto* send = std::get_if<action::SendSwitch>(&action)) {
     CheckCommand(model_, w, *send, notes_);
@@ -247,40 +249,41 @@ void Harness::Do(const Action& action) {
     Send(ask->actuator, AskCommand{w.machine.epoch, ask->number, ask->stop});
   } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
     StartActuator(start->actuator);
-    Tell(event::ProcessStarted{start->actuator, w.actors[start->actuator].core.report.pid});
+    Feed(event::ProcessStarted{start->actuator, w.actuators[start->actuator].core.report.pid});
   } else if (std::holds_alternative<action::FindProcesses>(action)) {
     event::ProcessesFound found;
-    for (const Actor& actor : w.actors) {
-      found.processes.push_back(actor.alive ? actor.core.report.pid : 0);
+    for (const SimActuator& actuator : w.actuators) {
+      found.processes.push_back(actuator.alive ? actuator.core.report.pid : 0);
     }
-    Tell(found);
+    Feed(found);
   } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
-    const Actor& actor = w.actors[signal->actuator];
-    if (actor.alive && actor.core.report.pid == signal->pid) EndProcess(signal->actuator, false);
+    const SimActuator& actuator = w.actuators[signal->actuator];
+    if (actuator.alive && actuator.core.report.pid == signal->pid)
+      EndProcess(signal->actuator, false);
   } else if (const auto* answer = std::get_if<action::AnswerSetState>(&action)) {
     CheckAnswer(model_, w, *answer, notes_);
-    ++w.requests[answer->request - 1].answers;
-    Say("  request " + std::to_string(answer->request) + " is told: " +
+    ++w.requests[answer->request - 1].replies;
+    Log("  request " + std::to_string(answer->request) + " gets: " +
         std::string(OutcomeName(answer->result.outcome)) + " in " + answer->result.state);
   } else if (const auto* tell = std::get_if<action::TellEmergencyStop>(&action)) {
     for (std::size_t i = 0; i < kActuators && tell->engaged; ++i) {
-      // The one that hears late hears all late.
-      const auto& late = w.actors[i].late;
+      // An actuator that receives the stop late receives all of it late.
+      const auto& late = w.actuators[i].late;
       const bool later = std::any_of(late.begin(), late.end(), [](const Late& l) {
         return std::holds_alternative<StopMessage>(l);
       });
-      if (!later) HearStop(i);
+      if (!later) ReceiveStop(i);
     }
   } else if (const auto* stops = std::get_if<action::SaveEmergencyStops>(&action)) {
     w.stops_on_disk = stops->stops;
-    Tell(event::SaveEnded{Stored::kEmergencyStops, stops->save, true, {}});
+    Feed(event::SaveEnded{Stored::kEmergencyStops, stops->save, true, {}});
   } else if (const auto* saved = std::get_if<action::SaveEpoch>(&action)) {
     w.epoch_on_disk = saved->epoch;
-    Tell(event::SaveEnded{Stored::kEpoch, saved->save, true, {}});
+    Feed(event::SaveEnded{Stored::kEpoch, saved->save, true, {}});
   } else if (const auto* intent = std::get_if<action::SaveStopIntent>(&action)) {
-    Tell(event::SaveEnded{Stored::kStopIntent, intent->save, true, {}});
+    Feed(event::SaveEnded{Stored::kStopIntent, intent->save, true, {}});
   } else if (const auto* record = std::get_if<action::Record>(&action)) {
-    if (notes_.tell) Say("  " + record->message);
+    if (notes_.log) Log("  " + record->message);
   }
 }
 

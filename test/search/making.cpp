@@ -1,4 +1,4 @@
-// What a choice does, and what is put away after it.
+// Makes a choice, and removes what no longer matters after it.
 
 #include <algorithm>
 #include <utility>
@@ -10,46 +10,47 @@ namespace {
 
 constexpr std::int32_t kFailure = 3001;
 
-// But for the emergency stop.
-bool SaysTheSame(const ActuatorReport& a, const ActuatorReport& b) {
+// Compares all but the emergency stop.
+bool HasSameContent(const ActuatorReport& a, const ActuatorReport& b) {
   return a.incarnation == b.incarnation && a.state == b.state && a.target == b.target &&
          a.busy_number == b.busy_number && a.epoch == b.epoch && a.number == b.number &&
          a.outcome_number == b.outcome_number && a.outcome_code == b.outcome_code &&
          a.apart == b.apart;
 }
 
-// Once it has heard of the stop, that an actuator has latched it is no news to the controller.
+// Once the controller has received the stop, an actuator's latch of it is no news.
 bool StopIsKnown(const World& world, const ActuatorReport& report) {
   return report.emergency_stop == 0 || world.machine.emergency_stop;
 }
 
-// Whether the controller knows already what the latch would tell it.
-bool TellsNothing(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
+// Whether the controller knows the content of the latched status already.
+bool IsKnown(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
   return StopIsKnown(world, report) && record.presence == Presence::kPresent &&
-         SaysTheSame(record.report, report);
+         HasSameContent(record.report, report);
 }
 
-// Whether the controller waits for the end of the command that it is about, which brings a newer
-// report, and nothing else can come between.
-bool IsWaitedFor(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
+// Whether the controller awaits the end of the command in the report, which brings a newer report,
+// and nothing else can happen before.
+bool IsAwaited(const World& world, const ActuatorRecord& record, const ActuatorReport& report) {
   return world.faults_left == 0 && record.presence == Presence::kPresent && record.order &&
          record.order->number == report.number && record.order->number != report.outcome_number &&
          record.report.incarnation == report.incarnation && record.report.epoch == report.epoch &&
          StopIsKnown(world, report);
 }
 
-// Whether nobody waits for this reply any more, and the latch tells as much.
-bool IsOver(const World& world, const Actor& actor, const ActuatorRecord& record,
+// Whether this reply is not awaited any more, and the latched status has the same content.
+bool IsOver(const World& world, const SimActuator& actuator, const ActuatorRecord& record,
             const event::Replied& reply) {
   const bool waited =
       (record.order && record.order->number == reply.number) || record.take_control_again;
-  const bool told = actor.status_due && SaysTheSame(actor.core.report, reply.report) &&
-                    actor.core.report.emergency_stop == reply.report.emergency_stop;
+  const bool published = actuator.status_due &&
+                         HasSameContent(actuator.core.report, reply.report) &&
+                         actuator.core.report.emergency_stop == reply.report.emergency_stop;
   return !waited && record.presence == Presence::kPresent &&
-         (told || TellsNothing(world, record, reply.report));
+         (published || IsKnown(world, record, reply.report));
 }
 
-// What nobody waits for is put away, so that nodes which differ by it alone are one.
+// Removes what is not awaited, so that nodes that differ only by it become one.
 void Tidy(Harness& harness) {
   World& world = harness.world();
   if (world.faults_left == 0) {
@@ -57,19 +58,19 @@ void Tidy(Harness& harness) {
   }
   const bool stopped = world.machine.phase == Phase::kStopped;
   for (std::size_t i = 0; i < kActuators; ++i) {
-    Actor& actor = world.actors[i];
+    SimActuator& actuator = world.actuators[i];
     const ActuatorRecord& record = world.machine.actuators[i];
-    const ActuatorReport& report = actor.core.report;
-    std::erase_if(actor.replies,
-                  [&](const auto& reply) { return IsOver(world, actor, record, reply); });
-    if (TellsNothing(world, record, report) || IsWaitedFor(world, record, report)) {
-      actor.status_due = false;
+    const ActuatorReport& report = actuator.core.report;
+    std::erase_if(actuator.replies,
+                  [&](const auto& reply) { return IsOver(world, actuator, record, reply); });
+    if (IsKnown(world, record, report) || IsAwaited(world, record, report)) {
+      actuator.status_due = false;
     }
     if (!stopped) continue;
-    actor.status_due = false;
-    actor.replies.clear();
-    actor.end.reset();
-    std::erase_if(actor.late, FromActuator);
+    actuator.status_due = false;
+    actuator.replies.clear();
+    actuator.end.reset();
+    std::erase_if(actuator.late, FromActuator);
   }
 }
 
@@ -80,90 +81,94 @@ class Making {
 
   void Make() {
     world_.faults_left -= choice_.cost;
-    if (choice_.deed == Deed::kTime) return PassTime();
-    if (choice_.deed == Deed::kLate) return TakeLate();
-    if (choice_.deed >= Deed::kEndFailed && choice_.deed <= Deed::kEndCrash) return End();
-    if (choice_.deed >= Deed::kReplyLost && choice_.deed <= Deed::kReplyDoubled) return Reply();
-    if (choice_.deed >= Deed::kStatusLost && choice_.deed <= Deed::kStatusDoubled) return Status();
-    if (choice_.deed >= Deed::kLose && choice_.deed <= Deed::kUnheard) return Sent();
+    if (choice_.kind == ChoiceKind::kTime) return PassTime();
+    if (choice_.kind == ChoiceKind::kLate) return ReceiveLate();
+    if (choice_.kind >= ChoiceKind::kEndFailed && choice_.kind <= ChoiceKind::kEndCrash)
+      return End();
+    if (choice_.kind >= ChoiceKind::kReplyLost && choice_.kind <= ChoiceKind::kReplyDuplicated)
+      return Reply();
+    if (choice_.kind >= ChoiceKind::kStatusLost && choice_.kind <= ChoiceKind::kStatusDuplicated)
+      return Status();
+    if (choice_.kind >= ChoiceKind::kLose && choice_.kind <= ChoiceKind::kUnannounced)
+      return Sent();
     Simple();
   }
 
  private:
-  Actor& actor() { return world_.actors[i_]; }
+  SimActuator& actuator() { return world_.actuators[i_]; }
   std::string name() const { return harness_.Name(i_); }
-  State target() { return actor().core.report.target; }
+  State target() { return actuator().core.report.target; }
 
   void Simple() {
-    switch (choice_.deed) {
-      case Deed::kAsk:
+    switch (choice_.kind) {
+      case ChoiceKind::kRequest:
         world_.at_start = false;
-        return harness_.Ask(harness_.Wanted());
-      case Deed::kDeliver:
+        return harness_.RequestSwitch(harness_.Target());
+      case ChoiceKind::kDeliver:
         return Sent();
-      case Deed::kEndOk:
-      case Deed::kEndAsked:
-      case Deed::kEndFirst:
+      case ChoiceKind::kEndOk:
+      case ChoiceKind::kEndOnRequest:
+      case ChoiceKind::kEndFirst:
         return End();
-      case Deed::kReply:
+      case ChoiceKind::kReply:
         return Reply();
-      case Deed::kStatus:
+      case ChoiceKind::kStatus:
         return Status();
-      case Deed::kEnd:
-        harness_.Say("the end of " + name() + "'s process is heard of");
-        return harness_.TellEnd(i_);
-      case Deed::kSeeStop:
-        harness_.Say("the controller hears of the emergency stop");
+      case ChoiceKind::kEnd:
+        harness_.Log("the end of " + name() + "'s process is detected");
+        return harness_.FeedEnd(i_);
+      case ChoiceKind::kSeeStop:
+        harness_.Log("the controller receives the emergency stop");
         world_.stop_seen_due = false;
-        return harness_.Tell(event::EmergencyStopSeen{{5, "somebody", ""}});
-      case Deed::kCrash:
-        harness_.Say("FAULT: " + name() + " crashes");
+        return harness_.Feed(event::EmergencyStopSeen{{5, "operator", ""}});
+      case ChoiceKind::kCrash:
+        harness_.Log("FAULT: " + name() + " crashes");
         return harness_.Crash(i_);
-      case Deed::kRestart:
-        harness_.Say("FAULT: the controller dies, and another takes over");
+      case ChoiceKind::kRestart:
+        harness_.Log("FAULT: the controller is killed, and another takes over");
         return harness_.RestartController();
-      case Deed::kAskError:
-        harness_.Say("CROSSED by a more urgent request");
-        return harness_.Ask(State(kError));
-      case Deed::kAskTearDown:
-        harness_.Say("CROSSED by a more urgent request");
-        return harness_.Ask(State(kTearDown));
-      case Deed::kEngageStopLate:
-        harness_.Say("CROSSED by an emergency stop; FAULT: held back: what tells " + name());
-        actor().late.emplace_back(StopMessage{});
+      case ChoiceKind::kRequestError:
+        harness_.Log("CROSSED by a more urgent request");
+        return harness_.RequestSwitch(State(kError));
+      case ChoiceKind::kRequestTearDown:
+        harness_.Log("CROSSED by a more urgent request");
+        return harness_.RequestSwitch(State(kTearDown));
+      case ChoiceKind::kEngageStopLate:
+        harness_.Log("CROSSED by an emergency stop; FAULT: delayed to " + name());
+        actuator().late.emplace_back(StopMessage{});
         return harness_.EngageStop(i_);
       default:
-        harness_.Say("CROSSED by an emergency stop");
+        harness_.Log("CROSSED by an emergency stop");
         return harness_.EngageStop();
     }
   }
 
   void PassTime() {
     const Time next = *NextDeadline(harness_.config(), world_.machine);
-    harness_.Say(std::to_string(ToMilliseconds(next - world_.now)) + " ms pass");
+    harness_.Log(std::to_string(ToMilliseconds(next - world_.now)) + " ms pass");
     world_.now = std::max(world_.now, next);
     for (std::size_t k = 0; k < kActuators; ++k) {
-      if (world_.actors[k].work != Work::kRunning) continue;
-      harness_.Say("FAULT: " + harness_.Name(k) + "'s callback is overdue");
-      world_.actors[k].work = Work::kOverdue;
+      if (world_.actuators[k].work != Work::kRunning) continue;
+      harness_.Log("FAULT: " + harness_.Name(k) + "'s callback is overdue");
+      world_.actuators[k].work = Work::kOverdue;
     }
-    harness_.Tell(event::TimePassed{});
+    harness_.Feed(event::TimePassed{});
   }
 
-  void TakeLate() {
-    const Late late = actor().late[choice_.index];
-    actor().late.erase(actor().late.begin() + choice_.index);
-    harness_.Say("what was held back comes: " + Text(late));
+  void ReceiveLate() {
+    const Late late = actuator().late[choice_.index];
+    actuator().late.erase(actuator().late.begin() + choice_.index);
+    harness_.Log("a delayed message arrives: " + Text(late));
     if (const auto* message = std::get_if<Message>(&late)) return harness_.Deliver(*message, true);
-    if (const auto* reply = std::get_if<event::Replied>(&late)) return harness_.Tell(*reply);
-    if (const auto* seen = std::get_if<event::StatusSeen>(&late)) return harness_.Tell(*seen);
-    harness_.HearStop(i_);
+    if (const auto* reply = std::get_if<event::Replied>(&late)) return harness_.Feed(*reply);
+    if (const auto* seen = std::get_if<event::StatusSeen>(&late)) return harness_.Feed(*seen);
+    harness_.ReceiveStop(i_);
   }
 
   std::string Text(const Late& late) const {
     if (const auto* message = std::get_if<Message>(&late)) return Text(*message);
     if (const auto* reply = std::get_if<event::Replied>(&late)) return Text(*reply);
-    if (std::holds_alternative<StopMessage>(late)) return name() + " is told of the emergency stop";
+    if (std::holds_alternative<StopMessage>(late)) return "the emergency stop to " + name();
     return name() + "'s status, " + std::get<event::StatusSeen>(late).report.state;
   }
   std::string Text(const Message& message) const {
@@ -171,105 +176,105 @@ class Making {
       return "command " + std::to_string(command->number) + " to " + harness_.Name(message.to) +
              ", " + command->target;
     }
-    return "the question to " + harness_.Name(message.to) + " about " +
+    return "the query to " + harness_.Name(message.to) + " about " +
            std::to_string(std::get<AskCommand>(message.what).number);
   }
   std::string Text(const event::Replied& reply) const {
-    return name() + "'s reply to " + (reply.ask ? "the question about " : "") +
+    return name() + "'s reply to " + (reply.ask ? "the query about " : "") +
            std::to_string(reply.number);
   }
 
   void Sent() {
     const Message message = world_.outbox.front();
     world_.outbox.erase(world_.outbox.begin());
-    switch (choice_.deed) {
-      case Deed::kLose:
-        return harness_.Say("FAULT: lost: " + Text(message));
-      case Deed::kHold:
-        actor().late.emplace_back(message);
-        return harness_.Say("FAULT: held back: " + Text(message));
-      case Deed::kDouble:
-        actor().late.emplace_back(message);
-        harness_.Say("FAULT: comes twice: " + Text(message));
+    switch (choice_.kind) {
+      case ChoiceKind::kLose:
+        return harness_.Log("FAULT: lost: " + Text(message));
+      case ChoiceKind::kHold:
+        actuator().late.emplace_back(message);
+        return harness_.Log("FAULT: delayed: " + Text(message));
+      case ChoiceKind::kDuplicate:
+        actuator().late.emplace_back(message);
+        harness_.Log("FAULT: duplicated: " + Text(message));
         return harness_.Deliver(message, false);
-      case Deed::kUnheard:
-        harness_.Say("FAULT: before the controller was heard of: " + Text(message));
+      case ChoiceKind::kUnannounced:
+        harness_.Log("FAULT: before the controller was announced: " + Text(message));
         return harness_.Deliver(message, false, false);
       default:
-        harness_.Say(Text(message));
+        harness_.Log(Text(message));
         return harness_.Deliver(message, false);
     }
   }
 
   void End() {
-    const bool failed = choice_.deed == Deed::kEndFailed;
-    const bool asked = choice_.deed == Deed::kEndAsked;
-    const bool overtaken = !actor().replies.empty();
-    harness_.Say((failed ? "FAULT: " : "") + name() + "'s callback of " + target() +
+    const bool failed = choice_.kind == ChoiceKind::kEndFailed;
+    const bool asked = choice_.kind == ChoiceKind::kEndOnRequest;
+    const bool overtaken = !actuator().replies.empty();
+    harness_.Log((failed ? "FAULT: " : "") + name() + "'s callback of " + target() +
                  (failed  ? " fails"
-                  : asked ? " ends because it was asked to stop"
+                  : asked ? " ends because it was requested to stop"
                           : " ends"));
-    harness_.EndCallback(i_, failed || asked ? kFailure : 0, asked ? "asked to stop" : "");
-    if (choice_.deed == Deed::kEndCrash) {
-      harness_.Say("FAULT: and its process, which is heard before its reply");
+    harness_.EndCallback(i_, failed || asked ? kFailure : 0, asked ? "requested to stop" : "");
+    if (choice_.kind == ChoiceKind::kEndCrash) {
+      harness_.Log("FAULT: and its process, which is detected before its reply");
       Move(true);
       return harness_.Crash(i_);
     }
-    if (choice_.deed == Deed::kEndFirst) {
-      harness_.Say("and its process, which is heard before its reply");
-      if (actor().end) harness_.TellEnd(i_);
-      actor().status_due = false;  // heard after the end, it is not handled
+    if (choice_.kind == ChoiceKind::kEndFirst) {
+      harness_.Log("and its process, which is detected before its reply");
+      if (actuator().end) harness_.FeedEnd(i_);
+      actuator().status_due = false;  // a status after the end is ignored
       return;
     }
-    if (!actor().replies.empty() && !overtaken) Reply();
+    if (!actuator().replies.empty() && !overtaken) Reply();
   }
 
-  // The first of the replies: to the late ones, or away.
+  // Delays or drops the first reply.
   void Move(bool keep) {
-    auto& replies = actor().replies;
-    if (keep) actor().late.emplace_back(replies.front());
+    auto& replies = actuator().replies;
+    if (keep) actuator().late.emplace_back(replies.front());
     replies.erase(replies.begin());
   }
 
   void Reply() {
-    const std::string text = Text(actor().replies.front());
-    switch (choice_.deed) {
-      case Deed::kReplyLost:
-      case Deed::kEndReplyLost:
-        harness_.Say("FAULT: lost: " + text);
+    const std::string text = Text(actuator().replies.front());
+    switch (choice_.kind) {
+      case ChoiceKind::kReplyLost:
+      case ChoiceKind::kEndReplyLost:
+        harness_.Log("FAULT: lost: " + text);
         return Move(false);
-      case Deed::kReplyHeld:
-      case Deed::kEndReplyHeld:
-        harness_.Say("FAULT: held back: " + text);
+      case ChoiceKind::kReplyHeld:
+      case ChoiceKind::kEndReplyHeld:
+        harness_.Log("FAULT: delayed: " + text);
         return Move(true);
-      case Deed::kReplyDoubled:
-      case Deed::kEndReplyDoubled:
-        harness_.Say("FAULT: comes twice: " + text);
-        actor().late.emplace_back(actor().replies.front());
-        return harness_.TellReply(i_);
+      case ChoiceKind::kReplyDuplicated:
+      case ChoiceKind::kEndReplyDuplicated:
+        harness_.Log("FAULT: duplicated: " + text);
+        actuator().late.emplace_back(actuator().replies.front());
+        return harness_.FeedReply(i_);
       default:
-        harness_.Say(text + " comes");
-        return harness_.TellReply(i_);
+        harness_.Log(text + " arrives");
+        return harness_.FeedReply(i_);
     }
   }
 
   void Status() {
-    const std::string text = name() + "'s status, " + actor().core.report.state;
-    if (choice_.deed == Deed::kStatus) {
-      harness_.Say(text);
-      return harness_.TellStatus(i_);
+    const std::string text = name() + "'s status, " + actuator().core.report.state;
+    if (choice_.kind == ChoiceKind::kStatus) {
+      harness_.Log(text);
+      return harness_.FeedStatus(i_);
     }
-    const bool twice = choice_.deed == Deed::kStatusDoubled;
-    const bool lost = choice_.deed == Deed::kStatusLost;
-    harness_.Say((lost    ? "FAULT: lost: "
-                  : twice ? "FAULT: comes twice: "
-                          : "FAULT: held back: ") +
+    const bool twice = choice_.kind == ChoiceKind::kStatusDuplicated;
+    const bool lost = choice_.kind == ChoiceKind::kStatusLost;
+    harness_.Log((lost    ? "FAULT: lost: "
+                  : twice ? "FAULT: duplicated: "
+                          : "FAULT: delayed: ") +
                  text);
-    actor().status_due = false;
+    actuator().status_due = false;
     if (lost) return;
     const event::StatusSeen seen{i_, harness_.Report(i_)};
-    actor().late.emplace_back(seen);
-    if (twice) harness_.Tell(seen);
+    actuator().late.emplace_back(seen);
+    if (twice) harness_.Feed(seen);
   }
 
   Harness& harness_;
@@ -314,9 +319,9 @@ void Begin(const Model& model, World& world, bool by_hand, Notes& notes) {
   Tidy(harness);
 }
 
-void Ask(const Model& model, World& world, const State& target, Notes& notes) {
+void RequestSwitch(const Model& model, World& world, const State& target, Notes& notes) {
   Harness harness(model, world, notes);
-  harness.Ask(target);
+  harness.RequestSwitch(target);
   Tidy(harness);
 }
 
@@ -324,7 +329,7 @@ void Settle(const Model& model, World& world, Notes& notes) {
   while (true) {
     const std::vector<Choice> choices = Choices(model, world);
     const auto next = std::find_if(choices.begin(), choices.end(), [](const Choice& choice) {
-      return choice.cost == 0 && choice.deed != Deed::kAsk;
+      return choice.cost == 0 && choice.kind != ChoiceKind::kRequest;
     });
     if (next == choices.end()) return;
     Make(model, world, *next, notes);

@@ -1,4 +1,4 @@
-// The search can fail: each test plants a fault in the rules and is told its scenario_.
+// The search finds faults: each test plants one in the rules and expects its scenario.
 
 #include <gmock/gmock.h>
 
@@ -17,9 +17,9 @@ class PlantedFault : public ::testing::Test {
  protected:
   void Search(Rules rules, const State& from, const State& to, int faults,
               const std::string& machine = "Parallel") {
-    const Model sound(ScenarioNamed(machine).config, to);
-    const Model model(sound.config, to, std::move(rules));
-    World root = WorldIn(sound, from);
+    const Model correct(ScenarioNamed(machine).config, to);
+    const Model model(correct.config, to, std::move(rules));
+    World root = WorldIn(correct, from);
     root.faults = root.faults_left = faults;
     searched_ = SearchAll(model, root);
     if (searched_.fault) scenario_ = ScenarioOf(model, root, searched_.fault->path);
@@ -41,7 +41,7 @@ Rules WithEvent(Change change) {
   return rules;
 }
 
-TEST_F(PlantedFault, AFailureThatIsDroppedIsFound) {
+TEST_F(PlantedFault, FindsAFailureThatIsDropped) {
   Search(WithEvent<event::Replied>([](event::Replied& reply, const Machine& machine) {
            if (reply.verdict != Verdict::kFailed) return;
            reply.verdict = Verdict::kDone;
@@ -49,21 +49,21 @@ TEST_F(PlantedFault, AFailureThatIsDroppedIsFound) {
          }),
          "LowPower", "Active", 1);
   ASSERT_TRUE(searched_.fault);
-  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("done is told while")));
+  EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("done is reported while")));
   EXPECT_THAT(scenario_, HasSubstr("FAULT: "));
   EXPECT_THAT(scenario_, HasSubstr("callback of Active fails"));
-  EXPECT_THAT(scenario_, HasSubstr("WRONG: done is told while"));
+  EXPECT_THAT(scenario_, HasSubstr("VIOLATION: done is reported while"));
 }
 
-TEST_F(PlantedFault, ACrashThatIsNotHeardOfIsFound) {
+TEST_F(PlantedFault, FindsACrashThatIsNotDetected) {
   Search(WithEvent<event::Vanished>(
              [](event::Vanished& vanished, const Machine&) { vanished.incarnation = 0; }),
          "Active", "Active", 1);
   ASSERT_TRUE(searched_.fault);
-  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("is dead in Active")));
+  EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("has exited in Active")));
 }
 
-TEST_F(PlantedFault, AnAnswerThatIsForgottenIsFoundWithoutAnyFault) {
+TEST_F(PlantedFault, FindsAMissingReplyWithoutAnyFault) {
   Rules rules;
   rules.controller = [](const auto& config, auto& machine, const Event& event, Time now) {
     auto actions = Step(config, machine, event, now);
@@ -73,27 +73,27 @@ TEST_F(PlantedFault, AnAnswerThatIsForgottenIsFoundWithoutAnyFault) {
   };
   Search(rules, "Active", "LowPower", 0);
   ASSERT_TRUE(searched_.fault);
-  EXPECT_THAT(searched_.fault->wrong,
-              Contains(HasSubstr("nobody was told what became of LowPower")));
+  EXPECT_THAT(searched_.fault->violations,
+              Contains(HasSubstr("there is no reply to the request for LowPower")));
 }
 
-TEST_F(PlantedFault, AnAnswerThatIsToldTwiceIsFound) {
+TEST_F(PlantedFault, FindsADuplicateReply) {
   Rules rules;
   rules.controller = [](const auto& config, auto& machine, const Event& event, Time now) {
     auto actions = Step(config, machine, event, now);
-    const auto answer = std::find_if(actions.begin(), actions.end(), [](const Action& a) {
+    const auto reply = std::find_if(actions.begin(), actions.end(), [](const Action& a) {
       return std::holds_alternative<action::AnswerSetState>(a);
     });
-    if (answer != actions.end()) actions.push_back(Action(*answer));
+    if (reply != actions.end()) actions.push_back(Action(*reply));
     return actions;
   };
   Search(rules, "Active", "LowPower", 0);
   ASSERT_TRUE(searched_.fault);
-  EXPECT_THAT(searched_.fault->wrong, Contains("the same request is told twice"));
+  EXPECT_THAT(searched_.fault->violations, Contains("a request gets two replies"));
 }
 
-// An actuator that remembers no numbers begins what comes a second time, or after its question.
-TEST_F(PlantedFault, ACommandOfThePastThatBeginsIsFound) {
+// An actuator that stores no numbers begins a command that arrives twice, or after its query.
+TEST_F(PlantedFault, FindsAnOutdatedCommandThatBegins) {
   Rules rules;
   rules.actuator = [](const auto& config, std::size_t i, auto& core, const auto& event, Time now) {
     if (std::holds_alternative<actuator_event::SwitchArrived>(event)) {
@@ -103,11 +103,11 @@ TEST_F(PlantedFault, ACommandOfThePastThatBeginsIsFound) {
   };
   Search(rules, "Active", "LowPower", 2);
   ASSERT_TRUE(searched_.fault);
-  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("which is of the past")));
-  EXPECT_THAT(scenario_, HasSubstr("what was held back comes"));
+  EXPECT_THAT(searched_.fault->violations, Contains(HasSubstr("which is outdated")));
+  EXPECT_THAT(scenario_, HasSubstr("a delayed message arrives"));
 }
 
-TEST_F(PlantedFault, AnActuatorThatForgetsTheEmergencyStopIsFound) {
+TEST_F(PlantedFault, FindsAnActuatorThatLosesTheEmergencyStop) {
   Rules rules;
   rules.actuator = [](const auto& config, std::size_t i, auto& core, const auto& event, Time now) {
     if (!std::holds_alternative<actuator_event::SwitchArrived>(event)) {
@@ -120,12 +120,13 @@ TEST_F(PlantedFault, AnActuatorThatForgetsTheEmergencyStopIsFound) {
   };
   Search(rules, "LowPower", "Active", 1);
   ASSERT_TRUE(searched_.fault);
-  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("while an emergency stop is latched")));
+  EXPECT_THAT(searched_.fault->violations,
+              Contains(HasSubstr("while an emergency stop is latched")));
   EXPECT_THAT(scenario_, HasSubstr("CROSSED by an emergency stop"));
 }
 
-// The callback that was running when the stop came counts as if none had come.
-TEST_F(PlantedFault, AnEmergencyStopThatACallbackUndoesIsFound) {
+// The callback that was running when the stop arrived counts as if there were no stop.
+TEST_F(PlantedFault, FindsACallbackThatUndoesAnEmergencyStop) {
   Rules rules;
   rules.actuator = [](const auto& config, std::size_t i, auto& core, const auto& event, Time now) {
     core.stopped_meanwhile = false;
@@ -133,17 +134,18 @@ TEST_F(PlantedFault, AnEmergencyStopThatACallbackUndoesIsFound) {
   };
   Search(rules, "LowPower", "Active", 1);
   ASSERT_TRUE(searched_.fault);
-  EXPECT_THAT(searched_.fault->wrong, Contains(HasSubstr("is energised under an emergency stop")));
+  EXPECT_THAT(searched_.fault->violations,
+              Contains(HasSubstr("is energised during an emergency stop")));
   EXPECT_THAT(scenario_, HasSubstr("CROSSED by an emergency stop"));
 }
 
-TEST_F(PlantedFault, TheScenarioThatIsToldIsTheShortest) {
+TEST_F(PlantedFault, ReportsTheShortestScenario) {
   Search(WithEvent<event::Vanished>(
              [](event::Vanished& vanished, const Machine&) { vanished.incarnation = 0; }),
          "Active", "Active", 2);
   ASSERT_TRUE(searched_.fault);
   EXPECT_EQ(searched_.fault->path.find('.', searched_.fault->path.find('.') + 1), std::string::npos)
-      << "asked, and a crash: " << searched_.fault->path;
+      << "a request and a crash: " << searched_.fault->path;
 }
 
 }  // namespace musher::search::planted_fault_test

@@ -11,7 +11,7 @@ namespace {
 using testing::ActuatorNamed;
 using testing::MachineOf;
 
-// They are done one after the other, and overdue one after the other.
+// Actuators that are overdue one after the other.
 MachineConfig Staggered() {
   MachineConfig config = MachineOf(kActuators);
   for (std::size_t i = 0; i < kActuators; ++i) {
@@ -28,7 +28,7 @@ MachineConfig WithCriticalB() {
   return config;
 }
 
-bool IsRestingPlace(const State& state) {
+bool IsStable(const State& state) {
   static const std::vector<State> places = {"Active", "Protected", "DeActive", "LowPower", "OTA"};
   return std::find(places.begin(), places.end(), state) != places.end();
 }
@@ -59,11 +59,11 @@ std::vector<State> AllStates() {
   return states;
 }
 
-bool MayGo(const State& from, const State& to) {
+bool IsPermitted(const State& from, const State& to) {
   if (to == "Uninitialized" || to == "SetUp" || from == "TearDown") return false;
   if (to == "TearDown") return true;
   if (from == "Uninitialized") return false;
-  if (IsRestingPlace(from)) return true;  // to each other, to Error, and a check where it is
+  if (IsStable(from)) return true;  // to each other, to Error, and a self-check
   if (to == "SelfCheck" || to == from) return true;
   if (from == "SelfCheck") return to == "Active" || to == "DeActive" || to == "Error";
   return false;
@@ -75,14 +75,14 @@ World WorldIn(const Model& model, const State& state) {
   const bool in_start = state == "Uninitialized" || state == "SetUp";
   Begin(model, world, in_start, notes);
   if (state != "Uninitialized") Settle(model, world, notes);
-  std::vector<State> way;
-  if (state == "SelfCheck") way = {"Error", "SelfCheck"};
-  if (!in_start && way.empty() && state != "Active") way = {state};
-  for (const State& next : way) {
-    Ask(model, world, next, notes);
+  std::vector<State> path;
+  if (state == "SelfCheck") path = {"Error", "SelfCheck"};
+  if (!in_start && path.empty() && state != "Active") path = {state};
+  for (const State& next : path) {
+    RequestSwitch(model, world, next, notes);
     Settle(model, world, notes);
   }
-  assert(notes.wrong.empty());
+  assert(notes.violations.empty());
   assert(world.machine.state == state);
   world.requests.clear();
   world.from = state;

@@ -1,5 +1,5 @@
 #pragma once
-// What is searched: a few small machines, each from every state that it can be in to every state.
+// What is searched: a few small machines, each from every state to every state.
 
 #include <string>
 #include <vector>
@@ -11,7 +11,7 @@ namespace musher::search {
 struct Scenario {
   std::string name;
   MachineConfig config;
-  int faults = 1;  // up to so many in the gate: all together takes about a minute and a half
+  int faults = 1;  // the maximum in the gate, which takes about 90 s in all
 };
 
 const std::vector<Scenario>& Scenarios();
@@ -20,11 +20,11 @@ const Scenario& ScenarioNamed(const std::string& name);
 // Every state of the machine, in CyberDog's order.
 std::vector<State> AllStates();
 
-// Where the flow leads from `from`, as the contract has it - told here once more, in other words
-// than in the rules that are searched.
-bool MayGo(const State& from, const State& to);
+// Whether the default flow permits the transition, written independently of the code that is
+// searched.
+bool IsPermitted(const State& from, const State& to);
 
-// The machine in this state, nothing on its way, nothing wrong.
+// The machine in this state, without messages under way and without faults.
 World WorldIn(const Model& model, const State& state);
 
 }  // namespace musher::search

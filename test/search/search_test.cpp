@@ -1,9 +1,9 @@
 // A machine of three actuators, from each state to each state, in every order of events and with
-// every fault at every point, up to a number of faults that all together fits into a gate. By hand:
+// every fault at every point, up to the number of faults that the gate has time for. By hand:
 //
-//   MUSHER_SEARCH_FAULTS=2   so many faults instead
+//   MUSHER_SEARCH_FAULTS=2   this number of faults instead
 //   MUSHER_SEARCH_TARGET=s   only to this state
-//   MUSHER_SEARCH_PATH=0.3   with a target: nothing is searched, the scenario of this path is told
+//   MUSHER_SEARCH_PATH=0.3   with a target: prints the scenario of this path instead of a search
 //   MUSHER_REPORT_DIR=dir    the figures as files
 
 #include <gmock/gmock.h>
@@ -22,19 +22,20 @@ std::string Environment(const std::string& name) {
   return value != nullptr ? value : "";
 }
 
-// The table is told when all tests of this process have ended.
-class Telling : public ::testing::Environment {
+// Prints the table when all tests of this process have ended.
+class TablePrinter : public ::testing::Environment {
  public:
   void TearDown() override { table.Publish(); }
   FiguresTable table;
 };
-Telling* const kTelling = static_cast<Telling*>(::testing::AddGlobalTestEnvironment(new Telling));
+TablePrinter* const kTable =
+    static_cast<TablePrinter*>(::testing::AddGlobalTestEnvironment(new TablePrinter));
 
-// A sanitizer makes it ten times as slow; it looks at something else anyway.
+// With a sanitizer the search is ten times slower, and finds other errors anyway.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kLess = 1;
+constexpr int kFewerFaults = 1;
 #else
-constexpr int kLess = 0;
+constexpr int kFewerFaults = 0;
 #endif
 
 class ExhaustiveSearch : public ::testing::TestWithParam<std::tuple<std::string, std::string>> {
@@ -43,7 +44,7 @@ class ExhaustiveSearch : public ::testing::TestWithParam<std::tuple<std::string,
   const State& from() const { return std::get<1>(GetParam()); }
   int faults() const {
     const std::string wanted = Environment("MUSHER_SEARCH_FAULTS");
-    return wanted.empty() ? scenario().faults - kLess : std::stoi(wanted);
+    return wanted.empty() ? scenario().faults - kFewerFaults : std::stoi(wanted);
   }
 
   Figures SearchTo(const State& to) const {
@@ -59,7 +60,7 @@ class ExhaustiveSearch : public ::testing::TestWithParam<std::tuple<std::string,
       const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
       ADD_FAILURE() << "from " << from() << " to " << to << "\n"
                     << ScenarioOf(model, root, searched.fault->path)
-                    << "again with: MUSHER_SEARCH_FAULTS=" << faults()
+                    << "replay with: MUSHER_SEARCH_FAULTS=" << faults()
                     << " MUSHER_SEARCH_TARGET=" << to
                     << " MUSHER_SEARCH_PATH=" << searched.fault->path
                     << " search_test --gtest_filter=" << test->test_suite_name() << "."
@@ -69,28 +70,28 @@ class ExhaustiveSearch : public ::testing::TestWithParam<std::tuple<std::string,
   }
 };
 
-TEST_P(ExhaustiveSearch, FindsNothingWrong) {
+TEST_P(ExhaustiveSearch, FindsNoViolation) {
   const State only = Environment("MUSHER_SEARCH_TARGET");
   Figures figures;
   for (const State& to : AllStates()) {
-    if (MayGo(from(), to) && (only.empty() || to == only)) figures += SearchTo(to);
+    if (IsPermitted(from(), to) && (only.empty() || to == only)) figures += SearchTo(to);
   }
-  kTelling->table.Add(scenario().name, from(), faults(), figures);
+  kTable->table.Add(scenario().name, from(), faults(), figures);
 }
 
-TEST_P(ExhaustiveSearch, RefusesWhatTheFlowDoesNotAllowAndOnlyThat) {
+TEST_P(ExhaustiveSearch, RefusesExactlyWhatTheFlowDoesNotPermit) {
   for (const State& to : AllStates()) {
     const Model model(scenario().config, to);
     World world = WorldIn(model, from());
     const World before = world;
     Notes notes;
-    notes.tell = true;
-    Ask(model, world, to, notes);
-    const std::string refused = "  request 1 is told: refused in " + from();
-    const auto told = std::count(notes.scenario.begin(), notes.scenario.end(), refused);
-    EXPECT_EQ(told, MayGo(from(), to) ? 0 : 1) << from() << " to " << to;
-    EXPECT_THAT(notes.wrong, ::testing::IsEmpty());
-    if (MayGo(from(), to)) continue;
+    notes.log = true;
+    RequestSwitch(model, world, to, notes);
+    const std::string refused = "  request 1 gets: refused in " + from();
+    const auto refusals = std::count(notes.scenario.begin(), notes.scenario.end(), refused);
+    EXPECT_EQ(refusals, IsPermitted(from(), to) ? 0 : 1) << from() << " to " << to;
+    EXPECT_THAT(notes.violations, ::testing::IsEmpty());
+    if (IsPermitted(from(), to)) continue;
     EXPECT_EQ(world.machine.state, before.machine.state);
     EXPECT_EQ(world.machine.number, before.machine.number) << "something was sent";
     EXPECT_EQ(world.machine.actuators, before.machine.actuators);

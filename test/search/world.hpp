@@ -1,38 +1,38 @@
 #pragma once
 // A small machine as one plain value: the real controller's Machine, three real ActuatorCores, and
-// what is between them. Whoever searches makes one Choice after the other; the order of choices is
-// all that there is of time.
+// the messages between them. The search makes one Choice after the other; time is only the order of
+// the choices.
 //
-// What a World keeps apart from the two decision codes:
-//   outbox      commands and questions that the controller has not put on the wire yet
-//   replies     on their way to the controller, in order
-//   status_due  the latch has changed and is to be told; what is told is how it stands by then
-//   end         of a process, on its way to the controller
-//   late        messages that a fault holds back: they come whenever the search likes, or never
+// What a World keeps beside the two decision codes:
+//   outbox      commands and queries that the controller has not sent yet
+//   replies     under way to the controller, in order
+//   status_due  the latched status has changed and will be published; its content is the one by
+//   then end         of a process, under way to the controller late        messages that a fault
+//   delays: they arrive at any later choice, or never
 //
-// Time stands still while anything is on its way, and then jumps to the next deadline. A callback
-// that runs when it does is overdue, which is a fault; so is a message that is held back.
+// Time stands still while a message is under way, and then jumps to the next deadline. A callback
+// that runs at that moment is overdue, which is a fault; so is a delayed message.
 //
-// What is not told apart, and why nothing is lost by that (what A and B do commutes when they share
-// neither a process nor a message):
-//   - a command reaches its actuator as soon as it is sent. What could come between - a crash, an
-//     emergency stop, the end of the controller - commutes with the sending by somebody else, so
-//     that the same happens where it comes before; a command that is to come later is held back.
-//   - the end of a callback and its reply's arrival are one, as are a status and its arrival, a
-//   crash
-//     and its being heard of: what the controller hears of others meanwhile commutes with what
-//     happened at the actuator. Where two messages of one actuator could overtake each other, one
-//     is held back. A process that ends by itself is heard of later or, before its last reply, at
-//     once.
-//   - a status that says what the controller knows already changes nothing and is not waited for;
-//   nor
-//     is one that says that a command is running whose reply is waited for, once no fault is left:
-//     whatever ends the wait brings a newer report.
-//   - an emergency stop reaches all actuators at once, also between two commands of one wave; the
-//     controller hears of it at any time. An actuator that hears of it later is another fault.
-//   - before the first request nothing goes wrong but an emergency stop: the rest is another start.
-// Actuators that have the same config are interchangeable: of nodes that differ by their names only
-// one is searched (fingerprint.hpp).
+// What is not searched separately, and why nothing is lost by that (actions of A and B commute when
+// they share neither a process nor a message):
+//   - A command reaches its actuator as soon as it is sent. An event between (a crash, an emergency
+//     stop, the end of the controller) commutes with the sending by another process, so it gives
+//     the same result before the sending; a command that arrives later is a delayed one.
+//   - The end of a callback and the arrival of its reply are one step, as are a status and its
+//   arrival,
+//     and a crash and its detection: what the controller receives from others in between commutes
+//     with what happened at the actuator. Where two messages of one actuator could be reordered,
+//     one is delayed. The end of a process that exits by itself is detected later or, before its
+//     last reply, at once.
+//   - A status that the controller knows already changes nothing and is not waited for. Nor is a
+//   status
+//     that says that a command runs whose reply is awaited, once no fault is left: whatever ends
+//     the wait brings a newer report.
+//   - An emergency stop reaches all actuators at once, also between two commands of one wave; the
+//     controller receives it at any time. An actuator that receives it later is another fault.
+//   - Before the first request the only fault is an emergency stop: the rest is another start.
+// Actuators with the same config are interchangeable: of states that differ by their names only one
+// is searched (fingerprint.hpp).
 
 #include <array>
 #include <functional>
@@ -48,7 +48,7 @@ namespace musher::search {
 
 inline constexpr std::size_t kActuators = 3;
 
-// A command or a question, from the controller that sent it.
+// A command or a query, from the controller that sent it.
 struct Message {
   std::size_t to = 0;
   Sender sender = 0;
@@ -62,93 +62,93 @@ using Late = std::variant<Message, event::Replied, event::StatusSeen, StopMessag
 
 enum class Work { kNone, kRunning, kOverdue };
 
-struct Actor {
+struct SimActuator {
   bool alive = false;
   bool visible = false;
   Work work = Work::kNone;
-  bool stop_requested = false;  // of the callback that runs
+  bool stop_requested = false;  // of the running callback
   bool energised = false;       // its output: on at the end of an upward callback
   bool status_due = false;
   std::int64_t reports = 0;
-  std::int32_t processes = 0;  // its pid is this: nobody compares pids of different actuators
+  std::int32_t processes = 0;  // also its pid: pids of different actuators are never compared
   ActuatorCore core;
   std::vector<event::Replied> replies;
   std::optional<bool> end;  // of its process, cleanly or not, on its way to the controller
   std::vector<Late> late;
-  // By these the rules of commands are judged: the highest epoch and numbers that it has obeyed.
+  // For the rules of commands: the highest epoch and numbers so far.
   std::uint64_t epoch = 0;
-  std::uint64_t begun = 0;
-  std::uint64_t asked = 0;
+  std::uint64_t begun = 0;    // of a begun callback
+  std::uint64_t queried = 0;  // of an answered query
 };
 
 struct Request {
   State target;
-  int answers = 0;
-  bool gone = false;  // its controller has ended: whoever asked knows that
+  int replies = 0;
+  bool abandoned = false;  // its controller has ended, which the caller knows
 };
 
 struct World {
   Time now{};
-  int faults = 0;  // that may strike at all
+  int faults = 0;  // that may happen in all
   int faults_left = 0;
   Machine machine;
-  std::array<Actor, kActuators> actors;
+  std::array<SimActuator, kActuators> actuators;
   std::vector<Message> outbox;
   std::vector<Request> requests;  // request n is the (n-1)th
   State from;                     // where the machine was before the first of them
   std::uint64_t generation = 0;   // of the controller
   std::uint64_t epoch_on_disk = 0;
   StoredStops stops_on_disk;
-  bool at_start = false;       // nothing has been asked for yet
+  bool at_start = false;       // nothing has been requested yet
   bool stopped = false;        // an emergency stop has been engaged
-  bool stop_seen_due = false;  // the controller has not heard of it
+  bool stop_seen_due = false;  // the controller has not received it
 };
 
-enum class Deed : std::uint8_t {
-  // Nothing is wrong with these.
-  kAsk,       // the first request
-  kDeliver,   // the first of the outbox
-  kEndOk,     // a callback ends, and its reply arrives
-  kEndAsked,  // an overdue one ends because it was asked to stop
-  kReply,     // the first of the replies
-  kStatus,    // the latch
-  kEnd,       // of a process
-  kEndFirst,  // a torn down one's process ends, and that is heard before its reply
-  kSeeStop,   // the controller does
-  kTime,      // to the next deadline
-  kLate,      // what was held back comes
+enum class ChoiceKind : std::uint8_t {
+  // These are no faults.
+  kRequest,       // the first request
+  kDeliver,       // the first of the outbox
+  kEndOk,         // a callback ends, and its reply arrives
+  kEndOnRequest,  // an overdue callback ends because it was requested to stop
+  kReply,         // the first of the replies
+  kStatus,        // the latched status
+  kEnd,           // of a process
+  kEndFirst,      // a torn down actuator's process ends, and that is detected before its reply
+  kSeeStop,       // the controller receives the emergency stop
+  kTime,          // to the next deadline
+  kLate,          // a delayed message arrives
   // Each of these is a fault.
   kLose,
   kHold,
-  kDouble,
-  kUnheard,  // the question of a controller that it has not heard of yet
+  kDuplicate,
+  kUnannounced,  // a query of a controller whose announcement it has not received
   kEndFailed,
   kEndReplyLost,
   kEndReplyHeld,
-  kEndReplyDoubled,
-  kEndCrash,  // the callback ends, then its process, and that is heard before the reply
+  kEndReplyDuplicated,
+  kEndCrash,  // the callback ends, then its process, and that is detected before the reply
   kReplyLost,
   kReplyHeld,
-  kReplyDoubled,
+  kReplyDuplicated,
   kStatusLost,
   kStatusHeld,
-  kStatusDoubled,
+  kStatusDuplicated,
   kCrash,
-  kRestart,  // the controller dies and another takes over
-  kAskError,
-  kAskTearDown,
+  kRestart,  // the controller is killed and another takes over
+  kRequestError,
+  kRequestTearDown,
   kEngageStop,
-  kEngageStopLate,  // one actuator hears of it late: two faults
+  kEngageStopLate,  // one actuator receives it late: two faults
 };
 
 struct Choice {
-  Deed deed = Deed::kAsk;
+  ChoiceKind kind = ChoiceKind::kRequest;
   std::uint8_t actuator = 0;
-  std::uint8_t index = 0;  // of what is late
+  std::uint8_t index = 0;  // of the delayed message
   std::uint8_t cost = 0;   // in faults
 };
 
-// The rules that are searched: the real ones, unless a test plants a fault in them.
+// The decision code that is searched: the real one, unless a test plants a fault in it.
 struct Rules {
   std::function<std::vector<Action>(const MachineConfig&, Machine&, const Event&, Time)>
       controller = [](const auto& config, auto& machine, const auto& event, Time now) {
@@ -167,31 +167,31 @@ struct Model {
   MachineConfig config;
   State target;  // of the first request
   Rules rules;
-  std::array<std::size_t, kActuators> kinds{};  // equal for those that are interchangeable
+  std::array<std::size_t, kActuators> kinds{};  // equal for interchangeable actuators
 };
 
-// What was noticed while one choice was made.
+// The results of one choice.
 struct Notes {
-  bool tell = false;                  // whether `scenario` is wanted
-  std::vector<std::string> scenario;  // in sentences
-  std::vector<std::string> wrong;     // what is against the rules
+  bool log = false;                     // whether to fill `scenario`
+  std::vector<std::string> scenario;    // in sentences
+  std::vector<std::string> violations;  // of the rules
 };
 
-// All that may happen next. Faults only as far as there are some left.
+// All choices in this state. Faults only while some are left.
 std::vector<Choice> Choices(const Model& model, const World& world);
 
-// Makes a choice that Choices() gave.
+// Makes one of the Choices().
 void Make(const Model& model, World& world, const Choice& choice, Notes& notes);
 
-// Whether nothing is left to happen but what a fault holds back.
+// Whether nothing is left to happen but delayed messages.
 bool IsQuiet(const World& world, const std::vector<Choice>& choices);
 
-// A machine that is about to be started, and one that is started.
+// A machine before its start, and the start of a machine.
 World NewWorld(const Model& model);
 void Begin(const Model& model, World& world, bool by_hand, Notes& notes);
-// Lets everything happen without a fault until the world is quiet.
+// Makes choices without faults until the world is quiet.
 void Settle(const Model& model, World& world, Notes& notes);
-// Somebody asks for a switch.
-void Ask(const Model& model, World& world, const State& target, Notes& notes);
+// A caller requests a switch.
+void RequestSwitch(const Model& model, World& world, const State& target, Notes& notes);
 
 }  // namespace musher::search

@@ -1,4 +1,4 @@
-// Good and bad actuators under trial: the good one passes, and each bad one is found.
+// Good and faulty actuators under test: the good one passes, and each fault is found.
 
 #include <gmock/gmock.h>
 
@@ -14,28 +14,28 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST(ActuatorFaultTest, PassesAGoodActuatorThatHasMetEverything) {
+TEST(ActuatorFaultTest, PassesAGoodActuatorUnderEveryKindOfFault) {
   MotorFaultTest<GoodMotor> test;
   test.Run();
-  const simulation::FaultTestCounts& met = test.tally();
+  const simulation::FaultTestCounts& met = test.counts();
   std::cout << met.scenarios << " scenarios, " << met.processes << " processes, " << met.callbacks
             << " callbacks: " << met.failed << " failed, " << met.repeated << " repeated, "
-            << met.asked_to_stop << " asked to stop, " << met.killed_in << " killed, "
-            << met.stopped_beside << " of " << met.emergency_stops << " stops beside, "
-            << met.stopped_before << " before the first instruction; " << met.torn_down
-            << " torn down\n";
+            << met.stop_requested << " requested to stop, " << met.killed << " killed, "
+            << met.stops_during_callback << " of " << met.emergency_stops
+            << " stops during a callback, " << met.stops_before_callback
+            << " before its first instruction; " << met.torn_down << " torn down\n";
   EXPECT_GT(met.processes, met.scenarios);
   EXPECT_GT(met.failed, 0U);
   EXPECT_GT(met.repeated, 0U);
-  EXPECT_GT(met.asked_to_stop, 0U);
-  EXPECT_GT(met.killed_in, 0U);
-  EXPECT_GT(met.stopped_beside, 0U);
-  EXPECT_GT(met.stopped_before, 0U);
-  EXPECT_GT(met.emergency_stops, met.stopped_beside);
+  EXPECT_GT(met.stop_requested, 0U);
+  EXPECT_GT(met.killed, 0U);
+  EXPECT_GT(met.stops_during_callback, 0U);
+  EXPECT_GT(met.stops_before_callback, 0U);
+  EXPECT_GT(met.emergency_stops, met.stops_during_callback);
   EXPECT_GT(met.torn_down, met.scenarios / 2);
 }
 
-// Notes that it has done it before it has.
+// Records that it is off before it is.
 class ForgetfulMotor : public GoodMotor {
  public:
   using GoodMotor::GoodMotor;
@@ -65,7 +65,7 @@ TEST(ActuatorFaultTest, FindsPowerThatStaysOnInLowPowerAfterACallbackHasFailed) 
   EXPECT_THAT(failure.timeline, HasSubstr("callbacks of motor fail"));
 }
 
-// Trusts that the process before it has left the motor without power.
+// Assumes that the process before it has left the motor without power.
 class TrustingMotor : public GoodMotor {
  public:
   using GoodMotor::GoodMotor;
@@ -77,10 +77,10 @@ class TrustingMotor : public GoodMotor {
 TEST(ActuatorFaultTest, FindsWhatAProcessLeavesBehindForTheNext) {
   const FaultTestFailure failure = MotorFaultTest<TrustingMotor>().Failure();
   EXPECT_THAT(failure.what, HasSubstr("in SetUp"));
-  EXPECT_THAT(failure.timeline, HasSubstr("motor is gone"));
+  EXPECT_THAT(failure.timeline, HasSubstr("motor has exited"));
 }
 
-// Goes on after an emergency stop that came beside its callback.
+// Continues after an emergency stop that was engaged during its callback.
 class StubbornMotor : public GoodMotor {
  public:
   using GoodMotor::GoodMotor;
@@ -92,7 +92,7 @@ class StubbornMotor : public GoodMotor {
   }
 };
 
-TEST(ActuatorFaultTest, FindsACallbackThatGoesOnAfterAnEmergencyStop) {
+TEST(ActuatorFaultTest, FindsACallbackThatContinuesAfterAnEmergencyStop) {
   MotorFaultTest<StubbornMotor> test;
   test.after_emergency_stop = [](const StubbornMotor& motor, const ActuatorReport&) {
     EXPECT_FALSE(motor.powered()) << "during a stop";
@@ -102,7 +102,7 @@ TEST(ActuatorFaultTest, FindsACallbackThatGoesOnAfterAnEmergencyStop) {
   EXPECT_THAT(failure.timeline, HasSubstr("an emergency stop is engaged"));
 }
 
-// Switches on at its first instruction, and does not look whether a stop has come before it.
+// Switches on at its first instruction, without a check for an earlier stop.
 class HastyMotor : public GoodMotor {
  public:
   using GoodMotor::GoodMotor;
@@ -111,7 +111,7 @@ class HastyMotor : public GoodMotor {
   Result<> PowerOn() override { return motor().Power(true); }
 };
 
-TEST(ActuatorFaultTest, FindsPowerThatComesAfterAStopBeforeTheFirstInstruction) {
+TEST(ActuatorFaultTest, FindsPowerSwitchedOnAfterAStopThatCameBeforeTheFirstInstruction) {
   MotorFaultTest<HastyMotor> test;
   test.scenarios = 3000;
   test.after_emergency_stop = [](const HastyMotor& motor, const ActuatorReport&) {
@@ -120,7 +120,7 @@ TEST(ActuatorFaultTest, FindsPowerThatComesAfterAStopBeforeTheFirstInstruction) 
   EXPECT_THAT(test.Failure().what, HasSubstr("during a stop"));
 }
 
-// Opens what is open already.
+// Fails when its callback runs twice.
 class OnceOnlyMotor : public GoodMotor {
  public:
   using GoodMotor::GoodMotor;
@@ -134,12 +134,12 @@ class OnceOnlyMotor : public GoodMotor {
 
 TEST(ActuatorFaultTest, FindsACallbackThatCannotBeRunTwice) {
   const FaultTestFailure failure = MotorFaultTest<OnceOnlyMotor>().Failure();
-  EXPECT_THAT(failure.what, HasSubstr("motor: its callback of Active was done, and failed when it "
-                                      "was run again"));
+  EXPECT_THAT(failure.what, HasSubstr("motor: its callback of Active was done, and fails when it "
+                                      "runs again"));
   EXPECT_THAT(failure.what, HasSubstr("the motor has power already"));
 }
 
-// Is of no use after a crash.
+// Does not work after a crash.
 class BrokenMotor : public GoodMotor {
  public:
   using GoodMotor::GoodMotor;
@@ -151,32 +151,31 @@ class BrokenMotor : public GoodMotor {
   }
 };
 
-TEST(ActuatorFaultTest, FindsAnActuatorThatDoesNotComeBackAfterACrash) {
+TEST(ActuatorFaultTest, FindsAnActuatorThatDoesNotRecoverAfterACrash) {
   const FaultTestFailure failure = MotorFaultTest<BrokenMotor>().Failure();
-  EXPECT_THAT(failure.what, HasSubstr("so it does not hold"));
+  EXPECT_THAT(failure.what, HasSubstr("violated: "));
   EXPECT_THAT(failure.timeline, HasSubstr("the motor is busy"));
 }
 
-// Its callback of SelfCheck waits for an answer that does not come, and looks up from it never, or
-// for ever.
-std::atomic<bool> the_test_is_over = false;
+// Its callback of OTA never returns and never calls StopRequested().
+std::atomic<bool> the_test_has_ended = false;
 
 class DeafMotor : public GoodMotor {
  public:
   explicit DeafMotor(Motor& motor) : GoodMotor(motor) {
     RegisterStateCallback("OTA", [] {
-      while (!the_test_is_over) continue;
+      while (!the_test_has_ended) continue;
       return 0;
     });
   }
 };
 
-TEST(ActuatorFaultTest, GivesUpACallbackThatNeitherEndsNorAsksWhetherItShould) {
+TEST(ActuatorFaultTest, GivesUpACallbackThatNeitherEndsNorCallsStopRequested) {
   MotorFaultTest<DeafMotor> test;
   test.real_time_limit = std::chrono::milliseconds(200);
   const FaultTestFailure failure = test.Failure();
-  the_test_is_over = true;
-  EXPECT_THAT(failure.what, HasSubstr("motor: its callback of OTA neither ends nor asks "
+  the_test_has_ended = true;
+  EXPECT_THAT(failure.what, HasSubstr("motor: its callback of OTA neither ends nor calls "
                                       "StopRequested() for 200 ms of real time"));
   EXPECT_THAT(failure.timeline, HasSubstr("motor in "));
 }
@@ -191,14 +190,14 @@ class WaitingMotor : public GoodMotor {
   }
 };
 
-TEST(ActuatorFaultTest, LetsVirtualTimePassForACallbackThatPollsUntilItIsAskedToStop) {
+TEST(ActuatorFaultTest, AdvancesVirtualTimeForACallbackThatPollsUntilItIsRequestedToStop) {
   MotorFaultTest<WaitingMotor> test;
   test.scenarios = 20;
   ASSERT_TRUE(test.Find());
-  EXPECT_GT(test.tally().asked_to_stop, 0U);
+  EXPECT_GT(test.counts().stop_requested, 0U);
 }
 
-// Waits in OnEmergencyStop() for the callback beside it, which waits for the world.
+// Waits in OnEmergencyStop() for the running callback, which waits for the simulation.
 class LockingMotor : public GoodMotor {
  public:
   using GoodMotor::GoodMotor;
@@ -220,11 +219,11 @@ class LockingMotor : public GoodMotor {
 TEST(ActuatorFaultTest, FindsAnEmergencyStopThatWaitsForACallback) {
   MotorFaultTest<LockingMotor> test;
   test.real_time_limit = std::chrono::milliseconds(200);
-  EXPECT_THAT(test.Failure().what, HasSubstr("its OnEmergencyStop() does not come back beside a "
+  EXPECT_THAT(test.Failure().what, HasSubstr("its OnEmergencyStop() does not return during a "
                                              "callback of Active"));
 }
 
-TEST(ActuatorFaultTest, TellsTheSameFromTheSameSeed) {
+TEST(ActuatorFaultTest, IsReproducibleFromItsSeed) {
   const FaultTestFailure one = MotorFaultTest<ForgetfulMotor>().Failure();
   const FaultTestFailure two = MotorFaultTest<ForgetfulMotor>().Failure();
   EXPECT_EQ(one.id.seed, two.id.seed);
@@ -232,27 +231,27 @@ TEST(ActuatorFaultTest, TellsTheSameFromTheSameSeed) {
   EXPECT_EQ(one.timeline, two.timeline);
 }
 
-TEST(ActuatorFaultTest, SaysWhenAStoryIsNotTheSameAgain) {
+TEST(ActuatorFaultTest, ReportsAFailureThatIsNotReproduced) {
   MotorFaultTest<TrustingMotor> test;
   bool spoilt = false;
   test.always = [&](const TrustingMotor&, const ActuatorReport&) {
     EXPECT_TRUE(std::exchange(spoilt, true)) << "once only";
   };
   const FaultTestFailure failure = test.Failure();
-  EXPECT_FALSE(failure.again);
+  EXPECT_FALSE(failure.reproduced);
   EXPECT_THAT(failure.what, HasSubstr("once only"));
 }
 
 TEST(ActuatorFaultTest, FailsTheTestWithACommandAndTheScenario) {
   static MotorFaultTest<TrustingMotor> test;
-  EXPECT_NONFATAL_FAILURE(test.Run(), "again with: MUSHER_SEED=");
+  EXPECT_NONFATAL_FAILURE(test.Run(), "replay with: MUSHER_SEED=");
   EXPECT_NONFATAL_FAILURE(test.Run(), "--gtest_filter='ActuatorFaultTest.FailsTheTestWithACommand");
-  EXPECT_NONFATAL_FAILURE(test.Run(), "motor is gone");
+  EXPECT_NONFATAL_FAILURE(test.Run(), "motor has exited");
 }
 
-TEST(ActuatorFaultTest, TellsTheScenarioOfTheEnvironment) {
+TEST(ActuatorFaultTest, ReplaysTheScenarioOfTheEnvironment) {
   const FaultTestFailure failure = MotorFaultTest<TrustingMotor>().Failure();
-  const std::string command = TrialCommand(failure.id, "A.Test");
+  const std::string command = ReplayCommand(failure.id, "A.Test");
   const auto begin = command.find("MUSHER_ONLY=") + std::string("MUSHER_ONLY=").size();
   setenv("MUSHER_SEED", std::to_string(failure.id.seed).c_str(), 1);
   setenv("MUSHER_ONLY", command.substr(begin, command.find(' ', begin) - begin).c_str(), 1);
@@ -263,12 +262,12 @@ TEST(ActuatorFaultTest, TellsTheScenarioOfTheEnvironment) {
   setenv("MUSHER_ONLY", "1000", 1);
   EXPECT_NONFATAL_FAILURE(test.Run(), "injected events, and no 1000");
   setenv("MUSHER_SEED", "soon", 1);
-  EXPECT_NONFATAL_FAILURE(test.Run(), "MUSHER_SEED is no number");
+  EXPECT_NONFATAL_FAILURE(test.Run(), "MUSHER_SEED is not a number: soon");
   unsetenv("MUSHER_SEED");
   unsetenv("MUSHER_ONLY");
 }
 
-TEST(ActuatorFaultTest, TakesAConfigAndSaysWhenItDoesNotFit) {
+TEST(ActuatorFaultTest, ReportsAConfigThatDoesNotFit) {
   MotorFaultTest<GoodMotor> test;
   test.config_file = MUSHER_SOURCE_DIR "/examples/first_module/robot.toml";
   EXPECT_THAT(test.Find().error().message, HasSubstr("has no actuator 'motor'"));
@@ -306,7 +305,7 @@ class SimpleMotor : public MachineActuator {
   inline static std::set<State> entered_;
 };
 
-TEST(ActuatorFaultTest, WithoutAConfigTriesOneWithACallbackForAllStatesInTheBuiltInOnes) {
+TEST(ActuatorFaultTest, WithoutAConfigTestsACallbackForAllStatesInTheBuiltInOnes) {
   ActuatorFaultTest<SimpleMotor> test;
   test.scenarios = 100;
   const auto found = test.Find();
@@ -316,7 +315,7 @@ TEST(ActuatorFaultTest, WithoutAConfigTriesOneWithACallbackForAllStatesInTheBuil
                                                  "Protected", "SelfCheck", "SetUp", "TearDown"));
 }
 
-TEST(ActuatorFaultTest, NeedsAConfigForStatesOfTheRobotsOwn) {
+TEST(ActuatorFaultTest, NeedsAConfigForCustomStates) {
   EXPECT_THAT(MotorFaultTest<DancingMotor>().Find().error().message, HasSubstr("Dancing"));
 }
 

@@ -26,20 +26,20 @@ MachineConfig Robot() {
   return config;
 }
 
-// A robot, and somebody who listens to what it can do and plays its battery.
+// A robot, and a node that subscribes to its capabilities and publishes its battery's status.
 class SimulatedCapabilities : public ::testing::Test {
  protected:
   explicit SimulatedCapabilities(std::uint64_t seed = 1) : robot_(seed, Robot()) {
     node_ = robot_.network().MakeNode("listener");
-    listening_ = transport::MakeSubscription<msg::Capabilities>(
-                     *node_, transport::CapabilitiesTopic(""),
-                     [this](const msg::Capabilities& told, const transport::SampleInfo&) {
-                       told_ = told;
-                       ++times_told_;
-                       times_.push_back(robot_.network().now());
-                     },
-                     transport::kLatchedQos)
-                     .value();
+    subscription_ = transport::MakeSubscription<msg::Capabilities>(
+                        *node_, transport::CapabilitiesTopic(""),
+                        [this](const msg::Capabilities& message, const transport::SampleInfo&) {
+                          published_ = message;
+                          ++samples_;
+                          times_.push_back(robot_.network().now());
+                        },
+                        transport::kLatchedQos)
+                        .value();
     battery_ = transport::MakePublisher<msg::BmsStatus>(*node_, "bms_status").value();
   }
 
@@ -56,38 +56,38 @@ class SimulatedCapabilities : public ::testing::Test {
     Settle();
   }
 
-  const msg::Capability& Told(const std::string& name) const {
-    for (const msg::Capability& capability : told_.capabilities) {
+  const msg::Capability& Published(const std::string& name) const {
+    for (const msg::Capability& capability : published_.capabilities) {
       if (capability.name == name) return capability;
     }
-    ADD_FAILURE() << name << " is not told of";
+    ADD_FAILURE() << name << " is not published";
     static const msg::Capability none;
     return none;
   }
 
   SimRobot robot_;
   std::unique_ptr<transport::Node> node_;
-  std::unique_ptr<transport::Subscription> listening_;
+  std::unique_ptr<transport::Subscription> subscription_;
   std::unique_ptr<transport::Publisher<msg::BmsStatus>> battery_;
-  msg::Capabilities told_;
-  int times_told_ = 0;
+  msg::Capabilities published_;
+  int samples_ = 0;
   std::vector<Time> times_;
 };
 
-TEST_F(SimulatedCapabilities, AreToldAtEveryChange) {
+TEST_F(SimulatedCapabilities, ArePublishedAtEveryChange) {
   BringUp();
-  EXPECT_TRUE(Told("guide").allowed);
+  EXPECT_TRUE(Published("guide").allowed);
   ASSERT_TRUE(robot_.Set("LowPower")->done());
   Settle();
-  EXPECT_TRUE(Told("walk").allowed);
-  EXPECT_EQ(Told("guide").reason, "guide runs in Active only; a is in LowPower");
-  EXPECT_EQ(Told("guide").code, kCodeStateInvalid);
-  const int before = times_told_;
+  EXPECT_TRUE(Published("walk").allowed);
+  EXPECT_EQ(Published("guide").reason, "guide runs in Active only; a is in LowPower");
+  EXPECT_EQ(Published("guide").code, kCodeStateInvalid);
+  const int before = samples_;
   robot_.RunFor(std::chrono::seconds(60));
-  EXPECT_EQ(times_told_, before) << "nothing has changed";
+  EXPECT_EQ(samples_, before) << "nothing has changed";
 }
 
-TEST_F(SimulatedCapabilities, AreToldTwentyTimesASecondAtMost) {
+TEST_F(SimulatedCapabilities, ArePublishedTwentyTimesASecondAtMost) {
   BringUp();
   for (int i = 0; i < 100; ++i) {
     robot_.Set(i % 2 == 0 ? "LowPower" : "Active");
@@ -95,45 +95,46 @@ TEST_F(SimulatedCapabilities, AreToldTwentyTimesASecondAtMost) {
   }
   ASSERT_GT(times_.size(), 10U);
   for (std::size_t i = 1; i < times_.size(); ++i) {
-    EXPECT_GE(times_[i] - times_[i - 1], Milliseconds(45)) << "but for the way it takes";
+    EXPECT_GE(times_[i] - times_[i - 1], Milliseconds(45)) << "apart from the transit time";
   }
 }
 
 TEST_F(SimulatedCapabilities, OfAnActuatorThatIsLostAreRefused) {
   BringUp();
   robot_.FreezeActuator("b");
-  ASSERT_TRUE(robot_.RunUntil([&] { return !Told("guide").allowed; }));
-  EXPECT_EQ(Told("guide").reason.rfind("b is ", 0), 0U) << Told("guide").reason;
-  EXPECT_TRUE(Told("walk").allowed);
+  ASSERT_TRUE(robot_.RunUntil([&] { return !Published("guide").allowed; }));
+  EXPECT_EQ(Published("guide").reason.rfind("b is ", 0), 0U) << Published("guide").reason;
+  EXPECT_TRUE(Published("walk").allowed);
 }
 
-TEST_F(SimulatedCapabilities, GoByTheBatteryUntilItFallsSilent) {
+TEST_F(SimulatedCapabilities, FollowTheBatteryUntilItIsSilent) {
   BringUp();
-  EXPECT_FALSE(Told("jump").allowed);
+  EXPECT_FALSE(Published("jump").allowed);
   SetBattery(80);
-  EXPECT_TRUE(Told("jump").allowed);
-  SetBattery(200);  // which no battery has
-  EXPECT_TRUE(Told("jump").allowed);
+  EXPECT_TRUE(Published("jump").allowed);
+  SetBattery(200);  // out of range: ignored
+  EXPECT_TRUE(Published("jump").allowed);
   SetBattery(29);
-  EXPECT_EQ(Told("jump").reason, "jump needs at least 30 % of the battery; it has 29 %");
+  EXPECT_EQ(Published("jump").reason, "jump needs at least 30 % of the battery; it has 29 %");
   SetBattery(30);
-  EXPECT_TRUE(Told("jump").allowed);
+  EXPECT_TRUE(Published("jump").allowed);
   robot_.RunFor(std::chrono::seconds(10));
-  EXPECT_EQ(Told("jump").reason, "jump needs at least 30 % of the battery; its level is not known");
+  EXPECT_EQ(Published("jump").reason,
+            "jump needs at least 30 % of the battery; its level is not known");
 }
 
 TEST_F(SimulatedCapabilities, AreRefusedDuringAnEmergencyStop) {
   BringUp();
   robot_.EngageEmergencyStop(77);
   Settle();
-  EXPECT_FALSE(Told("walk").allowed);
+  EXPECT_FALSE(Published("walk").allowed);
   robot_.ReleaseEmergencyStop();
   Settle();
-  EXPECT_FALSE(Told("walk").allowed) << "the stop has switched off what walks";
-  EXPECT_NE(Told("walk").reason.find("held by the emergency stop"), std::string::npos);
+  EXPECT_FALSE(Published("walk").allowed) << "the stop has switched off what walks";
+  EXPECT_NE(Published("walk").reason.find("held by the emergency stop"), std::string::npos);
   robot_.Set("Active");
   Settle();
-  EXPECT_TRUE(Told("walk").allowed);
+  EXPECT_TRUE(Published("walk").allowed);
 }
 
 class OfSeed : public SimulatedCapabilities, public ::testing::WithParamInterface<std::uint64_t> {
@@ -141,8 +142,8 @@ class OfSeed : public SimulatedCapabilities, public ::testing::WithParamInterfac
   OfSeed() : SimulatedCapabilities(GetParam()) {}
 };
 
-// What is told of each capability is what its actuators, asked themselves, would say.
-TEST_P(OfSeed, WhatIsToldIsWhatTheActuatorsAllow) {
+// The published value of each capability is what its actuators themselves allow.
+TEST_P(OfSeed, ThePublishedCapabilitiesAreWhatTheActuatorsAllow) {
   BringUp();
   transport::sim::LinkFaults faults;
   faults.loss = 0.2;
@@ -151,7 +152,7 @@ TEST_P(OfSeed, WhatIsToldIsWhatTheActuatorsAllow) {
   for (const char* target : {"LowPower", "OTA", "Active", "LowPower", "Active"}) {
     robot_.Set(target);
     if (GetParam() % 2 == 0) robot_.CrashActuator("b");
-    robot_.RunFor(std::chrono::seconds(20));  // it is back, and where the machine is
+    robot_.RunFor(std::chrono::seconds(20));  // it is available again, in the machine's state
     for (const CapabilityConfig& declared : robot_.config().capabilities) {
       bool allowed = true;
       for (const std::string& name : declared.actuators) {
@@ -162,7 +163,7 @@ TEST_P(OfSeed, WhatIsToldIsWhatTheActuatorsAllow) {
                                     report->emergency_stop != 0, std::nullopt})
                        .ok();
       }
-      EXPECT_EQ(Told(declared.name).allowed, allowed) << declared.name << " in " << target;
+      EXPECT_EQ(Published(declared.name).allowed, allowed) << declared.name << " in " << target;
     }
   }
 }

@@ -1,4 +1,4 @@
-// What an actuator under trial allows in each state.
+// What an actuator under test allows in each state.
 
 #include <gtest/gtest-spi.h>
 

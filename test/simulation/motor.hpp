@@ -15,13 +15,13 @@ using simulation::ActuatorFaultTest;
 using simulation::Faults;
 using simulation::FaultTestFailure;
 
-// What outlives a process: the motor, as the last command has left it.
+// The hardware, which outlives a process: it keeps the state of the last command.
 struct Motor {
   bool powered = false;
   Faults* faults = nullptr;
 
   Result<> Power(bool on) {
-    if (faults != nullptr && faults->Strike()) return Error{6103, "the motor does not answer"};
+    if (faults != nullptr && faults->ShouldFail()) return Error{6103, "the motor does not answer"};
     powered = on;
     return Ok();
   }
@@ -51,8 +51,8 @@ class GoodMotor : public MachineActuator {
     stopped_ = false;
     if (auto on = motor_.Power(true); !on) return on;
     for (int step = 0; step < 5; ++step) {
-      if (StopRequested()) return GiveUp("asked to stop");
-      if (stopped_) return GiveUp("stopped");
+      if (StopRequested()) return Abort("requested to stop");
+      if (stopped_) return Abort("stopped");
     }
     return Ok();
   }
@@ -65,7 +65,7 @@ class GoodMotor : public MachineActuator {
   Motor& motor() { return motor_; }
 
  private:
-  Result<> GiveUp(const std::string& why) {
+  Result<> Abort(const std::string& why) {
     motor_.powered = false;
     return Error{kCodeFailed, why};
   }
@@ -74,7 +74,7 @@ class GoodMotor : public MachineActuator {
   std::atomic<bool> stopped_ = false;
 };
 
-// A trial of such an actuator, whose motor fails now and then.
+// A fault test of such an actuator, whose motor fails at random.
 template <typename T>
 struct MotorFaultTest : ActuatorFaultTest<T> {
   Motor motor;
@@ -96,7 +96,7 @@ struct MotorFaultTest : ActuatorFaultTest<T> {
   FaultTestFailure Failure() {
     auto found = this->Find();
     if (!found || !found.value()) {
-      ADD_FAILURE() << (found ? "every scenario ended well" : found.error().message);
+      ADD_FAILURE() << (found ? "every scenario passed" : found.error().message);
       return {};
     }
     return *found.value();

@@ -1,4 +1,5 @@
-// The invariants can fail: each test plants a flaw in a simulated robot and sees it found.
+// The invariants can be violated: each test plants a flaw in a simulated robot, and the checker
+// must report it.
 
 #include <gmock/gmock.h>
 
@@ -26,8 +27,8 @@ class PlantedFlaw : public ::testing::Test {
     for (ActuatorConfig& actuator : config.actuators) actuator.command = {"run", actuator.name};
     return config;
   }
-  // Each callback has half a minute.
-  static MachineConfig MonitoredProcess(MachineConfig config) {
+  // Each callback has 30 s.
+  static MachineConfig WithLongTimes(MachineConfig config) {
     for (ActuatorConfig& actuator : config.actuators) {
       std::fill(actuator.times.begin(), actuator.times.end(), Duration(std::chrono::seconds(30)));
     }
@@ -85,19 +86,19 @@ class PlantedFlaw : public ::testing::Test {
   std::optional<simulation::Checker> checker_;
 };
 
-TEST_F(PlantedFlaw, AControllerThatDoesNotListenStartsWhatRunsOnAnotherHost) {
+TEST_F(PlantedFlaw, FindsAControllerThatStartsAnActuatorOfAnotherHostWithoutListening) {
   Make(Started(1), TwoHosts(1));
   robot_->processes().Launch("a", 1);
   RunFor(std::chrono::seconds(3));
   robot_->StartController();  // at once
   RunFor(std::chrono::seconds(1));
-  ExpectFound(Invariant::kRunsOnce, "starts a, which runs on host dock");
+  ExpectFound(Invariant::kNoDuplicateActuator, "starts a, which runs on host dock");
 }
 
-TEST_F(PlantedFlaw, AReleaseThatIsNotOnDiskIsUndoneByItsPanelAfterARestart) {
+TEST_F(PlantedFlaw, FindsAReleaseThatWasNotStoredAndIsUndoneByItsPanelAfterARestart) {
   Make(Started(2));
   BringUp();
-  checker_->StopEngaged(0, 7);
+  checker_->OnStopEngaged(0, 7);
   robot_->EngageEmergencyStop(7);
   RunFor(std::chrono::seconds(1));
   robot_->ReleaseEmergencyStop();
@@ -109,13 +110,13 @@ TEST_F(PlantedFlaw, AReleaseThatIsNotOnDiskIsUndoneByItsPanelAfterARestart) {
   BringUp();
   RunFor(std::chrono::seconds(1));
   checker_->CheckRest(false);
-  ExpectFound(Invariant::kStopStays, "although all are released");
+  ExpectFound(Invariant::kEmergencyStopLatched, "although all stops are released");
 }
 
-TEST_F(PlantedFlaw, AStopThatAnActuatorForgetsIsFound) {
+TEST_F(PlantedFlaw, FindsAnActuatorThatLosesALatchedStop) {
   Make(Started(1));
   BringUp();
-  checker_->StopEngaged(0, 7);
+  checker_->OnStopEngaged(0, 7);
   robot_->EngageEmergencyStop(7);
   RunFor(std::chrono::seconds(1));
   CoreOf("a").stops.clear();
@@ -124,19 +125,19 @@ TEST_F(PlantedFlaw, AStopThatAnActuatorForgetsIsFound) {
   ASSERT_TRUE(checker_->violation());
 }
 
-TEST_F(PlantedFlaw, AnActuatorThatForgetsThatAStopHoldsItIsFound) {
+TEST_F(PlantedFlaw, FindsAnActuatorThatDoesNotReportThatAStopHoldsIt) {
   Make(Started(1));
   BringUp();
-  checker_->StopEngaged(0, 7);
+  checker_->OnStopEngaged(0, 7);
   robot_->EngageEmergencyStop(7);
   RunFor(std::chrono::seconds(1));
   CoreOf("a").report.held_by_stop = false;
   robot_->ReleaseEmergencyStop();
   RunFor(std::chrono::seconds(1));
-  ExpectFound(Invariant::kStopIsSeen, "a says that it is in Active, with its power off");
+  ExpectFound(Invariant::kEmergencyStopReported, "a reports Active with its power off");
 }
 
-TEST_F(PlantedFlaw, ACallbackThatUndoesAnEmergencyStopIsFound) {
+TEST_F(PlantedFlaw, FindsACallbackThatUndoesAnEmergencyStop) {
   slow_ = State(kActive);
   Make(Started(1));
   robot_->StartController();
@@ -150,10 +151,10 @@ TEST_F(PlantedFlaw, ACallbackThatUndoesAnEmergencyStopIsFound) {
   RunFor(std::chrono::seconds(1));
   CoreOf("a").stopped_meanwhile = false;  // so that its end counts as it is
   RunFor(std::chrono::seconds(30));
-  ExpectFound(Invariant::kStopWins, "although it has latched an emergency stop");
+  ExpectFound(Invariant::kEmergencyStopHolds, "although it has latched an emergency stop");
 }
 
-TEST_F(PlantedFlaw, HardwareThatACallbackSwitchesOnUnderAStopIsFound) {
+TEST_F(PlantedFlaw, FindsHardwareThatACallbackSwitchesOnDuringAStop) {
   slow_ = State(kActive);
   Make(Started(1));
   robot_->StartController();
@@ -175,10 +176,10 @@ TEST_F(PlantedFlaw, HardwareThatACallbackSwitchesOnUnderAStopIsFound) {
       },
       std::chrono::seconds(30));
   ASSERT_TRUE(checker_->violation());
-  EXPECT_EQ(checker_->violation()->invariant, Invariant::kStopWins);
+  EXPECT_EQ(checker_->violation()->invariant, Invariant::kEmergencyStopHolds);
 }
 
-TEST_F(PlantedFlaw, AnIntentToStopThatIsLostBringsTheMachineUpAgain) {
+TEST_F(PlantedFlaw, FindsALostStopIntentThatBringsTheMachineUpAgain) {
   slow_ = State(kTearDown);
   Make(Started(2));
   BringUp();
@@ -191,23 +192,23 @@ TEST_F(PlantedFlaw, AnIntentToStopThatIsLostBringsTheMachineUpAgain) {
   slow_.clear();
   robot_->LaunchController(0, true, {}, true);
   RunFor(std::chrono::seconds(5));
-  ExpectFound(Invariant::kStaysDown, "after a TearDown that was accepted");
+  ExpectFound(Invariant::kNoStartAfterTearDown, "after an accepted TearDown");
 }
 
-TEST_F(PlantedFlaw, ATearDownThatIsToldToBeDoneBesideALivingActuatorIsFound) {
+TEST_F(PlantedFlaw, FindsATearDownReportedAsDoneWhileAnActuatorRuns) {
   Make(Started(2));
   BringUp();
-  const std::uint64_t request = checker_->Asked(*robot_->leader(), State(kTearDown));
+  const std::uint64_t request = checker_->OnRequest(*robot_->leader(), State(kTearDown));
   SwitchResult done;
   done.target = State(kTearDown);
   done.outcome = SwitchOutcome::kDone;
-  checker_->Answered(request, done);
-  ExpectFound(Invariant::kDownIsDown, "a lives on in Active");
+  checker_->OnReply(request, done);
+  ExpectFound(Invariant::kTearDownIsComplete, "a still runs in Active");
 }
 
-TEST_F(PlantedFlaw, ACommandThatIsDroppedWhileItWaitsIsFound) {
+TEST_F(PlantedFlaw, FindsAWaitingCommandThatIsDropped) {
   slow_ = State(kLowPower);
-  Make(MonitoredProcess(Started(1)));
+  Make(WithLongTimes(Started(1)));
   BringUp();
   Request(State(kLowPower));
   RunFor(std::chrono::seconds(1));
@@ -215,10 +216,10 @@ TEST_F(PlantedFlaw, ACommandThatIsDroppedWhileItWaitsIsFound) {
   ASSERT_TRUE(RunUntil([&] { return CoreOf("a").waiting.has_value(); }, std::chrono::seconds(1)));
   CoreOf("a").waiting.reset();
   RunFor(std::chrono::seconds(40));
-  ExpectFound(Invariant::kNotCancelled, "a drops the command to Error");
+  ExpectFound(Invariant::kNoCommandDropped, "a drops the accepted command to Error");
 }
 
-TEST_F(PlantedFlaw, AControllerThatAnswersWhileItListensIsFound) {
+TEST_F(PlantedFlaw, FindsAControllerThatRepliesWhileItListens) {
   Make(Started(1), TwoHosts(1));
   BringUp();
   robot_->StartRival(false);
@@ -235,21 +236,22 @@ TEST_F(PlantedFlaw, AControllerThatAnswersWhileItListensIsFound) {
   RunFor(Milliseconds(400));
   caller->Call({}, std::chrono::seconds(1), [](const auto&) {});
   RunFor(Milliseconds(400));
-  ExpectFound(Invariant::kLeaderAnswers, "a controller that does not lead answers");
+  ExpectFound(Invariant::kOnlyLeaderReplies, "a controller that does not lead replies");
 }
 
-TEST_F(PlantedFlaw, AClientThatIsNotToldOfTheEndOfItsControllerIsFound) {
+TEST_F(PlantedFlaw, FindsAClientThatIsNotNotifiedOfTheEndOfItsController) {
   slow_ = State(kLowPower);
-  Make(MonitoredProcess(Started(1)));
+  Make(WithLongTimes(Started(1)));
   BringUp();
   robot_->ClientOn(0).SetState(State(kLowPower), "");
   RunFor(Milliseconds(500));
-  robot_->ClientOn(0).OnControllerKilled();  // it is not: the client sees it live
+  robot_->ClientOn(0)
+      .OnControllerKilled();  // it is not killed: the client still receives its heartbeats
   RunFor(std::chrono::seconds(5));
-  ExpectFound(Invariant::kClientHears, "is not told that the controller has ended");
+  ExpectFound(Invariant::kClientGetsOutcome, "is not notified that the controller has ended");
 }
 
-TEST_F(PlantedFlaw, ASignalToAProcessThatIsNotTheActuatorsIsFound) {
+TEST_F(PlantedFlaw, FindsASignalToAProcessThatIsNotTheActuators) {
   Make(MachineOf(2));
   robot_->StartActuator("a");
   robot_->StartController();
@@ -257,7 +259,7 @@ TEST_F(PlantedFlaw, ASignalToAProcessThatIsNotTheActuatorsIsFound) {
   robot_->network().Block("b", "controller");
   robot_->StartActuator("b");  // the controller knows nothing of it
   robot_->on_signal(*robot_->leader(), robot_->processes().PidOf("b"));
-  ExpectFound(Invariant::kOnlyProven, "is not of the actuator that it is meant for");
+  ExpectFound(Invariant::kOnlyOwnProcessesSignalled, "is not the process of that actuator");
 }
 
 }  // namespace musher::testing::planted_flaw_test

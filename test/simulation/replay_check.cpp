@@ -11,7 +11,7 @@ using recording::ReplayLine;
 using recording::ReplayReport;
 using Rows = std::vector<JournalRow>;
 
-// There and back.
+// Encodes and decodes a row.
 struct Encoded {
   JournalItem operator()(const JournalEntry& entry) const { return entry; }
   JournalItem operator()(JournalInput input) const {
@@ -62,7 +62,7 @@ void ExpectReplaysTheSame(const simulation::SimRobot& robot) {
   EXPECT_EQ(whole.recorded_state, robot.machine().state);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!Holds<recording::SnapshotPtr>(rows[i])) continue;
-    Rows rest = {rows[0]};  // its config is that of all
+    Rows rest = {rows[0]};  // the config of all rows
     rest.insert(rest.end(), rows.begin() + static_cast<std::ptrdiff_t>(i), rows.end());
     const ReplayReport tail = ExpectSame(rest, robot.config(), i);
     EXPECT_EQ(tail.replayed_state, robot.machine().state);

@@ -1,12 +1,12 @@
 #pragma once
-// What a robot's controllers recorded leads to the very same decisions when it is replayed: as a
-// whole, and from each snapshot on.
+// Checks that the recording of a robot's controllers replays to the same decisions: as a whole, and
+// from each snapshot on.
 
 #include "musher/simulation/robot.hpp"
 
 namespace musher::testing {
 
-// Fails the test otherwise. All inputs go through their encoding.
+// Fails the test at a difference. All inputs are encoded and decoded first.
 void ExpectReplaysTheSame(const simulation::SimRobot& robot);
 
 }  // namespace musher::testing

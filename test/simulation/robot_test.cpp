@@ -65,7 +65,7 @@ TEST(SimRobot, IsTheSameTwiceFromTheSameSeed) {
   EXPECT_EQ(run(7), run(7));
 }
 
-TEST(SimRobot, AControllerThatDiesInASwitchIsFollowedByOneThatBringsTheMachineTogether) {
+TEST(SimRobot, AControllerThatSucceedsOneKilledInASwitchBringsAllActuatorsToOneState) {
   SimRobot robot(3, Robot(5));
   robot.StartController();
   ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
@@ -81,7 +81,7 @@ TEST(SimRobot, AControllerThatDiesInASwitchIsFollowedByOneThatBringsTheMachineTo
   }
 }
 
-TEST(SimRobot, AControllerThatListensFirstTakesOverWhomItHeardMeanwhile) {
+TEST(SimRobot, AControllerThatListensFirstAttachesTheActuatorsThatItReceivedMeanwhile) {
   SimRobot robot(1, MachineOf(3));
   for (const char* name : {"a", "b", "c"}) robot.StartActuator(name);
   robot.RunFor(std::chrono::seconds(1));
@@ -92,7 +92,7 @@ TEST(SimRobot, AControllerThatListensFirstTakesOverWhomItHeardMeanwhile) {
   }
 }
 
-TEST(SimRobot, AControllerThatHasStoppedItsMachineFencesNobody) {
+TEST(SimRobot, AControllerThatHasStoppedItsMachineFencesNoOther) {
   SimRobot robot(1, Robot(2), {}, TwoHosts(2));
   robot.StartController();
   ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
@@ -104,7 +104,7 @@ TEST(SimRobot, AControllerThatHasStoppedItsMachineFencesNobody) {
   EXPECT_TRUE(IsUp(robot));
 }
 
-TEST(SimRobot, AProcessThatNeverSaysAWordEndsWithTheMachineAllTheSame) {
+TEST(SimRobot, AProcessThatNeverPublishesEndsWithTheMachine) {
   SimRobot robot(1, Robot(2));
   robot.StartController();
   ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
@@ -121,7 +121,7 @@ TEST(SimRobot, AStopThatIsEngagedForANewControllerIsEngagedForItsActuators) {
   SimRobot robot(1, Robot(2));
   robot.StartController();
   ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
-  robot.EngageEmergencyStop(7);  // by a panel that goes on saying so
+  robot.EngageEmergencyStop(7);  // by a panel whose sample stays latched
   robot.RunFor(std::chrono::seconds(1));
   robot.ReleaseEmergencyStop();
   robot.RunFor(std::chrono::seconds(1));
@@ -132,21 +132,21 @@ TEST(SimRobot, AStopThatIsEngagedForANewControllerIsEngagedForItsActuators) {
   EXPECT_EQ(robot.machine().emergency_stop.has_value(), robot.ReportOf("a")->emergency_stop == 7);
 }
 
-TEST(SimRobot, TwoReportsOfOneInstantCanBeToldApart) {
+TEST(SimRobot, TwoReportsOfOneInstantHaveDifferentStamps) {
   SimRobot robot(1, MachineOf(1));
   LinkFaults faults;
-  faults.delay_max = faults.delay_min;  // what is asked at once arrives at once
+  faults.delay_max = faults.delay_min;  // simultaneous queries arrive simultaneously
   robot.network().SetFaults(faults);
   robot.StartActuator("a");
-  const auto node = robot.network().MakeNode("asker");
+  const auto node = robot.network().MakeNode("caller");
   const auto client =
       transport::MakeClient<msg::ActuatorCommand>(*node, transport::CommandService("", "a"))
           .value();
   std::vector<std::int64_t> stamps;
   for (int i = 0; i < 2; ++i) {
-    msg::ActuatorCommand::Request ask;
-    ask.kind = msg::ActuatorCommand::kKindAsk;
-    client->Call(ask, std::chrono::seconds(1), [&](Result<msg::ActuatorCommand::Response> reply) {
+    msg::ActuatorCommand::Request query;
+    query.kind = msg::ActuatorCommand::kKindAsk;
+    client->Call(query, std::chrono::seconds(1), [&](Result<msg::ActuatorCommand::Response> reply) {
       ASSERT_TRUE(reply.ok());
       stamps.push_back(reply.value().status.stamp_ns);
     });
@@ -155,13 +155,13 @@ TEST(SimRobot, TwoReportsOfOneInstantCanBeToldApart) {
   EXPECT_LT(stamps[0], stamps[1]);
 }
 
-TEST(SimRobot, AStaleStatusOfADeadProcessDoesNotTakeItsSuccessorDown) {
+TEST(SimRobot, AStaleStatusOfADeadProcessDoesNotAffectItsSuccessor) {
   SimRobot robot(5, MachineOf(1));
   robot.StartActuator("a");
   robot.StartController();
   ASSERT_TRUE(robot.RunUntil([&] { return IsUp(robot); }));
   robot.network().Block("a", "controller");
-  robot.Set("Protected", std::nullopt, Milliseconds(20));  // its status is held up on the way
+  robot.Set("Protected", std::nullopt, Milliseconds(20));  // its status is delayed on the link
   robot.CrashActuator("a");
   robot.StartActuator("a");
   robot.network().Free("a", "controller");
@@ -170,9 +170,8 @@ TEST(SimRobot, AStaleStatusOfADeadProcessDoesNotTakeItsSuccessorDown) {
   EXPECT_EQ(robot.ReportOf("a")->state, robot.machine().state);
 }
 
-// Found by simulation: it was told to be done while the process that had been found lived in
-// Active.
-TEST(SimRobot, ATearDownRightAfterAStartListsTheActuatorThatWasFoundAndNotHeardYet) {
+// A regression: TearDown was reported as done while the found process still ran in Active.
+TEST(SimRobot, ATearDownRightAfterAStartListsAFoundActuatorWithoutAReport) {
   SimRobot robot(1, MachineOf(1));
   robot.StartActuator("a");
   robot.StartController();
@@ -186,8 +185,8 @@ TEST(SimRobot, ATearDownRightAfterAStartListsTheActuatorThatWasFoundAndNotHeardY
   EXPECT_THAT(result->degraded, ::testing::ElementsAre("a"));
 }
 
-// Found by simulation: a restart by hand started a second process beside it.
-TEST(SimRobot, ARestartByHandOfAnActuatorOnAnotherHostIsRefusedWithThePlace) {
+// A regression: a restart by hand started a second process.
+TEST(SimRobot, ARestartByHandOfAnActuatorOnAnotherHostIsRefusedWithTheHost) {
   SimRobot robot(1, Robot(1), {}, TwoHosts(1));
   robot.processes().Launch("a", 1);
   robot.RunFor(std::chrono::seconds(1));
@@ -201,7 +200,7 @@ TEST(SimRobot, ARestartByHandOfAnActuatorOnAnotherHostIsRefusedWithThePlace) {
   EXPECT_THAT(answer.error().message, ::testing::HasSubstr("runs on another host, dock/1"));
 }
 
-TEST(SimRobot, ARebootedHostHasAnotherIdAndGivesSmallerIncarnationsAndTheSamePids) {
+TEST(SimRobot, ARebootedHostHasANewIdSmallerIncarnationsAndTheSamePids) {
   SimRobot robot(1, MachineOf(1), {}, TwoHosts(1));
   robot.hosts().SetUptime(0, std::chrono::hours(1));
   robot.StartActuator("a");
@@ -224,10 +223,10 @@ TEST(SimRobot, AControllerReachesNoProcessOfAnotherHost) {
   EXPECT_FALSE(robot.processes().Signal(0, pid, SIGKILL));
   robot.StartRival(true);
   robot.RunFor(std::chrono::seconds(5));
-  EXPECT_EQ(robot.processes().PidOf("a", 1), pid);  // it is the one that runs there
+  EXPECT_EQ(robot.processes().PidOf("a", 1), pid);  // the same process
 }
 
-TEST(SimRobot, ActuatorsThatShareAProcessStandStillAndEndTogether) {
+TEST(SimRobot, ActuatorsThatShareAProcessAreFrozenAndEndTogether) {
   simulation::Layout layout;
   layout.process_of = {0, 0};
   SimRobot robot(1, MachineOf(2), {}, layout);

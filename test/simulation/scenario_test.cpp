@@ -1,10 +1,9 @@
-// Robots drawn from seeds, what befalls them drawn from the same seeds, and every invariant judged
-// after every event.
+// Robots and injected events sampled from seeds, with every invariant checked after every event.
 //
-//   MUSHER_SEED=42 [MUSHER_ONLY=3,7] simulation_test --gtest_filter='*KeepEvery*/0'
-//     lives one life, maybe with some of its injected events only, and tells it
+//   MUSHER_SEED=42 [MUSHER_ONLY=3,7] simulation_test --gtest_filter='*HoldEvery*/0'
+//     runs one scenario, optionally with some of its injected events only, and prints its timeline
 //   MUSHER_SEEDS=1000000 …
-//     lives that many; the gate lives 10,000
+//     runs that many; the gate runs 10,000
 
 #include <gmock/gmock.h>
 
@@ -14,8 +13,8 @@
 
 #include "musher/simulation/search.hpp"
 #include "musher/simulation/timeline.hpp"
-#include "musher/test/simulation/drawn_config.hpp"
 #include "musher/test/simulation/replay_check.hpp"
+#include "musher/test/simulation/sampled_config.hpp"
 
 namespace musher::testing::scenario_test {
 
@@ -33,16 +32,16 @@ std::string Environment(const char* name, const std::string& otherwise) {
 
 ScenarioOptions OptionsFor(const MachineConfig& config) {
   ScenarioOptions options = simulation::UsualOptions(config);
-  options.provided = false;  // a drawn robot may do without any of its actuators
+  options.provided = false;  // a sampled robot may run without any of its actuators
   options.shared_processes = true;
   return options;
 }
 
-std::string ToldAgain(const MachineConfig& config, const ScenarioId& id) {
+std::string TimelineOf(const MachineConfig& config, const ScenarioId& id) {
   Scenario scenario(config, id.seed, simulation::InjectionsOf(config, id).value(),
                     OptionsFor(config));
   Timeline timeline(scenario, config);
-  timeline.End(scenario.Tell());
+  timeline.End(scenario.Run());
   return timeline.Text();
 }
 
@@ -52,21 +51,21 @@ std::string Command(const ScenarioId& id) {
     only += (only.empty() ? " MUSHER_ONLY=" : ",") + std::to_string(number);
   }
   return "MUSHER_SEED=" + std::to_string(id.seed) + only +
-         " simulation_test --gtest_filter='*KeepEvery*/0'";
+         " simulation_test --gtest_filter='*HoldEvery*/0'";
 }
 
-// Every thirtieth life is also replayed from its journal; but what a controller receives while it
-// listens for others, as with profile lan, is not in there as what it decides on.
+// Every thirtieth scenario is also replayed from its journal, except with profile lan: the journal
+// does not record as inputs what a controller receives while it listens for others.
 void ExpectInvariantsHold(std::uint64_t seed, simulation::Coverage& coverage) {
-  const MachineConfig config = DrawConfig(seed);
+  const MachineConfig config = SampleConfig(seed);
   const ScenarioOptions options = OptionsFor(config);
   Scenario scenario(config, seed, simulation::SampleInjections(config, seed), options);
-  const Ending ending = scenario.Tell();
+  const Ending ending = scenario.Run();
   coverage.Add(ending.coverage);
   if (ending.violation) {
     const ScenarioId id = Shrink(config, options, seed, ending.violation->invariant);
-    FAIL() << ending.violation->what << "\nagain with: " << Command(id) << "\n"
-           << ToldAgain(config, id);
+    FAIL() << ending.violation->what << "\nreplay with: " << Command(id) << "\n"
+           << TimelineOf(config, id);
   }
   const bool whole = config.transport == TransportProfile::kLocal &&
                      !scenario.robot().disk(0).gap && scenario.robot().disk(1).recording.empty();
@@ -90,9 +89,9 @@ TEST_P(Scenarios, HoldEveryInvariant) {
         id.only->push_back(std::stoul(number));
       }
     }
-    const std::string run = ToldAgain(DrawConfig(id.seed), id);
+    const std::string run = TimelineOf(SampleConfig(id.seed), id);
     std::cout << run;
-    EXPECT_EQ(run.find("✗"), std::string::npos) << "it still ends badly";
+    EXPECT_EQ(run.find("✗"), std::string::npos) << "it still fails";
     if (!id.only) ExpectInvariantsHold(id.seed, coverage);
     return;
   }
@@ -105,31 +104,30 @@ TEST_P(Scenarios, HoldEveryInvariant) {
 
 INSTANTIATE_TEST_SUITE_P(Part, Scenarios, ::testing::Range(std::uint64_t{0}, kParts));
 
-TEST(AStory, IsTheSameToTheByteFromTheSameSeed) {
+TEST(Scenario, IsReproducibleToTheByteFromItsSeed) {
   for (const std::uint64_t seed : {3, 14, 159, 265, 358, 979}) {
-    const MachineConfig config = DrawConfig(seed);
+    const MachineConfig config = SampleConfig(seed);
     const ScenarioId id{seed, std::nullopt};
-    EXPECT_EQ(ToldAgain(config, id), ToldAgain(config, id));
+    EXPECT_EQ(TimelineOf(config, id), TimelineOf(config, id));
   }
 }
 
-// Found by trying a module in the robot that walks: a keep by /clock never ended, since nobody
-// publishes that.
-TEST(AStory, OfARobotThatGoesByAWorldsClockHasATimeOfItsOwn) {
-  MachineConfig config = DrawConfig(0);
+// A regression: a keep timed by /clock never ended, since nothing publishes /clock.
+TEST(Scenario, OfARobotThatUsesTheClockTopicHasASteadyClock) {
+  MachineConfig config = SampleConfig(0);
   config.policy.emplace();
   config.clock = ClockSource::kTopic;
   simulation::Injection keep;
   keep.kind = simulation::InjectionKind::kKeep;
   keep.at = std::chrono::seconds(5);
   keep.state = kActive;
-  keep.chance = 7;  // seconds
+  keep.random = 7;  // seconds
   const Ending ending = simulation::RunScenario(config, 1, {keep}, OptionsFor(config));
   EXPECT_FALSE(ending.violation) << ending.violation->what;
 }
 
-TEST(AStory, StaysAsItIsForTheOtherInjectionsWhenSomeAreLeftOut) {
-  const MachineConfig config = DrawConfig(12);
+TEST(Scenario, KeepsTheOtherInjectionsUnchangedWhenSomeAreRemoved) {
+  const MachineConfig config = SampleConfig(12);
   const Injections all = simulation::SampleInjections(config, 12);
   ASSERT_GE(all.size(), 3U);
   const auto some = simulation::InjectionsOf(config, {12, std::vector<std::size_t>{1, 3}});
@@ -137,28 +135,28 @@ TEST(AStory, StaysAsItIsForTheOtherInjectionsWhenSomeAreLeftOut) {
   EXPECT_FALSE(simulation::InjectionsOf(config, {12, std::vector<std::size_t>{all.size() + 1}}));
 }
 
-TEST(Scenarios, AreTheSameHoweverManyThreadsLiveThem) {
-  const MachineConfig config = DrawConfig(5);
-  const auto one = LiveMany(config, OptionsFor(config), 1, 100, 1, {});
-  const auto two = LiveMany(config, OptionsFor(config), 1, 100, 2, {});
+TEST(Scenarios, DoNotDependOnTheNumberOfThreads) {
+  const MachineConfig config = SampleConfig(5);
+  const auto one = RunMany(config, OptionsFor(config), 1, 100, 1, {});
+  const auto two = RunMany(config, OptionsFor(config), 1, 100, 2, {});
   EXPECT_EQ(one.coverage.Text(), two.coverage.Text());
   EXPECT_EQ(one.rests, two.rests);
   EXPECT_EQ(one.steps, two.steps);
 }
 
-TEST(Scenarios, LetEveryInjectionMeetEveryMachinePhaseThatCanBe) {
+TEST(Scenarios, CoverEveryInjectionAndEveryMachinePhase) {
   simulation::Coverage coverage;
   std::array<std::uint64_t, 3> client_ends{};
   std::array<std::uint64_t, 2> client_calls{};
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
-    const MachineConfig config = DrawConfig(seed);
+    const MachineConfig config = SampleConfig(seed);
     const Ending ending =
         RunScenario(config, seed, simulation::SampleInjections(config, seed), OptionsFor(config));
     coverage.Add(ending.coverage);
     for (std::size_t i = 0; i < 3; ++i) client_ends[i] += ending.client_ends[i];
     for (std::size_t i = 0; i < 2; ++i) client_calls[i] += ending.client_calls[i];
   }
-  // Clients are answered, told by a successor, and told that nobody knows; or by no controller.
+  // Clients get a reply, one from a successor, one that the outcome is unknown, or none.
   EXPECT_THAT(client_ends, ::testing::Each(::testing::Gt(0U)));
   EXPECT_THAT(client_calls, ::testing::Each(::testing::Gt(0U)));
   for (std::size_t kind = 0; kind < simulation::kInjectionKinds; ++kind) {

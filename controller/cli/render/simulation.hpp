@@ -1,5 +1,5 @@
 #pragma once
-// What `musher simulate` found, for people and as JSON.
+// The report of `musher simulate`, as text and as JSON.
 
 #include <optional>
 #include <string>
@@ -17,10 +17,10 @@ struct SimulationReport {
   unsigned threads = 1;
   Duration took{};
   std::optional<simulation::ScenarioId> worst;  // the shortest failing scenario
-  std::vector<std::string> others;              // actuators that speak another protocol
+  std::vector<std::string> others;              // actuators that use another protocol
 };
 
-// `failing_scenario`: the timeline of the worst; empty when there is none.
+// `failing_scenario`: the timeline of `worst`; empty when there is none.
 std::string SimulationText(const SimulationReport& report, const std::string& failing_scenario,
                            bool colour);
 std::string SimulationJson(const SimulationReport& report, const std::string& failing_scenario);

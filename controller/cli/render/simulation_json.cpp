@@ -32,7 +32,7 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
   const simulation::Summary& s = report.summary;
   ordered_json json = {{"file", report.file},
                        {"scenarios", s.scenarios},
-                       {"good", s.good()},
+                       {"passed", s.good()},
                        {"simulated_s", Seconds(s.simulated)},
                        {"took_s", Seconds(report.took)},
                        {"checks", s.checks},
@@ -41,14 +41,14 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
     json["switches"][std::string(OutcomeName(static_cast<SwitchOutcome>(i)))] = s.switches[i];
   }
   if (!s.rests.empty()) {
-    json["rest_s"] = {{"median", Seconds(s.rests[s.rests.size() / 2])},
-                      {"longest", Seconds(s.rests.back())}};
+    json["settled_s"] = {{"median", Seconds(s.rests[s.rests.size() / 2])},
+                         {"longest", Seconds(s.rests.back())}};
   }
-  json["coverage"] = CoverageOf(s.coverage);
+  json["injected_events"] = CoverageOf(s.coverage);
   for (std::size_t i = 0; i < simulation::kInvariants; ++i) {
     json["invariants"].push_back(
         {{"invariant", InvariantText(static_cast<simulation::Invariant>(i))},
-         {"broken_by", s.bad[i]}});
+         {"violated_by", s.bad[i]}});
   }
   if (report.worst) {
     json["shortest_failing_scenario"] = ScenarioOf(*report.worst);
@@ -60,9 +60,9 @@ std::string SimulationJson(const SimulationReport& report, const std::string& fa
 std::string ScenarioJson(const simulation::ScenarioId& id, const simulation::Ending& ending,
                          const std::string& text) {
   ordered_json json = ScenarioOf(id);
-  json["good"] = !ending.violation.has_value();
+  json["passed"] = !ending.violation.has_value();
   if (ending.violation) {
-    json["broken"] = InvariantText(ending.violation->invariant);
+    json["violated"] = InvariantText(ending.violation->invariant);
     json["what"] = ending.violation->what;
   }
   json["text"] = text;

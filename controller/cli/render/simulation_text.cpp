@@ -36,7 +36,7 @@ std::string Figures(const SimulationReport& report) {
     if (IsFault(kind)) faults += s.coverage.Of(kind);
   }
   std::string text = fmt::format(
-      "  lived     {} scenarios, {:.1f} robot-hours, in {:.1f} s: {} scenarios a minute\n",
+      "  simulated {} scenarios, {:.1f} robot-hours, in {:.1f} s: {} scenarios a minute\n",
       Grouped(s.scenarios), Seconds(s.simulated) / 3600, took,
       Grouped(static_cast<std::uint64_t>(static_cast<double>(s.scenarios) / took * 60)));
   text += "  switches ";
@@ -45,15 +45,15 @@ std::string Figures(const SimulationReport& report) {
         fmt::format(" {} {}{}", Grouped(s.switches[i]), OutcomeName(static_cast<SwitchOutcome>(i)),
                     i + 1 < s.switches.size() ? "," : "\n");
   }
-  text += fmt::format("  befell    {} injected events, {} of them faults; judged {} times\n",
-                      Grouped(all), Grouped(faults), Grouped(s.checks));
+  text += fmt::format("  injected  {} events, {} of them faults; {} checks\n", Grouped(all),
+                      Grouped(faults), Grouped(s.checks));
   if (!s.rests.empty()) {
     const auto at = [&](double share) {
       return Seconds(
           s.rests[static_cast<std::size_t>(share * static_cast<double>(s.rests.size() - 1))]);
     };
     text += fmt::format(
-        "  at rest   {:.1f} s after the last fault (median), {:.1f} s (99 %), {:.1f} s (longest); "
+        "  settled   {:.1f} s after the last fault (median), {:.1f} s (99 %), {:.1f} s (longest); "
         "bound {:.0f} s\n",
         at(0.5), at(0.99), at(1), Seconds(report.options.bound));
   }
@@ -64,8 +64,8 @@ std::string Invariants(const Summary& s, bool colour) {
   std::string text;
   for (std::size_t i = 0; i < simulation::kInvariants; ++i) {
     const auto& bad = s.bad[i];
-    text += bad.empty() ? Paint("  kept    ", Style::kGood, colour)
-                        : Paint("  BROKEN  ", Style::kBad, colour);
+    text += bad.empty() ? Paint("  holds     ", Style::kGood, colour)
+                        : Paint("  VIOLATED  ", Style::kBad, colour);
     text += InvariantText(static_cast<Invariant>(i));
     if (!bad.empty()) {
       text += fmt::format(": {} {}, seed {} first", Grouped(bad.size()),
@@ -78,7 +78,7 @@ std::string Invariants(const Summary& s, bool colour) {
 
 std::string Verdict(const SimulationReport& report, bool colour) {
   if (report.summary.good()) {
-    return Paint("Every scenario ends well.", Style::kGood, colour) + "\n";
+    return Paint("All scenarios passed.", Style::kGood, colour) + "\n";
   }
   std::uint64_t bad = 0;
   bool ours = false;
@@ -87,9 +87,10 @@ std::string Verdict(const SimulationReport& report, bool colour) {
     ours |= !report.summary.bad[i].empty() && !DependsOnConfig(static_cast<Invariant>(i));
   }
   std::string text =
-      fmt::format("{} of {} scenarios end badly.", Grouped(bad), Grouped(report.summary.scenarios));
+      fmt::format("{} of {} scenarios failed.", Grouped(bad), Grouped(report.summary.scenarios));
   text = Paint(text, Style::kBad, colour) + "\n";
-  if (ours) text += "A invariant of Musher itself is broken: please report it with this config.\n";
+  if (ours)
+    text += "An invariant of Musher itself is violated: please report it with this config.\n";
   return text;
 }
 
@@ -101,11 +102,11 @@ std::string SimulationText(const SimulationReport& report, const std::string& fa
                                  report.config.actuators.size(), Grouped(report.summary.scenarios));
   text += Figures(report);
   if (!report.others.empty()) {
-    text += fmt::format("  note      simulated as if they spoke Musher's protocol: {}\n",
+    text += fmt::format("  note      simulated with Musher's protocol instead of their own: {}\n",
                         fmt::join(report.others, ", "));
   }
-  text += "\nWhat befell the robot, and what it was doing then:\n\n" +
-          report.summary.coverage.Text() + "\n";
+  text +=
+      "\nInjected events, by the phase of the machine:\n\n" + report.summary.coverage.Text() + "\n";
   text += Invariants(report.summary, colour) + "\n";
   if (report.worst) {
     text += fmt::format("The shortest failing scenario: musher simulate {} --seed {}{}\n\n{}\n",
@@ -116,9 +117,10 @@ std::string SimulationText(const SimulationReport& report, const std::string& fa
 }
 
 std::string ScenarioVerdict(const simulation::Ending& ending) {
-  if (ending.violation) return "\nThis scenario ends badly.\n";
-  return fmt::format("\nThis scenario ends well, {:.1f} s after the last fault.\n",
-                     Seconds(ending.rested.value_or(Duration{})));
+  if (ending.violation) return "\nThis scenario failed.\n";
+  return fmt::format(
+      "\nThis scenario passed; the machine was stable {:.1f} s after the last fault.\n",
+      Seconds(ending.rested.value_or(Duration{})));
 }
 
 }  // namespace musher::cli

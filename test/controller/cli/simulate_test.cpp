@@ -1,4 +1,4 @@
-// musher simulate: configs without a flaw, and with one that was planted.
+// musher simulate: valid configs, and configs with a planted flaw.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-// legs are critical; the voice is started again, or given up.
+// legs are critical; the voice is restarted, or given up.
 std::string Robot(const std::string& of_the_voice, const std::string& more = "") {
   return R"([controller]
 actuators = ["legs", "voice"]
@@ -57,15 +57,14 @@ class Simulating : public ::testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(Simulating, ARobotWithoutAFlawEndsEveryScenarioWell) {
+TEST_F(Simulating, AValidRobotPassesEveryScenario) {
   const Ran ran = RunProgram({"simulate", Config(Robot(kProvided)), "--seeds", "300"});
   EXPECT_EQ(ran.exit, 0) << ran.out;
-  EXPECT_THAT(ran.out,
-              AllOf(HasSubstr("2 actuators, 300 scenarios"), Not(HasSubstr("BROKEN")),
-                    HasSubstr("controller-crash"), HasSubstr("Every scenario ends well.")));
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("2 actuators, 300 scenarios"), Not(HasSubstr("VIOLATED")),
+                             HasSubstr("controller-crash"), HasSubstr("All scenarios passed.")));
 }
 
-TEST_F(Simulating, TheConfigsThatShipEndEveryScenarioWell) {
+TEST_F(Simulating, TheShippedConfigsPassEveryScenario) {
   for (const char* name : {"robot.toml", "wedding.toml", "cyberdog.toml"}) {
     const Ran ran = RunProgram(
         {"simulate", std::string(MUSHER_SOURCE_DIR) + "/config/" + name, "--seeds", "300"});
@@ -73,16 +72,16 @@ TEST_F(Simulating, TheConfigsThatShipEndEveryScenarioWell) {
   }
 }
 
-TEST_F(Simulating, ARestartLimitWithoutOnLostIsFoundAndToldInTheFewestCrashes) {
+TEST_F(Simulating, ARestartLimitWithoutOnLostIsFoundAndShrunkToTheFewestCrashes) {
   const std::string config = Config(Robot(""));
   const Ran ran = RunProgram({"simulate", config, "--seeds", "300", "--json"});
   EXPECT_EQ(ran.exit, 1);
   const auto json = nlohmann::json::parse(ran.out);
-  EXPECT_FALSE(json["good"]);
+  EXPECT_FALSE(json["passed"]);
   const auto& scenario = json["shortest_failing_scenario"];
   EXPECT_THAT(scenario["text"].get<std::string>(),
               AllOf(HasSubstr("⚡"), HasSubstr("without voice, which"),
-                    HasSubstr("it has no on_lost (\"Active\" if the machine may do without it)")));
+                    HasSubstr("it has no on_lost (\"Active\" if the machine may run without it)")));
   EXPECT_LE(scenario["only"].size(), 3U);  // no more than the crashes that two restarts take
 }
 
@@ -95,11 +94,11 @@ TEST_F(Simulating, AWrongConfigWithoutOnLostIsFoundAndTakesOneInjection) {
   const auto scenario = nlohmann::json::parse(ran.out)["shortest_failing_scenario"];
   EXPECT_THAT(scenario["text"].get<std::string>(),
               AllOf(HasSubstr("the configuration of voice is wrong"),
-                    HasSubstr("without voice, which is not started again after its exit code")));
+                    HasSubstr("without voice, which is not restarted after its exit code")));
   EXPECT_EQ(scenario["only"].size(), 1U);
 }
 
-TEST_F(Simulating, AFlowWithNoWayBackFromOtaIsFoundAndDrawn) {
+TEST_F(Simulating, AFlowWithNoTransitionBackFromOtaIsFoundAndDrawn) {
   const std::string config = Config(Robot(kProvided, R"(
 [[transition]]
 from = ["Active", "Protected", "DeActive", "LowPower"]
@@ -109,12 +108,12 @@ to = ["Active", "Protected", "DeActive", "LowPower", "OTA"]
   const Ran ran = RunProgram({"simulate", config, "--seeds", "100", "--svg", svg});
   EXPECT_EQ(ran.exit, 1);
   EXPECT_THAT(ran.out, HasSubstr("the machine is in OTA, from where no switch leads to Active"));
-  EXPECT_THAT(Read(svg), AllOf(StartsWith("<svg"), HasSubstr("a person asks for OTA"),
+  EXPECT_THAT(Read(svg), AllOf(StartsWith("<svg"), HasSubstr("the operator requests OTA"),
                                HasSubstr("from where no switch leads to Active")));
 }
 
-// A way down for safety is taken whatever the flow lacks.
-TEST_F(Simulating, AFlowThatForbidsTheFallToOnLostIsNoFault) {
+// A fallback to a less active state ignores the flow.
+TEST_F(Simulating, AFlowThatForbidsTheFallbackToOnLostIsNoViolation) {
   const std::string config = Config(Robot(kProvided, R"(
 [[transition]]
 from = ["Active", "LowPower", "Protected", "OTA", "DeActive"]
@@ -124,15 +123,15 @@ to = ["Active", "LowPower"]
   EXPECT_THAT(ran.out, Not(HasSubstr("without legs, whose on_lost is Protected")));
 }
 
-// The battery falls in the very step in which the switch back up ends: what it has taken down then
-// may be brought back.
+// The battery falls in the same step in which the switch back up ends: what it has lowered then may
+// be raised again.
 TEST_F(Simulating, ALoweringThatBeginsAsARaiseEndsIsRememberedByTheCheck) {
   const Ran ran = RunProgram(
       {"simulate", MUSHER_SOURCE_DIR "/config/robot.toml", "--seed", "1135", "--only", "2,6,8,9"});
   EXPECT_EQ(ran.exit, 0) << ran.out;
 }
 
-TEST_F(Simulating, TheCommandItPrintsTellsTheSameScenarioAgain) {
+TEST_F(Simulating, TheCommandItPrintsReplaysTheSameScenario) {
   const std::string config = Config(Robot(""));
   const auto report =
       nlohmann::json::parse(RunProgram({"simulate", config, "--seeds", "300", "--json"}).out);
@@ -141,29 +140,29 @@ TEST_F(Simulating, TheCommandItPrintsTellsTheSameScenarioAgain) {
   for (const auto& number : scenario["only"]) {
     only += (only.empty() ? "" : ",") + std::to_string(number.get<int>());
   }
-  const Ran told = RunProgram(
+  const Ran replayed = RunProgram(
       {"simulate", config, "--seed", std::to_string(scenario["seed"].get<int>()), "--only", only});
-  EXPECT_EQ(told.exit, 1);
-  EXPECT_THAT(told.out, StartsWith(scenario["text"].get<std::string>()));
+  EXPECT_EQ(replayed.exit, 1);
+  EXPECT_THAT(replayed.out, StartsWith(scenario["text"].get<std::string>()));
 }
 
-TEST_F(Simulating, WrongInputIsNamedAndNothingIsLived) {
+TEST_F(Simulating, InvalidInputIsReportedAndNothingIsSimulated) {
   const std::string config = Config(Robot(kProvided));
-  const auto complaint = [&](std::vector<std::string> arguments) {
+  const auto error_of = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"simulate", config});
     const Ran ran = RunProgram(arguments);
     EXPECT_EQ(ran.exit, 2);
     EXPECT_EQ(ran.out, "");
     return ran.err;
   };
-  EXPECT_THAT(complaint({"--seeds", "0"}), HasSubstr("--seeds"));
-  EXPECT_THAT(complaint({"--seeds", "many"}), HasSubstr("--seeds"));
-  EXPECT_THAT(complaint({"--only", "3"}), HasSubstr("--only requires --seed"));
-  EXPECT_THAT(complaint({"--seed", "1", "--only", "3,x"}),
-              HasSubstr("'3,x' is no list of numbers"));
-  EXPECT_THAT(complaint({"--seed", "1", "--only", "99"}), HasSubstr("and no 99"));
-  EXPECT_THAT(complaint({"--home", "Actve"}), HasSubstr("did you mean 'Active'?"));
-  EXPECT_THAT(complaint({"--bound", "-1"}), HasSubstr("--bound"));
+  EXPECT_THAT(error_of({"--seeds", "0"}), HasSubstr("--seeds"));
+  EXPECT_THAT(error_of({"--seeds", "many"}), HasSubstr("--seeds"));
+  EXPECT_THAT(error_of({"--only", "3"}), HasSubstr("--only requires --seed"));
+  EXPECT_THAT(error_of({"--seed", "1", "--only", "3,x"}),
+              HasSubstr("'3,x' is not a list of numbers"));
+  EXPECT_THAT(error_of({"--seed", "1", "--only", "99"}), HasSubstr("and no 99"));
+  EXPECT_THAT(error_of({"--home", "Actve"}), HasSubstr("did you mean 'Active'?"));
+  EXPECT_THAT(error_of({"--bound", "-1"}), HasSubstr("--bound"));
 }
 
 }  // namespace musher::cli::simulate_test

@@ -1,5 +1,5 @@
 #pragma once
-// What goes wrong in a module's own code, in each state.
+// Faults in a module's own code, in each state.
 
 #include <string>
 
@@ -7,20 +7,20 @@
 
 namespace musher::fault_injection::callback {
 
-// The callback of `state` does not come back until a person looks after it.
+// The callback of `state` does not return until the fault is cleared.
 void Hangs(FaultRun& run, const std::string& state);
-// It comes back with a code.
+// The callback returns a code.
 void Fails(FaultRun& run, const std::string& state);
-// The cycle gives no more checkpoints.
-void ThreadIsSilent(FaultRun& run);
+// The work thread makes no more checkpoints.
+void ThreadStopsCheckpoints(FaultRun& run);
 
-// What a switch in which `victim` does not get to `target` has to end as.
+// The expected outcome of a switch to `target` in which one actuator does not reach it.
 struct SwitchExpectation {
   std::string outcome;
   std::string state;  // of the machine then
 };
 SwitchExpectation ExpectationForSwitch(const std::string& before, const std::string& target);
-// Brings the machine to a state from which `target` is another one.
+// Brings the machine to a state other than `target`.
 void LeaveStateOf(FaultRun& run, const std::string& target);
 
 }  // namespace musher::fault_injection::callback

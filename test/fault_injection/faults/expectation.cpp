@@ -3,7 +3,7 @@
 namespace musher::fault_injection {
 namespace {
 
-// The machine's state is never raised by a loss.
+// A loss never makes the machine more active.
 std::string Lower(const std::string& state, const std::string& on_lost) {
   return on_lost.empty() || RankOf(on_lost) > RankOf(state) ? state : on_lost;
 }
@@ -21,22 +21,22 @@ Expectation ExpectationFor(const std::string& victim, Loss loss, const std::stri
 void AwaitExpectation(FaultRun& run, const std::string& victim, Loss loss) {
   const Expectation expectation = ExpectationFor(victim, loss, run.state());
   if (expectation.back) return run.RecoveredIn(expectation.state);
-  run.Recovered(victim + " is gone, the others are in " + expectation.state,
+  run.Recovered(victim + " is lost, the others are in " + expectation.state,
                 [&](const msg::MachineStatus& status) {
                   const msg::ActuatorInfo& info = Find(status, victim);
                   return IsSettled(status, expectation.state, {victim}) && info.degraded &&
                          info.presence != "present" && !info.restarting;
                 });
-  // A person brings it back.
-  Relieve(run.robot.board(victim));
-  const auto answer = run.observer().Restart(victim);
-  run.Require(answer.ok() && answer.value().code == 0,
+  // An operator restarts it.
+  ClearFaults(run.robot.board(victim));
+  const auto reply = run.observer().Restart(victim);
+  run.Require(reply.ok() && reply.value().code == 0,
               "musher restart " + victim +
-                  " fails: " + (answer.ok() ? answer.value().reason : answer.error().message));
+                  " fails: " + (reply.ok() ? reply.value().reason : reply.error().message));
   run.Require(run.observer()
-                  .Await([&](const auto& s) { return IsSettled(s, expectation.state); }, kPatience)
+                  .Await([&](const auto& s) { return IsSettled(s, expectation.state); }, kTimeout)
                   .has_value(),
-              victim + " does not come back by hand");
+              victim + " is not available after a restart by hand");
 }
 
 Observer::Is IsKnownAs(const std::string& actuator, const std::string& health) {

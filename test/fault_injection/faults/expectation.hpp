@@ -1,5 +1,5 @@
 #pragma once
-// What is promised of a robot of the crew after a loss.
+// The expected behaviour of a robot after a loss.
 
 #include <set>
 #include <string>
@@ -14,17 +14,18 @@ enum class Loss {
   kForGood   // it was restarted too often
 };
 
-// The state of the machine after the loss of `victim`, and whether it comes back.
+// The state of the machine after the loss of `victim`, and whether `victim` becomes available
+// again.
 struct Expectation {
   std::string state;
   bool back = true;
 };
 Expectation ExpectationFor(const std::string& victim, Loss loss, const std::string& state);
 
-// Waits until it is kept, then mends what the promise leaves to a person.
+// Waits for the expected state, then restarts `victim` where that is left to an operator.
 void AwaitExpectation(FaultRun& run, const std::string& victim, Loss loss);
 
-// Statuses in which an actuator is known to be lost, with this verdict ("": any).
+// Holds for statuses in which the actuator has this health ("": in which it is lost).
 Observer::Is IsKnownAs(const std::string& actuator, const std::string& health);
 
 }  // namespace musher::fault_injection

@@ -1,5 +1,5 @@
 #pragma once
-// What people do at the wrong moment.
+// Operator requests at the wrong time.
 
 #include "musher/test/fault_injection/fault_run.hpp"
 
@@ -7,9 +7,9 @@ namespace musher::fault_injection::operation {
 
 void EmergencyStopAtRest(FaultRun& run);
 void EmergencyStopInSwitch(FaultRun& run);
-// Error over a switch that is under way.
+// Error is requested during a switch.
 void Superseded(FaultRun& run);
-// Many calls at once; one of them leads, the others are told.
+// Several simultaneous requests; one is executed, the others are refused.
 void ManyCalls(FaultRun& run);
 
 }  // namespace musher::fault_injection::operation

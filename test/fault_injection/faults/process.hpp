@@ -1,5 +1,5 @@
 #pragma once
-// What happens to a process of a module: it dies, or gets no chance to run.
+// Faults of a module's process: it ends, or is frozen.
 
 #include "musher/test/fault_injection/fault_run.hpp"
 
@@ -10,12 +10,12 @@ void SeveralKilled(FaultRun& run);
 void Terminated(FaultRun& run);
 void StoppedForLong(FaultRun& run);
 void StoppedShortly(FaultRun& run);
-// Ends by itself with this exit code.
+// It exits with this code.
 void Exits(FaultRun& run, int code);
 void Aborts(FaultRun& run);
 void Segfaults(FaultRun& run);
-// Dies in each SetUp until it is given up.
-void CrashesAgainAndAgain(FaultRun& run);
+// It exits in each SetUp until it is given up.
+void CrashesRepeatedly(FaultRun& run);
 // The program inside a musher-exec.
 void WrappedProgramKilled(FaultRun& run);
 

@@ -1,17 +1,17 @@
 #pragma once
-// What a robot's host runs out of.
+// Exhausted resources of a robot's host.
 
 #include "musher/test/fault_injection/fault_run.hpp"
 
 namespace musher::fault_injection::resource {
 
-// Others keep all cores busy.
+// Other processes keep all cores busy.
 void CoresAreBusy(FaultRun& run);
-// A module may not have more memory, and asks for more.
+// A module allocates more memory than its limit.
 void MemoryIsLimited(FaultRun& run);
 // The disk of the controller's state folder is full; needs a mount of its own.
 void DiskIsFull(FaultRun& run);
-// The controller may write no file beyond its present size (RLIMIT_FSIZE).
+// The controller can enlarge no file (RLIMIT_FSIZE).
 void FileSizeIsLimited(FaultRun& run);
 // The controller gets no more file descriptors for a while.
 void FilesAreLimited(FaultRun& run);
@@ -19,8 +19,8 @@ void FilesAreLimited(FaultRun& run);
 void StateFolderVanishes(FaultRun& run);
 // A controller starts on a state folder that cannot be written; needs a mount of its own.
 void StateFolderIsReadOnly(FaultRun& run);
-// The disk of the state folder does not answer for a while: an emergency stop is engaged meanwhile,
-// the machine is switched, an actuator is killed, the machine is torn down; or nothing, for longer
+// The disk of the state folder stalls for a while. Meanwhile an emergency stop is engaged, the
+// machine is switched, an actuator is killed, or the machine is torn down; or nothing, for longer
 // than the controller may be silent.
 void DiskStallsAndStops(FaultRun& run);
 void DiskStallsInSwitch(FaultRun& run);

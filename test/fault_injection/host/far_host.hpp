@@ -1,6 +1,6 @@
 #pragma once
-// A second host: namespaces of its own for network and processes, a link to it, and a program on
-// it that starts its actuators, and starts them again.
+// A second host: namespaces of its own for network and processes, a link to it, and a program on it
+// that starts and restarts its actuators.
 
 #include <filesystem>
 #include <memory>
@@ -17,14 +17,14 @@ inline constexpr int kFarRestartMs = 1000;
 
 class FarHost {
  public:
-  // Its actuators begin once Go() is said, since they read the config in this folder.
+  // Its actuators start at Go(), since they read the config in this folder.
   FarHost(const std::filesystem::path& folder, const benchmark::Child::Environment& environment);
 
   void Go();
-  // Kills all of its processes and starts its actuators again, as if the host had been started
-  // again: at once, with another boot id and a boot clock that has just begun.
+  // Kills all of its processes and starts its actuators again at once, as after a reboot: with
+  // another boot id and a boot clock that has just begun.
   void Reboot();
-  // A command that is run on that host.
+  // The command line that runs `words` on that host.
   std::vector<std::string> There(const std::vector<std::string>& words) const;
   Link& link() { return *link_; }
   pid_t pid() const { return host_.pid(); }

@@ -23,7 +23,7 @@ namespace {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
-// Root of a namespace of our own, which is this user outside.
+// Becomes root of a new user namespace; outside it is still this user.
 bool BecomeRootOfUserNamespace() {
   const uid_t user = getuid();
   const gid_t group = getgid();

@@ -22,7 +22,7 @@ namespace musher::fault_injection {
 namespace {
 
 constexpr std::size_t kLongestFrame = 2048;  // the interfaces' MTU is 1500
-constexpr int kAtOnce = 64;                  // packets of one direction before the other's turn
+constexpr int kBatch = 64;                   // packets of one direction in a row
 
 [[noreturn]] void Fail(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -55,7 +55,7 @@ Link::~Link() {
   thread_.join();
 }
 
-// On a thread of its own, which enters the other namespace for good.
+// Runs `work` on a thread of its own, which enters the other namespace.
 void Link::InThere(const std::function<void()>& work) const {
   std::exception_ptr error;
   std::thread([&] {
@@ -109,7 +109,7 @@ void Link::Run() {
 
 void Link::Take(int from, int to, const LinkImpairment& impairment) {
   std::array<char, kLongestFrame> frame{};
-  for (int i = 0; i < kAtOnce; ++i) {
+  for (int i = 0; i < kBatch; ++i) {
     const ssize_t size = read(from, frame.data(), frame.size());
     if (size <= 0) return;
     const int copies = random_.Chance(impairment.duplicate_percent) ? 2 : 1;
@@ -128,7 +128,7 @@ void Link::Deliver() {
   const Time now = std::chrono::steady_clock::now();
   while (!under_way_.empty() && under_way_.begin()->first <= now) {
     const Packet& packet = under_way_.begin()->second;
-    // An end that is down takes nothing, as a link that is not plugged in.
+    // The write fails at an end that is down, as on an unplugged link.
     [[maybe_unused]] const ssize_t sent =
         write(packet.to, packet.bytes.data(), packet.bytes.size());
     under_way_.erase(under_way_.begin());

@@ -1,9 +1,9 @@
 #pragma once
 // A network link between two network namespaces of this machine: an interface at each end, and a
-// thread between them that loses, delays, doubles and reorders what goes through, as it is told.
+// thread between them that loses, delays, duplicates and reorders packets.
 //
-// The kernel's netem does as much, where it is there. This needs /dev/net/tun only, and its draws
-// follow a seed.
+// The kernel's netem does the same where it is available. This needs /dev/net/tun only, and its
+// random numbers follow a seed.
 //
 // Threads: any. Errors: throws std::system_error.
 
@@ -28,7 +28,7 @@ struct LinkImpairment {
   int loss_percent = 0;  // 100: cut
   int duplicate_percent = 0;
   Duration delay{};
-  Duration jitter{};  // up to so much more, drawn for each packet: they overtake each other
+  Duration jitter{};  // at random up to this for each packet, which reorders them
 };
 
 class Link {
@@ -37,7 +37,7 @@ class Link {
   static constexpr const char* kHere = "10.77.0.1";
   static constexpr const char* kThere = "10.77.0.2";
 
-  // From this network namespace to that of the process `there`.
+  // Links this network namespace with that of the process `there`.
   explicit Link(pid_t there);
   ~Link();
   Link(const Link&) = delete;

@@ -20,15 +20,14 @@ namespace {
 constexpr const char* kMark = "MUSHER_FAULT_INJECTION";
 
 std::filesystem::path NewFolder() {
-  std::string folder =
-      std::filesystem::temp_directory_path() / "musher-fault-injection suite-XXXXXX";
+  std::string folder = std::filesystem::temp_directory_path() / "musher-fault_injection-XXXXXX";
   if (mkdtemp(folder.data()) == nullptr) {
     throw std::system_error(errno, std::generic_category(), folder);
   }
   return folder;
 }
 
-// In the reaper: until the fault-injection suite has ended.
+// In the reaper: waits until the fault-injection suite has ended.
 void AwaitEnd(int alive) {
   char byte = 0;
   while (read(alive, &byte, 1) < 0 && errno == EINTR) {
@@ -53,7 +52,7 @@ Reaper::Reaper() : folder_(NewFolder()) {
   const std::string mark = std::string(kMark) + "=" + std::to_string(getpid());
   pid_ = fork();
   if (pid_ == 0) {
-    setsid();  // Ctrl-C is not for the reaper
+    setsid();  // the reaper gets no Ctrl-C
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::signal(signal, SIG_IGN);
     close(ends[1]);
     AwaitEnd(ends[0]);

@@ -1,6 +1,6 @@
 #pragma once
-// A small process that cleans up behind the fault-injection suite, whatever that dies of: kills all
-// that it has started, and removes its folder.
+// A small process that cleans up after the fault-injection suite, however that ends: it kills all
+// processes that the suite has started, and removes its folder.
 
 #include <sys/types.h>
 
@@ -12,10 +12,10 @@ namespace musher::fault_injection {
 
 class Reaper {
  public:
-  // Marks the environment of all that is started from now on, and begins to watch. To be made
-  // before there is a second thread.
+  // Marks the environment of all processes started from now on, and watches this process. To be
+  // made before there is a second thread.
   Reaper();
-  // Waits until all is cleaned up.
+  // Waits for the end of the clean-up.
   ~Reaper();
   Reaper(const Reaper&) = delete;
   Reaper& operator=(const Reaper&) = delete;

@@ -1,5 +1,5 @@
-// Keeps a core busy until it is killed. A session of its own, or a kernel that shares the CPU by
-// session would spare the robot.
+// Keeps a core busy until it is killed. It has a session of its own: a kernel that shares the CPU
+// by session would else protect the robot from it.
 
 #include <unistd.h>
 

@@ -36,8 +36,8 @@ namespace fs = std::filesystem;
 
 constexpr int kPollMs = 5;
 
-// The boot clock of boot n, counted from 0, begins so much before that of the one before it. That
-// of boot 0 is this machine's own.
+// The boot clock of each boot begins kClockStepS before that of the boot before. That of boot 0 is
+// this machine's own.
 constexpr long kFirstClockS = 100;
 constexpr long kClockStepS = 10;
 
@@ -60,8 +60,8 @@ void SetBootId(const fs::path& folder, int boot) {
   std::ofstream(folder / "boot_id") << id << std::endl;
 }
 
-// Gives this process a boot clock that began a moment ago. Without it the next incarnations are
-// larger than those before, and the run shows less.
+// Gives this process a boot clock that has just begun. Without it the next incarnations are larger
+// than those before, and the run tests less.
 void StartBootClock(const Boot& boot) {
   const long begun = std::max(1L, kFirstClockS - kClockStepS * boot.number);
   if (unshare(CLONE_NEWTIME) != 0) return std::perror("no time namespace");
@@ -93,7 +93,7 @@ pid_t Start(const Member& member, const fs::path& folder, const Boot& boot) {
   _exit(127);
 }
 
-// As init of its processes: theirs that are orphaned are its own.
+// The init of the host's processes, which adopts their orphans.
 [[noreturn]] void Init(const fs::path& folder) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr);

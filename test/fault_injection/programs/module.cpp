@@ -1,8 +1,9 @@
-// A module of the fault-injection suite's robots, which suffers from what its board says:
+// A module of the fault-injection suite's robots, with the faults of its board:
 //
 //   fault_injection_module NAME BOARD HZ
 //
-// A thread of its own, the cycle that would move the robot, gives a checkpoint HZ times a second.
+// A work thread, in place of the one that would move the robot, makes a checkpoint HZ times a
+// second.
 
 #include <poll.h>
 #include <signal.h>
@@ -18,13 +19,13 @@ namespace musher::fault_injection {
 namespace {
 
 constexpr std::int32_t kFailure = 42;
-constexpr int kLookMs = 5;  // how often a callback that hangs looks whether it still does
+constexpr int kPollMs = 5;  // of a hanging callback, for the end of the fault
 
 void LetPass(int milliseconds) {
   poll(nullptr, 0, milliseconds);
 }
 
-// Until there is no more.
+// Allocates until no memory is left.
 [[noreturn]] void Allocate() {
   constexpr std::size_t kChunk = 1 << 20;
   static std::vector<std::vector<char>> held;
@@ -40,7 +41,7 @@ void EndAs(const Board& board) {
     case End::kAbort:
       std::abort();
     case End::kSegfault:
-      raise(SIGSEGV);  // as the kernel sends it; no compiler can argue with it
+      raise(SIGSEGV);  // as the kernel sends it; an invalid access might be optimised away
       return;
     case End::kAllocate:
       Allocate();
@@ -50,7 +51,7 @@ void EndAs(const Board& board) {
 std::int32_t Callback(const Board& board, std::int32_t state) {
   LetPass(board.callback_ms);
   if (board.end_in == state) EndAs(board);
-  while (board.hang_in == state) LetPass(kLookMs);
+  while (board.hang_in == state) LetPass(kPollMs);
   return board.fail_in == state ? kFailure : 0;
 }
 

@@ -1,6 +1,6 @@
-// A disk that stalls, for a process that has this library preloaded: what writes below the folder
-// $MUSHER_STALL_BELOW waits while the file $MUSHER_STALL_WHILE is there, at most half a minute. As
-// on a real disk, the calls that wait cannot be interrupted, and all others go on.
+// A stalling disk, for a process that preloads this library: writes below the folder
+// $MUSHER_STALL_BELOW wait while the file $MUSHER_STALL_WHILE exists, at most 30 s. As on a real
+// disk, the waiting calls cannot be interrupted, and all others continue.
 
 #include <fcntl.h>
 #include <poll.h>

@@ -70,8 +70,8 @@ void WriteFile(const std::filesystem::path& path, const std::string& text) {
 
 }  // namespace
 
-std::string Again(const Outcome& outcome) {
-  return "fault-injection suite --only " + outcome.kind + " --faults 1 --seed " +
+std::string ReplayCommand(const Outcome& outcome) {
+  return "fault_injection --only " + outcome.kind + " --faults 1 --seed " +
          std::to_string(outcome.seed);
 }
 
@@ -100,16 +100,17 @@ void Report::Write(const std::filesystem::path& folder) const {
 }
 
 std::string Report::Markdown() const {
-  std::string text = "# Campaign\n\n" + Summary() + ". " +
-                     std::to_string(std::thread::hardware_concurrency()) +
-                     " cores, beside whatever else they had to do. Times in ms from the fault: "
-                     "*detection* until the machine's status tells of it, which it does at most "
-                     "once each 20 ms; *recovery* until the machine is settled as promised, of a "
-                     "fault that lasts from its end on; 0: it was settled all the time.\n\n"
-                     "![Detection and recovery by kind](report.svg)\n\n"
-                     "| kind | what is done | count | failed | detection p50 | p99 | max "
-                     "| recovery p50 | p99 | max |\n"
-                     "|---|---|--:|--:|--:|--:|--:|--:|--:|--:|\n";
+  std::string text =
+      "# Fault-injection report\n\n" + Summary() + ". " +
+      std::to_string(std::thread::hardware_concurrency()) +
+      " cores, shared with other work. Times in ms from the fault: *detection* until the "
+      "machine's status, published at most each 20 ms, reports it; *recovery* until "
+      "the machine is settled as expected, counted from the end of a fault that "
+      "lasts; 0: it was settled all the time.\n\n"
+      "![Detection and recovery by kind](report.svg)\n\n"
+      "| kind | what is injected | count | failed | detection p50 | p99 | max "
+      "| recovery p50 | p99 | max |\n"
+      "|---|---|--:|--:|--:|--:|--:|--:|--:|--:|\n";
   for (const KindFigures& kind : kinds_) {
     text += "| " + kind.kind + " | " + kind.about + " | " + std::to_string(kind.count) + " | " +
             std::to_string(kind.failed) + " | " + Cells(kind.detection) + " " +
@@ -120,7 +121,7 @@ std::string Report::Markdown() const {
   text += "\n## Failed\n";
   for (const Outcome& outcome : outcomes_) {
     if (outcome.failures.empty()) continue;
-    text += "\n`" + Again(outcome) + "` (" + outcome.drawn + ")\n\n";
+    text += "\n`" + ReplayCommand(outcome) + "` (" + outcome.sampled + ")\n\n";
     for (const std::string& failure : outcome.failures) text += "- " + failure + "\n";
   }
   return text;
@@ -145,7 +146,7 @@ std::string Report::Json() const {
   for (const Outcome& outcome : outcomes_) {
     json["faults"].push_back({{"kind", outcome.kind},
                               {"seed", outcome.seed},
-                              {"drawn", outcome.drawn},
+                              {"sampled", outcome.sampled},
                               {"detection_ms", ToJson(outcome.detection_ms)},
                               {"recovery_ms", ToJson(outcome.recovery_ms)},
                               {"whole_ms", outcome.whole_ms},

@@ -1,5 +1,5 @@
 #pragma once
-// What a fault-injection suite has found, as tables and as a picture.
+// The report of the fault-injection suite, as tables and as a picture.
 
 #include <cstdint>
 #include <filesystem>
@@ -32,7 +32,8 @@ class Report {
  public:
   Report(std::vector<Outcome> outcomes, std::uint64_t seed, std::vector<std::string> skipped);
 
-  // report.md, report.json and report.svg in this folder, which is made. Throws on a bad folder.
+  // Writes report.md, report.json and report.svg into this folder, which it makes. Throws when it
+  // cannot write them.
   void Write(const std::filesystem::path& folder) const;
 
   std::size_t failed() const;
@@ -52,7 +53,7 @@ class Report {
 // Detection and recovery of each kind on a logarithmic axis.
 std::string Svg(const std::vector<KindFigures>& kinds, const std::string& title);
 
-// How one fault alone is repeated.
-std::string Again(const Outcome& outcome);
+// The command that repeats one fault alone.
+std::string ReplayCommand(const Outcome& outcome);
 
 }  // namespace musher::fault_injection

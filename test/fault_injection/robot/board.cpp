@@ -30,7 +30,7 @@ Board& OpenBoard(const std::string& file) {
   return *static_cast<Board*>(memory);  // atomics of zeros are what the file holds
 }
 
-void Relieve(Board& board) {
+void ClearFaults(Board& board) {
   board.end = End::kNot;
   board.end_in = 0;
   board.hang_in = 0;

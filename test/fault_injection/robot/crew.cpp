@@ -31,7 +31,7 @@ std::string CommandKey(const std::vector<std::string>& words) {
   return key + "]\n";
 }
 
-// Starts in a row are counted, whoever starts it.
+// All starts in a row count, whatever starts the process.
 constexpr const char* kResetKey = "restart_reset_ms = 200\n";
 
 std::string RestartKeys(const Member& member) {

@@ -1,6 +1,6 @@
 #pragma once
-// The actuators of the fault-injection suite's robots, and what is promised of each: the
-// fault-injection suite judges by it.
+// The actuators of the fault-injection suite's robots, with the config values that the expected
+// behaviour depends on.
 
 #include <set>
 #include <string>
@@ -12,7 +12,7 @@ namespace musher::fault_injection {
 
 enum class Shape {
   kHere,     // all on this host; the controller starts its actuators
-  kTwoHosts  // controller here, actuators behind a link, where their own host starts them
+  kTwoHosts  // controller here, actuators on the other host, which starts them itself
 };
 
 struct Member {
@@ -20,17 +20,17 @@ struct Member {
   bool critical = false;
   std::string restart = "on-failure";
   int checkpoint_ms = 0;  // 0: not watched
-  std::string on_lost;    // where the machine goes without it; "": nowhere
-  std::string keys;       // more of its table
-  bool wrapped = false;   // a musher-exec around a program that knows nothing of Musher
+  std::string on_lost;    // the machine's state without it; "": unchanged
+  std::string keys;       // further lines of its table
+  bool wrapped = false;   // a musher-exec that runs a program without Musher
 };
 
 const std::vector<Member>& Crew();
 const Member& MemberOf(const std::string& name);
-// Those that are a fault_injection_module.
+// The actuators that run fault_injection_module.
 std::vector<std::string> Modules();
 
-// What starts it; its board is in `folder`, `programs` is the folder of musher.
+// Its command line; its board is in `folder`, `programs` is the folder of musher.
 std::vector<std::string> CommandOf(const Member& member, const std::string& folder,
                                    const std::string& programs);
 
@@ -39,21 +39,21 @@ std::string ConfigText(Shape shape, const std::string& folder, const std::string
                        const std::string& name_space);
 
 inline constexpr int kRestartLimit = 3;
-// Longer than any next controller takes to come; between two hosts shorter than a lease of DDS.
+// Longer than any next controller takes to start; between two hosts shorter than a DDS lease.
 constexpr int ControllerLostMs(Shape shape) {
   return shape == Shape::kHere ? 4000 : 1500;
 }
 inline constexpr int kShutdownBudgetMs = 6000;
 inline constexpr int kCallbackTimeMs = 2000;
 inline constexpr const char* kOnControllerLost = "Protected";
-// So many times a second the modules give a checkpoint.
+// How often a module makes a checkpoint, each second.
 inline constexpr int kHz = 50;
 
 // How active a robot is in this state; -1 for those without a rank.
 int RankOf(const std::string& state);
 
 const msg::ActuatorInfo& Find(const msg::MachineStatus& status, const std::string& actuator);
-// Whether the machine rests in `state` and everybody is there and well, but for `without`.
+// Whether the machine is settled in `state` and all actuators but `without` are available and well.
 bool IsSettled(const msg::MachineStatus& status, const std::string& state,
                const std::set<std::string>& without = {});
 

@@ -9,10 +9,10 @@
 namespace musher::fault_injection {
 namespace {
 
-constexpr Duration kSlice = Milliseconds(50);           // of a wait that a signal may end
-constexpr Duration kServiceFound = Milliseconds(5000);  // after who leads has shown itself
-constexpr Duration kAnswered = std::chrono::seconds(30);
-constexpr Duration kStatusAnswered = std::chrono::seconds(5);
+constexpr Duration kSlice = Milliseconds(50);  // of a wait, between checks for an interrupt
+constexpr Duration kDiscoveryTimeout = Milliseconds(5000);  // once the leader is known
+constexpr Duration kReplyTimeout = std::chrono::seconds(30);
+constexpr Duration kStatusReplyTimeout = std::chrono::seconds(5);
 
 std::atomic<bool> interrupted = false;
 
@@ -118,19 +118,19 @@ std::optional<Time> Observer::AwaitUntil(Time deadline,
   }
 }
 
-std::optional<Time> Observer::AwaitSince(Time since, const Is& is, Duration patience) {
-  std::size_t looked_at = 0;
-  return AwaitUntil(Now() + patience, [&]() -> std::optional<Time> {
-    for (; looked_at < machine_.size(); ++looked_at) {
-      const Seen& seen = machine_[looked_at];
+std::optional<Time> Observer::AwaitSince(Time since, const Is& is, Duration timeout) {
+  std::size_t checked = 0;
+  return AwaitUntil(Now() + timeout, [&]() -> std::optional<Time> {
+    for (; checked < machine_.size(); ++checked) {
+      const Seen& seen = machine_[checked];
       if (seen.at >= since && seen.status && is(*seen.status)) return seen.at;
     }
     return std::nullopt;
   });
 }
 
-std::optional<Time> Observer::Await(const Is& is, Duration patience) {
-  return AwaitUntil(Now() + patience, [&]() -> std::optional<Time> {
+std::optional<Time> Observer::Await(const Is& is, Duration timeout) {
+  return AwaitUntil(Now() + timeout, [&]() -> std::optional<Time> {
     if (machine_.empty() || !machine_.back().status || !is(*machine_.back().status)) {
       return std::nullopt;
     }
@@ -152,13 +152,13 @@ std::vector<msg::MachineStatus> Observer::Since(Time since) {
   return statuses;
 }
 
-bool Observer::AwaitAllIn(const std::string& state, Duration patience) {
+bool Observer::AwaitAllIn(const std::string& state, Duration timeout) {
   const auto all_in = [&]() -> std::optional<Time> {
     const bool all = std::all_of(latest_of_actuators_.begin(), latest_of_actuators_.end(),
-                                 [&](const auto& said) { return said.second.state == state; });
+                                 [&](const auto& report) { return report.second.state == state; });
     return all ? std::optional(Now()) : std::nullopt;
   };
-  return AwaitUntil(Now() + patience, all_in).has_value();
+  return AwaitUntil(Now() + timeout, all_in).has_value();
 }
 
 void Observer::Forget() {
@@ -167,7 +167,7 @@ void Observer::Forget() {
   actuators_.clear();
 }
 
-std::vector<msg::ActuatorStatus> Observer::Said() {
+std::vector<msg::ActuatorStatus> Observer::Reports() {
   const std::lock_guard lock(mutex_);
   return actuators_;
 }
@@ -203,17 +203,17 @@ std::shared_future<Result<typename S::Response>> Observer::Call(
     });
     return found;
   };
-  const Time deadline = Now() + kServiceFound;
+  const Time deadline = Now() + kDiscoveryTimeout;
   while (!leads_to_leader() && Now() < deadline) {
     AwaitUntil(Now() + Milliseconds(2), [] { return std::nullopt; });
   }
-  auto expectation = std::make_shared<std::promise<Result<typename S::Response>>>();
-  std::shared_future<Result<typename S::Response>> answer = expectation->get_future().share();
+  auto promise = std::make_shared<std::promise<Result<typename S::Response>>>();
+  std::shared_future<Result<typename S::Response>> future = promise->get_future().share();
   node_->RunOnLoop([&] {
-    client->Call(request, std::is_same_v<S, msg::GetStatus> ? kStatusAnswered : kAnswered,
-                 [expectation](auto reply) { expectation->set_value(std::move(reply)); });
+    client->Call(request, std::is_same_v<S, msg::GetStatus> ? kStatusReplyTimeout : kReplyTimeout,
+                 [promise](auto reply) { promise->set_value(std::move(reply)); });
   });
-  return answer;
+  return future;
 }
 
 std::shared_future<Result<msg::SetState::Response>> Observer::SetState(
@@ -222,28 +222,27 @@ std::shared_future<Result<msg::SetState::Response>> Observer::SetState(
 }
 
 Result<msg::RestartActuator::Response> Observer::Restart(const std::string& actuator) {
-  return Answer(Call<msg::RestartActuator>(restart_, {actuator}));
+  return AwaitFuture(Call<msg::RestartActuator>(restart_, {actuator}));
 }
 
 Result<msg::MachineStatus> Observer::GetStatus() {
-  auto answer = Answer(Call<msg::GetStatus>(get_status_, {}));
-  if (!answer) return answer.error();
-  return answer.value().status;
+  auto reply = AwaitFuture(Call<msg::GetStatus>(get_status_, {}));
+  if (!reply) return reply.error();
+  return reply.value().status;
 }
 
 void Observer::EngageEmergencyStop(std::uint64_t id) {
   node_->RunOnLoop([&] {
     emergency_stop_ = Must(transport::MakePublisher<msg::EmergencyStop>(
         node_->node(), emergency_stop_topic_, transport::kLatchedQos));
-    const auto sent =
-        emergency_stop_->Publish({id, true, "fault-injection suite", "as a person would"});
+    const auto sent = emergency_stop_->Publish({id, true, "fault_injection", "an injected stop"});
     if (!sent) throw std::runtime_error(sent.error().message);
   });
 }
 
 Result<msg::ReleaseEmergencyStop::Response> Observer::ReleaseEmergencyStop() {
   node_->RunOnLoop([this] { emergency_stop_.reset(); });
-  return Answer(Call<msg::ReleaseEmergencyStop>(release_, {"fault-injection suite"}));
+  return AwaitFuture(Call<msg::ReleaseEmergencyStop>(release_, {"fault_injection"}));
 }
 
 }  // namespace musher::fault_injection

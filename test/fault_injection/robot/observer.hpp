@@ -1,7 +1,6 @@
 #pragma once
-// What anybody on the network can see of a machine, with the time at which it came, and the calls
-// that anybody can make. The fault-injection suite judges by this alone, not by the controller's
-// insides.
+// The public statuses of a machine, with their times of receipt, and the public calls. The
+// fault-injection suite checks by these alone, not by internals of the controller.
 //
 // Threads: calls from the fault-injection suite's thread; triggers run on the observer's loop, at
 // once. Errors: throws std::runtime_error when the network cannot be used, Interrupted out of a
@@ -27,7 +26,7 @@
 
 namespace musher::fault_injection {
 
-// A person wants the fault-injection suite to end.
+// The fault-injection suite was interrupted by a signal.
 struct Interrupted {};
 // From a signal's handler: waits end with Interrupted from now on.
 void Interrupt();
@@ -42,22 +41,22 @@ class Observer {
 
   using Is = std::function<bool(const msg::MachineStatus&)>;
 
-  // When the first status since `since` came that is so; none: not within `patience`.
-  std::optional<Time> AwaitSince(Time since, const Is& is, Duration patience);
-  // When the machine is so, which it may be already.
-  std::optional<Time> Await(const Is& is, Duration patience);
+  // The time of the first status since `since` for which `is` holds; none: not within `timeout`.
+  std::optional<Time> AwaitSince(Time since, const Is& is, Duration timeout);
+  // The same for the latest status, or a later one.
+  std::optional<Time> Await(const Is& is, Duration timeout);
   std::optional<msg::MachineStatus> Latest();
   std::vector<msg::MachineStatus> Since(Time since);
-  // Waits until the latest that each actuator has said of itself is that it is in `state`; what
-  // was said before comes no more then. False: not within `patience`.
-  bool AwaitAllIn(const std::string& state, Duration patience);
-  // Everything from before is forgotten but the latest.
+  // Waits until the latest report of each actuator is in `state`; no earlier report arrives after
+  // that. False: not within `timeout`.
+  bool AwaitAllIn(const std::string& state, Duration timeout);
+  // Discards all statuses but the latest.
   void Forget();
 
-  // What actuators said of themselves since Forget(), in order.
-  std::vector<msg::ActuatorStatus> Said();
+  // The actuators' reports since Forget(), in order.
+  std::vector<msg::ActuatorStatus> Reports();
   std::map<std::string, msg::ActuatorStatus> LatestOfActuators();
-  // Runs `act` once, on the loop, as soon as an actuator says something for which `when` holds.
+  // Runs `act` once, on the loop, as soon as an actuator publishes a report for which `when` holds.
   using When = std::function<bool(const msg::ActuatorStatus&)>;
   std::shared_future<void> Once(When when, std::function<void()> act);
   void ForgetTriggers();
@@ -66,14 +65,14 @@ class Observer {
                                                                const std::string& actuator = "");
   Result<msg::RestartActuator::Response> Restart(const std::string& actuator);
   Result<msg::MachineStatus> GetStatus();
-  // As `musher estop` does: it is told, latched, and whoever has told it is gone in the end.
+  // Publishes a latched stop, as `musher estop` does; ReleaseEmergencyStop() removes the publisher.
   void EngageEmergencyStop(std::uint64_t id);
   Result<msg::ReleaseEmergencyStop::Response> ReleaseEmergencyStop();
 
  private:
   struct Seen {
     Time at;
-    std::optional<msg::MachineStatus> status;  // none: its writer is gone
+    std::optional<msg::MachineStatus> status;  // none: its publisher is lost
   };
   struct Trigger {
     When when;
@@ -85,8 +84,8 @@ class Observer {
   void OnMachine(std::optional<msg::MachineStatus> status);
   void OnActuator(const msg::ActuatorStatus& status);
   std::optional<Time> AwaitUntil(Time deadline, const std::function<std::optional<Time>()>& found);
-  // Sends the request as soon as the service of who leads now has been discovered: one who has just
-  // died is still matched.
+  // Sends the request as soon as the service of the current leader is discovered: the service of a
+  // controller that has just ended is still matched.
   template <msg::Service S>
   std::shared_future<Result<typename S::Response>> Call(
       std::unique_ptr<transport::Client<S>>& client, const typename S::Request& request);
@@ -99,7 +98,7 @@ class Observer {
   std::map<std::string, msg::ActuatorStatus> latest_of_actuators_;
 
   std::list<Trigger> triggers_;   // on the loop, as all that follows
-  transport::PeerId leader_ = 0;  // the participant that told of the machine last
+  transport::PeerId leader_ = 0;  // the participant of the latest machine status
   std::string emergency_stop_topic_;
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> emergency_stop_;
   std::unique_ptr<transport::Client<msg::SetState>> set_state_;
@@ -109,13 +108,14 @@ class Observer {
   std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
 };
 
-// Waits for what has to come within a minute; throws std::runtime_error when it does not.
+// Waits for a future for at most a minute; then throws std::runtime_error.
 template <class Future>
-auto Answer(const Future& future) {
+auto AwaitFuture(const Future& future) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   while (future.wait_for(Milliseconds(50)) != std::future_status::ready) {
     ThrowIfInterrupted();
-    if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("no answer at all");
+    if (std::chrono::steady_clock::now() > deadline)
+      throw std::runtime_error("no reply within a minute");
   }
   return future.get();
 }

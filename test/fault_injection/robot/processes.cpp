@@ -70,7 +70,7 @@ std::vector<pid_t> ChildrenOf(pid_t pid) {
 char StateLetterOf(pid_t pid) {
   std::ifstream file(Proc(pid, "stat"));
   std::string text;
-  std::getline(file, text);  // which bears that it ends meanwhile
+  std::getline(file, text);  // fails when the process ends meanwhile
   const auto name_end = text.rfind(')');
   return name_end == std::string::npos || name_end + 2 >= text.size() ? '\0' : text[name_end + 2];
 }
@@ -92,7 +92,8 @@ void ReapOrphans(const std::vector<pid_t>& but_not) {
 }
 
 void KillMarked(const std::string& variable) {
-  // Until a look finds nobody: one that was about to start another has done so by the next.
+  // Until a pass finds none: a process that was about to start another has done so by the next
+  // pass.
   for (bool found = true; found;) {
     found = false;
     for (const pid_t pid : AllProcesses()) {

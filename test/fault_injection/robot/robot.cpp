@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kNameSpace = "fault-injection suite";
+constexpr const char* kNameSpace = "fault_injection";
 constexpr const char* kStallFile = "disk_stalls";
 constexpr int kPollMs = 2;
 
@@ -26,8 +26,8 @@ std::string Quoted(const std::string& word) {
 
 }  // namespace
 
-bool AwaitThat(const std::function<bool()>& is_so, Duration patience) {
-  const Time deadline = std::chrono::steady_clock::now() + patience;
+bool AwaitThat(const std::function<bool()>& is_so, Duration timeout) {
+  const Time deadline = std::chrono::steady_clock::now() + timeout;
   while (!is_so()) {
     ThrowIfInterrupted();
     if (std::chrono::steady_clock::now() > deadline) return false;
@@ -50,7 +50,7 @@ Robot::Robot(Shape shape, fs::path folder, int domain)
 }
 
 Robot::~Robot() {
-  fronts_.clear();
+  launchers_.clear();
   observer_.reset();  // while its end of the link is there
   far_host_.reset();
   KillMarked("MUSHER_FAULT_INJECTION_ROBOT=" + folder_.string());
@@ -67,7 +67,7 @@ std::vector<std::string> Robot::ShellLine(const std::vector<std::string>& words,
                                           const std::string& log, Disk disk) const {
   std::string line = "exec ";
   if (disk == Disk::kMayStall) {
-    // With sanitizers its library is not the first any more.
+    // Without this option AddressSanitizer refuses to run when its library is not the first.
     line += "env ASAN_OPTIONS=\"$ASAN_OPTIONS:verify_asan_link_order=0\" LD_PRELOAD=" +
             Quoted(benchmark::Program("fault_injection_stalling_disk.so")) +
             " MUSHER_STALL_BELOW=" + Quoted(StateFolder()) +
@@ -81,7 +81,7 @@ std::vector<std::string> Robot::ShellLine(const std::vector<std::string>& words,
 
 void Robot::StallDisk(bool stalls) {
   if (stalls) {
-    std::ofstream(folder_ / kStallFile) << "until this file is gone\n";
+    std::ofstream(folder_ / kStallFile) << "remove this file to end the stall\n";
   } else {
     fs::remove(folder_ / kStallFile);
   }
@@ -90,7 +90,7 @@ void Robot::StallDisk(bool stalls) {
 void Robot::StartController(const std::vector<std::string>& more, Disk disk) {
   std::vector<std::string> words = {"up", folder_ / "robot.toml", "--json"};
   words.insert(words.end(), more.begin(), more.end());
-  fronts_.emplace_back(ShellLine(words, "up.jsonl", disk), Environment());
+  launchers_.emplace_back(ShellLine(words, "up.jsonl", disk), Environment());
 }
 
 benchmark::Child Robot::StartFarController(const std::vector<std::string>& more) {
@@ -107,7 +107,7 @@ int Robot::Musher(const std::vector<std::string>& words) {
         waitid(P_PID, child.pid(), &ended, WEXITED | WNOHANG | WNOWAIT);
         return ended.si_pid != 0;
       },
-      kPatience);
+      kTimeout);
   return ended.si_pid != 0 ? child.Wait() : -1;
 }
 
@@ -122,52 +122,52 @@ bool Robot::AwaitSettled(const std::string& state) {
     pid = ControllerPid();
     return pid != 0 || ControllerHasEnded();
   };
-  if (!AwaitThat(forked, kPatience) || pid == 0) return false;
+  if (!AwaitThat(forked, kTimeout) || pid == 0) return false;
   const auto settled = [&](const msg::MachineStatus& status) {
     return status.pid == pid && RankOf(status.state) >= 0 &&
            IsSettled(status, state.empty() ? status.state : state);
   };
-  return observer_->Await(settled, kPatience).has_value();
+  return observer_->Await(settled, kTimeout).has_value();
 }
 
 void Robot::Down() {
-  (void)Answer(observer_->SetState("TearDown"));
-  if (!AwaitControllerEnd(kPatience)) throw std::runtime_error("the robot does not go down");
+  (void)AwaitFuture(observer_->SetState("TearDown"));
+  if (!AwaitControllerEnd(kTimeout)) throw std::runtime_error("the robot does not go down");
 }
 
 void Robot::GoTo(const std::string& state) {
   const auto settled = [&](const msg::MachineStatus& s) { return IsSettled(s, state); };
   const auto latest = observer_->Latest();
-  if (!latest || latest->state != state) (void)Answer(observer_->SetState(state));
-  if (!observer_->Await(settled, kPatience)) {
+  if (!latest || latest->state != state) (void)AwaitFuture(observer_->SetState(state));
+  if (!observer_->Await(settled, kTimeout)) {
     throw std::runtime_error("the robot does not settle in " + state);
   }
 }
 
 void Robot::Fix() {
-  for (auto& [name, board] : boards_) Relieve(*board);
-  if (far_host_) far_host_->link().Heal();  // whatever was cut
+  for (auto& [name, board] : boards_) ClearFaults(*board);
+  if (far_host_) far_host_->link().Heal();
   if (ControllerHasEnded()) Up();
   auto status = observer_->GetStatus();
-  if (!status) throw std::runtime_error("the controller does not answer");
+  if (!status) throw std::runtime_error("the controller does not reply");
   if (status.value().emergency_stop) (void)observer_->ReleaseEmergencyStop();
   for (const msg::ActuatorInfo& info : status.value().actuators) {
     const bool down = info.presence != "present" && !info.restarting;
     if (down && shape_ == Shape::kHere) (void)observer_->Restart(info.name);
   }
-  if (status.value().state == "Error") (void)Answer(observer_->SetState("SelfCheck"));
+  if (status.value().state == "Error") (void)AwaitFuture(observer_->SetState("SelfCheck"));
   GoTo("Active");
 }
 
-pid_t Robot::LivingController() {
+pid_t Robot::RunningController() {
   const pid_t pid = ControllerPid();
   if (pid <= 0) throw std::runtime_error("there is no controller");
   return pid;
 }
 
 pid_t Robot::ControllerPid() {
-  if (fronts_.empty()) return 0;
-  const std::vector<pid_t> children = ChildrenOf(fronts_.back().pid());
+  if (launchers_.empty()) return 0;
+  const std::vector<pid_t> children = ChildrenOf(launchers_.back().pid());
   return children.empty() ? 0 : children.front();
 }
 
@@ -179,7 +179,7 @@ pid_t Robot::PidOf(const std::string& name) {
   } else if (const auto status = observer_->Latest()) {
     pid = Find(*status, name).pid;
   }
-  // A signal to 0 would go to all that were started with us.
+  // A signal to 0 would hit the whole process group of this process.
   if (pid <= 0) throw std::runtime_error(name + " has no process");
   return pid;
 }
@@ -190,27 +190,27 @@ bool Robot::IsChildOfController(const std::string& name) {
 }
 
 bool Robot::ControllerHasEnded() const {
-  return fronts_.empty() || !IsAlive(fronts_.back().pid());
+  return launchers_.empty() || !IsAlive(launchers_.back().pid());
 }
 
-bool Robot::AwaitControllerEnd(Duration patience) {
-  const bool ended = AwaitThat([&] { return ControllerHasEnded(); }, patience);
-  if (ended) fronts_.clear();
+bool Robot::AwaitControllerEnd(Duration timeout) {
+  const bool ended = AwaitThat([&] { return ControllerHasEnded(); }, timeout);
+  if (ended) launchers_.clear();
   return ended;
 }
 
 int Robot::AwaitEndOfFirst() {
-  benchmark::Child& first = fronts_.front();
-  if (!AwaitThat([&] { return !IsAlive(first.pid()); }, kPatience)) return -1;
+  benchmark::Child& first = launchers_.front();
+  if (!AwaitThat([&] { return !IsAlive(first.pid()); }, kTimeout)) return -1;
   const int exit_code = first.Wait();
-  fronts_.erase(fronts_.begin());
+  launchers_.erase(launchers_.begin());
   return exit_code;
 }
 
 void Robot::KillController() {
   const pid_t pid = ControllerPid();
   if (pid != 0) kill(pid, SIGKILL);
-  if (!AwaitControllerEnd(kPatience)) throw std::runtime_error("the controller is not dead");
+  if (!AwaitControllerEnd(kTimeout)) throw std::runtime_error("the controller has not ended");
 }
 
 const std::vector<nlohmann::json>& Robot::Lines() {
@@ -240,7 +240,7 @@ int Robot::CountLines(const std::string& kind, const std::string& text) {
 
 std::vector<pid_t> Robot::OwnChildren() const {
   std::vector<pid_t> pids;
-  for (const benchmark::Child& front : fronts_) pids.push_back(front.pid());
+  for (const benchmark::Child& launcher : launchers_) pids.push_back(launcher.pid());
   if (far_host_) pids.push_back(far_host_->pid());
   return pids;
 }

@@ -1,4 +1,4 @@
-// A callback that fails with a code.
+// A callback fails with a code.
 
 #include <signal.h>
 
@@ -13,11 +13,11 @@ void FailInSetUp(FaultRun& run) {
   Board& board = run.robot.board(victim);
   board.fail_in = IndexOfState("SetUp");
   const pid_t pid = run.robot.PidOf(victim);
-  run.Struck();
+  run.FaultInjected();
   kill(pid, SIGKILL);
   run.Detected(victim + " has failed its SetUp",
                [&](const auto& status) { return Find(status, victim).restarts > 1; });
-  Relieve(board);
+  ClearFaults(board);
   run.RecoveredIn(run.state());
 }
 
@@ -25,11 +25,11 @@ void FailInTearDown(FaultRun& run) {
   const std::string victim = run.Victim(Modules());
   run.robot.board(victim).fail_in = IndexOfState("TearDown");
   run.RobotIsTornDown();
-  run.Struck();
-  const auto answer = run.observer().SetState("TearDown");
-  run.Require(run.robot.AwaitControllerEnd(kPatience), "the machine does not end");
+  run.FaultInjected();
+  const auto reply = run.observer().SetState("TearDown");
+  run.Require(run.robot.AwaitControllerEnd(kTimeout), "the machine does not end");
   run.RecoveredNow();
-  run.Expect(Answer(answer).ok(), "nobody has answered the call for TearDown");
+  run.Expect(AwaitFuture(reply).ok(), "the request for TearDown has no reply");
 }
 
 }  // namespace
@@ -43,21 +43,21 @@ void Fails(FaultRun& run, const std::string& state) {
   const SwitchExpectation expectation = ExpectationForSwitch(run.state(), state);
   run.MayBecome(state);
   board.fail_in = IndexOfState(state);
-  run.Struck();
-  const auto answer = run.observer().SetState(state);
-  const auto result = Answer(answer);
+  run.FaultInjected();
+  const auto reply = run.observer().SetState(state);
+  const auto result = AwaitFuture(reply);
   run.DetectedNow();
-  Relieve(board);
+  ClearFaults(board);
   run.ExpectOutcome(result, expectation.outcome);
   if (expectation.outcome == "undone") return run.RecoveredIn(expectation.state);
-  run.Recovered(victim + " is listed as degraded, the others are there",
+  run.Recovered(victim + " is listed as degraded, the others are in the state",
                 [&](const msg::MachineStatus& status) {
                   const msg::ActuatorInfo& info = Find(status, victim);
                   return IsSettled(status, expectation.state, {victim}) && info.degraded &&
                          info.health == "well";
                 });
-  // A person says it once more.
-  const auto again = Answer(run.observer().SetState(state));
+  // An operator requests it once more.
+  const auto again = AwaitFuture(run.observer().SetState(state));
   run.ExpectOutcome(again, "done");
 }
 

@@ -6,39 +6,40 @@
 
 namespace musher::fault_injection::controller {
 
-// Nobody minds.
+// Shorter than any timeout: nothing changes.
 void FrozenShortly(FaultRun& run) {
-  const pid_t pid = run.robot.LivingController();
+  const pid_t pid = run.robot.RunningController();
   const auto time = Milliseconds(run.random.Between(50, 1500));
-  run.Drawn("for", std::to_string(ToMilliseconds(time)) + " ms");
-  run.Struck();
+  run.Sampled("for", std::to_string(ToMilliseconds(time)) + " ms");
+  run.FaultInjected();
   kill(pid, SIGSTOP);
   run.LetPass(time);
   kill(pid, SIGCONT);
-  run.Require(run.observer().GetStatus().ok(), "it does not answer when it goes on");
+  run.Require(run.observer().GetStatus().ok(), "it does not reply after SIGCONT");
   run.RecoveredIn(run.state());
 }
 
-// Its actuators take themselves to on_controller_lost, where that is down; it fetches them back.
+// Its actuators switch to on_controller_lost by themselves, if that is less active; the controller
+// switches them back.
 void FrozenForLong(FaultRun& run) {
-  const pid_t pid = run.robot.LivingController();
+  const pid_t pid = run.robot.RunningController();
   const bool leave = RankOf(run.state()) > RankOf(kOnControllerLost);
-  run.Struck();
+  run.FaultInjected();
   kill(pid, SIGSTOP);
   const auto alone = [&] {
-    const auto said = run.observer().LatestOfActuators();
-    return std::all_of(said.begin(), said.end(), [&](const auto& actuator) {
+    const auto reports = run.observer().LatestOfActuators();
+    return std::all_of(reports.begin(), reports.end(), [&](const auto& actuator) {
       return actuator.second.state == kOnControllerLost;
     });
   };
   if (leave) {
-    run.Expect(AwaitThat(alone, kPatience), "without a controller not all go to Protected");
+    run.Expect(AwaitThat(alone, kTimeout), "without a controller not all go to Protected");
     run.DetectedNow();
   } else {
     run.LetPass(Milliseconds(ControllerLostMs(Shape::kHere) + 500));
   }
   kill(pid, SIGCONT);
-  run.Require(run.observer().GetStatus().ok(), "it does not answer when it goes on");
+  run.Require(run.observer().GetStatus().ok(), "it does not reply after SIGCONT");
   run.RecoveredIn(run.state());
 }
 

@@ -1,4 +1,4 @@
-// The other host is started again, or has a controller of its own.
+// The other host reboots, or has a controller of its own.
 
 #include <algorithm>
 
@@ -7,9 +7,9 @@
 namespace musher::fault_injection::network {
 namespace {
 
-// More often than a controller remembers processes of an actuator.
+// More than the processes of an actuator that a controller remembers.
 constexpr int kReboots = 5;
-// Longer than starts in a row are counted.
+// Longer than the starts in a row are counted.
 constexpr Duration kRest = Milliseconds(500);
 
 const LinkImpairment kDeaf{100, 0, {}, {}};
@@ -29,8 +29,8 @@ bool ActuatorIsMissing(const msg::MachineStatus& status) {
                      [](const auto& info) { return info.presence != "present"; });
 }
 
-// Whether each actuator answers from another process than in `before`: one whose process died with
-// its host passes for present until its silence is noticed.
+// Whether each actuator has another process than in `before`: a process that ended with its host
+// counts as present until its heartbeat is lost.
 bool AllAreOtherProcesses(const msg::MachineStatus& status, const msg::MachineStatus& before) {
   return std::all_of(status.actuators.begin(), status.actuators.end(),
                      [&](const auto& info) { return info.pid != Find(before, info.name).pid; });
@@ -39,17 +39,17 @@ bool AllAreOtherProcesses(const msg::MachineStatus& status, const msg::MachineSt
 }  // namespace
 
 void IsRebooted(FaultRun& run) {
-  run.MayAllBeHurt();
+  run.MayAllBeAffected();
   const int before = RankOf(run.state());
   for (int i = 0; i < kReboots; ++i) {
     const Time at = Now();
     const msg::MachineStatus last = *run.observer().Latest();
-    if (i == 0) run.Struck();
+    if (i == 0) run.FaultInjected();
     run.robot.far_host()->Reboot();
     const std::string which = "after reboot " + std::to_string(i + 1);
-    if (i == 0) run.Detected("the actuators are missed", ActuatorIsMissing);
-    run.Require(run.observer().AwaitSince(at, ActuatorIsMissing, kPatience).has_value(),
-                "no actuator is missed " + which);
+    if (i == 0) run.Detected("the actuators are missing", ActuatorIsMissing);
+    run.Require(run.observer().AwaitSince(at, ActuatorIsMissing, kTimeout).has_value(),
+                "no actuator is missing " + which);
     run.Recovered("settled " + which, [before, &last](const auto& status) {
       const int rank = RankOf(status.state);
       return rank >= 0 && rank <= before && IsSettled(status, status.state) &&
@@ -61,21 +61,21 @@ void IsRebooted(FaultRun& run) {
 
 void IsTakenOverFromThere(FaultRun& run, bool deaf) {
   run.ControllerMayDie();
-  run.MayAllBeHurt();
+  run.MayAllBeAffected();
   const auto before = run.observer().Latest();
   const int starts = StartsOf(run);
   Link& link = run.robot.far_host()->link();
-  run.Struck();
+  run.FaultInjected();
   if (deaf) link.Set(kDeaf, {}, 0);
   benchmark::Child there = run.robot.StartFarController({"--takeover"});
   if (deaf) {
     const auto led = [&] {
-      const auto said = run.observer().LatestOfActuators();
-      return std::any_of(said.begin(), said.end(), [&](const auto& actuator) {
+      const auto reports = run.observer().LatestOfActuators();
+      return std::any_of(reports.begin(), reports.end(), [&](const auto& actuator) {
         return actuator.second.epoch > before->epoch;
       });
     };
-    // Whether it is heard over here that they follow another is the network's to say.
+    // This host may or may not receive their new epoch.
     static_cast<void>(AwaitThat(led, std::chrono::seconds(4)));
     link.Heal();
   }
@@ -86,10 +86,10 @@ void IsTakenOverFromThere(FaultRun& run, bool deaf) {
     return status.host != before->host && status.epoch > before->epoch &&
            RankOf(status.state) <= RankOf(before->state) && IsSettled(status, status.state);
   });
-  run.Expect(StartsOf(run) == starts, "modules were started again by the take-over");
+  run.Expect(StartsOf(run) == starts, "the takeover restarted modules");
   run.robot.StartController({"--takeover"});
-  run.Expect(there.Wait() == 1, "the controller of the other host does not let go");
-  run.Require(run.robot.AwaitSettled(), "the machine is not taken back");
+  run.Expect(there.Wait() == 1, "the controller of the other host does not release control");
+  run.Require(run.robot.AwaitSettled(), "the controller here does not take over again");
 }
 
 }  // namespace musher::fault_injection::network

@@ -1,4 +1,4 @@
-// The hosts do not hear each other, or one of them does not.
+// The link between the hosts is cut, in both directions or one.
 
 #include <signal.h>
 
@@ -10,8 +10,8 @@ namespace {
 
 const LinkImpairment kCut{100, 0, {}, {}};
 
-// Where the machine goes when all are lost: never up.
-std::string WithoutAnybody(const std::string& state) {
+// The machine's state when all actuators are lost: never more active.
+std::string WithoutActuators(const std::string& state) {
   const std::string without_legs = ExpectationFor("legs", Loss::kForGood, state).state;
   return ExpectationFor("planner", Loss::kForGood, without_legs).state;
 }
@@ -26,7 +26,7 @@ void AwaitAllPartitioned(FaultRun& run) {
                [](const auto& status) { return AllAre(status, "partitioned"); });
 }
 
-// Back, but nowhere that is more active than before.
+// Settled again, in no more active state than before.
 void RecoveredDown(FaultRun& run) {
   const int before = RankOf(run.state());
   run.Recovered("settled again", [before](const auto& status) {
@@ -35,100 +35,100 @@ void RecoveredDown(FaultRun& run) {
   });
 }
 
-Duration DrawnTime(FaultRun& run, int low_ms, int high_ms) {
+Duration SampledTime(FaultRun& run, int low_ms, int high_ms) {
   const auto time = run.random.Between(low_ms, high_ms);
-  run.Drawn("for", std::to_string(time) + " ms");
+  run.Sampled("for", std::to_string(time) + " ms");
   return Milliseconds(time);
 }
 
 }  // namespace
 
 void IsCut(FaultRun& run) {
-  run.MayAllBeHurt();
-  const Duration more = DrawnTime(run, 0, 3000);
+  run.MayAllBeAffected();
+  const Duration more = SampledTime(run, 0, 3000);
   Link& link = run.robot.far_host()->link();
-  run.Struck();
+  run.FaultInjected();
   link.Set(kCut, kCut, 0);
   AwaitAllPartitioned(run);
-  const std::string state = WithoutAnybody(run.state());
+  const std::string state = WithoutActuators(run.state());
   run.Require(
-      run.observer().Await([&](const auto& s) { return s.state == state; }, kPatience).has_value(),
+      run.observer().Await([&](const auto& s) { return s.state == state; }, kTimeout).has_value(),
       "without its actuators the machine does not go to " + state);
   run.LetPass(more);
-  run.Struck(FaultRun::Clock::kRecovery);
+  run.FaultInjected(FaultRun::Clock::kRecovery);
   link.Heal();
   run.RecoveredIn(state);
 }
 
 void IsMute(FaultRun& run) {
-  run.MayAllBeHurt();
-  const Duration more = DrawnTime(run, 0, 2000);
+  run.MayAllBeAffected();
+  const Duration more = SampledTime(run, 0, 2000);
   Link& link = run.robot.far_host()->link();
-  run.Struck();
+  run.FaultInjected();
   link.Set({}, kCut, 0);
   AwaitAllPartitioned(run);
   run.LetPass(more);
-  run.Struck(FaultRun::Clock::kRecovery);
+  run.FaultInjected(FaultRun::Clock::kRecovery);
   link.Heal();
   RecoveredDown(run);
 }
 
-// They are heard, so they are not lost; without a controller they go where they go without one.
+// Their reports arrive, so they are not lost; without heartbeats they switch to on_controller_lost.
 void IsDeaf(FaultRun& run, bool beyond_lease) {
-  run.MayAllBeHurt();
+  run.MayAllBeAffected();
   Link& link = run.robot.far_host()->link();
   const bool leave = RankOf(run.state()) > RankOf(kOnControllerLost);
   // The lease of a participant is 2 s with the lan profile.
-  const Duration more = beyond_lease ? DrawnTime(run, 2500, 4000)
-                        : leave      ? DrawnTime(run, 0, 200)
-                                     : DrawnTime(run, 0, 1700);
-  run.Struck();
+  const Duration more = beyond_lease ? SampledTime(run, 2500, 4000)
+                        : leave      ? SampledTime(run, 0, 200)
+                                     : SampledTime(run, 0, 1700);
+  run.FaultInjected();
   link.Set(kCut, {}, 0);
   if (leave) {
-    run.Detected("all have gone to Protected by themselves", [](const auto& status) {
+    run.Detected("all have switched to Protected by themselves", [](const auto& status) {
       return std::all_of(status.actuators.begin(), status.actuators.end(),
                          [](const auto& info) { return info.state == kOnControllerLost; });
     });
   }
   run.LetPass(more);
-  run.Struck(FaultRun::Clock::kRecovery);
+  run.FaultInjected(FaultRun::Clock::kRecovery);
   link.Heal();
   RecoveredDown(run);
 }
 
 void IsCutInSwitch(FaultRun& run) {
-  run.MayAllBeHurt();
+  run.MayAllBeAffected();
   const std::string target = run.state() == "Active" ? "LowPower" : "Active";
   run.MayBecome(target);
   for (const std::string& name : Modules()) run.robot.board(name).callback_ms = 100;
   Link& link = run.robot.far_host()->link();
-  const auto begun =
+  const auto began =
       run.observer().Once([target](const auto& status) { return status.target == target; },
                           [&link] { link.Set(kCut, kCut, 0); });
-  const auto answer = run.observer().SetState(target);
-  Answer(begun);
-  run.Struck();
-  const auto result = Answer(answer);
+  const auto reply = run.observer().SetState(target);
+  AwaitFuture(began);
+  run.FaultInjected();
+  const auto result = AwaitFuture(reply);
   const bool up = target == "Active";
   run.ExpectOutcome(result, up ? "undone" : "done-degraded");
   AwaitAllPartitioned(run);
-  for (const std::string& name : Modules()) Relieve(run.robot.board(name));
-  run.Struck(FaultRun::Clock::kRecovery);
+  for (const std::string& name : Modules()) ClearFaults(run.robot.board(name));
+  run.FaultInjected(FaultRun::Clock::kRecovery);
   link.Heal();
-  run.RecoveredIn(WithoutAnybody(up ? run.state() : target));
+  run.RecoveredIn(WithoutActuators(up ? run.state() : target));
 }
 
 void LinkGoesDown(FaultRun& run) {
-  run.MayAllBeHurt();
+  run.MayAllBeAffected();
   const bool there = run.random.Chance(50);
-  run.Drawn("end", there ? "of the actuators" : "of the controller");
-  const Duration more = DrawnTime(run, 0, 1500);
+  run.Sampled("end", there ? "of the actuators" : "of the controller");
+  const Duration more = SampledTime(run, 0, 1500);
   Link& link = run.robot.far_host()->link();
-  run.Struck();
+  run.FaultInjected();
   link.LinkDown(there);
   AwaitAllPartitioned(run);
   run.LetPass(more);
-  run.Struck(FaultRun::Clock::kRecovery);
+  run.FaultInjected(FaultRun::Clock::kRecovery);
   link.LinkUp(there);
   RecoveredDown(run);
 }
@@ -139,18 +139,18 @@ void StoppedWithoutLink(FaultRun& run) {
   run.ControllerMayDie();
   Link& link = run.robot.far_host()->link();
   link.LinkDown(false);
-  run.Struck();
-  kill(run.robot.LivingController(), SIGTERM);
+  run.FaultInjected();
+  kill(run.robot.RunningController(), SIGTERM);
   const bool ended = run.robot.AwaitControllerEnd(2 * Milliseconds(kShutdownBudgetMs));
   if (ended) run.RecoveredNow();
   link.LinkUp(false);
   run.Expect(ended, "without a network the controller does not end in twice its budget");
 }
 
-void KilledFarAway(FaultRun& run) {
+void KilledOnOtherHost(FaultRun& run) {
   const std::string victim = run.Victim({"arm", "eyes", "hands"});
   const pid_t pid = run.robot.PidOf(victim);
-  run.Struck();
+  run.FaultInjected();
   kill(pid, SIGKILL);
   run.Detected(victim + " has crashed", IsKnownAs(victim, "crashed"));
   run.RecoveredIn(run.state());

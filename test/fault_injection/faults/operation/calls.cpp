@@ -1,4 +1,4 @@
-// Calls that come while a switch is under way.
+// Requests during a switch.
 
 #include "musher/test/fault_injection/faults/operation.hpp"
 
@@ -8,15 +8,15 @@ void Superseded(FaultRun& run) {
   const std::string target = run.state() == "Active" ? "LowPower" : "Active";
   run.MayBecome(target);
   for (const std::string& name : Modules()) run.robot.board(name).callback_ms = 100;
-  const auto begun =
+  const auto began =
       run.observer().Once([target](const auto& status) { return status.target == target; }, [] {});
   const auto older = run.observer().SetState(target);
-  Answer(begun);
-  run.Struck();
+  AwaitFuture(began);
+  run.FaultInjected();
   const auto newer = run.observer().SetState("Error");
-  run.ExpectOutcome(Answer(older), "superseded");
+  run.ExpectOutcome(AwaitFuture(older), "superseded");
   run.DetectedNow();
-  run.ExpectOutcome(Answer(newer), "done");
+  run.ExpectOutcome(AwaitFuture(newer), "done");
   run.RecoveredIn("Error");
 }
 
@@ -25,23 +25,23 @@ void ManyCalls(FaultRun& run) {
   run.random.Shuffle(targets);
   run.MayBecome("Active");
   for (const std::string& name : Modules()) run.robot.board(name).callback_ms = 50;
-  run.Struck();
-  std::vector<std::shared_future<Result<msg::SetState::Response>>> answers;
-  for (const std::string& target : targets) answers.push_back(run.observer().SetState(target));
+  run.FaultInjected();
+  std::vector<std::shared_future<Result<msg::SetState::Response>>> replies;
+  for (const std::string& target : targets) replies.push_back(run.observer().SetState(target));
   int done = 0;
   std::string state = run.state();
-  for (const auto& future : answers) {
-    const auto answer = Answer(future);
-    run.Require(answer.ok(), "a call was not answered");
-    const msg::SetState::Response& result = answer.value();
+  for (const auto& future : replies) {
+    const auto reply = AwaitFuture(future);
+    run.Require(reply.ok(), "a request has no reply");
+    const msg::SetState::Response& result = reply.value();
     const bool is_done = result.outcome == "done";
     run.Expect(is_done || (result.outcome == "refused" && result.code == 111),
                "the switch to " + result.target + " is " + result.outcome + ": " + result.reason);
     if (is_done) state = result.target;
     if (is_done) ++done;
   }
-  run.Expect(done >= 1, "no call was followed");
-  for (const std::string& name : Modules()) Relieve(run.robot.board(name));
+  run.Expect(done >= 1, "no request was executed");
+  for (const std::string& name : Modules()) ClearFaults(run.robot.board(name));
   run.RecoveredIn(state);
 }
 

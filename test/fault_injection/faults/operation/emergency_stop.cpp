@@ -1,35 +1,35 @@
-// The emergency stop: latched by all at once, undoes what was on its way up, changes no state.
+// The emergency stop: all actuators latch it at once, a switch up is undone, the state stays.
 
 #include "musher/test/fault_injection/faults/operation.hpp"
 
 namespace musher::fault_injection::operation {
 namespace {
 
-// Those that latch it: all of the crew.
+// Whether all actuators have latched the stop `id`; 0: none.
 bool AllHaveLatched(FaultRun& run, std::uint64_t id) {
-  const auto said = run.observer().LatestOfActuators();
-  return std::all_of(said.begin(), said.end(),
+  const auto reports = run.observer().LatestOfActuators();
+  return std::all_of(reports.begin(), reports.end(),
                      [id](const auto& actuator) { return actuator.second.emergency_stop == id; });
 }
 
-void Stop(FaultRun& run) {
+void EngageStop(FaultRun& run) {
   const std::uint64_t id = run.random.Next() | 1U;
-  run.Struck();
+  run.FaultInjected();
   run.observer().EngageEmergencyStop(id);
-  run.Require(AwaitThat([&] { return AllHaveLatched(run, id); }, kPatience),
+  run.Require(AwaitThat([&] { return AllHaveLatched(run, id); }, kTimeout),
               "not all have latched the stop");
   run.DetectedNow();
   run.Require(run.observer()
                   .AwaitSince(
-                      run.struck(), [](const auto& s) { return s.emergency_stop; }, kPatience)
+                      run.injected_at(), [](const auto& s) { return s.emergency_stop; }, kTimeout)
                   .has_value(),
-              "the status does not tell of the stop");
+              "the status does not report the stop");
 }
 
 void Release(FaultRun& run) {
   const auto released = run.observer().ReleaseEmergencyStop();
   run.Require(released.ok() && released.value().code == 0, "the stop cannot be released");
-  run.Require(AwaitThat([&] { return AllHaveLatched(run, 0); }, kPatience),
+  run.Require(AwaitThat([&] { return AllHaveLatched(run, 0); }, kTimeout),
               "not all have released the stop");
 }
 
@@ -37,29 +37,29 @@ void Release(FaultRun& run) {
 
 void EmergencyStopAtRest(FaultRun& run) {
   if (run.state() == "Active") run.MoveTo("DeActive");
-  Stop(run);
-  const auto refused = Answer(run.observer().SetState("Active"));
+  EngageStop(run);
+  const auto refused = AwaitFuture(run.observer().SetState("Active"));
   run.ExpectOutcome(refused, "refused");
   run.RecoveredIn(run.state());
   Release(run);
   run.Require(run.observer()
-                  .Await([&](const auto& s) { return IsSettled(s, run.state()); }, kPatience)
+                  .Await([&](const auto& s) { return IsSettled(s, run.state()); }, kTimeout)
                   .has_value(),
-              "the release has changed something");
+              "the release has changed the state");
 }
 
 void EmergencyStopInSwitch(FaultRun& run) {
   if (run.state() == "Active") run.MoveTo("LowPower");
   run.MayBecome("Active");
   for (const std::string& name : Modules()) run.robot.board(name).callback_ms = 150;
-  const auto begun =
+  const auto began =
       run.observer().Once([](const auto& status) { return status.target == "Active"; }, [] {});
-  const auto answer = run.observer().SetState("Active");
-  Answer(begun);
-  Stop(run);
-  run.ExpectOutcome(Answer(answer), "undone");
+  const auto reply = run.observer().SetState("Active");
+  AwaitFuture(began);
+  EngageStop(run);
+  run.ExpectOutcome(AwaitFuture(reply), "undone");
   run.RecoveredIn(run.state());
-  for (const std::string& name : Modules()) Relieve(run.robot.board(name));
+  for (const std::string& name : Modules()) ClearFaults(run.robot.board(name));
   Release(run);
 }
 

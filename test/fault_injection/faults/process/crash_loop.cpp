@@ -1,4 +1,5 @@
-// Dies in each SetUp: given up after its restarts, and the machine goes where it goes without it.
+// An actuator exits in each SetUp: it is given up after its restarts, and the machine goes to
+// on_lost.
 
 #include <signal.h>
 
@@ -7,7 +8,7 @@
 
 namespace musher::fault_injection::process {
 
-void CrashesAgainAndAgain(FaultRun& run) {
+void CrashesRepeatedly(FaultRun& run) {
   const std::string victim = run.Victim({"legs", "arm", "eyes", "hands"});
   Board& board = run.robot.board(victim);
   board.exit_code = 3;
@@ -15,11 +16,11 @@ void CrashesAgainAndAgain(FaultRun& run) {
   board.end = End::kExit;
   const int before = board.starts;
   const pid_t pid = run.robot.PidOf(victim);
-  run.Struck();
+  run.FaultInjected();
   kill(pid, SIGKILL);
   run.Detected(victim + " has crashed", IsKnownAs(victim, "crashed"));
   AwaitExpectation(run, victim, Loss::kForGood);
-  // Those that died, and the one that a person asked for.
+  // The failed starts, and the one that an operator requested.
   const int starts = board.starts - before;
   run.Expect(starts == kRestartLimit + 1, "started " + std::to_string(starts) + " times");
 }

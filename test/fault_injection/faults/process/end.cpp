@@ -1,4 +1,4 @@
-// It ends: by a signal from outside, or by itself.
+// A process ends, by a signal or by itself.
 
 #include <signal.h>
 
@@ -8,21 +8,21 @@
 namespace musher::fault_injection::process {
 namespace {
 
-std::vector<std::string> Everybody() {
+std::vector<std::string> AllActuators() {
   std::vector<std::string> names;
   for (const Member& member : Crew()) names.push_back(member.name);
   return names;
 }
 
-// An exit code is told to the parent alone; an end that nobody can explain is a failure.
-Loss AsSeen(FaultRun& run, const std::string& victim, Loss loss) {
+// Only the parent knows an exit code; an end without a known code counts as a failure.
+Loss LossAsSeen(FaultRun& run, const std::string& victim, Loss loss) {
   return run.robot.IsChildOfController(victim) ? loss : Loss::kFailure;
 }
 
 void Signal(FaultRun& run, const std::string& victim, int signal, Loss loss) {
   const pid_t pid = run.robot.PidOf(victim);
-  loss = AsSeen(run, victim, loss);
-  run.Struck();
+  loss = LossAsSeen(run, victim, loss);
+  run.FaultInjected();
   kill(pid, signal);
   run.Detected(victim + " has crashed", IsKnownAs(victim, "crashed"));
   AwaitExpectation(run, victim, loss);
@@ -30,27 +30,27 @@ void Signal(FaultRun& run, const std::string& victim, int signal, Loss loss) {
 
 void EndByItself(FaultRun& run, End end, Loss loss) {
   const std::string victim = run.Victim(Modules());
-  loss = AsSeen(run, victim, loss);
-  run.Struck();
+  loss = LossAsSeen(run, victim, loss);
+  run.FaultInjected();
   run.robot.board(victim).end = end;
-  // An orderly end is no crash.
+  // An exit with code 0 is not a crash.
   run.Detected(victim + " has ended", [&victim](const msg::MachineStatus& status) {
     const msg::ActuatorInfo& info = Find(status, victim);
     return info.health == "crashed" || info.presence != "present" || info.restarts > 0;
   });
-  Relieve(run.robot.board(victim));
+  ClearFaults(run.robot.board(victim));
   AwaitExpectation(run, victim, loss);
 }
 
 }  // namespace
 
 void Killed(FaultRun& run) {
-  Signal(run, run.Victim(Everybody()), SIGKILL, Loss::kFailure);
+  Signal(run, run.Victim(AllActuators()), SIGKILL, Loss::kFailure);
 }
 
 void Terminated(FaultRun& run) {
-  const std::string victim = run.Victim(Everybody());
-  // musher-exec ends its program and itself in order, which is no failure.
+  const std::string victim = run.Victim(AllActuators());
+  // musher-exec ends its program and exits with code 0, which is not a failure.
   Signal(run, victim, SIGTERM, MemberOf(victim).wrapped ? Loss::kClean : Loss::kFailure);
 }
 
@@ -60,11 +60,11 @@ void SeveralKilled(FaultRun& run) {
   restarted.resize(static_cast<std::size_t>(run.random.Between(2, 5)));
   std::vector<pid_t> pids;
   for (const std::string& victim : restarted) {
-    run.MayBeHurt(victim);
-    run.Drawn("victim", victim);
+    run.MayBeAffected(victim);
+    run.Sampled("victim", victim);
     pids.push_back(run.robot.PidOf(victim));
   }
-  run.Struck();
+  run.FaultInjected();
   for (const pid_t pid : pids) kill(pid, SIGKILL);
   run.Detected("all of them have crashed", [&](const msg::MachineStatus& status) {
     return std::all_of(restarted.begin(), restarted.end(), [&](const std::string& victim) {

@@ -1,4 +1,4 @@
-// The program inside a musher-exec dies: the actuator ends with it, and is started again.
+// The program inside a musher-exec is killed: the actuator ends with it, and is restarted.
 
 #include <signal.h>
 
@@ -22,10 +22,10 @@ pid_t Descendant(pid_t ancestor, const std::string& program) {
 
 void WrappedProgramKilled(FaultRun& run) {
   const std::string victim = "voice";
-  run.MayBeHurt(victim);
+  run.MayBeAffected(victim);
   const pid_t program = Descendant(run.robot.PidOf(victim), "sleep");
   run.Require(program != 0, "musher-exec runs no program");
-  run.Struck();
+  run.FaultInjected();
   kill(program, SIGKILL);
   run.Detected(victim + " has crashed", IsKnownAs(victim, "crashed"));
   AwaitExpectation(run, victim, Loss::kFailure);

@@ -11,18 +11,18 @@ void CoresAreBusy(FaultRun& run) {
   const auto each = run.random.Between(2, 4);
   const auto time = Milliseconds(run.random.Between(800, 2000));
   const std::string target = run.state() == "Active" ? "DeActive" : "Active";
-  run.Drawn("hogs on each core", std::to_string(each));
-  run.Drawn("for", std::to_string(ToMilliseconds(time)) + " ms");
+  run.Sampled("hogs on each core", std::to_string(each));
+  run.Sampled("for", std::to_string(ToMilliseconds(time)) + " ms");
   run.MayBecome(target);
   {
     std::vector<benchmark::Child> hogs;
-    run.Struck();
+    run.FaultInjected();
     for (unsigned i = 0; i < each * std::thread::hardware_concurrency(); ++i) {
       hogs.emplace_back(std::vector<std::string>{benchmark::Program("fault_injection_hog")});
     }
-    const auto answer = run.observer().SetState(target);
+    const auto reply = run.observer().SetState(target);
     run.LetPass(time);
-    run.ExpectOutcome(Answer(answer), "done");
+    run.ExpectOutcome(AwaitFuture(reply), "done");
   }
   run.RecoveredIn(target);
 }

@@ -1,4 +1,4 @@
-// The controller's disk: full, limited, gone, or read only. The robot goes on without it.
+// The controller's disk: full, limited, removed, or read-only. The robot works without it.
 
 #include <signal.h>
 #include <sys/mount.h>
@@ -15,33 +15,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whatever the disk does, a robot switches, and one that dies comes back.
-void MustGoOn(FaultRun& run) {
+// With any fault of the disk the robot switches, and restarts a killed actuator.
+void MustKeepWorking(FaultRun& run) {
   const std::string target = run.state() == "DeActive" ? "LowPower" : "DeActive";
   run.MayBecome(target);
-  run.ExpectOutcome(Answer(run.observer().SetState(target)), "done");
+  run.ExpectOutcome(AwaitFuture(run.observer().SetState(target)), "done");
   const std::string victim = run.Victim({"legs", "arm", "eyes", "hands", "voice"});
   kill(run.robot.PidOf(victim), SIGKILL);
-  run.Require(
-      run.observer().AwaitSince(run.struck(), IsKnownAs(victim, "crashed"), kPatience).has_value(),
-      "the status never tells that " + victim + " has crashed");
+  run.Require(run.observer()
+                  .AwaitSince(run.injected_at(), IsKnownAs(victim, "crashed"), kTimeout)
+                  .has_value(),
+              "the status never reports that " + victim + " has crashed");
   run.RecoveredIn(target);
 }
 
-// The controller says what is wrong, and that once.
-void MustSaySoOnce(FaultRun& run) {
-  run.Require(AwaitThat([&] { return run.robot.CountLines("trouble") > 0; }, kPatience),
-              "the controller says nothing of its trouble");
+// The controller reports the trouble, once.
+void MustReportTroubleOnce(FaultRun& run) {
+  run.Require(AwaitThat([&] { return run.robot.CountLines("trouble") > 0; }, kTimeout),
+              "the controller does not report the trouble");
   if (!run.outcome.detection_ms) run.DetectedNow();
 }
 
-void MustNotHaveRepeatedItself(FaultRun& run) {
-  const int said = run.robot.CountLines("trouble");
-  run.Expect(said <= 2,
-             "the controller has told of its trouble " + std::to_string(said) + " times");
+void MustNotRepeatTheReport(FaultRun& run) {
+  const int count = run.robot.CountLines("trouble");
+  run.Expect(count <= 2,
+             "the controller has reported the trouble " + std::to_string(count) + " times");
 }
 
-// Another controller, which finds all as it should be.
+// Starts the next controller, which adopts the settled robot.
 void RestartController(FaultRun& run) {
   const std::string state = run.observer().Latest()->state;
   run.robot.KillController();
@@ -54,17 +55,17 @@ void RestartController(FaultRun& run) {
 void DiskIsFull(FaultRun& run) {
   const fs::path ballast = run.robot.folder() / "disk" / "ballast";
   run.ControllerMayDie();
-  run.Struck();
+  run.FaultInjected();
   {
     std::ofstream file(ballast);
     const std::string block(4096, 'x');
     while (file.write(block.data(), static_cast<std::streamsize>(block.size())).flush()) {
     }
   }
-  (void)Answer(run.observer().SetState("SelfCheck"));  // something to write down
-  MustSaySoOnce(run);
-  MustGoOn(run);
-  MustNotHaveRepeatedItself(run);
+  (void)AwaitFuture(run.observer().SetState("SelfCheck"));  // makes records
+  MustReportTroubleOnce(run);
+  MustKeepWorking(run);
+  MustNotRepeatTheReport(run);
   fs::remove(ballast);
   RestartController(run);
 }
@@ -72,47 +73,47 @@ void DiskIsFull(FaultRun& run) {
 void FileSizeIsLimited(FaultRun& run) {
   const rlimit limit{1, RLIM_INFINITY};
   run.ControllerMayDie();
-  run.Require(prlimit(run.robot.LivingController(), RLIMIT_FSIZE, &limit, nullptr) == 0,
+  run.Require(prlimit(run.robot.RunningController(), RLIMIT_FSIZE, &limit, nullptr) == 0,
               "prlimit(RLIMIT_FSIZE)");
-  run.Struck();
-  (void)Answer(run.observer().SetState("SelfCheck"));
-  run.Require(!run.robot.ControllerHasEnded(), "the controller died of a file that is limited");
-  MustSaySoOnce(run);
-  MustGoOn(run);
-  MustNotHaveRepeatedItself(run);
+  run.FaultInjected();
+  (void)AwaitFuture(run.observer().SetState("SelfCheck"));
+  run.Require(!run.robot.ControllerHasEnded(), "the controller ended at the file size limit");
+  MustReportTroubleOnce(run);
+  MustKeepWorking(run);
+  MustNotRepeatTheReport(run);
   RestartController(run);
 }
 
 void FilesAreLimited(FaultRun& run) {
-  const pid_t controller = run.robot.LivingController();
+  const pid_t controller = run.robot.RunningController();
   rlimit before{};
   prlimit(controller, RLIMIT_NOFILE, nullptr, &before);
   const rlimit none{3, before.rlim_max};
   run.Require(prlimit(controller, RLIMIT_NOFILE, &none, nullptr) == 0, "prlimit(RLIMIT_NOFILE)");
   const std::string victim = run.Victim({"arm", "eyes", "hands"});
-  run.Struck();
+  run.FaultInjected();
   kill(run.robot.PidOf(victim), SIGKILL);
   run.Detected(victim + " has crashed", IsKnownAs(victim, "crashed"));
   const std::string target = run.state() == "DeActive" ? "LowPower" : "DeActive";
   run.MayBecome(target);
-  const auto answer = Answer(run.observer().SetState(target));
-  run.Expect(answer.ok(), "no answer without file descriptors");
+  const auto reply = AwaitFuture(run.observer().SetState(target));
+  run.Expect(reply.ok(), "no reply without file descriptors");
   prlimit(controller, RLIMIT_NOFILE, &before, nullptr);
   if (!run.observer().Await([&](const auto& s) { return IsSettled(s, target); },
                             Milliseconds(1500))) {
-    (void)run.observer().Restart(victim);  // it was given up meanwhile
+    (void)run.observer().Restart(victim);  // given up meanwhile
   }
   run.RecoveredIn(target);
 }
 
 void StateFolderVanishes(FaultRun& run) {
   run.ControllerMayDie();
-  run.Struck();
+  run.FaultInjected();
   fs::remove_all(run.robot.StateFolder());
-  MustGoOn(run);
+  MustKeepWorking(run);
   RestartController(run);
   run.Expect(fs::exists(run.robot.StateFolder() / "epoch"),
-             "the next controller has not made its folder anew");
+             "the next controller has not created its folder");
 }
 
 void StateFolderIsReadOnly(FaultRun& run) {
@@ -123,14 +124,14 @@ void StateFolderIsReadOnly(FaultRun& run) {
   MountMemory(disk, 64);
   MakeReadOnly(disk, true);
   run.robot.ForgetLines();
-  run.Struck();
+  run.FaultInjected();
   run.robot.StartController();
   const bool adopted = run.robot.AwaitSettled(state);
   if (adopted) run.RecoveredNow();
   if (adopted) {
-    MustSaySoOnce(run);
-    MustGoOn(run);
-    MustNotHaveRepeatedItself(run);
+    MustReportTroubleOnce(run);
+    MustKeepWorking(run);
+    MustNotRepeatTheReport(run);
     run.robot.KillController();
   }
   umount2(disk.c_str(), MNT_DETACH);

@@ -1,4 +1,4 @@
-// A module that gets no more memory dies of it, and is started again without the limit.
+// A module that gets no more memory crashes, and is restarted without the limit.
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -16,13 +16,13 @@ void MemoryIsLimited(FaultRun& run) {
   rlim_t pages = 0;
   std::ifstream("/proc/" + std::to_string(pid) + "/statm") >> pages;
   const rlim_t more = static_cast<rlim_t>(run.random.Between(1, 32)) << 20U;
-  run.Drawn("more", std::to_string(more >> 20U) + " MiB");
+  run.Sampled("more", std::to_string(more >> 20U) + " MiB");
   const rlimit limit{pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + more, RLIM_INFINITY};
   run.Require(prlimit(pid, RLIMIT_AS, &limit, nullptr) == 0, "prlimit(RLIMIT_AS)");
-  run.Struck();
+  run.FaultInjected();
   run.robot.board(victim).end = End::kAllocate;
   run.Detected(victim + " has crashed", IsKnownAs(victim, "crashed"));
-  Relieve(run.robot.board(victim));
+  ClearFaults(run.robot.board(victim));
   AwaitExpectation(run, victim, Loss::kFailure);
 }
 

@@ -1,4 +1,4 @@
-// The controller's disk does not answer: what writes to it waits. The loop waits for nothing.
+// The controller's disk stalls: its writers wait, its event loop does not.
 
 #include <signal.h>
 
@@ -10,14 +10,14 @@
 namespace musher::fault_injection::resource {
 namespace {
 
-// Longer than an actuator goes without a controller, and than systemd waits for a sign of life.
+// Longer than controller_lost_ms of the actuators, and than systemd's watchdog.
 constexpr Duration kLongStall = std::chrono::seconds(12);
-// In which everything that does not need the disk has to be done.
+// Everything that does not need the disk must be done within this.
 constexpr Duration kPrompt = std::chrono::seconds(2);
-// What a controller that ends gives the disk and DDS beyond its budget.
-constexpr Duration kLastWords = std::chrono::seconds(5);
+// How much longer than its budget a controller waits for the disk and DDS when it ends.
+constexpr Duration kExitGrace = std::chrono::seconds(5);
 
-// A controller on such a disk leads, and the disk stalls from now on until this is over.
+// Starts a controller on such a disk, and stalls the disk until End().
 class Stall {
  public:
   explicit Stall(FaultRun& run) : run_(run) {
@@ -27,7 +27,7 @@ class Stall {
     run.Require(run.robot.AwaitSettled(run.state()), "no controller adopts the robot");
     run.robot.ForgetLines();
     run.robot.StallDisk(true);
-    run.Struck();
+    run.FaultInjected();
   }
   ~Stall() { run_.robot.StallDisk(false); }
   Stall(const Stall&) = delete;
@@ -36,8 +36,8 @@ class Stall {
   void End() {
     run_.robot.StallDisk(false);
     const auto saved = [](const msg::MachineStatus& status) { return status.not_on_disk.empty(); };
-    run_.Require(run_.observer().Await(saved, kPatience).has_value(),
-                 "the status names something that is not on disk on a disk that works");
+    run_.Require(run_.observer().Await(saved, kTimeout).has_value(),
+                 "the status reports unsaved state although the disk works");
   }
 
  private:
@@ -45,8 +45,8 @@ class Stall {
 };
 
 bool AllHaveLatched(FaultRun& run, bool engaged) {
-  const auto said = run.observer().LatestOfActuators();
-  return std::all_of(said.begin(), said.end(), [engaged](const auto& actuator) {
+  const auto reports = run.observer().LatestOfActuators();
+  return std::all_of(reports.begin(), reports.end(), [engaged](const auto& actuator) {
     return (actuator.second.emergency_stop != 0) == engaged;
   });
 }
@@ -56,19 +56,18 @@ bool IsUnsaved(const msg::MachineStatus& status, const std::string& what) {
                      [&](const std::string& entry) { return entry.starts_with(what); });
 }
 
-// The controller answers all the time, and no actuator is without it.
-void MustAnswerFor(FaultRun& run, Duration time) {
+// The controller replies all the time, and the actuators keep receiving its heartbeats.
+void MustReplyFor(FaultRun& run, Duration time) {
   const Time end = std::chrono::steady_clock::now() + time;
   Duration longest{};
   while (std::chrono::steady_clock::now() < end) {
-    const Time asked = std::chrono::steady_clock::now();
+    const Time requested_at = std::chrono::steady_clock::now();
     const auto status = run.observer().GetStatus();
-    run.Require(status.ok(), "the controller does not answer");
-    longest = std::max(longest, std::chrono::steady_clock::now() - asked);
+    run.Require(status.ok(), "the controller does not reply");
+    longest = std::max(longest, std::chrono::steady_clock::now() - requested_at);
     run.LetPass(Milliseconds(20));
   }
-  run.Expect(longest < kPrompt,
-             "an answer took " + std::to_string(ToMilliseconds(longest)) + " ms");
+  run.Expect(longest < kPrompt, "a reply took " + std::to_string(ToMilliseconds(longest)) + " ms");
 }
 
 }  // namespace
@@ -80,19 +79,21 @@ void DiskStallsAndStops(FaultRun& run) {
   run.Require(AwaitThat([&] { return AllHaveLatched(run, true); }, kPrompt),
               "not all have latched the stop");
   run.DetectedNow();
-  const auto is_told = [](const auto& s) { return s.emergency_stop && IsUnsaved(s, "emergency"); };
-  run.Require(run.observer().AwaitSince(run.struck(), is_told, kPatience).has_value(),
-              "the status does not say that the emergency stop is not on disk");
-  const auto refused = Answer(run.observer().SetState("Active"));
+  const auto is_reported = [](const auto& s) {
+    return s.emergency_stop && IsUnsaved(s, "emergency");
+  };
+  run.Require(run.observer().AwaitSince(run.injected_at(), is_reported, kTimeout).has_value(),
+              "the status does not report the emergency stop as unsaved");
+  const auto refused = AwaitFuture(run.observer().SetState("Active"));
   run.ExpectOutcome(refused, "refused");
-  run.Struck(FaultRun::Clock::kRecovery);
+  run.FaultInjected(FaultRun::Clock::kRecovery);
   stall.End();
   run.RecoveredIn(run.state());
   run.Expect(std::filesystem::exists(run.robot.StateFolder() / "emergency_stop"),
              "the emergency stop is not on disk");
   const auto released = run.observer().ReleaseEmergencyStop();
   run.Require(released.ok() && released.value().code == 0, "the stop cannot be released");
-  run.Require(AwaitThat([&] { return AllHaveLatched(run, false); }, kPatience),
+  run.Require(AwaitThat([&] { return AllHaveLatched(run, false); }, kTimeout),
               "not all have released the stop");
 }
 
@@ -100,9 +101,9 @@ void DiskStallsInSwitch(FaultRun& run) {
   Stall stall(run);
   const std::string target = run.state() == "DeActive" ? "LowPower" : "DeActive";
   run.MayBecome(target);
-  const Time asked = std::chrono::steady_clock::now();
-  run.ExpectOutcome(Answer(run.observer().SetState(target)), "done");
-  run.Expect(std::chrono::steady_clock::now() - asked < kPrompt,
+  const Time requested_at = std::chrono::steady_clock::now();
+  run.ExpectOutcome(AwaitFuture(run.observer().SetState(target)), "done");
+  run.Expect(std::chrono::steady_clock::now() - requested_at < kPrompt,
              "the switch has waited for the disk");
   run.RecoveredIn(target);
   stall.End();
@@ -119,9 +120,9 @@ void DiskStallsAndKills(FaultRun& run) {
 
 void DiskStallsForLong(FaultRun& run) {
   Stall stall(run);
-  MustAnswerFor(run, kLongStall);
+  MustReplyFor(run, kLongStall);
   run.Require(!run.robot.ControllerHasEnded(), "the controller has ended");
-  run.Struck(FaultRun::Clock::kRecovery);
+  run.FaultInjected(FaultRun::Clock::kRecovery);
   stall.End();
   run.RecoveredIn(run.state());
 }
@@ -129,12 +130,12 @@ void DiskStallsForLong(FaultRun& run) {
 void DiskStallsAndTearsDown(FaultRun& run) {
   Stall stall(run);
   run.RobotIsTornDown();
-  run.ExpectOutcome(Answer(run.observer().SetState("TearDown")), "done");
+  run.ExpectOutcome(AwaitFuture(run.observer().SetState("TearDown")), "done");
   run.DetectedNow();
-  run.Require(run.robot.AwaitControllerEnd(kPatience), "the machine does not end");
+  run.Require(run.robot.AwaitControllerEnd(kTimeout), "the machine does not end");
   run.RecoveredNow();
-  const Duration allowed = Milliseconds(kShutdownBudgetMs) + kLastWords;
-  run.Expect(std::chrono::steady_clock::now() - run.struck() < allowed,
+  const Duration allowed = Milliseconds(kShutdownBudgetMs) + kExitGrace;
+  run.Expect(std::chrono::steady_clock::now() - run.injected_at() < allowed,
              "the controller has waited for the disk for too long");
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// What anybody on the network may say, drawn from bytes: like the truth, near its limits, or
-// anything. It goes through its message, as everything from the wire does.
+// Untrusted reports and commands, made from the fuzzer's bytes: correct values, values near their
+// limits, or any value. They pass through their messages, as samples from the wire do.
 
 #include "musher/lifecycle/actuator_core.hpp"
 #include "musher/test/fuzz/fuzz.hpp"
@@ -10,9 +10,9 @@ namespace musher::fuzz {
 
 inline State AnyState(Input& input) {
   const auto& states = BuiltInStates();
-  const std::size_t drawn = input.Below(states.size() + 2);
-  if (drawn < states.size()) return State(states[drawn]);
-  return drawn == states.size() ? State() : State(input.Text());
+  const std::size_t index = input.Below(states.size() + 2);
+  if (index < states.size()) return State(states[index]);
+  return index == states.size() ? State() : State(input.Text());
 }
 
 inline std::int64_t AnyTime(Input& input, Time now) {

@@ -1,4 +1,4 @@
-#include "musher/test/simulation/drawn_config.hpp"
+#include "musher/test/simulation/sampled_config.hpp"
 
 #include <algorithm>
 #include <string>
@@ -14,12 +14,12 @@ const std::vector<State> kAllStates = {"SetUp",     "TearDown", "SelfCheck", "Ac
                                        "Protected", "LowPower", "OTA",       "Error"};
 
 // Few actuators mostly, sometimes many.
-std::size_t DrawSize(Random& random) {
+std::size_t SampleSize(Random& random) {
   const std::uint64_t most = random.Chance(0.1) ? 32 : (random.Chance(0.3) ? 12 : 5);
   return 1 + random.Next() % most;
 }
 
-RestartConfig DrawRestart(Random& random) {
+RestartConfig SampleRestart(Random& random) {
   static constexpr RestartPolicy kPolicies[] = {RestartPolicy::kNo, RestartPolicy::kOnFailure,
                                                 RestartPolicy::kAlways};
   RestartConfig restart;
@@ -30,7 +30,7 @@ RestartConfig DrawRestart(Random& random) {
   return restart;
 }
 
-ActuatorConfig DrawActuator(const MachineConfig& config, Random& random) {
+ActuatorConfig SampleActuator(const MachineConfig& config, Random& random) {
   const std::vector<ActuatorConfig>& others = config.actuators;
   ActuatorConfig actuator;
   actuator.name = "a" + std::to_string(others.size());
@@ -53,7 +53,7 @@ ActuatorConfig DrawActuator(const MachineConfig& config, Random& random) {
   actuator.critical = random.Chance(0.2);
   if (actuator.critical) actuator.on_lost = random.Chance(0.8) ? kProtected : kLowPower;
   if (!actuator.critical && random.Chance(0.1)) actuator.on_lost = kDeActive;
-  actuator.restart = DrawRestart(random);
+  actuator.restart = SampleRestart(random);
   if (random.Chance(0.3)) actuator.checkpoint = Milliseconds(200);
   if (random.Chance(0.2)) {
     actuator.controller_lost = std::chrono::seconds(1);
@@ -62,8 +62,8 @@ ActuatorConfig DrawActuator(const MachineConfig& config, Random& random) {
   return actuator;
 }
 
-// With dice of its own, so that robots without one are as they were.
-std::optional<PolicyConfig> DrawPolicy(std::uint64_t seed) {
+// Has a random generator of its own, so that robots without a policy do not depend on it.
+std::optional<PolicyConfig> SamplePolicy(std::uint64_t seed) {
   Random random(seed * 2 + 0x706f6c6963);
   if (!random.Chance(0.3)) return std::nullopt;
   PolicyConfig policy;
@@ -84,7 +84,7 @@ std::optional<PolicyConfig> DrawPolicy(std::uint64_t seed) {
   return policy;
 }
 
-// What other hosts run is not started by the controller.
+// The controller does not start what runs on other hosts.
 void StartSomeByHand(MachineConfig& config, std::uint64_t seed) {
   Random random(seed * 2 + 0x68616e64);
   for (ActuatorConfig& actuator : config.actuators) {
@@ -92,9 +92,9 @@ void StartSomeByHand(MachineConfig& config, std::uint64_t seed) {
   }
 }
 
-// Takes ways out of the flow, but none to Active, to which people bring the machine back. That a
-// fallback or the battery's ceiling is forbidden does not matter.
-void LeaveWaysOut(MachineConfig& config, std::uint64_t seed) {
+// Removes transitions from the flow, but none to Active, to which the operator recovers the
+// machine. A fallback or the battery's ceiling may be forbidden by that.
+void RemoveTransitions(MachineConfig& config, std::uint64_t seed) {
   Random random(seed * 2 + 0x666c6f77);
   if (!random.Chance(0.2)) return;
   std::erase_if(config.flow, [&random](const FlowEdge& edge) {
@@ -104,11 +104,11 @@ void LeaveWaysOut(MachineConfig& config, std::uint64_t seed) {
 
 }  // namespace
 
-MachineConfig DrawConfig(std::uint64_t seed) {
+MachineConfig SampleConfig(std::uint64_t seed) {
   Random random(seed * 2);
   MachineConfig config;
-  config.name = "drawn";
-  config.file = "drawn-" + std::to_string(seed);
+  config.name = "sampled";
+  config.file = "sampled-" + std::to_string(seed);
   config.hash = "0123456789abcdef";
   config.states = kAllStates;
   config.default_time = Milliseconds(200);
@@ -127,11 +127,11 @@ MachineConfig DrawConfig(std::uint64_t seed) {
     }
   }
   if (random.Chance(0.35)) config.transport = TransportProfile::kLan;
-  config.policy = DrawPolicy(seed);
-  const std::size_t size = DrawSize(random);
-  while (config.actuators.size() < size) config.actuators.push_back(DrawActuator(config, random));
+  config.policy = SamplePolicy(seed);
+  const std::size_t size = SampleSize(random);
+  while (config.actuators.size() < size) config.actuators.push_back(SampleActuator(config, random));
   if (config.transport == TransportProfile::kLan) StartSomeByHand(config, seed);
-  LeaveWaysOut(config, seed);
+  RemoveTransitions(config, seed);
   return config;
 }
 

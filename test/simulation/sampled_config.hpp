@@ -1,5 +1,5 @@
 #pragma once
-// Robots drawn from a seed: from one actuator to 32, some started by hand, in one stage or two,
+// Robots sampled from a seed: from one actuator to 32, some started by hand, in one stage or two,
 // bound to each other or not, with every policy.
 
 #include <cstdint>
@@ -8,6 +8,6 @@
 
 namespace musher::testing {
 
-MachineConfig DrawConfig(std::uint64_t seed);
+MachineConfig SampleConfig(std::uint64_t seed);
 
 }  // namespace musher::testing
