@@ -28,11 +28,11 @@ class Door : public musher::FsmActuator {
     topics.Hear<musher::msg::Bool>("door/obstacle", [this](const musher::msg::Bool& obstacle) {
       door_.obstacle = obstacle.data;
     });
-    tell_opening_ = topics.Tell<musher::msg::Float32>("door/opening");
+    publish_opening_ = topics.Tell<musher::msg::Float32>("door/opening");
   }
-  void AfterTick(musher::Time) override { tell_opening_({static_cast<float>(door_.opening)}); }
+  void AfterTick(musher::Time) override { publish_opening_({static_cast<float>(door_.opening)}); }
 
   DoorData door_;
-  std::function<void(const musher::msg::Float32&)> tell_opening_;
+  std::function<void(const musher::msg::Float32&)> publish_opening_;
 };
 // [actuator end]

@@ -1,10 +1,10 @@
 #pragma once
-// What an automatic door does. Nothing here knows of topics, threads or clocks.
+// The behaviour of an automatic door, independent of topics, threads and clocks.
 
 #include "musher/behavior/fsm/machine.hpp"
 
 // [data]
-// What comes in, and what the states want done.
+// The input of the states, and their output.
 struct DoorData {
   bool obstacle = false;  // something is in the way
   double opening = 0;     // 0 shut, 1 open
@@ -26,7 +26,7 @@ class Closed : public fsm::State {
   fsm::Next CheckTransition(const fsm::Tick& tick) override {
     return tick.command == open_command_ ? fsm::Next::To(open_, 2s) : fsm::Next::Stay();
   }
-  // It takes two seconds to open.
+  // Opening takes two seconds.
   bool Transition(const fsm::Tick& tick) override {
     door_.opening = tick.progress();
     return State::Transition(tick);
@@ -56,7 +56,7 @@ class Open : public fsm::State {
   fsm::StateId closed_ = fsm::kNoState;
 };
 
-// Something is in the way: the door stays where it is, and opens once nothing is.
+// An obstacle: the door stays where it is, and opens once the obstacle is gone.
 class Blocked : public fsm::State {
  public:
   explicit Blocked(DoorData& door) : door_(door) {}

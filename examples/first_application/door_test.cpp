@@ -1,4 +1,4 @@
-// The door without a robot, in as little time as it takes to compute.
+// Tests the door without a robot, in virtual time.
 
 #include "door.hpp"
 
@@ -48,8 +48,8 @@ TEST(Door, StopsWhereItIsAtAnObstacleAndOpensOnceTheWayIsFree) {
 }
 // [obstacle end]
 
-// [trial]
-TEST(Door, RestsOutsideOfActiveWhateverBefallsTheRobot) {
+// [fault_test]
+TEST(Door, IsPausedOutsideOfActiveUnderInjectedFaults) {
   musher::simulation::ActuatorFaultTest<Door> test;
   test.config_file = "robot.toml";
   test.always = [](const Door& door, const musher::ActuatorReport& report) {
@@ -60,4 +60,4 @@ TEST(Door, RestsOutsideOfActiveWhateverBefallsTheRobot) {
   };
   test.Run();
 }
-// [trial end]
+// [fault_test end]

@@ -1,5 +1,5 @@
 #pragma once
-// A robot's module in one file: a gripper, with a file as its thermometer.
+// A robot's module in one file: a gripper; its thermometer is a file.
 
 #include <atomic>
 #include <fstream>
@@ -32,7 +32,7 @@ class Gripper : public musher::MachineActuator {
   bool powered() const { return powered_; }
 
   // [gate]
-  // What a command from outside calls, whatever thread it comes on.
+  // Called for a command from outside, on any thread.
   musher::Result<> Grip(double width_mm) {
     if (auto allowed = Allowed("grip", kGripper); !allowed) return allowed;
     wanted_mm_ = width_mm;
@@ -42,8 +42,8 @@ class Gripper : public musher::MachineActuator {
 
  protected:
   // [estop]
-  // Beside any callback, and again when one ends that was running: so it may run twice, and only
-  // touches what may be touched from any thread.
+  // Runs concurrently with any callback, and again when a callback ends that was running: so it is
+  // idempotent, and uses only data that is safe to use from any thread.
   void OnEmergencyStop() override { powered_ = false; }
   // [estop end]
 
@@ -52,7 +52,7 @@ class Gripper : public musher::MachineActuator {
   // The short form: CyberDog's code, 0 = done.
   std::int32_t SetPower(bool on) {
     powered_ = on;
-    // A stop that comes from here on finds the power on; one that came before is seen now.
+    // A later stop runs OnEmergencyStop(); an earlier one is detected here.
     if (EmergencyStopped()) powered_ = false;
     std::cout << "power " << (powered_ ? "on" : "off") << std::endl;
     return musher::kCodeOk;
@@ -60,7 +60,7 @@ class Gripper : public musher::MachineActuator {
   // [code end]
 
   // [result]
-  // The long form: a failure carries a sentence that `musher` shows to people.
+  // The long form: a failure carries a sentence that `musher` shows.
   musher::Result<> CheckTemperature() {
     const int temperature = ReadTemperature();
     if (temperature <= kHottest) return musher::Ok();
@@ -70,14 +70,14 @@ class Gripper : public musher::MachineActuator {
   // [result end]
 
   // [stop]
-  // A long callback looks now and then whether it is still waited for.
+  // A long callback checks regularly whether it should stop.
   musher::Result<> CloseFully() {
     while (width_mm_ > 0.0) {
       if (StopRequested()) {
         return musher::Error{MakeCode(kGripper, musher::KeyCode::kTimeout), "still not closed"};
       }
       width_mm_ -= 0.5;
-      Checkpoint();  // it gets on: matters where the config has a checkpoint_ms
+      Checkpoint();  // reports progress; needed with checkpoint_ms in the config
     }
     return musher::Ok();
   }

@@ -1,4 +1,4 @@
-// The gripper against drawn faults, in virtual time.
+// Tests the gripper with injected faults, in virtual time.
 
 #include "gripper.hpp"
 

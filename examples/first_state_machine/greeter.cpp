@@ -1,5 +1,5 @@
-// Plays an evening of the greeter, as fast as it goes. `greeter --dot | dot -Tsvg > greeter.svg`
-// draws it.
+// Runs the greeter for ten simulated seconds, as fast as possible. `greeter --dot | dot -Tsvg >
+// greeter.svg` draws its state machine.
 
 #include "greeter.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// A robot that greets who comes, and keeps still when somebody is too close.
+// A robot that greets a person who comes, and keeps still when a person is too close.
 
 #include <memory>
 #include <string>
@@ -10,8 +10,8 @@
 namespace fsm = musher::fsm;
 
 // [robot]
-// What the states see and what they do. On a real robot topics would fill the one and read the
-// other.
+// The input and the output of the states. On a real robot subscriptions set the input, and the
+// output is published.
 struct Robot {
   bool sees_somebody = false;
   bool somebody_is_too_close = false;
@@ -27,7 +27,7 @@ class Idle : public fsm::State {
   explicit Idle(Robot& robot) : robot_(robot) {}
 
   void Declare(fsm::Ways& ways) override {
-    greeting_ = ways.To("GREETING", "somebody comes");
+    greeting_ = ways.To("GREETING", "a person comes");
     greet_ = ways.On("greet");
   }
   void OnEnter(const fsm::Tick&) override { robot_.pose = "neutral"; }

@@ -23,7 +23,7 @@ class GreeterTest : public testing::Test {
 };
 
 // [test]
-TEST_F(GreeterTest, GreetsOnceAndRestsWhenItIsAloneAgain) {
+TEST_F(GreeterTest, GreetsOnceAndReturnsToIdleWhenAloneAgain) {
   robot_.sees_somebody = true;
   RunFor(std::chrono::hours(1));
   EXPECT_EQ(robot_.said, std::vector<std::string>{"Hello!"});
@@ -34,14 +34,14 @@ TEST_F(GreeterTest, GreetsOnceAndRestsWhenItIsAloneAgain) {
 }
 // [test end]
 
-TEST_F(GreeterTest, GreetsWhenItIsTold) {
+TEST_F(GreeterTest, GreetsOnCommand) {
   ASSERT_TRUE(machine_->Send("greet"));
   RunFor(kStep);
   EXPECT_EQ(robot_.pose, "wave");
 }
 
 // [safety]
-TEST_F(GreeterTest, KeepsStillAsLongAsSomebodyIsTooClose) {
+TEST_F(GreeterTest, KeepsStillWhileAPersonIsTooClose) {
   robot_.somebody_is_too_close = true;
   RunFor(std::chrono::minutes(1));
   EXPECT_EQ(robot_.pose, "still");
@@ -53,7 +53,7 @@ TEST_F(GreeterTest, KeepsStillAsLongAsSomebodyIsTooClose) {
 // [safety end]
 
 // [save]
-TEST_F(GreeterTest, GoesOnInAnotherProcess) {
+TEST_F(GreeterTest, ContinuesInAnotherProcess) {
   ASSERT_TRUE(machine_->Send("greet"));
   RunFor(std::chrono::seconds(1));
   const musher::Result<fsm::Snapshot> saved = machine_->Save();
@@ -69,7 +69,7 @@ TEST_F(GreeterTest, GoesOnInAnotherProcess) {
 // [save end]
 
 // [replay]
-TEST(Greeter, DoesTheSameAgain) {
+TEST(Greeter, ReplaysARecordingWithTheSameOutput) {
   Robot robot;
   const auto machine = MakeGreeter(robot);
   ASSERT_TRUE(machine->Build("IDLE"));

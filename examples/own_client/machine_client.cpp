@@ -1,5 +1,5 @@
-// machine_client: follows the state of the machine.
-// machine_client STATE: sets it, and says how that ended.
+// machine_client: prints the state of the machine and each change.
+// machine_client STATE: sets the state, and prints the outcome.
 
 #include <iostream>
 #include <optional>

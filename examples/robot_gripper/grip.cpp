@@ -1,4 +1,4 @@
-// grip close | grip open: asks the gripper by hand.
+// grip close | grip open: commands the gripper from the command line.
 
 #include <future>
 #include <iostream>
@@ -10,8 +10,8 @@
 
 // [grip]
 int main(int argc, char** argv) {
-  const std::string wish = argc == 2 ? argv[1] : "";
-  if (wish != "close" && wish != "open") {
+  const std::string command = argc == 2 ? argv[1] : "";
+  if (command != "close" && command != "open") {
     std::cerr << "usage: grip close|open\n";
     return 2;
   }
@@ -25,13 +25,13 @@ int main(int argc, char** argv) {
   std::promise<musher::Result<SetBool::Response>> promise;
   node.value()->RunOnLoop([&] {
     gripper = musher::transport::MakeClient<SetBool>(node.value()->node(), "gripper/close").value();
-    gripper->Call({wish == "close"}, std::chrono::seconds(10),
+    gripper->Call({command == "close"}, std::chrono::seconds(10),
                   [&](auto answer) { promise.set_value(std::move(answer)); });
   });
   const auto answer = promise.get_future().get();
   node.value()->RunOnLoop([&] { gripper.reset(); });
   const bool done = answer && answer.value().success;
-  std::cout << (done     ? wish == "close" ? "the gripper is closed" : "the gripper is open"
+  std::cout << (done     ? command == "close" ? "the gripper is closed" : "the gripper is open"
                 : answer ? "refused: " + answer.value().message
                          : "no answer: " + answer.error().message)
             << std::endl;

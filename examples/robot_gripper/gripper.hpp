@@ -1,8 +1,8 @@
 #pragma once
-// A gripper as one of the robot's modules.
+// A gripper as a module of the robot.
 //
-// Threads: state callbacks on the actuator's worker, everything else on the loop. What both use is
-// used on the loop.
+// Threads: state callbacks run on the actuator's worker, everything else on the loop. Data that
+// both use is accessed on the loop.
 
 // [head]
 #include <cmath>
@@ -48,10 +48,10 @@ class Gripper : public musher::MachineActuator {
 
  protected:
   // [estop]
-  // On the loop, beside whatever callback runs.
+  // Runs on the loop, concurrently with any callback.
   void OnEmergencyStop() override {
     jaw_.Halt(Now());
-    AnswerWaiting(false, "an emergency stop came");
+    AnswerWaiting(false, "an emergency stop is engaged");
   }
   // [estop end]
 
@@ -63,7 +63,7 @@ class Gripper : public musher::MachineActuator {
   musher::Result<> SetUp() {
     return OpenEndpoints([this](musher::transport::Endpoints& wire) {
       clock_ = &wire.clock();
-      tell_width_ = wire.Tell<musher::msg::Float32>("gripper/width_mm");
+      publish_width_ = wire.Tell<musher::msg::Float32>("gripper/width_mm");
       wire.Hear<musher::msg::Float32>("gripper/wanted_mm", [this](const auto& wanted) {
         const auto begun = Grip(wanted.data);
         if (!begun) Log(begun.error().message);
@@ -77,22 +77,22 @@ class Gripper : public musher::MachineActuator {
   // [setup end]
 
   // [grip]
-  // Whoever asks, by topic or service: may the gripper do that now?
+  // For commands by topic and by service: checks whether the gripper may do this now.
   musher::Result<> Grip(double width_mm) {
     if (auto allowed = Allowed("grip", kGripper); !allowed) return allowed;
     if (!(width_mm >= 0) || width_mm > config_.opening_mm) {
       return musher::Error{
           MakeCode(kGripper, musher::KeyCode::kParametersInvalid),
-          "it opens from 0 to " + std::to_string(std::lround(config_.opening_mm)) + " mm"};
+          "the gripper opens from 0 to " + std::to_string(std::lround(config_.opening_mm)) + " mm"};
     }
-    AnswerWaiting(false, "another command came");
+    AnswerWaiting(false, "replaced by another command");
     jaw_.MoveTo(width_mm, Now());
     return musher::Ok();
   }
   // [grip end]
 
   // [service]
-  // Answered when the jaw is there, which takes it seconds: the reply is kept, the loop goes on.
+  // Replies once the jaw has arrived, which takes seconds: the reply is kept, the loop continues.
   void OnClose(bool close, const Reply& reply) {
     if (auto begun = Grip(close ? 0 : config_.opening_mm); !begun) {
       return reply(
@@ -102,7 +102,7 @@ class Gripper : public musher::MachineActuator {
   }
 
   void Cycle() {
-    tell_width_({static_cast<float>(width_mm())});
+    publish_width_({static_cast<float>(width_mm())});
     if (!moves()) AnswerWaiting(true, "");
   }
 
@@ -112,12 +112,12 @@ class Gripper : public musher::MachineActuator {
   // [service end]
 
   // [open]
-  // Lets go of what it holds. A callback may block; it looks whether it is still waited for, and
-  // says that it gets on.
+  // Releases the object. A callback may block; it checks whether it should stop, and reports its
+  // progress by Checkpoint().
   musher::Result<> Open() {
     if (EmergencyStopped()) {
       return musher::Error{MakeCode(kGripper, musher::KeyCode::kStateInvalid),
-                           "nothing opens during an emergency stop"};
+                           "the gripper does not open during an emergency stop"};
     }
     RunOnLoop([this] {
       AnswerWaiting(false, "the gripper opens");
@@ -135,7 +135,7 @@ class Gripper : public musher::MachineActuator {
   // [open end]
 
   // [rest]
-  // Without power the jaw gives way by hand: so that is also how it ends in an emergency stop.
+  // Without power the jaw can be moved by hand: so an emergency stop ends here, too.
   musher::Result<> OpenAndSleep() {
     if (EmergencyStopped()) return SetPower(false);
     if (auto open = Open(); !open) return open;
@@ -158,7 +158,8 @@ class Gripper : public musher::MachineActuator {
   // [rest end]
 
   // [time]
-  // The world's, where the robot goes by /clock. In a trial there is no wire, and the computer's.
+  // The world's time, if the robot uses /clock. A fault test has no wire, and uses the computer's
+  // time.
   musher::Time Now() const {
     return clock_ != nullptr ? clock_->Now() : std::chrono::steady_clock::now();
   }
@@ -173,8 +174,8 @@ class Gripper : public musher::MachineActuator {
   const GripperConfig config_;
   Jaw jaw_;
   bool powered_ = false;
-  Reply waiting_;  // to who has asked and is not answered yet
-  std::function<void(const musher::msg::Float32&)> tell_width_;
+  Reply waiting_;  // of the caller that is not answered yet
+  std::function<void(const musher::msg::Float32&)> publish_width_;
   musher::transport::Clock* clock_ = nullptr;  // from SetUp on
 };
 // [members end]

@@ -1,5 +1,5 @@
 #pragma once
-// gripper.toml.
+// Reads gripper.toml.
 
 #include <string>
 

@@ -1,14 +1,14 @@
-// The gripper against drawn faults, in virtual time.
+// Tests the gripper with injected faults, in virtual time.
 
 #include "gripper.hpp"
 
 #include "musher/simulation/actuator_fault_test.hpp"
 
-// [trial]
-TEST(Gripper, HoldsNothingWhereTheRobotSparesItself) {
+// [fault_test]
+TEST(Gripper, IsOpenInProtectedAndHasNoPowerInLowPower) {
   musher::simulation::ActuatorFaultTest<Gripper> test;
   test.config_file = "robot.toml";
-  test.make = [] {  // a jaw that takes no time, since a trial has none to give
+  test.make = [] {  // its jaw needs no time, since waiting takes real time here
     return std::make_unique<Gripper>(GripperConfig{.speed_mm_s = 1e12});
   };
   test.always = [](const Gripper& gripper, const musher::ActuatorReport& report) {
@@ -20,7 +20,7 @@ TEST(Gripper, HoldsNothingWhereTheRobotSparesItself) {
   };
   test.Run();
 }
-// [trial end]
+// [fault_test end]
 
 // [jaw]
 TEST(Jaw, IsHalfwayAfterHalfTheTimeAndStaysWhereItIsHalted) {

@@ -1,6 +1,6 @@
 #pragma once
-// A jaw that moves as fast as it can to where it is told. On a robot of metal this would speak with
-// a motor; here it is arithmetic, so the rest can be tried without one.
+// A jaw that moves at its speed to the commanded width. On a real robot this class would drive a
+// motor; here it computes the motion, so that the rest can be tested without hardware.
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// The gripper in the robot, as a user has it: the world, motion and all the others, over DDS.
+// Tests the gripper in the whole robot: the world, motion and all other modules, over DDS.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -15,7 +15,7 @@ using musher::msg::SetBool;
 // [robot]
 class Robot : public testing::Test {
  protected:
-  // A DDS domain of its own: there may be another robot on this desk.
+  // A DDS domain of its own: another robot may run on this computer.
   Robot() {
     setenv("ROS_DOMAIN_ID", std::to_string(215 + getpid() % 8).c_str(), 1);
     node_ = musher::transport::NodeThread::Start().value();
@@ -55,7 +55,7 @@ class Robot : public testing::Test {
 // [robot end]
 
 // [tests]
-TEST_F(Robot, GripsInActiveAndLetsGoInProtected) {
+TEST_F(Robot, GripsInActiveAndReleasesInProtected) {
   ASSERT_NO_FATAL_FAILURE(Go("SelfCheck"));
   ASSERT_NO_FATAL_FAILURE(Go("Active"));
   EXPECT_TRUE(Close(true).success);

@@ -1,17 +1,16 @@
 # shellcheck shell=bash
 # shellcheck disable=SC2154,SC2034  # what scripts/demo sets, and what it uses
-# Sourced by scripts/demo: a day in a robot's life, in a simulated yard. The battery, the cable and the
-# finger on its back are told to the world, its upgrades come from a folder; whatever follows is the
-# robot's own doing.
+# Sourced by scripts/demo: a day of a robot, in a simulated yard. The script sets the battery, the cable
+# and the touch sensor in the world, and provides upgrades in a folder; the robot reacts by itself.
 
 root_of_robot=$scratch/robot  # with its versions
 journal=$XDG_STATE_HOME/musher/robot.domain$ROS_DOMAIN_ID/journal.sqlite
 logs=$XDG_STATE_HOME/musher/robot.domain$ROS_DOMAIN_ID/logs
 picture=$pictures/robot-day.png strip=$pictures/robot-saw.jpg
-speed=4  # of the world's time
-walking_speed=2  # the same: a walk is led from outside, twenty times a second
+speed=4  # factor of the world's time
+walking_speed=2  # the same during a walk, which the tool controls twenty times a second
 
-# shown COMMAND...: shows the command, runs it; what it says goes to `result`, its exit code to `code`.
+# shown COMMAND...: prints the command and runs it; its output goes to `result`, its exit code to `code`.
 shown() {
   say "\$ $*"
   result=$("$@" 2>&1)
@@ -23,26 +22,26 @@ world() {
 motion() {
   shown musher-motion --clock topic --json "$@"
 }
-# ota COMMAND...: with the folders shown as short as they are meant.
+# ota COMMAND...: prints the command with shortened folders.
 ota() {
   say "\$ musher ota ${*//$scratch\//}"
   result=$(musher ota "$@" 2>&1)
   code=$?
 }
-# has_said TEXT: whether the robot has said it since its voice was started.
+# has_said TEXT: whether the robot has said the text since its audio module was started.
 has_said() {
   grep -q "says \"$1" "$logs/audio.log" && echo yes
 }
 
-# The yard is no part of the robot: it goes on when that is upgraded or switched off.
+# The yard is not part of the robot: it keeps running when the robot is upgraded or switched off.
 make_yard() {
   (cd "$scratch" && MUSHER_DEMO=$scratch exec musher-world config/scenes/yard.toml --alone) \
     > "$scratch/yard.log" 2>&1 &
   yard=$!
 }
 
-# The robot's files: all of config/, but without the yard in the state config, and with as long for an
-# answer of the body as it has where time goes as fast as the clock.
+# The robot's files: all of config/, but without the yard in the state config, and with timeouts of the
+# body that are scaled by the speed of the world.
 make_versions() {
   local files=$scratch/files
   cp -r "$scratch/config" "$files"
@@ -61,26 +60,26 @@ make_versions() {
 }
 
 boot() {
-  act "The robot boots, says that it is ready, and stands up"
+  step "The robot boots, announces that it is ready, and stands up"
   make_yard
   make_versions > "$scratch/versions.log" 2>&1
-  expect "its first version is made: exit code" 0 $?
+  expect "the first version is created: exit code" 0 $?
   say "\$ musher up --detach robot"
   musher_up "$root_of_robot" > "$scratch/up.log" 2>&1
   expect "exit code of up" 0 $?
   expect "the machine" Active "$(status .state)"
   await '.actuators | all(.state == "Active")'
-  expect "those that are Active" 5 "$(status '[.actuators[] | select(.state == "Active")] | length')"
+  expect "actuators in Active" 5 "$(status '[.actuators[] | select(.state == "Active")] | length')"
   world speed $speed
-  expect "the world's time goes $speed times as fast: exit code" 0 "$code"
+  expect "the world runs at $speed times the speed: exit code" 0 "$code"
   motion result 111
   expect "recovery stand" "true 0" "$(answer '"\(.result) \(.code)"')"
-  expect "it has said that it is awake" yes "$(has_said "Good day")"
+  expect "it has said its greeting" yes "$(has_said "Good day")"
 }
 
 walk() {
   local process films
-  act "It walks a square of two metres and looks about; a module dies as it sets out"
+  step "It walks a square of two metres and takes pictures; a module is killed at the start"
   world speed $walking_speed
   say "\$ musher-camera strip image_rgb …"
   musher-camera --clock topic strip image_rgb "$strip" --every 3 --count 8 --columns 4 \
@@ -91,51 +90,51 @@ walk() {
   kill -KILL "$process"
   motion walk --square 2 --speed 0.6
   expect "exit code" 0 "$code"
-  at_most "away from where it began" 30 "$(answer '.gap_m * 100 | round')" cm
+  at_most "distance from the start" 30 "$(answer '.gap_m * 100 | round')" cm
   world speed $speed
   await '.actuators | all(.state == "Active")'
   expect "sensor_manager has a new process" true \
     "$(status ".actuators.sensor_manager.pid | . > 0 and . != $process")"
-  expect "sensor_manager, started again" Active "$(status .actuators.sensor_manager.state)"
+  expect "sensor_manager after the restart" Active "$(status .actuators.sensor_manager.state)"
   kill -TERM "$films"
   wait "$films"
   expect "the strip of pictures: exit code" 0 $?
-  [[ -s $strip ]] && say "what it saw is in $strip"
+  [[ -s $strip ]] && say "its pictures are in $strip"
 }
 
 be_protected() {
-  act "The battery falls to 18 %: Protected"
+  step "The battery falls to 18 %: Protected"
   world battery 18
   await '.state == "Protected"'
   expect "the machine" Protected "$(status .state)"
-  expect "why" yes "$(musher history --why --journal "$journal" | grep -q '18 %' && echo yes)"
+  expect "the cause is in the history" yes "$(musher history --why --journal "$journal" | grep -q '18 %' && echo yes)"
   shown musher capabilities back_flip --json
   expect "a back flip is allowed" false "$(answer .allowed)"
   motion result 121
   expect "a back flip is refused with" "false 3013" "$(answer '"\(.result) \(.code)"')"
   motion servo --id 303 --vx 0.3 --seconds 2
-  expect "walking goes on: exit code" 0 "$code"
+  expect "walking is still allowed: exit code" 0 "$code"
 }
 
 rest() {
-  act "The battery falls to 4 %: LowPower"
+  step "The battery falls to 4 %: LowPower"
   world battery 4
   await '.state == "LowPower" and .target == ""'
   expect "the machine" LowPower "$(status .state)"
   motion status
-  expect "its motion, 101 being to lie down" 101 "$(answer .motion_id)"
+  expect "its motion (101: lying down)" 101 "$(answer .motion_id)"
   motion result 111
   expect "standing up is refused with" "false 3003" "$(answer '"\(.result) \(.code)"')"
   motion result 0
-  expect "emergency stop is not refused" "true 0" "$(answer '"\(.result) \(.code)"')"
+  expect "an emergency stop is not refused" "true 0" "$(answer '"\(.result) \(.code)"')"
   shown musher-camera shot image_rgb "$scratch/dark.png" --timeout 2
-  expect "its cameras are off: exit code of a picture" 1 "$code"
+  expect "its cameras are off: exit code of a shot" 1 "$code"
   musher_set Active
   expect "Active is refused with" "refused 113" "$(answer '"\(.outcome) \(.code)"')"
 }
 
 charge() {
-  act "It is charged: it gets up again by itself, level by level"
+  step "It is charged: it becomes more active automatically, level by level"
   world cable in
   world battery 12
   await '.state == "Protected"'
@@ -150,7 +149,7 @@ charge() {
 }
 
 lie_still() {
-  act "It lies still for 30 s: LowPower, until it is woken up"
+  step "It lies still for 30 s: LowPower, until it is woken up"
   motion result 101
   expect "getting down" "true 0" "$(answer '"\(.result) \(.code)"')"
   await '.state == "LowPower"'
@@ -161,7 +160,7 @@ lie_still() {
 }
 
 keep_state() {
-  act "It is kept in Active, whatever the battery says"
+  step "It is kept in Active, independent of the battery"
   shown musher keep Active --for 600
   expect "exit code of keep" 0 "$code"
   world battery 4
@@ -176,15 +175,15 @@ keep_state() {
 }
 
 refuse_upgrade() {
-  act "A bundle that somebody has altered: refused, and nothing changes"
+  step "An altered bundle: refused, and nothing changes"
   ota install "$scratch/altered" --root "$root_of_robot"
   expect "exit code" 1 "$code"
-  expect "why" yes "$(grep -q phrases.toml <<< "$result" && echo yes)"
+  expect "the altered file is named" yes "$(grep -q phrases.toml <<< "$result" && echo yes)"
   expect "the machine" Active "$(status .state)"
 }
 
 upgrade() {
-  act "A good bundle: the robot lies down, is upgraded and checks itself"
+  step "A valid bundle: the robot lies down, is upgraded and checks itself"
   motion result 111
   expect "recovery stand" "true 0" "$(answer '"\(.result) \(.code)"')"
   ota install "$scratch/v1.1.0" --root "$root_of_robot"
@@ -194,12 +193,12 @@ upgrade() {
   ota status --root "$root_of_robot" --json
   expect "its version" 1.1.0 "$(answer '.slots[] | select(.role == "confirmed") | .version')"
   await '.actuators | all(.state == "Active")'
-  expect "those that are Active" 5 "$(status '[.actuators[] | select(.state == "Active")] | length')"
-  expect "it says what is new" yes "$(has_said "Good day. I am awake, and I have learnt")"
+  expect "actuators in Active" 5 "$(status '[.actuators[] | select(.state == "Active")] | length')"
+  expect "it says the new greeting" yes "$(has_said "Good day. I am awake, and I have learnt")"
 }
 
 power_off() {
-  act "Power-off: TearDown, and everything ends"
+  step "Power-off: TearDown, and all processes exit"
   world draw
   expect "the picture of the day: exit code" 0 "$code"
   [[ -s $result ]] && cp "$result" "$picture" && say "the picture is in $picture"
@@ -207,14 +206,14 @@ power_off() {
   expect "exit code" 0 "$code"
   kill "$yard"
   await_end
-  expect "the last thing on record" "power-off; no command is configured" \
+  expect "the last record" "power-off; no command is configured" \
     "$(history_of '.[-1].message')"
 }
 
 explain_keeping() {
   cat << END
 
-${bold}The robot stays up.${plain} To play with it, from another terminal too:
+${bold}The robot keeps running.${plain} Commands to try, also from another terminal:
 
   export PATH=$bin:\$PATH ROS_DOMAIN_ID=$ROS_DOMAIN_ID XDG_STATE_HOME=$XDG_STATE_HOME
   musher status --watch
@@ -228,7 +227,7 @@ ${bold}The robot stays up.${plain} To play with it, from another terminal too:
 END
 }
 
-play() {
+run_demo() {
   boot
   if ((failures == 0)); then
     walk

@@ -1,19 +1,19 @@
 # shellcheck shell=bash
 # shellcheck disable=SC2154,SC2034  # what scripts/demo sets, and what it uses
-# Sourced by scripts/demo: the wedding robot in a simulated hall. The guests come by themselves, as
-# scenes/wedding.toml has it; what the robot does follows from what it sees through its camera.
+# Sourced by scripts/demo: the wedding robot in a simulated hall. The guests follow the timetable of
+# scenes/wedding.toml; the robot reacts to the pictures of its camera.
 
 journal=$XDG_STATE_HOME/musher/wedding.domain$ROS_DOMAIN_ID/journal.sqlite
 logs=$XDG_STATE_HOME/musher/wedding.domain$ROS_DOMAIN_ID/logs
 strip=$pictures/wedding-saw.jpg hall=$pictures/wedding-show.jpg graph=$pictures/wedding-machine.svg
 
-# shown COMMAND...: shows the command, runs it; what it says goes to `result`, its exit code to `code`.
+# shown COMMAND...: prints the command and runs it; its output goes to `result`, its exit code to `code`.
 shown() {
   say "\$ $*"
   result=$("$@" 2>&1)
   code=$?
 }
-# behavior FILTER: what the application says of itself.
+# behavior FILTER: the status of the application.
 behavior() {
   musher behavior wedding --history 64 --json 2> /dev/null | jq -r "$1"
 }
@@ -21,7 +21,7 @@ behavior() {
 changes() {
   behavior '[.history[] | "\(.from)>\(.to)"] | join(" ")'
 }
-# await_change CHANGE [TIMES]: waits up to a minute until it has come, or come so often; says "yes".
+# await_change CHANGE [TIMES]: waits up to a minute for the change, or for TIMES of them; prints "yes".
 await_change() {
   local _
   for _ in {1..300}; do
@@ -29,7 +29,7 @@ await_change() {
     sleep 0.2
   done
 }
-# photographs N: waits up to ten seconds until so many are saved; says how many.
+# photographs N: waits up to ten seconds until N are saved; prints their number.
 photographs() {
   local _ saved
   for _ in {1..100}; do
@@ -39,7 +39,7 @@ photographs() {
   done
   echo "$saved"
 }
-# has_said TEXT: whether it has been said since the voice was started.
+# has_said TEXT: whether the robot has said the text since its audio module was started.
 has_said() {
   grep -q "says \"$1" "$logs/audio.log" && echo yes
 }
@@ -54,50 +54,50 @@ film() {
 }
 
 boot() {
-  act "The robot boots, checks its camera, its voice and its body, and waits for guests"
+  step "The robot boots, checks its camera, its voice and its body, and waits for guests"
   say "\$ musher up --detach config/wedding.toml"
   musher_up "$scratch/config/wedding.toml" > "$scratch/up.log" 2>&1
   expect "exit code of up" 0 $?
   expect "the machine" Active "$(status .state)"
-  expect "those that are Active" 5 "$(status '[.actuators[] | select(.state == "Active")] | length')"
+  expect "actuators in Active" 5 "$(status '[.actuators[] | select(.state == "Active")] | length')"
   film image_rgb "$strip" --every 0.6 --count 15 --width 256
   film image_hall "$hall" --every 1.7 --count 10
 }
 
 greet() {
-  act "The bride comes, and the robot greets her"
+  step "The bride comes, and the robot greets her"
   expect "from IDLE to TRACKING" yes "$(await_change 'IDLE>TRACKING')"
-  expect "it has said welcome" yes "$(has_said "Welcome")"
+  expect "it has welcomed her" yes "$(has_said "Welcome")"
 }
 
 photograph() {
-  act "She makes a heart with her hands: a pose, a countdown, a photograph"
+  step "She makes a heart with her hands: a pose, a countdown, a photograph"
   expect "from TRACKING to PHOTO_POSING" yes "$(await_change 'TRACKING>PHOTO_POSING')"
   shown musher graph --behavior wedding -o "$graph"
-  expect "its machine is drawn: exit code" 0 "$code"
-  expect "and back" yes "$(await_change 'PHOTO_POSING>TRACKING')"
+  expect "its state machine is drawn: exit code" 0 "$code"
+  expect "and back to TRACKING" yes "$(await_change 'PHOTO_POSING>TRACKING')"
   expect "photographs" 1 "$(photographs 1)"
 }
 
 farewell() {
-  act "She leaves, and it waves"
+  step "She leaves, and it waves"
   expect "from TRACKING to FAREWELL" yes "$(await_change 'TRACKING>FAREWELL')"
-  expect "and home to IDLE" yes "$(await_change 'FAREWELL>IDLE')"
+  expect "and back to IDLE" yes "$(await_change 'FAREWELL>IDLE')"
   expect "it has said goodbye" yes "$(has_said "Goodbye")"
 }
 
 be_close() {
-  act "The groom is photographed, too; then a child comes too close: it stops at once, and goes on"
+  step "The groom is photographed, too; then a child comes too close: it stops at once, and resumes"
   expect "from TRACKING to SAFE_STOP" yes "$(await_change 'TRACKING>SAFE_STOP')"
   expect "photographs" 2 "$(photographs 2)"
-  expect "it asks for room" yes "$(has_said "Please step back")"
+  expect "it asks the child to step back" yes "$(has_said "Please step back")"
   expect "from SAFE_STOP to IDLE" yes "$(await_change 'SAFE_STOP>IDLE')"
 }
 
 lose_sight() {
   local process
-  act "Its eyes are killed while bride and groom stand there: nobody notices"
-  expect "they are being looked at" yes "$(await_change 'IDLE>TRACKING' 5)"
+  step "Its vision module is killed while bride and groom stand there: the show continues"
+  expect "it looks at them" yes "$(await_change 'IDLE>TRACKING' 5)"
   process=$(status .actuators.vision.pid)
   say "\$ kill -KILL $process  # vision"
   kill -KILL "$process"
@@ -109,7 +109,7 @@ lose_sight() {
 }
 
 rest() {
-  act "LowPower: it stands straight and its show rests; Active: it waits for guests again"
+  step "LowPower: it stands straight and its show is paused; Active: it waits for guests again"
   musher_set LowPower
   expect "LowPower" "done" "$(answer .outcome)"
   expect "its show" "paused IDLE" "$(behavior '"\(if .ticking then "runs" else "paused" end) \(.state)"')"
@@ -118,7 +118,7 @@ rest() {
 }
 
 go_home() {
-  act "Power-off: TearDown, and everything ends"
+  step "Power-off: TearDown, and all processes exit"
   shown musher down
   expect "exit code" 0 "$code"
   await_end
@@ -131,13 +131,13 @@ show_pictures() {
     wait "$film"
     expect "a strip of pictures: exit code" 0 $?
   done
-  say "the show is in $hall, what it saw in $strip, its machine in $graph"
+  say "the show is in $hall, its pictures in $strip, its state machine in $graph"
 }
 
 explain_keeping() {
   cat << END
 
-${bold}The robot stays up.${plain} To play with it, from another terminal too:
+${bold}The robot keeps running.${plain} Commands to try, also from another terminal:
 
   export PATH=$bin:\$PATH ROS_DOMAIN_ID=$ROS_DOMAIN_ID XDG_STATE_HOME=$XDG_STATE_HOME
   musher behavior wedding --watch
@@ -147,7 +147,7 @@ ${bold}The robot stays up.${plain} To play with it, from another terminal too:
 END
 }
 
-play() {
+run_demo() {
   boot
   if ((failures == 0)); then
     greet
