@@ -25,7 +25,7 @@ Result<> RunGuarded(const std::function<Result<>()>& callback) {
   } catch (const std::exception& e) {
     return Error{kCodeFailed, std::string("the callback threw: ") + e.what()};
   } catch (...) {
-    return Error{kCodeFailed, "the callback threw something that is no std::exception"};
+    return Error{kCodeFailed, "the callback threw something that is not a std::exception"};
   }
 }
 

@@ -48,7 +48,7 @@ msg::GetBehavior::Response ReportBehavior(const fsm::Machine& machine, bool tick
   } else if (request.format == "mermaid") {
     report.graph = fsm::ToMermaid(machine.chart(), report.current_state);
   } else if (!request.format.empty()) {
-    report.error = "a graph is dot or mermaid";
+    report.error = "unknown graph format; expected dot or mermaid";
   }
   return report;
 }

@@ -15,14 +15,14 @@
 namespace musher {
 namespace {
 
-constexpr int kMostTold = 20;  // changes, faults and unhandled commands in a second
+constexpr int kMostLogged = 20;  // changes, faults and unhandled commands in a second
 
-// What the endpoints give, and keep for as long as they are there.
+// What the endpoints provide, and keep as long as they exist.
 struct Wire {
   transport::EventLoop* loop = nullptr;
   transport::Clock* clock = nullptr;
   transport::LoopHandlePtr ticks;
-  std::function<void(const msg::String&)> tell_state;
+  std::function<void(const msg::String&)> publish_state;
 };
 
 }  // namespace
@@ -42,8 +42,8 @@ class FsmActuator::Impl : public fsm::Listener {
     Result<> result;
     owner_.RunOnLoop([&] {
       if (state == kActive) {
-        result = GoOn();
-        if (!result) Pause();  // what began is not left half done
+        result = StartOrResume();
+        if (!result) Pause();  // an incomplete start is not left running
       } else if (state == kTearDown) {
         End();
       } else {
@@ -59,12 +59,12 @@ class FsmActuator::Impl : public fsm::Listener {
   }
 
   void Pause() {
-    Rest();
+    PauseMachine();
     Guard("OnPause", [&] { owner_.OnPause(); });
   }
 
   Result<> Send(std::string_view command) {
-    // One that waits for hours would do what nobody wants any more.
+    // A command queued for hours would no longer be wanted.
     if (!ticking_) {
       return Error{MakeCode(ModuleCode::kRobot, KeyCode::kStateInvalid),
                    owner_.name() + " is paused in " + owner_.CurrentState() +
@@ -93,15 +93,15 @@ class FsmActuator::Impl : public fsm::Listener {
                        std::string(fsm::Name(change.cause));
     if (change.command != fsm::kNoEvent) line += " by " + std::string(machine.Name(change.command));
     if (change.cause == fsm::Cause::kUnsafe) line += ", " + std::string(machine.unsafe());
-    Tell(change.at, line);
+    Log(change.at, line);
     if (!in_tick_) PublishSoon();
   }
   void OnUnhandled(const fsm::Machine& machine, fsm::EventId command, fsm::StateId state) override {
-    Tell(machine.time(), "command " + std::string(machine.Name(command)) + " is not handled in " +
-                             std::string(machine.Name(state)));
+    Log(machine.time(), "command " + std::string(machine.Name(command)) + " is not handled in " +
+                            std::string(machine.Name(state)));
   }
   void OnFault(const fsm::Machine& machine, const fsm::Fault& fault) override {
-    Tell(fault.at, "fault: " + machine.Describe(fault));
+    Log(fault.at, "fault: " + machine.Describe(fault));
   }
 
  private:
@@ -118,7 +118,7 @@ class FsmActuator::Impl : public fsm::Listener {
       const auto wire = std::make_shared<Wire>();
       wire->loop = &topics.node().loop();
       wire->clock = &topics.clock();
-      wire->tell_state =
+      wire->publish_state =
           topics.Tell<msg::String>(owner_.name() + "/behavior_state", transport::kLatchedQos);
       topics.Keep(wire);
       wire_ = wire;
@@ -141,7 +141,7 @@ class FsmActuator::Impl : public fsm::Listener {
     return opened;
   }
 
-  Result<> GoOn() {
+  Result<> StartOrResume() {
     if (owner_.EmergencyStopped()) {
       return Error{MakeCode(ModuleCode::kRobot, KeyCode::kStateInvalid),
                    "an emergency stop was engaged meanwhile"};
@@ -151,15 +151,15 @@ class FsmActuator::Impl : public fsm::Listener {
       return Error{kCodeFailed, *thrown};
     }
     if (!machine_->running()) {
-      static_cast<void>(machine_->Start(Now()));  // what failed is told by OnFault
+      static_cast<void>(machine_->Start(Now()));  // a fault is reported by OnFault
       if (!machine_->running()) {
         return Error{kCodeFailed,
-                     "the machine stopped as it began: " + machine_->Describe(*machine_->fault())};
+                     "the machine stopped at its start: " + machine_->Describe(*machine_->fault())};
       }
     } else if (options_.resume == Resume::kAnew) {
       static_cast<void>(machine_->Reset());
     }
-    // A world whose clock has not been heard of yet may be at any time when it is.
+    // The first time received from /clock may have any value.
     if (Now() == Time{}) machine_->Pause();
     ticking_ = true;
     if (const auto wire = wire_.lock()) {
@@ -175,14 +175,14 @@ class FsmActuator::Impl : public fsm::Listener {
     in_tick_ = true;
     const bool well = GuardTick("BeforeTick", before_fault_, [&] { owner_.BeforeTick(now); });
     if (ticking_) machine_->RunOnce(now);
-    if (!well) GoSafe();  // also when it has just been left
+    if (!well) GoSafe();  // also when the tick has just left it
     GuardTick("AfterTick", after_fault_, [&] { owner_.AfterTick(now); });
     in_tick_ = false;
     Publish();
     if (!machine_->running()) Ended();
   }
 
-  // The machine stopped: by a fault, or because the application wanted it.
+  // The machine stopped: by a fault, or by the application.
   void Ended() {
     const bool by_fault = machine_->fault() && machine_->mode() == fsm::Mode::kSafeStop;
     Pause();
@@ -191,18 +191,18 @@ class FsmActuator::Impl : public fsm::Listener {
   }
 
   void End() {
-    Rest();
-    static_cast<void>(machine_->Stop());  // what failed is told by OnFault
+    PauseMachine();
+    static_cast<void>(machine_->Stop());  // a fault is reported by OnFault
     Guard("OnPause", [&] { owner_.OnPause(); });
   }
 
-  void Rest() {
+  void PauseMachine() {
     if (const auto wire = wire_.lock()) wire->ticks.reset();
     ticking_ = false;
     if (machine_) machine_->Pause();
   }
 
-  // Runs a hook; nothing, or what it threw.
+  // Calls a hook; nullopt, or the text of its exception.
   std::optional<std::string> Thrown(const char* name, const std::function<void()>& hook) {
     try {
       hook();
@@ -210,19 +210,20 @@ class FsmActuator::Impl : public fsm::Listener {
     } catch (const std::exception& thrown) {
       return std::string(name) + ": " + thrown.what();
     } catch (...) {
-      return std::string(name) + ": threw something that is no std::exception";
+      return std::string(name) + ": threw something that is not a std::exception";
     }
   }
   void Guard(const char* name, const std::function<void()>& hook) {
     if (const auto thrown = Thrown(name, hook)) owner_.Log("fault: " + *thrown);
   }
-  // Of a hook around the tick: as if a state had failed. Said once for as long as it is the same.
+  // Calls a hook of the tick. An exception counts as a failed state; it is logged once as long as
+  // it is the same.
   bool GuardTick(const char* name, std::string& last, const std::function<void()>& hook) {
     const auto thrown = Thrown(name, hook);
     const bool news = thrown && *thrown != last;
     last = thrown.value_or("");
     if (!thrown) return true;
-    if (news) Tell(machine_->time(), "fault: " + *thrown);
+    if (news) Log(machine_->time(), "fault: " + *thrown);
     if (GoSafe()) return false;
     Pause();
     owner_.GiveUp({kCodeFailed, *thrown + "; and there is no safe state to go to"});
@@ -240,7 +241,7 @@ class FsmActuator::Impl : public fsm::Listener {
     return false;
   }
 
-  // Once the state has been entered: it may hold a machine, which is somewhere only then.
+  // Publishes once the state has been entered: a machine in it has a state only then.
   void PublishSoon() {
     const auto wire = wire_.lock();
     if (!wire) return;
@@ -253,32 +254,32 @@ class FsmActuator::Impl : public fsm::Listener {
     if (!wire) return;
     std::string path = machine_->Path();
     if (published_ == path) return;
-    wire->tell_state({path});
+    wire->publish_state({path});
     published_ = std::move(path);
   }
 
-  // A machine that goes to and fro fills no disk.
-  void Tell(Duration at, const std::string& line) {
-    if (at < telling_since_ || at - telling_since_ >= std::chrono::seconds(1)) {
-      telling_since_ = at;
-      told_ = 0;
+  // Rate-limited, so that a machine that changes in every tick does not fill the disk.
+  void Log(Duration at, const std::string& line) {
+    if (at < logging_since_ || at - logging_since_ >= std::chrono::seconds(1)) {
+      logging_since_ = at;
+      logged_ = 0;
     }
-    if (++told_ <= kMostTold) owner_.Log(line);
-    if (told_ == kMostTold) owner_.Log("more of this within a second is not told");
+    if (++logged_ <= kMostLogged) owner_.Log(line);
+    if (logged_ == kMostLogged) owner_.Log("further messages within this second are suppressed");
   }
 
   FsmActuator& owner_;
   Options options_;
   std::unique_ptr<fsm::Machine> machine_;
   std::weak_ptr<Wire> wire_;
-  bool open_ = false;  // SetUp is done; before, the machine is its worker's
+  bool open_ = false;  // SetUp is done; before, the machine belongs to the worker
   bool ticking_ = false;
   bool in_tick_ = false;
-  std::string before_fault_;  // what BeforeTick() threw in the last tick
+  std::string before_fault_;  // the exception of BeforeTick() in the last tick
   std::string after_fault_;
   std::optional<std::string> published_;
-  Duration telling_since_{};
-  int told_ = 0;
+  Duration logging_since_{};
+  int logged_ = 0;
 };
 
 FsmActuator::FsmActuator(const std::string& actuator_name, Options options)

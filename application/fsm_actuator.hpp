@@ -30,25 +30,25 @@
 // clang-format off
 //   robot          machine
 //   SetUp          is built; topics are opened
-//   SelfCheck      SelfCheck() is asked
-//   Active         is started, or goes on where it was (or anew: Options::resume); ticks
+//   SelfCheck      SelfCheck() is called
+//   Active         is started, or goes on in its state (or from the start: Options::resume); ticks
 //   TearDown       is stopped: its state is left; OnPause()
-//   all others     rests, its time stands still; OnPause()
-//   an emergency stop: OnPause() at once, and it rests until the stop is released and Active is set
-//                  again, also where the robot is in Active still
+//   all others     is paused, its time stands still; OnPause()
+//   an emergency stop: OnPause() at once, and it is paused until the stop is released and Active is
+//                  set again, also where the robot is still in Active
 //                  (during SetUp nothing moves yet: there is nothing to pause)
 // clang-format on
 //
 // A machine that stops because its safe state failed, or because it has none, ends the process with
-// a code that is not 0, so that its restart policy acts. A state that blocks blocks the loop: with
-// checkpoint_ms in the config the actuator is then called hung.
+// a non-zero exit code, so that its restart policy applies. A state that blocks blocks the loop:
+// with checkpoint_ms in the config the actuator is then reported as hung.
 //
-// Others see it by `<actuator>/get_behavior` (musher behavior, musher graph --behavior) and
+// Interfaces: service `<actuator>/get_behavior` (musher behavior, musher graph --behavior), topic
 // `<actuator>/behavior_state` (std_msgs/String, latched: "PHOTO/COUNTDOWN"; "" when it does not
-// run), and send it its commands by `<actuator>/send_command` (musher behavior --send).
+// run), and service `<actuator>/send_command` for its commands (musher behavior --send).
 //
-// In a trial (simulation/actuator_fault_test.hpp) there is neither wire nor clock: the machine is
-// built, started, paused and stopped, and is not ticked.
+// In a fault-injection test (simulation/actuator_fault_test.hpp) there is neither transport nor
+// clock: the machine is built, started, paused and stopped, and is not ticked.
 //
 // Threads: the machine, the hooks and the handlers of topics run on the loop, one at a time, so
 // they share data without locks. BuildMachine() and SelfCheck() run on the actuator's worker. All
@@ -75,7 +75,7 @@ class FsmActuator : public MachineActuator {
   struct Options {
     double rate_hz = 50;  // of ticks; more than 0
     Resume resume = Resume::kWhereItWas;
-    fsm::Machine::Options machine{};  // a name that is left as it is becomes the actuator's
+    fsm::Machine::Options machine{};  // a default name is replaced by the actuator's
   };
 
   explicit FsmActuator(const std::string& actuator_name) : FsmActuator(actuator_name, Options{}) {}
@@ -88,40 +88,43 @@ class FsmActuator : public MachineActuator {
  protected:
   // In SetUp: register states, events and safety checks, and Build(). A failure fails SetUp.
   virtual Result<> BuildMachine(fsm::Machine& machine) = 0;
-  // After that, on the loop: topics and services. Their handlers may look at the machine, Send()
-  // commands, force and reset it. Does not run in a trial, where there is no wire.
+  // After that, on the loop: topics and services. Their handlers may read the machine, Send()
+  // commands, force and reset it. Not called in a fault-injection test, where there is no
+  // transport.
   virtual void OpenTopics(transport::Endpoints& /*topics*/) {}
-  // Whether what it needs is there. May take its time.
+  // Whether its dependencies are available. May block.
   virtual Result<> SelfCheck() { return Ok(); }
 
-  // Around each tick. An exception is told, and the machine goes to its safe state as if one of its
-  // states had failed; it runs there, and is back there at the end of each tick that had one.
+  // Before and after each tick. An exception is logged, and the machine goes to its safe state as
+  // if one of its states had failed; it runs there, and returns there at the end of each tick with
+  // an exception.
   virtual void BeforeTick(Time /*now*/) {}
   virtual void AfterTick(Time /*now*/) {}
-  // The robot has gone to a state in which the machine rests, or was stopped in an emergency: bring
-  // the outputs to neutral. Comes back at once; may come twice. An exception is told.
+  // The robot has gone to a state in which the machine is paused, or an emergency stop was engaged:
+  // bring the outputs to neutral. Has to return at once; has to be idempotent. An exception is
+  // logged.
   virtual void OnPause() {}
-  // It goes to Active; before the machine is started or goes on. An exception fails the switch to
-  // Active with its words, after OnPause().
+  // The robot goes to Active; called before the machine is started or goes on. An exception fails
+  // the switch to Active with its text, after OnPause().
   virtual void OnResume() {}
 
   // From SetUp on. On the loop only.
   fsm::Machine& machine();
-  // A command from outside, for the machine to handle: that of <actuator>/send_command, and the one
-  // to be called by handlers of topics. Fails when the machine rests, so that nothing is done hours
-  // later, and where Machine::Send() does. On the loop only.
+  // Sends a command to the machine: called by <actuator>/send_command, and by handlers of topics.
+  // Fails when the machine is paused, so that no command is executed hours later, and when
+  // Machine::Send() fails. On the loop only.
   Result<> Send(std::string_view command);
   // Whether the machine is ticked now. On the loop only.
   bool ticking() const;
-  // What the machine's clock says. On the loop only.
+  // The time of the machine's clock. On the loop only.
   Time Now() const;
-  // The same as messages are stamped, see transport::Clock; nothing where there is no wire.
+  // The same as a stamp of messages, see transport::Clock; zero without a transport.
   msg::Stamp Stamp() const;
   void OnEmergencyStop() override;
 
  private:
-  // What the states of the robot mean is said above; beside it a callback of one's own would keep
-  // the machine from hearing of its state. OnPause() and OnResume() are the places.
+  // Not available: a callback of a derived class would replace the one that runs the machine. Use
+  // OnPause() and OnResume() instead.
   using MachineActuator::RegisterStateCallback;
 
   class Impl;

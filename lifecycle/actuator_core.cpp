@@ -15,16 +15,16 @@ namespace event = actuator_event;
 
 using Refusal = Error;
 
-// So many who say that they are controllers are remembered, those that were heard last.
+// The number of announced controllers that are kept: those received last.
 constexpr std::size_t kAnnouncedKept = 8;
 
-// So many emergency stops that are over are remembered: messages of one do not outlive the next.
+// The number of released emergency stops that are kept; older ones have no samples left.
 constexpr std::size_t kReleasedKept = 64;
-// So many are engaged at once at most. One more changes nothing until one of these is released.
+// The most stops engaged at once. One more changes nothing until one of these is released.
 constexpr std::size_t kMostStops = 256;
 constexpr std::size_t kLongestStopWords = 2048;  // bytes; a status carries no more of a stop
 
-// Where an actuator that has lost its controller goes, if that is down from where it is.
+// The state of an actuator that has lost its controller, if it is below the present one.
 std::optional<State> SafeState(const MachineConfig& config, std::size_t index,
                                const ActuatorCore& core) {
   const State& safe = config.actuators[index].on_controller_lost;
@@ -52,11 +52,10 @@ class Deciding {
     if (auto refusal = Authority(arrived.sender, command.epoch))
       return Refuse({arrived.token}, *refusal);
     if (Repeated(arrived)) return;
-    if (auto refusal = Judge(command)) return Refuse({arrived.token}, *refusal);
+    if (auto refusal = CheckCommand(command)) return Refuse({arrived.token}, *refusal);
     report_.number = command.number;
     if (report_.busy()) {
-      DropWaiting(
-          {kCodeTargetBusy, "command " + std::to_string(command.number) + " took its place"});
+      DropWaiting({kCodeTargetBusy, "replaced by command " + std::to_string(command.number)});
       core_.waiting = {command, {arrived.token}};
       return Do(PublishStatus{});
     }
@@ -70,7 +69,7 @@ class Deciding {
     const std::uint64_t number = arrived.command.number;
     report_.number = std::max(report_.number, number);
     if (core_.waiting && core_.waiting->command.number <= number) {
-      DropWaiting({kCodeTimeout, "it had not begun when it was asked for"});
+      DropWaiting({kCodeTimeout, "not started by its deadline; cancelled"});
     }
     if (arrived.command.stop && report_.busy()) Do(RequestStop{});
     Do(Answer{arrived.token, Verdict::kDone, kCodeOk, ""});
@@ -79,7 +78,7 @@ class Deciding {
 
   void On(const event::ManagerCommand& arrived) {
     if (auto refusal = EvaluateManager(arrived.target)) return Refuse({arrived.token}, *refusal);
-    SwitchCommand command;  // of number 0, which no controller gives
+    SwitchCommand command;  // with number 0, which no controller uses
     command.target = arrived.target;
     Begin(command, {arrived.token});
   }
@@ -119,33 +118,33 @@ class Deciding {
     Do(PublishStatus{});
   }
 
-  void On(const event::ControllerHeard& heard) {
-    if (heard.sender == 0) return;
-    if (heard.sender == core_.controller) core_.controller_heard = now_;
+  void On(const event::ControllerHeard& received) {
+    if (received.sender == 0) return;
+    if (received.sender == core_.controller) core_.controller_heard = now_;
     auto& announced = core_.announced;
-    std::erase_if(announced, [&](const auto& one) { return one.sender == heard.sender; });
-    announced.push_back(heard);
+    std::erase_if(announced, [&](const auto& one) { return one.sender == received.sender; });
+    announced.push_back(received);
     if (announced.size() > kAnnouncedKept) announced.erase(announced.begin());
   }
 
-  void On(const event::EmergencyStopHeard& heard) {
-    const bool entitled = heard.sender == core_.controller && core_.controller != 0;
-    if (heard.engaged) {
-      if (entitled) std::erase(core_.released, heard.id);  // it has the last word
-      return Engage({heard.id, heard.by, heard.reason});
+  void On(const event::EmergencyStopHeard& received) {
+    const bool entitled = received.sender == core_.controller && core_.controller != 0;
+    if (received.engaged) {
+      if (entitled) std::erase(core_.released, received.id);  // the controller decides
+      return Engage({received.id, received.by, received.reason});
     }
     if (!entitled) return;
-    core_.released.push_back(heard.id);
+    core_.released.push_back(received.id);
     if (core_.released.size() > kReleasedKept) core_.released.erase(core_.released.begin());
-    const auto same = [&](const EmergencyStop& stop) { return stop.id == heard.id; };
-    if (std::erase_if(core_.stops, same) != 0) TellStops();
+    const auto same = [&](const EmergencyStop& stop) { return stop.id == received.id; };
+    if (std::erase_if(core_.stops, same) != 0) ReportStops();
   }
 
-  // Goes to the safe state when nothing has been heard of the controller for too long.
+  // Goes to the safe state when the heartbeat of the controller is lost for too long.
   void On(const event::TimePassed&) {
     const auto deadline = NextDeadline(machine_, index_, core_);
     if (!deadline || *deadline > now_) return;
-    core_.controller_heard = now_;  // should it fail, it is tried again as much later
+    core_.controller_heard = now_;  // if it fails, it is retried after the same time
     core_.was_apart = report_.apart;
     report_.busy_number = 0;
     Run(*SafeState(machine_, index_, core_));
@@ -173,23 +172,23 @@ class Deciding {
     if (const auto dropped = std::exchange(core_.waiting, {})) Refuse(dropped->tokens, why);
   }
 
-  // One controller is obeyed: the one that came with the highest epoch, having announced itself.
+  // One controller has control: the one with the highest epoch, once it has announced itself.
   std::optional<Refusal> Authority(Sender sender, std::uint64_t epoch) {
     const std::string number = std::to_string(epoch);
     if (sender == 0) {
-      return Refusal{kCodePermissionDenied, "the participant that sent the command is not known"};
+      return Refusal{kCodePermissionDenied, "the participant that sent the command is unknown"};
     }
     if (epoch > kLastEpoch) {
-      return Refusal{kCodeParametersInvalid, "epoch " + number + " cannot be a controller's"};
+      return Refusal{kCodeParametersInvalid, "epoch " + number + " is out of range"};
     }
     if (epoch < report_.epoch) {
-      return Refusal{kCodePermissionDenied, "epoch " + number +
-                                                " is over; this actuator follows epoch " +
-                                                std::to_string(report_.epoch)};
+      return Refusal{kCodePermissionDenied,
+                     "epoch " + number + " is outdated; this actuator is controlled by epoch " +
+                         std::to_string(report_.epoch)};
     }
     if (sender != core_.controller) {
       if (epoch == report_.epoch) {
-        return Refusal{kCodePermissionDenied, "epoch " + number + " is another controller's"};
+        return Refusal{kCodePermissionDenied, "epoch " + number + " belongs to another controller"};
       }
       const event::ControllerHeard announced{sender, epoch};
       if (std::find(core_.announced.begin(), core_.announced.end(), announced) ==
@@ -198,7 +197,7 @@ class Deciding {
                        "no controller of epoch " + number + " has announced itself"};
       }
       core_.controller = sender;
-      // Nobody waits for what the one before had commanded and this one knows nothing of.
+      // The new controller does not know the waiting command of the previous one.
       DropWaiting({kCodePermissionDenied, "the controller of epoch " + number + " has taken over"});
     }
     report_.epoch = epoch;
@@ -217,11 +216,11 @@ class Deciding {
     Do(RunEmergencyStop{});
     if (report_.busy() && GoesUp(report_.target)) Do(RequestStop{});
     if (core_.waiting && GoesUp(core_.waiting->command.target)) DropWaiting(Stopped());
-    TellStops();
+    ReportStops();
   }
 
-  // The status names the oldest: it is over when that one and all others are released.
-  void TellStops() {
+  // The status names the oldest stop; the stop ends when that one and all others are released.
+  void ReportStops() {
     const EmergencyStop first = core_.stops.empty() ? EmergencyStop{} : core_.stops.front();
     report_.emergency_stop = first.id;
     report_.emergency_stop_by = first.by;
@@ -229,9 +228,9 @@ class Deciding {
     Do(PublishStatus{});
   }
 
-  // How a callback counts that has ended. One beside which an emergency stop came may have switched
-  // on, after the stop action, what that had switched off: the action runs again. On the way up it
-  // has failed, even where the stop was released before its end.
+  // The result of a callback that has ended. If an emergency stop was engaged while it ran, it may
+  // have switched on, after the stop action, what that had switched off: the action runs again. An
+  // upward callback has failed, even where the stop was released before its end.
   event::CallbackEnded UnderStop(const State& target, const event::CallbackEnded& ended) {
     if (!std::exchange(core_.stopped_meanwhile, false)) return ended;
     Do(RunEmergencyStop{});
@@ -245,9 +244,9 @@ class Deciding {
             "an emergency stop is engaged; until it is released nothing goes up"};
   }
 
-  // The callback of its own state leads up, too, where it undoes a way down that has failed, and
-  // where it would switch on again what a stop has switched off. It leads down where it undoes a
-  // way up that has failed.
+  // The callback of the present state leads up, too, where it undoes a failed downward callback, or
+  // would switch on what a stop has switched off. It leads down where it undoes a failed upward
+  // one.
   bool GoesUp(const State& target) const {
     if (target != report_.state) return Rises(machine_, report_.state, target);
     const bool switches_on =
@@ -255,14 +254,14 @@ class Deciding {
     return core_.half_way_down || switches_on;
   }
 
-  // On the way down nothing is switched on that a stop has switched off.
+  // A downward callback does not switch on what a stop has switched off.
   bool LeadsDown(const State& target) const {
     const auto from = machine_.RankOf(report_.state);
     const auto to = machine_.RankOf(target);
     return from && to && *to < *from;
   }
 
-  // A command that came before gets the same answer again, or the answer of its run.
+  // A repeated command gets the same answer again, or the answer of its run.
   bool Repeated(const event::SwitchArrived& arrived) {
     const std::uint64_t number = arrived.command.number;
     if (number == 0) return false;
@@ -280,15 +279,15 @@ class Deciding {
     return true;
   }
 
-  std::optional<Refusal> Judge(const SwitchCommand& command) const {
+  std::optional<Refusal> CheckCommand(const SwitchCommand& command) const {
     if (command.incarnation != report_.incarnation) {
       return Refusal{kCodePermissionDenied,
                      "the command is meant for another process of this name"};
     }
     if (command.number <= report_.number) {
-      return Refusal{kCodeStatusError, "command " + std::to_string(command.number) +
-                                           " is from the past; " + std::to_string(report_.number) +
-                                           " was seen already"};
+      return Refusal{kCodeStatusError,
+                     "command " + std::to_string(command.number) + " is outdated; command " +
+                         std::to_string(report_.number) + " was received already"};
     }
     if (auto refusal = CheckTarget(command.target)) return refusal;
     return MayBegin(command);
@@ -297,7 +296,7 @@ class Deciding {
   std::optional<Refusal> EvaluateManager(const State& target) const {
     if (report_.epoch != 0) {
       return Refusal{kCodePermissionDenied,
-                     "a controller holds it, epoch " + std::to_string(report_.epoch)};
+                     "a controller has control, epoch " + std::to_string(report_.epoch)};
     }
     if (report_.busy()) return Refusal{kCodeTargetBusy, "it is busy with " + report_.target};
     if (report_.emergency_stop != 0 && GoesUp(target)) return Stopped();
@@ -310,7 +309,8 @@ class Deciding {
                      "the actuator is torn down; only a new start brings it back"};
     }
     if (target == kSetUp || target == kUninitialized) {
-      return Refusal{kCodeStateInvalid, target + " cannot be commanded: it is a process's start"};
+      return Refusal{kCodeStateInvalid,
+                     target + " cannot be commanded: it runs only at the start of a process"};
     }
     if (!config_.Lists(target)) {
       return Refusal{kCodeUnSupport, config_.name + " has no state '" + target + "'"};
@@ -352,13 +352,13 @@ class Deciding {
 
   void EndCommand(std::uint64_t number, const State& target, std::int32_t code,
                   const std::string& message) {
-    if (number != 0) {  // what it did by itself is no command's outcome
+    if (number != 0) {  // what it did by itself is not the outcome of a command
       report_.outcome_number = number;
       report_.outcome_code = code;
       report_.outcome_message = message;
     }
     if (target == kSelfCheck) {
-      // In the run phase a check changes nothing; on the way up it is a step.
+      // In the run phase a check does not change the state; during start-up it is a step.
       const bool a_step =
           report_.state == kSetUp || report_.state == kSelfCheck || report_.state == kError;
       if (code == kCodeOk && a_step) report_.state = target;
@@ -391,10 +391,10 @@ std::vector<ActuatorAction> Step(const MachineConfig& config, std::size_t index,
 
 std::optional<Time> NextDeadline(const MachineConfig& config, std::size_t index,
                                  const ActuatorCore& core) {
-  const auto patience = config.actuators[index].controller_lost;
-  if (!patience || core.controller == 0 || core.report.busy()) return std::nullopt;
+  const auto timeout = config.actuators[index].controller_lost;
+  if (!timeout || core.controller == 0 || core.report.busy()) return std::nullopt;
   if (!SafeState(config, index, core)) return std::nullopt;
-  return core.controller_heard + *patience;
+  return core.controller_heard + *timeout;
 }
 
 }  // namespace musher

@@ -14,15 +14,19 @@
 //                                              TearDown ended ok: Finish{0}
 // clang-format on
 //
-// Rules: one controller is followed, and it must have announced itself; the epoch never falls; a
-// number is accepted once and never below one accepted or fenced; a command older than its budget
-// by this actuator's clock cannot begin; a callback that runs is never interrupted, only asked to
-// stop; while an emergency stop is latched nothing goes up, not even back to where it is from a way
-// down that has failed, and an upward callback that ends meanwhile has failed, whatever it returns:
-// its state is not taken and the stop action runs again; what a stop has switched off stays off
-// after the release, until a callback of its own state or a higher one ends well without a stop: it
-// is held by the stop, and a command to its own state runs the callback; a manager without
-// epochs may command as long as no controller has spoken, and its command never waits.
+// Rules:
+//   - One controller has control, and it must have announced itself. The epoch never falls.
+//   - A number is accepted once and never below a number accepted or fenced.
+//   - A command older than its budget by this actuator's clock cannot begin.
+//   - A running callback is never interrupted, only requested to stop.
+//   - While an emergency stop is latched, nothing goes up, not even back to the present state after
+//     a downward callback has failed. An upward callback that ends meanwhile has failed, whatever
+//     it returns: its state is not taken, and the stop action runs again.
+//   - What a stop has switched off stays off after the release, until a callback to the present
+//     state or a higher one succeeds without a stop: until then the actuator is held by the stop,
+//     and a command to its present state runs the callback.
+//   - A manager without epochs may command until a controller has sent a command or query, and its
+//     command never waits.
 
 #include <cstdint>
 #include <optional>
@@ -35,10 +39,10 @@
 
 namespace musher {
 
-// A request that came over the wire and must be answered exactly once; the shell knows to whom.
+// A request that came over the wire and must be answered exactly once; the shell knows its client.
 using RequestToken = std::uint64_t;
 
-// The participant that something came from, as the transport tells. 0: not known; such a command is
+// The participant that sent a sample, as the transport reports it. 0: unknown; such a command is
 // refused.
 using Sender = std::uint64_t;
 
@@ -48,16 +52,17 @@ struct SwitchCommand {
   std::uint64_t number = 0;
   State target;
   Duration budget{};        // may not begin once it is older than this
-  Time status_stamp{};      // the stamp of the last status its sender had of this actuator,
-  Duration since_status{};  // and how long ago the sender had got it: together the command's age
+  Time status_stamp{};      // the stamp of the last status that its sender had of this actuator,
+  Duration since_status{};  // and the time since the sender received it: the command's age
   std::uint64_t incarnation = 0;  // of the process it is meant for
-  bool apart = false;             // for this actuator alone, not to where the machine is
+  bool apart = false;             // for this actuator alone, detached from the machine
 
   friend bool operator==(const SwitchCommand&, const SwitchCommand&) = default;
 };
 
-// "How did command `number` end?" It also fences: a command up to `number` that has not begun never
-// will. With `stop` a running callback is asked to stop. Number 0 fences nothing: a health probe.
+// Queries the outcome of command `number`. The query also fences: a command up to `number` that has
+// not begun never will. With `stop` a running callback is requested to stop. Number 0 fences
+// nothing: a health probe.
 struct AskCommand {
   std::uint64_t epoch = 0;
   std::uint64_t number = 0;
@@ -78,7 +83,7 @@ struct AskArrived {
   AskCommand command;
   Sender sender = 0;
 };
-// A manager that knows no epochs and numbers (CyberDog's FsMachine) wants this state.
+// A manager without epochs and numbers (CyberDog's FsMachine) commands this state.
 struct ManagerCommand {
   RequestToken token = 0;
   State target;
@@ -90,13 +95,13 @@ struct CallbackEnded {
   std::int32_t degraded_code = 0;
   std::string degraded_reason = {};
 };
-// A controller says that it lives.
+// A heartbeat of a controller.
 struct ControllerHeard {
   Sender sender = 0;
   std::uint64_t epoch = 0;
   friend bool operator==(const ControllerHeard&, const ControllerHeard&) = default;
 };
-// Somebody engages an emergency stop, or the controller releases it.
+// A participant engages an emergency stop, or the controller releases it.
 struct EmergencyStopHeard {
   std::uint64_t id = 0;
   bool engaged = false;
@@ -104,7 +109,7 @@ struct EmergencyStopHeard {
   std::string by = {};
   std::string reason = {};
 };
-// Nothing happened but time.
+// Only time has passed.
 struct TimePassed {};
 }  // namespace actuator_event
 
@@ -119,11 +124,11 @@ struct RunCallback {
   State target;
   friend bool operator==(const RunCallback&, const RunCallback&) = default;
 };
-// Ask the running callback to stop.
+// Request the running callback to stop.
 struct RequestStop {
   friend bool operator==(const RequestStop&, const RequestStop&) = default;
 };
-// Stop whatever moves, now, whatever else runs.
+// Stop all motion now, whatever else runs.
 struct RunEmergencyStop {
   friend bool operator==(const RunEmergencyStop&, const RunEmergencyStop&) = default;
 };
@@ -143,7 +148,7 @@ struct PublishStatus {
 struct BecomeVisible {
   friend bool operator==(const BecomeVisible&, const BecomeVisible&) = default;
 };
-// The actuator is over: torn down (code 0) or not set up (its code).
+// The actuator has finished: torn down (code 0) or SetUp failed (its code).
 struct Finish {
   std::int32_t code = 0;
   std::string message;
@@ -158,24 +163,25 @@ using ActuatorAction = std::variant<actuator_action::RunCallback, actuator_actio
 
 // The state of one actuator: a plain value.
 struct ActuatorCore {
-  ActuatorReport report;                  // all but `stamp`, which the shell puts in when it sends
-  std::vector<RequestToken> running_for;  // who is told when the running callback ends
-  bool was_apart = false;                 // before the running callback, should it fail
+  ActuatorReport report;                  // all but `stamp`, which the shell sets when it publishes
+  std::vector<RequestToken> running_for;  // answered when the running callback ends
+  bool was_apart = false;                 // before the running callback; restored if it fails
   struct Waiting {
     SwitchCommand command;
     std::vector<RequestToken> tokens;
     friend bool operator==(const Waiting&, const Waiting&) = default;
   };
   std::optional<Waiting> waiting;  // the newest command, behind the running callback
-  bool unsettled = false;          // the last callback failed: it may have left a state half way
-  bool half_way_down = false;      // since it was settled, one has failed that led down, or that
-                                   // was to switch on again what a stop had switched off
-  Sender controller = 0;           // the controller that is followed
-  Time controller_heard{};         // its last sign of life
-  std::vector<actuator_event::ControllerHeard> announced;  // who says that it is a controller
-  std::vector<EmergencyStop> stops;                        // those that are engaged, oldest first
-  std::vector<std::uint64_t> released;  // those that are over: what comes of them comes too late
-  bool stopped_meanwhile = false;       // an emergency stop was engaged beside the running callback
+  bool unsettled = false;          // the last callback failed: the state may be incomplete
+  bool half_way_down = false;      // since the last settled state, a downward callback has failed,
+                                   // or one that was to switch on what a stop had switched off
+  Sender controller = 0;           // the controller that has control
+  Time controller_heard{};         // its last heartbeat
+  std::vector<actuator_event::ControllerHeard>
+      announced;                        // the participants that announced themselves as controllers
+  std::vector<EmergencyStop> stops;     // the engaged stops, oldest first
+  std::vector<std::uint64_t> released;  // released stops: later samples of them are ignored
+  bool stopped_meanwhile = false;       // an emergency stop was engaged while the callback ran
   bool under_stop = false;              // the same, or the callback began under one
 
   friend bool operator==(const ActuatorCore&, const ActuatorCore&) = default;
@@ -185,7 +191,7 @@ struct ActuatorCore {
 std::vector<ActuatorAction> Step(const MachineConfig& config, std::size_t index, ActuatorCore& core,
                                  const ActuatorEvent& event, Time now);
 
-// When to step next with TimePassed, unless something else happens before; nullopt: never.
+// When to step next with TimePassed, unless another event comes before; nullopt: never.
 std::optional<Time> NextDeadline(const MachineConfig& config, std::size_t index,
                                  const ActuatorCore& core);
 

@@ -1,5 +1,5 @@
-// A controller that starts finds actuators that run: where the machine goes on from, and whether
-// the controller before died during a switch.
+// A starting controller finds running actuators: the state from which the machine goes on, and
+// whether the previous controller died during a switch.
 
 #include <algorithm>
 
@@ -7,9 +7,9 @@
 
 namespace musher {
 
-// The least active state of those that run already, or are on their way to: by going on from there
-// a switch that the controller before died in is finished on the way down and undone on the way up.
-// One that was set apart says nothing about the machine, unless all are.
+// The least active state of the running actuators, or of the targets they are switching to. Going
+// on from there finishes a downward switch in which the previous controller died, and undoes an
+// upward one. A detached actuator says nothing about the machine, unless all are detached.
 std::optional<State> Decision::LowestFound() const {
   const bool all_apart = std::all_of(
       machine_.actuators.begin(), machine_.actuators.end(), [](const ActuatorRecord& record) {
@@ -22,7 +22,7 @@ std::optional<State> Decision::LowestFound() const {
   };
   for (const ActuatorRecord& record : machine_.actuators) {
     if (record.presence != Presence::kPresent || (record.report.apart && !all_apart)) continue;
-    // Who is being torn down alone will end, and be started again if it should.
+    // An actuator that is being torn down alone will exit, and is restarted if it should be.
     const bool ends = record.state() == kTearDown || record.report.target == kTearDown;
     if (ends && record.report.apart) continue;
     consider(record.state());
@@ -31,9 +31,9 @@ std::optional<State> Decision::LowestFound() const {
   return lowest;
 }
 
-// Whether the controller before died during a switch: an actuator is on a way that does not end
-// where the machine is, or comes from above. One that comes up to where the machine is had been
-// started again, or was late.
+// Whether the previous controller died during a switch: an actuator is switching to another state
+// than the machine's, or comes down to it. One that comes up to the state of the machine was
+// restarted, or was late.
 bool Decision::FoundSwitching() const {
   const auto rank = config_.RankOf(machine_.state);
   return std::any_of(
@@ -47,7 +47,7 @@ bool Decision::FoundSwitching() const {
       });
 }
 
-// The actuators that are elsewhere than where the machine is, or on the way.
+// The actuators that are in another state than the machine, or switching.
 std::string Decision::Elsewhere() const {
   std::string text;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
@@ -55,27 +55,27 @@ std::string Decision::Elsewhere() const {
     const bool there = record.state() == machine_.state && !record.report.busy();
     if (record.presence != Presence::kPresent || record.held || there) continue;
     text += (text.empty() ? "" : ", ") + ConfigOf(i).name + " in " + record.state() +
-            (record.report.busy() ? " on its way to " + record.report.target : "");
+            (record.report.busy() ? " switching to " + record.report.target : "");
   }
   return text;
 }
 
 // An earlier controller left actuators running: the machine goes on from the least active state, so
-// that nothing becomes more active by a restart; the others follow.
+// that no actuator becomes more active by a restart; the others are driven there.
 void Decision::AdoptFrom(const State& lowest, std::uint64_t cause) {
   if (lowest == kTearDown) {
     const std::string message =
-        "the controller before ended in the middle of TearDown; this one finishes it";
-    const std::uint64_t told = RecordMachine(kCodeOk, message, cause);
+        "the previous controller ended during TearDown; this one finishes it";
+    const std::uint64_t recorded = RecordMachine(kCodeOk, message, cause);
     Do(action::StartUpEnded{false, message});
-    return Stop(MakePlan(config_, machine_, lowest), {}, told);
+    return Stop(MakePlan(config_, machine_, lowest), {}, recorded);
   }
   machine_.state = lowest;
   if (const std::string elsewhere = Elsewhere(); !elsewhere.empty()) {
     cause = RecordMachine(kCodeOk,
-                          FoundSwitching() ? "an earlier controller left a switch half way (" +
-                                                 elsewhere + "); it is ended in " + lowest
-                                           : "the least active state that is found is " + lowest +
+                          FoundSwitching() ? "a previous controller left a switch unfinished (" +
+                                                 elsewhere + "); finishing it in " + lowest
+                                           : "the least active state found is " + lowest +
                                                  "; elsewhere: " + elsewhere,
                           cause);
   }

@@ -1,5 +1,5 @@
-// Who has the say: other controllers of the same machine, other processes of an actuator's name,
-// and the emergency stop.
+// Authority: other controllers of the same machine, other processes with an actuator's name, and
+// the emergency stop.
 
 #include <algorithm>
 
@@ -15,7 +15,8 @@ constexpr std::size_t kMostStopsKnown = 64;
 
 }  // namespace
 
-// The controller with the higher epoch leads. The other lets go at once and touches nothing.
+// The controller with the higher epoch leads. The other releases control at once and changes
+// nothing more.
 void Decision::On(const event::RivalHeard& rival) {
   const bool leads =
       rival.epoch <= kLastEpoch &&
@@ -26,8 +27,8 @@ void Decision::On(const event::RivalHeard& rival) {
   const std::string why = "another controller, " + rival.who + ", leads this machine with epoch " +
                           std::to_string(rival.epoch);
   const Error fenced{kCodePermissionDenied, why};
-  RecordMachine(fenced.code,
-                "this controller of epoch " + std::to_string(machine_.epoch) + " lets go: " + why);
+  RecordMachine(fenced.code, "this controller (epoch " + std::to_string(machine_.epoch) +
+                                 ") releases control: " + why);
   EndWaiting(fenced, 0);
   if (machine_.current) {
     SwitchResult result = Conclude(*machine_.current, false);
@@ -67,7 +68,7 @@ void Decision::Decline(const Event& event) {
   }
 }
 
-// Another host has an actuator of this name while the one that is here answers.
+// A process on another host publishes as this actuator while the known process still answers.
 bool Decision::IsImpostor(std::size_t i, const ActuatorReport& report) {
   ActuatorRecord& record = Of(i);
   if (report.host == record.report.host) return false;
@@ -76,16 +77,16 @@ bool Decision::IsImpostor(std::size_t i, const ActuatorReport& report) {
   record.other = report;
   if (known) return true;
   RecordActuator(i, kCodePermissionDenied,
-                 "another process says that it is " + ConfigOf(i).name + ": process " +
+                 "another process publishes as " + ConfigOf(i).name + ": process " +
                      std::to_string(report.pid) + " of host " + report.host.substr(0, 64) +
                      "; it is ignored while process " + std::to_string(record.report.pid) +
                      " answers");
   return true;
 }
 
-// A host that was started again is another one: what its actuators said while the processes from
-// before still counted is taken up when those are lost.
-void Decision::TakeOthersUp() {
+// A rebooted host counts as another host: the status that its actuators published while the
+// processes from before the reboot were still present is used when those are lost.
+void Decision::TakeUpOthers() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
     if (!record.other || record.presence == Presence::kPresent) continue;
@@ -121,7 +122,8 @@ StoredStops Merge(const StoredStops& stored, const StoredStops& received) {
   return stops;
 }
 
-// Only the controller that leads releases; what others published before it led came with Begin.
+// Only the controller that leads releases a stop; the releases that other controllers published
+// before came with Begin.
 void Decision::On(const event::EmergencyStopSeen& seen) {
   if (machine_.phase == Phase::kIdle || !seen.engaged) return;
   if (Add(seen.stop)) Engage(seen.stop);
@@ -132,7 +134,7 @@ bool Decision::IsReleased(std::uint64_t id) const {
   return std::find(released.begin(), released.end(), id) != released.end();
 }
 
-// Adds a stop to those that are engaged. Says whether there is anything new about it.
+// Adds a stop to the engaged ones. Returns whether it has new information.
 bool Decision::Add(const EmergencyStop& stop) {
   if (stop.id == 0 || IsReleased(stop.id)) return false;
   auto& first = machine_.emergency_stop;
@@ -149,13 +151,14 @@ bool Decision::Add(const EmergencyStop& stop) {
     others.push_back(stop);
     return true;
   }
-  // An actuator that had latched it may have reported before the one that engaged it was received.
+  // An actuator that had latched it may have reported before the sample that engaged it arrived.
   if (!known->by.empty() || stop.by.empty()) return false;
   *known = stop;
   return true;
 }
 
-// Both are published, so that a panel which still says "engaged" engages none that is over.
+// Both are published, so that a panel that still publishes "engaged" does not engage a released
+// stop.
 void Decision::BeginStops(const StoredStops& stops) {
   machine_.released_stops = stops.released;
   for (const std::uint64_t id : stops.released) Do(action::TellEmergencyStop{{id, "", ""}, false});
@@ -174,17 +177,17 @@ StoredStops Decision::Stops() const {
   return stops;
 }
 
-// The actuators have latched it themselves by now, or do so when they receive it from us. It is
-// published first and saved after.
+// The actuators have latched the stop themselves by now, or do so when they receive it from this
+// controller. It is published first and saved after.
 void Decision::Engage(const EmergencyStop& stop) {
   Do(action::TellEmergencyStop{stop, true});
   Save(Stored::kEmergencyStops);
   const std::string origin = (stop.by.empty() ? "an unknown source" : stop.by) +
                              (stop.reason.empty() ? "" : ": " + stop.reason);
-  const std::uint64_t told =
-      RecordMachine(kCodeProtectedError, "emergency stop, engaged by " + origin,
+  const std::uint64_t recorded =
+      RecordMachine(kCodeProtectedError, "emergency stop engaged by " + origin,
                     machine_.other_stops.empty() ? 0 : machine_.stop_cause);
-  if (machine_.other_stops.empty()) machine_.stop_cause = told;
+  if (machine_.other_stops.empty()) machine_.stop_cause = recorded;
   if (machine_.current) machine_.current->stopped = true;
 }
 
@@ -198,9 +201,9 @@ void Decision::On(const event::ReleaseRequested& requested) {
   machine_.other_stops.clear();
   for (const EmergencyStop& stop : engaged) Release(stop.id);
   Save(Stored::kEmergencyStops);
-  RecordMachine(kCodeOk, "the emergency stop is released by " +
+  RecordMachine(kCodeOk, "emergency stop released by " +
                              (requested.by.empty() ? "an unknown source" : requested.by) +
-                             "; no state is changed by that");
+                             "; no state changes");
   Do(action::AnswerCall{requested.request, Ok()});
 }
 
@@ -211,16 +214,17 @@ void Decision::Release(std::uint64_t id) {
   Do(action::TellEmergencyStop{{id, "", ""}, false});
 }
 
-// An actuator may have latched one that this controller missed, or missed the release of one: the
-// first engages the machine's, the second is published again.
+// An actuator may have latched a stop that this controller missed: then it is engaged for the
+// machine. It may have missed a release: then the release is published again.
 void Decision::HoldTo(const ActuatorReport& report, std::size_t i) {
   const std::uint64_t id = report.emergency_stop;
   if (id == 0 || machine_.phase == Phase::kIdle) return;
   if (IsReleased(id)) return Do(action::TellEmergencyStop{{id, "", ""}, false});
-  const bool told = !report.emergency_stop_by.empty() || !report.emergency_stop_reason.empty();
+  const bool origin_known =
+      !report.emergency_stop_by.empty() || !report.emergency_stop_reason.empty();
   const EmergencyStop stop{
       id, report.emergency_stop_by,
-      told ? report.emergency_stop_reason : ConfigOf(i).name + " had latched it"};
+      origin_known ? report.emergency_stop_reason : ConfigOf(i).name + " had latched it"};
   if (Add(stop)) Engage(stop);
 }
 

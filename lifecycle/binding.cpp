@@ -1,12 +1,12 @@
-// binds_to: an actuator that cannot do without another is taken to rest while that one is not up,
-// and is driven to where the machine is when that one is there again: in the machine's state, not
-// only present. What matters is how things stand, not how they came to be so.
+// binds_to: an actuator that needs another is suspended while that one is not up, and is driven to
+// the state of the machine when the other is in that state again; that it is present is not enough.
+// The rule depends on the present situation only, not on what led to it.
 
 #include "musher/lifecycle/decision.hpp"
 
 namespace musher {
 
-// Whether others can build on it.
+// Whether the actuators bound to it may be up.
 bool Decision::IsUp(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
   return record.presence == Presence::kPresent && Fits(i) && !record.given_up &&
@@ -23,8 +23,8 @@ bool Decision::IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& se
   return false;
 }
 
-// Whether `needed` is no reason for `i` to rest. Once `i` rests, `needed` has to be where the
-// machine is again, unless it waits for `i` in turn.
+// Whether `needed` does not require `i` to be suspended. Once `i` is suspended, `needed` has to be
+// in the state of the machine again, unless it waits for `i` in turn.
 bool Decision::Suffices(std::size_t needed, std::size_t i) const {
   if (!IsUp(needed)) return false;
   std::vector<bool> seen(machine_.actuators.size(), false);
@@ -32,8 +32,8 @@ bool Decision::Suffices(std::size_t needed, std::size_t i) const {
   return !Of(needed).order && Of(needed).state() == machine_.state;
 }
 
-// One that `bound` is bound to by way of `i`, and that is not up; null when all are. Two that are
-// bound to each other do not keep each other down: `seen` closes the circle.
+// An actuator that `bound` is bound to through `i` and that is not up; null when all are up. Two
+// actuators bound to each other do not keep each other down: `seen` breaks the cycle.
 const std::string* Decision::MissingFor(std::size_t bound, std::size_t i,
                                         std::vector<bool>& seen) const {
   for (const std::string& name : ConfigOf(i).binds_to) {
@@ -46,7 +46,7 @@ const std::string* Decision::MissingFor(std::size_t bound, std::size_t i,
   return nullptr;
 }
 
-bool Decision::ParkAndUnpark() {
+bool Decision::SuspendAndResume() {
   if (machine_.phase != Phase::kRunning || machine_.current) return false;
   bool changed = false;
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
@@ -58,7 +58,7 @@ bool Decision::ParkAndUnpark() {
     seen[i] = true;
     const std::string* missing = MissingFor(i, i, seen);
     if (missing != nullptr && !record.parked && !record.held) {
-      Park(i, *missing);
+      Suspend(i, *missing);
       changed = true;
     } else if (missing == nullptr && record.parked) {
       record.parked = false;
@@ -69,15 +69,16 @@ bool Decision::ParkAndUnpark() {
   return changed;
 }
 
-void Decision::Park(std::size_t i, const std::string& missing) {
+void Decision::Suspend(std::size_t i, const std::string& missing) {
   ActuatorRecord& record = Of(i);
   record.parked = true;
   record.due = true;
-  Degrade(i, kCodeStatusError, "it rests: " + missing + ", which it is bound to, is not up",
+  Degrade(i, kCodeStatusError, "suspended: " + missing + ", in its binds_to, is not up",
           Of(*config_.IndexOf(missing)).cause);
 }
 
-// Where it belongs: with the machine; while parked, at rest, and never higher than it is.
+// Its target: the state of the machine; while suspended, DeActive or LowPower, and never higher
+// than its present state.
 State Decision::PlaceOf(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
   if (!record.parked) return machine_.state;

@@ -28,7 +28,7 @@ Error RefuseState(const CapabilityConfig* declared, std::string_view capability,
   const bool spared = place == kProtected && RunsIn(declared, kActive);
   std::string now = "is in " + std::string(view.state);
   if (!view.target.empty()) {
-    now = "is on its way from " + std::string(view.state) + " to " + std::string(view.target);
+    now = "is switching from " + std::string(view.state) + " to " + std::string(view.target);
   }
   return {MakeCode(module, spared ? KeyCode::kProtectedError : KeyCode::kStateInvalid),
           std::string(capability) + " runs in " + Places(declared) + "; " +
@@ -45,7 +45,7 @@ Result<> EvaluateBattery(const CapabilityConfig& declared, std::optional<int> ba
                    " % of the battery; " + found};
 }
 
-// Why nobody can say what the actuator would allow; empty where it is there.
+// Why the actuator cannot be evaluated; empty where it is present.
 std::string Absence(const ActuatorConfig& actuator, const ActuatorRecord& record) {
   if (record.presence == Presence::kPresent) return {};
   return actuator.name + " is " + std::string(PresenceName(record.presence));

@@ -1,5 +1,5 @@
 #pragma once
-// Tells a text that was damaged from one that was not; protects against nobody.
+// Detects a damaged text; no protection against deliberate changes.
 
 #include <cstdint>
 #include <string_view>

@@ -62,7 +62,7 @@ enum class ModuleCode : std::int32_t {
   kFace = 5900,
 };
 
-// The code of `key` as said by `module`; plain 0 for kOk.
+// The code of `key` from `module`; plain 0 for kOk.
 constexpr std::int32_t MakeCode(ModuleCode module, KeyCode key) {
   return key == KeyCode::kOk ? 0
                              : static_cast<std::int32_t>(module) + static_cast<std::int32_t>(key);

@@ -8,8 +8,8 @@
 
 namespace musher {
 
-// Why `command` may not begin at `now`: it is older than its budget (Timeout), or its times cannot
-// be (ParametersInvalid); nullopt where it may.
+// Why `command` may not begin at `now`: it is older than its budget (Timeout), or its times are
+// invalid (ParametersInvalid); nullopt where it may.
 std::optional<Error> CheckAge(const SwitchCommand& command, Time now);
 
 }  // namespace musher

@@ -1,7 +1,7 @@
 #pragma once
 // The state config as one validated, immutable value. A MachineConfig that exists is consistent:
-// the readers that make one (config_toml.hpp) report every fault and then give none. Nothing reads
-// the file again after that.
+// the readers that make one (config_toml.hpp) report every error and then give none. The file is
+// not read again after that.
 
 #include <cstdint>
 #include <map>
@@ -19,7 +19,7 @@ namespace musher {
 
 // How an actuator is driven.
 enum class Protocol {
-  kMusher,         // Musher's own contract, with fencing and certain outcomes
+  kMusher,         // Musher's own contract, with fencing and definite outcomes
   kCyberdog,       // CyberDog's FsMachine service and heartbeats
   kRos2Lifecycle,  // an unmodified ROS 2 managed node
 };
@@ -33,15 +33,14 @@ enum class TransportProfile {
   kLan,    // several hosts, links that lose packets
 };
 
-// What the behaviour of modules and the times of the policy follow. Deadlines, leases and restarts
-// go by the steady clock, always.
+// The clock for the behaviour of modules and the times of the policy. Deadlines, leases and
+// restarts always use the steady clock.
 enum class ClockSource {
   kSteady,
   kTopic,  // /clock: the time of a simulated world
 };
 
-// By which programs tell that they were called or configured wrongly: starting them again does not
-// help.
+// The exit code of a program that was called or configured wrongly: a restart does not help.
 inline constexpr int kUsageExitCode = 2;
 
 struct RestartConfig {
@@ -50,8 +49,8 @@ struct RestartConfig {
   double growth = 2.0;
   Duration max_delay = Milliseconds(10'000);
   int limit = 5;                                // restarts in a row before the actuator is given up
-  Duration reset_after = Milliseconds(60'000);  // healthy this long: counting starts anew
-  std::vector<int> prevent_exit_codes = {kUsageExitCode};  // not started again after one of them
+  Duration reset_after = Milliseconds(60'000);  // healthy this long: the count is reset
+  std::vector<int> prevent_exit_codes = {kUsageExitCode};  // not restarted after one of them
 
   bool Prevents(int exit_code) const;
 
@@ -60,10 +59,10 @@ struct RestartConfig {
 
 struct ActuatorConfig {
   std::string name;
-  std::vector<State> states;               // those it can be switched to, as the file lists them
-  std::vector<Duration> times;             // what each may take, same order
-  std::vector<std::string> command;        // argv; empty: started by somebody else
-  std::string cwd;                         // absolute; empty: the controller's own
+  std::vector<State> states;         // the states it can be switched to, as the file lists them
+  std::vector<Duration> times;       // what each may take, same order
+  std::vector<std::string> command;  // argv; empty: not started by the controller
+  std::string cwd;                   // absolute; empty: the controller's own
   std::map<std::string, std::string> env;  // added to the controller's environment
   Protocol protocol = Protocol::kMusher;
   std::string heartbeat_name;              // of protocol cyberdog: whose `manager_heartbeats`
@@ -72,17 +71,16 @@ struct ActuatorConfig {
   std::vector<std::string> after;     // actuators that must be up first
   std::vector<std::string> binds_to;  // actuators whose restart takes this one down and up again
   bool critical = false;
-  // Codes of a self-check that count as failed; with any other it is degraded and goes on. None:
-  // all codes count.
+  // Codes of a self-check that count as failed; with any other code the actuator is degraded and
+  // goes on. None: all codes count.
   std::optional<std::vector<std::int32_t>> critical_codes;
   RestartConfig restart;
   std::optional<Duration> checkpoint;       // longest silence of the work thread
   std::map<State, Duration> checkpoint_in;  // the same while the callback of a state runs
   std::optional<Duration> controller_lost;  // without a controller this long: on_controller_lost
   State on_controller_lost;                 // empty: the highest listed state up to Protected
-  State on_lost;  // the machine's state once this one is given up; may be empty
-  std::int64_t log_size_bytes = 50ll
-                                << 20;  // of what its process prints, with older, compressed parts
+  State on_lost;  // the machine's state once this actuator is given up; may be empty
+  std::int64_t log_size_bytes = 50ll << 20;  // of its process, with older, compressed parts
 
   bool Lists(std::string_view state) const;
   // What a switch to `state` may take; nullopt where the state is not listed.
@@ -91,7 +89,7 @@ struct ActuatorConfig {
   friend bool operator==(const ActuatorConfig&, const ActuatorConfig&) = default;
 };
 
-// A way of the run phase: the machine may go from one state to another.
+// A transition of the run phase: the machine may go from one state to another.
 struct FlowEdge {
   State from;
   State to;
@@ -99,11 +97,11 @@ struct FlowEdge {
   friend bool operator==(const FlowEdge&, const FlowEdge&) = default;
 };
 
-// A function of the robot, and where it may run. One that nobody declares runs in Active only.
+// A function of the robot, and where it may run. An undeclared one runs in Active only.
 struct CapabilityConfig {
   std::string name;
   std::string description;
-  std::vector<std::string> actuators;  // that it takes; all have to allow it
+  std::vector<std::string> actuators;  // it uses these; all have to allow it
   std::vector<State> states;           // it runs in these, as the file lists them
   std::optional<int> min_battery;      // %; below, or where the level is unknown, it does not run
 
@@ -133,18 +131,20 @@ struct MachineConfig {
   std::vector<FlowEdge> flow;   // the default flow, or the file's [[transition]]
   TransportProfile transport = TransportProfile::kLocal;
   ClockSource clock = ClockSource::kSteady;
-  std::string keys;  // absolute folder of keys: strangers are kept out; empty: anybody may come
+  std::string
+      keys;  // absolute folder of credentials: only authenticated participants; empty: no security
 
-  std::optional<PolicyConfig> policy;  // none: the machine has no rules of its own
+  std::optional<PolicyConfig> policy;  // none: no rules
 
   std::vector<ActuatorConfig> actuators;       // in the order of [controller].actuators
   std::vector<CapabilityConfig> capabilities;  // in the order of the file
 
   // Index into `actuators`, nullopt for an unknown name.
   std::optional<std::size_t> IndexOf(std::string_view actuator) const;
-  // nullptr for one that is not declared.
+  // nullptr for an undeclared capability.
   const CapabilityConfig* CapabilityOf(std::string_view capability) const;
-  // The rank of a state of this machine; nullopt for SetUp, SelfCheck, Uninitialized and strangers.
+  // The rank of a state of this machine; nullopt for SetUp, SelfCheck, Uninitialized and unknown
+  // states.
   std::optional<Rank> RankOf(std::string_view state) const;
   bool HasState(std::string_view state) const;
   // The time an actuator may take for `state`: its own, else default_time.
@@ -153,9 +153,9 @@ struct MachineConfig {
   friend bool operator==(const MachineConfig&, const MachineConfig&) = default;
 };
 
-// The flow where a config brings none: among Active, Protected, DeActive, LowPower and OTA every
-// way, from each of them and from Error to Error and TearDown, from Error to SelfCheck, and from a
-// SelfCheck that followed Error to DeActive and Active. Only states that `states` lists take part.
+// The flow where a config has none: all transitions among Active, Protected, DeActive, LowPower and
+// OTA; from each of them and from Error to Error and TearDown; from Error to SelfCheck; and from a
+// SelfCheck that followed Error to DeActive and Active. Only states that `states` lists are used.
 std::vector<FlowEdge> DefaultFlow(const std::vector<State>& states);
 
 }  // namespace musher

@@ -49,7 +49,7 @@ bool IsSection(const Value& value) {
          (array != nullptr && !array->empty() && array->front().As<Table>() != nullptr);
 }
 
-// Sections whose names are plainly slips are read as if they had been right.
+// Corrects the section names that are plainly typing errors.
 void PutSectionNamesRight(Table& table, Draft& draft) {
   const std::vector<std::string_view> sections(kSections.begin(), kSections.end());
   for (Member& member : table) {
@@ -64,7 +64,7 @@ void PutSectionNamesRight(Table& table, Draft& draft) {
   }
 }
 
-// What the file has in place of a [controller] table.
+// Reports what the file has instead of a [controller] table.
 SyntaxFault NotAStateConfig(const Table& root) {
   const std::string message = "not a state config: expected a [controller] table, found ";
   if (root.empty()) return {{}, message + "an empty file"};

@@ -9,10 +9,10 @@ namespace musher {
 void Decision::Settle() {
   if (machine_.phase == Phase::kFenced) return;
   CheckOrders();
-  TakeOthersUp();
+  TakeUpOthers();
   CheckSetUpDeadlines();
   CheckRestarts();
-  // Each can make the next possible; it ends when all of them wait for an event.
+  // Each can make the next one possible; the loop ends when all of them wait for an event.
   bool changed = true;
   while (changed) {
     changed = AdvanceSwitch();
@@ -22,7 +22,7 @@ void Decision::Settle() {
       changed |= BeginWaiting();
       changed |= StartProcesses();
       changed |= AdvanceStart();
-      changed |= ParkAndUnpark();
+      changed |= SuspendAndResume();
       changed |= DriveLateOnes();
       changed |= BeginFallback();
       changed |= AdvancePolicy();
@@ -30,7 +30,7 @@ void Decision::Settle() {
   }
 }
 
-// Gives the record its number. A record about the machine tells that its state has changed.
+// Numbers the record. A record about the machine also reports a change of its state.
 std::uint64_t Decision::Record(action::Record record) {
   record.id = ++machine_.last_record;
   const bool of_machine = record.kind == "machine" || (record.kind == "switch" && !record.actuator);

@@ -4,18 +4,18 @@
 // simulation turn the world into events and actions into the world.
 //
 // In layers, each in its own file:
-//   orders.cpp     one command to one actuator, with a certain outcome
+//   orders.cpp     one command to one actuator, with a definite outcome
 //   switching.cpp  a switch: legs in the order of the plan, rollback
-//   switch_end.cpp what a switch leaves behind, and its result
+//   switch_end.cpp the effects of a switch that has ended, and its result
 //   waiting.cpp    a request that waits until a late actuator is free
 //   starting.cpp   processes, the first stage, adoption, later stages
-//   joining.cpp    one actuator on its own to where the machine is
-//   recovery.cpp   what has died, hangs or is out of reach; restarts
+//   joining.cpp    drives one actuator to the state of the machine
+//   recovery.cpp   actuators that crashed, hang or lost their connection; restarts
 //   binding.cpp    actuators that go down and up with others (binds_to)
 //   authority.cpp  other controllers, the emergency stop
 //   policy_rules.cpp, policy_requests.cpp, power.cpp  the manager's rules (policy.hpp)
 //   stopping.cpp   TearDown, SIGTERM, SIGKILL within the budget
-//   saving.cpp     what has to be on disk, and what is not yet
+//   saving.cpp     what has to be on disk, and what is not saved yet
 
 #include <cstdint>
 #include <optional>
@@ -27,19 +27,20 @@
 
 namespace musher {
 
-// Somebody who waits for an answer; chosen by the shell.
+// Identifies a caller that waits for an answer; chosen by the shell.
 using RequestId = std::uint64_t;
 
-// Of one that cannot be heard any more, as long as nothing else is known of it.
-inline constexpr const char* kOutOfReach = "it is out of reach";
+// The fault of an actuator that sends nothing any more, until more is known about it.
+inline constexpr const char* kOutOfReach = "connection lost";
 
 namespace event {
 
 // Starts the machine: with `by_hand` only SetUp, the rest comes as requests. `running[i]` says that
 // a process of actuator i runs on this host already, `processes[i]` is its pid where its end can be
 // seen, else 0. `epoch`, `stops`, `policy` and `stop_intent` are what was found on disk.
-// `restarted`: a supervisor starts the controller again, no person does; with `stop_intent` it ends
-// the TearDown that was begun, and the machine stays down. A person's start clears the intent.
+// `restarted`: a supervisor restarts the controller, not a person; with `stop_intent` the
+// controller finishes the TearDown that was begun, and the machine stays down. A person's start
+// clears the intent.
 struct Begin {
   bool by_hand = false;
   std::uint64_t epoch = 0;
@@ -52,13 +53,13 @@ struct Begin {
   bool restarted = false;
   friend bool operator==(const Begin&, const Begin&) = default;
 };
-// An actuator's latched status came.
+// An actuator's latched status was received.
 struct StatusSeen {
   std::size_t actuator = 0;
   ActuatorReport report;
   friend bool operator==(const StatusSeen&, const StatusSeen&) = default;
 };
-// An actuator answered command `number`, or the question about it (`ask`).
+// An actuator replied to command `number`, or to the query about it (`ask`).
 struct Replied {
   std::size_t actuator = 0;
   std::uint64_t number = 0;
@@ -69,11 +70,11 @@ struct Replied {
   ActuatorReport report;
   friend bool operator==(const Replied&, const Replied&) = default;
 };
-// The actuator of this incarnation is gone: its process ended or its writer was lost.
+// The actuator of this incarnation was lost: its process exited or its writer was lost.
 struct Vanished {
   std::size_t actuator = 0;
   std::uint64_t incarnation = 0;
-  bool for_good = false;  // its process has ended; otherwise it may be heard of again
+  bool for_good = false;  // its process has exited; otherwise it may connect again
   std::string how;        // "its process 4711 ended", kOutOfReach
   friend bool operator==(const Vanished&, const Vanished&) = default;
 };
@@ -87,51 +88,51 @@ struct ProcessNotStarted {
   std::string why;
   friend bool operator==(const ProcessNotStarted&, const ProcessNotStarted&) = default;
 };
-// What action::FindProcesses has found: for each actuator the pid of the process that runs and is
+// The result of action::FindProcesses: for each actuator the pid of the process that runs and is
 // watched now, or 0.
 struct ProcessesFound {
   std::vector<std::int32_t> processes;
   friend bool operator==(const ProcessesFound&, const ProcessesFound&) = default;
 };
-// A process that we started ended.
+// A process that this controller started has exited.
 struct ProcessEnded {
   std::size_t actuator = 0;
   std::int32_t pid = 0;
   bool clean = false;          // exit code 0
   std::string how;             // "exit code 3", "killed by SIGKILL"
-  std::int32_t exit_code = 0;  // of one that ended by itself; else, and where it is not known, 0
+  std::int32_t exit_code = 0;  // of a process that exited by itself; 0 otherwise, or where unknown
   friend bool operator==(const ProcessEnded&, const ProcessEnded&) = default;
 };
-// The health monitor's verdict on a living process.
+// The health monitor's verdict on a running process.
 struct HealthChanged {
   std::size_t actuator = 0;
   std::uint64_t incarnation = 0;
   Health health = Health::kWell;
-  bool silent = false;  // it does not even answer
+  bool silent = false;  // it does not answer either
   std::string how;
   friend bool operator==(const HealthChanged&, const HealthChanged&) = default;
 };
-// What a hung process was doing, or why that is not known.
+// The backtrace of a hung process, or why there is none.
 struct BacktraceTaken {
   std::size_t actuator = 0;
   std::int32_t pid = 0;
   std::string text;
   friend bool operator==(const BacktraceTaken&, const BacktraceTaken&) = default;
 };
-// A person wants an actuator's process to be started again.
+// A person requests a restart of an actuator's process.
 struct RestartRequested {
   RequestId request = 0;
   std::string actuator;
   friend bool operator==(const RestartRequested&, const RestartRequested&) = default;
 };
-// Another controller of this machine has been heard.
+// A heartbeat of another controller of this machine was received.
 struct RivalHeard {
   std::uint64_t epoch = 0;
   std::string who;              // "process 4711 on this host"
-  bool has_precedence = false;  // of two with the same epoch
+  bool has_precedence = false;  // where both have the same epoch
   friend bool operator==(const RivalHeard&, const RivalHeard&) = default;
 };
-// Somebody engages an emergency stop, or has released one.
+// A participant engages an emergency stop, or has released one.
 struct EmergencyStopSeen {
   EmergencyStop stop;
   bool engaged = true;
@@ -149,12 +150,12 @@ struct SetStateRequested {
   AfterTearDown after = AfterTearDown::kStaysDown;  // of a TearDown of the machine
   friend bool operator==(const SetStateRequested&, const SetStateRequested&) = default;
 };
-// Tell when all actuators are set up, or when that has failed.
+// Answer when all actuators are set up, or when that has failed.
 struct SetUpAwaited {
   RequestId request = 0;
   friend bool operator==(const SetUpAwaited&, const SetUpAwaited&) = default;
 };
-// The battery has changed. A value that no battery has is put on record and otherwise ignored.
+// The battery has changed. A value out of range is recorded and otherwise ignored.
 struct BatterySeen {
   std::int32_t percent = 0;
   bool charging = false;
@@ -165,13 +166,13 @@ struct MotionSeen {
   std::int32_t motion = 0;  // its id
   friend bool operator==(const MotionSeen&, const MotionSeen&) = default;
 };
-// What the policy listens to has fallen silent: no sample for its time.
+// An input of the policy has timed out: no sample for its time.
 struct InputSilent {
   PolicyInput input = PolicyInput::kBattery;
   friend bool operator==(const InputSilent&, const InputSilent&) = default;
 };
-// The time of /clock, where the policy follows it: comes when NextPolicyDeadline() is reached, and
-// just before whatever else concerns the policy.
+// The time of /clock, where the policy follows it: sent when NextPolicyDeadline() is reached, and
+// just before any other event that concerns the policy.
 struct ClockHeard {
   Time clock{};
   friend bool operator==(const ClockHeard&, const ClockHeard&) = default;
@@ -184,15 +185,16 @@ struct PolicyRequested {
   bool enable = false;     // of kOta and the low-power switch
   friend bool operator==(const PolicyRequested&, const PolicyRequested&) = default;
 };
-// The save of that number has ended. One that failed may still succeed later, which is told again.
+// The save of that number has ended. A failed save may still succeed later; then this event comes
+// again.
 struct SaveEnded {
   Stored what = Stored::kEpoch;
   std::uint64_t save = 0;
   bool ok = false;
-  std::string why;  // it failed
+  std::string why;  // of a failure
   friend bool operator==(const SaveEnded&, const SaveEnded&) = default;
 };
-// Nothing happened but time.
+// Only time has passed.
 struct TimePassed {
   friend bool operator==(const TimePassed&, const TimePassed&) = default;
 };
@@ -215,7 +217,7 @@ struct SendSwitch {
   std::uint64_t number = 0;
   State target;
   Duration budget{};
-  bool apart = false;  // for this actuator alone
+  bool apart = false;  // for this actuator alone, detached from the machine
   friend bool operator==(const SendSwitch&, const SendSwitch&) = default;
 };
 struct SendAsk {
@@ -228,7 +230,7 @@ struct StartProcess {
   std::size_t actuator = 0;
   friend bool operator==(const StartProcess&, const StartProcess&) = default;
 };
-// Look which actuators that have a command run on this host; comes back as ProcessesFound.
+// Find which actuators that have a command run on this host; comes back as ProcessesFound.
 struct FindProcesses {
   friend bool operator==(const FindProcesses&, const FindProcesses&) = default;
 };
@@ -243,24 +245,24 @@ struct AnswerSetState {
   SwitchResult result;
   friend bool operator==(const AnswerSetState&, const AnswerSetState&) = default;
 };
-// To whoever waits for something else than a switch.
+// Answers a request that is not a switch.
 struct AnswerCall {
   RequestId request = 0;
   Result<> result;
 };
-// Find out what a process is doing; its end comes back as BacktraceTaken.
+// Take a backtrace of a process; the result comes back as BacktraceTaken.
 struct TakeBacktrace {
   std::size_t actuator = 0;
   std::int32_t pid = 0;
   friend bool operator==(const TakeBacktrace&, const TakeBacktrace&) = default;
 };
-// Tell all actuators, also those that come later.
+// Publish the emergency stop to all actuators, also to those that start later.
 struct TellEmergencyStop {
   EmergencyStop stop;
   bool engaged = false;
   friend bool operator==(const TellEmergencyStop&, const TellEmergencyStop&) = default;
 };
-// What has to survive this controller. A save is asked for and not waited for; its end comes back
+// What has to survive this controller. A save is requested and not waited for; its end comes back
 // as SaveEnded with its number. Of each kind only the last save counts.
 struct SaveEpoch {
   std::uint64_t epoch = 0;
@@ -278,25 +280,25 @@ struct SavePolicy {
   friend bool operator==(const SavePolicy&, const SavePolicy&) = default;
 };
 struct SaveStopIntent {
-  bool intended = false;  // false: there is none any more
+  bool intended = false;  // false: clears the intent
   std::uint64_t save = 0;
   friend bool operator==(const SaveStopIntent&, const SaveStopIntent&) = default;
 };
 // Run the command of [policy.power_off] or [policy.reboot], if there is one. The machine is torn
-// down, or its time was over.
+// down, or its time has expired.
 struct RunPowerCommand {
   bool reboot = false;
   friend bool operator==(const RunPowerCommand&, const RunPowerCommand&) = default;
 };
-// What a record of a switch says for programs: it begins, or how it ended.
+// The machine-readable part of a record of a switch: it begins, or how it ended.
 struct SwitchNote {
   State target;
   std::optional<SwitchOutcome> outcome;  // none: it begins
   State state;                           // of the machine (of the actuator), now
   friend bool operator==(const SwitchNote&, const SwitchNote&) = default;
 };
-// For the journal and the log. Its `cause` is the record that it follows from, so that a chain of
-// them explains what was done.
+// For the journal and the log. `cause` is the record that this one follows from, so that a chain of
+// records explains what was done.
 struct Record {
   std::string kind;  // "machine", "switch", "actuator", "process", "policy"
   std::optional<std::size_t> actuator;
@@ -305,8 +307,8 @@ struct Record {
   std::string message;
   std::uint64_t id = 0;     // grows from 1 within a Machine; 0: not by the decision code
   std::uint64_t cause = 0;  // id of the record it follows from; 0: none
-  State state{};            // the machine's, where this record tells that it has changed
-  std::string data = {};    // more than fits a line: a backtrace
+  State state{};            // the machine's, where this record reports its change
+  std::string data = {};    // what does not fit in a line: a backtrace
   std::optional<SwitchNote> of_switch = {};
   friend bool operator==(const Record&, const Record&) = default;
 };
@@ -316,7 +318,7 @@ struct StartUpEnded {
   std::string message;
   friend bool operator==(const StartUpEnded&, const StartUpEnded&) = default;
 };
-// Another controller has taken over; this one has to end and to touch nothing.
+// Another controller has taken over; this one has to exit and change nothing more.
 struct Fenced {
   std::string message;
   friend bool operator==(const Fenced&, const Fenced&) = default;
@@ -335,16 +337,16 @@ using Action = std::variant<action::SendSwitch, action::SendAsk, action::StartPr
                             action::SaveStopIntent, action::RunPowerCommand, action::Record,
                             action::StartUpEnded, action::Fenced, action::Stopped>;
 
-// One step of the decision. Events about what is not expected any more (a late reply, an exit that
-// was seen already) change no more than what is known about the actuator.
+// One step of the decision. Events that are not expected any more (a late reply, an exit that was
+// seen already) only update what is known about the actuator.
 std::vector<Action> Step(const MachineConfig& config, Machine& machine, const Event& event,
                          Time now);
 
-// When to step next with TimePassed, unless something else happens before; nullopt: never.
+// When to step next with TimePassed, unless another event comes before; nullopt: never.
 std::optional<Time> NextDeadline(const MachineConfig& config, const Machine& machine);
 
-// The same for the times of the policy, by its own clock; NextDeadline() has them in it unless that
-// clock is a topic.
+// The same for the deadlines of the policy, by its own clock; NextDeadline() includes them unless
+// that clock is a topic.
 std::optional<Time> NextPolicyDeadline(const MachineConfig& config, const Machine& machine);
 
 }  // namespace musher

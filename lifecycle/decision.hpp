@@ -9,34 +9,37 @@
 
 namespace musher {
 
-// How long an actuator has to say how a command stands, and how often it is asked: an actuator
-// answers this from its loop, whatever its callback does, so silence for 3 × 300 ms means it is out
-// of reach.
-inline constexpr Duration kAskTimeout = Milliseconds(300);
-inline constexpr int kAskAttempts = 3;
-// How often an actuator that was heard of but has not answered is asked to follow.
+// How long an actuator has to answer the query for the outcome of a command, and how often it is
+// queried: an actuator answers this from its loop, whatever its callback does, so no answer for
+// 3 × 300 ms means that the connection is lost.
+inline constexpr Duration kQueryTimeout = Milliseconds(300);
+inline constexpr int kQueryAttempts = 3;
+// The period at which the controller retries to take control of an actuator that has published its
+// status but has not answered.
 inline constexpr Duration kTakeControlPeriod = Milliseconds(500);
-// After which it is asked again when it had not heard yet who we are.
+// The retry period where the actuator has not yet received the heartbeat of this controller.
 inline constexpr Duration kIntroductionPeriod = Milliseconds(20);
-// How long an actuator that follows a higher epoch is left alone: a controller that leads with it
-// says so at least twice in this time.
-inline constexpr Duration kRivalPatience = Milliseconds(1200);
-inline constexpr Duration kSecuredRivalPatience = Milliseconds(4000);  // strangers show keys first
-// How long a hung process lives on for its backtrace, and one that was asked to end for its end.
+// How long an actuator with a higher epoch is left alone: a controller that leads with that epoch
+// sends at least two heartbeats in this time.
+inline constexpr Duration kRivalGrace = Milliseconds(1200);
+// The same with credentials: participants authenticate each other first.
+inline constexpr Duration kSecuredRivalGrace = Milliseconds(4000);
+// How long a hung process is kept for its backtrace, and how long a process may take to exit.
 inline constexpr Duration kBacktraceTime = Milliseconds(5000);
 inline constexpr Duration kEndTime = Milliseconds(2000);
 // Two clocks that are 100 ppm apart differ by 6 ms after this.
 inline constexpr Duration kClockGoodFor = std::chrono::seconds(60);
 
-// Of one that was torn down alone, whether its process has ended or lives on with others in it.
+// The fault of an actuator that was torn down alone, whether its process has exited or still runs
+// other actuators.
 inline constexpr const char* kTornDownAlone = "is torn down; only a new start brings it back";
 
-// How one order ended.
+// How one command ended.
 struct OrderEnd {
   ActuatorOutcome outcome = ActuatorOutcome::kDone;
   std::int32_t code = kCodeOk;
   std::string message;
-  bool ran = false;         // the callback ran, or may have
+  bool ran = false;         // the callback ran, or may have run
   std::uint64_t cause = 0;  // the record that says why; 0: the switch it was part of
 };
 
@@ -69,10 +72,10 @@ class Decision {
   void On(const event::SaveEnded& ended);
   void On(const event::TimePassed&) {}
 
-  // Deadlines, then whatever has become possible. Ends every step.
+  // Handles deadlines, then does what has become possible. Ends every step.
   void Settle();
 
-  // All that one does who has been fenced: whoever asks is told.
+  // A fenced controller only answers requests, with a refusal.
   void Decline(const Event& event);
 
   std::vector<Action> Take() && { return std::move(actions_); }
@@ -82,35 +85,35 @@ class Decision {
   void TakeControl(std::size_t i);
   void RaiseEpoch(std::uint64_t epoch, std::size_t because_of);
   void Accept(std::size_t i, const ActuatorReport& report);
-  void Follow(std::size_t i);
+  void Attach(std::size_t i);
   void Drifted(std::size_t i);
   bool IsImpostor(std::size_t i, const ActuatorReport& report);
-  void TakeOthersUp();
-  OrderEnd DoneUnlessLie(std::size_t i, const std::string& message) const;
+  void TakeUpOthers();
+  OrderEnd DoneUnlessContradicted(std::size_t i, const std::string& message) const;
   void Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
              bool apart = false);
   OrderEnd Tolerate(std::size_t i, const Order& order, const OrderEnd& end);
   void EndOrder(std::size_t i, const OrderEnd& given);
   Leg* LegUnderWay(std::size_t i);
-  void AskOrLose(std::size_t i);
+  void QueryOrLose(std::size_t i);
   OrderEnd EvaluateReport(std::size_t i, const Order& order) const;
   void Lose(std::size_t i, const std::string& how, std::uint64_t cause = 0,
             std::int32_t code = kCodeNetError);
-  void LoseSight(std::size_t i, const std::string& how, std::uint64_t cause = 0);
-  void TakeForTornDown(std::size_t i);
+  void LoseConnection(std::size_t i, const std::string& how, std::uint64_t cause = 0);
+  void AssumeTornDown(std::size_t i);
   void EvaluateFoundBusy(std::size_t i);
   void CheckOrders();
 
   // waiting.cpp
   bool JoinWaiting(const event::SetStateRequested& requested, std::optional<std::size_t> only,
-                   std::uint64_t asked);
-  void Await(const Plan& plan, RequestId request, std::uint64_t asked);
+                   std::uint64_t request_record);
+  void Await(const Plan& plan, RequestId request, std::uint64_t request_record);
   bool BeginWaiting();
   void EndWaiting(const Error& why, std::uint64_t cause);
 
   // switching.cpp, switch_end.cpp
   bool JoinOrRefuse(const event::SetStateRequested& requested, std::optional<std::size_t> only,
-                    std::uint64_t asked);
+                    std::uint64_t request_record);
   void Refuse(const State& target, std::optional<std::size_t> only,
               const std::vector<RequestId>& requests, const State& state, const Error& why,
               std::uint64_t cause);
@@ -121,7 +124,7 @@ class Decision {
   bool AdvanceSwitch();
   Duration TearDownShare(const Leg& leg) const;
   bool StartLegs(std::vector<Leg>& legs);
-  const Leg* Hindrance(const Leg& leg, const std::vector<Leg>& legs) const;
+  const Leg* FindBlocker(const Leg& leg, const std::vector<Leg>& legs) const;
   std::optional<OrderEnd> FindUnfit(const Leg& leg) const;
   void SkipLeg(Leg& leg, const Leg* blocker);
   bool Failed(const Switch& s) const;
@@ -131,7 +134,7 @@ class Decision {
   void EndLeg(Leg& leg, const OrderEnd& end);
   void EndSwitch();
   void Apply(const Switch& s, bool undone);
-  void LeaveNobodyBehind(const Switch& s);
+  void DriveTheRest(const Switch& s);
   void SettleBack(const Switch& s);
   bool IsAway(std::size_t i, const State& target) const;
   std::optional<std::size_t> FirstAway(const State& target) const;
@@ -145,13 +148,13 @@ class Decision {
   void StartStage(int stage, std::uint64_t cause);
   bool StartProcesses();
   bool NeedsMet(std::size_t i, std::string& blocker) const;
-  std::uint64_t CauseOfHindrance(std::size_t i) const;
-  bool AnotherIsThere(std::size_t i, std::int32_t pid) const;
+  std::uint64_t CauseOfBlocker(std::size_t i) const;
+  bool AnotherIsPresent(std::size_t i, std::int32_t pid) const;
   bool StageSetUp(int stage) const;
   bool StageSettled(int stage) const;
   bool AdvanceStart();
   void EndFirstStage();
-  void AnswerWhoAwaitsSetUp();
+  void AnswerSetUpRequests();
   void AdoptFrom(const State& lowest, std::uint64_t cause);
   void AfterStartUpCheck(std::uint64_t checked);
   void Activate(std::uint64_t cause);
@@ -159,7 +162,7 @@ class Decision {
   void BecomeRunning(const std::string& message, std::uint64_t cause);
   void CheckSetUpDeadlines();
   std::string NotSetUp(std::size_t i) const;
-  bool WasOutOfReach(std::size_t i) const;
+  bool WasDisconnected(std::size_t i) const;
   std::optional<State> LowestFound() const;
   bool FoundSwitching() const;
   std::string Elsewhere() const;
@@ -168,12 +171,12 @@ class Decision {
   bool DriveLateOnes();
   bool Fits(std::size_t i) const;
   bool MayFollow(std::size_t i) const;
-  void TellUnchecked(std::size_t i);
+  void ReportUnchecked(std::size_t i);
   bool MayJoin(std::size_t i, std::string& blocker) const;
-  std::string RestsBefore(std::size_t i) const;
+  std::string WaitsForSuspended(std::size_t i) const;
   void Join(std::size_t i);
   void EndJoin(std::size_t i, const Order& order, const OrderEnd& end);
-  void Fall(std::size_t i);
+  void FallBack(std::size_t i);
   bool BeginFallback();
 
   // recovery.cpp
@@ -184,7 +187,7 @@ class Decision {
   void Hang(std::size_t i, bool silent, const std::string& how);
   void Terminate(std::size_t i, std::int32_t pid, Duration grace);
   void Kill(std::size_t i);
-  void TakeForEnded(std::size_t i);
+  void AssumeExited(std::size_t i);
   bool IsFinal(std::size_t i, const event::ProcessEnded& ended) const;
   std::string WhyFinal(const event::ProcessEnded& ended) const;
   void Recover(std::size_t i, const event::ProcessEnded& ended = {});
@@ -192,7 +195,7 @@ class Decision {
   void EvaluateArrival(std::size_t i);
   void CheckRestarts();
   void ForgetEnd(std::size_t i);
-  void CallOffRestart(std::size_t i);
+  void CancelRestart(std::size_t i);
   void StartAgain(std::size_t i);
   bool RunsElsewhere(std::size_t i) const;
   void EndForRestart(std::size_t i);
@@ -203,8 +206,8 @@ class Decision {
   bool IsBoundTo(std::size_t i, std::size_t other, std::vector<bool>& seen) const;
   bool Suffices(std::size_t needed, std::size_t i) const;
   const std::string* MissingFor(std::size_t bound, std::size_t i, std::vector<bool>& seen) const;
-  bool ParkAndUnpark();
-  void Park(std::size_t i, const std::string& missing);
+  bool SuspendAndResume();
+  void Suspend(std::size_t i, const std::string& missing);
   State PlaceOf(std::size_t i) const;
 
   // authority.cpp
@@ -227,10 +230,10 @@ class Decision {
   bool EndsKeep(const Switch& s) const;
   void EndKeep(const std::string& why);
   bool BatteryRulesWait() const;
-  bool ObeyBattery();
+  bool ApplyBatteryRule();
   bool TakeDown(BatteryLevel level);
   bool BringBack();
-  bool RestWhenStill();
+  bool LowPowerWhenStill();
   bool BeginByPolicy(const Plan& plan, const std::string& why, std::uint64_t cause);
   void BackOff();
   void NoteEndOfSwitch(const Switch& s, bool undone);
@@ -243,18 +246,19 @@ class Decision {
   std::uint64_t RecordPolicy(std::int32_t code, const std::string& message,
                              std::uint64_t cause = 0);
 
-  // policy_requests.cpp; each gives why it refuses, or sees to the answer
+  // policy_requests.cpp; each returns why it refuses, or arranges the answer
   using Requested = event::PolicyRequested;
-  std::optional<Error> Handle(const Requested& requested, std::uint64_t asked);
-  std::optional<Error> HandleKeep(const Requested& requested, std::uint64_t asked);
-  std::optional<Error> HandleOta(const Requested& requested, std::uint64_t asked);
-  std::optional<Error> HandleLowPowerSwitch(const Requested& requested, std::uint64_t asked);
-  std::optional<Error> HandleWakeUp(const Requested& requested, std::uint64_t asked);
-  std::optional<Error> HandlePower(const Requested& requested, std::uint64_t asked);
+  std::optional<Error> Handle(const Requested& requested, std::uint64_t request_record);
+  std::optional<Error> HandleKeep(const Requested& requested, std::uint64_t request_record);
+  std::optional<Error> HandleOta(const Requested& requested, std::uint64_t request_record);
+  std::optional<Error> HandleLowPowerSwitch(const Requested& requested,
+                                            std::uint64_t request_record);
+  std::optional<Error> HandleWakeUp(const Requested& requested, std::uint64_t request_record);
+  std::optional<Error> HandlePower(const Requested& requested, std::uint64_t request_record);
   std::optional<Error> KeptOrBusy() const;
-  std::optional<Error> BeginAsked(const Requested& requested, const State& target,
-                                  std::uint64_t asked);
-  std::optional<Error> BeginUp(const Requested& requested, std::uint64_t asked);
+  std::optional<Error> BeginRequested(const Requested& requested, const State& target,
+                                      std::uint64_t request_record);
+  std::optional<Error> BeginUp(const Requested& requested, std::uint64_t request_record);
   bool InLowPower() const;
 
   // power.cpp
@@ -270,13 +274,13 @@ class Decision {
   void AdvanceStopping();
   std::int32_t OwnProcess(std::size_t i) const;
   bool ProcessesLeft() const;
-  bool HasLooked();
+  bool HasSearched();
   void SignalProcesses(bool kill);
   void EndUnfinished();
   void JoinStop(const event::SetStateRequested& requested);
   bool WaitsForIntent();
-  std::string MayLive(std::size_t i) const;
-  void ListWhatLives();
+  std::string MayStillRun(std::size_t i) const;
+  void ListSurvivors();
   SwitchResult StopResult();
 
   // coordinator.cpp
@@ -284,9 +288,9 @@ class Decision {
   const ActuatorRecord& Of(std::size_t i) const { return machine_.actuators[i]; }
   const ActuatorConfig& ConfigOf(std::size_t i) const { return config_.actuators[i]; }
   void Do(Action action) { actions_.push_back(std::move(action)); }
-  // Each gives the id of its record. `cause`: the id of the record that it follows from, where one
-  // is known. Whoever decides something that has effects later keeps the id for those: in
-  // ActuatorRecord, Switch or Machine.
+  // Each returns the id of its record. `cause`: the id of the record that it follows from, where
+  // one is known. A decision with later effects stores the id for them in ActuatorRecord, Switch or
+  // Machine.
   std::uint64_t Record(action::Record record);
   std::uint64_t RecordMachine(std::int32_t code, const std::string& message,
                               std::uint64_t cause = 0);
@@ -298,7 +302,7 @@ class Decision {
                                std::uint64_t cause = 0);
   std::uint64_t RecordProcess(std::size_t i, std::int32_t code, const std::string& message,
                               std::uint64_t cause = 0);
-  // Puts its fault on record, once; the record becomes the cause of what follows from the fault.
+  // Records the fault, once; the record becomes the cause of what follows from the fault.
   void Degrade(std::size_t i, std::int32_t code, const std::string& message,
                std::uint64_t cause = 0);
   bool Critical(std::size_t i) const { return ConfigOf(i).critical; }
@@ -317,9 +321,9 @@ int Urgency(const State& target);
 std::string Describe(const MachineConfig& config, const State& target,
                      std::optional<std::size_t> only);
 
-// When the orders, claims and set-ups of one actuator fall due.
+// When the next command, take-control attempt or set-up deadline of one actuator is due.
 std::optional<Time> NextDeadlineOf(const ActuatorRecord& record);
-// When the power is due to go, or a switch of the policy to be tried again: by the steady clock.
+// When the power-off is due, or a switch of the policy is to be retried: by the steady clock.
 std::optional<Time> NextPowerDeadline(const Machine& machine);
 
 }  // namespace musher

@@ -1,5 +1,5 @@
 #pragma once
-// A located finding about something a person wrote.
+// An error, warning or note about a file that a person wrote, with its location.
 
 #include <string>
 #include <vector>
@@ -10,7 +10,7 @@ enum class Severity { kNote, kWarning, kError };
 
 struct Diagnostic {
   std::string file;
-  int line = 0;    // from 1; 0 when the finding is about the file as a whole
+  int line = 0;    // from 1; 0 when it is about the file as a whole
   int column = 0;  // from 1, in bytes; 0 with line 0
   Severity severity = Severity::kError;
   std::string message;

@@ -6,7 +6,7 @@ namespace musher {
 
 bool FlowAllows(const MachineConfig& config, std::string_view from, std::string_view to) {
   if (!config.HasState(to) || to == kSetUp || to == kUninitialized) return false;
-  if (from == kTearDown) return false;  // only a new start
+  if (from == kTearDown) return false;  // only a new start leaves it
   if (from == to || to == kTearDown) return true;
   if (to == kSelfCheck) return from != kUninitialized;
   if (from == kSelfCheck && (to == kActive || to == kDeActive || to == kError)) return true;

@@ -1,7 +1,7 @@
 #pragma once
-// Which states follow which. The order is the machine's, not the core's (seed 003): data of the
-// config, plus what no config can take away - TearDown is reachable from everywhere, a self-check
-// may be run in every state of the run phase, and a start goes SetUp → SelfCheck → Active.
+// Which states may follow which. The flow is data of the config, plus what no config can remove:
+// TearDown is reachable from every state, a self-check may be run in every state of the run phase,
+// and a start goes SetUp → SelfCheck → Active.
 
 #include <string_view>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace musher {
 
-// Whether something in `from` may be switched to `to`. The same state again is allowed.
+// Whether an actuator or a machine in `from` may be switched to `to`. The same state is allowed.
 bool FlowAllows(const MachineConfig& config, std::string_view from, std::string_view to);
 
 // Whether `to` is more active than `from`, which an emergency stop forbids. A step of the start

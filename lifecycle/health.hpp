@@ -1,5 +1,5 @@
 #pragma once
-// What is wrong with an actuator, in one word, and the rule by which silence is judged.
+// The health of an actuator, and the rule that evaluates its silence.
 
 #include <string_view>
 
@@ -9,16 +9,16 @@ namespace musher {
 
 enum class Health {
   kWell,
-  kStarved,      // alive, but kept waiting for a CPU: told, and left alone
-  kHung,         // had its chances to run and did not get anywhere
-  kCrashed,      // its process has ended
-  kPartitioned,  // its whole host is out of reach
+  kStarved,      // alive, but waiting for a CPU: reported, not restarted
+  kHung,         // could run and made no progress
+  kCrashed,      // its process has exited
+  kPartitioned,  // the connection to its whole host is lost
 };
 std::string_view HealthName(Health health);  // "well", "starved", …
 
-// Judges somebody who has been silent for `silent` and should not be for longer than `allowance`.
-// For `waited` of that time it was ready to run and got no CPU: that is not its fault and does not
-// count. Gives kWell, kStarved or kHung.
+// Evaluates a process that has been silent for `silent`, where `allowance` is the limit. For
+// `waited` of that time it was ready to run and got no CPU: that time does not count. Gives kWell,
+// kStarved or kHung.
 Health EvaluateSilence(Duration silent, Duration allowance, Duration waited);
 
 }  // namespace musher

@@ -9,13 +9,13 @@ constexpr Duration kSlowestHeartbeat = Milliseconds(500);
 constexpr Duration kLanHeartbeat = Milliseconds(125);
 constexpr Duration kControllerHeartbeat = Milliseconds(500);
 constexpr int kHeartbeatsMissed = 3;
-// Below this a loaded network loses actuators that are well.
+// With a shorter limit, a loaded network loses healthy actuators.
 constexpr Duration kLeastRemoteLimit = Milliseconds(500);
-// Of anybody's silence, whatever period it claims to beat in.
+// The longest limit, whatever heartbeat period the actuator reports.
 constexpr Duration kLongestLimit = Milliseconds(60'000);
-// Past this the loop of the controller was late itself; what was sent may wait behind the timer.
+// Above this delay the loop of the controller was late itself; samples may wait behind the timer.
 constexpr Duration kOwnDelay = Milliseconds(20);
-// Who was starved is called so until it has kept up for as long.
+// A starved actuator stays starved until it has kept up for this long.
 constexpr Duration kStarvedFor = Milliseconds(2000);
 
 std::string Ms(Duration duration) {
@@ -46,18 +46,18 @@ void HealthMonitor::Watch(std::size_t actuator, std::uint64_t incarnation, const
   process.incarnation = incarnation;
   process.host = host;
   process.local = local;
-  process.heard = now;
-  // Its first beats may have come before anybody listened.
+  process.last_received = now;
+  // Its first heartbeats may have come before the subscription.
   if (config_->actuators[actuator].protocol != Protocol::kMusher) return;
-  Promise(process, HeartbeatPeriod(*config_, actuator));
+  SetLimit(process, HeartbeatPeriod(*config_, actuator));
   process.look = now + process.limit / 2;
 }
 
-// The next beat is due in a period: how long it may be silent.
-void HealthMonitor::Promise(MonitoredProcess& process, Duration period) {
+// Sets the limit of its silence from the period of its heartbeat.
+void HealthMonitor::SetLimit(MonitoredProcess& process, Duration period) {
   const Duration least = process.local ? Milliseconds(40) : kLeastRemoteLimit;
-  const Duration promised = std::clamp(period, Duration::zero(), kLongestLimit);
-  process.limit = std::clamp(promised * kHeartbeatsMissed, least, kLongestLimit);
+  const Duration reported = std::clamp(period, Duration::zero(), kLongestLimit);
+  process.limit = std::clamp(reported * kHeartbeatsMissed, least, kLongestLimit);
 }
 
 void HealthMonitor::Forget(std::size_t actuator) {
@@ -78,23 +78,23 @@ std::vector<Finding> HealthMonitor::Heard(std::size_t actuator, std::uint64_t in
   std::vector<Finding> findings;
   MonitoredProcess& process = monitored_[actuator];
   if (process.incarnation != incarnation || incarnation == 0) return findings;
-  Promise(process, heartbeat.period);
+  SetLimit(process, heartbeat.period);
   Revive(actuator, process, now, findings);
   EvaluateWork(actuator, process, heartbeat, now, findings);
   return findings;
 }
 
-// Who is heard lives; what its work thread does is another matter.
+// An actuator that sends is alive; its work thread is evaluated separately.
 void HealthMonitor::Revive(std::size_t actuator, MonitoredProcess& process, Time now,
                            std::vector<Finding>& findings) {
-  process.heard = now;
+  process.last_received = now;
   process.probed = false;
-  process.forgiven = false;
+  process.excused = false;
   process.look.reset();
   if (process.limit != Duration::zero()) process.look = now + process.limit / 2;
   const bool was_silent = process.health != Health::kWell && process.health != Health::kStarved;
   if (was_silent && !process.work_hung) {
-    Change(actuator, process, Health::kWell, false, "it is heard again", findings);
+    Change(actuator, process, Health::kWell, false, "heartbeat received again", findings);
   }
 }
 
@@ -102,8 +102,8 @@ void HealthMonitor::EvaluateWork(std::size_t actuator, MonitoredProcess& process
                                  const Heartbeat& heartbeat, Time now,
                                  std::vector<Finding>& findings) {
   const std::string silence =
-      (heartbeat.during.empty() ? "its work thread gave no checkpoint for "
-                                : "in " + heartbeat.during + " it gave no checkpoint for ") +
+      (heartbeat.during.empty() ? "no checkpoint from its work thread for "
+                                : "no checkpoint in " + heartbeat.during + " for ") +
       Ms(heartbeat.silent);
   if (heartbeat.work == Health::kHung) {
     process.work_hung = true;
@@ -113,13 +113,14 @@ void HealthMonitor::EvaluateWork(std::size_t actuator, MonitoredProcess& process
   if (heartbeat.work == Health::kStarved) {
     process.starved = now;
     return Change(actuator, process, Health::kStarved, false,
-                  silence + ", and waited for a CPU for " + Ms(heartbeat.waited) + " of them",
-                  findings);
+                  silence + ", " + Ms(heartbeat.waited) + " of them waiting for a CPU", findings);
   }
   const bool kept_up = now - process.starved >= kStarvedFor;
   if (process.health == Health::kStarved && !kept_up) return;
   Change(actuator, process, Health::kWell, false,
-         process.health == Health::kStarved ? "it keeps up again" : "its work goes on", findings);
+         process.health == Health::kStarved ? "it gets enough CPU again"
+                                            : "its work thread makes progress again",
+         findings);
 }
 
 std::vector<Finding> HealthMonitor::TimePassed(Time now) {
@@ -127,15 +128,16 @@ std::vector<Finding> HealthMonitor::TimePassed(Time now) {
   for (std::size_t i = 0; i < monitored_.size(); ++i) {
     MonitoredProcess& process = monitored_[i];
     if (!process.look || *process.look > now) continue;
-    if (now - *process.look > kOwnDelay && !process.forgiven) {
-      process.forgiven = true;
+    if (now - *process.look > kOwnDelay && !process.excused) {
+      process.excused = true;
       process.look = now + kOwnDelay;
       continue;
     }
     if (!process.probed) {
       process.probed = true;
-      // Silent for longer than the limit, and with time to answer though we were late ourselves.
-      process.look = std::max(process.heard + process.limit + Duration(1), now + process.limit / 4);
+      // After the limit, and with time to answer even if the controller was late itself.
+      process.look =
+          std::max(process.last_received + process.limit + Duration(1), now + process.limit / 4);
       if (process.local) findings.emplace_back(finding::Examine{i, true});
       findings.emplace_back(finding::Probe{i});
       continue;
@@ -155,12 +157,12 @@ std::vector<Finding> HealthMonitor::Examined(std::size_t actuator, const Examina
   using Process = Examination::Process;
   std::vector<Finding> findings;
   MonitoredProcess& process = monitored_[actuator];
-  const Duration silent = now - process.heard;
+  const Duration silent = now - process.last_received;
   if (process.incarnation == 0 || examination.process == Process::kGone || !process.probed ||
       silent < process.limit) {
     return findings;
   }
-  const std::string silence = "nothing was heard of it for " + Ms(silent);
+  const std::string silence = "no heartbeat for " + Ms(silent);
   const Health health = EvaluateSilence(silent, process.limit, examination.waited);
   if (examination.process == Process::kStopped) {
     Change(actuator, process, Health::kHung, true, "its process is stopped; " + silence, findings);
@@ -170,12 +172,11 @@ std::vector<Finding> HealthMonitor::Examined(std::size_t actuator, const Examina
     process.look = now + process.limit;
   } else if (health == Health::kHung) {
     Change(actuator, process, Health::kHung, true,
-           silence + ", although it had to wait for a CPU for " + Ms(examination.waited) + " only",
-           findings);
+           silence + ", although it waited for a CPU for only " + Ms(examination.waited), findings);
   } else {
     process.starved = now;
     Change(actuator, process, Health::kStarved, true,
-           silence + ", and waited for a CPU for " + Ms(examination.waited) + " of them", findings);
+           silence + ", " + Ms(examination.waited) + " of them waiting for a CPU", findings);
     process.look = now + std::max(process.limit - (silent - examination.waited), process.limit / 4);
   }
   return findings;
@@ -183,21 +184,22 @@ std::vector<Finding> HealthMonitor::Examined(std::size_t actuator, const Examina
 
 void HealthMonitor::EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
                                    std::vector<Finding>& findings) {
-  const std::string silence = "nothing was heard of it for " + Ms(now - process.heard);
-  if (HostIsHeard(process, now)) {
+  const std::string silence = "no heartbeat for " + Ms(now - process.last_received);
+  if (HostIsAlive(process, now)) {
     Change(actuator, process, Health::kCrashed, true,
-           silence + ", while others of its host are heard", findings);
+           silence + ", while other actuators of its host are alive", findings);
   } else {
-    Change(actuator, process, Health::kPartitioned, true, silence + ", nor of its host", findings);
+    Change(actuator, process, Health::kPartitioned, true,
+           silence + ", nor from any actuator of its host", findings);
   }
 }
 
-// Whether another actuator of the host has been heard after this one fell silent: within half of
-// its limit, while this one has used up all of its own.
-bool HealthMonitor::HostIsHeard(const MonitoredProcess& process, Time now) const {
+// Whether another actuator of the host was received after this one fell silent: within half of its
+// limit, while this one has exceeded its own.
+bool HealthMonitor::HostIsAlive(const MonitoredProcess& process, Time now) const {
   return std::any_of(monitored_.begin(), monitored_.end(), [&](const MonitoredProcess& other) {
     return &other != &process && other.incarnation != 0 && other.host == process.host &&
-           other.limit != Duration::zero() && now - other.heard < other.limit / 2;
+           other.limit != Duration::zero() && now - other.last_received < other.limit / 2;
   });
 }
 

@@ -1,17 +1,18 @@
 #pragma once
-// Judges which actuators live, from what is heard of them. Pure: it is told what was heard and what
-// time it is, and says whom to ask, whom to look at, and whose health has changed.
+// Monitors the liveliness of actuators from what is received from them. Pure: its inputs are
+// samples and the time; its outputs say which actuator to probe, which process to examine, and
+// whose health has changed.
 //
-//   heard ──▶ quiet for half its limit: it is asked (Probe), and the kernel's view of it is taken
-//     ▲       as a mark (Examine) where that is possible
-//     │                 │
-//     └── heard again ──┤ silent for its limit
-//                       ▼
-//          of this host: Examine ──▶ waited for a CPU: starved   stopped, or had its chances: hung
-//          elsewhere:    others of its host are heard ──▶ crashed      nobody is ──▶ partitioned
+//   received ──▶ silent for half its limit: it is probed (Probe), and the kernel's counters of its
+//     ▲          process are taken as a mark (Examine) where that is possible
+//     │                    │
+//     └── received again ──┤ silent for its limit
+//                          ▼
+//          on this host:    Examine ──▶ waited for a CPU: starved   stopped, or could run: hung
+//          on another host: others of it are received ──▶ crashed   none is ──▶ partitioned
 //
-// The end of a process is no matter of this: the kernel tells it at once. Who speaks another
-// protocol and never beats is never judged.
+// The exit of a process is not handled here: the kernel reports it at once. An actuator of another
+// protocol without heartbeats is never evaluated.
 
 #include <cstdint>
 #include <optional>
@@ -24,23 +25,23 @@
 
 namespace musher {
 
-// How often an actuator says that it lives: twice in its checkpoint, at most 500 ms apart, and 125
-// ms where hosts are several, since there nothing else tells of its end. Three that are missed in a
-// row are silence.
+// The heartbeat period of an actuator: half its checkpoint, at most 500 ms, and at most 125 ms
+// where there are several hosts, since there nothing else reports its exit. Three heartbeats missed
+// in a row are silence.
 Duration HeartbeatPeriod(const MachineConfig& config, std::size_t actuator);
-// How often a controller does.
+// The heartbeat period of a controller.
 Duration ControllerBeatPeriod(const MachineConfig& config);
 
-// What an actuator says of itself.
+// What an actuator reports about itself.
 struct Heartbeat {
   Duration period{};            // until the next one
   Health work = Health::kWell;  // of its work thread: well, starved or hung
-  State during;                 // whose callback runs; empty for work of its own
+  State during;                 // the state whose callback runs; empty for work of its own
   Duration silent{};            // since the work thread's last checkpoint
-  Duration waited{};            // so much of it, it waited for a CPU
+  Duration waited{};            // the part of it spent waiting for a CPU
 };
 
-// What the kernel says of a process of this host.
+// What the kernel reports about a process of this host.
 struct Examination {
   enum class Process { kRunning, kStopped, kTraced, kGone };
 
@@ -49,11 +50,11 @@ struct Examination {
 };
 
 namespace finding {
-// Ask it anything: who answers lives.
+// Send it a query: an actuator that answers is alive.
 struct Probe {
   std::size_t actuator = 0;
 };
-// Look at its process; with `mark`, remember the look to measure from.
+// Examine its process; with `mark`, keep the result to measure from.
 struct Examine {
   std::size_t actuator = 0;
   bool mark = false;
@@ -62,8 +63,8 @@ struct Changed {
   std::size_t actuator = 0;
   std::uint64_t incarnation = 0;
   Health health = Health::kWell;
-  bool silent = false;  // it does not even answer
-  std::string how;      // "for 512 ms nothing was heard of it"
+  bool silent = false;  // it does not answer either
+  std::string how;      // "no heartbeat for 512 ms"
 };
 }  // namespace finding
 
@@ -73,13 +74,13 @@ class HealthMonitor {
  public:
   explicit HealthMonitor(const MachineConfig& config);
 
-  // An actuator is to be watched from now on. `local`: the kernel can be asked about its process.
+  // Monitors an actuator from now on. `local`: the kernel can be queried about its process.
   void Watch(std::size_t actuator, std::uint64_t incarnation, const std::string& host, bool local,
              Time now);
-  // Its process has ended.
+  // Its process has exited.
   void Forget(std::size_t actuator);
 
-  // Anything came from it: a status, an answer.
+  // A sample came from it: a status, an answer.
   std::vector<Finding> Heard(std::size_t actuator, std::uint64_t incarnation, Time now);
   std::vector<Finding> Heard(std::size_t actuator, std::uint64_t incarnation,
                              const Heartbeat& heartbeat, Time now);
@@ -90,27 +91,27 @@ class HealthMonitor {
 
  private:
   struct MonitoredProcess {
-    std::uint64_t incarnation = 0;  // 0: nobody is watched
+    std::uint64_t incarnation = 0;  // 0: not monitored
     std::string host;
     bool local = false;
-    Duration limit{};  // of its silence; 0: no beat is expected
-    Time heard{};
+    Duration limit{};  // of its silence; 0: no heartbeat is expected
+    Time last_received{};
     bool probed = false;
-    bool forgiven = false;     // the delay was our own, once
-    std::optional<Time> look;  // when to look next
-    bool work_hung = false;    // by its own word, as against its silence
+    bool excused = false;      // a late loop of the controller was excused, once
+    std::optional<Time> look;  // when to examine next
+    bool work_hung = false;    // as its heartbeat reports, not by its silence
     Health health = Health::kWell;
-    Time starved{};  // when that was noticed last
+    Time starved{};  // when that was last observed
   };
 
-  static void Promise(MonitoredProcess& process, Duration period);
+  static void SetLimit(MonitoredProcess& process, Duration period);
   void Revive(std::size_t actuator, MonitoredProcess& process, Time now,
               std::vector<Finding>& findings);
   void EvaluateWork(std::size_t actuator, MonitoredProcess& process, const Heartbeat& heartbeat,
                     Time now, std::vector<Finding>& findings);
   void EvaluateRemote(std::size_t actuator, MonitoredProcess& process, Time now,
                       std::vector<Finding>& findings);
-  bool HostIsHeard(const MonitoredProcess& process, Time now) const;
+  bool HostIsAlive(const MonitoredProcess& process, Time now) const;
   void Change(std::size_t actuator, MonitoredProcess& process, Health health, bool silent,
               std::string how, std::vector<Finding>& findings);
 

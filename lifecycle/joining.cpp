@@ -1,5 +1,5 @@
-// One actuator on its own to where the machine is: late stages, those that were started again,
-// those that had been overdue. Switches go first; joining waits for them.
+// Drives one actuator on its own to the state of the machine: actuators of late stages, restarted
+// ones, and those that were overdue. Switches go first; joining waits for them.
 
 #include <algorithm>
 
@@ -18,14 +18,14 @@ bool Decision::DriveLateOnes() {
     const bool unchecked = !record.checked && !record.join_tried && !config_.RankOf(record.state());
     if (!free || record.held) continue;
     if (!record.due && !unchecked) {
-      TellUnchecked(i);
+      ReportUnchecked(i);
       continue;
     }
     std::string blocker;
     if (!MayJoin(i, blocker)) {
       if (blocker.empty()) continue;
-      changed |= !record.fault;  // those that come after it hear of it in turn
-      Degrade(i, kCodeStatusError, blocker, CauseOfHindrance(i));
+      changed |= !record.fault;  // the actuators after it are evaluated in turn
+      Degrade(i, kCodeStatusError, blocker, CauseOfBlocker(i));
       continue;
     }
     Join(i);
@@ -34,30 +34,31 @@ bool Decision::DriveLateOnes() {
   return changed;
 }
 
-// Whether it may be where the machine is: it has passed its check, or is there without, in Error.
+// Whether it may be in the state of the machine: it has passed its check, or is there without one,
+// in Error.
 bool Decision::Fits(std::size_t i) const {
   return Of(i).checked || Of(i).state() == machine_.state;
 }
 
-// Whether it may be driven to where the machine is: down always, up only after its check.
+// Whether it may be driven to the state of the machine: down always, up only after its check.
 bool Decision::MayFollow(std::size_t i) const {
   const auto own = config_.RankOf(Of(i).state());
   const auto machine = config_.RankOf(machine_.state);
   return Of(i).checked || (own && machine && *own > *machine);
 }
 
-// One that was found in Error, or came to where it is otherwise without a check, is not driven up
-// behind a person's back.
-void Decision::TellUnchecked(std::size_t i) {
+// An actuator that was found in Error, or reached its state otherwise without a check, is not
+// driven up without a request.
+void Decision::ReportUnchecked(std::size_t i) {
   const ActuatorRecord& record = Of(i);
   const bool stays = config_.RankOf(record.state()) && record.state() != machine_.state;
   if (!stays || record.checked || record.fault) return;
   Degrade(i, kCodeStatusError,
           "it is in " + record.state() +
-              " and has not passed its self-check; a SelfCheck by hand leads out of it");
+              " and has not passed its self-check; run `musher set SelfCheck`");
 }
 
-// Whether those that it comes after are there, for a self-check, or up, for going up itself.
+// Whether the actuators in its `after` are present, for a self-check, or up, for going up itself.
 bool Decision::MayJoin(std::size_t i, std::string& blocker) const {
   const ActuatorRecord& record = Of(i);
   const auto own = config_.RankOf(record.state());
@@ -66,7 +67,7 @@ bool Decision::MayJoin(std::size_t i, std::string& blocker) const {
   if (record.due && !goes_up) return true;
   if (goes_up && machine_.emergency_stop && machine_.state != kError) return false;
   if (!NeedsMet(i, blocker)) {
-    if (blocker.empty()) blocker = RestsBefore(i);
+    if (blocker.empty()) blocker = WaitsForSuspended(i);
     return false;
   }
   return !goes_up || std::all_of(ConfigOf(i).after.begin(), ConfigOf(i).after.end(),
@@ -76,10 +77,10 @@ bool Decision::MayJoin(std::size_t i, std::string& blocker) const {
                                  });
 }
 
-// Which of those that it comes after rests, and so keeps it waiting; empty: none.
-std::string Decision::RestsBefore(std::size_t i) const {
+// The suspended actuator in its `after` that it waits for; empty: none.
+std::string Decision::WaitsForSuspended(std::size_t i) const {
   for (const std::string& name : ConfigOf(i).after) {
-    if (Of(*config_.IndexOf(name)).parked) return "waits for " + name + ", which rests";
+    if (Of(*config_.IndexOf(name)).parked) return "waits for " + name + ", which is suspended";
   }
   return {};
 }
@@ -94,7 +95,7 @@ void Decision::Join(std::size_t i) {
   if (record.state() == place) {
     if (record.checked && !record.parked) record.fault.reset();
   } else if (!config_.RankOf(place)) {
-    return;  // the machine is between states; whoever takes it on takes this one along
+    return;  // the machine is between states; the next switch includes this actuator
   } else if (!ConfigOf(i).Lists(place)) {
     Degrade(i, kCodeUnSupport, "has no state '" + place + "'", record.cause);
   } else {
@@ -102,7 +103,7 @@ void Decision::Join(std::size_t i) {
   }
 }
 
-// The end of an order that was not part of a switch.
+// The end of a command that was not part of a switch.
 void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
   ActuatorRecord& record = Of(i);
   if (record.restart_asked) {
@@ -120,12 +121,12 @@ void Decision::EndJoin(std::size_t i, const Order& order, const OrderEnd& end) {
   Degrade(i, end.code,
           order.target + " " + std::string(OutcomeName(end.outcome)) + ": " + end.message,
           record.cause);
-  Fall(i);
+  FallBack(i);
 }
 
-// An actuator is not to be had: the machine goes down to its on_lost, if it has one, as soon as no
+// An actuator is unavailable: the machine goes down to its on_lost, if it has one, as soon as no
 // switch is under way. Of several the least active counts.
-void Decision::Fall(std::size_t i) {
+void Decision::FallBack(std::size_t i) {
   const State& on_lost = ConfigOf(i).on_lost;
   if (on_lost.empty() || machine_.phase != Phase::kRunning) return;
   if (!machine_.fallback || *config_.RankOf(on_lost) < *config_.RankOf(*machine_.fallback)) {
@@ -139,7 +140,7 @@ bool Decision::BeginFallback() {
   const State target = *std::exchange(machine_.fallback, std::nullopt);
   LowerAtMostTo(target);
   const auto rank = config_.RankOf(machine_.state);
-  if (!rank || *config_.RankOf(target) >= *rank) return false;  // it is as safe as that already
+  if (!rank || *config_.RankOf(target) >= *rank) return false;  // it is that safe already
   const Plan plan = MakeSafetyPlan(config_, machine_, target);
   if (plan.refusal) {  // not of a running machine with a valid config
     RecordMachine(plan.refusal->code,
@@ -147,9 +148,9 @@ bool Decision::BeginFallback() {
                   machine_.fallback_cause);
     return false;
   }
-  const std::uint64_t told = RecordMachine(
+  const std::uint64_t recorded = RecordMachine(
       kCodeOk, "an actuator is lost; falling back to " + target, machine_.fallback_cause);
-  Begin(plan, Purpose::kFallback, {}, told);
+  Begin(plan, Purpose::kFallback, {}, recorded);
   return true;
 }
 

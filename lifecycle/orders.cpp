@@ -1,4 +1,4 @@
-// One command to one actuator, with a certain outcome.
+// One command to one actuator, with a definite outcome.
 
 #include <algorithm>
 #include <utility>
@@ -7,8 +7,8 @@
 
 namespace musher {
 
-// Asks an actuator that has shown itself to follow this controller. The answer gives its status and
-// a fresh stamp, by which it can later tell how old a command is.
+// Takes control of an actuator that has published its status. The answer has its status and a fresh
+// stamp, from which the actuator later computes the age of a command.
 void Decision::TakeControl(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const std::uint64_t seen = record.report.epoch;
@@ -16,13 +16,13 @@ void Decision::TakeControl(std::size_t i) {
   if (seen >= kLastEpoch) {
     record.take_control_again.reset();
     return Degrade(i, kCodePermissionDenied,
-                   "it says that it follows epoch " + std::to_string(seen) +
-                       ", which cannot be a controller's");
+                   "it reports epoch " + std::to_string(seen) + ", which is out of range");
   }
   if (seen > machine_.epoch || (seen == machine_.epoch && !ours)) {
-    // Perhaps a living controller leads with it; then it says so, and this one lets go.
+    // Perhaps a running controller leads with it; then its heartbeat comes, and this one releases
+    // control.
     if (!record.outbid_at)
-      record.outbid_at = now_ + (config_.keys.empty() ? kRivalPatience : kSecuredRivalPatience);
+      record.outbid_at = now_ + (config_.keys.empty() ? kRivalGrace : kSecuredRivalGrace);
     if (now_ < *record.outbid_at) {
       record.take_control_again = record.outbid_at;
       if (record.set_up_by)
@@ -37,24 +37,24 @@ void Decision::TakeControl(std::size_t i) {
   Do(action::SendAsk{i, record.report.number, false});
 }
 
-// An earlier controller has been here. Whoever follows already hears of the new epoch at once.
+// An earlier controller was here. The attached actuators get the new epoch at once.
 void Decision::RaiseEpoch(std::uint64_t epoch, std::size_t because_of) {
   machine_.epoch = epoch;
   Save(Stored::kEpoch);
-  Lower(std::nullopt);  // that one may have led the machine elsewhere
+  Lower(std::nullopt);  // that controller may have changed the state of the machine
   RecordMachine(kCodeOk, "epoch " + std::to_string(epoch) + ": " + ConfigOf(because_of).name +
-                             " had followed epoch " + std::to_string(epoch - 1));
+                             " was controlled by epoch " + std::to_string(epoch - 1));
   for (std::size_t other = 0; other < machine_.actuators.size(); ++other) {
     if (other == because_of || Of(other).presence != Presence::kPresent) continue;
-    Do(action::SendAsk{other, 0, false});  // what waits there goes on waiting
+    Do(action::SendAsk{other, 0, false});  // a waiting command there goes on waiting
   }
 }
 
-// Takes a newer report over. What ended without an order of ours (one that was overdue, one of the
-// controller before) may have led anywhere.
+// Stores a newer report. A callback that ended without a command of this controller (an overdue
+// one, or one of the previous controller) may have led to any state.
 void Decision::Accept(std::size_t i, const ActuatorReport& report) {
   ActuatorRecord& record = Of(i);
-  // That it was busy may not have been heard.
+  // The report that it was busy may have been missed.
   const bool was_busy =
       record.report.busy() || (report.incarnation == record.report.incarnation &&
                                report.outcome_number != record.report.outcome_number);
@@ -65,8 +65,8 @@ void Decision::Accept(std::size_t i, const ActuatorReport& report) {
                            (record.report.target == kSelfCheck && report.outcome_code == kCodeOk);
   if (came_free && passed_late) record.checked = true;
   if (came_free && record.checked && !record.held) record.due = true;
-  // A report that was held up on the way would make commands look older than they are. Once in a
-  // while a new one counts all the same: clocks drift.
+  // A delayed report would make commands look older than they are. Once in a while a new one is
+  // used anyway: clocks drift.
   const bool other_process = record.report.incarnation != report.incarnation;
   const bool came_faster = report.stamp - now_ >= record.clock_theirs - record.clock_ours;
   if (other_process || came_faster || now_ - record.clock_ours > kClockGoodFor) {
@@ -79,21 +79,21 @@ void Decision::Accept(std::size_t i, const ActuatorReport& report) {
   record.report = report;
   if (moved) Drifted(i);
   if (came_free && !record.checked && report.outcome_code != kCodeOk) {
-    Degrade(i, report.outcome_code, "it failed late: " + report.outcome_message);
+    Degrade(i, report.outcome_code, "failed after its deadline: " + report.outcome_message);
   }
   HoldTo(report, i);
   if (report.number < kLastNumber) machine_.number = std::max(machine_.number, report.number);
 }
 
-// The actuator has answered its claim: it is present.
-void Decision::Follow(std::size_t i) {
+// The actuator has answered: it is present.
+void Decision::Attach(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.take_control_again.reset();
   if (record.presence == Presence::kPresent) return;
   const bool late = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
   record.presence = Presence::kPresent;
   record.set_up_by.reset();
-  record.restart_at.reset();  // somebody else was faster
+  record.restart_at.reset();  // it was started by another party first
   record.fault.reset();
   record.tolerated.reset();
   const bool beyond = record.state() == kSelfCheck || config_.RankOf(record.state());
@@ -107,23 +107,23 @@ void Decision::Follow(std::size_t i) {
   record.cause = RecordActuator(
       i, kCodeOk,
       ConfigOf(i).name + " is present in " + record.state() +
-          (record.report.pid == 0 ? "" : ", process " + std::to_string(record.report.pid)),
+          (record.report.pid == 0 ? "" : " (pid " + std::to_string(record.report.pid) + ")"),
       record.cause);
   if (machine_.emergency_stop && record.report.emergency_stop == 0) {
-    Do(action::TellEmergencyStop{*machine_.emergency_stop, true});  // it may think that it is over
+    Do(action::TellEmergencyStop{*machine_.emergency_stop, true});  // it may have missed the stop
   }
   if (record.state() == kTearDown && record.held)
     Degrade(i, kCodeStateInvalid, kTornDownAlone, record.cause);
   EvaluateArrival(i);
 }
 
-// It is somewhere else than where it was sent, without having been told to.
+// Its state has changed without a command.
 void Decision::Drifted(std::size_t i) {
   ActuatorRecord& record = Of(i);
-  const bool told = record.report.outcome_code == kCodeOk;
+  const bool succeeded = record.report.outcome_code == kCodeOk;
   record.cause = RecordActuator(i, kCodeStatusError,
                                 ConfigOf(i).name + " has gone to " + record.state() + " by itself" +
-                                    (told ? "" : ": " + record.report.outcome_message));
+                                    (succeeded ? "" : ": " + record.report.outcome_message));
   if (!record.held && MayFollow(i)) record.due = true;
 }
 
@@ -134,14 +134,14 @@ void Decision::On(const event::StatusSeen& seen) {
   if (same && (record.presence == Presence::kPresent || record.take_control_again)) {
     if (report.stamp < record.report.stamp) return;
     Accept(seen.actuator, report);
-    // The latch tells an outcome as well as the reply, and stays when the reply is lost.
+    // The latched status carries the outcome like the reply, and remains when the reply is lost.
     if (record.order && report.outcome_number == record.order->number) {
       EndOrder(seen.actuator, EvaluateReport(seen.actuator, *record.order));
     }
     return;
   }
-  if (same && record.terminating != 0) return;  // its end has been decided
-  // What a process said before it died can come after its successor has spoken.
+  if (same && record.terminating != 0) return;  // its termination was decided
+  // The status of a dead process can arrive after the status of its successor.
   // Incarnations are compared within a boot of a host only, which an empty host does not name.
   const bool of_the_past = !report.host.empty() && report.host == record.report.host &&
                            report.incarnation < record.report.incarnation;
@@ -158,19 +158,19 @@ void Decision::On(const event::StatusSeen& seen) {
   if (report.incarnation == record.dead) return;
   if (!same && record.presence == Presence::kPresent) {
     if (IsImpostor(seen.actuator, report)) return;
-    Lose(seen.actuator, "it was started anew", record.cause);
+    Lose(seen.actuator, "it was restarted", record.cause);
   }
-  // One that somebody else starts again and again is counted as well.
+  // Restarts by another party are counted as well.
   if (!same && record.report.incarnation != 0 && record.process == 0) ++record.restarts;
   if (!same) ForgetEnd(seen.actuator);
   Accept(seen.actuator, report);
   record.presence = Presence::kStarting;
-  if (record.restart_at) CallOffRestart(seen.actuator);
-  // One that shows itself and never answers is given up like one that never comes.
+  if (record.restart_at) CancelRestart(seen.actuator);
+  // An actuator that publishes its status and never answers is given up like one that never starts.
   if (!record.set_up_by && !record.fault && !stopping) {
     record.set_up_by = now_ + config_.TimeFor(seen.actuator, kSetUp);
   }
-  // Its services appear when it is set up; until then there is nobody to ask.
+  // Its services appear when it is set up; until then it cannot be queried.
   if (not_set_up) return;
   if (!stopping) TakeControl(seen.actuator);
 }
@@ -183,18 +183,18 @@ void Decision::On(const event::Replied& replied) {
   if (replied.ask && denied && replied.report.epoch > machine_.epoch)
     return TakeControl(replied.actuator);
   if (replied.ask && denied && record.take_control_again) {
-    record.take_control_again = now_ + kIntroductionPeriod;  // it has not heard yet who we are
+    record.take_control_again = now_ + kIntroductionPeriod;  // our heartbeat has not arrived yet
   }
   if (replied.ask && replied.verdict == Verdict::kDone && record.take_control_again) {
-    Follow(replied.actuator);
+    Attach(replied.actuator);
   }
   if (!record.order || record.order->number != replied.number) return;
-  if (replied.ask && record.order->asked == 0) return;  // a claim, not the question
+  if (replied.ask && record.order->asked == 0) return;  // it answers TakeControl(), not the query
   if (replied.ask)
     return EndOrder(replied.actuator, EvaluateReport(replied.actuator, *record.order));
   switch (replied.verdict) {
     case Verdict::kDone:
-      return EndOrder(replied.actuator, DoneUnlessLie(replied.actuator, replied.message));
+      return EndOrder(replied.actuator, DoneUnlessContradicted(replied.actuator, replied.message));
     case Verdict::kRefused:
       return EndOrder(replied.actuator, {record.order->asked > 0 ? ActuatorOutcome::kOverdue
                                                                  : ActuatorOutcome::kRefused,
@@ -205,8 +205,8 @@ void Decision::On(const event::Replied& replied) {
   }
 }
 
-// It says that the order is done; its own status may contradict that.
-OrderEnd Decision::DoneUnlessLie(std::size_t i, const std::string& message) const {
+// The actuator reports that the command is done; its own status may contradict that.
+OrderEnd Decision::DoneUnlessContradicted(std::size_t i, const std::string& message) const {
   const ActuatorRecord& record = Of(i);
   const State& target = record.order->target;
   if (target == kSelfCheck && record.report.degraded_code != kCodeOk) {
@@ -217,7 +217,7 @@ OrderEnd Decision::DoneUnlessLie(std::size_t i, const std::string& message) cons
     return {ActuatorOutcome::kDone, kCodeOk, message, true};
   }
   return {ActuatorOutcome::kFailed, kCodeStatusError,
-          "it says that it is done, and also that it is in " + record.state().substr(0, 64), true};
+          "it reports done, but its state is " + record.state().substr(0, 64), true};
 }
 
 void Decision::Issue(std::size_t i, std::uint64_t number, const State& target, Duration budget,
@@ -228,12 +228,12 @@ void Decision::Issue(std::size_t i, std::uint64_t number, const State& target, D
   Do(action::SendSwitch{i, number, target, budget, apart});
 }
 
-// What the latched status of an asked actuator says about the order.
+// The outcome of the command by the latched status of a queried actuator.
 OrderEnd Decision::EvaluateReport(std::size_t i, const Order& order) const {
   const ActuatorReport& report = Of(i).report;
   const std::string time = std::to_string(ToMilliseconds(now_ - order.sent)) + " ms";
   if (report.outcome_number == order.number) {
-    if (report.outcome_code == kCodeOk) return DoneUnlessLie(i, "");
+    if (report.outcome_code == kCodeOk) return DoneUnlessContradicted(i, "");
     return {ActuatorOutcome::kFailed, report.outcome_code, report.outcome_message, true};
   }
   if (report.busy_number == order.number) {
@@ -241,20 +241,20 @@ OrderEnd Decision::EvaluateReport(std::size_t i, const Order& order) const {
             "still busy with " + order.target + " after " + time, true};
   }
   return {ActuatorOutcome::kOverdue, kCodeTimeout,
-          "had not begun " + order.target + " after " + time, false};
+          "had not started " + order.target + " after " + time, false};
 }
 
-void Decision::AskOrLose(std::size_t i) {
+void Decision::QueryOrLose(std::size_t i) {
   Order& order = *Of(i).order;
-  if (order.asked >= kAskAttempts) {
-    return LoseSight(i, "it does not answer, not even when asked how " + order.target + " stands",
-                     Of(i).cause);
+  if (order.asked >= kQueryAttempts) {
+    return LoseConnection(i, "no answer, not even to the query for the outcome of " + order.target,
+                          Of(i).cause);
   }
   if (order.asked == 0) {
     const std::string next = ConfigOf(i).protocol == Protocol::kCyberdog
-                                 ? "; by its protocol it cannot be asked how " + order.target +
-                                       " stands, so its state is unknown until it answers"
-                                 : "; it is asked how " + order.target + " stands";
+                                 ? "; its protocol has no query for the outcome of " +
+                                       order.target + ", so its state is unknown until it answers"
+                                 : "; querying the outcome of " + order.target;
     Of(i).cause = RecordActuator(i, kCodeTimeout,
                                  ConfigOf(i).name + " did not answer within " +
                                      std::to_string(ToMilliseconds(order.deadline - order.sent)) +
@@ -262,30 +262,30 @@ void Decision::AskOrLose(std::size_t i) {
                                  machine_.current ? machine_.current->cause : Of(i).cause);
   }
   ++order.asked;
-  order.deadline = now_ + kAskTimeout;
+  order.deadline = now_ + kQueryTimeout;
   Do(action::SendAsk{i, order.number, true});
 }
 
 void Decision::CheckOrders() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
-    if (record.order && record.order->deadline <= now_) AskOrLose(i);
+    if (record.order && record.order->deadline <= now_) QueryOrLose(i);
     if (record.take_control_again && *record.take_control_again <= now_) TakeControl(i);
     if (record.free_by && *record.free_by <= now_) EvaluateFoundBusy(i);
   }
 }
 
-// What it was found busy with, or what was superseded, has its time, too.
+// A callback that it was found busy with, or that was superseded, has its deadline, too.
 void Decision::EvaluateFoundBusy(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.free_by.reset();
   if (!record.report.busy() || record.order || record.presence != Presence::kPresent) return;
   const State& target = record.report.target;
   Degrade(i, kCodeTimeout,
-          "still busy with " + target + ", for which nobody waits, after " +
+          "still busy with " + target + ", which no switch waits for, after " +
               std::to_string(ToMilliseconds(config_.TimeFor(i, target))) + " ms");
   Do(action::SendAsk{i, record.report.number, true});
-  Fall(i);
+  FallBack(i);
 }
 
 void Decision::EndOrder(std::size_t i, const OrderEnd& given) {
@@ -295,33 +295,33 @@ void Decision::EndOrder(std::size_t i, const OrderEnd& given) {
   const std::uint64_t cause = end.cause != 0                         ? end.cause
                               : machine_.current && order.asked == 0 ? machine_.current->cause
                                                                      : Of(i).cause;
-  const std::uint64_t told = RecordActuator(
+  const std::uint64_t recorded = RecordActuator(
       i, end.code,
       ConfigOf(i).name + ": " + order.target + " " + std::string(OutcomeName(end.outcome)) +
           " after " + took + (end.message.empty() ? "" : ": " + end.message),
       cause);
-  if (end.outcome != ActuatorOutcome::kDone) Of(i).cause = told;
+  if (end.outcome != ActuatorOutcome::kDone) Of(i).cause = recorded;
   Of(i).order.reset();
   if (end.outcome == ActuatorOutcome::kDone) {
     if (order.target == kSelfCheck) Of(i).checked = true;
-    // A check that failed stays on record until one passes, a hang until it ends; one that is torn
-    // down has nothing left to do well.
+    // A failed check stays recorded until one passes, a hang until it ends; a TearDown clears every
+    // fault.
     const bool well = Of(i).checked && Of(i).health != Health::kHung && !Of(i).parked;
     if (well || order.target == kTearDown) Of(i).fault.reset();
   }
-  // Driven on once it is free, unless it is a check that is still out.
+  // Driven on once it is free, unless a check is still running.
   if (end.outcome == ActuatorOutcome::kOverdue && order.target != kSelfCheck) Of(i).due = true;
   if (Leg* leg = LegUnderWay(i)) {
     EndLeg(*leg, end);
   } else {
     EndJoin(i, order, end);
   }
-  // Of one that cannot be asked nothing is known any more, but for a new start.
+  // Of an actuator that cannot be queried nothing more is known until it is restarted.
   const bool unknown = ConfigOf(i).protocol == Protocol::kCyberdog &&
                        end.outcome == ActuatorOutcome::kOverdue &&
                        machine_.phase != Phase::kStopping;
   if (unknown && MayRestart(i) && ProcessOf(i) != 0) {
-    Hang(i, true, "hung: in " + order.target + " for " + took + ", and it cannot be asked");
+    Hang(i, true, "hung: in " + order.target + " for " + took + ", and it cannot be queried");
   }
 }
 
@@ -344,7 +344,7 @@ void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause, 
   record.presence = Presence::kLost;
   record.take_control_again.reset();
   record.checked = false;
-  record.held = record.held && torn_down;  // who was torn down alone stays set apart
+  record.held = record.held && torn_down;  // an actuator torn down alone stays detached
   record.due = false;
   record.healthy_at.reset();
   record.outbid_at.reset();
@@ -355,22 +355,22 @@ void Decision::Lose(std::size_t i, const std::string& how, std::uint64_t cause, 
   if (torn_down) {
     return Degrade(i, kCodeStateInvalid, kTornDownAlone, cause);
   }
-  // Why its SetUp failed says more than that its process is gone.
+  // The reason why its SetUp failed says more than that its process has exited.
   if (!record.fault || had_answered) Degrade(i, code, how, cause);
 }
 
-// Nothing reaches it any more. What a process of ours came to will be found out: if it has ended or
-// hangs, it is restarted.
-void Decision::LoseSight(std::size_t i, const std::string& how, std::uint64_t cause) {
+// The connection to it is lost. The state of a process of ours will be found out: if it has exited
+// or hangs, it is restarted.
+void Decision::LoseConnection(std::size_t i, const std::string& how, std::uint64_t cause) {
   Lose(i, how, cause);
-  if (!MayRestart(i) || ProcessOf(i) == 0) Fall(i);
+  if (!MayRestart(i) || ProcessOf(i) == 0) FallBack(i);
 }
 
-// The end of a process can overtake its last word.
-void Decision::TakeForTornDown(std::size_t i) {
+// The exit of a process can overtake its last sample.
+void Decision::AssumeTornDown(std::size_t i) {
   if (!Of(i).order || Of(i).order->target != kTearDown) return;
   Of(i).report.state = State(kTearDown);
-  Of(i).report.apart = true;  // while the machine goes on, it was told alone
+  Of(i).report.apart = true;  // while the machine goes on, it was commanded alone
   EndOrder(i, {ActuatorOutcome::kDone, kCodeOk, "", true});
 }
 
@@ -382,14 +382,14 @@ void Decision::On(const event::Vanished& vanished) {
   const bool was_there =
       record.presence == Presence::kPresent || record.presence == Presence::kStarting;
   if (!vanished.for_good) {
-    if (was_there) LoseSight(vanished.actuator, vanished.how);
+    if (was_there) LoseConnection(vanished.actuator, vanished.how);
     return;
   }
   record.dead = vanished.incarnation;
-  TakeForTornDown(vanished.actuator);
+  AssumeTornDown(vanished.actuator);
   if (record.health != Health::kHung) record.health = Health::kCrashed;
   if (was_there) Lose(vanished.actuator, "crashed: " + vanished.how);
-  if (record.restart_at || record.given_up) return;  // what we had started it with ended before
+  if (record.restart_at || record.given_up) return;  // our process has exited before
   if (record.process != 0) return Terminate(vanished.actuator, record.process, kEndTime);
   Recover(vanished.actuator);
 }

@@ -18,8 +18,8 @@ std::string List(const std::vector<State>& names) {
   return text.empty() ? "none" : text;
 }
 
-// SetUp, SelfCheck and Uninitialized count as less active than any state one can stay in, except
-// the two that end things.
+// SetUp, SelfCheck and Uninitialized count as less active than any state with a rank, except Error
+// and TearDown.
 Direction DirectionOf(const MachineConfig& config, const State& from, const State& to) {
   if (to == kSelfCheck) return Direction::kCheck;
   if (from == to) return Direction::kLevel;
@@ -67,7 +67,7 @@ class Planning {
                        (near.empty() ? "" : "did you mean '" + near + "'? ") + "the states are " +
                        List(config_.states)};
     }
-    const std::string who = plan_.only ? config_.actuators[*plan_.only].name : "the machine";
+    const std::string subject = plan_.only ? config_.actuators[*plan_.only].name : "the machine";
     if (machine_.phase == Phase::kIdle ||
         (!machine_.set_up && (target != kTearDown || plan_.only))) {
       return Error{kCodeStatusError, "the machine is not set up yet"};
@@ -78,25 +78,25 @@ class Planning {
     if (machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped) {
       return Error{kCodeStateInvalid, "the machine is torn down; only a new start brings it back"};
     }
-    // One that is on its way is judged again from where it gets to.
+    // An actuator that is switching is checked again from the state it reaches.
     const bool on_its_way =
         plan_.only && machine_.actuators[*plan_.only].order && !machine_.current;
     const bool exempt = (for_safety_ && plan_.direction == Direction::kDown) || on_its_way;
     if (!exempt && !FlowAllows(config_, plan_.from, target)) {
-      return Error{kCodeStateInvalid, who + " cannot go from " + plan_.from + " to " + target +
+      return Error{kCodeStateInvalid, subject + " cannot go from " + plan_.from + " to " + target +
                                           "; from here it can go to " +
                                           List(Reachable(config_, plan_.from))};
     }
     return plan_.only ? std::nullopt : RefusalByPolicy(config_, machine_, target);
   }
 
-  // The first reason found stays.
+  // The first reason is kept.
   void RefuseWith(std::int32_t code, const std::string& message) {
     if (!plan_.refusal) plan_.refusal = Error{code, message};
   }
 
-  // An emergency stop lets nobody become more active. On the way down those that would have to
-  // come up for it are left to say so themselves.
+  // During an emergency stop no actuator becomes more active. On the way down the actuators that
+  // would have to come up for it refuse themselves.
   void RefuseWhileStopped() {
     if (!machine_.emergency_stop || plan_.direction == Direction::kDown) return;
     const bool rises =
@@ -116,7 +116,7 @@ class Planning {
                                                      ", and nothing is switched on again"));
   }
 
-  // Being busy passes: it is the reason only where there is no other.
+  // Being busy is temporary: it is the reason only where there is no other.
   void RefuseWhileBusy() {
     if (plan_.refusal || busy_.empty()) return;
     plan_.refusal = Error{kCodeTargetBusy, busy_};
@@ -163,7 +163,9 @@ class Planning {
     } else if (rank && plan_.direction == Direction::kUp && !record.checked) {
       RefuseWith(kCodeSelfCheckFailed, actuator.name + " has not passed its self-check");
     } else if (plan_.direction == Direction::kUp && record.parked) {
-      RefuseWith(kCodeStatusError, actuator.name + " rests until those that it is bound to are up");
+      RefuseWith(kCodeStatusError, actuator.name +
+                                       " is suspended until the "
+                                       "actuators in its binds_to are up");
     }
     PlanStep step = Blank(i);
     if (plan_.target != kSelfCheck && IsThere(record)) {
@@ -172,10 +174,10 @@ class Planning {
     plan_.steps.push_back(step);
   }
 
-  // Whether its callback need not run for it to be in the target. One that is held by an emergency
-  // stop says that it is, and what its state had switched on is off.
+  // Whether it is in the target without running its callback. An actuator that is held by an
+  // emergency stop reports that state, and what the state had switched on is off.
   bool IsThere(const ActuatorRecord& record) const {
-    if (plan_.target == kTearDown && record.state() == kTearDown) return true;  // the end of all
+    if (plan_.target == kTearDown && record.state() == kTearDown) return true;  // the last state
     return record.state() == plan_.target && !record.fault && !record.report.held_by_stop;
   }
 
@@ -189,22 +191,22 @@ class Planning {
     const bool up = plan_.direction == Direction::kUp;
     const bool checking = plan_.direction == Direction::kCheck;
     PlanStep step = Blank(i);
-    const auto leave_out = [&](const std::string& why, std::int32_t code, bool hinders) {
+    const auto leave_out = [&](const std::string& why, std::int32_t code, bool blocks) {
       step.part = PlanStep::Part::kLeftOut;
       step.note = why;
-      if (hinders && up && actuator.critical)
+      if (blocks && up && actuator.critical)
         RefuseWith(code, "critical " + actuator.name + " " + why);
     };
     if (record.presence != Presence::kPresent) {
       const bool loading = !record.fault && record.presence != Presence::kLost;
-      leave_out(loading ? "is still starting" : "is not there", kCodeStatusError, !loading);
+      leave_out(loading ? "is still starting" : "is not available", kCodeStatusError, !loading);
     } else if (record.state() == kTearDown && plan_.target != kTearDown) {
-      // Its process lives on, with other actuators in it.
+      // Its process still runs, with other actuators in it.
       leave_out("is torn down; only a new start brings it back", kCodeStateInvalid, true);
     } else if (record.restart_asked && plan_.target != kTearDown) {
       leave_out("is being restarted", kCodeTargetBusy, false);
     } else if (Joining(record)) {
-      leave_out("is still joining", kCodeTargetBusy, false);
+      leave_out("is still starting", kCodeTargetBusy, false);
     } else if (!actuator.Lists(plan_.target)) {
       step.part = PlanStep::Part::kUnsupported;
       step.note = "has no state '" + plan_.target + "'";
@@ -213,11 +215,11 @@ class Planning {
                (up || !AtRest(record)) && !LeavesError(record)) {
       leave_out("has not passed its self-check", kCodeSelfCheckFailed, true);
     } else if (!checking && record.parked && Rises(config_, record.state(), plan_.target)) {
-      leave_out("rests until those that it is bound to are up", kCodeStatusError, false);
+      leave_out("is suspended until the actuators in its binds_to are up", kCodeStatusError, false);
     } else if (!checking && IsThere(record) && !record.report.busy() && !record.order) {
       step.part = record.held ? PlanStep::Part::kHeldThere : PlanStep::Part::kThere;
     } else if (!checking && Unknown(actuator, record)) {
-      leave_out("has not answered " + record.report.target + " and cannot be asked",
+      leave_out("has not answered " + record.report.target + " and cannot be queried",
                 kCodeTargetBusy, true);
     } else if (up && !machine_.current && (record.report.busy() || record.order)) {
       step.note = "is still busy with " + BusyWith(record);
@@ -226,24 +228,24 @@ class Planning {
     plan_.steps.push_back(step);
   }
 
-  // A late one in its first self-check keeps to itself, unless the machine is ended.
+  // A late actuator in its first self-check is left out, unless the machine is ended.
   bool Joining(const ActuatorRecord& record) const {
     return record.order && record.order->target == kSelfCheck && !machine_.current &&
            plan_.target != kTearDown && plan_.target != kError;
   }
 
-  // On its way out of Error by the command of an earlier controller, while the machine stays there.
+  // Leaving Error by the command of an earlier controller, while the machine stays in Error.
   bool LeavesError(const ActuatorRecord& record) const {
     return plan_.target == kError && record.state() == kError && record.report.busy();
   }
 
-  // Overdue by a protocol that has no question: nothing more is sent to it until it answers.
+  // Overdue, with a protocol that has no query: nothing more is sent to it until it answers.
   static bool Unknown(const ActuatorConfig& actuator, const ActuatorRecord& record) {
     return actuator.protocol == Protocol::kCyberdog && record.fault && record.report.busy() &&
            !record.order;
   }
 
-  // In a state to stay in, as against a step of a start or Error.
+  // In a state with a rank, not in a step of a start or in Error.
   bool AtRest(const ActuatorRecord& record) const {
     return config_.RankOf(record.state()) && record.state() != kError;
   }
@@ -255,8 +257,8 @@ class Planning {
     return found == plan_.steps.end() ? nullptr : &*found;
   }
 
-  // The driven actuators that `i` waits for on the way up: its `after`, or through one that is not
-  // driven, what that one waits for. `seen` keeps a diamond from being walked twice.
+  // The driven actuators that `i` waits for on the way up: its `after`, or where one of those is
+  // not driven, the actuators that it waits for. `seen` keeps a diamond from being walked twice.
   void CollectNeeds(std::size_t i, std::vector<bool>& seen, std::vector<std::size_t>& needs) const {
     for (const std::string& name : config_.actuators[i].after) {
       const std::size_t other = *config_.IndexOf(name);
@@ -299,7 +301,7 @@ class Planning {
     }
   }
 
-  // Those of a stage are torn down when those of the next one that has any are.
+  // The actuators of a stage are torn down after those of the next stage that has any.
   void ReverseStages(std::vector<std::vector<std::size_t>>& needs) const {
     std::map<int, std::vector<std::size_t>> stages;
     for (const PlanStep& step : plan_.steps) {
@@ -333,7 +335,7 @@ class Planning {
   const Machine& machine_;
   const bool for_safety_;
   Plan plan_;
-  std::string busy_;  // the first that is busy, and with what
+  std::string busy_;  // the first busy actuator, and its callback
   bool busy_ends_ = true;
   Time free_by_{};
 };

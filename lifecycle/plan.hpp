@@ -1,6 +1,6 @@
 #pragma once
-// What a switch would do, before it is done: who is driven, in which order and until when, who is
-// left out and why, and whether the switch would be refused. A switch executes exactly its plan.
+// What a switch would do: which actuators are driven, in which order and until when, which are left
+// out and why, and whether the switch would be refused. A switch executes exactly its plan.
 
 #include <cstdint>
 #include <optional>
@@ -16,10 +16,10 @@ namespace musher {
 struct Machine;
 
 enum class Direction {
-  kUp,     // more active: all or nobody
+  kUp,     // more active: all actuators or none
   kDown,   // less active: as many as can
   kLevel,  // as active as before, or the present state again: as many as can
-  kCheck,  // SelfCheck: everybody is asked
+  kCheck,  // SelfCheck: every actuator is checked
 };
 std::string_view DirectionName(Direction direction);  // "up", "down", "level", "check"
 
@@ -27,9 +27,9 @@ struct PlanStep {
   enum class Part {
     kDriven,
     kThere,        // is in the target state already
-    kHeldThere,    // the same, and no longer held
+    kHeldThere,    // the same, and no longer detached
     kUnsupported,  // does not list the target
-    kLeftOut,      // not there, not checked, or still joining: `note` says which
+    kLeftOut,      // not available, not checked, or still starting: `note` says which
   };
 
   std::size_t actuator = 0;
@@ -52,21 +52,21 @@ struct Plan {
   State from;
   Direction direction = Direction::kLevel;
   std::optional<Error> refusal;  // set: the switch would be refused, and why
-  // Beside a refusal with TargetBusy: nothing else is against the switch, and until then all that
-  // is busy is free or known not to be. A request waits for that.
+  // Set with a refusal with TargetBusy when only busy actuators block the switch: by then each of
+  // them is free or known not to be. A request waits for that.
   std::optional<Time> free_by;
   std::vector<PlanStep> steps;  // every actuator concerned, in the config's order
 
   friend bool operator==(const Plan&, const Plan&) = default;
 };
 
-// The plan for taking the machine (or `only`) to `target` from where it is. Judges everything but
-// whether another switch is under way.
+// The plan for taking the machine (or `only`) to `target` from its present state. Checks everything
+// except whether another switch is under way.
 Plan MakePlan(const MachineConfig& config, const Machine& machine, const State& target,
               std::optional<std::size_t> only = std::nullopt);
 
-// The plan for a safe state: the on_lost of an actuator, or the battery's ceiling. The flow does
-// not count: what is less active can always be reached.
+// The plan for a safe state: the on_lost of an actuator, or the battery's limit. The flow is
+// ignored: a less active state can always be reached.
 Plan MakeSafetyPlan(const MachineConfig& config, const Machine& machine, const State& target);
 
 }  // namespace musher

@@ -87,7 +87,7 @@ State CeilingState(const MachineConfig& config, BatteryLevel level) {
   for (const State& state : config.states) {
     const auto rank = config.RankOf(state);
     if (!rank || *rank > most || state == kError || state == kOta) continue;
-    // Of several as active the one that everybody knows.
+    // Of several with the same rank, the built-in one.
     const bool better = *rank > best_rank || (*rank == best_rank && IsBuiltInState(state));
     if (state == kTearDown || !better) continue;
     best = state;
@@ -107,7 +107,7 @@ std::string BatteryText(const PolicyState& policy) {
 
 Error AboveCeiling(const MachineConfig& config, const PolicyState& policy, BatteryLevel level) {
   const State most = CeilingState(config, level);
-  return {kCodeProtectedError, BatteryText(policy) + ": the machine may be at most " +
+  return {kCodeProtectedError, BatteryText(policy) + ": the machine is limited to " +
                                    (most.empty() ? State(kLowPower) : most) +
                                    " until it is charged to " +
                                    std::to_string(LeftAt(*config.policy->battery, level)) + " %"};
@@ -128,7 +128,7 @@ std::optional<Error> RefusalByPolicy(const MachineConfig& config, const Machine&
       machine.phase == Phase::kStarting || (machine.phase == Phase::kRunning && !policy.loaded);
   const bool kept = policy.keep && policy.keep->state == target;
   if (!config.policy->battery || !policy.battery || kept || loading) return std::nullopt;
-  // The cable keeps the machine where it is; it lifts nothing.
+  // Charging keeps the machine in its state; it does not raise the ceiling.
   const BatteryLevel level = rises ? policy.level : TakingDownLevel(policy);
   const auto most = CeilingRank(level);
   if (!most || *rank <= *most) return std::nullopt;

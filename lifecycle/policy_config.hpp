@@ -1,6 +1,6 @@
 #pragma once
-// The manager's rules as data, from [policy.*] of the state config. A table that is not there
-// switches its rule off.
+// The manager's rules as data, from [policy.*] of the state config. A missing table switches its
+// rule off.
 
 #include <algorithm>
 #include <array>
@@ -21,18 +21,18 @@ struct BatteryPolicy {
   int protected_at = 20;                       // at most Protected
   int low_power_at = 5;                        // at most LowPower, unless it is being charged
   int tear_down_at = 0;                        // TearDown and off, unless it is being charged
-  int hysteresis = 2;                          // so far above its level a ceiling is left
-  Duration silent = std::chrono::seconds(10);  // without a sample so long: a warning
+  int hysteresis = 2;                          // a ceiling is lifted this far above its level
+  Duration silent = std::chrono::seconds(10);  // without a sample this long: a warning
 
   friend bool operator==(const BatteryPolicy&, const BatteryPolicy&) = default;
 };
 
-// [policy.low_power]: who lies still goes to LowPower.
+// [policy.low_power]: a robot that lies still goes to LowPower.
 struct LowPowerPolicy {
   std::string topic = "motion_status";              // protocol/MotionStatus
   std::vector<std::int32_t> motion_ids = {0, 101};  // lying, and lying down
   Duration lying_still = std::chrono::seconds(30);
-  bool enabled = false;  // the switch, until somebody stores another value
+  bool enabled = false;  // the switch, until another value is stored
 
   friend bool operator==(const LowPowerPolicy&, const LowPowerPolicy&) = default;
 };
@@ -47,12 +47,12 @@ struct PowerPolicy {
   friend bool operator==(const PowerPolicy&, const PowerPolicy&) = default;
 };
 
-// On what occasions the manager speaks.
+// The occasions on which the manager speaks.
 enum class Occasion {
-  kStart,    // the robot is ready, and what of it is not
+  kStart,    // the robot is ready, and which parts are not
   kBattery,  // it is low
   kTouch,    // a double tap asks how full it is
-  kSwitch,   // a switch was refused, undone, or left some behind
+  kSwitch,   // a switch was refused, undone or done-degraded
   kRefusal,  // the policy refuses something, or warns
   kApp,      // the app connects for the first time; the robot also stands up
 };
@@ -65,12 +65,12 @@ inline constexpr std::array<std::pair<std::string_view, Occasion>, 6> kOccasions
     {"app", Occasion::kApp},
 }};
 
-// [policy.voice], where there is a manager.
+// [policy.voice], used with policy.manager.
 struct VoicePolicy {
   std::vector<Occasion> say = {Occasion::kStart,  Occasion::kBattery, Occasion::kTouch,
                                Occasion::kSwitch, Occasion::kRefusal, Occasion::kApp};
-  int battery_at = 30;        // %: at or below it the first word on the battery
-  bool quiet_asleep = false;  // in LowPower only who touches the robot is answered
+  int battery_at = 30;        // %: at or below it the first announcement of the battery
+  bool quiet_asleep = false;  // in LowPower the manager speaks only when the robot is touched
 
   bool Says(Occasion occasion) const {
     return std::find(say.begin(), say.end(), occasion) != say.end();
@@ -79,7 +79,7 @@ struct VoicePolicy {
 };
 
 struct PolicyConfig {
-  bool manager = false;  // the interfaces of CyberDog's manager are answered
+  bool manager = false;  // the interfaces of CyberDog's manager are served
   std::optional<BatteryPolicy> battery;
   std::optional<LowPowerPolicy> low_power;
   PowerPolicy power;

@@ -1,5 +1,5 @@
-// What people, applications and the robot's own buttons ask of the policy. Everything is answered,
-// and a refusal says why and what would help.
+// The requests of people, applications and the robot's own buttons to the policy. Each is answered,
+// and a refusal says why and what to do.
 
 #include <algorithm>
 
@@ -8,41 +8,42 @@
 namespace musher {
 namespace {
 
-// A year: nothing sensible is kept for longer, and the end of it can be computed with.
+// A year: no sensible keep is longer, and its end does not overflow.
 constexpr std::int64_t kLongestKeep = std::int64_t{365} * 24 * 3600;
 
 std::string Describe(const event::PolicyRequested& requested) {
   const std::string state = requested.state.substr(0, 64);
   switch (requested.what) {
     case PolicyRequest::kSwitch:
-      return "a switch to " + state;
+      return "switch to " + state;
     case PolicyRequest::kKeep:
-      return state.empty() ? "the end of a keep"
+      return state.empty() ? "end of the keep"
              : requested.ticks == 0
-                 ? "a switch to " + state + ", or the end of a keep"
-                 : "to keep " + state + " for " + std::to_string(requested.ticks) + " s";
+                 ? "switch to " + state + " or end of the keep"
+                 : "keep in " + state + " for " + std::to_string(requested.ticks) + " s";
     case PolicyRequest::kOta:
-      return requested.enable ? "to enter OTA" : "to leave OTA";
+      return requested.enable ? "OTA entry" : "OTA exit";
     case PolicyRequest::kLowPowerSwitch:
     case PolicyRequest::kLowPowerStore:
-      return std::string("LowPower by lying still ") + (requested.enable ? "on" : "off") +
-             (requested.what == PolicyRequest::kLowPowerStore ? ", for ever" : "");
+      return std::string("automatic LowPower when lying still: ") +
+             (requested.enable ? "on" : "off") +
+             (requested.what == PolicyRequest::kLowPowerStore ? ", stored," : ",");
     case PolicyRequest::kWakeUp:
-      return "a wake-up";
+      return "wake-up";
     case PolicyRequest::kPowerOff:
       return "power-off";
     case PolicyRequest::kReboot:
       break;
   }
-  return "a reboot";
+  return "reboot";
 }
 
 }  // namespace
 
 void Decision::On(const event::PolicyRequested& requested) {
-  const auto refuse = [&](const Error& why, std::uint64_t asked) {
-    if (asked != 0) {
-      RecordPolicy(why.code, Describe(requested) + " is refused: " + why.message, asked);
+  const auto refuse = [&](const Error& why, std::uint64_t request_record) {
+    if (request_record != 0) {
+      RecordPolicy(why.code, Describe(requested) + " refused: " + why.message, request_record);
     }
     Do(action::AnswerCall{requested.request, why});
   };
@@ -50,11 +51,11 @@ void Decision::On(const event::PolicyRequested& requested) {
   if (machine_.phase == Phase::kIdle) {
     return refuse({kCodeStatusError, "the machine is not set up yet"}, 0);
   }
-  const std::uint64_t asked = RecordPolicy(kCodeOk, Describe(requested) + " is asked for");
-  if (const auto refusal = Handle(requested, asked)) refuse(*refusal, asked);
+  const std::uint64_t request_record = RecordPolicy(kCodeOk, Describe(requested) + " requested");
+  if (const auto refusal = Handle(requested, request_record)) refuse(*refusal, request_record);
 }
 
-std::optional<Error> Decision::Handle(const Requested& requested, std::uint64_t asked) {
+std::optional<Error> Decision::Handle(const Requested& requested, std::uint64_t request_record) {
   if (machine_.phase == Phase::kStopping || machine_.phase == Phase::kStopped) {
     return Error{kCodeStateInvalid, "the machine is torn down; only a new start brings it back"};
   }
@@ -64,64 +65,65 @@ std::optional<Error> Decision::Handle(const Requested& requested, std::uint64_t 
       On(event::SetStateRequested{requested.request, requested.state, std::nullopt});
       return std::nullopt;
     case PolicyRequest::kKeep:
-      return HandleKeep(requested, asked);
+      return HandleKeep(requested, request_record);
     case PolicyRequest::kOta:
-      return HandleOta(requested, asked);
+      return HandleOta(requested, request_record);
     case PolicyRequest::kLowPowerSwitch:
     case PolicyRequest::kLowPowerStore:
-      return HandleLowPowerSwitch(requested, asked);
+      return HandleLowPowerSwitch(requested, request_record);
     case PolicyRequest::kWakeUp:
-      return HandleWakeUp(requested, asked);
+      return HandleWakeUp(requested, request_record);
     case PolicyRequest::kPowerOff:
     case PolicyRequest::kReboot:
       break;
   }
-  return HandlePower(requested, asked);
+  return HandlePower(requested, request_record);
 }
 
-// What most requests wait for the end of.
+// What blocks most requests: a keep, or a switch under way.
 std::optional<Error> Decision::KeptOrBusy() const {
   if (const auto& keep = machine_.policy.keep) {
     const auto left = std::chrono::ceil<std::chrono::seconds>(keep->until - policy_now()).count();
     return Error{kCodeStateInvalid, "the machine is kept in " + keep->state + " for another " +
                                         std::to_string(left) +
-                                        " s; `musher keep --end` ends that before"};
+                                        " s; end it with `musher keep --end`"};
   }
   if (!machine_.current) return std::nullopt;
   return Error{kCodeTargetBusy, "switch " + std::to_string(machine_.current->number) + " (to " +
                                     machine_.current->target + ") is under way"};
 }
 
-std::optional<Error> Decision::BeginAsked(const Requested& requested, const State& target,
-                                          std::uint64_t asked) {
+std::optional<Error> Decision::BeginRequested(const Requested& requested, const State& target,
+                                              std::uint64_t request_record) {
   const Plan plan = MakePlan(config_, machine_, target);
   if (plan.refusal) return plan.refusal;
   machine_.policy.calls.push_back(requested.request);
   if (target == kTearDown) {
-    Stop(plan, {requested.request}, asked);
+    Stop(plan, {requested.request}, request_record);
   } else {
-    Begin(plan, Purpose::kRequested, {requested.request}, asked);
+    Begin(plan, Purpose::kRequested, {requested.request}, request_record);
   }
   return std::nullopt;
 }
 
-// To Active, or as far as the battery allows; the rest comes with the battery.
-std::optional<Error> Decision::BeginUp(const Requested& requested, std::uint64_t asked) {
+// To Active, or as far as the battery allows; the rest follows when the battery allows it.
+std::optional<Error> Decision::BeginUp(const Requested& requested, std::uint64_t request_record) {
   const State most = CeilingState(config_, BatteryLevel::kFree);
   const State target = UpTo(most);
-  if (auto refusal = BeginAsked(requested, target, asked)) return refusal;
+  if (auto refusal = BeginRequested(requested, target, request_record)) return refusal;
   if (target != most) machine_.policy.withheld = Lowering{most, target, 0};
   return std::nullopt;
 }
 
-std::optional<Error> Decision::HandleKeep(const Requested& requested, std::uint64_t asked) {
+std::optional<Error> Decision::HandleKeep(const Requested& requested,
+                                          std::uint64_t request_record) {
   PolicyState& policy = machine_.policy;
   if (requested.ticks < 0 || requested.ticks > kLongestKeep) {
     return Error{kCodeParametersInvalid, "a keep lasts 0 to " + std::to_string(kLongestKeep) +
                                              " s, not " + std::to_string(requested.ticks) + " s"};
   }
   if (policy.keep && requested.ticks == 0) {
-    EndKeep("it is called off");
+    EndKeep("cancelled");
     Do(action::AnswerCall{requested.request, Ok()});
     return std::nullopt;
   }
@@ -130,10 +132,10 @@ std::optional<Error> Decision::HandleKeep(const Requested& requested, std::uint6
   }
   if (auto blocker = KeptOrBusy()) return blocker;
   if (machine_.state == kOta && requested.state != kOta) {
-    return Error{kCodeStateInvalid, "the machine is in OTA; it has to leave that first"};
+    return Error{kCodeStateInvalid, "the machine is in OTA; leave OTA first"};
   }
   if (requested.ticks > 0 && requested.state != kTearDown) {
-    // Before the switch: while it is kept, the battery has no say.
+    // Before the switch: while the machine is kept, the battery rule does not apply.
     policy.keep = Keep{requested.state, requested.ticks,
                        policy_now() + std::chrono::seconds(requested.ticks), 0};
   }
@@ -143,7 +145,7 @@ std::optional<Error> Decision::HandleKeep(const Requested& requested, std::uint6
     Do(action::AnswerCall{requested.request, Ok()});
     return std::nullopt;
   }
-  if (auto refusal = BeginAsked(requested, requested.state, asked)) {
+  if (auto refusal = BeginRequested(requested, requested.state, request_record)) {
     policy.keep.reset();
     return refusal;
   }
@@ -151,15 +153,15 @@ std::optional<Error> Decision::HandleKeep(const Requested& requested, std::uint6
   return std::nullopt;
 }
 
-std::optional<Error> Decision::HandleOta(const Requested& requested, std::uint64_t asked) {
+std::optional<Error> Decision::HandleOta(const Requested& requested, std::uint64_t request_record) {
   if (auto blocker = KeptOrBusy()) return blocker;
   const bool inside = machine_.state == kOta;
   if (requested.enable && inside) {
     Do(action::AnswerCall{requested.request, Ok()});
     return std::nullopt;
   }
-  if (requested.enable) return BeginAsked(requested, State(kOta), asked);
-  if (inside) return BeginUp(requested, asked);
+  if (requested.enable) return BeginRequested(requested, State(kOta), request_record);
+  if (inside) return BeginUp(requested, request_record);
   return Error{kCodeStateInvalid, "the machine is not in OTA, it is in " + machine_.state};
 }
 
@@ -169,7 +171,7 @@ bool Decision::InLowPower() const {
 }
 
 std::optional<Error> Decision::HandleLowPowerSwitch(const Requested& requested,
-                                                    std::uint64_t asked) {
+                                                    std::uint64_t request_record) {
   PolicyState& policy = machine_.policy;
   if (!config_.policy->low_power) {
     return Error{kCodeUnSupport, "the config has no [policy.low_power]"};
@@ -182,15 +184,16 @@ std::optional<Error> Decision::HandleLowPowerSwitch(const Requested& requested,
     policy.stored.low_power = requested.enable;
     Save(Stored::kPolicy);
   }
-  // Off also wakes up who rests for another reason than the battery.
+  // Off also wakes up a machine that is in LowPower for another reason than the battery.
   const bool wakes = off && machine_.state == kLowPower && !policy.stored.lowering &&
                      policy.level < BatteryLevel::kLowPower && !KeptOrBusy();
-  if (wakes && !BeginUp(requested, asked)) return std::nullopt;
+  if (wakes && !BeginUp(requested, request_record)) return std::nullopt;
   Do(action::AnswerCall{requested.request, Ok()});
   return std::nullopt;
 }
 
-std::optional<Error> Decision::HandleWakeUp(const Requested& requested, std::uint64_t asked) {
+std::optional<Error> Decision::HandleWakeUp(const Requested& requested,
+                                            std::uint64_t request_record) {
   if (auto blocker = KeptOrBusy()) return blocker;
   if (!InLowPower()) {
     return Error{kCodeStateInvalid, "the machine is not in LowPower, it is in " + machine_.state};
@@ -198,11 +201,12 @@ std::optional<Error> Decision::HandleWakeUp(const Requested& requested, std::uin
   if (machine_.policy.level >= BatteryLevel::kLowPower) {
     return AboveCeiling(config_, machine_.policy, machine_.policy.level);
   }
-  return BeginUp(requested, asked);
+  return BeginUp(requested, request_record);
 }
 
-// Answered at once: the robot will not be there to do it later.
-std::optional<Error> Decision::HandlePower(const Requested& requested, std::uint64_t asked) {
+// Answered at once: later the robot is off.
+std::optional<Error> Decision::HandlePower(const Requested& requested,
+                                           std::uint64_t request_record) {
   const bool reboot = requested.what == PolicyRequest::kReboot;
   const auto& power = machine_.policy.power;
   if (power && power->reboot != reboot) {
@@ -212,9 +216,8 @@ std::optional<Error> Decision::HandlePower(const Requested& requested, std::uint
   if (machine_.policy.keep) return KeptOrBusy();
   const bool updating =
       machine_.state == kOta || (machine_.current && machine_.current->target == kOta);
-  if (updating)
-    return Error{kCodeStateInvalid, "the machine is in OTA; it has to leave that first"};
-  if (!power) BeginPowerDown(reboot, now_ + config_.policy->power.delay, asked);
+  if (updating) return Error{kCodeStateInvalid, "the machine is in OTA; leave OTA first"};
+  if (!power) BeginPowerDown(reboot, now_ + config_.policy->power.delay, request_record);
   Do(action::AnswerCall{requested.request, Ok()});
   return std::nullopt;
 }

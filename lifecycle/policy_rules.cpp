@@ -1,5 +1,5 @@
-// The rules that act by themselves: the battery's ceiling, and LowPower for who lies still. They
-// never supersede a switch; they are judged again after each.
+// The rules that act by themselves: the battery's ceiling, and LowPower when the robot lies still.
+// They never supersede a switch; they are evaluated again after each.
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@ namespace musher {
 namespace {
 
 constexpr int kFullBattery = 100;
-// Between tries of a switch that came to nothing; doubled each time.
+// The delay before a retry of a failed switch; doubled each time.
 constexpr Duration kFirstRetry = std::chrono::seconds(1);
 constexpr int kMostDoublings = 6;  // about a minute
 
@@ -33,8 +33,8 @@ void Decision::BeginPolicy(const StoredPolicy& stored) {
   policy.low_power = rule && stored.low_power.value_or(rule->enabled);
 }
 
-// What an earlier controller remembers of the battery, if none has led since. The level was at
-// least as low then; so its hysteresis holds.
+// Restores what an earlier controller stored about the battery, if none has led since. The level
+// was at least as low then; so its hysteresis applies.
 void Decision::ResumeLowering() {
   PolicyState& policy = machine_.policy;
   auto lowering = policy.stored.lowering;
@@ -51,21 +51,20 @@ void Decision::On(const event::BatterySeen& seen) {
   PolicyState& policy = machine_.policy;
   if (seen.percent < 0 || seen.percent > kFullBattery) {
     if (std::exchange(policy.invalid_told, true)) return;
-    RecordPolicy(kCodeParametersInvalid, "the battery says that it is at " +
-                                             std::to_string(seen.percent) +
-                                             " %, which cannot be; such values are ignored");
+    RecordPolicy(kCodeParametersInvalid, "the battery reports " + std::to_string(seen.percent) +
+                                             " %, which is out of range; such values are ignored");
     return;
   }
   if (std::exchange(policy.battery_silent, false)) {
-    RecordPolicy(kCodeOk, "the battery is heard again");
+    RecordPolicy(kCodeOk, "battery samples received again");
   }
   const bool cable = policy.battery && policy.charging != seen.charging;
   policy.battery = seen.percent;
   policy.charging = seen.charging;
-  EvaluateLevel(cable ? (seen.charging ? ": the cable is in" : ": the cable is out") : "");
+  EvaluateLevel(cable ? (seen.charging ? ": charger connected" : ": charger disconnected") : "");
 }
 
-// Puts on record what changes the ceiling; it is the cause of what follows.
+// Records a change of the ceiling; the record is the cause of what follows.
 void Decision::EvaluateLevel(const std::string& seen) {
   PolicyState& policy = machine_.policy;
   const BatteryLevel before = policy.level;
@@ -76,10 +75,10 @@ void Decision::EvaluateLevel(const std::string& seen) {
   if (policy.level != before) {
     const State most = CeilingState(config_, policy.level);
     const bool kept_up = TakingDownLevel(policy) != policy.level;
-    text += policy.level == BatteryLevel::kFree    ? ": there is no ceiling any more"
-            : kept_up                              ? ": nothing rises above " + most
+    text += policy.level == BatteryLevel::kFree    ? ": no limit any more"
+            : kept_up                              ? ": no switch above " + most
             : policy.level == BatteryLevel::kEmpty ? ": it is empty"
-                                                   : ": the machine may be at most " + most;
+                                                   : ": the machine is limited to " + most;
   }
   policy.level_cause = RecordPolicy(kCodeOk, text);
 }
@@ -94,46 +93,47 @@ void Decision::On(const event::InputSilent& silent) {
   if (!config_.policy || machine_.phase == Phase::kIdle) return;
   PolicyState& policy = machine_.policy;
   if (silent.input == PolicyInput::kMotion) {
-    policy.still = false;  // nobody says that it lies still
+    policy.still = false;  // nothing reports that it lies still
   } else if (config_.policy->battery && !std::exchange(policy.battery_silent, true)) {
     const std::string last =
-        policy.battery ? "; its last value counts, " + std::to_string(*policy.battery) + " %"
-                       : "; nothing is known of it";
-    RecordPolicy(kCodeNetError, "nothing was heard of the battery for " +
-                                    InSeconds(config_.policy->battery->silent) + last);
+        policy.battery
+            ? "; its last value, " + std::to_string(*policy.battery) + " %, stays in effect"
+            : "; its level is unknown";
+    RecordPolicy(kCodeNetError,
+                 "no battery sample for " + InSeconds(config_.policy->battery->silent) + last);
   }
 }
 
-// A world that begins anew, or is heard for the first time, has another zero.
-void Decision::On(const event::ClockHeard& heard) {
+// The clock of a restarted world, or of one received for the first time, has another zero.
+void Decision::On(const event::ClockHeard& received) {
   if (!config_.policy || config_.clock != ClockSource::kTopic) return;
   PolicyState& policy = machine_.policy;
-  if (policy.clock == Time{} || heard.clock < policy.clock) {
-    const Duration jump = heard.clock - policy.clock;
+  if (policy.clock == Time{} || received.clock < policy.clock) {
+    const Duration jump = received.clock - policy.clock;
     if (policy.still_since) *policy.still_since += jump;
     if (policy.keep) policy.keep->until += jump;
   }
-  policy.clock = heard.clock;
+  policy.clock = received.clock;
 }
 
 bool Decision::AdvancePolicy() {
   if (!config_.policy) return false;
   PolicyState& policy = machine_.policy;
-  // During an emergency stop nobody comes up; the battery does not wait for that.
+  // During an emergency stop no actuator goes up; the battery rule does not wait for that.
   const bool settled = machine_.emergency_stop ||
                        (machine_.stage >= LastStage(config_) && StageSettled(machine_.stage));
   policy.loaded |= machine_.phase == Phase::kRunning && settled;
-  if (policy.keep && policy_now() >= policy.keep->until) EndKeep("its time is over");
+  if (policy.keep && policy_now() >= policy.keep->until) EndKeep("time expired");
   CountStillness();
   ForcePower();
   if (machine_.current) return false;
   if (policy.power) return TearDownForPower();
   if (policy.retry_at && now_ < *policy.retry_at) return false;
   policy.retry_at.reset();
-  return ObeyBattery() || RestWhenStill();
+  return ApplyBatteryRule() || LowPowerWhenStill();
 }
 
-// Whether a switch that is done has led the machine away from where it is kept.
+// Whether a switch that is done has led the machine out of the state in which it is kept.
 bool Decision::EndsKeep(const Switch& s) const {
   const auto& keep = machine_.policy.keep;
   const bool leads_elsewhere = !s.only && s.direction != Direction::kCheck;
@@ -152,11 +152,11 @@ bool Decision::BatteryRulesWait() const {
   return loading || !policy.battery || policy.keep || machine_.state == kOta;
 }
 
-bool Decision::ObeyBattery() {
+bool Decision::ApplyBatteryRule() {
   if (!config_.policy->battery || BatteryRulesWait()) return false;
   const BatteryLevel level = TakingDownLevel(machine_.policy);
   if (level == BatteryLevel::kEmpty) {
-    // A manager that speaks has a last word, before its voice is torn down with the rest.
+    // A manager that speaks announces it first, before its voice is torn down with the rest.
     const bool speaks = config_.policy->manager && config_.policy->voice.Says(Occasion::kBattery);
     const Duration word = speaks ? config_.policy->power.delay : Duration{};
     BeginPowerDown(false, now_ + word, machine_.policy.level_cause);
@@ -182,12 +182,12 @@ bool Decision::TakeDown(BatteryLevel level) {
   return true;
 }
 
-// Back to where the machine was before the battery took it down, as far as the battery allows.
+// Back to the state before the battery rule took the machine down, as far as the battery allows.
 bool Decision::BringBack() {
   const auto lowering = machine_.policy.stored.lowering;
   if (!lowering) return false;
   if (machine_.state != lowering->to) {
-    Lower(std::nullopt);  // somebody else has taken it elsewhere
+    Lower(std::nullopt);  // another request has changed its state
     return false;
   }
   const State target = UpTo(lowering->from);
@@ -217,12 +217,12 @@ void Decision::CountStillness() {
   }
 }
 
-bool Decision::RestWhenStill() {
+bool Decision::LowPowerWhenStill() {
   const auto since = machine_.policy.still_since;
   if (!since || machine_.phase != Phase::kRunning) return false;
   const Duration limit = config_.policy->low_power->lying_still;
   if (policy_now() < *since + limit) return false;
-  Lower(std::nullopt);  // from now on it is at rest for another reason
+  Lower(std::nullopt);  // from now on it is in LowPower for another reason
   return BeginByPolicy(MakePlan(config_, machine_, State(kLowPower)),
                        "the robot has lain still for " + InSeconds(limit) + ": down to LowPower",
                        0);
@@ -231,7 +231,7 @@ bool Decision::RestWhenStill() {
 bool Decision::BeginByPolicy(const Plan& plan, const std::string& why, std::uint64_t cause) {
   if (plan.refusal) {
     if (machine_.policy.failures == 0) {
-      RecordPolicy(plan.refusal->code, why + " is refused: " + plan.refusal->message, cause);
+      RecordPolicy(plan.refusal->code, why + " refused: " + plan.refusal->message, cause);
     }
     BackOff();
     return false;
@@ -254,7 +254,7 @@ void Decision::Lower(std::optional<Lowering> lowering) {
   Save(Stored::kPolicy);
 }
 
-// An actuator is lost: whatever the battery does, the machine goes no higher than that allows.
+// An actuator is lost: the battery rule brings the machine back at most to `most`.
 void Decision::LowerAtMostTo(const State& most) {
   auto lowering = machine_.policy.stored.lowering;
   if (!lowering) return;
@@ -271,9 +271,9 @@ void Decision::NoteEndOfSwitch(const Switch& s, bool undone) {
   PolicyState& policy = machine_.policy;
   const auto withheld = std::exchange(policy.withheld, std::nullopt);
   if (undone && policy.keep && policy.keep->switch_number == s.number) {
-    EndKeep("the switch there is undone");
+    EndKeep("the switch to it was undone");
   }
-  if (!undone && EndsKeep(s)) EndKeep("it is in " + s.target + " now");
+  if (!undone && EndsKeep(s)) EndKeep("the machine is in " + s.target + " now");
   if (s.only || s.direction == Direction::kCheck) return;
   if (s.purpose == Purpose::kPolicy && undone) return BackOff();
   if (undone) return;
@@ -291,7 +291,7 @@ void Decision::NoteSuperseded(const Switch& s) {
   PolicyState& policy = machine_.policy;
   policy.withheld.reset();
   if (policy.keep && policy.keep->switch_number == s.number) {
-    EndKeep("the switch there is superseded");
+    EndKeep("the switch to it was superseded");
   }
 }
 

@@ -1,5 +1,5 @@
-// Power-off and reboot: TearDown, then the command; the command regardless when the time is over.
-// By the steady clock, whatever the rest of the policy follows.
+// Power-off and reboot: TearDown, then the command; when the time expires, the command regardless.
+// By the steady clock, whatever clock the rest of the policy uses.
 
 #include <algorithm>
 
@@ -24,7 +24,7 @@ bool Decision::TearDownForPower() {
   const Plan plan = MakePlan(config_, machine_, State(kTearDown));
   if (plan.refusal) {
     power.tear_down_at = Time::max();  // the command comes in time, regardless
-    RecordPolicy(plan.refusal->code, "there is no TearDown: " + plan.refusal->message, power.cause);
+    RecordPolicy(plan.refusal->code, "no TearDown: " + plan.refusal->message, power.cause);
     return false;
   }
   Stop(plan, {}, power.cause);

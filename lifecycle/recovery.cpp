@@ -1,5 +1,5 @@
-// What has died, hangs or is out of reach: a verdict, then a restart by policy, then back to where
-// the machine is; and what follows when there are no restarts left.
+// Actuators that crashed, hang or lost their connection: a verdict, then a restart by policy, then
+// back to the state of the machine; and what follows when no restarts are left.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 
 // Before restart n, counted from 0.
 Duration DelayOf(const RestartConfig& restart, int n) {
-  if (restart.delay == Duration::zero()) return {};  // growth without bounds is no number
+  if (restart.delay == Duration::zero()) return {};  // unbounded growth would be infinite
   const double factor = std::pow(restart.growth, n);
   const double longest = static_cast<double>(restart.max_delay.count());
   const double delay = static_cast<double>(restart.delay.count()) * factor;
@@ -21,10 +21,10 @@ Duration DelayOf(const RestartConfig& restart, int n) {
 
 }  // namespace
 
-// Whether it is on its way, though it is not there yet.
+// Whether it is starting, though it is not present yet.
 bool Decision::Coming(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
-  const bool about_to_end = record.terminating != 0;  // which is what it is restarted after
+  const bool about_to_end = record.terminating != 0;  // and is restarted after that
   return record.restart_at || record.restart_asked ||
          (record.set_up_by && (record.presence == Presence::kStarting || about_to_end));
 }
@@ -33,7 +33,7 @@ bool Decision::MayRestart(std::size_t i) const {
   return !ConfigOf(i).command.empty() && ConfigOf(i).restart.policy != RestartPolicy::kNo;
 }
 
-// The process that can be signalled: one that we started, or one of this host that says it is it.
+// The process that can be signalled: one that we started, or one of this host that publishes as it.
 std::int32_t Decision::ProcessOf(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
   if (record.process != 0) return record.process;
@@ -58,7 +58,7 @@ void Decision::On(const event::HealthChanged& changed) {
     case Health::kCrashed:
     case Health::kPartitioned:
       if (record.presence == Presence::kPresent || record.presence == Presence::kStarting) {
-        LoseSight(i, what);
+        LoseConnection(i, what);
       }
       return;
     case Health::kStarved:
@@ -72,8 +72,8 @@ void Decision::Recovered(std::size_t i, const std::string& how) {
   ActuatorRecord& record = Of(i);
   record.health = Health::kWell;
   record.cause =
-      RecordActuator(i, kCodeOk, ConfigOf(i).name + " is well again: " + how, record.cause);
-  if (!record.restart_asked) {  // else it is to end, well or not
+      RecordActuator(i, kCodeOk, ConfigOf(i).name + " has recovered: " + how, record.cause);
+  if (!record.restart_asked) {  // else it is terminated anyway
     record.terminating = 0;
     record.killed = false;
     record.kill_at.reset();
@@ -87,8 +87,8 @@ void Decision::Recovered(std::size_t i, const std::string& how) {
   }
 }
 
-// One that hangs is killed if it may be started again, once it is known what it was doing. What is
-// not ours to restart is left as it is: it may come to itself.
+// A hung actuator is killed if it may be restarted, once its backtrace was taken. An actuator that
+// the controller may not restart is left as it is: it may recover.
 void Decision::Hang(std::size_t i, bool silent, const std::string& how) {
   const std::int32_t pid = ProcessOf(i);
   const bool killable = MayRestart(i) && pid != 0;
@@ -97,9 +97,9 @@ void Decision::Hang(std::size_t i, bool silent, const std::string& how) {
   } else {
     Degrade(i, kCodeTimeout, how);
   }
-  if (!killable) return Fall(i);
+  if (!killable) return FallBack(i);
   Of(i).cause = RecordProcess(i, kCodeTimeout,
-                              "what " + ConfigOf(i).name + " is doing is looked at; then process " +
+                              "taking a backtrace of " + ConfigOf(i).name + "; then process " +
                                   std::to_string(pid) + " gets SIGKILL",
                               Of(i).cause);
   Terminate(i, pid, kBacktraceTime);
@@ -116,11 +116,11 @@ void Decision::Terminate(std::size_t i, std::int32_t pid, Duration grace) {
 
 void Decision::On(const event::BacktraceTaken& taken) {
   ActuatorRecord& record = Of(taken.actuator);
-  if (record.terminating != taken.pid || record.killed) return;  // it came to itself, or has ended
+  if (record.terminating != taken.pid || record.killed) return;  // it has recovered, or has exited
   action::Record backtrace;
   backtrace.kind = "process";
   backtrace.actuator = taken.actuator;
-  backtrace.message = "what " + ConfigOf(taken.actuator).name + " was doing:";
+  backtrace.message = "backtrace of " + ConfigOf(taken.actuator).name + ":";
   backtrace.cause = record.cause;
   backtrace.data = taken.text;
   Record(backtrace);
@@ -133,32 +133,32 @@ void Decision::Kill(std::size_t i) {
   Do(action::SignalProcess{i, Of(i).terminating, true});
 }
 
-// Its end was not seen, or the kernel holds it. Should it live on, its successor will say so.
-void Decision::TakeForEnded(std::size_t i) {
+// Its exit was not seen, or the kernel delays it. If it still runs, its successor will report that.
+void Decision::AssumeExited(std::size_t i) {
   ActuatorRecord& record = Of(i);
   RecordProcess(i, kCodeTimeout,
-                "nothing is heard of the end of process " + std::to_string(record.terminating) +
-                    ", which was killed; it is taken for ended");
+                "no exit reported for process " + std::to_string(record.terminating) +
+                    " after SIGKILL; it is assumed to have exited");
   if (record.process == record.terminating) record.process = 0;
   record.dead = record.report.incarnation;
   if (record.presence == Presence::kPresent) Lose(i, "it was killed");
   Recover(i);
 }
 
-// Whether it was said of this end that a new start does not help.
+// Whether the exit code says that a restart does not help.
 bool Decision::IsFinal(std::size_t i, const event::ProcessEnded& ended) const {
   return MayRestart(i) && !Of(i).restart_asked && ConfigOf(i).restart.Prevents(ended.exit_code);
 }
 
 std::string Decision::WhyFinal(const event::ProcessEnded& ended) const {
   const std::string code = "exit code " + std::to_string(ended.exit_code);
-  return ended.how + "; it is not started again until `musher restart " +
-         ConfigOf(ended.actuator).name + "`, because " + code +
-         (ended.exit_code == kUsageExitCode ? " tells of a wrong configuration"
-                                            : " is one of its restart_prevent_exit_codes");
+  return ended.how + "; not restarted automatically, because " + code +
+         (ended.exit_code == kUsageExitCode ? " means a configuration error"
+                                            : " is one of its restart_prevent_exit_codes") +
+         "; restart it with `musher restart " + ConfigOf(ended.actuator).name + "`";
 }
 
-// Its process has ended, or could not be started: what now?
+// Its process has exited, or could not be started: decides what follows.
 void Decision::Recover(std::size_t i, const event::ProcessEnded& ended) {
   ActuatorRecord& record = Of(i);
   const ActuatorConfig& config = ConfigOf(i);
@@ -173,10 +173,10 @@ void Decision::Recover(std::size_t i, const event::ProcessEnded& ended) {
     record.restart_at = now_;
     return;
   }
-  // Who was torn down alone is meant to stay so.
+  // An actuator that was torn down alone stays down.
   if (record.state() == kTearDown && record.report.apart) return;
   const bool content = ended.clean && config.restart.policy == RestartPolicy::kOnFailure;
-  if (!MayRestart(i) || content) return Fall(i);
+  if (!MayRestart(i) || content) return FallBack(i);
   if (IsFinal(i, ended)) return GiveUp(i, WhyFinal(ended));
   if (record.restarts >= config.restart.limit) {
     return GiveUp(i, "given up after " + std::to_string(record.restarts) + " restarts; " +
@@ -185,21 +185,20 @@ void Decision::Recover(std::size_t i, const event::ProcessEnded& ended) {
   const Duration delay = DelayOf(config.restart, record.restarts);
   ++record.restarts;
   record.restart_at = now_ + delay;
-  record.cause =
-      RecordProcess(i, kCodeOk,
-                    config.name + " is started again in " + std::to_string(ToMilliseconds(delay)) +
-                        " ms, restart " + std::to_string(record.restarts) + " of " +
-                        std::to_string(config.restart.limit),
-                    record.cause);
+  record.cause = RecordProcess(
+      i, kCodeOk,
+      config.name + ": restarting in " + std::to_string(ToMilliseconds(delay)) + " ms (" +
+          std::to_string(record.restarts) + " of " + std::to_string(config.restart.limit) + ")",
+      record.cause);
 }
 
 void Decision::GiveUp(std::size_t i, const std::string& why) {
   Of(i).given_up = true;
   Degrade(i, kCodeFailed, why, Of(i).cause);
-  Fall(i);
+  FallBack(i);
 }
 
-// It is there; its starts are counted until it has lived for a while.
+// It is present; its restarts are counted until it has run for a while.
 void Decision::EvaluateArrival(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const RestartConfig& restart = ConfigOf(i).restart;
@@ -207,17 +206,17 @@ void Decision::EvaluateArrival(std::size_t i) {
   if (record.restarts > 0) record.healthy_at = now_ + restart.reset_after;
   if (!record.given_up) return;
   Degrade(i, kCodeFailed,
-          "it was started " + std::to_string(record.restarts) +
-              " times in a row; left alone until it has lived for " +
+          "started " + std::to_string(record.restarts) +
+              " times in a row; not driven until it has run for " +
               std::to_string(ToMilliseconds(restart.reset_after)) + " ms",
           record.cause);
-  Fall(i);
+  FallBack(i);
 }
 
 void Decision::CheckRestarts() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
-    if (record.kill_at && *record.kill_at <= now_) record.killed ? TakeForEnded(i) : Kill(i);
+    if (record.kill_at && *record.kill_at <= now_) record.killed ? AssumeExited(i) : Kill(i);
     if (record.healthy_at && *record.healthy_at <= now_) {
       record.healthy_at.reset();
       record.restarts = 0;
@@ -228,7 +227,7 @@ void Decision::CheckRestarts() {
   }
 }
 
-// What was to end has, or there would be no successor.
+// The process to be terminated has exited, or there would be no successor.
 void Decision::ForgetEnd(std::size_t i) {
   ActuatorRecord& record = Of(i);
   record.terminating = 0;
@@ -237,8 +236,8 @@ void Decision::ForgetEnd(std::size_t i) {
   record.restart_asked = false;
 }
 
-// Somebody else was faster.
-void Decision::CallOffRestart(std::size_t i) {
+// Another party has started it first.
+void Decision::CancelRestart(std::size_t i) {
   Of(i).restart_at.reset();
   Of(i).set_up_by = now_ + config_.TimeFor(i, kSetUp);
 }
@@ -248,7 +247,7 @@ void Decision::StartAgain(std::size_t i) {
   record.restart_at.reset();
   record.blocked = false;
   record.found_running = false;
-  record.report.state = config_.default_state;  // how the last one ended is no matter any more
+  record.report.state = config_.default_state;  // the old process does not count any more
   record.presence = Presence::kStarting;
   record.set_up_by = now_ + config_.TimeFor(i, kSetUp);
   record.launching = true;
@@ -264,19 +263,20 @@ void Decision::On(const event::RestartRequested& requested) {
     return refuse(kCodeParametersInvalid, NoSuchActuator(requested.actuator, config_));
   }
   if (ConfigOf(*i).command.empty()) {
-    return refuse(kCodeUnSupport,
-                  requested.actuator + " has no command in the config: whoever started it has to");
+    return refuse(
+        kCodeUnSupport,
+        requested.actuator + " has no command in the config: restart it where it was started");
   }
   const bool in_use = machine_.phase == Phase::kRunning || machine_.phase == Phase::kFailed;
   if (!in_use) {
-    return refuse(kCodeStatusError,
-                  "the machine is " + std::string(PhaseName(machine_.phase)) + "; not now");
+    return refuse(kCodeStatusError, "the machine is " + std::string(PhaseName(machine_.phase)) +
+                                        "; it cannot be restarted now");
   }
   ActuatorRecord& record = Of(*i);
   if (RunsElsewhere(*i)) {
     return refuse(kCodeUnSupport, requested.actuator + " runs on another host, " +
                                       record.report.host.substr(0, 64) +
-                                      ", where this controller can end no process; end process " +
+                                      ", where this controller cannot end processes; end process " +
                                       std::to_string(record.report.pid) + " there");
   }
   record.restart_requests.push_back(requested.request);
@@ -284,37 +284,37 @@ void Decision::On(const event::RestartRequested& requested) {
   record.restart_asked = true;
   record.restarts = 0;
   record.given_up = false;
-  record.cause = RecordProcess(*i, kCodeOk, requested.actuator + " is restarted by hand");
+  record.cause = RecordProcess(*i, kCodeOk, "restart of " + requested.actuator + " requested");
   EndForRestart(*i);
 }
 
-// Whether its process is heard from another host: a second one here would run beside it.
+// Whether its process runs on another host: a second one here would run in parallel.
 bool Decision::RunsElsewhere(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
-  const bool heard =
+  const bool connected =
       record.presence == Presence::kPresent || record.presence == Presence::kStarting;
   const ActuatorReport& report = record.report;
-  return heard && record.process == 0 && report.incarnation != 0 &&
+  return connected && record.process == 0 && report.incarnation != 0 &&
          report.incarnation != record.dead && !report.host.empty() && report.host != machine_.host;
 }
 
-// TearDown if it can be told, else SIGTERM, and SIGKILL when that does not help.
+// TearDown if it can be commanded, else SIGTERM, and SIGKILL when that does not help.
 void Decision::EndForRestart(std::size_t i) {
   ActuatorRecord& record = Of(i);
   const std::int32_t pid = ProcessOf(i);
   if (pid == 0) return Recover(i);
-  const bool can_be_told = record.presence == Presence::kPresent && !record.order &&
-                           !record.report.busy() && !machine_.current &&
-                           record.health != Health::kHung && ConfigOf(i).Lists(kTearDown) &&
-                           record.state() != kTearDown;
-  if (can_be_told) {
+  const bool can_be_commanded = record.presence == Presence::kPresent && !record.order &&
+                                !record.report.busy() && !machine_.current &&
+                                record.health != Health::kHung && ConfigOf(i).Lists(kTearDown) &&
+                                record.state() != kTearDown;
+  if (can_be_commanded) {
     return Issue(i, machine_.number + 1, State(kTearDown), config_.TimeFor(i, kTearDown), true);
   }
   Terminate(i, pid, kEndTime);
   Do(action::SignalProcess{i, pid, false});
 }
 
-// Those who asked for a restart hear when it is back, or that it will not come.
+// Answers the restart requests when it is back, or when it will not come back.
 void Decision::AnswerRestarts(std::size_t i) {
   ActuatorRecord& record = Of(i);
   if (Coming(i)) return;

@@ -1,8 +1,8 @@
 #pragma once
 // Musher's three lanes of error:
-//   assert       a fault in Musher itself; the program stops where it happened.
-//   Result       a failure that can be expected (a refusal, a missing file, a lost peer).
-//   Diagnostic   a fault in what a person wrote, with file, line and column (diagnostic.hpp).
+//   assert       a bug in Musher itself; the program stops where it happened.
+//   Result       an expected failure (a refusal, a missing file, a lost peer).
+//   Diagnostic   an error in a file that a person wrote, with line and column (diagnostic.hpp).
 
 #include <cassert>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace musher {
 
-// Why something failed: CyberDog's number for machines, a sentence for people.
+// Why an operation failed: CyberDog's code for programs, a sentence for people.
 struct Error {
   std::int32_t code = kCodeFailed;
   std::string message;
@@ -22,7 +22,7 @@ struct Error {
   friend bool operator==(const Error&, const Error&) = default;
 };
 
-// A value or the reason why there is none. Dropping one is a compile error.
+// A value, or the reason why there is none. A dropped Result is a compile error.
 template <typename T = void>
 class [[nodiscard]] Result {
  public:

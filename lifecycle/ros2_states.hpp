@@ -1,10 +1,11 @@
 #pragma once
-// ROS 2's managed nodes: their states and transitions, and where a state of the machine takes them.
+// ROS 2's managed nodes: their states and transitions, and the primary state for each state of the
+// machine.
 //
 //   unconfigured ──configure──▶ inactive ──activate──▶ active
 //    │     ▲  ◀─────cleanup────          ◀─deactivate─
-//    │     └── error processing that succeeded; one that did not ──▶ finalized
-//    └─shutdown──▶ finalized, from which there is no way back
+//    │     └── error processing succeeded; failed ──▶ finalized
+//    └─shutdown──▶ finalized, which has no transition out
 //
 // A failed callback leaves the node where it was. Numbers are those of lifecycle_msgs.
 
@@ -24,7 +25,7 @@ enum class Ros2State : std::uint8_t {
   kInactive = 2,
   kActive = 3,
   kFinalized = 4,
-  // On the way; error processing follows a callback that gave ERROR or threw.
+  // Transition states; error processing follows a callback that returned ERROR or threw.
   kConfiguring = 10,
   kCleaningUp = 11,
   kShuttingDown = 12,
@@ -33,12 +34,12 @@ enum class Ros2State : std::uint8_t {
   kErrorProcessing = 15,
 };
 
-// "inactive", "error processing"; a number that is none of them is "unknown".
+// "inactive", "error processing"; any other number is "unknown".
 std::string_view Ros2StateName(Ros2State state);
-// One of the four in which a node stays.
+// Whether it is one of the four in which a node stays.
 bool IsPrimary(Ros2State state);
 
-// A step from one primary state to the next.
+// A transition from one primary state to the next.
 struct Ros2Transition {
   std::uint8_t id = 0;
   std::string_view name;
@@ -49,8 +50,8 @@ struct Ros2Transition {
   friend bool operator==(const Ros2Transition&, const Ros2Transition&) = default;
 };
 
-// The first step of the way to `goal`. Nothing when it is reached, or cannot be: from finalized,
-// from a state on the way. The end is reached by cleanup and then shutdown.
+// The first transition towards `goal`. Nothing when it is reached, or cannot be reached: from
+// finalized, from a transition state. Finalized is reached by cleanup and then shutdown.
 std::optional<Ros2Transition> NextTransition(Ros2State from, Ros2State goal);
 
 // In which primary state a node has to be for `state`: what `configured` says, else active for

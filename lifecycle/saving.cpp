@@ -1,5 +1,5 @@
-// What has to survive the controller: handed to the disk, which nothing but TearDown waits for, and
-// known to be there once the disk says so.
+// What has to survive the controller: handed to the disk thread, which only TearDown waits for, and
+// saved once the disk thread reports it.
 
 #include <algorithm>
 #include <utility>

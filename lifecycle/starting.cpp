@@ -1,5 +1,5 @@
-// Bringing the machine up: processes in the order of `stage` and `after`, the first stage through
-// SelfCheck to Active, or adoption of what runs already; later stages while the machine is in use.
+// Brings the machine up: processes in the order of `stage` and `after`, the first stage through
+// SelfCheck to Active, or adoption of running actuators; later stages while the machine is in use.
 
 #include <algorithm>
 
@@ -10,9 +10,9 @@ namespace {
 
 // The record that Begin makes is the first one.
 constexpr std::uint64_t kBegun = 1;
-// A supervisor's start that ends a TearDown waits so long for actuators it knows nothing of. They
-// run already, and are discovered within a second.
-constexpr Duration kFinishingPatience = std::chrono::seconds(3);
+// How long a supervisor's start that finishes a TearDown waits for unknown actuators. They run
+// already, and are discovered within a second.
+constexpr Duration kFinishingGrace = std::chrono::seconds(3);
 
 }  // namespace
 
@@ -31,15 +31,16 @@ void Decision::On(const event::Begin& begin) {
   Save(Stored::kEpoch);
   for (std::size_t i = 0; i < begin.running.size(); ++i) Of(i).found_running = begin.running[i];
   for (std::size_t i = 0; i < begin.processes.size(); ++i) Of(i).process = begin.processes[i];
-  RecordMachine(kCodeOk, "controller epoch " + std::to_string(machine_.epoch) + " begins, " +
+  RecordMachine(kCodeOk, "controller started: epoch " + std::to_string(machine_.epoch) + ", " +
                              std::to_string(machine_.actuators.size()) + " actuators");
   if (machine_.finishing) {
-    RecordMachine(kCodeOk,
-                  "the controller before was taking the machine down; this start by a supervisor "
-                  "ends that, and the machine stays down until `musher up` starts it",
-                  kBegun);
+    RecordMachine(
+        kCodeOk,
+        "the previous controller was tearing the machine down; this start by a supervisor "
+        "finishes that TearDown, and the machine stays down until `musher up` starts it",
+        kBegun);
   } else if (begin.stop_intent) {
-    Save(Stored::kStopIntent);  // there is none any more
+    Save(Stored::kStopIntent);  // clears the intent
   }
   StartStage(begin.by_hand || machine_.finishing ? LastStage(config_) : 1, kBegun);
   BeginStops(begin.stops);
@@ -49,7 +50,7 @@ void Decision::On(const event::Begin& begin) {
 void Decision::StartStage(int stage, std::uint64_t cause) {
   machine_.stage = stage;
   if (stage > 1 && !machine_.by_hand) {
-    cause = RecordMachine(kCodeOk, "stage " + std::to_string(stage) + " is being started", cause);
+    cause = RecordMachine(kCodeOk, "starting stage " + std::to_string(stage), cause);
   }
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
@@ -58,10 +59,10 @@ void Decision::StartStage(int stage, std::uint64_t cause) {
       continue;
     record.cause = cause;
     const Duration set_up = config_.TimeFor(i, kSetUp);
-    const Duration patience = machine_.finishing ? std::min(set_up, kFinishingPatience) : set_up;
-    // Only a process of ours holds its actuator's name, by which it is found running.
+    const Duration timeout = machine_.finishing ? std::min(set_up, kFinishingGrace) : set_up;
+    // Only a Musher process holds its actuator's name, by which it is found running.
     const bool may_run = machine_.finishing && ConfigOf(i).protocol != Protocol::kMusher;
-    if (waited_for || may_run) record.set_up_by = now_ + patience;
+    if (waited_for || may_run) record.set_up_by = now_ + timeout;
   }
 }
 
@@ -78,11 +79,11 @@ bool Decision::StartProcesses() {
     }
     std::string blocker;
     if (!NeedsMet(i, blocker)) {
-      if (blocker.empty()) blocker = RestsBefore(i);
+      if (blocker.empty()) blocker = WaitsForSuspended(i);
       if (blocker.empty() || record.blocked) continue;
       record.blocked = true;
-      Degrade(i, kCodeStatusError, blocker, CauseOfHindrance(i));
-      Fall(i);
+      Degrade(i, kCodeStatusError, blocker, CauseOfBlocker(i));
+      FallBack(i);
     } else {
       if (std::exchange(record.blocked, false)) record.fault.reset();
       record.presence = Presence::kStarting;
@@ -95,7 +96,7 @@ bool Decision::StartProcesses() {
   return changed;
 }
 
-// Whether all that actuator `i` comes after are there; `hindrance` says so when one never will be.
+// Whether all actuators in the `after` of `i` are present; sets `blocker` when one will not be.
 bool Decision::NeedsMet(std::size_t i, std::string& blocker) const {
   bool met = true;
   for (const std::string& name : ConfigOf(i).after) {
@@ -107,7 +108,7 @@ bool Decision::NeedsMet(std::size_t i, std::string& blocker) const {
   return met;
 }
 
-std::uint64_t Decision::CauseOfHindrance(std::size_t i) const {
+std::uint64_t Decision::CauseOfBlocker(std::size_t i) const {
   for (const std::string& name : ConfigOf(i).after) {
     const ActuatorRecord& needed = Of(*config_.IndexOf(name));
     if (needed.fault) return needed.cause;
@@ -121,19 +122,19 @@ void Decision::On(const event::ProcessStarted& started) {
   record.launching = false;
   record.cause = RecordProcess(
       started.actuator, kCodeOk,
-      ConfigOf(started.actuator).name + " is started as process " + std::to_string(started.pid),
+      ConfigOf(started.actuator).name + " started (pid " + std::to_string(started.pid) + ")",
       record.cause);
-  // The machine was taken down while it was being started.
+  // The machine was torn down while the process was starting.
   const bool stopped = machine_.phase == Phase::kStopped;
   if (!stopped && machine_.phase != Phase::kStopping) return;
   Do(action::SignalProcess{started.actuator, started.pid, stopped || machine_.stopping->killed});
 }
 
-// Maybe after its process was started, which then could not run the program.
+// Possibly after its process was forked and could not execute the program.
 void Decision::On(const event::ProcessNotStarted& failed) {
   Of(failed.actuator).process = 0;
   Of(failed.actuator).launching = false;
-  if (Of(failed.actuator).presence == Presence::kPresent) return;  // somebody else has started it
+  if (Of(failed.actuator).presence == Presence::kPresent) return;  // another party has started it
   Of(failed.actuator).presence = Presence::kAbsent;
   Degrade(failed.actuator, kCodeFailed, "its process could not be started: " + failed.why,
           Of(failed.actuator).cause);
@@ -149,10 +150,10 @@ void Decision::On(const event::ProcessEnded& ended) {
   record.cause =
       RecordProcess(ended.actuator, ended.clean ? kCodeOk : kCodeFailed,
                     ConfigOf(ended.actuator).name + "'s " + how, record.fault ? record.cause : 0);
-  if (AnotherIsThere(ended.actuator, ended.pid)) return;
-  // How one ends that we have not started is not known.
-  if (ended.clean || record.found_running) TakeForTornDown(ended.actuator);
-  // An orderly end that nothing asked for is none the less a loss, but no crash.
+  if (AnotherIsPresent(ended.actuator, ended.pid)) return;
+  // The exit status of a process that we have not started is unknown.
+  if (ended.clean || record.found_running) AssumeTornDown(ended.actuator);
+  // A clean exit that was not requested is a loss, but not a crash.
   if (record.health != Health::kHung && !ended.clean) record.health = Health::kCrashed;
   const bool in_set_up = record.presence == Presence::kStarting;
   const std::string why = IsFinal(ended.actuator, ended)
@@ -162,22 +163,22 @@ void Decision::On(const event::ProcessEnded& ended) {
   if (in_set_up || record.presence == Presence::kPresent) {
     const bool final = IsFinal(ended.actuator, ended);
     Lose(ended.actuator, why, record.cause, final ? kCodeFailed : kCodeNetError);
-  } else if (WasOutOfReach(ended.actuator)) {
-    // That it could not be heard any more was the first sign of it.
+  } else if (WasDisconnected(ended.actuator)) {
+    // The lost connection was the first sign of the exit.
     Degrade(ended.actuator, record.fault->code, why, record.cause);
   }
   Recover(ended.actuator, ended);
 }
 
-// Whether all that is known of its loss is that it could not be heard any more.
-bool Decision::WasOutOfReach(std::size_t i) const {
+// Whether a lost connection is all that is known about its loss.
+bool Decision::WasDisconnected(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
   return record.presence == Presence::kLost && record.fault && record.fault->message == kOutOfReach;
 }
 
-// Whether a process of this host other than `pid` says that it is this actuator: somebody was
-// faster with starting it, or `pid` was only the program that started it.
-bool Decision::AnotherIsThere(std::size_t i, std::int32_t pid) const {
+// Whether a process of this host other than `pid` publishes as this actuator: another party has
+// started it first, or `pid` was only the program that started it.
+bool Decision::AnotherIsPresent(std::size_t i, std::int32_t pid) const {
   const ActuatorRecord& record = Of(i);
   const bool speaks =
       record.presence == Presence::kPresent ||
@@ -188,10 +189,10 @@ bool Decision::AnotherIsThere(std::size_t i, std::int32_t pid) const {
 
 void Decision::On(const event::SetUpAwaited& awaited) {
   machine_.set_up_requests.push_back(awaited.request);
-  if (machine_.set_up) AnswerWhoAwaitsSetUp();
+  if (machine_.set_up) AnswerSetUpRequests();
 }
 
-void Decision::AnswerWhoAwaitsSetUp() {
+void Decision::AnswerSetUpRequests() {
   Result<> answer;
   for (std::size_t i = 0; i < machine_.actuators.size() && answer; ++i) {
     const auto& fault = Of(i).fault;
@@ -202,7 +203,7 @@ void Decision::AnswerWhoAwaitsSetUp() {
   }
 }
 
-// Why it is not there in time.
+// Why it is not set up by its deadline.
 std::string Decision::NotSetUp(std::size_t i) const {
   const ActuatorConfig& actuator = ConfigOf(i);
   const ActuatorRecord& record = Of(i);
@@ -216,7 +217,8 @@ std::string Decision::NotSetUp(std::size_t i) const {
   for (const std::string& word : actuator.command) command += ", \"" + word + "\"";
   return "its program runs (process " + std::to_string(record.process) +
          ") but never announced itself as actuator " + actuator.name + " " + within +
-         "; one that is no Musher module is wrapped with musher-exec: command = " + command + "]";
+         "; wrap a program that is not a Musher module with musher-exec: command = " + command +
+         "]";
 }
 
 void Decision::CheckSetUpDeadlines() {
@@ -227,10 +229,10 @@ void Decision::CheckSetUpDeadlines() {
     }
     record.set_up_by.reset();
     if (record.fault && record.presence != Presence::kStarting)
-      continue;                        // what is known says more
-    if (machine_.finishing) continue;  // what does not run need not be torn down
+      continue;                        // the known fault says more
+    if (machine_.finishing) continue;  // an actuator that does not run need not be torn down
     Degrade(i, kCodeTimeout, NotSetUp(i), record.cause);
-    Fall(i);
+    FallBack(i);
   }
 }
 
@@ -243,7 +245,7 @@ bool Decision::StageSetUp(int stage) const {
   return true;
 }
 
-// Whether each actuator of the stage is where the machine is, or will not come.
+// Whether each actuator of the stage is in the state of the machine, or will not be.
 bool Decision::StageSettled(int stage) const {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const ActuatorRecord& record = Of(i);
@@ -267,7 +269,7 @@ bool Decision::AdvanceStart() {
   return true;
 }
 
-// Everybody the machine waited for is set up, or given up.
+// All actuators of the first stage are set up, or given up.
 void Decision::EndFirstStage() {
   machine_.set_up = true;
   machine_.state = State(kSetUp);
@@ -278,23 +280,24 @@ void Decision::EndFirstStage() {
     if (record.fault) missing.push_back(ConfigOf(i).name + " " + record.fault->message);
     if (record.presence == Presence::kPresent) ++present;
   }
-  AnswerWhoAwaitsSetUp();
-  const std::uint64_t told =
+  AnswerSetUpRequests();
+  const std::uint64_t recorded =
       RecordMachine(kCodeOk, std::to_string(present) + " actuators are set up", kBegun);
-  if (machine_.finishing) return AdoptFrom(State(kTearDown), told);
-  if (const auto lowest = LowestFound()) return AdoptFrom(*lowest, told);
+  if (machine_.finishing) return AdoptFrom(State(kTearDown), recorded);
+  if (const auto lowest = LowestFound()) return AdoptFrom(*lowest, recorded);
   if (machine_.by_hand) return;
   if (present == 0) {
-    return FailStartUp(missing.empty() ? "there is no actuator in stage 1" : missing.front(), told);
+    return FailStartUp(missing.empty() ? "there is no actuator in stage 1" : missing.front(),
+                       recorded);
   }
   if (machine_.emergency_stop) {
     return FailStartUp(
-        "an emergency stop is engaged; `musher estop --release`, then SelfCheck and "
-        "Active by hand",
-        told);
+        "an emergency stop is engaged; run `musher estop --release`, then `musher set SelfCheck` "
+        "and `musher set Active`",
+        recorded);
   }
-  if (!config_.HasState(kSelfCheck)) return Activate(told);
-  Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {}, told);
+  if (!config_.HasState(kSelfCheck)) return Activate(recorded);
+  Begin(MakePlan(config_, machine_, State(kSelfCheck)), Purpose::kStartUpCheck, {}, recorded);
 }
 
 void Decision::AfterStartUpCheck(std::uint64_t checked) {
@@ -309,7 +312,7 @@ void Decision::AfterStartUpCheck(std::uint64_t checked) {
 
 void Decision::Activate(std::uint64_t cause) {
   if (!config_.HasState(kActive)) {
-    return BecomeRunning("the machine is checked; it has no Active", cause);
+    return BecomeRunning("self-check done; the machine has no Active", cause);
   }
   const Plan plan = MakePlan(config_, machine_, State(kActive));
   if (plan.refusal) return FailStartUp(plan.refusal->message, cause);
@@ -332,7 +335,7 @@ void Decision::BecomeRunning(const std::string& message, std::uint64_t cause) {
     if (there && MayFollow(i) && !record.held && record.state() != machine_.state) {
       record.due = true;
     }
-    if (!there && record.fault && !Coming(i)) Fall(i);
+    if (!there && record.fault && !Coming(i)) FallBack(i);
   }
   RecordMachine(kCodeOk, message, cause);
   Do(action::StartUpEnded{true, message});

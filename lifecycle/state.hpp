@@ -1,6 +1,6 @@
 #pragma once
-// The states of a machine and of its actuators. A state is a string; the built-in ones are named
-// here as seed 003 names them. A config may add its own, with a rank.
+// The states of a machine and of its actuators. A state is a string; the built-in ones have
+// CyberDog's names. A config may add its own, with a rank.
 
 #include <cstdint>
 #include <optional>

@@ -1,11 +1,12 @@
-// The end: TearDown in reverse order, then SIGTERM, then SIGKILL. Of the budget TearDown may use 70
-// %; at 90 % whatever is left is killed; at 100 % the machine is stopped, come what may.
+// The end: TearDown in reverse order, then SIGTERM, then SIGKILL. TearDown may use 70 % of the
+// budget; at 90 % the remaining processes are killed; at 100 % the machine is stopped
+// unconditionally.
 //
 // Before the first TearDown the intent goes to disk, so that a controller which a supervisor starts
 // after a crash finishes the TearDown instead of bringing the machine up. A disk that does not
-// answer holds it up for a moment only.
+// answer delays it for a moment only.
 //
-// What was lost and is not known to have ended may live on in the state it had: it is listed as
+// An actuator that was lost without a known exit may still run in its last state: it is listed as
 // degraded, and the outcome is done-degraded.
 
 #include <algorithm>
@@ -15,9 +16,9 @@
 namespace musher {
 namespace {
 
-// A process that is torn down ends by itself; this long it is left alone.
+// A process that is torn down exits by itself; the time it gets for that.
 constexpr Duration kExitGrace = Milliseconds(1000);
-// So long TearDown waits for the disk, and at most a tenth of the budget.
+// The longest wait of TearDown for the disk; also at most a tenth of the budget.
 constexpr Duration kIntentTime = Milliseconds(500);
 
 }  // namespace
@@ -49,17 +50,17 @@ void Decision::Stop(const Plan& plan, std::vector<RequestId> requests, std::uint
     record.restart_at.reset();
     record.restart_asked = false;
     const bool present = record.presence == Presence::kPresent;
-    // What has ended cannot be left behind.
+    // A process that has exited cannot be left behind.
     if (!present || record.state() == kTearDown) record.fault.reset();
     if (present) continue;
     record.set_up_by.reset();
     if (const auto pid = OwnProcess(i); pid != 0) Do(action::SignalProcess{i, pid, false});
   }
-  ListWhatLives();
+  ListSurvivors();
   Begin(plan, Purpose::kStop, {}, cause);
 }
 
-// Of several that want it down the one counts that wants it to stay so.
+// Of several TearDown requests, the one counts that keeps the machine down.
 void Decision::JoinStop(const event::SetStateRequested& requested) {
   Stopping& stopping = *machine_.stopping;
   stopping.requests.push_back(requested.request);
@@ -74,34 +75,34 @@ bool Decision::WaitsForIntent() {
   if (!machine_.stopping || !machine_.stopping->intent_by) return false;
   if (now_ < *machine_.stopping->intent_by) return true;
   machine_.stopping->intent_by.reset();
-  RecordMachine(kCodeTimeout,
-                "the intent to stop is not on disk yet; TearDown begins all the same. Should the "
-                "controller end before, a supervisor would start the machine again");
+  RecordMachine(
+      kCodeTimeout,
+      "the stop intent is not on disk yet; TearDown begins anyway. If the controller ends "
+      "before the save, a supervisor starts the machine again");
   return false;
 }
 
-// In what state an actuator may live on that the TearDown does not reach; empty: it has ended, or
-// is reached, or its process ends with the machine.
-std::string Decision::MayLive(std::size_t i) const {
+// The state in which an actuator that TearDown does not reach may still run; empty: it has exited,
+// or is reached, or its process is ended with the machine.
+std::string Decision::MayStillRun(std::size_t i) const {
   const ActuatorRecord& record = Of(i);
   const bool ends_with_it = OwnProcess(i) != 0 && machine_.phase == Phase::kStopping;
-  // Found by its name when this controller began, and no word came from it yet.
+  // Found by its name when this controller started, and no status has arrived from it yet.
   const bool found =
       record.found_running && record.presence == Presence::kAbsent && record.process != 0;
-  if (found && !ends_with_it) return State("a state that is not known");
-  const bool heard = record.report.incarnation != 0 && record.report.incarnation != record.dead;
+  if (found && !ends_with_it) return State("an unknown state");
+  const bool reported = record.report.incarnation != 0 && record.report.incarnation != record.dead;
   const bool out_of_reach =
       record.presence == Presence::kLost || record.presence == Presence::kStarting;
-  if (!heard || !out_of_reach || ends_with_it || record.state() == kTearDown) return {};
+  if (!reported || !out_of_reach || ends_with_it || record.state() == kTearDown) return {};
   return record.state();
 }
 
-void Decision::ListWhatLives() {
+void Decision::ListSurvivors() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
-    const State state = MayLive(i);
+    const State state = MayStillRun(i);
     if (state.empty()) continue;
-    Degrade(i, kCodeNetError,
-            "it is out of reach and not known to have ended; it may live on in " + state,
+    Degrade(i, kCodeNetError, "connection lost and no exit seen; it may still run in " + state,
             Of(i).cause);
   }
 }
@@ -113,8 +114,8 @@ void Decision::OnTornDown(SwitchResult result) {
   stopping.terminate_at = std::min(now_ + grace, stopping.kill_at);
 }
 
-// The process that has to end with the machine: one that we started, or that a controller before us
-// did. What somebody else started is theirs to end.
+// The process that has to exit with the machine: one that this controller or an earlier one has
+// started. Processes started by other parties are not ended.
 std::int32_t Decision::OwnProcess(std::size_t i) const {
   return ConfigOf(i).command.empty() ? 0 : ProcessOf(i);
 }
@@ -126,10 +127,10 @@ bool Decision::ProcessesLeft() const {
   return false;
 }
 
-// Another controller may have started a process just before it received the beat of this one, and
-// the process may not have published anything yet. So processes are looked for once more when all
-// that are known have ended.
-bool Decision::HasLooked() {
+// Another controller may have started a process just before it received the heartbeat of this one,
+// and the process may not have published anything yet. So processes are searched for once more when
+// all known ones have exited.
+bool Decision::HasSearched() {
   Stopping::Look& look = machine_.stopping->look;
   const bool may_run =
       std::any_of(config_.actuators.begin(), config_.actuators.end(),
@@ -150,8 +151,8 @@ void Decision::On(const event::ProcessesFound& found) {
     Of(i).process = pid;
     RecordProcess(i, kCodeOk,
                   "process " + std::to_string(pid) + " of " + ConfigOf(i).name +
-                      ", which another controller has started, is found at the end and ends with "
-                      "the machine",
+                      ", started by another controller, was found during shutdown and is ended "
+                      "with the machine",
                   Of(i).cause);
     Do(action::SignalProcess{i, pid, stopping.killed});
     stopping.look = Stopping::Look::kNotYet;  // again, once it has ended
@@ -183,7 +184,7 @@ void Decision::AdvanceStopping() {
   const bool out_of_time = now_ >= stopping.give_up_at;
   if (out_of_time && machine_.current) EndUnfinished();
   if (!stopping.result) return;
-  if (!out_of_time && (ProcessesLeft() || !HasLooked())) return;
+  if (!out_of_time && (ProcessesLeft() || !HasSearched())) return;
   const SwitchResult result = StopResult();
   machine_.phase = Phase::kStopped;
   if (stopping.after == AfterTearDown::kMayStart) Save(Stored::kStopIntent);  // there is none now
@@ -195,10 +196,10 @@ void Decision::AdvanceStopping() {
   Do(action::Stopped{});
 }
 
-// What became of TearDown, now that the processes have had their time: also what was lost only
-// since, and a process that outlives SIGKILL, is left behind.
+// The result of TearDown after the processes have had their time. An actuator that was lost only
+// since then, and a process that outlives SIGKILL, are left behind.
 SwitchResult Decision::StopResult() {
-  ListWhatLives();
+  ListSurvivors();
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     const std::int32_t pid = OwnProcess(i);
     if (pid == 0) continue;
@@ -217,7 +218,7 @@ SwitchResult Decision::StopResult() {
   return result;
 }
 
-// The budget is used up while somebody still owes an answer to TearDown.
+// The budget is used up while an actuator has not answered TearDown.
 void Decision::EndUnfinished() {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     if (Of(i).order)

@@ -1,5 +1,5 @@
 #pragma once
-// "Did you mean ...?": the known word that a mistyped one most likely stands for.
+// "Did you mean ...?": the known word that is nearest to a mistyped one.
 
 #include <string>
 #include <string_view>
@@ -16,8 +16,9 @@ struct MachineConfig;
 std::string Nearest(std::string_view word, const std::vector<std::string_view>& candidates);
 std::string Nearest(std::string_view word, const std::vector<std::string>& candidates);
 
-// "there is no actuator 'lags'; did you mean 'legs'? There are arm, head and legs": `what` it is,
-// the names there are, of many the first. Safe with any `name`: it is shortened.
+// "there is no actuator 'lags'; did you mean 'legs'? There are arm, head and legs": `what` is its
+// kind, `names` the known names, of which the first are listed. Safe with any `name`: it is
+// shortened.
 std::string NoSuch(std::string_view what, std::string_view name,
                    const std::vector<std::string>& names);
 std::string NoSuchActuator(std::string_view name, const MachineConfig& config);

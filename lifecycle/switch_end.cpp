@@ -1,4 +1,4 @@
-// The end of a switch: what it means for the machine and for each actuator, and the result.
+// The end of a switch: its effect on the machine and on each actuator, and its result.
 
 #include <algorithm>
 #include <utility>
@@ -8,7 +8,7 @@
 namespace musher {
 namespace {
 
-// How bad an end is: silence counts for more than a failure that was said.
+// The severity of an outcome: silence is worse than a reported failure.
 int Badness(const Leg& leg, bool critical) {
   if (!leg.failed()) return 0;
   if (critical) return 4;
@@ -18,7 +18,8 @@ int Badness(const Leg& leg, bool critical) {
 
 }  // namespace
 
-// A self-check that fails with a code which is not critical is passed, and the actuator degraded.
+// A self-check that fails with a code that is not critical counts as passed, and the actuator is
+// degraded.
 OrderEnd Decision::Tolerate(std::size_t i, const Order& order, const OrderEnd& end) {
   if (order.target != kSelfCheck) return end;
   Of(i).tolerated.reset();
@@ -31,15 +32,15 @@ OrderEnd Decision::Tolerate(std::size_t i, const Order& order, const OrderEnd& e
   return {ActuatorOutcome::kDone, end.code, "degraded: " + why, true, end.cause};
 }
 
-// What a switch without rollback, or the forward part of one, leaves behind.
+// The effects of a switch without rollback, or of the forward part of a switch.
 void Decision::Apply(const Switch& s, bool undone) {
   const bool check = s.direction == Direction::kCheck;
   for (const Leg& leg : s.legs) {
     ActuatorRecord& record = Of(leg.actuator);
     if (leg.outcome == ActuatorOutcome::kDone) {
       if (!undone && !check) record.held = s.only.has_value() && leg.target != machine_.state;
-      // One that has passed late belongs to where the machine is.
-      const bool passed = check && record.checked;  // by the process that is there now
+      // An actuator that has passed late is driven to the state of the machine.
+      const bool passed = check && record.checked;  // by the present process
       if (passed && machine_.phase == Phase::kRunning && !record.held &&
           record.state() != machine_.state) {
         record.due = true;
@@ -48,53 +49,53 @@ void Decision::Apply(const Switch& s, bool undone) {
     }
     if (check) record.checked = false;
     if (undone && (!leg.ran || s.rolling_back)) continue;
-    const bool said = leg.outcome != ActuatorOutcome::kSkipped;
-    Degrade(leg.actuator, leg.code, leg.message, said ? record.cause : s.cause);
+    const bool reported = leg.outcome != ActuatorOutcome::kSkipped;
+    Degrade(leg.actuator, leg.code, leg.message, reported ? record.cause : s.cause);
   }
   if (undone || check || s.only) return;
-  LeaveNobodyBehind(s);
+  DriveTheRest(s);
   for (const ActuatorResult& other : s.others) {
     const std::size_t i = *config_.IndexOf(other.name);
     const bool was_held = std::exchange(Of(i).held, false);
     const bool away = Of(i).presence == Presence::kLost || Of(i).state() == kTearDown;
-    if (was_held && away) Fall(i);  // it is missed from now on
+    if (was_held && away) FallBack(i);  // from now on its loss counts
     if (other.outcome == ActuatorOutcome::kUnsupported) {
       Degrade(i, other.code, other.message, s.cause);
     }
   }
 }
 
-// Those that were on their own way while the switch ran follow it.
-void Decision::LeaveNobodyBehind(const Switch& s) {
+// Drives the actuators that were being driven on their own while the switch ran.
+void Decision::DriveTheRest(const Switch& s) {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     ActuatorRecord& record = Of(i);
     const bool had_a_leg = std::any_of(s.legs.begin(), s.legs.end(),
                                        [&](const Leg& leg) { return leg.actuator == i; });
     if (had_a_leg || record.presence != Presence::kPresent) continue;
     if (!record.checked) {
-      TellUnchecked(i);
+      ReportUnchecked(i);
       continue;
     }
     if (!record.fault && record.state() != machine_.state) record.due = true;
   }
 }
 
-// What a rollback leaves behind.
+// The effects of a rollback.
 void Decision::SettleBack(const Switch& s) {
   for (const Leg& leg : s.back) {
     ActuatorRecord& record = Of(leg.actuator);
     if (leg.outcome == ActuatorOutcome::kDone) {
-      // One that was degraded before is where it was, and still not where the machine is.
+      // An actuator that was degraded before is back in its state, and still not in the machine's.
       if (!s.only && !record.held && record.state() != machine_.state) record.due = true;
       continue;
     }
-    const bool anew = record.presence == Presence::kPresent && !config_.RankOf(record.state());
-    if (anew && leg.outcome == ActuatorOutcome::kSkipped) continue;  // it joins by itself
+    const bool restarted = record.presence == Presence::kPresent && !config_.RankOf(record.state());
+    if (restarted && leg.outcome == ActuatorOutcome::kSkipped) continue;  // it is driven on its own
     Degrade(leg.actuator, leg.code,
             "could not be brought back to " + (leg.target.empty() ? "rest" : leg.target) + ": " +
                 leg.message,
             Of(leg.actuator).cause);
-    if (!Coming(leg.actuator)) Fall(leg.actuator);
+    if (!Coming(leg.actuator)) FallBack(leg.actuator);
   }
 }
 
@@ -128,7 +129,7 @@ std::vector<ActuatorResult> Decision::Results(const Switch& s) const {
   return results;
 }
 
-// The leg whose end counts for the switch; null when none has failed.
+// The leg whose outcome decides the switch; null when none has failed.
 const Leg* Decision::WorstLeg(const Switch& s) const {
   const Leg* worst = nullptr;
   for (const Leg& leg : s.legs) {
@@ -141,18 +142,18 @@ const Leg* Decision::WorstLeg(const Switch& s) const {
   return worst;
 }
 
-// Whether it is not where a switch of the machine has led, with a reason on record. A fault of
-// before says nothing about where it is.
+// Whether it is not in the target of a switch of the machine, with a recorded reason. A fault from
+// before the switch says nothing about its state.
 bool Decision::IsAway(std::size_t i, const State& target) const {
   const ActuatorRecord& record = Of(i);
   if (!record.fault) return false;
-  if (record.report.busy()) return true;  // where it will be is not known
+  if (record.report.busy()) return true;  // its next state is unknown
   if (record.state() == kTearDown) return target != kTearDown;
   const bool there = record.presence == Presence::kPresent || target == kTearDown;
   return !there || (target == kSelfCheck ? !record.checked : record.state() != target);
 }
 
-// The first that is away; nullopt when all are there that are expected.
+// The first actuator that is away; nullopt when all expected ones are in the target.
 std::optional<std::size_t> Decision::FirstAway(const State& target) const {
   for (std::size_t i = 0; i < machine_.actuators.size(); ++i) {
     if (IsAway(i, target)) return i;
@@ -170,7 +171,7 @@ SwitchResult Decision::Conclude(const Switch& s, bool undone) const {
   result.actuators = Results(s);
   if (s.stopped && undone) {
     result.code = kCodeProtectedError;
-    result.reason = "an emergency stop came";
+    result.reason = "an emergency stop was engaged";
   } else if (const Leg* worst = WorstLeg(s)) {
     result.code = worst->code;
     result.reason = ConfigOf(worst->actuator).name + ": " +
@@ -195,7 +196,7 @@ SwitchResult Decision::Conclude(const Switch& s, bool undone) const {
   return result;
 }
 
-// The first whose check has passed although part of it does not work; null when there is none.
+// The first leg whose check has passed as degraded; null when there is none.
 const Leg* Decision::FirstPartial(const Switch& s) {
   const auto found = std::find_if(s.legs.begin(), s.legs.end(), [](const Leg& leg) {
     return leg.outcome == ActuatorOutcome::kDone && leg.code != kCodeOk;
@@ -203,7 +204,7 @@ const Leg* Decision::FirstPartial(const Switch& s) {
   return s.direction == Direction::kCheck && found != s.legs.end() ? &*found : nullptr;
 }
 
-// Of the first that is degraded; there is one.
+// The fault of the first degraded actuator; there is one.
 std::string Decision::FirstTrouble() const {
   const std::string name = Degraded(config_, machine_).front();
   return name + ": " + TroubleOf(Of(*config_.IndexOf(name)))->message;
@@ -212,7 +213,7 @@ std::string Decision::FirstTrouble() const {
 void Decision::EndSwitch() {
   const Switch s = *machine_.current;
   machine_.current.reset();
-  // A single actuator that did not switch leaves nothing done.
+  // Where the only actuator did not switch, nothing was done.
   const bool single_failed = s.only && !s.legs.empty() && s.legs.front().failed();
   const bool undone = s.rolling_back || (single_failed && s.direction != Direction::kCheck);
   if (!undone && !s.only) {
@@ -223,25 +224,25 @@ void Decision::EndSwitch() {
   if (undone) SettleBack(s);
   const SwitchResult result = Conclude(s, undone);
   const Leg* worst = undone ? WorstLeg(s) : nullptr;
-  const std::uint64_t told = RecordEnd(s, result,
-                                       "switch " + std::to_string(s.number) + " is " +
-                                           std::string(OutcomeName(result.outcome)) +
-                                           (result.reason.empty() ? "" : ": " + result.reason),
-                                       worst ? Of(worst->actuator).cause : s.cause);
+  const std::uint64_t recorded = RecordEnd(s, result,
+                                           "switch " + std::to_string(s.number) + " is " +
+                                               std::string(OutcomeName(result.outcome)) +
+                                               (result.reason.empty() ? "" : ": " + result.reason),
+                                           worst ? Of(worst->actuator).cause : s.cause);
   if (s.purpose == Purpose::kStop) return OnTornDown(result);
   NoteEndOfSwitch(s, undone);
   Answer(s.requests, result);
   const bool torn_down = s.only && s.target == kTearDown && !undone;
-  if (torn_down) Degrade(*s.only, kCodeStateInvalid, kTornDownAlone, told);
-  if (s.purpose == Purpose::kStartUpCheck) return AfterStartUpCheck(told);
+  if (torn_down) Degrade(*s.only, kCodeStateInvalid, kTornDownAlone, recorded);
+  if (s.purpose == Purpose::kStartUpCheck) return AfterStartUpCheck(recorded);
   if (s.purpose == Purpose::kStartUpActivate && undone) {
-    return FailStartUp(result.reason, told);
+    return FailStartUp(result.reason, recorded);
   }
   if (s.only || undone || !config_.RankOf(machine_.state)) return;
   if (machine_.phase == Phase::kStarting || machine_.phase == Phase::kFailed) {
     BecomeRunning("the machine is " + machine_.state +
                       (result.degraded.empty() ? "" : ", degraded: " + FirstTrouble()),
-                  told);
+                  recorded);
   }
 }
 

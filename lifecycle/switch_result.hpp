@@ -17,10 +17,10 @@ enum class ActuatorOutcome {
   kDone,     // it is in the target state (or has passed its check)
   kRefused,  // it refused; nothing ran
   kFailed,   // its callback ran and gave a code
-  kOverdue,  // it did not end in time; asked, and either still running or fenced before it began
-  kLost,     // it is not there, or does not answer at all
-  kUndone,   // it had switched, or tried to, and is back where it was
-  kSkipped,  // nothing was sent: another one failed before, or one it needs did
+  kOverdue,  // it missed its deadline; queried, it was still running, or was fenced before it began
+  kLost,     // it is not available, or does not answer at all
+  kUndone,   // it had switched, or tried to, and is back in its state before
+  kSkipped,  // nothing was sent: another actuator failed first, or one that it needs
   kUnsupported,  // it does not list the target; nothing was sent
 };
 std::string_view OutcomeName(ActuatorOutcome outcome);  // "done", "refused", …
@@ -29,8 +29,8 @@ std::string_view OutcomeName(ActuatorOutcome outcome);  // "done", "refused", �
 enum class SwitchOutcome {
   kDone,
   kRefused,       // nothing was sent
-  kUndone,        // the machine is where it was
-  kDoneDegraded,  // the machine is in the target state, those listed as degraded are not
+  kUndone,        // the machine is in its state before
+  kDoneDegraded,  // the machine is in the target state, the degraded actuators are not
   kSuperseded,    // a more urgent switch took over
 };
 std::string_view OutcomeName(SwitchOutcome outcome);  // "done", …, "done-degraded", "superseded"
@@ -47,15 +47,15 @@ struct ActuatorResult {
 };
 
 struct SwitchResult {
-  std::uint64_t number = 0;  // 0: refused before it got one
+  std::uint64_t number = 0;  // 0: refused before it got a number
   State target;
   std::string actuator;  // empty: the whole machine
   SwitchOutcome outcome = SwitchOutcome::kDone;
   std::int32_t code = kCodeOk;  // 0 exactly for kDone
-  std::string reason;           // for kDone: empty, or what else it has changed: a keep has ended
+  std::string reason;           // for kDone: empty, or a side effect: a keep has ended
   State state;                  // of the machine (of the actuator when one was named), now
   std::vector<std::string> degraded;
-  std::vector<ActuatorResult> actuators;  // those concerned, in the config's order
+  std::vector<ActuatorResult> actuators;  // the actuators concerned, in the config's order
 
   bool done() const { return outcome == SwitchOutcome::kDone; }
 

@@ -1,5 +1,5 @@
-// A switch: the legs of its plan, each begun when those it needs have ended; on the way up a
-// rollback when one fails; a result that names what became of everybody.
+// A switch: the legs of its plan, each begun when the legs it needs have ended; on the way up a
+// rollback when one fails; a result with the outcome of every actuator.
 
 #include <algorithm>
 #include <set>
@@ -41,25 +41,27 @@ void Decision::On(const event::SetStateRequested& requested) {
     only = config_.IndexOf(*requested.actuator);
     if (!only) {
       const Error unknown{kCodeParametersInvalid, NoSuchActuator(*requested.actuator, config_)};
-      // It is in no state.
+      // An unknown actuator has no state.
       return Answer({requested.request},
                     Refusal(requested.target, *requested.actuator, "", unknown));
     }
   }
-  const std::uint64_t asked = Record(
-      {"switch", only, 0, kCodeOk,
-       "a switch " + Describe(config_, requested.target.substr(0, 64), only) + " is asked for"});
-  if (JoinOrRefuse(requested, only, asked) || JoinWaiting(requested, only, asked)) return;
+  const std::uint64_t request_record =
+      Record({"switch", only, 0, kCodeOk,
+              "switch " + Describe(config_, requested.target.substr(0, 64), only) + " requested"});
+  if (JoinOrRefuse(requested, only, request_record) || JoinWaiting(requested, only, request_record))
+    return;
   const Plan plan = MakePlan(config_, machine_, requested.target, only);
-  if (plan.free_by) return Await(plan, requested.request, asked);
+  if (plan.free_by) return Await(plan, requested.request, request_record);
   if (plan.refusal) {
-    return Refuse(requested.target, only, {requested.request}, plan.from, *plan.refusal, asked);
+    return Refuse(requested.target, only, {requested.request}, plan.from, *plan.refusal,
+                  request_record);
   }
   if (requested.target == kTearDown && !only) {
-    return Stop(plan, {requested.request}, asked, requested.after);
+    return Stop(plan, {requested.request}, request_record, requested.after);
   }
-  if (machine_.current) Supersede(machine_.number + 1, requested.target, asked);
-  Begin(plan, Purpose::kRequested, {requested.request}, asked);
+  if (machine_.current) Supersede(machine_.number + 1, requested.target, request_record);
+  Begin(plan, Purpose::kRequested, {requested.request}, request_record);
 }
 
 void Decision::Refuse(const State& target, std::optional<std::size_t> only,
@@ -67,23 +69,22 @@ void Decision::Refuse(const State& target, std::optional<std::size_t> only,
                       std::uint64_t cause) {
   SwitchResult result = Refusal(target, only ? ConfigOf(*only).name : "", state, why);
   result.degraded = Degraded(config_, machine_);
-  Record(
-      {"switch",
-       only,
-       0,
-       why.code,
-       "a switch " + Describe(config_, target.substr(0, 64), only) + " is refused: " + why.message,
-       0,
-       cause,
-       {}});
+  Record({"switch",
+          only,
+          0,
+          why.code,
+          "switch " + Describe(config_, target.substr(0, 64), only) + " refused: " + why.message,
+          0,
+          cause,
+          {}});
   Answer(requests, result);
 }
 
-// One switch at a time: the same again joins the one under way, a more urgent one may go on to take
-// over, unless it is of one actuator and would leave the others half way; anything else is refused.
-// Says whether the request is dealt with.
+// One switch at a time: the same request joins the switch under way. A more urgent one may take
+// over, unless it is of one actuator and would leave the others unfinished. Any other is refused.
+// Returns whether the request is handled.
 bool Decision::JoinOrRefuse(const event::SetStateRequested& requested,
-                            std::optional<std::size_t> only, std::uint64_t asked) {
+                            std::optional<std::size_t> only, std::uint64_t request_record) {
   if (!machine_.current) {
     if (machine_.phase != Phase::kStopping || requested.target != kTearDown) return false;
     JoinStop(requested);
@@ -102,11 +103,11 @@ bool Decision::JoinOrRefuse(const event::SetStateRequested& requested,
   if (concerns_all && Urgency(requested.target) > Urgency(s.target)) return false;
   const Error busy{kCodeTargetBusy, "switch " + std::to_string(s.number) + " (" +
                                         Describe(config_, s.target, s.only) + ") is under way"};
-  Refuse(requested.target, only, {requested.request}, machine_.state, busy, asked);
+  Refuse(requested.target, only, {requested.request}, machine_.state, busy, request_record);
   return true;
 }
 
-// Ends the switch under way without rollback. Callbacks that run finish; the newest command waits
+// Ends the switch under way without rollback. Running callbacks finish; the newest command waits
 // behind them at the actuator.
 void Decision::Supersede(std::uint64_t by, const State& target, std::uint64_t cause) {
   const Switch& s = *machine_.current;
@@ -152,7 +153,7 @@ void Decision::AddLeg(Switch& s, const PlanStep& step) {
     case PlanStep::Part::kHeldThere:
     case PlanStep::Part::kThere:
     case PlanStep::Part::kDriven:
-      other.message = "was there already";
+      other.message = "was already in that state";
       break;
   }
   s.others.push_back(other);
@@ -170,16 +171,17 @@ std::uint64_t Decision::Begin(const Plan& plan, Purpose purpose, std::vector<Req
   s.requests = std::move(requests);
   s.cause = cause;
   EndWaiting({kCodeTargetBusy, "switch " + std::to_string(s.number) + " (" +
-                                   Describe(config_, s.target, s.only) + ") is begun before it"},
+                                   Describe(config_, s.target, s.only) + ") started before it"},
              cause);
   for (const PlanStep& step : plan.steps) AddLeg(s, step);
   action::Record begins{"switch",
                         s.only,
                         s.number,
                         kCodeOk,
-                        "switch " + std::to_string(s.number) +
-                            " begins: " + Describe(config_, s.target, s.only) + " from " + s.from +
-                            ", " + std::to_string(s.legs.size()) + " to be driven",
+                        "switch " + std::to_string(s.number) + ": " +
+                            (s.only ? ConfigOf(*s.only).name + " " : "") + s.from + " → " +
+                            s.target + ", " + std::to_string(s.legs.size()) +
+                            (s.legs.size() == 1 ? " actuator" : " actuators"),
                         0,
                         cause,
                         {}};
@@ -189,8 +191,8 @@ std::uint64_t Decision::Begin(const Plan& plan, Purpose purpose, std::vector<Req
   return machine_.current->number;
 }
 
-// Whether the switch has to be undone: on the way up, all or nobody. While starting, only critical
-// ones count.
+// Whether the switch has to be undone: on the way up, all actuators or none. During start-up, only
+// critical ones count.
 bool Decision::Failed(const Switch& s) const {
   const bool starting = s.purpose == Purpose::kStartUpActivate;
   if (s.direction != Direction::kUp) return false;
@@ -200,8 +202,8 @@ bool Decision::Failed(const Switch& s) const {
   });
 }
 
-// Something that `leg` needs and that has ended otherwise than done; null when there is none.
-const Leg* Decision::Hindrance(const Leg& leg, const std::vector<Leg>& legs) const {
+// A leg that `leg` needs and that has ended otherwise than done; null when there is none.
+const Leg* Decision::FindBlocker(const Leg& leg, const std::vector<Leg>& legs) const {
   const auto found = std::find_if(legs.begin(), legs.end(), [&](const Leg& other) {
     return other.failed() &&
            std::find(leg.needs.begin(), leg.needs.end(), other.actuator) != leg.needs.end();
@@ -209,31 +211,31 @@ const Leg* Decision::Hindrance(const Leg& leg, const std::vector<Leg>& legs) con
   return found == legs.end() ? nullptr : &*found;
 }
 
-// Nothing is sent for `leg`. What is only behind one that may fail may fail like it.
+// Nothing is sent for `leg`. A leg that is blocked by one that may fail may fail, too.
 void Decision::SkipLeg(Leg& leg, const Leg* blocker) {
   leg.progress = Leg::Progress::kEnded;
   leg.outcome = ActuatorOutcome::kSkipped;
   leg.code = kCodeStatusError;
-  leg.message = blocker == nullptr ? "another actuator had failed before"
+  leg.message = blocker == nullptr ? "another actuator failed first"
                                    : "needs " + ConfigOf(blocker->actuator).name + ", which failed";
   if (blocker != nullptr && blocker->may_fail && !Critical(leg.actuator)) leg.may_fail = true;
 }
 
-// Why nothing can be sent for `leg` any more: it was there when the switch was planned, and has
-// gone or was started anew meanwhile.
+// Why nothing can be sent for `leg` any more: its actuator was present when the switch was planned,
+// and was lost or restarted meanwhile.
 std::optional<OrderEnd> Decision::FindUnfit(const Leg& leg) const {
   const ActuatorRecord& record = Of(leg.actuator);
   if (record.presence != Presence::kPresent) {
-    return OrderEnd{ActuatorOutcome::kLost, kCodeNetError, "is not there any more", false};
+    return OrderEnd{ActuatorOutcome::kLost, kCodeNetError, "is no longer available", false};
   }
   const bool a_step = leg.target == kSelfCheck || leg.target == kTearDown;
   if (a_step || record.checked || config_.RankOf(record.state())) return std::nullopt;
   return OrderEnd{ActuatorOutcome::kSkipped, kCodeSelfCheckFailed,
-                  "has been started anew and has not passed its self-check", false};
+                  "was restarted and has not passed its self-check", false};
 }
 
-// What is left of the time for TearDown, in equal parts for the stages that are still to come: one
-// that hangs does not take the time of those that are torn down after it.
+// The remaining time for TearDown, in equal parts for the remaining stages: an actuator that hangs
+// does not use the time of those that are torn down after it.
 Duration Decision::TearDownShare(const Leg& leg) const {
   std::set<int> stages = {ConfigOf(leg.actuator).stage};
   for (const Leg& other : machine_.current->legs) {
@@ -243,7 +245,7 @@ Duration Decision::TearDownShare(const Leg& leg) const {
   return (machine_.stopping->tear_down_by - now_) / static_cast<int>(stages.size());
 }
 
-// Begins the legs whose needs have ended. Says whether anything changed without an event.
+// Begins the legs whose needs have ended. Returns whether anything changed without an event.
 bool Decision::StartLegs(std::vector<Leg>& legs) {
   Switch& s = *machine_.current;
   const bool give_up = !s.rolling_back && Failed(s);
@@ -257,7 +259,7 @@ bool Decision::StartLegs(std::vector<Leg>& legs) {
       changed = true;
       continue;
     }
-    const Leg* blocker = strict ? Hindrance(leg, legs) : nullptr;
+    const Leg* blocker = strict ? FindBlocker(leg, legs) : nullptr;
     if (give_up || blocker != nullptr) {
       SkipLeg(leg, blocker);
       changed = true;
@@ -280,7 +282,7 @@ bool Decision::StartLegs(std::vector<Leg>& legs) {
   return changed;
 }
 
-// Says whether something changed that may let others go on.
+// Returns whether a change may let other actuators proceed.
 bool Decision::AdvanceSwitch() {
   if (!machine_.current) return false;
   if (WaitsForIntent()) return false;
@@ -309,9 +311,9 @@ void Decision::EndLeg(Leg& leg, const OrderEnd& end) {
   leg.duration = now_ - leg.started;
 }
 
-// Where a leg has to go back to: where it was; from a step of a start, where one cannot stay, to
-// where the machine is, or the nearest thing to rest. Empty when there is none.
-// One that was above the machine, for whatever reason, does not go up again.
+// The state to which a leg is rolled back: its state before; from a step of a start, where an
+// actuator cannot stay, the state of the machine, or the nearest of DeActive and LowPower. Empty
+// when there is none. An actuator that was above the machine does not go up again.
 State Decision::WayBack(const Leg& leg) const {
   const auto from = config_.RankOf(leg.from);
   const auto place = config_.RankOf(machine_.state);
@@ -355,9 +357,9 @@ void Decision::BeginRollback(Switch& s) {
   }
   const Leg* worst = WorstLeg(s);
   RecordSwitch(s, kCodeOk,
-               "switch " + std::to_string(s.number) + " is rolled back by command " +
+               "switch " + std::to_string(s.number) + ": rolling back with command " +
                    std::to_string(s.back_number) + ", " + std::to_string(s.back.size()) +
-                   " to be brought back",
+                   (s.back.size() == 1 ? " actuator" : " actuators"),
                s.stopped || worst == nullptr ? machine_.stop_cause : Of(worst->actuator).cause);
 }
 

@@ -55,22 +55,22 @@ void Checker::NoteLevels(const BatteryPolicy& policy, int percent) {
 }
 
 // Reads the policy's decisions from its records: "…: down to LowPower", "…: back to Active", and
-// then "switch 7 begins: to LowPower from Protected, …".
+// then "switch 7: Protected → LowPower, …".
 void Checker::OnRecord(const action::Record& record) {
   const std::string& text = record.message;
-  if (record.actuator && text.ends_with(" is restarted by hand")) {
+  if (record.actuator && text.starts_with("restart of ")) {
     config_errors_.erase(config_.actuators[*record.actuator].name);
   }
   // A request that ends in the same step never shows as the switch under way.
-  constexpr std::string_view kAsked = " is asked for";
-  constexpr std::string_view kSwitchTo = "a switch to ";
+  constexpr std::string_view kAsked = " requested";
+  constexpr std::string_view kSwitchTo = "switch to ";
   if (text.starts_with(kSwitchTo) && text.ends_with(kAsked)) {
     just_replied_.insert(
         text.substr(kSwitchTo.size(), text.size() - kSwitchTo.size() - kAsked.size()));
   }
   if (std::exchange(lowering_begins_, false)) {
-    const std::size_t at = text.find(" from ") + 6;
-    const State from = text.substr(at, text.find(',', at) - at);
+    const std::size_t at = text.find(": ") + 2;
+    const State from = text.substr(at, text.find(" → ", at) - at);
     // The raise to `from` has ended in this step.
     if (std::erase(policy_up_to_, from) != 0) {
       CheckRaise(from, raised_at_.value_or(0));

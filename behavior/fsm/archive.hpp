@@ -1,12 +1,14 @@
 #pragma once
-// What a state or an application's data remembers, by name. The same function saves and restores:
+// Saves and restores the fields of a state or of an application's data, by name. The same function
+// does both:
 //
 //   void Persist(Archive& archive) override {
 //     archive.Field("greeted", greeted_);
 //     archive.Field("lost_for", lost_for_);
 //   }
 //
-// A saving archive takes the value; a restoring one sets it, and leaves it where it has none.
+// A saving archive reads the value; a restoring one sets it, and leaves it unchanged where it has
+// none.
 
 #include <cstdint>
 #include <string>

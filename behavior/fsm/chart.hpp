@@ -1,5 +1,5 @@
 #pragma once
-// A state machine as a drawing has it: plain values, without what its states do.
+// The structure of a state machine: plain values, without the behaviour of its states.
 
 #include <optional>
 #include <string>
@@ -11,11 +11,11 @@ namespace musher::fsm {
 
 enum class Role {
   kNormal,
-  kSafe,   // where the machine goes when something is unsafe or fails; one of a machine
-  kFinal,  // the end: decides nothing more; left by a force or a reset, and for the safe state
+  kSafe,   // the machine goes there when it is unsafe or a state fails; at most one
+  kFinal,  // the end: decides nothing more; left by Force(), Reset() and for the safe state
 };
 
-// One way from a state to another, as the state declared it.
+// A transition from a state to another, as the state declared it.
 struct Way {
   StateId from = kNoState;
   StateId to = kNoState;

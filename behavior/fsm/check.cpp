@@ -9,7 +9,7 @@ namespace {
 
 using Marks = std::vector<bool>;  // by state
 
-// Adds to `marked` whatever a way leads to from there; with `back`, whatever leads there.
+// Adds to `marked` all states reachable from there; with `back`, all states that lead there.
 void Spread(const Chart& chart, Marks& marked, bool back) {
   bool grows = true;
   while (grows) {
@@ -34,12 +34,12 @@ class Checking {
     const Marks reached = Reached();
     const Marks dead = DeadEnds(reached);
     for (std::size_t i = 0; i < chart_.states.size(); ++i) {
-      if (!reached[i]) Warn(i, "only a force leads to it: no way does");
+      if (!reached[i]) Warn(i, "only Force() reaches it: no transition leads to it");
       if (dead[i]) {
-        Fail(i, "is a dead end: it declares no way out; make it final if it is the end");
+        Fail(i, "is a dead end: it declares no transition out; make it final if it is the end");
       }
       if (chart_.states[i].role == Role::kSafe && !leads_on_[i]) {
-        Warn(i, "declares no way out: only a force or a reset ends a safe stop");
+        Warn(i, "declares no transition out: only a force or a reset ends a safe stop");
       }
       EvaluateWays(i);
       for (const Chart& inside : chart_.states[i].inside) Descend(i, inside);
@@ -58,7 +58,7 @@ class Checking {
     return reached;
   }
 
-  // A machine of one state, or one that begins in its end, is none.
+  // Not in a machine with one state, or one that starts in a final state.
   Marks DeadEnds(const Marks& reached) const {
     Marks dead(chart_.states.size());
     for (std::size_t i = 0; i < dead.size(); ++i) {
@@ -74,16 +74,17 @@ class Checking {
       if (Index(way.from) != from) continue;
       const std::string to = chart_.states[Index(way.to)].name;
       if (chart_.states[from].role == Role::kFinal) {
-        Fail(from, "is final, but declares a way to " + to);
+        Fail(from, "is final, but declares a transition to " + to);
       }
       const auto before = chart_.ways.begin() + static_cast<std::ptrdiff_t>(i);
       if (std::find(chart_.ways.begin(), before, way) != before) {
-        Warn(from, "declares its way to " + to + " twice");
+        Warn(from, "declares its transition to " + to + " twice");
       }
     }
   }
 
-  // States from which nothing good is reached. Those that end in a dead end are not told again.
+  // States from which neither the start, a safe nor a final state is reached. States that lead to a
+  // dead end are not reported again.
   void EvaluateTraps(const Marks& reached, const Marks& dead) {
     Marks good = dead;
     for (std::size_t i = 0; i < good.size(); ++i) {

@@ -1,16 +1,16 @@
 #pragma once
-// What is wrong with a chart, found before it runs. Machine::Build() asks it; warnings are then in
+// Static check of a chart, before it runs. Machine::Build() calls it; the warnings are then in
 // Machine::warnings().
 //
 // Errors, since the machine would get stuck:
-//   a dead end      a normal state from which no way leads on
+//   a dead end      a normal state without a transition out
 //   a trap          states that lead only to each other, never back to the start, to the safe state
 //                   or to a final one
-//   a final state that declares a way
-// Warnings, since it may be meant:
-//   unreachable     only a force leads there
-//   a safe state from which no way leads on: only a force or a reset does
-//   a way that is declared twice, in the same words
+//   a final state that declares a transition
+// Warnings, since it may be intended:
+//   unreachable     only Force() reaches it
+//   a safe state without a transition out: only Force() or Reset() leaves it
+//   a transition that is declared twice, with the same text
 
 #include <string>
 #include <vector>
@@ -28,7 +28,8 @@ struct Problem {
   friend bool operator==(const Problem&, const Problem&) = default;
 };
 
-// Those of a machine inside too. In the order of the states. The ids of `chart` are its own.
+// Includes the problems of the machines inside. In the order of the states. The ids of `chart` are
+// its own.
 std::vector<Problem> Check(const Chart& chart);
 
 }  // namespace musher::fsm

@@ -5,8 +5,8 @@
 namespace musher::fsm {
 namespace {
 
-// Where a chart stands in the drawing: the ids of its states begin so, its lines are indented so,
-// and this is what is present of it.
+// The place of a chart in the drawing: the prefix of its state ids, its indentation, and the path
+// of its present state.
 struct Place {
   std::string prefix;
   std::string indent;
@@ -47,7 +47,7 @@ std::string DotQuoted(std::string_view text) {
   return quoted + "\"";
 }
 
-// Whatever has a meaning to Mermaid or to HTML becomes an entity, as Mermaid writes them.
+// Characters with a meaning in Mermaid or HTML become entities, in Mermaid's form.
 std::string MermaidText(std::string_view text) {
   constexpr std::string_view kSpecial = "\"#;:<>&%{}\\`";
   std::string escaped;
@@ -111,8 +111,8 @@ class Dot {
     text_ += place.indent + "}\n";
   }
 
-  // Graphviz draws arrows between nodes only. Those of a cluster begin and end at its start, and
-  // are cut at its border.
+  // Graphviz draws arrows between nodes only. The arrows of a cluster begin and end at its start
+  // state, and are cut at its border.
   static std::string Anchor(const Chart& chart, const Place& place, StateId state) {
     const std::string id = place.IdOf(state);
     return HasInside(chart, state) ? id + "_start" : id;
@@ -176,7 +176,7 @@ class Mermaid {
   void Line(const Place& place, const std::string& line) { text_ += place.indent + line + "\n"; }
 
   std::string text_;
-  std::string classes_;  // at the end, where Mermaid wants them
+  std::string classes_;  // at the end, where Mermaid expects them
 };
 
 }  // namespace

@@ -1,9 +1,9 @@
 #pragma once
 // A chart as a drawing: DOT for Graphviz (which makes SVG of it), Mermaid for a Markdown page.
 //
-// The start has a dot before it, a final state a double border, the safe state corners and a red
-// border: the machine goes there from everywhere, so those arrows are not drawn. A machine inside
-// is drawn in its state. The same chart gives the same text.
+// The start state has a dot before it, a final state a double border, the safe state corners and a
+// red border. The machine can go to the safe state from every state, so those arrows are not drawn.
+// A machine inside is drawn in its state. The same chart gives the same text.
 
 #include <string>
 #include <string_view>

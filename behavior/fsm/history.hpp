@@ -1,5 +1,5 @@
 #pragma once
-// The last changes of a machine. Its memory is taken once.
+// The last changes of a machine. Allocates once.
 
 #include <cassert>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
-// What states and events are called inside a machine. Names are for its edges: registration, logs,
-// the network. Ids count from 0 in the order of registration.
+// The ids of states and events inside a machine. Names are used at its interfaces: registration,
+// logs, the network. Ids count from 0 in the order of registration.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #pragma once
-// What a machine tells those who watch it. A listener cannot break the machine: what it throws is
-// caught and counted, and it can do no more to it than send it a command.
+// The callbacks of a machine to its listeners. A listener cannot break the machine: its exceptions
+// are caught and counted, and the only change it can make is to send a command.
 
 #include <cstdint>
 #include <string>
@@ -25,7 +25,7 @@ std::string_view Name(Cause cause);  // "started", "decided", ...
 // One change of state.
 struct Change {
   Duration at{};           // machine time
-  std::uint64_t tick = 0;  // of how many; 0: before the first
+  std::uint64_t tick = 0;  // the number of ticks so far; 0: before the first
   StateId from = kNoState;
   StateId to = kNoState;
   EventId command = kNoEvent;
@@ -34,7 +34,7 @@ struct Change {
   friend bool operator==(const Change&, const Change&) = default;
 };
 
-// In which function of a state.
+// The function of a state.
 enum class Phase : std::uint8_t { kEnter, kRun, kCheck, kTransition, kExit, kSafetyCheck };
 std::string_view Name(Phase phase);  // "OnEnter", "Run", ...
 
@@ -43,13 +43,13 @@ struct Fault {
   Phase phase = Phase::kRun;
   Duration at{};
   std::string what;
-  // The path of the state, "SHOW/PHOTO". Phase and words are those of the innermost state, when a
-  // machine inside stopped by a fault of its own.
+  // The path of the state, "SHOW/PHOTO". When a machine inside stopped by its own fault, phase and
+  // text are those of the innermost state.
   std::string where;
 };
 
-// What comes into a machine from outside. What the states are given and these, in their order,
-// decide all that it does.
+// An input of a machine from outside. The sequence of these, and the inputs of the states,
+// determine its behaviour.
 struct Input {
   enum class Kind : std::uint8_t { kStart, kTick, kPause, kCommand, kForce, kReset, kStop };
 
@@ -64,12 +64,12 @@ class Machine;
 class Listener {
  public:
   virtual ~Listener() = default;
-  // Before it takes effect. Of commands, also of one that will find no room; not of one that a
-  // state or a listener sends.
+  // Before the input takes effect. Also for a command that will be refused by a full queue; not for
+  // a command that a state or a listener sends.
   virtual void OnInput(const Machine& /*machine*/, const Input& /*input*/) {}
-  // The machine is in its new state, whose OnEnter comes next.
+  // The machine is in its new state; OnEnter of that state follows.
   virtual void OnChange(const Machine& /*machine*/, const Change& /*change*/) {}
-  // A command came to nothing in this state.
+  // A command was not handled in this state.
   virtual void OnUnhandled(const Machine& /*machine*/, EventId /*command*/, StateId /*state*/) {}
   // Before the machine goes to its safe state or stops.
   virtual void OnFault(const Machine& /*machine*/, const Fault& /*fault*/) {}

@@ -1,4 +1,4 @@
-// The life of a machine: ticks, transitions, and what happens when a state fails.
+// The run of a machine: ticks, transitions, and the handling of a failed state.
 
 #include "musher/behavior/fsm/machine.hpp"
 
@@ -11,7 +11,7 @@
 namespace musher::fsm {
 namespace {
 
-// While this lives, calls that change the machine refuse.
+// While this exists, calls that change the machine fail.
 class InTick {
  public:
   explicit InTick(bool& flag) : flag_(flag) { flag_ = true; }
@@ -27,14 +27,14 @@ Error Refusal(const std::string& machine, const char* why) {
   return {kCodeFailed, machine + ": " + why};
 }
 
-// Of the exception that is being handled.
+// The text of the exception that is being handled.
 std::string WhatWasThrown() {
   try {
     throw;
   } catch (const std::exception& thrown) {
     return thrown.what();
   } catch (...) {
-    return "threw something that is no std::exception";
+    return "threw something that is not a std::exception";
   }
 }
 
@@ -42,7 +42,7 @@ constexpr const char* kInTick = "a state or a listener cannot change the machine
 
 }  // namespace
 
-// Runs a function of the current state; false when it threw, which has been dealt with then.
+// Calls a function of the current state; false when it threw, which has then been handled.
 template <class Call>
 bool Machine::Guard(Phase phase, Call&& call) {
   try {
@@ -54,7 +54,7 @@ bool Machine::Guard(Phase phase, Call&& call) {
   }
 }
 
-// By the exception that is being handled.
+// Fails with the exception that is being handled.
 void Machine::FailByException(Phase phase) {
   try {
     throw;
@@ -66,9 +66,9 @@ void Machine::FailByException(Phase phase) {
   }
 }
 
-// By index: a listener may forget itself or bring another, who hears of what comes next.
+// By index: a listener may remove itself, or add another, which gets the following calls.
 template <class Call>
-void Machine::TellAll(Call&& call) {
+void Machine::NotifyAll(Call&& call) {
   const std::size_t count = listeners_.size();
   for (std::size_t i = 0; i < count; ++i) {
     if (listeners_[i] == nullptr) continue;
@@ -80,7 +80,7 @@ void Machine::TellAll(Call&& call) {
   }
 }
 
-// Machine time stands still once it has come to its farthest, so that no sum of times overflows.
+// Machine time stops at its maximum, so that no sum of times overflows.
 void Machine::Advance(Time now) {
   const auto ns = [](auto time) { return static_cast<std::uint64_t>(time.count()); };
   const Time last = last_tick_.value_or(now);
@@ -93,8 +93,8 @@ void Machine::Advance(Time now) {
   if (mode_ == Mode::kTransitioning) tick_.transition_elapsed += tick_.step;
 }
 
-void Machine::TellInput(const Input& input) {
-  TellAll([&](Listener& listener) { listener.OnInput(*this, input); });
+void Machine::NotifyInput(const Input& input) {
+  NotifyAll([&](Listener& listener) { listener.OnInput(*this, input); });
 }
 
 Result<> Machine::StartAt(StateId state, Time now) {
@@ -103,12 +103,12 @@ Result<> Machine::StartAt(StateId state, Time now) {
   if (running_) return Refusal(name(), "runs already");
   if (Index(state) >= nodes_.size()) return Refusal(name(), "has no such state");
   const InTick guard(in_tick_);
-  TellInput({.kind = Input::Kind::kStart, .time = now, .state = state});
+  NotifyInput({.kind = Input::Kind::kStart, .time = now, .state = state});
   running_ = true;
   ticks_ = 0;
   tick_ = {};
   last_tick_ = now;
-  SweepCommands();
+  DropCommands();
   unsafe_ = checks_.size();
   history_.Clear();
   fault_.reset();
@@ -119,17 +119,17 @@ Result<> Machine::StartAt(StateId state, Time now) {
 void Machine::Pause() {
   if (in_tick_ || !running_) return;
   const InTick guard(in_tick_);
-  TellInput({.kind = Input::Kind::kPause});
+  NotifyInput({.kind = Input::Kind::kPause});
   last_tick_.reset();
 }
 
-// [[unlikely]] moves what a machine seldom does, or a bare one never, out of the straight line that
-// the common tick is: the state decides to stay, and runs.
+// [[unlikely]] moves rare code out of the path of the common tick: the state decides to stay, and
+// runs.
 void Machine::RunOnce(Time now) {
   if (!running_ || in_tick_) return;
   const InTick guard(in_tick_);
   if (!listeners_.empty()) [[unlikely]] {
-    TellInput({.kind = Input::Kind::kTick, .time = now});
+    NotifyInput({.kind = Input::Kind::kTick, .time = now});
   }
   Advance(now);
   ++ticks_;
@@ -151,14 +151,14 @@ void Machine::Step() {
   Next next = Next::Stay();
   if (!Guard(Phase::kCheck, [&] { next = present_->CheckTransition(tick_); })) return;
   if (!next.stays() || tick_.command != kNoEvent) [[unlikely]] {
-    return Follow(next);
+    return Execute(next);
   }
   Run();
 }
 
-// Does what the state decided, with the command or without one.
-void Machine::Follow(Next next) {
-  // Not out of the safe state while a check fails.
+// Executes the decision of the state, with or without a command.
+void Machine::Execute(Next next) {
+  // The safe state is not left while a check fails.
   const bool held = mode_ == Mode::kSafeStop && unsafe_ != checks_.size();
   const bool leaves = !next.stays() && !held;
   if (tick_.command != kNoEvent) {
@@ -176,22 +176,22 @@ bool Machine::Run() {
   return Guard(Phase::kRun, [&] { present_->Run(tick_); });
 }
 
-// Whether every check is well. Goes to the safe state when one is not, or cannot tell.
+// Whether every check passes. Goes to the safe state when one fails or throws.
 bool Machine::PassesChecks() {
   for (const SafetyCheck& check : checks_) {
     try {
       if (check.is_safe(tick_)) continue;
     } catch (...) {
-      return GoesOnUnsafe(check, WhatWasThrown());
+      return HandleUnsafe(check, WhatWasThrown());
     }
-    return GoesOnUnsafe(check, std::nullopt);
+    return HandleUnsafe(check, std::nullopt);
   }
   if (mode_ == Mode::kSafeStop) unsafe_ = checks_.size();
   return true;
 }
 
-// `check` is not well, or threw. A machine in its safe state goes on all the same.
-bool Machine::GoesOnUnsafe(const SafetyCheck& check, const std::optional<std::string>& thrown) {
+// `check` failed, or threw. A machine in its safe state goes on anyway.
+bool Machine::HandleUnsafe(const SafetyCheck& check, const std::optional<std::string>& thrown) {
   const auto index = static_cast<std::size_t>(&check - checks_.data());
   const bool news = unsafe_ != index;
   unsafe_ = index;
@@ -206,7 +206,7 @@ void Machine::Begin(Next next) {
     return Fail(Phase::kCheck,
                 "it went to " +
                     (Index(next.target()) < nodes_.size() ? std::string(Name(next.target()))
-                                                          : "a state that there is not") +
+                                                          : "an unknown state") +
                     ", which it has not declared");
   }
   mode_ = Mode::kTransitioning;
@@ -232,9 +232,9 @@ void Machine::Switch(StateId target, Cause cause, EventId command) {
   if (Guard(Phase::kExit, [&] { present_->OnExit(tick_); })) Enter(target, cause, command);
 }
 
-// The current state is behind it, by a change with `command`, if there was one. What it has begun
-// and not ended comes to an end: the machine inside, when its function threw before it stopped
-// that, and a transition that was broken off, whose command came to nothing.
+// The current state was left, by a change with `command`, if there was one. Ends what it has left
+// unfinished: the machine inside, where its function threw before it stopped that machine, and an
+// aborted transition, whose command was not handled.
 void Machine::EndPresent(EventId command) {
   Machine* const inside = present_ == nullptr ? nullptr : present_->inside();
   if (inside != nullptr) static_cast<void>(inside->Stop());
@@ -260,7 +260,7 @@ void Machine::Note(Phase phase, std::string what, const std::string& inner) {
   std::string where(Name(current_));
   if (!inner.empty()) where += "/" + inner;
   fault_ = Fault{current_, phase, tick_.now, std::move(what), std::move(where)};
-  TellAll([&](Listener& listener) { listener.OnFault(*this, *fault_); });
+  NotifyAll([&](Listener& listener) { listener.OnFault(*this, *fault_); });
 }
 
 void Machine::Fail(Phase phase, std::string what) {
@@ -268,8 +268,8 @@ void Machine::Fail(Phase phase, std::string what) {
   LeaveFailed(phase);
 }
 
-// The current state failed in `phase`. It is left for the safe one; where that has failed, or there
-// is none, the machine stops.
+// The current state failed in `phase`. The machine goes to the safe state; where that has failed,
+// or there is none, the machine stops.
 void Machine::LeaveFailed(Phase phase) {
   const EventId command = std::exchange(tick_.command, kNoEvent);
   if (phase == Phase::kCheck && command != kNoEvent) Unhandled(command);
@@ -278,7 +278,7 @@ void Machine::LeaveFailed(Phase phase) {
     try {
       present_->OnExit(tick_);
     } catch (...) {
-      ++counts_.faults;  // it is being left because it failed; the first failure is the one told
+      ++counts_.faults;  // it is being left because it failed; the first failure is reported
     }
   }
   Enter(safe_, Cause::kFault, kNoEvent);
@@ -286,7 +286,7 @@ void Machine::LeaveFailed(Phase phase) {
 
 void Machine::Halt(Cause cause) {
   EndPresent(kNoEvent);
-  SweepCommands();
+  DropCommands();
   const Change change{tick_.now, ticks_, current_, kNoState, kNoEvent, cause};
   running_ = false;
   mode_ = cause == Cause::kFault ? Mode::kSafeStop : Mode::kNormal;
@@ -299,7 +299,7 @@ Result<> Machine::Stop() {
   if (in_tick_) return Refusal(name(), kInTick);
   if (!running_) return Ok();
   const InTick guard(in_tick_);
-  TellInput({.kind = Input::Kind::kStop});
+  NotifyInput({.kind = Input::Kind::kStop});
   bool left = false;
   try {
     present_->OnExit(tick_);
@@ -318,7 +318,7 @@ Result<> Machine::Force(StateId target) {
   if (!running_) return Refusal(name(), "does not run");
   if (Index(target) >= nodes_.size()) return Refusal(name(), "has no such state");
   const InTick guard(in_tick_);
-  TellInput({.kind = Input::Kind::kForce, .state = target});
+  NotifyInput({.kind = Input::Kind::kForce, .state = target});
   Switch(target, Cause::kForced, kNoEvent);
   return Reached(target);
 }
@@ -327,8 +327,8 @@ Result<> Machine::Reset() {
   if (in_tick_) return Refusal(name(), kInTick);
   if (!running_) return Refusal(name(), "does not run");
   const InTick guard(in_tick_);
-  TellInput({.kind = Input::Kind::kReset});
-  SweepCommands();
+  NotifyInput({.kind = Input::Kind::kReset});
+  DropCommands();
   fault_.reset();
   Switch(chart_.start, Cause::kReset, kNoEvent);
   return Reached(chart_.start);
@@ -345,15 +345,15 @@ Error Machine::Failure() const {
 Result<> Machine::Send(EventId event) {
   if (Index(event) >= events_.size()) return Refusal(name(), "has no such event");
   if (!running_) return Refusal(name(), "does not run");
-  if (!in_tick_) {  // what a state or a listener sends is no input from outside
+  if (!in_tick_) {  // a command of a state or a listener is not an input from outside
     const InTick guard(in_tick_);
-    TellInput({.kind = Input::Kind::kCommand, .command = event});
+    NotifyInput({.kind = Input::Kind::kCommand, .command = event});
   }
-  if (events_[Index(event)].urgency == Urgency::kUrgent) SweepCommands();
+  if (events_[Index(event)].urgency == Urgency::kUrgent) DropCommands();
   if (waiting_ == commands_.size()) {
     ++counts_.refused;
-    return Error{kCodeFailed, name() + ": " + std::to_string(waiting_) + " commands wait; " +
-                                  events_[Index(event)].name + " found no room"};
+    return Error{kCodeFailed, name() + ": " + std::to_string(waiting_) + " commands are queued; " +
+                                  events_[Index(event)].name + " is refused: the queue is full"};
   }
   commands_[(first_command_ + waiting_) % commands_.size()] = event;
   ++waiting_;
@@ -367,8 +367,7 @@ EventId Machine::TakeCommand() {
   return event;
 }
 
-// To the front again, where it was, unless what was sent meanwhile is urgent or has filled the
-// room.
+// Back to the front of the queue, unless an urgent command was sent meanwhile or the queue is full.
 void Machine::GiveBack(EventId event) {
   const bool swept =
       waiting_ > 0 && events_[Index(commands_[first_command_])].urgency == Urgency::kUrgent;
@@ -383,13 +382,13 @@ void Machine::GiveBack(EventId event) {
 
 void Machine::Unhandled(EventId command) {
   ++counts_.unhandled;
-  TellAll([&](Listener& listener) { listener.OnUnhandled(*this, command, current_); });
+  NotifyAll([&](Listener& listener) { listener.OnUnhandled(*this, command, current_); });
 }
 
 void Machine::Remember(const Change& change) {
   ++counts_.changes;
   history_.Add(change);
-  TellAll([&](Listener& listener) { listener.OnChange(*this, change); });
+  NotifyAll([&](Listener& listener) { listener.OnChange(*this, change); });
 }
 
 }  // namespace musher::fsm

@@ -30,7 +30,7 @@ std::string Unknown(std::string_view kind, std::string_view name, const Things& 
          (near.empty() ? "" : "; did you mean " + near + "?");
 }
 
-// Names stand in paths ("SHOW/PHOTO") and in lines of text.
+// Names are used in paths ("SHOW/PHOTO") and in lines of text.
 std::optional<std::string> NameFault(const std::string& kind, const std::string& name) {
   if (name.empty()) return (kind == "event" ? "an " : "a ") + kind + " has no name";
   const bool plain = std::ranges::all_of(
@@ -41,7 +41,7 @@ std::optional<std::string> NameFault(const std::string& kind, const std::string&
 
 }  // namespace
 
-// What one state says in its Declare().
+// Collects the declarations of one state.
 class Machine::Declaring : public Ways {
  public:
   Declaring(Machine& machine, StateId state) : machine_(machine), state_(state) {}
@@ -65,11 +65,11 @@ class Machine::Declaring : public Ways {
   std::optional<EventId> Find(std::string_view event) const override {
     return machine_.FindEvent(event);
   }
-  // Of several lines each becomes one of this state.
+  // Each line becomes an error of this state.
   void Refuse(std::string_view why) override {
     const std::size_t end = why.find('\n');
     const std::string state(machine_.Name(state_));
-    machine_.wrong_.push_back(state + ": " + std::string(why.substr(0, end)));
+    machine_.errors_.push_back(state + ": " + std::string(why.substr(0, end)));
     if (end != std::string_view::npos) Refuse(why.substr(end + 1));
   }
 
@@ -88,10 +88,10 @@ Machine::~Machine() = default;
 
 StateId Machine::Add(std::string name, std::unique_ptr<State> state, Role role) {
   assert(!built_ && state != nullptr);
-  if (const auto fault = NameFault("state", name)) wrong_.push_back(*fault);
-  if (FindState(name)) wrong_.push_back(name + ": registered twice");
+  if (const auto fault = NameFault("state", name)) errors_.push_back(*fault);
+  if (FindState(name)) errors_.push_back(name + ": registered twice");
   if (role == Role::kSafe && safe_ != kNoState) {
-    wrong_.push_back(name + ": a second safe state; " + std::string(Name(safe_)) + " is one");
+    errors_.push_back(name + ": a second safe state; " + std::string(Name(safe_)) + " is one");
   }
   const auto id = static_cast<StateId>(nodes_.size());
   assert(id < kNoState);
@@ -102,21 +102,21 @@ StateId Machine::Add(std::string name, std::unique_ptr<State> state, Role role) 
 
 EventId Machine::AddEvent(std::string name, Urgency urgency) {
   assert(!built_);
-  if (const auto fault = NameFault("event", name)) wrong_.push_back(*fault);
-  if (FindEvent(name)) wrong_.push_back("event " + name + ": registered twice");
+  if (const auto fault = NameFault("event", name)) errors_.push_back(*fault);
+  if (FindEvent(name)) errors_.push_back("event " + name + ": registered twice");
   events_.push_back({std::move(name), urgency});
   return static_cast<EventId>(events_.size() - 1);
 }
 
 void Machine::AddSafetyCheck(std::string name, std::function<bool(const Tick&)> is_safe) {
   assert(!built_ && is_safe);
-  if (FindCheck(name)) wrong_.push_back("safety check " + name + ": registered twice");
+  if (FindCheck(name)) errors_.push_back("safety check " + name + ": registered twice");
   checks_.push_back({std::move(name), std::move(is_safe)});
 }
 
 void Machine::AddData(std::string name, std::function<void(Archive&)> persist) {
   assert(!built_ && persist);
-  if (Find<std::size_t>(data_, name)) wrong_.push_back("data " + name + ": registered twice");
+  if (Find<std::size_t>(data_, name)) errors_.push_back("data " + name + ": registered twice");
   data_.push_back({std::move(name), std::move(persist)});
 }
 
@@ -137,20 +137,20 @@ void Machine::DeclareStates() {
   }
 }
 
-void Machine::Judge(std::string_view start) {
+void Machine::CheckAll(std::string_view start) {
   if (nodes_.empty()) {
-    wrong_.emplace_back("no states are registered");
+    errors_.emplace_back("no states are registered");
   } else if (const auto found = FindState(start)) {
     chart_.start = *found;
   } else {
-    wrong_.push_back("the start state: " + Unknown("state", start, nodes_));
+    errors_.push_back("the start state: " + Unknown("state", start, nodes_));
   }
   if (!checks_.empty() && safe_ == kNoState) {
-    wrong_.push_back("the safety check " + checks_.front().name + " has no safe state to go to");
+    errors_.push_back("the safety check " + checks_.front().name + " has no safe state to go to");
   }
-  if (!wrong_.empty()) return;  // what is missing would look like dead ends
+  if (!errors_.empty()) return;  // missing states would look like dead ends
   for (const Problem& problem : Check(chart_)) {
-    auto& lines = problem.severity == Severity::kError ? wrong_ : warnings_;
+    auto& lines = problem.severity == Severity::kError ? errors_ : warnings_;
     lines.push_back(problem.where + ": " + problem.what);
   }
 }
@@ -158,14 +158,14 @@ void Machine::Judge(std::string_view start) {
 Result<> Machine::Build(std::string_view start) {
   assert(!built_);
   DeclareStates();
-  Judge(start);
-  if (wrong_.empty()) {
+  CheckAll(start);
+  if (errors_.empty()) {
     built_ = true;
     unsafe_ = checks_.size();
     return Ok();
   }
   std::string all;
-  for (const std::string& fault : wrong_) {
+  for (const std::string& fault : errors_) {
     all += (all.empty() ? "" : "\n") + options_.name + ": " + fault;
   }
   return Error{kCodeFailed, all};

@@ -57,7 +57,7 @@ Next Nested::CheckTransition(const Tick& tick) {
   if (Index(tick.command) >= inner_events_.size()) return decided;
   const EventId event = inner_events_[Index(tick.command)];
   if (event == kNoEvent) return decided;
-  // It may be the last one inside, after which nobody would look at the command.
+  // The transition may lead to a final state, in which the command would not be handled.
   if (inner_->mode() == Mode::kTransitioning) return decided.KeepCommand();
   return inner_->Send(event) ? Next::Handle() : decided;
 }

@@ -9,17 +9,17 @@
 //
 //   the outer state is entered    the inner machine starts, or resumes
 //   stays                         the inner machine is ticked, with the outer one's machine time
-//   is left gradually             the inner machine rests; its safety checks are not asked
+//   is left gradually             the inner machine is paused; its safety checks are not called
 //   is left, however              the inner machine is stopped: its state is left too
 //
 // A command that the outer state neither handles nor keeps goes to the inner machine, if that has
-// an event of the same name; while a gradual transition goes on inside it waits outside. A fault of
-// the inner machine is its own as long as its safe state deals with it; one that stops it is a
-// fault of the outer state, told with the path ("PHOTO/CONFIRM"). Once the inner machine is in a
-// final state the outer one goes to `finished`, in the next tick.
+// an event of the same name; during a gradual transition inside, it waits outside. A fault of the
+// inner machine stays inside as long as its safe state handles it; a fault that stops the inner
+// machine is a fault of the outer state, reported with the path ("PHOTO/CONFIRM"). Once the inner
+// machine is in a final state, the outer one goes to `finished` in the next tick.
 //
-// To decide more, derive and override Decide(); call this class's functions from those you
-// override.
+// To decide more, derive and override Decide(); an overriding function has to call this class's
+// function.
 
 #include <exception>
 #include <memory>
@@ -31,7 +31,7 @@
 
 namespace musher::fsm {
 
-// What stopped a machine, thrown to the one around it.
+// The fault that stopped a machine, thrown to the machine around it.
 class InnerFault : public std::exception {
  public:
   explicit InnerFault(Fault fault) : fault_(std::move(fault)) {}
@@ -45,13 +45,13 @@ class InnerFault : public std::exception {
 class Nested : public State {
  public:
   struct Options {
-    std::string finished{};  // the outer state after a final inner one; empty: Decide() sees to it
-    // Entered again, the inner machine goes on in the state in which it was left, which is entered
-    // anew. After a final or a safe one it starts from the beginning all the same.
+    std::string finished{};  // the outer state after a final inner one; empty: Decide() decides
+    // When re-entered, the inner machine goes on in the state in which it was left, and re-enters
+    // it. After a final or a safe state it starts from its start state anyway.
     bool resumes = false;
   };
 
-  // `inner` has its states and is not built: building the outer machine builds it.
+  // `inner` has its states and is not built: Build() of the outer machine builds it.
   Nested(std::unique_ptr<Machine> inner, std::string start);
   Nested(std::unique_ptr<Machine> inner, std::string start, Options options);
   ~Nested() override;
@@ -65,7 +65,7 @@ class Nested : public State {
   Machine* inside() final { return inner_.get(); }
 
  protected:
-  // Comes before the inner machine: what the outer state decides by itself.
+  // Called before the inner machine: the decision of the outer state itself.
   virtual Next Decide(const Tick& /*tick*/) { return Next::Stay(); }
   // The inner machine is in a final state.
   bool finished() const;

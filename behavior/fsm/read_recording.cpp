@@ -1,5 +1,5 @@
-// The lines of a recording, read with care: whoever wrote them may have died, or a person edited
-// them.
+// Reads the lines of a recording. They may be incomplete, if the recording process died, or edited
+// by a person.
 
 #include <algorithm>
 #include <charconv>
@@ -20,7 +20,7 @@ struct Verb {
   std::string_view word;
   Kind kind;
   bool has_time;
-  std::size_t words;  // that follow, besides the time
+  std::size_t words;  // after it, besides the time
 };
 
 constexpr Verb kVerbs[] = {
@@ -88,7 +88,7 @@ class LineReader {
 
  private:
   [[noreturn]] void FailTime(const std::string& word) const {
-    Fail((word.empty() ? "\"\"" : word) + " is no time in seconds");
+    Fail("invalid time " + (word.empty() ? "\"\"" : word) + "; expected seconds");
   }
 
   char Character() {
@@ -148,15 +148,14 @@ Line ReadLine(LineReader& reader, int number) {
     return line;
   }
   if (word == kRestored) {
-    reader.Fail(
-        "from here on the machine had been restored from a snapshot, which is not recorded");
+    reader.Fail("from here on the machine was restored from a snapshot, which is not recorded");
   }
   const auto* const verb = std::ranges::find(kVerbs, word, &Verb::word);
   if (verb == std::end(kVerbs)) {
     std::vector<std::string_view> words{"changed"};
     for (const Verb& known : kVerbs) words.push_back(known.word);
     const std::string near = Nearest(word, words);
-    reader.Fail(word + " is nothing that a machine is given" +
+    reader.Fail(word + " is not a kind of line" +
                 (near.empty() ? "" : "; did you mean " + near + "?"));
   }
   line.kind = verb->kind;

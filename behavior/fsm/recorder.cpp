@@ -103,7 +103,8 @@ void Recorder::OnInput(const Machine& machine, const fsm::Input& input) {
   using Kind = fsm::Input::Kind;
   constexpr std::array<std::string_view, 7> kWords{"start", "tick",  "pause", "command",
                                                    "force", "reset", "stop"};
-  // Nobody tells of a restore. It shows here: what does not run is given nothing but a start.
+  // A restore is not notified. It shows here: a machine that does not run gets no input but a
+  // start.
   if (input.kind != Kind::kStart && !running_) {
     line_ = kRestored;
     Write();

@@ -16,7 +16,7 @@ void AppendWord(std::string& line, std::string_view word);
 // Seconds, to the nanosecond, without needless zeros.
 void AppendTime(std::string& line, Duration time);
 void AppendNumber(std::string& line, std::uint64_t number);
-// What follows "changed".
+// The words after "changed".
 void AppendChange(std::string& line, const Machine& machine, const Change& change);
 
 }  // namespace musher::fsm

@@ -18,14 +18,14 @@ class Comparison : public Listener {
   void OnChange(const Machine& machine, const Change& change) override {
     std::string text;
     AppendChange(text, machine, change);
-    came_.push_back(text.substr(1));
+    changes_.push_back(text.substr(1));
   }
 
-  // What came since the last line that was no change.
-  std::vector<std::string> Take() { return std::exchange(came_, {}); }
+  // The changes since the last line that was not a change.
+  std::vector<std::string> Take() { return std::exchange(changes_, {}); }
 
  private:
-  std::vector<std::string> came_;
+  std::vector<std::string> changes_;
 };
 
 class Replaying {
@@ -49,8 +49,8 @@ class Replaying {
       if (last != nullptr) Compare(*last, expected);
       expected.clear();
       last = &line;
-      if (const Result<> given = Give(line); !given) {
-        return Error{given.error().code, At(line) + "error: " + given.error().message};
+      if (const Result<> result = ReplayLine(line); !result) {
+        return Error{result.error().code, At(line) + "error: " + result.error().message};
       }
     }
     if (last != nullptr) Compare(*last, expected, !recording_.cut_short);
@@ -58,13 +58,13 @@ class Replaying {
   }
 
  private:
-  Result<> Give(const Line& line) {
-    // What the machine or a state of it refuses by itself is part of the history.
+  Result<> ReplayLine(const Line& line) {
+    // A refusal by the machine or by one of its states is part of the run.
     switch (line.kind) {
       case Kind::kStart:
         return Start(line);
       case Kind::kTick:
-        replayed_.ticks += machine_.running() ? 1 : 0;  // one that does not run is not ticked
+        replayed_.ticks += machine_.running() ? 1 : 0;  // a machine that does not run is not ticked
         machine_.RunOnce(kOrigin + line.time);
         break;
       case Kind::kPause:
@@ -87,20 +87,20 @@ class Replaying {
       case Kind::kInput:
         return apply_(line.name, line.text);
       case Kind::kChanged:
-        break;  // compared, not given
+        break;  // compared, not replayed
     }
     return Ok();
   }
 
   Result<> Start(const Line& line) {
     const auto state = machine_.FindState(line.name);
-    if (!state) return machine_.Force(line.name);  // refuses it, with what may have been meant
+    if (!state) return machine_.Force(line.name);  // refuses it, with a suggestion
     const bool ran = machine_.running();
     const Result<> started = machine_.StartAt(*state, kOrigin + line.time);
     return ran || !machine_.fault() ? started : Ok();
   }
 
-  // `all`: nothing may have come beyond what was expected.
+  // `all`: no other changes are allowed than the expected ones.
   void Compare(const Line& after, const std::vector<const Line*>& expected, bool all = true) {
     const std::vector<std::string> came = comparison_.Take();
     replayed_.changes += came.size();
@@ -134,8 +134,9 @@ class Replaying {
 Result<Replayed> Replay(const Recording& recording, Machine& machine, const ApplyInput& apply) {
   assert(apply && !machine.running());
   if (machine.name() != recording.machine) {
-    return Error{kCodeParametersInvalid, recording.file + ":1: error: it is of the machine " +
-                                             recording.machine + ", not of " + machine.name()};
+    return Error{kCodeParametersInvalid, recording.file +
+                                             ":1: error: it was recorded from machine " +
+                                             recording.machine + ", not from " + machine.name()};
   }
   return Replaying(recording, machine, apply).Run();
 }

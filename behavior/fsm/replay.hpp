@@ -1,13 +1,13 @@
 #pragma once
-// Gives a machine again what a Recorder wrote down (recorder.hpp), and says whether the same came
-// of it.
+// Replays the inputs of a recording (recorder.hpp) to a machine, and compares its changes with the
+// recorded ones.
 //
 //   Result<Recording> recording = ReadRecording(text, "show.record");
 //   Result<Replayed> replayed = Replay(recording.value(), machine,
 //       [&](std::string_view name, std::string_view text) { return robot.Apply(name, text); });
 //
-// A machine whose states look at nothing but their tick, their own data and what Input() recorded
-// does the same again, at any speed.
+// A machine whose states depend only on their tick, their own data and the inputs recorded with
+// Input() makes the same changes again, at any speed.
 
 #include <cstdint>
 #include <functional>
@@ -45,25 +45,26 @@ struct Recording {
   std::string file;  // for messages
   std::string machine;
   std::vector<Line> lines;
-  bool cut_short = false;  // its last line has no end and was left out: whoever wrote it died
+  // Its last line is incomplete and was left out: the recording process died.
+  bool cut_short = false;
 };
 
-// Fails with the first line that is none, as "file:line:column: error: ...".
+// Fails with the first invalid line, as "file:line:column: error: ...".
 Result<Recording> ReadRecording(std::string_view text, const std::string& file);
 
 struct Replayed {
   std::uint64_t ticks = 0;
   std::uint64_t changes = 0;
-  // The first change that came otherwise than recorded, with both: "file:line: ...".
+  // The first change that differs from the recorded one, with both: "file:line: ...".
   std::optional<std::string> difference;
 };
 
-// Gives the application an input again, before the next tick.
+// Replays an input to the application, before the next tick.
 using ApplyInput = std::function<Result<>(std::string_view name, std::string_view text)>;
 
-// `machine` is built as the recorded one was, and does not run. Goes on after a difference; fails,
-// with file and line, where the machine has another name or not the state or the command that is
-// asked for, and when `apply` fails. Leaves the machine as it is at the recording's end.
+// `machine` has to be built like the recorded one, and must not run. Goes on after a difference.
+// Fails, with file and line, where the machine has another name or lacks a recorded state or
+// command, and when `apply` fails. Leaves the machine as it is at the end of the recording.
 Result<Replayed> Replay(const Recording& recording, Machine& machine, const ApplyInput& apply);
 
 }  // namespace musher::fsm

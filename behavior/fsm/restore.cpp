@@ -1,5 +1,5 @@
-// Machine::Restore(): judges a snapshot, gives states and data what they persisted, and only when
-// all of it was right becomes what the snapshot was.
+// Machine::Restore(): checks a snapshot, restores the fields of states and data, and only when all
+// of it is valid takes over the rest.
 
 #include <algorithm>
 #include <exception>
@@ -30,7 +30,7 @@ std::string KindOf(const Snapshot::Value& value) {
 class RestoringArchive : public Archive {
  public:
   RestoringArchive(const Snapshot::Part& part, const std::string& key, Faults& faults)
-      : part_(part), key_(key), faults_(faults), asked_(part.fields.size()) {}
+      : part_(part), key_(key), faults_(faults), read_(part.fields.size()) {}
 
   using Archive::Field;
   void Field(std::string_view name, bool& value) override { Set(name, value); }
@@ -38,11 +38,11 @@ class RestoringArchive : public Archive {
   void Field(std::string_view name, double& value) override { Set(name, value); }
   void Field(std::string_view name, std::string& value) override { Set(name, value); }
 
-  bool asked_for_something() const { return !names_.empty(); }
+  bool read_any() const { return !names_.empty(); }
 
   void RefuseOthers() {
-    for (std::size_t i = 0; i < asked_.size(); ++i) {
-      if (asked_[i]) continue;
+    for (std::size_t i = 0; i < read_.size(); ++i) {
+      if (read_[i]) continue;
       const std::string& name = part_.fields[i].name;
       faults_.push_back({SnapshotKey(key_, name), Unknown("field", name, names_)});
     }
@@ -54,7 +54,7 @@ class RestoringArchive : public Archive {
     names_.emplace_back(name);
     const auto found = std::ranges::find(part_.fields, name, &Snapshot::Field::name);
     if (found == part_.fields.end()) return;
-    asked_[static_cast<std::size_t>(found - part_.fields.begin())] = true;
+    read_[static_cast<std::size_t>(found - part_.fields.begin())] = true;
     if (Take(found->value, value)) return;
     faults_.push_back(
         {SnapshotKey(key_, found->name),
@@ -78,21 +78,22 @@ class RestoringArchive : public Archive {
   const Snapshot::Part& part_;
   const std::string& key_;
   Faults& faults_;
-  std::vector<bool> asked_;         // by field of the part
-  std::vector<std::string> names_;  // that were asked for
+  std::vector<bool> read_;          // by field of the part
+  std::vector<std::string> names_;  // of the fields that were read
 };
 
 }  // namespace
 
-// Holds a snapshot against a machine, and brings it in.
+// Checks a snapshot against a machine, and restores it.
 class Machine::Restoring {
  public:
   Restoring(Machine& machine, const Snapshot& saved, std::string prefix, Faults& faults)
       : machine_(machine), saved_(saved), prefix_(std::move(prefix)), faults_(faults) {}
 
-  void Judge() {
+  void Validate() {
     if (saved_.machine != machine_.name()) {
-      return Fail("machine", "it is of " + saved_.machine + ", not of " + machine_.name());
+      return Fail("machine",
+                  "it was saved from " + saved_.machine + ", not from " + machine_.name());
     }
     if (machine_.running_) return Fail("running", machine_.name() + " runs already");
     CheckState();
@@ -125,19 +126,19 @@ class Machine::Restoring {
     const Machine* const runs =
         present ? machine_.nodes_[Index(*present)].state->inside() : nullptr;
     ForInside([&](Restoring& inside) {
-      inside.Judge();
+      inside.Validate();
       if (present || saved_.state.empty()) inside.EvaluateRunning(&inside.machine_ == runs);
     });
   }
 
-  // To states and data.
-  void Give() {
+  // Restores states and data.
+  void RestoreParts() {
     for (const Data& data : machine_.data_) GivePart("data", saved_.data, data.name, data.persist);
     for (const Node& node : machine_.nodes_) {
       GivePart("states", saved_.states, node.name,
                [&](Archive& archive) { node.state->Persist(archive); });
     }
-    ForInside([](Restoring& inside) { inside.Give(); });
+    ForInside([](Restoring& inside) { inside.RestoreParts(); });
   }
 
   void Become(Time now) {
@@ -150,7 +151,7 @@ class Machine::Restoring {
   void CheckState() {
     State("state", saved_.state);
     if (saved_.running == saved_.state.empty()) {
-      Fail("state", saved_.running ? "is missing" : "is there, though it does not run");
+      Fail("state", saved_.running ? "is missing" : "is set, although the machine does not run");
     }
     if (saved_.transition) {
       State("transition.to", saved_.transition->to);
@@ -170,7 +171,7 @@ class Machine::Restoring {
     }
   }
 
-  // Of a machine inside: it runs while the state around it is the present one.
+  // A machine inside runs while the state around it is the present one.
   void EvaluateRunning(bool runs) {
     if (saved_.running == runs) return;
     Fail("running", runs ? "is false, though the state around it is the present one"
@@ -185,7 +186,7 @@ class Machine::Restoring {
     Within("transition.elapsed", saved_.transition->elapsed, saved_.elapsed);
   }
 
-  // From nothing to `most`.
+  // From 0 to `most`.
   void Within(const std::string& key, Duration time, Duration most) {
     if (time >= Duration{} && time <= most) return;
     Fail(key, "has to be between 0 and " + std::to_string(most.count()) + " ns");
@@ -238,11 +239,11 @@ class Machine::Restoring {
     } catch (const std::exception& thrown) {
       own.push_back({key, std::string("Persist: ") + thrown.what()});
     }
-    if (part == parts.end() && archive.asked_for_something()) Fail(local, "is missing");
+    if (part == parts.end() && archive.read_any()) Fail(local, "is missing");
     faults_.insert(faults_.end(), own.begin(), own.end());
   }
 
-  // The machines inside that the snapshot has, and a fault for each that one of the two lacks.
+  // Calls `Do` for each machine inside; an error for each that only one of the two has.
   template <class Do>
   void ForInside(Do&& act) {
     for (const Node& node : machine_.nodes_) {
@@ -277,17 +278,17 @@ std::vector<SnapshotFault> Machine::Restore(const Snapshot& saved, Time now) {
   }
   Faults faults;
   Restoring restoring(*this, saved, "", faults);
-  restoring.Judge();
+  restoring.Validate();
   if (!faults.empty()) return faults;
   const Result<Snapshot> before = Save();
   if (!before) return {{"", before.error().message}};
-  restoring.Give();
+  restoring.RestoreParts();
   if (faults.empty()) {
     restoring.Become(now);
     return faults;
   }
-  Faults none;  // it takes back what it had given
-  Restoring(*this, before.value(), "", none).Give();
+  Faults none;  // undoes what was restored
+  Restoring(*this, before.value(), "", none).RestoreParts();
   return faults;
 }
 

@@ -1,4 +1,4 @@
-// What Machine::Save() takes out of a machine.
+// Machine::Save().
 
 #include <algorithm>
 #include <exception>
@@ -23,7 +23,7 @@ class SavingArchive : public Archive {
  private:
   void Add(std::string_view name, Snapshot::Value value) {
     if (std::ranges::find(fields_, name, &Snapshot::Field::name) != fields_.end()) {
-      throw std::logic_error("the field " + std::string(name) + " is there twice");
+      throw std::logic_error("the field " + std::string(name) + " occurs twice");
     }
     fields_.push_back({std::string(name), std::move(value)});
   }
@@ -45,7 +45,7 @@ std::string SnapshotKey(const std::string& prefix, const std::string& name) {
   return prefix.empty() ? name : prefix + "." + name;
 }
 
-// What states and data persist, with the machines inside.
+// The persisted fields of states and data, and the machines inside.
 Result<> Machine::SaveParts(Snapshot& saved) const {
   const std::string* at = nullptr;
   try {

@@ -1,6 +1,6 @@
 #pragma once
-// A machine at rest between two ticks, by names: enough for another one, built alike, to go on as
-// it would have. A value; toml/snapshot_toml.hpp has it as a text.
+// The state of a machine between two ticks, by names: enough for another machine, built alike, to
+// go on identically. A value; toml/snapshot_toml.hpp has it as a text.
 
 #include <cstdint>
 #include <optional>
@@ -19,16 +19,16 @@ struct Snapshot {
     Value value;
     friend bool operator==(const Field&, const Field&) = default;
   };
-  // What a state, or what states share, gave to the archive.
+  // The persisted fields of a state, or of shared data.
   struct Part {
     std::string name;
     std::vector<Field> fields;
     friend bool operator==(const Part&, const Part&) = default;
   };
-  // One under way, from the present state.
+  // A gradual transition under way, from the present state.
   struct Transition {
     std::string to;
-    std::string command;  // behind it; empty: none
+    std::string command;  // that caused it; empty: none
     Duration elapsed{};
     Duration time{};
     friend bool operator==(const Transition&, const Transition&) = default;
@@ -63,12 +63,12 @@ struct Snapshot {
   Duration elapsed{};
   std::string unsafe;
   std::optional<Transition> transition;
-  std::vector<std::string> commands;  // that wait
+  std::vector<std::string> commands;  // queued
   Counts counts;
   std::optional<PastFault> fault;
   std::vector<PastChange> history;  // clear it to make the snapshot smaller
   std::vector<Part> data;           // Machine::AddData()
-  std::vector<Part> states;         // those that persist something
+  std::vector<Part> states;         // the states that persist fields
   std::vector<Inside> inside;
 
   friend bool operator==(const Snapshot&, const Snapshot&) = default;
@@ -83,7 +83,7 @@ struct Snapshot::Inside {
 
 // Why a snapshot cannot be restored.
 struct SnapshotFault {
-  std::string key;  // what is wrong: "state", "states.TRACKING.lost_for", "inside.SHOW.commands"
+  std::string key;  // the invalid key: "state", "states.TRACKING.lost_for", "inside.SHOW.commands"
   std::string what;
 
   friend bool operator==(const SnapshotFault&, const SnapshotFault&) = default;

@@ -1,5 +1,5 @@
-// What a state does that overrides nothing. Here and not in the header, or the compiler bets at
-// each call of a state that it is this one.
+// The default functions of a state. Not in the header, where the compiler would speculate at each
+// call that a state does not override them.
 
 #include "musher/behavior/fsm/state.hpp"
 

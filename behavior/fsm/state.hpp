@@ -13,16 +13,16 @@
 //    ...
 //   };
 //
-// Its life, one line a tick:
+// The calls of a state, one line a tick:
 //
 //   OnEnter                              the tick in which the last state was left
 //   CheckTransition: stay, Run           each tick from then on
 //   CheckTransition: to another          decided; in the same tick:
-//     Transition -> not done             a gradual one goes on in the next tick; Run rests
-//     meanwhile Transition -> done, OnExit         and the next state's OnEnter
+//     Transition -> not done             a gradual one goes on in the next tick; Run is not called
+//     Transition -> done, OnExit         and the next state's OnEnter
 //
-// All of them come back at once: they do not sleep, wait, read a clock or lock. Time is what the
-// tick says. An exception leads to the safe state and is told with the state and the function.
+// All of them return at once: they do not sleep, wait, read a clock or lock. The tick has the time.
+// An exception leads to the safe state and is reported with the state and the function.
 
 #include <memory>
 #include <optional>
@@ -37,24 +37,24 @@ namespace musher::fsm {
 
 class Machine;
 
-// What the machine tells a state. Times are machine time: the sum of the steps from tick to tick,
-// which stands still while the machine is not ticked and never goes back.
+// The argument of the functions of a state. Times are machine time: the sum of the steps from tick
+// to tick, which stands still while the machine is not ticked and never goes back.
 struct Tick {
   Duration now{};      // since the machine was started
   Duration step{};     // since the last tick
   Duration elapsed{};  // since this state was entered
 
-  // The oldest command that waits, for CheckTransition. That call uses it up: by a transition, by
-  // Next::Heed(), or else by not heeding it, which is counted and told. Next::KeepCommand() does
-  // not.
+  // The oldest queued command, for CheckTransition. That call consumes it: by a transition, by
+  // Next::Handle(), or unhandled, which is counted and reported. Next::KeepCommand() keeps it
+  // queued.
   EventId command = kNoEvent;
 
-  // For Transition: where it goes, for how long it has gone on, and how long Next said it takes.
+  // For Transition: its target, the time since its begin, and the duration that Next gave.
   StateId target = kNoState;
   Duration transition_elapsed{};
   Duration transition_time{};
 
-  // Share of the transition that is behind it, 0 to 1.
+  // The completed share of the transition, 0 to 1.
   double progress() const {
     if (transition_elapsed >= transition_time) return 1;
     return static_cast<double>(transition_elapsed.count()) /
@@ -66,14 +66,14 @@ struct Tick {
 class Next {
  public:
   static Next Stay() { return {kNoState, {}, Use::kUnhandled}; }
-  // Stays, and the command that came with the tick was handled all the same.
+  // Stays, and the command of the tick was handled.
   static Next Handle() { return {kNoState, {}, Use::kHandled}; }
-  // `gradually`: how long the transition takes; zero: it is complete in the same tick. To the
-  // state itself: it is left and entered anew.
+  // `gradually`: the duration of the transition; zero: complete in the same tick. To the state
+  // itself: it is left and re-entered.
   static Next To(StateId target, Duration gradually = {}) {
     return {target, gradually, Use::kHandled};
   }
-  // The same, but not because of the command, which goes on to wait for the next check.
+  // The same, but not because of the command, which stays queued for the next check.
   Next KeepCommand() const { return {target_, time_, Use::kKept}; }
 
   bool stays() const { return target_ == kNoState; }
@@ -92,18 +92,18 @@ class Next {
   Duration time_;
 };
 
-// For State::Declare: turns names into ids, and remembers what a state may do.
+// For State::Declare: maps names to ids, and stores the transitions and events of a state.
 class Ways {
  public:
   virtual ~Ways() = default;
 
-  // A state this one may go to, and when, in words for the drawing. Going anywhere else is a fault.
+  // Declares a transition, with its condition as text for the graph. An undeclared one is a fault.
   virtual StateId To(std::string_view state, std::string_view when) = 0;
   // An event that was registered with Machine::AddEvent().
   virtual EventId On(std::string_view event) = 0;
-  // The same of one that need not be there.
+  // The same for an event that need not be registered.
   virtual std::optional<EventId> Find(std::string_view event) const = 0;
-  // Something is wrong with this state: the machine will not be built, and says so.
+  // Reports an error of this state: Build() fails with it.
   virtual void Refuse(std::string_view why) = 0;
 };
 
@@ -114,19 +114,19 @@ class State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  // Once, when the machine is built: the states it may go to and the events it handles.
+  // Once, when the machine is built: declares its transitions and the events that it handles.
   virtual void Declare(Ways& ways);
 
   virtual void OnEnter(const Tick& tick);
-  // Each tick in which the state stays. Not in the one in which it was entered.
+  // Each tick in which the state stays. Not in the tick in which it was entered.
   virtual void Run(const Tick& tick);
   virtual Next CheckTransition(const Tick& tick);
-  // Each tick from the one in which the transition was decided, until it says that it is done.
+  // Each tick from the one in which the transition was decided, until it returns true (done).
   virtual bool Transition(const Tick& tick);
   // Also when the machine is forced, made safe or stopped; not when OnEnter failed.
   virtual void OnExit(const Tick& tick);
 
-  // What has to be kept to go on from here in another process. See archive.hpp.
+  // Saves and restores what another process needs to go on from here. See archive.hpp.
   virtual void Persist(Archive& archive);
 
   // The machine inside, of a state that holds one. See nested.hpp.

@@ -22,7 +22,7 @@ bool IsDigit(char c) {
 
 // Process numbers, times and counts become '#'; exit codes and all else stay.
 std::string WithoutChangingNumbers(const std::string& message) {
-  constexpr std::array<std::string_view, 4> kBefore = {"process ", "in ", "restart ", "after "};
+  constexpr std::array<std::string_view, 5> kBefore = {"process ", "pid ", "in ", "ms (", "after "};
   std::string text;
   for (std::size_t i = 0; i < message.size(); ++i) {
     const bool first = IsDigit(message[i]) && (i == 0 || !IsDigit(message[i - 1]));
@@ -92,7 +92,7 @@ std::vector<Progress> Repetitions::NewLines(const Progress& progress) {
   if (progress.wall_ns - loop.last_ns > kForgetAfterNs) loop = {};
   loop.last_ns = progress.wall_ns;
   const std::string said = WithoutChangingNumbers(progress.message);
-  const bool restart = progress.message.find(" is started again in ") != std::string::npos;
+  const bool restart = progress.message.find(": restarting in ") != std::string::npos;
   if (loop.restarted && loop.said.contains(said)) {
     if (!restart) return {};
     ++loop.times;

@@ -79,7 +79,7 @@ void ForeignLink::Take(const SwitchCommand& command) {
   if (!order_) return Begin(command);
   if (const auto older = std::exchange(waiting_, Waiting{command, Now()})) {
     Refuse(older->command.number, kCodeTargetBusy,
-           "command " + std::to_string(command.number) + " took its place");
+           "replaced by command " + std::to_string(command.number));
   }
 }
 
@@ -89,7 +89,7 @@ void ForeignLink::Take(const AskCommand& command) {
   report_.number = std::max(report_.number, command.number);
   if (waiting_ && waiting_->command.number <= command.number) {
     const auto fenced = *std::exchange(waiting_, std::nullopt);
-    Refuse(fenced.command.number, kCodeTimeout, "it had not begun when it was asked for");
+    Refuse(fenced.command.number, kCodeTimeout, "not started by its deadline; cancelled");
   }
   if (order_ && command.stop) {
     order_->stopped = true;

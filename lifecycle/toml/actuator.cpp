@@ -17,11 +17,11 @@ constexpr std::int64_t kMostRestarts = 10'000;
 constexpr std::int64_t kHighestExitCode = 255;
 constexpr std::int64_t kHighestCode = std::numeric_limits<std::int32_t>::max();
 constexpr double kFastestGrowth = 100.0;
-constexpr std::int64_t kShortestCheckpointMs = 20;        // below, a busy kernel looks like a hang
-constexpr std::int64_t kShortestControllerLostMs = 1000;  // two of a controller's signs of life
+constexpr std::int64_t kShortestCheckpointMs = 20;  // below this, a busy kernel looks like a hang
+constexpr std::int64_t kShortestControllerLostMs = 1000;  // two heartbeats of a controller
 
-// The states every start goes through and every end should, and what follows if one is missing.
-// SetUp is not among them: without it there is no start.
+// The states of every start and end, and the consequence where one is missing. SetUp is not among
+// them: without it there is no start.
 constexpr std::pair<std::string_view, std::string_view> kUsualStates[] = {
     {kSelfCheck, "it is never checked"},
     {kActive, "the machine's switch to Active is refused"},
@@ -240,7 +240,7 @@ class ActuatorReader {
     return highest;
   }
 
-  // Keys that say something that cannot come to pass.
+  // Warns of keys that have no effect.
   void WarnOfNoEffect() {
     const ActuatorConfig& config = actuator_.config;
     if (config.restart.policy != RestartPolicy::kNo && !reader_.Has("command")) {

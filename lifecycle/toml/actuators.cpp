@@ -1,4 +1,4 @@
-// [actuator.*] as a whole: the tables and the names that [controller] lists belong together.
+// [actuator.*] as a whole: its tables have to match the names that [controller] lists.
 
 #include <algorithm>
 #include <unordered_map>
@@ -13,7 +13,7 @@ namespace {
 
 using NameSet = std::unordered_set<std::string_view>;
 
-// Tables that no name lists; nothing where the names are not known.
+// The tables that controller.actuators does not list; none where its names are unknown.
 std::vector<const Member*> FindUnlisted(const Table& tables, const Draft& draft) {
   std::vector<const Member*> unlisted;
   if (!draft.actuator_names) return unlisted;
@@ -25,8 +25,8 @@ std::vector<const Member*> FindUnlisted(const Table& tables, const Draft& draft)
   return unlisted;
 }
 
-// A name that nearly is an unlisted table may be a slip, or both may be missing: each fault is
-// reported in its place, with the other as what may be meant.
+// A name that is near to an unlisted table may be a typing error, or both may be missing: each
+// error is reported at its position, with the other as the suggestion.
 void MatchNamesAndTables(const Table& tables, Draft& draft) {
   const std::vector<const Member*> unlisted = FindUnlisted(tables, draft);
   std::vector<std::string_view> candidates;
@@ -47,12 +47,11 @@ void MatchNamesAndTables(const Table& tables, Draft& draft) {
     draft.findings.Error(
         table->value.at,
         "actuator." + table->key + ": is not listed in controller.actuators" +
-            (meant == meant_by.end() ? ""
-                                     : ", unless " + Quote(meant->second) + " there means it"));
+            (meant == meant_by.end() ? "" : "; did you mean it by " + Quote(meant->second) + "?"));
   }
 }
 
-// False where the table says so or says nothing of it. What is misspelt may mean it.
+// False where `critical` is false or missing. A misspelt key may mean it.
 bool MayBeCritical(const Member& actuator) {
   const std::vector<std::string_view> word = {"critical"};
   const auto* table = actuator.value.As<Table>();
@@ -63,7 +62,7 @@ bool MayBeCritical(const Member& actuator) {
          });
 }
 
-// Puts the actuators into the order of controller.actuators.
+// Sorts the actuators into the order of controller.actuators.
 void Collect(std::vector<ActuatorDraft> actuators, Draft& draft) {
   std::unordered_map<std::string, std::size_t> places;
   for (std::size_t i = 0; i < actuators.size(); ++i) places.emplace(actuators[i].config.name, i);

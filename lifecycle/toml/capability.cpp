@@ -1,4 +1,4 @@
-// [capability.*]: what the robot's functions take, and where they may run.
+// [capability.*]: the actuators that the robot's functions use, and the states in which they run.
 
 #include <algorithm>
 
@@ -40,13 +40,14 @@ class CapabilityReader {
       capability_.actuators.push_back(word.text);
       if (draft_.config.actuators[*actuator].protocol == Protocol::kMusher) continue;
       reader_.Warn(word.at, "actuators",
-                   "nothing keeps " + Quote(word.text) +
-                       " to it, which has another protocol: what is told is where it may run");
+                   Quote(word.text) +
+                       " has another protocol and does not enforce it; the capability is "
+                       "only published");
     }
   }
 
   bool IsActuator(const Word& word) {
-    if (!draft_.actuator_names) return false;  // not known, which has been reported
+    if (!draft_.actuator_names) return false;  // unknown, which has been reported
     std::vector<std::string_view> names;
     for (const Word& name : *draft_.actuator_names) names.push_back(name.text);
     if (std::find(names.begin(), names.end(), word.text) != names.end()) return true;
@@ -61,7 +62,7 @@ class CapabilityReader {
       return;
     }
     for (const Word& word : reader_.Strings("states").value_or(std::vector<Word>{})) {
-      // SelfCheck is where a start may stop.
+      // A start may stop in SelfCheck.
       const bool good = word.text == kSelfCheck ? CheckState(word, "states", reader_, draft_)
                                                 : CheckRankedState(word, "states", reader_, draft_);
       if (!good) continue;
@@ -69,7 +70,7 @@ class CapabilityReader {
       CheckActuatorsList(word);
       if (word.text != kError && word.text != kTearDown) continue;
       reader_.Warn(word.at, "states",
-                   "in " + Quote(word.text) + " a robot is expected to rest; is it meant?");
+                   "in " + Quote(word.text) + " a robot is expected to rest; is that intended?");
     }
   }
 

@@ -40,7 +40,7 @@ Value Convert(const toml::node& node) {
   return value;
 }
 
-// toml++ sorts by key; a person reads by line.
+// toml++ sorts by key; diagnostics are by line.
 Table Convert(const toml::table& table) {
   Table members;
   members.reserve(table.size());
@@ -52,7 +52,7 @@ Table Convert(const toml::table& table) {
   return members;
 }
 
-// On one line: toml++ shows a word as it saw it, with the end of the line.
+// On one line: toml++ quotes a word with the end of its line.
 std::string OneLine(std::string_view text) {
   std::string line;
   for (const char c : text) {

@@ -1,6 +1,6 @@
 #pragma once
-// A TOML text as a tree of values that know where they stand. document.cpp is the only file that
-// knows toml++; everything else works on this tree.
+// A TOML text as a tree of values with their positions. Only document.cpp uses toml++; everything
+// else works on this tree.
 
 #include <cstdint>
 #include <string>
@@ -48,13 +48,13 @@ const Member* Find(const Table& table, std::string_view key);
 // "a string", "an integer", ..., for messages.
 std::string_view TypeName(const Value& value);
 
-// Why a text is no TOML that can be read.
+// Why a text is not valid TOML.
 struct SyntaxFault {
   Position at;
   std::string message;
 };
 
-// Never throws. Only the first fault is found: what follows one cannot be judged.
+// Never throws. Only the first error is reported: the text after it cannot be parsed.
 std::variant<Table, SyntaxFault> ParseDocument(std::string_view text);
 
 }  // namespace musher::config_toml

@@ -1,8 +1,8 @@
 #pragma once
 // A machine's config while it is being read. Sections are read in the order of the functions below,
-// since later ones refer to earlier ones. All faults go into `findings`; reading goes on with what
-// was good, and where a word is plainly a slip, as if it had been right: no fault hides another,
-// and none follows from another.
+// since later ones refer to earlier ones. All errors go into `findings`; reading goes on with the
+// valid parts, and with the corrected word where a word is plainly a typing error: no error hides
+// another, and none is a consequence of another.
 
 #include <filesystem>
 #include <map>
@@ -28,17 +28,17 @@ struct Draft {
   MachineConfig config;
 
   std::vector<std::string_view> known_states;     // built in or declared by [[state]]
-  std::unordered_set<std::string> listed_states;  // of the machine, slips put right
+  std::unordered_set<std::string> listed_states;  // of the machine, typing errors corrected
   bool states_read = false;  // false: controller.states is missing or faulty as a whole
 
   std::optional<std::vector<Word>> actuator_names;  // of controller.actuators, nothing if faulty
   Position actuators_at;
-  // What each actuator lists, slips put right; none where its states are missing or faulty as a
-  // whole.
+  // What each actuator lists, typing errors corrected; none where its states are missing or faulty
+  // as a whole.
   std::map<std::string, std::set<State>> actuator_states;
 };
 
-// An actuator whose relations to others are not yet judged.
+// An actuator whose relations to other actuators are not yet checked.
 struct ActuatorDraft {
   ActuatorConfig config;
   Position at;
@@ -58,7 +58,7 @@ void ReadCapabilities(TableReader& root, Draft& draft);
 // One [actuator.<name>].
 ActuatorDraft ReadActuator(const Member& member, const Table& table, Draft& draft);
 
-// Its `protocol` and what belongs to it; name and states have been read.
+// Its `protocol` and the keys that belong to it; name and states have been read.
 void ReadProtocol(TableReader& reader, ActuatorConfig& config, Draft& draft);
 
 // `after` and `binds_to`: unknown names, the actuator itself, later stages, cycles. `tables` are
@@ -71,10 +71,10 @@ void CheckOrder(const std::vector<ActuatorDraft>& actuators, const Table& tables
 bool MayList(const std::string& actuator, const State& state, const Draft& draft);
 
 // Whether the machine has the state; reports it under `key` of `reader` if not. Where the machine's
-// states could not be read, which has been reported already: whether there is such a state at all.
+// states could not be read, which has been reported already: whether the state exists at all.
 bool CheckState(const Word& state, std::string_view key, TableReader& reader, Draft& draft);
 
-// The same, and that it has a rank, so that one can stay in it.
+// The same, and that it has a rank, so that the machine can stay in it.
 bool CheckRankedState(const Word& state, std::string_view key, TableReader& reader, Draft& draft);
 
 }  // namespace musher::config_toml

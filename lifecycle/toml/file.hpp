@@ -1,5 +1,5 @@
 #pragma once
-// A config file: its bytes, and what a reader makes of them.
+// Reads a config file, and passes its text to a reader.
 
 #include <cstddef>
 #include <optional>
@@ -16,15 +16,15 @@
 
 namespace musher::config_toml {
 
-// No more than `most` of them and one, so that the caller sees what is too large and nobody reads
-// it all. The Error's message says why there are none. Never throws.
+// At most `most` + 1 bytes, so that the caller detects a file that is too large without reading all
+// of it. The Error's message says why there are none. Never throws.
 Result<std::string> ReadTextFile(const std::string& path, std::size_t most);
 
-// The same of a module's own file: an Error also when it is larger than 1 MiB.
+// The same for a module's own file: an Error also when it is larger than 1 MiB.
 Result<std::string> ReadModuleText(const std::string& path);
 
-// The value that read(root, findings) makes of a text's table, where nothing is wrong with it, and
-// the diagnostics: a Reading has both, in this order. `path` is what diagnostics refer to.
+// The value that read(root, findings) returns for a text's table, where it has no errors, and the
+// diagnostics: a Reading has both, in this order. `path` is the file name in diagnostics.
 template <class Reading, class Read>
 Reading ReadTextWith(std::string_view text, const std::string& path, const Read& read) {
   Findings findings;
@@ -41,8 +41,8 @@ Reading ReadTextWith(std::string_view text, const std::string& path, const Read&
   return reading;
 }
 
-// What read(text, path) makes of a module's own file: an optional value and the diagnostics. Of one
-// that cannot be read that is the only diagnostic.
+// The result of read(text, path) for a module's own file: an optional value and the diagnostics.
+// Where the file cannot be read, that is the only diagnostic.
 template <class Read>
 auto ReadFileWith(const std::string& path, const Read& read)
     -> std::invoke_result_t<Read, const std::string&, const std::string&> {

@@ -10,11 +10,11 @@
 namespace musher::config_toml {
 namespace {
 
-constexpr std::size_t kMostKept = 20'000;      // of what only a broken generator can bring about
-constexpr std::size_t kMostGuesses = 500'000;  // candidates looked at
+constexpr std::size_t kMostKept = 20'000;      // reached only by the output of a broken generator
+constexpr std::size_t kMostGuesses = 500'000;  // candidates compared
 constexpr std::size_t kLongestQuote = 80;      // bytes
 
-// Walks once over a text, from position to position.
+// Walks over a text once, from position to position.
 class ByteColumns {
  public:
   explicit ByteColumns(std::string_view text) : text_(text) {}

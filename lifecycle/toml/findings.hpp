@@ -1,5 +1,5 @@
 #pragma once
-// Gathers the faults and warnings of one config.
+// Collects the errors and warnings of one config.
 
 #include <string>
 #include <string_view>
@@ -10,7 +10,7 @@
 
 namespace musher::config_toml {
 
-// So many diagnostics are given; further ones are only counted.
+// At most this many diagnostics are given; further ones are only counted.
 inline constexpr std::size_t kMostDiagnostics = 200;
 
 class Findings {
@@ -19,12 +19,12 @@ class Findings {
   void Warning(Position at, std::string message);
   bool HasErrors() const { return errors_ > 0; }
 
-  // "; did you mean ...?" or nothing. Falls silent once a file has had more guesses than anyone
-  // would read, since each costs a look at every candidate.
+  // "; did you mean ...?" or nothing. Gives nothing once a file has had too many guesses, since
+  // each costs a comparison with every candidate.
   std::string Guess(std::string_view word, const std::vector<std::string_view>& candidates);
 
-  // Everything found, by line and with columns in bytes of `text`. Where there is too much the
-  // warnings go first, and a last line says how many are not shown.
+  // All diagnostics, by line and with columns in bytes of `text`. Where there are too many,
+  // warnings are dropped first, and a last line says how many are not shown.
   std::vector<Diagnostic> Take(const std::string& file, std::string_view text) &&;
 
  private:
@@ -39,10 +39,10 @@ class Findings {
   std::vector<Finding> found_;
   std::size_t errors_ = 0;
   std::size_t total_ = 0;
-  std::size_t guesses_ = 0;  // candidates looked at
+  std::size_t guesses_ = 0;  // candidates compared
 };
 
-// `word` in quotation marks, escaped as TOML does it and shortened.
+// `word` in quotation marks, escaped as in TOML and shortened.
 std::string Quote(std::string_view word);
 
 // "a, b and c".

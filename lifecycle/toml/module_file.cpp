@@ -23,12 +23,12 @@ Result<> ReadModuleFile(const std::string& path,
     root.RefuseOthers();
   }
   const bool faulty = findings.HasErrors();
-  std::string told;
+  std::string lines;
   for (const Diagnostic& diagnostic : std::move(findings).Take(path, text.value())) {
-    told += (told.empty() ? "" : "\n") + FormatDiagnostic(diagnostic);
+    lines += (lines.empty() ? "" : "\n") + FormatDiagnostic(diagnostic);
   }
-  if (faulty) return Error{kCodeParametersInvalid, told};
-  if (!told.empty()) std::cerr << told << std::endl;
+  if (faulty) return Error{kCodeParametersInvalid, lines};
+  if (!lines.empty()) std::cerr << lines << std::endl;
   return Ok();
 }
 

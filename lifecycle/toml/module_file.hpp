@@ -1,6 +1,6 @@
 #pragma once
-// The TOML file of a module of your own, read as Musher reads its own files: all faults at once, as
-// "file:line:column: error: …", with what was expected and what was probably meant.
+// Reads the TOML file of a user's module like Musher's own files: all errors at once, as
+// "file:line:column: error: …", with the expected value and a suggestion.
 
 #include <functional>
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace musher {
 
-// `read` asks the file's table for the keys it knows; keys it does not ask for are faults. The
-// Error's message has a line for each fault; warnings go to stderr. Never throws.
+// `read` reads the keys it knows from the file's table; keys that it does not read are errors. The
+// Error's message has a line for each error; warnings go to stderr. Never throws.
 Result<> ReadModuleFile(const std::string& path,
                         const std::function<void(config_toml::TableReader&)>& read);
 

@@ -1,5 +1,5 @@
 #pragma once
-// What names and paths of a config must look like.
+// The syntax of names and paths in a config.
 
 #include <filesystem>
 #include <string>
@@ -25,14 +25,14 @@ bool IsRelativeTopic(std::string_view text);
 // The folder of a config file, absolute.
 std::filesystem::path FolderOf(const std::string& file);
 
-// The machine's name where the config gives none: the file's stem, with '_' for what a name cannot
-// have, "machine" where nothing is left.
+// The machine's name where the config gives none: the file's stem, with '_' for characters that a
+// name cannot have, "machine" where nothing is left.
 std::string NameOf(const std::string& file);
 
-// `path` as seen from `folder`, absolute and without "..".
+// `path` relative to `folder`, made absolute and without "..".
 std::string Absolute(const std::filesystem::path& folder, const std::string& path);
 
-// $XDG_STATE_HOME or ~/.local/state, then musher/<name>; below /var/lib where there is no home.
+// $XDG_STATE_HOME or ~/.local/state, then musher/<name>; below /var/lib without a home.
 // Robots that share a host have a folder each: "robot@fleet.dog" in a namespace, "robot.domain7" in
 // a domain other than 0 (ROS_DOMAIN_ID).
 std::string DefaultStateDir(const std::string& name, const std::string& name_space);

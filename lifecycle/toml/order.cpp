@@ -1,4 +1,4 @@
-// How actuators refer to each other by `after` and `binds_to`.
+// The references between actuators by `after` and `binds_to`.
 
 #include <algorithm>
 #include <cstddef>
@@ -27,17 +27,17 @@ class OrderCheck {
       edges_[i] = CheckNames(i, "after", actuators_[i].after);
       for (const Edge& edge : edges_[i]) CheckStage(i, edge);
     }
-    OpenCycles("the order is a cycle: ");
+    OpenCycles("`after` forms a cycle: ");
     const auto order = edges_;
     for (std::size_t i = 0; i < actuators_.size(); ++i) {
       edges_[i] = CheckNames(i, "binds_to", actuators_[i].binds_to);
     }
-    OpenCycles("who waits for whom is a cycle: ");
-    // After a restart each would wait for the other: the one for its turn, the other to be up.
+    OpenCycles("`binds_to` forms a cycle: ");
+    // After a restart each would wait for the other: one by `after`, the other by `binds_to`.
     for (std::size_t i = 0; i < actuators_.size(); ++i) {
       edges_[i].insert(edges_[i].end(), order[i].begin(), order[i].end());
     }
-    OpenCycles("who waits for whom by `after` and `binds_to` is a cycle: ");
+    OpenCycles("`after` and `binds_to` together form a cycle: ");
   }
 
  private:
@@ -80,8 +80,8 @@ class OrderCheck {
               ", which begins only when stage " + std::to_string(self.stage) + " is up");
   }
 
-  // Reports every cycle and takes the edge away that closes it, so that none hides another one.
-  // Depth first without recursion; an edge to a node on the way here closes a cycle.
+  // Reports every cycle and removes the edge that closes it, so that no cycle hides another one.
+  // Depth first without recursion; an edge to a node of the present path closes a cycle.
   void OpenCycles(std::string_view what) {
     std::vector<Mark> marks(actuators_.size(), Mark::kNew);
     for (std::size_t start = 0; start < actuators_.size(); ++start) {

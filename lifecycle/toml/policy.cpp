@@ -11,7 +11,7 @@
 namespace musher::config_toml {
 namespace {
 
-constexpr double kLongestS = 86'400;  // a day; anything beyond is a slip
+constexpr double kLongestS = 86'400;  // a day; a longer time is taken for a typing error
 constexpr double kShortestS = 0.1;
 constexpr int kFull = 100;
 
@@ -104,7 +104,7 @@ class PolicyReader {
     return false;
   }
 
-  // A ceiling that is left only where the next one begins, or never, is none.
+  // A ceiling that is lifted only at the threshold of the next one, or never, has no effect.
   static void CheckHysteresis(TableReader& reader, const BatteryPolicy& battery, bool ordered,
                               bool protected_read) {
     const auto check = [&](std::string_view key, int at, int limit, const std::string& what) {

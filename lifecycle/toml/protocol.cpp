@@ -8,7 +8,7 @@
 namespace musher::config_toml {
 namespace {
 
-// Whether `key` is there and has a meaning for this actuator; reports it where it has none.
+// Whether `key` is present and applies to this actuator; reports it where it does not apply.
 bool Applies(std::string_view key, Protocol protocol, Protocol needed, std::string_view word,
              TableReader& reader) {
   if (!reader.Has(key) || protocol == needed) return reader.Has(key);
@@ -16,8 +16,8 @@ bool Applies(std::string_view key, Protocol protocol, Protocol needed, std::stri
   return false;
 }
 
-// Which states the key may name: those one can be switched to. SetUp is what configuring is, and a
-// self-check goes nowhere.
+// The key may name the states that the actuator can be switched to. SetUp is the configure
+// transition, and a self-check has no transition.
 void ReadRos2States(const ActuatorConfig& config, TableReader& reader, Draft& draft,
                     std::map<State, Ros2State>& ros2_states) {
   const Table* table = reader.SubTable("ros2_states");

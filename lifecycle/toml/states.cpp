@@ -1,4 +1,4 @@
-// [[state]], [[transition]] and the judgement of state names.
+// [[state]], [[transition]] and the check of state names.
 
 #include <algorithm>
 #include <unordered_map>
@@ -30,11 +30,11 @@ void ReadOwnState(const Value& value, Draft& draft) {
   }
 }
 
-// The ways of one [[transition]], written into a matrix of listed states.
+// The edges of each [[transition]], as a matrix of the listed states.
 class FlowReader {
  public:
   explicit FlowReader(Draft& draft)
-      : draft_(draft), size_(draft.config.states.size()), ways_(size_ * size_, false) {
+      : draft_(draft), size_(draft.config.states.size()), edges_(size_ * size_, false) {
     for (std::size_t i = 0; i < size_; ++i) index_.emplace(draft.config.states[i], i);
   }
 
@@ -47,19 +47,19 @@ class FlowReader {
     transition.RefuseOthers();
     for (const std::size_t f : from) {
       for (const std::size_t t : to) {
-        if (f != t) ways_[f * size_ + t] = true;
+        if (f != t) edges_[f * size_ + t] = true;
       }
     }
     if (from.size() == 1 && from == to) {
-      transition.Fault(transition.At("to"), "to", "a state needs no way to itself");
+      transition.Fault(transition.At("to"), "to", "a state needs no transition to itself");
     }
   }
 
   std::vector<FlowEdge> Flow() const {
     std::vector<FlowEdge> flow;
     const std::vector<State>& states = draft_.config.states;
-    for (std::size_t way = 0; way < ways_.size(); ++way) {
-      if (ways_[way]) flow.push_back({states[way / size_], states[way % size_]});
+    for (std::size_t edge = 0; edge < edges_.size(); ++edge) {
+      if (edges_[edge]) flow.push_back({states[edge / size_], states[edge % size_]});
     }
     return flow;
   }
@@ -95,7 +95,7 @@ class FlowReader {
 
   Draft& draft_;
   std::size_t size_;
-  std::vector<bool> ways_;  // row: from, column: to
+  std::vector<bool> edges_;  // row: from, column: to
   std::unordered_map<std::string_view, std::size_t> index_;
 };
 
@@ -153,7 +153,7 @@ bool CheckState(const Word& state, std::string_view key, TableReader& reader, Dr
 
 bool CheckRankedState(const Word& state, std::string_view key, TableReader& reader, Draft& draft) {
   if (!CheckState(state, key, reader, draft)) return false;
-  // A slip in controller.states, which has been reported there, is no step of the start.
+  // A typing error in controller.states, which has been reported there, is not a step of the start.
   if (draft.config.ranks.contains(state.text) || !IsKnown(state.text, draft)) return true;
   reader.Fault(state.at, key,
                Quote(state.text) + " is a step of the start; expected a state that has a rank");

@@ -194,9 +194,9 @@ const Table* TableReader::SubTable(std::string_view key) {
 }
 
 void TableReader::RefuseOthers() {
-  const std::vector<std::string_view> known(asked_.begin(), asked_.end());
+  const std::vector<std::string_view> known(read_keys_.begin(), read_keys_.end());
   for (const Member& member : table_) {
-    if (std::find(asked_.begin(), asked_.end(), member.key) != asked_.end()) continue;
+    if (std::find(read_keys_.begin(), read_keys_.end(), member.key) != read_keys_.end()) continue;
     std::string message = "unknown key " + Quote(member.key);
     const std::string guess = findings_.Guess(member.key, known);
     message += guess.empty() ? "; expected one of " + Listing(known) : guess;
@@ -205,7 +205,7 @@ void TableReader::RefuseOthers() {
 }
 
 const Value* TableReader::Get(std::string_view key) {
-  const Member* member = Ask(key);
+  const Member* member = Lookup(key);
   return member == nullptr ? nullptr : &member->value;
 }
 
@@ -222,8 +222,9 @@ void TableReader::Warn(Position at, std::string_view key, std::string_view messa
   findings_.Warning(at, Path(key) + ": " + std::string(message));
 }
 
-const Member* TableReader::Ask(std::string_view key) {
-  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.emplace_back(key);
+const Member* TableReader::Lookup(std::string_view key) {
+  if (std::find(read_keys_.begin(), read_keys_.end(), key) == read_keys_.end())
+    read_keys_.emplace_back(key);
   return Find(table_, key);
 }
 
@@ -268,7 +269,7 @@ std::optional<std::size_t> TableReader::OneOf(std::string_view key, const Word& 
   return std::nullopt;
 }
 
-// A key that TOML would have in quotes is shown in quotes: it may hold anything, line ends too.
+// A key that needs quotes in TOML is shown in quotes: it may contain any character, also line ends.
 std::string TableReader::Path(std::string_view key) const {
   constexpr std::string_view kBare =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";

@@ -1,6 +1,6 @@
 #pragma once
-// Reads the keys of one table and reports what is wrong with their values. The keys asked for are
-// the keys that are known; whatever else the table has is reported by RefuseOthers().
+// Reads the keys of one table and reports errors in their values. The keys that are read are the
+// known keys; RefuseOthers() reports all other keys of the table.
 
 #include <cstdint>
 #include <optional>
@@ -15,25 +15,25 @@
 
 namespace musher::config_toml {
 
-// A string of the file and where it stands.
+// A string of the file and its position.
 struct Word {
   std::string text;
   Position at;
 };
 
-inline constexpr std::int64_t kLongestMs = 3'600'000;  // an hour; anything beyond is a slip
+inline constexpr std::int64_t kLongestMs = 3'600'000;  // an hour; more is a typing error
 
 struct ListRule {
   bool may_be_empty = false;
   bool may_repeat = false;
 };
 
-// Each reading function gives nothing where the key is missing, which is no fault unless Require()
-// says so, or where its value is faulty, which it reports.
+// Each reading function gives nothing where the key is missing, which is an error only after
+// Require(), or where its value is invalid, which it reports.
 class TableReader {
  public:
   // `path` names the table in messages: "controller", "actuator.audio", "" for the file itself.
-  // `at` is where the table stands. The table and the findings must outlive the reader.
+  // `at` is the position of the table. The table and the findings must outlive the reader.
   TableReader(const Table& table, Position at, std::string path, Findings& findings);
 
   // Reports `key` as missing unless the table has it.
@@ -45,14 +45,14 @@ class TableReader {
   std::optional<Duration> Time(std::string_view key, std::int64_t least_ms = 1);
   std::optional<double> Number(std::string_view key, double least, double most);
   std::optional<bool> Bool(std::string_view key);
-  // The good elements; faulty and repeated ones are reported and left out.
+  // The valid elements; invalid and repeated ones are reported and left out.
   std::optional<std::vector<Word>> Strings(std::string_view key, ListRule rule = {});
   std::optional<std::vector<Duration>> Times(std::string_view key);
   std::optional<std::vector<std::int64_t>> Integers(std::string_view key, std::int64_t least,
                                                     std::int64_t most,
                                                     ListRule rule = {.may_repeat = true});
   const Table* SubTable(std::string_view key);
-  // Those of an array of tables.
+  // The tables of an array of tables.
   std::vector<const Value*> Tables(std::string_view key);
   // A string or an array of strings.
   std::optional<std::vector<Word>> StringOrStrings(std::string_view key);
@@ -66,12 +66,12 @@ class TableReader {
                                         const std::vector<std::pair<std::string_view, T>>& choices,
                                         ListRule rule = {});
 
-  // Reports every key that nobody asked for.
+  // Reports every key that was not read.
   void RefuseOthers();
 
   const Value* Get(std::string_view key);
   bool Has(std::string_view key) { return Get(key) != nullptr; }
-  // Of the value of `key`, of the table where the key is missing.
+  // The position of the value of `key`, or of the table where the key is missing.
   Position At(std::string_view key);
   // Puts the table's path and the key before `message`.
   void Fault(Position at, std::string_view key, std::string_view message);
@@ -81,7 +81,7 @@ class TableReader {
   Position at() const { return at_; }
 
  private:
-  const Member* Ask(std::string_view key);
+  const Member* Lookup(std::string_view key);
   void Mismatch(std::string_view key, std::string_view expected, const Value& found);
   std::optional<std::string> Text(std::string_view key, const Value& value);
   std::optional<std::int64_t> InRange(std::string_view key, const Value& value, std::int64_t least,
@@ -94,7 +94,7 @@ class TableReader {
   Position at_;
   std::string path_;
   Findings& findings_;
-  std::vector<std::string> asked_;
+  std::vector<std::string> read_keys_;
 };
 
 template <typename T>

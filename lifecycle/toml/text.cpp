@@ -38,8 +38,8 @@ std::optional<SyntaxFault> FindForeignByte(std::string_view text) {
   return std::nullopt;
 }
 
-// Walks over TOML without understanding it: knows strings and comments, counts the rest. What it
-// thinks of a text that is no TOML does not matter: the parser stops where the two part.
+// Scans TOML without parsing it: recognises strings and comments, counts the rest. Its result for a
+// text that is not TOML does not matter: the parser stops at the first syntax error.
 class LimitScanner {
  public:
   explicit LimitScanner(std::string_view text) : text_(text) {}

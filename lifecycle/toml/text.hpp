@@ -1,6 +1,6 @@
 #pragma once
-// What can be said about a text before it is parsed: that it is UTF-8, and that it is not built to
-// overwhelm a parser.
+// Checks a text before it is parsed: it is UTF-8, and it does not exceed the limits that protect
+// the parser.
 
 #include <optional>
 #include <string_view>
@@ -9,7 +9,7 @@
 
 namespace musher::config_toml {
 
-// Limits far beyond any machine's needs. They keep reading linear and recursion shallow.
+// Limits far beyond the needs of any machine. They keep parsing linear and recursion shallow.
 inline constexpr int kDeepestNesting = 32;    // arrays and inline tables in each other
 inline constexpr int kMostKeyParts = 32;      // of one dotted key
 inline constexpr int kMostDots = 50'000;      // outside strings and comments

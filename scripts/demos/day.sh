@@ -189,7 +189,7 @@ upgrade() {
   ota install "$scratch/v1.1.0" --root "$root_of_robot"
   expect "exit code" 0 "$code"
   expect "the machine" Active "$(status .state)"
-  expect "it was in OTA" true "$(history_of 'any(.message | test("to OTA from Active"))')"
+  expect "it was in OTA" true "$(history_of 'any(.message | test("Active → OTA"))')"
   ota status --root "$root_of_robot" --json
   expect "its version" 1.1.0 "$(answer '.slots[] | select(.role == "confirmed") | .version')"
   await '.actuators | all(.state == "Active")'

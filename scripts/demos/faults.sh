@@ -35,8 +35,8 @@ start_up() {
   await '[.actuators[] | select(.state == "Active")] | length == 7'
   expect "actuators in Active after stage 2" 7 \
     "$(status '[.actuators[] | select(.state == "Active")] | length')"
-  expect "in which order" "the machine is Active, stage 2 is being started" \
-    "$(history_of '[.[].message | select(test("^the machine is Active|^stage 2"))] | join(", ")')"
+  expect "in which order" "the machine is Active, starting stage 2" \
+    "$(history_of '[.[].message | select(test("^the machine is Active|^starting stage 2"))] | join(", ")')"
 }
 
 self_check() {
@@ -128,7 +128,7 @@ freeze_a_module() {
   expect "the recorded health" "hung: its process is stopped" \
     "$(history_of '[.[].message | select(test("^audio is degraded: hung"))][-1]' | sed 's/.*degraded: //; s/;.*//')"
   expect "a backtrace was taken" yes \
-    "$(history_of '[.[].message | select(test("what audio was doing"))] | if length > 0 then "yes" else "no" end')"
+    "$(history_of '[.[].message | select(test("backtrace of audio"))] | if length > 0 then "yes" else "no" end')"
   expect "where it is now" Active "$(status .actuators.audio.state)"
   expect "other actuators that were restarted" 0 \
     "$(status '[.actuators | to_entries[] | select(.key != "audio" and .key != "vp_engine" and .value.restarts > 0)] | length')"
@@ -178,7 +178,7 @@ lose_the_controller() {
   expect "the machine" LowPower "$(status .state)"
   expect "processes are the same as before" "$pids" "$(status '[.actuators[].pid] | join(" ")')"
   expect "and the journal says so" yes \
-    "$(history_of '[.[].message | select(test("left a switch half way"))] | if length > 0 then "yes" else "no" end')"
+    "$(history_of '[.[].message | select(test("left a switch unfinished"))] | if length > 0 then "yes" else "no" end')"
   repair
   musher_set Active
   expect "outcome" "done" "$(answer .outcome)"

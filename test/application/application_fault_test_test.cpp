@@ -1,5 +1,6 @@
-// An application in thousands of unlucky lives: its machine goes on in Active only, and never in an
-// emergency. A trial has no clock: whether it is to be ticked is judged, no tick comes.
+// An application under thousands of injected faults: its machine runs in Active only, and never
+// during an emergency stop. The test has no clock: it checks whether the machine is to be ticked;
+// no tick comes.
 
 #include "musher/simulation/actuator_fault_test.hpp"
 #include "musher/test/application/show.hpp"
@@ -9,14 +10,14 @@ namespace musher::application_fault_test_test {
 using testing::Harness;
 using testing::Show;
 
-TEST(AnApplication, GoesOnInActiveOnlyAndNeverInAnEmergencyWhateverBefallsIt) {
+TEST(AnApplication, RunsInActiveOnlyAndNeverInAnEmergencyUnderInjectedFaults) {
   const Harness harness;
   simulation::ActuatorFaultTest<Show> test;
   test.config_file = harness.path();
   int went_on = 0;
   test.always = [&went_on](const Show& show, const ActuatorReport& report) {
     if (show.ticking()) ++went_on;
-    // After the release of a stop it rests in Active too, until it is sent there anew.
+    // After the release of a stop it is paused in Active too, until Active is set again.
     EXPECT_FALSE(show.ticking() && (report.state != kActive || report.emergency_stop != 0))
         << report.state;
   };

@@ -1,4 +1,4 @@
-// An application in a process of its own that blocks or fails when it is told to.
+// An application in a process of its own that blocks or fails on command.
 
 #include <unistd.h>
 

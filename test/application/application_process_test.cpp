@@ -1,5 +1,5 @@
-// An application in a process of its own: what becomes of one that blocks, and of one whose machine
-// has stopped by a fault.
+// An application in a process of its own: when it blocks, and when its machine has stopped by a
+// fault.
 
 #include <fstream>
 #include <functional>
@@ -52,7 +52,7 @@ class AnApplicationsProcess : public ::testing::Test {
     }
     return true;
   }
-  // It was started again, and ticks. On a machine that is short of time it may take more than once.
+  // It was restarted, and ticks. On a loaded host that may take more than one restart.
   static bool IsBack() {
     const auto status = nlohmann::json::parse(RunProgram({"--json", "status"}).out, nullptr, false);
     if (!status.is_object()) return false;
@@ -66,14 +66,14 @@ class AnApplicationsProcess : public ::testing::Test {
   std::unique_ptr<transport::Publisher<msg::String>> order_;
 };
 
-TEST_F(AnApplicationsProcess, IsCalledHungWhenAStateBlocksAndIsStartedAgain) {
+TEST_F(AnApplicationsProcess, IsReportedAsHungWhenAStateBlocksAndIsRestarted) {
   Begin();
   Order("block");
   EXPECT_TRUE(Until(IsBack)) << RunProgram({"history"}).out;
   EXPECT_THAT(RunProgram({"history"}).out, HasSubstr("hung"));
 }
 
-TEST_F(AnApplicationsProcess, SaysWhyItsMachineStoppedAndIsStartedAgain) {
+TEST_F(AnApplicationsProcess, ReportsWhyItsMachineStoppedAndIsRestarted) {
   Begin();
   Order("fail");
   EXPECT_TRUE(Until(IsBack)) << RunProgram({"history"}).out;

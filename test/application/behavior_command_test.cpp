@@ -1,4 +1,4 @@
-// `musher behavior` and `musher graph --behavior` at an application that runs.
+// `musher behavior` and `musher graph --behavior` with a running application.
 
 #include <csignal>
 #include <cstdlib>
@@ -61,7 +61,7 @@ TEST_F(BehaviorCommand, ShowsStateModeTicksTimeAndTheLastChanges) {
   EXPECT_THAT(last.out, HasSubstr("decided"));
 }
 
-TEST_F(BehaviorCommand, SaysThatTheMachineIsPausedAndWhyItIsInItsSafeState) {
+TEST_F(BehaviorCommand, ShowsThatTheMachineIsPausedAndWhyItIsInItsSafeState) {
   Show show;
   Begin(show);
   show.RunOnLoop([&] { show.data().unsafe = true; });
@@ -76,7 +76,7 @@ TEST_F(BehaviorCommand, SaysThatTheMachineIsPausedAndWhyItIsInItsSafeState) {
             "0.160 s  8     PLAY  STOP  unsafe\n");
 }
 
-TEST_F(BehaviorCommand, SpeaksJson) {
+TEST_F(BehaviorCommand, PrintsJson) {
   Show show;
   Begin(show);
   const Ran ran = RunProgram({"--json", "behavior", "show", "--history", "1"});
@@ -100,7 +100,7 @@ TEST_F(BehaviorCommand, SendsACommandThatTheApplicationRegistered) {
   EXPECT_THAT(RunProgram({"behavior", "show"}).out, HasSubstr("decided by again"));
 }
 
-TEST_F(BehaviorCommand, IsToldWhyACommandIsRefused) {
+TEST_F(BehaviorCommand, PrintsWhyACommandIsRefused) {
   Show show;
   Begin(show);
   const Ran unknown = RunProgram({"behavior", "show", "--send", "agian"});
@@ -147,7 +147,7 @@ TEST_F(BehaviorCommand, FollowsEveryChangeUntilItIsInterrupted) {
   EXPECT_EQ(text.Wait().exit, 0);
 }
 
-TEST_F(BehaviorCommand, TellsThatTheApplicationHasGoneAndThatItIsBack) {
+TEST_F(BehaviorCommand, ReportsThatTheApplicationWasLostAndThatItIsBack) {
   auto show = std::make_unique<Show>();
   Begin(*show);
   Process watch({kMusher, "behavior", "show", "--watch"});
@@ -171,7 +171,7 @@ TEST_F(BehaviorCommand, IsCompletedByTheNamesOfApplications) {
   EXPECT_EQ(RunProgram({"complete", "behavior", "--send", ""}).out, "");
 }
 
-TEST_F(BehaviorCommand, NamesTheNearestActuatorWhereNobodyOfThatNameRuns) {
+TEST_F(BehaviorCommand, SuggestsTheNearestActuatorWhereNoneOfThatNameRuns) {
   Show show;
   Begin(show);
   const Ran ran = RunProgram({"behavior", "shwo"});
@@ -182,21 +182,21 @@ TEST_F(BehaviorCommand, NamesTheNearestActuatorWhereNobodyOfThatNameRuns) {
   EXPECT_EQ(graph.err, "musher: no actuator 'camera' in namespace ''; there are show\n");
 }
 
-TEST_F(BehaviorCommand, SaysThatNobodyIsThereAtAll) {
+TEST_F(BehaviorCommand, ReportsThatNothingRunsAtAll) {
   const Ran ran = RunProgram({"--namespace", "nowhere", "behavior", "show"});
   EXPECT_EQ(ran.exit, 3);
   EXPECT_THAT(ran.err, HasSubstr("no actuator in namespace 'nowhere'"));
   EXPECT_EQ(RunProgram({"behavior", "not a name"}).exit, 2);
 }
 
-TEST_F(BehaviorCommand, SaysThatNoneRunsWhereThereIsOnlyAController) {
+TEST_F(BehaviorCommand, ReportsThatNoApplicationRunsWhereThereIsOnlyAController) {
   ASSERT_TRUE(harness_.controller().Init(harness_.path()).ok());
   const Ran ran = RunProgram({"behavior", "show"});
   EXPECT_EQ(ran.exit, 3);
   EXPECT_EQ(ran.err, "musher: no actuator 'show' in namespace '': none runs there\n");
 }
 
-TEST_F(BehaviorCommand, SaysThatAnActuatorIsNoStateMachine) {
+TEST_F(BehaviorCommand, ReportsThatAnActuatorIsNotAStateMachine) {
   const RobotFile file({"lamp"}, {"SetUp"});
   MachineActuator lamp("lamp");
   lamp.RegisterStateCallback("SetUp", [] { return kCodeOk; });

@@ -1,4 +1,4 @@
-// What others are told of a state machine.
+// The status message of a state machine.
 
 #include "musher/application/behavior_report.hpp"
 
@@ -20,7 +20,7 @@ class Waiting : public fsm::State {
   explicit Waiting(std::string next) : next_name_(std::move(next)) {}
 
   void Declare(fsm::Ways& ways) override {
-    next_ = ways.To(next_name_, "told to");
+    next_ = ways.To(next_name_, "on command");
     go_ = ways.On("go");
     fail_ = ways.On("fail");
   }
@@ -81,7 +81,7 @@ TEST_F(BehaviorReport, OfAMachineThatDoesNotRunHasNoState) {
   EXPECT_THAT(report.history, IsEmpty());
 }
 
-TEST_F(BehaviorReport, TellsStateModeTicksTimesAndTheNewestChanges) {
+TEST_F(BehaviorReport, HasStateModeTicksTimesAndTheNewestChanges) {
   ASSERT_TRUE(machine_.Start(now_));
   Tick();
   Tick("go");
@@ -107,7 +107,7 @@ TEST_F(BehaviorReport, NamesTheStateOfTheMachineInside) {
   EXPECT_EQ(Report().current_state, "PHOTO/COUNT");
 }
 
-TEST_F(BehaviorReport, SaysWhyTheMachineIsInItsSafeState) {
+TEST_F(BehaviorReport, HasTheReasonOfTheSafeState) {
   ASSERT_TRUE(machine_.Start(now_));
   safe_ = false;
   Tick();
@@ -117,7 +117,7 @@ TEST_F(BehaviorReport, SaysWhyTheMachineIsInItsSafeState) {
   EXPECT_EQ(Report({"", 1}).history.at(0).cause, "unsafe");
 }
 
-TEST_F(BehaviorReport, TellsTheLastFaultWithItsStateAndFunction) {
+TEST_F(BehaviorReport, HasTheLastFaultWithItsStateAndFunction) {
   ASSERT_TRUE(machine_.Start(now_));
   Tick("fail");
   EXPECT_EQ(Report().last_fault, "IDLE: CheckTransition: no light");
@@ -133,8 +133,8 @@ TEST_F(BehaviorReport, DrawsTheMachineWithItsPresentStateMarked) {
   EXPECT_NE(Report({"dot", 0}).graph, idle) << "another one is marked now";
 }
 
-TEST_F(BehaviorReport, RefusesAFormatThatThereIsNot) {
-  EXPECT_EQ(Report({"png", 0}).error, "a graph is dot or mermaid");
+TEST_F(BehaviorReport, RefusesAnUnknownFormat) {
+  EXPECT_EQ(Report({"png", 0}).error, "unknown graph format; expected dot or mermaid");
 }
 
 }  // namespace musher::behavior_report_test

@@ -1,4 +1,4 @@
-// Faults of the base class of applications that were found and mended.
+// Faults of the base class of applications that were found and fixed.
 
 #include <algorithm>
 #include <future>
@@ -16,7 +16,7 @@ using testing::Show;
 
 class AnFsmActuator : public testing::WithHarness {
  protected:
-  // What the actuator logs meanwhile.
+  // The log of the actuator meanwhile.
   static std::string Logged(const std::function<void()>& work) {
     ::testing::internal::CaptureStderr();
     work();
@@ -36,7 +36,7 @@ TEST_F(AnFsmActuator, FailsToBecomeActiveWhenItsResumeThrows) {
   EXPECT_FALSE(show.Of([](Show& s) { return s.ticking(); }));
 }
 
-TEST_F(AnFsmActuator, EndsTheProgramByAFaultAlsoOfAMachineThatRemembersNoChanges) {
+TEST_F(AnFsmActuator, EndsTheProgramByAFaultAlsoOfAMachineWithoutHistory) {
   Show show({.machine = {.history = 0}});
   show.data().throws = {{"GREET runs", "no"}, {"STOP enters", "no, neither"}};
   Begin(show);
@@ -61,7 +61,7 @@ TEST_F(AnFsmActuator, RunsItsSafeStateWhileTheHookBeforeTheTickThrows) {
   EXPECT_EQ(show.Of([](Show& s) { return s.data().runs["GREET"]; }), 0);
 }
 
-TEST_F(AnFsmActuator, TellsAFaultOfAHookOnceAndAgainWhenItComesBack) {
+TEST_F(AnFsmActuator, LogsAFaultOfAHookOnceAndAgainWhenItComesBack) {
   Show show;
   Begin(show);
   for (const std::string hook : {"before", "after"}) {
@@ -72,14 +72,14 @@ TEST_F(AnFsmActuator, TellsAFaultOfAHookOnceAndAgainWhenItComesBack) {
         show.RunOnLoop([&] { show.data().throws.clear(); });
         harness_.Tick(show, 1);
       });
-      const auto told = log.find("the camera is gone");
-      ASSERT_NE(told, std::string::npos) << hook << " " << i;
-      EXPECT_EQ(log.find("the camera is gone", told + 1), std::string::npos) << log;
+      const auto first = log.find("the camera is gone");
+      ASSERT_NE(first, std::string::npos) << hook << " " << i;
+      EXPECT_EQ(log.find("the camera is gone", first + 1), std::string::npos) << log;
     }
   }
 }
 
-TEST_F(AnFsmActuator, TellsACommandThatItsStateDoesNotHeedButFillsNoLogWithIt) {
+TEST_F(AnFsmActuator, LogsAnUnhandledCommandRateLimited) {
   Show show;
   Begin(show);
   show.RunOnLoop([&] { show.data().unsafe = true; });
@@ -95,7 +95,7 @@ TEST_F(AnFsmActuator, TellsACommandThatItsStateDoesNotHeedButFillsNoLogWithIt) {
   EXPECT_LE(std::count(log.begin(), log.end(), '\n'), 23) << "in 0.8 s";
 }
 
-TEST_F(AnFsmActuator, KeepsNoCommandThatATopicBringsWhileItRests) {
+TEST_F(AnFsmActuator, QueuesNoCommandFromATopicWhileItIsPaused) {
   Show show;
   Begin(show);
   harness_.Tick(show, 6);
@@ -113,7 +113,7 @@ TEST_F(AnFsmActuator, KeepsNoCommandThatATopicBringsWhileItRests) {
   EXPECT_EQ(show.Path(), "GREET");
 }
 
-// Its hooks would use what SetUp is just making, on another thread.
+// Its hooks would use what SetUp is just building, on another thread.
 TEST_F(AnFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
   class Early : public FsmActuator {
    public:
@@ -152,17 +152,17 @@ TEST_F(AnFsmActuator, IsNotPausedByAnEmergencyStopWhileItIsSetUp) {
   harness_.node().RunOnLoop([&] { button.reset(); });
 }
 
-TEST_F(AnFsmActuator, TellsAFaultOfTearDownOnce) {
+TEST_F(AnFsmActuator, LogsAFaultOfTearDownOnce) {
   Show show;
   Begin(show);
   show.RunOnLoop([&] { show.data().throws["GREET leaves"] = "no hinge"; });
   const std::string log = Logged([&] { EXPECT_TRUE(harness_.controller().SetState("TearDown")); });
-  const auto told = log.find("no hinge");
-  ASSERT_NE(told, std::string::npos) << log;
-  EXPECT_EQ(log.find("no hinge", told + 1), std::string::npos) << log;
+  const auto first = log.find("no hinge");
+  ASSERT_NE(first, std::string::npos) << log;
+  EXPECT_EQ(log.find("no hinge", first + 1), std::string::npos) << log;
 }
 
-// A state that holds a machine, beside one that does not.
+// A state that holds a machine, and one that does not.
 class Nest : public FsmActuator {
  public:
   Nest() : FsmActuator("show") {}
@@ -192,7 +192,7 @@ class Nest : public FsmActuator {
   }
 };
 
-TEST_F(AnFsmActuator, PublishesTheWholePathOfAStateThatItIsForcedIntoWhileItRests) {
+TEST_F(AnFsmActuator, PublishesTheWholePathOfAForcedStateWhileItIsPaused) {
   Nest show;
   ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   ASSERT_TRUE(show.Start().ok());
@@ -201,19 +201,19 @@ TEST_F(AnFsmActuator, PublishesTheWholePathOfAStateThatItIsForcedIntoWhileItRest
   for (const char* state : {"SelfCheck", "Active", "LowPower"}) {
     ASSERT_TRUE(harness_.controller().SetState(state)) << state;
   }
-  std::vector<std::string> told;
+  std::vector<std::string> published;
   std::unique_ptr<transport::Subscription> topic;
   const auto await = [&](const std::string& path) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     for (bool there = false; !there && std::chrono::steady_clock::now() < deadline;) {
-      harness_.node().RunOnLoop([&] { there = !told.empty() && told.back() == path; });
+      harness_.node().RunOnLoop([&] { there = !published.empty() && published.back() == path; });
       std::this_thread::yield();
     }
   };
   harness_.node().RunOnLoop([&] {
     topic = transport::MakeSubscription<msg::String>(
                 harness_.node().node(), "show/behavior_state",
-                [&](const msg::String& state, const auto&) { told.push_back(state.data); },
+                [&](const msg::String& state, const auto&) { published.push_back(state.data); },
                 transport::kLatchedQos)
                 .value();
   });
@@ -221,7 +221,7 @@ TEST_F(AnFsmActuator, PublishesTheWholePathOfAStateThatItIsForcedIntoWhileItRest
   show.Force("SHOW");
   await("SHOW/A");
   harness_.node().RunOnLoop([&] { topic.reset(); });
-  EXPECT_THAT(told, ElementsAre("IDLE", "SHOW/A"));
+  EXPECT_THAT(published, ElementsAre("IDLE", "SHOW/A"));
 }
 
 }  // namespace musher::fsm_actuator_fault_test

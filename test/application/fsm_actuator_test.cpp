@@ -1,5 +1,5 @@
-// An application as an actuator: when its machine is ticked, rests and ends, and what becomes of
-// what it throws.
+// An application as an actuator: when its machine is ticked, paused and ended, and how its
+// exceptions are handled.
 
 #include <future>
 
@@ -45,7 +45,7 @@ TEST_F(AnFsmActuator, StampsWithTheTimeOfItsMachine) {
   EXPECT_EQ(msg::FromStamp(stamp), show.Of([](Show& s) { return s.Now(); }).time_since_epoch());
 }
 
-// One of its own would keep the machine from hearing that the robot rests.
+// A callback of its own would replace the one that pauses the machine.
 template <class Actuator>
 concept TakesStateCallbacks = requires(Actuator& actuator) {
   actuator.RegisterStateCallback("LowPower", [] { return kCodeOk; });
@@ -54,7 +54,7 @@ concept TakesStateCallbacks = requires(Actuator& actuator) {
 static_assert(TakesStateCallbacks<MachineActuator>);
 static_assert(!TakesStateCallbacks<Show>);
 
-TEST_F(AnFsmActuator, RestsInEveryOtherStateAndGoesOnWhereItWas) {
+TEST_F(AnFsmActuator, IsPausedInEveryOtherStateAndResumesInItsState) {
   Show show;
   Begin(show);
   harness_.Tick(show, 3);
@@ -74,7 +74,7 @@ TEST_F(AnFsmActuator, RestsInEveryOtherStateAndGoesOnWhereItWas) {
   EXPECT_EQ(show.Of([](Show& s) { return s.machine().time(); }), Milliseconds(60));
 }
 
-TEST_F(AnFsmActuator, BeginsAnewWhereItIsToldTo) {
+TEST_F(AnFsmActuator, StartsFromTheBeginningWithThatOption) {
   Show show({.resume = FsmActuator::Resume::kAnew});
   Begin(show);
   harness_.Tick(show, 5);
@@ -95,7 +95,7 @@ TEST_F(AnFsmActuator, LeavesItsStateAtTearDown) {
   EXPECT_EQ(show.Path(), "");
 }
 
-TEST_F(AnFsmActuator, RestsAtAnEmergencyStopUntilActiveIsSetAgainAfterTheRelease) {
+TEST_F(AnFsmActuator, IsPausedByAnEmergencyStopUntilActiveIsSetAgainAfterTheRelease) {
   Show show;
   Begin(show);
   std::unique_ptr<transport::Publisher<msg::EmergencyStop>> button;
@@ -158,7 +158,7 @@ TEST_F(AnFsmActuator, FailsItsSetUpWithEveryFaultOfItsMachine) {
   EXPECT_THAT(started.error().message, HasSubstr("no states are registered"));
 }
 
-TEST_F(AnFsmActuator, FailsItsSetUpWhenNobodyHasBuiltTheMachine) {
+TEST_F(AnFsmActuator, FailsItsSetUpWhenTheMachineIsNotBuilt) {
   class Empty : public FsmActuator {
    public:
     Empty() : FsmActuator("show") {}
@@ -205,7 +205,7 @@ TEST_F(AnFsmActuator, EndsTheProgramWhenAHookThrowsAndThereIsNoSafeState) {
   EXPECT_EQ(show.Wait(), 1);
 }
 
-TEST_F(AnFsmActuator, RestsWhenItsApplicationStopsTheMachineAndStartsItAtTheNextActive) {
+TEST_F(AnFsmActuator, IsPausedWhenItsApplicationStopsTheMachineAndStartsItAtTheNextActive) {
   Show show;
   Begin(show);
   show.RunOnLoop([&] { show.data().left_early = true; });
@@ -254,7 +254,7 @@ TEST_F(AnFsmActuator, GoesOnWhenTheWorldIsRestarted) {
   EXPECT_EQ(show.Path(), "PLAY");
 }
 
-TEST_F(AnFsmActuator, DoesNotTakeTheFirstTimeOfAWorldForTheLengthOfATick) {
+TEST_F(AnFsmActuator, DoesNotUseTheFirstClockSampleAsTheLengthOfATick) {
   Show show;
   ASSERT_TRUE(show.Prepare(harness_.path()).ok());
   ASSERT_TRUE(show.Start().ok());

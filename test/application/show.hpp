@@ -1,5 +1,5 @@
 #pragma once
-// A small application in a process with its controller, on the time of a world that the test moves.
+// A small application in one process with its controller, on a /clock that the test advances.
 
 #include <gmock/gmock.h>
 
@@ -24,10 +24,10 @@
 
 namespace musher::testing {
 
-// What the application is to do, and what it did; touched on the loop, or by RunOnLoop().
+// The script of the application and its log; accessed on the loop, or by RunOnLoop().
 struct ShowData {
   std::vector<std::string> log;
-  std::map<std::string, std::string> throws;  // what a hook or a state's function throws
+  std::map<std::string, std::string> throws;  // the exception of a hook or of a state's function
   std::map<std::string, int> runs;            // of each state
   bool unsafe = false;
   bool safe_state = true;
@@ -41,7 +41,7 @@ struct ShowData {
   }
 };
 
-// Greets for 100 ms, then plays until the word "again" comes.
+// Greets for 100 ms, then plays until the command "again" comes.
 class Scene : public fsm::State {
  public:
   Scene(ShowData& data, std::string name, std::string next, Duration time)
@@ -77,7 +77,7 @@ class Show : public FsmActuator {
   ~Show() override { Shutdown(); }
 
   ShowData& data() { return data_; }  // before Start(), or by RunOnLoop()
-  // What `look` says of it, between two ticks.
+  // The result of `look`, between two ticks.
   template <class Look>
   auto Of(Look look) {
     decltype(look(*this)) found{};
@@ -136,7 +136,7 @@ class Show : public FsmActuator {
   ShowData data_;
 };
 
-// The controller of a machine that has the show as its only actuator, and the world's clock.
+// The controller of a machine with the show as its only actuator, and /clock.
 class Harness {
  public:
   explicit Harness(const std::string& clock = "topic") {
@@ -167,7 +167,7 @@ class Harness {
   transport::NodeThread& node() { return *node_; }
   MachineController& controller() { return controller_; }
 
-  // The show is set up and the world's time has come to it.
+  // The show is set up and has received /clock.
   void Open(Show& show) {
     const Result<> ready = show.Prepare(path());
     ASSERT_TRUE(ready) << ready.error().message;
@@ -177,7 +177,7 @@ class Harness {
     ASSERT_TRUE(controller_.AwaitSetUp().ok());
     Advance(show, Milliseconds(20));
   }
-  // Moves the world's time, and waits until the show has it.
+  // Advances /clock, and waits until the show has received it.
   void Advance(Show& show, Duration step) {
     now_ += step;
     const Time there = Time{} + now_;
@@ -188,7 +188,7 @@ class Harness {
       std::this_thread::yield();
     }
   }
-  // So many ticks of 20 ms.
+  // This many ticks of 20 ms.
   void Tick(Show& show, int count) {
     for (int i = 0; i < count; ++i) Advance(show, Milliseconds(20));
   }

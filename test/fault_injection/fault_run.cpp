@@ -188,7 +188,7 @@ void FaultRun::CheckSwitches() {
   int controller = 0;
   for (const nlohmann::json& line : robot.Lines()) {
     const std::string message = line.value("message", "");
-    if (message.find("lets go") != std::string::npos) ++controller;
+    if (message.find("releases control") != std::string::npos) ++controller;
     if (message.find("are set up") != std::string::npos) ++controller;
     std::smatch match;
     if (std::regex_search(message, match, end)) ++ends[{controller, match[1]}];

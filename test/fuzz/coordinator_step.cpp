@@ -69,7 +69,7 @@ class Harness {
       }
       case 4:
         return harness_.Tell(
-            event::Vanished{i, record.report.incarnation, input_.Bool(), "it is out of reach"});
+            event::Vanished{i, record.report.incarnation, input_.Bool(), "connection lost"});
       case 5:
         return harness_.Tell(event::HealthChanged{i, record.report.incarnation,
                                                   transport::WorkFrom(input_.Byte()), input_.Bool(),

@@ -1,4 +1,4 @@
-// Whom an actuator obeys, and what it does when nobody leads it any more.
+// Which controller an actuator obeys, and what it does without a controller.
 
 #include <gmock/gmock.h>
 
@@ -24,15 +24,15 @@ using ::testing::VariantWith;
 
 constexpr Sender kStranger = 999;
 
-class Obeying : public testing::OneActuator {
+class ObeyedController : public testing::OneActuator {
  protected:
-  Obeying() {
+  ObeyedController() {
     SetUpIt();
-    Do(AskArrived{0, {1, 0, false}, 1});  // the controller of epoch 1 has claimed it
+    Do(AskArrived{0, {1, 0, false}, 1});  // the controller of epoch 1 has taken control
   }
 };
 
-TEST_F(Obeying, ASenderThatHasNotAnnouncedItselfIsRefused) {
+TEST_F(ObeyedController, ASenderThatHasNotAnnouncedItselfIsRefused) {
   SwitchArrived command = Command(1, "Active", 2);
   const Answer answer = AnswerIn(Do(command));
   EXPECT_EQ(answer.code, kCodePermissionDenied);
@@ -40,7 +40,7 @@ TEST_F(Obeying, ASenderThatHasNotAnnouncedItselfIsRefused) {
   EXPECT_EQ(core_.report.epoch, 1U);
 }
 
-TEST_F(Obeying, OneThatAnnouncedItselfIsFollowedAndTheOneBeforeNoLonger) {
+TEST_F(ObeyedController, AnAnnouncedControllerTakesControlFromThePreviousOne) {
   Announce(2);
   EXPECT_THAT(Do(Command(1, "Active", 2)),
               Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
@@ -48,9 +48,9 @@ TEST_F(Obeying, OneThatAnnouncedItselfIsFollowedAndTheOneBeforeNoLonger) {
   EXPECT_EQ(AnswerIn(Do(Command(2, "DeActive", 1))).code, kCodePermissionDenied);
 }
 
-TEST_F(Obeying, AWaitingCommandIsDroppedWhenAnotherControllerTakesOver) {
+TEST_F(ObeyedController, AWaitingCommandIsDroppedWhenAnotherControllerTakesOver) {
   Do(Command(1, "LowPower"));
-  Do(Command(2, "DeActive"));  // waits for the callback that runs
+  Do(Command(2, "DeActive"));  // waits for the running callback
   Announce(2);
   const Actions taken_over = Do(AskArrived{0, {2, 1, false}, 2});
   EXPECT_THAT(AnswerIn(taken_over).message, HasSubstr("epoch 2 has taken over"));
@@ -58,31 +58,31 @@ TEST_F(Obeying, AWaitingCommandIsDroppedWhenAnotherControllerTakesOver) {
   EXPECT_EQ(core_.report.state, "LowPower");
 }
 
-TEST_F(Obeying, AnAnnouncementAloneChangesNothing) {
+TEST_F(ObeyedController, AnAnnouncementAloneChangesNothing) {
   Announce(2);
   EXPECT_THAT(Do(Command(1, "Active", 1)),
               Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
 }
 
-TEST_F(Obeying, TheSameEpochFromAnotherSenderIsRefused) {
+TEST_F(ObeyedController, TheSameEpochFromAnotherSenderIsRefused) {
   SwitchArrived command = Command(1, "Active", 1);
   command.sender = kStranger;
   Do(ControllerHeard{kStranger, 1});
   const Answer answer = AnswerIn(Do(command));
   EXPECT_EQ(answer.code, kCodePermissionDenied);
-  EXPECT_THAT(answer.message, HasSubstr("another controller's"));
+  EXPECT_THAT(answer.message, HasSubstr("another controller"));
   EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 5, true}, kStranger})).code, kCodePermissionDenied);
-  EXPECT_EQ(core_.report.number, 0U) << "its question fences nothing";
+  EXPECT_EQ(core_.report.number, 0U) << "its query fences nothing";
 }
 
-class NotLedYet : public testing::OneActuator {
+class NoControllerYet : public testing::OneActuator {
  protected:
-  NotLedYet() { SetUpIt(); }
+  NoControllerYet() { SetUpIt(); }
 };
 
-// An actuator that has followed no controller yet has epoch 0 and sender 0: both matched a command
-// of an unknown participant.
-TEST_F(NotLedYet, ACommandOfASenderThatIsNotKnownIsRefused) {
+// An actuator without a controller so far has epoch 0 and sender 0: both matched a command of an
+// unknown participant.
+TEST_F(NoControllerYet, ACommandOfAnUnknownSenderIsRefused) {
   Do(ControllerHeard{0, 0});
   Do(ControllerHeard{0, 3});
   for (const std::uint64_t epoch : {0, 3}) {
@@ -94,17 +94,17 @@ TEST_F(NotLedYet, ACommandOfASenderThatIsNotKnownIsRefused) {
     EXPECT_EQ(AnswerIn(Do(AskArrived{9, {epoch, 5, true}, 0})).code, kCodePermissionDenied);
   }
   EXPECT_EQ(core_.report.epoch, 0U);
-  EXPECT_EQ(core_.report.number, 0U) << "its question fences nothing";
+  EXPECT_EQ(core_.report.number, 0U) << "its query fences nothing";
 }
 
-TEST_F(Obeying, OneCannotCommandInTheNameOfAnotherThatAnnouncedItself) {
+TEST_F(ObeyedController, ASenderCannotUseTheEpochThatAnotherAnnounced) {
   Announce(2);
   SwitchArrived command = Command(1, "Active", 2);
   command.sender = kStranger;
   EXPECT_EQ(AnswerIn(Do(command)).code, kCodePermissionDenied);
 }
 
-TEST_F(Obeying, AnEpochThatCannotBeIsRefusedEvenIfItIsAnnounced) {
+TEST_F(ObeyedController, AnEpochOutOfRangeIsRefusedEvenIfItIsAnnounced) {
   for (const std::uint64_t epoch : {kLastEpoch + 1, std::numeric_limits<std::uint64_t>::max()}) {
     Do(ControllerHeard{kStranger, epoch});
     SwitchArrived command = Command(1, "Active", epoch);
@@ -114,10 +114,10 @@ TEST_F(Obeying, AnEpochThatCannotBeIsRefusedEvenIfItIsAnnounced) {
   EXPECT_EQ(core_.report.epoch, 1U);
   Announce(2);
   EXPECT_EQ(AnswerIn(Do(AskArrived{9, {2, 0, false}, 2})).verdict, Verdict::kDone)
-      << "who can be one is still followed";
+      << "a controller with a valid epoch still takes control";
 }
 
-TEST_F(Obeying, AnAnnouncementOfALowerEpochDoesNotHideAHigherOne) {
+TEST_F(ObeyedController, AnAnnouncementOfALowerEpochDoesNotHideAHigherOne) {
   Announce(5);
   Announce(3);
   EXPECT_THAT(Do(Command(1, "Active", 5)),
@@ -125,7 +125,7 @@ TEST_F(Obeying, AnAnnouncementOfALowerEpochDoesNotHideAHigherOne) {
   EXPECT_EQ(AnswerIn(Do(Command(2, "LowPower", 3))).code, kCodePermissionDenied);
 }
 
-TEST_F(Obeying, AnnouncementsOfAnImpossibleEpochHideNobody) {
+TEST_F(ObeyedController, AnnouncementsOfAnEpochOutOfRangeDoNotHideOthers) {
   Do(ControllerHeard{666, UINT64_MAX});
   Announce(5);
   EXPECT_THAT(Do(Command(1, "Active", 5)),
@@ -134,15 +134,15 @@ TEST_F(Obeying, AnnouncementsOfAnImpossibleEpochHideNobody) {
 
 // Without a controller
 
-class Alone : public Obeying {
+class ControllerLost : public ObeyedController {
  protected:
-  Alone() {
+  ControllerLost() {
     ActuatorConfig& actuator = config_.actuators[0];
     actuator.controller_lost = Milliseconds(2000);
     actuator.on_controller_lost = "DeActive";
     Switch(1, "Active");
   }
-  // Time passes without a word; what it does by itself at the end.
+  // Time passes without a sample; the actions of the actuator at the end.
   Actions After(Duration duration) {
     now_ += duration;
     return Do(TimePassed{});
@@ -150,7 +150,7 @@ class Alone : public Obeying {
   std::optional<Time> Deadline() const { return NextDeadline(config_, 0, core_); }
 };
 
-TEST_F(Alone, GoesToItsSafeStateByItselfAfterItsPatience) {
+TEST_F(ControllerLost, GoesToItsSafeStateByItselfAfterItsTimeout) {
   EXPECT_EQ(Deadline(), now_ + Milliseconds(2000));
   EXPECT_THAT(After(Milliseconds(1999)), IsEmpty());
   EXPECT_THAT(After(Milliseconds(1)), Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
@@ -160,7 +160,7 @@ TEST_F(Alone, GoesToItsSafeStateByItselfAfterItsPatience) {
   EXPECT_FALSE(Deadline()) << "it is safe now";
 }
 
-TEST_F(Alone, AnySignOfItsControllerIsEnoughToStay) {
+TEST_F(ControllerLost, AnySampleOfItsControllerIsEnoughToStay) {
   for (int i = 0; i < 10; ++i) {
     EXPECT_THAT(After(Milliseconds(1900)), IsEmpty());
     Announce(1);
@@ -170,7 +170,7 @@ TEST_F(Alone, AnySignOfItsControllerIsEnoughToStay) {
   EXPECT_THAT(After(Milliseconds(1900)), IsEmpty());
 }
 
-TEST_F(Alone, SignsOfAnotherControllerDoNotCount) {
+TEST_F(ControllerLost, SamplesOfAnotherControllerDoNotCount) {
   now_ += Milliseconds(1000);
   Do(ControllerHeard{kStranger, 9});
   now_ += Milliseconds(500);
@@ -179,14 +179,14 @@ TEST_F(Alone, SignsOfAnotherControllerDoNotCount) {
               Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
 }
 
-TEST_F(Alone, NeverGoesUpForIt) {
+TEST_F(ControllerLost, NeverGoesUpForIt) {
   Switch(2, "LowPower");
   EXPECT_FALSE(Deadline());
   EXPECT_THAT(After(std::chrono::hours(1)), IsEmpty());
   EXPECT_EQ(core_.report.state, "LowPower");
 }
 
-TEST_F(Alone, WaitsForACallbackThatRuns) {
+TEST_F(ControllerLost, WaitsForACallbackThatRuns) {
   Do(Command(2, "LowPower"));
   EXPECT_FALSE(Deadline());
   EXPECT_THAT(After(std::chrono::hours(1)), IsEmpty());
@@ -195,7 +195,7 @@ TEST_F(Alone, WaitsForACallbackThatRuns) {
   EXPECT_THAT(After({}), Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
 }
 
-TEST_F(Alone, ACallbackThatFailsIsTriedAgainAfterTheSamePatienceAndNotAtOnce) {
+TEST_F(ControllerLost, ACallbackThatFailsIsRetriedAfterTheSameTimeoutAndNotAtOnce) {
   EXPECT_THAT(After(Milliseconds(2000)),
               Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
   Do(CallbackEnded{5001, "stuck"});
@@ -204,30 +204,30 @@ TEST_F(Alone, ACallbackThatFailsIsTriedAgainAfterTheSamePatienceAndNotAtOnce) {
   EXPECT_THAT(After(Milliseconds(1)), Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
 }
 
-TEST_F(Alone, WhatItDidByItselfIsNoCommandsOutcome) {
+TEST_F(ControllerLost, ASwitchByItselfIsNotTheOutcomeOfACommand) {
   After(Milliseconds(2000));
   Do(CallbackEnded{5001, "stuck"});
   EXPECT_EQ(core_.report.outcome_number, 1U);
   EXPECT_EQ(core_.report.outcome_code, kCodeOk);
-  EXPECT_EQ(AnswerIn(Do(Command(1, "Active"))).verdict, Verdict::kDone) << "asked for again";
+  EXPECT_EQ(AnswerIn(Do(Command(1, "Active"))).verdict, Verdict::kDone) << "repeated";
 }
 
-TEST_F(Alone, ReturnsAtTheCommandOfItsController) {
+TEST_F(ControllerLost, ReturnsAtTheCommandOfItsController) {
   After(Milliseconds(2000));
   Do(CallbackEnded{});
   Switch(2, "Active");
   EXPECT_EQ(Deadline(), now_ + Milliseconds(2000));
 }
 
-TEST_F(Alone, ACommandOfItsControllerWaitsBehindTheWayToTheSafeState) {
+TEST_F(ControllerLost, ACommandOfItsControllerWaitsBehindTheWayToTheSafeState) {
   After(Milliseconds(2000));
   Do(Command(2, "LowPower"));
   EXPECT_THAT(Do(CallbackEnded{}), Contains(VariantWith<RunCallback>(RunCallback{"LowPower"})));
 }
 
-class Unled : public testing::OneActuator {};
+class NeverControlled : public testing::OneActuator {};
 
-TEST_F(Unled, AnActuatorThatNobodyHasClaimedWaitsForEver) {
+TEST_F(NeverControlled, AnActuatorThatNoControllerControlsWaitsForEver) {
   config_.actuators[0].controller_lost = Milliseconds(2000);
   config_.actuators[0].on_controller_lost = "LowPower";
   SetUpIt();

@@ -20,7 +20,7 @@ using ::testing::VariantWith;
 
 class Actuator : public testing::OneActuator {};
 
-TEST_F(Actuator, RunsSetUpByItselfAndTellsThatItIsBusyFromTheFirstMoment) {
+TEST_F(Actuator, RunsSetUpByItselfAndReportsThatItIsBusyFromTheStart) {
   EXPECT_THAT(Do(Started{}), ElementsAre(VariantWith<RunCallback>(RunCallback{"SetUp"}),
                                          VariantWith<PublishStatus>(PublishStatus{})));
   EXPECT_EQ(core_.report.target, "SetUp");
@@ -71,7 +71,7 @@ TEST_F(Actuator, RunsTheCallbackOfItsOwnStateAgainAfterAFailureToLeaveIt) {
   EXPECT_THAT(Do(Command(3, "Active")), Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
 }
 
-TEST_F(Actuator, RefusesAnEpochThatIsOver) {
+TEST_F(Actuator, RefusesAnOutdatedEpoch) {
   SetUpIt();
   Announce(5);
   Do(Command(1, "Active", 5));
@@ -83,7 +83,7 @@ TEST_F(Actuator, RefusesAnEpochThatIsOver) {
   EXPECT_EQ(core_.report.state, "Active");
 }
 
-TEST_F(Actuator, RefusesANumberFromThePast) {
+TEST_F(Actuator, RefusesAnOutdatedNumber) {
   SetUpIt();
   Switch(5, "Active");
   const Answer answer = AnswerIn(Do(Command(4, "DeActive")));
@@ -91,7 +91,7 @@ TEST_F(Actuator, RefusesANumberFromThePast) {
   EXPECT_EQ(answer.code, kCodeStatusError);
 }
 
-TEST_F(Actuator, RefusesANumberFromThePastAlsoInANewEpoch) {
+TEST_F(Actuator, RefusesAnOutdatedNumberAlsoInANewEpoch) {
   SetUpIt();
   Switch(5, "Active");
   EXPECT_EQ(AnswerIn(Do(Command(4, "DeActive", 2))).verdict, Verdict::kRefused);
@@ -132,7 +132,7 @@ TEST_F(Actuator, RefusesACommandMeantForAnEarlierProcessOfItsName) {
 TEST_F(Actuator, RefusesACommandThatIsOlderThanItsBudgetByItsOwnClock) {
   SetUpIt();
   SwitchArrived command = Command(1, "Active");
-  now_ += Milliseconds(101);  // it was held up on the way, say by a link that was down
+  now_ += Milliseconds(101);  // it was delayed, for example by a link that was down
   const Answer answer = AnswerIn(Do(command));
   EXPECT_EQ(answer.code, kCodeTimeout);
   EXPECT_THAT(answer.message, HasSubstr("101 ms old"));
@@ -141,12 +141,12 @@ TEST_F(Actuator, RefusesACommandThatIsOlderThanItsBudgetByItsOwnClock) {
 TEST_F(Actuator, DoesNotTakeAnOldStatusStampForAnOldCommand) {
   SetUpIt();
   SwitchArrived command = Command(1, "Active");
-  now_ += std::chrono::hours(1);  // nothing has happened for an hour, as the sender knows
+  now_ += std::chrono::hours(1);  // no status for an hour; the sender knows that
   command.command.since_status = std::chrono::hours(1);
   EXPECT_THAT(Do(command), Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
 }
 
-TEST_F(Actuator, RefusesACommandWhoseTimesCannotBe) {
+TEST_F(Actuator, RefusesACommandWithInvalidTimes) {
   SetUpIt();
   for (const auto& [stamp, since] :
        {std::pair(Time::max(), Duration::zero()), std::pair(Time::min(), Duration::zero()),
@@ -158,7 +158,7 @@ TEST_F(Actuator, RefusesACommandWhoseTimesCannotBe) {
   }
 }
 
-TEST_F(Actuator, ACommandThatHadNotBegunWhenAskedForNeverBegins) {
+TEST_F(Actuator, ACommandThatHadNotBegunWhenItWasQueriedNeverBegins) {
   SetUpIt();
   const SwitchArrived late = Command(7, "Active");
   EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 7, true}, 1})).verdict, Verdict::kDone);
@@ -166,7 +166,7 @@ TEST_F(Actuator, ACommandThatHadNotBegunWhenAskedForNeverBegins) {
   EXPECT_EQ(core_.report.state, "SetUp");
 }
 
-TEST_F(Actuator, AWaitingCommandThatIsAskedForNeverBegins) {
+TEST_F(Actuator, AWaitingCommandThatIsQueriedNeverBegins) {
   SetUpIt();
   Do(Command(1, "Active"));
   Do(Command(2, "LowPower"));
@@ -176,7 +176,7 @@ TEST_F(Actuator, AWaitingCommandThatIsAskedForNeverBegins) {
               Not(Contains(VariantWith<RunCallback>(RunCallback{"LowPower"}))));
 }
 
-// It waits behind a callback while the process is silent for a moment; the probe asks only whether
+// It waits behind a callback while the process is silent for a moment; the probe only checks that
 // the actuator answers.
 TEST_F(Actuator, AHealthProbeDoesNotCancelAWaitingTearDown) {
   SetUpIt();
@@ -188,7 +188,7 @@ TEST_F(Actuator, AHealthProbeDoesNotCancelAWaitingTearDown) {
   EXPECT_THAT(Do(CallbackEnded{}), Contains(VariantWith<RunCallback>(RunCallback{"TearDown"})));
 }
 
-TEST_F(Actuator, AsksARunningCallbackToStopOnlyWhenTold) {
+TEST_F(Actuator, RequestsARunningCallbackToStopOnlyWhenCommanded) {
   SetUpIt();
   Do(Command(1, "Active"));
   EXPECT_THAT(Do(AskArrived{8, {1, 1, false}, 1}),
@@ -208,7 +208,7 @@ TEST_F(Actuator, TheNewestCommandWaitsBehindARunningCallback) {
   EXPECT_THAT(Do(CallbackEnded{}), Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
 }
 
-TEST_F(Actuator, AWaitingCommandThatGrewTooOldIsRefused) {
+TEST_F(Actuator, AWaitingCommandThatHasExpiredIsRefused) {
   SetUpIt();
   Do(Command(1, "Active"));
   Do(Command(2, "LowPower"));
@@ -243,7 +243,7 @@ TEST_F(Actuator, StaysWhenTearDownFails) {
   EXPECT_THAT(Do(CallbackEnded{5001, ""}), Not(Contains(VariantWith<Finish>(Finish{}))));
 }
 
-TEST_F(Actuator, IsDrivenByAManagerWithoutEpochsAsLongAsNoControllerHasSpoken) {
+TEST_F(Actuator, ObeysAManagerWithoutEpochsUntilAControllerHasTakenControl) {
   SetUpIt();
   EXPECT_THAT(Do(ManagerCommand{7, "Active"}),
               Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
@@ -255,7 +255,7 @@ TEST_F(Actuator, IsDrivenByAManagerWithoutEpochsAsLongAsNoControllerHasSpoken) {
   EXPECT_EQ(AnswerIn(Do(ManagerCommand{8, "Active"})).code, kCodePermissionDenied);
 }
 
-TEST_F(Actuator, BelongsToTheControllerThatHasAskedItToFollow) {
+TEST_F(Actuator, BelongsToTheControllerThatHasTakenControl) {
   SetUpIt();
   Announce(3);
   Do(AskArrived{1, {3, 0, false}, 3});
@@ -296,7 +296,7 @@ TEST_F(Actuator, RefusesAManagerWhatGoesUpWhileAnEmergencyStopIsLatched) {
               Contains(VariantWith<RunCallback>(RunCallback{"TearDown"})));
 }
 
-TEST_F(Actuator, TellsWhetherItsStateWasSetForItAloneAlsoWhereItWasThereAlready) {
+TEST_F(Actuator, ReportsWhetherItIsDetachedAlsoWhereItWasInThatStateAlready) {
   SetUpIt();
   Switch(1, "LowPower");
   EXPECT_FALSE(core_.report.apart);

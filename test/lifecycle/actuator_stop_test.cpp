@@ -1,4 +1,4 @@
-// An emergency stop as an actuator latches it itself.
+// An actuator latches an emergency stop itself.
 
 #include <gmock/gmock.h>
 
@@ -33,7 +33,7 @@ class Stopped : public testing::OneActuator {
   }
 };
 
-TEST_F(Stopped, StopsAtOnceWhoeverSaysSoAndTells) {
+TEST_F(Stopped, StopsAtOnceWhicheverParticipantEngagesAndReports) {
   const Actions actions = Engage();
   EXPECT_THAT(actions, kRuns);
   EXPECT_THAT(actions, Contains(VariantWith<PublishStatus>(PublishStatus{})));
@@ -41,7 +41,7 @@ TEST_F(Stopped, StopsAtOnceWhoeverSaysSoAndTells) {
   EXPECT_EQ(core_.report.state, "DeActive");
 }
 
-// A controller that starts only after the stop has nothing else to learn its reason from.
+// A controller that starts after the stop has no other source for its reason.
 TEST_F(Stopped, ReportsTheSourceAndTheReasonOfTheOldestStop) {
   Do(EmergencyStopHeard{kStop, true, 999, "alice", "smoke"});
   Do(EmergencyStopHeard{kStop + 1, true, 999, "bob", "fire"});
@@ -84,11 +84,11 @@ TEST_F(Stopped, ReleasingTheSecondOfTwoStopsLeavesTheFirst) {
   EXPECT_THAT(Engage(kStop + 1), IsEmpty()) << "it is over";
 }
 
-TEST_F(Stopped, AStopWithoutANumberIsNone) {
+TEST_F(Stopped, AStopWithoutANumberIsIgnored) {
   EXPECT_THAT(Engage(0), IsEmpty());
 }
 
-TEST_F(Stopped, OneThatIsReleasedNeverStopsItAgainAndAnotherDoes) {
+TEST_F(Stopped, AReleasedStopNeverStopsItAgainAndAnotherDoes) {
   Engage();
   Release();
   EXPECT_EQ(core_.report.emergency_stop, 0U);
@@ -111,7 +111,7 @@ TEST_F(Stopped, OnlyItsControllerReleases) {
   EXPECT_EQ(core_.report.emergency_stop, 0U);
 }
 
-TEST_F(Stopped, NobodyReleasesOneThatNobodyLeads) {
+TEST_F(Stopped, NoParticipantReleasesAnActuatorWithoutAController) {
   core_.controller = 0;
   Engage();
   Release(kStop, 0);
@@ -138,7 +138,7 @@ TEST_F(Stopped, GoesUpAgainOnceItIsReleased) {
   Switch(3, "Active");
 }
 
-TEST_F(Stopped, ACallbackOnItsWayUpIsAskedToStop) {
+TEST_F(Stopped, AnUpwardCallbackIsRequestedToStop) {
   Do(Command(2, "Active"));
   const Actions actions = Engage();
   EXPECT_THAT(actions, kRuns);
@@ -146,7 +146,7 @@ TEST_F(Stopped, ACallbackOnItsWayUpIsAskedToStop) {
 }
 
 // Its callback has switched the motors on after the stop action had switched them off.
-TEST_F(Stopped, ACallbackOnItsWayUpThatEndsWellHasFailedAndTheStopActionRunsAgain) {
+TEST_F(Stopped, AnUpwardCallbackThatSucceedsHasFailedAndTheStopActionRunsAgain) {
   Do(Command(2, "Active"));
   Engage();
   const Actions actions = Do(CallbackEnded{});
@@ -160,7 +160,7 @@ TEST_F(Stopped, ACallbackOnItsWayUpThatEndsWellHasFailedAndTheStopActionRunsAgai
       << "it may be half way up, so the way back runs its callback";
 }
 
-TEST_F(Stopped, ACallbackOnItsWayUpHasFailedThoughTheStopIsReleasedBeforeItEnds) {
+TEST_F(Stopped, AnUpwardCallbackHasFailedThoughTheStopIsReleasedBeforeItEnds) {
   Do(Command(2, "Active"));
   Engage();
   Release();
@@ -170,7 +170,7 @@ TEST_F(Stopped, ACallbackOnItsWayUpHasFailedThoughTheStopIsReleasedBeforeItEnds)
   EXPECT_EQ(core_.report.state, "DeActive");
 }
 
-TEST_F(Stopped, ACallbackOnItsWayUpThatFailsUnderAStopIsStoppedAgainAndKeepsItsReason) {
+TEST_F(Stopped, AnUpwardCallbackThatFailsUnderAStopIsStoppedAgainAndKeepsItsReason) {
   Do(Command(2, "Active"));
   Engage();
   const Actions actions = Do(CallbackEnded{2012, "no lidar"});
@@ -178,7 +178,7 @@ TEST_F(Stopped, ACallbackOnItsWayUpThatFailsUnderAStopIsStoppedAgainAndKeepsItsR
   EXPECT_EQ(AnswerIn(actions).code, 2012);
 }
 
-TEST_F(Stopped, ASelfCheckBesideWhichAStopCameIsStoppedAgain) {
+TEST_F(Stopped, ASelfCheckDuringWhichAStopCameIsStoppedAgain) {
   Do(Command(2, "SelfCheck"));
   Engage();
   const Actions actions = Do(CallbackEnded{});
@@ -192,7 +192,7 @@ TEST_F(Stopped, TheStopActionDoesNotRunAgainAfterACallbackThatBeganUnderTheStop)
   EXPECT_THAT(Do(CallbackEnded{}), Not(kRuns));
 }
 
-TEST_F(Stopped, ACallbackOnItsWayDownRunsOn) {
+TEST_F(Stopped, ADownwardCallbackRunsOn) {
   Do(Command(2, "LowPower"));
   const Actions actions = Engage();
   EXPECT_THAT(actions, kRuns);
@@ -210,15 +210,15 @@ TEST_F(Stopped, AWaitingCommandUpwardIsRefusedAtOnce) {
 
 TEST_F(Stopped, AWaitingCommandThatHasBecomeUpwardMeanwhileIsRefusedToo) {
   Do(Command(2, "LowPower"));
-  Do(Command(3, "DeActive"));  // where it still is when the stop comes
+  Do(Command(3, "DeActive"));  // the state at the time of the stop
   Engage();
   EXPECT_EQ(AnswerIn(Do(CallbackEnded{})).verdict, Verdict::kDone);
   EXPECT_EQ(core_.report.state, "LowPower");
   EXPECT_FALSE(core_.report.busy());
 }
 
-// Its callback would, say, switch the motors on again that the failed one has switched off.
-TEST_F(Stopped, AWayDownThatHasFailedIsNotUndone) {
+// Its callback would, for example, switch on the motors that the failed one has switched off.
+TEST_F(Stopped, AFailedDownwardCallbackIsNotUndone) {
   Do(Command(2, "LowPower"));
   Do(CallbackEnded{kCodeFailed, ""});
   Engage();
@@ -229,14 +229,14 @@ TEST_F(Stopped, AWayDownThatHasFailedIsNotUndone) {
   EXPECT_FALSE(core_.half_way_down);
 }
 
-TEST_F(Stopped, ACallbackThatUndoesAFailedWayDownIsAskedToStop) {
+TEST_F(Stopped, ACallbackThatUndoesAFailedDownwardOneIsRequestedToStop) {
   Do(Command(2, "LowPower"));
   Do(CallbackEnded{kCodeFailed, ""});
   Do(Command(3, "DeActive"));
   EXPECT_THAT(Engage(), kAsksToStop);
 }
 
-TEST_F(Stopped, AWayUpThatHasFailedIsUndone) {
+TEST_F(Stopped, AFailedUpwardCallbackIsUndone) {
   Do(Command(2, "Active"));
   Do(CallbackEnded{kCodeFailed, ""});
   Engage();
@@ -244,14 +244,14 @@ TEST_F(Stopped, AWayUpThatHasFailedIsUndone) {
               Contains(VariantWith<RunCallback>(RunCallback{"DeActive"})));
 }
 
-TEST_F(Stopped, AQuestionIsAnsweredAsEver) {
+TEST_F(Stopped, AQueryIsAnsweredAsUsual) {
   Engage();
   EXPECT_EQ(AnswerIn(Do(AskArrived{9, {1, 1, false}, 1})).verdict, Verdict::kDone);
 }
 
 // What a released stop has switched off
 
-TEST_F(Stopped, OneThatSaysActiveIsHeldByTheStopUntilItsCallbackHasRun) {
+TEST_F(Stopped, AnActuatorInActiveIsHeldByTheStopUntilItsCallbackHasRun) {
   Switch(2, "Active");
   Engage();
   EXPECT_TRUE(core_.report.held_by_stop);
@@ -293,7 +293,7 @@ TEST_F(Stopped, ACallbackThatBeganUnderTheStopDoesNotEndTheHoldThoughTheStopIsRe
   EXPECT_TRUE(core_.report.held_by_stop);
 }
 
-TEST_F(Stopped, AWayDownAfterTheReleaseDoesNotEndTheHold) {
+TEST_F(Stopped, ADownwardCallbackAfterTheReleaseDoesNotEndTheHold) {
   Switch(2, "Active");
   Engage();
   Release();
@@ -312,7 +312,7 @@ TEST_F(Stopped, ASelfCheckDoesNotEndTheHold) {
   EXPECT_TRUE(core_.report.held_by_stop);
 }
 
-TEST_F(Stopped, TheCallbackThatSwitchesOnAgainIsAskedToStopByTheNextStopAndNotRunUnderIt) {
+TEST_F(Stopped, TheCallbackThatSwitchesOnAgainIsRequestedToStopByTheNextStopAndNotRunUnderIt) {
   Switch(2, "Active");
   Engage();
   Release();
@@ -335,7 +335,7 @@ TEST_F(Stopped, AManagerWithoutEpochsRunsTheCallbackOfTheStateThatIsHeld) {
               Contains(VariantWith<RunCallback>(RunCallback{"Active"})));
 }
 
-TEST_F(Stopped, TheSafeStateIsReachedAllTheSame) {
+TEST_F(Stopped, TheSafeStateIsReachedAnyway) {
   config_.actuators[0].controller_lost = Milliseconds(2000);
   config_.actuators[0].on_controller_lost = "LowPower";
   Engage();
@@ -344,7 +344,7 @@ TEST_F(Stopped, TheSafeStateIsReachedAllTheSame) {
               Contains(VariantWith<RunCallback>(RunCallback{"LowPower"})));
 }
 
-TEST(StopInSetUp, IsLatchedFromTheFirstMoment) {
+TEST(StopInSetUp, IsLatchedFromTheStart) {
   MachineConfig config;
   ActuatorConfig audio;
   audio.name = "audio";

@@ -1,4 +1,4 @@
-// What runs where, and the sentences that say why not.
+// Where capabilities run, and the messages of refusals.
 
 #include "musher/lifecycle/capability.hpp"
 
@@ -29,8 +29,8 @@ class Capabilities : public ::testing::Test {
     }
   }
 
-  Result<> Judge(std::string_view capability, std::string_view state, std::string_view target = "",
-                 std::optional<int> battery = std::nullopt) const {
+  Result<> Evaluate(std::string_view capability, std::string_view state,
+                    std::string_view target = "", std::optional<int> battery = std::nullopt) const {
     return EvaluateCapability(config_, capability, {"legs", state, target, false, battery});
   }
   CapabilityVerdict Verdict(const std::string& name) const {
@@ -47,9 +47,9 @@ class Capabilities : public ::testing::Test {
 };
 
 TEST_F(Capabilities, RunInTheirStates) {
-  EXPECT_TRUE(Judge("walk", "Active").ok());
-  EXPECT_TRUE(Judge("walk", "Protected").ok());
-  EXPECT_EQ(Judge("walk", "LowPower").error(),
+  EXPECT_TRUE(Evaluate("walk", "Active").ok());
+  EXPECT_TRUE(Evaluate("walk", "Protected").ok());
+  EXPECT_EQ(Evaluate("walk", "LowPower").error(),
             (Error{kStateInvalid, "walk runs in Active and Protected; legs is in LowPower"}));
 }
 
@@ -64,34 +64,34 @@ TEST_F(Capabilities, AreRefusedWhereAReleasedStopHoldsTheirActuator) {
 }
 
 TEST_F(Capabilities, AreRefusedAsProtectedWhereTheyRunInActiveButNotInProtected) {
-  EXPECT_TRUE(Judge("flip", "Active").ok());
-  EXPECT_EQ(Judge("flip", "Protected").error(),
+  EXPECT_TRUE(Evaluate("flip", "Active").ok());
+  EXPECT_EQ(Evaluate("flip", "Protected").error(),
             (Error{kProtectedError, "flip runs in Active only; legs is in Protected"}));
-  EXPECT_EQ(Judge("flip", "LowPower").error().code, kStateInvalid);
+  EXPECT_EQ(Evaluate("flip", "LowPower").error().code, kStateInvalid);
 }
 
-TEST_F(Capabilities, HaveTheCodeOfTheModuleThatAsks) {
+TEST_F(Capabilities, HaveTheCodeOfTheCallingModule) {
   const auto refused = EvaluateCapability(config_, "flip", {"legs", "Protected", "", false, {}},
                                           ModuleCode::kMotionManager);
   EXPECT_EQ(refused.error().code, 3013);
 }
 
 TEST_F(Capabilities, RunInActiveOnlyWhereNothingIsDeclared) {
-  EXPECT_TRUE(Judge("sing", "Active").ok());
-  EXPECT_EQ(Judge("sing", "Protected").error(),
+  EXPECT_TRUE(Evaluate("sing", "Active").ok());
+  EXPECT_EQ(Evaluate("sing", "Protected").error(),
             (Error{kProtectedError, "sing runs in Active only; legs is in Protected"}));
-  EXPECT_EQ(Judge("sing", "DeActive").error().code, kStateInvalid);
+  EXPECT_EQ(Evaluate("sing", "DeActive").error().code, kStateInvalid);
 }
 
 TEST_F(Capabilities, WhileACallbackRunsMustBeAllowedInBothStates) {
-  EXPECT_TRUE(Judge("walk", "Active", "Protected").ok());
-  EXPECT_EQ(Judge("walk", "Active", "LowPower").error(),
+  EXPECT_TRUE(Evaluate("walk", "Active", "Protected").ok());
+  EXPECT_EQ(Evaluate("walk", "Active", "LowPower").error(),
             (Error{kStateInvalid,
-                   "walk runs in Active and Protected; legs is on its way from Active to "
+                   "walk runs in Active and Protected; legs is switching from Active to "
                    "LowPower"}));
-  EXPECT_EQ(Judge("flip", "Active", "Protected").error().code, kProtectedError);
-  EXPECT_EQ(Judge("flip", "Protected", "Active").error().code, kProtectedError);
-  EXPECT_EQ(Judge("flip", "LowPower", "Active").error().code, kStateInvalid);
+  EXPECT_EQ(Evaluate("flip", "Active", "Protected").error().code, kProtectedError);
+  EXPECT_EQ(Evaluate("flip", "Protected", "Active").error().code, kProtectedError);
+  EXPECT_EQ(Evaluate("flip", "LowPower", "Active").error().code, kStateInvalid);
 }
 
 TEST_F(Capabilities, AreAllRefusedDuringAnEmergencyStop) {
@@ -103,17 +103,17 @@ TEST_F(Capabilities, AreAllRefusedDuringAnEmergencyStop) {
   }
 }
 
-TEST_F(Capabilities, NeedTheBatteryThatTheySay) {
-  EXPECT_TRUE(Judge("jump", "Active", "", 30).ok());
-  EXPECT_EQ(Judge("jump", "Active", "", 29).error(),
+TEST_F(Capabilities, NeedTheBatteryThatTheConfigGives) {
+  EXPECT_TRUE(Evaluate("jump", "Active", "", 30).ok());
+  EXPECT_EQ(Evaluate("jump", "Active", "", 29).error(),
             (Error{kProtectedError, "jump needs at least 30 % of the battery; it has 29 %"}));
   EXPECT_EQ(
-      Judge("jump", "Active").error(),
+      Evaluate("jump", "Active").error(),
       (Error{kProtectedError, "jump needs at least 30 % of the battery; its level is not known"}));
-  EXPECT_TRUE(Judge("flip", "Active", "", 1).ok()) << "it says nothing of the battery";
+  EXPECT_TRUE(Evaluate("flip", "Active", "", 1).ok()) << "it has no min_battery";
 }
 
-TEST_F(Capabilities, AreNotThoseOfAnActuatorThatTheyAreNotDeclaredFor) {
+TEST_F(Capabilities, AreRefusedByAnActuatorThatTheyAreNotDeclaredFor) {
   const auto refused = EvaluateCapability(config_, "flip", {"eyes", "Active", "", false, {}});
   EXPECT_EQ(refused.error(), (Error{kStateInvalid, "flip is not declared for eyes"}));
 }
@@ -127,14 +127,14 @@ TEST_F(Capabilities, OfSeveralActuatorsAreAllowedWhenAllAllowThem) {
   EXPECT_TRUE(Verdict("walk").allowed) << "which takes the legs alone";
 }
 
-TEST_F(Capabilities, OfOneThatIsNotThereAreRefused) {
+TEST_F(Capabilities, OfAnUnavailableActuatorAreRefused) {
   machine_.actuators[0].presence = Presence::kLost;
   EXPECT_EQ(Verdict("walk"), (CapabilityVerdict{"walk", false, kStateInvalid, "legs is lost"}));
   machine_.actuators[0].fault = Error{3101, "crashed"};
   EXPECT_EQ(Verdict("walk").reason, "legs is lost; legs is degraded: crashed");
 }
 
-TEST_F(Capabilities, OfADegradedOneSayWhatIsWrongAndGoByItsState) {
+TEST_F(Capabilities, OfADegradedActuatorHaveItsFaultAsReasonAndDependOnItsState) {
   machine_.actuators[0].fault = Error{3009, "a motor is hot"};
   EXPECT_EQ(Verdict("walk"),
             (CapabilityVerdict{"walk", true, kCodeOk, "legs is degraded: a motor is hot"}));
@@ -153,7 +153,7 @@ TEST_F(Capabilities, AreRefusedByAStopThatTheMachineOrTheActuatorKnowsOf) {
   EXPECT_FALSE(Verdict("walk").allowed);
 }
 
-TEST_F(Capabilities, AreToldInTheOrderOfTheConfigWithTheBatteryAsItIs) {
+TEST_F(Capabilities, ArePublishedInTheOrderOfTheConfigWithThePresentBattery) {
   battery_ = 12;
   std::string names;
   for (const CapabilityVerdict& verdict : EvaluateCapabilities(config_, machine_, battery_)) {

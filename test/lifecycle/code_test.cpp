@@ -40,7 +40,7 @@ TEST(WithCode, PutsTheCodeBehindTheSentence) {
   EXPECT_EQ(WithCode("it took 50 ms", 50), "it took 50 ms (50)");
 }
 
-TEST(WithCode, LeavesOutSuccessAndWhatTheSentenceSays) {
+TEST(WithCode, LeavesOutSuccessAndACodeThatTheSentenceNames) {
   EXPECT_EQ(WithCode("all is well", kCodeOk), "all is well");
   EXPECT_EQ(WithCode("lidar: failed with 2012 (SensorManager: DeviceError), silent", 2012),
             "lidar: failed with 2012 (SensorManager: DeviceError), silent");

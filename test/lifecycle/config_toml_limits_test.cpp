@@ -1,4 +1,4 @@
-// Files that no person wrote: unreadable, foreign, huge, or made to overwhelm.
+// Invalid files: unreadable, of another format, huge, or made to overload the parser.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -40,14 +40,14 @@ std::string OnlyFault(std::string_view text) {
   return reading.diagnostics.empty() ? "" : FormatDiagnostic(reading.diagnostics.front());
 }
 
-TEST(ConfigTomlLimits, SaysThatAFileIsMissing) {
+TEST(ConfigTomlLimits, ReportsAMissingFile) {
   const ConfigReading reading = ReadConfigFile("/nowhere/at/all.toml");
   ASSERT_EQ(reading.diagnostics.size(), 1U);
   EXPECT_EQ(FormatDiagnostic(reading.diagnostics[0]),
             "/nowhere/at/all.toml: error: the file cannot be read: No such file or directory");
 }
 
-TEST(ConfigTomlLimits, SaysThatAFolderIsNoFile) {
+TEST(ConfigTomlLimits, ReportsThatAFolderIsNotAFile) {
   const ConfigReading reading = ReadConfigFile(::testing::TempDir());
   ASSERT_EQ(reading.diagnostics.size(), 1U);
   EXPECT_THAT(reading.diagnostics[0].message, HasSubstr("it is a folder"));
@@ -121,7 +121,8 @@ class ConfigTomlAttack : public ::testing::TestWithParam<Attack> {};
 TEST_P(ConfigTomlAttack, IsRefusedInTime) {
   const auto start = std::chrono::steady_clock::now();
   EXPECT_FALSE(ReadConfigText(GetParam().text, "f").config);
-  // Well under half a second without sanitizers; the bound only has to tell that from minutes.
+  // Well under half a second without sanitizers; the bound only has to distinguish that from
+  // minutes.
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 

@@ -1,5 +1,5 @@
-// What holds for every text: the reader never crashes and contradicts itself never; and every
-// machine that can be written down is read back as it was.
+// Properties of the reader: it never crashes and its result is consistent for every text; and every
+// machine that is written to a text is read back unchanged.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,4 +1,4 @@
-// What a good state config becomes. What is said of bad ones is in test/golden.
+// Reading of valid state configs. The messages for invalid ones are in test/golden.
 
 #include "musher/lifecycle/config_toml.hpp"
 
@@ -31,7 +31,7 @@ states = ["SetUp", "TearDown", "SelfCheck", "Active"]
 times = [1, 2, 3, 4]
 )";
 
-// Reads a config that must be good.
+// Reads a config that must be valid.
 MachineConfig Read(const std::string& text, const std::string& path = "/robots/sled.toml") {
   ConfigReading reading = ReadConfigText(text, path);
   for (const Diagnostic& diagnostic : reading.diagnostics) {
@@ -107,7 +107,7 @@ TEST(ConfigToml, RestartsOnFailureWhatItStartsItself) {
             RestartPolicy::kNo);
 }
 
-TEST(ConfigToml, StartsNothingAgainThatEndsWithExitCodeTwoUnlessOthersAreNamed) {
+TEST(ConfigToml, PreventsRestartsAfterExitCodeTwoUnlessOtherCodesAreNamed) {
   const auto codes = [](const std::string& keys) {
     return ReadWith("command = [\"wheels\"]\n" + keys).actuators[0].restart.prevent_exit_codes;
   };
@@ -292,7 +292,7 @@ TEST(ReadValidConfig, TakesTheFileThatTheEnvironmentNamesWhereNoneIsGiven) {
 }
 
 // Found by ConfigTomlProperty: the parser shows a broken word with the end of its line.
-TEST(ConfigToml, TellsABrokenWordOnOneLine) {
+TEST(ConfigToml, ReportsABrokenWordOnOneLine) {
   const ConfigReading reading = ReadConfigText("[policy]\nmanager = t\r\n", "robot.toml");
   ASSERT_EQ(reading.diagnostics.size(), 1U);
   EXPECT_EQ(reading.diagnostics.front().message.find_first_of("\r\n"), std::string::npos)
@@ -304,7 +304,7 @@ TEST(ReadValidConfig, IsAnErrorWhereNoFileIsNamedAtAll) {
   EXPECT_EQ(ReadValidConfig("").error().code, kCodeParametersInvalid);
 }
 
-TEST(ReadValidConfig, TellsAllErrorsAndNoWarnings) {
+TEST(ReadValidConfig, ReportsAllErrorsAndNoWarnings) {
   const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "faulty.toml";
   std::ofstream(path) << kController + kVoice + kWheels + "restart = \"no\"\nstage = 0\nx = 1\n";
   const Result<MachineConfig> config = ReadValidConfig(path);

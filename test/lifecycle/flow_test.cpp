@@ -8,7 +8,7 @@ namespace musher::testing::flow_test {
 
 using ::testing::ElementsAre;
 
-TEST(Flow, NobodyIsSentToAStepOfAProcessStart) {
+TEST(Flow, NoSwitchLeadsToAStepOfAProcessStart) {
   const MachineConfig config = MachineOf(1);
   EXPECT_FALSE(FlowAllows(config, "Active", "SetUp"));
   EXPECT_FALSE(FlowAllows(config, "SetUp", "SetUp"));

@@ -16,7 +16,7 @@ using Process = Examination::Process;
 constexpr Duration kHeartbeat = Milliseconds(100);  // so the limit is 300 ms
 constexpr std::uint64_t kFirst = 7;                 // the incarnation of each
 
-// The world of a monitor: who beats, what the kernel says, and all that it found, in words.
+// The fixture of the monitor: the heartbeats, the kernel's answers, and all findings, as text.
 class Monitor : public ::testing::Test {
  protected:
   Monitor() : config_(MachineOf(3)), monitor_(config_), now_(std::chrono::hours(1)) {}
@@ -28,7 +28,7 @@ class Monitor : public ::testing::Test {
     Take(monitor_.Heard(i, kFirst, Heartbeat{kHeartbeat, Health::kWell, "", {}, {}}, now_));
   }
 
-  // Time passes; those who beat do, and deadlines are kept, `late` each.
+  // Advances time; heartbeats arrive, and deadlines are handled, `late` each.
   void RunFor(Duration duration, Duration late = {}) {
     const Time end = now_ + duration;
     while (true) {
@@ -88,14 +88,14 @@ class Monitor : public ::testing::Test {
   std::string how_;
 };
 
-TEST_F(Monitor, FindsNothingWhileEverybodyBeats) {
+TEST_F(Monitor, FindsNothingWhileAllHeartbeatsArrive) {
   Watch(0, true);
   Watch(1, false, "there");
   RunFor(std::chrono::hours(1));
   EXPECT_THAT(Found(), IsEmpty());
 }
 
-TEST_F(Monitor, AsksAndMarksAtHalfTheLimitAndLooksWhenItIsOver) {
+TEST_F(Monitor, ProbesAndMarksAtHalfTheLimitAndExaminesAtTheLimit) {
   Watch(0, true);
   RunFor(Milliseconds(10));
   heartbeats_[0] = false;
@@ -103,13 +103,13 @@ TEST_F(Monitor, AsksAndMarksAtHalfTheLimitAndLooksWhenItIsOver) {
   EXPECT_THAT(Found(), ElementsAre("mark a", "probe a"));
   RunFor(Milliseconds(200));
   EXPECT_THAT(Found(), ElementsAre("examine a", "a hung, silent"));
-  EXPECT_THAT(how_, HasSubstr("nothing was heard of it for 300 ms"));
+  EXPECT_THAT(how_, HasSubstr("no heartbeat for 300 ms"));
   RunFor(std::chrono::hours(1));
-  EXPECT_THAT(Found(), IsEmpty()) << "a verdict is told once";
+  EXPECT_THAT(Found(), IsEmpty()) << "a verdict is reported once";
   EXPECT_FALSE(monitor_.NextDeadline());
 }
 
-TEST_F(Monitor, OneThatAnswersTheProbeLivesThoughItsBeatsAreLost) {
+TEST_F(Monitor, AProcessThatAnswersTheProbeIsAliveThoughItsHeartbeatsAreLost) {
   Watch(0, true);
   heartbeats_[0] = false;
   answers_[0] = true;
@@ -118,7 +118,7 @@ TEST_F(Monitor, OneThatAnswersTheProbeLivesThoughItsBeatsAreLost) {
     EXPECT_THAT(found, ::testing::AnyOf("mark a", "probe a"));
 }
 
-TEST_F(Monitor, OneThatWaitedForACpuIsStarvedAndLookedAtAgain) {
+TEST_F(Monitor, AProcessThatWaitedForACpuIsStarvedAndExaminedAgain) {
   Watch(0, true);
   heartbeats_[0] = false;
   kernel_.waited = Milliseconds(200);  // all the time since the mark
@@ -127,12 +127,12 @@ TEST_F(Monitor, OneThatWaitedForACpuIsStarvedAndLookedAtAgain) {
   kernel_.waited = Milliseconds(900);
   RunFor(Milliseconds(600));
   EXPECT_THAT(Found(), ::testing::Each("examine a")) << "it still is";
-  kernel_.waited = Milliseconds(901);  // it has got a CPU since, and is as silent as before
+  kernel_.waited = Milliseconds(901);  // it got a CPU since, and is still silent
   RunFor(Milliseconds(700));
   EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
 }
 
-TEST_F(Monitor, OneThatWasStarvedIsCalledSoUntilItHasKeptUpForAWhile) {
+TEST_F(Monitor, AStarvedProcessStaysStarvedUntilItHasKeptUpForAWhile) {
   Watch(0, true);
   heartbeat_[0].work = Health::kStarved;
   RunFor(Milliseconds(200));
@@ -153,7 +153,7 @@ TEST_F(Monitor, AStoppedProcessHangsHoweverLongItWaited) {
   EXPECT_THAT(how_, HasSubstr("stopped"));
 }
 
-TEST_F(Monitor, OneThatADebuggerHoldsIsNotCalledHungForAsLongAsThatTakes) {
+TEST_F(Monitor, AProcessHeldByADebuggerIsNotReportedAsHung) {
   Watch(0, true);
   heartbeats_[0] = false;
   kernel_.process = Process::kTraced;
@@ -165,7 +165,7 @@ TEST_F(Monitor, OneThatADebuggerHoldsIsNotCalledHungForAsLongAsThatTakes) {
   EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
 }
 
-TEST_F(Monitor, OneWhoseProcessIsGoneIsLeftToWhoHearsOfExits) {
+TEST_F(Monitor, TheExitOfAProcessIsNotReported) {
   Watch(0, true);
   heartbeats_[0] = false;
   kernel_.process = Process::kGone;
@@ -173,7 +173,7 @@ TEST_F(Monitor, OneWhoseProcessIsGoneIsLeftToWhoHearsOfExits) {
   EXPECT_THAT(Found(), ElementsAre("mark a", "probe a", "examine a"));
 }
 
-TEST_F(Monitor, AHungOneThatIsHeardAgainIsWell) {
+TEST_F(Monitor, AHungProcessThatSendsAgainIsWell) {
   Watch(0, true);
   heartbeats_[0] = false;
   RunFor(Milliseconds(500));
@@ -183,7 +183,7 @@ TEST_F(Monitor, AHungOneThatIsHeardAgainIsWell) {
   EXPECT_THAT(Found(), ElementsAre("a well"));
 }
 
-TEST_F(Monitor, OfAnotherHostItCallsOneSilentAmongOthersCrashed) {
+TEST_F(Monitor, OnAnotherHostOneSilentAmongOthersIsCrashed) {
   Watch(0, false, "there");
   Watch(1, false, "there");
   heartbeats_[0] = false;
@@ -191,7 +191,7 @@ TEST_F(Monitor, OfAnotherHostItCallsOneSilentAmongOthersCrashed) {
   EXPECT_THAT(Found(), ElementsAre("probe a", "a crashed, silent"));
 }
 
-TEST_F(Monitor, OfAnotherHostItCallsAllThatAreSilentPartitioned) {
+TEST_F(Monitor, OnAnotherHostAllSilentArePartitioned) {
   Watch(0, false, "there");
   Watch(1, false, "there");
   Watch(2, true);
@@ -201,7 +201,7 @@ TEST_F(Monitor, OfAnotherHostItCallsAllThatAreSilentPartitioned) {
               ElementsAre("probe a", "probe b", "a partitioned, silent", "b partitioned, silent"));
 }
 
-TEST_F(Monitor, TheOnlyOneOfItsHostCannotBeToldFromItsHost) {
+TEST_F(Monitor, TheOnlyActuatorOfItsHostIsPartitioned) {
   Watch(0, false, "there");
   Watch(1, false, "elsewhere");
   heartbeats_[0] = false;
@@ -209,7 +209,7 @@ TEST_F(Monitor, TheOnlyOneOfItsHostCannotBeToldFromItsHost) {
   EXPECT_THAT(Found(), ElementsAre("probe a", "a partitioned, silent"));
 }
 
-TEST_F(Monitor, APartitionThatEndsIsTold) {
+TEST_F(Monitor, APartitionThatEndsIsReported) {
   Watch(0, false, "there");
   heartbeats_[0] = false;
   RunFor(std::chrono::seconds(2));
@@ -219,7 +219,7 @@ TEST_F(Monitor, APartitionThatEndsIsTold) {
   EXPECT_THAT(Found(), ElementsAre("a well"));
 }
 
-TEST_F(Monitor, ForgivesItsOwnLatenessOnceAndGivesTimeToAnswer) {
+TEST_F(Monitor, ExcusesItsOwnLatenessOnceAndGivesTimeToAnswer) {
   Watch(0, true);
   Watch(1, true);
   heartbeats_[0] = heartbeats_[1] = false;
@@ -230,12 +230,12 @@ TEST_F(Monitor, ForgivesItsOwnLatenessOnceAndGivesTimeToAnswer) {
   RunFor(Milliseconds(30));
   EXPECT_THAT(Found(), ElementsAre("mark a", "probe a"));
   RunFor(Milliseconds(60));
-  EXPECT_THAT(Found(), IsEmpty()) << "one that is asked has time to answer";
+  EXPECT_THAT(Found(), IsEmpty()) << "a probed process has time to answer";
   RunFor(Milliseconds(60));
   EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
 }
 
-TEST_F(Monitor, ForgivesItsOwnLatenessAgainOnceAnybodyIsHeard) {
+TEST_F(Monitor, ExcusesItsOwnLatenessAgainOnceASampleArrives) {
   Watch(0, true);
   heartbeats_[0] = false;
   for (int i = 0; i < 2; ++i) {
@@ -247,7 +247,7 @@ TEST_F(Monitor, ForgivesItsOwnLatenessAgainOnceAnybodyIsHeard) {
   EXPECT_THAT(Found(), IsEmpty());
 }
 
-TEST_F(Monitor, ForgivesALatenessThatIsMoreThanALoopsOwn) {
+TEST_F(Monitor, ExcusesALatenessThatIsMoreThanALoopsOwn) {
   for (const int late_ms : {20, 21}) {
     Watch(0, true);
     heartbeats_[0] = false;
@@ -258,7 +258,7 @@ TEST_F(Monitor, ForgivesALatenessThatIsMoreThanALoopsOwn) {
   }
 }
 
-TEST_F(Monitor, CallsOneWellThatHasKeptUpForTwoSeconds) {
+TEST_F(Monitor, ReportsAProcessAsWellThatHasKeptUpForTwoSeconds) {
   Watch(0, true);
   Take(monitor_.Heard(0, kFirst, Heartbeat{kHeartbeat, Health::kStarved, "", {}, {}}, now_));
   Take(monitor_.Heard(0, kFirst, heartbeat_[0], now_ + Milliseconds(1999)));
@@ -267,12 +267,12 @@ TEST_F(Monitor, CallsOneWellThatHasKeptUpForTwoSeconds) {
   EXPECT_THAT(Found(), ElementsAre("a well"));
 }
 
-TEST_F(Monitor, AsksAtHalfTheLimitAlsoWhoHasNotBeatenYet) {
+TEST_F(Monitor, ProbesAtHalfTheLimitAlsoBeforeTheFirstHeartbeat) {
   monitor_.Watch(0, kFirst, "here", true, now_);
   EXPECT_EQ(monitor_.NextDeadline(), now_ + Milliseconds(750));
 }
 
-TEST_F(Monitor, WatchesNobodyForASignOfNobodyAndTheFirstThereIs) {
+TEST_F(Monitor, IgnoresASampleOfAnUnmonitoredActuatorAndMonitorsTheFirst) {
   Take(monitor_.Heard(0, 0, Heartbeat{kHeartbeat, Health::kHung, "", {}, {}}, now_));
   Take(monitor_.Heard(0, 0, now_));
   EXPECT_FALSE(monitor_.NextDeadline());
@@ -285,19 +285,19 @@ TEST_F(Monitor, WatchesNobodyForASignOfNobodyAndTheFirstThereIs) {
   EXPECT_EQ(monitor_.NextDeadline(), now_ + Milliseconds(150));
 }
 
-TEST_F(Monitor, IsNotForeverForgivingWhenItIsAlwaysLate) {
+TEST_F(Monitor, DoesNotExcuseItsOwnLatenessForEver) {
   Watch(0, true);
   heartbeats_[0] = false;
   RunFor(std::chrono::seconds(3), Milliseconds(50));
   EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
 }
 
-TEST_F(Monitor, TellsTheWorkThreadsVerdictAndItsState) {
+TEST_F(Monitor, ReportsTheWorkThreadsVerdictAndItsState) {
   Watch(0, true);
   heartbeat_[0] = {kHeartbeat, Health::kHung, "Active", Milliseconds(512), {}};
   RunFor(Milliseconds(200));
   EXPECT_THAT(Found(), ElementsAre("a hung"));
-  EXPECT_EQ(how_, "in Active it gave no checkpoint for 512 ms");
+  EXPECT_EQ(how_, "no checkpoint in Active for 512 ms");
   answers_[0] = true;
   Take(monitor_.Heard(0, kFirst, now_));
   EXPECT_THAT(Found(), IsEmpty()) << "that it answers says nothing of its work";
@@ -306,7 +306,7 @@ TEST_F(Monitor, TellsTheWorkThreadsVerdictAndItsState) {
   EXPECT_THAT(Found(), ElementsAre("a well"));
 }
 
-TEST_F(Monitor, NeverJudgesOneOfAProtocolWithoutBeats) {
+TEST_F(Monitor, NeverEvaluatesAnActuatorOfAProtocolWithoutHeartbeats) {
   config_.actuators[0].protocol = Protocol::kCyberdog;
   monitor_.Watch(0, kFirst, "here", true, now_);
   RunFor(std::chrono::hours(1));
@@ -315,7 +315,7 @@ TEST_F(Monitor, NeverJudgesOneOfAProtocolWithoutBeats) {
   EXPECT_THAT(Found(), IsEmpty());
 }
 
-TEST_F(Monitor, ForgetsOneWhoseProcessHasEndedAndIgnoresItsLastWords) {
+TEST_F(Monitor, ForgetsAProcessThatHasExitedAndIgnoresItsLastSamples) {
   Watch(0, true);
   monitor_.Forget(0);
   heartbeats_[0] = false;
@@ -324,24 +324,24 @@ TEST_F(Monitor, ForgetsOneWhoseProcessHasEndedAndIgnoresItsLastWords) {
   EXPECT_THAT(Found(), IsEmpty());
 }
 
-TEST_F(Monitor, StartsAnewWithASuccessor) {
+TEST_F(Monitor, StartsAgainWithASuccessor) {
   Watch(0, true);
   heartbeats_[0] = false;
   RunFor(Milliseconds(390));
   Found();
   monitor_.Watch(0, kFirst + 1, "here", true, now_);
-  Take(monitor_.Heard(0, kFirst, heartbeat_[0], now_));  // a word of the one before
+  Take(monitor_.Heard(0, kFirst, heartbeat_[0], now_));  // a late sample of the previous process
   RunFor(Milliseconds(390));
   EXPECT_THAT(Found(), ::testing::Not(::testing::Contains("a hung, silent")));
 }
 
-TEST_F(Monitor, JudgesOneThatIsSilentFromItsFirstMoment) {
+TEST_F(Monitor, EvaluatesAProcessThatIsSilentFromTheStart) {
   monitor_.Watch(0, kFirst, "here", true, now_);
   RunFor(std::chrono::seconds(3));
   EXPECT_THAT(Found(), ::testing::Contains("a hung, silent"));
 }
 
-TEST_F(Monitor, IsNeverAskedToWaitForeverByAStrangePeriod) {
+TEST_F(Monitor, NeverWaitsForEverBecauseOfAnInvalidPeriod) {
   for (const Duration period : {Duration(std::chrono::hours(1000)), Duration::max()}) {
     Watch(0, true);
     heartbeats_[0] = false;
@@ -353,7 +353,7 @@ TEST_F(Monitor, IsNeverAskedToWaitForeverByAStrangePeriod) {
   }
 }
 
-TEST_F(Monitor, ComputesWithNoPeriodThatIsNone) {
+TEST_F(Monitor, DoesNotComputeWithAnInvalidPeriod) {
   for (const std::int64_t period : {INT64_MIN, std::int64_t{-1}, std::int64_t{1} << 62}) {
     Watch(0, true);
     heartbeats_[0] = false;

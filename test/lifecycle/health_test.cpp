@@ -9,7 +9,7 @@ namespace musher::health_test {
 
 constexpr Duration kAllowed = Milliseconds(100);
 
-TEST(Silence, IsNobodysFaultWithinTheAllowance) {
+TEST(Silence, IsWellWithinTheAllowance) {
   EXPECT_EQ(EvaluateSilence(Milliseconds(99), kAllowed, {}), Health::kWell);
   EXPECT_EQ(EvaluateSilence(Milliseconds(100), kAllowed, {}), Health::kWell);
 }
@@ -25,7 +25,7 @@ TEST(Silence, OfOneThatWaitedForACpuDoesNotCount) {
             Health::kStarved);
 }
 
-TEST(Silence, IsNamedInOneWord) {
+TEST(Silence, HasANameForEachHealth) {
   EXPECT_EQ(HealthName(Health::kWell), "well");
   EXPECT_EQ(HealthName(Health::kStarved), "starved");
   EXPECT_EQ(HealthName(Health::kHung), "hung");

@@ -1,4 +1,4 @@
-// The TOML file of a module, read as Musher reads its own.
+// The TOML file of a user's module.
 
 #include "musher/lifecycle/toml/module_file.hpp"
 
@@ -25,12 +25,12 @@ class ModuleFile : public ::testing::Test {
   double speed_ = 40;
 };
 
-TEST_F(ModuleFile, GivesWhatItsModuleAsksFor) {
+TEST_F(ModuleFile, GivesTheKeysThatItsModuleReads) {
   EXPECT_TRUE(Read("speed_mm_s = 12.5"));
   EXPECT_EQ(speed_, 12.5);
 }
 
-TEST_F(ModuleFile, TellsAllItsFaultsWithTheirPlaces) {
+TEST_F(ModuleFile, ReportsAllItsErrorsWithTheirPositions) {
   const Result<> read = Read("speed_mm_s = 400\nspeed_mms = 3");
   ASSERT_FALSE(read);
   EXPECT_THAT(read.error().message,
@@ -40,7 +40,7 @@ TEST_F(ModuleFile, TellsAllItsFaultsWithTheirPlaces) {
                                               "\"speed_mms\"; did you mean \"speed_mm_s\"?"));
 }
 
-TEST_F(ModuleFile, TellsWhyItIsNotRead) {
+TEST_F(ModuleFile, ReportsWhyItIsNotRead) {
   EXPECT_THAT(Read("speed_mm_s = ").error().message, HasSubstr("gripper.toml:1:"));
   EXPECT_THAT(ReadModuleFile(folder_ / "none.toml", [](auto&) {}).error().message,
               HasSubstr("none.toml: error: the file cannot be read: No such file"));

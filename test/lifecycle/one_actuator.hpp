@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of an actuator's decisions have in common: one actuator and its one controller.
+// The fixture of the actuator tests: one actuator and its one controller.
 
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ class OneActuator : public ::testing::Test {
 
   Actions Do(const ActuatorEvent& event) { return Step(config_, 0, core_, event, now_); }
 
-  // The controller of an epoch, as whom Command() sends, says that it lives.
+  // A heartbeat of the controller of an epoch, the sender of Command().
   void Announce(std::uint64_t epoch) { Do(actuator_event::ControllerHeard{epoch, epoch}); }
 
   void SetUpIt() {
@@ -37,7 +37,7 @@ class OneActuator : public ::testing::Test {
     Do(actuator_event::CallbackEnded{});
   }
 
-  // A command of the present, number n.
+  // An up-to-date command, number n.
   actuator_event::SwitchArrived Command(std::uint64_t n, const State& target,
                                         std::uint64_t epoch = 1) {
     return {++token_, {epoch, n, target, Milliseconds(100), now_, {}, 77}, epoch};

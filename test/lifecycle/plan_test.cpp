@@ -1,4 +1,4 @@
-// A plan by itself: who is driven, left out or refused, for a machine that is described here.
+// A plan alone: which actuators are driven, left out or refused, for a machine described here.
 
 #include "musher/lifecycle/plan.hpp"
 
@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Part = PlanStep::Part;
 
-// A machine in DeActive whose actuators a, b, c, d are there, checked and well.
+// A machine in DeActive whose actuators a, b, c, d are present, checked and well.
 class Plans : public ::testing::Test {
  protected:
   Plans() {
@@ -42,7 +42,7 @@ class Plans : public ::testing::Test {
   Machine machine_;
 };
 
-TEST_F(Plans, SayFromWhereToWhereUntilWhen) {
+TEST_F(Plans, HaveFromStateToStateAndDeadline) {
   config_.actuators[2].times.assign(config_.states.size(), Milliseconds(700));
   const Plan plan = To(kActive);
   ASSERT_EQ(plan.steps.size(), 4U);
@@ -52,7 +52,7 @@ TEST_F(Plans, SayFromWhereToWhereUntilWhen) {
   EXPECT_EQ(plan.steps[2].wave, 1);
 }
 
-TEST_F(Plans, NeedWhatIsBehindOneThatIsNotDrivenOnceAlsoInADiamond) {
+TEST_F(Plans, NeedTheActuatorsBehindAnUndrivenOneOnceAlsoInADiamond) {
   config_.actuators[0].after = {"b", "c"};
   config_.actuators[1].after = {"d"};
   config_.actuators[2].after = {"d"};
@@ -65,7 +65,7 @@ TEST_F(Plans, NeedWhatIsBehindOneThatIsNotDrivenOnceAlsoInADiamond) {
   EXPECT_EQ(plan.steps[3].wave, 1);
 }
 
-TEST_F(Plans, OfOneThatIsBusyAreRefusedWhetherItSaysSoOrWeHaveSentIt) {
+TEST_F(Plans, OfABusyActuatorAreRefusedWhetherReportedOrCommanded) {
   machine_.actuators[1].report.target = State(kLowPower);
   EXPECT_EQ(CodeOf(Of(1, kLowPower)), kCodeTargetBusy);
   machine_.actuators[1].report.target.clear();
@@ -86,14 +86,14 @@ TEST_F(Plans, OfOneThatHasNotPassedItsCheckGoDownButNotUp) {
   EXPECT_EQ(CodeOf(Of(1, kOta)), kCodeOk);
 }
 
-TEST_F(Plans, OfOneThatRestsDoNotGoUp) {
+TEST_F(Plans, OfASuspendedActuatorDoNotGoUp) {
   machine_.actuators[1].parked = true;
   machine_.actuators[1].report.state = State(kLowPower);
   EXPECT_EQ(CodeOf(Of(1, kDeActive)), kCodeStatusError);
   EXPECT_EQ(CodeOf(Of(1, kOta)), kCodeOk);
 }
 
-TEST_F(Plans, DownTakeAlongWhoHasNotPassedItsCheckButIsInAStateToStayIn) {
+TEST_F(Plans, DownIncludeAnUncheckedActuatorInAStateWithARank) {
   machine_.actuators[0].checked = machine_.actuators[1].checked = false;
   machine_.actuators[1].report.state = State(kSetUp);
   const Plan plan = To(kLowPower);
@@ -102,7 +102,7 @@ TEST_F(Plans, DownTakeAlongWhoHasNotPassedItsCheckButIsInAStateToStayIn) {
   EXPECT_THAT(plan.steps[1].note, HasSubstr("self-check"));
 }
 
-TEST_F(Plans, UpAreRefusedForWhoIsBusyUnlessASwitchIsUnderWayThatWillEnd) {
+TEST_F(Plans, UpAreRefusedForABusyActuatorUnlessASwitchIsUnderWayThatWillEnd) {
   machine_.actuators[0].report.target = State(kLowPower);
   EXPECT_EQ(CodeOf(To(kActive)), kCodeTargetBusy);
   EXPECT_EQ(CodeOf(To(kLowPower)), kCodeOk);
@@ -110,7 +110,7 @@ TEST_F(Plans, UpAreRefusedForWhoIsBusyUnlessASwitchIsUnderWayThatWillEnd) {
   EXPECT_EQ(CodeOf(To(kActive)), kCodeOk);
 }
 
-TEST_F(Plans, LeaveOutACyberdogModuleThatIsOverdueBecauseItCannotBeAsked) {
+TEST_F(Plans, LeaveOutAnOverdueCyberdogModuleBecauseItCannotBeQueried) {
   config_.actuators[0].protocol = Protocol::kCyberdog;
   machine_.actuators[0].report.target = State(kOta);
   machine_.actuators[0].fault = Error{kCodeTimeout, "overdue"};
@@ -121,7 +121,7 @@ TEST_F(Plans, LeaveOutACyberdogModuleThatIsOverdueBecauseItCannotBeAsked) {
   }
 }
 
-TEST_F(Plans, TellWhoIsThereFromWhoIsHeldThere) {
+TEST_F(Plans, DistinguishActuatorsInTheTargetFromDetachedOnesInTheTarget) {
   machine_.actuators[0].report.state = machine_.actuators[1].report.state = State(kLowPower);
   machine_.actuators[1].held = true;
   const Plan plan = To(kLowPower);
@@ -130,7 +130,7 @@ TEST_F(Plans, TellWhoIsThereFromWhoIsHeldThere) {
   EXPECT_EQ(plan.steps[2].part, Part::kDriven);
 }
 
-TEST_F(Plans, DriveOneThatIsThereButNotWellOnceMore) {
+TEST_F(Plans, DriveADegradedActuatorInTheTargetOnceMore) {
   machine_.actuators[0].report.state = machine_.actuators[1].report.state = State(kLowPower);
   machine_.actuators[0].fault = Error{kCodeFailed, "it stumbled"};
   machine_.actuators[1].report.target = State(kDeActive);
@@ -140,7 +140,7 @@ TEST_F(Plans, DriveOneThatIsThereButNotWellOnceMore) {
   EXPECT_EQ(Of(0, kLowPower).steps[0].part, Part::kDriven);
 }
 
-TEST_F(Plans, UpAreRefusedForACriticalOneThatIsGoneButNotForOneThatStillLoads) {
+TEST_F(Plans, UpAreRefusedForALostCriticalActuatorButNotForAStartingOne) {
   config_.actuators[0].critical = true;
   machine_.actuators[0].presence = Presence::kLost;
   EXPECT_EQ(CodeOf(To(kActive)), kCodeStatusError);
@@ -150,9 +150,9 @@ TEST_F(Plans, UpAreRefusedForACriticalOneThatIsGoneButNotForOneThatStillLoads) {
   EXPECT_EQ(To(kActive).steps[0].note, "is still starting");
 }
 
-TEST_F(Plans, LeaveALateOneInItsFirstCheckToItselfUnlessTheMachineEnds) {
+TEST_F(Plans, LeaveOutALateActuatorInItsFirstCheckUnlessTheMachineEnds) {
   machine_.actuators[0].order = Order{1, State(kSelfCheck), {}, {}, 0};
-  EXPECT_EQ(To(kLowPower).steps[0].note, "is still joining");
+  EXPECT_EQ(To(kLowPower).steps[0].note, "is still starting");
   EXPECT_EQ(To(kError).steps[0].part, Part::kDriven);
   EXPECT_EQ(To(kTearDown).steps[0].part, Part::kDriven);
 }

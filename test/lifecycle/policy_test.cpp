@@ -32,11 +32,11 @@ TEST(BatteryLevels, AreLeftTwoPercentAbove) {
   EXPECT_EQ(At(22, kLowPower), kFree);
 }
 
-TEST(BatteryLevels, OneThatWasEmptyIsNotEmptyAtOnePercent) {
+TEST(BatteryLevels, AnEmptyBatteryIsNotEmptyAtOnePercent) {
   EXPECT_EQ(At(1, kEmpty), kLowPower);
 }
 
-RC_GTEST_PROP(BatteryLevels, DoNotDependOnTheWayBeyondTheirHysteresis, ()) {
+RC_GTEST_PROP(BatteryLevels, DoNotDependOnTheHistoryBeyondTheirHysteresis, ()) {
   BatteryPolicy policy;
   policy.protected_at = *rc::gen::inRange(2, 99);
   policy.low_power_at = *rc::gen::inRange(1, policy.protected_at);

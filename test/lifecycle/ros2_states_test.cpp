@@ -27,7 +27,7 @@ TEST(Ros2States, ActiveIsReachedByWayOfInactive) {
   EXPECT_THAT(Way(S::kActive, S::kActive), IsEmpty());
 }
 
-TEST(Ros2States, TheEndIsReachedByCleanupAndShutdown) {
+TEST(Ros2States, FinalizedIsReachedByCleanupAndShutdown) {
   EXPECT_THAT(Way(S::kActive, S::kFinalized), ElementsAre("deactivate", "cleanup", "shutdown"));
   EXPECT_THAT(Way(S::kUnconfigured, S::kFinalized), ElementsAre("shutdown"));
 }
@@ -36,7 +36,7 @@ TEST(Ros2States, UnconfiguredIsReachedFromAboveOnly) {
   EXPECT_THAT(Way(S::kActive, S::kUnconfigured), ElementsAre("deactivate", "cleanup"));
 }
 
-TEST(Ros2States, ThereIsNoWayFromTheEndNorFromTheMiddleOfATransition) {
+TEST(Ros2States, FinalizedAndTransitionStatesHaveNoTransition) {
   for (const S goal : {S::kUnconfigured, S::kInactive, S::kActive}) {
     EXPECT_THAT(Way(S::kFinalized, goal), IsEmpty());
     EXPECT_THAT(Way(S::kActivating, goal), IsEmpty());
@@ -44,7 +44,7 @@ TEST(Ros2States, ThereIsNoWayFromTheEndNorFromTheMiddleOfATransition) {
   }
 }
 
-TEST(Ros2States, AStateOfTheMachineHasItsPlaceUnlessTheConfigGivesAnother) {
+TEST(Ros2States, AStateOfTheMachineHasADefaultGoalUnlessTheConfigGivesAnother) {
   const std::map<State, S> configured = {{"LowPower", S::kUnconfigured}};
   EXPECT_EQ(Ros2GoalOf(configured, "SetUp"), S::kInactive);
   EXPECT_EQ(Ros2GoalOf(configured, "Active"), S::kActive);

@@ -36,7 +36,7 @@ TEST(BuiltInRank, RisesFromTearDownToActive) {
   }
 }
 
-TEST(BuiltInRank, IsMissingForTheStepsOfAStartAndForStrangers) {
+TEST(BuiltInRank, IsMissingForTheStepsOfAStartAndForUnknownStates) {
   for (const auto* state : {"Uninitialized", "SetUp", "SelfCheck", "Parked"}) {
     EXPECT_FALSE(BuiltInRank(state)) << state;
   }

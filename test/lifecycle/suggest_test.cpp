@@ -38,7 +38,7 @@ TEST(Nearest, GivesNothingWhereNothingIsNear) {
   EXPECT_EQ(Nearest("a", std::vector<std::string>{}), "");
 }
 
-TEST(Nearest, AllowsMoreSlipsInLongerWordsUpToThree) {
+TEST(Nearest, AllowsMoreErrorsInLongerWordsUpToThree) {
   EXPECT_EQ(Nearest("controller_lots_sm", std::vector<std::string>{"controller_lost_ms"}),
             "controller_lost_ms");
   EXPECT_EQ(Nearest("kontroler_lots_sm", std::vector<std::string>{"controller_lost_ms"}), "");
@@ -53,7 +53,7 @@ TEST(Nearest, LeavesVeryLongWordsAlone) {
   EXPECT_EQ(Nearest(word, std::vector<std::string>{word + "b"}), "");
 }
 
-TEST(NoSuch, NamesTheNearestOneAndThoseThatThereAre) {
+TEST(NoSuch, NamesTheNearestOneAndTheKnownOnes) {
   EXPECT_EQ(NoSuch("actuator", "zzz", {"legs", "head", "arm"}),
             "there is no actuator 'zzz'; there are legs, head and arm");
   EXPECT_EQ(NoSuch("actuator", "lags", {"legs", "arm"}),

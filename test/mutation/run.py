@@ -16,7 +16,7 @@ import time
 from collections import Counter
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-WALK = "RandomWalk.LeavesEverybodyWhereTheyBelongAndAnswersEverybody"
+WALK = "RandomWalk.LeavesEveryActuatorInItsStateAndAnswersEveryRequest"
 FAULTS = "*/Scenarios.HoldEveryInvariant/*"
 MIXED = "SeededFaultsAmongProtocols.LeaveTheMachineInOneStateOnceTheyHaveCeased"
 MEMORY = 2 << 30  # bytes, of one run; a mutant may want more and more

@@ -172,7 +172,7 @@ TEST_F(AMixedRobotWithACriticalModule, GoesNoFurtherUpWhileItIsUnknown) {
   Set("LowPower");
   const SwitchResult result = Set("Active");
   EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);
-  EXPECT_EQ(result.reason, "critical b has not answered LowPower and cannot be asked");
+  EXPECT_EQ(result.reason, "critical b has not answered LowPower and cannot be queried");
 }
 
 TEST_F(AMixedRobot, NoticesTheEndOfAProcessAtOnceAndDrivesTheNextOne) {

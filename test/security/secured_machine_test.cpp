@@ -77,7 +77,7 @@ TEST_F(SecuredMachine, SaysThatAnActuatorRunsWithoutKeys) {
   const Process voice({MUSHER_BIN_DIR "/musher-exec", folder_ / "voice.toml", "--actuator", "voice",
                        "--config", open});
   Process up(Command({"up", config_}));
-  ASSERT_NE(up.LineWith("controller epoch 1 begins"), "");
+  ASSERT_NE(up.LineWith("controller started: epoch 1"), "");
   EXPECT_THAT(Musher({"status"}).out, HasSubstr("process " + std::to_string(voice.pid()) +
                                                 " is not heard: has it the keys of this machine?"));
 }

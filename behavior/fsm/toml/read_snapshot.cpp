@@ -30,7 +30,7 @@ std::vector<std::pair<std::string_view, E>> Words(E last) {
   return words;
 }
 
-// A machine's table, and where each part of it stands, by the keys of SnapshotFault.
+// Reads a machine's table, with the position of each part by the keys of SnapshotFault.
 class SnapshotReader {
  public:
   explicit SnapshotReader(Findings& findings) : findings_(findings) {}
@@ -64,7 +64,7 @@ class SnapshotReader {
     return snapshot;
   }
 
-  // Of what is missing, that of the table around it.
+  // Of a missing part, the position of the table around it.
   Position Where(std::string key) const {
     for (;;) {
       if (const auto found = places_.find(key); found != places_.end()) return found->second;
@@ -229,12 +229,12 @@ class SnapshotReader {
   std::map<std::string, Position> places_;
 };
 
-std::string Told(Findings&& findings, const std::string& file, std::string_view text) {
-  std::string told;
+std::string FormatAll(Findings&& findings, const std::string& file, std::string_view text) {
+  std::string lines;
   for (const Diagnostic& diagnostic : std::move(findings).Take(file, text)) {
-    told += (told.empty() ? "" : "\n") + FormatDiagnostic(diagnostic);
+    lines += (lines.empty() ? "" : "\n") + FormatDiagnostic(diagnostic);
   }
-  return told;
+  return lines;
 }
 
 }  // namespace
@@ -257,7 +257,7 @@ Result<> RestoreSnapshot(Machine& machine, std::string_view text, const std::str
     }
   }
   if (!findings.HasErrors()) return Ok();
-  return Error{kCodeParametersInvalid, Told(std::move(findings), file, text)};
+  return Error{kCodeParametersInvalid, FormatAll(std::move(findings), file, text)};
 }
 
 }  // namespace musher::fsm

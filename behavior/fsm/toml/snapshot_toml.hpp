@@ -1,5 +1,5 @@
 #pragma once
-// A snapshot as a TOML text, which a person can read and mend.
+// A snapshot as a TOML text, which a person can read and edit.
 //
 //   machine = "show"
 //   running = true
@@ -18,12 +18,12 @@
 
 namespace musher::fsm {
 
-// Fails where a text of it is not UTF-8 without NUL, which TOML cannot hold.
+// Fails where one of its texts is not UTF-8 or has a NUL, which TOML cannot represent.
 Result<std::string> WriteSnapshot(const Snapshot& snapshot);
 
-// Reads what WriteSnapshot() wrote and restores it, as Machine::Restore() says. All that is wrong
-// with the text, or with the snapshot for this machine, is told at once, as "file:line:column:
-// error: ..."; then nothing has changed.
+// Reads the text of WriteSnapshot() and restores it like Machine::Restore(). All errors of the
+// text, or of the snapshot for this machine, are reported at once, as "file:line:column: error:
+// ..."; then nothing has changed.
 Result<> RestoreSnapshot(Machine& machine, std::string_view text, const std::string& file,
                          Time now);
 

@@ -16,7 +16,7 @@ class SnapshotWriter {
     WriteMachine(snapshot, "");
     if (!unwritable_.empty()) {
       return Error{kCodeFailed, snapshot.machine + ": " + unwritable_ +
-                                    " is no text that can be saved: it is not UTF-8, or has a NUL"};
+                                    " cannot be saved: it is not UTF-8, or has a NUL"};
     }
     return std::move(text_);
   }
@@ -165,7 +165,7 @@ class SnapshotWriter {
   }
 
   std::string text_;
-  std::string unwritable_;  // where a text is that TOML cannot hold
+  std::string unwritable_;  // the key of a text that TOML cannot represent
 };
 
 }  // namespace

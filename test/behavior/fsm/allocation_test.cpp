@@ -1,4 +1,4 @@
-// A tick takes no memory, whatever happens in it but a fault.
+// A tick does not allocate, unless there is a fault.
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 namespace musher::fsm::allocation_test {
 
-// Goes on to the next state on a command, and every third tick, gradually.
+// Goes to the next state on a command, and every third tick, gradually.
 class Rover : public State {
  public:
   explicit Rover(std::string next) : next_name_(std::move(next)) {}

@@ -35,7 +35,7 @@ Chart Drawn(const std::vector<std::string>& states, const std::vector<std::strin
   return chart;
 }
 
-std::vector<std::string> Told(const Chart& chart) {
+std::vector<std::string> ProblemsOf(const Chart& chart) {
   std::vector<std::string> lines;
   for (const Problem& problem : Check(chart)) {
     lines.push_back(SeverityName(problem.severity) + ": " + problem.where + ": " + problem.what);
@@ -43,78 +43,82 @@ std::vector<std::string> Told(const Chart& chart) {
   return lines;
 }
 
-TEST(Check, FindsNothingInAShowThatComesBackToItsStartForEver) {
-  EXPECT_THAT(Told(Drawn({"IDLE", "PHOTO", "SAFE*"}, {"IDLE>PHOTO", "PHOTO>IDLE", "SAFE>IDLE"})),
-              IsEmpty());
+TEST(Check, FindsNothingInAShowThatAlwaysReturnsToItsStart) {
+  EXPECT_THAT(
+      ProblemsOf(Drawn({"IDLE", "PHOTO", "SAFE*"}, {"IDLE>PHOTO", "PHOTO>IDLE", "SAFE>IDLE"})),
+      IsEmpty());
 }
 
 TEST(Check, FindsNothingInOneThatEnds) {
-  EXPECT_THAT(Told(Drawn({"A", "B", "END!"}, {"A>B", "B>END"})), IsEmpty());
+  EXPECT_THAT(ProblemsOf(Drawn({"A", "B", "END!"}, {"A>B", "B>END"})), IsEmpty());
 }
 
 TEST(Check, FindsNothingInAMachineOfOneState) {
-  EXPECT_THAT(Told(Drawn({"IDLE"}, {})), IsEmpty());
+  EXPECT_THAT(ProblemsOf(Drawn({"IDLE"}, {})), IsEmpty());
 }
 
 TEST(Check, FindsAStateThatNothingLeadsTo) {
-  EXPECT_THAT(Told(Drawn({"IDLE", "PHOTO"}, {"PHOTO>IDLE"})),
-              ElementsAre("warning: PHOTO: only a force leads to it: no way does"));
+  EXPECT_THAT(ProblemsOf(Drawn({"IDLE", "PHOTO"}, {"PHOTO>IDLE"})),
+              ElementsAre("warning: PHOTO: only Force() reaches it: no transition leads to it"));
 }
 
 TEST(Check, TakesWhatOnlyTheSafeStateLeadsToAsReachable) {
-  EXPECT_THAT(Told(Drawn({"IDLE", "REST", "SAFE*"}, {"SAFE>REST", "REST>IDLE"})), IsEmpty());
+  EXPECT_THAT(ProblemsOf(Drawn({"IDLE", "REST", "SAFE*"}, {"SAFE>REST", "REST>IDLE"})), IsEmpty());
 }
 
-TEST(Check, FindsADeadEndAndDoesNotTellOfThoseThatLeadThere) {
-  EXPECT_THAT(Told(Drawn({"A", "B", "C"}, {"A>B", "B>C"})),
-              ElementsAre("error: C: is a dead end: it declares no way out; make it final if it is "
-                          "the end"));
+TEST(Check, FindsADeadEndAndDoesNotReportTheStatesThatLeadThere) {
+  EXPECT_THAT(
+      ProblemsOf(Drawn({"A", "B", "C"}, {"A>B", "B>C"})),
+      ElementsAre("error: C: is a dead end: it declares no transition out; make it final if it is "
+                  "the end"));
 }
 
-TEST(Check, TakesAStateThatOnlyEntersItselfAnewAsADeadEnd) {
-  EXPECT_THAT(Told(Drawn({"A", "B"}, {"A>B", "B>B"})), ::testing::SizeIs(1));
+TEST(Check, TakesAStateThatOnlyReentersItselfAsADeadEnd) {
+  EXPECT_THAT(ProblemsOf(Drawn({"A", "B"}, {"A>B", "B>B"})), ::testing::SizeIs(1));
 }
 
 TEST(Check, FindsATrapOfStatesThatLeadOnlyToEachOther) {
   EXPECT_THAT(
-      Told(Drawn({"A", "B", "C", "D"}, {"A>B", "B>A", "B>C", "C>D", "D>C"})),
+      ProblemsOf(Drawn({"A", "B", "C", "D"}, {"A>B", "B>A", "B>C", "C>D", "D>C"})),
       ElementsAre("error: C: is in a trap: from C, D nothing leads to A, to a safe state or "
                   "to a final one"));
 }
 
-TEST(Check, TakesAWayToTheSafeStateAsAWayOut) {
-  EXPECT_THAT(Told(Drawn({"A", "B", "SAFE*"}, {"A>B", "B>SAFE", "SAFE>A"})), IsEmpty());
+TEST(Check, AcceptsATransitionToTheSafeStateAsTheOnlyOneOut) {
+  EXPECT_THAT(ProblemsOf(Drawn({"A", "B", "SAFE*"}, {"A>B", "B>SAFE", "SAFE>A"})), IsEmpty());
 }
 
 TEST(Check, FindsAFinalStateThatLeaves) {
-  EXPECT_THAT(Told(Drawn({"A", "END!"}, {"A>END", "END>A"})),
-              ElementsAre("error: END: is final, but declares a way to A"));
+  EXPECT_THAT(ProblemsOf(Drawn({"A", "END!"}, {"A>END", "END>A"})),
+              ElementsAre("error: END: is final, but declares a transition to A"));
 }
 
 TEST(Check, WarnsOfASafeStateThatOnlyAForceOrAResetEnds) {
   EXPECT_THAT(
-      Told(Drawn({"A", "SAFE*"}, {})),
-      ElementsAre("warning: SAFE: declares no way out: only a force or a reset ends a safe stop"));
+      ProblemsOf(Drawn({"A", "SAFE*"}, {})),
+      ElementsAre(
+          "warning: SAFE: declares no transition out: only a force or a reset ends a safe stop"));
 }
 
-TEST(Check, WarnsOfAWayThatIsDeclaredTwiceInTheSameWordsOnly) {
+TEST(Check, WarnsOfATransitionThatIsDeclaredTwiceWithTheSameTextOnly) {
   Chart chart = Drawn({"A", "B"}, {"A>B", "A>B", "B>A"});
-  EXPECT_THAT(Told(chart), ElementsAre("warning: A: declares its way to B twice"));
+  EXPECT_THAT(ProblemsOf(chart), ElementsAre("warning: A: declares its transition to B twice"));
   chart.ways[1].when = "something else";
-  EXPECT_THAT(Told(chart), IsEmpty());
+  EXPECT_THAT(ProblemsOf(chart), IsEmpty());
 }
 
-TEST(Check, LooksIntoMachinesInsideAndTellsThePath) {
+TEST(Check, ChecksMachinesInsideAndReportsThePath) {
   Chart outer = Drawn({"SHOW", "REST"}, {"SHOW>REST", "REST>SHOW"});
   Chart middle = Drawn({"X"}, {});
   middle.states[0].inside.push_back(Drawn({"A", "B"}, {"A>B"}));
   outer.states[0].inside.push_back(middle);
-  EXPECT_THAT(Told(outer), ElementsAre("error: SHOW/X/B: is a dead end: it declares no way out; "
-                                       "make it final if it is the end"));
+  EXPECT_THAT(ProblemsOf(outer),
+              ElementsAre("error: SHOW/X/B: is a dead end: it declares no transition out; "
+                          "make it final if it is the end"));
 }
 
 TEST(Check, RefusesAChartWithoutAStart) {
-  EXPECT_THAT(Told(Chart{.name = "show", .states = {}, .ways = {}, .start = kNoState}),
+  EXPECT_THAT(ProblemsOf(Chart{.name = "show", .states = {}, .ways = {}, .start = kNoState}),
               ElementsAre("error: show: has no start state"));
 }
 
@@ -125,14 +129,16 @@ TEST(CheckedMachine, IsNotBuiltWithADeadEndAndKeepsItsWarnings) {
   stuck.Add("B", std::make_unique<LoggingState>("B", log));
   const Result<> built = stuck.Build("A");
   ASSERT_FALSE(built);
-  EXPECT_EQ(built.error().message,
-            "show: B: is a dead end: it declares no way out; make it final if it is the end");
+  EXPECT_EQ(
+      built.error().message,
+      "show: B: is a dead end: it declares no transition out; make it final if it is the end");
 
   Machine machine({.name = "show"});
   machine.Add("A", std::make_unique<LoggingState>("A", log));
   machine.Add("B", std::make_unique<LoggingState>("B", log));
   ASSERT_TRUE(machine.Build("A"));
-  EXPECT_THAT(machine.warnings(), ElementsAre("B: only a force leads to it: no way does"));
+  EXPECT_THAT(machine.warnings(),
+              ElementsAre("B: only Force() reaches it: no transition leads to it"));
 }
 
 }  // namespace musher::fsm::check_test

@@ -1,5 +1,5 @@
 #pragma once
-// An operator new that counts what the program it is linked to asks for, on any thread.
+// An operator new that counts the allocations of the program, on any thread.
 
 #include <cstddef>
 

@@ -27,7 +27,7 @@ Chart Show() {
           .start = StateId{0}};
 }
 
-TEST(Dot, DrawsStatesRolesWaysAndTheMachineInside) {
+TEST(Dot, DrawsStatesRolesTransitionsAndTheMachineInside) {
   EXPECT_EQ(ToDot(Show(), "PHOTO/CONFIRM"), R"(digraph "show" {
   compound=true;
   node [shape=box, style="rounded,filled", fillcolor=white, fontname="sans-serif"];
@@ -52,7 +52,7 @@ TEST(Dot, DrawsStatesRolesWaysAndTheMachineInside) {
 )");
 }
 
-TEST(Mermaid, DrawsStatesRolesWaysAndTheMachineInside) {
+TEST(Mermaid, DrawsStatesRolesTransitionsAndTheMachineInside) {
   EXPECT_EQ(ToMermaid(Show(), "PHOTO/CONFIRM"), R"(stateDiagram-v2
   state "IDLE" as s0
   state "PHOTO" as s1 {
@@ -81,7 +81,7 @@ TEST(Graph, MarksNothingWhenNothingIsPresent) {
   EXPECT_THAT(ToMermaid(Show()), Not(HasSubstr("class s1 present")));
 }
 
-// Two machines may have states of one name.
+// Two machines may have states with the same name.
 TEST(Graph, MarksAnInnerStateOnlyInTheStateThatIsPresent) {
   Chart chart = Show();
   chart.states[0].inside.push_back(Photo());

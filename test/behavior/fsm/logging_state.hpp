@@ -1,5 +1,5 @@
 #pragma once
-// A state for tests: it logs what is called, and does what it is told.
+// A scripted state for tests that logs its calls.
 
 #include <functional>
 #include <map>
@@ -20,7 +20,7 @@ class LoggingState : public State {
       : name_(std::move(name)), log_(log), ways_(std::move(ways)) {}
 
   void Declare(Ways& ways) override {
-    for (const std::string& way : ways_) ids_[way] = ways.To(way, "told");
+    for (const std::string& way : ways_) ids_[way] = ways.To(way, "commanded");
   }
   void OnEnter(const Tick& tick) override { Do("enter", tick); }
   void Run(const Tick& tick) override { Do("run", tick); }

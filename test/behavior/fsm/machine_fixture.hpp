@@ -1,5 +1,5 @@
 #pragma once
-// A machine of logging states that is ticked each 20 ms.
+// A machine of logging states that is ticked every 20 ms.
 
 #include <gtest/gtest.h>
 

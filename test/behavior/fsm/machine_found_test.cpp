@@ -1,4 +1,4 @@
-// Faults that were found in the machine, each by its name.
+// Faults that were found in the machine and fixed.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ class Counting : public Listener {
 
 using MachineFound = MachineFixture;
 
-TEST_F(MachineFound, TellsOfItsStopOnce) {
+TEST_F(MachineFound, NotifiesItsStopOnce) {
   Add("IDLE");
   Counting listener;
   machine_.Listen(&listener);
@@ -42,7 +42,7 @@ TEST_F(MachineFound, TellsOfItsStopOnce) {
   EXPECT_THAT(listener.seen, ElementsAre("started", "stopped"));
 }
 
-TEST_F(MachineFound, TellsOfAStateThatFailsWhileItIsStopped) {
+TEST_F(MachineFound, ReportsAStateThatFailsDuringAStop) {
   LoggingState& idle = Add("IDLE");
   idle.on["exit"] = [](const Tick&) { throw std::runtime_error("no brake"); };
   Counting listener;
@@ -55,7 +55,7 @@ TEST_F(MachineFound, TellsOfAStateThatFailsWhileItIsStopped) {
   EXPECT_FALSE(machine_.running());
 }
 
-// It stopped in the second tick, with nobody left to hold the robot still.
+// It stopped in the second tick, with no state left to hold the robot still.
 TEST_F(MachineFound, StaysInItsSafeStateWhileACheckThrows) {
   bool broken = true;
   Add("IDLE");
@@ -78,7 +78,7 @@ TEST_F(MachineFound, StaysInItsSafeStateWhileACheckThrows) {
   EXPECT_EQ(Current(), "IDLE");
 }
 
-TEST_F(MachineFound, LetsAListenerForgetItselfWhileItIsTold) {
+TEST_F(MachineFound, LetsAListenerRemoveItselfDuringANotification) {
   Add("IDLE");
   Add("PHOTO");
   Counting once;
@@ -93,7 +93,7 @@ TEST_F(MachineFound, LetsAListenerForgetItselfWhileItIsTold) {
   EXPECT_THAT(third.seen, ElementsAre("started", "forced"));
 }
 
-TEST_F(MachineFound, LetsAListenerBringAnotherWhileItIsTold) {
+TEST_F(MachineFound, LetsAListenerAddAnotherDuringANotification) {
   Add("IDLE");
   Add("PHOTO");
   Counting first;
@@ -108,7 +108,7 @@ TEST_F(MachineFound, LetsAListenerBringAnotherWhileItIsTold) {
   EXPECT_THAT(others.back().seen, ElementsAre("forced"));
 }
 
-TEST_F(MachineFound, RefusesACommandThatItsStartWouldSweepAway) {
+TEST_F(MachineFound, RefusesACommandThatItsStartWouldDrop) {
   machine_.AddEvent("photo");
   Add("IDLE");
   ASSERT_TRUE(machine_.Build("IDLE"));
@@ -141,7 +141,7 @@ TEST_F(MachineFound, IsNotBuiltWhenAStateThrowsWhileItDeclares) {
   EXPECT_EQ(built.error().message, "show: IDLE: Declare: no file");
 }
 
-// It was taken for the reason of any transition of that tick, and lost by it.
+// It was taken for the cause of any transition of that tick, and so was lost.
 TEST_F(MachineFound, KeepsACommandForTheNextStateWhenATransitionIsNotBecauseOfIt) {
   machine_.AddEvent("photo");
   LoggingState& idle = Add("IDLE", {"TRACKING"});
@@ -163,7 +163,7 @@ TEST_F(MachineFound, KeepsACommandForTheNextStateWhenATransitionIsNotBecauseOfIt
   EXPECT_EQ(machine_.counts().unhandled, 0U);
 }
 
-TEST_F(MachineFound, KeepsCommandsInTheirOrderWhenOneIsGivenBack) {
+TEST_F(MachineFound, KeepsCommandsInTheirOrderWhenOneIsQueuedAgain) {
   machine_.AddEvent("one");
   machine_.AddEvent("two");
   LoggingState& idle = Add("IDLE");
@@ -180,7 +180,7 @@ TEST_F(MachineFound, KeepsCommandsInTheirOrderWhenOneIsGivenBack) {
   EXPECT_THAT(seen, ElementsAre("one", "two"));
 }
 
-TEST_F(MachineFound, DoesNotGiveACommandBackThatAnUrgentOneSweptAway) {
+TEST_F(MachineFound, DoesNotQueueACommandAgainThatAnUrgentOneDropped) {
   machine_.AddEvent("photo");
   machine_.AddEvent("stop", Urgency::kUrgent);
   LoggingState& idle = Add("IDLE");
@@ -195,7 +195,7 @@ TEST_F(MachineFound, DoesNotGiveACommandBackThatAnUrgentOneSweptAway) {
   EXPECT_EQ(machine_.counts().superseded, 1U);
 }
 
-TEST_F(MachineFound, CountsNoCommandAsUnhandledThatAStateHeedsAndStays) {
+TEST_F(MachineFound, CountsNoCommandAsUnhandledThatAStateHandlesAndStays) {
   machine_.AddEvent("louder");
   LoggingState& idle = Add("IDLE");
   Start("IDLE");
@@ -206,8 +206,8 @@ TEST_F(MachineFound, CountsNoCommandAsUnhandledThatAStateHeedsAndStays) {
   EXPECT_EQ(machine_.waiting_commands(), 0U);
 }
 
-// Three ways for a command to come to nothing that nobody was told of.
-TEST_F(MachineFound, TellsOfACommandWhoseTransitionBrokeOffOrWhoseCheckFailed) {
+// Three cases of an unhandled command that was not reported.
+TEST_F(MachineFound, ReportsACommandWhoseTransitionWasAbortedOrWhoseCheckFailed) {
   bool safe = true;
   machine_.AddEvent("photo");
   LoggingState& idle = Add("IDLE", {"PHOTO"});
@@ -259,7 +259,7 @@ TEST_F(MachineFound, CountsACommandThatEndsItsTransitionOnlyInTheHistory) {
   EXPECT_EQ(machine_.counts().unhandled, 0U);
 }
 
-TEST_F(MachineFound, CountsTheCommandsThatAResetOrAStopSweepsAway) {
+TEST_F(MachineFound, CountsTheCommandsThatAResetOrAStopDrops) {
   machine_.AddEvent("photo");
   Add("IDLE");
   Start("IDLE");
@@ -273,7 +273,7 @@ TEST_F(MachineFound, CountsTheCommandsThatAResetOrAStopSweepsAway) {
 }
 
 // The sum overflowed, which is undefined, and was negative.
-TEST_F(MachineFound, LetsMachineTimeStandStillAtItsFarthest) {
+TEST_F(MachineFound, StopsMachineTimeAtItsMaximum) {
   Add("IDLE");
   ASSERT_TRUE(machine_.Build("IDLE"));
   ASSERT_TRUE(machine_.Start(Time::min()));

@@ -90,7 +90,7 @@ TEST_F(MachineTest, KeepsACommandThatArrivesDuringATransitionForTheNextState) {
   EXPECT_EQ(machine_.history().back().command, photo);
 }
 
-TEST_F(MachineTest, CountsACommandThatNoStateHeeded) {
+TEST_F(MachineTest, CountsACommandThatNoStateHandled) {
   machine_.AddEvent("photo");
   Add("IDLE");
   Start("IDLE");
@@ -100,7 +100,7 @@ TEST_F(MachineTest, CountsACommandThatNoStateHeeded) {
   EXPECT_EQ(machine_.waiting_commands(), 0U);
 }
 
-TEST_F(MachineTest, RefusesTheCommandsThatFindNoRoomButNeverAnUrgentOne) {
+TEST_F(MachineTest, RefusesCommandsWhenTheQueueIsFullButNeverAnUrgentOne) {
   machine_.AddEvent("photo");
   machine_.AddEvent("stop", Urgency::kUrgent);
   Add("IDLE");
@@ -170,7 +170,7 @@ TEST_F(MachineTest, StopsWhenItsSafeStateFailsToo) {
   EXPECT_EQ(machine_.Describe(*machine_.fault()), "SAFE_STOP: OnEnter: no brake");
 }
 
-TEST_F(MachineTest, TakesAWayThatWasNotDeclaredForAFault) {
+TEST_F(MachineTest, TakesAnUndeclaredTransitionForAFault) {
   LoggingState& idle = Add("IDLE");
   Add("TRACKING", {"IDLE"});
   Add("SAFE_STOP", {}, Role::kSafe);
@@ -182,7 +182,7 @@ TEST_F(MachineTest, TakesAWayThatWasNotDeclaredForAFault) {
   EXPECT_THAT(machine_.fault()->what, HasSubstr("TRACKING, which it has not declared"));
 }
 
-TEST_F(MachineTest, GivesUpATransitionThatDoesNotEnd) {
+TEST_F(MachineTest, AbortsATransitionThatDoesNotEnd) {
   LoggingState& idle = Add("IDLE", {"TRACKING"});
   Add("TRACKING", {"IDLE"});
   Add("SAFE_STOP", {}, Role::kSafe);
@@ -203,7 +203,7 @@ class Watcher : public Listener {
   bool fails = false;
 };
 
-TEST_F(MachineTest, TellsItsListenersOfAForcedTransitionToo) {
+TEST_F(MachineTest, NotifiesItsListenersOfAForcedTransitionToo) {
   Add("IDLE");
   Add("PHOTO");
   Watcher watcher;
@@ -244,7 +244,7 @@ TEST_F(MachineTest, CannotBeForcedOrStoppedFromInsideOfATick) {
   EXPECT_EQ(Current(), "IDLE");
 }
 
-TEST_F(MachineTest, RefusesAForceToAStateThatThereIsNotAndStaysWhereItIs) {
+TEST_F(MachineTest, RefusesAForceToAnUnknownStateAndKeepsItsState) {
   Add("IDLE");
   Start("IDLE");
   const Result<> forced = machine_.Force("IDEL");
@@ -253,7 +253,7 @@ TEST_F(MachineTest, RefusesAForceToAStateThatThereIsNotAndStaysWhereItIs) {
   EXPECT_EQ(Current(), "IDLE");
 }
 
-TEST_F(MachineTest, LeavesItsStateWhenItIsStoppedAndCanBeStartedAnew) {
+TEST_F(MachineTest, LeavesItsStateWhenItIsStoppedAndCanBeStartedAgain) {
   Add("IDLE");
   Start("IDLE");
   ASSERT_TRUE(machine_.Stop());
@@ -265,7 +265,7 @@ TEST_F(MachineTest, LeavesItsStateWhenItIsStoppedAndCanBeStartedAnew) {
   EXPECT_EQ(log_.back(), "IDLE enter");
 }
 
-TEST_F(MachineTest, IsNotBuiltWithFaultsAndTellsAllOfThem) {
+TEST_F(MachineTest, IsNotBuiltWithErrorsAndReportsAllOfThem) {
   Add("IDLE", {"TRAKCING"});
   Add("IDLE");
   Add("TRACKING", {"IDLE"});
@@ -285,7 +285,7 @@ TEST(Machine, WithoutStatesIsNotBuilt) {
   EXPECT_FALSE(machine.Build("IDLE"));
 }
 
-TEST_F(MachineTest, RemembersItsLastChanges) {
+TEST_F(MachineTest, KeepsAHistoryOfItsLastChanges) {
   LoggingState& a = Add("A", {"B"});
   LoggingState& b = Add("B", {"A"});
   Start("A");

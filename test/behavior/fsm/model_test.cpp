@@ -1,5 +1,5 @@
-// The machine against a model of it that is as simple as can be: whatever states do, both call the
-// same functions of them in the same order, with the same times and commands.
+// The machine against a minimal model: whatever the states do, both call the same functions in the
+// same order, with the same times and commands.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -8,7 +8,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "musher/test/behavior/fsm/whims.hpp"
+#include "musher/test/behavior/fsm/random_states.hpp"
 
 namespace musher::fsm::model_test {
 
@@ -18,8 +18,8 @@ constexpr int kSafe = 3;
 constexpr std::size_t kRoom = 3;
 constexpr int kUrgent = 2;  // of the events 0, 1 and 2
 
-// What the n-th call of a function of a state does: the same in both.
-struct Deed {
+// The action of the n-th call of a function of a state: the same in both.
+struct StateAction {
   bool throws = false;
   int target = kNone;  // kStates: one that was not declared
   Duration gradually{};
@@ -27,20 +27,20 @@ struct Deed {
   bool keeps = false;
 };
 
-Deed DeedOf(std::uint64_t seed, int state, Phase phase, int n) {
-  const std::uint64_t whim = Mix(
+StateAction ActionOf(std::uint64_t seed, int state, Phase phase, int n) {
+  const std::uint64_t bits = Mix(
       seed + Mix(static_cast<std::uint64_t>(state * 1000 + static_cast<int>(phase) * 100'000 + n)));
-  Deed deed;
-  deed.throws = whim % 23 == 0;
-  if ((whim >> 8) % 3 == 0) deed.target = static_cast<int>((whim >> 16) % (kStates + 1));
-  if (deed.target == kStates && (whim >> 20) % 4 != 0) deed.target = 0;
-  if ((whim >> 24) % 2 == 0) deed.gradually = Milliseconds((whim >> 32) % 80);
-  deed.handles = (whim >> 40) % 2 == 0;
-  deed.keeps = (whim >> 48) % 4 == 0;
-  return deed;
+  StateAction action;
+  action.throws = bits % 23 == 0;
+  if ((bits >> 8) % 3 == 0) action.target = static_cast<int>((bits >> 16) % (kStates + 1));
+  if (action.target == kStates && (bits >> 20) % 4 != 0) action.target = 0;
+  if ((bits >> 24) % 2 == 0) action.gradually = Milliseconds((bits >> 32) % 80);
+  action.handles = (bits >> 40) % 2 == 0;
+  action.keeps = (bits >> 48) % 4 == 0;
+  return action;
 }
 
-// A call, as both write it down.
+// A call, as both log it.
 std::string Call(int state, Phase phase, const Tick& tick) {
   return std::to_string(state) + std::string(Name(phase)) + " " + std::to_string(tick.now.count()) +
          " " + std::to_string(tick.step.count()) + " " + std::to_string(tick.elapsed.count()) +
@@ -48,9 +48,9 @@ std::string Call(int state, Phase phase, const Tick& tick) {
          " " + std::to_string(tick.transition_elapsed.count());
 }
 
-class Doing : public State {
+class ScriptedState : public State {
  public:
-  Doing(std::uint64_t seed, int state, std::vector<std::string>& log)
+  ScriptedState(std::uint64_t seed, int state, std::vector<std::string>& log)
       : seed_(seed), state_(state), log_(log) {}
   void Declare(Ways& ways) override {
     for (int i = 0; i < kStates; ++i) ways.To(std::to_string(i), "");
@@ -63,18 +63,19 @@ class Doing : public State {
     return State::Transition(tick);
   }
   Next CheckTransition(const Tick& tick) override {
-    const Deed deed = Do(Phase::kCheck, tick);
-    Next next = deed.target == kNone ? (deed.handles ? Next::Handle() : Next::Stay())
-                                     : Next::To(static_cast<StateId>(deed.target), deed.gradually);
-    return deed.keeps ? next.KeepCommand() : next;
+    const StateAction action = Do(Phase::kCheck, tick);
+    Next next = action.target == kNone
+                    ? (action.handles ? Next::Handle() : Next::Stay())
+                    : Next::To(static_cast<StateId>(action.target), action.gradually);
+    return action.keeps ? next.KeepCommand() : next;
   }
 
  private:
-  Deed Do(Phase phase, const Tick& tick) {
+  StateAction Do(Phase phase, const Tick& tick) {
     log_.push_back(Call(state_, phase, tick));
-    const Deed deed = DeedOf(seed_, state_, phase, calls_[phase]++);
-    if (deed.throws) throw std::runtime_error("deed");
-    return deed;
+    const StateAction action = ActionOf(seed_, state_, phase, calls_[phase]++);
+    if (action.throws) throw std::runtime_error("action");
+    return action;
   }
 
   const std::uint64_t seed_;
@@ -137,10 +138,10 @@ class Model {
     }
     return tick;
   }
-  bool Calls(Phase phase, Deed* deed = nullptr, int command = kNone) {
+  bool Calls(Phase phase, StateAction* action = nullptr, int command = kNone) {
     log.push_back(Call(current_, phase, Now(command)));
-    const Deed done = DeedOf(seed_, current_, phase, calls_[{current_, phase}]++);
-    if (deed != nullptr) *deed = done;
+    const StateAction done = ActionOf(seed_, current_, phase, calls_[{current_, phase}]++);
+    if (action != nullptr) *action = done;
     return !done.throws;
   }
   void Check(bool safe) {
@@ -149,20 +150,20 @@ class Model {
       command = commands_.front();
       commands_.pop_front();
     }
-    Deed deed;
-    if (!Calls(Phase::kCheck, &deed, command)) return Fails(true);
-    if (deed.keeps && command != kNone) {
+    StateAction action;
+    if (!Calls(Phase::kCheck, &action, command)) return Fails(true);
+    if (action.keeps && command != kNone) {
       commands_.push_front(command);
       command = kNone;
     }
-    if (deed.target == kNone || (current_ == kSafe && !safe)) {
+    if (action.target == kNone || (current_ == kSafe && !safe)) {
       if (!Calls(Phase::kRun, nullptr, command)) Fails(true);
       return;
     }
-    if (deed.target == kStates) return Fails(true);
-    target_ = deed.target;
+    if (action.target == kStates) return Fails(true);
+    target_ = action.target;
     began_ = time_;
-    duration_ = deed.gradually;
+    duration_ = action.gradually;
     Proceed();
   }
   void Proceed() {
@@ -203,7 +204,7 @@ RC_GTEST_PROP(Machine, DoesWhatItsModelDoes, (std::uint64_t seed)) {
   std::vector<std::string> log;
   Machine machine({.name = "deeds", .history = 8, .commands = kRoom});
   for (int i = 0; i < kStates; ++i) {
-    machine.Add(std::to_string(i), std::make_unique<Doing>(seed, i, log),
+    machine.Add(std::to_string(i), std::make_unique<ScriptedState>(seed, i, log),
                 i == kSafe ? Role::kSafe : Role::kNormal);
   }
   for (const char* event : {"a", "b"}) machine.AddEvent(event);
@@ -216,9 +217,9 @@ RC_GTEST_PROP(Machine, DoesWhatItsModelDoes, (std::uint64_t seed)) {
   Time now{};
   model.Start();
   (void)machine.Start(now).ok();
-  for (const Push& push : AnyPushes()) {
-    const int value = static_cast<int>(push.value);
-    switch (push.kind) {
+  for (const RandomInput& step : AnyInputs()) {
+    const int value = static_cast<int>(step.value);
+    switch (step.kind) {
       case 0:
         model.Tick(Milliseconds(value), safe);
         machine.RunOnce(now += Milliseconds(value));

@@ -1,4 +1,4 @@
-// Faults that were found in machines inside of states, each by its name.
+// Faults that were found in machines inside of states and fixed.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ class NestedFound : public MachineFixture {
         : Nested(std::move(inner), "CONFIRM", std::move(options)), log_(log) {}
     void Declare(Ways& ways) override {
       Nested::Declare(ways);
-      ways.To("IDLE", "told");
+      ways.To("IDLE", "commanded");
     }
     void OnEnter(const Tick& tick) override {
       Nested::OnEnter(tick);
@@ -88,7 +88,7 @@ class NestedFound : public MachineFixture {
   LoggingState* take_ = nullptr;
 };
 
-// The phase of the inner fault was taken for that of the outer state, which was thought left.
+// The phase of the inner fault was used for the outer state, which then counted as left.
 TEST_F(NestedFound, LeavesTheOuterStateWhenAnInnerOneCannotBeEntered) {
   Make();
   take_->on["enter"] = NoArm;
@@ -138,7 +138,7 @@ TEST_F(NestedFound, StopsTheInnerMachineWhenTheOuterStateFailsToBeLeft) {
   EXPECT_FALSE(inner_->running());
 }
 
-// It waited inside, and the inner machine was stopped before it looked at it.
+// It was queued inside, and the inner machine was stopped before it handled it.
 TEST_F(NestedFound, LosesNoCommandThatComesInTheInnerMachinesLastTransition) {
   Make({.finished = "IDLE"});
   Enter();
@@ -153,7 +153,7 @@ TEST_F(NestedFound, LosesNoCommandThatComesInTheInnerMachinesLastTransition) {
   EXPECT_EQ(inner_->waiting_commands(), 0U);
 }
 
-TEST_F(NestedFound, DoesNotKeepACommandThatItHeededAsTheInnerMachineHadFinished) {
+TEST_F(NestedFound, DoesNotKeepACommandThatItHandledAsTheInnerMachineHadFinished) {
   Make({.finished = "IDLE"});
   Enter();
   ASSERT_TRUE(inner_->Force("DONE"));
@@ -175,7 +175,7 @@ TEST_F(NestedFound, GivesTheInnerMachineNoCommandThatTheOuterStateKeeps) {
   EXPECT_EQ(inner_->counts().unhandled, 0U);
 }
 
-// They were restored, into a state that could never be left and a machine that ran unseen.
+// They were restored, into a state that could never be left and a machine that ran undetected.
 TEST_F(NestedFound, RefusesASnapshotThatRunsInsideOtherThanOutside) {
   Make();
   Enter();

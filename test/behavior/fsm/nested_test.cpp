@@ -12,7 +12,7 @@ namespace musher::fsm::nested_test {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-// IDLE, and SHOW with CONFIRM and TAKE and DONE inside. Told to, SHOW goes to IDLE.
+// IDLE, and SHOW with CONFIRM and TAKE and DONE inside. On command, SHOW goes to IDLE.
 class NestedTest : public MachineFixture {
  protected:
   class Show : public Nested {
@@ -21,7 +21,7 @@ class NestedTest : public MachineFixture {
         : Nested(std::move(inner), "CONFIRM", std::move(options)) {}
     void Declare(Ways& ways) override {
       Nested::Declare(ways);
-      idle_ = ways.To("IDLE", "told");
+      idle_ = ways.To("IDLE", "commanded");
       stop_ = ways.Find("stop").value_or(kNoEvent);
     }
     Next Decide(const Tick& tick) override {
@@ -130,7 +130,7 @@ TEST_F(NestedTest, LeavesTheInnerStateHoweverItIsLeft) {
   EXPECT_EQ(left([&] { EXPECT_TRUE(machine_.Stop()); }), "CONFIRM exit");
 }
 
-TEST_F(NestedTest, RestsWhileTheOuterStateIsLeftGradually) {
+TEST_F(NestedTest, IsPausedWhileTheOuterStateIsLeftGradually) {
   Make();
   Enter();
   show_->gradually = 2 * kStep;
@@ -151,7 +151,7 @@ TEST_F(NestedTest, LetsNoTimePassInsideWhileTheOuterMachineIsPaused) {
   EXPECT_EQ(inner_->elapsed(), kStep);
 }
 
-TEST_F(NestedTest, GivesTheInnerMachineTheCommandsThatItDoesNotHeedItself) {
+TEST_F(NestedTest, PassesTheCommandsThatItDoesNotHandleToTheInnerMachine) {
   Make();
   Enter();
   const EventId yes = *inner_->FindEvent("yes");
@@ -166,7 +166,7 @@ TEST_F(NestedTest, GivesTheInnerMachineTheCommandsThatItDoesNotHeedItself) {
   EXPECT_EQ(inner_->Name(inner_->history().back().command), "yes");
 }
 
-TEST_F(NestedTest, HeedsACommandBeforeTheInnerMachineDoes) {
+TEST_F(NestedTest, HandlesACommandBeforeTheInnerMachineDoes) {
   Make();
   Enter();
   ASSERT_TRUE(machine_.Send("stop"));
@@ -202,7 +202,7 @@ TEST_F(NestedTest, GoesOnOnceTheInnerMachineHasFinishedAndKeepsTheCommandOfThatT
   EXPECT_EQ(machine_.waiting_commands(), 1U);
 }
 
-TEST_F(NestedTest, StaysInItsFinalStateWhereNothingIsSaidOfIt) {
+TEST_F(NestedTest, StaysInItsFinalStateWithoutTheFinishedOption) {
   Make();
   Enter();
   ASSERT_TRUE(inner_->Force("DONE"));
@@ -210,7 +210,7 @@ TEST_F(NestedTest, StaysInItsFinalStateWhereNothingIsSaidOfIt) {
   EXPECT_EQ(machine_.Path(), "SHOW/DONE");
 }
 
-TEST_F(NestedTest, LeavesAFaultToTheInnerMachineThatCanDealWithIt) {
+TEST_F(NestedTest, LeavesAFaultToTheInnerMachineThatCanHandleIt) {
   Make();
   confirm_->on["run"] = [](const Tick&) { throw std::runtime_error("no arm"); };
   Enter();
@@ -254,7 +254,7 @@ TEST_F(NestedTest, FailsWhenTheInnerStateCannotBeLeft) {
   EXPECT_EQ(stopped.error().message, "show: SHOW/CONFIRM: OnExit: no arm");
 }
 
-TEST_F(NestedTest, StartsAnewEachTimeUnlessItResumes) {
+TEST_F(NestedTest, StartsFromTheBeginningEachTimeUnlessItResumes) {
   Make();
   Enter();
   ASSERT_TRUE(inner_->Force("TAKE"));
@@ -295,7 +295,7 @@ std::unique_ptr<Machine> Of(const std::string& name, std::unique_ptr<State> stat
   return machine;
 }
 
-TEST(DeeplyNested, TellsPathsAndFaultsThroughAllLevels) {
+TEST(DeeplyNested, ReportsPathsAndFaultsThroughAllLevels) {
   Log log;
   auto deepest = std::make_unique<LoggingState>("C", log);
   LoggingState* const c = deepest.get();
@@ -316,7 +316,7 @@ TEST(DeeplyNested, TellsPathsAndFaultsThroughAllLevels) {
   EXPECT_EQ(machine->Describe(*machine->fault()), "A/B/C: Run: no arm");
 }
 
-TEST(NestedBuild, TellsAllThatIsWrongInside) {
+TEST(NestedBuild, ReportsAllErrorsOfTheInnerMachine) {
   Log log;
   auto inner = std::make_unique<Machine>(Machine::Options{.name = "photo"});
   inner->Add("A", std::make_unique<LoggingState>("A", log, std::vector<std::string>{"B", "X"}));
@@ -329,7 +329,7 @@ TEST(NestedBuild, TellsAllThatIsWrongInside) {
             "show: SHOW: photo: B: there is no state Y; did you mean A?");
 }
 
-TEST(NestedBuild, RefusesAWayForAnEndThatIsNotThere) {
+TEST(NestedBuild, RefusesATransitionForAnEndThatTheInnerMachineDoesNotHave) {
   Log log;
   const auto machine =
       Of("show",
@@ -341,13 +341,14 @@ TEST(NestedBuild, RefusesAWayForAnEndThatIsNotThere) {
   EXPECT_EQ(built.error().message, "show: SHOW: never goes to SHOW: photo has no final state");
 }
 
-TEST(NestedBuild, TellsWarningsOfTheInsideWithTheirPath) {
+TEST(NestedBuild, ReportsWarningsOfTheInnerMachineWithTheirPath) {
   Log log;
   auto inner = Of("photo", std::make_unique<LoggingState>("A", log), "A");
   inner->Add("B", std::make_unique<LoggingState>("B", log));
   const auto machine = Of("show", std::make_unique<Nested>(std::move(inner), "A"), "SHOW");
   ASSERT_TRUE(machine->Build("SHOW"));
-  EXPECT_THAT(machine->warnings(), ElementsAre("SHOW/B: only a force leads to it: no way does"));
+  EXPECT_THAT(machine->warnings(),
+              ElementsAre("SHOW/B: only Force() reaches it: no transition leads to it"));
 }
 
 }  // namespace musher::fsm::nested_test

@@ -1,4 +1,4 @@
-// In which order states are entered, run and left: the exact log of each case.
+// The order in which states are entered, run and left: the exact log of each case.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,9 +14,9 @@ using ::testing::ElementsAreArray;
 using ::testing::IsEmpty;
 
 struct Failure {
-  const char* in;                // in which function of A, which goes to B gradually
+  const char* in;                // the function of A that fails; A goes to B gradually
   std::vector<std::string> log;  // from the start, where there is a safe state
-  const char* told;
+  const char* message;
 };
 
 void PrintTo(const Failure& failure, std::ostream* out) {
@@ -54,7 +54,7 @@ TEST_P(FailureTest, LeadsToTheSafeState) {
               ElementsAreArray(GetParam().log));
   EXPECT_EQ(Current(), "SAFE");
   EXPECT_EQ(machine_.mode(), Mode::kSafeStop);
-  EXPECT_EQ(machine_.Describe(*machine_.fault()), GetParam().told);
+  EXPECT_EQ(machine_.Describe(*machine_.fault()), GetParam().message);
   EXPECT_EQ(machine_.counts().faults, 1U);
   EXPECT_EQ(machine_.history().back().cause, Cause::kFault);
 }
@@ -64,7 +64,7 @@ TEST_P(FailureTest, StopsTheMachineWhereThereIsNoSafeState) {
   EXPECT_FALSE(machine_.running());
   EXPECT_EQ(machine_.current(), kNoState);
   EXPECT_EQ(machine_.mode(), Mode::kSafeStop);
-  EXPECT_EQ(machine_.Describe(*machine_.fault()), GetParam().told);
+  EXPECT_EQ(machine_.Describe(*machine_.fault()), GetParam().message);
   EXPECT_EQ(machine_.Name(machine_.history().back().to), "");
   const std::size_t calls = log_.size();
   Run();
@@ -79,7 +79,7 @@ TEST_P(FailureTest, StopsTheMachineWhenTheSafeStateFailsToo) {
   EXPECT_EQ(log_.back(), "SAFE enter");
 }
 
-// A state whose OnEnter failed is not left, nor one again whose OnExit failed.
+// OnExit is not called after a failed OnEnter, nor again after a failed OnExit.
 INSTANTIATE_TEST_SUITE_P(
     In, FailureTest,
     ::testing::Values(
@@ -115,7 +115,7 @@ class OrderTest : public MachineFixture {
   bool safe_ = true;
 };
 
-TEST_F(OrderTest, AForceBreaksATransitionOff) {
+TEST_F(OrderTest, AForceAbortsATransition) {
   Make();
   a_->Go("B", 10 * kStep);
   Run();
@@ -126,7 +126,7 @@ TEST_F(OrderTest, AForceBreaksATransitionOff) {
   EXPECT_EQ(log_.back(), "A run");
 }
 
-TEST_F(OrderTest, WhatIsUnsafeBreaksATransitionOff) {
+TEST_F(OrderTest, AFailedSafetyCheckAbortsATransition) {
   Make();
   a_->Go("B", 10 * kStep);
   Run();
@@ -136,7 +136,7 @@ TEST_F(OrderTest, WhatIsUnsafeBreaksATransitionOff) {
   EXPECT_EQ(machine_.history().back().cause, Cause::kUnsafe);
 }
 
-TEST_F(OrderTest, WhatBecomesUnsafeInATickLeadsToTheSafeStateInTheSameTick) {
+TEST_F(OrderTest, ASafetyCheckThatFailsInATickLeadsToTheSafeStateInTheSameTick) {
   Make();
   a_->on["run"] = [this](const Tick&) { safe_ = false; };
   Run();
@@ -151,7 +151,7 @@ TEST_F(OrderTest, AnUnsafeStateThatWasJustEnteredIsLeftInTheSameTick) {
   EXPECT_THAT(log_, ElementsAre("A exit", "B enter", "B exit", "SAFE enter"));
 }
 
-TEST_F(OrderTest, AResetEndsASafeStopAndTheNextTickJudgesAnew) {
+TEST_F(OrderTest, AResetEndsASafeStopAndTheNextTickChecksAgain) {
   Make();
   safe_ = false;
   Run(2);
@@ -162,7 +162,7 @@ TEST_F(OrderTest, AResetEndsASafeStopAndTheNextTickJudgesAnew) {
                                 "A exit", "SAFE enter"));
 }
 
-TEST_F(OrderTest, AResetForgetsCommandsAndTheFault) {
+TEST_F(OrderTest, AResetClearsCommandsAndTheFault) {
   Make();
   a_->on["run"] = [](const Tick&) { throw std::runtime_error("one"); };
   Run();
@@ -173,7 +173,7 @@ TEST_F(OrderTest, AResetForgetsCommandsAndTheFault) {
   EXPECT_EQ(machine_.waiting_commands(), 0U);
 }
 
-TEST_F(OrderTest, AWayOutOfTheSafeStateThatHasBegunIsBrokenOffWhenItIsUnsafeAgain) {
+TEST_F(OrderTest, ATransitionOutOfTheSafeStateIsAbortedWhenASafetyCheckFailsAgain) {
   Make();
   ASSERT_TRUE(machine_.Force("SAFE"));
   safe_state_->Go("A", 10 * kStep);
@@ -203,7 +203,7 @@ TEST_F(OrderTest, AnUrgentCommandWaitsForTheEndOfATransitionAloneAndFirst) {
   EXPECT_THAT(log_, ElementsAre("A transition", "A transition", "A exit", "B enter", "B run"));
 }
 
-TEST_F(OrderTest, AWayToItselfLeavesAndEntersAnew) {
+TEST_F(OrderTest, ATransitionToItselfLeavesAndReenters) {
   Make();
   Run(2);
   a_->Go("A");
@@ -212,7 +212,7 @@ TEST_F(OrderTest, AWayToItselfLeavesAndEntersAnew) {
   EXPECT_EQ(machine_.elapsed(), Duration{});
 }
 
-TEST_F(OrderTest, AGradualWayTellsStatesWhereItGoesAndHowFarItIs) {
+TEST_F(OrderTest, AGradualTransitionGivesStatesItsTargetAndProgress) {
   Make();
   std::vector<double> progress;
   a_->on["transition"] = [&](const Tick& tick) {
@@ -257,7 +257,7 @@ TEST_F(OrderTest, ATransitionMayTakeAsLongAsTheLongestOne) {
   EXPECT_FALSE(machine_.fault());
 }
 
-TEST_F(OrderTest, AForcedStateThatFailsIsToldToWhoForcedIt) {
+TEST_F(OrderTest, AForcedStateThatFailsIsReportedToTheCallerOfForce) {
   Make();
   b_->on["enter"] = [](const Tick&) { throw std::runtime_error("one"); };
   const Result<> forced = machine_.Force("B");
@@ -266,7 +266,7 @@ TEST_F(OrderTest, AForcedStateThatFailsIsToldToWhoForcedIt) {
   EXPECT_THAT(log_, ElementsAre("A exit", "B enter", "SAFE enter"));
 }
 
-TEST_F(OrderTest, AFailureWhileAFailedStateIsLeftIsCountedAndTheFirstIsTold) {
+TEST_F(OrderTest, AFailureWhileAFailedStateIsLeftIsCountedAndTheFirstIsReported) {
   Make();
   a_->on["run"] = [](const Tick&) { throw std::runtime_error("one"); };
   a_->on["exit"] = [](const Tick&) { throw 2; };
@@ -276,20 +276,20 @@ TEST_F(OrderTest, AFailureWhileAFailedStateIsLeftIsCountedAndTheFirstIsTold) {
   EXPECT_EQ(Current(), "SAFE");
 }
 
-TEST_F(OrderTest, WhatIsNoExceptionOfTheLibraryIsAFaultToo) {
+TEST_F(OrderTest, AThrownObjectThatIsNotAStdExceptionIsAFaultToo) {
   Make();
   a_->on["run"] = [](const Tick&) { throw 1; };
   Run();
   EXPECT_EQ(machine_.Describe(*machine_.fault()),
-            "A: Run: threw something that is no std::exception");
+            "A: Run: threw something that is not a std::exception");
 }
 
-TEST_F(OrderTest, ATargetThatThereIsNotIsAFault) {
+TEST_F(OrderTest, AnUnknownTargetIsAFault) {
   Make();
   a_->check = [](const Tick&) { return Next::To(StateId{99}); };
   Run();
   EXPECT_EQ(machine_.Describe(*machine_.fault()),
-            "A: CheckTransition: it went to a state that there is not, which it has not declared");
+            "A: CheckTransition: it went to an unknown state, which it has not declared");
 }
 
 TEST_F(OrderTest, AListenerMaySendACommandAndTheNewStateSeesItInTheNextTick) {
@@ -316,8 +316,8 @@ TEST_F(OrderTest, AListenerMaySendACommandAndTheNewStateSeesItInTheNextTick) {
   machine_.Forget(&sender);
 }
 
-// More states than fit into one word of the table of ways.
-TEST_F(MachineFixture, HoldsManyStatesApart) {
+// More states than fit into one word of the table of transitions.
+TEST_F(MachineFixture, DistinguishesManyStates) {
   constexpr int kStates = 130;
   std::vector<LoggingState*> states;
   for (int i = 0; i < kStates; ++i) {

@@ -7,7 +7,7 @@
 #include "musher/behavior/fsm/recorder.hpp"
 #include "musher/behavior/fsm/snapshot.hpp"
 #include "musher/test/behavior/fsm/machine_fixture.hpp"
-#include "musher/test/behavior/fsm/whims.hpp"
+#include "musher/test/behavior/fsm/random_states.hpp"
 
 namespace musher::fsm::replay_test {
 
@@ -24,7 +24,7 @@ std::string FaultOf(const std::string& text) {
   return read ? "none" : read.error().message;
 }
 
-// Goes from IDLE to TRACKING when a target is near, and back when told to.
+// Goes from IDLE to TRACKING when a target is near, and back on command.
 class Show {
  public:
   Show() {
@@ -44,7 +44,7 @@ class Show {
   }
 
   Result<> Apply(std::string_view name, std::string_view text) {
-    if (name != "target") return Error{kCodeFailed, "nobody knows " + std::string(name)};
+    if (name != "target") return Error{kCodeFailed, "unknown input " + std::string(name)};
     near = text == "near";
     return Ok();
   }
@@ -100,7 +100,7 @@ constexpr const char* kRecorded =
     "stop\n"
     "changed 3 0.04 IDLE \"\" stopped\n";
 
-TEST(Recorder, WritesALineForEachInputAndForEachChangeThatCameOfIt) {
+TEST(Recorder, WritesALineForEachInputAndForEachChangeThatFollows) {
   EXPECT_EQ(RecordedShow(), kRecorded);
 }
 
@@ -123,8 +123,8 @@ TEST(Recorder, DoesNotRecordWhatStatesSendThemselves) {
   EXPECT_THAT(text, ::testing::Not(HasSubstr("command")));
 }
 
-// The first tick looked for the time of a start that there was not.
-TEST(Recorder, SaysWhereTheMachineWentOnFromASnapshotInsteadOfAStart) {
+// The first tick used the time of a start that had not happened.
+TEST(Recorder, MarksWhereTheMachineWentOnFromASnapshotInsteadOfAStart) {
   Show show;
   ASSERT_TRUE(show.machine.Start(Time{}));
   const Snapshot saved = show.machine.Save().value();
@@ -137,7 +137,7 @@ TEST(Recorder, SaysWhereTheMachineWentOnFromASnapshotInsteadOfAStart) {
   show.machine.RunOnce(now + 2 * kStep);
   EXPECT_EQ(text, "musher-fsm-recording 1 show\nrestored\ntick 0\ntick 0.02\n");
   EXPECT_EQ(FaultOf(text),
-            "show.record:2:1: error: from here on the machine had been restored from a snapshot, "
+            "show.record:2:1: error: from here on the machine was restored from a snapshot, "
             "which is not recorded");
 
   ASSERT_TRUE(show.machine.Stop());
@@ -168,7 +168,7 @@ std::string DifferenceOf(const std::string& text) {
   return replayed ? replayed.value().difference.value_or("none") : replayed.error().message;
 }
 
-TEST(Replay, TellsTheFirstChangeThatComesOtherwise) {
+TEST(Replay, ReportsTheFirstChangeThatDiffers) {
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "target near", "target far")),
             "show.record:7: recorded: 2 0.04 IDLE TRACKING decided; now: nothing");
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "changed 2 0.04 IDLE TRACKING decided\n", "")),
@@ -178,7 +178,7 @@ TEST(Replay, TellsTheFirstChangeThatComesOtherwise) {
       "show.record:16: recorded: 3 0.04 TRACKING SAFE reset; now: 3 0.04 TRACKING IDLE reset");
 }
 
-TEST(Replay, FailsWhereTheMachineDoesNotHaveWhatIsAskedFor) {
+TEST(Replay, FailsWhereTheMachineLacksARecordedStateOrCommand) {
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "stop now", "stop mow")),
             "show.record:9: error: show: there is no event stop mow; did you mean stop now?");
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "force TRACKING", "force TRAKCING")),
@@ -188,9 +188,9 @@ TEST(Replay, FailsWhereTheMachineDoesNotHaveWhatIsAskedFor) {
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "tick 0.02", "start 0.02 IDLE")),
             "show.record:4: error: show: runs already");
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "input target", "input traget")),
-            "show.record:5: error: nobody knows traget");
+            "show.record:5: error: unknown input traget");
   EXPECT_EQ(DifferenceOf(Replaced(kRecorded, "1 show", "1 race")),
-            "show.record:1: error: it is of the machine race, not of show");
+            "show.record:1: error: it was recorded from machine race, not from show");
 }
 
 TEST(Replay, TakesARecordingWhoseWriterDied) {
@@ -208,23 +208,27 @@ TEST(Replay, TakesARecordingWhoseWriterDied) {
   }
 }
 
-TEST(Recording, TellsWhereALineIsNone) {
+TEST(Recording, ReportsWhereALineIsInvalid) {
   const std::string head = "musher-fsm-recording 1 show\n";
   EXPECT_EQ(FaultOf(""),
             "show.record:1:1: error: a recording begins with \"musher-fsm-recording 1\" "
             "and a machine");
   EXPECT_EQ(FaultOf("musher-fsm-recording 1"), "show.record:1:23: error: a word is missing");
   EXPECT_EQ(FaultOf(head + "tikc 1\n"),
-            "show.record:2:1: error: tikc is nothing that a machine is given; did you mean tick?");
+            "show.record:2:1: error: tikc is not a kind of line; did you mean tick?");
   EXPECT_EQ(FaultOf(head + "tick\n"), "show.record:2:5: error: a word is missing");
-  EXPECT_EQ(FaultOf(head + "tick 1s\n"), "show.record:2:6: error: 1s is no time in seconds");
-  EXPECT_EQ(FaultOf(head + "tick 1.\n"), "show.record:2:6: error: 1. is no time in seconds");
-  EXPECT_EQ(FaultOf(head + "tick --1\n"), "show.record:2:6: error: --1 is no time in seconds");
-  EXPECT_EQ(FaultOf(head + "tick \"\"\n"), "show.record:2:6: error: \"\" is no time in seconds");
+  EXPECT_EQ(FaultOf(head + "tick 1s\n"),
+            "show.record:2:6: error: invalid time 1s; expected seconds");
+  EXPECT_EQ(FaultOf(head + "tick 1.\n"),
+            "show.record:2:6: error: invalid time 1.; expected seconds");
+  EXPECT_EQ(FaultOf(head + "tick --1\n"),
+            "show.record:2:6: error: invalid time --1; expected seconds");
+  EXPECT_EQ(FaultOf(head + "tick \"\"\n"),
+            "show.record:2:6: error: invalid time \"\"; expected seconds");
   EXPECT_EQ(FaultOf(head + "tick 0.0000000001\n"),
-            "show.record:2:6: error: 0.0000000001 is no time in seconds");
+            "show.record:2:6: error: invalid time 0.0000000001; expected seconds");
   EXPECT_EQ(FaultOf(head + "tick 99999999999999\n"),
-            "show.record:2:6: error: 99999999999999 is no time in seconds");
+            "show.record:2:6: error: invalid time 99999999999999; expected seconds");
   EXPECT_EQ(FaultOf(head + "tick 1 2\n"), "show.record:2:8: error: there are too many words");
   EXPECT_EQ(FaultOf(head + "tick  1\n"), "show.record:2:6: error: a word is missing");
   EXPECT_EQ(FaultOf(head + "tick 1 \n"),
@@ -242,10 +246,10 @@ TEST(Recording, TellsWhereALineIsNone) {
   EXPECT_EQ(FaultOf(head + "\ntick 1\n"), "show.record:2:1: error: a word is missing");
 }
 
-RC_GTEST_PROP(Replay, GivesWhateverHappenedAgain, (std::uint64_t seed)) {
-  const std::vector<Push> pushes = AnyPushes();
+RC_GTEST_PROP(Replay, RepeatsAnyRun, (std::uint64_t seed)) {
+  const std::vector<RandomInput> steps = AnyInputs();
   Facts facts;
-  const auto machine = WhimMachine(seed, facts, 2);
+  const auto machine = RandomMachine(seed, facts, 2);
   RC_ASSERT(machine->Build("A").ok());
   std::string text;
   std::vector<Change> history;
@@ -253,15 +257,15 @@ RC_GTEST_PROP(Replay, GivesWhateverHappenedAgain, (std::uint64_t seed)) {
     Recorder recorder(*machine, [&](std::string_view line) { text += line; });
     Time now(std::chrono::hours(5));
     (void)machine->Start(now).ok();
-    for (const Push& push : pushes) {
-      Give(*machine, push, now, facts,
-           [&](std::int64_t number) { recorder.Input("number", std::to_string(number)); });
+    for (const RandomInput& step : steps) {
+      ApplyTo(*machine, step, now, facts,
+              [&](std::int64_t number) { recorder.Input("number", std::to_string(number)); });
     }
   }
   Facts again;
-  const auto other = WhimMachine(seed, again, 2);
+  const auto other = RandomMachine(seed, again, 2);
   RC_ASSERT(other->Build("A").ok());
-  const Result<Recording> recording = ReadRecording(text, "whims.record");
+  const Result<Recording> recording = ReadRecording(text, "random.record");
   RC_ASSERT(recording.ok());
   const Result<Replayed> replayed =
       Replay(recording.value(), *other, [&](std::string_view, std::string_view number) -> Result<> {

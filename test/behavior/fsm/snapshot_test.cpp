@@ -5,7 +5,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "musher/test/behavior/fsm/machine_fixture.hpp"
-#include "musher/test/behavior/fsm/whims.hpp"
+#include "musher/test/behavior/fsm/random_states.hpp"
 
 namespace musher::fsm {
 
@@ -20,7 +20,7 @@ using ::testing::IsEmpty;
 
 enum class Gesture { kNone, kHeart };
 
-class Remembering : public LoggingState {
+class PersistingState : public LoggingState {
  public:
   using LoggingState::LoggingState;
   void Persist(Archive& archive) override {
@@ -41,14 +41,14 @@ class Remembering : public LoggingState {
   bool fails = false;
 };
 
-// IDLE, TRACKING and SAFE_STOP; TRACKING remembers.
+// IDLE, TRACKING and SAFE_STOP; TRACKING persists its data.
 struct Show {
   explicit Show(const std::string& name = "show") : machine({.name = name, .commands = 2}) {
     machine.AddEvent("photo");
     auto idle_state =
         std::make_unique<LoggingState>("IDLE", log, std::vector<std::string>{"TRACKING"});
     auto tracking_state =
-        std::make_unique<Remembering>("TRACKING", log, std::vector<std::string>{"IDLE"});
+        std::make_unique<PersistingState>("TRACKING", log, std::vector<std::string>{"IDLE"});
     idle = idle_state.get();
     tracking = tracking_state.get();
     machine.Add("IDLE", std::move(idle_state));
@@ -70,7 +70,7 @@ struct Show {
 
   Log log;
   LoggingState* idle;
-  Remembering* tracking;
+  PersistingState* tracking;
   bool safe = true;
   Machine machine;
   Time now{};
@@ -163,7 +163,7 @@ TEST(Snapshot, KeepsThatAMachineWasPaused) {
   EXPECT_EQ(other.machine.time(), Duration{});
 }
 
-// What Restore() says of a snapshot in TRACKING that `change` has damaged.
+// The errors of Restore() for a snapshot in TRACKING that `change` has damaged.
 std::vector<std::string> FaultsOf(const std::function<void(Snapshot&)>& change) {
   Show show;
   EXPECT_TRUE(show.machine.Start(show.now));
@@ -179,20 +179,19 @@ std::vector<std::string> FaultsOf(const std::function<void(Snapshot&)>& change) 
     faults.push_back(fault.key + ": " + fault.what);
   }
   EXPECT_EQ(other.machine.running(), faults.empty());
-  EXPECT_EQ(other.tracking->guests, faults.empty() ? 3 : 5)
-      << "something was restored all the same";
+  EXPECT_EQ(other.tracking->guests, faults.empty() ? 3 : 5) << "a part was restored";
   return faults;
 }
 
-TEST(Snapshot, IsRefusedWithWhatIsWrong) {
+TEST(Snapshot, IsRefusedWithAllItsErrors) {
   EXPECT_THAT(FaultsOf([](Snapshot&) {}), IsEmpty());
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.machine = "race"; }),
-              ElementsAre("machine: it is of race, not of show"));
+              ElementsAre("machine: it was saved from race, not from show"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.state = "TRAKCING"; }),
               ElementsAre("state: there is no state TRAKCING; did you mean TRACKING?"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.state = ""; }), ElementsAre("state: is missing"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.running = false; }),
-              ElementsAre("state: is there, though it does not run"));
+              ElementsAre("state: is set, although the machine does not run"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.mode = Mode::kSafeStop; }),
               ElementsAre("mode: SAFE_STOP is not that of TRACKING"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.mode = Mode::kTransitioning; }),
@@ -226,7 +225,7 @@ TEST(Snapshot, IsRefusedWithWhatIsWrong) {
               ElementsAre("fault.state: there is no state IDEL; did you mean IDLE?"));
 }
 
-// It was restored, and the first tick that came to the name that was not there crashed.
+// It was restored, and the first tick that used the missing name crashed.
 TEST(Snapshot, IsRefusedWhereATransitionOrACommandHasNoName) {
   EXPECT_THAT(FaultsOf([](Snapshot& s) {
                 s.mode = Mode::kTransitioning;
@@ -239,7 +238,7 @@ TEST(Snapshot, IsRefusedWhereATransitionOrACommandHasNoName) {
               ElementsAre("commands: one has no name"));
 }
 
-TEST(Snapshot, IsRefusedWithWhatIsWrongInItsParts) {
+TEST(Snapshot, IsRefusedWithTheErrorsOfItsParts) {
   EXPECT_THAT(FaultsOf([](Snapshot& s) { s.states.clear(); }),
               ElementsAre("states.TRACKING: is missing"));
   EXPECT_THAT(FaultsOf([](Snapshot& s) {
@@ -293,10 +292,10 @@ TEST(Snapshot, CannotBeTakenWhereAStateFailsToPersistOrGivesAFieldTwice) {
     archive.Field("a", twice);
   });
   ASSERT_TRUE(machine.Build("IDLE"));
-  EXPECT_EQ(machine.Save().error().message, "show: robot: Persist: the field a is there twice");
+  EXPECT_EQ(machine.Save().error().message, "show: robot: Persist: the field a occurs twice");
 }
 
-TEST(Snapshot, TakesBackWhatItHadGivenWhenALaterStateFails) {
+TEST(Snapshot, UndoesWhatItHadRestoredWhenALaterStateFails) {
   Show show;
   ASSERT_TRUE(show.machine.Start(show.now));
   show.tracking->last = "Ada";
@@ -309,20 +308,20 @@ TEST(Snapshot, TakesBackWhatItHadGivenWhenALaterStateFails) {
 }
 
 RC_GTEST_PROP(Snapshot, LetsAnotherMachineGoOnAlikeWheneverItIsTaken, (std::uint64_t seed)) {
-  const std::vector<Push> before = AnyPushes();
-  const std::vector<Push> after = AnyPushes();
-  const auto nobody = [](std::int64_t) {};
+  const std::vector<RandomInput> before = AnyInputs();
+  const std::vector<RandomInput> after = AnyInputs();
+  const auto ignore = [](std::int64_t) {};
   Facts facts;
-  const auto machine = WhimMachine(seed, facts, 2, 20);
+  const auto machine = RandomMachine(seed, facts, 2, 20);
   RC_ASSERT(machine->Build("A").ok());
   Time now(std::chrono::hours(5));
   (void)machine->Start(now).ok();
-  for (const Push& push : before) Give(*machine, push, now, facts, nobody);
+  for (const RandomInput& step : before) ApplyTo(*machine, step, now, facts, ignore);
 
   const Result<Snapshot> saved = machine->Save();
   RC_ASSERT(saved.ok());
   Facts other_facts;
-  const auto other = WhimMachine(seed, other_facts, 2, 20);
+  const auto other = RandomMachine(seed, other_facts, 2, 20);
   RC_ASSERT(other->Build("A").ok());
   const auto faults = other->Restore(saved.value(), now);
   RC_LOG() << (faults.empty() ? "" : faults[0].key + ": " + faults[0].what) << std::endl;
@@ -330,9 +329,9 @@ RC_GTEST_PROP(Snapshot, LetsAnotherMachineGoOnAlikeWheneverItIsTaken, (std::uint
   RC_ASSERT(other_facts.number == facts.number);
 
   Time other_now = now;
-  for (const Push& push : after) {
-    Give(*machine, push, now, facts, nobody);
-    Give(*other, push, other_now, other_facts, nobody);
+  for (const RandomInput& step : after) {
+    ApplyTo(*machine, step, now, facts, ignore);
+    ApplyTo(*other, step, other_now, other_facts, ignore);
     RC_ASSERT(other->Save().value() == machine->Save().value());
   }
 }

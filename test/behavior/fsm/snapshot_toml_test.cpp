@@ -6,11 +6,11 @@
 
 #include <limits>
 
-#include "musher/test/behavior/fsm/whims.hpp"
+#include "musher/test/behavior/fsm/random_states.hpp"
 
 namespace musher::fsm::snapshot_toml_test {
 
-// A show of IDLE and SHOW; SHOW holds PHOTO, which remembers how many it has taken.
+// A show of IDLE and SHOW; SHOW holds PHOTO, which persists its count.
 class Photo : public State {
  public:
   void Declare(Ways& ways) override { done_ = ways.To("DONE", "taken"); }
@@ -148,7 +148,7 @@ TEST(SnapshotToml, IsATextThatAPersonCanRead) {
   EXPECT_EQ(SavedShow(), kSaved);
 }
 
-TEST(SnapshotToml, BringsAMachineBackWithTheOneInside) {
+TEST(SnapshotToml, RestoresAMachineWithTheOneInside) {
   Show show;
   show.photo->taken = 0;
   show.photo->whom = "";
@@ -175,9 +175,9 @@ std::string FaultOf(const std::string& from, const std::string& to) {
   return restored ? "none" : restored.error().message;
 }
 
-TEST(SnapshotToml, TellsWhereItIsOfAnotherMachine) {
+TEST(SnapshotToml, ReportsWhereItNamesAnotherMachine) {
   EXPECT_EQ(FaultOf("\"show\"", "\"race\""),
-            "show.toml:2:11: error: machine: it is of race, not of show");
+            "show.toml:2:11: error: machine: it was saved from race, not from show");
   EXPECT_EQ(FaultOf("state = \"SHOW\"", "state = \"SHOV\""),
             "show.toml:6:9: error: state: there is no state SHOV; did you mean SHOW?");
   EXPECT_EQ(FaultOf("[data.robot]", "[data.robto]"),
@@ -188,7 +188,7 @@ TEST(SnapshotToml, TellsWhereItIsOfAnotherMachine) {
             "show.toml:15:40: error: history[1].from: there is no state IDEL; did you mean IDLE?");
 }
 
-TEST(SnapshotToml, TellsWhereTheMachineInsideIsWrong) {
+TEST(SnapshotToml, ReportsWhereTheMachineInsideIsInvalid) {
   EXPECT_EQ(FaultOf("taken = 2", "taken = \"two\""),
             "show.toml:63:1: error: inside.SHOW.states.PHOTO.taken: has to be an integer, not a "
             "text");
@@ -198,7 +198,7 @@ TEST(SnapshotToml, TellsWhereTheMachineInsideIsWrong) {
       "DONE?");
 }
 
-TEST(SnapshotToml, TellsWhatIsNoSnapshotAndAllOfItAtOnce) {
+TEST(SnapshotToml, ReportsAllErrorsOfATextThatIsNotASnapshotAtOnce) {
   EXPECT_EQ(FaultOf("ticks = 2\n", "tikcs = -2\n"),
             "show.toml:1:1: error: the key \"ticks\" is missing; expected what a saved machine has "
             "there\n"
@@ -211,29 +211,30 @@ TEST(SnapshotToml, TellsWhatIsNoSnapshotAndAllOfItAtOnce) {
   EXPECT_THAT(FaultOf("time_ns = 40000000", "time_ns ="), ::testing::StartsWith("show.toml:8:"));
 }
 
-TEST(SnapshotToml, CannotHoldWhatIsNoText) {
+TEST(SnapshotToml, CannotHoldATextThatIsNotUtf8) {
   Snapshot snapshot;
   snapshot.machine = "show";
   snapshot.states.push_back({"A", {{"name", std::string("\xff")}}});
   EXPECT_EQ(WriteSnapshot(snapshot).error().message,
-            "show: name is no text that can be saved: it is not UTF-8, or has a NUL");
+            "show: name cannot be saved: it is not UTF-8, or has a NUL");
 }
 
-RC_GTEST_PROP(SnapshotToml, BringsWhateverWasSavedBackExactly, (std::uint64_t seed)) {
+RC_GTEST_PROP(SnapshotToml, RestoresEverySavedMachineExactly, (std::uint64_t seed)) {
   Facts facts;
-  const auto machine = WhimMachine(seed, facts, 2);
+  const auto machine = RandomMachine(seed, facts, 2);
   RC_ASSERT(machine->Build("A").ok());
   Time now(std::chrono::hours(5));
   (void)machine->Start(now).ok();
-  for (const Push& push : AnyPushes()) Give(*machine, push, now, facts, [](std::int64_t) {});
+  for (const RandomInput& step : AnyInputs())
+    ApplyTo(*machine, step, now, facts, [](std::int64_t) {});
   const Snapshot saved = machine->Save().value();
   const Result<std::string> text = WriteSnapshot(saved);
   RC_ASSERT(text.ok());
 
   Facts other_facts;
-  const auto other = WhimMachine(seed, other_facts, 2);
+  const auto other = RandomMachine(seed, other_facts, 2);
   RC_ASSERT(other->Build("A").ok());
-  const Result<> restored = RestoreSnapshot(*other, text.value(), "whims.toml", now);
+  const Result<> restored = RestoreSnapshot(*other, text.value(), "random.toml", now);
   RC_LOG() << (restored ? "" : restored.error().message) << std::endl;
   RC_ASSERT(restored.ok());
   RC_ASSERT(other->Save().value() == saved);

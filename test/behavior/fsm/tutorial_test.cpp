@@ -1,4 +1,4 @@
-// The pictures of docs/state-machines.md are those that the code draws.
+// The pictures of docs/state-machines.md match those that the code draws.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -26,9 +26,8 @@ class RepeatedLines : public ::testing::Test {
     std::vector<std::string> lines;
     const std::string n = std::to_string(restart);
     for (const std::string& message :
-         {"legs is started as process 40" + n,
-          std::string("legs is degraded: crashed: exit code 1"),
-          "legs is started again in " + n + "00 ms, restart " + n + " of 5"}) {
+         {"legs started (pid 40" + n + ")", std::string("legs is degraded: crashed: exit code 1"),
+          "legs: restarting in " + n + "00 ms (" + n + " of 5)"}) {
       for (const std::string& line : Say(message)) lines.push_back(line);
     }
     return lines;
@@ -39,16 +38,15 @@ class RepeatedLines : public ::testing::Test {
 };
 
 TEST_F(RepeatedLines, OfOneThatEndsAgainAndAgainAreCountedUntilThereIsNews) {
-  EXPECT_THAT(Crash(1), ElementsAre("legs is started as process 401",
-                                    "legs is degraded: crashed: exit code 1",
-                                    "legs is started again in 100 ms, restart 1 of 5"));
+  EXPECT_THAT(Crash(1),
+              ElementsAre("legs started (pid 401)", "legs is degraded: crashed: exit code 1",
+                          "legs: restarting in 100 ms (1 of 5)"));
   for (const int restart : {2, 3, 4, 5}) EXPECT_THAT(Crash(restart), IsEmpty());
-  EXPECT_THAT(Say("legs is started as process 406"), IsEmpty());
+  EXPECT_THAT(Say("legs started (pid 406)"), IsEmpty());
   EXPECT_THAT(
       Say("legs is degraded: given up after 5 restarts"),
       ElementsAre("legs: the same again 4 times", "legs is degraded: given up after 5 restarts"));
-  EXPECT_THAT(Say("legs is started as process 407"), ElementsAre("legs is started as process 407"))
-      << "by hand";
+  EXPECT_THAT(Say("legs started (pid 407)"), ElementsAre("legs started (pid 407)")) << "by hand";
 }
 
 TEST_F(RepeatedLines, OfAnotherEndOrAnotherActuatorArePrinted) {
@@ -95,9 +93,9 @@ TEST_F(RepeatedLines, AreNewsAfterHalfAMinute) {
 TEST_F(RepeatedLines, NameAReasonOnceAndReferToItWhileItIsInSight) {
   const std::string why = "exit code 2: robot.toml has no actuator 'lesg'; did you mean 'legs'?";
   EXPECT_THAT(Say("legs is degraded: " + why), ElementsAre("legs is degraded: " + why));
-  EXPECT_THAT(Say("legs is degraded: " + why + "; it is not started again"),
-              ElementsAre("legs is degraded: as above; it is not started again"));
-  const std::string whole = "legs: " + why + "; it is not started again";
+  EXPECT_THAT(Say("legs is degraded: " + why + "; not restarted automatically"),
+              ElementsAre("legs is degraded: as above; not restarted automatically"));
+  const std::string whole = "legs: " + why + "; not restarted automatically";
   EXPECT_THAT(Say("switch 1 is done-degraded: " + whole, "", "switch"),
               ElementsAre("switch 1 is done-degraded: legs: as above"));
   EXPECT_THAT(Say("arm is degraded: exit code 1", "arm"),

@@ -47,7 +47,7 @@ TEST_F(Replaying, TellsTheDecisionsAgainAndThatTheyAreTheSame) {
   const Ran ran = RunProgram({"replay", file_});
   EXPECT_EQ(ran.exit, 0) << ran.err;
   EXPECT_EQ(ran.err, "");
-  EXPECT_THAT(ran.out, HasSubstr("machine  controller epoch 1 begins, 3 actuators\n"));
+  EXPECT_THAT(ran.out, HasSubstr("machine  controller started: epoch 1, 3 actuators\n"));
   EXPECT_THAT(ran.out, HasSubstr("machine  an actuator is lost; falling back to Protected"));
   EXPECT_THAT(Lines(ran.out).back(),
               MatchesRegex("[0-9]+ inputs, [0-9]+ decisions: each as it was recorded"));
@@ -101,8 +101,8 @@ TEST_F(Replaying, FindsActuatorsByNameInAnotherOrder) {
 TEST_F(Replaying, CanBeLimitedToAnEpoch) {
   const Ran ran = RunProgram({"replay", file_, "--epoch", "2"});
   EXPECT_EQ(ran.exit, 0);
-  EXPECT_THAT(ran.out, Not(HasSubstr("controller epoch 1 begins")));
-  EXPECT_THAT(ran.out, HasSubstr("controller epoch 2 begins"));
+  EXPECT_THAT(ran.out, Not(HasSubstr("controller started: epoch 1")));
+  EXPECT_THAT(ran.out, HasSubstr("controller started: epoch 2"));
 }
 
 TEST_F(Replaying, AnswersInJson) {
@@ -158,7 +158,7 @@ TEST_F(Replaying, HistoryExplainsAStateThatWasAskedFor) {
   EXPECT_THAT(
       Explained(ran.out),
       ::testing::ElementsAre(MatchesRegex("the machine went to LowPower \\(switch [0-9]+\\)"),
-                             "  because a switch to LowPower is asked for"));
+                             "  because switch to LowPower requested"));
   const Ran none = RunProgram({"history", "--journal", file_, "--why", "OTA"});
   EXPECT_EQ(none.exit, 1);
   EXPECT_THAT(none.err, HasSubstr("the machine has not gone to OTA"));

@@ -54,14 +54,14 @@ TEST_F(Text, TellsInOneLineWhatThePolicyIsAbout) {
                 .find("\nthe battery is at 80 %, being charged; LowPower when it lies still\n"),
             std::string::npos);
   status.policy.ceiling = "Protected";
-  status.policy.ceiling_reason = "the battery is at 15 %: the machine may be at most Protected";
+  status.policy.ceiling_reason = "the battery is at 15 %: the machine is limited to Protected";
   status.policy.battery_silent = true;
   status.policy.kept = "Active";
   status.policy.keep_s = 60;
   status.policy.low_power_switch = false;
   status.policy.power = "power-off";
   const std::string line =
-      "the battery is at 15 %: the machine may be at most Protected; nothing is heard of the "
+      "the battery is at 15 %: the machine is limited to Protected; nothing is heard of the "
       "battery; kept in Active for 60 s; power-off is under way";
   EXPECT_NE(StatusText(status, false).find("\n" + line + "\n"), std::string::npos);
   EXPECT_NE(StatusLine(status, 0).find("  " + line), std::string::npos);
@@ -292,14 +292,14 @@ TEST_F(Text, ShowsWhyAPlanWouldBeRefused) {
 }
 
 TEST_F(Text, ShowsABacktraceBelowItsSentenceAndNoJson) {
-  msg::HistoryEntry hung{1, 0, 3, 0, "process", "legs", 0, "what legs was doing:"};
+  msg::HistoryEntry hung{1, 0, 3, 0, "process", "legs", 0, "backtrace of legs:"};
   hung.data = "TID 7:\n#0  read\n";
   EXPECT_EQ(HistoryText({hung}, false),
-            "1970-01-01 00:00:00.000  process  what legs was doing:\n"
+            "1970-01-01 00:00:00.000  process  backtrace of legs:\n"
             "    TID 7:\n"
             "    #0  read\n");
   hung.data = R"({"lost":1})";
-  EXPECT_EQ(HistoryText({hung}, false), "1970-01-01 00:00:00.000  process  what legs was doing:\n");
+  EXPECT_EQ(HistoryText({hung}, false), "1970-01-01 00:00:00.000  process  backtrace of legs:\n");
 }
 
 TEST_F(Text, ShowsHistoryAndProgressALineEach) {

@@ -71,7 +71,7 @@ TEST_F(CyberdogRequests, ADirectSwitchOutsideTheFlowIsRefusedWithACodeAndARecord
   Records();
   SwitchTo(kLowPowerNumber);
   EXPECT_EQ(state(), "Error");
-  EXPECT_THAT(Records(), HasSubstr("103 a switch to LowPower is refused: "));
+  EXPECT_THAT(Records(), HasSubstr("103 switch to LowPower refused: "));
 }
 
 // CyberDog's table of rules: where the robot is, what is wanted, what comes of it.

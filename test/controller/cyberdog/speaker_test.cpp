@@ -106,8 +106,8 @@ TEST_F(ASpeakingRobot, SaysWhyAWakeWordIsRefused) {
   Said();
   ASSERT_EQ(state(), kLowPower);
   wake_word_({true});
-  EXPECT_THAT(Said(), ElementsAre("a wake-up is refused: the battery is at 4 %: the machine may be "
-                                  "at most LowPower until it is charged to 7 %"));
+  EXPECT_THAT(Said(), ElementsAre("wake-up refused: the battery is at 4 %: the machine is "
+                                  "limited to LowPower until it is charged to 7 %"));
 }
 
 TEST_F(ASpeakingRobot, StandsUpForTheFirstApp) {

@@ -40,7 +40,7 @@ TEST_F(Voices, AnUnknownChargeIsSaidInWords) {
 
 TEST_F(Voices, WhatThePolicyRefusesIsSaidAsItsSentenceAndNotAgainForHalfAMinute) {
   BringUp();
-  const std::string why = "a wake-up is refused: the battery is at 4 %";
+  const std::string why = "wake-up refused: the battery is at 4 %";
   for (int i = 0; i < 3; ++i) Record("policy", 0, 113, why), Wait(seconds(5));
   EXPECT_THAT(Said(seconds(16)), ElementsAre(why));
   Record("policy", 0, 113, why);
@@ -50,7 +50,7 @@ TEST_F(Voices, WhatThePolicyRefusesIsSaidAsItsSentenceAndNotAgainForHalfAMinute)
 TEST_F(Voices, WhatThePolicyDoesWithoutTroubleIsNotSaid) {
   BringUp();
   Record("policy", 0, 0, "the battery is at 18 %: down to Protected");
-  Record("policy", 0, 111, "a wake-up is refused: switch 4 is under way");
+  Record("policy", 0, 111, "wake-up refused: switch 4 is under way");
   EXPECT_THAT(Said(), IsEmpty());
 }
 
@@ -63,8 +63,8 @@ TEST_F(Voices, AFailedSwitchIsSaidByTheModuleThatFailed) {
   EXPECT_THAT(Said(), ElementsAre("switch 5 is done-degraded")) << "there is no such phrase";
   Record("switch", 6, 2409, "a self-check");
   EXPECT_THAT(Said(), ElementsAre("31006"));
-  Record("switch", 0, 103, "a switch to Dance is refused: there is no such state");
-  EXPECT_THAT(Said(), ElementsAre("a switch to Dance is refused: there is no such state"));
+  Record("switch", 0, 103, "switch to Dance refused: there is no such state");
+  EXPECT_THAT(Said(), ElementsAre("switch to Dance refused: there is no such state"));
 }
 
 TEST_F(Voices, WhatWasDegradedBeforeIsNotSaidAtEverySwitch) {
@@ -141,7 +141,7 @@ TEST_F(Voices, AQuietSleeperOnlyAnswersATouchAndSaysTheRestAwake) {
   BringUp();
   machine_.state = kLowPower;
   SetBattery(18);
-  Record("policy", 0, 113, "a wake-up is refused");
+  Record("policy", 0, 113, "wake-up refused");
   Hear(heard::DoubleTapped{});
   EXPECT_THAT(Said(), ElementsAre("1018"));
   machine_.state = kProtected;

@@ -67,7 +67,7 @@ TEST(Replay, ShowsADecisionThatIsAnotherWithItsInput) {
                                   [](const auto& line) { return line.mark != Mark::kSame; });
   ASSERT_NE(first, report.lines.end());
   EXPECT_EQ(first->mark, Mark::kRecorded);
-  EXPECT_EQ(first->entry.message, "a switch to Active is asked for");
+  EXPECT_EQ(first->entry.message, "switch to Active requested");
   EXPECT_THAT(first->input, HasSubstr(R"("target":"Protected")"));
 }
 

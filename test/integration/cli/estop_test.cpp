@@ -152,7 +152,7 @@ TEST_F(EmergencyStop, HoldsAnActiveRobotUntilItsStateIsSetAgainAfterTheRelease) 
   EXPECT_EQ(Status()["held_by_stop"], (nlohmann::json{"legs", "voice", "eyes"}));
   const Ended again = Musher({"set", "Active"});
   EXPECT_EQ(again.exit, 0) << again.err;
-  EXPECT_THAT(again.out, Not(HasSubstr("was there already")));
+  EXPECT_THAT(again.out, Not(HasSubstr("was already in that state")));
   EXPECT_EQ(Status()["held_by_stop"], nlohmann::json::array());
 }
 
@@ -214,7 +214,7 @@ TEST_F(EmergencyStop, KeepsANextStartFromGoingUpUntilItIsReleased) {
   ASSERT_EQ(Musher({"down"}).exit, 0);
   const Ended up = UpDetached();
   EXPECT_EQ(up.exit, 1);
-  EXPECT_THAT(up.err, HasSubstr("an emergency stop is engaged; `musher estop --release`"));
+  EXPECT_THAT(up.err, HasSubstr("an emergency stop is engaged; run `musher estop --release`"));
   const Ended release = Musher({"estop", "--release"});
   EXPECT_THAT(release.out, HasSubstr("`musher set SelfCheck`, then `musher set Active`"));
   EXPECT_EQ(Musher({"set", "SelfCheck"}).exit, 0);

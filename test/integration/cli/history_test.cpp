@@ -23,8 +23,8 @@ TEST_F(History, CanBeAskedForOneActuatorAndUpToATime) {
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended legs = Musher({"history", "--actuator", "legs"});
   EXPECT_EQ(legs.exit, 0) << legs.err;
-  EXPECT_THAT(legs.out, HasSubstr("legs is started as process"));
-  EXPECT_THAT(legs.out, Not(HasSubstr("voice is started")));
+  EXPECT_THAT(legs.out, HasSubstr("legs started (pid"));
+  EXPECT_THAT(legs.out, Not(HasSubstr("voice started")));
   EXPECT_EQ(Musher({"history", "--until", "1d"}).out, "");
 }
 
@@ -43,7 +43,7 @@ TEST_F(History, IsATableForSpreadsheets) {
   ASSERT_EQ(UpDetached().exit, 0);
   const Ended csv = Musher({"history", "--csv", "--limit", "0"});
   EXPECT_THAT(csv.out, StartsWith("time,epoch,switch,kind,actuator,code,message\r\n20"));
-  EXPECT_THAT(csv.out, HasSubstr(",legs,0,legs is started as process "));
+  EXPECT_THAT(csv.out, HasSubstr(",legs,0,legs started (pid "));
 }
 
 TEST_F(History, FollowsWhatHappens) {

@@ -69,7 +69,7 @@ TEST_F(Takeover, EndsTheFirstWhichSaysWhyAndKeepsItsActuators) {
   const std::string who = "process " + std::to_string(Status()["pid"].get<int>());
   EXPECT_THAT(first.err, HasSubstr("another controller, " + who + " of this host, leads"));
   EXPECT_THAT(first.err, HasSubstr("this controller ends, the actuators go on\n"));
-  EXPECT_THAT(first.out, HasSubstr("this controller of epoch 1 lets go"));
+  EXPECT_THAT(first.out, HasSubstr("this controller (epoch 1) releases control"));
   ExpectAdopted();
   second.Signal(SIGINT);
   EXPECT_EQ(second.Wait().exit, 0);

@@ -16,7 +16,7 @@ class Up : public MachineByCli {};
 TEST_F(Up, StaysInTheForegroundAndTakesTheMachineDownOnCtrlC) {
   Process up(Command({"up", config_}));
   EXPECT_NE(up.LineWith("robot: 3 actuators, 6 states, 2 stages"), "");
-  EXPECT_NE(up.LineWith("legs is started as process"), "");
+  EXPECT_NE(up.LineWith("legs started (pid"), "");
   EXPECT_NE(up.LineWith("the machine is Active"), "");
   EXPECT_NE(up.LineWith("eyes: Active done"), "");  // stage 2 comes while the machine is in use
   up.Signal(SIGINT);
@@ -76,7 +76,7 @@ TEST_F(Up, ASupervisorsStartFinishesATearDownThatACrashInterruptedAndStaysDown) 
   AwaitStatus([](const auto& s) { return s["actuators"]["voice"]["presence"] == "lost"; });
   kill(controller, SIGKILL);
   Process again(Command({"up", config_, "--restarted"}));
-  EXPECT_NE(again.LineWith("this start by a supervisor ends that"), "");
+  EXPECT_NE(again.LineWith("this start by a supervisor finishes that TearDown"), "");
   Release();
   const Ended ended = again.Wait();
   EXPECT_EQ(ended.exit, 0) << ended.err << "as systemd would start it again otherwise";
@@ -140,7 +140,7 @@ TEST_F(Up, DownSaysWhichActuatorItDoesNotReachAndEndsWithOne) {
   const Ended down = Musher({"down"});
   EXPECT_EQ(down.exit, 1);
   EXPECT_THAT(down.err, HasSubstr("voice"));
-  EXPECT_THAT(down.err, HasSubstr("may live on in Active"));
+  EXPECT_THAT(down.err, HasSubstr("may still run in Active"));
   voice.Signal(SIGCONT);
 }
 
@@ -185,9 +185,9 @@ TEST_F(Up, SaysAtOnceThatTheConfigOfAModuleIsWrong) {
   EXPECT_EQ(up.exit, 1);
   EXPECT_THAT(up.err, HasSubstr("critical legs: "));
   EXPECT_THAT(up.err, HasSubstr("legs.toml:1:8: error: "));
-  EXPECT_THAT(up.err, HasSubstr("until `musher restart legs`, because exit code 2 tells of a wrong "
-                                "configuration"));
-  EXPECT_THAT(up.out, Not(HasSubstr("is started again in")));
+  EXPECT_THAT(up.err, HasSubstr("because exit code 2 means a configuration error; restart it with "
+                                "`musher restart legs`"));
+  EXPECT_THAT(up.out, Not(HasSubstr(": restarting in")));
   Does("legs", "[state.Active]\nrun = [\"true\"]\n");
   EXPECT_EQ(Musher({"restart", "legs"}).exit, 0);
   EXPECT_EQ(Musher({"set", "SelfCheck"}).exit, 0);
@@ -199,7 +199,7 @@ TEST_F(Up, SaysAtOnceThatTheConfigOfAModuleIsWrong) {
 TEST_F(Up, EndsWithOneWhenItIsStoppedBeforeTheMachineIsUp) {
   Does("legs", "[state.SetUp]\nshell = \"sleep 5\"\n");
   Process up(Command({"up", config_}));
-  ASSERT_NE(up.LineWith("legs is started as process"), "");
+  ASSERT_NE(up.LineWith("legs started (pid"), "");
   up.Signal(SIGINT);
   const Ended ended = up.Wait();
   EXPECT_EQ(ended.exit, 1);
@@ -257,7 +257,7 @@ TEST_F(Up, EndsATearDownThatItsForerunnerDiedInAndStaysUntilAllAreGone) {
   kill(controller, SIGKILL);
   ASSERT_EQ(first.Wait().exit, 1);
   Process up(Command({"up", config_}));
-  EXPECT_NE(up.LineWith("in the middle of TearDown; this one finishes it"), "");
+  EXPECT_NE(up.LineWith("ended during TearDown; this one finishes it"), "");
   Release();
   const Ended second = up.Wait();
   EXPECT_EQ(second.exit, 1);
@@ -276,7 +276,7 @@ TEST_F(Up, WritesALogBesideTheJournal) {
   ASSERT_EQ(Musher({"down"}).exit, 0);
   std::ifstream file(folder_ / "state/controller.log");
   const std::string log{std::istreambuf_iterator<char>(file), {}};
-  EXPECT_THAT(log, HasSubstr(" info: legs is started as process "));
+  EXPECT_THAT(log, HasSubstr(" info: legs started (pid "));
   EXPECT_THAT(log, HasSubstr(" info: the machine is stopped after "));
 }
 

@@ -22,7 +22,7 @@ TEST_F(Upgrade, OfAGoodVersionIsTriedFromTheOtherSlotAndKept) {
   EXPECT_EQ(versions["slots"]["a"]["role"], "the one before");
   EXPECT_EQ(std::filesystem::read_symlink(root_ + "/current"), "slots/b");
   const std::string history = History();
-  EXPECT_THAT(history, HasSubstr("to OTA from Active"));
+  EXPECT_THAT(history, HasSubstr("Active → OTA"));
   EXPECT_THAT(history, HasSubstr("slot b is tried, version 1.1.0"));
   EXPECT_THAT(history, HasSubstr("version 1.1.0 in slot b is kept"));
 }
@@ -126,7 +126,7 @@ TEST_F(Upgrade, ThatTheDiskHasNoRoomForTakesTheMachineBackToWhereItWas) {
       {"sh", "-c", "ulimit -f 100; exec " MUSHER_BIN_DIR "/musher ota install " + Bundle("1.1.0")});
   EXPECT_EQ(installed.exit, 1);
   EXPECT_THAT(installed.err, HasSubstr("File too large"));
-  EXPECT_THAT(History(), HasSubstr("to OTA from LowPower"));
+  EXPECT_THAT(History(), HasSubstr("LowPower → OTA"));
   EXPECT_EQ(Where(), "LowPower from a");
   EXPECT_EQ(Install("1.1.0").exit, 0);
 }

@@ -1,5 +1,5 @@
-// A restarted controller finds actuators that run: it disturbs nobody, and ends what was left half
-// way.
+// A restarted controller finds running actuators: it disturbs none, and finishes an unfinished
+// switch.
 
 #include <gmock/gmock.h>
 
@@ -21,7 +21,7 @@ class Adopting : public Switching {
   }
 };
 
-TEST_F(Adopting, DisturbsNobodyInWhateverStateTheMachineIs) {
+TEST_F(Adopting, DisturbsNoActuatorInWhateverStateTheMachineIs) {
   for (const char* state : {"Active", "Protected", "DeActive", "LowPower", "OTA", "Error"}) {
     Harness& t = In(state, Ours(3));
     Restart(t);
@@ -32,7 +32,7 @@ TEST_F(Adopting, DisturbsNobodyInWhateverStateTheMachineIs) {
   }
 }
 
-TEST_F(Adopting, EndsASwitchDownThatTheOneBeforeDiedIn) {
+TEST_F(Adopting, FinishesASwitchDownInWhichThePreviousControllerDied) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "a").after = {"b"};  // so b goes down after a
   Harness& t = In("Active", config);
@@ -44,21 +44,21 @@ TEST_F(Adopting, EndsASwitchDownThatTheOneBeforeDiedIn) {
   Restart(t);
   EXPECT_EQ(t.machine().state, "LowPower");
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "LowPower") << name;
-  EXPECT_THAT(t.records, Contains(HasSubstr("left a switch half way")));
+  EXPECT_THAT(t.records, Contains(HasSubstr("left a switch unfinished")));
 }
 
-TEST_F(Adopting, SpeaksOfASwitchLeftHalfWayOnlyWhereOneWas) {
-  const auto half_way = Contains(HasSubstr("half way"));
+TEST_F(Adopting, RecordsAnUnfinishedSwitchOnlyWhereThereWasOne) {
+  const auto unfinished = Contains(HasSubstr("unfinished"));
   Harness& started_again = In("Protected", Ours(3));
   started_again.On("b", "Protected").takes = Milliseconds(90);
   started_again.Crash("b");
   ASSERT_TRUE(started_again.RunUntil([&] { return started_again.StateOf("b") == "SelfCheck"; }));
   started_again.RunFor(Milliseconds(20));  // busy with Protected
   Restart(started_again);
-  EXPECT_THAT(started_again.records, Not(half_way));
+  EXPECT_THAT(started_again.records, Not(unfinished));
   EXPECT_THAT(started_again.records,
-              Contains("the least active state that is found is Protected; elsewhere: b in "
-                       "SelfCheck on its way to Protected"));
+              Contains("the least active state found is Protected; elsewhere: b in "
+                       "SelfCheck switching to Protected"));
 
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "a").controller_lost = Milliseconds(1000);
@@ -71,12 +71,12 @@ TEST_F(Adopting, SpeaksOfASwitchLeftHalfWayOnlyWhereOneWas) {
   fallen.Mute("a", false, false);
   Restart(fallen);
   EXPECT_EQ(fallen.machine().state, "Protected");
-  EXPECT_THAT(fallen.records, Not(half_way));
-  EXPECT_THAT(fallen.records, Contains("the least active state that is found is Protected; "
+  EXPECT_THAT(fallen.records, Not(unfinished));
+  EXPECT_THAT(fallen.records, Contains("the least active state found is Protected; "
                                        "elsewhere: b in Active, c in Active"));
 }
 
-TEST_F(Adopting, FollowsOneThatIsOnItsWayDownThoughNobodyIsThereYet) {
+TEST_F(Adopting, GoesToTheTargetOfADownwardSwitchThoughNoActuatorIsThereYet) {
   Harness& t = In("Active", Ours(3));
   for (const char* name : {"a", "b", "c"}) t.On(name, "LowPower").takes = Milliseconds(90);
   t.Ask("LowPower");
@@ -86,7 +86,7 @@ TEST_F(Adopting, FollowsOneThatIsOnItsWayDownThoughNobodyIsThereYet) {
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "LowPower") << name;
 }
 
-TEST_F(Adopting, UndoesASwitchUpThatTheOneBeforeDiedIn) {
+TEST_F(Adopting, UndoesASwitchUpInWhichThePreviousControllerDied) {
   Harness& t = In("Protected", Ours(3));
   t.On("b", "Active").takes = Milliseconds(90);
   t.Ask("Active");
@@ -97,7 +97,7 @@ TEST_F(Adopting, UndoesASwitchUpThatTheOneBeforeDiedIn) {
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected") << name;
 }
 
-TEST_F(Adopting, OneThatWasOnItsFirstWayUpFollowsTheMachine) {
+TEST_F(Adopting, AnActuatorThatWasStillStartingIsDrivenToTheMachinesState) {
   Harness& t = In("Protected", Ours(3));
   t.On("b", "Protected").takes = Milliseconds(90);
   t.Crash("b");
@@ -110,7 +110,7 @@ TEST_F(Adopting, OneThatWasOnItsFirstWayUpFollowsTheMachine) {
   EXPECT_EQ(t.StateOf("b"), "LowPower");
 }
 
-TEST_F(Adopting, KeepsApartWhoWasSetApartAndDoesNotTakeThatForTheMachinesState) {
+TEST_F(Adopting, KeepsADetachedActuatorDetachedAndDoesNotUseItsStateForTheMachine) {
   Harness& t = In("Active", Ours(3));
   ASSERT_TRUE(t.Set("LowPower", "b").done());
   t.ClearLog();
@@ -131,7 +131,7 @@ TEST_F(Adopting, StartsOnlyWhatDoesNotRun) {
   EXPECT_EQ(t.machine().state, "Protected");
 }
 
-TEST_F(Adopting, OneThatShowsItselfAndNeverAnswersHoldsNobodyUp) {
+TEST_F(Adopting, AnActuatorThatPublishesAndNeverAnswersDelaysNoOther) {
   Harness& t = In("Protected", Ours(3));
   t.Mute("b", true, true);
   Restart(t);
@@ -140,7 +140,7 @@ TEST_F(Adopting, OneThatShowsItselfAndNeverAnswersHoldsNobodyUp) {
   EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("was not set up within"));
 }
 
-TEST_F(Adopting, ACriticalOneThatIsGoneAndDoesNotComeBackTakesTheMachineDown) {
+TEST_F(Adopting, ALostCriticalActuatorThatDoesNotComeBackTakesTheMachineDown) {
   Harness& t = In("Active", OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;
   t.Crash("b");
@@ -148,7 +148,7 @@ TEST_F(Adopting, ACriticalOneThatIsGoneAndDoesNotComeBackTakesTheMachineDown) {
   EXPECT_EQ(t.machine().state, "Protected");
 }
 
-TEST_F(Adopting, DoesNotTakeASwitchOutOfACheckByHandForAStart) {
+TEST_F(Adopting, DoesNotTakeASwitchOutOfARequestedCheckForAStart) {
   for (const char* state : {"DeActive", "Error", "TearDown"}) {
     Harness& t = In("Error", Ours(3));
     ASSERT_TRUE(t.Set("SelfCheck").done());
@@ -157,13 +157,13 @@ TEST_F(Adopting, DoesNotTakeASwitchOutOfACheckByHandForAStart) {
     t.Ask(state);
     t.RunFor(Milliseconds(40));
     Restart(t);
-    EXPECT_EQ(t.machine().state, state) << "nobody had asked for Active";
+    EXPECT_EQ(t.machine().state, state) << "Active was not requested";
     EXPECT_THAT(t.log(), ElementsAre(std::string("a:") + state, std::string("b:") + state,
                                      std::string("c:") + state));
   }
 }
 
-TEST_F(Adopting, NoticesThatACallbackOfTheOneBeforeNeverEnds) {
+TEST_F(Adopting, DetectsThatACallbackOfThePreviousControllerNeverEnds) {
   Harness& t = In("Active", MachineOf(3));
   t.On("a", "DeActive").hangs = true;
   t.Ask("DeActive");
@@ -174,7 +174,7 @@ TEST_F(Adopting, NoticesThatACallbackOfTheOneBeforeNeverEnds) {
   EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("still busy with DeActive"));
 }
 
-TEST_F(Adopting, ListsAllThatComeAfterOneThatDoesNotCome) {
+TEST_F(Adopting, ListsAllActuatorsAfterOneThatDoesNotStart) {
   Harness& t = In("Error", Chain());
   ASSERT_TRUE(t.Set("SelfCheck").done());
   t.On("c", "DeActive").hangs = true;
@@ -186,7 +186,7 @@ TEST_F(Adopting, ListsAllThatComeAfterOneThatDoesNotCome) {
   EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("needs b"));
 }
 
-TEST_F(Adopting, LearnsHowACallbackOfTheOneBeforeEndedThoughTheLatchIsNotHeard) {
+TEST_F(Adopting, LearnsHowACallbackOfThePreviousControllerEndedThoughTheStatusIsMissed) {
   Harness& t = In("LowPower", MachineOf(3));
   t.On("a", "Active").takes = Milliseconds(60);
   t.Ask("Active");
@@ -201,7 +201,7 @@ TEST_F(Adopting, LearnsHowACallbackOfTheOneBeforeEndedThoughTheLatchIsNotHeard) 
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "LowPower") << name;
 }
 
-TEST_F(Adopting, EndsATearDownThatTheOneBeforeDiedIn) {
+TEST_F(Adopting, FinishesATearDownInWhichThePreviousControllerDied) {
   Harness& t = In("Active", Ours(3));
   for (const char* name : {"a", "b", "c"}) t.On(name, "TearDown").takes = Milliseconds(90);
   t.Ask("TearDown");
@@ -210,11 +210,11 @@ TEST_F(Adopting, EndsATearDownThatTheOneBeforeDiedIn) {
   EXPECT_TRUE(t.stopped());
   ASSERT_TRUE(t.start_up());
   EXPECT_FALSE(t.usable());
-  EXPECT_THAT(t.start_up()->message, HasSubstr("in the middle of TearDown"));
+  EXPECT_THAT(t.start_up()->message, HasSubstr("ended during TearDown"));
   for (const char* name : {"a", "b", "c"}) EXPECT_FALSE(t.IsAlive(name)) << name;
 }
 
-TEST_F(Adopting, WithALostDiskOutbidsTheEpochThatTheActuatorsFollow) {
+TEST_F(Adopting, WithALostDiskExceedsTheEpochOfTheActuators) {
   Harness& t = In("Protected", Ours(3));
   for (int i = 0; i < 4; ++i) Restart(t);
   ASSERT_EQ(t.machine().epoch, 5U);
@@ -224,38 +224,38 @@ TEST_F(Adopting, WithALostDiskOutbidsTheEpochThatTheActuatorsFollow) {
   EXPECT_TRUE(t.Set("LowPower").done());
 }
 
-TEST_F(Adopting, OneThatWasSetToErrorByHandIsLedOutThroughSelfCheck) {
+TEST_F(Adopting, AnActuatorThatWasSetToErrorIsLedOutThroughSelfCheck) {
   Harness& t = In("Active", Ours(3));
   ASSERT_TRUE(t.Set("Error", "b").done());
   t.ClearLog();
   Restart(t);
   EXPECT_EQ(t.machine().state, "Active");
-  EXPECT_THAT(t.log(), IsEmpty()) << "it was set apart by a person";
+  EXPECT_THAT(t.log(), IsEmpty()) << "it was detached by a person";
   EXPECT_TRUE(t.Set("SelfCheck").done());
   EXPECT_TRUE(t.Set("Protected").done());
   EXPECT_EQ(t.StateOf("b"), "Protected");
 }
 
-TEST_F(Adopting, OneThatIsFoundInErrorLaterIsListedAndNotDrivenBehindAPersonsBack) {
+TEST_F(Adopting, AnActuatorFoundInErrorLaterIsListedAndNotDrivenWithoutARequest) {
   Harness& t = In("Error", MachineOf(2));
   t.Mute("b", true, true);
   t.Crash("a");
   t.RunFor(Milliseconds(1));
   t.StartActuator("a");
-  Restart(t);  // only a, which is new, is found in time
+  Restart(t);  // only a, which was restarted, is found in time
   ASSERT_EQ(t.machine().state, "Active");
   t.Mute("b", false, false);
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "Error");
-  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("a SelfCheck by hand leads out of it"));
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("run `musher set SelfCheck`"));
   t.Set("SelfCheck");
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "Active");
   EXPECT_THAT(Degraded(t.config(), t.machine()), IsEmpty());
 }
 
-// It counted as being in Error, and done was told while it went to SelfCheck.
-TEST_F(Adopting, OneOnItsWayOutOfErrorIsBroughtBackByASwitchToError) {
+// It counted as being in Error, and the outcome was done while it went to SelfCheck.
+TEST_F(Adopting, AnActuatorLeavingErrorIsBroughtBackByASwitchToError) {
   Harness& t = In("Error", Ours(3));
   t.On("c", "SelfCheck").takes = Milliseconds(90);
   t.Ask("SelfCheck");

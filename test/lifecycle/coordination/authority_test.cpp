@@ -1,4 +1,4 @@
-// Who leads the machine, and what a controller makes of those that say what cannot be.
+// Which controller leads the machine, and how a controller handles invalid status and replies.
 
 #include <gmock/gmock.h>
 
@@ -16,7 +16,7 @@ using ::testing::Not;
 
 class Authority : public Switching {
  protected:
-  // What an actuator says of itself, changed a little.
+  // The report of an actuator, changed a little.
   template <typename Change>
   static void Say(Harness& t, const std::string& name, Change change) {
     ActuatorReport report = t.CoreOf(name).report;
@@ -28,7 +28,7 @@ class Authority : public Switching {
 
 // Another controller
 
-TEST_F(Authority, OneWithAHigherEpochIsGivenWayToAtOnce) {
+TEST_F(Authority, AControllerWithAHigherEpochTakesOverAtOnce) {
   Harness& t = In("Active", Ours(3));
   t.HearRival(t.machine().epoch + 1);
   ASSERT_TRUE(t.fenced);
@@ -37,7 +37,7 @@ TEST_F(Authority, OneWithAHigherEpochIsGivenWayToAtOnce) {
   EXPECT_FALSE(NextDeadline(t.config(), t.machine()));
 }
 
-TEST_F(Authority, OneWithALowerEpochOrOneThatCannotBeIsNotHeeded) {
+TEST_F(Authority, AControllerWithALowerOrInvalidEpochIsIgnored) {
   Harness& t = In("Active");
   t.RestartController();
   t.Rest();
@@ -49,7 +49,7 @@ TEST_F(Authority, OneWithALowerEpochOrOneThatCannotBeIsNotHeeded) {
   EXPECT_TRUE(t.fenced);
 }
 
-TEST_F(Authority, WhoeverWaitsIsAnsweredWhenTheControllerIsFenced) {
+TEST_F(Authority, EveryCallerIsAnsweredWhenTheControllerIsFenced) {
   Harness& t = In("Active", Ours(3));
   t.On("b", "LowPower").takes = Milliseconds(80);
   const RequestId one = t.Ask("LowPower");
@@ -67,7 +67,7 @@ TEST_F(Authority, WhoeverWaitsIsAnsweredWhenTheControllerIsFenced) {
   EXPECT_EQ(t.calls.at(restart).error().code, kCodePermissionDenied);
 }
 
-TEST_F(Authority, WhoeverWaitsForTheEndIsAnsweredTooAlsoAfterTheTearDown) {
+TEST_F(Authority, EveryCallerThatWaitsForTheEndIsAnsweredTooAlsoAfterTheTearDown) {
   Harness& t = In("Active", Ours(2));
   t.On("b", "TearDown").code = 3001;
   t.On("b", "TERM").hangs = true;
@@ -82,7 +82,7 @@ TEST_F(Authority, WhoeverWaitsForTheEndIsAnsweredTooAlsoAfterTheTearDown) {
   EXPECT_THAT(t.signals, IsEmpty());
 }
 
-TEST_F(Authority, AFencedControllerTouchesNothingAndRefusesEverybody) {
+TEST_F(Authority, AFencedControllerChangesNothingAndRefusesEveryRequest) {
   Harness& t = In("Active", Ours(3));
   t.StopAll(5);
   t.Find("b", Health::kHung);
@@ -103,22 +103,22 @@ TEST_F(Authority, AFencedControllerTouchesNothingAndRefusesEverybody) {
   EXPECT_FALSE(t.stops_on_disk.engaged.empty()) << "not released by one that does not lead";
 }
 
-TEST_F(Authority, OneThatIsHeardWhileAHigherEpochIsBeingOutbidLeads) {
+TEST_F(Authority, AControllerReceivedBeforeItsEpochIsExceededLeads) {
   Harness& t = In("Active");
   t.RestartController();
   t.Rest();
   t.RestartController(/*lost_disk=*/true);
   t.RunFor(Milliseconds(1000));
-  EXPECT_EQ(t.machine().epoch, 1U) << "somebody may lead with it";
+  EXPECT_EQ(t.machine().epoch, 1U) << "another controller may lead with it";
   t.HearRival(2);
   t.Rest();
   EXPECT_TRUE(t.fenced);
-  EXPECT_EQ(t.CoreOf("a").report.epoch, 2U) << "nobody was told anything";
+  EXPECT_EQ(t.CoreOf("a").report.epoch, 2U) << "no actuator was commanded";
 }
 
-// Modules that say what cannot be
+// Modules with invalid status and replies
 
-TEST_F(Authority, OneThatLiesAboutItsStateIsNotBelieved) {
+TEST_F(Authority, AReplyThatContradictsTheReportedStateIsAFailure) {
   Harness& t = In("Protected");
   const RequestId request = t.Ask("Active");
   ActuatorReport report = t.CoreOf("b").report;
@@ -128,10 +128,10 @@ TEST_F(Authority, OneThatLiesAboutItsStateIsNotBelieved) {
   const SwitchResult& result = t.answers.at(request);
   EXPECT_EQ(result.outcome, SwitchOutcome::kUndone);
   EXPECT_EQ(Of(result, "b").code, kCodeStatusError);
-  EXPECT_THAT(Of(result, "b").message, HasSubstr("says that it is done, and also that it is in"));
+  EXPECT_THAT(Of(result, "b").message, HasSubstr("reports done, but its state is"));
 }
 
-TEST_F(Authority, NorIsOneThatLiesInItsStatus) {
+TEST_F(Authority, AStatusThatContradictsItsOutcomeIsAFailure) {
   Harness& t = In("Protected");
   const RequestId request = t.Ask("Active");
   Say(t, "b", [&](ActuatorReport& report) {
@@ -142,7 +142,7 @@ TEST_F(Authority, NorIsOneThatLiesInItsStatus) {
   EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kUndone);
 }
 
-TEST_F(Authority, OneThatGoesElsewhereByItselfIsToldOfAndDrivenBack) {
+TEST_F(Authority, AnActuatorThatChangesItsStateByItselfIsRecordedAndDrivenBack) {
   Harness& t = In("Active");
   Say(t, "b", [](ActuatorReport& report) { report.state = "LowPower"; });
   EXPECT_THAT(t.records, Contains("b has gone to LowPower by itself"));
@@ -157,7 +157,7 @@ TEST(Drift, IsNotSeenInAStart) {
   EXPECT_THAT(t.records, Not(Contains(HasSubstr("by itself"))));
 }
 
-TEST_F(Authority, AnotherOfItsNameOnAnotherHostIsIgnoredWhileItAnswers) {
+TEST_F(Authority, AnActuatorOfTheSameNameOnAnotherHostIsIgnoredWhileTheFirstAnswers) {
   Harness& t = In("Active");
   const ActuatorReport before = t.RecordOf("b").report;
   Say(t, "b", [](ActuatorReport& report) {
@@ -166,18 +166,19 @@ TEST_F(Authority, AnotherOfItsNameOnAnotherHostIsIgnoredWhileItAnswers) {
     report.state = "LowPower";
   });
   EXPECT_EQ(t.RecordOf("b").report, before);
-  EXPECT_THAT(t.records, Contains(HasSubstr("another process says that it is b")));
-  t.Tell(event::Vanished{1, before.incarnation + 1000, false, "it is out of reach"});
+  EXPECT_THAT(t.records, Contains(HasSubstr("another process publishes as b")));
+  t.Tell(event::Vanished{1, before.incarnation + 1000, false, "connection lost"});
   EXPECT_EQ(t.RecordOf("b").presence, Presence::kPresent);
   EXPECT_TRUE(t.Set("LowPower").done());
 }
 
-// Its status is latched: it was said once, while the process from before the boot still counted.
-TEST_F(Authority, OneOfAHostThatWasStartedAgainIsTakenUpWhenTheOneFromBeforeIsLost) {
+// Its status is latched: it was published once, while the process from before the reboot still
+// counted.
+TEST_F(Authority, AnActuatorOfARebootedHostIsUsedWhenTheOneFromBeforeIsLost) {
   Harness& t = In("Active");
   Say(t, "b", [](ActuatorReport& report) {
     report.host = "the host's next boot";
-    report.incarnation = 1;  // its clock has begun again
+    report.incarnation = 1;  // its clock has restarted
     report.epoch = 0;
     report.state = "SetUp";
   });
@@ -188,19 +189,19 @@ TEST_F(Authority, OneOfAHostThatWasStartedAgainIsTakenUpWhenTheOneFromBeforeIsLo
   EXPECT_EQ(t.RecordOf("b").controlled, 1U);
 }
 
-TEST_F(Authority, OneOfAnotherHostThatHasGoneIsNotTakenUp) {
+TEST_F(Authority, ALostActuatorOfAnotherHostIsNotUsed) {
   Harness& t = In("Active");
   const ActuatorReport before = t.RecordOf("b").report;
   Say(t, "b", [](ActuatorReport& report) {
     report.host = "elsewhere";
     report.incarnation = 1;
   });
-  t.Tell(event::Vanished{1, 1, false, "it is out of reach"});
+  t.Tell(event::Vanished{1, 1, false, "connection lost"});
   t.Find("b", Health::kPartitioned, true);
   EXPECT_EQ(t.RecordOf("b").report.incarnation, before.incarnation);
 }
 
-TEST_F(Authority, IncarnationsOfHostsThatAreNotKnownAreNotCompared) {
+TEST_F(Authority, IncarnationsOfUnknownHostsAreNotCompared) {
   Harness& t = In("Active");
   t.Find("b", Health::kPartitioned, true);
   Say(t, "b", [](ActuatorReport& report) {
@@ -210,7 +211,7 @@ TEST_F(Authority, IncarnationsOfHostsThatAreNotKnownAreNotCompared) {
   EXPECT_NE(t.RecordOf("b").presence, Presence::kLost);
 }
 
-TEST_F(Authority, AnAnswerOfAProcessThatIsNotTheOneMeantIsNotTaken) {
+TEST_F(Authority, AnAnswerOfAnotherProcessIsIgnored) {
   Harness& t = In("Active");
   const RequestId request = t.Ask("LowPower");
   ActuatorReport report = t.CoreOf("b").report;
@@ -221,7 +222,7 @@ TEST_F(Authority, AnAnswerOfAProcessThatIsNotTheOneMeantIsNotTaken) {
   EXPECT_TRUE(t.answers.at(request).done());
 }
 
-TEST_F(Authority, AnEpochThatCannotBeIsNotFollowedByAll) {
+TEST_F(Authority, AnEpochOutOfRangeIsNotUsedForAllActuators) {
   Harness& t = In("Active");
   t.Find("b", Health::kPartitioned, true);
   const std::uint64_t epoch = t.machine().epoch;
@@ -229,13 +230,13 @@ TEST_F(Authority, AnEpochThatCannotBeIsNotFollowedByAll) {
     Say(t, "b", [&](ActuatorReport& report) { report.epoch = absurd; });
     t.RunFor(std::chrono::seconds(10));
     EXPECT_EQ(t.machine().epoch, epoch);
-    EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("cannot be a controller's"));
+    EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("which is out of range"));
   }
   EXPECT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_EQ(t.StateOf("a"), "LowPower");
 }
 
-TEST_F(Authority, ANumberThatCannotBeDoesNotEndAllCounting) {
+TEST_F(Authority, ANumberOutOfRangeDoesNotBlockTheCounter) {
   Harness& t = In("Active");
   Say(t, "b",
       [](ActuatorReport& report) { report.number = std::numeric_limits<std::uint64_t>::max(); });
@@ -244,7 +245,7 @@ TEST_F(Authority, ANumberThatCannotBeDoesNotEndAllCounting) {
   EXPECT_EQ(t.StateOf("a"), "LowPower");
 }
 
-TEST_F(Authority, StatusFromThePastChangesNothing) {
+TEST_F(Authority, AnOutdatedStatusChangesNothing) {
   Harness& t = In("Active");
   const Machine before = t.machine();
   Say(t, "b", [&](ActuatorReport& report) {
@@ -255,7 +256,7 @@ TEST_F(Authority, StatusFromThePastChangesNothing) {
   EXPECT_EQ(t.machine(), before);
 }
 
-TEST_F(Authority, AClockOfAnActuatorThatJumpsLosesNobody) {
+TEST_F(Authority, AnActuatorWhoseClockJumpsIsNotLost) {
   Harness& t = In("Active");
   Say(t, "b", [](ActuatorReport& report) { report.stamp += std::chrono::hours(24); });
   t.RunFor(std::chrono::seconds(1));

@@ -60,7 +60,7 @@ TEST_F(BatteryRule, ChargingBringsTheMachineBackLevelByLevel) {
   EXPECT_THAT(states(), ElementsAre("Active", "LowPower", "Protected", "Active"));
 }
 
-// The code this replaces looks at its mark only between 5 and 20 %.
+// The replaced code checked its threshold only between 5 and 20 %.
 TEST_F(BatteryRule, LowPowerIsLeftWhenTheChargeJumpsFromBelowFiveToBeyondTwenty) {
   Battery(3);
   EXPECT_EQ(state(), "LowPower");
@@ -73,12 +73,12 @@ TEST_F(BatteryRule, JitterAroundALevelDoesNotFlap) {
   EXPECT_THAT(states(), ElementsAre("Active", "Protected"));
 }
 
-TEST_F(BatteryRule, TheCableDoesNotLiftProtected) {
+TEST_F(BatteryRule, ChargingDoesNotLiftProtected) {
   Battery(10, true);
   EXPECT_EQ(state(), "Protected") << "no back flips on the cable";
 }
 
-TEST_F(BatteryRule, WhoIsChargedIsNotTakenBelowProtected) {
+TEST_F(BatteryRule, AMachineBeingChargedIsNotTakenBelowProtected) {
   Battery(4, true);
   EXPECT_EQ(state(), "Protected");
   Battery(0, true);
@@ -86,16 +86,16 @@ TEST_F(BatteryRule, WhoIsChargedIsNotTakenBelowProtected) {
   EXPECT_TRUE(robot().power.empty());
 }
 
-TEST_F(BatteryRule, PullingTheCableAtThreePercentLeadsToLowPower) {
+TEST_F(BatteryRule, DisconnectingTheChargerAtThreePercentLeadsToLowPower) {
   Battery(3, true);
   Battery(3, false);
   EXPECT_THAT(states(), ElementsAre("Active", "Protected", "LowPower"));
   EXPECT_THAT(Why("switch 4 is done"),
               ElementsAre("switch 4 is done", "the battery is at 3 %: down to LowPower",
-                          "the battery is at 3 %: the cable is out"));
+                          "the battery is at 3 %: charger disconnected"));
 }
 
-TEST_F(BatteryRule, TheCableDoesNotRaiseWhoIsInLowPower) {
+TEST_F(BatteryRule, ConnectingTheChargerDoesNotRaiseAMachineInLowPower) {
   Battery(3, false);
   Battery(3, true);
   Battery(6, true);
@@ -108,28 +108,28 @@ TEST_F(BatteryRule, AnEmptyBatteryTearsTheMachineDownOnceAndPowersItOff) {
   robot().RunFor(std::chrono::seconds(30));
   EXPECT_EQ(robot().machine().phase, Phase::kStopped);
   EXPECT_EQ(robot().power.size(), 1U);
-  EXPECT_TRUE(IsTold("switch 3 begins: to TearDown"));
-  EXPECT_FALSE(IsTold("switch 4"));  // the code this replaces commands it twice
+  EXPECT_TRUE(IsRecorded("switch 3: Active → TearDown"));
+  EXPECT_FALSE(IsRecorded("switch 4"));  // the replaced code commanded it twice
 }
 
-TEST_F(BatteryRule, ARequestAboveTheCeilingIsRefusedWithNumbersAndTheWayOut) {
+TEST_F(BatteryRule, ARequestAboveTheCeilingIsRefusedWithNumbersAndWhatToDo) {
   Battery(15);
   const SwitchResult result = robot().Set("Active");
   EXPECT_EQ(result.outcome, SwitchOutcome::kRefused);
   EXPECT_EQ(result.code, kCodeProtectedError);
   EXPECT_EQ(result.reason,
-            "the battery is at 15 %: the machine may be at most Protected until it is charged to "
+            "the battery is at 15 %: the machine is limited to Protected until it is charged to "
             "22 %");
   EXPECT_EQ(state(), "Protected");
 }
 
-TEST_F(BatteryRule, ARequestBelowTheCeilingIsNobodysBusiness) {
+TEST_F(BatteryRule, ARequestBelowTheCeilingIsAllowed) {
   Battery(15);
   EXPECT_TRUE(robot().Set("DeActive").done());
   EXPECT_TRUE(robot().Set("Protected").done());
 }
 
-TEST_F(BatteryRule, ErrorAndTearDownAreNeverHindered) {
+TEST_F(BatteryRule, ErrorAndTearDownAreNeverBlocked) {
   Battery(3);
   EXPECT_TRUE(robot().Set("Error").done());
   EXPECT_TRUE(robot().Set("TearDown").done());
@@ -143,7 +143,7 @@ TEST_F(BatteryRule, APersonsProtectedIsNotRaised) {
   EXPECT_EQ(state(), "Protected");
 }
 
-TEST_F(BatteryRule, WhomAPersonTookElsewhereStaysThere) {
+TEST_F(BatteryRule, AMachineThatAPersonSwitchedElsewhereStaysThere) {
   Battery(10);
   EXPECT_TRUE(robot().Set("DeActive").done());
   EXPECT_TRUE(robot().Set("Protected").done());
@@ -160,7 +160,7 @@ TEST_F(BatteryRule, APersonsLowPowerStaysWhenTheBatteryIsCharged) {
   EXPECT_EQ(state(), "Active");
 }
 
-TEST_F(BatteryRule, WhomTheBatteryTookFromDeActiveIsBroughtBackThere) {
+TEST_F(BatteryRule, AMachineTakenDownFromDeActiveIsBroughtBackToIt) {
   EXPECT_TRUE(robot().Set("DeActive").done());
   Battery(3);
   Battery(90);
@@ -176,7 +176,7 @@ TEST_F(BatteryRule, ASwitchUnderWayIsNotSuperseded) {
   EXPECT_THAT(states(), ElementsAre("Active", "DeActive", "Active", "LowPower"));
 }
 
-TEST_F(BatteryRule, AFailureOnTheWayBackIsTriedAgainAndNotInALoop) {
+TEST_F(BatteryRule, AFailedSwitchBackIsRetriedAndNotInALoop) {
   Battery(10);
   robot().On("a", "Active").code = 3009;
   const std::size_t before = robot().log().size();
@@ -189,7 +189,7 @@ TEST_F(BatteryRule, AFailureOnTheWayBackIsTriedAgainAndNotInALoop) {
   EXPECT_EQ(state(), "Active");
 }
 
-TEST_F(BatteryRule, ValuesThatNoBatteryHasAreIgnoredAndToldOnce) {
+TEST_F(BatteryRule, ValuesOutOfRangeAreIgnoredAndRecordedOnce) {
   for (const int percent : {-1, 101, 255}) Battery(percent);
   EXPECT_EQ(state(), "Active");
   EXPECT_FALSE(policy().battery);
@@ -199,23 +199,23 @@ TEST_F(BatteryRule, ValuesThatNoBatteryHasAreIgnoredAndToldOnce) {
             1);
 }
 
-TEST_F(BatteryRule, ASilentBatteryIsToldAndItsLastLevelCounts) {
+TEST_F(BatteryRule, ASilentBatteryIsRecordedAndItsLastLevelStaysInEffect) {
   Battery(10);
   robot().Tell(event::InputSilent{PolicyInput::kBattery});
-  EXPECT_TRUE(IsTold("nothing was heard of the battery for 10 s; its last value counts, 10 %"));
+  EXPECT_TRUE(IsRecorded("no battery sample for 10 s; its last value, 10 %, stays in effect"));
   EXPECT_EQ(robot().Set("Active").code, kCodeProtectedError);
   Battery(10);
-  EXPECT_TRUE(IsTold("the battery is heard again"));
+  EXPECT_TRUE(IsRecorded("battery samples received again"));
 }
 
 TEST_F(BatteryRule, TheJournalSaysWhyTheMachineIsInLowPower) {
   Battery(4);
   EXPECT_THAT(Why("switch 3 is done"),
               ElementsAre("switch 3 is done", "the battery is at 4 %: down to LowPower",
-                          "the battery is at 4 %: the machine may be at most LowPower"));
+                          "the battery is at 4 %: the machine is limited to LowPower"));
 }
 
-TEST_F(BatteryRule, RulesWaitInOtaAndItsEndMindsThem) {
+TEST_F(BatteryRule, RulesWaitInOtaAndApplyAfterIt) {
   EXPECT_EQ(AskAndWait(PolicyRequest::kOta, true), "ok");
   Battery(10);
   Battery(0);
@@ -237,7 +237,7 @@ TEST_F(BatteryRule, AnEmergencyStopKeepsTheMachineDown) {
   EXPECT_EQ(state(), "Active");
 }
 
-TEST_F(BatteryRule, ARestartedControllerKnowsWhoTookTheMachineDown) {
+TEST_F(BatteryRule, ARestartedControllerKnowsWhyTheMachineWasTakenDown) {
   Battery(10);
   EXPECT_EQ(state(), "Protected");
   robot().RestartController();
@@ -301,7 +301,7 @@ TEST_F(Rules, TheFlowOfTheConfigForbidsNoCeilingOfTheBattery) {
   EXPECT_EQ(state(), "Protected");
 }
 
-TEST_F(Rules, ARefusedWayDownIsToldOnceAndNotTriedInALoop) {
+TEST_F(Rules, ARefusedSwitchDownIsRecordedOnceAndNotRetriedInALoop) {
   MachineConfig config = WithPolicy();
   std::erase_if(config.flow, [](const FlowEdge& edge) { return edge.to == "LowPower"; });
   Robot("Active", config);
@@ -314,8 +314,8 @@ TEST_F(Rules, ARefusedWayDownIsToldOnceAndNotTriedInALoop) {
   EXPECT_THAT(robot().records.back(), HasSubstr("cannot go from Active to LowPower"));
 }
 
-// Whatever the battery says, one after the other: at rest nobody is above its level, and nothing is
-// lower than the lowest of what its hysteresis and the machine's history allow.
+// For every sequence of battery samples: after each, the machine is not above its level, and not
+// below the lowest state that its hysteresis and the machine's history allow.
 RC_GTEST_FIXTURE_PROP(Rules, AnySequenceOfLevelsMeetsTheRightStates, ()) {
   Robot();
   BatteryLevel level = BatteryLevel::kFree;

@@ -1,4 +1,4 @@
-// binds_to: who cannot do without another rests while that one is not up.
+// binds_to: an actuator is suspended while one that it needs is not up.
 
 #include <gmock/gmock.h>
 
@@ -13,7 +13,7 @@ using ::testing::IsSupersetOf;
 
 class Binding : public Switching {
  protected:
-  // b is bound to a and comes after it; c does not care.
+  // b is bound to a and comes after it; c is independent.
   static MachineConfig Bound() {
     MachineConfig config = Ours(3);
     ActuatorNamed(config, "b").after = {"a"};
@@ -57,8 +57,8 @@ TEST_F(Binding, HoldsWhereTheOtherIsBackAndFailsToBecomeActive) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-// Less active than the machine was, and more active than the one that rests.
-TEST_F(Binding, OneAtRestIsNotRaisedByASwitchOnTheWayDownNorByThePresentState) {
+// Less active than the machine was, and more active than the suspended actuator.
+TEST_F(Binding, ASuspendedActuatorIsNotRaisedByASwitchDownNorByThePresentState) {
   Harness& t = In("Active", Bound());
   t.On("a", "SetUp").code = 3001;
   t.Crash("a");
@@ -70,7 +70,7 @@ TEST_F(Binding, OneAtRestIsNotRaisedByASwitchOnTheWayDownNorByThePresentState) {
   EXPECT_THAT(t.log(), ElementsAre("c:Protected"));
 }
 
-TEST_F(Binding, LeavesThoseAloneThatDoNotAskForIt) {
+TEST_F(Binding, LeavesActuatorsWithoutBindsToAlone) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "b").after = {"a"};
   Harness& t = In("Active", config);
@@ -79,17 +79,17 @@ TEST_F(Binding, LeavesThoseAloneThatDoNotAskForIt) {
   EXPECT_THAT(t.log(), ElementsAre("a:SetUp", "a:SelfCheck", "a:Active"));
 }
 
-TEST_F(Binding, SaysWhyOneRests) {
+TEST_F(Binding, RecordsWhyAnActuatorIsSuspended) {
   Harness& t = In("Active", Bound());
   t.On("a", "SetUp").code = 3001;
   t.Crash("a");
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "DeActive");
-  EXPECT_EQ(t.RecordOf("b").fault->message, "it rests: a, which it is bound to, is not up");
+  EXPECT_EQ(t.RecordOf("b").fault->message, "suspended: a, in its binds_to, is not up");
   EXPECT_EQ(t.StateOf("c"), "Active");
 }
 
-TEST_F(Binding, OneWithoutDeActiveRestsInLowPower) {
+TEST_F(Binding, AnActuatorWithoutDeActiveIsSuspendedInLowPower) {
   MachineConfig config = Bound();
   ActuatorConfig& b = ActuatorNamed(config, "b");
   std::erase(b.states, State(kDeActive));
@@ -100,7 +100,7 @@ TEST_F(Binding, OneWithoutDeActiveRestsInLowPower) {
   EXPECT_EQ(t.StateOf("b"), "LowPower");
 }
 
-TEST_F(Binding, IsHandedOnAlongAChain) {
+TEST_F(Binding, IsTransitive) {
   MachineConfig config = Bound();
   ActuatorNamed(config, "c").after = {"b"};
   ActuatorNamed(config, "c").binds_to = {"b"};
@@ -114,7 +114,7 @@ TEST_F(Binding, IsHandedOnAlongAChain) {
               ElementsAre("a:Active", "b:Active", "c:Active"));
 }
 
-TEST_F(Binding, OfTwoToEachOtherKeepsNobodyDownForEver) {
+TEST_F(Binding, OfTwoToEachOtherKeepsNeitherDownForEver) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "a").binds_to = {"b"};
   ActuatorNamed(config, "b").binds_to = {"a", "c"};
@@ -142,7 +142,7 @@ TEST_F(Binding, AHungOneTakesItsDependentsDownToo) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-TEST_F(Binding, ASelfCheckThatFailsAfterTheReturnKeepsTheDependentAtRest) {
+TEST_F(Binding, ASelfCheckThatFailsAfterTheReturnKeepsTheDependentSuspended) {
   Harness& t = In("Active", Bound());
   t.On("a", "SelfCheck").code = 3009;
   t.Crash("a");
@@ -157,7 +157,7 @@ TEST_F(Binding, ASelfCheckThatFailsAfterTheReturnKeepsTheDependentAtRest) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-TEST_F(Binding, OneAtRestIsLeftOutOfASwitchUpAndTheResultSaysSo) {
+TEST_F(Binding, ASuspendedActuatorIsLeftOutOfASwitchUpAndTheResultSaysSo) {
   Harness& t = In("Protected", Bound());
   t.On("a", "SetUp").code = 3001;
   t.Crash("a");
@@ -166,10 +166,10 @@ TEST_F(Binding, OneAtRestIsLeftOutOfASwitchUpAndTheResultSaysSo) {
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_THAT(result.degraded, IsSupersetOf({"a", "b"}));
   EXPECT_EQ(t.StateOf("b"), "DeActive");
-  EXPECT_THAT(t.Set("Active", "b").reason, HasSubstr("rests until"));
+  EXPECT_THAT(t.Set("Active", "b").reason, HasSubstr("is suspended until"));
 }
 
-TEST_F(Binding, OneAtRestFollowsTheMachineFurtherDown) {
+TEST_F(Binding, ASuspendedActuatorGoesFurtherDownWithTheMachine) {
   Harness& t = In("Active", Bound());
   t.On("a", "SetUp").code = 3001;
   t.Crash("a");
@@ -180,7 +180,7 @@ TEST_F(Binding, OneAtRestFollowsTheMachineFurtherDown) {
   EXPECT_EQ(t.StateOf("b"), "LowPower") << "and does not follow up";
 }
 
-TEST_F(Binding, OneThatIsHeldStaysWhereItWasPut) {
+TEST_F(Binding, ADetachedActuatorKeepsItsState) {
   Harness& t = In("Active", Bound());
   ASSERT_TRUE(t.Set("Protected", "b").done());
   t.ClearLog();
@@ -190,7 +190,7 @@ TEST_F(Binding, OneThatIsHeldStaysWhereItWasPut) {
   EXPECT_THAT(t.log(), ElementsAre("a:SetUp", "a:SelfCheck", "a:Active"));
 }
 
-TEST_F(Binding, OneThatIsSlowToRestIsTakenToRestAllTheSame) {
+TEST_F(Binding, AnActuatorThatIsSlowToGoDownIsSuspendedAnyway) {
   Harness& t = In("Active", Bound());
   t.On("a", "SetUp").code = 3001;
   t.On("b", "DeActive").takes = Milliseconds(180);  // of 100
@@ -220,12 +220,12 @@ TEST_F(Binding, HoldsAtAStartToo) {
   t.Rest();
   EXPECT_TRUE(t.usable());
   EXPECT_NE(t.StateOf("b"), "Active");
-  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("it rests: a"));
+  EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("suspended: a"));
 }
 
 using BoundPair = OneController;
 
-TEST_F(BoundPair, NobodyRestsBecauseOfItself) {
+TEST_F(BoundPair, NoActuatorIsSuspendedBecauseOfItself) {
   config_.actuators[0].binds_to = {"b"};
   config_.actuators[1].binds_to = {"a"};
   StartUp();

@@ -1,4 +1,4 @@
-// Every record says what it follows from: chains that end where somebody or something began it.
+// Every record names its cause: the chains end at the first cause.
 
 #include <gmock/gmock.h>
 
@@ -17,14 +17,14 @@ class Causes : public Switching {
  protected:
   // The messages from the last record that begins with `message` to its first cause.
   static std::vector<std::string> Chain(const Harness& t, const std::string& message) {
-    const auto last = std::find_if(t.told.rbegin(), t.told.rend(), [&](const auto& record) {
-      return record.message.starts_with(message);
-    });
+    const auto last =
+        std::find_if(t.whole_records.rbegin(), t.whole_records.rend(),
+                     [&](const auto& record) { return record.message.starts_with(message); });
     std::vector<std::string> chain;
-    if (last == t.told.rend()) return chain;
+    if (last == t.whole_records.rend()) return chain;
     chain.push_back(last->message);
     for (std::uint64_t cause = last->cause; cause != 0;) {
-      const action::Record& record = t.told[cause - 1];
+      const action::Record& record = t.whole_records[cause - 1];
       chain.push_back(record.message);
       EXPECT_LT(record.cause, cause) << "a cause comes first";
       cause = record.cause;
@@ -36,23 +36,23 @@ class Causes : public Switching {
 TEST_F(Causes, RecordsAreNumberedFromOneWithoutGaps) {
   Harness& t = In("Active");
   t.Set("LowPower");
-  ASSERT_GT(t.told.size(), 10U);
-  for (std::size_t i = 0; i < t.told.size(); ++i) EXPECT_EQ(t.told[i].id, i + 1);
+  ASSERT_GT(t.whole_records.size(), 10U);
+  for (std::size_t i = 0; i < t.whole_records.size(); ++i) EXPECT_EQ(t.whole_records[i].id, i + 1);
 }
 
 TEST_F(Causes, TheEndOfASwitchIsCausedByTheRequest) {
   Harness& t = In("Active");
   t.Set("LowPower");
   EXPECT_THAT(Chain(t, "switch 3 is done"),
-              ElementsAre("switch 3 is done", "a switch to LowPower is asked for"));
-  EXPECT_EQ(t.told.back().state, "LowPower");
+              ElementsAre("switch 3 is done", "switch to LowPower requested"));
+  EXPECT_EQ(t.whole_records.back().state, "LowPower");
 }
 
 TEST_F(Causes, AStartIsExplainedFromItsBeginning) {
   Harness& t = In("Active");
   EXPECT_THAT(Chain(t, "the machine is Active"),
               ElementsAre("the machine is Active", "switch 2 is done", "switch 1 is done",
-                          "3 actuators are set up", StartsWith("controller epoch 1 begins")));
+                          "3 actuators are set up", StartsWith("controller started: epoch 1")));
 }
 
 TEST_F(Causes, AnUndoneSwitchIsCausedByTheOneThatFailed) {
@@ -61,20 +61,20 @@ TEST_F(Causes, AnUndoneSwitchIsCausedByTheOneThatFailed) {
   t.Set("Active");
   t.Rest();
   const std::string failed = "b: Active failed after 10 ms";
-  EXPECT_THAT(Chain(t, "switch 4 is undone"), ElementsAre(StartsWith("switch 4 is undone"), failed,
-                                                          "a switch to Active is asked for"));
-  EXPECT_THAT(Chain(t, "switch 4 is rolled back"),
-              ElementsAre(StartsWith("switch 4 is rolled back"), failed,
-                          "a switch to Active is asked for"));
+  EXPECT_THAT(Chain(t, "switch 4 is undone"),
+              ElementsAre(StartsWith("switch 4 is undone"), failed, "switch to Active requested"));
+  EXPECT_THAT(
+      Chain(t, "switch 4: rolling back"),
+      ElementsAre(StartsWith("switch 4: rolling back"), failed, "switch to Active requested"));
 }
 
 TEST_F(Causes, ARefusalIsCausedByTheRequestAndSaysWhatIsUnderWay) {
   Harness& t = In("Active");
   t.Ask("LowPower");
   t.Set("Protected");
-  EXPECT_THAT(Chain(t, "a switch to Protected is refused"),
+  EXPECT_THAT(Chain(t, "switch to Protected refused"),
               ElementsAre(HasSubstr("switch 3 (to LowPower) is under way"),
-                          "a switch to Protected is asked for"));
+                          "switch to Protected requested"));
 }
 
 TEST_F(Causes, SilenceIsNamedBeforeTheLoss) {
@@ -83,20 +83,20 @@ TEST_F(Causes, SilenceIsNamedBeforeTheLoss) {
   t.Mute("b", true, true);
   t.Rest();
   EXPECT_THAT(Chain(t, "b is degraded"),
-              ElementsAre(StartsWith("b is degraded: it does not answer"),
-                          StartsWith("b did not answer within 100 ms; it is asked"),
-                          "a switch to LowPower is asked for"));
+              ElementsAre(StartsWith("b is degraded: no answer"),
+                          StartsWith("b did not answer within 100 ms; querying"),
+                          "switch to LowPower requested"));
 }
 
-TEST_F(Causes, OneThatCannotBeAskedIsNotSaidToBeAsked) {
+TEST_F(Causes, NoQueryIsRecordedForAnActuatorThatCannotBeQueried) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "b").protocol = Protocol::kCyberdog;
   Harness& t = In("Active", config);
   t.Ask("LowPower");
   t.Mute("b", true, true);
   t.Rest();
-  EXPECT_THAT(t.records, Contains("b did not answer within 100 ms; by its protocol it cannot be "
-                                  "asked how LowPower stands, so its state is unknown until it "
+  EXPECT_THAT(t.records, Contains("b did not answer within 100 ms; its protocol has no query for "
+                                  "the outcome of LowPower, so its state is unknown until it "
                                   "answers"));
 }
 
@@ -105,10 +105,10 @@ TEST_F(Causes, ASwitchThatTookOverIsNamed) {
   t.Ask("LowPower");
   t.Set("Error");
   EXPECT_THAT(Chain(t, "switch 3 is superseded"),
-              ElementsAre(StartsWith("switch 3 is superseded"), "a switch to Error is asked for"));
+              ElementsAre(StartsWith("switch 3 is superseded"), "switch to Error requested"));
 }
 
-// With processes of the controller's own.
+// With processes that the controller starts.
 class CausesOfProcesses : public ::testing::Test {
  protected:
   static MachineConfig Config() {
@@ -130,12 +130,12 @@ TEST_F(CausesOfProcesses, AFallbackIsExplainedDownToTheProcess) {
   t.Crash("a");
   t.Rest();
   ASSERT_EQ(t.machine().state, "Protected");
-  const auto entered = std::find_if(t.told.rbegin(), t.told.rend(),
+  const auto entered = std::find_if(t.whole_records.rbegin(), t.whole_records.rend(),
                                     [](const auto& record) { return record.state == "Protected"; });
-  ASSERT_NE(entered, t.told.rend());
+  ASSERT_NE(entered, t.whole_records.rend());
   std::vector<std::string> chain;
-  for (std::uint64_t id = entered->id; id != 0; id = t.told[id - 1].cause) {
-    chain.push_back(t.told[id - 1].message);
+  for (std::uint64_t id = entered->id; id != 0; id = t.whole_records[id - 1].cause) {
+    chain.push_back(t.whole_records[id - 1].message);
   }
   EXPECT_THAT(chain, ElementsAre(StartsWith("switch 3 is done-degraded"),
                                  "an actuator is lost; falling back to Protected",
@@ -143,19 +143,19 @@ TEST_F(CausesOfProcesses, AFallbackIsExplainedDownToTheProcess) {
                                  StartsWith("a's process ")));
 }
 
-TEST_F(CausesOfProcesses, WhatNeedsADegradedOneNamesItsCause) {
+TEST_F(CausesOfProcesses, AnActuatorThatNeedsADegradedOneNamesItsCause) {
   Harness t(Config());
   t.On("a", "SetUp").code = 3001;
   t.Begin();
   t.Rest();
-  const auto b = std::find_if(t.told.begin(), t.told.end(), [](const auto& record) {
-    return record.message.starts_with("b is degraded: needs a");
-  });
-  ASSERT_NE(b, t.told.end());
+  const auto b = std::find_if(
+      t.whole_records.begin(), t.whole_records.end(),
+      [](const auto& record) { return record.message.starts_with("b is degraded: needs a"); });
+  ASSERT_NE(b, t.whole_records.end());
   ASSERT_NE(b->cause, 0U);
-  const action::Record& ended = t.told[b->cause - 1];
+  const action::Record& ended = t.whole_records[b->cause - 1];
   EXPECT_THAT(ended.message, StartsWith("a's process "));
-  EXPECT_THAT(t.told[ended.cause - 1].message, StartsWith("a is degraded"));
+  EXPECT_THAT(t.whole_records[ended.cause - 1].message, StartsWith("a is degraded"));
 }
 
 }  // namespace musher::testing::cause_test

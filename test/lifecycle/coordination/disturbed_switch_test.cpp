@@ -1,4 +1,4 @@
-// A switch and everything that crosses it: time, silence, other switches, losses.
+// A switch that is disturbed: by time, silence, other switches, losses.
 
 #include <gmock/gmock.h>
 
@@ -11,7 +11,7 @@ using ::testing::HasSubstr;
 
 // Time
 
-TEST_F(Switching, AnActuatorThatIsOverdueIsAskedAndNotGuessed) {
+TEST_F(Switching, AnOverdueActuatorIsQueriedAndItsOutcomeNotGuessed) {
   Harness& t = In("Active");
   t.On("b", "LowPower").takes = Milliseconds(200);  // of 100
   const SwitchResult result = t.Set("LowPower");
@@ -30,7 +30,7 @@ TEST_F(Switching, ALateResultNeverChangesTheSwitchButTheActuatorIsNoLongerDegrad
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-TEST_F(Switching, AnOverdueActuatorIsBroughtBackWithTheOthersOnTheWayUp) {
+TEST_F(Switching, AnOverdueActuatorOfASwitchUpIsRolledBackWithTheOthers) {
   Harness& t = In("Protected");
   t.On("b", "Active").takes = Milliseconds(150);
   const SwitchResult result = t.Set("Active");
@@ -42,7 +42,7 @@ TEST_F(Switching, AnOverdueActuatorIsBroughtBackWithTheOthersOnTheWayUp) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-TEST_F(Switching, AnOverdueCallbackIsAskedToStop) {
+TEST_F(Switching, AnOverdueCallbackIsRequestedToStop) {
   Harness& t = In("Protected");
   t.On("b", "Active").ends_when_asked = true;
   EXPECT_EQ(t.Set("Active").outcome, SwitchOutcome::kUndone);
@@ -55,15 +55,15 @@ TEST_F(Switching, ALostReplyIsNotTakenForAFailureBecauseTheLatchSaysDone) {
   Harness& t = In("Active");
   t.Ask("LowPower");
   t.RunFor(Milliseconds(5));
-  t.Mute("b", false, true);  // neither its reply nor its latch gets through …
+  t.Mute("b", false, true);  // neither its reply nor its latched status arrives …
   t.RunFor(Milliseconds(90));
-  t.Mute("b", false, false);  // … until it is asked
+  t.Mute("b", false, false);  // … until it is queried
   t.Rest();
   EXPECT_EQ(t.machine().state, "LowPower");
   EXPECT_EQ(t.answers.begin()->second.outcome, SwitchOutcome::kDone);
 }
 
-TEST_F(Switching, AnActuatorThatDoesNotEvenAnswerTheQuestionIsLost) {
+TEST_F(Switching, AnActuatorThatDoesNotAnswerTheQueryIsLost) {
   Harness& t = In("Active");
   t.Mute("b", true, true);
   const SwitchResult result = t.Set("LowPower");
@@ -72,7 +72,7 @@ TEST_F(Switching, AnActuatorThatDoesNotEvenAnswerTheQuestionIsLost) {
   EXPECT_EQ(t.RecordOf("b").presence, Presence::kLost);
 }
 
-TEST_F(Switching, AHungActuatorKeepsTheSwitchNoLongerThanItsTimeAndTheQuestion) {
+TEST_F(Switching, AHungActuatorDelaysTheSwitchNoLongerThanItsTimeAndTheQuery) {
   Harness& t = In("Active");
   t.On("b", "LowPower").hangs = true;
   const Time begun = t.now();
@@ -93,7 +93,7 @@ TEST_F(Switching, AnActuatorThatDiesDuringTheSwitchIsKnownAtOnce) {
   EXPECT_EQ(t.StateOf("a"), "Protected");
 }
 
-// A switch is not "done" when an actuator has exited since its part of it, while others switch.
+// A switch is not "done" when an actuator has exited after its part, while others switch.
 TEST_F(Switching, AnActuatorThatDiesAfterItsPartOfTheSwitchIsMissingInTheOutcome) {
   for (const char* target : {"Active", "LowPower", "SelfCheck"}) {
     for (const bool ours : {false, true}) {
@@ -127,9 +127,9 @@ TEST_F(Switching, ACriticalActuatorThatDiesAfterItsPartIsMissingAndTakesTheMachi
   EXPECT_EQ(t.machine().state, "Protected");
 }
 
-TEST_F(Switching, AReportThatWasHeldUpOnTheWayDoesNotMakeLaterCommandsLookOld) {
+TEST_F(Switching, ADelayedReportDoesNotMakeLaterCommandsLookOld) {
   Harness& t = In("Active");
-  t.DelayReports("b", std::chrono::seconds(2));  // longer than any command is good for
+  t.DelayReports("b", std::chrono::seconds(2));  // longer than the budget of any command
   t.Set("Protected", "b");
   t.Rest();
   t.DelayReports("b", {});
@@ -147,7 +147,7 @@ TEST_F(Switching, SelfCheckInTheRunPhaseRunsTheCallbacksAndLeavesTheState) {
   EXPECT_THAT(t.log(), ElementsAre("a:SelfCheck", "b:SelfCheck", "c:SelfCheck"));
 }
 
-TEST_F(Switching, SelfCheckAsksEverybodyThoughTheFirstFails) {
+TEST_F(Switching, SelfCheckChecksEveryActuatorThoughTheFirstFails) {
   Harness& t = In("Active", Chain());
   t.On("c", "SelfCheck").code = 1409;
   const SwitchResult result = t.Set("SelfCheck");
@@ -169,7 +169,7 @@ TEST_F(Switching, SelfCheckTakesSilenceForAFailureAndGivesTheWorst) {
   EXPECT_EQ(result.code, 3009);
 }
 
-TEST_F(Switching, AFailedCheckStaysOnRecordUntilOnePasses) {
+TEST_F(Switching, AFailedCheckStaysRecordedUntilOnePasses) {
   Harness& t = In("Active");
   t.On("b", "SelfCheck").code = 1409;
   EXPECT_THAT(t.Set("SelfCheck").degraded, ElementsAre("b"));
@@ -213,14 +213,14 @@ TEST_F(Switching, AMoreUrgentOneSupersedesAtOnceAndTheNewestCommandWaits) {
 
 // One actuator
 
-TEST_F(Switching, OneActuatorIsHeldUntilTheNextGlobalSwitch) {
+TEST_F(Switching, OneActuatorIsDetachedUntilTheNextSwitchOfTheMachine) {
   Harness& t = In("Active");
   EXPECT_TRUE(t.Set("Protected", "b").done());
   EXPECT_EQ(t.machine().state, "Active");
   EXPECT_EQ(t.StateOf("b"), "Protected");
   EXPECT_TRUE(t.RecordOf("b").held);
   t.Rest();
-  EXPECT_EQ(t.StateOf("b"), "Protected") << "nobody drives it back behind the person's back";
+  EXPECT_EQ(t.StateOf("b"), "Protected") << "it is not driven back without a request";
   EXPECT_TRUE(t.Set("LowPower").done());
   EXPECT_FALSE(t.RecordOf("b").held);
 }
@@ -232,7 +232,7 @@ TEST_F(Switching, OneActuatorMayNotBeMoreActiveThanTheMachine) {
   EXPECT_THAT(result.reason, HasSubstr("may not be more active"));
 }
 
-TEST_F(Switching, OneActuatorThatFailsStaysWhereItWas) {
+TEST_F(Switching, OneActuatorThatFailsKeepsItsState) {
   Harness& t = In("Active");
   ASSERT_TRUE(t.Set("DeActive", "b").done());
   t.On("b", "Protected").code = 5001;
@@ -253,7 +253,7 @@ TEST_F(Switching, NumbersNeverFallBehindWhatAnActuatorHasSeen) {
   EXPECT_GT(result.number, 500U);
 }
 
-TEST_F(Switching, UpIsRefusedWhileOneIsStillOnItsWayElsewhere) {
+TEST_F(Switching, UpIsRefusedWhileAnActuatorIsStillSwitching) {
   Harness& t = In("Active");
   t.On("b", "LowPower").takes = Milliseconds(300);
   ASSERT_EQ(t.Set("LowPower").outcome, SwitchOutcome::kDoneDegraded);
@@ -264,7 +264,7 @@ TEST_F(Switching, UpIsRefusedWhileOneIsStillOnItsWayElsewhere) {
   EXPECT_TRUE(t.Set("Active").done());
 }
 
-TEST_F(Switching, OneActuatorThatIsTornDownIsDegradedUntilItIsStartedAgain) {
+TEST_F(Switching, OneActuatorThatIsTornDownIsDegradedUntilItIsRestarted) {
   Harness& t = In("Active");
   EXPECT_TRUE(t.Set("TearDown", "b").done());
   t.Rest();

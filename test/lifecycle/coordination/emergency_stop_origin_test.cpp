@@ -1,5 +1,5 @@
-// Who engaged an emergency stop is told to people, even when the controller hears of the stop from
-// an actuator first.
+// The record of an emergency stop names the participant that engaged it, even when the controller
+// receives the stop from an actuator first.
 
 #include <algorithm>
 
@@ -25,7 +25,7 @@ class EmergencyStopOrigin : public Switching {
   Machine machine_;
 };
 
-TEST_F(EmergencyStopOrigin, IsUnknownWhileOnlyAnActuatorHasSpoken) {
+TEST_F(EmergencyStopOrigin, IsUnknownWhileOnlyAnActuatorHasReportedIt) {
   TellThatBHasLatched(7);
   EXPECT_EQ(machine_.emergency_stop, (EmergencyStop{7, "", "b had latched it"}));
 }
@@ -40,7 +40,7 @@ TEST_F(EmergencyStopOrigin, IsKnownFromAnActuatorThatHasLatchedIt) {
   EXPECT_EQ(machine_.emergency_stop, (EmergencyStop{7, "alice", "smoke"}));
 }
 
-TEST_F(EmergencyStopOrigin, IsTakenFromWhoEngagedItWheneverThatOneSpeaks) {
+TEST_F(EmergencyStopOrigin, IsTakenFromTheParticipantThatEngagedItOnceReceived) {
   TellThatBHasLatched(7);
   const EmergencyStop stop{7, "alice", "smoke"};
   const auto actions = Tell(event::EmergencyStopSeen{stop});

@@ -1,4 +1,4 @@
-// An emergency stop in every phase: latched, above everything that goes up, released by hand only.
+// An emergency stop in every phase: latched, blocks every switch up, released by request only.
 
 #include <gmock/gmock.h>
 
@@ -22,7 +22,7 @@ class EmergencyStopped : public Switching {
   }
 };
 
-TEST_F(EmergencyStopped, ReachesEverybodyIsKeptOnDiskAndChangesNoState) {
+TEST_F(EmergencyStopped, IsPublishedToAllSavedAndChangesNoState) {
   Harness& t = In("Active");
   Stop(t);
   for (const char* name : {"a", "b", "c"}) {
@@ -36,7 +36,7 @@ TEST_F(EmergencyStopped, ReachesEverybodyIsKeptOnDiskAndChangesNoState) {
   EXPECT_THAT(t.log(), IsEmpty());
 }
 
-TEST_F(EmergencyStopped, RefusesWhatGoesUpAndLetsDownWhatGoesDown) {
+TEST_F(EmergencyStopped, RefusesSwitchesUpAndAllowsSwitchesDown) {
   Harness& t = In("Protected");
   Stop(t);
   const SwitchResult up = t.Set("Active");
@@ -49,7 +49,7 @@ TEST_F(EmergencyStopped, RefusesWhatGoesUpAndLetsDownWhatGoesDown) {
   EXPECT_TRUE(t.Set("Error").done());
 }
 
-TEST_F(EmergencyStopped, RefusesASwitchUpAlsoWhenNobodyWouldBeDrivenByIt) {
+TEST_F(EmergencyStopped, RefusesASwitchUpAlsoWhenNoActuatorWouldBeDriven) {
   Harness& t = In("Protected", MachineOf(1));
   t.Crash("a");
   t.RunFor(Milliseconds(1));
@@ -77,12 +77,12 @@ TEST_F(EmergencyStopped, UndoesASwitchUpUnderWay) {
   Stop(t);
   t.RunUntil([&] { return t.answers.count(request) > 0; });
   EXPECT_EQ(t.answers.at(request).outcome, SwitchOutcome::kUndone);
-  EXPECT_LT(t.now() - begun, Milliseconds(50)) << "running callbacks are asked to stop";
+  EXPECT_LT(t.now() - begun, Milliseconds(50)) << "running callbacks are requested to stop";
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.StateOf(name), "Protected");
   EXPECT_THAT(t.log(), Not(Contains("a:Active")));
 }
 
-TEST_F(EmergencyStopped, UndoesASwitchUpWhoseLastCallbackEndsAllTheSame) {
+TEST_F(EmergencyStopped, UndoesASwitchUpWhoseLastCallbackEndsAnyway) {
   Harness& t = In("Protected");
   const RequestId request = t.Ask("Active");
   t.RunFor(Milliseconds(5));
@@ -102,7 +102,7 @@ TEST_F(EmergencyStopped, LetsASwitchDownGoOn) {
   EXPECT_EQ(t.machine().state, "LowPower");
 }
 
-TEST_F(EmergencyStopped, LetsTheMachineFallAndEnd) {
+TEST_F(EmergencyStopped, AllowsAFallbackAndTheEndOfTheMachine) {
   Harness& t = In("Active", OursWithCriticalB());
   Stop(t);
   t.On("b", "SetUp").code = 3001;
@@ -113,13 +113,14 @@ TEST_F(EmergencyStopped, LetsTheMachineFallAndEnd) {
   EXPECT_TRUE(t.stopped());
 }
 
-TEST_F(EmergencyStopped, OneThatIsRestartedIsCheckedAndWaitsForTheRelease) {
+TEST_F(EmergencyStopped, ARestartedActuatorIsCheckedAndWaitsForTheRelease) {
   Harness& t = In("Active", Ours(2));
   Stop(t);
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "SelfCheck");
-  EXPECT_EQ(t.CoreOf("b").report.emergency_stop, kStop) << "the latch is told to those that come";
+  EXPECT_EQ(t.CoreOf("b").report.emergency_stop, kStop)
+      << "the latched stop is published to late actuators";
   EXPECT_THAT(t.log(), Not(Contains("b:Active")));
   t.Release();
   t.Rest();
@@ -138,7 +139,7 @@ TEST_F(EmergencyStopped, AJoinUnderWayEndsAndTheNextStepWaits) {
 
 // What a released stop has switched off
 
-TEST_F(EmergencyStopped, RefusesThePresentStateInsteadOfSayingThatItIsDone) {
+TEST_F(EmergencyStopped, RefusesThePresentStateInsteadOfReportingDone) {
   Harness& t = In("Active");
   Stop(t);
   const SwitchResult again = t.Set("Active");
@@ -149,7 +150,7 @@ TEST_F(EmergencyStopped, RefusesThePresentStateInsteadOfSayingThatItIsDone) {
   EXPECT_THAT(t.log(), IsEmpty());
 }
 
-TEST_F(EmergencyStopped, SettingThePresentStateAfterTheReleaseRunsTheCallbacksOfThoseThatWereHeld) {
+TEST_F(EmergencyStopped, SettingThePresentStateAfterTheReleaseRunsTheCallbacksOfTheHeldActuators) {
   Harness& t = In("Active");
   Stop(t);
   t.Release();
@@ -165,7 +166,7 @@ TEST_F(EmergencyStopped, SettingThePresentStateAfterTheReleaseRunsTheCallbacksOf
   EXPECT_THAT(t.log(), IsEmpty()) << "now they were there already";
 }
 
-TEST_F(EmergencyStopped, OneAloneLetsGoWhenItsOwnStateIsSet) {
+TEST_F(EmergencyStopped, TheHoldOfOneActuatorEndsWhenItsOwnStateIsSet) {
   Harness& t = In("Active");
   Stop(t);
   t.Release();
@@ -175,7 +176,7 @@ TEST_F(EmergencyStopped, OneAloneLetsGoWhenItsOwnStateIsSet) {
   EXPECT_TRUE(t.RecordOf("a").report.held_by_stop);
 }
 
-TEST_F(EmergencyStopped, ANewControllerFindsWhoIsHeldByAStopThatWasReleased) {
+TEST_F(EmergencyStopped, ANewControllerFindsTheActuatorsHeldByAReleasedStop) {
   Harness& t = In("Active");
   Stop(t);
   t.Release();
@@ -186,7 +187,7 @@ TEST_F(EmergencyStopped, ANewControllerFindsWhoIsHeldByAStopThatWasReleased) {
   EXPECT_THAT(t.log(), UnorderedElementsAre("a:Active", "b:Active", "c:Active"));
 }
 
-TEST_F(EmergencyStopped, OneThatWasRestartedAfterTheReleaseIsNotHeld) {
+TEST_F(EmergencyStopped, AnActuatorRestartedAfterTheReleaseIsNotHeld) {
   Harness& t = In("Active", Ours(2));
   Stop(t);
   t.Release();
@@ -200,7 +201,7 @@ TEST_F(EmergencyStopped, OneThatWasRestartedAfterTheReleaseIsNotHeld) {
 
 // The start
 
-TEST(EmergencyStopAtTheStart, KeepsTheMachineFromGoingUpAndTellsTheWayOut) {
+TEST(EmergencyStopAtTheStart, KeepsTheMachineFromGoingUpAndReportsWhatToDo) {
   Harness t(Ours(2));
   t.stops_on_disk.engaged = {{kStop, "somebody", "smoke"}};
   t.Begin();
@@ -242,11 +243,11 @@ TEST(EmergencyStopAtTheStart, EndsAStartOnItsWayToActive) {
   EXPECT_TRUE(t.Set("Active").done());
 }
 
-// Several, and their end
+// Several stops, and their release
 
 TEST_F(EmergencyStopped, TwoAtOnceAreReleasedTogether) {
   Harness& t = In("Active");
-  t.Inject("a", actuator_event::EmergencyStopHeard{6, true, 0});  // it heard the second first
+  t.Inject("a", actuator_event::EmergencyStopHeard{6, true, 0});  // it received the second first
   Stop(t, 5);
   Stop(t, 6);
   EXPECT_EQ(t.CoreOf("a").report.emergency_stop, 6U);
@@ -258,12 +259,12 @@ TEST_F(EmergencyStopped, TwoAtOnceAreReleasedTogether) {
   EXPECT_TRUE(t.stops_on_disk.engaged.empty());
 }
 
-TEST_F(EmergencyStopped, OneThatIsReleasedDoesNotComeBackByALateWord) {
+TEST_F(EmergencyStopped, AReleasedStopDoesNotComeBackByALateSample) {
   Harness& t = In("Active");
   Stop(t);
   t.Release();
   t.Rest();
-  Stop(t);  // the same, held up on the way
+  Stop(t);  // the same, delayed
   EXPECT_FALSE(t.machine().emergency_stop);
   for (const char* name : {"a", "b", "c"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, 0U);
   Stop(t, kStop + 1);
@@ -275,12 +276,12 @@ TEST_F(EmergencyStopped, ReleasingWhereNoneIsEngagedIsRefused) {
   EXPECT_EQ(t.calls.at(t.Release()).error().code, kCodeStateInvalid);
 }
 
-TEST_F(EmergencyStopped, OneThatMissedTheReleaseIsToldAgain) {
+TEST_F(EmergencyStopped, TheReleaseIsPublishedAgainToAnActuatorThatMissedIt) {
   Harness& t = In("Active", Ours(2));
   Stop(t);
   t.Release();
   t.Crash("b");
-  t.Rest();  // the new one has heard of no release
+  t.Rest();  // the new controller has received no release
   t.Inject("b", actuator_event::EmergencyStopHeard{kStop, true, 0});
   EXPECT_EQ(t.CoreOf("b").report.emergency_stop, kStop);
   t.Rest();
@@ -290,21 +291,21 @@ TEST_F(EmergencyStopped, OneThatMissedTheReleaseIsToldAgain) {
 
 // The second was engaged while the first was being released: the actuators have it, the controller
 // not yet.
-TEST_F(EmergencyStopped, OneEngagedBesideAReleaseStaysEngaged) {
+TEST_F(EmergencyStopped, AStopEngagedDuringAReleaseStaysEngaged) {
   Harness& t = In("Active");
   Stop(t);
   t.Inject("a", actuator_event::EmergencyStopHeard{kStop + 1, true, 0});
   t.Release();
   t.Rest();
   EXPECT_EQ(t.CoreOf("a").report.emergency_stop, kStop + 1);
-  ASSERT_TRUE(t.machine().emergency_stop) << "the actuator's status tells the controller";
+  ASSERT_TRUE(t.machine().emergency_stop) << "the controller gets it from the actuator's status";
   EXPECT_EQ(t.machine().emergency_stop->id, kStop + 1);
 }
 
-// A callback that switches on at its end, and a stop that comes beside it.
-TEST_F(EmergencyStopped, AStopInTheMidstOfAnUpwardCallbackUndoesTheSwitch) {
+// A callback that switches on at its end, and a stop that comes while it runs.
+TEST_F(EmergencyStopped, AStopDuringAnUpwardCallbackUndoesTheSwitch) {
   Harness& t = In("DeActive");
-  t.On("b", "Active").takes = Milliseconds(80);  // it does not listen to the request to stop
+  t.On("b", "Active").takes = Milliseconds(80);  // it ignores the request to stop
   const RequestId up = t.Ask("Active");
   t.RunFor(Milliseconds(40));
   Stop(t);
@@ -316,7 +317,7 @@ TEST_F(EmergencyStopped, AStopInTheMidstOfAnUpwardCallbackUndoesTheSwitch) {
 
 // Other controllers
 
-// Its panel is still there and says "engaged" to the next controller.
+// Its panel still publishes "engaged" to the next controller.
 TEST_F(EmergencyStopped, AReleasedStopStaysReleasedAfterARestartOfTheController) {
   Harness& t = In("Active", Ours(2));
   Stop(t);
@@ -341,7 +342,7 @@ TEST_F(EmergencyStopped, AllStopsThatAreEngagedSurviveAController) {
   for (const char* name : {"a", "b"}) EXPECT_EQ(t.CoreOf(name).report.emergency_stop, 0U);
 }
 
-// What a controller receives before it leads is not its to publish, nor to save.
+// A controller neither publishes nor saves what it receives before it leads.
 TEST(EmergencyStopBeforeBegin, IsKeptAndPublishedOnceTheControllerLeads) {
   const MachineConfig config = MachineOf(1);
   Machine machine = MakeMachine(config);

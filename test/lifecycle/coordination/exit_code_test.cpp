@@ -1,5 +1,5 @@
-// What ends with a code of its restart_prevent_exit_codes is not started again until a person asks:
-// a wrong configuration is not mended by the next start.
+// An actuator that exits with one of its restart_prevent_exit_codes is not restarted automatically:
+// a restart does not fix a configuration error.
 
 #include <gmock/gmock.h>
 
@@ -20,7 +20,7 @@ constexpr const char* kWords = "b.toml:7:1: error: unknown key 'sped'; did you m
 
 class ExitCode : public Switching {
  protected:
-  // From now on a start of b ends as soon as it has read its config.
+  // From now on the process of b exits as soon as it has read its config.
   static void Misconfigure(Harness& t) {
     t.On("b", "exec").exit_code = kUsageExitCode;
     t.On("b", "exec").message = kWords;
@@ -29,7 +29,7 @@ class ExitCode : public Switching {
 
   static std::ptrdiff_t StartsOf(const Harness& t, const std::string& name) {
     return std::count_if(t.records.begin(), t.records.end(), [&](const std::string& record) {
-      return record.starts_with(name + " is started as process");
+      return record.starts_with(name + " started (pid");
     });
   }
 
@@ -40,7 +40,7 @@ class ExitCode : public Switching {
   }
 };
 
-TEST_F(ExitCode, TwoIsNotStartedAgainAndToldWithItsLastWords) {
+TEST_F(ExitCode, TwoIsNotRestartedAndRecordedWithTheLastLinesOfItsOutput) {
   Harness& t = In("Active", Ours(2));
   t.Exit("b", 2, kWords);
   t.Rest();
@@ -49,20 +49,20 @@ TEST_F(ExitCode, TwoIsNotStartedAgainAndToldWithItsLastWords) {
   EXPECT_EQ(t.RecordOf("b").fault->code, kCodeFailed);
   EXPECT_EQ(t.RecordOf("b").fault->message,
             std::string("exit code 2: ") + kWords +
-                "; it is not started again until `musher restart b`, because exit code 2 tells of "
-                "a wrong configuration");
+                "; not restarted automatically, because exit code 2 means a configuration error; "
+                "restart it with `musher restart b`");
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
   EXPECT_EQ(t.machine().state, "Active");
 }
 
-TEST_F(ExitCode, IsToldOnce) {
+TEST_F(ExitCode, IsRecordedOnce) {
   Harness& t = In("Active", Ours(2));
   t.Exit("b", 2, kWords);
   t.Rest();
   EXPECT_THAT(t.records, Contains(StartsWith("b is degraded")).Times(1));
 }
 
-TEST_F(ExitCode, OtherCodesAndSignalsAreStartedAgain) {
+TEST_F(ExitCode, OtherCodesAndSignalsAreRestarted) {
   Harness& t = In("Active", Ours(2));
   t.Exit("b", 1, "the port is gone");
   t.Rest();
@@ -73,8 +73,8 @@ TEST_F(ExitCode, OtherCodesAndSignalsAreStartedAgain) {
   EXPECT_EQ(StartsOf(t, "b"), 3);
 }
 
-// So that a recording that was made before there was an exit code is replayed as it was decided.
-TEST_F(ExitCode, ThatIsNotToldIsNotReadFromTheWords) {
+// So that a recording from before the field exit_code existed is replayed unchanged.
+TEST_F(ExitCode, ThatIsUnknownIsNotReadFromTheText) {
   Harness& t = In("Active", Ours(2));
   t.Tell(event::ProcessEnded{1, t.RecordOf("b").process, false, "exit code 2: no such map"});
   EXPECT_TRUE(t.RecordOf("b").restart_at);
@@ -94,7 +94,7 @@ TEST_F(ExitCode, ThatTheConfigNamesCountsInsteadOfTwo) {
               HasSubstr("because exit code 78 is one of its restart_prevent_exit_codes"));
 }
 
-TEST_F(ExitCode, NoneMeansThatAllAreStartedAgain) {
+TEST_F(ExitCode, NoneMeansThatAllAreRestarted) {
   MachineConfig config = Ours(2);
   ActuatorNamed(config, "b").restart.prevent_exit_codes = {};
   Harness& t = In("Active", config);
@@ -124,13 +124,14 @@ TEST_F(ExitCode, IsTheCauseOfWhatFollowsFromIt) {
   Harness& t = In("Active", OursWithCriticalB());
   t.Exit("b", 2, kWords);
   t.Rest();
-  const auto fall = std::find_if(t.told.begin(), t.told.end(), [](const action::Record& record) {
-    return record.message == "an actuator is lost; falling back to Protected";
-  });
-  ASSERT_NE(fall, t.told.end());
-  const action::Record& degraded = t.told.at(fall->cause - 1);
+  const auto fall = std::find_if(
+      t.whole_records.begin(), t.whole_records.end(), [](const action::Record& record) {
+        return record.message == "an actuator is lost; falling back to Protected";
+      });
+  ASSERT_NE(fall, t.whole_records.end());
+  const action::Record& degraded = t.whole_records.at(fall->cause - 1);
   EXPECT_THAT(degraded.message, StartsWith("b is degraded: exit code 2: "));
-  EXPECT_THAT(t.told.at(degraded.cause - 1).message, HasSubstr("ended: exit code 2: "));
+  EXPECT_THAT(t.whole_records.at(degraded.cause - 1).message, HasSubstr("ended: exit code 2: "));
 }
 
 TEST_F(ExitCode, InACrashLoopEndsIt) {
@@ -154,7 +155,7 @@ TEST_F(ExitCode, InASwitchUpUndoesIt) {
   EXPECT_EQ(StartsOf(t, "b"), 1);
 }
 
-TEST_F(ExitCode, OfOneThatIsTornDownAloneIsAsTornDownAsAnother) {
+TEST_F(ExitCode, OfAnActuatorTornDownAloneCountsLikeAnyOther) {
   Harness& t = In("Active", Ours(2));
   EXPECT_TRUE(t.Set("TearDown", "b").done());
   t.Exit("b", 2, kWords);
@@ -162,9 +163,9 @@ TEST_F(ExitCode, OfOneThatIsTornDownAloneIsAsTornDownAsAnother) {
   EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("is torn down"));
 }
 
-// By hand
+// By request
 
-TEST_F(ExitCode, IsOverOnceAPersonHasMendedTheFileAndRestartsIt) {
+TEST_F(ExitCode, IsClearedByARestartRequest) {
   Harness& t = In("Active", OursWithCriticalB());
   Misconfigure(t);
   t.Exit("b", 2, kWords);
@@ -180,7 +181,7 @@ TEST_F(ExitCode, IsOverOnceAPersonHasMendedTheFileAndRestartsIt) {
   EXPECT_TRUE(t.Set("Active").done());
 }
 
-TEST_F(ExitCode, OfOneThatWasToldToEndForARestartHindersNone) {
+TEST_F(ExitCode, OfAProcessTerminatedForARestartDoesNotPreventTheRestart) {
   Harness& t = In("Active", Ours(2));
   t.On("b", "TearDown").hangs = true;
   const RequestId call = t.Restart("b");
@@ -192,7 +193,7 @@ TEST_F(ExitCode, OfOneThatWasToldToEndForARestartHindersNone) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-TEST_F(ExitCode, IsTriedAnewByTheNextController) {
+TEST_F(ExitCode, IsRetriedByTheNextController) {
   Harness& t = In("Active", Ours(2));
   t.Exit("b", 2, kWords);
   t.Rest();
@@ -247,7 +248,7 @@ TEST_F(ExitCode, OfOneThatComesInALaterStageLeavesTheFirstAsItIs) {
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");
   EXPECT_EQ(StartsOf(t, "b"), 1);
-  EXPECT_THAT(t.records, Not(Contains(HasSubstr("b is started again"))));
+  EXPECT_THAT(t.records, Not(Contains(HasSubstr("b: restarting in"))));
 }
 
 }  // namespace musher::testing::exit_code_test

@@ -1,4 +1,4 @@
-// Faults that drawn scenarios (test/simulation) have found, each as small as it could be made.
+// Faults found by random scenarios (test/simulation), each reduced to a minimal case.
 
 #include <gmock/gmock.h>
 
@@ -23,9 +23,9 @@ class FoundBySimulation : public Switching {
   }
 };
 
-TEST_F(FoundBySimulation, ARollbackTakesNobodyAboveTheMachine) {
+TEST_F(FoundBySimulation, ARollbackTakesNoActuatorAboveTheMachine) {
   MachineConfig config = MachineOf(2);
-  Unlist(config, "a", "LowPower");  // so it stays in Active when the machine goes there
+  Unlist(config, "a", "LowPower");  // so it stays in Active when the machine goes to LowPower
   Harness& t = In("Active", config);
   t.Set("LowPower");
   ASSERT_EQ(t.StateOf("a"), "Active");
@@ -53,7 +53,7 @@ TEST_F(FoundBySimulation, ACriticalOneOfALaterStageThatIsNeverStartedCountsAsLos
   EXPECT_NE(t.machine().state, "Active");
 }
 
-TEST_F(FoundBySimulation, OneThatWasNotStartedForWantOfAnotherIsStartedWhenThatOneIsThere) {
+TEST_F(FoundBySimulation, AnActuatorBlockedByAnotherIsStartedWhenThatOneIsPresent) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "a").command.clear();  // started by hand, and late
   ActuatorNamed(config, "b").after = {"a"};
@@ -70,18 +70,18 @@ TEST_F(FoundBySimulation, OneThatWasNotStartedForWantOfAnotherIsStartedWhenThatO
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-TEST_F(FoundBySimulation, WhoWaitsForOneThatRestsSaysSo) {
+TEST_F(FoundBySimulation, AnActuatorThatWaitsForASuspendedOneReportsThat) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "b").binds_to = {"a"};
   ActuatorNamed(config, "c").after = {"b"};
   ActuatorNamed(config, "a").restart.policy = RestartPolicy::kNo;
   Harness& t = In("Active", config);
-  t.Crash("a");  // b rests …
+  t.Crash("a");  // b is suspended …
   t.Rest();
   t.Crash("c");  // … and c cannot come back before it
   t.Rest();
   ASSERT_TRUE(t.RecordOf("c").fault);
-  EXPECT_THAT(t.RecordOf("c").fault->message, HasSubstr("waits for b, which rests"));
+  EXPECT_THAT(t.RecordOf("c").fault->message, HasSubstr("waits for b, which is suspended"));
 }
 
 TEST_F(FoundBySimulation, TearDownOfOneBeforeTheMachineIsSetUpIsRefused) {
@@ -96,14 +96,14 @@ TEST_F(FoundBySimulation, TearDownOfOneBeforeTheMachineIsSetUpIsRefused) {
   EXPECT_EQ(t.machine().state, "Active");
 }
 
-TEST_F(FoundBySimulation, ACriticalOneThatWasTornDownAloneIsMissedFromTheNextSwitchOn) {
+TEST_F(FoundBySimulation, ACriticalActuatorTornDownAloneCountsAsLostFromTheNextSwitchOn) {
   MachineConfig config = Ours(2);
   ActuatorNamed(config, "a").critical = true;
   ActuatorNamed(config, "a").on_lost = "Protected";
   Harness& t = In("Active", config);
   t.Set("TearDown", "a");
   t.Rest();
-  EXPECT_EQ(t.machine().state, "Active");  // it was meant so
+  EXPECT_EQ(t.machine().state, "Active");  // as intended
   t.Set("Active");
   t.Rest();
   EXPECT_EQ(t.machine().state, "Protected");
@@ -119,7 +119,7 @@ TEST_F(FoundBySimulation, ACheckThatEndsAfterItsSwitchWasSupersededCounts) {
   ASSERT_EQ(t.machine().phase, Phase::kFailed);
   t.On("a", "SelfCheck") = {};
   t.On("a", "SelfCheck").takes = Milliseconds(60);
-  t.Mute("a", false, true);  // that it is busy with its check is never heard
+  t.Mute("a", false, true);  // the report that it is busy with its check is lost
   t.Ask("SelfCheck");
   t.RunFor(Milliseconds(20));
   const RequestId error = t.Ask("Error");
@@ -130,7 +130,7 @@ TEST_F(FoundBySimulation, ACheckThatEndsAfterItsSwitchWasSupersededCounts) {
   EXPECT_EQ(t.StateOf("a"), "Error");
 }
 
-TEST_F(FoundBySimulation, ARollbackTakesNobodyHigherThanTheSwitchHad) {
+TEST_F(FoundBySimulation, ARollbackTakesNoActuatorHigherThanTheSwitchHad) {
   MachineConfig config = Ours(2);
   Unlist(config, "a", "OTA");
   Harness& t = In("Active", config);
@@ -146,7 +146,7 @@ TEST_F(FoundBySimulation, ARollbackTakesNobodyHigherThanTheSwitchHad) {
   EXPECT_THAT(t.log(), Not(Contains("a:DeActive")));
 }
 
-TEST_F(FoundBySimulation, ACheckThatHangsAfterItsSwitchWasSupersededIsOnRecord) {
+TEST_F(FoundBySimulation, ACheckThatHangsAfterItsSwitchWasSupersededIsRecorded) {
   MachineConfig config = MachineOf(2);
   ActuatorNamed(config, "a").critical = true;
   Harness t(config);
@@ -164,8 +164,8 @@ TEST_F(FoundBySimulation, ACheckThatHangsAfterItsSwitchWasSupersededIsOnRecord) 
   EXPECT_THAT(t.RecordOf("a").fault->message, HasSubstr("still busy with SelfCheck"));
 }
 
-// This one the fault-injection suite has found.
-TEST_F(FoundBySimulation, OneWhoseCheckInTheRunPhaseIsOverdueIsWellWhenThatHasPassed) {
+// Found by the fault-injection suite.
+TEST_F(FoundBySimulation, AnActuatorWithAnOverdueCheckInTheRunPhaseIsWellWhenThatHasPassed) {
   Harness& t = In("Active");
   t.On("b", "SelfCheck").takes = Milliseconds(300);  // of 100
   EXPECT_EQ(t.Set("SelfCheck").outcome, SwitchOutcome::kDoneDegraded);
@@ -175,7 +175,7 @@ TEST_F(FoundBySimulation, OneWhoseCheckInTheRunPhaseIsOverdueIsWellWhenThatHasPa
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-TEST_F(FoundBySimulation, AControllerThatListensHearsThatAStopIsOver) {
+TEST_F(FoundBySimulation, AControllerThatListensReceivesTheReleaseOfAStop) {
   const EmergencyStop stop{7, "a panel", ""};
   StoredStops received = Merge({}, {{stop}, {}});
   EXPECT_EQ(received.engaged.size(), 1U);
@@ -185,7 +185,7 @@ TEST_F(FoundBySimulation, AControllerThatListensHearsThatAStopIsOver) {
   EXPECT_TRUE(received.engaged.empty());
 }
 
-TEST_F(FoundBySimulation, AControllerThatLeadsIsToldByNobodyThatAStopIsOver) {
+TEST_F(FoundBySimulation, AControllerThatLeadsIgnoresReleasesOfOtherParticipants) {
   Harness& t = In("Active");
   t.StopAll(7);
   t.Rest();
@@ -193,8 +193,8 @@ TEST_F(FoundBySimulation, AControllerThatLeadsIsToldByNobodyThatAStopIsOver) {
   EXPECT_TRUE(t.machine().emergency_stop);
 }
 
-// b and another actuator are one process, which nothing ends.
-TEST_F(FoundBySimulation, OneThatIsTornDownAloneInASharedProcessUndoesNoSwitchUp) {
+// b and another actuator are one process, which is never ended.
+TEST_F(FoundBySimulation, AnActuatorTornDownAloneInASharedProcessUndoesNoSwitchUp) {
   Harness& t = In("Protected", MachineOf(3));
   t.shared = {"b"};
   EXPECT_TRUE(t.Set("TearDown", "b").done());
@@ -210,7 +210,7 @@ TEST_F(FoundBySimulation, OneThatIsTornDownAloneInASharedProcessUndoesNoSwitchUp
   EXPECT_TRUE(t.Set("TearDown").done()) << "it is where the machine goes";
 }
 
-TEST_F(FoundBySimulation, OneThatIsBoundToWhatIsTornDownInASharedProcessRests) {
+TEST_F(FoundBySimulation, AnActuatorBoundToATornDownOneInASharedProcessIsSuspended) {
   MachineConfig config = MachineOf(3);
   ActuatorNamed(config, "a").binds_to = {"b"};
   Harness& t = In("Active", config);

@@ -1,4 +1,5 @@
-// What hangs is looked at, killed and restarted where it is ours, and listed where it is not.
+// A hung process gets a backtrace, is killed and restarted where it is ours, and is listed where
+// not.
 
 #include <gmock/gmock.h>
 
@@ -22,12 +23,12 @@ TEST_F(Hang, LeavesABacktraceThenTheProcessIsKilledRestartedAndDrivenAgain) {
   EXPECT_THAT(t.signals, ElementsAre()) << "it is being looked at";
   t.Rest();
   EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
-  EXPECT_THAT(t.records, Contains("what b was doing:"));
+  EXPECT_THAT(t.records, Contains("backtrace of b:"));
   EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SelfCheck", "b:Active"));
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-TEST_F(Hang, IsKilledThoughNobodyCanTellWhatItWasDoing) {
+TEST_F(Hang, IsKilledThoughThereIsNoBacktrace) {
   Harness& t = In("Active", Ours(2));
   t.Find("b", Health::kHung, true);
   t.Tell(event::BacktraceTaken{1, 1, "of some other process"});
@@ -36,7 +37,7 @@ TEST_F(Hang, IsKilledThoughNobodyCanTellWhatItWasDoing) {
   EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
 }
 
-TEST_F(Hang, ThatEndsBeforeTheKillIsForgiven) {
+TEST_F(Hang, ThatEndsBeforeTheKillIsCancelled) {
   Harness& t = In("Active", Ours(2));
   t.Find("b", Health::kHung, true);
   t.RunFor(Milliseconds(20));
@@ -48,18 +49,18 @@ TEST_F(Hang, ThatEndsBeforeTheKillIsForgiven) {
   EXPECT_EQ(t.RecordOf("b").restarts, 0);
 }
 
-// The end of the one before can be seen after its successor has spoken.
-TEST_F(Hang, WhoseSuccessorIsThereAlreadyIsNotTakenForEnded) {
+// The exit of a process can be seen after the first status of its successor.
+TEST_F(Hang, WhoseSuccessorIsPresentIsNotAssumedToHaveExited) {
   Harness& t = In("Active", Ours(2));
   t.On("b", "KILL").hangs = true;
   t.Find("b", Health::kHung, true);
   t.RunFor(Milliseconds(60));
   EXPECT_THAT(t.signals, ElementsAre("b:KILL"));
-  t.StartActuator("b");  // by a person, who was faster
+  t.StartActuator("b");  // by a person, before the restart
   t.Rest();
   EXPECT_EQ(t.RecordOf("b").presence, Presence::kPresent);
   EXPECT_EQ(t.StateOf("b"), "Active");
-  EXPECT_THAT(t.records, Not(Contains(HasSubstr("taken for ended"))));
+  EXPECT_THAT(t.records, Not(Contains(HasSubstr("assumed to have exited"))));
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
@@ -83,10 +84,10 @@ TEST_F(Hang, WithoutARestartPolicyIsListedAndTheProcessLeftAsItIs) {
   t.RunFor(std::chrono::seconds(10));
   EXPECT_THAT(t.signals, ElementsAre());
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
-  EXPECT_EQ(t.machine().state, "Protected") << "it is critical and nobody will bring it back";
+  EXPECT_EQ(t.machine().state, "Protected") << "it is critical and not restarted";
 }
 
-TEST_F(Hang, OfOneThatSomebodyElseStartedIsListedUntilItEnds) {
+TEST_F(Hang, OfAProcessOfAnotherPartyIsListedUntilItEnds) {
   Harness& t = In("Active");
   t.Find("b", Health::kHung);
   t.Rest();
@@ -109,13 +110,13 @@ TEST_F(Hang, OfAnAdoptedProcessIsKilledAndRestartedAsWell) {
   EXPECT_NE(t.RecordOf("b").process, 0);
 }
 
-TEST_F(Hang, OfOneThatNotEvenSigkillEndsIsTakenForEndedAfterAWhile) {
+TEST_F(Hang, OfAProcessThatSigkillDoesNotEndIsAssumedToHaveExitedAfterAWhile) {
   Harness& t = In("Active", OursWithCriticalB());
   t.On("b", "KILL").hangs = true;  // its driver never returns
   t.On("b", "exec").code = kCodeFailed;
   t.Find("b", Health::kHung, true);
   t.Rest();
-  EXPECT_THAT(t.records, Contains(HasSubstr("it is taken for ended")));
+  EXPECT_THAT(t.records, Contains(HasSubstr("it is assumed to have exited")));
   EXPECT_TRUE(t.RecordOf("b").given_up);
   EXPECT_EQ(t.machine().state, "Protected") << "and not: waited for in Active for ever";
 }
@@ -145,7 +146,7 @@ TEST(HangInSetUp, IsRestartedWhileTheStartWaits) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-TEST_F(Hang, AStarvedOneIsToldOfAndLeftAlone) {
+TEST_F(Hang, AStarvedProcessIsRecordedAndNotKilled) {
   Harness& t = In("Active", OursWithCriticalB());
   t.Find("b", Health::kStarved, true);
   t.Rest();
@@ -163,14 +164,14 @@ TEST_F(Hang, OneOfAnotherHostThatIsCutOffTakesACriticalMachineDownAndJoinsWhenIt
   t.Find("b", Health::kPartitioned, true);
   t.Rest();
   EXPECT_EQ(t.machine().state, "Protected");
-  EXPECT_EQ(t.StateOf("b"), "Active") << "nobody reaches it";
+  EXPECT_EQ(t.StateOf("b"), "Active") << "it cannot be reached";
   t.Find("b", Health::kWell);
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "Protected");
   EXPECT_TRUE(t.Set("Active").done());
 }
 
-TEST_F(Hang, VerdictsOfAProcessThatIsGoneChangeNothing) {
+TEST_F(Hang, VerdictsOfAProcessThatHasExitedChangeNothing) {
   Harness& t = In("Active", Ours(2));
   const std::uint64_t gone = t.RecordOf("b").report.incarnation;
   t.Crash("b");
@@ -179,7 +180,7 @@ TEST_F(Hang, VerdictsOfAProcessThatIsGoneChangeNothing) {
   t.Tell(event::HealthChanged{1, gone, Health::kHung, true, "late"});
   t.Rest();
   EXPECT_THAT(t.signals, ElementsAre());
-  EXPECT_THAT(t.records, Not(Contains(HasSubstr("late"))));
+  EXPECT_THAT(t.records, Not(Contains(HasSubstr("after its deadline"))));
 }
 
 }  // namespace musher::testing::hang_test

@@ -35,11 +35,11 @@ ActuatorConfig& ActuatorNamed(MachineConfig& config, const std::string& name) {
 Harness::Harness(MachineConfig config)
     : config_(std::move(config)),
       machine_(MakeMachine(config_)),
-      actors_(config_.actuators.size()),
+      fakes_(config_.actuators.size()),
       now_(std::chrono::hours(1)) {}
 
 Behaviour& Harness::On(const std::string& actuator, const std::string& state) {
-  return actors_[Index(actuator)].script[state];
+  return fakes_[Index(actuator)].script[state];
 }
 
 void Harness::After(Duration delay, std::function<void()> what) {
@@ -91,11 +91,11 @@ void Harness::Tell(const Event& event) {
 
 void Harness::Begin(bool by_hand, std::uint64_t epoch, bool restarted) {
   std::vector<bool> running;
-  for (std::size_t i = 0; i < actors_.size(); ++i) {
-    if (config_.actuators[i].command.empty() && !actors_[i].alive) {
+  for (std::size_t i = 0; i < fakes_.size(); ++i) {
+    if (config_.actuators[i].command.empty() && !fakes_[i].alive) {
       StartActuator(config_.actuators[i].name);
     }
-    running.push_back(actors_[i].alive);
+    running.push_back(fakes_[i].alive);
   }
   Tell(event::Begin{by_hand,
                     epoch,
@@ -108,7 +108,7 @@ void Harness::Begin(bool by_hand, std::uint64_t epoch, bool restarted) {
                     restarted});
 }
 
-// A disk that has just died with the controller's process does not answer the next one.
+// A disk thread that died with the controller's process does not answer the next one.
 template <class T>
 void Harness::Save(Stored what, std::uint64_t save, T& stored, T value) {
   const auto end = [this, what, save, &stored, value = std::move(value), generation = generation_] {
@@ -124,9 +124,9 @@ void Harness::RestartController(bool lost_disk, bool restarted) {
   machine_ = MakeMachine(config_);
   start_up_.reset();
   Begin(false, lost_disk ? 0 : epoch_on_disk_, restarted);
-  for (std::size_t i = 0; i < actors_.size(); ++i) {
-    if (!actors_[i].alive) continue;
-    After(kWire, [this, i] { Tell(event::StatusSeen{i, ReportOf(i)}); });  // the latch
+  for (std::size_t i = 0; i < fakes_.size(); ++i) {
+    if (!fakes_[i].alive) continue;
+    After(kWire, [this, i] { Tell(event::StatusSeen{i, ReportOf(i)}); });  // the latched status
   }
 }
 
@@ -137,20 +137,20 @@ RequestId Harness::AskPolicy(event::PolicyRequested asked) {
 }
 
 void Harness::StartActuator(const std::string& name) {
-  Actor& actor = actors_[Index(name)];
-  auto script = actor.script;
-  actor = Actor{};
-  actor.script = std::move(script);
-  actor.alive = true;
-  actor.pid = next_pid_++;
-  actor.core.report.incarnation = static_cast<std::uint64_t>(actor.pid);
-  actor.core.report.pid = actor.pid;
-  actor.core.report.host = "here";
-  After(kWire, [this, i = Index(name), pid = actor.pid] {
-    if (actors_[i].pid != pid) return;
-    Perform(i, actuator_event::Started{});
+  FakeActuator& fake = fakes_[Index(name)];
+  auto script = fake.script;
+  fake = FakeActuator{};
+  fake.script = std::move(script);
+  fake.alive = true;
+  fake.pid = next_pid_++;
+  fake.core.report.incarnation = static_cast<std::uint64_t>(fake.pid);
+  fake.core.report.pid = fake.pid;
+  fake.core.report.host = "here";
+  After(kWire, [this, i = Index(name), pid = fake.pid] {
+    if (fakes_[i].pid != pid) return;
+    StepCore(i, actuator_event::Started{});
     for (const std::uint64_t stop : latched_stops_) {
-      Perform(i, actuator_event::EmergencyStopHeard{stop, true, 0});
+      StepCore(i, actuator_event::EmergencyStopHeard{stop, true, 0});
     }
   });
 }
@@ -164,27 +164,27 @@ void Harness::Exit(const std::string& name, int code, const std::string& words) 
 }
 
 void Harness::EndProcess(std::size_t i, bool clean, const std::string& how, int exit_code) {
-  Actor& actor = actors_[i];
-  if (!actor.alive) return;
-  actor.alive = false;
-  After(kWire, [=, this, pid = actor.pid] {
+  FakeActuator& fake = fakes_[i];
+  if (!fake.alive) return;
+  fake.alive = false;
+  After(kWire, [=, this, pid = fake.pid] {
     const bool ours = machine_.actuators[i].process == pid;
     if (ours) return Tell(event::ProcessEnded{i, pid, clean, how, exit_code});
     Tell(event::Vanished{i, static_cast<std::uint64_t>(pid), true, "its process ended"});
   });
 }
 
-// Its last sign of life was a while ago, or it says itself that its work thread is stuck.
+// Its last heartbeat was a while ago, or its heartbeat reports that its work thread hangs.
 void Harness::Find(const std::string& name, Health health, bool silent) {
   const std::size_t i = Index(name);
-  Tell(event::HealthChanged{i, actors_[i].core.report.incarnation, health, silent,
+  Tell(event::HealthChanged{i, fakes_[i].core.report.incarnation, health, silent,
                             "as the test says"});
 }
 
 void Harness::StopAll(std::uint64_t id, const std::string& by) {
   latched_stops_.insert(id);
-  for (std::size_t i = 0; i < actors_.size(); ++i) {
-    After(kWire, [this, i, id] { Perform(i, actuator_event::EmergencyStopHeard{id, true, 0}); });
+  for (std::size_t i = 0; i < fakes_.size(); ++i) {
+    After(kWire, [this, i, id] { StepCore(i, actuator_event::EmergencyStopHeard{id, true, 0}); });
   }
   After(kWire, [this, id, by] { Tell(event::EmergencyStopSeen{{id, by, ""}}); });
 }
@@ -192,9 +192,9 @@ void Harness::StopAll(std::uint64_t id, const std::string& by) {
 void Harness::TellActuators(const action::TellEmergencyStop& stop) {
   if (stop.engaged) latched_stops_.insert(stop.stop.id);
   if (!stop.engaged) latched_stops_.erase(stop.stop.id);
-  for (std::size_t i = 0; i < actors_.size(); ++i) {
+  for (std::size_t i = 0; i < fakes_.size(); ++i) {
     After(kWire, [=, this, sender = ControllerId()] {
-      Perform(i, actuator_event::EmergencyStopHeard{stop.stop.id, stop.engaged, sender});
+      StepCore(i, actuator_event::EmergencyStopHeard{stop.stop.id, stop.engaged, sender});
     });
   }
 }
@@ -216,8 +216,8 @@ void Harness::HearRival(std::uint64_t epoch) {
 }
 
 void Harness::Mute(const std::string& name, bool to_actuator, bool from_actuator) {
-  actors_[Index(name)].deaf = to_actuator;
-  actors_[Index(name)].dumb = from_actuator;
+  fakes_[Index(name)].rx_blocked = to_actuator;
+  fakes_[Index(name)].tx_blocked = from_actuator;
 }
 
 RequestId Harness::Ask(const State& target, std::optional<std::string> actuator) {
@@ -233,7 +233,7 @@ SwitchResult Harness::Set(const State& target, std::optional<std::string> actuat
 }
 
 State Harness::StateOf(const std::string& actuator) const {
-  return actors_[Index(actuator)].core.report.state;
+  return fakes_[Index(actuator)].core.report.state;
 }
 
 const ActuatorRecord& Harness::RecordOf(const std::string& actuator) const {
@@ -241,11 +241,11 @@ const ActuatorRecord& Harness::RecordOf(const std::string& actuator) const {
 }
 
 const ActuatorCore& Harness::CoreOf(const std::string& actuator) const {
-  return actors_[Index(actuator)].core;
+  return fakes_[Index(actuator)].core;
 }
 
 ActuatorReport Harness::ReportOf(std::size_t i) const {
-  ActuatorReport report = actors_[i].core.report;
+  ActuatorReport report = fakes_[i].core.report;
   report.stamp = now_;
   return report;
 }
@@ -253,60 +253,60 @@ ActuatorReport Harness::ReportOf(std::size_t i) const {
 std::vector<ActuatorAction> Harness::Inject(const std::string& actuator,
                                             const ActuatorEvent& event) {
   const std::size_t i = Index(actuator);
-  auto actions = Step(config_, i, actors_[i].core, event, now_);
+  auto actions = Step(config_, i, fakes_[i].core, event, now_);
   for (const ActuatorAction& action : actions) Do(i, action);
   return actions;
 }
 
-void Harness::Perform(std::size_t i, const ActuatorEvent& event) {
-  if (!actors_[i].alive) return;
-  for (const ActuatorAction& action : Step(config_, i, actors_[i].core, event, now_)) {
+void Harness::StepCore(std::size_t i, const ActuatorEvent& event) {
+  if (!fakes_[i].alive) return;
+  for (const ActuatorAction& action : Step(config_, i, fakes_[i].core, event, now_)) {
     Do(i, action);
   }
 }
 
 void Harness::Do(std::size_t i, const ActuatorAction& action) {
-  Actor& actor = actors_[i];
+  FakeActuator& fake = fakes_[i];
   const std::string& name = config_.actuators[i].name;
   const auto end_callback = [this, i](const actuator_event::CallbackEnded& ended) {
-    return [=, this, run = actors_[i].run, pid = actors_[i].pid] {
-      if (actors_[i].run != run || actors_[i].pid != pid) return;
-      ++actors_[i].run;
-      Perform(i, ended);
+    return [=, this, run = fakes_[i].run, pid = fakes_[i].pid] {
+      if (fakes_[i].run != run || fakes_[i].pid != pid) return;
+      ++fakes_[i].run;
+      StepCore(i, ended);
     };
   };
   if (const auto* run = std::get_if<actuator_action::RunCallback>(&action)) {
     log_.push_back(name + ":" + run->target);
-    const auto own = actor.script.find(run->target);
-    const auto common = actor.script.find("");
-    const Behaviour behaviour = own != actor.script.end()      ? own->second
-                                : common != actor.script.end() ? common->second
-                                                               : Behaviour{};
-    ++actor.run;
-    actor.hanging = behaviour.ends_when_asked;
+    const auto own = fake.script.find(run->target);
+    const auto common = fake.script.find("");
+    const Behaviour behaviour = own != fake.script.end()      ? own->second
+                                : common != fake.script.end() ? common->second
+                                                              : Behaviour{};
+    ++fake.run;
+    fake.hanging = behaviour.ends_when_asked;
     if (!behaviour.hangs && !behaviour.ends_when_asked) {
       After(behaviour.takes, end_callback({behaviour.code, behaviour.message,
                                            behaviour.degraded_code, behaviour.degraded_reason}));
     }
   } else if (std::holds_alternative<actuator_action::RequestStop>(action)) {
-    if (actor.hanging) After(kWire, end_callback({kCodeFailed, "stopped on request"}));
-    actor.hanging = false;
+    if (fake.hanging) After(kWire, end_callback({kCodeFailed, "stopped on request"}));
+    fake.hanging = false;
   } else if (const auto* answer = std::get_if<actuator_action::Answer>(&action)) {
-    const auto request = actor.requests.extract(answer->token);
-    if (request.empty() || actor.dumb) return;
-    After(kWire + actor.delay, [this, i, answer = *answer, number = request.mapped().first,
-                                ask = request.mapped().second, report = ReportOf(i),
-                                generation = generation_] {
+    const auto request = fake.requests.extract(answer->token);
+    if (request.empty() || fake.tx_blocked) return;
+    After(kWire + fake.delay, [this, i, answer = *answer, number = request.mapped().first,
+                               ask = request.mapped().second, report = ReportOf(i),
+                               generation = generation_] {
       if (generation != generation_) return;
       Tell(event::Replied{i, number, ask, answer.verdict, answer.code, answer.message, report});
     });
   } else if (std::holds_alternative<actuator_action::PublishStatus>(action)) {
-    if (actor.dumb) return;
-    After(kWire + actor.delay, [this, i, report = ReportOf(i)] {
+    if (fake.tx_blocked) return;
+    After(kWire + fake.delay, [this, i, report = ReportOf(i)] {
       Tell(event::StatusSeen{i, report});
     });
   } else if (std::holds_alternative<actuator_action::BecomeVisible>(action)) {
-    actor.visible = true;
+    fake.visible = true;
   } else if (const auto* finish = std::get_if<actuator_action::Finish>(&action)) {
     if (shared.contains(config_.actuators[i].name) && finish->code == kCodeOk) return;
     After(kWire * 3, [this, i, clean = finish->code == kCodeOk] {
@@ -319,11 +319,11 @@ void Harness::Do(const Action& action) {
   const auto deliver = [this](std::size_t i, std::uint64_t number, bool ask, auto make_event) {
     const RequestToken token = next_token_++;
     After(kWire, [=, this, sender = ControllerId(), epoch = machine_.epoch] {
-      Actor& actor = actors_[i];
-      if (!actor.alive || !actor.visible || actor.deaf) return;
-      actor.requests[token] = {number, ask};
-      Perform(i, actuator_event::ControllerHeard{sender, epoch});
-      Perform(i, make_event(token));
+      FakeActuator& fake = fakes_[i];
+      if (!fake.alive || !fake.visible || fake.rx_blocked) return;
+      fake.requests[token] = {number, ask};
+      StepCore(i, actuator_event::ControllerHeard{sender, epoch});
+      StepCore(i, make_event(token));
     });
   };
   const Sender sender = ControllerId();
@@ -346,21 +346,21 @@ void Harness::Do(const Action& action) {
       return ActuatorEvent{actuator_event::AskArrived{token, command, sender}};
     });
   } else if (const auto* start = std::get_if<action::StartProcess>(&action)) {
-    const Behaviour exec = actors_[start->actuator].script["exec"];
+    const Behaviour exec = fakes_[start->actuator].script["exec"];
     if (exec.code != kCodeOk) return Tell(event::ProcessNotStarted{start->actuator, exec.message});
     StartActuator(config_.actuators[start->actuator].name);
-    Tell(event::ProcessStarted{start->actuator, actors_[start->actuator].pid});
+    Tell(event::ProcessStarted{start->actuator, fakes_[start->actuator].pid});
     if (exec.exit_code != 0) {
       Exit(config_.actuators[start->actuator].name, exec.exit_code, exec.message);
     }
   } else if (std::holds_alternative<action::FindProcesses>(action)) {
     event::ProcessesFound found;
-    for (const Actor& actor : actors_) found.processes.push_back(actor.alive ? actor.pid : 0);
+    for (const FakeActuator& fake : fakes_) found.processes.push_back(fake.alive ? fake.pid : 0);
     Tell(found);
   } else if (const auto* signal = std::get_if<action::SignalProcess>(&action)) {
     signals.push_back(config_.actuators[signal->actuator].name +
                       (signal->kill ? ":KILL" : ":TERM"));
-    const bool obeys = !actors_[signal->actuator].script[signal->kill ? "KILL" : "TERM"].hangs;
+    const bool obeys = !fakes_[signal->actuator].script[signal->kill ? "KILL" : "TERM"].hangs;
     if (obeys) {
       EndProcess(signal->actuator, false, signal->kill ? "killed by SIGKILL" : "killed by SIGTERM");
     }
@@ -388,8 +388,8 @@ void Harness::Do(const Action& action) {
     fenced = end->message;
   } else if (const auto* record = std::get_if<action::Record>(&action)) {
     records.push_back(record->message);
-    if (record->id == 1) told.clear();
-    told.push_back(*record);
+    if (record->id == 1) whole_records.clear();
+    whole_records.push_back(*record);
   } else if (const auto* ended = std::get_if<action::StartUpEnded>(&action)) {
     start_up_ = *ended;
   } else if (std::holds_alternative<action::Stopped>(action)) {

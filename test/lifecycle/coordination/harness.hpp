@@ -1,6 +1,6 @@
 #pragma once
-// A whole machine in one test: the real coordinator and real actuator cores, with messages handed
-// over in virtual time. Each actuator's callbacks are scripted.
+// A whole machine in one test: the real coordinator and real actuator cores, with messages
+// delivered in virtual time. Each actuator's callbacks are scripted.
 
 #include <deque>
 #include <functional>
@@ -15,24 +15,24 @@
 
 namespace musher::testing {
 
-// What an actuator's callback does.
+// The script of an actuator's callback.
 struct Behaviour {
   Duration takes = Milliseconds(10);
   std::int32_t code = kCodeOk;
   std::string message;
-  std::int32_t degraded_code = kCodeOk;  // of a self-check that passes with a part out of order
+  std::int32_t degraded_code = kCodeOk;  // of a self-check that passes as degraded
   std::string degraded_reason;
   bool hangs = false;
   bool ends_when_asked = false;  // a long callback that honours RequestStop, ending with Failed
-  int exit_code = 0;             // of "exec": the process ends with it before it says a word
+  int exit_code = 0;             // of "exec": the process exits with it before its first status
 };
 
 class Harness {
  public:
   explicit Harness(MachineConfig config);
 
-  // The script; to be changed at any time. State "" is for all states without their own; "exec" is
-  // the start of the process, "TERM" and "KILL" what it does with signals.
+  // The script; may be changed at any time. State "" is for all states without their own; "exec" is
+  // the start of the process, "TERM" and "KILL" its reaction to signals.
   Behaviour& On(const std::string& actuator, const std::string& state);
 
   // Starts the machine; hand-started actuators (no command) start at once.
@@ -41,39 +41,39 @@ class Harness {
   void StartActuator(const std::string& name);
   // kill -9.
   void Crash(const std::string& name);
-  // Its process ends by itself, not content; the last line that it writes is `words`.
+  // Its process exits by itself, with a code; `words` is the last line of its output.
   void Exit(const std::string& name, int code, const std::string& words);
-  // No message passes between controller and actuator any more, in that direction or both.
+  // Blocks the messages between controller and actuator, in one direction or both.
   void Mute(const std::string& name, bool to_actuator, bool from_actuator);
-  // What the actuator says takes so much longer to come.
-  void DelayReports(const std::string& name, Duration delay) { actors_[Index(name)].delay = delay; }
+  // Delays the messages of the actuator by this time.
+  void DelayReports(const std::string& name, Duration delay) { fakes_[Index(name)].delay = delay; }
   // The health monitor's verdict.
   void Find(const std::string& name, Health health, bool silent = false);
-  // Somebody engages an emergency stop; all hear it.
+  // Engages an emergency stop; all actuators receive it.
   void StopAll(std::uint64_t id, const std::string& by = "the test");
   RequestId Release();
-  // Another controller is heard.
+  // A heartbeat of another controller arrives.
   void HearRival(std::uint64_t epoch);
-  // Anything else that the controller may hear.
+  // Any other event for the controller.
   void Tell(const Event& event);
-  // A person restarts an actuator; the answer comes into `calls`.
+  // Requests a restart of an actuator; the answer is stored in `calls`.
   RequestId Restart(const std::string& name);
-  // Asks the policy; the answer comes into `calls`.
+  // Sends a request to the policy; the answer is stored in `calls`.
   RequestId AskPolicy(event::PolicyRequested asked);
-  // A new controller takes over; the old one is forgotten in the middle of whatever it did.
-  // `lost_disk`: it does not know the epochs before it.
+  // A new controller takes over; the old one is dropped at any point of its work.
+  // `lost_disk`: it does not know the previous epochs.
   // `restarted`: by a supervisor.
   void RestartController(bool lost_disk = false, bool restarted = false);
 
-  // Asks for a switch and returns at once; the answer comes into `answers`.
+  // Requests a switch and returns at once; the answer is stored in `answers`.
   RequestId Ask(const State& target, std::optional<std::string> actuator = std::nullopt);
-  // Asks and lets time pass until the answer is there.
+  // Requests a switch and advances time until the answer.
   SwitchResult Set(const State& target, std::optional<std::string> actuator = std::nullopt);
 
-  // Lets time pass until nothing but far deadlines is left, or `limit` is over.
+  // Advances time until only far deadlines are left, or `limit` has passed.
   void Rest(Duration limit = std::chrono::seconds(60));
   void RunFor(Duration duration);
-  // Lets time pass until `done` holds; false when it did not within a simulated hour.
+  // Advances time until `done` holds; false when it did not within a simulated hour.
   bool RunUntil(const std::function<bool()>& done);
 
   const Machine& machine() const { return machine_; }
@@ -81,7 +81,7 @@ class Harness {
   State StateOf(const std::string& actuator) const;
   const ActuatorRecord& RecordOf(const std::string& actuator) const;
   const ActuatorCore& CoreOf(const std::string& actuator) const;
-  bool IsAlive(const std::string& actuator) const { return actors_[Index(actuator)].alive; }
+  bool IsAlive(const std::string& actuator) const { return fakes_[Index(actuator)].alive; }
   // The callbacks that were begun: "audio:Active".
   const std::vector<std::string>& log() const { return log_; }
   void ClearLog() { log_.clear(); }
@@ -98,23 +98,23 @@ class Harness {
   StoredPolicy policy_on_disk;
   std::vector<std::pair<Time, bool>> power;  // when the power command came, and whether to reboot
   std::optional<std::string> fenced;
-  std::vector<action::Record> told;  // the same, whole, of the present controller
-  std::vector<std::string> signals;  // "audio:TERM"
-  std::set<std::string> shared;      // actuators whose process lives on after their TearDown
-  std::function<void()> after_step;  // what holds after every step of the controller
+  std::vector<action::Record> whole_records;  // the whole records of the present controller
+  std::vector<std::string> signals;           // "audio:TERM"
+  std::set<std::string> shared;      // actuators whose process still runs after their TearDown
+  std::function<void()> after_step;  // called after every step of the controller
   Time now() const { return now_; }
-  // Commands written by the test itself, as a stranger might.
+  // Commands of the test itself, as from an unknown participant.
   std::vector<ActuatorAction> Inject(const std::string& actuator, const ActuatorEvent& event);
 
  private:
-  struct Actor {
+  struct FakeActuator {
     bool alive = false;
     bool visible = false;
-    bool deaf = false;
-    bool dumb = false;
+    bool rx_blocked = false;
+    bool tx_blocked = false;
     Duration delay{};
     std::int32_t pid = 0;
-    int run = 0;  // counts callbacks, so that the end of an old one is not taken for a new one's
+    int run = 0;  // counts callbacks, so that the end of an old one does not count for a new one
     bool hanging = false;
     ActuatorCore core;
     std::map<RequestToken, std::pair<std::uint64_t, bool>> requests;  // number, ask
@@ -123,7 +123,7 @@ class Harness {
 
   void After(Duration delay, std::function<void()> what);
   bool StepTime(Time limit);
-  void Perform(std::size_t i, const ActuatorEvent& event);
+  void StepCore(std::size_t i, const ActuatorEvent& event);
   void Do(std::size_t i, const ActuatorAction& action);
   void Do(const Action& action);
   void TellActuators(const action::TellEmergencyStop& stop);
@@ -137,10 +137,10 @@ class Harness {
   MachineConfig config_;
   Machine machine_;
   int generation_ = 0;  // of the controller
-  std::vector<Actor> actors_;
+  std::vector<FakeActuator> fakes_;
   Time now_{};
   std::multimap<Time, std::function<void()>> later_;
-  std::set<std::uint64_t> latched_stops_;  // the topic keeps them for those that come later
+  std::set<std::uint64_t> latched_stops_;  // kept by the topic for late subscribers
   std::vector<std::string> log_;
   std::optional<action::StartUpEnded> start_up_;
   bool stopped_ = false;

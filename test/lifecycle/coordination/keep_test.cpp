@@ -1,4 +1,4 @@
-// A machine that is kept in a state for a while, whatever the rules say.
+// A machine that is kept in a state for a while, regardless of the rules.
 
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
@@ -44,23 +44,23 @@ TEST_F(KeepRule, ZeroTicksEndAKeepAndChangeNoState) {
   EXPECT_EQ(state(), "Protected");
 }
 
-TEST_F(KeepRule, TheEndOfAKeepThatIsNotThereIsRefused) {
+TEST_F(KeepRule, TheEndOfAMissingKeepIsRefused) {
   Robot();
   EXPECT_EQ(KeepAndWait("", 0), "103: nothing keeps the machine in Active");
   EXPECT_EQ(state(), "Active");
 }
 
-// The code this replaces says success, with code -1.
+// The replaced code answered success, with code -1.
 TEST_F(KeepRule, ASecondKeepIsRefusedAndNotCalledASuccess) {
   Robot();
   KeepAndWait("Protected", 60);
   EXPECT_EQ(KeepAndWait("Active", 10),
-            "103: the machine is kept in Protected for another 58 s; `musher keep --end` ends that "
-            "before");
+            "103: the machine is kept in Protected for another 58 s; end it with "
+            "`musher keep --end`");
   EXPECT_EQ(state(), "Protected");
 }
 
-TEST_F(KeepRule, TheBatteryHasNoSayMeanwhileAndAllOfItAfterwards) {
+TEST_F(KeepRule, TheBatteryRuleDoesNotApplyMeanwhileAndAppliesAfterwards) {
   Robot();
   EXPECT_EQ(KeepAndWait("Active", 30), "ok");
   Battery(3);
@@ -148,21 +148,21 @@ TEST_F(KeepRule, LyingStillDoesNotCountMeanwhile) {
   EXPECT_EQ(state(), "LowPower");
 }
 
-TEST_F(KeepRule, WhatIsUndoneIsNotKept) {
+TEST_F(KeepRule, AnUndoneSwitchIsNotKept) {
   Robot("Protected");
   robot().On("a", "Active").code = 3009;
   EXPECT_THAT(KeepAndWait("Active", 60), StartsWith("3009: "));
   EXPECT_FALSE(policy().keep);
 }
 
-TEST_F(KeepRule, WhatIsRefusedIsNotKept) {
+TEST_F(KeepRule, ARefusedSwitchIsNotKept) {
   Robot();
   EXPECT_THAT(KeepAndWait("Resting", 60), StartsWith("110: unknown state 'Resting'"));
   EXPECT_FALSE(policy().keep);
   EXPECT_EQ(KeepAndWait("Active", -1), "110: a keep lasts 0 to 31536000 s, not -1 s");
 }
 
-TEST_F(KeepRule, WhatErrorTakesOverIsNotKept) {
+TEST_F(KeepRule, ASwitchSupersededByErrorIsNotKept) {
   Robot("Protected");
   robot().On("a", "Active").takes = Milliseconds(80);
   const RequestId request = Keep("Active", 60);

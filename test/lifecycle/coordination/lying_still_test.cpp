@@ -1,4 +1,4 @@
-// Who lies still for half a minute goes to LowPower, where the switch for that is on.
+// A robot that lies still for half a minute goes to LowPower, if the rule is switched on.
 
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
@@ -37,7 +37,7 @@ TEST_F(LyingStill, CountsFromProtectedToo) {
   EXPECT_EQ(state(), "LowPower");
 }
 
-TEST_F(LyingStill, AnyOtherMotionStartsTheCountAnew) {
+TEST_F(LyingStill, AnyOtherMotionRestartsTheCount) {
   Motion(kLying);
   Pass(29);
   Motion(kWalking);
@@ -73,7 +73,7 @@ TEST_F(LyingStill, DoesNotCountInOtaNorInDeActive) {
   }
 }
 
-TEST_F(LyingStill, CountsAnewAfterLowPower) {
+TEST_F(LyingStill, RestartsTheCountAfterLowPower) {
   Motion(kLying);
   Pass(31);
   ASSERT_EQ(state(), "LowPower");
@@ -95,14 +95,14 @@ TEST_F(LyingStill, TurningTheSwitchOffEndsTheRuleAndWakesUp) {
   EXPECT_EQ(state(), "Active");
 }
 
-TEST_F(LyingStill, TurningTheSwitchOffDoesNotRaiseWhomTheBatteryTookDown) {
+TEST_F(LyingStill, TurningTheSwitchOffDoesNotRaiseAMachineThatTheBatteryTookDown) {
   Battery(3);
   ASSERT_EQ(state(), "LowPower");
   EXPECT_EQ(AskAndWait(PolicyRequest::kLowPowerSwitch, false), "ok");
   EXPECT_EQ(state(), "LowPower");
 }
 
-TEST_F(LyingStill, WhoWentToRestInProtectedIsNotRaisedByTheBattery) {
+TEST_F(LyingStill, AMachineThatLayStillInProtectedIsNotRaisedByTheBattery) {
   Battery(10);
   Motion(kLying);
   Pass(31);
@@ -121,7 +121,7 @@ TEST_F(LyingStill, TheStoredSwitchSurvivesTheControllerTheOtherDoesNot) {
   EXPECT_TRUE(policy().low_power);
 }
 
-TEST_F(LyingStill, ARefusedWayDownIsNotTriedInALoop) {
+TEST_F(LyingStill, ARefusedSwitchDownIsNotRetriedInALoop) {
   MachineConfig config = WithPolicy();
   config.policy->low_power->enabled = true;
   std::erase_if(config.flow, [](const FlowEdge& edge) { return edge.to == "LowPower"; });
@@ -141,9 +141,9 @@ TEST_F(LyingStill, WithoutTheRuleItsSwitchIsRefused) {
             "108: the config has no [policy.low_power]");
 }
 
-// The world's clock.
+// With /clock.
 
-class OnTheClockOfAWorld : public Rules {
+class OnClockTopic : public Rules {
  protected:
   void SetUp() override {
     MachineConfig config = WithPolicy();
@@ -157,7 +157,7 @@ class OnTheClockOfAWorld : public Rules {
   }
 };
 
-TEST_F(OnTheClockOfAWorld, SteadyTimeDoesNotCount) {
+TEST_F(OnClockTopic, SteadyTimeDoesNotCount) {
   Clock(100);
   Motion(kLying);
   robot().RunFor(std::chrono::hours(1));
@@ -171,7 +171,7 @@ TEST_F(OnTheClockOfAWorld, SteadyTimeDoesNotCount) {
   EXPECT_EQ(state(), "LowPower");
 }
 
-TEST_F(OnTheClockOfAWorld, AWorldThatBeginsAnewKeepsWhatIsLeft) {
+TEST_F(OnClockTopic, ARestartedClockKeepsTheRemainingTime) {
   Clock(100);
   KeepAndWait("Active", 30);
   Clock(120);
@@ -182,7 +182,7 @@ TEST_F(OnTheClockOfAWorld, AWorldThatBeginsAnewKeepsWhatIsLeft) {
   EXPECT_FALSE(policy().keep);
 }
 
-TEST_F(OnTheClockOfAWorld, TheFirstTimeHeardDoesNotEndAKeep) {
+TEST_F(OnClockTopic, TheFirstClockSampleDoesNotEndAKeep) {
   KeepAndWait("Active", 30);
   Clock(5000);
   EXPECT_TRUE(policy().keep);

@@ -1,5 +1,5 @@
-// A first stage of which nothing comes up, whatever the reason and the restart policy: the start
-// fails once, with the reason, and the machine can be taken down or repaired by hand.
+// A first stage of which no actuator comes up, for every reason and restart policy: the start fails
+// once, with the reason, and the machine can be torn down or repaired by request.
 
 #include <gmock/gmock.h>
 
@@ -15,7 +15,7 @@ struct Reason {
   std::string name;
   std::string state;  // of the script: "exec", or SetUp
   Behaviour behaviour;
-  std::string words;  // that the outcome has to name
+  std::string words;  // the text that the outcome has to contain
 };
 
 const std::vector<Reason>& Reasons() {
@@ -61,7 +61,7 @@ class NothingStarts : public ::testing::TestWithParam<Combination> {
 TEST_P(NothingStarts, EndsTheStartWithTheReasonAndLeavesNothingBehind) {
   Harness t(Config());
   Start(t);
-  if (std::get<2>(GetParam())) {  // the program that drives the start hears of it
+  if (std::get<2>(GetParam())) {  // the program that drives the start gets the answer
     ASSERT_EQ(t.calls.count(99), 1U);
     EXPECT_FALSE(t.calls.at(99));
   } else {
@@ -97,7 +97,7 @@ std::string NameOf(const ::testing::TestParamInfo<Combination>& info) {
   return Reasons()[reason].name + policy + (by_hand ? "ByHand" : "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Whatever, NothingStarts,
+INSTANTIATE_TEST_SUITE_P(ForAnyReason, NothingStarts,
                          ::testing::Combine(::testing::Range<std::size_t>(0, 4),
                                             ::testing::Values(RestartPolicy::kNo,
                                                               RestartPolicy::kOnFailure,

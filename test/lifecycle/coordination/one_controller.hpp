@@ -1,5 +1,5 @@
 #pragma once
-// A controller by itself: the test says all that it hears and sees all that it does.
+// A controller alone: the test gives all its events and checks all its actions.
 
 #include <gmock/gmock.h>
 
@@ -20,7 +20,7 @@ class OneController : public ::testing::Test {
   void Do(const Event& event) {
     std::vector<Event> saved;
     for (Action& action : Step(config_, machine_, event, now_)) {
-      if (const auto* record = std::get_if<action::Record>(&action)) told_.push_back(*record);
+      if (const auto* record = std::get_if<action::Record>(&action)) records_.push_back(*record);
       if (const auto* intent = std::get_if<action::SaveStopIntent>(&action)) {
         saved.emplace_back(event::SaveEnded{Stored::kStopIntent, intent->save, true, {}});
       }
@@ -45,7 +45,7 @@ class OneController : public ::testing::Test {
   }
   std::optional<Time> Next() const { return NextDeadline(config_, machine_); }
 
-  // What actuator i would say of itself: set up, of this host, free.
+  // The report of actuator i: set up, on this host, free.
   ActuatorReport Report(std::size_t i, const std::string& state = "SetUp") {
     ActuatorReport report;
     report.state = state;
@@ -57,7 +57,7 @@ class OneController : public ::testing::Test {
     return report;
   }
   void Say(std::size_t i, const ActuatorReport& report) { Do(event::StatusSeen{i, report}); }
-  // It says that it is there and answers the question to follow.
+  // It publishes its status and answers TakeControl().
   void Come(std::size_t i, const std::string& state = "SetUp") {
     Say(i, Report(i, state));
     ActuatorReport report = Report(i, state);
@@ -65,7 +65,7 @@ class OneController : public ::testing::Test {
     Do(event::Replied{i, 0, true, Verdict::kDone, kCodeOk, "", report});
     EXPECT_EQ(Of(i).presence, Presence::kPresent);
   }
-  // It has done what it was sent.
+  // It has executed its command.
   void Obey(std::size_t i) {
     const Order order = Of(i).order.value();
     ActuatorReport report = Report(i, order.target);
@@ -73,7 +73,7 @@ class OneController : public ::testing::Test {
     report.number = report.outcome_number = order.number;
     Do(event::Replied{i, order.number, false, Verdict::kDone, kCodeOk, "", report});
   }
-  // Everybody does what is sent until nobody is sent anything.
+  // All actuators execute their commands until none is sent.
   void ObeyAll() {
     for (int rounds = 0; rounds < 10; ++rounds) {
       for (std::size_t i = 0; i < config_.actuators.size(); ++i) {
@@ -82,7 +82,7 @@ class OneController : public ::testing::Test {
     }
     for (const ActuatorRecord& record : machine_.actuators) EXPECT_FALSE(record.order);
   }
-  // Everybody comes and does what is sent until nobody is sent anything.
+  // All actuators start and execute their commands until none is sent.
   void StartUp() {
     Begin();
     for (std::size_t i = 0; i < config_.actuators.size(); ++i) Come(i);
@@ -99,22 +99,22 @@ class OneController : public ::testing::Test {
     }
     return some;
   }
-  // The record whose sentence has `part` in it.
-  action::Record Told(const std::string& part) const {
-    for (const action::Record& record : told_) {
+  // The record whose message contains `part`.
+  action::Record RecordWith(const std::string& part) const {
+    for (const action::Record& record : records_) {
       if (record.message.find(part) != std::string::npos) return record;
     }
-    ADD_FAILURE() << "nothing is told of '" << part << "'";
+    ADD_FAILURE() << "no record of '" << part << "'";
     return {};
   }
-  bool IsTold(const std::string& part) const {
-    return std::any_of(told_.begin(), told_.end(), [&](const action::Record& record) {
+  bool IsRecorded(const std::string& part) const {
+    return std::any_of(records_.begin(), records_.end(), [&](const action::Record& record) {
       return record.message.find(part) != std::string::npos;
     });
   }
   void Forget() {
     actions_.clear();
-    told_.clear();
+    records_.clear();
   }
   ActuatorRecord& Of(std::size_t i) { return machine_.actuators[i]; }
 
@@ -123,7 +123,7 @@ class OneController : public ::testing::Test {
   Time now_ = Time(std::chrono::hours(1));
   std::vector<Action> actions_;
   std::vector<std::int32_t> processes_;
-  std::vector<action::Record> told_;
+  std::vector<action::Record> records_;
 };
 
 }  // namespace musher::testing

@@ -1,4 +1,4 @@
-// What a switch says about everybody, and what it leaves behind.
+// The result of a switch for every actuator, and its effects.
 
 #include "musher/lifecycle/code.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
@@ -42,13 +42,13 @@ TEST_F(Outcomes, NameTheOneThatFailedAndNotOneThatWasSkippedForIt) {
   In("LowPower");
   Ask("Active");
   Fail(1, 5001);
-  Obey(1);  // it is brought back
+  Obey(1);  // it is rolled back
   EXPECT_EQ(Result().reason, "b: failed with 5001 (AudioNX: Failed), it stumbled");
   EXPECT_EQ(Result().actuators[0].outcome, ActuatorOutcome::kSkipped);
   EXPECT_EQ(Result().actuators[0].code, kCodeStatusError);
 }
 
-TEST_F(Outcomes, SayOfWhichTheOneNeedsThatFailedThoughTheOthersMayGoOn) {
+TEST_F(Outcomes, NameTheFailedNeedOfASkippedActuatorThoughOthersMayGoOn) {
   config_ = MachineOf(3);
   config_.actuators[0].after = {"b"};
   In("LowPower");
@@ -61,7 +61,7 @@ TEST_F(Outcomes, SayOfWhichTheOneNeedsThatFailedThoughTheOthersMayGoOn) {
   EXPECT_EQ(machine_.state, kActive);
 }
 
-TEST_F(Outcomes, AreJudgedByWhereEachIsAndNotByAFaultOfBefore) {
+TEST_F(Outcomes, DependOnThePresentStatesAndNotOnAnEarlierFault) {
   StartUp();
   Of(1).fault = Error{kCodeFailed, "its last check had failed"};
   Of(1).checked = false;
@@ -69,10 +69,10 @@ TEST_F(Outcomes, AreJudgedByWhereEachIsAndNotByAFaultOfBefore) {
   ObeyAll();
   EXPECT_EQ(Of(1).state(), "LowPower");
   EXPECT_EQ(Result().outcome, SwitchOutcome::kDone);
-  EXPECT_THAT(Result().degraded, ElementsAre("b")) << "the fault is listed all the same";
+  EXPECT_THAT(Result().degraded, ElementsAre("b")) << "the fault is listed anyway";
 }
 
-TEST_F(Outcomes, OfOneThatIsElsewhereWithAReasonSayDoneDegraded) {
+TEST_F(Outcomes, OfAnActuatorInAnotherStateWithAReasonAreDoneDegraded) {
   StartUp();
   Do(event::Vanished{1, kFirst + 1, true, "its process ended"});
   Forget();
@@ -82,7 +82,7 @@ TEST_F(Outcomes, OfOneThatIsElsewhereWithAReasonSayDoneDegraded) {
   EXPECT_EQ(Result().reason, "b: crashed: its process ended");
 }
 
-TEST_F(Outcomes, OfTwoThatAreAsBadNameTheFirst) {
+TEST_F(Outcomes, OfTwoEquallySevereFailuresNameTheFirst) {
   StartUp();
   Ask("LowPower");
   Fail(0, 5001);
@@ -90,7 +90,7 @@ TEST_F(Outcomes, OfTwoThatAreAsBadNameTheFirst) {
   EXPECT_EQ(Result().code, 5001);
 }
 
-TEST_F(Outcomes, TellWhoIsBackAndWhoFailed) {
+TEST_F(Outcomes, NameTheActuatorsThatAreBackAndThatFailed) {
   In("LowPower");
   Ask("Active");
   Obey(0);
@@ -104,7 +104,7 @@ TEST_F(Outcomes, TellWhoIsBackAndWhoFailed) {
   EXPECT_EQ(result.actuators[1].outcome, ActuatorOutcome::kFailed);
 }
 
-TEST_F(Outcomes, TellOfOneThatIsBackOnlyWhenItIs) {
+TEST_F(Outcomes, ReportAnActuatorAsBackOnlyWhenItIs) {
   In("LowPower");
   Ask("Active");
   Obey(0);
@@ -116,7 +116,7 @@ TEST_F(Outcomes, TellOfOneThatIsBackOnlyWhenItIs) {
   EXPECT_EQ(Of(0).fault->code, 5003);
 }
 
-TEST_F(Outcomes, OfASupersededOneSayWhoWasUnderWayAndWhoHadNothing) {
+TEST_F(Outcomes, OfASupersededSwitchNameTheActuatorsUnderWayAndNotCommanded) {
   config_.actuators[1].after = {"a"};
   In("LowPower");
   Ask("Active");
@@ -133,7 +133,7 @@ TEST_F(Outcomes, OfASupersededOneSayWhoWasUnderWayAndWhoHadNothing) {
   EXPECT_EQ(Of(1).order->target, "Error");
 }
 
-TEST_F(Outcomes, OfOneThatIsGoneSayLostAndOfOneThatLoadsSkipped) {
+TEST_F(Outcomes, OfALostActuatorAreLostAndOfAStartingOneSkipped) {
   config_ = MachineOf(3);
   config_.actuators[2].stage = 2;
   StartUp();
@@ -145,14 +145,14 @@ TEST_F(Outcomes, OfOneThatIsGoneSayLostAndOfOneThatLoadsSkipped) {
   EXPECT_EQ(Result().actuators[2].outcome, ActuatorOutcome::kSkipped);
 }
 
-TEST_F(Outcomes, OfARefusalNameThoseThatAreDegraded) {
+TEST_F(Outcomes, OfARefusalNameTheDegradedActuators) {
   StartUp();
   Of(1).fault = Error{kCodeFailed, "it stumbled"};
   Ask("Nowhere");
   EXPECT_THAT(Result().degraded, ElementsAre("b"));
 }
 
-TEST_F(Outcomes, HoldOneApartUntilASwitchThatIsDoneNotOneThatIsUndone) {
+TEST_F(Outcomes, KeepAnActuatorDetachedUntilASwitchIsDoneNotUndone) {
   In("Protected");
   Ask("LowPower", "a");
   Obey(0);
@@ -178,14 +178,14 @@ TEST_F(Outcomes, ACheckOfOneThatFailsIsDoneDegradedAndNotUndone) {
   EXPECT_FALSE(Of(0).checked);
 }
 
-TEST_F(Outcomes, OfOneThatStaysWhereItWasAreUndone) {
+TEST_F(Outcomes, OfAnActuatorThatKeepsItsStateAreUndone) {
   StartUp();
   Ask("LowPower", "a");
   Fail(0, 5001);
   EXPECT_EQ(Result().outcome, SwitchOutcome::kUndone);
 }
 
-TEST_F(Outcomes, OneThatIsStartedAnewBeforeItIsBroughtBackJoinsByItself) {
+TEST_F(Outcomes, AnActuatorRestartedBeforeItsRollbackIsDrivenOnItsOwn) {
   config_.actuators[1].after = {"a"};
   In("LowPower");
   Ask("Active");
@@ -205,7 +205,7 @@ TEST_F(Outcomes, OneThatIsStartedAnewBeforeItIsBroughtBackJoinsByItself) {
   EXPECT_EQ(Of(0).state(), "LowPower");
 }
 
-TEST_F(Outcomes, OneThatIsFoundElsewhereWithoutACheckSaysSoByTheCode) {
+TEST_F(Outcomes, AnActuatorFoundInAnotherStateWithoutACheckHasItsOwnCode) {
   StartUp();
   Do(event::Vanished{0, kFirst, true, "its process ended"});
   ActuatorReport report = Report(0, "Error");
@@ -218,20 +218,21 @@ TEST_F(Outcomes, OneThatIsFoundElsewhereWithoutACheckSaysSoByTheCode) {
   EXPECT_EQ(Of(0).fault->code, kCodeStatusError);
 }
 
-TEST_F(Outcomes, AnUnknownActuatorIsNamedNoLongerThanOneReads) {
+TEST_F(Outcomes, TheNameOfAnUnknownActuatorIsShortened) {
   StartUp();
   Ask("LowPower", std::string(100, 'x'));
   EXPECT_NE(Result().reason.find("'" + std::string(64, 'x') + "'"), std::string::npos);
 }
 
-TEST_F(Outcomes, ALieIsToldNoLongerThanOneReads) {
+TEST_F(Outcomes, AContradictingStateIsShortened) {
   StartUp();
   Ask("LowPower");
   const Order order = Of(0).order.value();
   Do(event::Replied{0, order.number, false, Verdict::kDone, kCodeOk, "",
                     Report(0, std::string(100, 'x'))});
-  EXPECT_NE(Told("a: LowPower failed").message.find(" " + std::string(64, 'x')), std::string::npos);
-  EXPECT_EQ(Told("a: LowPower failed").message.find(std::string(65, 'x')), std::string::npos);
+  EXPECT_NE(RecordWith("a: LowPower failed").message.find(" " + std::string(64, 'x')),
+            std::string::npos);
+  EXPECT_EQ(RecordWith("a: LowPower failed").message.find(std::string(65, 'x')), std::string::npos);
 }
 
 }  // namespace musher::testing::outcome_test

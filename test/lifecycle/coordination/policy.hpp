@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of the policy have in common: a robot with all its rules.
+// The fixture of the policy tests: a robot with all rules.
 
 #include <gmock/gmock.h>
 
@@ -47,7 +47,7 @@ class Rules : public Switching {
   RequestId Keep(const State& wanted, std::int64_t seconds) {
     return robot().AskPolicy({0, PolicyRequest::kKeep, wanted, seconds, false});
   }
-  // Asks, and gives the answer that is there two seconds later.
+  // Sends a request, and returns the answer after two seconds.
   std::string AskAndWait(PolicyRequest what, bool enable = false) {
     return AnswerTo(Ask(what, enable));
   }
@@ -64,7 +64,7 @@ class Rules : public Switching {
     if (answer.ok()) return "ok";
     return std::to_string(answer.error().code) + ": " + answer.error().message;
   }
-  bool IsTold(const std::string& part) {
+  bool IsRecorded(const std::string& part) {
     const auto& records = robot().records;
     return std::any_of(records.begin(), records.end(), [&](const std::string& record) {
       return record.find(part) != std::string::npos;
@@ -72,15 +72,15 @@ class Rules : public Switching {
   }
   // The records from the last one that begins with `message` to its first cause.
   std::vector<std::string> Why(const std::string& message) {
-    const auto& told = robot().told;
-    const auto last = std::find_if(told.rbegin(), told.rend(), [&](const action::Record& record) {
+    const auto& all = robot().whole_records;
+    const auto last = std::find_if(all.rbegin(), all.rend(), [&](const action::Record& record) {
       return record.message.starts_with(message);
     });
     std::vector<std::string> chain;
-    if (last == told.rend()) return chain;
+    if (last == all.rend()) return chain;
     chain.push_back(last->message);
-    for (std::uint64_t cause = last->cause; cause != 0; cause = told[cause - 1].cause) {
-      chain.push_back(told[cause - 1].message);
+    for (std::uint64_t cause = last->cause; cause != 0; cause = all[cause - 1].cause) {
+      chain.push_back(all[cause - 1].message);
     }
     return chain;
   }

@@ -1,4 +1,4 @@
-// What is asked of the policy, row by row of the manager's table.
+// Requests to the policy, row by row of the manager's table.
 
 #include "musher/test/lifecycle/coordination/policy.hpp"
 
@@ -26,7 +26,7 @@ TEST_F(Requests, WhileASwitchIsUnderWayAllAreRefused) {
 TEST_F(Requests, OtaIsLeftByItsOwnServiceOrByHandOnly) {
   Robot("OTA");
   for (const char* wanted : {"Active", "Protected", "LowPower", "TearDown"}) {
-    EXPECT_EQ(KeepAndWait(wanted, 0), "103: the machine is in OTA; it has to leave that first");
+    EXPECT_EQ(KeepAndWait(wanted, 0), "103: the machine is in OTA; leave OTA first");
   }
   EXPECT_EQ(KeepAndWait("OTA", 0), "ok");
   EXPECT_EQ(state(), "OTA");
@@ -53,7 +53,7 @@ TEST_F(Requests, OtaCannotBeLeftFromElsewhere) {
             "103: the machine is not in OTA, it is in Active");
 }
 
-TEST_F(Requests, LowPowerIsLeftForWhatIsWanted) {
+TEST_F(Requests, LowPowerIsLeftForTheRequestedState) {
   for (const char* wanted : {"Active", "Protected", "OTA"}) {
     Robot("LowPower");
     EXPECT_EQ(KeepAndWait(wanted, 0), "ok");
@@ -78,7 +78,7 @@ TEST_F(Requests, FromElsewhereTheMachineIsSwitched) {
   EXPECT_TRUE(robot().stopped());
 }
 
-// The code this replaces cannot command them.
+// The replaced code cannot command them.
 TEST_F(Requests, DeActiveSelfCheckAndErrorCanBeCommanded) {
   Robot();
   for (const char* wanted : {"DeActive", "SelfCheck", "Error"}) {
@@ -114,16 +114,16 @@ TEST_F(Requests, WakeUpAtTenPercentLeadsToProtectedAndTheRestComesWithTheCharge)
   EXPECT_EQ(state(), "Active");
 }
 
-TEST_F(Requests, WakeUpAtThreePercentIsRefusedWithTheWayOut) {
+TEST_F(Requests, WakeUpAtThreePercentIsRefusedWithWhatToDo) {
   Robot("LowPower");
   Battery(3);
   EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp),
-            "113: the battery is at 3 %: the machine may be at most LowPower until it is charged "
+            "113: the battery is at 3 %: the machine is limited to LowPower until it is charged "
             "to 7 %");
   EXPECT_EQ(state(), "LowPower");
 }
 
-TEST_F(Requests, WakeUpMeansNothingElsewhere) {
+TEST_F(Requests, WakeUpIsRefusedInOtherStates) {
   for (const char* from : {"Active", "Protected", "OTA", "DeActive"}) {
     Robot(from);
     EXPECT_EQ(AskAndWait(PolicyRequest::kWakeUp),
@@ -144,12 +144,12 @@ TEST_F(Requests, AFailedWakeUpIsNotCalledASuccess) {
   EXPECT_EQ(state(), "LowPower");
 }
 
-TEST_F(Requests, ARefusalIsOnRecordWithWhatItAnswers) {
+TEST_F(Requests, ARefusalIsRecordedWithItsRequest) {
   Robot();
   AskAndWait(PolicyRequest::kWakeUp);
-  EXPECT_THAT(Why("a wake-up is refused"),
-              ElementsAre("a wake-up is refused: the machine is not in LowPower, it is in Active",
-                          "a wake-up is asked for"));
+  EXPECT_THAT(Why("wake-up refused"),
+              ElementsAre("wake-up refused: the machine is not in LowPower, it is in Active",
+                          "wake-up requested"));
 }
 
 TEST_F(Requests, WithoutAPolicyAllAreRefused) {
@@ -169,7 +169,7 @@ TEST_F(Requests, BeforeTheMachineBeginsAndAfterItsEndAllAreAnswered) {
   EXPECT_THAT(Text(t.calls.at(after)), StartsWith("103: the machine is torn down"));
 }
 
-TEST_F(Requests, AControllerThatIsFencedAnswersAllTheSame) {
+TEST_F(Requests, AFencedControllerAnswersAnyway) {
   Robot("LowPower");
   const RequestId under_way = Ask(PolicyRequest::kWakeUp);
   robot().HearRival(100);

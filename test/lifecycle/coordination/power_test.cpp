@@ -28,7 +28,7 @@ TEST_F(Power, OffIsAnsweredAtOnceThenTheMachineIsTornDownThenTheCommandComes) {
   EXPECT_LT(After(begun), seconds(4));
   EXPECT_THAT(Why("power-off; no command"),
               ElementsAre("power-off; no command is configured", "the robot is powered off",
-                          "power-off is asked for"));
+                          "power-off requested"));
 }
 
 TEST_F(Power, ARebootIsTheSameWithTheOtherCommand) {
@@ -39,7 +39,7 @@ TEST_F(Power, ARebootIsTheSameWithTheOtherCommand) {
   robot().RunFor(seconds(20));
   ASSERT_EQ(robot().power.size(), 1U);
   EXPECT_TRUE(robot().power[0].second);
-  EXPECT_TRUE(IsTold("reboot: reboot now"));
+  EXPECT_TRUE(IsRecorded("reboot: reboot now"));
 }
 
 TEST_F(Power, AfterFifteenSecondsTheCommandComesRegardless) {
@@ -55,7 +55,7 @@ TEST_F(Power, AfterFifteenSecondsTheCommandComesRegardless) {
   robot().RunFor(seconds(60));
   ASSERT_EQ(robot().power.size(), 1U);
   EXPECT_EQ(After(begun), seconds(15));
-  EXPECT_TRUE(IsTold("power-off, although the machine is not torn down"));
+  EXPECT_TRUE(IsRecorded("power-off, although the machine is not torn down"));
 }
 
 TEST_F(Power, ASwitchUnderWayEndsFirstButNotForEver) {
@@ -76,11 +76,11 @@ TEST_F(Power, ASwitchUnderWayEndsFirstButNotForEver) {
 TEST_F(Power, InOtaItIsRefused) {
   Robot("OTA");
   for (const auto what : {PolicyRequest::kPowerOff, PolicyRequest::kReboot}) {
-    EXPECT_EQ(AskAndWait(what), "103: the machine is in OTA; it has to leave that first");
+    EXPECT_EQ(AskAndWait(what), "103: the machine is in OTA; leave OTA first");
   }
 }
 
-TEST_F(Power, AskedTwiceItIsOnePowerOff) {
+TEST_F(Power, RequestedTwiceItIsOnePowerOff) {
   Robot();
   EXPECT_EQ(Text(robot().calls.at(Ask(PolicyRequest::kPowerOff))), "ok");
   EXPECT_EQ(Text(robot().calls.at(Ask(PolicyRequest::kPowerOff))), "ok");
@@ -106,7 +106,7 @@ TEST_F(Power, AnEmergencyStopDoesNotKeepTheRobotOn) {
   EXPECT_EQ(robot().power.size(), 1U);
 }
 
-// Found by a scenario: the rule that nothing goes up meanwhile took TearDown for going up.
+// Found by a scenario: the rule against switches up took TearDown for a switch up.
 TEST_F(Power, OffDuringTheStartTearsTheMachineDown) {
   Harness t(WithPolicy());
   t.Begin();
@@ -129,7 +129,7 @@ TEST_F(Power, AMachineWithoutTearDownIsSwitchedOffWhenTheTimeIsOver) {
   EXPECT_EQ(After(begun), seconds(15));
 }
 
-TEST_F(Power, APlainTearDownIsNoPowerOff) {
+TEST_F(Power, APlainTearDownIsNotAPowerOff) {
   Robot();
   robot().Set("TearDown");
   robot().RunFor(seconds(30));

@@ -1,4 +1,4 @@
-// Which process is an actuator's, which may be signalled, and what the end of one means.
+// Which process belongs to an actuator, which may be signalled, and the effect of its exit.
 
 #include "musher/lifecycle/code.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
@@ -17,7 +17,7 @@ class Processes : public OneController {
       actuator.restart.policy = RestartPolicy::kOnFailure;
     }
   }
-  // With the processes that we have started, 700 and 701.
+  // With the processes started by the controller, 700 and 701.
   void StartUpOurs() {
     Begin();
     for (std::size_t i = 0; i < 2; ++i) {
@@ -29,16 +29,16 @@ class Processes : public OneController {
   }
 };
 
-TEST_F(Processes, AreToldWithTheirStartAsTheCause) {
+TEST_F(Processes, AreRecordedWithTheirStartAsTheCause) {
   Begin();
   Do(event::ProcessStarted{0, 700});
-  const action::Record told = Told("a is started as process 700");
-  EXPECT_EQ(told.code, kCodeOk);
-  EXPECT_EQ(told.cause, 1U) << "the controller's beginning";
+  const action::Record record = RecordWith("a started (pid 700)");
+  EXPECT_EQ(record.code, kCodeOk);
+  EXPECT_EQ(record.cause, 1U) << "the controller's beginning";
 }
 
-// As on a disk that is slow to load it.
-TEST_F(Processes, ThatLateCouldNotRunTheirProgramAreGone) {
+// As on a disk that loads the program slowly.
+TEST_F(Processes, ThatFailToExecuteTheirProgramLateAreLost) {
   Begin();
   Do(event::ProcessStarted{0, 700});
   Do(event::ProcessNotStarted{0, "can't run a: No such file or directory"});
@@ -71,9 +71,9 @@ TEST_F(Processes, WithoutAHostAreNotSignalledEither) {
   EXPECT_THAT(Did<action::TakeBacktrace>(), IsEmpty());
 }
 
-TEST_F(Processes, OfOursThatEndWhileAnotherOfThisHostIsThereLoseNobody) {
+TEST_F(Processes, OfOursThatExitWhileAnotherOfThisHostIsPresentAreNotLosses) {
   StartUpOurs();
-  Of(0).report.pid = 900;  // 700 was only what started it
+  Of(0).report.pid = 900;  // 700 was only its launcher
   Do(event::ProcessEnded{0, 700, true, "exit code 0"});
   EXPECT_EQ(Of(0).presence, Presence::kPresent);
 }
@@ -93,7 +93,7 @@ TEST_F(Processes, OfOursThatEndAreLossesWhereTheOtherIsElsewhereOrUnknown) {
   EXPECT_EQ(Of(0).presence, Presence::kLost);
 }
 
-TEST_F(Processes, ThatEndBeforeTheyHaveSaidAWordAreStartedAgain) {
+TEST_F(Processes, ThatExitBeforeTheirFirstStatusAreRestarted) {
   StartUpOurs();
   Do(event::ProcessEnded{0, 700, false, "exit code 1"});
   Pass(Milliseconds(100));
@@ -112,11 +112,11 @@ TEST_F(Processes, OfAControllerThatDoesNotKnowItsHostAreTheirOwn) {
   EXPECT_EQ(Of(0).presence, Presence::kLost);
 }
 
-TEST_F(Processes, ThatNotEvenSigkillEndsAreTakenForEndedByTheCodeOfATimeout) {
+TEST_F(Processes, ThatSigkillDoesNotEndAreAssumedToHaveExitedWithTheCodeOfATimeout) {
   StartUpOurs();
   Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
   Pass(std::chrono::seconds(7));
-  EXPECT_EQ(Told("it is taken for ended").code, kCodeTimeout);
+  EXPECT_EQ(RecordWith("it is assumed to have exited").code, kCodeTimeout);
 }
 
 TEST_F(Processes, ThatHungStayCalledSoWhenTheyEnd) {
@@ -126,7 +126,7 @@ TEST_F(Processes, ThatHungStayCalledSoWhenTheyEnd) {
   EXPECT_EQ(Of(0).health, Health::kHung);
 }
 
-TEST_F(Processes, WhoseEndTheyTellThemselvesHaveTwoSecondsToEnd) {
+TEST_F(Processes, WhoseActuatorEndedHaveTwoSecondsToExit) {
   StartUpOurs();
   Do(event::Vanished{0, kFirst, true, "its process 700 ended"});
   EXPECT_EQ(Of(0).kill_at, now_ + std::chrono::seconds(2));
@@ -135,15 +135,15 @@ TEST_F(Processes, WhoseEndTheyTellThemselvesHaveTwoSecondsToEnd) {
   EXPECT_TRUE(Did<action::SignalProcess>()[0].kill);
 }
 
-TEST_F(Processes, WhatTheyWereDoingIsARecordOfTheProcess) {
+TEST_F(Processes, TheirBacktraceIsARecordOfTheProcess) {
   StartUpOurs();
   Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
   Do(event::BacktraceTaken{0, 700, "main()"});
-  const action::Record told = Told("what a was doing");
-  EXPECT_EQ(told.kind, "process");
-  EXPECT_EQ(told.actuator, 0U);
-  EXPECT_EQ(told.data, "main()");
-  EXPECT_EQ(Told("gets SIGKILL").code, kCodeTimeout);
+  const action::Record record = RecordWith("backtrace of a");
+  EXPECT_EQ(record.kind, "process");
+  EXPECT_EQ(record.actuator, 0U);
+  EXPECT_EQ(record.data, "main()");
+  EXPECT_EQ(RecordWith("gets SIGKILL").code, kCodeTimeout);
 }
 
 TEST_F(Processes, VerdictsOfAnotherProcessOrOneThatHasEndedChangeNothing) {
@@ -155,33 +155,33 @@ TEST_F(Processes, VerdictsOfAnotherProcessOrOneThatHasEndedChangeNothing) {
   EXPECT_EQ(Of(0).health, Health::kWell);
 }
 
-TEST_F(Processes, ThatAreStarvedAreToldOfByTheCodeOfATimeout) {
+TEST_F(Processes, ThatAreStarvedAreRecordedWithTheCodeOfATimeout) {
   StartUpOurs();
   Do(event::HealthChanged{0, kFirst, Health::kStarved, true, "it waits"});
-  EXPECT_EQ(Told("a is starved: it waits").code, kCodeTimeout);
+  EXPECT_EQ(RecordWith("a is starved: it waits").code, kCodeTimeout);
 }
 
-TEST_F(Processes, OfACriticalOneOutOfReachTakeTheMachineDownThoughItMayBeRestarted) {
+TEST_F(Processes, OfACriticalActuatorWithoutConnectionTakeTheMachineDownThoughItMayBeRestarted) {
   config_.actuators[0].critical = true;
   config_.actuators[0].on_lost = "LowPower";
   StartUpOurs();
   Of(0).process = 0;
   Of(0).report.host = "there";
-  Do(event::Vanished{0, kFirst, false, "it is out of reach"});
+  Do(event::Vanished{0, kFirst, false, "connection lost"});
   ASSERT_TRUE(machine_.current);
   EXPECT_EQ(machine_.current->target, "LowPower");
-  EXPECT_EQ(Told("falling back to LowPower").code, kCodeOk);
+  EXPECT_EQ(RecordWith("falling back to LowPower").code, kCodeOk);
 }
 
-TEST_F(Processes, OfOursOutOfReachAreWaitedForBeforeTheMachineFalls) {
+TEST_F(Processes, OfOursWithoutConnectionAreWaitedForBeforeTheFallback) {
   config_.actuators[0].critical = true;
   config_.actuators[0].on_lost = "LowPower";
   StartUpOurs();
-  Do(event::Vanished{0, kFirst, false, "it is out of reach"});
+  Do(event::Vanished{0, kFirst, false, "connection lost"});
   EXPECT_FALSE(machine_.current) << "whether it has ended or hangs will be found out";
 }
 
-TEST_F(Processes, ARestartOfAnUnknownOneIsRefusedWithNoMoreOfItsNameThanOneReads) {
+TEST_F(Processes, ARestartOfAnUnknownActuatorIsRefusedWithItsNameShortened) {
   StartUpOurs();
   Do(event::RestartRequested{1, std::string(100, 'x')});
   ASSERT_THAT(Did<action::AnswerCall>(), SizeIs(1));
@@ -190,9 +190,9 @@ TEST_F(Processes, ARestartOfAnUnknownOneIsRefusedWithNoMoreOfItsNameThanOneReads
               HasSubstr("'" + std::string(64, 'x') + "'"));
 }
 
-using Strangers = OneController;
+using ForeignProcesses = OneController;
 
-TEST_F(Strangers, ThatHangAndAreSilentAreLostThoughTheyCannotBeRestarted) {
+TEST_F(ForeignProcesses, ThatHangAndAreSilentAreLostThoughTheyCannotBeRestarted) {
   StartUp();
   Do(event::HealthChanged{0, kFirst, Health::kHung, true, "it is silent"});
   EXPECT_EQ(Of(0).presence, Presence::kLost);
@@ -201,7 +201,7 @@ TEST_F(Strangers, ThatHangAndAreSilentAreLostThoughTheyCannotBeRestarted) {
   EXPECT_EQ(Of(1).fault->code, kCodeTimeout);
 }
 
-TEST_F(Strangers, ThatHangAreNotDrivenAfterTheMachine) {
+TEST_F(ForeignProcesses, ThatHangAreNotDrivenAfterTheMachine) {
   StartUp();
   Do(event::HealthChanged{0, kFirst, Health::kHung, false, "its work is stuck"});
   Of(0).report.state = State(kLowPower);
@@ -212,7 +212,7 @@ TEST_F(Strangers, ThatHangAreNotDrivenAfterTheMachine) {
   EXPECT_EQ(Of(0).order.value().target, kActive);
 }
 
-TEST_F(Strangers, ThatAreHeldAreNoLongerWhenTheyAreLost) {
+TEST_F(ForeignProcesses, ThatAreHeldAreNoLongerWhenTheyAreLost) {
   StartUp();
   Do(event::SetStateRequested{1, "LowPower", "a"});
   Obey(0);
@@ -221,7 +221,7 @@ TEST_F(Strangers, ThatAreHeldAreNoLongerWhenTheyAreLost) {
   EXPECT_FALSE(Of(0).held);
 }
 
-TEST_F(Strangers, ThatWereTornDownAloneAreDegradedByThatAndNotByTheirEnd) {
+TEST_F(ForeignProcesses, ThatWereTornDownAloneAreDegradedByThatAndNotByTheirEnd) {
   StartUp();
   Do(event::SetStateRequested{1, "TearDown", "a"});
   Obey(0);
@@ -230,20 +230,20 @@ TEST_F(Strangers, ThatWereTornDownAloneAreDegradedByThatAndNotByTheirEnd) {
   EXPECT_EQ(Of(0).fault->code, kCodeStateInvalid);
 }
 
-TEST_F(Strangers, ARivalOfALowerEpochHasNoPrecedence) {
+TEST_F(ForeignProcesses, ARivalOfALowerEpochHasNoPrecedence) {
   StartUp();
   machine_.epoch = 7;
   Do(event::RivalHeard{6, "process 1", true});
   EXPECT_THAT(Did<action::Fenced>(), IsEmpty());
 }
 
-TEST_F(Strangers, AnEmergencyStopWithoutANumberIsNoneAndTheLeastOneIsOne) {
+TEST_F(ForeignProcesses, AnEmergencyStopWithoutANumberIsNoneAndTheLeastOneIsOne) {
   StartUp();
   Do(event::EmergencyStopSeen{{0, "somebody", ""}});
   EXPECT_FALSE(machine_.emergency_stop);
   Do(event::EmergencyStopSeen{{1, "somebody", ""}});
   EXPECT_TRUE(machine_.emergency_stop);
-  EXPECT_EQ(Told("emergency stop, engaged by somebody").code, kCodeProtectedError);
+  EXPECT_EQ(RecordWith("emergency stop engaged by somebody").code, kCodeProtectedError);
 }
 
 }  // namespace musher::testing::process_test

@@ -1,6 +1,6 @@
-// What holds whatever happens, in whatever order: seeds drive a machine through crashes, hangs,
-// silence, emergency stops, restarts and switches. A failure names its seed and what was done;
-// MUSHER_SEED=n runs one seed and tells its scenario, MUSHER_SEEDS=n runs that many.
+// Invariants under any order of events: seeds drive a machine through crashes, hangs, silence,
+// emergency stops, restarts and switches. A failure names its seed and its events; MUSHER_SEED=n
+// runs one seed and prints its scenario, MUSHER_SEEDS=n runs that many.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace musher::testing::random_walk_test {
 
 constexpr int kDeeds = 40;
 
-// Everything at once: two stages, a critical one, one that is bound, one that is started by hand.
+// All kinds: two stages, a critical actuator, a bound one, one without a command.
 MachineConfig Everything(std::mt19937_64& random) {
   MachineConfig config = MachineOf(4);
   for (const char* name : {"a", "b", "d"}) {
@@ -65,11 +65,12 @@ class Walk {
     CheckAnswers();
   }
 
-  // What was done, and the last that the controller told.
+  // The events so far, and the last records of the controller.
   std::string Scenario() const {
     std::string scenario = scenario_;
-    const std::size_t told = t_.records.size();
-    for (std::size_t i = told > 40 ? told - 40 : 0; i < told; ++i) scenario += t_.records[i] + "\n";
+    const std::size_t count = t_.records.size();
+    for (std::size_t i = count > 40 ? count - 40 : 0; i < count; ++i)
+      scenario += t_.records[i] + "\n";
     return scenario;
   }
 
@@ -166,7 +167,7 @@ class Walk {
     }
   }
 
-  // The world becomes kind: nothing hangs, all can talk, what is started by hand is started.
+  // Faults end: nothing hangs, all links work, actuators without a command are started.
   void Heal() {
     Note("heal");
     for (const char* name : {"a", "b", "c", "d"}) {
@@ -237,7 +238,7 @@ class Walk {
   std::optional<Rank> rank_;
 };
 
-TEST(RandomWalk, LeavesEverybodyWhereTheyBelongAndAnswersEverybody) {
+TEST(RandomWalk, LeavesEveryActuatorInItsStateAndAnswersEveryRequest) {
   const std::uint64_t only = Environment("MUSHER_SEED", 0);
   const std::uint64_t last = only != 0 ? only : Environment("MUSHER_SEEDS", 1000);
   for (std::uint64_t seed = only != 0 ? only : 1; seed <= last; ++seed) {

@@ -1,5 +1,5 @@
-// What has died is started again by policy and driven to where the machine is; what happens when
-// that does not help.
+// A crashed actuator is restarted by its policy and driven to the state of the machine; and what
+// happens when that does not help.
 
 #include <gmock/gmock.h>
 
@@ -14,7 +14,7 @@ using ::testing::Not;
 
 class Recovery : public Switching {
  protected:
-  // How long after its crash the process is there again.
+  // The time from its crash to its next start.
   static Duration DelayOfCrash(Harness& t, const std::string& name) {
     const Time begun = t.now();
     t.Crash(name);
@@ -26,7 +26,7 @@ class Recovery : public Switching {
   }
 };
 
-TEST_F(Recovery, DrivesWhatCrashedThroughSetUpAndSelfCheckWhileTheOthersStay) {
+TEST_F(Recovery, DrivesACrashedActuatorThroughSetUpAndSelfCheckWhileTheOthersStay) {
   Harness& t = In("Protected", Ours(3));
   t.Crash("b");
   t.Rest();
@@ -36,7 +36,7 @@ TEST_F(Recovery, DrivesWhatCrashedThroughSetUpAndSelfCheckWhileTheOthersStay) {
   EXPECT_THAT(t.records, Contains(HasSubstr("b is degraded: crashed: its process")));
 }
 
-TEST_F(Recovery, DrivesItToWhereTheMachineHasGoneMeanwhile) {
+TEST_F(Recovery, DrivesItToTheStateThatTheMachineHasReachedMeanwhile) {
   Harness& t = In("Active", Ours(3));
   t.Crash("b");
   t.RunFor(Milliseconds(20));
@@ -65,7 +65,7 @@ TEST_F(Recovery, DelaysThatAreZeroStayZeroHoweverFastTheyGrow) {
   for (int i = 0; i < 300; ++i) ASSERT_LE(DelayOfCrash(t, "b"), Milliseconds(1));
 }
 
-TEST_F(Recovery, CountsAnewAfterAHealthyTime) {
+TEST_F(Recovery, ResetsTheCountAfterAHealthyTime) {
   Harness& t = In("Active", Ours(2));
   EXPECT_EQ(DelayOfCrash(t, "b"), Milliseconds(100));
   t.RunFor(Milliseconds(4800));
@@ -74,7 +74,7 @@ TEST_F(Recovery, CountsAnewAfterAHealthyTime) {
   EXPECT_EQ(DelayOfCrash(t, "b"), Milliseconds(100));
 }
 
-TEST_F(Recovery, TimeOutOfReachIsNoHealthyTime) {
+TEST_F(Recovery, TimeWithoutConnectionIsNotHealthyTime) {
   Harness& t = In("Active", Ours(2));
   DelayOfCrash(t, "b");
   t.Find("b", Health::kPartitioned, true);
@@ -192,7 +192,7 @@ TEST_F(Recovery, NoMeansNo) {
   EXPECT_FALSE(t.IsAlive("b"));
 }
 
-TEST_F(Recovery, OneThatIsTornDownByHandStaysSo) {
+TEST_F(Recovery, AnActuatorTornDownByRequestStaysDown) {
   MachineConfig config = Ours(2);
   config.actuators[1].restart.policy = RestartPolicy::kAlways;
   Harness& t = In("Active", config);
@@ -201,12 +201,12 @@ TEST_F(Recovery, OneThatIsTornDownByHandStaysSo) {
   EXPECT_FALSE(t.IsAlive("b"));
   t.Restart("b");
   t.RunFor(Milliseconds(1));
-  t.Crash("b");  // before its first word
+  t.Crash("b");  // before its first status
   t.Rest();
   EXPECT_EQ(t.StateOf("b"), "Active") << "that it was torn down is over since it was started";
 }
 
-TEST_F(Recovery, AProcessThatCannotBeStartedIsTriedAgainByTheSamePolicy) {
+TEST_F(Recovery, AProcessThatCannotBeStartedIsRetriedByTheSamePolicy) {
   Harness& t = In("Active", Ours(2));
   t.On("b", "exec").code = kCodeFailed;
   t.On("b", "exec").message = "no such file";
@@ -218,7 +218,7 @@ TEST_F(Recovery, AProcessThatCannotBeStartedIsTriedAgainByTheSamePolicy) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-TEST_F(Recovery, OneThatSomebodyElseStartsFasterThanItCanBeCountedIsLeftAloneForAWhile) {
+TEST_F(Recovery, AnActuatorThatAnotherPartyRestartsInALoopIsNotDrivenForAWhile) {
   MachineConfig config = MachineOf(2);
   config.actuators[1].restart.limit = 3;
   config.actuators[1].restart.reset_after = std::chrono::seconds(5);
@@ -237,7 +237,7 @@ TEST_F(Recovery, OneThatSomebodyElseStartsFasterThanItCanBeCountedIsLeftAloneFor
   EXPECT_EQ(t.StateOf("b"), "Active") << "it has lived for long enough";
 }
 
-TEST_F(Recovery, OneThatComesAndGoesWithItsLinkIsNotCountedAsStartedAnew) {
+TEST_F(Recovery, AReconnectionIsNotCountedAsARestart) {
   MachineConfig config = MachineOf(2);
   config.actuators[1].restart.limit = 3;
   Harness& t = In("Active", config);
@@ -255,9 +255,9 @@ TEST_F(Recovery, OneThatComesAndGoesWithItsLinkIsNotCountedAsStartedAnew) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-// Words that come late, or twice
+// Samples that come late, or twice
 
-TEST_F(Recovery, ALateWordOfALostWriterDoesNotTakeTheSuccessorForLost) {
+TEST_F(Recovery, ALateLossOfAWriterDoesNotCountForTheSuccessor) {
   Harness& t = In("Active", OursWithCriticalB());
   const std::uint64_t dead = t.RecordOf("b").report.incarnation;
   t.Crash("b");
@@ -265,15 +265,15 @@ TEST_F(Recovery, ALateWordOfALostWriterDoesNotTakeTheSuccessorForLost) {
     return t.RecordOf("b").process != 0 && t.IsAlive("b") &&
            t.RecordOf("b").presence == Presence::kStarting;
   }));
-  t.Tell(event::Vanished{1, dead, false, "it is out of reach"});
+  t.Tell(event::Vanished{1, dead, false, "connection lost"});
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-TEST_F(Recovery, AnExitThatIsSeenByItsSilenceFirstDoesNotTakeTheMachineDown) {
+TEST_F(Recovery, AnExitThatFollowsALostConnectionDoesNotTakeTheMachineDown) {
   Harness& t = In("Active", OursWithCriticalB());
-  t.Tell(event::Vanished{1, t.RecordOf("b").report.incarnation, false, "it is out of reach"});
+  t.Tell(event::Vanished{1, t.RecordOf("b").report.incarnation, false, "connection lost"});
   t.Crash("b");
   t.Rest();
   EXPECT_EQ(t.machine().state, "Active");
@@ -283,7 +283,7 @@ TEST_F(Recovery, AnExitThatIsSeenByItsSilenceFirstDoesNotTakeTheMachineDown) {
 TEST_F(Recovery, TheEndOfAWrapperAndOfItsActuatorIsOneLoss) {
   Harness& t = In("Active", Ours(2));
   ActuatorReport report = t.CoreOf("b").report;
-  report.incarnation += 1'000'000;  // the command is a script; this is what it runs
+  report.incarnation += 1'000'000;  // the command is a script; this is its child
   report.pid += 1'000'000;
   report.stamp = t.now();
   t.Tell(event::StatusSeen{1, report});

@@ -1,4 +1,4 @@
-// Restarts that cross a start, a switch or the end, and those that a person asks for.
+// Restarts during a start, a switch or the end, and restarts by request.
 
 #include <gmock/gmock.h>
 
@@ -12,7 +12,7 @@ using ::testing::IsEmpty;
 
 // While the machine starts
 
-TEST(RestartWhileStarting, TheStageWaitsForOneThatIsStartedAgain) {
+TEST(RestartWhileStarting, TheStageWaitsForARestart) {
   Harness t(OursWithCriticalB());
   t.On("b", "SetUp").code = 3012;
   t.Begin();
@@ -25,7 +25,7 @@ TEST(RestartWhileStarting, TheStageWaitsForOneThatIsStartedAgain) {
   EXPECT_EQ(t.RecordOf("b").restarts, 0) << "it has lived for long enough since";
 }
 
-TEST(RestartWhileStarting, OneThatComesAfterItWaitsToo) {
+TEST(RestartWhileStarting, TheActuatorsAfterItWaitToo) {
   MachineConfig config = Ours(2);
   ActuatorNamed(config, "a").after = {"b"};
   Harness t(config);
@@ -115,7 +115,7 @@ TEST_F(RestartAcross, ASwitchDownGoesOnAndTheRestartedOneFollows) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), IsEmpty());
 }
 
-TEST_F(RestartAcross, OneThatIsStartedAnewBeforeItsTurnIsNotActivatedUnchecked) {
+TEST_F(RestartAcross, AnActuatorRestartedBeforeItsTurnIsNotActivatedUnchecked) {
   MachineConfig config = Ours(3);
   ActuatorNamed(config, "b").after = {"a"};
   ActuatorNamed(config, "b").restart.delay = {};
@@ -131,7 +131,7 @@ TEST_F(RestartAcross, OneThatIsStartedAnewBeforeItsTurnIsNotActivatedUnchecked) 
   EXPECT_EQ(t.StateOf("b"), "Protected");
 }
 
-TEST_F(RestartAcross, NobodyIsRestartedWhileTheMachineEnds) {
+TEST_F(RestartAcross, NoActuatorIsRestartedWhileTheMachineEnds) {
   Harness& t = In("Active", Ours(3));
   t.On("a", "TearDown").takes = Milliseconds(90);
   t.Crash("c");
@@ -158,7 +158,7 @@ TEST_F(RestartAcross, AdoptedProcessesAreRestartedAndEndWithTheMachine) {
   EXPECT_FALSE(t.IsAlive("a")) << "an adopted process is ended like our own";
 }
 
-// By hand
+// By request
 
 class RestartByHand : public Switching {
  protected:
@@ -177,7 +177,7 @@ TEST_F(RestartByHand, TearsItDownStartsItAndAnswersWhenItIsBack) {
   EXPECT_THAT(t.signals, IsEmpty());
 }
 
-TEST_F(RestartByHand, OfOneThatDoesNotEndGetsHarder) {
+TEST_F(RestartByHand, OfAProcessThatDoesNotExitEscalates) {
   Harness& t = In("Active", Ours(2));
   t.On("b", "TearDown").hangs = true;
   t.On("b", "TERM").hangs = true;
@@ -186,7 +186,7 @@ TEST_F(RestartByHand, OfOneThatDoesNotEndGetsHarder) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-TEST_F(RestartByHand, OfOneThatIgnoresSigtermAndIsHeardAgainStillEnds) {
+TEST_F(RestartByHand, OfAProcessThatIgnoresSigtermAndReconnectsStillEnds) {
   Harness& t = In("Active", Ours(2));
   t.On("b", "TERM").hangs = true;
   t.Find("b", Health::kPartitioned, true);
@@ -198,7 +198,7 @@ TEST_F(RestartByHand, OfOneThatIgnoresSigtermAndIsHeardAgainStillEnds) {
   EXPECT_TRUE(t.calls.at(call));
 }
 
-TEST_F(RestartByHand, BringsBackOneThatWasGivenUp) {
+TEST_F(RestartByHand, BringsBackAnActuatorThatWasGivenUp) {
   Harness& t = In("Active", Ours(2));
   t.On("b", "SetUp").code = 5012;
   t.Crash("b");
@@ -219,7 +219,7 @@ TEST_F(RestartByHand, OfAHungOneDoesNotWaitForItsTearDown) {
   EXPECT_THAT(t.log(), ElementsAre("b:SetUp", "b:SelfCheck", "b:Active"));
 }
 
-TEST_F(RestartByHand, SaysWhyItDoesNotComeBack) {
+TEST_F(RestartByHand, AnswersWhyItDoesNotComeBack) {
   MachineConfig config = Ours(2);
   config.actuators[1].restart.policy = RestartPolicy::kNo;
   Harness& t = In("Active", config);
@@ -234,7 +234,7 @@ TEST_F(RestartByHand, SaysWhyItDoesNotComeBack) {
   EXPECT_THAT(Do(t, "b").error().message, HasSubstr("no such file"));
 }
 
-TEST_F(RestartByHand, AskedForTwiceIsOneRestartAndBothAreAnswered) {
+TEST_F(RestartByHand, RequestedTwiceIsOneRestartAndBothAreAnswered) {
   Harness& t = In("Active", Ours(2));
   const RequestId first = t.Restart("b");
   const RequestId second = t.Restart("b");
@@ -264,7 +264,7 @@ TEST_F(RestartByHand, IsAnsweredAlsoWhenTheMachineEndsMeanwhile) {
   EXPECT_THAT(t.calls.at(call).error().message, HasSubstr("torn down"));
 }
 
-TEST_F(RestartByHand, OneThatIsBeingRestartedHindersNoSwitch) {
+TEST_F(RestartByHand, ARestartingActuatorBlocksNoSwitch) {
   Harness& t = In("Protected", OursWithCriticalB());
   t.On("b", "TearDown").takes = Milliseconds(80);
   const RequestId call = t.Restart("b");

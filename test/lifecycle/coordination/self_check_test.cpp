@@ -1,4 +1,4 @@
-// The three values of a self-check: well, degraded with reasons, failed.
+// The three results of a self-check: passed, degraded with reasons, failed.
 
 #include <gmock/gmock.h>
 
@@ -25,7 +25,7 @@ class SelfChecked : public ::testing::Test {
   Harness t;
 };
 
-TEST_F(SelfChecked, ADegradedCriticalOneReachesActiveAndIsListedWithItsReason) {
+TEST_F(SelfChecked, ADegradedCriticalActuatorReachesActiveAndIsListedWithItsReason) {
   DegradeB();
   Start();
   EXPECT_TRUE(t.usable());
@@ -36,14 +36,14 @@ TEST_F(SelfChecked, ADegradedCriticalOneReachesActiveAndIsListedWithItsReason) {
   EXPECT_THAT(t.start_up()->message, HasSubstr("degraded: b: led: silent, 1109"));
 }
 
-TEST_F(SelfChecked, AFailedCriticalOneBlocksTheStart) {
+TEST_F(SelfChecked, AFailedCriticalActuatorBlocksTheStart) {
   t.On("b", "SelfCheck").code = 1409;
   Start();
   EXPECT_FALSE(t.usable());
   EXPECT_EQ(t.machine().phase, Phase::kFailed);
 }
 
-TEST_F(SelfChecked, ACheckSaysWhatIsDegradedAndASwitchIsJudgedByWhereAllAre) {
+TEST_F(SelfChecked, ACheckReportsWhatIsDegradedAndASwitchDependsOnTheStates) {
   DegradeB();
   Start();
   const SwitchResult check = t.Set("SelfCheck");
@@ -55,7 +55,7 @@ TEST_F(SelfChecked, ACheckSaysWhatIsDegradedAndASwitchIsJudgedByWhereAllAre) {
   EXPECT_TRUE(t.Set("TearDown").done());
 }
 
-TEST_F(SelfChecked, TheNextCheckThatIsWellEndsIt) {
+TEST_F(SelfChecked, TheNextCheckThatPassesClearsIt) {
   DegradeB();
   Start();
   t.On("b", "SelfCheck") = {};
@@ -71,7 +71,7 @@ TEST_F(SelfChecked, ANewControllerFindsWhatIsDegraded) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre("b"));
 }
 
-TEST_F(SelfChecked, OneThatIsStartedAnewIsJudgedByItsOwnCheck) {
+TEST_F(SelfChecked, ARestartedActuatorIsEvaluatedByItsOwnCheck) {
   DegradeB();
   Start();
   t.On("b", "SelfCheck") = {};
@@ -80,7 +80,7 @@ TEST_F(SelfChecked, OneThatIsStartedAnewIsJudgedByItsOwnCheck) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-// Of modules that give a code alone, the config says which codes are critical.
+// For modules that return only a code, the config lists the critical codes.
 
 class CriticalCodes : public ::testing::Test {
  protected:

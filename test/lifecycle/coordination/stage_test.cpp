@@ -1,5 +1,5 @@
-// Who is waited for, for how long, and what is told of it, while the machine comes up and goes
-// down.
+// Which actuators are waited for, how long, and what is recorded, while the machine comes up and
+// goes down.
 
 #include "musher/lifecycle/code.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
@@ -11,7 +11,7 @@ using ::testing::SizeIs;
 
 using Stages = OneController;
 
-TEST_F(Stages, OneThatAPersonHasToStartIsWaitedForAsLongAsItsSetUpMayTake) {
+TEST_F(Stages, AnActuatorWithoutACommandIsWaitedForAsLongAsItsSetUpMayTake) {
   Begin();
   EXPECT_EQ(Of(0).set_up_by, now_ + Milliseconds(100));
   Pass(Milliseconds(100));
@@ -26,22 +26,22 @@ TEST_F(Stages, OneOfALaterStageIsNotWaitedForBefore) {
   EXPECT_FALSE(Of(1).set_up_by);
 }
 
-TEST_F(Stages, AfterTheFirstAreToldAndNoneBeyondTheLast) {
+TEST_F(Stages, AfterTheFirstAreRecordedAndNoneBeyondTheLast) {
   config_.actuators[1].stage = 2;
   Begin();
   Come(0);
   Obey(0);
   Obey(0);
-  EXPECT_FALSE(IsTold("stage 1 is being started"));
-  EXPECT_EQ(Told("stage 2 is being started").cause, 1U) << "the controller's beginning";
+  EXPECT_FALSE(IsRecorded("starting stage 1"));
+  EXPECT_EQ(RecordWith("starting stage 2").cause, 1U) << "the controller's beginning";
   Come(1);
   Obey(1);
   Obey(1);
   EXPECT_EQ(Of(1).state(), kActive);
-  EXPECT_FALSE(IsTold("stage 3 is being started"));
+  EXPECT_FALSE(IsRecorded("starting stage 3"));
 }
 
-TEST_F(Stages, WhoWaitsForAllToBeSetUpIsAnswered) {
+TEST_F(Stages, ACallerThatWaitsForSetUpIsAnswered) {
   Begin();
   Do(event::SetUpAwaited{7});
   Come(0);
@@ -52,7 +52,7 @@ TEST_F(Stages, WhoWaitsForAllToBeSetUpIsAnswered) {
   EXPECT_TRUE(Did<action::AnswerCall>()[0].result.ok());
 }
 
-TEST_F(Stages, WhoWaitsForAllToBeSetUpHearsWhoIsMissing) {
+TEST_F(Stages, ACallerThatWaitsForSetUpGetsTheMissingActuator) {
   Begin();
   Do(event::SetUpAwaited{7});
   Come(1);
@@ -61,8 +61,8 @@ TEST_F(Stages, WhoWaitsForAllToBeSetUpHearsWhoIsMissing) {
   EXPECT_EQ(Did<action::AnswerCall>()[0].result.error().message, "a was not set up within 100 ms");
 }
 
-// Who asked after the first stage was over heard that all was well.
-TEST_F(Stages, WhoWaitsForAllToBeSetUpTooLateHearsWhoIsMissingAtOnce) {
+// A caller that asked after the first stage was over got the answer that all was well.
+TEST_F(Stages, ACallerThatWaitsForSetUpTooLateGetsTheMissingActuatorAtOnce) {
   Begin();
   Come(1);
   Pass(Milliseconds(100));
@@ -95,7 +95,7 @@ TEST_F(Stages, OneThatIsNotCriticalAndFailsOnItsWayToActiveDoesNotUndoTheStart) 
   EXPECT_EQ(Of(0).fault->code, 5001);
 }
 
-TEST_F(Stages, OneThatNeverCameTakesTheMachineDownOnceItRunsAndOneThatIsWellDoesNot) {
+TEST_F(Stages, AnActuatorThatNeverStartedTakesTheMachineDownOnceItRunsAndAHealthyOneDoesNot) {
   config_.actuators[1].on_lost = "LowPower";
   Begin();
   Come(0);
@@ -108,7 +108,7 @@ TEST_F(Stages, OneThatNeverCameTakesTheMachineDownOnceItRunsAndOneThatIsWellDoes
   EXPECT_FALSE(machine_.current);
 }
 
-TEST_F(Stages, OneThatIsThereThoughItFailedItsCheckDoesNotTakeTheMachineDown) {
+TEST_F(Stages, APresentActuatorThatFailedItsCheckDoesNotTakeTheMachineDown) {
   config_.actuators[1].on_lost = "LowPower";
   Begin();
   Come(0);
@@ -121,7 +121,7 @@ TEST_F(Stages, OneThatIsThereThoughItFailedItsCheckDoesNotTakeTheMachineDown) {
   EXPECT_FALSE(machine_.current);
 }
 
-TEST_F(Stages, ThatAreStillToComeTakeNobodyDown) {
+TEST_F(Stages, ThatAreNotStartedYetDoNotTakeTheMachineDown) {
   config_.actuators[1].stage = 2;
   config_.actuators[1].on_lost = "LowPower";
   Begin();
@@ -137,14 +137,14 @@ TEST_F(Stages, AMachineBeginsInTheStateOfItsConfig) {
   EXPECT_EQ(MakeMachine(config_).actuators[0].state(), "DeActive");
 }
 
-TEST_F(Stages, TheRecordThatTellsOfAMachineTellsItsNewState) {
+TEST_F(Stages, ARecordAboutTheMachineHasItsNewState) {
   config_.actuators[1].stage = 2;
   Begin();
   Come(0);
-  EXPECT_EQ(Told("actuators are set up").state, "SetUp");
+  EXPECT_EQ(RecordWith("actuators are set up").state, "SetUp");
   Obey(0);
-  EXPECT_EQ(Told("switch 1 is done").state, "SelfCheck");
-  EXPECT_EQ(Told("a: SelfCheck done").state, "");
+  EXPECT_EQ(RecordWith("switch 1 is done").state, "SelfCheck");
+  EXPECT_EQ(RecordWith("a: SelfCheck done").state, "");
 }
 
 using Ends = OneController;

@@ -14,7 +14,7 @@ MachineConfig Started(int actuators) {
   return config;
 }
 
-TEST(StartUp, BringsEverybodyThroughSetUpAndSelfCheckToActive) {
+TEST(StartUp, BringsEveryActuatorThroughSetUpAndSelfCheckToActive) {
   Harness t(Started(2));
   t.Begin();
   t.Rest();
@@ -47,7 +47,7 @@ TEST(StartUp, TakesTheCriticalPathAndNotTheSum) {
   MachineConfig config = Started(3);
   ActuatorNamed(config, "b").after = {"a"};
   Harness t(config);
-  t.On("c", "SetUp").takes = Milliseconds(60);  // beside a and b, one after the other
+  t.On("c", "SetUp").takes = Milliseconds(60);  // in parallel to a, then b
   t.On("a", "SetUp").takes = Milliseconds(30);
   t.On("b", "SetUp").takes = Milliseconds(30);
   const Time begun = t.now();
@@ -81,7 +81,7 @@ TEST(StartUp, StaysInSelfCheckWithProcessesUpWhenACriticalActuatorFailsItsCheck)
   EXPECT_EQ(t.machine().state, "SelfCheck");
   EXPECT_THAT(t.start_up()->message, HasSubstr("critical b: 3009"));
   EXPECT_EQ(t.RecordOf("a").presence, Presence::kPresent);
-  EXPECT_EQ(t.StateOf("a"), "SelfCheck") << "nobody is made active";
+  EXPECT_EQ(t.StateOf("a"), "SelfCheck") << "no actuator is made active";
 }
 
 TEST(StartUp, CanBeFinishedByHandOnceTheCheckPasses) {
@@ -98,7 +98,7 @@ TEST(StartUp, CanBeFinishedByHandOnceTheCheckPasses) {
   EXPECT_EQ(t.machine().phase, Phase::kRunning);
 }
 
-TEST(StartUp, BringsTheOthersToRestWhenACriticalActuatorCannotBeActivated) {
+TEST(StartUp, BringsTheOthersToDeActiveWhenACriticalActuatorCannotBeActivated) {
   MachineConfig config = Started(2);
   ActuatorNamed(config, "b").critical = true;
   Harness t(config);
@@ -133,7 +133,7 @@ TEST(StartUp, GivesUpOnAnActuatorThatIsNotSetUpInItsTime) {
   EXPECT_THAT(t.RecordOf("b").fault->message, HasSubstr("100 ms"));
 }
 
-TEST(StartUp, FailsWhenNobodyIsSetUp) {
+TEST(StartUp, FailsWhenNoActuatorIsSetUp) {
   Harness t(Started(1));
   t.On("a", "SetUp").hangs = true;
   t.Begin();
@@ -142,7 +142,7 @@ TEST(StartUp, FailsWhenNobodyIsSetUp) {
   EXPECT_EQ(t.machine().phase, Phase::kFailed);
 }
 
-TEST(StartUp, DoesNotStartWhatNeedsAnActuatorThatFailed) {
+TEST(StartUp, DoesNotStartAnActuatorThatNeedsAFailedOne) {
   MachineConfig config = Started(3);
   ActuatorNamed(config, "b").after = {"a"};
   Harness t(config);
@@ -192,7 +192,7 @@ TEST(LaterStages, AreStartedOnceTheRobotIsUsableAndJoinItsPresentState) {
   EXPECT_EQ(std::count(t.log().begin(), t.log().end(), "a:SelfCheck"), 1) << "only the new ones";
 }
 
-TEST(LaterStages, JoinTheStateTheMachineHasGoneToMeanwhile) {
+TEST(LaterStages, JoinTheStateThatTheMachineHasReachedMeanwhile) {
   Harness t(TwoStages());
   t.On("c", "SetUp").takes = Milliseconds(90);
   t.Begin();
@@ -239,7 +239,7 @@ TEST(LaterStages, JoinAfterTheirCheckIsRepeatedAndPasses) {
   EXPECT_EQ(t.StateOf("c"), "Active");
 }
 
-TEST(Restart, OfAnActuatorDrivesItAgainToWhereTheMachineIs) {
+TEST(Restart, OfAnActuatorDrivesItAgainToTheMachinesState) {
   Harness t(MachineOf(2));
   t.Begin();
   t.Rest();
@@ -254,7 +254,7 @@ TEST(Restart, OfAnActuatorDrivesItAgainToWhereTheMachineIs) {
   EXPECT_THAT(Degraded(t.config(), t.machine()), ElementsAre());
 }
 
-TEST(Adoption, OfRunningActuatorsDisturbsNobody) {
+TEST(Adoption, OfRunningActuatorsDisturbsNone) {
   Harness t(MachineOf(3));
   t.Begin();
   t.Rest();
@@ -269,7 +269,7 @@ TEST(Adoption, OfRunningActuatorsDisturbsNobody) {
 
 TEST(Adoption, TakesAHigherEpochThanTheActuatorsHaveSeen) {
   Harness t(MachineOf(2));
-  t.Begin(false, 41);  // the disk said so
+  t.Begin(false, 41);  // the epoch on disk
   t.Rest();
   EXPECT_EQ(t.machine().epoch, 42U);
   t.RestartController(true);  // the disk is lost: it begins with 1

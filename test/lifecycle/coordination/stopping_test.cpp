@@ -34,13 +34,13 @@ TEST_F(Stopping, TearsDownInReverseOrderAndTheProcessesEndByThemselves) {
   EXPECT_THAT(t.signals, ElementsAre());
 }
 
-// A controller before this one has started it, just before it received the first beat of this one.
-TEST_F(Stopping, AProcessThatNothingIsKnownOfEndsWithTheMachine) {
+// A previous controller has started it, just before it received the first heartbeat of this one.
+TEST_F(Stopping, AnUnknownProcessEndsWithTheMachine) {
   t.Crash("c");
   t.RunUntil([&] { return t.RecordOf("c").presence == Presence::kLost; });
   const auto asked = t.Ask("TearDown");
   t.Mute("c", true, true);
-  t.StartActuator("c");  // nothing is heard of it
+  t.StartActuator("c");  // nothing is received from it
   t.Rest();
   EXPECT_TRUE(t.stopped());
   EXPECT_TRUE(t.answers.contains(asked));
@@ -76,7 +76,7 @@ TEST_F(Stopping, OneThatHangsAndIgnoresSigtermIsKilledWithinTheBudget) {
   EXPECT_LE(t.now() - begun, Milliseconds(2000));
 }
 
-TEST_F(Stopping, TheWholeNeverExceedsTheBudgetThoughEverybodyHangs) {
+TEST_F(Stopping, TheBudgetIsNeverExceededThoughEveryActuatorHangs) {
   for (const char* name : {"a", "b", "c"}) {
     t.On(name, "TearDown").hangs = true;
     t.On(name, "TERM").hangs = true;
@@ -96,7 +96,7 @@ TEST_F(Stopping, SupersedesASwitchUnderWay) {
   EXPECT_EQ(t.answers.at(first).outcome, SwitchOutcome::kSuperseded);
 }
 
-TEST_F(Stopping, AskedForTwiceIsOneStop) {
+TEST_F(Stopping, RequestedTwiceIsOneStop) {
   const RequestId first = t.Ask("TearDown");
   const RequestId second = t.Ask("TearDown");
   t.Rest();
@@ -161,9 +161,9 @@ TEST(StoppingByStages, AStageThatHangsDoesNotTakeTheTimeOfTheOnesBeforeIt) {
   EXPECT_TRUE(t.stopped());
 }
 
-// What lives on
+// What still runs
 
-TEST_F(Stopping, AFrozenHandStartedActuatorIsListedThoughTheRestIsDown) {
+TEST_F(Stopping, AFrozenActuatorWithoutACommandIsListedThoughTheRestIsDown) {
   MachineConfig config = MachineOf(2);
   ActuatorNamed(config, "a").command = {"run", "a"};
   Harness robot(config);
@@ -174,7 +174,7 @@ TEST_F(Stopping, AFrozenHandStartedActuatorIsListedThoughTheRestIsDown) {
   const SwitchResult result = robot.Set("TearDown");
   EXPECT_EQ(result.outcome, SwitchOutcome::kDoneDegraded);
   EXPECT_THAT(result.degraded, ElementsAre("b"));
-  EXPECT_THAT(result.reason, ::testing::HasSubstr("may live on in Active"));
+  EXPECT_THAT(result.reason, ::testing::HasSubstr("may still run in Active"));
   EXPECT_TRUE(robot.stopped());
 }
 
@@ -223,7 +223,7 @@ TEST(StoppingWithAFault, AnOldFaultOfOneThatIsTornDownNowDoesNotMakeTheTearDownD
   EXPECT_TRUE(t.stopped());
 }
 
-// The intent to stop
+// The stop intent
 
 TEST_F(Stopping, TheIntentIsOnDiskBeforeTheFirstTearDown) {
   t.disk_takes = Milliseconds(40);
@@ -234,21 +234,20 @@ TEST_F(Stopping, TheIntentIsOnDiskBeforeTheFirstTearDown) {
   EXPECT_TRUE(t.stop_intent_on_disk);
 }
 
-TEST_F(Stopping, ADiskThatNeverAnswersHoldsUpTearDownForAMomentOnly) {
+TEST_F(Stopping, ADiskThatNeverAnswersDelaysTearDownForAMomentOnly) {
   t.disk_takes.reset();
   const Time begun = t.now();
   EXPECT_TRUE(t.Set("TearDown").done());
   EXPECT_TRUE(t.stopped());
   EXPECT_LE(t.now() - begun, Milliseconds(2000));
-  EXPECT_THAT(t.records,
-              ::testing::Contains(::testing::HasSubstr(
-                  "the intent to stop is not on disk yet; TearDown begins all the same")));
+  EXPECT_THAT(t.records, ::testing::Contains(::testing::HasSubstr(
+                             "the stop intent is not on disk yet; TearDown begins anyway")));
 }
 
 TEST_F(Stopping, AControllerThatASupervisorStartsAfterACrashInTearDownFinishesIt) {
   t.On("b", "TearDown").takes = Milliseconds(60);
   t.Ask("TearDown");
-  EXPECT_TRUE(t.RunUntil([&] { return t.log().size() == 2; }));  // a is down, b on its way
+  EXPECT_TRUE(t.RunUntil([&] { return t.log().size() == 2; }));  // a is down, b is switching
   t.RestartController(/*lost_disk=*/false, /*restarted=*/true);
   t.Rest();
   EXPECT_TRUE(t.stopped());
@@ -257,7 +256,7 @@ TEST_F(Stopping, AControllerThatASupervisorStartsAfterACrashInTearDownFinishesIt
   EXPECT_THAT(t.log(), ElementsAre("a:TearDown", "b:TearDown", "c:TearDown"));
 }
 
-// All had been torn down and were gone: nothing is left that could tell of it.
+// All had been torn down and had exited: no process is left that could report it.
 TEST_F(Stopping, AControllerThatASupervisorStartsAfterTheLastProcessHasEndedStaysDown) {
   t.Set("TearDown");
   t.ClearLog();
@@ -291,7 +290,7 @@ TEST_F(Stopping, ATearDownToStartAgainLeavesNoIntentUnlessAPersonWantsItDown) {
   EXPECT_TRUE(t.stop_intent_on_disk);
 }
 
-// `systemctl restart`: the one who ends it is the one who starts it again.
+// `systemctl restart`: the supervisor that ends it starts it again.
 TEST_F(Stopping, AStopByASupervisorLeavesAnIntentOnlyUntilTheMachineIsDown) {
   t.Tell(event::SetStateRequested{71, "TearDown", std::nullopt, AfterTearDown::kMayStart});
   EXPECT_TRUE(t.RunUntil([&] { return !t.log().empty(); }));

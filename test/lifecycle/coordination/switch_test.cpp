@@ -1,4 +1,4 @@
-// A switch on its way up and down: order, failure, rollback.
+// Switches up and down: order, failure, rollback.
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,7 @@ namespace musher::testing::switch_test {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-TEST_F(Switching, IsDoneWhenEverybodyIsThere) {
+TEST_F(Switching, IsDoneWhenEveryActuatorIsInTheTarget) {
   Harness& t = In("Active");
   const SwitchResult result = t.Set("LowPower");
   EXPECT_EQ(result.outcome, SwitchOutcome::kDone);
@@ -36,7 +36,7 @@ TEST_F(Switching, GoesUpInTheOrderOfAfterAndDownInReverse) {
   EXPECT_THAT(t.log(), ElementsAre("a:LowPower", "b:LowPower", "c:LowPower"));
 }
 
-TEST_F(Switching, ToThePresentStateDrivesOnlyThoseThatAreNotThere) {
+TEST_F(Switching, ToThePresentStateDrivesOnlyTheActuatorsInOtherStates) {
   Harness& t = In("Active");
   EXPECT_TRUE(t.Set("DeActive", "b").done());
   t.ClearLog();
@@ -78,7 +78,7 @@ TEST_F(Switching, ToAnUnknownStateIsRefusedAndNamesTheNearest) {
   EXPECT_EQ(t.Set("Active", "d").code, kCodeParametersInvalid);
 }
 
-// On the way up
+// Up
 
 TEST_F(Switching, UpIsUndoneWhenOneFails) {
   Harness& t = In("Protected");
@@ -96,7 +96,7 @@ TEST_F(Switching, UpIsUndoneWhenOneFails) {
   EXPECT_THAT(result.degraded, ElementsAre());
 }
 
-TEST_F(Switching, UpRunsTheOldCallbackOfTheOneThatFailedToClearUpWhatWasHalfDone) {
+TEST_F(Switching, UpRunsTheOldCallbackOfTheFailedActuatorToCleanUp) {
   Harness& t = In("Protected");
   t.On("b", "Active").code = 5001;
   t.Set("Active");
@@ -179,7 +179,7 @@ TEST_F(Switching, UpDoesNotFailBecauseOfOneThatIsBehindADegradedOne) {
   EXPECT_THAT(result.degraded, ElementsAre("a", "b", "c"));
 }
 
-// On the way down
+// Down
 
 TEST_F(Switching, DownGoesOnWhenOneFailsAndListsIt) {
   Harness& t = In("Active", Chain());

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of switches have in common: a machine in some state, its log empty.
+// The fixture of the switch tests: a machine in some state, its log empty.
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ class Switching : public ::testing::Test {
   std::optional<Harness> harness_;
 };
 
-// Processes that we start, and start again after 100, 200, 400 ms.
+// Processes that the controller starts, and restarts after 100, 200, 400 ms.
 inline MachineConfig Ours(int actuators) {
   MachineConfig config = MachineOf(actuators);
   for (ActuatorConfig& actuator : config.actuators) {

@@ -1,4 +1,4 @@
-// How an actuator that shows itself comes to follow, and what is believed of what it says.
+// How a controller takes control of an actuator, and which of its reports count.
 
 #include "musher/lifecycle/code.hpp"
 #include "musher/test/lifecycle/coordination/one_controller.hpp"
@@ -11,12 +11,12 @@ using ::testing::SizeIs;
 
 using TakeControl = OneController;
 
-TEST_F(TakeControl, IsRepeatedUntilItIsAnsweredAndOutbidsNobody) {
+TEST_F(TakeControl, IsRepeatedUntilItIsAnsweredAndRaisesNoEpoch) {
   Begin();
   Say(0, Report(0));
   ASSERT_THAT(Did<action::SendAsk>(), SizeIs(1));
   now_ += Milliseconds(1);
-  ActuatorReport report = Report(0);  // it has heard the question; its answer is lost
+  ActuatorReport report = Report(0);  // it has received the query; its answer is lost
   report.epoch = machine_.epoch;
   Say(0, report);
   Forget();
@@ -27,7 +27,7 @@ TEST_F(TakeControl, IsRepeatedUntilItIsAnsweredAndOutbidsNobody) {
   EXPECT_THAT(Did<action::SaveEpoch>(), IsEmpty());
 }
 
-TEST_F(TakeControl, OfOneThatFollowsAnotherOfOurEpochComesAfterThatOneHadTimeToSpeak) {
+TEST_F(TakeControl, OfAnActuatorOfAnotherControllerWithOurEpochWaitsForItsHeartbeat) {
   Begin();
   ActuatorReport report = Report(0);
   report.epoch = machine_.epoch;
@@ -41,7 +41,7 @@ TEST_F(TakeControl, OfOneThatFollowsAnotherOfOurEpochComesAfterThatOneHadTimeToS
   EXPECT_EQ(machine_.epoch, report.epoch + 1);
 }
 
-TEST_F(TakeControl, ThatIsDeniedIsRepeatedSoonAndIsNoAnswer) {
+TEST_F(TakeControl, ThatIsDeniedIsRetriedSoonAndIsNotAnAnswer) {
   Begin();
   Say(0, Report(0));
   Do(event::Replied{0, 0, true, Verdict::kRefused, kCodePermissionDenied, "", Report(0)});
@@ -49,7 +49,7 @@ TEST_F(TakeControl, ThatIsDeniedIsRepeatedSoonAndIsNoAnswer) {
   EXPECT_EQ(Next(), now_ + Milliseconds(20));
 }
 
-TEST_F(TakeControl, ThatIsRefusedForAnotherReasonIsNotHurriedNorOutbid) {
+TEST_F(TakeControl, ThatIsRefusedForAnotherReasonIsNotRetriedSoonerAndRaisesNoEpoch) {
   Begin();
   Say(0, Report(0));
   const auto again = Of(0).take_control_again;
@@ -62,21 +62,21 @@ TEST_F(TakeControl, ThatIsRefusedForAnotherReasonIsNotHurriedNorOutbid) {
   EXPECT_FALSE(Of(0).outbid_at);
 }
 
-TEST_F(TakeControl, ThatIsAnsweredMakesItPresentAndTellsItsProcessWhereThereIsOne) {
+TEST_F(TakeControl, ThatIsAnsweredMakesItPresentAndRecordsItsProcessIfAny) {
   Begin();
   Come(0);
-  EXPECT_EQ(Told("a is present").message, "a is present in SetUp, process 700");
+  EXPECT_EQ(RecordWith("a is present").message, "a is present in SetUp (pid 700)");
   ActuatorReport report = Report(1);
   report.pid = 0;
   Say(1, report);
   report.epoch = machine_.epoch;
   Do(event::Replied{1, 0, true, Verdict::kDone, kCodeOk, "", report});
-  EXPECT_EQ(Told("b is present").message, "b is present in SetUp");
+  EXPECT_EQ(RecordWith("b is present").message, "b is present in SetUp");
 }
 
 using Reports = OneController;
 
-TEST_F(Reports, OfTheSameMomentTheLaterCounts) {
+TEST_F(Reports, OfTheSameStampTheLaterCounts) {
   StartUp();
   ActuatorReport report = Report(0, "Active");
   report.outcome_message = "first";
@@ -104,7 +104,7 @@ TEST_F(Reports, OnlyACheckThatWasSeenToRunCountsAsPassed) {
   EXPECT_FALSE(Of(0).checked) << "what came free was no check";
 }
 
-TEST_F(Reports, ASetUpThatFailedIsToldWithItsCodeAndOneThatHasNotBegunIsNoFailure) {
+TEST_F(Reports, AFailedSetUpIsRecordedWithItsCodeAndOneThatHasNotBegunIsNotAFailure) {
   Begin();
   Say(0, Report(0, "Uninitialized"));
   EXPECT_FALSE(Of(0).fault);
@@ -117,7 +117,7 @@ TEST_F(Reports, ASetUpThatFailedIsToldWithItsCodeAndOneThatHasNotBegunIsNoFailur
   EXPECT_THAT(Of(1).fault->message, HasSubstr("no microphone"));
 }
 
-TEST_F(Reports, OfANewProcessEndWhatTheOldOneWasSent) {
+TEST_F(Reports, OfANewProcessEndTheCommandOfTheOldOne) {
   StartUp();
   Do(event::SetStateRequested{1, "LowPower", {}});
   ASSERT_TRUE(Of(0).order);
@@ -129,19 +129,20 @@ TEST_F(Reports, OfANewProcessEndWhatTheOldOneWasSent) {
   EXPECT_FALSE(Of(0).order);
   EXPECT_FALSE(Of(0).checked);
   EXPECT_EQ(Of(0).presence, Presence::kStarting);
-  EXPECT_TRUE(IsTold("it was started anew"));
+  EXPECT_TRUE(IsRecorded("it was restarted"));
 }
 
-TEST_F(Reports, OfAnImpostorAreToldWithNoMoreOfItsNameThanOneReads) {
+TEST_F(Reports, OfAnImpostorAreRecordedWithItsHostShortened) {
   StartUp();
   ActuatorReport report = Report(0);
   report.incarnation += 100;
   report.host = std::string(100, 'h');
   Say(0, report);
-  EXPECT_THAT(Told("another process says").message, HasSubstr(" " + std::string(64, 'h') + ";"));
+  EXPECT_THAT(RecordWith("another process publishes").message,
+              HasSubstr(" " + std::string(64, 'h') + ";"));
 }
 
-TEST_F(Reports, OfAProcessThatHasEndedBringNobodyBack) {
+TEST_F(Reports, OfAProcessThatHasExitedAreIgnored) {
   StartUp();
   const ActuatorReport last = Report(0, "Active");
   Do(event::Vanished{0, last.incarnation, true, "its process ended"});
@@ -149,7 +150,7 @@ TEST_F(Reports, OfAProcessThatHasEndedBringNobodyBack) {
   EXPECT_EQ(Of(0).presence, Presence::kLost);
 }
 
-TEST_F(Reports, OneThatIsLostInItsSetUpIsDegraded) {
+TEST_F(Reports, AnActuatorLostInItsSetUpIsDegraded) {
   Begin();
   ActuatorReport report = Report(0, "Uninitialized");
   report.target = "SetUp";
@@ -162,7 +163,7 @@ TEST_F(Reports, OneThatIsLostInItsSetUpIsDegraded) {
 
 using Orders = OneController;
 
-TEST_F(Orders, AreAskedForThreeTimesBeforeTheActuatorIsLost) {
+TEST_F(Orders, AreQueriedThreeTimesBeforeTheActuatorIsLost) {
   StartUp();
   Do(event::SetStateRequested{1, "LowPower", {}});
   Pass(Milliseconds(999));
@@ -172,7 +173,7 @@ TEST_F(Orders, AreAskedForThreeTimesBeforeTheActuatorIsLost) {
   EXPECT_THAT(Did<action::SendAsk>(), SizeIs(6));  // three each
 }
 
-TEST_F(Orders, HaveNumbersAboveAllThatWasSeen) {
+TEST_F(Orders, HaveNumbersAboveAllSeenNumbers) {
   StartUp();
   const std::uint64_t before = machine_.number;
   ActuatorReport report = Report(0);
@@ -186,7 +187,7 @@ TEST_F(Orders, HaveNumbersAboveAllThatWasSeen) {
   EXPECT_EQ(Of(0).order->number, before + 1);
 }
 
-TEST_F(Orders, ThatACyberdogModuleDoesInItsTimeAreNoHang) {
+TEST_F(Orders, ThatACyberdogModuleExecutesInItsTimeAreNotAHang) {
   config_.actuators[0].protocol = Protocol::kCyberdog;
   config_.actuators[0].command = {"run"};
   config_.actuators[0].restart.policy = RestartPolicy::kOnFailure;
@@ -203,7 +204,7 @@ TEST_F(Orders, ThatACyberdogModuleDoesInItsTimeAreNoHang) {
                       report.target = "OTA";
                       return report;
                     }()});
-  EXPECT_THAT(Did<action::TakeBacktrace>(), SizeIs(1)) << "it can't be asked";
+  EXPECT_THAT(Did<action::TakeBacktrace>(), SizeIs(1)) << "it cannot be queried";
 }
 
 }  // namespace musher::testing::take_control_test

@@ -1,5 +1,5 @@
-// A request for a switch comes while a late actuator is on its own way to where the machine is: it
-// was refused with TargetBusy, right after `musher up --detach`.
+// A switch is requested while a late actuator is being driven to the state of the machine on its
+// own. Such a request was refused with TargetBusy, right after `musher up --detach`.
 
 #include <gmock/gmock.h>
 
@@ -14,7 +14,8 @@ using ::testing::HasSubstr;
 
 class WaitingSwitches : public Switching {
  protected:
-  // The machine is in `state`; c has been started anew and is on its way there, 80 of its 100 ms.
+  // The machine is in `state`; c was restarted and is being driven there, 80 of its 100 ms are
+  // left.
   Harness& WithALateOne(const State& state, MachineConfig config = MachineOf(3)) {
     Harness& t = In(state, std::move(config));
     t.On("c", state).takes = Milliseconds(80);
@@ -34,7 +35,7 @@ class WaitingSwitches : public Switching {
   static bool Answered(const Harness& t, RequestId request) { return t.answers.count(request) > 0; }
 };
 
-TEST_F(WaitingSwitches, UpIsBegunOnceTheLateActuatorIsFreeAndTakesItAlong) {
+TEST_F(WaitingSwitches, UpBeginsOnceTheLateActuatorIsFreeAndIncludesIt) {
   Harness& t = WithALateOne("LowPower");
   const SwitchResult result = t.Set("Active");
   EXPECT_TRUE(result.done()) << result.reason;
@@ -49,7 +50,7 @@ TEST_F(WaitingSwitches, NothingIsSentBeforeTheLateActuatorIsFree) {
   EXPECT_FALSE(t.machine().current);
 }
 
-TEST_F(WaitingSwitches, TheSameRequestJoinsTheOneThatWaits) {
+TEST_F(WaitingSwitches, TheSameRequestJoinsTheWaitingOne) {
   Harness& t = WithALateOne("LowPower");
   const RequestId first = t.Ask("Active");
   const RequestId again = t.Ask("Active");
@@ -58,19 +59,18 @@ TEST_F(WaitingSwitches, TheSameRequestJoinsTheOneThatWaits) {
   EXPECT_EQ(t.answers.at(again).number, t.answers.at(first).number);
 }
 
-TEST_F(WaitingSwitches, AnotherRequestIsToldWhenToComeAgain) {
+TEST_F(WaitingSwitches, AnotherRequestIsRefusedWithARetryTime) {
   Harness& t = WithALateOne("LowPower");
   const RequestId first = t.Ask("Active");
   const SwitchResult other = t.Set("DeActive");
   EXPECT_EQ(other.outcome, SwitchOutcome::kRefused);
   EXPECT_EQ(other.code, kCodeTargetBusy);
-  EXPECT_THAT(other.reason,
-              AllOf(HasSubstr("a switch to Active waits"), HasSubstr("come again in")));
+  EXPECT_THAT(other.reason, AllOf(HasSubstr("switch to Active is waiting"), HasSubstr("retry in")));
   t.Rest();
   EXPECT_TRUE(t.answers.at(first).done());
 }
 
-TEST_F(WaitingSwitches, AMoreUrgentRequestIsBegunInstead) {
+TEST_F(WaitingSwitches, AMoreUrgentRequestBeginsInstead) {
   for (const char* urgent : {"Error", "TearDown"}) {
     Harness& t = WithALateOne("LowPower");
     const RequestId request = t.Ask("Active");
@@ -82,7 +82,7 @@ TEST_F(WaitingSwitches, AMoreUrgentRequestIsBegunInstead) {
   }
 }
 
-TEST_F(WaitingSwitches, OneThatWaitsForAnActuatorThatHangsIsRefusedWithinItsTime) {
+TEST_F(WaitingSwitches, ASwitchThatWaitsForAHungActuatorIsRefusedWithinItsTime) {
   Harness& t = WithALateOne("LowPower");
   t.On("c", "LowPower").hangs = true;
   StartLate(t, "c", "LowPower");
@@ -93,7 +93,7 @@ TEST_F(WaitingSwitches, OneThatWaitsForAnActuatorThatHangsIsRefusedWithinItsTime
   EXPECT_LE(t.now() - begun, Milliseconds(100 + 3 * 300 + 100));
 }
 
-TEST_F(WaitingSwitches, OneThatWaitsForAnActuatorThatDiesGoesOnWithoutIt) {
+TEST_F(WaitingSwitches, ASwitchThatWaitsForAnActuatorThatDiesGoesOnWithoutIt) {
   Harness& t = WithALateOne("LowPower");
   const RequestId request = t.Ask("Active");
   t.Crash("c");
@@ -104,7 +104,7 @@ TEST_F(WaitingSwitches, OneThatWaitsForAnActuatorThatDiesGoesOnWithoutIt) {
   EXPECT_EQ(t.StateOf("a"), "Active");
 }
 
-TEST_F(WaitingSwitches, AnEmergencyStopRefusesTheOneThatWaitsAtOnce) {
+TEST_F(WaitingSwitches, AnEmergencyStopRefusesTheWaitingSwitchAtOnce) {
   Harness& t = WithALateOne("LowPower");
   const RequestId request = t.Ask("Active");
   t.StopAll(7);
@@ -113,7 +113,7 @@ TEST_F(WaitingSwitches, AnEmergencyStopRefusesTheOneThatWaitsAtOnce) {
   EXPECT_EQ(t.answers.at(request).code, kCodeProtectedError);
 }
 
-TEST_F(WaitingSwitches, AControllerThatIsFencedTellsTheOneThatWaits) {
+TEST_F(WaitingSwitches, AFencedControllerAnswersTheWaitingRequest) {
   Harness& t = WithALateOne("LowPower");
   const RequestId request = t.Ask("Active");
   t.HearRival(9);
@@ -130,9 +130,9 @@ TEST_F(WaitingSwitches, OfTheLateActuatorItselfWaitsToo) {
   EXPECT_TRUE(t.RecordOf("c").held);
 }
 
-TEST_F(WaitingSwitches, NoOtherLateActuatorIsDrivenBeforeTheOneThatWaits) {
+TEST_F(WaitingSwitches, NoOtherLateActuatorIsDrivenBeforeTheWaitingSwitch) {
   MachineConfig config = MachineOf(3);
-  ActuatorNamed(config, "b").after = {"c"};  // it goes up behind c
+  ActuatorNamed(config, "b").after = {"c"};  // it goes up after c
   Harness& t = WithALateOne("LowPower", config);
   t.On("b", "LowPower").takes = Milliseconds(80);
   t.Crash("b");
@@ -146,7 +146,7 @@ TEST_F(WaitingSwitches, NoOtherLateActuatorIsDrivenBeforeTheOneThatWaits) {
   EXPECT_EQ(t.StateOf("b"), "Active");
 }
 
-TEST_F(WaitingSwitches, ThePlanSaysThatItWouldWaitAndForWhat) {
+TEST_F(WaitingSwitches, ThePlanReportsThatItWouldWaitAndForWhat) {
   Harness& t = WithALateOne("LowPower");
   const Plan plan = MakePlan(t.config(), t.machine(), State("Active"));
   ASSERT_TRUE(plan.free_by);
@@ -155,7 +155,7 @@ TEST_F(WaitingSwitches, ThePlanSaysThatItWouldWaitAndForWhat) {
   EXPECT_EQ(plan.steps[2].wave, 1) << "it shows what is done after that";
 }
 
-TEST_F(WaitingSwitches, WhatIsAgainstASwitchOtherwiseIsToldAtOnce) {
+TEST_F(WaitingSwitches, AnotherReasonAgainstASwitchRefusesItAtOnce) {
   MachineConfig config = MachineOf(3);
   std::erase(ActuatorNamed(config, "b").states, "DeActive");
   ActuatorNamed(config, "b").times.pop_back();

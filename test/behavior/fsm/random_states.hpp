@@ -1,6 +1,6 @@
 #pragma once
-// Machines whose states do what a seed makes of what they see: for what has to hold whatever states
-// do. They stay, leave at once or gradually, handle, keep or ignore commands, send some, and throw.
+// Machines whose states act pseudo-randomly, from a seed and their inputs: for property tests. They
+// stay, leave at once or gradually, handle, keep or ignore commands, send some, and throw.
 
 #include <rapidcheck.h>
 
@@ -15,7 +15,7 @@
 
 namespace musher::fsm {
 
-// What the states of an application look at.
+// The input data of the states of an application.
 struct Facts {
   std::int64_t number = 0;
 };
@@ -26,17 +26,17 @@ inline std::uint64_t Mix(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-inline constexpr std::array<const char*, 5> kWhimStates{"A", "B", "C", "D", "SAFE"};
-inline constexpr std::array<const char*, 3> kWhimEvents{"go", "look around", "stop"};
+inline constexpr std::array<const char*, 5> kRandomStates{"A", "B", "C", "D", "SAFE"};
+inline constexpr std::array<const char*, 3> kRandomEvents{"go", "look around", "stop"};
 
-class Whim : public State {
+class RandomState : public State {
  public:
-  Whim(std::uint64_t seed, Facts& facts, Machine& machine)
+  RandomState(std::uint64_t seed, Facts& facts, Machine& machine)
       : seed_(seed), facts_(facts), machine_(machine) {}
 
   void Declare(Ways& ways) override {
-    for (const char* state : kWhimStates) ways_.push_back(ways.To(state, "on a whim"));
-    ways_.push_back(StateId{77});  // there is none
+    for (const char* state : kRandomStates) ways_.push_back(ways.To(state, "at random"));
+    ways_.push_back(StateId{77});  // unknown
   }
   void OnEnter(const Tick& tick) override { Maybe(tick, 1); }
   void Run(const Tick& tick) override { Maybe(tick, 2); }
@@ -46,34 +46,34 @@ class Whim : public State {
   }
   void OnExit(const Tick& tick) override { Maybe(tick, 4); }
   Next CheckTransition(const Tick& tick) override {
-    const std::uint64_t whim = Maybe(tick, 5);
-    if (whim % 8 < 5) return whim % 8 < 2 ? Next::Handle() : Next::Stay();
-    const StateId to = ways_[(whim >> 8) % (whim % 1024 == 7 ? 6 : 5)];
-    const Next next = Next::To(to, Milliseconds((whim >> 16) % 3 == 0 ? (whim >> 24) % 90 : 0));
-    return (whim >> 32) % 4 == 0 ? next.KeepCommand() : next;
+    const std::uint64_t bits = Maybe(tick, 5);
+    if (bits % 8 < 5) return bits % 8 < 2 ? Next::Handle() : Next::Stay();
+    const StateId to = ways_[(bits >> 8) % (bits % 1024 == 7 ? 6 : 5)];
+    const Next next = Next::To(to, Milliseconds((bits >> 16) % 3 == 0 ? (bits >> 24) % 90 : 0));
+    return (bits >> 32) % 4 == 0 ? next.KeepCommand() : next;
   }
   void Persist(Archive& archive) override {
     archive.Field("calls", calls_);
     archive.Field("seen", seen_);
     archive.Field("a share", share_);
-    archive.Field("said", said_);
+    archive.Field("text", text_);
     archive.Field("odd", odd_);
   }
 
  private:
   std::uint64_t Maybe(const Tick& tick, std::uint64_t phase) {
     ++calls_;
-    const std::uint64_t whim =
+    const std::uint64_t bits =
         Mix(seed_ + Mix(static_cast<std::uint64_t>(calls_ * 8) + phase +
                         Mix(static_cast<std::uint64_t>(tick.elapsed.count()) * 3 +
                             static_cast<std::uint64_t>(facts_.number) + Index(tick.command))));
     seen_ += tick.step;
     share_ += tick.progress() / 3;
     odd_ = !odd_;
-    said_ = std::to_string(whim % 1000) + "\"\n\\ü";
-    if (whim % 41 == 0) (void)machine_.Send(kWhimEvents[whim % 3]).ok();
-    if (whim % 61 == 0) throw std::runtime_error("whim " + std::to_string(whim % 10));
-    return whim >> 3;
+    text_ = std::to_string(bits % 1000) + "\"\n\\ü";
+    if (bits % 41 == 0) (void)machine_.Send(kRandomEvents[bits % 3]).ok();
+    if (bits % 61 == 0) throw std::runtime_error("random " + std::to_string(bits % 10));
+    return bits >> 3;
   }
 
   const std::uint64_t seed_;
@@ -83,20 +83,20 @@ class Whim : public State {
   std::int64_t calls_ = 0;
   Duration seen_{};
   double share_ = 0.1;
-  std::string said_;
+  std::string text_;
   bool odd_ = false;
 };
 
 // Of five states; D holds a machine of the same kind, `depth` times.
-inline std::unique_ptr<Machine> WhimMachine(std::uint64_t seed, Facts& facts, int depth = 1,
-                                            std::size_t history = 500) {
+inline std::unique_ptr<Machine> RandomMachine(std::uint64_t seed, Facts& facts, int depth = 1,
+                                              std::size_t history = 500) {
   auto machine = std::make_unique<Machine>(Machine::Options{
-      .name = "whims " + std::to_string(depth), .history = history, .commands = 4});
-  for (const char* event : kWhimEvents) {
+      .name = "random " + std::to_string(depth), .history = history, .commands = 4});
+  for (const char* event : kRandomEvents) {
     machine->AddEvent(event,
                       std::string_view(event) == "stop" ? Urgency::kUrgent : Urgency::kNormal);
   }
-  for (std::size_t i = 0; i < kWhimStates.size(); ++i) {
+  for (std::size_t i = 0; i < kRandomStates.size(); ++i) {
     const std::uint64_t own = Mix(seed * 10 + i);
     const Role role = i == 4 ? Role::kSafe : Role::kNormal;
     if (i == 3 && depth > 0) {
@@ -114,11 +114,11 @@ inline std::unique_ptr<Machine> WhimMachine(std::uint64_t seed, Facts& facts, in
        private:
         StateId back_ = kNoState;
       };
-      machine->Add(kWhimStates[i],
-                   std::make_unique<Outer>(WhimMachine(own, facts, depth - 1, history), "A",
+      machine->Add(kRandomStates[i],
+                   std::make_unique<Outer>(RandomMachine(own, facts, depth - 1, history), "A",
                                            Nested::Options{.resumes = seed % 2 == 0}));
     } else {
-      machine->Add(kWhimStates[i], std::make_unique<Whim>(own, facts, *machine), role);
+      machine->Add(kRandomStates[i], std::make_unique<RandomState>(own, facts, *machine), role);
     }
   }
   machine->AddSafetyCheck("number", [&facts](const Tick&) {
@@ -129,40 +129,41 @@ inline std::unique_ptr<Machine> WhimMachine(std::uint64_t seed, Facts& facts, in
   return machine;
 }
 
-// What a machine is given.
-struct Push {
-  int kind = 0;  // see Give()
+// An input of a machine.
+struct RandomInput {
+  int kind = 0;  // see ApplyTo()
   std::int64_t value = 0;
 };
 
-inline std::vector<Push> AnyPushes() {
-  return *rc::gen::container<std::vector<Push>>(rc::gen::apply(
+inline std::vector<RandomInput> AnyInputs() {
+  return *rc::gen::container<std::vector<RandomInput>>(rc::gen::apply(
       [](int kind, std::int64_t value) {
-        return Push{kind, value};
+        return RandomInput{kind, value};
       },
       rc::gen::weightedElement<int>(
           {{30, 0}, {6, 1}, {4, 2}, {1, 3}, {1, 4}, {1, 5}, {1, 6}, {1, 7}}),
       rc::gen::inRange<std::int64_t>(0, 60)));
 }
 
-// `now` is where the clock stands; it may go back. `input` is told of a change of the facts.
-template <class InputTold>
-void Give(Machine& machine, const Push& push, Time& now, Facts& facts, const InputTold& input) {
-  const auto index = static_cast<std::size_t>(push.value);
-  switch (push.kind) {
+// `now` is the clock; it may go back. `input` is called for a change of the facts.
+template <class OnInput>
+void ApplyTo(Machine& machine, const RandomInput& step, Time& now, Facts& facts,
+             const OnInput& input) {
+  const auto index = static_cast<std::size_t>(step.value);
+  switch (step.kind) {
     case 0:
-      now += Milliseconds(push.value == 59 ? 3'600'000 : push.value - 5);
+      now += Milliseconds(step.value == 59 ? 3'600'000 : step.value - 5);
       machine.RunOnce(now);
       break;
     case 1:
-      (void)machine.Send(kWhimEvents[index % kWhimEvents.size()]).ok();
+      (void)machine.Send(kRandomEvents[index % kRandomEvents.size()]).ok();
       break;
     case 2:
-      facts.number = push.value;
+      facts.number = step.value;
       input(facts.number);
       break;
     case 3:
-      (void)machine.Force(kWhimStates[index % kWhimStates.size()]).ok();
+      (void)machine.Force(kRandomStates[index % kRandomStates.size()]).ok();
       break;
     case 4:
       (void)machine.Reset().ok();
