@@ -31,7 +31,7 @@ ota() {
 }
 # has_said TEXT: whether the robot has said it since its voice was started.
 has_said() {
-  grep -q "says \"$1" "$logs/audio.log" && echo yes
+  grep -q "plays \"$1" "$logs/audio.log" && echo yes
 }
 
 # The yard is no part of the robot: it goes on when that is upgraded or switched off.

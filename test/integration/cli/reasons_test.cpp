@@ -56,9 +56,9 @@ TEST_F(Reasons, StatusSaysThatTheProgramEndedByItself) {
     const std::string message = s["actuators"]["voice"]["message"];
     return message.find("exit code") != std::string::npos;
   });
-  EXPECT_THAT(
-      status["actuators"]["voice"]["message"].get<std::string>(),
-      AllOf(HasSubstr("its program ended by itself: exit code 0"), Not(HasSubstr("out of reach"))));
+  EXPECT_THAT(status["actuators"]["voice"]["message"].get<std::string>(),
+              AllOf(HasSubstr("the program exited by itself: exit code 0"),
+                    Not(HasSubstr("out of reach"))));
 }
 
 TEST_F(Reasons, PythonUnderMusherExecPrintsAtOnce) {
