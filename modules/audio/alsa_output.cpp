@@ -12,10 +12,10 @@ namespace musher::audio {
 namespace {
 
 constexpr unsigned kLatencyUs = 100'000;  // of the device's buffer
-constexpr std::size_t kChunk = 512;       // samples; a stop is heard after so many
+constexpr std::size_t kChunk = 512;       // samples; a stop takes effect after one chunk
 constexpr int kWaitMs = 20;               // for room in the buffer
 constexpr int kDrainLookMs = 5;
-constexpr Duration kPatience = Milliseconds(2'000);  // without progress
+constexpr Duration kProgressTimeout = Milliseconds(2'000);
 
 struct Close {
   void operator()(snd_pcm_t* pcm) const { snd_pcm_close(pcm); }
@@ -51,7 +51,7 @@ AlsaOutput::AlsaOutput(transport::EventLoop& loop, std::string device)
     : loop_(loop),
       device_(std::move(device)),
       wanted_(std::make_shared<std::atomic<std::uint64_t>>(0)) {
-  snd_lib_error_set_handler(SayNothing);  // what is wrong comes back, and is told once
+  snd_lib_error_set_handler(SayNothing);  // errors are returned and logged once
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -120,7 +120,7 @@ Result<> AlsaOutput::PlayOut(const Job& job) {
       progress = Now();
       continue;
     }
-    if (Now() - progress > kPatience) return Failed(device_, -ETIMEDOUT);
+    if (Now() - progress > kProgressTimeout) return Failed(device_, -ETIMEDOUT);
     const int error = written == -EAGAIN ? snd_pcm_wait(pcm, kWaitMs) : static_cast<int>(written);
     if (error < 0 && snd_pcm_recover(pcm, error, 1) < 0) return Failed(device_, error);
   }
@@ -129,9 +129,9 @@ Result<> AlsaOutput::PlayOut(const Job& job) {
   return drained < 0 ? Result<>(Failed(device_, drained)) : Ok();
 }
 
-// Waits until the device is past what it was given, or that is not wanted any more.
+// Waits until the device has played all samples, or the sound is not wanted any more.
 int AlsaOutput::Drain(snd_pcm_t* pcm, const Job& job) {
-  const Time deadline = Now() + kPatience;
+  const Time deadline = Now() + kProgressTimeout;
   while (Wanted(job)) {
     const int error = snd_pcm_drain(pcm);
     if (error != -EAGAIN) return error;
@@ -143,7 +143,7 @@ int AlsaOutput::Drain(snd_pcm_t* pcm, const Job& job) {
 }
 
 Result<> AlsaOutput::Check() {
-  if (*wanted_ != 0) return Ok();  // it plays, or will say why not
+  if (*wanted_ != 0) return Ok();  // it plays, or will report its error
   const std::lock_guard lock(in_use_);
   const Result<Pcm> opened = Open(device_, Sound{}.rate_hz);
   return opened ? Ok() : Result<>(Error{kBoardFailed, opened.error().message});

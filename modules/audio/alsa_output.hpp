@@ -1,6 +1,6 @@
 #pragma once
-// Sound to a device of ALSA. The device is opened for each sound, so that one that was unplugged is
-// found again, and other programs have it in between.
+// Sound to an ALSA device. The device is opened for each sound, so that one that was unplugged and
+// plugged in again works, and other programs can use it in between.
 
 #include <atomic>
 #include <condition_variable>
@@ -43,9 +43,9 @@ class AlsaOutput : public Output {
   const std::string device_;
   std::uint64_t last_ = 0;
   std::atomic<int> volume_ = 100;
-  // The job that is wanted, 0: none. What is posted to the loop may outlive the output.
+  // The job that is wanted, 0: none. Work posted to the loop may outlive the output.
   const std::shared_ptr<std::atomic<std::uint64_t>> wanted_;
-  std::mutex in_use_;  // the device
+  std::mutex in_use_;  // guards the device
   std::mutex mutex_;   // guards what follows
   std::condition_variable given_;
   std::optional<Job> next_;

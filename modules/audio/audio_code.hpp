@@ -1,6 +1,6 @@
 #pragma once
-// The codes of the audio module: module AudioNX (5000) and a key. CyberDog's own module builds them
-// from module Robot, so that nobody can tell whose they are.
+// The codes of the audio module: module AudioNX (5000) and a key. CyberDog's own module builds
+// them from module Robot, which hides where they come from.
 
 #include <cstdint>
 #include <string>
@@ -27,11 +27,11 @@ constexpr std::int32_t AudioCode(AudioKey key) {
   return static_cast<std::int32_t>(ModuleCode::kAudioNx) + static_cast<std::int32_t>(key);
 }
 
-// The output's self-check speaks for the sound board, which CyberDog has a phrase for.
+// The output's self-check reports as the sound board, which CyberDog has a phrase for.
 inline constexpr std::int32_t kBoardFailed =
     MakeCode(ModuleCode::kAudioBoard, KeyCode::kSelfCheckFailed);
 
-// What a code means, for people; empty for a code that is not this module's.
+// The meaning of a code; empty for a code that is not this module's.
 std::string AudioCodeText(std::int32_t code);
 
 }  // namespace musher::audio

@@ -116,7 +116,7 @@ class Reader {
     voice.chinese = Named(reader, "chinese").value_or(voice.chinese);
   }
 
-  // A string that is not empty.
+  // A non-empty string.
   static std::optional<std::string> Named(TableReader& reader, std::string_view key) {
     const auto word = reader.String(key);
     if (!word) return std::nullopt;
@@ -134,7 +134,7 @@ void Append(std::vector<Diagnostic>&& more, std::vector<Diagnostic>& diagnostics
   std::move(more.begin(), more.end(), std::back_inserter(diagnostics));
 }
 
-// The files that the config names. Gives whether all are good.
+// Reads the files that the config names. Returns whether all are valid.
 bool ReadFiles(AudioConfig& config, std::vector<Diagnostic>& diagnostics) {
   bool good = true;
   if (!config.phrases_file.empty()) {
@@ -144,7 +144,7 @@ bool ReadFiles(AudioConfig& config, std::vector<Diagnostic>& diagnostics) {
     config.phrases = std::move(reading.phrases).value_or(Phrases());
   }
   for (std::size_t i = 0; i < config.cue_topics.size(); ++i) {
-    if (config.cue_files[i].empty()) continue;  // which is told already
+    if (config.cue_files[i].empty()) continue;  // which is reported already
     CuesReading reading = ReadCuesFile(config.cue_files[i]);
     Append(std::move(reading.diagnostics), diagnostics);
     good = good && reading.cues;

@@ -49,7 +49,7 @@ struct AudioConfig {
 
 struct AudioReading {
   std::optional<AudioConfig> config;    // present exactly when no diagnostic is an error
-  std::vector<Diagnostic> diagnostics;  // of this file, then of those that it names
+  std::vector<Diagnostic> diagnostics;  // of this file, then of the files that it names
 };
 
 // Never throws; an unreadable file is a diagnostic.

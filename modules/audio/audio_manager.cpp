@@ -54,7 +54,7 @@ Result<> AudioManager::MakeAll() {
   return Ok();
 }
 
-// The voice and the output, both looked at: the message names all that fails.
+// Checks both voice and output: the message names all failures.
 Result<> AudioManager::SelfCheck() {
   const Result<> voice = maker_->Check();
   Result<> output = output_->Check();

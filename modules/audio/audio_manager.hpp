@@ -1,7 +1,7 @@
 #pragma once
-// The actuator `audio`: the voice of a robot. See README.md beside this.
+// The actuator `audio`: the voice of a robot. See README.md in this folder.
 //
-// Threads: state callbacks on the actuator's worker, topics and services on the loop of its node,
+// Threads: state callbacks on the actuator's worker, topics and services on the loop of its node;
 // sound is made and played on threads of its own.
 
 #include <memory>

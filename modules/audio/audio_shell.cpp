@@ -5,9 +5,9 @@
 
 namespace musher::audio {
 
-AudioShell::AudioShell(const Dependencies& around, const AudioConfig& config, SoundMaker& maker,
-                       Output& output)
-    : around_(around),
+AudioShell::AudioShell(const Dependencies& dependencies, const AudioConfig& config,
+                       SoundMaker& maker, Output& output)
+    : dependencies_(dependencies),
       rules_{config.phrases, config.language, config.longest_text, config.cue_topics},
       maker_(maker),
       output_(output) {
@@ -20,24 +20,24 @@ AudioShell::~AudioShell() {
   output_.Stop();
 }
 
-Result<std::unique_ptr<AudioShell>> AudioShell::Make(const Dependencies& around,
+Result<std::unique_ptr<AudioShell>> AudioShell::Make(const Dependencies& dependencies,
                                                      const AudioConfig& config, SoundMaker& maker,
                                                      Output& output) {
-  std::unique_ptr<AudioShell> shell(new AudioShell(around, config, maker, output));
+  std::unique_ptr<AudioShell> shell(new AudioShell(dependencies, config, maker, output));
   if (Result<> connected = shell->Connect(); !connected) return connected.error();
   return shell;
 }
 
 Result<> AudioShell::Connect() {
-  auto report =
-      transport::MakePublisher<msg::Bool>(around_.node, around_.Name("audio_notification_report"));
+  auto report = transport::MakePublisher<msg::Bool>(
+      dependencies_.node, dependencies_.Name("audio_notification_report"));
   if (!report) return report.error();
   report_ = std::move(report).value();
   if (Result<> connected = ConnectPlay(); !connected) return connected;
   if (Result<> connected = ConnectCues(); !connected) return connected;
   auto listening = Listening::Make(
-      around_.node, around_.name_space,
-      [this] { return !player_.microphone_off && player_.state != kTearDown; }, around_.log);
+      dependencies_.node, dependencies_.name_space,
+      [this] { return !player_.microphone_off && player_.state != kTearDown; }, dependencies_.log);
   if (!listening) return listening.error();
   listening_ = std::move(listening).value();
   return ConnectSettings();
@@ -45,38 +45,40 @@ Result<> AudioShell::Connect() {
 
 Result<> AudioShell::ConnectPlay() {
   auto play = transport::MakeSubscription<msg::AudioPlay>(
-      around_.node, around_.Name("speech_play"), [this](const msg::AudioPlay& m, const auto&) {
-        Take(play_event::Asked{{0, m.module_name, false, m.play_id, {}}});
+      dependencies_.node, dependencies_.Name("speech_play"),
+      [this](const msg::AudioPlay& m, const auto&) {
+        Take(play_event::PlayRequested{{0, m.module_name, false, m.play_id, {}}});
       });
   if (!play) return play.error();
   subscriptions_.push_back(std::move(play).value());
   auto extended = transport::MakeSubscription<msg::AudioPlayExtend>(
-      around_.node, around_.Name("speech_play_extend"),
+      dependencies_.node, dependencies_.Name("speech_play_extend"),
       [this](const msg::AudioPlayExtend& m, const auto&) {
-        Take(play_event::Asked{{0, m.module_name, m.is_online, m.speech.play_id, m.text}});
+        Take(play_event::PlayRequested{{0, m.module_name, m.is_online, m.speech.play_id, m.text}});
       });
   if (!extended) return extended.error();
   subscriptions_.push_back(std::move(extended).value());
-  Result<> served = Serve<msg::AudioTextPlay>(
-      "speech_text_play", [this](const msg::AudioTextPlay::Request& m, auto reply) {
-        const CallToken token = Expect([reply](std::int32_t code) {
-          const bool good = code == kCodeOk;
-          reply({good ? msg::AudioTextPlay::kFinished : msg::AudioTextPlay::kFailed, code});
-        });
-        Take(play_event::Asked{{token, m.module_name, m.is_online, m.speech.play_id, m.text}});
-      });
+  Result<> served = Serve<
+      msg::AudioTextPlay>("speech_text_play", [this](const msg::AudioTextPlay::Request& m,
+                                                     auto reply) {
+    const CallToken token = Expect([reply](std::int32_t code) {
+      const bool good = code == kCodeOk;
+      reply({good ? msg::AudioTextPlay::kFinished : msg::AudioTextPlay::kFailed, code});
+    });
+    Take(play_event::PlayRequested{{token, m.module_name, m.is_online, m.speech.play_id, m.text}});
+  });
   if (!served) return served;
   return Serve<msg::EmptyService>("stop_play", [this](const msg::Empty&, auto reply) {
-    Take(play_event::StopAsked{Expect([reply](std::int32_t) { reply({}); })});
+    Take(play_event::StopRequested{Expect([reply](std::int32_t) { reply({}); })});
   });
 }
 
 Result<> AudioShell::ConnectCues() {
   for (std::size_t i = 0; i < rules_.cue_topics.size(); ++i) {
     auto cues = transport::MakeSubscription<msg::String>(
-        around_.node, around_.Name(rules_.cue_topics[i].topic),
+        dependencies_.node, dependencies_.Name(rules_.cue_topics[i].topic),
         [this, i](const msg::String& cue, const auto&) {
-          Take(play_event::CueAsked{i, cue.data});
+          Take(play_event::CueRequested{i, cue.data});
         });
     if (!cues) return cues.error();
     subscriptions_.push_back(std::move(cues).value());
@@ -85,14 +87,15 @@ Result<> AudioShell::ConnectCues() {
 }
 
 Result<> AudioShell::ConnectSettings() {
-  const auto told = [](auto reply) {
+  const auto code_reply = [](auto reply) {
     return [reply](std::int32_t code) { reply({code == kCodeOk, code}); };
   };
   for (const Result<>&served :
-       {Serve<msg::AudioVolumeSet>("audio_volume_set",
-                                   [=, this](const auto&m, auto reply) {
-                                     Take(play_event::VolumeAsked{Expect(told(reply)), m.volume});
-                                   }),
+       {Serve<msg::AudioVolumeSet>(
+            "audio_volume_set",
+            [=, this](const auto&m, auto reply) {
+              Take(play_event::VolumeRequested{Expect(code_reply(reply)), m.volume});
+            }),
         Serve<msg::AudioVolumeGet>("audio_volume_get",
                                    [this](const auto&, auto reply) {
                                      reply({static_cast<std::uint8_t>(player_.volume), kCodeOk});
@@ -100,7 +103,7 @@ Result<> AudioShell::ConnectSettings() {
         Serve<msg::AudioExecute>(
             "set_audio_state",
             [=, this](const auto&m, auto reply) {
-              Take(play_event::MicrophoneAsked{Expect(told(reply)), m.status.state});
+              Take(play_event::MicrophoneRequested{Expect(code_reply(reply)), m.status.state});
             }),
         Serve<msg::AudioExecute>("get_audio_state",
                                  [this](const auto&, auto reply) {
@@ -111,7 +114,7 @@ Result<> AudioShell::ConnectSettings() {
                               const CallToken token = Expect([reply](std::int32_t code) {
                                 reply({code == kCodeOk, AudioCodeText(code)});
                               });
-                              Take(play_event::VoiceControlAsked{token, m.data});
+                              Take(play_event::VoiceControlRequested{token, m.data});
                             }),
         Serve<msg::Trigger>("audio_action_get",
                             [this](const auto&, auto reply) {
@@ -127,7 +130,8 @@ Result<> AudioShell::ConnectSettings() {
 
 template <msg::Service S>
 Result<> AudioShell::Serve(const char* name, typename transport::Server<S>::Handler handler) {
-  auto server = transport::MakeServer<S>(around_.node, around_.Name(name), std::move(handler));
+  auto server =
+      transport::MakeServer<S>(dependencies_.node, dependencies_.Name(name), std::move(handler));
   if (!server) return server.error();
   servers_.push_back(std::move(server).value());
   return Ok();
@@ -139,12 +143,12 @@ CallToken AudioShell::Expect(AnswerCode answer) {
 }
 
 void AudioShell::Take(const PlayEvent& event) {
-  for (const PlayAction& action : Step(rules_, player_, event, around_.clock.Now())) {
+  for (const PlayAction& action : Step(rules_, player_, event, dependencies_.clock.Now())) {
     std::visit([this](const auto& a) { Do(a); }, action);
   }
   timer_.reset();
   if (const auto next = NextTime(player_)) {
-    timer_ = around_.clock.At(*next, [this] { Take(play_event::TimePassed{}); });
+    timer_ = dependencies_.clock.At(*next, [this] { Take(play_event::TimePassed{}); });
   }
 }
 
@@ -187,7 +191,7 @@ void AudioShell::Do(const play_action::Report& action) {
 }
 
 void AudioShell::Do(const play_action::Log& action) {
-  around_.log(action.text);
+  dependencies_.log(action.text);
 }
 
 }  // namespace musher::audio

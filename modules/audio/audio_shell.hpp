@@ -1,6 +1,6 @@
 #pragma once
-// The voice of the robot on its topics and services: turns them into the player's events, and its
-// actions into sound and answers. Runs on any transport.
+// The audio module on its topics and services: turns messages into the player's events, and the
+// player's actions into sound and replies. Runs on any transport.
 //
 // Threads: the loop's.
 
@@ -35,8 +35,8 @@ struct Dependencies {
 
 class AudioShell {
  public:
-  // All of it outlives the shell.
-  static Result<std::unique_ptr<AudioShell>> Make(const Dependencies& around,
+  // All arguments outlive the shell.
+  static Result<std::unique_ptr<AudioShell>> Make(const Dependencies& dependencies,
                                                   const AudioConfig& config, SoundMaker& maker,
                                                   Output& output);
   ~AudioShell();
@@ -49,7 +49,7 @@ class AudioShell {
  private:
   using AnswerCode = std::function<void(std::int32_t code)>;
 
-  AudioShell(const Dependencies& around, const AudioConfig& config, SoundMaker& maker,
+  AudioShell(const Dependencies& dependencies, const AudioConfig& config, SoundMaker& maker,
              Output& output);
   Result<> Connect();
   Result<> ConnectPlay();
@@ -68,7 +68,7 @@ class AudioShell {
   void Do(const play_action::Report& action);
   void Do(const play_action::Log& action);
 
-  const Dependencies around_;
+  const Dependencies dependencies_;
   const PlayRules rules_;
   SoundMaker& maker_;
   Output& output_;

@@ -1,6 +1,6 @@
 #pragma once
-// Sounds that an application asks for by name: a topic carries the name of a cue, a file says what
-// is heard for it. Plain values; cues_toml.cpp reads them.
+// Sounds that an application requests by name: a topic carries the name of a cue, a file maps it
+// to what is played. Plain values; cues_toml.cpp reads them.
 
 #include <map>
 #include <optional>
@@ -15,16 +15,16 @@ namespace musher::audio {
 
 struct Cue {
   Spoken spoken;
-  std::optional<bool> interrupts = std::nullopt;  // none: as its topic says
+  std::optional<bool> interrupts = std::nullopt;  // none: as its topic is configured
 
   friend bool operator==(const Cue&, const Cue&) = default;
 };
 using Cues = std::map<std::string, Cue, std::less<>>;  // by id
 
-// A topic on which cues are asked for.
+// A topic on which cues are requested.
 struct CueTopic {
   std::string topic;       // absolute with a '/' before it, else in the machine's namespace
-  bool interrupts = true;  // what plays; else a cue waits for its turn
+  bool interrupts = true;  // interrupts what plays; else a cue waits for its turn
   Cues cues;
 
   friend bool operator==(const CueTopic&, const CueTopic&) = default;

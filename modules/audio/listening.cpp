@@ -62,7 +62,7 @@ Result<> Listening::Connect(transport::Node& node, const std::string& name_space
                                               own_name_ = on.data;
                                               reply({true, own_name_ ? wake_name_ : kWakeName});
                                             }));
-  // The app asks whether the voice is activated with the maker's account.
+  // The app queries whether the voice is activated with the manufacturer's account.
   serve(transport::MakeServer<msg::ProtocolTrigger>(
       node, resolved("audio_active_state"), [](const auto&, auto reply) {
         reply({false, "the voice needs no account, and has none", AudioCode(KeyCode::kUnSupport)});
@@ -81,7 +81,7 @@ void Listening::Publish(BoardState state) {
 
 void Listening::OnText(const std::string& text) {
   if (!microphone_on_()) return;
-  if (text.empty()) return;  // many recognisers say so of silence
+  if (text.empty()) return;  // many recognisers send an empty text for silence
   const bool bad = text.size() > kLongestText || !CharactersIn(text) || !HasSomethingToSay(text);
   if (std::exchange(refusing_, bad) != bad && bad) {
     log_("world/speech_text: refused: expected UTF-8 of 1 to " + std::to_string(kLongestText) +

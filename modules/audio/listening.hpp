@@ -1,8 +1,8 @@
 #pragma once
-// What the robot understands of what people say to it: texts of a recogniser become `asr_text`, and
-// with the wake word in them `dog_wakeup`, unless the microphone is off. The recogniser is another
-// program, or the simulated world; it publishes on `world/speech_text`. Also the robot's name and
-// wake word, and what the app asks about the voice.
+// Speech of people to the robot: texts of a speech recogniser are published as `asr_text`, and as
+// `dog_wakeup` if they contain the wake word, unless the microphone is off. The recogniser is
+// another program, or the simulated world; it publishes on `world/speech_text`. Also serves the
+// robot's name and wake word, and the app's queries about the voice.
 //
 // Threads: the loop's.
 
@@ -31,16 +31,17 @@ class Listening {
 
   using Log = std::function<void(const std::string&)>;
 
-  // `microphone_on` is asked with each text.
+  // `microphone_on` is called for each text.
   static Result<std::unique_ptr<Listening>> Make(transport::Node& node,
                                                  const std::string& name_space,
                                                  std::function<bool()> microphone_on, Log log);
 
-  // Whether there is sound; the change is in `audio_board_state`.
+  // Whether there is sound; a change is published on `audio_board_state`.
   void SetSpeaking(bool speaking);
 
  private:
-  // Of audio_board_state, as programs for CyberDog read them. 1, a recogniser begins, is not known.
+  // Of audio_board_state, as programs for CyberDog read it. 1, a recogniser begins, is never
+  // published.
   enum class BoardState : std::uint8_t { kSaid = 0, kRecognised = 2, kSpeaking = 3 };
 
   Listening(std::function<bool()> microphone_on, Log log)
@@ -55,7 +56,7 @@ class Listening {
   std::string nick_name_ = kNickName;
   std::string wake_name_ = kWakeName;
   bool own_name_ = true;   // false: the wake word is CyberDog's
-  bool refusing_ = false;  // the last text
+  bool refusing_ = false;  // the last text was refused
   bool speaking_ = false;
   std::unique_ptr<transport::Publisher<msg::UInt8>> board_;
   std::unique_ptr<transport::Publisher<msg::String>> text_;

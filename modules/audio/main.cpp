@@ -1,4 +1,4 @@
-// musher-audio-manager: the voice of a robot. See README.md beside this.
+// musher-audio-manager: the voice of a robot. See README.md in this folder.
 
 #include "musher/modules/audio/audio_config.hpp"
 #include "musher/modules/audio/audio_manager.hpp"
@@ -17,6 +17,6 @@ int main(int argc, char** argv) {
   return musher::program::Main(
       argc, argv,
       {"musher-audio-manager", "The voice of a robot, as the actuator audio.",
-       "Exit codes: 0 torn down; 1 not started, which is said on stderr; 2 usage or config."},
+       "Exit codes: 0 torn down; 1 not started (reason on stderr); 2 usage or config."},
       Run);
 }

@@ -18,10 +18,10 @@ std::unique_ptr<Output> MakeOutput(const OutputConfig& config, transport::EventL
   const Result<> works = alsa->Check();
   if (works) return alsa;
   if (config.kind == OutputKind::kAlsa) {
-    log("no sound for now: " + works.error().message);
+    log("no sound yet: " + works.error().message);
     return alsa;
   }
-  log("silent, for there is no sound device: " + works.error().message);
+  log("no sound device, the output is silent: " + works.error().message);
   return std::make_unique<SilentOutput>(clock);
 }
 

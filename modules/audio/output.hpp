@@ -20,23 +20,23 @@ class Output {
 
   virtual ~Output() = default;
 
-  // `ended` runs on the loop when it has been heard, or with the reason why not (the code of a
-  // device that takes no sound); never inside Play(). Ends what plays.
+  // `ended` runs on the loop when the sound has been played, or with the reason why not (the code
+  // of a device that takes no sound); never inside Play(). Ends a sound that plays.
   virtual void Play(std::shared_ptr<const Sound> sound, Ended ended) = 0;
-  // Silent at once; `ended` does not run.
+  // Stops the sound at once; `ended` does not run.
   virtual void Stop() = 0;
-  // In %, also of what plays.
+  // In %; applies also to a sound that plays.
   virtual void SetVolume(int volume) = 0;
-  // Whether sound could be heard. From any thread; may take a moment.
+  // Whether sound can be played. From any thread; may take a moment.
   virtual Result<> Check() = 0;
 };
 
-// The one of the config. `log` is told which, where the config leaves it open.
+// The output of the config. With `auto`, logs which one was chosen.
 std::unique_ptr<Output> MakeOutput(const OutputConfig& config, transport::EventLoop& loop,
                                    transport::Clock& clock,
                                    const std::function<void(const std::string&)>& log);
 
-// Takes as long as the sound does by the module's clock, and is not heard.
+// Takes as long as the sound by the module's clock, and makes none.
 class SilentOutput : public Output {
  public:
   explicit SilentOutput(transport::Clock& clock) : clock_(clock) {}

@@ -1,5 +1,5 @@
 #pragma once
-// The phrases that the robot knows by number. Plain values; phrases_toml.cpp reads them.
+// The robot's phrases by number. Plain values; phrases_toml.cpp reads them.
 
 #include <cstdint>
 #include <map>
@@ -13,7 +13,7 @@
 
 namespace musher::audio {
 
-// What is to be heard: a recording, or a text where there is none.
+// What is to be played: a recording, or a spoken text without one.
 struct Utterance {
   std::string text;
   Language language = Language::kEnglish;
@@ -22,12 +22,12 @@ struct Utterance {
   friend bool operator==(const Utterance&, const Utterance&) = default;
 };
 
-// How a phrase or a cue is heard: as a recording, or in a language.
+// How a phrase or a cue is played: as a recording, or as text in a language.
 struct Spoken {
   std::map<Language, std::string> texts;
   std::string recording;  // absolute path; empty: none
 
-  // In `language`, or in the other one where there is no text in it.
+  // In `language`, or in the other one when there is no text in it.
   Utterance In(Language language) const;
 
   friend bool operator==(const Spoken&, const Spoken&) = default;
@@ -35,7 +35,7 @@ struct Spoken {
 
 inline constexpr std::string_view kNumberMark = "{number}";
 
-// One phrase, or a row of them that differ by a number: of id `first` + n it says n.
+// One phrase, or a range of them that differ by a number: id `first` + n says n.
 struct Phrase {
   std::uint16_t first = 0;
   std::uint16_t last = 0;
@@ -47,10 +47,10 @@ struct Phrase {
 class Phrases {
  public:
   Phrases() = default;
-  // Their ranges do not overlap.
+  // The ranges do not overlap.
   explicit Phrases(std::vector<Phrase> phrases);
 
-  // In `language`, or in the other one where the phrase has no text in it.
+  // In `language`, or in the other one when the phrase has no text in it.
   std::optional<Utterance> Find(std::uint16_t id, Language language) const;
   bool Has(std::uint16_t id) const { return PhraseOf(id) != nullptr; }
   const std::vector<Phrase>& all() const { return phrases_; }

@@ -16,7 +16,7 @@ class Decision {
 
   PlayActions Run(const PlayEvent& event) && {
     Rebase();
-    ReleaseOverdue(now_ - Duration(1));  // what ends at its deadline ends in time
+    ReleaseOverdue(now_ - Duration(1));  // a sound that ends at its deadline is in time
     std::visit([this](const auto& e) { Take(e); }, event);
     ReleaseOverdue(now_);
     Advance();
@@ -25,8 +25,8 @@ class Decision {
   }
 
  private:
-  // Time began when the first /clock came, or anew when the world was restarted: what was left of
-  // each time is kept.
+  // Time started with the first /clock, or anew because the world was restarted: remaining times
+  // are kept.
   void Rebase() {
     const Duration jump = now_ - player_.now;
     if (jump < Duration::zero() || player_.now == Time{}) {
@@ -38,29 +38,29 @@ class Decision {
     player_.now = now_;
   }
 
-  void Take(const play_event::Asked& event) {
-    const PlayOrder& order = event.order;
-    if (!order.is_text && order.play_id == msg::AudioPlay::kStop) {
+  void Take(const play_event::PlayRequested& event) {
+    const PlayRequest& request = event.request;
+    if (!request.is_text && request.play_id == msg::AudioPlay::kStop) {
       StopAll();
-      return Answer(order.token, kCodeOk);
+      return Answer(request.token, kCodeOk);
     }
-    const Result<> may = MayBeHeard(order.token != 0);
-    const Result<Utterance> what = may ? Judge(order) : Result<Utterance>(may.error());
+    const Result<> may = MayPlay(request.token != 0);
+    const Result<Utterance> what = may ? UtteranceOf(request) : Result<Utterance>(may.error());
     if (!what) {
-      return Refuse(order.token, {what.error().code, "for " + config_toml::Quote(order.module) +
-                                                         ": " + what.error().message});
+      return Refuse(request.token, {what.error().code, "for " + config_toml::Quote(request.module) +
+                                                           ": " + what.error().message});
     }
-    Player::Sound sound{++player_.last_number, order.token,  now_ + kAnswerTime,
-                        order.module,          what.value(), false};
-    Enqueue(std::move(sound), order.token == 0);
+    Player::Sound sound{++player_.last_number, request.token, now_ + kAnswerTime,
+                        request.module,        what.value(),  false};
+    Enqueue(std::move(sound), request.token == 0);
   }
 
-  void Take(const play_event::CueAsked& event) {
+  void Take(const play_event::CueRequested& event) {
     const CueTopic& topic = rules_.cue_topics[event.topic];
     const auto cue = topic.cues.find(event.id);
-    if (cue == topic.cues.end()) return TellUnknown(topic, event.id);
+    if (cue == topic.cues.end()) return LogUnknown(topic, event.id);
     const bool interrupts = cue->second.interrupts.value_or(topic.interrupts);
-    if (const Result<> may = MayBeHeard(!interrupts); !may) {
+    if (const Result<> may = MayPlay(!interrupts); !may) {
       return Refuse(0, {may.error().code,
                         "cue " + config_toml::Quote(event.id) + ": " + may.error().message});
     }
@@ -73,7 +73,7 @@ class Decision {
             interrupts);
   }
 
-  void Take(const play_event::StopAsked& event) {
+  void Take(const play_event::StopRequested& event) {
     StopAll();
     Answer(event.token, kCodeOk);
   }
@@ -86,39 +86,39 @@ class Decision {
     player_.next_report = player_.reporting ? std::min(player_.next_report, now_) : now_;
     player_.reporting = true;
     const Utterance& what = player_.current->what;
-    Log("says " + config_toml::Quote(what.text.empty() ? what.recording : what.text) + " for " +
+    Log("plays " + config_toml::Quote(what.text.empty() ? what.recording : what.text) + " for " +
         config_toml::Quote(player_.current->module));
   }
 
   void Take(const play_event::Ended& event) {
     if (!IsCurrent(event.number) || !player_.current->sounding) return;
     if (!event.result) return Fail(event.result.error());
-    if (std::exchange(player_.device_lost, false)) Log("the sound device is back");
+    if (std::exchange(player_.device_lost, false)) Log("the sound device is available again");
     Answer(player_.current->token, kCodeOk);
     player_.current.reset();
   }
 
-  void Take(const play_event::VolumeAsked& event) {
+  void Take(const play_event::VolumeRequested& event) {
     if (event.volume < 0 || event.volume > kFullVolume) {
       return Refuse(event.token,
                     {AudioCode(KeyCode::kParametersInvalid),
-                     "a volume of " + std::to_string(event.volume) + ", of at most 100"});
+                     "volume " + std::to_string(event.volume) + ": expected 0 to 100"});
     }
     player_.volume = event.volume;
     Do(play_action::SetVolume{event.volume});
     Answer(event.token, kCodeOk);
   }
 
-  void Take(const play_event::MicrophoneAsked& event) {
+  void Take(const play_event::MicrophoneRequested& event) {
     if (event.state != msg::AudioStatus::kNormal && event.state != msg::AudioStatus::kOffMic) {
       return Refuse(event.token, {AudioCode(KeyCode::kParametersInvalid),
-                                  "an audio state " + std::to_string(event.state)});
+                                  "unknown audio state " + std::to_string(event.state)});
     }
     player_.microphone_off = event.state == msg::AudioStatus::kOffMic;
     Answer(event.token, kCodeOk);
   }
 
-  void Take(const play_event::VoiceControlAsked& event) {
+  void Take(const play_event::VoiceControlRequested& event) {
     if (event.on && player_.state == kOta) {
       return Refuse(event.token,
                     {AudioCode(KeyCode::kStateInvalid), "voice control during an upgrade"});
@@ -135,24 +135,24 @@ class Decision {
 
   void Take(const play_event::TimePassed& /*event*/) {}
 
-  Result<> MayBeHeard(bool waits) const {
+  Result<> MayPlay(bool waits) const {
     if (player_.state == kTearDown) {
       return Error{AudioCode(KeyCode::kStateInvalid), "the robot is being shut down"};
     }
     if (waits && player_.waiting.size() >= kMostWaiting) {
       return Error{AudioCode(KeyCode::kTargetBusy),
-                   std::to_string(kMostWaiting) + " wait to be heard already"};
+                   std::to_string(kMostWaiting) + " sounds are queued already"};
     }
     return Ok();
   }
 
-  Result<Utterance> Judge(const PlayOrder& order) const {
-    return order.is_text ? EvaluateText(order.text) : EvaluatePhrase(order.play_id);
+  Result<Utterance> UtteranceOf(const PlayRequest& request) const {
+    return request.is_text ? EvaluateText(request.text) : EvaluatePhrase(request.play_id);
   }
 
   Result<Utterance> EvaluatePhrase(std::uint16_t id) const {
     if (auto phrase = rules_.phrases.Find(id, rules_.language)) return *std::move(phrase);
-    return Error{AudioCode(AudioKey::kNoPhrase), "there is no phrase " + std::to_string(id)};
+    return Error{AudioCode(AudioKey::kNoPhrase), "unknown phrase " + std::to_string(id)};
   }
 
   Result<Utterance> EvaluateText(const std::string& text) const {
@@ -163,7 +163,7 @@ class Decision {
     }
     if (*characters > rules_.longest_text) {
       return Error{AudioCode(AudioKey::kTextTooLong),
-                   "the text has " + std::to_string(*characters) + " characters, of at most " +
+                   "the text has " + std::to_string(*characters) + " characters, the limit is " +
                        std::to_string(rules_.longest_text)};
     }
     return Utterance{Speakable(text), LanguageOf(text, rules_.language), {}};
@@ -180,7 +180,7 @@ class Decision {
     player_.current = std::move(sound);
   }
 
-  // The next one, when nothing is in its way.
+  // Starts the next sound, unless one is being made or played.
   void Advance() {
     if (player_.current || player_.waiting.empty()) return;
     Player::Sound next = std::move(player_.waiting.front());
@@ -203,24 +203,25 @@ class Decision {
     player_.waiting.clear();
   }
 
-  // A device that is lost is told once, until it is back.
+  // A lost device is logged once, until it is available again.
   void Fail(const Error& error) {
     const bool lost = error.code == AudioCode(KeyCode::kDeviceError);
     if (!lost || !std::exchange(player_.device_lost, true)) {
-      Log(config_toml::Quote(player_.current->module) + " is not heard: " + error.message);
+      Log(config_toml::Quote(player_.current->module) + " is not played: " + error.message);
     }
     Answer(player_.current->token, error.code);
     player_.current.reset();
   }
 
-  // Those whose deadline is not later than `time`.
+  // Releases the callers whose deadline is not later than `time`.
   void ReleaseOverdue(Time time) {
     const auto overdue = [time](const Player::Sound& sound) { return sound.deadline <= time; };
     const std::int32_t code = AudioCode(KeyCode::kTimeout);
     for (const Player::Sound& sound : player_.waiting) {
       if (!overdue(sound)) continue;
       Answer(sound.token, code);
-      if (sound.token == 0) Log(config_toml::Quote(sound.module) + " waited too long");
+      if (sound.token == 0)
+        Log(config_toml::Quote(sound.module) + " was not played: timeout in the queue");
     }
     std::erase_if(player_.waiting, overdue);
     if (!player_.current || player_.current->token == 0 || !overdue(*player_.current)) return;
@@ -228,7 +229,7 @@ class Decision {
     Answer(std::exchange(player_.current->token, 0), code);
   }
 
-  // While there is sound, between two sounds of a row too, and once when it is over.
+  // Reports while there is sound, also between two sounds in a row, and once at the end.
   void ReportIfDue() {
     if (!player_.reporting) return;
     if (!player_.current) {
@@ -244,7 +245,7 @@ class Decision {
     return player_.current && player_.current->number == number;
   }
 
-  // Said once, however often somebody tries.
+  // Logged once, however often the request is repeated.
   void Refuse(CallToken token, const Error& error) {
     const std::string text = "refused " + error.message;
     if (text != player_.refusal || now_ >= player_.refusal_again) {
@@ -255,11 +256,11 @@ class Decision {
     Answer(token, error.code);
   }
 
-  void TellUnknown(const CueTopic& topic, const std::string& id) {
+  void LogUnknown(const CueTopic& topic, const std::string& id) {
     std::string text = topic.topic + " has no cue " + config_toml::Quote(id);
     if (player_.unknown_cues.size() == kMostUnknownCues) return;
     if (!player_.unknown_cues.insert(text).second) return;
-    if (player_.unknown_cues.size() == kMostUnknownCues) text += "; no more of them are told";
+    if (player_.unknown_cues.size() == kMostUnknownCues) text += "; further ones are not logged";
     Log(std::move(text));
   }
 

@@ -1,29 +1,29 @@
 #pragma once
-// The decision code of the audio module: what is heard, in which order, and what everybody is
-// answered. Pure: Step(rules, player, event, now) changes the player and gives the actions; the
-// shell around it (audio_shell.hpp) turns messages into events and actions into sound and answers.
+// The decision code of the audio module: what is played, in which order, and what each caller is
+// answered. Pure: Step(rules, player, event, now) changes the player and returns the actions; the
+// shell around it (audio_shell.hpp) turns messages into events and actions into sound and replies.
 //
 // clang-format off
-//            asked                    made                      ended
+//          requested                   made                      ended
 //   silent ─────────▶ being made ─────────────▶ sounding ───────────────▶ the next that waits
 //      ▲                  │                         │                     or silent
 //      └──────────────────┴─────────────────────────┘
-//        stopped, or another sound takes its place
+//        stopped, or interrupted by another sound
 // clang-format on
 //
 // Rules:
-//   - What is asked by a topic takes the place of whatever plays. Who is interrupted is answered
-//     so. Those that wait go on waiting.
-//   - What is asked by the service waits for its turn. It is answered at the end of its sound, or
-//     when its time is over: 10 s from the moment it was asked. What has not begun by then never
-//     is; what sounds goes on to its end.
-//   - A cue, a sound asked for by its name on a topic, does the one or the other, as it or its
-//     topic is configured; nobody is answered. One that interrupts also takes the place of those of
-//     its topic that wait: they belong to what is over. One that is not known is told in the log,
-//     once.
-//   - A stop ends what plays and all that waits.
-//   - Whatever is refused changes nothing that plays, and is told why, with a code.
-//   - The microphone and the voice control are kept and told; listening.hpp asks for the first.
+//   - A request by topic interrupts what plays. The interrupted caller is answered with that code.
+//     Waiting requests stay in the queue.
+//   - A request by the service waits for its turn. It is answered at the end of its sound, or 10 s
+//     after the request. A sound that has not begun by then is dropped; one that plays is
+//     finished.
+//   - A cue, a sound requested by name on a topic, interrupts or waits, as it or its topic is
+//     configured; there is no reply. A cue that interrupts also drops the waiting cues of its
+//     topic: they are outdated. An unknown cue is logged once.
+//   - A stop ends what plays and drops all that waits.
+//   - A refused request changes nothing that plays, and is answered with a code.
+//   - The state of microphone and voice control is kept and answered; listening.hpp uses the
+//     former.
 
 #include <cstddef>
 #include <cstdint>
@@ -46,42 +46,42 @@ namespace musher::audio {
 
 inline constexpr Duration kAnswerTime = Milliseconds(10'000);  // from the request
 inline constexpr Duration kReportPeriod = Milliseconds(500);
-inline constexpr Duration kRefusalPause = Milliseconds(10'000);  // of the log, for the same words
+inline constexpr Duration kRefusalPause = Milliseconds(10'000);  // of the log, for the same text
 inline constexpr std::size_t kMostWaiting = 16;
-inline constexpr std::size_t kMostUnknownCues = 32;  // that are told
+inline constexpr std::size_t kMostUnknownCues = 32;  // that are logged
 inline constexpr int kFullVolume = 100;
 
-// A request that must be answered exactly once; the shell knows to whom. 0: nobody waits.
+// A request that must be answered exactly once; the shell knows the caller. 0: no caller.
 using CallToken = std::uint64_t;
 using SoundNumber = std::uint64_t;
 
-// What the decision goes by; outlives the step.
+// What the decision depends on; outlives the step.
 struct PlayRules {
   const Phrases& phrases;
-  Language language;         // of phrases, and of texts whose characters do not tell
+  Language language;         // of phrases, and of texts whose characters leave it open
   std::size_t longest_text;  // characters
   std::span<const CueTopic> cue_topics{};
 };
 
-struct PlayOrder {
+struct PlayRequest {
   CallToken token = 0;  // 0: by a topic
-  std::string module;   // who asks
+  std::string module;   // the requesting module
   bool is_text = false;
   std::uint16_t play_id = 0;  // unless it is a text
   std::string text;
 
-  friend bool operator==(const PlayOrder&, const PlayOrder&) = default;
+  friend bool operator==(const PlayRequest&, const PlayRequest&) = default;
 };
 
 namespace play_event {
-struct Asked {
-  PlayOrder order;
+struct PlayRequested {
+  PlayRequest request;
 };
-struct CueAsked {
-  std::size_t topic = 0;  // which of the rules'
+struct CueRequested {
+  std::size_t topic = 0;  // index into the rules' topics
   std::string id;
 };
-struct StopAsked {
+struct StopRequested {
   CallToken token = 0;
 };
 struct Made {
@@ -92,15 +92,15 @@ struct Ended {
   SoundNumber number = 0;
   Result<> result;
 };
-struct VolumeAsked {
+struct VolumeRequested {
   CallToken token = 0;
   int volume = 0;
 };
-struct MicrophoneAsked {
+struct MicrophoneRequested {
   CallToken token = 0;
   int state = 0;  // msg::AudioStatus
 };
-struct VoiceControlAsked {
+struct VoiceControlRequested {
   CallToken token = 0;
   bool on = false;
 };
@@ -112,23 +112,24 @@ struct TimePassed {};
 }  // namespace play_event
 
 using PlayEvent =
-    std::variant<play_event::Asked, play_event::CueAsked, play_event::StopAsked, play_event::Made,
-                 play_event::Ended, play_event::VolumeAsked, play_event::MicrophoneAsked,
-                 play_event::VoiceControlAsked, play_event::StateEntered, play_event::TimePassed>;
+    std::variant<play_event::PlayRequested, play_event::CueRequested, play_event::StopRequested,
+                 play_event::Made, play_event::Ended, play_event::VolumeRequested,
+                 play_event::MicrophoneRequested, play_event::VoiceControlRequested,
+                 play_event::StateEntered, play_event::TimePassed>;
 
 namespace play_action {
-// Turn it into sound and say so by Made.
+// Turn it into sound and report it by Made.
 struct Make {
   SoundNumber number = 0;
   Utterance what;
   friend bool operator==(const Make&, const Make&) = default;
 };
-// Play what was made, and say its end by Ended.
+// Play the sound that was made, and report its end by Ended.
 struct Play {
   SoundNumber number = 0;
   friend bool operator==(const Play&, const Play&) = default;
 };
-// Forget what is made or played.
+// Drop the sound that is being made or played.
 struct Silence {
   friend bool operator==(const Silence&, const Silence&) = default;
 };
@@ -141,7 +142,7 @@ struct Answer {
   std::int32_t code = 0;
   friend bool operator==(const Answer&, const Answer&) = default;
 };
-// Whether there is sound.
+// Publish whether there is sound.
 struct Report {
   bool sounds = false;
   friend bool operator==(const Report&, const Report&) = default;
@@ -161,12 +162,12 @@ using PlayActions = std::vector<PlayAction>;
 struct Player {
   struct Sound {
     SoundNumber number = 0;
-    CallToken token = 0;  // 0: nobody waits (any more)
-    Time deadline{};      // of its answer, and of its beginning
+    CallToken token = 0;  // 0: no caller waits (any more)
+    Time deadline{};      // of its reply, and of its beginning
     std::string module;
     Utterance what;
     bool sounding = false;
-    std::optional<std::size_t> cue_topic = std::nullopt;  // that asked for it
+    std::optional<std::size_t> cue_topic = std::nullopt;  // that it was requested on
 
     friend bool operator==(const Sound&, const Sound&) = default;
   };
@@ -180,10 +181,10 @@ struct Player {
   int volume = kFullVolume;
   bool microphone_off = false;
   bool voice_control = true;
-  bool device_lost = false;            // and that is told
-  std::string refusal;                 // the last one that was said …
-  Time refusal_again{};                // … and when it may be again
-  std::set<std::string> unknown_cues;  // what was said of them
+  bool device_lost = false;            // and that is logged
+  std::string refusal;                 // the last one that was logged …
+  Time refusal_again{};                // … and when it may be logged again
+  std::set<std::string> unknown_cues;  // those that were logged
   State state;
 
   friend bool operator==(const Player&, const Player&) = default;
@@ -191,7 +192,7 @@ struct Player {
 
 PlayActions Step(const PlayRules& rules, Player& player, const PlayEvent& event, Time now);
 
-// When the player wants to hear that time has passed.
+// When the player needs the next TimePassed.
 std::optional<Time> NextTime(const Player& player);
 
 }  // namespace musher::audio

@@ -12,11 +12,11 @@ namespace musher::audio {
 
 inline constexpr std::chrono::minutes kLongestRecording(10);
 
-// Several channels become one. Fails with kRecording's code on a file that is missing, no sound, or
-// longer than kLongestRecording.
+// Mixes several channels into one. Fails with kRecording's code on a file that is missing, has no
+// sound, or is longer than kLongestRecording.
 Result<Sound> ReadSound(const std::string& path);
 
-// Whether ReadSound() would succeed, as far as the file's beginning tells.
+// Whether ReadSound() would succeed, judging by the file's header.
 Result<> CheckSound(const std::string& path);
 
 // As WAV, 16 bit. Fails with the code of a device that takes no sound.

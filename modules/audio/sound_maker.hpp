@@ -1,5 +1,5 @@
 #pragma once
-// Makes the sound of a phrase or a text, beside the loop: by the voice, or from a recording.
+// Makes the sound of a phrase or a text beside the loop: by the voice, or from a recording.
 
 #include <atomic>
 #include <functional>
@@ -21,9 +21,9 @@ class SoundMaker {
 
   virtual ~SoundMaker() = default;
 
-  // `done` runs on the loop, never inside Make(). One at a time: the next one ends the last.
+  // `done` runs on the loop, never inside Make(). One at a time: a new one cancels the last.
   virtual void Make(const Utterance& what, Done done) = 0;
-  // What is being made is not wanted any more: its `done` does not run.
+  // Cancels what is being made: its `done` does not run.
   virtual void Cancel() = 0;
 };
 
@@ -35,16 +35,16 @@ class VoiceMaker : public SoundMaker {
   void Make(const Utterance& what, Done done) override;
   void Cancel() override { *wanted_ = 0; }
 
-  // Whether it can speak. From any thread but the loop's: it waits.
+  // Whether the voice works. From any thread but the loop's: it blocks.
   Result<> Check();
 
  private:
   transport::EventLoop& loop_;
-  // The number of the one that is wanted, 0: none. What is posted to the loop may outlive the
+  // The number of the sound that is wanted, 0: none. Work posted to the loop may outlive the
   // maker.
   const std::shared_ptr<std::atomic<std::uint64_t>> wanted_;
   std::uint64_t last_ = 0;
-  std::optional<Voice> voice_;  // of the thread
+  std::optional<Voice> voice_;  // used by the thread only
   WorkThread thread_;           // last: it uses the rest
 };
 

@@ -15,7 +15,7 @@ bool IsControl(char c) {
   return byte < kLastControl || byte == kDelete;
 }
 
-// Of a character of valid UTF-8.
+// Length of a character of valid UTF-8.
 char32_t CodePoint(std::string_view character) {
   const auto lead = static_cast<unsigned char>(character[0]);
   if (character.size() == 1) return lead;
@@ -36,12 +36,12 @@ bool IsLetter(char32_t point) {
          (point >= 0xC0 && point <= 0x24F);
 }
 
-// The ideographic blank counts.
+// Includes the ideographic blank.
 bool IsBlank(char32_t point) {
   return point <= kLastControl || point == kDelete || point == 0xA0 || point == 0x3000;
 }
 
-// Calls `use` with each character of valid UTF-8, until it gives true.
+// Calls `use` with each character of valid UTF-8, until it returns true.
 template <class Use>
 bool AnyCharacter(std::string_view text, Use use) {
   while (const std::size_t size = config_toml::CharacterSize(text)) {

@@ -1,5 +1,5 @@
 #pragma once
-// Reads what phrases and cues have in common: the keys en, zh and recording of their tables.
+// Reads what the tables of phrases and cues share: the keys en, zh and recording.
 
 #include <filesystem>
 
@@ -8,8 +8,8 @@
 
 namespace musher::audio {
 
-// A recording is seen from `folder`. Faults, of which nothing at all to be heard is one, go to the
-// reader.
+// The path of a recording is relative to `folder`. Reports errors to the reader, also when there
+// is neither text nor recording.
 Spoken ReadSpoken(config_toml::TableReader& reader, const std::filesystem::path& folder);
 
 }  // namespace musher::audio

@@ -19,7 +19,7 @@ struct Making {
   const std::function<bool()>& given_up;
 };
 
-// The library's callback: 0 to go on, 1 to give up.
+// The library's callback: 0 to go on, 1 to stop.
 int Take(short* samples, int count, espeak_EVENT* events) {
   auto& making = *static_cast<Making*>(events->user_data);
   if (samples != nullptr) {
@@ -28,8 +28,8 @@ int Take(short* samples, int count, espeak_EVENT* events) {
   return making.given_up() ? 1 : 0;
 }
 
-// The library is begun once a process and never ended: after a second beginning its end waits for
-// ever (1.51).
+// The library is initialised once a process and never terminated: after a second initialisation
+// its termination blocks for ever (1.51).
 Result<int> Start(const VoiceConfig& config) {
   static const int rate_hz =
       espeak_Initialize(AUDIO_OUTPUT_SYNCHRONOUS, 0, nullptr, espeakINITIALIZE_DONT_EXIT);

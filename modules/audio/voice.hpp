@@ -1,7 +1,7 @@
 #pragma once
 // Text to sound, by espeak-ng.
 //
-// Threads: one voice at a time (the library has one state for all), its calls one after the other.
+// Threads: one voice at a time (the library has one global state), one call after the other.
 
 #include <functional>
 #include <string>
@@ -17,19 +17,19 @@ class Voice {
  public:
   explicit Voice(VoiceConfig config);
 
-  // `text`: UTF-8 without control characters. Gives up between two words when `given_up` says so;
-  // the sound is then what was made by then. Fails with kVoice's code.
+  // `text`: UTF-8 without control characters. Stops between two words when `given_up` returns
+  // true; the sound is then what was made so far. Fails with kVoice's code.
   Result<Sound> Speak(const std::string& text, Language language,
                       const std::function<bool()>& given_up);
 
-  // Whether it speaks both languages.
+  // Whether it can speak both languages.
   Result<> Check();
 
  private:
   Result<> Choose(Language language);
 
   const VoiceConfig config_;
-  Result<int> rate_hz_;  // or why there is no voice
+  Result<int> rate_hz_;  // or why the voice does not work
 };
 
 }  // namespace musher::audio

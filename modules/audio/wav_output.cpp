@@ -36,13 +36,13 @@ void WavOutput::Play(std::shared_ptr<const Sound> sound, Ended ended) {
   Stop();
   ++*playing_;
   sound_ = std::move(sound);
-  heard_ = {sound_->rate_hz, {}};
+  played_ = {sound_->rate_hz, {}};
   begun_ = clock_.Now();
-  // By the timer, not by the time: a clock that jumps keeps what is left of a timer.
+  // By the timer, not by the time: when the clock jumps, the rest of a timer is kept.
   end_ = clock_.At(begun_ + sound_->Length(), [this, ended = std::move(ended)] {
-    const Ended then = ended;  // the timer is dropped below
+    const Ended then = ended;  // the timer is destroyed below
     begun_ = clock_.Now() - sound_->Length();
-    Hear();
+    CollectPlayed();
     Write(then);
   });
 }
@@ -50,21 +50,21 @@ void WavOutput::Play(std::shared_ptr<const Sound> sound, Ended ended) {
 void WavOutput::Stop() {
   ++*playing_;
   if (!sound_) return;
-  Hear();
+  CollectPlayed();
   Write(nullptr);
 }
 
 void WavOutput::SetVolume(int volume) {
-  if (sound_) Hear();
+  if (sound_) CollectPlayed();
   volume_ = volume;
 }
 
-void WavOutput::Hear() {
+void WavOutput::CollectPlayed() {
   const double seconds = std::chrono::duration<double>(clock_.Now() - begun_).count();
   const double reached =
       std::clamp(seconds * sound_->rate_hz + 0.5, 0.0, static_cast<double>(sound_->samples.size()));
-  for (std::size_t i = heard_.samples.size(); i < static_cast<std::size_t>(reached); ++i) {
-    heard_.samples.push_back(Scaled(sound_->samples[i], volume_));
+  for (std::size_t i = played_.samples.size(); i < static_cast<std::size_t>(reached); ++i) {
+    played_.samples.push_back(Scaled(sound_->samples[i], volume_));
   }
 }
 
@@ -73,11 +73,11 @@ void WavOutput::Write(Ended ended) {
   end_.reset();
   char name[32];
   std::snprintf(name, sizeof name, "%04d.wav", ++number_);
-  thread_.Do([this, path = (fs::path(folder_) / name).string(), heard = std::move(heard_),
+  thread_.Do([this, path = (fs::path(folder_) / name).string(), played = std::move(played_),
               playing = playing_, which = *playing_, ended = std::move(ended)] {
     std::error_code error;
-    fs::create_directories(folder_, error);  // what cannot be made is told by WriteWav()
-    const Result<> written = WriteWav(path, heard);
+    fs::create_directories(folder_, error);  // WriteWav() reports the error
+    const Result<> written = WriteWav(path, played);
     if (!ended) return;
     loop_.Post([playing, which, ended, written] {
       if (*playing == which) ended(written);

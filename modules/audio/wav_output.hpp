@@ -1,6 +1,6 @@
 #pragma once
-// Sound into a folder: 0001.wav, 0002.wav, ..., each what would have been heard, as loud as it
-// would have been. Takes as long as the sound does by the module's clock.
+// Sound into a folder of WAV files: 0001.wav, 0002.wav, ..., each holds what would have been
+// played, at its volume. Takes as long as the sound by the module's clock.
 
 #include <cstddef>
 #include <memory>
@@ -13,7 +13,7 @@ namespace musher::audio {
 
 class WavOutput : public Output {
  public:
-  // The folder need not be there yet. Files in it stay; the numbers go on.
+  // The folder need not exist yet. Files in it are kept; the numbers continue.
   WavOutput(transport::EventLoop& loop, transport::Clock& clock, std::string folder);
   ~WavOutput() override { WavOutput::Stop(); }
 
@@ -23,9 +23,9 @@ class WavOutput : public Output {
   Result<> Check() override;
 
  private:
-  // Moves what has been played by now into heard_.
-  void Hear();
-  // Writes what was heard, then calls `ended`.
+  // Appends what has been played by now to played_.
+  void CollectPlayed();
+  // Writes what was played, then calls `ended`.
   void Write(Ended ended);
 
   transport::EventLoop& loop_;
@@ -35,9 +35,10 @@ class WavOutput : public Output {
   int volume_ = 100;
   std::shared_ptr<const Sound> sound_;  // that plays
   Time begun_{};
-  Sound heard_;
+  Sound played_;
   transport::LoopHandlePtr end_;
-  std::shared_ptr<int> playing_ = std::make_shared<int>(0);  // which one; outlives what is posted
+  std::shared_ptr<int> playing_ =
+      std::make_shared<int>(0);  // identifies the sound; shared with work posted to the loop
   WorkThread thread_;
 };
 

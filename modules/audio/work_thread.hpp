@@ -1,7 +1,7 @@
 #pragma once
-// A thread that does what it is given, in that order: what takes too long for the loop.
+// A thread that runs work in order: work that takes too long for the loop.
 //
-// Threads: any. Whoever drops it waits until all is done.
+// Threads: any. The destructor waits until all is done.
 
 #include <condition_variable>
 #include <deque>

@@ -21,7 +21,7 @@ using config_toml::Word;
 
 constexpr std::int64_t kLargestPx = 8192;
 constexpr double kFastestHz = 240;
-constexpr double kWidestDeg = 175;  // a wider one is no pinhole
+constexpr double kWidestDeg = 175;  // a pinhole camera cannot be wider
 
 class Reader {
  public:

@@ -35,17 +35,17 @@ struct CameraConfig {
   std::string frame_id;  // of their header
   SourceKind source = SourceKind::kWorld;
   std::string from;   // a topic, an absolute path, or a device's path or number
-  bool loops = true;  // a video or a folder begins again at its end
+  bool loops = true;  // a video or a folder restarts at its end
   Format format;
   double rate_hz = 0;      // at most; 0: as the source has it
-  bool on_demand = false;  // off while nobody watches
-  double hfov_deg = 0;     // from edge to edge, where the source does not say; 0: unknown
+  bool on_demand = false;  // off while its topics have no subscriber
+  double hfov_deg = 0;     // from edge to edge, if the source does not report it; 0: unknown
 
   friend bool operator==(const CameraConfig&, const CameraConfig&) = default;
 };
 
 struct ServiceConfig {
-  std::string camera;  // that camera_service works with
+  std::string camera;  // the camera of camera_service
   std::string topic = "image";
   std::string folder;  // absolute, for pictures and videos; empty: "camera" in the state folder
 
@@ -53,11 +53,11 @@ struct ServiceConfig {
 };
 
 struct CamerasConfig {
-  Duration self_check_time = Milliseconds(5000);  // so long a camera may take to its first picture
-  Duration silence = Milliseconds(2000);          // without a picture, after which one is silent
+  Duration self_check_time = Milliseconds(5000);  // how long a camera may take to its first picture
+  Duration silence = Milliseconds(2000);          // timeout without a picture
   Duration retry = Milliseconds(2000);            // from a failure to the next attempt
   std::vector<std::string> skip;                  // not checked
-  std::vector<std::string> critical;              // whose failure is the self-check's
+  std::vector<std::string> critical;              // a failure fails SelfCheck
   std::vector<std::string> on_in = {"Active", "Protected"};  // states in which cameras are on
   ServiceConfig service;
   std::vector<CameraConfig> cameras;  // in the order of the file

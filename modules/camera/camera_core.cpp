@@ -26,14 +26,14 @@ CameraActions CameraCore::Want(bool wanted, Time now) {
   has_given_ = false;
   expected_.reset();
   pace_ = Pace(rate_hz_);
-  trouble_.reset();
+  fault_.reset();
   reopen_at_.reset();
   ended_ = false;
   actions.open = wanted;
   actions.close = !wanted && std::exchange(open_, false);
   if (wanted) {
     open_ = true;
-    heard_at_ = now;
+    last_frame_at_ = now;
   }
   return actions;
 }
@@ -41,18 +41,18 @@ CameraActions CameraCore::Want(bool wanted, Time now) {
 CameraActions CameraCore::OnFrame(const FrameFacts& frame, Time now) {
   if (!open_) return {};
   CameraActions actions;
-  heard_at_ = now;
-  if (trouble_) {
-    trouble_.reset();
-    actions.told = Told{kCodeOk, name_ + ": pictures come again"};
+  last_frame_at_ = now;
+  if (fault_) {
+    fault_.reset();
+    actions.log = LogLine{kCodeOk, name_ + ": receiving pictures again"};
   }
   const std::pair size(frame.width_px, frame.height_px);
   if (expected_ && *expected_ != size) {
-    actions.told =
-        Told{Code(KeyCode::kParametersInvalid),
-             name_ + ": its pictures are " + SizeText(size) + ", not " + SizeText(*expected_)};
+    actions.log =
+        LogLine{Code(KeyCode::kParametersInvalid),
+                name_ + ": its pictures are " + SizeText(size) + ", not " + SizeText(*expected_)};
   }
-  expected_ = size;  // so that it is told once
+  expected_ = size;  // so that it is logged once
   has_given_ = true;
   actions.publish = pace_.Due(frame.stamp_ns);
   return actions;
@@ -60,7 +60,7 @@ CameraActions CameraCore::OnFrame(const FrameFacts& frame, Time now) {
 
 CameraActions CameraCore::OnFailed(const Error& error, Time now) {
   if (!open_) return {};
-  CameraActions actions = Trouble(error.code, error.message);
+  CameraActions actions = BeginFault(error.code, error.message);
   actions.close = true;
   open_ = false;
   reopen_at_ = now + retry_;
@@ -70,7 +70,7 @@ CameraActions CameraCore::OnFailed(const Error& error, Time now) {
 CameraActions CameraCore::OnEnded(Time) {
   if (!open_) return {};
   CameraActions actions;
-  actions.told = Told{kCodeOk, name_ + ": " + from_ + " is over"};
+  actions.log = LogLine{kCodeOk, name_ + ": " + from_ + " has ended"};
   actions.close = true;
   open_ = false;
   ended_ = true;
@@ -81,15 +81,15 @@ CameraActions CameraCore::Tick(Time now) {
   if (reopen_at_ && now >= *reopen_at_) {
     reopen_at_.reset();
     open_ = true;
-    heard_at_ = now;
+    last_frame_at_ = now;
     CameraActions actions;
     actions.open = true;
     return actions;
   }
-  if (!open_ || now < heard_at_ + silence_) return {};
+  if (!open_ || now < last_frame_at_ + silence_) return {};
   const std::string silent = "no picture for " + std::to_string(ToMilliseconds(silence_)) + " ms";
   if (source_ == SourceKind::kWorld) {
-    return trouble_ ? CameraActions{} : Trouble(Code(KeyCode::kTimeout), silent);
+    return fault_ ? CameraActions{} : BeginFault(Code(KeyCode::kTimeout), silent);
   }
   return OnFailed({Code(KeyCode::kTimeout), silent}, now);
 }
@@ -97,16 +97,16 @@ CameraActions CameraCore::Tick(Time now) {
 std::optional<Time> CameraCore::NextTick() const {
   if (reopen_at_) return reopen_at_;
   if (!open_) return std::nullopt;
-  // One that has been opened again may be silent, too.
-  if (trouble_ && source_ == SourceKind::kWorld) return std::nullopt;
-  return heard_at_ + silence_;
+  // A source that was reopened may be silent, too.
+  if (fault_ && source_ == SourceKind::kWorld) return std::nullopt;
+  return last_frame_at_ + silence_;
 }
 
-CameraActions CameraCore::Trouble(std::int32_t code, std::string text) {
+CameraActions CameraCore::BeginFault(std::int32_t code, std::string text) {
   CameraActions actions;
-  Told told{code, name_ + ": " + std::move(text)};
-  if (!trouble_) actions.told = told;
-  trouble_ = std::move(told);
+  LogLine log{code, name_ + ": " + std::move(text)};
+  if (!fault_) actions.log = log;
+  fault_ = std::move(log);
   return actions;
 }
 

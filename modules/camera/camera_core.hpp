@@ -1,14 +1,14 @@
 #pragma once
-// What one camera does: when its source is opened and closed, which of its frames are published,
-// and what is told of it. Pure: no IO, the time is an argument.
+// The decisions for one camera: when its source is opened and closed, which of its frames are
+// published, and what is logged. Pure: no IO, the time is an argument.
 //
-//   Closed ──wanted──▶ Open ──failed, ended, silent──▶ Open, troubled
-//     ▲                  │                                │   opened again after `retry`,
-//     └────not wanted────┴────────────────────────────────┘   well at the next frame
+//   Closed ──wanted──▶ Open ──failed, ended, silent──▶ Open, faulty
+//     ▲                  │                                │   reopened after `retry`,
+//     └────not wanted────┴────────────────────────────────┘   ok at the next frame
 //
-// A trouble is told once when it begins and once when it is over, however often the source fails
-// in between. A source that is only silent is left open where it may come back by itself (a topic);
-// all others are opened again.
+// A fault is logged once when it begins and once when it is over, however often the source fails
+// in between. A source that is only silent is left open if it can resume by itself (a topic); all
+// others are reopened.
 
 #include <cstdint>
 #include <optional>
@@ -22,17 +22,17 @@
 
 namespace musher::camera {
 
-// A line for the log, with the code of what was wrong; 0 when it is well again.
-struct Told {
+// A line for the log, with the code of the fault; 0 when the fault is over.
+struct LogLine {
   std::int32_t code = kCodeOk;
   std::string text;
 
-  friend bool operator==(const Told&, const Told&) = default;
+  friend bool operator==(const LogLine&, const LogLine&) = default;
 };
 
-// What is to be done, in this order.
+// The actions, in this order.
 struct CameraActions {
-  std::optional<Told> told;
+  std::optional<LogLine> log;
   bool close = false;
   bool open = false;
   bool publish = false;  // the frame
@@ -40,7 +40,7 @@ struct CameraActions {
   friend bool operator==(const CameraActions&, const CameraActions&) = default;
 };
 
-// Of a frame, what the decision needs.
+// What the decision needs of a frame.
 struct FrameFacts {
   std::int64_t stamp_ns = 0;
   std::uint32_t width_px = 0;
@@ -53,35 +53,35 @@ class CameraCore {
  public:
   CameraCore(const CameraConfig& camera, Duration silence, Duration retry);
 
-  // Whether the camera is to be on.
+  // Whether the camera should be on.
   CameraActions Want(bool wanted, Time now);
 
-  // What its source says its pictures will be like.
+  // The picture size that the source announces.
   void OnAnnounced(std::uint32_t width_px, std::uint32_t height_px) {
     expected_ = {width_px, height_px};
   }
   CameraActions OnFrame(const FrameFacts& frame, Time now);
-  // The source cannot be opened, or has gone.
+  // The source cannot be opened, or is lost.
   CameraActions OnFailed(const Error& error, Time now);
-  // The video is over.
+  // The video has ended.
   CameraActions OnEnded(Time now);
   CameraActions Tick(Time now);
 
-  // When Tick() has something to do.
+  // When Tick() is due.
   std::optional<Time> NextTick() const;
 
   bool wanted() const { return wanted_; }
-  // Since it was last wanted.
+  // A frame since it was last wanted.
   bool has_given() const { return has_given_; }
   bool ended() const { return ended_; }
-  // What is wrong now.
-  const std::optional<Told>& trouble() const { return trouble_; }
+  // The present fault.
+  const std::optional<LogLine>& fault() const { return fault_; }
 
-  // Told of a code of the camera server.
+  // A code of the camera server.
   static std::int32_t Code(KeyCode key) { return MakeCode(ModuleCode::kCameraServer, key); }
 
  private:
-  CameraActions Trouble(std::int32_t code, std::string text);
+  CameraActions BeginFault(std::int32_t code, std::string text);
 
   std::string name_;
   SourceKind source_;
@@ -93,9 +93,9 @@ class CameraCore {
   bool wanted_ = false;
   bool open_ = false;
   bool ended_ = false;
-  std::optional<Told> trouble_;
+  std::optional<LogLine> fault_;
   std::optional<Time> reopen_at_;
-  Time heard_at_{};  // the last frame, or when it was opened
+  Time last_frame_at_{};  // time of the last frame, or when it was opened
   bool has_given_ = false;
   std::optional<std::pair<std::uint32_t, std::uint32_t>> expected_;  // size, px
   Pace pace_;

@@ -8,26 +8,26 @@
 
 namespace musher::camera {
 
-CameraDevice::CameraDevice(const Dependencies& around, const CameraConfig& camera,
+CameraDevice::CameraDevice(const Dependencies& dependencies, const CameraConfig& camera,
                            const CamerasConfig& config)
-    : around_(around), camera_(camera), core_(camera, config.silence, config.retry) {}
+    : dependencies_(dependencies), camera_(camera), core_(camera, config.silence, config.retry) {}
 
-Result<std::unique_ptr<CameraDevice>> CameraDevice::Make(const Dependencies& around,
+Result<std::unique_ptr<CameraDevice>> CameraDevice::Make(const Dependencies& dependencies,
                                                          const CameraConfig& camera,
                                                          const CamerasConfig& config) {
-  std::unique_ptr<CameraDevice> device(new CameraDevice(around, camera, config));
+  std::unique_ptr<CameraDevice> device(new CameraDevice(dependencies, camera, config));
   if (Result<> connected = device->Connect(); !connected) return connected.error();
   return device;
 }
 
 Result<> CameraDevice::Connect() {
   const transport::WriterCallbacks watched{[this] { Reconsider(); }};
-  const std::string topic = around_.Name(camera_.topic);
-  auto pictures =
-      transport::MakePublisher<msg::Image>(around_.node, topic, transport::kSensorDataQos, watched);
+  const std::string topic = dependencies_.Name(camera_.topic);
+  auto pictures = transport::MakePublisher<msg::Image>(dependencies_.node, topic,
+                                                       transport::kSensorDataQos, watched);
   if (!pictures) return pictures.error();
   pictures_ = std::move(pictures).value();
-  auto infos = transport::MakePublisher<msg::CameraInfo>(around_.node, topic + "/camera_info",
+  auto infos = transport::MakePublisher<msg::CameraInfo>(dependencies_.node, topic + "/camera_info",
                                                          transport::kSensorDataQos, watched);
   if (!infos) return infos.error();
   infos_ = std::move(infos).value();
@@ -59,7 +59,7 @@ void CameraDevice::Reconsider() {
 }
 
 void CameraDevice::Do(CameraActions actions) {
-  if (actions.told) around_.tell(*actions.told);
+  if (actions.log) dependencies_.log(*actions.log);
   if (actions.close) {
     source_.reset();
     info_.reset();
@@ -77,7 +77,7 @@ void CameraDevice::Open() {
   };
   events.on_failed = [this](const Error& error) { Fail(error); };
   events.on_ended = [this] { Later([this] { Do(core_.OnEnded(Now())); }); };
-  auto source = around_.open(camera_, events);
+  auto source = dependencies_.open(camera_, events);
   if (source) {
     source_ = std::move(source).value();
   } else {
@@ -85,20 +85,20 @@ void CameraDevice::Open() {
   }
 }
 
-// The source is dropped by it, which it must not be in its own callback.
+// The posted work destroys the source, which must not happen in its own callback.
 void CameraDevice::Fail(const Error& error) {
   Later([this, error] { Do(core_.OnFailed(error, Now())); });
 }
 
 void CameraDevice::Later(std::function<void()> work) {
-  around_.node.loop().Post([alive = std::weak_ptr(alive_), work = std::move(work)] {
+  dependencies_.node.loop().Post([alive = std::weak_ptr(alive_), work = std::move(work)] {
     if (alive.lock()) work();
   });
 }
 
 void CameraDevice::OnFrame(msg::Image picture) {
   if (Result<> good = CheckPicture(picture); !good) return Fail(good.error());
-  if (picture.header.stamp == msg::Stamp{}) picture.header.stamp = around_.stamp();
+  if (picture.header.stamp == msg::Stamp{}) picture.header.stamp = dependencies_.stamp();
   CameraActions actions = core_.OnFrame(
       {FromStamp(picture.header.stamp).count(), picture.width, picture.height}, Now());
   const bool publish = actions.publish;
@@ -114,7 +114,7 @@ void CameraDevice::Publish(msg::Image picture) {
   const msg::Image& image = fitted.value();
   if (pictures_->MatchedReaders() > 0) static_cast<void>(pictures_->Publish(image));
   if (infos_->MatchedReaders() > 0) PublishInfo(image);
-  if (const auto listener = listener_) listener(image);  // it may set another
+  if (const auto listener = listener_) listener(image);  // it may replace the listener
 }
 
 void CameraDevice::PublishInfo(const msg::Image& picture) {
@@ -124,7 +124,7 @@ void CameraDevice::PublishInfo(const msg::Image& picture) {
   } else if (camera_.hfov_deg > 0) {
     info = Pinhole(picture.width, picture.height, camera_.hfov_deg * std::numbers::pi / 180);
   } else {
-    return;  // nobody knows
+    return;  // unknown
   }
   info.header = picture.header;
   static_cast<void>(infos_->Publish(info));
@@ -134,16 +134,16 @@ void CameraDevice::Schedule() {
   timer_.reset();
   const auto at = core_.NextTick();
   if (!at) return;
-  timer_ = around_.node.loop().At(*at, [this] { Do(core_.Tick(Now())); });
+  timer_ = dependencies_.node.loop().At(*at, [this] { Do(core_.Tick(Now())); });
 }
 
 Result<> CameraDevice::Check() const {
-  if (core_.trouble()) {
-    return Error{core_.trouble()->code, core_.trouble()->text.substr(camera_.name.size() + 2)};
+  if (core_.fault()) {
+    return Error{core_.fault()->code, core_.fault()->text.substr(camera_.name.size() + 2)};
   }
   if (core_.has_given()) return Ok();
   constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kSelfCheckFailed);
-  return Error{kCode, "no picture comes from " + camera_.from};
+  return Error{kCode, "no picture from " + camera_.from};
 }
 
 }  // namespace musher::camera

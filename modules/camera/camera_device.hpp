@@ -15,29 +15,30 @@ namespace musher::camera {
 
 class CameraDevice {
  public:
-  static Result<std::unique_ptr<CameraDevice>> Make(const Dependencies& around,
+  static Result<std::unique_ptr<CameraDevice>> Make(const Dependencies& dependencies,
                                                     const CameraConfig& camera,
                                                     const CamerasConfig& config);
 
-  // The robot is in a state in which cameras are on; a self-check goes on; camera_service works
-  // with its pictures.
+  // Three reasons to be on: the robot is in a state in which cameras are on; a self-check runs;
+  // camera_service uses its pictures.
   void SetOn(bool on);
   void SetChecked(bool checked);
   void SetUsed(bool used);
 
-  // Hears each picture as it is published, whatever the rate; null: nobody.
+  // Gets each published picture, whatever the rate; null: no listener.
   void SetListener(std::function<void(const msg::Image&)> listener) {
     listener_ = std::move(listener);
   }
 
-  // Has there been a picture since it was wanted, and is all well? Fails with 4409 or what is
-  // wrong.
+  // Whether there was a picture since it was wanted and there is no fault. Fails with 4409 or with
+  // the fault.
   Result<> Check() const;
   bool on() const { return on_; }
   const CameraConfig& config() const { return camera_; }
 
  private:
-  CameraDevice(const Dependencies& around, const CameraConfig& camera, const CamerasConfig& config);
+  CameraDevice(const Dependencies& dependencies, const CameraConfig& camera,
+               const CamerasConfig& config);
   Result<> Connect();
   void Reconsider();
   void Do(CameraActions actions);
@@ -49,9 +50,9 @@ class CameraDevice {
   void PublishInfo(const msg::Image& picture);
   void Schedule();
   bool Watched() const;
-  Time Now() const { return around_.node.loop().Now(); }
+  Time Now() const { return dependencies_.node.loop().Now(); }
 
-  const Dependencies around_;
+  const Dependencies dependencies_;
   const CameraConfig camera_;
   CameraCore core_;
   bool on_ = false;

@@ -50,12 +50,12 @@ Result<> CameraManager::MakeCameras() {
   auto clock = transport::Clock::Of(machine_config(), node);
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
-  const Dependencies around = {
+  const Dependencies dependencies = {
       node,
       machine_config().name_space,
       [this] { return clock_->Stamp(); },
-      [this](const Told& told) {
-        Log({told.code, told.text});
+      [this](const LogLine& log) {
+        Log({log.code, log.text});
       },
       [this] { return Allowed("camera", ModuleCode::kCameraServer); },
       [this, &node](const CameraConfig& camera,
@@ -66,25 +66,25 @@ Result<> CameraManager::MakeCameras() {
         }
         return OpenCapture(node.loop(), threads_, camera, std::move(events));
       }};
-  auto cameras = Cameras::Make(around, config_, MakeStore(node.loop(), config_.service.folder));
+  auto cameras =
+      Cameras::Make(dependencies, config_, MakeStore(node.loop(), config_.service.folder));
   if (!cameras) return cameras.error();
   cameras_ = std::move(cameras).value();
   return Ok();
 }
 
-// A camera may need a moment to its first picture: what fails is looked at again until its time is
-// over.
+// A camera may need a moment to its first picture: failed checks are repeated until the timeout.
 Result<> CameraManager::SelfCheck() {
   SelfCheckVerdict result;
   node_->RunOnLoop([&] { cameras_->SetChecked(true); });
-  const auto judge = [&]() -> Result<> {
+  const auto check = [&]() -> Result<> {
     result = EvaluateSelfCheck(cameras_->Check(), config_.critical);
     if (result.failing.empty()) return Ok();
     return Error{kCodeFailed, result.failing};
   };
-  static_cast<void>(program::AwaitOnLoop(*node_, config_.self_check_time, judge,
+  static_cast<void>(program::AwaitOnLoop(*node_, config_.self_check_time, check,
                                          [this] { return StopRequested(); }));
-  // Else it is only a check, and the state stays.
+  // Not in SelfCheck itself: only a check, and the state stays.
   const State from = CurrentState();
   const bool enters = from == kSetUp || from == kSelfCheck || from == kError;
   node_->RunOnLoop([&] {

@@ -1,8 +1,8 @@
 #pragma once
-// The actuator of the robot's cameras. See README.md beside this.
+// The actuator of the robot's cameras. See README.md in this folder.
 //
-// Threads: state callbacks on the actuator's worker, the cameras on the loop of its node; what
-// blocks (devices, files) on threads of its own.
+// Threads: state callbacks on the actuator's worker, the cameras on the loop of its node; blocking
+// work (devices, files) on threads of its own.
 
 #include <memory>
 #include <string>

@@ -12,7 +12,7 @@ namespace {
 
 using msg::CameraService;
 
-// An error of the store as an answer.
+// An error of the store as a reply.
 CameraService::Response Refusal(const Error& error) {
   const auto key = static_cast<KeyCode>(error.code % 100);
   const std::uint8_t result = key == KeyCode::kParametersInvalid ? CameraService::kInvalidArguments
@@ -25,7 +25,7 @@ CameraService::Response PathOrRefusal(const Result<std::string>& path) {
   return path ? Answer(CameraService::kSuccess, path.value()) : Refusal(path.error());
 }
 
-// What a codec takes.
+// Fits the picture to what a codec takes.
 Result<msg::Image> ForFile(const msg::Image& picture, const Shape& shape) {
   return Fit(picture, {shape.width_px, shape.height_px, "bgr8"});
 }
@@ -37,46 +37,47 @@ std::string Size(const Shape& shape) {
 
 }  // namespace
 
-CameraServer::CameraServer(const Dependencies& around, const ServiceConfig& config,
+CameraServer::CameraServer(const Dependencies& dependencies, const ServiceConfig& config,
                            CameraDevice& camera, std::unique_ptr<Store> store)
-    : around_(around), config_(config), camera_(camera), store_(std::move(store)) {}
+    : dependencies_(dependencies), config_(config), camera_(camera), store_(std::move(store)) {}
 
 CameraServer::~CameraServer() {
   camera_.SetListener(nullptr);
 }
 
-Result<std::unique_ptr<CameraServer>> CameraServer::Make(const Dependencies& around,
+Result<std::unique_ptr<CameraServer>> CameraServer::Make(const Dependencies& dependencies,
                                                          const ServiceConfig& config,
                                                          CameraDevice& camera,
                                                          std::unique_ptr<Store> store) {
-  std::unique_ptr<CameraServer> server(new CameraServer(around, config, camera, std::move(store)));
+  std::unique_ptr<CameraServer> server(
+      new CameraServer(dependencies, config, camera, std::move(store)));
   if (Result<> connected = server->Connect(); !connected) return connected.error();
   return server;
 }
 
 Result<> CameraServer::Connect() {
-  auto images = transport::MakePublisher<msg::Image>(around_.node, around_.Name(config_.topic),
-                                                     transport::kSensorDataQos);
+  auto images = transport::MakePublisher<msg::Image>(
+      dependencies_.node, dependencies_.Name(config_.topic), transport::kSensorDataQos);
   if (!images) return images.error();
   images_ = std::move(images).value();
   auto server = transport::MakeServer<CameraService>(
-      around_.node, around_.Name("camera_service"),
+      dependencies_.node, dependencies_.Name("camera_service"),
       [this](const Request& request, Reply reply) { OnRequest(request, std::move(reply)); });
   if (!server) return server.error();
   server_ = std::move(server).value();
   return Ok();
 }
 
-struct CameraServer::Obey {
+struct CameraServer::Execute {
   CameraServer& server;
   Reply reply;
 
   void operator()(const Response& refusal) {
-    server.around_.tell({refusal.code, "camera_service: refused: " + refusal.msg});
+    server.dependencies_.log({refusal.code, "camera_service: refused: " + refusal.msg});
     reply(refusal);
   }
   void operator()(const SetShape& set) {
-    server.wish_ = set.shape;
+    server.requested_ = set.shape;
     reply(Answer(CameraService::kSuccess, ""));
   }
   void operator()(const TakePicture& take) { server.Await(take.shape, take.file, false, reply); }
@@ -85,7 +86,7 @@ struct CameraServer::Obey {
     server.Await(start.shape, start.file, true, reply);
   }
   void operator()(const StopRecording&) { server.EndRecording(reply); }
-  void operator()(const TellState&) { reply(server.State()); }
+  void operator()(const ReportState&) { reply(server.State()); }
   void operator()(const DeleteFile& file) {
     server.store_->Delete(file.file, [reply = reply](const Result<>& deleted) {
       reply(deleted ? Answer(CameraService::kSuccess, "") : Refusal(deleted.error()));
@@ -114,16 +115,16 @@ struct CameraServer::Obey {
 void CameraServer::OnRequest(const Request& request, Reply reply) {
   ServiceState state;
   state.on = camera_.on();
-  if (Result<> may = around_.may_be_used(); !may) state.refusal = may.error();
+  if (Result<> may = dependencies_.may_be_used(); !may) state.refusal = may.error();
   state.recording = recording_.has_value() || beginning_;
   state.publishing = image_.has_value();
-  std::visit(Obey{*this, std::move(reply)}, Decide(request, state, wish_));
+  std::visit(Execute{*this, std::move(reply)}, Decide(request, state, requested_));
 }
 
 void CameraServer::Await(Shape shape, const std::string& file, bool video, Reply reply) {
   waiting_.push_back({shape, file, video, std::move(reply), nullptr});
   const auto self = std::prev(waiting_.end());
-  transport::EventLoop& loop = around_.node.loop();
+  transport::EventLoop& loop = dependencies_.node.loop();
   self->timeout = loop.At(loop.Now() + kPictureTime, [this, self] {
     const Waiting late = std::move(*self);
     waiting_.erase(self);
@@ -150,8 +151,8 @@ void CameraServer::OnPicture(const msg::Image& picture) {
   if (recording_) Record(picture);
   if (waiting_.empty()) return;
   for (Waiting& waiting : std::exchange(waiting_, {})) Take(std::move(waiting), picture);
-  // What hears this is not dropped while it runs.
-  around_.node.loop().Post([weak = std::weak_ptr(alive_), this] {
+  // The listener is not destroyed while it runs.
+  dependencies_.node.loop().Post([weak = std::weak_ptr(alive_), this] {
     if (weak.lock()) Listen();
   });
 }
@@ -182,7 +183,7 @@ void CameraServer::Take(Waiting waiting, const msg::Image& picture) {
         }
         Listen();
         reply(PathOrRefusal(path));
-        if (!camera_.on()) OnOff();  // meanwhile
+        if (!camera_.on()) OnOff();  // switched off meanwhile
       });
 }
 
@@ -196,7 +197,7 @@ void CameraServer::EndRecording(const Reply& reply) {
   recording_.reset();
   Listen();
   store_->EndVideo([this, reply](const Result<std::string>& path) {
-    if (!path) around_.tell({path.error().code, "camera_service: " + path.error().message});
+    if (!path) dependencies_.log({path.error().code, "camera_service: " + path.error().message});
     if (reply) reply(PathOrRefusal(path));
   });
 }
@@ -218,8 +219,8 @@ void CameraServer::OnOff() {
     waiting.reply(Answer(CameraService::kInvalidState, "the camera was switched off"));
   }
   if (recording_) {
-    around_.tell({kCodeOk, "camera_service: " + recording_->file +
-                               " is ended, for the camera is switched off"});
+    dependencies_.log({kCodeOk, "camera_service: " + recording_->file +
+                                    " is ended: the camera was switched off"});
     EndRecording({});
   }
   Listen();
@@ -232,10 +233,10 @@ CameraServer::Response CameraServer::State() const {
   return Answer(CameraService::kSuccess, text);
 }
 
-// The time of a world begins anew with each start of it, so the name may be there already.
-NewFile CameraServer::FileFor(const std::string& asked, bool video) const {
-  if (!asked.empty()) return {asked};
-  const msg::Stamp stamp = around_.stamp();
+// A world's time starts anew with each run, so the name may exist already.
+NewFile CameraServer::FileFor(const std::string& requested, bool video) const {
+  if (!requested.empty()) return {requested};
+  const msg::Stamp stamp = dependencies_.stamp();
   std::array<char, 64> name{};
   std::snprintf(name.data(), name.size(), "%s_%d.%03u.%s", video ? "video" : "picture", stamp.sec,
                 stamp.nanosec / 1'000'000, video ? "avi" : "jpg");

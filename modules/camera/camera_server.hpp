@@ -1,5 +1,5 @@
 #pragma once
-// camera_service, and the topic `image` that it switches.
+// camera_service, and the topic `image` that it starts and stops.
 //
 // Threads: the loop's.
 
@@ -19,11 +19,11 @@ namespace musher::camera {
 
 class CameraServer {
  public:
-  static constexpr Duration kPictureTime = Milliseconds(2000);  // that the next one may take
-  static constexpr double kVideoHz = 15;                        // where nobody says
+  static constexpr Duration kPictureTime = Milliseconds(2000);  // timeout for the next picture
+  static constexpr double kVideoHz = 15;  // if neither request nor camera gives a rate
 
-  // Works with the pictures of `camera`, which outlives it.
-  static Result<std::unique_ptr<CameraServer>> Make(const Dependencies& around,
+  // Uses the pictures of `camera`, which outlives it.
+  static Result<std::unique_ptr<CameraServer>> Make(const Dependencies& dependencies,
                                                     const ServiceConfig& config,
                                                     CameraDevice& camera,
                                                     std::unique_ptr<Store> store);
@@ -31,8 +31,8 @@ class CameraServer {
   CameraServer& operator=(const CameraServer&) = delete;
   ~CameraServer();
 
-  // The camera is off from now on: ends a recording and refuses who waits for a picture. `image`
-  // goes on when it is on again.
+  // The camera is off from now on: ends a recording and refuses the calls that wait for a picture.
+  // `image` resumes when the camera is on again.
   void OnOff();
 
  private:
@@ -40,7 +40,7 @@ class CameraServer {
   using Response = msg::CameraService::Response;
   using Reply = transport::Server<msg::CameraService>::Reply;
 
-  // Who waits for the next picture, to be saved or to begin a video with.
+  // A call that waits for the next picture, to save it or to begin a video with it.
   struct Waiting {
     Shape shape;
     std::string file;
@@ -58,7 +58,7 @@ class CameraServer {
     Pace pace;
   };
 
-  CameraServer(const Dependencies& around, const ServiceConfig& config, CameraDevice& camera,
+  CameraServer(const Dependencies& dependencies, const ServiceConfig& config, CameraDevice& camera,
                std::unique_ptr<Store> store);
   Result<> Connect();
   void OnRequest(const Request& request, Reply reply);
@@ -68,16 +68,16 @@ class CameraServer {
   void PublishImage(const msg::Image& picture);
   void Await(Shape shape, const std::string& file, bool video, Reply reply);
   void EndRecording(const Reply& reply);
-  void Listen();  // while somebody needs pictures
+  void Listen();  // while pictures are needed
   Response State() const;
-  NewFile FileFor(const std::string& asked, bool video) const;
+  NewFile FileFor(const std::string& requested, bool video) const;
 
-  struct Obey;
+  struct Execute;
 
-  const Dependencies around_;
+  const Dependencies dependencies_;
   const ServiceConfig config_;
   CameraDevice& camera_;
-  Shape wish_;
+  Shape requested_;
   std::list<Waiting> waiting_;
   std::optional<Recording> recording_;
   bool beginning_ = false;  // a video is being opened
@@ -85,7 +85,7 @@ class CameraServer {
   std::unique_ptr<transport::Publisher<msg::Image>> images_;
   std::unique_ptr<transport::Server<msg::CameraService>> server_;
   std::shared_ptr<int> alive_ = std::make_shared<int>();
-  std::unique_ptr<Store> store_;  // last: what it has done is told to the rest
+  std::unique_ptr<Store> store_;  // last: its callbacks use the rest
 };
 
 }  // namespace musher::camera

@@ -12,18 +12,18 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
 
 }  // namespace
 
-Result<std::unique_ptr<Cameras>> Cameras::Make(const Dependencies& around,
+Result<std::unique_ptr<Cameras>> Cameras::Make(const Dependencies& dependencies,
                                                const CamerasConfig& config,
                                                std::unique_ptr<Store> store) {
   std::unique_ptr<Cameras> cameras(new Cameras(config));
   for (const CameraConfig& camera : config.cameras) {
-    auto device = CameraDevice::Make(around, camera, config);
+    auto device = CameraDevice::Make(dependencies, camera, config);
     if (!device) return device.error();
     cameras->cameras_.push_back(std::move(device).value());
   }
   for (const auto& camera : cameras->cameras_) {
     if (camera->config().name != config.service.camera) continue;
-    auto server = CameraServer::Make(around, config.service, *camera, std::move(store));
+    auto server = CameraServer::Make(dependencies, config.service, *camera, std::move(store));
     if (!server) return server.error();
     cameras->server_ = std::move(server).value();
     break;
@@ -45,8 +45,8 @@ void Cameras::SetChecked(bool checked) {
   for (const auto& camera : cameras_) camera->SetChecked(checked && IsChecked(*camera));
 }
 
-std::vector<CameraFinding> Cameras::Check() const {
-  std::vector<CameraFinding> findings;
+std::vector<CameraResult> Cameras::Check() const {
+  std::vector<CameraResult> findings;
   for (const auto& camera : cameras_) {
     if (IsChecked(*camera)) findings.push_back({camera->config().name, camera->Check()});
   }

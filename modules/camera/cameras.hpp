@@ -14,17 +14,17 @@ namespace musher::camera {
 
 class Cameras {
  public:
-  static Result<std::unique_ptr<Cameras>> Make(const Dependencies& around,
+  static Result<std::unique_ptr<Cameras>> Make(const Dependencies& dependencies,
                                                const CamerasConfig& config,
                                                std::unique_ptr<Store> store);
 
-  // The robot goes to that state, or is there again.
+  // Switches the cameras for that state; the robot enters it or is driven to it again.
   void Enter(const State& state);
 
-  // While a self-check goes on all that it looks at are on, whatever the state.
+  // During a self-check all cameras that it checks are on, whatever the state.
   void SetChecked(bool checked);
-  // Of each camera in the order of the config, but for those it skips.
-  std::vector<CameraFinding> Check() const;
+  // Of each camera in the order of the config, except those that it skips.
+  std::vector<CameraResult> Check() const;
 
  private:
   explicit Cameras(CamerasConfig config) : config_(std::move(config)) {}

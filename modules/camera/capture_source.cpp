@@ -9,28 +9,28 @@
 namespace musher::camera {
 namespace {
 
-constexpr double kVideoHz = 25;  // of a video that does not say
+constexpr double kVideoHz = 25;  // of a video without a rate
 constexpr double kFolderHz = 1;
 
-// Between the thread and the loop; outlives the source while the thread is still in its device.
+// Shared by the thread and the loop; outlives the source while the thread is still in its device.
 class Mailbox : public std::enable_shared_from_this<Mailbox> {
  public:
   Mailbox(transport::EventLoop& loop, SourceEvents events)
       : loop_(loop), events_(std::move(events)) {}
 
-  // On the loop: from then on nothing is delivered, and the loop is not touched any more.
+  // On the loop: from then on nothing is delivered, and the loop is not used any more.
   void Close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
     changed_.notify_all();
   }
 
-  // On the thread, all that follow.
+  // All of the following on the thread.
   bool closed() const {
     const std::lock_guard lock(mutex_);
     return closed_;
   }
-  // False when the source was dropped meanwhile.
+  // False when the source was destroyed meanwhile.
   bool WaitUntil(Time when) {
     std::unique_lock lock(mutex_);
     return !changed_.wait_until(lock, when, [this] { return closed_; });
@@ -40,7 +40,7 @@ class Mailbox : public std::enable_shared_from_this<Mailbox> {
     const bool waits = std::exchange(picture_, std::move(picture)).has_value();
     if (!closed_ && !waits) Post();
   }
-  // The last thing; no error: the end.
+  // The last call; no error: the end.
   void End(std::optional<Error> error) {
     const std::lock_guard lock(mutex_);
     ended_ = true;
@@ -49,7 +49,7 @@ class Mailbox : public std::enable_shared_from_this<Mailbox> {
   }
 
  private:
-  // With the lock: the loop lives as long as this is not closed.
+  // With the lock held: the loop exists as long as this is not closed.
   void Post() {
     loop_.Post([self = shared_from_this()] { self->Deliver(); });
   }
@@ -61,7 +61,7 @@ class Mailbox : public std::enable_shared_from_this<Mailbox> {
     const bool ended = ended_;
     const std::optional<Error> error = error_;
     lock.unlock();
-    const auto self = shared_from_this();  // a callback may drop the source
+    const auto self = shared_from_this();  // a callback may destroy the source
     if (picture) events_.on_frame(std::move(*picture));
     if (!ended || closed()) return;
     error ? events_.on_failed(*error) : events_.on_ended();
@@ -91,7 +91,7 @@ Result<std::unique_ptr<PictureReader>> Open(const CameraConfig& camera) {
   }
 }
 
-// Of what does not pace itself.
+// Paces a source that has no pace of its own.
 Duration Period(const CameraConfig& camera, const PictureReader& reader) {
   if (camera.source == SourceKind::kDevice) return Duration::zero();
   const double own = reader.rate_hz() > 0                   ? reader.rate_hz()
@@ -102,7 +102,7 @@ Duration Period(const CameraConfig& camera, const PictureReader& reader) {
   return Duration(static_cast<std::int64_t>(1e9 / rate_hz));
 }
 
-// What ended it; nothing at the end of the pictures.
+// The error that ended it; nothing at the end of the pictures.
 std::optional<Error> Capture(const CameraConfig& camera, Mailbox& mailbox) {
   auto opened = Open(camera);
   if (!opened) return opened.error();

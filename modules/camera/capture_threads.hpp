@@ -1,6 +1,6 @@
 #pragma once
-// Threads that block in devices and files. One that is told to stop may stay in a device for
-// seconds before it comes back: the loop does not wait for it, the end of the program does.
+// Threads that block in devices and files. A thread that is told to stop may stay in a device for
+// seconds before it returns: the loop does not wait for it, the exit of the program does.
 //
 // Threads: any, one at a time.
 

@@ -1,6 +1,5 @@
 #pragma once
-// What cameras and service are given: where they talk, what time it is, where they say what was
-// wrong.
+// What cameras and camera_service depend on: the node, the clock, the log.
 
 #include <functional>
 #include <string>
@@ -15,9 +14,9 @@ namespace musher::camera {
 struct Dependencies {
   transport::Node& node;
   std::string name_space;
-  std::function<msg::Stamp()> stamp;      // of the module's time, for headers
-  std::function<void(const Told&)> tell;  // to the log
-  std::function<Result<>()> may_be_used;  // camera_service's own work, or why not
+  std::function<msg::Stamp()> stamp;        // of the module's time, for headers
+  std::function<void(const LogLine&)> log;  // writes to the log
+  std::function<Result<>()> may_be_used;    // whether camera_service may be used, or why not
   SourceOpener open;
 
   std::string Name(std::string_view name) const { return transport::ResolveName(name_space, name); }

@@ -18,7 +18,7 @@ int ChannelsOf(const std::string& encoding) {
   return 0;
 }
 
-// OpenCV's number for a change of encoding; none: there is none.
+// OpenCV's code for a conversion of encodings; nothing: not supported.
 std::optional<int> Conversion(const std::string& from, const std::string& to) {
   static const std::map<std::pair<std::string, std::string>, int> conversions = {
       {{"bgr8", "rgb8"}, cv::COLOR_BGR2RGB},     {{"bgr8", "mono8"}, cv::COLOR_BGR2GRAY},
@@ -32,13 +32,13 @@ std::optional<int> Conversion(const std::string& from, const std::string& to) {
   return found->second;
 }
 
-// Over the picture's own bytes.
+// A cv::Mat over the picture's own bytes.
 cv::Mat View(msg::Image& picture) {
   return {static_cast<int>(picture.height), static_cast<int>(picture.width),
           CV_MAKETYPE(CV_8U, ChannelsOf(picture.encoding)), picture.data.data(), picture.step};
 }
 
-// The picture with room for that size and encoding, whose bytes are still to be written.
+// A picture of that size and encoding, whose bytes are still to be written.
 msg::Image Room(const msg::Image& like, std::uint32_t width_px, std::uint32_t height_px,
                 const std::string& encoding) {
   msg::Image room;
@@ -57,7 +57,7 @@ Result<> CheckPicture(const msg::Image& picture) {
   const int channels = ChannelsOf(picture.encoding);
   if (channels == 0) {
     return Error{kUnreadable, "a picture of encoding \"" + picture.encoding.substr(0, 32) +
-                                  "\", which is not known here"};
+                                  "\", which is not supported"};
   }
   const bool fits = picture.width > 0 && picture.height > 0 &&
                     picture.width <= picture.step / static_cast<std::uint32_t>(channels) &&
@@ -78,7 +78,7 @@ Result<msg::Image> Fit(msg::Image picture, const Format& format) {
   if (encoding != picture.encoding) {
     const auto conversion = Conversion(picture.encoding, encoding);
     if (!conversion) {
-      return Error{kUnreadable, "there is no way from " + picture.encoding + " to " + encoding};
+      return Error{kUnreadable, "cannot convert " + picture.encoding + " to " + encoding};
     }
     msg::Image converted = Room(picture, picture.width, picture.height, encoding);
     cv::cvtColor(View(picture), View(converted), *conversion);

@@ -1,4 +1,4 @@
-// musher-camera-manager: the cameras of a robot. See README.md beside this.
+// musher-camera-manager: the cameras of a robot. See README.md in this folder.
 
 #include "musher/modules/camera/camera_config.hpp"
 #include "musher/modules/camera/camera_manager.hpp"
@@ -19,6 +19,6 @@ int main(int argc, char** argv) {
   return musher::program::Main(
       argc, argv,
       {"musher-camera-manager", "The cameras of a robot, as the actuator RealSenseActuator.",
-       "Exit codes: 0 torn down; 1 not started, which is said on stderr; 2 usage or config."},
+       "Exit codes: 0 torn down; 1 not started (reason on stderr); 2 usage or config."},
       Run);
 }

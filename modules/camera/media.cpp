@@ -8,7 +8,7 @@
 namespace musher::camera {
 namespace {
 
-// Beside the program, as it is built; in the folder of libraries, as it is installed.
+// Next to the program in the build tree; in the folder of libraries once installed.
 std::string PathOfLibrary() {
   constexpr const char* kName = "libmusher_camera_media.so";
   std::error_code failed;

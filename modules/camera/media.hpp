@@ -1,10 +1,11 @@
 #pragma once
-// Video files, devices and picture files, through OpenCV's codecs. These come with two hundred
-// shared libraries and some 55 MB of memory, so they are a library of their own that is loaded when
-// the first of them is wanted: a robot whose cameras are topics never pays for it.
+// Video files, devices and picture files, through OpenCV's codecs. These need two hundred shared
+// libraries and some 55 MB of memory, so they are a library of their own that is loaded on first
+// use: a robot whose cameras are topics never loads it.
 //
 // Threads: LoadMedia() and the Media from any, each reader and recorder one at a time. All of it
-// may block: not for a loop. No exception leaves it; codes are the camera server's (44xx).
+// may block: never call it on a loop. No exception leaves it; codes are the camera server's
+// (44xx).
 
 #include <cstdint>
 #include <memory>
@@ -17,7 +18,7 @@
 
 namespace musher::camera {
 
-// What gives one picture after the other.
+// A source of one picture after the other.
 class PictureReader {
  public:
   virtual ~PictureReader() = default;
@@ -26,7 +27,7 @@ class PictureReader {
   virtual Result<std::optional<msg::Image>> Next() = 0;
   // Back to the first one.
   virtual Result<> Rewind() = 0;
-  // Its own pictures a second; 0: it does not say, or the device paces itself.
+  // Its own pictures a second; 0: unknown, or the device paces itself.
   virtual double rate_hz() const = 0;
 };
 
@@ -40,7 +41,7 @@ class Recorder {
 };
 
 // 0: as the device has it.
-struct DeviceWish {
+struct DeviceRequest {
   std::uint32_t width_px = 0;
   std::uint32_t height_px = 0;
   double rate_hz = 0;
@@ -53,25 +54,26 @@ class Media {
   virtual Result<std::unique_ptr<PictureReader>> OpenVideo(const std::string& path) = 0;
   // `from`: a path, "/dev/video0", or a number.
   virtual Result<std::unique_ptr<PictureReader>> OpenDevice(const std::string& from,
-                                                            const DeviceWish& wish) = 0;
+                                                            const DeviceRequest& requested) = 0;
   // The pictures in it, by name.
   virtual Result<std::unique_ptr<PictureReader>> OpenFolder(const std::string& path) = 0;
 
-  // As the ending of `path` says: .jpg, .png, .bmp. The picture is bgr8 or mono8.
+  // In the format of the ending of `path`: .jpg, .png, .bmp. The picture is bgr8 or mono8.
   virtual Result<> Save(msg::Image& picture, const std::string& path) = 0;
   // Motion JPEG in AVI.
   virtual Result<std::unique_ptr<Recorder>> Record(const std::string& path, std::uint32_t width_px,
                                                    std::uint32_t height_px, double rate_hz) = 0;
 };
 
-// What OpenCV and FFmpeg would write to stderr we say ourselves; and a device that gives nothing is
-// left after 2 s. In main(), before there are threads.
+// Suppresses what OpenCV and FFmpeg would write to stderr, since errors are reported here; and
+// sets the timeout of a device without pictures to 2 s. Call it in main(), before there are
+// threads.
 void SetUpCodecs();
 
-// There for the rest of the program. Fails when the library is not where it was installed.
+// Stays loaded until the program exits. Fails when the library is not where it was installed.
 Result<Media*> LoadMedia();
 
-// What the library offers under this name.
+// The entry point of the library.
 inline constexpr const char* kMediaEntry = "MusherCameraMedia";
 using MediaEntry = Media* (*)();
 

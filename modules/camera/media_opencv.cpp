@@ -1,4 +1,4 @@
-// The library that media.hpp tells of.
+// The library described in media.hpp.
 
 #include <sys/stat.h>
 
@@ -20,7 +20,7 @@ Error Failure(const std::string& what, KeyCode key = KeyCode::kDeviceError) {
   return {MakeCode(ModuleCode::kCameraServer, key), what};
 }
 
-// Runs what OpenCV may throw from.
+// Runs code in which OpenCV may throw.
 template <class F>
 auto Guarded(const std::string& about, const F& work) -> decltype(work()) {
   try {
@@ -85,7 +85,7 @@ class VideoReader : public PictureReader {
  private:
   const std::string path_;
   cv::VideoCapture capture_;
-  bool given_ = false;  // one, since its beginning
+  bool given_ = false;  // a picture since the start
 };
 
 class DeviceReader : public PictureReader {
@@ -145,7 +145,7 @@ class VideoRecorder : public Recorder {
       return Ok();
     });
   }
-  // The writer does not say when the disk is full: the file is looked at.
+  // The writer does not report a full disk: check the file.
   Result<> Close() override {
     return Guarded(path_, [this]() -> Result<> {
       writer_.release();
@@ -177,11 +177,11 @@ class OpenCvMedia : public Media {
   }
 
   Result<std::unique_ptr<PictureReader>> OpenDevice(const std::string& from,
-                                                    const DeviceWish& wish) override {
+                                                    const DeviceRequest& requested) override {
     using Reader = Result<std::unique_ptr<PictureReader>>;
     const bool number = from.find_first_not_of("0123456789") == std::string::npos;
     const std::string path = number ? "/dev/video" + from : from;
-    // Said before OpenCV is asked, which only says that it did not work.
+    // Checked before OpenCV, which only reports that it failed.
     struct stat found {};
     if (stat(path.c_str(), &found) != 0) {
       return Failure("there is no device " + path);
@@ -189,13 +189,13 @@ class OpenCvMedia : public Media {
     if (!S_ISCHR(found.st_mode)) return Failure(path + " is no device");
     return Guarded(path, [&]() -> Reader {
       cv::VideoCapture capture(path, cv::CAP_V4L2);
-      if (!capture.isOpened()) return Failure(path + " is no camera, or somebody else has it");
-      const auto ask = [&](int property, double value) {
+      if (!capture.isOpened()) return Failure(path + " is no camera, or another program uses it");
+      const auto request_property = [&](int property, double value) {
         if (value > 0) capture.set(property, value);
       };
-      ask(cv::CAP_PROP_FRAME_WIDTH, wish.width_px);
-      ask(cv::CAP_PROP_FRAME_HEIGHT, wish.height_px);
-      ask(cv::CAP_PROP_FPS, wish.rate_hz);
+      request_property(cv::CAP_PROP_FRAME_WIDTH, requested.width_px);
+      request_property(cv::CAP_PROP_FRAME_HEIGHT, requested.height_px);
+      request_property(cv::CAP_PROP_FPS, requested.rate_hz);
       return std::unique_ptr<PictureReader>(new DeviceReader(path, capture));
     });
   }

@@ -1,7 +1,7 @@
 #pragma once
-// Which of many frames are to be taken, so that they are at most so many a second. By the time a
-// frame was taken, not by when it came: neither a busy machine nor a world that goes faster than
-// ours changes how many a second there are. Pure.
+// Selects frames so that their rate is limited. By the time a frame was taken, not by when it
+// arrived: neither a busy machine nor a world that runs faster than real time changes the rate.
+// Pure.
 
 #include <cstdint>
 #include <optional>
@@ -16,7 +16,7 @@ class Pace {
 
   bool Due(std::int64_t stamp_ns) {
     if (period_ns_ == 0) return true;
-    // After a jump back of the world's time, too.
+    // Also after the world's time jumps back.
     const bool jumped = due_ns_ && stamp_ns < *due_ns_ - 2 * period_ns_;
     if (due_ns_ && !jumped && stamp_ns < *due_ns_ - period_ns_ / kEarlyPart) return false;
     const bool in_step = due_ns_ && !jumped && stamp_ns < *due_ns_ + period_ns_;
@@ -25,7 +25,7 @@ class Pace {
   }
 
  private:
-  // A frame that comes a little early is taken: what paces it and what paces us are two clocks.
+  // A frame that is a little early is taken: its source and this class use two clocks.
   static constexpr std::int64_t kEarlyPart = 4;
 
   std::int64_t period_ns_;

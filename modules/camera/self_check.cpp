@@ -5,23 +5,22 @@
 
 namespace musher::camera {
 
-SelfCheckVerdict EvaluateSelfCheck(const std::vector<CameraFinding>& findings,
+SelfCheckVerdict EvaluateSelfCheck(const std::vector<CameraResult>& checked,
                                    const std::vector<std::string>& critical) {
   SelfCheckVerdict verdict;
   std::size_t failed = 0;
   bool critical_failed = false;
-  for (const CameraFinding& finding : findings) {
-    if (finding.result) continue;
+  for (const CameraResult& one : checked) {
+    if (one.result) continue;
     ++failed;
     const bool is_critical =
-        std::find(critical.begin(), critical.end(), finding.camera) != critical.end();
+        std::find(critical.begin(), critical.end(), one.camera) != critical.end();
     critical_failed = critical_failed || is_critical;
     if (!verdict.failing.empty()) verdict.failing += "; ";
-    verdict.failing += finding.camera + (is_critical ? " (critical): " : ": ") +
-                       finding.result.error().message + ", " +
-                       std::to_string(finding.result.error().code);
+    verdict.failing += one.camera + (is_critical ? " (critical): " : ": ") +
+                       one.result.error().message + ", " + std::to_string(one.result.error().code);
   }
-  if (critical_failed || (failed > 0 && failed == findings.size())) {
+  if (critical_failed || (failed > 0 && failed == checked.size())) {
     constexpr std::int32_t kCode = MakeCode(ModuleCode::kCameraServer, KeyCode::kSelfCheckFailed);
     verdict.result = Error{kCode, verdict.failing};
   }

@@ -1,5 +1,5 @@
 #pragma once
-// The self-check's verdict over the cameras. Pure.
+// The outcome of the self-check from the results of all cameras. Pure.
 
 #include <string>
 #include <vector>
@@ -8,19 +8,18 @@
 
 namespace musher::camera {
 
-struct CameraFinding {
+struct CameraResult {
   std::string camera;
   Result<> result;
 };
 
-// Fails when a critical camera fails, or when all that were looked at do: a robot that has lost one
-// of three goes on with two. The message names every failing camera; so does that of a success,
-// for the log.
+// Fails when a critical camera fails, or when all checked cameras do: a robot that has lost one of
+// three goes on with two. The message names every failing camera, also on success, for the log.
 struct SelfCheckVerdict {
   Result<> result;
   std::string failing;  // "left: no picture in 5000 ms, 4409; ..."
 };
-SelfCheckVerdict EvaluateSelfCheck(const std::vector<CameraFinding>& findings,
+SelfCheckVerdict EvaluateSelfCheck(const std::vector<CameraResult>& checked,
                                    const std::vector<std::string>& critical);
 
 }  // namespace musher::camera

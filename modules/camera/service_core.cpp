@@ -8,7 +8,7 @@ namespace {
 
 using msg::CameraService;
 
-constexpr std::uint32_t kLargestAskedPx = 4096;
+constexpr std::uint32_t kLargestRequestPx = 4096;
 constexpr std::uint32_t kFastestAskedHz = 120;
 constexpr std::size_t kLongestName = 128;
 
@@ -44,18 +44,18 @@ bool EndsWith(const std::string& name, std::initializer_list<const char*> ending
 std::optional<std::string> FaultOfSize(const CameraService::Request& request) {
   if ((request.width == 0) != (request.height == 0))
     return "a width without a height, or the other way round";
-  if (request.width > kLargestAskedPx || request.height > kLargestAskedPx) {
+  if (request.width > kLargestRequestPx || request.height > kLargestRequestPx) {
     return "a picture of " + std::to_string(request.width) + "x" + std::to_string(request.height) +
-           " is larger than " + std::to_string(kLargestAskedPx) + " pixels";
+           " is larger than " + std::to_string(kLargestRequestPx) + " pixels";
   }
-  // A video's coding works with pairs of pixels.
+  // Video encoding needs even sizes.
   if (request.width % 2 != 0 || request.height % 2 != 0) return "a width or height that is odd";
   if (request.fps > kFastestAskedHz)
     return std::to_string(request.fps) + " pictures a second are too many";
   return std::nullopt;
 }
 
-// The name of a file to be written; empty is one by the time.
+// The name of a file to be written; empty: one by the time.
 std::optional<std::string> FaultOfNewFile(const std::string& name, bool video) {
   if (name.empty()) return std::nullopt;
   if (auto fault = FaultOfName(name)) return fault;
@@ -84,8 +84,8 @@ std::optional<std::string> FaultOf(const CameraService::Request& request) {
   }
 }
 
-Shape ShapeOf(const CameraService::Request& request, const Shape& wish) {
-  Shape shape = wish;
+Shape ShapeOf(const CameraService::Request& request, const Shape& requested) {
+  Shape shape = requested;
   if (request.width > 0) {
     shape.width_px = request.width;
     shape.height_px = request.height;
@@ -94,21 +94,22 @@ Shape ShapeOf(const CameraService::Request& request, const Shape& wish) {
   return shape;
 }
 
-Decision Obey(const CameraService::Request& request, const ServiceState& state, const Shape& wish) {
+Decision Execute(const CameraService::Request& request, const ServiceState& state,
+                 const Shape& requested) {
   switch (request.command) {
     case CameraService::kSetParameters:
       return SetShape{ShapeOf(request, {})};
     case CameraService::kTakePicture:
-      return TakePicture{ShapeOf(request, wish), request.args};
+      return TakePicture{ShapeOf(request, requested), request.args};
     case CameraService::kStartRecording:
       if (state.recording) return Answer(CameraService::kBusy, "a video is being recorded already");
-      return StartRecording{ShapeOf(request, wish), request.args};
+      return StartRecording{ShapeOf(request, requested), request.args};
     case CameraService::kStopRecording:
       if (!state.recording)
         return Answer(CameraService::kInvalidState, "nothing is being recorded");
       return StopRecording{};
     case CameraService::kGetState:
-      return TellState{};
+      return ReportState{};
     case CameraService::kDeleteFile:
       return DeleteFile{request.args};
     case CameraService::kListFiles:
@@ -139,10 +140,10 @@ std::optional<std::string> FaultOfName(const std::string& name) {
 }
 
 Decision Decide(const CameraService::Request& request, const ServiceState& state,
-                const Shape& wish) {
+                const Shape& requested) {
   const std::uint8_t command = request.command;
   if (command > CameraService::kStopImagePublish) {
-    return Answer(CameraService::kUndefined, "there is no command " + std::to_string(command));
+    return Answer(CameraService::kUndefined, "unknown command " + std::to_string(command));
   }
   if (Needs(command, {CameraService::kStartLiveStream, CameraService::kStopLiveStream})) {
     const bool start = command == CameraService::kStartLiveStream;
@@ -152,7 +153,7 @@ Decision Decide(const CameraService::Request& request, const ServiceState& state
                       "pictures on the topic image");
   }
   if (auto fault = FaultOf(request)) return Answer(CameraService::kInvalidArguments, *fault);
-  // What ends something, or only looks, is obeyed in every state.
+  // Commands that end something, or only read, are accepted in every state.
   if (Needs(command, {CameraService::kTakePicture, CameraService::kStartRecording,
                       CameraService::kStartImagePublish})) {
     if (state.refusal) {
@@ -163,7 +164,7 @@ Decision Decide(const CameraService::Request& request, const ServiceState& state
     }
     if (!state.on) return Answer(CameraService::kInvalidState, "the camera is off");
   }
-  return Obey(request, state, wish);
+  return Execute(request, state, requested);
 }
 
 }  // namespace musher::camera

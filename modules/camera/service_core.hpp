@@ -1,5 +1,5 @@
 #pragma once
-// What camera_service makes of a request. Pure.
+// The decision of camera_service on a request. Pure.
 
 #include <cstdint>
 #include <optional>
@@ -20,7 +20,7 @@ struct Shape {
   friend bool operator==(const Shape&, const Shape&) = default;
 };
 
-// What the answer hangs on beside the request.
+// What the reply depends on beside the request.
 struct ServiceState {
   bool on = false;               // the camera
   std::optional<Error> refusal;  // why it may not be used now
@@ -45,8 +45,8 @@ struct StartRecording {
 struct StopRecording {
   friend bool operator==(const StopRecording&, const StopRecording&) = default;
 };
-struct TellState {
-  friend bool operator==(const TellState&, const TellState&) = default;
+struct ReportState {
+  friend bool operator==(const ReportState&, const ReportState&) = default;
 };
 struct DeleteFile {
   std::string file;
@@ -64,18 +64,18 @@ struct StopImage {
 };
 
 using Decision = std::variant<msg::CameraService::Response,  // a refusal
-                              SetShape, TakePicture, StartRecording, StopRecording, TellState,
+                              SetShape, TakePicture, StartRecording, StopRecording, ReportState,
                               DeleteFile, ListFiles, StartImage, StopImage>;
 
-// `wish`: what was set by command 0, for what the request leaves open.
+// `requested`: the shape set by command 0, for what the request leaves open.
 Decision Decide(const msg::CameraService::Request& request, const ServiceState& state,
-                const Shape& wish);
+                const Shape& requested);
 
-// An answer with the code that belongs to `result`.
+// A reply with the code of `result`.
 msg::CameraService::Response Answer(std::uint8_t result, std::string text);
 
 // Why a text is no name of a file that camera_service may write or delete; nothing when it is one.
-// It names a file of the folder and nothing else: no '/', no beginning dot, no control characters.
+// A valid name stays in the folder: no '/', no leading dot, no control characters.
 std::optional<std::string> FaultOfName(const std::string& name);
 
 }  // namespace musher::camera

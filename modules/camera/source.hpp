@@ -1,8 +1,9 @@
 #pragma once
-// Where a camera's frames come from. A source delivers from when it is opened until it is dropped.
+// Where a camera's frames come from. A source delivers from when it is opened until it is
+// destroyed.
 //
-// Threads: made, dropped, and heard on the loop. A source that blocks has a thread of its own,
-// which nobody waits for here (see CaptureThreads).
+// Threads: created, destroyed and called back on the loop. A source that blocks has a thread of
+// its own, which the loop does not wait for (see CaptureThreads).
 
 #include <functional>
 #include <memory>
@@ -16,9 +17,9 @@
 
 namespace musher::camera {
 
-// After on_failed and on_ended nothing comes any more. None of them runs inside Open…().
+// After on_failed and on_ended no more callbacks. None of them runs inside Open…().
 struct SourceEvents {
-  std::function<void(msg::Image)> on_frame;  // without a stamp where its source has none
+  std::function<void(msg::Image)> on_frame;  // without a stamp if its source has none
   std::function<void(const msg::CameraInfo&)> on_info;
   std::function<void(const Error&)> on_failed;
   std::function<void()> on_ended;
@@ -32,12 +33,12 @@ class Source {
 using SourceOpener =
     std::function<Result<std::unique_ptr<Source>>(const CameraConfig&, SourceEvents)>;
 
-// A topic; its CameraInfo is heard beside it, on <topic>/info. `topic` as on the wire.
+// A topic; its CameraInfo is subscribed to beside it, on <topic>/info. `topic` as on the wire.
 Result<std::unique_ptr<Source>> OpenTopic(transport::Node& node, const std::string& topic,
                                           SourceEvents events);
 
 // A video, a device or a folder, on a thread of its own. A frame that the loop has not taken when
-// the next one comes is left out.
+// the next one arrives is dropped.
 std::unique_ptr<Source> OpenCapture(transport::EventLoop& loop, CaptureThreads& threads,
                                     const CameraConfig& camera, SourceEvents events);
 

@@ -24,7 +24,7 @@ Error Failure(const std::string& what, KeyCode key = KeyCode::kFailed) {
   return {MakeCode(ModuleCode::kCameraServer, key), what};
 }
 
-// The work itself, on the thread of the store.
+// The work itself, on the store's thread.
 class Shelf {
  public:
   explicit Shelf(std::string folder) : folder_(std::move(folder)) {}
@@ -34,7 +34,7 @@ class Shelf {
     if (!path) return path;
     auto media = LoadMedia();
     if (!media) return media.error();
-    // Whoever looks sees a whole picture or none.
+    // A reader sees a whole picture or none.
     const std::string part = folder_ + "/.part-" + fs::path(path.value()).filename().string();
     std::error_code failed;
     if (Result<> saved = media.value()->Save(picture, part); !saved) {
@@ -55,23 +55,23 @@ class Shelf {
     if (!recorder) return recorder.error();
     recorder_ = std::move(recorder).value();
     path_ = path.value();
-    trouble_.reset();
+    fault_.reset();
     AddFrame(first);
     return path;
   }
 
   void AddFrame(msg::Image& picture) {
-    if (!recorder_ || trouble_) return;
+    if (!recorder_ || fault_) return;
     Result<> written = Room();
     if (written) written = recorder_->Write(picture);
-    if (!written) trouble_ = written.error();
+    if (!written) fault_ = written.error();
   }
 
   Result<std::string> EndVideo() {
     const std::unique_ptr<Recorder> recorder = std::move(recorder_);
     if (!recorder) return Failure("nothing is being recorded");
     Result<> closed = recorder->Close();
-    if (trouble_) return *trouble_;
+    if (fault_) return *fault_;
     if (!closed) return closed.error();
     return path_;
   }
@@ -97,7 +97,7 @@ class Shelf {
     if (recorder_ && path == path_) {
       return Failure(file + " is being recorded", KeyCode::kTargetBusy);
     }
-    // Not what a link leads to, and no folder.
+    // No symbolic links, and no folders.
     if (fs::symlink_status(path, failed).type() != fs::file_type::regular) {
       return Failure("there is no file " + file, KeyCode::kParametersInvalid);
     }
@@ -136,7 +136,7 @@ class Shelf {
   const std::string folder_;
   std::unique_ptr<Recorder> recorder_;
   std::string path_;  // of the video
-  std::optional<Error> trouble_;
+  std::optional<Error> fault_;
 };
 
 class ThreadStore : public Store {
@@ -191,7 +191,7 @@ class ThreadStore : public Store {
     work_.push_back([this, work = std::move(work), done = std::move(done)]() mutable {
       const Result<T> result = work();
       const std::lock_guard posting(mutex_);
-      if (!alive_) return;  // the loop may be gone, too
+      if (!alive_) return;  // the loop may be destroyed, too
       loop_.Post([alive = std::weak_ptr(alive_), done = std::move(done), result] {
         if (alive.lock()) done(result);
       });

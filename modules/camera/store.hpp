@@ -1,8 +1,8 @@
 #pragma once
 // The folder of pictures and videos that camera_service writes.
 //
-// Threads: called on the loop, which it never keeps: the work is done elsewhere, one thing after
-// the other, and `done` runs on the loop later. Dropping the store waits for what has begun.
+// Threads: called on the loop and never blocks it: the work is done elsewhere, in order, and
+// `done` runs on the loop later. The destructor waits for work that has begun.
 
 #include <cstdint>
 #include <functional>
@@ -16,10 +16,10 @@
 
 namespace musher::camera {
 
-// A plain name (FaultOfName()) for a file that is not there yet.
+// A plain name (FaultOfName()) for a new file.
 struct NewFile {
   std::string name;
-  // Where there is such a file already: take the next free one of name_2, name_3 and so on, instead
+  // If there is such a file already: take the next free one of name_2, name_3 and so on, instead
   // of failing with 4410.
   bool counts_on = false;
 };
@@ -31,13 +31,13 @@ class Store {
 
   virtual ~Store() = default;
 
-  // Gives the path of what was written.
+  // Returns the path of the file.
   virtual void Save(msg::Image picture, const NewFile& file, Done<std::string> done) = 0;
 
   // One video at a time. Its pictures, bgr8, all have the size of `first`.
   virtual void BeginVideo(msg::Image first, const NewFile& file, double rate_hz,
                           Done<std::string> done) = 0;
-  // Left out when too many wait.
+  // Dropped when too many wait.
   virtual void AddFrame(msg::Image picture) = 0;
   virtual void EndVideo(Done<std::string> done) = 0;
 
@@ -45,7 +45,7 @@ class Store {
   virtual void Delete(const std::string& file, Done<void> done) = 0;
 };
 
-// Makes the folder when it is first written to. Refuses to write when less than 16 MiB are free.
+// Creates the folder on the first write. Refuses to write when less than 16 MiB are free.
 std::unique_ptr<Store> MakeStore(transport::EventLoop& loop, const std::string& folder);
 
 }  // namespace musher::camera

@@ -18,7 +18,7 @@ Error OutOfRange(const std::string& what, double value) {
   return {BmsCode(KeyCode::kParametersInvalid), what + " of " + std::to_string(value)};
 }
 
-// The nearest whole number that T can hold; 0 for what is not measured.
+// The nearest whole number that T can hold; 0 for kNotMeasured.
 template <class T>
 T Rounded(double value) {
   if (std::isnan(value)) return 0;
@@ -50,7 +50,7 @@ BatteryReading FromMessage(const BatteryState& state) {
   return reading;
 }
 
-Result<> Judge(const BatteryReading& reading) {
+Result<> Validate(const BatteryReading& reading) {
   if (!reading.present) return Error{BmsCode(KeyCode::kDeviceError), "there is no battery"};
   if (std::isnan(reading.percent)) {
     return Error{BmsCode(KeyCode::kParametersInvalid), "a charge that is not a number"};
@@ -101,7 +101,7 @@ std::optional<BatteryReading> BatteryFilter::Accept(const BatteryReading& readin
 
 std::optional<BatteryReading> BatteryFilter::Take(const BatteryReading& reading) {
   if (!last_) {
-    last_ = reading;  // told to nobody yet
+    last_ = reading;  // not published yet
     return std::nullopt;
   }
   const std::optional<BatteryReading> held = std::exchange(held_, std::nullopt);

@@ -1,11 +1,11 @@
 #pragma once
-// What a battery says, judged before anybody acts on it. Plain values, no IO.
+// Checks and filters battery readings before they are published. Plain values, no IO.
 //
 // A charge that jumps by more than 5 % is held until the next reading: one wrong value is never
-// told to anybody, and a true fall is told one reading late, however steep it goes on. Of the held
-// reading and the next, that on the same side counts that is nearer to the last good one, so no
-// level in between is skipped. The first reading of all is held, too: boards say 0 before they have
-// measured.
+// published, and a true fall is published one reading late, however steep it goes on. Of the held
+// reading and the next, the one on the same side and nearer to the last good one counts, so that
+// no level in between is skipped. The very first reading is held, too: boards report 0 before they
+// have measured.
 
 #include <cstdint>
 #include <limits>
@@ -28,7 +28,7 @@ struct BatteryReading {
   double voltage_v = kNotMeasured;
   double current_a = kNotMeasured;  // negative when it discharges
   double temperature_c = kNotMeasured;
-  double health_percent = kNotMeasured;  // full charge now to that when it was new
+  double health_percent = kNotMeasured;  // full charge now, of that when new
   std::optional<int> cycles;
   bool present = true;
   bool external_power = false;
@@ -42,21 +42,21 @@ struct BatteryReading {
 
 BatteryReading FromMessage(const msg::BatteryState& state);
 
-// Fails with ParametersInvalid where a reading cannot be true: no battery, no charge, a value out
-// of its range.
-Result<> Judge(const BatteryReading& reading);
+// Fails with ParametersInvalid when a reading is impossible: no battery, no charge, a value out of
+// its range.
+Result<> Validate(const BatteryReading& reading);
 
-// The fields as far as the reading knows them, the others 0; without a header.
+// The fields that the reading has, the others 0; without a header.
 msg::BmsStatus ToBmsStatus(const BatteryReading& reading, bool motors_powered);
 
 class BatteryFilter {
  public:
   static constexpr double kJumpPercent = 5;
 
-  // Takes a reading that Judge() lets pass. Gives the one to be told now; nothing while it is held.
+  // Takes a valid reading. Returns the one to be published now; nothing while it is held.
   std::optional<BatteryReading> Take(const BatteryReading& reading);
 
-  // That waits for the next one.
+  // The reading that waits for the next one.
   const std::optional<BatteryReading>& held() const { return held_; }
 
  private:

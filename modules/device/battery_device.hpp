@@ -1,6 +1,6 @@
 #pragma once
-// The battery: takes readings from the world or the host, publishes `bms_status` and answers
-// `bms_cmd`. A source that falls silent is told, and its last value is not repeated.
+// The battery: takes readings from the world or the host, publishes `bms_status` and serves
+// `bms_cmd`. When the source is silent this is logged, and its last value is not repeated.
 //
 // Threads: the loop's.
 
@@ -22,40 +22,40 @@ class BatteryDevice {
  public:
   static constexpr Duration kLeastPause = Milliseconds(800);  // between two messages
 
-  // `on_status` is told of each that is published.
+  // `on_status` is called for each published status.
   using OnStatus = std::function<void(const msg::BmsStatus&)>;
-  static Result<std::unique_ptr<BatteryDevice>> Make(const Dependencies& around,
+  static Result<std::unique_ptr<BatteryDevice>> Make(const Dependencies& dependencies,
                                                      const BatteryConfig& config,
                                                      OnStatus on_status);
 
-  // Fails with 1409 while nothing trustworthy is heard; without a source there is nothing to check.
+  // Fails with 1409 while there is no valid reading; without a source there is nothing to check.
   Result<> Check() const;
 
-  // The clock went back: what was measured with it counts from now.
+  // The clock went back: periods measured with it start anew.
   void OnTimeJumped();
 
  private:
   using Command = msg::BmsCmd;
 
-  BatteryDevice(const Dependencies& around, const BatteryConfig& config, OnStatus on_status);
+  BatteryDevice(const Dependencies& dependencies, const BatteryConfig& config, OnStatus on_status);
   Result<> Connect();
 
   void ReadHost();
   void OnReading(const BatteryReading& reading);
   void Refuse(const std::string& reason);
-  void Hear();
+  void RestartSilenceTimer();
   void Lose(const std::string& why);
   void PublishWhenDue();
   void Publish();
   Result<> Execute(const Command::Request& request);
 
-  const Dependencies around_;
+  const Dependencies dependencies_;
   const BatteryConfig config_;
   const OnStatus on_status_;
 
   BatteryFilter filter_;
-  std::optional<BatteryReading> told_;  // the last that counted; nothing once it is too old
-  std::string complaint_ = "nothing was heard of it yet";  // empty: well
+  std::optional<BatteryReading> valid_;  // the last valid reading; nothing once it is too old
+  std::string fault_ = "no reading received yet";  // empty: none
   bool motors_powered_ = true;
   std::optional<Time> published_;
 

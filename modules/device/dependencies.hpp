@@ -1,5 +1,5 @@
 #pragma once
-// What every device is given: where it talks, what time it is, and where it says what was wrong.
+// What every device depends on: the node, the clock, the log.
 
 #include <functional>
 #include <string>
@@ -18,7 +18,7 @@ struct Dependencies {
   std::function<msg::Stamp()> stamp;            // for headers
   std::function<void(const std::string&)> log;  // one line, without its end
   std::function<State()> state;                 // of the actuator
-  std::function<Result<>()> may_power_motors;   // or why not
+  std::function<Result<>()> may_power_motors;   // or why it is refused
 
   std::string Name(std::string_view name) const { return transport::ResolveName(name_space, name); }
 };

@@ -99,7 +99,7 @@ class Reader {
     }
   }
 
-  // Whether the device of that table is there.
+  // Whether that device exists.
   bool IsOfWorld(TableReader& root, std::string_view device) {
     const Table* table = root.SubTable(device);
     if (table == nullptr) return false;

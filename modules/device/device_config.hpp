@@ -20,24 +20,24 @@ struct BatteryConfig {
   std::string folder = kPowerSupplyFolder;  // host: absolute
   std::string name;                         // host; empty: the first
   Duration period = Milliseconds(1000);     // host: how often it is read
-  Duration silence = Milliseconds(5000);    // after which the source counts as silent
+  Duration silence = Milliseconds(5000);    // timeout without a reading
 
   friend bool operator==(const BatteryConfig&, const BatteryConfig&) = default;
 };
 
 struct PowerKeyConfig {
-  bool present = false;                // there is one, at the world's topic
-  Duration hold = Milliseconds(3000);  // pressed for so long it asks for power-off
+  bool present = false;                // there is one, on the world's topic
+  Duration hold = Milliseconds(3000);  // pressed for so long it requests power-off
 
   friend bool operator==(const PowerKeyConfig&, const PowerKeyConfig&) = default;
 };
 
 struct DeviceConfig {
-  Duration self_check_time = Milliseconds(3000);  // so long the devices have to be well
+  Duration self_check_time = Milliseconds(3000);  // how long SelfCheck waits for the devices
   std::vector<std::string> skip;                  // not checked
-  std::vector<std::string> critical;              // whose code is the self-check's
+  std::vector<std::string> critical;              // a failure fails SelfCheck with its code
   BatteryConfig battery;
-  bool touch = false;  // there is one, at the world's topic
+  bool touch = false;  // there is one, on the world's topic
   bool led = false;    // the same
   bool uwb = false;    // the same
   PowerKeyConfig power_key;

@@ -44,27 +44,27 @@ Result<> DeviceManager::MakeDevices() {
   });
   if (!clock) return clock.error();
   clock_ = std::move(clock).value();
-  const Dependencies around = {node_->node(),
-                               *clock_,
-                               machine_config().name_space,
-                               [this] { return clock_->Stamp(); },
-                               [this](const std::string& line) { Log(line); },
-                               [this] { return CurrentState(); },
-                               [this] { return Allowed("motor_power", ModuleCode::kBms); }};
-  auto devices = Devices::Make(around, config_);
+  const Dependencies dependencies = {node_->node(),
+                                     *clock_,
+                                     machine_config().name_space,
+                                     [this] { return clock_->Stamp(); },
+                                     [this](const std::string& line) { Log(line); },
+                                     [this] { return CurrentState(); },
+                                     [this] { return Allowed("motor_power", ModuleCode::kBms); }};
+  auto devices = Devices::Make(dependencies, config_);
   if (!devices) return devices.error();
   devices_ = std::move(devices).value();
   return Ok();
 }
 
-// Devices may need a moment after a start: what fails is looked at again until its time is over.
+// Devices may need a moment after a start: failed checks are repeated until the timeout.
 Result<> DeviceManager::SelfCheck() {
   SelfCheckVerdict verdict;
-  const auto judge = [&]() -> Result<> {
+  const auto check = [&]() -> Result<> {
     verdict = EvaluateSelfCheck(devices_->Check(), config_.critical);
     return verdict.well() || !verdict.result ? verdict.result : Result<>(verdict.degraded);
   };
-  static_cast<void>(program::AwaitOnLoop(*node_, config_.self_check_time, judge,
+  static_cast<void>(program::AwaitOnLoop(*node_, config_.self_check_time, check,
                                          [this] { return StopRequested(); }));
   if (verdict.degraded.code != kCodeOk) {
     ReportDegraded(verdict.degraded);

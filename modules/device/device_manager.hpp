@@ -1,5 +1,6 @@
 #pragma once
-// The actuator `device_manager`: battery, lights and touch of a robot. See README.md beside this.
+// The actuator `device_manager`: battery, lights and touch of a robot. See README.md in this
+// folder.
 //
 // Threads: state callbacks on the actuator's worker, the devices on the loop of its node.
 

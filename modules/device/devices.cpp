@@ -5,32 +5,32 @@
 
 namespace musher::device {
 
-Result<std::unique_ptr<Devices>> Devices::Make(const Dependencies& around,
+Result<std::unique_ptr<Devices>> Devices::Make(const Dependencies& dependencies,
                                                const DeviceConfig& config) {
   std::unique_ptr<Devices> devices(new Devices(config.skip));
-  auto led = LedDevice::Make(around, config.led);
+  auto led = LedDevice::Make(dependencies, config.led);
   if (!led) return led.error();
   devices->led_ = std::move(led).value();
   auto battery = BatteryDevice::Make(
-      around, config.battery, [led = devices->led_.get()](const msg::BmsStatus& status) {
+      dependencies, config.battery, [led = devices->led_.get()](const msg::BmsStatus& status) {
         led->Execute(BatteryLights(status.batt_soc, status.power_wired_charging));
       });
   if (!battery) return battery.error();
   devices->battery_ = std::move(battery).value();
-  auto touch = TouchDevice::Make(around, config.touch);
+  auto touch = TouchDevice::Make(dependencies, config.touch);
   if (!touch) return touch.error();
   devices->touch_ = std::move(touch).value();
-  auto uwb = UwbDevice::Make(around, config.uwb);
+  auto uwb = UwbDevice::Make(dependencies, config.uwb);
   if (!uwb) return uwb.error();
   devices->uwb_ = std::move(uwb).value();
-  auto power_key = PowerKeyDevice::Make(around, config.power_key);
+  auto power_key = PowerKeyDevice::Make(dependencies, config.power_key);
   if (!power_key) return power_key.error();
   devices->power_key_ = std::move(power_key).value();
   return devices;
 }
 
-std::vector<DeviceFinding> Devices::Check() const {
-  std::vector<DeviceFinding> findings;
+std::vector<DeviceResult> Devices::Check() const {
+  std::vector<DeviceResult> findings;
   for (const std::string_view device : kDevices) {
     if (std::find(skip_.begin(), skip_.end(), device) != skip_.end()) continue;
     const Result<> result = device == "bms"     ? battery_->Check()

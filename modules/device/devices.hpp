@@ -1,5 +1,5 @@
 #pragma once
-// All devices of the module together: what they do for each other and for the lifecycle. Runs on
+// All devices of the module together: how they interact, and how the lifecycle uses them. Runs on
 // any transport.
 //
 // Threads: the loop's.
@@ -20,19 +20,19 @@ namespace musher::device {
 
 class Devices {
  public:
-  static Result<std::unique_ptr<Devices>> Make(const Dependencies& around,
+  static Result<std::unique_ptr<Devices>> Make(const Dependencies& dependencies,
                                                const DeviceConfig& config);
 
-  // Of each device in their order, but for those the config skips.
-  std::vector<DeviceFinding> Check() const;
+  // Of each device in their order, except those that the config skips.
+  std::vector<DeviceResult> Check() const;
 
-  // The robot goes to that state, or is there again: its lights.
+  // Sets the lights for that state; the robot enters it or is driven to it again.
   void Enter(const State& state);
 
   // The clock went back.
   void OnTimeJumped();
 
-  // Before the program ends: waits a moment until the last lights have arrived.
+  // Before the program exits: waits a moment until the last lights have been delivered.
   void Flush() { led_->Flush(); }
 
  private:

@@ -16,7 +16,7 @@ struct Effects {
   std::uint8_t last;
 };
 
-// Nothing: there is no such mode.
+// Nothing: no such mode.
 std::optional<Effects> LegalEffects(std::uint8_t target, std::uint8_t mode) {
   const bool mini = target == LedExecute::kMini;
   if (mode == LedExecute::kUserColor) {
@@ -62,13 +62,12 @@ LedArbiter::LedArbiter() {
 Result<> LedArbiter::Execute(const Request& request) {
   const auto* const target = std::find(kLedTargets.begin(), kLedTargets.end(), request.target);
   if (target == kLedTargets.end()) {
-    return Refusal(LedKey::kNoSuchTarget, "there is no target " + std::to_string(request.target) +
+    return Refusal(LedKey::kNoSuchTarget, "unknown target " + std::to_string(request.target) +
                                               "; 1 is the head, 2 the tail, 3 the mini light");
   }
   const auto* const client = std::find(kLedClients.begin(), kLedClients.end(), request.client);
   if (client == kLedClients.end()) {
-    return Refusal(LedKey::kNoSuchClient,
-                   "there is no client " + config_toml::Quote(request.client));
+    return Refusal(LedKey::kNoSuchClient, "unknown client " + config_toml::Quote(request.client));
   }
   Stored& stored = stored_[static_cast<std::size_t>(target - kLedTargets.begin())];
   const auto index = static_cast<std::size_t>(client - kLedClients.begin());
@@ -78,7 +77,7 @@ Result<> LedArbiter::Execute(const Request& request) {
   }
   const auto effects = LegalEffects(request.target, request.mode);
   if (!effects) {
-    return Refusal(LedKey::kNoSuchMode, "there is no mode " + std::to_string(request.mode) +
+    return Refusal(LedKey::kNoSuchMode, "unknown mode " + std::to_string(request.mode) +
                                             "; 1 is predefined, 2 the colour given");
   }
   if (request.effect < effects->first || request.effect > effects->last) {
@@ -91,8 +90,8 @@ Result<> LedArbiter::Execute(const Request& request) {
       Light{request.mode, request.effect, request.r_value, request.g_value, request.b_value};
   const std::size_t shown = FirstStored(stored);
   if (shown == index) return Ok();
-  return Refusal(LedKey::kStored,
-                 "kept until client '" + std::string(kLedClients[shown]) + "' releases the light");
+  return Refusal(LedKey::kStored, "stored until client '" + std::string(kLedClients[shown]) +
+                                      "' releases the light");
 }
 
 LedArbiter::Shown LedArbiter::Show(std::uint8_t target) const {

@@ -1,10 +1,10 @@
 #pragma once
-// Who of several clients has a light, as a plain value without IO: each target (head, tail, mini)
-// remembers the last request of every client and shows that of the first in precedence. Client
-// `system` is the ground: it always has one, at first the default light.
+// Which of several clients controls a light, as a plain value without IO: each target (head, tail,
+// mini) keeps the last request of every client and shows that of the first in precedence. Client
+// `system` is the base: it always has a request, at first the default light.
 //
-// Errors carry CyberDog's codes: 1121 no such target, 1122 client, 1123 mode, 1124 effect; 1125 the
-// request is kept and will be shown when those before it release the light.
+// Errors carry CyberDog's codes: 1121 no such target, 1122 client, 1123 mode, 1124 effect; 1125
+// the request is stored and will be shown when the clients before it release the light.
 
 #include <array>
 #include <cstddef>
@@ -48,7 +48,7 @@ struct Light {
   friend bool operator==(const Light&, const Light&) = default;
 };
 
-// What `system` shows on a target before anybody has asked for anything.
+// What `system` shows on a target before its first request.
 Light DefaultLight(std::uint8_t target);
 
 class LedArbiter {
@@ -62,8 +62,9 @@ class LedArbiter {
 
   LedArbiter();
 
-  // Judges target, client, mode and effect, in this order, and then takes the request or keeps it.
-  // A release needs no mode and no effect, and may come twice; one of `system` counts as a request.
+  // Checks target, client, mode and effect, in this order, and then takes or stores the request. A
+  // release needs no mode and no effect, and may be repeated; a release of `system` counts as a
+  // request.
   Result<> Execute(const msg::LedExecute::Request& request);
 
   // `target` is one of kLedTargets.

@@ -8,25 +8,25 @@
 
 namespace musher::device {
 
-Result<std::unique_ptr<LedDevice>> LedDevice::Make(const Dependencies& around, bool present) {
-  std::unique_ptr<LedDevice> device(new LedDevice(around, present));
+Result<std::unique_ptr<LedDevice>> LedDevice::Make(const Dependencies& dependencies, bool present) {
+  std::unique_ptr<LedDevice> device(new LedDevice(dependencies, present));
   if (Result<> connected = device->Connect(); !connected) return connected.error();
   return device;
 }
 
 Result<> LedDevice::Connect() {
-  auto lights =
-      transport::MakePublisher<msg::LedState>(around_.node, around_.Name("world/led"), kLedQos);
+  auto lights = transport::MakePublisher<msg::LedState>(dependencies_.node,
+                                                        dependencies_.Name("world/led"), kLedQos);
   if (!lights) return lights.error();
   lights_ = std::move(lights).value();
   auto requests = transport::MakeServer<msg::LedExecute>(
-      around_.node, around_.Name("led_execute"),
+      dependencies_.node, dependencies_.Name("led_execute"),
       [this](const msg::LedExecute::Request& request, auto reply) {
         const LedArbiter before = arbiter_;
         const Result<> done = arbiter_.Execute(request);
         if (!done) {
-          around_.log("led_execute of " + config_toml::Quote(request.client) + ": " +
-                      done.error().message);
+          dependencies_.log("led_execute of " + config_toml::Quote(request.client) + ": " +
+                            done.error().message);
         }
         if (arbiter_ != before) ShowAll();
         reply({done ? kCodeOk : done.error().code});
@@ -47,7 +47,7 @@ void LedDevice::Execute(const LightRequests& requests) {
   if (arbiter_ != before) ShowAll();
 }
 
-// All of them each time: the latched topic keeps the last three samples, and so one of each.
+// All of them each time: the latched topic keeps the last three samples, and so one of each light.
 void LedDevice::ShowAll() {
   if (!present_) return;
   for (const std::uint8_t target : kLedTargets) {
@@ -59,12 +59,13 @@ void LedDevice::ShowAll() {
 }
 
 void LedDevice::Flush() {
-  static_cast<void>(lights_->Flush(Milliseconds(1000)));  // who does not listen by then is gone
+  static_cast<void>(
+      lights_->Flush(Milliseconds(1000)));  // a subscriber that has not got it by then is lost
 }
 
 Result<> LedDevice::Check() const {
   if (!present_ || lights_->MatchedReaders() > 0) return Ok();
-  return Error{MakeCode(ModuleCode::kLed, KeyCode::kSelfCheckFailed), "nobody shows world/led"};
+  return Error{MakeCode(ModuleCode::kLed, KeyCode::kSelfCheckFailed), "no subscriber of world/led"};
 }
 
 }  // namespace musher::device

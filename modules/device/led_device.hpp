@@ -1,5 +1,5 @@
 #pragma once
-// The lights: answers `led_execute` and shows what its arbiter decides on `world/led`.
+// The lights: serves `led_execute` and publishes what its arbiter decides on `world/led`.
 //
 // Threads: the loop's.
 
@@ -21,24 +21,25 @@ inline constexpr transport::Qos kLedQos{transport::Qos::Reliability::kReliable,
 
 class LedDevice {
  public:
-  // `present`: there is one; else requests are judged and nothing is shown.
-  static Result<std::unique_ptr<LedDevice>> Make(const Dependencies& around, bool present);
+  // `present`: there are lights; else requests are checked and nothing is published.
+  static Result<std::unique_ptr<LedDevice>> Make(const Dependencies& dependencies, bool present);
 
-  // Fails with 1109 while nobody shows the lights.
+  // Fails with 1109 while `world/led` has no subscriber.
   Result<> Check() const;
 
-  // The module's own wishes.
+  // The module's own requests.
   void Execute(const LightRequests& requests);
 
-  // Blocks until all that is shown has arrived, for at most a second.
+  // Blocks until all published lights have been delivered, for at most a second.
   void Flush();
 
  private:
-  LedDevice(const Dependencies& around, bool present) : around_(around), present_(present) {}
+  LedDevice(const Dependencies& dependencies, bool present)
+      : dependencies_(dependencies), present_(present) {}
   Result<> Connect();
   void ShowAll();
 
-  const Dependencies around_;
+  const Dependencies dependencies_;
   const bool present_;
   LedArbiter arbiter_;
   std::unique_ptr<transport::Publisher<msg::LedState>> lights_;

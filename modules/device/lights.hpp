@@ -1,5 +1,5 @@
 #pragma once
-// Which lights the module itself asks for, as requests to its own arbiter. Plain values, no IO.
+// The lights that the module itself requests from its own arbiter. Plain values, no IO.
 
 #include <vector>
 
@@ -9,17 +9,17 @@ namespace musher::device {
 
 using LightRequests = std::vector<msg::LedExecute::Request>;
 
-// By the battery's charge. A low or charging battery is shown as client `bms`, before the lights of
-// applications; otherwise its colour is the ground that `system` shows and `bms` releases, so that
-// the others can be seen.
+// By the battery's charge. A low or charging battery is shown as client `bms`, before the lights
+// of applications; otherwise `system` shows its colour and `bms` releases, so that the other
+// clients can be seen.
 LightRequests BatteryLights(int percent, bool charging);
 
-// In low power the tail light is off; else client `lowpower` has none. When low power is left the
-// tail breathes in blue, as the ground that `system` shows, until the battery's colour comes.
+// In low power the tail light is off; else client `lowpower` has no request. When low power is
+// left the tail breathes in blue as `system`, until the battery's colour comes.
 LightRequests LowPowerLights(bool low_power);
 LightRequests LeavingLowPowerLights();
 
-// The robot goes down: as client `lowpower`, so that nothing hides it.
+// The robot shuts down: as client `lowpower`, so that no other client hides it.
 LightRequests ShutdownLights();
 
 }  // namespace musher::device

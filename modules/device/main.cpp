@@ -1,4 +1,4 @@
-// musher-device-manager: battery, lights and touch of a robot. See README.md beside this.
+// musher-device-manager: battery, lights and touch of a robot. See README.md in this folder.
 
 #include "musher/modules/device/device_config.hpp"
 #include "musher/modules/device/device_manager.hpp"
@@ -18,6 +18,6 @@ int main(int argc, char** argv) {
       argc, argv,
       {"musher-device-manager",
        "Battery, lights and touch of a robot, as the actuator device_manager.",
-       "Exit codes: 0 torn down; 1 not started, which is said on stderr; 2 usage or config."},
+       "Exit codes: 0 torn down; 1 not started (reason on stderr); 2 usage or config."},
       Run);
 }

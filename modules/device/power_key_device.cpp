@@ -5,26 +5,27 @@
 
 namespace musher::device {
 
-Result<std::unique_ptr<PowerKeyDevice>> PowerKeyDevice::Make(const Dependencies& around,
+Result<std::unique_ptr<PowerKeyDevice>> PowerKeyDevice::Make(const Dependencies& dependencies,
                                                              const PowerKeyConfig& config) {
-  std::unique_ptr<PowerKeyDevice> device(new PowerKeyDevice(around, config));
+  std::unique_ptr<PowerKeyDevice> device(new PowerKeyDevice(dependencies, config));
   if (!config.present) return device;
-  // Where the machine has keys, power-off may be an operator's alone: the robot starts all the
+  // On a secured machine power-off may be reserved for an operator: the module starts all the
   // same.
   if (Result<> connected = device->Connect(); !connected) {
-    around.log("power key: without effect: " + connected.error().message);
+    dependencies.log("power key: disabled: " + connected.error().message);
   }
   return device;
 }
 
 Result<> PowerKeyDevice::Connect() {
-  auto client = transport::MakeClient<msg::Trigger>(around_.node, around_.Name("poweroff"));
+  auto client =
+      transport::MakeClient<msg::Trigger>(dependencies_.node, dependencies_.Name("poweroff"));
   if (!client) return client.error();
   power_off_ = std::move(client).value();
   transport::SubscriptionEvents events;
   events.on_writer_lost = [this](transport::PeerId) { pressed_ = false; };  // the next press counts
   auto key = transport::MakeSubscription<msg::Bool>(
-      around_.node, around_.Name("world/power_key"),
+      dependencies_.node, dependencies_.Name("world/power_key"),
       [this](const msg::Bool& pressed, const auto&) { OnKey(pressed.data); },
       transport::kDefaultQos, std::move(events));
   if (!key) return key.error();
@@ -36,14 +37,14 @@ void PowerKeyDevice::OnKey(bool pressed) {
   if (std::exchange(pressed_, pressed) == pressed) return;
   held_ = nullptr;
   if (!pressed) return;
-  transport::EventLoop& loop = around_.node.loop();
+  transport::EventLoop& loop = dependencies_.node.loop();
   const Time due = loop.Now() + config_.hold;
   held_ = loop.At(due, [this, due] { OnHeld(due); });
 }
 
-// A process that stood still runs its timers first: the release may be waiting to be read.
+// A process that was suspended runs its timers first: the release may be queued.
 void PowerKeyDevice::OnHeld(Time due) {
-  transport::EventLoop& loop = around_.node.loop();
+  transport::EventLoop& loop = dependencies_.node.loop();
   const Time now = loop.Now();
   if (now <= due + kLate) return PowerOff();
   const Time again = now + kLate;
@@ -51,12 +52,12 @@ void PowerKeyDevice::OnHeld(Time due) {
 }
 
 void PowerKeyDevice::PowerOff() {
-  around_.log("power key: held for " + std::to_string(ToMilliseconds(config_.hold)) +
-              " ms: power-off requested");
+  dependencies_.log("power key: held for " + std::to_string(ToMilliseconds(config_.hold)) +
+                    " ms: power-off requested");
   power_off_->Call({}, kPowerOffTime, [this](const Result<msg::Trigger::Response>& answer) {
-    if (!answer) return around_.log("power key: poweroff: " + answer.error().message);
+    if (!answer) return dependencies_.log("power key: poweroff: " + answer.error().message);
     if (!answer.value().success) {
-      around_.log("power key: poweroff refused: " + answer.value().message);
+      dependencies_.log("power key: poweroff refused: " + answer.value().message);
     }
   });
 }

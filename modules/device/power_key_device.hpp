@@ -1,6 +1,7 @@
 #pragma once
-// The power key: held for its time (CyberDog: 3 s), it asks the machine's manager for `poweroff`,
-// once until it is released. A driver that ends while the key is pressed does not call that off.
+// The power key: held for its time (CyberDog: 3 s), it requests `poweroff` from the machine's
+// manager, once until it is released. A driver that exits while the key is pressed does not cancel
+// the request.
 //
 // Threads: the loop's.
 
@@ -17,25 +18,25 @@ namespace musher::device {
 class PowerKeyDevice {
  public:
   static constexpr Duration kPowerOffTime = Milliseconds(2000);  // that the manager may take
-  static constexpr Duration kLate = Milliseconds(50);            // later, a timer is not believed
+  static constexpr Duration kLate = Milliseconds(50);  // a timer later than this is ignored
 
-  // Without a key, or the right to call `poweroff`, nothing is subscribed to; the log says the
-  // latter.
-  static Result<std::unique_ptr<PowerKeyDevice>> Make(const Dependencies& around,
+  // Without a key, or without permission to call `poweroff`, nothing is subscribed to; the log
+  // reports the latter.
+  static Result<std::unique_ptr<PowerKeyDevice>> Make(const Dependencies& dependencies,
                                                       const PowerKeyConfig& config);
 
  private:
-  PowerKeyDevice(const Dependencies& around, const PowerKeyConfig& config)
-      : around_(around), config_(config) {}
+  PowerKeyDevice(const Dependencies& dependencies, const PowerKeyConfig& config)
+      : dependencies_(dependencies), config_(config) {}
   Result<> Connect();
   void OnKey(bool pressed);
   void OnHeld(Time due);
   void PowerOff();
 
-  const Dependencies around_;
+  const Dependencies dependencies_;
   const PowerKeyConfig config_;
   bool pressed_ = false;
-  transport::LoopHandlePtr held_;  // by the steady clock: this is the real robot's end
+  transport::LoopHandlePtr held_;  // by the steady clock: it powers off the real robot
   std::unique_ptr<transport::Client<msg::Trigger>> power_off_;
   std::unique_ptr<transport::Subscription> key_;
 };

@@ -25,7 +25,7 @@ std::string Text(const fs::path& file) {
   return line;
 }
 
-// Not a number where the file is not there or says nothing.
+// NaN if the file is missing or empty.
 double Number(const fs::path& file) {
   std::istringstream text(Text(file));
   double value = kNotMeasured;
@@ -59,7 +59,7 @@ std::uint8_t Health(const std::string& text) {
   return BatteryState::kHealthUnknown;
 }
 
-// Drivers disagree about the sign: it is the status that tells which way it flows.
+// Drivers disagree about the sign: the status determines the direction.
 double Current(const fs::path& supply, double voltage_v, std::uint8_t status) {
   double current = kMicro * Number(supply / "current_now");
   if (std::isnan(current)) current = kMicro * Number(supply / "power_now") / voltage_v;
@@ -102,7 +102,7 @@ Result<BatteryReading> ReadHostBattery(const std::string& folder, const std::str
 
   BatteryReading reading;
   reading.external_power = external_power;
-  reading.present = Number(supply / "present") != 0;  // where it is not said there is one
+  reading.present = Number(supply / "present") != 0;  // a battery without this file is present
   reading.status = Status(Text(supply / "status"));
   reading.health = Health(Text(supply / "health"));
   reading.percent =

@@ -4,19 +4,19 @@
 
 namespace musher::device {
 
-SelfCheckVerdict EvaluateSelfCheck(const std::vector<DeviceFinding>& findings,
+SelfCheckVerdict EvaluateSelfCheck(const std::vector<DeviceResult>& checked,
                                    const std::vector<std::string>& critical) {
-  const auto is_critical = [&](const DeviceFinding& finding) {
-    return std::find(critical.begin(), critical.end(), finding.device) != critical.end();
+  const auto is_critical = [&](const DeviceResult& one) {
+    return std::find(critical.begin(), critical.end(), one.device) != critical.end();
   };
-  const DeviceFinding* worst = nullptr;
+  const DeviceResult* worst = nullptr;
   std::string message;
-  for (const DeviceFinding& finding : findings) {
-    if (finding.result) continue;
-    if (worst == nullptr || (is_critical(finding) && !is_critical(*worst))) worst = &finding;
+  for (const DeviceResult& one : checked) {
+    if (one.result) continue;
+    if (worst == nullptr || (is_critical(one) && !is_critical(*worst))) worst = &one;
     if (!message.empty()) message += "; ";
-    message += finding.device + (is_critical(finding) ? " (critical): " : ": ") +
-               finding.result.error().message + ", " + std::to_string(finding.result.error().code);
+    message += one.device + (is_critical(one) ? " (critical): " : ": ") +
+               one.result.error().message + ", " + std::to_string(one.result.error().code);
   }
   SelfCheckVerdict verdict;
   if (worst == nullptr) return verdict;

@@ -1,5 +1,5 @@
 #pragma once
-// Which touches of the robot's pad are known, and which of them wakes it. Plain values, no IO.
+// Which touches of the robot's pad are known, and which one wakes it. Plain values, no IO.
 
 #include <cstdint>
 #include <optional>
@@ -9,13 +9,13 @@
 
 namespace musher::device {
 
-// "double tap"; empty: there is no such touch.
+// "double tap"; empty: an unknown touch.
 std::string TouchText(std::int32_t touch_state);
 inline bool IsTouch(std::int32_t touch_state) {
   return !TouchText(touch_state).empty();
 }
 
-// A double tap means something at least 2 s after the last one that did.
+// A double tap counts at least 2 s after the last one that counted.
 class DoubleTap {
  public:
   static constexpr Duration kPause = Milliseconds(2000);

@@ -18,21 +18,21 @@ class TouchDevice {
  public:
   static constexpr Duration kWakeTime = Milliseconds(13'000);  // that the manager may take
 
-  // `present`: there is one; else nothing is heard.
-  static Result<std::unique_ptr<TouchDevice>> Make(const Dependencies& around, bool present);
+  // `present`: there is one; else nothing is subscribed to.
+  static Result<std::unique_ptr<TouchDevice>> Make(const Dependencies& dependencies, bool present);
 
-  // Fails with 1509 while nobody feels touches.
+  // Fails with 1509 while nothing publishes touches.
   Result<> Check() const;
 
   void OnTimeJumped() { double_tap_.Forget(); }
 
  private:
-  explicit TouchDevice(const Dependencies& around) : around_(around) {}
+  explicit TouchDevice(const Dependencies& dependencies) : dependencies_(dependencies) {}
   Result<> Connect(bool present);
   void OnTouch(std::int32_t touch_state);
   void WakeUp();
 
-  const Dependencies around_;
+  const Dependencies dependencies_;
   DoubleTap double_tap_;
   bool waking_ = false;
   std::unique_ptr<transport::Publisher<msg::TouchStatus>> status_;

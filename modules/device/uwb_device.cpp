@@ -12,15 +12,16 @@ constexpr std::uint16_t kMaster = 1;
 
 }  // namespace
 
-Result<std::unique_ptr<UwbDevice>> UwbDevice::Make(const Dependencies& around, bool present) {
-  std::unique_ptr<UwbDevice> device(new UwbDevice(around, present));
+Result<std::unique_ptr<UwbDevice>> UwbDevice::Make(const Dependencies& dependencies, bool present) {
+  std::unique_ptr<UwbDevice> device(new UwbDevice(dependencies, present));
   if (Result<> connected = device->Connect(); !connected) return connected.error();
   return device;
 }
 
 Result<> UwbDevice::Connect() {
   auto session = transport::MakeServer<msg::GetUWBMacSessionID>(
-      around_.node, around_.Name("get_uwb_mac_session_id"), [this](const auto&, auto reply) {
+      dependencies_.node, dependencies_.Name("get_uwb_mac_session_id"),
+      [this](const auto&, auto reply) {
         msg::GetUWBMacSessionID::Response response;
         response.code = MakeCode(ModuleCode::kUwb, KeyCode::kUnSupport);
         if (present_) {
@@ -32,16 +33,17 @@ Result<> UwbDevice::Connect() {
   if (!session) return session.error();
   session_ = std::move(session).value();
   if (!present_) return Ok();
-  auto raw = transport::MakePublisher<msg::UwbRaw>(around_.node, around_.Name("uwb_raw"));
+  auto raw =
+      transport::MakePublisher<msg::UwbRaw>(dependencies_.node, dependencies_.Name("uwb_raw"));
   if (!raw) return raw.error();
   raw_ = std::move(raw).value();
   auto connections = transport::MakeSubscription<msg::Bool>(
-      around_.node, around_.Name("uwb_connected"),
+      dependencies_.node, dependencies_.Name("uwb_connected"),
       [this](const msg::Bool& connected, const auto&) { connected_ = connected.data; });
   if (!connections) return connections.error();
   connections_ = std::move(connections).value();
   auto readings = transport::MakeSubscription<msg::UwbRaw>(
-      around_.node, around_.Name("world/uwb"),
+      dependencies_.node, dependencies_.Name("world/uwb"),
       [this](const msg::UwbRaw& reading, const auto&) { OnReading(reading); },
       transport::kSensorDataQos);
   if (!readings) return readings.error();
@@ -53,15 +55,14 @@ void UwbDevice::OnReading(const msg::UwbRaw& reading) {
   const bool bad = !(reading.dist >= 0) || !std::isfinite(reading.dist) ||
                    !(std::abs(reading.angle) <= 2 * M_PI);
   if (std::exchange(refused_, bad) != bad && bad) {
-    around_.log("uwb: readings are refused: the distance or the angle cannot be");
+    dependencies_.log("uwb: readings are refused: invalid distance or angle");
   }
   if (!bad && connected_) static_cast<void>(raw_->Publish(reading));
 }
 
 Result<> UwbDevice::Check() const {
   if (!present_ || readings_->MatchedWriters() > 0) return Ok();
-  return Error{MakeCode(ModuleCode::kUwb, KeyCode::kSelfCheckFailed),
-               "no radio publishes world/uwb"};
+  return Error{MakeCode(ModuleCode::kUwb, KeyCode::kSelfCheckFailed), "no publisher of world/uwb"};
 }
 
 }  // namespace musher::device

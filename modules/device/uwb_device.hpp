@@ -1,6 +1,6 @@
 #pragma once
-// The ultra-wideband radio: how far and in which direction a tag is. Its readings are published
-// while the tag is connected, which is said on `uwb_connected`.
+// The ultra-wideband radio: distance and direction of a tag. Its readings are published while the
+// tag is connected, as `uwb_connected` reports.
 //
 // Threads: the loop's.
 
@@ -15,21 +15,22 @@ namespace musher::device {
 
 class UwbDevice {
  public:
-  // `present`: there is one; else nothing is heard, and the service refuses.
-  static Result<std::unique_ptr<UwbDevice>> Make(const Dependencies& around, bool present);
+  // `present`: there is one; else nothing is subscribed to, and the service refuses.
+  static Result<std::unique_ptr<UwbDevice>> Make(const Dependencies& dependencies, bool present);
 
-  // Fails with 1609 while no radio publishes readings.
+  // Fails with 1609 while no publisher of readings.
   Result<> Check() const;
 
  private:
-  UwbDevice(const Dependencies& around, bool present) : around_(around), present_(present) {}
+  UwbDevice(const Dependencies& dependencies, bool present)
+      : dependencies_(dependencies), present_(present) {}
   Result<> Connect();
   void OnReading(const msg::UwbRaw& reading);
 
-  const Dependencies around_;
+  const Dependencies dependencies_;
   const bool present_;
-  bool connected_ = false;  // the tag
-  bool refused_ = false;    // the last reading
+  bool connected_ = false;  // the tag is connected
+  bool refused_ = false;    // the last reading was refused
   std::unique_ptr<transport::Publisher<msg::UwbRaw>> raw_;
   std::unique_ptr<transport::Server<msg::GetUWBMacSessionID>> session_;
   std::unique_ptr<transport::Subscription> connections_;

@@ -61,7 +61,7 @@ std::vector<std::string> Candidates(const std::string& program,
 }
 
 // All that the child needs, made before the fork: other threads may hold any lock then, so the
-// child makes async-signal-safe calls only.
+// child only makes async-signal-safe calls.
 struct Plan {
   std::vector<std::string> programs;
   std::vector<std::string> arguments;
@@ -81,7 +81,8 @@ struct Plan {
         output(output_fd) {}
 };
 
-// SIGPIPE is ignored first: one that waits, because the reaper has ended, is dropped by that.
+// SIGPIPE is ignored first: a SIGPIPE that is pending because the reaper has exited is discarded
+// by that.
 void ResetSignals() {
   struct sigaction action {};
   action.sa_handler = SIG_IGN;
@@ -93,7 +94,7 @@ void ResetSignals() {
   sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
-// In the child. Gives the reason why the program does not run.
+// In the child. Returns the reason why the program does not run.
 int Execute(const Plan& plan, int report) {
   close(0);
   const bool redirected = open("/dev/null", O_RDONLY) == 0 &&
@@ -112,13 +113,13 @@ int Execute(const Plan& plan, int report) {
   return reason;
 }
 
-// Forks. The child tells the reaper of itself before it executes the program: from then on it ends
-// with us, whenever we are killed.
+// Forks. The child registers with the reaper before it executes the program: from then on it is
+// killed when this process dies.
 pid_t Fork(const Plan& plan, const Reaper& reaper, int report) {
   sigset_t all;
   sigset_t before;
   sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);  // no handler of ours runs in the child
+  pthread_sigmask(SIG_SETMASK, &all, &before);  // no handler of this process runs in the child
   const pid_t pid = fork();
   if (pid == 0) {
     setpgid(0, 0);
@@ -128,20 +129,20 @@ pid_t Fork(const Plan& plan, const Reaper& reaper, int report) {
     _exit(127);
   }
   const int error = errno;
-  if (pid > 0) setpgid(pid, pid);  // the child does so too; the group is there after either
+  if (pid > 0) setpgid(pid, pid);  // the child does so too; either call creates the group
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   errno = error;
   return pid;
 }
 
-// Waits until the program runs; else gives the reason why it does not, an error number.
+// Waits until the program runs; else returns the error number.
 int AwaitProgram(const transport::UniqueFd& report) {
   int reason = 0;
   ssize_t got = 0;
   do {
     got = read(report.get(), &reason, sizeof(reason));
   } while (got < 0 && errno == EINTR);
-  return got == sizeof(reason) ? reason : 0;  // the pipe ends when the program is executed
+  return got == sizeof(reason) ? reason : 0;  // the pipe closes when the program is executed
 }
 
 }  // namespace
@@ -205,7 +206,7 @@ ExitStatus Child::Reap() {
   siginfo_t info{};
   while (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOWAIT) != 0 && errno == EINTR) {
   }
-  kill(-pid_, SIGKILL);  // before the leader is reaped, while the group's number is surely its own
+  kill(-pid_, SIGKILL);  // before the leader is reaped, while the group's number cannot be reused
   reaper_->Remove(pid_);
   while (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED) != 0 && errno == EINTR) {
   }

@@ -1,9 +1,9 @@
 #pragma once
-// A program that runs in a process group of its own, so that it can be stopped together with
-// whatever it has started.
+// A program in a process group of its own, so that it can be stopped together with all processes
+// it has started.
 //
-// A child has /dev/null as stdin, default signal handling and no descriptor of ours beyond its
-// output. When it has ended, what is left of its group is killed.
+// A child has /dev/null as stdin, default signal handling and no descriptor of this process beyond
+// its output. When it has exited, what is left of its group is killed.
 //
 // Threads: one at a time.
 
@@ -22,8 +22,8 @@ namespace musher::exec {
 
 struct ChildSpec {
   std::vector<std::string> argv;           // not empty; without '/': looked up in PATH
-  std::string cwd;                         // empty: ours
-  std::map<std::string, std::string> env;  // on top of ours
+  std::string cwd;                         // empty: that of this process
+  std::map<std::string, std::string> env;  // added to that of this process
 };
 
 // How a child ended.
@@ -39,29 +39,29 @@ struct ExitStatus {
 
 class Child {
  public:
-  // Fails when the program cannot be run. `output` gets its stdout and stderr; -1: ours.
-  // The reaper must outlive the child.
+  // Fails when the program cannot be run. `output` gets its stdout and stderr; -1: those of this
+  // process. The reaper must outlive the child.
   static Result<Child> Start(const ChildSpec& spec, const Reaper& reaper, int output = -1);
-  // Kills one that still runs.
+  // Kills the child if it still runs.
   ~Child();
   Child(Child&& other) noexcept;
   Child& operator=(Child&&) = delete;
 
   pid_t pid() const { return pid_; }
-  int pidfd() const { return pidfd_.get(); }  // readable as soon as it has ended
+  int pidfd() const { return pidfd_.get(); }  // readable as soon as it has exited
 
-  // Whether it has ended, at the latest at `deadline`.
+  // Whether it has exited, waiting until `deadline` at most.
   bool EndedBy(Time deadline) const;
   bool Ended() const { return EndedBy(Time::min()); }
 
-  // Sends to the whole group.
+  // Sends the signal to the whole group.
   void Signal(int signal) const;
 
-  // Waits for the end, kills what is left of the group, and gives the status; the same from then
-  // on.
+  // Waits for the exit, kills what is left of the group, and returns the status; later calls
+  // return the same.
   ExitStatus Reap();
 
-  // SIGTERM, and SIGKILL for one that has not ended after `stop_time`.
+  // Sends SIGTERM, and SIGKILL if it has not exited after `stop_time`.
   ExitStatus Stop(Duration stop_time);
 
  private:

@@ -22,7 +22,7 @@ constexpr int kAskPeriodMs = 20;
 constexpr std::size_t kLongestLine = 200;  // bytes
 constexpr std::size_t kMostKept = 4 * kLongestLine;
 
-// Writes all of it, or as much as whoever reads our stdout wants.
+// Writes all of it, or as much as the reader of stdout takes.
 void Forward(std::string_view text) {
   while (!text.empty()) {
     const ssize_t written = write(STDOUT_FILENO, text.data(), text.size());
@@ -32,7 +32,7 @@ void Forward(std::string_view text) {
   }
 }
 
-// One command under way.
+// A running command.
 class Running {
  public:
   Running(Child child, transport::UniqueFd output, Duration stop_time)
@@ -55,7 +55,7 @@ class Running {
     poll(sources.data(), output_.valid() ? 2 : 1, kAskPeriodMs);
   }
 
-  // What is there now; a command may have left somebody behind who holds the other end open.
+  // Reads what is available now; a process left behind by the command may hold the other end open.
   void ReadOutput() {
     std::array<char, 4096> buffer;
     while (output_.valid()) {
@@ -104,7 +104,7 @@ Result<CommandEnd> RunCommand(const ChildSpec& spec, const Reaper& reaper, Durat
   fcntl(reader.get(), F_SETFL, O_NONBLOCK);
   auto child = Child::Start(spec, reaper, writer.get());
   if (!child) return child.error();
-  writer = transport::UniqueFd();  // so that the command's end of it is the only one
+  writer = transport::UniqueFd();  // so that only the command holds the write end
   return Running(std::move(child).value(), std::move(reader), stop_time).Finish(wanted);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Runs a command to its end, or stops it when it is not waited for any more. What it writes to
-// stdout and stderr goes to our stdout; the last line of it is the reason people are told.
+// Runs a command to its end, or stops it when its result is no longer needed. Its stdout and
+// stderr go to this process's stdout; the last line becomes the reason in a failure message.
 //
 // Threads: one at a time.
 
@@ -13,16 +13,16 @@
 
 namespace musher::exec {
 
-// How much a command is still wanted. Asked about every 20 ms while it runs.
+// Whether a command is still wanted. Polled about every 20 ms while it runs.
 enum class Wanted {
   kYes,
-  kNo,       // SIGTERM, and SIGKILL when that has not helped in `stop_time`
+  kNo,       // SIGTERM, and SIGKILL after `stop_time`
   kGetDone,  // SIGKILL at once
 };
 
 struct CommandEnd {
   ExitStatus status;
-  bool stopped = false;   // it got a signal from us before it ended
+  bool stopped = false;   // this process signalled it before it exited
   std::string last_line;  // of its output, see LastLine
 };
 

@@ -35,7 +35,7 @@ class Reader {
     if (const auto cwd = root.String("cwd")) {
       config_.cwd = config_toml::Absolute(folder_, cwd->text);
     }
-    root.Require("state", "a table [state.<name>] for each state in which something is to be done");
+    root.Require("state", "a table [state.<name>] for each state that runs something");
     if (const Table* states = root.SubTable("state")) {
       for (const Member& member : *states) ReadState(member);
     }

@@ -1,5 +1,5 @@
 #pragma once
-// What musher-exec does in which state, read from a TOML file (README.md shows one):
+// What musher-exec runs in each state, read from a TOML file (README.md shows one):
 //
 //   module = 3000     # exit code n of a command (1 to 99) becomes CyberDog's code 3000 + n
 //   stop_ms = 2000    # from SIGTERM to SIGKILL, in milliseconds
@@ -28,7 +28,7 @@
 
 namespace musher::exec {
 
-// What is done for one state: argv each, a program without '/' is looked up in PATH.
+// What is run for one state: argv each; a program without '/' is looked up in PATH.
 struct StateActions {
   std::vector<std::string> start;  // SetUp only; empty: no program that keeps running
   std::vector<std::string> run;    // empty: nothing to do
@@ -39,7 +39,7 @@ struct StateActions {
 struct ExecConfig {
   std::int32_t module = static_cast<std::int32_t>(ModuleCode::kRobot);
   Duration stop_time = Milliseconds(2000);  // from SIGTERM to SIGKILL
-  std::string cwd;                          // absolute; empty: ours
+  std::string cwd;                          // absolute; empty: that of this process
   std::map<State, StateActions> states;
 
   friend bool operator==(const ExecConfig&, const ExecConfig&) = default;
@@ -50,7 +50,7 @@ struct ExecReading {
   std::vector<Diagnostic> diagnostics;  // by line
 };
 
-// Reads and judges the file at `path` for `actuator`, which must list every state of the file.
+// Reads and checks the file at `path` for `actuator`, which must list every state of the file.
 // Never throws; an unreadable file is a diagnostic.
 ExecReading ReadExecFile(const std::string& path, const ActuatorConfig& actuator);
 
@@ -58,7 +58,7 @@ ExecReading ReadExecFile(const std::string& path, const ActuatorConfig& actuator
 ExecReading ReadExecText(std::string_view text, const std::string& path,
                          const ActuatorConfig& actuator);
 
-// The config without a file: `program` runs from SetUp to TearDown, nothing else is done.
+// The config without a file: `program` runs from SetUp to TearDown; other states run nothing.
 ExecConfig ConfigForProgram(std::vector<std::string> program);
 
 }  // namespace musher::exec

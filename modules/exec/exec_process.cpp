@@ -40,18 +40,18 @@ ExecProcess::ExecProcess(const std::string& actuator_name, ExecConfig config, co
 int ExecProcess::Run(const std::string& state_config) {
   if (!actuator_.MachineActuatorInit(state_config)) return 1;
   signal_watch_ = loop_.WhenReadable(signals_.get(), [this] { OnSignal(); });
-  std::thread life([this] { Live(); });
+  std::thread actuator_thread([this] { RunActuator(); });
   loop_.Run();
   actuator_.Shutdown();
-  life.join();
+  actuator_thread.join();
   if (program_lost_) {
-    actuator_.Log("its program ended by itself: " + runner_.AwaitProgram()->Text());
+    actuator_.Log("the program exited by itself: " + runner_.AwaitProgram()->Text());
   }
   runner_.StopProgram();
   return *exit_code_;
 }
 
-void ExecProcess::Live() {
+void ExecProcess::RunActuator() {
   const bool ok = actuator_.ActuatorStart();
   loop_.Post([this, ok] { OnSetUp(ok); });
   if (!ok) return;
@@ -76,8 +76,8 @@ void ExecProcess::OnSignal() {
   if (read(signals_.get(), &signal, sizeof(signal)) == sizeof(signal)) End(0, Wanted::kNo);
 }
 
-// Called when the program has ended and after each callback: what looked like the beginning of its
-// end may have been a TearDown that failed.
+// Called when the program has exited and after each callback: an exit that looked like part of
+// TearDown is unexpected if that TearDown failed.
 void ExecProcess::EvaluateProgram() {
   const int watch = runner_.program_watch();
   if (!set_up_ended_ || exit_code_ || watch < 0 || runner_.tearing_down()) return;
@@ -86,7 +86,7 @@ void ExecProcess::EvaluateProgram() {
   End(1, Wanted::kGetDone);
 }
 
-// The first reason to end counts. While SetUp runs its end is waited for: it stops as well.
+// The first reason to end counts. During SetUp its end is awaited: it stops as well.
 void ExecProcess::End(int exit_code, Wanted wanted) {
   if (exit_code_) return;
   exit_code_ = exit_code;

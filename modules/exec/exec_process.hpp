@@ -1,9 +1,9 @@
 #pragma once
-// A musher-exec process: an actuator whose callbacks run commands, the watch over its program, and
-// the signals that end it.
+// A musher-exec process: an actuator whose callbacks run commands. It also watches its program and
+// handles the signals that end it.
 //
-// Threads: Run() is the main thread's, with a loop for signals and the program's end. A second
-// thread starts the actuator and waits for its end, since both block. Commands run on the
+// Threads: Run() belongs to the main thread, with a loop for signals and the program's exit. A
+// second thread starts the actuator and waits for its end, since both block. Commands run on the
 // actuator's worker.
 
 #include <csignal>
@@ -19,16 +19,16 @@ namespace musher::exec {
 
 class ExecProcess {
  public:
-  // Blocks SIGTERM, SIGINT and SIGHUP, which it takes from a descriptor: to be made before any
-  // thread is. The reaper must outlive the process.
+  // Blocks SIGTERM, SIGINT and SIGHUP and reads them from a descriptor: construct it before any
+  // thread. The reaper must outlive the process.
   ExecProcess(const std::string& actuator_name, ExecConfig config, const Reaper& reaper);
 
-  // From SetUp to the end; gives the exit code: 0 after TearDown or a signal, 1 when SetUp failed
-  // or the program ended by itself, which is said on stderr.
+  // Runs from SetUp to the end; returns the exit code: 0 after TearDown or a signal, 1 when SetUp
+  // failed or the program exited by itself, which is printed on stderr.
   int Run(const std::string& state_config);
 
  private:
-  void Live();  // on the second thread
+  void RunActuator();  // on the second thread
   void OnSetUp(bool ok);
   void OnSignal();
   void EvaluateProgram();

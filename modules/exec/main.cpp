@@ -1,4 +1,5 @@
-// musher-exec: an actuator that wraps any program without a line of C++. See README.md beside this.
+// musher-exec: an actuator that wraps any program without a line of C++. See README.md in this
+// folder.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -18,7 +19,7 @@ namespace {
 using musher::program::kUsageError;
 
 constexpr const char* kDescription =
-    "An actuator that wraps any program: commands for its states, their exit codes the answers.\n"
+    "An actuator that wraps any program: a command for each state, whose exit code is the result.\n"
     "\n  musher-exec [OPTIONS] FILE\n  musher-exec [OPTIONS] -- PROGRAM [ARGUMENT]...";
 constexpr const char* kFooter = R"(
 After -- stands a program that runs from SetUp to TearDown, where no FILE is needed.
@@ -28,7 +29,7 @@ FILE, for example:
   stop_ms = 2000                      # from SIGTERM to SIGKILL
   cwd = "."                           # where programs run, relative to FILE; default: as musher-exec
   [state.SetUp]
-  start = ["./server", "--port", "80"] # runs until TearDown; if it ends before, so does musher-exec
+  start = ["./server", "--port", "80"] # runs until TearDown; if it exits before, so does musher-exec
   run = ["./wait-for-port", "80"]     # a command; exit code 0: done
   [state.SelfCheck]
   shell = "test -e /dev/ttyS0"        # the same as run, but a line for /bin/sh
@@ -41,11 +42,11 @@ struct Options {
   std::string file;
   std::string actuator;
   std::string state_config;
-  std::vector<std::string> program;  // what stood after --
+  std::vector<std::string> program;  // the arguments after --
   bool check = false;
 };
 
-// Nothing: the program is to end with `exit_code`.
+// Nothing: the process exits with `exit_code`.
 std::optional<Options> ReadOptions(int argc, char** argv, int& exit_code) {
   Options options;
   char** const end = argv + argc;
@@ -56,14 +57,14 @@ std::optional<Options> ReadOptions(int argc, char** argv, int& exit_code) {
   app.footer(kFooter);
   app.set_version_flag("--version", "musher-exec " + std::string(musher::Version()),
                        "Print the version");
-  app.add_option("FILE", options.file, "What to do in which state (TOML)");
+  app.add_option("FILE", options.file, "What to run in each state (TOML)");
   app.add_option("--actuator", options.actuator, "Which actuator of the state config this is")
       ->envname("MUSHER_ACTUATOR")
       ->required();
   app.add_option("--config", options.state_config, "The state config (TOML)")
       ->envname("MUSHER_CONFIG")
       ->required();
-  app.add_flag("--check", options.check, "Report every fault of the configs, and start nothing");
+  app.add_flag("--check", options.check, "Report every error of the configs, and start nothing");
   try {
     app.parse(static_cast<int>(dashes - argv), argv);
     if (options.file.empty() == options.program.empty()) {
@@ -76,7 +77,7 @@ std::optional<Options> ReadOptions(int argc, char** argv, int& exit_code) {
   }
 }
 
-// Its part of the state config. Nothing: what is wrong was said on stderr.
+// The actuator's part of the state config. Nothing: the errors were printed on stderr.
 std::optional<musher::ActuatorConfig> ReadActuator(const std::string& state_config,
                                                    const std::string& actuator) {
   const musher::ConfigReading machine = musher::ReadConfigFile(state_config);

@@ -14,10 +14,10 @@
 namespace musher::exec {
 namespace {
 
-// In the reaper's process. `pipe` gives the number of a group that runs, or its negative for one
-// that has ended; it ends when the process that writes it does.
+// In the reaper's process. `pipe` delivers the number of a group that runs, or its negative for
+// one that has ended; it closes when the writing process exits.
 [[noreturn]] void Keep(int pipe) {
-  setsid();  // what is sent to our parent's group or terminal is not for us
+  setsid();  // signals to the parent's group or terminal must not reach the reaper
   prctl(PR_SET_NAME, "exec-reaper");
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGQUIT}) {
     static_cast<void>(std::signal(signal, SIG_IGN));
@@ -37,8 +37,9 @@ namespace {
   _exit(0);
 }
 
-// So few bytes are written at once or not at all. A reaper that was killed cannot be told.
-void Tell(int pipe, pid_t number) {
+// A write of so few bytes is atomic. The error is ignored: a reaper that was killed cannot be
+// notified.
+void Notify(int pipe, pid_t number) {
   [[maybe_unused]] const ssize_t written = write(pipe, &number, sizeof(number));
 }
 
@@ -63,10 +64,10 @@ Reaper::~Reaper() {
 }
 
 void Reaper::Add(pid_t group) const {
-  Tell(pipe_.get(), group);
+  Notify(pipe_.get(), group);
 }
 void Reaper::Remove(pid_t group) const {
-  Tell(pipe_.get(), -group);
+  Notify(pipe_.get(), -group);
 }
 
 }  // namespace musher::exec

@@ -1,11 +1,12 @@
 #pragma once
-// Sees to it that nothing we started outlives us, even when we are killed with SIGKILL: a small
-// process beside us that is told of every process group we start, and kills those that are left as
-// soon as we are gone, in whatever way. (PR_SET_PDEATHSIG would reach a child, but not its
-// children, and it fires when the thread ends that made the child.)
+// Makes sure that no process started here outlives this process, even when it is killed with
+// SIGKILL: a small process beside it learns of every process group that is started, and kills
+// those that are left as soon as this process is gone, in whatever way. (PR_SET_PDEATHSIG would
+// reach a child, but not its children, and it fires when the thread ends that made the child.)
 //
 // A child calls Add() itself, before it executes its program, and holds the pipe until then: the
-// reaper knows every group before its program runs, also when we are killed right after the fork.
+// reaper knows every group before its program runs, also when this process is killed right after
+// the fork.
 //
 // Threads: Start() while the process has one thread; the rest from any. Add() also in a process
 // that was just forked: it is async-signal-safe.
@@ -23,14 +24,14 @@ class Reaper {
  public:
   // Forks.
   static Result<Reaper> Start();
-  // Lets it kill what is left, and waits until it has.
+  // Lets the reaper kill what is left, and waits until it has.
   ~Reaper();
   Reaper(Reaper&& other) noexcept
       : pid_(std::exchange(other.pid_, 0)), pipe_(std::move(other.pipe_)) {}
   Reaper& operator=(Reaper&&) = delete;
 
-  // `group` runs; it has ended. The second must come before the group's leader is reaped, so that
-  // its number cannot mean another group yet.
+  // Add: `group` runs. Remove: it has ended; called before the group's leader is reaped, so that
+  // its number cannot belong to another group yet.
   void Add(pid_t group) const;
   void Remove(pid_t group) const;
 

@@ -8,7 +8,7 @@
 namespace musher::exec {
 namespace {
 
-// Exit codes up to here are keys of CyberDog's codes; above are those of shells.
+// Exit codes up to this one are keys of CyberDog's codes; higher ones are those of shells.
 constexpr int kHighestKey = 99;
 
 }  // namespace
@@ -61,25 +61,26 @@ Result<> StateRunner::TearDown(const StateActions& actions, const StopRequested&
 Result<> StateRunner::RunOne(const State& state, const StateActions& actions,
                              const StopRequested& stop_requested) {
   if (actions.run.empty()) return Ok();
-  if (wanted_ != Wanted::kYes) return Failure(KeyCode::kStatusError, "the actuator is ending");
+  if (wanted_ != Wanted::kYes) return Failure(KeyCode::kStatusError, "the actuator is terminating");
   const auto end = RunCommand(Spec(state, actions.run), reaper_, config_.stop_time, [&] {
     const Wanted wanted = wanted_;
     return wanted == Wanted::kYes && stop_requested() ? Wanted::kNo : wanted;
   });
   if (!end) return Failure(KeyCode::kFailed, end.error().message);
-  return Judge(end.value());
+  return ResultOf(end.value());
 }
 
-// One that was stopped and yet ended well had just got done.
-Result<> StateRunner::Judge(const CommandEnd& end) const {
+// A command that was stopped and yet succeeded had just finished.
+Result<> StateRunner::ResultOf(const CommandEnd& end) const {
   const ExitStatus& status = end.status;
   if (status.ok()) return Ok();
-  const std::string said = end.last_line.empty() ? "" : ": " + end.last_line;
+  const std::string last_line = end.last_line.empty() ? "" : ": " + end.last_line;
   if (end.stopped) {
-    return Failure(KeyCode::kTimeout, "stopped as it was not waited for any more" + said);
+    return Failure(KeyCode::kTimeout,
+                   "stopped, because its result is no longer needed" + last_line);
   }
   if (status.killed || status.number > kHighestKey) {
-    return Failure(KeyCode::kFailed, status.Text() + said);
+    return Failure(KeyCode::kFailed, status.Text() + last_line);
   }
   return Failure(static_cast<KeyCode>(status.number),
                  end.last_line.empty() ? status.Text() : end.last_line);
@@ -87,7 +88,7 @@ Result<> StateRunner::Judge(const CommandEnd& end) const {
 
 ChildSpec StateRunner::Spec(const State& state, const std::vector<std::string>& argv) const {
   ChildSpec spec{argv, config_.cwd, {{"MUSHER_STATE", state}, {"MUSHER_ACTUATOR", actuator_}}};
-  // What a Python program prints is in the log when it prints it, not when it ends.
+  // Output of a Python program is logged when it is printed, not when it exits.
   if (std::getenv("PYTHONUNBUFFERED") == nullptr) {  // NOLINT(concurrency-mt-unsafe)
     spec.env["PYTHONUNBUFFERED"] = "1";
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Does what an ExecConfig says for a state: runs commands, starts the program and stops it.
+// Runs what an ExecConfig says for a state: commands, and the start and stop of the program.
 //
 //   SetUp     start the program, then run the command; both must succeed
 //   others    run the command
@@ -8,7 +8,7 @@
 // Commands and the program inherit the environment and get MUSHER_STATE, MUSHER_ACTUATOR and,
 // beside a program, MUSHER_PROGRAM_PID (which is also the number of its process group).
 //
-// Threads: Run() on one thread at a time; what else is said below.
+// Threads: Run() on one thread at a time; exceptions are stated below.
 
 #include <atomic>
 #include <functional>
@@ -25,23 +25,26 @@ namespace musher::exec {
 
 class StateRunner {
  public:
-  // The reaper must outlive the runner. What still runs when the runner goes is killed.
+  // The reaper must outlive the runner. What still runs when the runner is destroyed is killed.
   StateRunner(std::string actuator, ExecConfig config, const Reaper& reaper);
 
-  // An Error has CyberDog's code in the config's module, and says what the command said last.
+  // An Error has CyberDog's code in the config's module, and the last line of the command's
+  // output.
   Result<> Run(const State& state, const std::function<bool()>& stop_requested);
 
-  // From now on commands are stopped (kNo) or killed (kGetDone), and no new ones begun. Any thread.
+  // From now on commands are stopped (kNo) or killed (kGetDone), and no new ones started. Any
+  // thread.
   void Hurry(Wanted wanted) { wanted_ = wanted; }
 
-  // Any thread, from the end of SetUp on: readable as soon as the program has ended, -1 when there
-  // is none. Stays open as long as the runner.
+  // Any thread, from the end of SetUp on: readable as soon as the program has exited, -1 when
+  // there is none. Stays open as long as the runner.
   int program_watch() const { return program_watch_.get(); }
 
-  // Whether the program is being stopped, so that its end is no surprise. Any thread.
+  // Whether the program is being stopped, so that its exit is expected. Any thread.
   bool tearing_down() const { return tearing_down_; }
 
-  // Not while Run() runs. How the program ended, waiting for it; nothing when there was none.
+  // Not while Run() runs. Waits for the program and returns how it exited; nothing without a
+  // program.
   std::optional<ExitStatus> AwaitProgram();
   // Not while Run() runs. Ends the program with SIGTERM, or SIGKILL after the config's stop_ms.
   void StopProgram();
@@ -53,7 +56,7 @@ class StateRunner {
   Result<> TearDown(const StateActions& actions, const StopRequested& stop_requested);
   Result<> RunOne(const State& state, const StateActions& actions,
                   const StopRequested& stop_requested);
-  Result<> Judge(const CommandEnd& end) const;
+  Result<> ResultOf(const CommandEnd& end) const;
   ChildSpec Spec(const State& state, const std::vector<std::string>& argv) const;
   Error Failure(KeyCode key, const std::string& message) const;
 

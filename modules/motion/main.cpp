@@ -1,4 +1,4 @@
-// musher-motion-manager: the actuator that moves the body. See README.md beside this.
+// musher-motion-manager: the actuator that moves the body. See README.md in this folder.
 
 #include <utility>
 

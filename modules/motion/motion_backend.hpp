@@ -1,13 +1,13 @@
 #pragma once
-// What stands between the motion manager and a body: a motion board's link, or a simulated body.
+// The interface between the motion manager and a body: a motion board's link, or a simulated body.
 //
 //   MotionShell ── Send(command) ──▶ MotionBackend ──▶ board
 //   MotionShell ◀── OnBody(state) ── MotionBackend ◀── board
 //
 // A backend decides nothing. The decision code repeats a command every 50 ms while it holds and
-// asks for no more than that, but for what has to happen at once; it knows by the life count in a
-// report which command the board has taken. A board that hears nothing for a while has to stop
-// walking by itself: the motion manager may have died.
+// sends nothing else, except what must happen at once. The life count in a report tells it which
+// command the board has taken. A board that receives nothing for a while must stop walking by
+// itself: the motion manager may have died.
 //
 // Threads: the loop's only.
 
@@ -35,13 +35,13 @@ struct BodyState {
 
 class MotionBackend {
  public:
-  // Called by the backend on the loop for each report of the body, some 50 times a second, never
-  // inside Send(). Reports may stop at any time and come back.
+  // The backend calls it on the loop for each report of the body, some 50 times a second, never
+  // inside Send(). Reports may stop at any time and resume.
   using OnBody = std::function<void(const BodyState&)>;
 
   virtual ~MotionBackend() = default;
 
-  // Called by the shell. Comes back at once; a failure to send shows in what the body reports.
+  // Called by the shell. Returns at once; a failure to send shows in what the body reports.
   virtual void Send(const BodyCommand& command) = 0;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// The codes of the motion manager, 3000 and more, and what the board's own words mean in them.
+// The codes of the motion manager, 3000 and more, and the mapping of the board's status to them.
 
 #include <cstdint>
 #include <string>
@@ -42,7 +42,7 @@ constexpr std::int32_t MotionCode(MotionKey key) {
   return static_cast<std::int32_t>(ModuleCode::kMotionManager) + static_cast<std::int32_t>(key);
 }
 
-// What the board says of a change from one motion to another (MotionStatus.switch_status).
+// The board's status of a change from one motion to another (MotionStatus.switch_status).
 enum class SwitchStatus : std::int8_t {
   kNormal = 0,
   kTransitioning = 1,
@@ -61,16 +61,16 @@ enum class SwitchStatus : std::int8_t {
   kCharging = 14,
 };
 
-// 0 while all is well; a word that the board should not know is an execution error.
+// 0 without a fault; an unknown status is an execution error.
 std::int32_t CodeOfStatus(std::int8_t switch_status);
 
-// Of a motor, from its value in BodyState.motor_error, a bit for each fault; 0 without one.
+// The code of a motor's BodyState.motor_error, a bit for each fault; 0 without one.
 std::int32_t CodeOfMotorError(std::int32_t motor_error);
 
 // Whether a code is a fault of the body or its board, and not of a command.
 bool IsBodyFault(std::int32_t code);
 
-// What a code of the motion manager means, for people; "" for one that it does not give.
+// The meaning of a code of the motion manager; "" for a code that it does not use.
 std::string MotionCodeText(std::int32_t code);
 
 }  // namespace musher::motion

@@ -11,7 +11,7 @@ namespace {
 constexpr std::int8_t kAllFeet = 15;
 constexpr std::array<float, 2> kStepHeight = {0.05F, 0.05F};  // m, front and rear
 constexpr std::int64_t kGraceMs = 500;
-constexpr std::int64_t kOpenTimeMs = 500;  // of a motion that has no end by itself
+constexpr std::int64_t kOpenTimeMs = 500;  // of a motion that does not end by itself
 
 struct Field {
   const char* name;

@@ -1,6 +1,6 @@
 #pragma once
-// What is asked of the body, what is told to it and what it reports: plain values. And the rules
-// that judge a command by itself, whatever the body does at the moment.
+// What is requested of the body, what is sent to it and what it reports: plain values. And the
+// rules that check a request by itself, whatever the body does at the moment.
 
 #include <array>
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace musher::motion {
 
-// As they come over the wire, not judged yet. Units: m/s, rad/s, rad, m, ms.
+// As they come over the wire, not checked yet. Units: m/s, rad/s, rad, m, ms.
 struct MotionArguments {
   std::vector<float> vel_des;
   std::vector<float> rpy_des;
@@ -29,20 +29,20 @@ struct MotionArguments {
   friend bool operator==(const MotionArguments&, const MotionArguments&) = default;
 };
 
-struct MotionOrder {
+struct MotionRequest {
   std::int32_t id = 0;
   MotionArguments arguments;
 
-  friend bool operator==(const MotionOrder&, const MotionOrder&) = default;
+  friend bool operator==(const MotionRequest&, const MotionRequest&) = default;
 };
 
 // One frame for the board.
 struct BodyCommand {
-  std::int32_t id = 0;  // of the table, for people; the board goes by mode and gait
+  std::int32_t id = 0;  // of the table, for messages; the board uses mode and gait
   std::int8_t mode = 0;
   std::int8_t gait = 0;
   std::int8_t contact = 0;
-  std::int8_t life_count = 0;  // another one for each new command; the board gives it back
+  std::int8_t life_count = 0;  // differs for each new command; the board echoes it
   std::array<float, 3> vel{};
   std::array<float, 3> rpy{};
   std::array<float, 3> pos{};
@@ -71,24 +71,24 @@ struct BodyReport {
   friend bool operator==(const BodyReport&, const BodyReport&) = default;
 };
 
-// Whether all numbers are numbers: no NaN, no infinity.
+// Whether all values are finite: no NaN, no infinity.
 bool AllFinite(const MotionArguments& arguments);
 
 // The first array that is neither empty nor of its length, "vel_des has 2 values instead of 3";
-// nothing where all are.
+// nothing when all are right.
 std::optional<std::string> WrongLength(const MotionArguments& arguments);
 
-// What is wrong with the duration, in words, or with the contact flags (0 to 15).
+// Why the duration is wrong, or the contact flags (0 to 15); nothing when they are right.
 std::optional<std::string> WrongDuration(const Motion& motion, std::int32_t duration_ms);
 std::optional<std::string> WrongContact(std::int32_t contact);
 
-// The frame for it. An array of a wrong length becomes zeros, a step height that is not given 5 cm,
-// contact 0 all four feet; speeds are limited to those of the motion.
+// The frame for a request. An array of a wrong length becomes zeros; a missing step height becomes
+// 5 cm, contact 0 all four feet; speeds are limited to those of the motion.
 BodyCommand MakeCommand(const Motion& motion, const MotionArguments& arguments);
 // Whether MakeCommand() would limit a speed.
 bool TooFast(const Motion& motion, const MotionArguments& arguments);
 
-// How long it may take from the end of the transition.
+// How long the motion may take from the end of the transition.
 Duration ExecutionTime(const Motion& motion, std::int32_t duration_ms);
 
 }  // namespace musher::motion

@@ -16,7 +16,8 @@ using config_toml::Findings;
 using config_toml::Table;
 using config_toml::TableReader;
 
-constexpr std::int64_t kFarthestPriority = 100;  // what an idle body has: anybody may take it
+constexpr std::int64_t kFarthestPriority =
+    100;  // that of an idle body: every source may control it
 
 constexpr std::array<std::pair<const char*, std::int32_t>, 6> kSources = {
     {{"debug", kFromDebug},

@@ -1,5 +1,5 @@
 #pragma once
-// The motion manager's own file (config/motion/motion_manager.toml explains every key).
+// The motion manager's own config file (config/motion/motion_manager.toml explains every key).
 
 #include <optional>
 #include <string>
@@ -15,9 +15,9 @@ namespace musher::motion {
 struct MotionConfig {
   std::string motions;  // the file of the motion id table, absolute
   Priorities priorities = DefaultPriorities();
-  Duration board_wait = Milliseconds(10'000);   // SetUp waits so long for the first report
-  Duration board_silent = Milliseconds(500);    // without a report for so long it is silent
-  Duration board_feedback = Milliseconds(200);  // a command must have been taken by then
+  Duration board_wait = Milliseconds(10'000);   // how long SetUp waits for the first report
+  Duration board_silent = Milliseconds(500);    // timeout without a report
+  Duration board_feedback = Milliseconds(200);  // within which a command must be taken
 
   friend bool operator==(const MotionConfig&, const MotionConfig&) = default;
 };

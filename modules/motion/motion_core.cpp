@@ -11,10 +11,10 @@ namespace {
 
 using Key = MotionKey;
 
-// What get-down may interrupt.
+// The motion that get-down may interrupt.
 constexpr std::array kDances = {140, 176, 177, 178};
 
-constexpr std::size_t kMostOrders = 1000;  // of one request; more is a slip
+constexpr std::size_t kMostMotions = 1000;  // of one request
 
 std::string NameOf(const Motion& motion) {
   return std::to_string(motion.id) + " (" + motion.name + ")";
@@ -22,7 +22,8 @@ std::string NameOf(const Motion& motion) {
 
 }  // namespace
 
-// --- Judging -------------------------------------------------------------------------------------
+// --- Checks
+// --------------------------------------------------------------------------------------
 
 Result<> Decision::MayRun(const Motion& motion, const std::string& capability) const {
   if (motion.id == kEmergencyStop) return Ok();
@@ -31,50 +32,50 @@ Result<> Decision::MayRun(const Motion& motion, const std::string& capability) c
   }
   if (core_.closed) {
     return Error{MotionCode(KeyCode::kStateInvalid),
-                 "nothing may move in " + std::string(*core_.closed)};
+                 "no motion is permitted in " + std::string(*core_.closed)};
   }
   return rules_.allowed(capability);
 }
 
-Result<> Decision::CheckOrder(const MotionOrder& order) const {
-  const Motion* motion = rules_.table.Find(order.id);
+Result<> Decision::CheckRequest(const MotionRequest& requested) const {
+  const Motion* motion = rules_.table.Find(requested.id);
   if (motion == nullptr) {
-    return Error{MotionCode(KeyCode::kUnSupport), "there is no motion " + std::to_string(order.id)};
+    return Error{MotionCode(KeyCode::kUnSupport), "unknown motion " + std::to_string(requested.id)};
   }
   if (auto may = MayRun(*motion, motion->capability); !may) return may;
   const auto invalid = [&](const std::string& what) {
     return Error{MotionCode(KeyCode::kParametersInvalid),
                  "motion " + NameOf(*motion) + ": " + what};
   };
-  if (!AllFinite(order.arguments)) return invalid("a number is no number, or infinite");
-  if (const auto wrong = WrongContact(order.arguments.contact)) return invalid(*wrong);
-  if (const auto wrong = WrongDuration(*motion, order.arguments.duration_ms))
+  if (!AllFinite(requested.arguments)) return invalid("a value is NaN or infinite");
+  if (const auto wrong = WrongContact(requested.arguments.contact)) return invalid(*wrong);
+  if (const auto wrong = WrongDuration(*motion, requested.arguments.duration_ms))
     return invalid(*wrong);
   return Ok();
 }
 
 Result<> Decision::CheckPlay(const motion_event::PlayArrived& event) const {
-  if (event.orders.empty() || event.orders.size() > kMostOrders) {
+  if (event.requests.empty() || event.requests.size() > kMostMotions) {
     return Error{MotionCode(KeyCode::kParametersInvalid),
-                 "expected 1 to " + std::to_string(kMostOrders) + " motions, found " +
-                     std::to_string(event.orders.size())};
+                 "expected 1 to " + std::to_string(kMostMotions) + " motions, found " +
+                     std::to_string(event.requests.size())};
   }
-  for (const MotionOrder& order : event.orders) {
-    if (auto good = CheckOrder(order); !good) return good;
+  for (const MotionRequest& requested : event.requests) {
+    if (auto good = CheckRequest(requested); !good) return good;
   }
   if (event.source == kFromMachine) {
     return Error{MotionCode(KeyCode::kPermissionDenied), "source FSM is the motion manager's own"};
   }
   if (rules_.config.priorities.count(event.source) == 0) {
-    return Error{MotionCode(KeyCode::kParametersInvalid),
-                 "nobody knows " + SourceName(event.source)};
+    return Error{MotionCode(KeyCode::kParametersInvalid), "unknown " + SourceName(event.source)};
   }
-  const bool interrupts = event.orders.front().id == kGetDown && Dancing();
+  const bool interrupts = event.requests.front().id == kGetDown && Dancing();
   if (!core_.Idle() && !interrupts) {
-    return Error{MotionCode(KeyCode::kTargetBusy),
-                 core_.servo
-                     ? "the body follows servo commands of " + SourceName(core_.servo->source)
-                     : "motion " + std::to_string(core_.job->motion_id) + " is under way"};
+    return Error{
+        MotionCode(KeyCode::kTargetBusy),
+        core_.servo
+            ? "the body is controlled by servo commands of " + SourceName(core_.servo->source)
+            : "motion " + std::to_string(core_.job->motion_id) + " is in progress"};
   }
   if (core_.BoardSilent()) {
     return Error{MotionCode(Key::kBoardSilent), MotionCodeText(MotionCode(Key::kBoardSilent))};
@@ -90,20 +91,20 @@ bool Decision::Dancing() const {
 
 // --- Events --------------------------------------------------------------------------------------
 
-void Decision::Take(const motion_event::BoardHeard& event) {
+void Decision::Take(const motion_event::BoardReported& event) {
   const BodyReport before = core_.body.value_or(BodyReport{});
   core_.body = event.report;
   ReportMotors(before);
-  core_.body_heard = now_;
+  core_.body_reported_at = now_;
   core_.board_silent = false;
   if (core_.link.until && Taken()) Quiet();
   AdvanceJob(false);
 }
 
 void Decision::Take(const motion_event::PlayArrived& event) {
-  const std::int32_t id = event.orders.empty() ? 0 : event.orders.front().id;
-  const bool stop = std::any_of(event.orders.begin(), event.orders.end(),
-                                [](const MotionOrder& o) { return o.id == kEmergencyStop; });
+  const std::int32_t id = event.requests.empty() ? 0 : event.requests.front().id;
+  const bool stop = std::any_of(event.requests.begin(), event.requests.end(),
+                                [](const MotionRequest& o) { return o.id == kEmergencyStop; });
   if (stop) return BeginEmergencyStop(event.token);
   if (const auto good = CheckPlay(event); !good) {
     const auto& [code, message] = good.error();
@@ -112,20 +113,21 @@ void Decision::Take(const motion_event::PlayArrived& event) {
     return Answer(event.token, id, code, message);
   }
   if (core_.job) DropJob(MotionCode(Key::kExecuteError), "interrupted by get-down");
-  core_.emergency_stop = false;  // only recovery stand comes so far while it is set
+  core_.emergency_stop = false;  // while it is set only recovery stand gets here
   Job job;
   job.token = event.token;
   job.motion_id = id;
-  for (const MotionOrder& order : event.orders) {
-    const Motion& motion = *rules_.table.Find(order.id);
-    if (const auto wrong = WrongLength(order.arguments)) {
+  for (const MotionRequest& requested : event.requests) {
+    const Motion& motion = *rules_.table.Find(requested.id);
+    if (const auto wrong = WrongLength(requested.arguments)) {
       Log(MotionCode(KeyCode::kParametersInvalid),
-          "motion " + NameOf(motion) + ": " + *wrong + "; zeros are taken instead");
+          "motion " + NameOf(motion) + ": " + *wrong + "; zeros are used instead");
     }
-    if (TooFast(motion, order.arguments)) {
-      Log(MotionCode(KeyCode::kOk), "motion " + NameOf(motion) + " is slowed down to its limits");
+    if (TooFast(motion, requested.arguments)) {
+      Log(MotionCode(KeyCode::kOk),
+          "motion " + NameOf(motion) + " is limited to its maximum speed");
     }
-    job.todo.push_back(MotionOf(motion, order.arguments));
+    job.todo.push_back(MotionOf(motion, requested.arguments));
   }
   BeginJob(std::move(job));
 }
@@ -149,7 +151,7 @@ void Decision::Take(const motion_event::LieDown& event) {
 
 void Decision::Take(const motion_event::Cancelled& event) {
   if (!core_.job || core_.job->token != event.token) return;
-  EndJob(MotionCode(KeyCode::kTimeout), "given up: it took too long");
+  EndJob(MotionCode(KeyCode::kTimeout), "cancelled: timeout");
 }
 
 void Decision::Take(const motion_event::Closed& event) {
@@ -171,7 +173,7 @@ void Decision::Take(const motion_event::EmergencyStop&) {
 }
 
 void Decision::Take(const motion_event::WorldRestarted&) {
-  if (core_.job) DropJob(MotionCode(Key::kBoardSilent), "the world began anew");
+  if (core_.job) DropJob(MotionCode(Key::kBoardSilent), "the world was restarted");
   core_.servo.reset();
   core_.body.reset();
   core_.second_look.reset();
@@ -190,9 +192,9 @@ void Decision::Take(const motion_event::TimePassed&) {
   ReportServo();
 }
 
-// After the program or its host stood still, timers are due before what came meanwhile is read: the
-// report or frame that seems to be missing may only wait. Once only, so that who is always late
-// judges nevertheless.
+// After the program or its host was suspended, timers are due before the messages of that time are
+// read: the report or frame that seems to be missing may only wait. Only once, so that a process
+// that is always late still detects timeouts.
 bool Decision::LooksAgain() {
   if (core_.second_look) {
     if (now_ < *core_.second_look) return true;
@@ -208,7 +210,7 @@ bool Decision::LooksAgain() {
 // --- The board -----------------------------------------------------------------------------------
 
 void Decision::WatchBoard() {
-  if (core_.body && now_ - core_.body_heard >= rules_.config.board_silent) {
+  if (core_.body && now_ - core_.body_reported_at >= rules_.config.board_silent) {
     core_.board_silent = true;
   }
 }
@@ -228,10 +230,10 @@ JobMotion Decision::MotionOf(const Motion& motion, const MotionArguments& argume
   return job_motion;
 }
 
-// A new command; it replaces what is repeated. At once, or as soon as the link bears another frame.
+// A new command; it replaces the repeated one. Sent at once, or as soon as the link permits
+// another frame.
 void Decision::Command(const BodyCommand& command, bool at_once) {
-  // The board may remember the counts of whoever commanded it before us: not the next after its
-  // own.
+  // The board may remember the counts of its previous commander: do not use the one after its own.
   constexpr int kHighestLife = 127;
   constexpr int kFarAway = 64;
   const bool first = core_.link.sent_at == Time::min();
@@ -250,7 +252,7 @@ void Decision::Command(const BodyCommand& command, bool at_once) {
   }
 }
 
-// Ends a walk.
+// Stops a walk.
 void Decision::Stand(const BodyCommand& last) {
   MotionArguments arguments;
   arguments.value = last.value;
@@ -275,18 +277,20 @@ void Decision::TransmitIfDue() {
   if (link.active && due) Transmit();
 }
 
-// --- Telling -------------------------------------------------------------------------------------
+// --- Answers and logs
+// ----------------------------------------------------------------------------
 
 void Decision::Answer(RequestToken token, std::int32_t motion_id, std::int32_t code,
                       const std::string& message) {
   if (token != 0) actions_.emplace_back(motion_action::Answer{token, motion_id, code, message});
 }
 
-// The same code once in three minutes: a stream of bad commands must not fill the log.
+// The same code once in three minutes: a stream of invalid commands must not fill the log.
 void Decision::Log(std::int32_t code, const std::string& text) {
   const bool low_battery = code == MotionCode(KeyCode::kProtectedError);
-  if (low_battery && (!core_.said || now_ - *core_.said >= kSayPause)) {
-    core_.said = now_;
+  if (low_battery &&
+      (!core_.battery_low_announced || now_ - *core_.battery_low_announced >= kSayPause)) {
+    core_.battery_low_announced = now_;
     actions_.emplace_back(motion_action::Say{kChargeFirst});
   }
   const auto last = core_.logged.find(code);
@@ -297,7 +301,7 @@ void Decision::Log(std::int32_t code, const std::string& text) {
   if (IsBodyFault(code)) actions_.emplace_back(motion_action::ReportError{code});
 }
 
-// Faults that a motor has now and had not before.
+// Reports faults that a motor has now and did not have before.
 void Decision::ReportMotors(const BodyReport& before) {
   const auto& errors = core_.body->motor_error;
   for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -314,7 +318,8 @@ void Decision::ReportEmergencyStop() {
   actions_.emplace_back(motion_action::ReportError{code});
 }
 
-// --- Outside -------------------------------------------------------------------------------------
+// --- Interface
+// -----------------------------------------------------------------------------------
 
 MotionActions Step(const MotionRules& rules, MotionCore& core, const MotionEvent& event, Time now) {
   Decision decision(rules, core, now);
@@ -326,7 +331,7 @@ std::optional<Time> NextDeadline(const MotionRules& rules, const MotionCore& cor
   if (core.second_look) return core.second_look;
   std::optional<Time> next;
   const auto consider = [&](Time time) { next = next ? std::min(*next, time) : time; };
-  if (!core.BoardSilent()) consider(core.body_heard + rules.config.board_silent);
+  if (!core.BoardSilent()) consider(core.body_reported_at + rules.config.board_silent);
   if (core.job) consider(core.job->wait_end);
   if (core.servo) {
     consider(core.servo->last_frame + kServoWatchdog);

@@ -1,7 +1,8 @@
 #pragma once
-// The motion manager's decision code: who moves the body, with what, and what everybody is told.
-// Pure: Step(rules, core, event, now) changes the core and gives the actions; the shell around it
-// (motion_shell.hpp) turns messages and timers into events and actions into messages.
+// The motion manager's decision code: which client moves the body, with which motion, and what
+// each client is answered. Pure: Step(rules, core, event, now) changes the core and returns the
+// actions; the shell around it (motion_shell.hpp) turns messages and timers into events and
+// actions into messages.
 //
 // clang-format off
 //                a servo frame                     END, or 200 ms without a frame: WALK_STAND
@@ -14,14 +15,15 @@
 // clang-format on
 //
 // Rules:
-//   - Emergency stop (motion 0) is taken in every state, at once, from everybody. It is a latch:
-//     until recovery stand (111) is taken nothing else is.
-//   - A servo frame is taken from whoever has the same or a higher priority than who has the body.
-//   - A command of results (one motion or several) is taken when the body is idle; get-down also
+//   - Emergency stop (motion 0) is taken in every state, at once, from every source. It is a
+//     latch: until recovery stand (111) is taken, no other motion is.
+//   - A servo frame is taken from a source with the same or a higher priority than the source that
+//     controls the body.
+//   - A result command (one motion or several) is taken when the body is idle; get-down also
 //     during a dance; the machine's own lie-down always.
-//   - The capability of a motion is asked for when a command arrives and again when its motion
+//   - The capability of a motion is checked when a command arrives and again when its motion
 //     begins: the state may have changed in between.
-//   - Whatever is refused moves nothing and is told why, with a code.
+//   - A refused request moves nothing and is answered with a code and the reason.
 
 #include <cstdint>
 #include <deque>
@@ -44,7 +46,8 @@ namespace musher::motion {
 
 inline constexpr Duration kServoWatchdog = Milliseconds(200);
 inline constexpr Duration kBoardPeriod = Milliseconds(50);  // of frames to the board: 20 Hz
-inline constexpr Duration kLate = Milliseconds(50);  // a turn so late looks again before it judges
+inline constexpr Duration kLate =
+    Milliseconds(50);  // a turn this late waits for one more before a timeout
 inline constexpr Duration kSettleTime = Milliseconds(15);
 inline constexpr Duration kTransitionTime = Milliseconds(3000);
 inline constexpr Duration kLieDownPause = Milliseconds(500);  // between two tries
@@ -55,13 +58,13 @@ inline constexpr Duration kSayPause = std::chrono::seconds(30);   // for the sam
 inline constexpr const char* kChargeFirst = "The battery is low. Charge me first.";
 inline constexpr std::int8_t kDoneBar = 95;  // %; more is done
 
-// A request that must be answered exactly once; the shell knows to whom. 0: nobody waits.
+// A request that must be answered exactly once; the shell knows the caller. 0: no caller.
 using RequestToken = std::uint64_t;
 
 // Whether a capability may be used now; the Error has the code of the motion manager.
 using Gate = std::function<Result<>(const std::string& capability)>;
 
-// What the decision goes by; all outlive the step.
+// What the decision depends on; all outlive the step.
 struct MotionRules {
   const MotionTable& table;
   const MotionConfig& config;
@@ -72,49 +75,49 @@ struct ServoCommand {
   enum Type : std::int32_t { kStart = 0, kData = 1, kEnd = 2 };
   std::int32_t type = kData;
   std::int32_t source = 0;
-  MotionOrder order;
+  MotionRequest requested;
 
   friend bool operator==(const ServoCommand&, const ServoCommand&) = default;
 };
 
 namespace motion_event {
-struct BoardHeard {
+struct BoardReported {
   BodyReport report;
 };
 struct ServoArrived {
   ServoCommand command;
 };
-// One motion after the other, all or none of them taken.
+// Motions one after the other: all of them are taken or none.
 struct PlayArrived {
   RequestToken token = 0;
   std::int32_t source = 0;
-  std::vector<MotionOrder> orders;
+  std::vector<MotionRequest> requests;
 };
-// The machine wants the body to lie; `tries` 0: until it does, or it is cancelled.
+// The machine requests that the body lies down; `tries` 0: until it does, or it is cancelled.
 struct LieDown {
   RequestToken token = 0;
   std::int32_t id = kGetDown;
   int tries = 0;
 };
-// Nobody waits for this any more.
+// The caller no longer waits for this.
 struct Cancelled {
   RequestToken token = 0;
 };
-// A state callback begins that leaves no room for motion: what moves is stopped.
+// A state callback begins in which no motion is permitted: a running motion is stopped.
 struct Closed {
   State state;
 };
-// From now on the state of the machine alone says what is allowed.
+// From now on only the state of the machine decides what is allowed.
 struct Opened {};
 // The machine's emergency stop is engaged.
 struct EmergencyStop {};
-// The world began anew, and with it time: what was known of the body is void.
+// The world and its time started anew: what was known of the body is void.
 struct WorldRestarted {};
 struct TimePassed {};
 }  // namespace motion_event
 
 using MotionEvent =
-    std::variant<motion_event::BoardHeard, motion_event::ServoArrived, motion_event::PlayArrived,
+    std::variant<motion_event::BoardReported, motion_event::ServoArrived, motion_event::PlayArrived,
                  motion_event::LieDown, motion_event::Cancelled, motion_event::Closed,
                  motion_event::Opened, motion_event::EmergencyStop, motion_event::WorldRestarted,
                  motion_event::TimePassed>;
@@ -124,14 +127,14 @@ struct Send {
   BodyCommand command;
   friend bool operator==(const Send&, const Send&) = default;
 };
-struct TellServo {
+struct ServoResponse {
   std::int32_t motion_id = kNoMotion;
   std::int32_t cmd_id = 0;
   std::int8_t bar = -1;
   std::int8_t status = -1;
   bool result = false;
   std::int32_t code = 0;
-  friend bool operator==(const TellServo&, const TellServo&) = default;
+  friend bool operator==(const ServoResponse&, const ServoResponse&) = default;
 };
 struct Answer {
   RequestToken token = 0;
@@ -144,12 +147,12 @@ struct Log {
   std::string text;
   friend bool operator==(const Log&, const Log&) = default;
 };
-// For the machine's manager: a fault of the body, or that an emergency stop has begun.
+// For the machine's manager: a fault of the body, or the begin of an emergency stop.
 struct ReportError {
   std::int32_t code = 0;
   friend bool operator==(const ReportError&, const ReportError&) = default;
 };
-// For people beside the robot.
+// Spoken to people beside the robot.
 struct Say {
   std::string text;
   friend bool operator==(const Say&, const Say&) = default;
@@ -157,16 +160,16 @@ struct Say {
 }  // namespace motion_action
 
 using MotionAction =
-    std::variant<motion_action::Send, motion_action::TellServo, motion_action::Answer,
+    std::variant<motion_action::Send, motion_action::ServoResponse, motion_action::Answer,
                  motion_action::Log, motion_action::ReportError, motion_action::Say>;
 using MotionActions = std::vector<MotionAction>;
 
-// A motion on its way, or to come.
+// A motion in execution, or queued.
 struct JobMotion {
   BodyCommand command;
   Duration time{};        // that its execution may take
-  bool asked = true;      // false: a recovery stand put before the asked one
-  bool prepared = false;  // what must come before it has come
+  bool requested = true;  // false: a recovery stand put before the requested one
+  bool prepared = false;  // its preparation has been done
 
   friend bool operator==(const JobMotion&, const JobMotion&) = default;
 };
@@ -174,12 +177,12 @@ struct JobMotion {
 struct Job {
   enum class Wait { kFeedback, kSettle, kTransition, kExecution, kRetry };
   RequestToken token = 0;
-  std::int32_t motion_id = 0;          // that the answer names
+  std::int32_t motion_id = 0;          // named in the answer
   bool own = false;                    // the machine's: not gated
-  std::optional<std::int32_t> way_of;  // whose servo commands it makes way for
-  bool for_servo = false;              // they wait behind it
-  std::optional<int> tries;            // of a lie-down: how often again; 0 for ever
-  std::deque<JobMotion> todo;          // the first is under way
+  std::optional<std::int32_t> way_of;  // the source whose servo commands wait behind it
+  bool for_servo = false;              // servo commands wait behind it
+  std::optional<int> tries;            // of a lie-down: how many more; 0: no limit
+  std::deque<JobMotion> todo;          // the first is in execution
   Wait wait = Wait::kFeedback;
   Time wait_end{};
 
@@ -192,16 +195,16 @@ struct Servo {
   bool moving = false;  // false: waits for a recovery stand
   Time last_frame{};
   Time next_report{};
-  bool told_limit = false;  // in the log, that it is too fast
+  bool limit_logged = false;  // that the speed is too high
 
   friend bool operator==(const Servo&, const Servo&) = default;
 };
 
-// What goes to the board.
+// What is sent to the board.
 struct BoardLink {
   BodyCommand command;
-  bool active = false;        // it is repeated
-  std::optional<Time> until;  // stops being repeated then, or when it is taken
+  bool active = false;        // the command is repeated
+  std::optional<Time> until;  // repeated until then, or until it is taken
   Time begun_at{};            // when the command was new
   Time sent_at = Time::min();
 
@@ -211,20 +214,20 @@ struct BoardLink {
 // A plain value.
 struct MotionCore {
   std::optional<BodyReport> body;
-  Time body_heard{};
-  bool board_silent = false;                            // since it was heard
-  std::optional<Time> second_look;                      // of a turn that came late: it judges then
-  std::optional<State> closed = State(kUninitialized);  // the state that leaves no room for motion
+  Time body_reported_at{};
+  bool board_silent = false;        // since its last report
+  std::optional<Time> second_look;  // of a turn that came late: timeouts are checked then
+  std::optional<State> closed = State(kUninitialized);  // the state in which no motion is permitted
   bool emergency_stop = false;                          // the latch
   std::optional<Job> job;
   std::optional<Servo> servo;
   BoardLink link;
-  std::int32_t servo_commands = 0;      // taken so far
-  std::map<std::int32_t, Time> logged;  // by code
-  std::optional<Time> said;             // that the battery is low
+  std::int32_t servo_commands = 0;            // received so far
+  std::map<std::int32_t, Time> logged;        // by code
+  std::optional<Time> battery_low_announced;  // when the low battery was announced
 
   bool Idle() const { return !job && !servo; }
-  // Judged by TimePassed alone, so that a report which still waits to be read counts as one.
+  // Changed by TimePassed alone, so that a report which still waits to be read counts.
   bool BoardSilent() const { return !body || board_silent; }
 
   friend bool operator==(const MotionCore&, const MotionCore&) = default;
@@ -232,11 +235,11 @@ struct MotionCore {
 
 MotionActions Step(const MotionRules& rules, MotionCore& core, const MotionEvent& event, Time now);
 
-// When to step next with TimePassed, unless something else happens before; nullopt: never.
+// When to step next with TimePassed, unless another event comes first; nullopt: never.
 std::optional<Time> NextDeadline(const MotionRules& rules, const MotionCore& core);
 
-// What the body does: an id of the table, kNoMotion where the board is silent or says something
-// else.
+// The motion that the body executes: an id of the table, kNoMotion when the board is silent or
+// reports another motion.
 std::int32_t PresentMotion(const MotionRules& rules, const MotionCore& core);
 
 }  // namespace musher::motion

@@ -1,6 +1,6 @@
 #pragma once
-// One step of the motion manager's decision, in three files: motion_core.cpp takes the events,
-// motion_servo.cpp decides on servo commands, motion_job.cpp brings motions to their end.
+// One step of the motion manager's decision, in three files: motion_core.cpp handles the events,
+// motion_servo.cpp decides on servo commands, motion_job.cpp executes motions to their end.
 
 #include <string>
 #include <utility>
@@ -15,7 +15,7 @@ class Decision {
   Decision(const MotionRules& rules, MotionCore& core, Time now)
       : rules_(rules), core_(core), now_(now) {}
 
-  void Take(const motion_event::BoardHeard& event);
+  void Take(const motion_event::BoardReported& event);
   void Take(const motion_event::ServoArrived& event);
   void Take(const motion_event::PlayArrived& event);
   void Take(const motion_event::LieDown& event);
@@ -31,9 +31,9 @@ class Decision {
  private:
   bool LooksAgain();
 
-  // Judging.
+  // Checks.
   Result<> MayRun(const Motion& motion, const std::string& capability) const;
-  Result<> CheckOrder(const MotionOrder& order) const;
+  Result<> CheckRequest(const MotionRequest& requested) const;
   Result<> CheckPlay(const motion_event::PlayArrived& event) const;
   Result<> CheckServo(const ServoCommand& command) const;
   Result<> CheckPriority(const ServoCommand& command) const;

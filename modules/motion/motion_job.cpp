@@ -8,7 +8,7 @@ namespace {
 
 using Key = MotionKey;
 
-// What takes no longer ends by itself better than it could be broken off: flips, jumps.
+// Short motions such as flips and jumps run to their end: that is safer than an interruption.
 constexpr Duration kShortMotion = Milliseconds(8000);
 
 bool IsTransitioning(const BodyReport& body) {
@@ -23,7 +23,7 @@ void Decision::BeginEmergencyStop(RequestToken token) {
   if (core_.servo) {
     core_.servo.reset();
     actions_.emplace_back(
-        motion_action::TellServo{kNoMotion, core_.servo_commands, 0, 0, false, code});
+        motion_action::ServoResponse{kNoMotion, core_.servo_commands, 0, 0, false, code});
   }
   if (!std::exchange(core_.emergency_stop, true)) {
     actions_.emplace_back(motion_action::Log{"emergency stop"});
@@ -45,7 +45,7 @@ void Decision::BeginJob(Job job) {
 void Decision::BeginMotion() {
   Job& job = *core_.job;
   const Motion& motion = *rules_.table.Find(job.todo.front().command.id);
-  if (!job.own && job.todo.front().asked) {
+  if (!job.own && job.todo.front().requested) {
     if (const auto may = MayRun(motion, motion.capability); !may) {
       return EndJob(may.error().code, may.error().message);
     }
@@ -54,7 +54,7 @@ void Decision::BeginMotion() {
     std::vector<JobMotion> before;
     for (const std::int32_t id : WayTo(motion)) {
       before.push_back(MotionOf(*rules_.table.Find(id), {}));
-      before.back().asked = false;
+      before.back().requested = false;
       before.back().prepared = true;
     }
     job.todo.insert(job.todo.begin(), before.begin(), before.end());
@@ -64,7 +64,7 @@ void Decision::BeginMotion() {
   job.wait_end = now_ + rules_.config.board_feedback;
 }
 
-// What must be done before it from what the body does now: nothing, or to stand up.
+// The motions needed before it from the body's present motion: none, or to stand up.
 std::vector<std::int32_t> Decision::WayTo(const Motion& motion) const {
   if (motion.id == kEmergencyStop || motion.id == kRecoveryStand) return {};
   const Motion* present = Present();
@@ -75,20 +75,20 @@ std::vector<std::int32_t> Decision::WayTo(const Motion& motion) const {
   return {kRecoveryStand, kGroundStand};
 }
 
-// Why the board has not taken a command: for what it says, or it says nothing of it.
+// Why the board has not taken a command: its reported status, or a timeout if it reports none.
 std::int32_t Decision::CodeOfRefusal() const {
-  const bool heard = core_.body && core_.body_heard > core_.link.begun_at;
-  const std::int32_t code = heard ? CodeOfStatus(core_.body->switch_status) : kCodeOk;
+  const bool reported = core_.body && core_.body_reported_at > core_.link.begun_at;
+  const std::int32_t code = reported ? CodeOfStatus(core_.body->switch_status) : kCodeOk;
   return code != kCodeOk ? code : MotionCode(Key::kBoardSilent);
 }
 
-// A report of the board does not end a wait: a newer one may stand behind it.
+// A report of the board does not end a wait: a newer one may be queued behind it.
 void Decision::AdvanceJob(bool time_passed) {
   while (core_.job && AdvanceWait(time_passed)) {
   }
 }
 
-// Says whether it got on.
+// Returns whether the job made progress.
 bool Decision::AdvanceWait(bool time_passed) {
   Job& job = *core_.job;
   const bool over = time_passed && now_ >= job.wait_end;
@@ -141,12 +141,12 @@ void Decision::EndMotion() {
   BeginMotion();
 }
 
-// A lie-down tries again, as often as it may.
+// A lie-down is retried as often as permitted.
 void Decision::FailMotion(std::int32_t code, const std::string& message) {
   Job& job = *core_.job;
   const std::string what = "motion " + std::to_string(job.todo.front().command.id) + ": " + message;
   if (!job.tries || *job.tries == 1) return EndJob(code, what);
-  Log(code, what + "; it is tried again");
+  Log(code, what + "; retrying");
   if (*job.tries > 1) --*job.tries;
   job.todo.erase(job.todo.begin(), std::prev(job.todo.end()));
   job.todo.front().prepared = false;
@@ -160,9 +160,9 @@ void Decision::EndJob(std::int32_t code, const std::string& message) {
   const BodyCommand& last = job.todo.front().command;
   const Motion& motion = *rules_.table.Find(last.id);
   if (last.id == kEmergencyStop && !Taken()) {
-    core_.link.until = Time::max();  // it is repeated until the board takes it
+    core_.link.until = Time::max();  // repeated until the board takes it
   } else if (motion.limit) {
-    Stand(last);  // nothing walks on after its command has ended
+    Stand(last);  // no walk continues after its command has ended
   } else {
     Quiet();
   }
@@ -171,19 +171,19 @@ void Decision::EndJob(std::int32_t code, const std::string& message) {
   if (code == kCodeOk) return BeginServo();
   ServoCommand command;
   command.source = core_.servo->source;
-  command.order.id = core_.servo->command.id;
+  command.requested.id = core_.servo->command.id;
   core_.servo.reset();
   RefuseServo(command, {code, message});
 }
 
-// Makes way for something more urgent, which commands the board next.
+// Ends the job for a more urgent request, which commands the board next.
 void Decision::DropJob(std::int32_t code, const std::string& message) {
   const Job job = *std::exchange(core_.job, std::nullopt);
   Quiet();
   Answer(job.token, job.motion_id, code, message);
 }
 
-// Ends a motion that was dropped. Where the body lies down next only a walk is stopped before.
+// Ends a motion that was dropped. If the body lies down next, only a walk is stopped before.
 void Decision::HaltBody(const JobMotion& motion) {
   const State& state = *core_.closed;
   const bool passes = state == kOta || state == kTearDown;

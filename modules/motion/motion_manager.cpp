@@ -46,7 +46,7 @@ Result<> MotionManager::Run(const State& state) {
   if (state == kLowPower) return CloseLying(state, kGetDown, kLowPowerTries);
   if (state == kOta) return CloseLying(state, kGetDown, kUntilItLies);
   if (state == kTearDown) return CloseLying(state, kPassiveGetDown, kUntilItLies);
-  return Open();  // Active, Protected, and what a config adds
+  return Open();  // Active, Protected, and states added by a config
 }
 
 Result<> MotionManager::SetUp() {
@@ -87,11 +87,11 @@ Result<> MotionManager::OpenShell() {
   return Ok();
 }
 
-// The body may be switched on later than we are, but not much.
+// The body may be switched on a little later than this module.
 Result<> MotionManager::AwaitBody() {
-  auto heard = std::make_shared<std::promise<void>>();
-  std::future<void> report = heard->get_future();
-  OnLoop([&](MotionShell& shell) { shell.WhenHeard([heard] { heard->set_value(); }); });
+  auto reported = std::make_shared<std::promise<void>>();
+  std::future<void> report = reported->get_future();
+  OnLoop([&](MotionShell& shell) { shell.OnNextReport([reported] { reported->set_value(); }); });
   const Time end = SteadyNow() + config_.board_wait;
   while (report.wait_for(kPoll) != std::future_status::ready) {
     if (SteadyNow() >= end || StopRequested()) {
@@ -128,7 +128,7 @@ Result<> MotionManager::CloseLying(const State& state, std::int32_t get_down, in
     shell.Do(motion_event::Closed{state});
     token = shell.LieDown(get_down, tries, [ended](const Answer& a) { ended->set_value(a); });
   });
-  if (token == 0) return Ok();  // never set up: nothing of ours stands
+  if (token == 0) return Ok();  // never set up: the body was not moved
   const Time end = EndOf(state);
   while (answer.wait_for(kPoll) != std::future_status::ready) {
     if (SteadyNow() < end && !StopRequested()) continue;
@@ -147,7 +147,7 @@ void MotionManager::OnLoop(const std::function<void(MotionShell&)>& work) {
   });
 }
 
-// A little before nobody waits any more, so that the reason is still heard.
+// A little before the caller's deadline, so that the caller still gets the reason.
 Time MotionManager::EndOf(const State& state) const {
   const MachineConfig& machine = machine_config();
   return SteadyNow() + machine.TimeFor(*machine.IndexOf(name()), state) * 9 / 10;

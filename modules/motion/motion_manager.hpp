@@ -1,21 +1,21 @@
 #pragma once
 // The actuator motion_manager: what each state of the machine means for the body.
 //
-//   SetUp       topics and services appear; waits for the first report of the body
+//   SetUp       creates topics and services; waits for the first report of the body
 //   SelfCheck   3009 when the board is silent or a motor has an error
 //   Active, Protected
-//               opens the way for commands; [capability.*] says which. Nothing moves by itself
+//               accepts commands; [capability.*] says which. Nothing moves by itself
 //   DeActive, Error
-//               stops what moves and lets nothing move
+//               stops a running motion and permits none
 //   LowPower    the same, and the body lies down: three tries
-//   OTA         the same, tried until the state's time is over
+//   OTA         the same, tried until the state's deadline
 //   TearDown    as OTA, by passive get-down
 //
-// Unlike CyberDog's own these callbacks fail when the body does not lie down: with the code of the
-// last try. The way for commands stays shut all the same, until Active or Protected.
+// Unlike CyberDog's own, these callbacks fail when the body does not lie down, with the code of
+// the last try. Commands stay refused all the same, until Active or Protected.
 //
-// Threads: state callbacks run on the worker of the base class and talk to the loop, which has the
-// shell; OnEmergencyStop() runs on the loop.
+// Threads: state callbacks run on the worker of the base class and call into the loop, which owns
+// the shell; OnEmergencyStop() runs on the loop.
 
 #include <memory>
 #include <string>
@@ -50,7 +50,7 @@ class MotionManager : public MachineActuator {
   const MotionTable table_;
   std::shared_ptr<transport::NodeThread> loop_;  // keeps the loop until the shell is dropped
   // On the loop only.
-  bool stopped_ = false;  // an emergency stop was heard; it may be before there is a shell
+  bool stopped_ = false;  // an emergency stop was received, maybe before the shell exists
   std::unique_ptr<transport::Clock> clock_;
   std::unique_ptr<MotionShell> shell_;
 };

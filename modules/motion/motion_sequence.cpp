@@ -16,7 +16,7 @@ Error Undefined(const std::string& why) {
   return {MotionCode(MotionKey::kSequenceDefinition), why};
 }
 
-// A pace that asks for walking only.
+// A pace that only walks.
 bool IsWalk(const msg::MotionSequencePace& pace) {
   msg::MotionSequencePace walk;
   walk.twist.linear.x = pace.twist.linear.x;
@@ -32,7 +32,7 @@ bool HasDefinition(const msg::MotionSequenceShow::Request& sequence) {
          !sequence.pace_toml.empty();
 }
 
-Result<MotionOrder> OrderOf(const msg::MotionSequencePace& pace, std::size_t number) {
+Result<MotionRequest> RequestOf(const msg::MotionSequencePace& pace, std::size_t number) {
   const std::string which = "pace " + std::to_string(number) + ": ";
   if (pace.duration <= 0 || pace.duration > std::numeric_limits<std::int32_t>::max()) {
     return Undefined(which + "its duration must be more than 0 ms, it is " +
@@ -43,31 +43,32 @@ Result<MotionOrder> OrderOf(const msg::MotionSequencePace& pace, std::size_t num
                      "this board walks by speed (twist x, y and yaw) and duration; it takes no "
                      "centroid, feet, weights or friction");
   }
-  MotionOrder order{kUserTrot, {}};
-  order.arguments.vel_des = {static_cast<float>(pace.twist.linear.x),
-                             static_cast<float>(pace.twist.linear.y),
-                             static_cast<float>(pace.twist.angular.z)};
-  order.arguments.duration_ms = static_cast<std::int32_t>(pace.duration);
-  return order;
+  MotionRequest requested{kUserTrot, {}};
+  requested.arguments.vel_des = {static_cast<float>(pace.twist.linear.x),
+                                 static_cast<float>(pace.twist.linear.y),
+                                 static_cast<float>(pace.twist.angular.z)};
+  requested.arguments.duration_ms = static_cast<std::int32_t>(pace.duration);
+  return requested;
 }
 
 }  // namespace
 
-Result<Orders> OrdersOf(const MotionTable& table, const msg::MotionQueueCustomCmd::Request& queue) {
-  Orders orders;
+Result<MotionRequests> RequestsOf(const MotionTable& table,
+                                  const msg::MotionQueueCustomCmd::Request& queue) {
+  MotionRequests requests;
   for (const msg::MotionCustomCommand& command : queue.cmds) {
     const Motion* motion = table.Find(command.mode, command.gait_id);
     if (motion == nullptr) {
-      return UnSupport("command " + std::to_string(orders.size() + 1) +
+      return UnSupport("command " + std::to_string(requests.size() + 1) +
                        ": there is no motion of mode " + std::to_string(command.mode) +
                        " with gait " + std::to_string(command.gait_id));
     }
-    orders.push_back({motion->id, FromWire(command)});
+    requests.push_back({motion->id, FromWire(command)});
   }
-  return orders;
+  return requests;
 }
 
-Result<Orders> OrdersOf(const msg::MotionSequenceShow::Request& sequence) {
+Result<MotionRequests> RequestsOf(const msg::MotionSequenceShow::Request& sequence) {
   if (HasDefinition(sequence)) {
     return UnSupport(
         "gaits by foot and TOML definitions need a board that takes them; this one plays motions "
@@ -78,23 +79,23 @@ Result<Orders> OrdersOf(const msg::MotionSequenceShow::Request& sequence) {
     if (sequence.motion_id == kEmergencyStop) {
       return Undefined("the sequence has no paces and names no motion");
     }
-    MotionOrder order{sequence.motion_id, {}};
+    MotionRequest requested{sequence.motion_id, {}};
     if (sequence.duration < 0 || sequence.duration > std::numeric_limits<std::int32_t>::max()) {
       return Undefined("its duration can't be " + std::to_string(sequence.duration) + " ms");
     }
-    order.arguments.duration_ms = static_cast<std::int32_t>(sequence.duration);
-    return Orders{order};
+    requested.arguments.duration_ms = static_cast<std::int32_t>(sequence.duration);
+    return MotionRequests{requested};
   }
-  Orders orders;
+  MotionRequests requests;
   for (const msg::MotionSequencePace& pace : sequence.pace_list) {
-    const auto order = OrderOf(pace, orders.size() + 1);
-    if (!order) return order.error();
-    orders.push_back(order.value());
+    const auto requested = RequestOf(pace, requests.size() + 1);
+    if (!requested) return requested.error();
+    requests.push_back(requested.value());
   }
-  return orders;
+  return requests;
 }
 
-Result<Orders> OrdersOf(const msg::MotionCustomCmd::Request& custom) {
+Result<MotionRequests> RequestsOf(const msg::MotionCustomCmd::Request& custom) {
   if (custom.cmd_type == msg::MotionCustomCmd::kDefinition) {
     return UnSupport("a motion cannot be defined; this board plays the motions of its table");
   }
@@ -102,7 +103,7 @@ Result<Orders> OrdersOf(const msg::MotionCustomCmd::Request& custom) {
     return Error{MotionCode(KeyCode::kParametersInvalid),
                  "cmd_type must be 0 or 1, it is " + std::to_string(custom.cmd_type)};
   }
-  return Orders{{custom.motion_id, {}}};
+  return MotionRequests{{custom.motion_id, {}}};
 }
 
 }  // namespace musher::motion

@@ -1,10 +1,10 @@
 #pragma once
-// Queues and sequences of motions as a list of orders that the decision code plays.
+// Queues and sequences of motions as a list of requests that the decision code plays.
 //
 // A queue names motions as the board does, by mode and gait. A sequence (motion_sequence_cmd) is
-// played as far as a board goes by its table: a motion of the table, or a list of paces that say
-// how fast to walk and for how long. Foot placements, gaits of one's own and TOML definitions need
-// a board that takes them, and are refused with the reason (UnSupport) instead of half done.
+// played as far as a board's motion table permits: a motion of the table, or a list of paces with
+// speed and duration. Foot placements, user-defined gaits and TOML definitions need a board that
+// takes them, and are refused with the reason (UnSupport) instead of half done.
 
 #include <vector>
 
@@ -15,11 +15,12 @@
 
 namespace musher::motion {
 
-using Orders = std::vector<MotionOrder>;
+using MotionRequests = std::vector<MotionRequest>;
 
-Result<Orders> OrdersOf(const MotionTable& table, const msg::MotionQueueCustomCmd::Request& queue);
-Result<Orders> OrdersOf(const msg::MotionSequenceShow::Request& sequence);
-// Only a motion of the table can be executed; defining one needs a board that takes definitions.
-Result<Orders> OrdersOf(const msg::MotionCustomCmd::Request& custom);
+Result<MotionRequests> RequestsOf(const MotionTable& table,
+                                  const msg::MotionQueueCustomCmd::Request& queue);
+Result<MotionRequests> RequestsOf(const msg::MotionSequenceShow::Request& sequence);
+// Only a motion of the table can be executed; a definition needs a board that takes definitions.
+Result<MotionRequests> RequestsOf(const msg::MotionCustomCmd::Request& custom);
 
 }  // namespace musher::motion

@@ -7,8 +7,8 @@ namespace {
 
 using Key = MotionKey;
 
-// These do not end in WALK_STAND: force control holds the body in its place, and who lies down or
-// ends does not stand up for it.
+// These do not end in WALK_STAND: force control holds the body in its place, and a body that lies
+// down or is switched off does not stand up for it.
 bool EndsStanding(const BodyCommand& last, const std::optional<State>& closed) {
   if (last.id == kForceControl) return false;
   return !closed || (*closed != kTearDown && *closed != kOta);
@@ -20,18 +20,18 @@ void Decision::Take(const motion_event::ServoArrived& event) {
   const ServoCommand& command = event.command;
   if (command.type == ServoCommand::kEnd) return EndServo(command);
   if (const auto good = CheckServo(command); !good) return RefuseServo(command, good.error());
-  FollowServo(command, *rules_.table.Find(command.order.id));
+  FollowServo(command, *rules_.table.Find(command.requested.id));
 }
 
 Result<> Decision::CheckServo(const ServoCommand& command) const {
-  const MotionOrder& order = command.order;
+  const MotionRequest& requested = command.requested;
   const auto invalid = [](const std::string& what) {
     return Error{MotionCode(KeyCode::kParametersInvalid), what};
   };
-  const Motion* motion = rules_.table.Find(order.id);
+  const Motion* motion = rules_.table.Find(requested.id);
   if (motion == nullptr || motion->servo.empty()) {
     return Error{MotionCode(KeyCode::kUnSupport),
-                 "there is no servo motion " + std::to_string(order.id)};
+                 "unknown servo motion " + std::to_string(requested.id)};
   }
   if (core_.emergency_stop) {
     return Error{MotionCode(Key::kEstop), MotionCodeText(MotionCode(Key::kEstop))};
@@ -40,13 +40,13 @@ Result<> Decision::CheckServo(const ServoCommand& command) const {
   if (command.type != ServoCommand::kStart && command.type != ServoCommand::kData) {
     return invalid("cmd_type must be 0, 1 or 2, it is " + std::to_string(command.type));
   }
-  if (!AllFinite(order.arguments)) return invalid("a number is no number, or infinite");
-  if (const auto wrong = WrongLength(order.arguments)) return invalid(*wrong);
+  if (!AllFinite(requested.arguments)) return invalid("a value is NaN or infinite");
+  if (const auto wrong = WrongLength(requested.arguments)) return invalid(*wrong);
   if (auto priority = CheckPriority(command); !priority) return priority;
   const bool resumes = core_.job && core_.job->way_of == command.source;
   if (core_.job && !core_.servo && !resumes) {
     return Error{MotionCode(KeyCode::kTargetBusy),
-                 "motion " + std::to_string(core_.job->motion_id) + " is under way"};
+                 "motion " + std::to_string(core_.job->motion_id) + " is in progress"};
   }
   if (!core_.servo && core_.BoardSilent()) {
     return Error{MotionCode(Key::kBoardSilent), MotionCodeText(MotionCode(Key::kBoardSilent))};
@@ -58,24 +58,23 @@ Result<> Decision::CheckPriority(const ServoCommand& command) const {
   const Priorities& priorities = rules_.config.priorities;
   const auto priority = priorities.find(command.source);
   if (priority == priorities.end()) {
-    return Error{MotionCode(KeyCode::kParametersInvalid),
-                 "nobody knows " + SourceName(command.source)};
+    return Error{MotionCode(KeyCode::kParametersInvalid), "unknown " + SourceName(command.source)};
   }
   if (core_.servo && priority->second > priorities.at(core_.servo->source)) {
     return Error{MotionCode(KeyCode::kFailed),
-                 SourceName(core_.servo->source) + " has the body, which has priority"};
+                 SourceName(core_.servo->source) + " controls the body and has priority"};
   }
   return Ok();
 }
 
-// A stop is always taken, but from those who have less priority than who has the body.
+// A stop is always taken, except from a source with lower priority than the controlling one.
 void Decision::EndServo(const ServoCommand& command) {
   if (const auto priority = CheckPriority(command); !priority) {
     return RefuseServo(command, priority.error());
   }
   if (core_.servo) return StopServo("");
   actions_.emplace_back(
-      motion_action::TellServo{command.order.id, core_.servo_commands, 0, 0, true});
+      motion_action::ServoResponse{command.requested.id, core_.servo_commands, 0, 0, true});
 }
 
 void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
@@ -85,18 +84,18 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
     core_.servo.emplace();
     core_.servo->next_report = now_;
   }
-  if (core_.job) {  // the body stands up for it, or for the same stream before it stalled
+  if (core_.job) {  // the body stands up for this stream, maybe before it stalled
     core_.job->way_of = command.source;
     core_.job->for_servo = true;
   }
   Servo& servo = *core_.servo;
   servo.source = command.source;
-  servo.command = MakeCommand(motion, command.order.arguments);
+  servo.command = MakeCommand(motion, command.requested.arguments);
   servo.last_frame = now_;
   ++core_.servo_commands;
-  if (TooFast(motion, command.order.arguments) && !std::exchange(servo.told_limit, true)) {
+  if (TooFast(motion, command.requested.arguments) && !std::exchange(servo.limit_logged, true)) {
     Log(kCodeOk, "servo motion " + std::to_string(motion.id) + " of " + SourceName(command.source) +
-                     " is slowed down to its limits");
+                     " is limited to its maximum speed");
   }
   if (changes && !core_.job) {
     if (const auto way = WayTo(motion); !way.empty()) {
@@ -107,7 +106,7 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
       job.for_servo = true;
       for (const std::int32_t id : way) {
         job.todo.push_back(MotionOf(*rules_.table.Find(id), {}));
-        job.todo.back().asked = false;
+        job.todo.back().requested = false;
       }
       BeginJob(std::move(job));
     } else {
@@ -120,13 +119,13 @@ void Decision::FollowServo(const ServoCommand& command, const Motion& motion) {
   ReportServo();
 }
 
-// The way is free.
+// The body is free.
 void Decision::BeginServo() {
   Servo& servo = *core_.servo;
   const Motion& motion = *rules_.table.Find(servo.command.id);
   if (const auto may = MayRun(motion, motion.servo); !may) {
     ServoCommand command;
-    command.order.id = motion.id;
+    command.requested.id = motion.id;
     core_.servo.reset();
     Quiet();
     return RefuseServo(command, may.error());
@@ -137,7 +136,7 @@ void Decision::BeginServo() {
 
 void Decision::StopServo(const std::string& why) {
   const Servo servo = *std::exchange(core_.servo, std::nullopt);
-  if (core_.job && core_.job->for_servo) core_.job->for_servo = false;  // it still stands up
+  if (core_.job && core_.job->for_servo) core_.job->for_servo = false;  // it finishes standing up
   if (servo.moving) {
     if (EndsStanding(servo.command, core_.closed)) {
       Stand(servo.command);
@@ -150,7 +149,7 @@ void Decision::StopServo(const std::string& why) {
                                                " of " + SourceName(servo.source) +
                                                " is stopped: " + why);
   }
-  actions_.emplace_back(motion_action::TellServo{
+  actions_.emplace_back(motion_action::ServoResponse{
       PresentMotion(rules_, core_), core_.servo_commands,
       core_.body ? core_.body->bar : std::int8_t{-1},
       core_.body ? core_.body->switch_status : std::int8_t{-1}, why.empty(), kCodeOk});
@@ -161,33 +160,33 @@ void Decision::WatchServo() {
   StopServo("no frame for 200 ms");
 }
 
-// Who streams is told all the time what the board makes of it.
+// The streaming source gets the board's feedback periodically.
 void Decision::ReportServo() {
   if (!core_.servo || now_ < core_.servo->next_report) return;
   core_.servo->next_report = now_ + kBoardPeriod;
-  motion_action::TellServo tell;
-  tell.cmd_id = core_.servo_commands;
+  motion_action::ServoResponse response;
+  response.cmd_id = core_.servo_commands;
   if (core_.BoardSilent()) {
-    tell.code = MotionCode(Key::kBoardSilent);
+    response.code = MotionCode(Key::kBoardSilent);
   } else {
-    tell.motion_id = PresentMotion(rules_, core_);
-    tell.bar = core_.body->bar;
-    tell.status = core_.body->switch_status;
-    tell.code = CodeOfStatus(core_.body->switch_status);
-    tell.result = tell.code == kCodeOk;
+    response.motion_id = PresentMotion(rules_, core_);
+    response.bar = core_.body->bar;
+    response.status = core_.body->switch_status;
+    response.code = CodeOfStatus(core_.body->switch_status);
+    response.result = response.code == kCodeOk;
   }
-  if (!tell.result) {
-    Log(tell.code, "servo motion " + std::to_string(core_.servo->command.id) + ": " +
-                       MotionCodeText(tell.code));
+  if (!response.result) {
+    Log(response.code, "servo motion " + std::to_string(core_.servo->command.id) + ": " +
+                           MotionCodeText(response.code));
   }
-  actions_.emplace_back(tell);
+  actions_.emplace_back(response);
 }
 
 void Decision::RefuseServo(const ServoCommand& command, const Error& error) {
-  Log(error.code, "servo motion " + std::to_string(command.order.id) + " of " +
+  Log(error.code, "servo motion " + std::to_string(command.requested.id) + " of " +
                       SourceName(command.source) + " is refused: " + error.message);
-  actions_.emplace_back(motion_action::TellServo{
-      command.order.id, core_.servo_commands, 0,
+  actions_.emplace_back(motion_action::ServoResponse{
+      command.requested.id, core_.servo_commands, 0,
       core_.body ? core_.body->switch_status : std::int8_t{-1}, false, error.code});
 }
 

@@ -12,14 +12,14 @@ constexpr Duration kStatusPeriod = Milliseconds(100);
 
 }  // namespace
 
-Result<std::unique_ptr<MotionShell>> MotionShell::Make(Dependencies surroundings,
+Result<std::unique_ptr<MotionShell>> MotionShell::Make(Dependencies dependencies,
                                                        const MakeBackend& make_backend) {
-  std::unique_ptr<MotionShell> shell(new MotionShell(std::move(surroundings)));
+  std::unique_ptr<MotionShell> shell(new MotionShell(std::move(dependencies)));
   if (auto opened = shell->Open(make_backend); !opened) return opened.error();
   return shell;
 }
 
-MotionShell::MotionShell(Dependencies surroundings) : here_(std::move(surroundings)) {}
+MotionShell::MotionShell(Dependencies dependencies) : dependencies_(std::move(dependencies)) {}
 
 Result<> MotionShell::Open(const MakeBackend& make_backend) {
   if (auto opened = OpenTopics(); !opened) return opened;
@@ -27,14 +27,14 @@ Result<> MotionShell::Open(const MakeBackend& make_backend) {
   if (!backend) return backend.error();
   backend_ = std::move(backend).value();
   if (auto opened = OpenServices(); !opened) return opened;
-  status_timer_ = here_.clock.Every(kStatusPeriod, [this] { PublishStatus(); });
+  status_timer_ = dependencies_.clock.Every(kStatusPeriod, [this] { PublishStatus(); });
   return Ok();
 }
 
 template <msg::Message M>
 Result<> MotionShell::Advertise(std::unique_ptr<transport::Publisher<M>>& publisher,
                                 const char* name) {
-  auto made = transport::MakePublisher<M>(here_.node, Name(name));
+  auto made = transport::MakePublisher<M>(dependencies_.node, Name(name));
   if (!made) return made.error();
   publisher = std::move(made).value();
   return Ok();
@@ -48,7 +48,7 @@ Result<> MotionShell::OpenTopics() {
   if (auto made = Advertise(errors_, "node_errors"); !made) return made;
   if (auto made = Advertise(speech_, "speech_play_extend"); !made) return made;
   auto commands = transport::MakeSubscription<msg::MotionServoCmd>(
-      here_.node, Name("motion_servo_cmd"),
+      dependencies_.node, Name("motion_servo_cmd"),
       [this](const msg::MotionServoCmd& command, const transport::SampleInfo&) {
         Do(motion_event::ServoArrived{FromWire(command)});
       },
@@ -61,7 +61,7 @@ Result<> MotionShell::OpenTopics() {
 template <msg::Service S>
 Result<> MotionShell::Serve(std::unique_ptr<transport::Server<S>>& server, const char* name,
                             typename transport::Server<S>::Handler handler) {
-  auto made = transport::MakeServer<S>(here_.node, Name(name), std::move(handler));
+  auto made = transport::MakeServer<S>(dependencies_.node, Name(name), std::move(handler));
   if (!made) return made.error();
   server = std::move(made).value();
   return Ok();
@@ -70,24 +70,24 @@ Result<> MotionShell::Serve(std::unique_ptr<transport::Server<S>>& server, const
 Result<> MotionShell::OpenServices() {
   using motion_action::Answer;
   const auto result = [this](const msg::MotionResultCmd::Request& request, auto reply) {
-    Play(request.cmd_source, Orders{FromWire(request)}, [reply](const Answer& answer) {
+    Play(request.cmd_source, MotionRequests{FromWire(request)}, [reply](const Answer& answer) {
       reply({answer.motion_id, answer.code == kCodeOk, answer.code});
     });
   };
   const auto custom = [this](const msg::MotionCustomCmd::Request& request, auto reply) {
     const std::int32_t id = request.motion_id;
-    Play(request.cmd_source, OrdersOf(request), [id, reply](const Answer& answer) {
+    Play(request.cmd_source, RequestsOf(request), [id, reply](const Answer& answer) {
       reply({id, answer.code == kCodeOk, answer.code});
     });
   };
   const auto queue = [this](const msg::MotionQueueCustomCmd::Request& request, auto reply) {
-    Play(kFromApp, OrdersOf(here_.table, request), [reply](const Answer& answer) {
+    Play(kFromApp, RequestsOf(dependencies_.table, request), [reply](const Answer& answer) {
       reply({answer.code == kCodeOk, answer.code});
     });
   };
   const auto sequence = [this](const msg::MotionSequenceShow::Request& request, auto reply) {
     const std::int32_t id = request.motion_id;
-    Play(request.cmd_source, OrdersOf(request), [id, reply](const Answer& answer) {
+    Play(request.cmd_source, RequestsOf(request), [id, reply](const Answer& answer) {
       reply({answer.code == kCodeOk, answer.code, answer.message, id});
     });
   };
@@ -102,21 +102,23 @@ Result<> MotionShell::OpenServices() {
 }
 
 void MotionShell::OnBody(const BodyState& body) {
-  Do(motion_event::BoardHeard{body.report});
-  // Nobody can be told that this was not sent; the next follows in 20 ms.
+  Do(motion_event::BoardReported{body.report});
+  // No caller to report a failure to; the next one follows in 20 ms.
   static_cast<void>(odometry_->Publish(OdometryOf(body.motion)));
   static_cast<void>(imu_->Publish(ImuOf(body.motion)));
-  for (const auto& then : std::exchange(when_heard_, {})) then();
+  for (const auto& then : std::exchange(next_report_callbacks_, {})) then();
 }
 
-void MotionShell::Play(std::int32_t source, const Result<Orders>& orders, OnAnswer on_answer) {
-  if (!orders) {
-    here_.log("a command of " + SourceName(source) + " is refused: " + orders.error().message +
-              " (" + std::to_string(orders.error().code) + ")");
-    return on_answer({0, 0, orders.error().code, orders.error().message});
+void MotionShell::Play(std::int32_t source, const Result<MotionRequests>& requests,
+                       OnAnswer on_answer) {
+  if (!requests) {
+    dependencies_.log("a command of " + SourceName(source) +
+                      " is refused: " + requests.error().message + " (" +
+                      std::to_string(requests.error().code) + ")");
+    return on_answer({0, 0, requests.error().code, requests.error().message});
   }
   waiting_[++token_] = std::move(on_answer);
-  Do(motion_event::PlayArrived{token_, source, orders.value()});
+  Do(motion_event::PlayArrived{token_, source, requests.value()});
 }
 
 RequestToken MotionShell::LieDown(std::int32_t id, int tries, OnAnswer on_answer) {
@@ -153,7 +155,7 @@ msg::MotorTemp::Response MotionShell::Temperatures() const {
 }
 
 void MotionShell::Do(const MotionEvent& event) {
-  for (const MotionAction& action : Step(Rules(), core_, event, here_.clock.Now())) {
+  for (const MotionAction& action : Step(Rules(), core_, event, dependencies_.clock.Now())) {
     Perform(action);
   }
   Arm();
@@ -162,14 +164,15 @@ void MotionShell::Do(const MotionEvent& event) {
 void MotionShell::Perform(const MotionAction& action) {
   if (const auto* send = std::get_if<motion_action::Send>(&action)) {
     backend_->Send(send->command);
-  } else if (const auto* tell = std::get_if<motion_action::TellServo>(&action)) {
-    static_cast<void>(servo_responses_->Publish(ToWire(*tell)));
+  } else if (const auto* response = std::get_if<motion_action::ServoResponse>(&action)) {
+    static_cast<void>(servo_responses_->Publish(ToWire(*response)));
   } else if (const auto* log = std::get_if<motion_action::Log>(&action)) {
-    here_.log(log->text);
+    dependencies_.log(log->text);
   } else if (const auto* error = std::get_if<motion_action::ReportError>(&action)) {
-    static_cast<void>(errors_->Publish({here_.name, error->code}));
+    static_cast<void>(errors_->Publish({dependencies_.name, error->code}));
   } else if (const auto* say = std::get_if<motion_action::Say>(&action)) {
-    static_cast<void>(speech_->Publish({here_.name, true, {here_.name, 0}, say->text}));
+    static_cast<void>(
+        speech_->Publish({dependencies_.name, true, {dependencies_.name, 0}, say->text}));
   } else if (const auto& answer = std::get<motion_action::Answer>(action);
              const auto waiting = waiting_.extract(answer.token)) {
     waiting.mapped()(answer);
@@ -179,7 +182,7 @@ void MotionShell::Perform(const MotionAction& action) {
 void MotionShell::Arm() {
   const auto deadline = NextDeadline(Rules(), core_);
   if (!deadline || *deadline == Time::max()) return timer_.reset();
-  timer_ = here_.clock.At(*deadline, [this] { Do(motion_event::TimePassed{}); });
+  timer_ = dependencies_.clock.At(*deadline, [this] { Do(motion_event::TimePassed{}); });
 }
 
 }  // namespace musher::motion

@@ -1,8 +1,8 @@
 #pragma once
 // The motion manager on the wire: turns topics, services and timers into events for the decision
-// code (motion_core.hpp), and what it decides into messages. README.md lists the topics.
+// code (motion_core.hpp), and its actions into messages. README.md lists the topics.
 //
-// Threads: the loop's only. The clock, the table and the config outlive it.
+// Threads: the loop's only. Clock, table and config outlive it.
 
 #include <functional>
 #include <map>
@@ -40,21 +40,23 @@ class MotionShell {
       std::function<Result<std::unique_ptr<MotionBackend>>(MotionBackend::OnBody on_body)>;
   using OnAnswer = std::function<void(const motion_action::Answer&)>;
 
-  static Result<std::unique_ptr<MotionShell>> Make(Dependencies surroundings,
+  static Result<std::unique_ptr<MotionShell>> Make(Dependencies dependencies,
                                                    const MakeBackend& make_backend);
 
   void Do(const MotionEvent& event);
-  // The body lies down; `on_answer` tells how that ended, unless the shell is dropped before.
+  // The body lies down; `on_answer` gets the outcome, unless the shell is destroyed before.
   RequestToken LieDown(std::int32_t id, int tries, OnAnswer on_answer);
   // Runs `then` with the next report of the body.
-  void WhenHeard(std::function<void()> then) { when_heard_.push_back(std::move(then)); }
+  void OnNextReport(std::function<void()> then) {
+    next_report_callbacks_.push_back(std::move(then));
+  }
 
   const MotionCore& core() const { return core_; }
-  // What SelfCheck says: the board reports, and no motor has an error.
+  // The result of SelfCheck: the board reports, and no motor has an error.
   Result<> Check() const;
 
  private:
-  explicit MotionShell(Dependencies surroundings);
+  explicit MotionShell(Dependencies dependencies);
 
   Result<> Open(const MakeBackend& make_backend);
   Result<> OpenTopics();
@@ -66,21 +68,23 @@ class MotionShell {
                  typename transport::Server<S>::Handler handler);
 
   void OnBody(const BodyState& body);
-  void Play(std::int32_t source, const Result<Orders>& orders, OnAnswer on_answer);
+  void Play(std::int32_t source, const Result<MotionRequests>& requests, OnAnswer on_answer);
   void PublishStatus();
   msg::MotorTemp::Response Temperatures() const;
   void Perform(const MotionAction& action);
   void Arm();
-  MotionRules Rules() const { return {here_.table, here_.config, here_.allowed}; }
+  MotionRules Rules() const {
+    return {dependencies_.table, dependencies_.config, dependencies_.allowed};
+  }
   std::string Name(const char* name) const {
-    return transport::ResolveName(here_.name_space, name);
+    return transport::ResolveName(dependencies_.name_space, name);
   }
 
-  const Dependencies here_;
+  const Dependencies dependencies_;
   MotionCore core_;
   RequestToken token_ = 0;
   std::map<RequestToken, OnAnswer> waiting_;
-  std::vector<std::function<void()>> when_heard_;
+  std::vector<std::function<void()>> next_report_callbacks_;
   std::unique_ptr<MotionBackend> backend_;
   std::unique_ptr<transport::Publisher<msg::MotionServoResponse>> servo_responses_;
   std::unique_ptr<transport::Publisher<msg::MotionStatus>> status_;

@@ -1,5 +1,5 @@
 #pragma once
-// Who commands a motion, as the wire numbers them.
+// The sources of motion commands, as the wire numbers them.
 
 #include <cstdint>
 #include <map>
@@ -17,7 +17,7 @@ inline constexpr std::int32_t kFromVision = msg::MotionSource::kVis;
 inline constexpr std::int32_t kFromBluetooth = msg::MotionSource::kBluTele;
 inline constexpr std::int32_t kFromAlgorithm = msg::MotionSource::kAlgo;
 
-// Whoever has the smaller number, or the same one, may take the body from another.
+// A source may take control of the body from another one with an equal or a larger number.
 using Priorities = std::map<std::int32_t, std::int32_t>;
 
 inline Priorities DefaultPriorities() {
@@ -25,7 +25,7 @@ inline Priorities DefaultPriorities() {
           {kFromVision, 2}, {kFromBluetooth, 3}, {kFromAlgorithm, 4}};
 }
 
-// "App"; "source 7" for one that nobody knows.
+// "App"; "source 7" for an unknown one.
 std::string SourceName(std::int32_t source);
 
 }  // namespace musher::motion

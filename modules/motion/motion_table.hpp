@@ -1,6 +1,6 @@
 #pragma once
 // What the body can do: the motion id table, read from a TOML file (config/motion/motions.toml
-// explains each column). Immutable once read, and small: it is looked at from the loop thread only.
+// explains each column). Immutable once read, and small: read from the loop thread only.
 
 #include <array>
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace musher::motion {
 
-// The motions that the motion manager itself commands or tells apart.
+// The motions that the motion manager itself commands or distinguishes.
 inline constexpr std::int32_t kEmergencyStop = msg::MotionId::kEmergencyStop;
 inline constexpr std::int32_t kGetDown = msg::MotionId::kGetDown;
 inline constexpr std::int32_t kPassiveGetDown = msg::MotionId::kPassiveGetDown;
@@ -26,7 +26,7 @@ inline constexpr std::int32_t kForceControl = msg::MotionId::kForceControlAbsolu
 inline constexpr std::int32_t kUserTrot = msg::MotionId::kWalkUserTrot;
 inline constexpr std::int32_t kFromGroundStand = 309;  // begins from kGroundStand
 
-inline constexpr std::int32_t kNoMotion = -1;  // what a silent or unknown board does
+inline constexpr std::int32_t kNoMotion = -1;  // of a silent or unknown board
 
 // The highest speed in each direction, either way: x and y in m/s, yaw in rad/s.
 using SpeedLimit = std::array<float, 3>;
@@ -36,12 +36,13 @@ struct Motion {
   std::string name;
   std::int8_t mode = 0;
   std::int8_t gait = 0;
-  // > 0: what it may take, and a command gives no duration; < 0: a command must give one; 0: may.
+  // > 0: the time it may take, and a command gives no duration; < 0: a command must give one; 0:
+  // may.
   std::int64_t min_exec_time_ms = 0;
-  std::vector<std::int8_t> next;    // modes that it may go to
-  std::string capability;           // that a result command needs; empty: it is never refused
-  std::string servo;                // that a servo command needs; empty: it is no servo motion
-  std::optional<SpeedLimit> limit;  // none: it takes no speeds
+  std::vector<std::int8_t> next;    // modes that may follow
+  std::string capability;           // that a result command needs; empty: none
+  std::string servo;                // that a servo command needs; empty: not a servo motion
+  std::optional<SpeedLimit> limit;  // none: no speeds
 
   bool MayGoTo(std::int8_t mode) const;
 
@@ -55,7 +56,7 @@ class MotionTable {
   explicit MotionTable(std::vector<Motion> motions);
 
   const Motion* Find(std::int64_t id) const;
-  // The one that the board calls so.
+  // The motion with the board's mode and gait.
   const Motion* Find(std::int8_t mode, std::int8_t gait) const;
   const std::vector<Motion>& motions() const { return motions_; }
 

@@ -27,7 +27,7 @@ constexpr std::int64_t kHighestMode = 127;  // int8 on the board's wire
 constexpr std::int64_t kLongestMs = 600'000;
 constexpr double kHighestSpeed = 10.0;
 
-// What the manager itself commands.
+// The motions that the manager itself commands.
 constexpr std::array kNeeded = {kEmergencyStop, kGetDown,   kPassiveGetDown,
                                 kRecoveryStand, kWalkStand, kGroundStand};
 
@@ -153,12 +153,12 @@ class Reader {
     return limit;
   }
 
-  // Reports the second of two that claim the same.
+  // Reports the second of two entries with the same key.
   template <class Key>
   void Claim(std::map<Key, Position>& places, Key key, Position at, const std::string& what) {
     const auto [place, first] = places.emplace(key, at);
     if (first) return;
-    findings_.Error(at, "motion: " + what + " stands in line " +
+    findings_.Error(at, "motion: " + what + " is already defined in line " +
                             std::to_string(place->second.line) + " already");
   }
 

@@ -95,22 +95,23 @@ ServoCommand FromWire(const msg::MotionServoCmd& command) {
   return {command.cmd_type, command.cmd_source, {command.motion_id, ArgumentsOf(command)}};
 }
 
-MotionOrder FromWire(const msg::MotionResultCmd::Request& request) {
-  MotionOrder order{request.motion_id, ArgumentsOf(request)};
-  order.arguments.contact = request.contact;
-  order.arguments.duration_ms = request.duration;
-  return order;
+MotionRequest FromWire(const msg::MotionResultCmd::Request& request) {
+  MotionRequest requested{request.motion_id, ArgumentsOf(request)};
+  requested.arguments.contact = request.contact;
+  requested.arguments.duration_ms = request.duration;
+  return requested;
 }
 
 MotionArguments FromWire(const msg::MotionCustomCommand& command) {
   MotionArguments arguments = ArgumentsOf(command);
-  arguments.contact = std::int32_t{command.contact};  // signed on the wire; judged later
+  arguments.contact = std::int32_t{command.contact};  // signed on the wire; checked later
   arguments.duration_ms = command.duration;
   return arguments;
 }
 
-msg::MotionServoResponse ToWire(const motion_action::TellServo& tell) {
-  return {tell.motion_id, tell.cmd_id, tell.bar, tell.status, tell.result, tell.code};
+msg::MotionServoResponse ToWire(const motion_action::ServoResponse& response) {
+  return {response.motion_id, response.cmd_id, response.bar,
+          response.status,    response.result, response.code};
 }
 
 msg::MotionStatus StatusOf(const MotionRules& rules, const MotionCore& core) {

@@ -1,6 +1,6 @@
 #pragma once
-// Between messages and what the motion manager thinks in. What comes from the wire is not trusted:
-// a turn that is none becomes no turn.
+// Converts between messages and the motion manager's values. Input from the wire is not trusted:
+// an invalid rotation becomes the identity.
 
 #include "musher/messages/musher_msgs/body.hpp"
 #include "musher/messages/nav_msgs/odometry.hpp"
@@ -16,9 +16,9 @@ BodyState FromWire(const msg::BodyState& state);
 msg::MotionCustomCommand ToWire(const BodyCommand& command);
 
 ServoCommand FromWire(const msg::MotionServoCmd& command);
-MotionOrder FromWire(const msg::MotionResultCmd::Request& request);
+MotionRequest FromWire(const msg::MotionResultCmd::Request& request);
 MotionArguments FromWire(const msg::MotionCustomCommand& command);
-msg::MotionServoResponse ToWire(const motion_action::TellServo& tell);
+msg::MotionServoResponse ToWire(const motion_action::ServoResponse& response);
 
 msg::MotionStatus StatusOf(const MotionRules& rules, const MotionCore& core);
 msg::Odometry OdometryOf(const BodyMotion& motion);

@@ -25,7 +25,7 @@ Result<std::unique_ptr<TopicBackend>> TopicBackend::Make(transport::Node& node,
 }
 
 void TopicBackend::Send(const BodyCommand& command) {
-  // What is refused here is repeated, or times out with a code.
+  // A command that cannot be published is repeated, or times out with a code.
   static_cast<void>(commands_->Publish(ToWire(command)));
 }
 

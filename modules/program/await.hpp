@@ -1,6 +1,6 @@
 #pragma once
-// Waiting in a state callback for what only the loop knows: devices that need a moment after a
-// start.
+// Waits in a state callback for a condition that only the loop can evaluate: devices that need a
+// moment after a start.
 
 #include <functional>
 #include <future>
@@ -11,11 +11,11 @@
 
 namespace musher::program {
 
-// Asks `judge` on the node's loop, at once and every 20 ms, until it is content, `time` of the
-// steady clock is over, or `stop` holds; the judge's last word. Called on the actuator's worker,
-// which waits.
+// Calls `check` on the node's loop, at once and every 20 ms, until it succeeds, `time` of the
+// steady clock is over, or `stop` holds. Returns the last result of `check`. Called on the
+// actuator's worker, which blocks.
 inline Result<> AwaitOnLoop(transport::NodeThread& node, Duration time,
-                            const std::function<Result<>()>& judge,
+                            const std::function<Result<>()>& check,
                             const std::function<bool()>& stop) {
   constexpr Duration kPeriod = Milliseconds(20);
   std::promise<Result<>> verdict;
@@ -25,7 +25,7 @@ inline Result<> AwaitOnLoop(transport::NodeThread& node, Duration time,
     const Time deadline = node.loop().Now() + time;
     const auto look = [&, deadline] {
       if (given) return;
-      Result<> result = judge();
+      Result<> result = check();
       if (!result && !stop() && node.loop().Now() < deadline) return;
       given = true;
       verdict.set_value(std::move(result));

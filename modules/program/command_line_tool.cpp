@@ -29,7 +29,7 @@ void TakeVariable(std::string& value, const char* variable, const char* otherwis
   if (value.empty()) value = set != nullptr ? set : otherwise;
 }
 
-void TakeEnvironment(HandOptions& options) {
+void TakeEnvironment(ToolOptions& options) {
   TakeVariable(options.name_space, "MUSHER_NAMESPACE", "");
   TakeVariable(options.keys, "MUSHER_KEYS", "");
   TakeVariable(options.identity, "MUSHER_IDENTITY", "operator");
@@ -40,7 +40,7 @@ void TakeEnvironment(HandOptions& options) {
 
 }  // namespace
 
-void SetUpCommandLineTool(CLI::App& app, HandOptions& options, const std::string& clock_use,
+void SetUpCommandLineTool(CLI::App& app, ToolOptions& options, const std::string& clock_use,
                           const std::string& footer) {
   constexpr int kMostDomain = 232;
   constexpr std::size_t kHelpColumn = 32;
@@ -68,15 +68,15 @@ void SetUpCommandLineTool(CLI::App& app, HandOptions& options, const std::string
          clock_use)
       ->check(CLI::IsMember({"steady", "topic"}).description(""))
       ->type_name("steady|topic");
-  app.add_option("--keys", options.keys, "Folder with keys; default $MUSHER_KEYS, else none")
+  app.add_option("--keys", options.keys, "Folder with credentials; default $MUSHER_KEYS, else none")
       ->type_name("FOLDER");
   app.add_option("--identity", options.identity,
-                 "Whose keys; default $MUSHER_IDENTITY, else operator")
+                 "Name of the credentials; default $MUSHER_IDENTITY, else operator")
       ->type_name("NAME");
 }
 
 std::optional<ParseEnd> Parse(CLI::App& app, int argc, const char* const* argv,
-                              HandOptions& options) {
+                              ToolOptions& options) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -98,9 +98,9 @@ std::function<std::string(const std::string&)> Between(double least, double most
   return [least, most](const std::string& text) {
     double value = 0;
     const bool good = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
-    std::ostringstream complaint;
-    complaint << text << " is not between " << least << " and " << most;
-    return good ? std::string() : complaint.str();
+    std::ostringstream error;
+    error << text << " is not between " << least << " and " << most;
+    return good ? std::string() : error.str();
   };
 }
 
@@ -110,20 +110,20 @@ int Say(const ParseEnd& end, const std::string& program) {
   return static_cast<int>(end.exit);
 }
 
-HandLink::HandLink(HandOptions options) : options_(std::move(options)), signals_(TakeEndSignals()) {
+ToolLink::ToolLink(ToolOptions options) : options_(std::move(options)), signals_(TakeEndSignals()) {
   signal_watch_ = loop_.WhenReadable(signals_.get(), [this] {
     signalfd_siginfo signal{};
     if (read(signals_.get(), &signal, sizeof(signal)) == sizeof(signal)) interrupted_ = true;
   });
 }
 
-Result<std::unique_ptr<HandLink>> HandLink::Open(const HandOptions& options) {
-  std::unique_ptr<HandLink> link(new HandLink(options));
+Result<std::unique_ptr<ToolLink>> ToolLink::Open(const ToolOptions& options) {
+  std::unique_ptr<ToolLink> link(new ToolLink(options));
   if (auto joined = link->Join(); !joined) return joined.error();
   return link;
 }
 
-Result<> HandLink::Join() {
+Result<> ToolLink::Join() {
   // The transport reads it.
   if (options_.transport) setenv("MUSHER_TRANSPORT", options_.transport->c_str(), 1);
   transport::DdsOptions dds;
@@ -147,17 +147,17 @@ Result<> HandLink::Join() {
   return Ok();
 }
 
-bool HandLink::RunUntil(const std::function<bool()>& done, Duration timeout) {
+bool ToolLink::RunUntil(const std::function<bool()>& done, Duration timeout) {
   loop_.RunUntil([&] { return done() || interrupted_; }, loop_.Now() + timeout);
   return done();
 }
 
-bool HandLink::AwaitClock() {
+bool ToolLink::AwaitClock() {
   return !options_.clock_topic || RunUntil([this] { return clock_->Now() != Time{}; }, discovery());
 }
 
-Error HandLink::Nobody(const std::string& who) const {
-  return {kCodeNetError, "no " + who + " in namespace '" + options_.name_space +
+Error ToolLink::NotFound(const std::string& what) const {
+  return {kCodeNetError, "no " + what + " in namespace '" + options_.name_space +
                              "'; use --namespace and --domain, or --transport lan for other hosts"};
 }
 

@@ -24,7 +24,7 @@ int Main(int argc, char** argv, const About& about, const std::function<int(cons
   app.add_option("--config", options.state_config, "The state config (TOML)")
       ->envname("MUSHER_CONFIG")
       ->required();
-  app.add_flag("--check", options.check, "Report every fault of the configs, and start nothing");
+  app.add_flag("--check", options.check, "Report every error of the configs, and start nothing");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

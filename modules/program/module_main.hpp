@@ -1,9 +1,9 @@
 #pragma once
-// What the programs of all modules have in common: their command line, and how they run.
+// What the programs of all modules share: their command line, and how they run.
 //
 //   musher-device-manager [--actuator NAME] [--config STATE_CONFIG] FILE
 //
-// The controller gives name and state config in MUSHER_ACTUATOR and MUSHER_CONFIG.
+// The controller passes name and state config in MUSHER_ACTUATOR and MUSHER_CONFIG.
 
 #include <functional>
 #include <string>
@@ -24,25 +24,25 @@ struct About {
 
 struct Options {
   std::string file;      // the module's own config
-  std::string actuator;  // which one of the state config it is
+  std::string actuator;  // its name in the state config
   std::string state_config;
-  bool check = false;  // judge the configs, then end
+  bool check = false;  // check the configs, then exit
 };
 
-// Reads the command line and runs the module; the exit code. Usage errors and --help are dealt with
-// here.
+// Parses the command line and runs the module; returns the exit code. Handles usage errors and
+// --help.
 int Main(int argc, char** argv, const About& about, const std::function<int(const Options&)>& run);
 
-// From now on RunToEnd() judges the state config alone: 0, or kUsageError.
+// From now on RunToEnd() only checks the state config: 0, or kUsageError.
 void OnlyCheck();
 
-// Starts the actuator and waits for its end; the exit code. What is wrong is said on stderr.
+// Starts the actuator and waits for its end; returns the exit code. Prints errors on stderr.
 int RunToEnd(MachineActuator& actuator, const std::string& state_config);
 
-// Errors on stderr, one a line. Warnings are for `musher check`.
+// Prints errors on stderr, one a line. Warnings are left to `musher check`.
 void PrintErrors(const std::vector<Diagnostic>& diagnostics);
 
-// The same with what Module(actuator, config) makes, where there were no errors in its config.
+// Runs Module(actuator, config) when its config has no errors.
 template <class Module, class Reading>
 int RunModule(const Options& options, const Reading& reading) {
   PrintErrors(reading.diagnostics);

@@ -1,5 +1,5 @@
 #pragma once
-// Whether the states that a module's own config names can ever come.
+// Checks that the states named by a module's own config exist.
 
 #include <string>
 #include <string_view>
@@ -12,8 +12,8 @@
 
 namespace musher::program {
 
-// Fails, by `code`, for the first that is neither a state of the machine nor a built-in one: those
-// a config for several machines may name.
+// Fails with `code` for the first state that is neither a state of the machine nor a built-in one.
+// Built-in states are accepted because a config may be shared by several machines.
 inline Result<> CheckStates(const MachineConfig& machine, std::string_view key,
                             const std::vector<std::string>& states, std::int32_t code) {
   for (const std::string& state : states) {

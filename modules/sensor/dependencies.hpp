@@ -1,5 +1,5 @@
 #pragma once
-// What every sensor is given: where it talks, what time it is, and where it says what was wrong.
+// What every sensor depends on: the node, the clock, the log.
 
 #include <functional>
 #include <string>
@@ -14,9 +14,9 @@ struct Dependencies {
   transport::Node& node;
   transport::Clock& clock;  // of the module's behaviour
   std::string name_space;
-  std::function<msg::Stamp()> stamp;            // now, as the stamps of readings have it
+  std::function<msg::Stamp()> stamp;            // now, in the time of the readings' stamps
   std::function<void(const std::string&)> log;  // one line, without its end
-  std::function<void(std::int32_t)> report;     // a code, to who collects errors
+  std::function<void(std::int32_t)> report;     // publishes a code in node_errors
 
   std::string Name(std::string_view name) const { return transport::ResolveName(name_space, name); }
 };

@@ -1,4 +1,4 @@
-// musher-sensor-manager: range sensors and GPS of a robot. See README.md beside this.
+// musher-sensor-manager: range sensors and GPS of a robot. See README.md in this folder.
 
 #include "musher/modules/program/module_main.hpp"
 #include "musher/modules/sensor/sensor_config.hpp"
@@ -17,6 +17,6 @@ int main(int argc, char** argv) {
   return musher::program::Main(
       argc, argv,
       {"musher-sensor-manager", "Range sensors and GPS of a robot, as the actuator sensor_manager.",
-       "Exit codes: 0 torn down; 1 not started, which is said on stderr; 2 usage or config."},
+       "Exit codes: 0 torn down; 1 not started (reason on stderr); 2 usage or config."},
       Run);
 }

@@ -31,7 +31,7 @@ Result<Phase> Operate(SensorKind kind, Phase phase, std::uint8_t operation) {
       return Phase::kClosed;
     default:
       return Error{MakeCode(ModuleCode::kSensorManager, KeyCode::kParametersInvalid),
-                   "there is no operation " + std::to_string(operation) +
+                   "unknown operation " + std::to_string(operation) +
                        "; 1 opens, 2 starts, 3 stops, 4 closes"};
   }
 }

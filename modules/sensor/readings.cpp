@@ -22,7 +22,7 @@ std::string Number(double number) {
   return text;
 }
 
-// Distances may be infinite, but are numbers, and none is negative.
+// Distances may be infinite, but not NaN or negative.
 bool CanBe(float distance) {
   return distance >= 0 || distance == -INFINITY;
 }
@@ -46,7 +46,7 @@ std::string Seconds(Duration duration) {
 
 }  // namespace
 
-Result<> Judge(const msg::LaserScan& scan) {
+Result<> Validate(const msg::LaserScan& scan) {
   if (Result<> limits = CheckLimits(scan.range_min, scan.range_max); !limits) return limits;
   if (scan.ranges.empty() || scan.ranges.size() > kMostRays) {
     return Refused("it has " + std::to_string(scan.ranges.size()) + " rays");
@@ -58,7 +58,7 @@ Result<> Judge(const msg::LaserScan& scan) {
   for (const float angle : {scan.angle_min, scan.angle_max, scan.angle_increment}) {
     if (!std::isfinite(angle)) return Refused("an angle is " + Number(angle));
   }
-  // Some drivers count the last ray, some do not.
+  // Some drivers include the last ray, some do not.
   const double turned = static_cast<double>(scan.angle_max) - scan.angle_min;
   const double rays = static_cast<double>(scan.ranges.size());
   if (rays > 1 &&
@@ -70,7 +70,7 @@ Result<> Judge(const msg::LaserScan& scan) {
   return CheckDistances(scan.ranges);
 }
 
-Result<> Judge(const msg::Range& range) {
+Result<> Validate(const msg::Range& range) {
   if (Result<> limits = CheckLimits(range.min_range, range.max_range); !limits) return limits;
   if (!std::isfinite(range.field_of_view)) {
     return Refused("its field of view is " + Number(range.field_of_view));
@@ -79,12 +79,12 @@ Result<> Judge(const msg::Range& range) {
   return Ok();
 }
 
-Result<> Judge(const msg::SingleTofPayload& tof, std::uint8_t position) {
+Result<> Validate(const msg::SingleTofPayload& tof, std::uint8_t position) {
   if (tof.tof_position != position) {
     return Refused("it is of position " + std::to_string(tof.tof_position) + ", not " +
                    std::to_string(position));
   }
-  if (!tof.data_available) return Refused("it says that it has no data");
+  if (!tof.data_available) return Refused("it reports no data");
   if (tof.data.size() != msg::SingleTofPayload::kZones ||
       (!tof.intensity.empty() && tof.intensity.size() != tof.data.size())) {
     return Refused("it has " + std::to_string(tof.data.size()) + " zones and " +
@@ -93,13 +93,13 @@ Result<> Judge(const msg::SingleTofPayload& tof, std::uint8_t position) {
   return CheckDistances(tof.data);
 }
 
-Result<> Judge(const msg::NavSatFix& fix) {
+Result<> Validate(const msg::NavSatFix& fix) {
   using Status = msg::NavSatStatus;
   const auto status = fix.status.status;
   if (status < Status::kUnknown || status > Status::kGbasFix) {
     return Refused("its status is " + std::to_string(status));
   }
-  if (status < Status::kFix) return Ok();  // it does not know where it is, and says so
+  if (status < Status::kFix) return Ok();  // no fix, and the reading says so
   constexpr double kMostLatitude = 90;
   constexpr double kMostLongitude = 180;
   if (!(std::abs(fix.latitude) <= kMostLatitude && std::abs(fix.longitude) <= kMostLongitude)) {
@@ -124,7 +124,7 @@ bool RateLimit::Take(std::chrono::nanoseconds stamp) {
   if (period_ <= Duration::zero()) return true;
   const Duration jitter = period_ / 10;
   if (due_ && stamp < *due_ - jitter && stamp > *due_ - 2 * period_) return false;
-  // On with the rhythm, unless that was lost.
+  // Keeps the period, unless a reading came late.
   const bool in_rhythm = due_ && stamp < *due_ + period_ && stamp > *due_ - 2 * period_;
   due_ = (in_rhythm ? *due_ : stamp) + period_;
   return true;
@@ -133,13 +133,13 @@ bool RateLimit::Take(std::chrono::nanoseconds stamp) {
 std::optional<TofPair::Both> TofPair::Take(msg::SingleTofPayload reading) {
   const std::size_t side = reading.tof_position - left_;
   std::optional<Both> both;
-  if (new_.at(side)) both = Tell();
+  if (new_.at(side)) both = TakeBoth();
   new_.at(side) = std::move(reading);
-  if (new_[0] && new_[1]) both = Tell();
+  if (new_[0] && new_[1]) both = TakeBoth();
   return both;
 }
 
-TofPair::Both TofPair::Tell() {
+TofPair::Both TofPair::TakeBoth() {
   Both both;
   const msg::Header& header = (new_[0] ? new_[0] : new_[1])->header;
   for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {

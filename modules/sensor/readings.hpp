@@ -1,5 +1,5 @@
 #pragma once
-// Which readings count, when they come, and what is made of them. Plain values, no IO.
+// Validation, timing and conversion of readings. Plain values, no IO.
 
 #include <array>
 #include <chrono>
@@ -13,17 +13,17 @@
 
 namespace musher::sensor {
 
-// Each fails with what cannot be true of the reading. Infinite distances can: nothing is near, or
-// something is too near (REP 117).
-Result<> Judge(const msg::LaserScan& scan);
-Result<> Judge(const msg::Range& range);
-Result<> Judge(const msg::SingleTofPayload& tof, std::uint8_t position);
-Result<> Judge(const msg::NavSatFix& fix);
+// Each fails with what is impossible in the reading. Infinite distances are valid: nothing is
+// near, or something is too near (REP 117).
+Result<> Validate(const msg::LaserScan& scan);
+Result<> Validate(const msg::Range& range);
+Result<> Validate(const msg::SingleTofPayload& tof, std::uint8_t position);
+Result<> Validate(const msg::NavSatFix& fix);
 
-// Whether the stamps of one source can be true: near to the present time, and never backwards.
+// Whether the stamps of one source are plausible: near to the present time, and never backwards.
 class StampChecker {
  public:
-  // How far a stamp may be off, either way; zero: however far.
+  // How far a stamp may be off, either way; zero: any amount.
   explicit StampChecker(Duration tolerance) : tolerance_(tolerance) {}
 
   Result<> Take(std::chrono::nanoseconds stamp, std::chrono::nanoseconds now);
@@ -35,10 +35,10 @@ class StampChecker {
   std::optional<std::chrono::nanoseconds> last_;
 };
 
-// Lets readings through no more often than a rate, by their stamps, without drifting from it.
+// Limits the rate of readings, by their stamps, without drifting from it.
 class RateLimit {
  public:
-  explicit RateLimit(Duration period) : period_(period) {}  // zero: each one
+  explicit RateLimit(Duration period) : period_(period) {}  // zero: no limit
 
   bool Take(std::chrono::nanoseconds stamp);
   void Forget() { due_.reset(); }
@@ -48,21 +48,21 @@ class RateLimit {
   std::optional<std::chrono::nanoseconds> due_;
 };
 
-// Two ToF sensors that are told in one message.
+// Two ToF sensors that are published in one message.
 class TofPair {
  public:
   using Both = std::array<msg::SingleTofPayload, 2>;  // left, right
 
-  // `left`: the tof_position of the left one; that of the right one follows it.
+  // `left`: the tof_position of the left one; the right one has the next.
   explicit TofPair(std::uint8_t left) : left_(left) {}
 
-  // Gives both when both have a new reading. One that has none when the other has its next is told
-  // as not available.
+  // Returns both when both have a new reading. One without a new reading when the other has its
+  // next is published as not available.
   std::optional<Both> Take(msg::SingleTofPayload reading);
   void Forget() { new_ = {}; }
 
  private:
-  Both Tell();
+  Both TakeBoth();
 
   std::uint8_t left_;
   std::array<std::optional<msg::SingleTofPayload>, 2> new_;

@@ -5,16 +5,16 @@
 
 namespace musher::sensor {
 
-SelfCheckVerdict EvaluateSelfCheck(const std::vector<SensorFinding>& findings,
+SelfCheckVerdict EvaluateSelfCheck(const std::vector<SensorResult>& checked,
                                    const std::vector<SensorKind>& critical) {
   SelfCheckVerdict verdict;
   Error& degraded = verdict.degraded;
-  for (const SensorFinding& finding : findings) {
-    if (finding.result) continue;
-    const Error& error = finding.result.error();
-    const std::string name(NameOf(finding.kind));
+  for (const SensorResult& one : checked) {
+    if (one.result) continue;
+    const Error& error = one.result.error();
+    const std::string name(NameOf(one.kind));
     const std::string code = ", " + std::to_string(error.code);
-    if (std::find(critical.begin(), critical.end(), finding.kind) != critical.end()) {
+    if (std::find(critical.begin(), critical.end(), one.kind) != critical.end()) {
       return {Error{error.code, name + " (critical): " + error.message + code}};
     }
     if (degraded.code == kCodeOk) degraded.code = error.code;

@@ -1,8 +1,9 @@
 #pragma once
-// The self-check's verdict over the sensors. Plain values, no IO.
+// The outcome of the self-check from the results of all sensors. Plain values, no IO.
 //
-// CyberDog's manager adds the codes of failing sensors up and then looks at the lowest eight bits,
-// so that some failures together count as none. Here one code is given and all are named.
+// CyberDog's manager adds up the codes of failing sensors and then looks at the lowest eight bits,
+// so that some failures together count as none. Here the outcome has one code and names all of
+// them.
 
 #include <vector>
 
@@ -12,21 +13,21 @@
 
 namespace musher::sensor {
 
-struct SensorFinding {
+struct SensorResult {
   SensorKind kind = SensorKind::kLidar;
   Result<> result;
 };
 
-// Well, degraded with reasons, or failed. `findings` in the order of the check: the first critical
-// sensor that failed fails it, with its code and its sentence alone. Else it is degraded with the
-// code of the first one that failed, and all of them in the message.
+// Ok, degraded with reasons, or failed. `findings` in the order of the check: the first critical
+// sensor that failed fails it, with its code and message alone. Else it is degraded with the code
+// of the first one that failed, and all of them in the message.
 struct SelfCheckVerdict {
   Result<> result;
-  Error degraded{kCodeOk, ""};  // code 0: it is not
+  Error degraded{kCodeOk, ""};  // code 0: not degraded
 
   bool well() const { return result.ok() && degraded.code == kCodeOk; }
 };
-SelfCheckVerdict EvaluateSelfCheck(const std::vector<SensorFinding>& findings,
+SelfCheckVerdict EvaluateSelfCheck(const std::vector<SensorResult>& checked,
                                    const std::vector<SensorKind>& critical);
 
 }  // namespace musher::sensor

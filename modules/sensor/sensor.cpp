@@ -8,7 +8,7 @@
 
 namespace musher::sensor {
 
-Result<Phase> Sensor::Judge(std::uint8_t operation) const {
+Result<Phase> Sensor::PhaseAfter(std::uint8_t operation) const {
   if (exists()) return Operate(kind_, phase_, operation);
   return Error{CodeOf(kind_, KeyCode::kUnSupport),
                "there is no " + std::string(NameOf(kind_)) + " in the config"};
@@ -30,8 +30,8 @@ Result<> Sensor::Apply() {
   for (const auto& source : parts_.sources) {
     if (!heard_now) {
       source->Ignore();
-    } else if (Result<> heard = source->Listen(); !heard) {
-      return Error{CodeOf(kind_, KeyCode::kFailed), heard.error().message};
+    } else if (Result<> subscribed = source->Listen(); !subscribed) {
+      return Error{CodeOf(kind_, KeyCode::kFailed), subscribed.error().message};
     }
   }
   return Ok();
@@ -39,15 +39,15 @@ Result<> Sensor::Apply() {
 
 Result<> Sensor::Check(KeyCode key) const {
   if (!started()) return Ok();
-  std::string complaints;
+  std::string faults;
   for (std::size_t i = 0; i < parts_.sources.size(); ++i) {
-    if (parts_.sources[i]->complaint().empty()) continue;
-    if (!complaints.empty()) complaints += ", ";
-    if (kind_ == SensorKind::kTof) complaints += std::string(kTofKeys.at(i)) + ": ";
-    complaints += parts_.sources[i]->complaint();
+    if (parts_.sources[i]->fault().empty()) continue;
+    if (!faults.empty()) faults += ", ";
+    if (kind_ == SensorKind::kTof) faults += std::string(kTofKeys.at(i)) + ": ";
+    faults += parts_.sources[i]->fault();
   }
-  if (complaints.empty()) return Ok();
-  return Error{CodeOf(kind_, key), complaints};
+  if (faults.empty()) return Ok();
+  return Error{CodeOf(kind_, key), faults};
 }
 
 void Sensor::OnTimeJumped() {
@@ -65,8 +65,8 @@ template <msg::Message M>
 using SharedPublisher = std::shared_ptr<transport::Publisher<M>>;
 
 template <msg::Message M>
-Result<SharedPublisher<M>> Publish(const Dependencies& around, const std::string& topic) {
-  auto made = transport::MakePublisher<M>(around.node, around.Name(topic));
+Result<SharedPublisher<M>> Publish(const Dependencies& dependencies, const std::string& topic) {
+  auto made = transport::MakePublisher<M>(dependencies.node, dependencies.Name(topic));
   if (!made) return made.error();
   return SharedPublisher<M>(std::move(made).value());
 }
@@ -83,36 +83,36 @@ SourceOptions OptionsOf(SensorKind kind, const ManagerConfig& config, std::size_
   return options;
 }
 
-// A sensor with one source, whose readings are published as `convert` makes them.
+// A sensor with one source, whose readings are converted by `convert` and published.
 template <msg::Message In, msg::Message Out, class Convert>
-Result<Sensor::Parts> MakeOne(SensorKind kind, const Dependencies& around,
+Result<Sensor::Parts> MakeOne(SensorKind kind, const Dependencies& dependencies,
                               const ManagerConfig& config, const std::string& topic,
                               Convert convert) {
-  auto publisher = Publish<Out>(around, topic);
+  auto publisher = Publish<Out>(dependencies, topic);
   if (!publisher) return publisher.error();
   const auto rate = std::make_shared<RateLimit>(config.Of(kind).period);
   auto use = [publisher = std::move(publisher).value(), convert, rate](const In& reading) {
     if (!rate->Take(msg::FromStamp(reading.header.stamp))) return;
-    static_cast<void>(publisher->Publish(convert(reading)));  // the next one comes soon
+    static_cast<void>(publisher->Publish(convert(reading)));  // the next one follows soon
   };
   Sensor::Parts parts;
   parts.sources.push_back(std::make_unique<SourceOf<In>>(
-      around, OptionsOf(kind, config), [](const In& reading) { return Judge(reading); },
+      dependencies, OptionsOf(kind, config), [](const In& reading) { return Validate(reading); },
       std::move(use)));
   parts.forget.emplace_back([rate] { rate->Forget(); });
   return parts;
 }
 
-// Two ToF sensors, told together.
+// Two ToF sensors, published together.
 template <msg::Message Out>
-Result<> AddTofs(const Dependencies& around, const ManagerConfig& config, const std::string& topic,
-                 std::uint8_t left, Sensor::Parts& parts) {
+Result<> AddTofs(const Dependencies& dependencies, const ManagerConfig& config,
+                 const std::string& topic, std::uint8_t left, Sensor::Parts& parts) {
   struct Shared {
     SharedPublisher<Out> publisher;
     TofPair pair;
     RateLimit rate;
   };
-  auto publisher = Publish<Out>(around, topic);
+  auto publisher = Publish<Out>(dependencies, topic);
   if (!publisher) return publisher.error();
   auto shared = std::make_shared<Shared>(Shared{std::move(publisher).value(), TofPair(left),
                                                 RateLimit(config.Of(SensorKind::kTof).period)});
@@ -123,8 +123,8 @@ Result<> AddTofs(const Dependencies& around, const ManagerConfig& config, const 
   };
   for (const std::uint8_t position : {left, static_cast<std::uint8_t>(left + 1)}) {
     parts.sources.push_back(std::make_unique<SourceOf<msg::SingleTofPayload>>(
-        around, OptionsOf(SensorKind::kTof, config, position),
-        [position](const msg::SingleTofPayload& reading) { return Judge(reading, position); },
+        dependencies, OptionsOf(SensorKind::kTof, config, position),
+        [position](const msg::SingleTofPayload& reading) { return Validate(reading, position); },
         use));
   }
   parts.forget.emplace_back([shared] {
@@ -134,82 +134,86 @@ Result<> AddTofs(const Dependencies& around, const ManagerConfig& config, const 
   return Ok();
 }
 
-Result<Sensor::Parts> MakeTofs(const Dependencies& around, const ManagerConfig& config) {
+Result<Sensor::Parts> MakeTofs(const Dependencies& dependencies, const ManagerConfig& config) {
   using Tof = msg::SingleTofPayload;
   Sensor::Parts parts;
   Result<> made =
-      AddTofs<msg::HeadTofPayload>(around, config, "head_tof_payload", Tof::kLeftHead, parts);
+      AddTofs<msg::HeadTofPayload>(dependencies, config, "head_tof_payload", Tof::kLeftHead, parts);
   if (!made) return made.error();
-  made = AddTofs<msg::RearTofPayload>(around, config, "rear_tof_payload", Tof::kLeftRear, parts);
+  made =
+      AddTofs<msg::RearTofPayload>(dependencies, config, "rear_tof_payload", Tof::kLeftRear, parts);
   if (!made) return made.error();
   return parts;
 }
 
-// A Range has its `variance` since Iron.
-Result<Sensor::Parts> MakeUltrasonic(const Dependencies& around, const ManagerConfig& config) {
+// A Range has the field `variance` since Iron.
+Result<Sensor::Parts> MakeUltrasonic(const Dependencies& dependencies,
+                                     const ManagerConfig& config) {
   constexpr SensorKind kKind = SensorKind::kUltrasonic;
   constexpr const char* kTopic = "ultrasonic_payload";
   if (config.ros_distro < RosDistro::kIron) {
-    return MakeOne<msg::Range, msg::RangeBeforeIron>(kKind, around, config, kTopic,
+    return MakeOne<msg::Range, msg::RangeBeforeIron>(kKind, dependencies, config, kTopic,
                                                      msg::BeforeIron);
   }
-  return MakeOne<msg::Range, msg::Range>(kKind, around, config, kTopic,
+  return MakeOne<msg::Range, msg::Range>(kKind, dependencies, config, kTopic,
                                          [](const msg::Range& range) { return range; });
 }
 
-// How many satellites a fix is from, which a NavSatFix does not say; 0 where it was not heard for
-// too long. Heard in every state: it wakes no sensor.
+// The number of satellites of a fix, which a NavSatFix lacks; 0 if it is too old. Subscribed in
+// every state: it wakes no sensor.
 struct Satellites {
   std::uint8_t number = 0;
-  Time heard{};
+  Time received{};
   std::unique_ptr<transport::Subscription> subscription;
 };
 
-Result<Sensor::Parts> MakeGps(const Dependencies& around, const ManagerConfig& config) {
+Result<Sensor::Parts> MakeGps(const Dependencies& dependencies, const ManagerConfig& config) {
   constexpr SensorKind kKind = SensorKind::kGps;
   const auto satellites = std::make_shared<Satellites>();
   if (const std::string& topic = config.Of(kKind).satellites; !topic.empty()) {
     auto subscription = transport::MakeSubscription<msg::UInt8>(
-        around.node, around.Name(topic),
-        [seen = satellites.get(), &clock = around.clock](const msg::UInt8& number, const auto&) {
+        dependencies.node, dependencies.Name(topic),
+        [seen = satellites.get(), &clock = dependencies.clock](const msg::UInt8& number,
+                                                               const auto&) {
           seen->number = number.data;
-          seen->heard = clock.Now();
+          seen->received = clock.Now();
         },
         transport::kSensorDataQos);
     if (!subscription) return subscription.error();
     satellites->subscription = std::move(subscription).value();
   }
-  const auto convert = [satellites, &clock = around.clock,
+  const auto convert = [satellites, &clock = dependencies.clock,
                         silence = config.Of(kKind).silence](const msg::NavSatFix& fix) {
     msg::GpsPayload payload = ToGpsPayload(fix);
-    if (clock.Now() - satellites->heard <= silence) payload.num_sv = satellites->number;
+    if (clock.Now() - satellites->received <= silence) payload.num_sv = satellites->number;
     return payload;
   };
-  return MakeOne<msg::NavSatFix, msg::GpsPayload>(kKind, around, config, "gps_payload", convert);
+  return MakeOne<msg::NavSatFix, msg::GpsPayload>(kKind, dependencies, config, "gps_payload",
+                                                  convert);
 }
 
-Result<Sensor::Parts> MakeParts(SensorKind kind, const Dependencies& around,
+Result<Sensor::Parts> MakeParts(SensorKind kind, const Dependencies& dependencies,
                                 const ManagerConfig& config) {
   const auto as_it_is = [](const auto& reading) { return reading; };
   if (config.Of(kind).sources.empty()) return Sensor::Parts();
   switch (kind) {
     case SensorKind::kLidar:
-      return MakeOne<msg::LaserScan, msg::LaserScan>(kind, around, config, "scan", as_it_is);
+      return MakeOne<msg::LaserScan, msg::LaserScan>(kind, dependencies, config, "scan", as_it_is);
     case SensorKind::kUltrasonic:
-      return MakeUltrasonic(around, config);
+      return MakeUltrasonic(dependencies, config);
     case SensorKind::kGps:
-      return MakeGps(around, config);
+      return MakeGps(dependencies, config);
     case SensorKind::kTof:
       break;
   }
-  return MakeTofs(around, config);
+  return MakeTofs(dependencies, config);
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Sensor>> MakeSensor(SensorKind kind, const Dependencies& around,
+Result<std::unique_ptr<Sensor>> MakeSensor(SensorKind kind, const Dependencies& dependencies,
                                            const ManagerConfig& config) {
-  auto parts = MakeParts(kind, around, config);
+  auto parts = MakeParts(kind, dependencies, config);
   if (!parts) return parts.error();
   return std::make_unique<Sensor>(kind, std::move(parts).value());
 }

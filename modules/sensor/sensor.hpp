@@ -1,6 +1,6 @@
 #pragma once
-// One sensor of the robot: its sources, what people did with it by `sensor_operation`, and whether
-// the robot's state lets it sleep. It is heard while it is started and awake, and never else.
+// One sensor of the robot: its sources, its phase by `sensor_operation`, and whether it sleeps in
+// the robot's state. It is subscribed to only while it is started and awake.
 //
 // Threads: the loop's.
 
@@ -19,7 +19,8 @@ class Sensor {
  public:
   using Sources = std::vector<std::unique_ptr<Source>>;
 
-  // What hears it, and what forgets what was heard. Without sources there is no such sensor.
+  // Its sources, and callbacks that drop what was received. Without sources there is no such
+  // sensor.
   struct Parts {
     Sources sources;
     std::vector<std::function<void()>> forget;
@@ -33,12 +34,12 @@ class Sensor {
   Phase phase() const { return phase_; }
   bool started() const { return exists() && phase_ == Phase::kStarted; }
 
-  // What an operation would lead to; UnSupport where there is no such sensor.
-  Result<Phase> Judge(std::uint8_t operation) const;
+  // The phase that an operation leads to; UnSupport when there is no such sensor.
+  Result<Phase> PhaseAfter(std::uint8_t operation) const;
   Result<> SetPhase(Phase phase);
   Result<> SetAsleep(bool asleep);
 
-  // What is wrong with it while it is heard, with the sensor's code of that key.
+  // Its fault while it is subscribed to, with the sensor's code of that key.
   Result<> Check(KeyCode key) const;
 
   void OnTimeJumped();
@@ -53,9 +54,9 @@ class Sensor {
   Parts parts_;
 };
 
-// Each publishes what counts: `scan`, `ultrasonic_payload`, `head_tof_payload` and
+// Publishes valid readings: `scan`, `ultrasonic_payload`, `head_tof_payload` and
 // `rear_tof_payload`, `gps_payload`. Fails when an endpoint cannot be made.
-Result<std::unique_ptr<Sensor>> MakeSensor(SensorKind kind, const Dependencies& around,
+Result<std::unique_ptr<Sensor>> MakeSensor(SensorKind kind, const Dependencies& dependencies,
                                            const ManagerConfig& config);
 
 }  // namespace musher::sensor

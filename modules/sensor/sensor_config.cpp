@@ -21,7 +21,7 @@ using config_toml::Word;
 constexpr double kLeastHz = 0.01;
 constexpr double kMostHz = 1000;
 
-// What the module publishes: heard by itself it would go round and round.
+// What the module publishes: a subscription to it would be a loop.
 const std::set<std::string, std::less<>> kOwnTopics = {
     "scan", "ultrasonic_payload", "head_tof_payload", "rear_tof_payload", "gps_payload"};
 

@@ -24,20 +24,20 @@ enum class RosDistro : std::uint8_t { kGalactic, kHumble, kIron, kJazzy, kKilted
 
 struct SensorConfig {
   std::vector<std::string> sources;  // topics; empty: there is no such sensor; of ToF as kTofKeys
-  Duration period{};                 // at least between two that are told; zero: each one is
-  Duration silence = Milliseconds(1000);  // without a reading for so long it is silent
-  std::string satellites;  // of the GPS: the topic of their number; empty: it is not known
+  Duration period{};                 // at least between two that are published; zero: no limit
+  Duration silence = Milliseconds(1000);  // timeout without a reading
+  std::string satellites;                 // of the GPS: the topic of their number; empty: unknown
 
   friend bool operator==(const SensorConfig&, const SensorConfig&) = default;
 };
 
 struct ManagerConfig {
-  Duration self_check_time = Milliseconds(3000);  // so long the sensors have to be well
-  Duration start_time = Milliseconds(2000);       // so long critical ones have to be heard again
-  Duration stamp_tolerance = Milliseconds(1000);  // zero: stamps are not judged by the clock
+  Duration self_check_time = Milliseconds(3000);  // how long SelfCheck waits for the sensors
+  Duration start_time = Milliseconds(2000);  // how long critical ones may take to publish again
+  Duration stamp_tolerance = Milliseconds(1000);  // zero: stamps are not compared with the clock
   RosDistro ros_distro = RosDistro::kJazzy;       // whose message layouts are published
   std::vector<SensorKind> skip;                   // not checked
-  std::vector<SensorKind> critical;               // whose failure fails a self-check at once
+  std::vector<SensorKind> critical;               // a failure fails a self-check at once
   std::array<SensorConfig, kSensorKinds.size()> sensors;
 
   ManagerConfig() { Of(SensorKind::kGps).silence = Milliseconds(3000); }

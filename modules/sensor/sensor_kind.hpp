@@ -1,5 +1,5 @@
 #pragma once
-// The kinds of sensors that the module has, by the names, numbers and codes that others know.
+// The kinds of sensors that the module has: names, numbers and codes on the interfaces.
 
 #include <array>
 #include <cstdint>
@@ -20,7 +20,7 @@ std::string_view NameOf(SensorKind kind);
 // 2109 of the lidar's self-check, and the like.
 std::int32_t CodeOf(SensorKind kind, KeyCode key);
 std::optional<SensorKind> KindOfName(std::string_view name);
-// By SensorOperation's sensor_id, where 0 is none but all of them.
+// By SensorOperation's sensor_id; 0 (all sensors) is no kind.
 std::optional<SensorKind> KindOfId(std::uint16_t sensor_id);
 
 }  // namespace musher::sensor

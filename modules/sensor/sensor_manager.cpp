@@ -48,15 +48,15 @@ Result<> SensorManager::MakeSensors() {
       node_->node(), transport::ResolveName(name_space, "node_errors"));
   if (!errors) return errors.error();
   errors_ = std::move(errors).value();
-  const Dependencies around = {node_->node(),
-                               *clock_,
-                               name_space,
-                               [this] { return clock_->Stamp(); },
-                               [this](const std::string& line) { Log(line); },
-                               [this](std::int32_t code) {
-                                 static_cast<void>(errors_->Publish({name(), code}));
-                               }};
-  auto sensors = Sensors::Make(around, config_);
+  const Dependencies dependencies = {node_->node(),
+                                     *clock_,
+                                     name_space,
+                                     [this] { return clock_->Stamp(); },
+                                     [this](const std::string& line) { Log(line); },
+                                     [this](std::int32_t code) {
+                                       static_cast<void>(errors_->Publish({name(), code}));
+                                     }};
+  auto sensors = Sensors::Make(dependencies, config_);
   if (!sensors) return sensors.error();
   sensors_ = std::move(sensors).value();
   return Ok();
@@ -68,7 +68,7 @@ Result<> SensorManager::Enter(std::string_view state) {
   return entered;
 }
 
-// Those that sleep are woken for it.
+// Sensors that sleep are woken for the check.
 Result<> SensorManager::SelfCheck() {
   SelfCheckVerdict verdict;
   verdict.result = Enter(kSelfCheck);
@@ -93,8 +93,8 @@ Result<> SensorManager::Activate() {
   return result;
 }
 
-Result<> SensorManager::Await(Duration time, const std::function<Result<>()>& judge) {
-  return program::AwaitOnLoop(*node_, time, judge, [this] { return StopRequested(); });
+Result<> SensorManager::Await(Duration time, const std::function<Result<>()>& check) {
+  return program::AwaitOnLoop(*node_, time, check, [this] { return StopRequested(); });
 }
 
 }  // namespace musher::sensor

@@ -1,5 +1,5 @@
 #pragma once
-// The actuator `sensor_manager`: range sensors and GPS of a robot. See README.md beside this.
+// The actuator `sensor_manager`: range sensors and GPS of a robot. See README.md in this folder.
 //
 // Threads: state callbacks on the actuator's worker, the sensors on the loop of its node.
 
@@ -29,8 +29,8 @@ class SensorManager : public MachineActuator {
   Result<> MakeSensors();
   // On the loop.
   Result<> Enter(std::string_view state);
-  // Asks on the loop until it is fine, or `time` is over.
-  Result<> Await(Duration time, const std::function<Result<>()>& judge);
+  // Calls `check` on the loop until it succeeds, or `time` is over.
+  Result<> Await(Duration time, const std::function<Result<>()>& check);
 
   const ManagerConfig config_;
   std::shared_ptr<transport::NodeThread> node_;  // from SetUp on

@@ -17,24 +17,24 @@ bool Sleeps(SensorKind kind, std::string_view state) {
 
 }  // namespace
 
-Result<std::unique_ptr<Sensors>> Sensors::Make(const Dependencies& around,
+Result<std::unique_ptr<Sensors>> Sensors::Make(const Dependencies& dependencies,
                                                const ManagerConfig& config) {
-  std::unique_ptr<Sensors> sensors(new Sensors(around, config));
+  std::unique_ptr<Sensors> sensors(new Sensors(dependencies, config));
   if (Result<> connected = sensors->Connect(); !connected) return connected.error();
   return sensors;
 }
 
 Result<> Sensors::Connect() {
   for (const SensorKind kind : kSensorKinds) {
-    auto sensor = MakeSensor(kind, around_, config_);
+    auto sensor = MakeSensor(kind, dependencies_, config_);
     if (!sensor) return sensor.error();
     sensors_.at(static_cast<std::size_t>(kind)) = std::move(sensor).value();
   }
   auto operations = transport::MakeServer<Operation>(
-      around_.node, around_.Name("sensor_operation"),
+      dependencies_.node, dependencies_.Name("sensor_operation"),
       [this](const Operation::Request& request, auto reply) {
         const Result<> done = Operate(request);
-        if (!done) around_.log("sensor_operation refused: " + done.error().message);
+        if (!done) dependencies_.log("sensor_operation refused: " + done.error().message);
         reply({done.ok(), done ? kCodeOk : done.error().code});
       });
   if (!operations) return operations.error();
@@ -50,8 +50,8 @@ Result<> Sensors::Enter(std::string_view state) {
   return entered;
 }
 
-std::vector<SensorFinding> Sensors::Check() const {
-  std::vector<SensorFinding> findings;
+std::vector<SensorResult> Sensors::Check() const {
+  std::vector<SensorResult> findings;
   for (const SensorKind kind : kSensorKinds) {
     const auto& skip = config_.skip;
     if (std::find(skip.begin(), skip.end(), kind) != skip.end()) continue;
@@ -62,9 +62,9 @@ std::vector<SensorFinding> Sensors::Check() const {
 
 Result<> Sensors::CheckStarted() const {
   for (const SensorKind kind : config_.critical) {
-    if (Result<> heard = Of(kind).Check(KeyCode::kFailed); !heard) {
-      return Error{heard.error().code,
-                   std::string(NameOf(kind)) + " does not start: " + heard.error().message};
+    if (Result<> publishing = Of(kind).Check(KeyCode::kFailed); !publishing) {
+      return Error{publishing.error().code,
+                   std::string(NameOf(kind)) + " does not start: " + publishing.error().message};
     }
   }
   return Ok();
@@ -80,12 +80,12 @@ Result<> Sensors::Operate(const Operation::Request& request) {
   }
   if (kinds.empty()) {
     return Error{MakeCode(ModuleCode::kSensorManager, KeyCode::kParametersInvalid),
-                 "there is no sensor " + std::to_string(request.sensor_id) +
+                 "unknown sensor " + std::to_string(request.sensor_id) +
                      "; 0 is all, 1 lidar, 2 ultrasonic, 3 tof, 4 gps"};
   }
   std::vector<std::pair<SensorKind, Phase>> steps;
   for (const SensorKind kind : kinds) {
-    const Result<Phase> phase = Of(kind).Judge(request.operation);
+    const Result<Phase> phase = Of(kind).PhaseAfter(request.operation);
     if (!phase) return phase.error();
     steps.emplace_back(kind, phase.value());
   }

@@ -1,9 +1,10 @@
 #pragma once
-// All sensors of the robot together: the service for people, and what the robot's states mean for
-// them. Runs on any transport.
+// All sensors of the robot together: the service `sensor_operation`, and what the robot's states
+// mean for them. Runs on any transport.
 //
-// In LowPower and OTA lidar, ToF and ultrasonic sleep: nobody hears them, so that nobody has to
-// measure. In every other state all are awake. What a person has stopped or closed stays so.
+// In LowPower and OTA lidar, ToF and ultrasonic sleep: their topics are unsubscribed, so that
+// their drivers need not measure. In every other state all are awake. A sensor that an operator
+// has stopped or closed stays so.
 //
 // Threads: the loop's.
 
@@ -22,32 +23,33 @@ namespace musher::sensor {
 
 class Sensors {
  public:
-  static Result<std::unique_ptr<Sensors>> Make(const Dependencies& around,
+  static Result<std::unique_ptr<Sensors>> Make(const Dependencies& dependencies,
                                                const ManagerConfig& config);
 
-  // The robot goes to that state, or is there again. Fails when a sensor cannot be heard.
+  // The robot enters that state or is driven to it again. Fails when a topic cannot be subscribed
+  // to.
   Result<> Enter(std::string_view state);
 
-  // Of each in the order of the self-check, but for those that the config skips. One that a person
-  // has stopped has nothing to fail.
-  std::vector<SensorFinding> Check() const;
-  // Fails with the first critical one that is started and not heard yet.
+  // Of each in the order of the self-check, except those that the config skips. A sensor that an
+  // operator has stopped cannot fail.
+  std::vector<SensorResult> Check() const;
+  // Fails with the first critical sensor that is started and has no reading yet.
   Result<> CheckStarted() const;
 
-  // `sensor_operation`. Of all sensors: all or none.
+  // `sensor_operation`. For all sensors: all or none.
   Result<> Operate(const msg::SensorOperation::Request& request);
 
   // The clock went back.
   void OnTimeJumped();
 
  private:
-  Sensors(const Dependencies& around, const ManagerConfig& config)
-      : around_(around), config_(config) {}
+  Sensors(const Dependencies& dependencies, const ManagerConfig& config)
+      : dependencies_(dependencies), config_(config) {}
   Result<> Connect();
   Sensor& Of(SensorKind kind) { return *sensors_.at(static_cast<std::size_t>(kind)); }
   const Sensor& Of(SensorKind kind) const { return *sensors_.at(static_cast<std::size_t>(kind)); }
 
-  const Dependencies around_;
+  const Dependencies dependencies_;
   const ManagerConfig config_;
   std::array<std::unique_ptr<Sensor>, kSensorKinds.size()> sensors_;
   std::unique_ptr<transport::Server<msg::SensorOperation>> operations_;

@@ -1,6 +1,6 @@
 #pragma once
-// A topic that a sensor's readings come on: heard while it is wanted, judged, and watched for
-// silence. What is wrong with it is said once with its code, and once more when it is well again.
+// A topic with a sensor's readings: subscribed to while it is wanted, validated, and watched for
+// silence. A fault is logged once with its code, and once when it is over.
 //
 //   Ignored --Listen()--> Waiting --reading--> Well <--reading-- Bad: silent, or readings refused
 //
@@ -32,66 +32,69 @@ class Source {
   Source(const Source&) = delete;
   Source& operator=(const Source&) = delete;
 
-  // Begins to hear its topic; no effect while it does. Fails when the subscription cannot be made.
+  // Subscribes to its topic; no effect while subscribed. Fails when the subscription cannot be
+  // made.
   Result<> Listen();
-  // Drops the subscription, so that nobody has to make readings for it.
+  // Drops the subscription, so that the publisher need not make readings for it.
   void Ignore();
   // The clock went back.
   void OnTimeJumped();
 
-  // Empty: well. Else what is wrong, also before it was said.
-  const std::string& complaint() const { return complaint_; }
+  // Empty: no fault. Else the fault, also before it was logged.
+  const std::string& fault() const { return fault_; }
   std::uint64_t refused() const { return refused_; }  // readings, since the beginning
 
  protected:
-  Source(const Dependencies& around, SourceOptions options);
+  Source(const Dependencies& dependencies, SourceOptions options);
 
   virtual Result<std::unique_ptr<transport::Subscription>> Subscribe(
       transport::SubscriptionEvents events) = 0;
 
-  // A reading has come; says whether it counts.
-  bool Take(const Result<>& judged, const msg::Header& header);
+  // A reading was received; returns whether it counts.
+  bool Take(const Result<>& validated, const msg::Header& header);
 
-  const Dependencies around_;
+  const Dependencies dependencies_;
   const SourceOptions options_;
 
  private:
   void AwaitNext();
-  void Complain(KeyCode key, const std::string& complaint);
+  void ReportFault(KeyCode key, const std::string& fault);
 
   StampChecker stamps_;
-  std::string complaint_ = "it is not heard";
-  std::string wrong_stamp_;  // what was wrong with that of the last reading
-  bool said_ = false;        // the complaint, or one before it that is not over
+  std::string fault_ = "not subscribed";
+  std::string wrong_stamp_;  // the fault of the last reading's stamp
+  bool logged_ = false;      // the fault, or an earlier one that is not over
   std::uint64_t refused_ = 0;
-  std::uint64_t refused_before_ = 0;  // when it was well
+  std::uint64_t refused_before_ = 0;  // when it was last without a fault
   std::optional<Time> last_refused_;
   transport::LoopHandlePtr silence_;
   std::unique_ptr<transport::Subscription> subscription_;  // last: its callbacks use the rest
 };
 
-// A source of messages M. `judge` says what cannot be true of one, `use` is given those that count.
+// A source of messages M. `check` says what is impossible in one, `use` gets the valid ones.
 template <msg::Message M>
 class SourceOf : public Source {
  public:
-  using Judgement = std::function<Result<>(const M&)>;
+  using Validator = std::function<Result<>(const M&)>;
   using Use = std::function<void(const M&)>;
 
-  SourceOf(const Dependencies& around, SourceOptions options, Judgement judge, Use use)
-      : Source(around, std::move(options)), evaluation_(std::move(judge)), use_(std::move(use)) {}
+  SourceOf(const Dependencies& dependencies, SourceOptions options, Validator validate, Use use)
+      : Source(dependencies, std::move(options)),
+        validate_(std::move(validate)),
+        use_(std::move(use)) {}
 
  private:
   Result<std::unique_ptr<transport::Subscription>> Subscribe(
       transport::SubscriptionEvents events) override {
     return transport::MakeSubscription<M>(
-        around_.node, around_.Name(options_.topic),
+        dependencies_.node, dependencies_.Name(options_.topic),
         [this](const M& reading, const auto&) {
-          if (Take(evaluation_(reading), reading.header)) use_(reading);
+          if (Take(validate_(reading), reading.header)) use_(reading);
         },
         transport::kSensorDataQos, std::move(events));
   }
 
-  const Judgement evaluation_;
+  const Validator validate_;
   const Use use_;
 };
 

@@ -16,7 +16,7 @@ cv::Mat GreyOf(const msg::Image& picture) {
   const int channels = picture.encoding == "mono8"                                ? 1
                        : picture.encoding == "rgb8" || picture.encoding == "bgr8" ? 3
                                                                                   : 4;
-  // Only looked at.
+  // Read only.
   auto* data = const_cast<std::uint8_t*>(picture.data.data());
   cv::Mat all(static_cast<int>(picture.height), static_cast<int>(picture.width), CV_8UC(channels),
               data, picture.step);
@@ -51,7 +51,7 @@ class CascadeDetector : public Detector {
     for (std::size_t i = 0; i < found.size(); ++i) {
       const double width = grey.cols;
       const double height = grey.rows;
-      // A half for the fewest finds that count, and the nearer to 1 the more there are.
+      // 0.5 for the fewest detections that count, approaching 1 the more there are.
       const double confidence =
           1 - std::exp2(-static_cast<double>(finds[i]) / std::max(1, config_.neighbours));
       faces.push_back({found[i].x / width, found[i].y / height, found[i].width / width,
@@ -80,7 +80,7 @@ Result<std::unique_ptr<Detector>> MakeCascadeDetector(const CascadeConfig& confi
     return error("there is no such model; Debian's opencv-data has some");
   }
   try {
-    cv::setNumThreads(1);  // the robot's other programs want to run, too
+    cv::setNumThreads(1);  // leave CPU to the robot's other programs
     cv::CascadeClassifier cascade;
     if (!cascade.load(config.model) || cascade.empty()) return error("this is no cascade");
     return std::unique_ptr<Detector>(new CascadeDetector(config, cascade));

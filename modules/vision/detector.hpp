@@ -1,5 +1,5 @@
 #pragma once
-// What finds faces in a picture. Who has a better one derives from Detector.
+// The interface of a face detector. Derive from Detector to use another one.
 //
 // Threads: one call at a time.
 
@@ -18,8 +18,8 @@ class Detector {
  public:
   virtual ~Detector() = default;
 
-  // In a picture that CheckPicture() has let pass. May throw: it is not asked again, but replaced
-  // by a new one.
+  // In a picture that passed CheckPicture(). May throw: the detector is then replaced by a new
+  // one.
   virtual std::vector<FaceBox> Detect(const msg::Image& picture) = 0;
 };
 
@@ -28,18 +28,18 @@ using DetectorMaker = std::function<Result<std::unique_ptr<Detector>>()>;
 struct CascadeConfig {
   std::string model;       // file of a cascade, of OpenCV's Haar or LBP features
   int width_px = 320;      // wider pictures are scaled down to this
-  double step = 1.1;       // from a size of faces that is looked for to the next
-  int neighbours = 3;      // so many finds around a place make a face
+  double step = 1.1;       // factor between one face size that is searched and the next
+  int neighbours = 3;      // how many detections around a place make a face
   double smallest = 0.05;  // of the picture's width, and of its height
 
   friend bool operator==(const CascadeConfig&, const CascadeConfig&) = default;
 };
 
-// The model that the build found, of Debian's opencv-data.
+// The model found by the build, of Debian's opencv-data.
 std::string DefaultModel();
 
-// OpenCV's cascade classifier, which finds faces that look towards the camera, on one thread. Fails
-// when the model's file is none.
+// OpenCV's cascade classifier, which finds faces that look towards the camera, on one thread.
+// Fails when the file is not a cascade model.
 Result<std::unique_ptr<Detector>> MakeCascadeDetector(const CascadeConfig& config);
 
 }  // namespace musher::vision

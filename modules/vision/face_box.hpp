@@ -21,7 +21,7 @@ struct FaceBox {
   friend bool operator==(const FaceBox&, const FaceBox&) = default;
 };
 
-// The share that two boxes have in common, of what they cover together: 0 to 1.
+// Intersection over union of two boxes: 0 to 1.
 double Iou(const FaceBox& a, const FaceBox& b);
 
 // Between their centres.
@@ -29,7 +29,7 @@ inline double Distance(const FaceBox& a, const FaceBox& b) {
   return std::hypot(a.center_x() - b.center_x(), a.center_y() - b.center_y());
 }
 
-// Numbers, a size, and a centre in the picture. What is not such no detector may find.
+// Finite numbers, a size, and a centre in the picture. A detector must not return anything else.
 bool IsFace(const FaceBox& box);
 
 }  // namespace musher::vision

@@ -25,26 +25,29 @@ std::string Ms(Duration time) {
 
 }  // namespace
 
-FaceTopics::FaceTopics(const Dependencies& around, VisionConfig config)
-    : around_(around), config_(std::move(config)), gate_(config_.rate_hz), watch_(config_.faces) {}
+FaceTopics::FaceTopics(const Dependencies& dependencies, VisionConfig config)
+    : dependencies_(dependencies),
+      config_(std::move(config)),
+      gate_(config_.rate_hz),
+      watch_(config_.faces) {}
 
-Result<std::unique_ptr<FaceTopics>> FaceTopics::Make(const Dependencies& around,
+Result<std::unique_ptr<FaceTopics>> FaceTopics::Make(const Dependencies& dependencies,
                                                      const VisionConfig& config) {
-  std::unique_ptr<FaceTopics> topics(new FaceTopics(around, config));
+  std::unique_ptr<FaceTopics> topics(new FaceTopics(dependencies, config));
   if (Result<> made = topics->MakePublishers(); !made) return made.error();
   return topics;
 }
 
 Result<> FaceTopics::MakePublishers() {
-  const std::string under = transport::ResolveName(around_.name_space, config_.publish_under);
-  auto target = transport::MakePublisher<msg::PointStamped>(around_.node, under + "/target");
+  const std::string under = transport::ResolveName(dependencies_.name_space, config_.publish_under);
+  auto target = transport::MakePublisher<msg::PointStamped>(dependencies_.node, under + "/target");
   if (!target) return target.error();
   target_ = std::move(target).value();
-  auto too_close = transport::MakePublisher<msg::Bool>(around_.node, under + "/too_close");
+  auto too_close = transport::MakePublisher<msg::Bool>(dependencies_.node, under + "/too_close");
   if (!too_close) return too_close.error();
   too_close_ = std::move(too_close).value();
   auto faces =
-      transport::MakePublisher<msg::String>(around_.node, under + "/faces_json", kNewestQos);
+      transport::MakePublisher<msg::String>(dependencies_.node, under + "/faces_json", kNewestQos);
   if (!faces) return faces.error();
   faces_ = std::move(faces).value();
   return Ok();
@@ -64,19 +67,20 @@ Result<> FaceTopics::SetChecked(bool checked) {
 Result<> FaceTopics::Reconsider() {
   const bool wanted = on_ || checked_;
   if (wanted == looks()) return Ok();
-  if (wanted) return Hear();
-  Leave();
+  if (wanted) return Subscribe();
+  Unsubscribe();
   return Ok();
 }
 
-Result<> FaceTopics::Hear() {
+Result<> FaceTopics::Subscribe() {
   auto infos = transport::MakeSubscription<msg::CameraInfo>(
-      around_.node, transport::ResolveName(around_.name_space, config_.CameraInfoTopic()),
+      dependencies_.node,
+      transport::ResolveName(dependencies_.name_space, config_.CameraInfoTopic()),
       [this](const msg::CameraInfo& info, const auto&) { OnInfo(info); },
       transport::kSensorDataQos);
   if (!infos) return infos.error();
   auto pictures = transport::MakeSubscription<msg::Image>(
-      around_.node, PictureTopic(),
+      dependencies_.node, PictureTopic(),
       [this](msg::Image&& picture, const auto&) { OnPicture(std::move(picture)); }, kNewestQos);
   if (!pictures) return pictures.error();
   infos_ = std::move(infos).value();
@@ -86,30 +90,30 @@ Result<> FaceTopics::Hear() {
   return Ok();
 }
 
-// Who was remembered still is when it looks again, if not too much time has passed by then.
-void FaceTopics::Leave() {
+// Tracks are kept for when it is on again, if not too much time has passed by then.
+void FaceTopics::Unsubscribe() {
   silence_timer_.reset();
   pictures_.reset();
   infos_.reset();
   silence_ = {};
-  asked_.reset();
-  TellNobody();
+  requested_at_.reset();
+  PublishEmpty();
 }
 
 void FaceTopics::OnInfo(const msg::CameraInfo& info) {
   Result<Lens> lens = LensOf(info);
-  Set(info_trouble_, lens ? Result<>() : lens.error(), "CameraInfo is well again");
+  Set(info_fault_, lens ? Result<>() : lens.error(), "CameraInfo is ok again");
   if (lens) lens_ = lens.value();
 }
 
 void FaceTopics::OnPicture(msg::Image picture) {
-  const Result<> judged = CheckPicture(picture);
-  Set(picture_trouble_, judged, "pictures are well again");
-  if (!judged) return;
+  const Result<> valid = CheckPicture(picture);
+  Set(picture_fault_, valid, "pictures are ok again");
+  if (!valid) return;
   const msg::Stamp& stamp = picture.header.stamp;
   const std::int64_t at_ns = stamp.sec * std::int64_t{1'000'000'000} + stamp.nanosec;
-  const std::int64_t stamp_ns = at_ns == 0 ? around_.stamp_ns() : at_ns;
-  switch (gate_.Judge(stamp_ns)) {
+  const std::int64_t stamp_ns = at_ns == 0 ? dependencies_.stamp_ns() : at_ns;
+  switch (gate_.Check(stamp_ns)) {
     case StampGate::Verdict::kNotNewer:
     case StampGate::Verdict::kTooSoon:
       return;
@@ -120,38 +124,38 @@ void FaceTopics::OnPicture(msg::Image picture) {
       break;
   }
   newest_ns_ = stamp_ns;
-  if (!asked_) asked_ = around_.clock.Now();
-  around_.looker.Look(stamp_ns, std::move(picture));
+  if (!requested_at_) requested_at_ = dependencies_.clock.Now();
+  dependencies_.looker.Look(stamp_ns, std::move(picture));
 }
 
 void FaceTopics::OnJump() {
   watch_ = FaceWatch(config_.faces);
   too_close_now_ = false;
-  // Two cameras on one topic would say it with each picture.
-  const Time now = around_.node.loop().Now();
-  if (jump_told_ && now < *jump_told_ + kQuiet) return;
-  jump_told_ = now;
-  around_.log({kCodeOk,
-               "time has jumped back: all faces are new. A world that was started again, or "
-               "two cameras on " +
-                   PictureTopic()});
+  // Two cameras on one topic would log it with each picture.
+  const Time now = dependencies_.node.loop().Now();
+  if (jump_logged_at_ && now < *jump_logged_at_ + kQuiet) return;
+  jump_logged_at_ = now;
+  dependencies_.log({kCodeOk,
+                     "time jumped back: all tracks are dropped. The world was restarted, or "
+                     "two cameras on " +
+                         PictureTopic()});
 }
 
 void FaceTopics::OnResult(const LookResult& result) {
-  asked_.reset();
-  if (result.stamp_ns != newest_ns_) asked_ = around_.clock.Now();
-  // One of before a pause, or of a time that is over.
+  requested_at_.reset();
+  if (result.stamp_ns != newest_ns_) requested_at_ = dependencies_.clock.Now();
+  // A result from before a pause, or from before a jump of time.
   if (!looks() || result.stamp_ns > newest_ns_) return;
-  Set(detector_trouble_, result.faces ? Result<>() : result.faces.error(),
-      "the detector is well again");
+  Set(detector_fault_, result.faces ? Result<>() : result.faces.error(),
+      "the detector is ok again");
   if (!result.faces) return;
   ++looked_at_;
   seen_ = true;
   NoteGap(Duration(result.stamp_ns - std::exchange(looked_ns_, result.stamp_ns)));
-  Set(silence_, Ok(), "pictures come again");
+  Set(silence_, Ok(), "receiving pictures again");
   AwaitNext();
   const Sight sight = watch_.OnPicture(result.stamp_ns, result.faces.value(), LensFor(result));
-  if (on_) Tell(sight);
+  if (on_) PublishSight(sight);
 }
 
 std::optional<Lens> FaceTopics::LensFor(const LookResult& result) const {
@@ -161,37 +165,39 @@ std::optional<Lens> FaceTopics::LensFor(const LookResult& result) const {
 }
 
 void FaceTopics::AwaitNext() {
-  silence_timer_ = around_.clock.At(around_.clock.Now() + config_.silence, [this] { OnSilence(); });
+  silence_timer_ =
+      dependencies_.clock.At(dependencies_.clock.Now() + config_.silence, [this] { OnSilence(); });
 }
 
-// A single long gap is no more than that.
+// A single long gap does not count.
 void FaceTopics::NoteGap(Duration gap) {
   const Duration longest = config_.faces.tracker.confirm_within;
   rare_ = gap > longest ? rare_ + 1 : 0;
-  if (rare_ == 0) return Set(rarity_, Ok(), "pictures are looked at often enough again");
+  if (rare_ == 0) return Set(rarity_, Ok(), "pictures are processed often enough again");
   if (rare_ < kRareInARow) return;
   Set(rarity_,
-      Wrong(KeyCode::kTimeout, "pictures are looked at " + Ms(gap) +
+      Wrong(KeyCode::kTimeout, "pictures are processed " + Ms(gap) +
                                    " apart, more than [faces] confirm_within_ms (" + Ms(longest) +
-                                   "): faces are told late"),
+                                   "): faces are published late"),
       "");
 }
 
 void FaceTopics::OnSilence() {
-  // By the same clock as the silence: time in a world may pass faster than the detector's.
-  const bool hangs = asked_ && around_.clock.Now() - *asked_ >= config_.silence / 2;
-  const std::string why = hangs ? "the detector has been at one for " + Ms(around_.looker.Busy())
-                          : pictures_->MatchedWriters() == 0
-                              ? "nobody publishes " + PictureTopic()
-                              : "none that can be looked at comes on " + PictureTopic();
+  // By the same clock as the silence: the world's time may run faster than the detector's.
+  const bool hangs =
+      requested_at_ && dependencies_.clock.Now() - *requested_at_ >= config_.silence / 2;
+  const std::string why =
+      hangs ? "the detector has been processing one for " + Ms(dependencies_.looker.Busy())
+      : pictures_->MatchedWriters() == 0 ? "no publisher of " + PictureTopic()
+                                         : "no usable picture on " + PictureTopic();
   Set(silence_, Wrong(KeyCode::kTimeout, "no picture for " + Ms(config_.silence) + ": " + why), "");
   AwaitNext();
   if (!on_) return;
-  TellNobody();
+  PublishEmpty();
   if (too_close_now_) static_cast<void>(too_close_->Publish({true}));
 }
 
-void FaceTopics::Tell(const Sight& sight) {
+void FaceTopics::PublishSight(const Sight& sight) {
   if (sight.target) {
     msg::PointStamped target;
     target.header = {msg::ToStamp(std::chrono::nanoseconds(sight.stamp_ns)), config_.frame_id};
@@ -206,44 +212,44 @@ void FaceTopics::Tell(const Sight& sight) {
   static_cast<void>(faces_->Publish({FacesJson(sight)}));
 }
 
-void FaceTopics::TellNobody() {
-  Sight nobody;
-  nobody.stamp_ns = around_.stamp_ns();
-  static_cast<void>(faces_->Publish({FacesJson(nobody)}));
+void FaceTopics::PublishEmpty() {
+  Sight empty;
+  empty.stamp_ns = dependencies_.stamp_ns();
+  static_cast<void>(faces_->Publish({FacesJson(empty)}));
 }
 
 Result<> FaceTopics::Check() const {
   constexpr auto kFailed = KeyCode::kSelfCheckFailed;
-  const Duration busy = around_.looker.Busy();
+  const Duration busy = dependencies_.looker.Busy();
   if (busy > config_.look.hang) {
-    return Wrong(kFailed, "the detector hangs: it has been at one picture for " + Ms(busy));
+    return Wrong(kFailed, "the detector hangs: it has been processing one picture for " + Ms(busy));
   }
-  if (detector_trouble_.error) return Wrong(kFailed, detector_trouble_.error->message);
+  if (detector_fault_.error) return Wrong(kFailed, detector_fault_.error->message);
   if (!seen_) {
-    if (picture_trouble_.error) return Wrong(kFailed, picture_trouble_.error->message);
+    if (picture_fault_.error) return Wrong(kFailed, picture_fault_.error->message);
     const bool published = pictures_ && pictures_->MatchedWriters() > 0;
     return Wrong(kFailed, published ? "no picture came on " + PictureTopic()
-                                    : "nobody publishes " + PictureTopic());
+                                    : "no publisher of " + PictureTopic());
   }
   if (!lens_ && !config_.hfov_rad) {
-    return Wrong(kFailed,
-                 info_trouble_.error
-                     ? info_trouble_.error->message
-                     : "no CameraInfo came on " +
-                           transport::ResolveName(around_.name_space, config_.CameraInfoTopic()) +
-                           ", and the config has no hfov_deg: distances are not known");
+    return Wrong(kFailed, info_fault_.error
+                              ? info_fault_.error->message
+                              : "no CameraInfo came on " +
+                                    transport::ResolveName(dependencies_.name_space,
+                                                           config_.CameraInfoTopic()) +
+                                    ", and the config has no hfov_deg: distances are not known");
   }
   return Ok();
 }
 
-void FaceTopics::Set(Trouble& trouble, const Result<>& result, const std::string& well) const {
-  trouble.error = result ? std::nullopt : std::optional(result.error());
-  if (result.ok() != trouble.told) return;
-  const Time now = around_.node.loop().Now();
-  if (!result && trouble.told_at && now < *trouble.told_at + kQuiet) return;
-  trouble.told = !result;
-  if (!result) trouble.told_at = now;
-  around_.log(result ? Error{kCodeOk, well} : result.error());
+void FaceTopics::Set(LoggedFault& fault, const Result<>& result, const std::string& well) const {
+  fault.error = result ? std::nullopt : std::optional(result.error());
+  if (result.ok() != fault.logged) return;
+  const Time now = dependencies_.node.loop().Now();
+  if (!result && fault.logged_at && now < *fault.logged_at + kQuiet) return;
+  fault.logged = !result;
+  if (!result) fault.logged_at = now;
+  dependencies_.log(result ? Error{kCodeOk, well} : result.error());
 }
 
 }  // namespace musher::vision

@@ -1,12 +1,12 @@
 #pragma once
-// Faces on the network: hears pictures while it looks, gives them to a looker, and tells what they
-// show. Runs on any transport.
+// Faces on the network: subscribes to pictures while it is on, passes them to a looker, and
+// publishes the results. Runs on any transport.
 //
-// target and too_close are published with a picture that shows them: who hears them judges by their
-// age. A new one says nothing of too_close until it has seen somebody or looked for `hold`: one who
-// fills the picture is not seen, and may have been too close before. While it should look and no
-// picture comes, faces_json says an empty list again and again, and too_close says true if it was:
-// nobody has been seen to leave.
+// target and too_close are published with a picture that shows them: subscribers judge by their
+// age. After a start too_close is not published until a face was seen or pictures were checked for
+// `hold`: a person who fills the picture is not detected, and may have been too close before.
+// While it is on and no picture arrives, faces_json repeats an empty list, and too_close repeats
+// true if it was true: no person has been seen to leave.
 //
 // Threads: the loop's.
 
@@ -32,60 +32,61 @@ struct Dependencies {
   transport::Node& node;
   transport::Clock& clock;  // of the module's behaviour
   std::string name_space;
-  std::function<std::int64_t()> stamp_ns;  // now, as the stamps of pictures have it
-  std::function<void(const Error&)> log;   // what is wrong; code 0: that it is well
+  std::function<std::int64_t()> stamp_ns;  // now, in the time of the pictures' stamps
+  std::function<void(const Error&)> log;   // a fault; code 0: it is over
   Looker& looker;
 };
 
 class FaceTopics {
  public:
-  static Result<std::unique_ptr<FaceTopics>> Make(const Dependencies& around,
+  static Result<std::unique_ptr<FaceTopics>> Make(const Dependencies& dependencies,
                                                   const VisionConfig& config);
 
-  // The robot is in a state in which it looks; a self-check goes on, which tells nobody what it
-  // sees. Fails when the pictures cannot be heard.
+  // Two reasons to be on: the robot is in a state in which it looks; a self-check runs, which
+  // publishes nothing. Fails when the pictures cannot be subscribed to.
   Result<> SetOn(bool on);
   Result<> SetChecked(bool checked);
 
-  // Has a picture been looked at since it was wanted, and is all well? Fails with why not.
+  // Whether a picture was processed since it was wanted and there is no fault. Fails with the
+  // reason.
   Result<> Check() const;
 
-  // Of the looker.
+  // Called by the looker.
   void OnResult(const LookResult& result);
   void OnLeftOut() { ++left_out_; }
 
   bool looks() const { return pictures_ != nullptr; }
-  std::uint64_t left_out() const { return left_out_; }  // for a newer one
+  std::uint64_t left_out() const { return left_out_; }  // dropped for a newer one
   std::uint64_t looked_at() const { return looked_at_; }
 
  private:
-  // What is said once, and once when it is over; again only after a quiet minute.
-  struct Trouble {
+  // A fault that is logged once, and once when it is over; again only after a quiet minute.
+  struct LoggedFault {
     std::optional<Error> error;
-    bool told = false;
-    std::optional<Time> told_at;
+    bool logged = false;
+    std::optional<Time> logged_at;
   };
 
-  FaceTopics(const Dependencies& around, VisionConfig config);
+  FaceTopics(const Dependencies& dependencies, VisionConfig config);
   Result<> MakePublishers();
   Result<> Reconsider();
-  Result<> Hear();
-  void Leave();
+  Result<> Subscribe();
+  void Unsubscribe();
   void OnPicture(msg::Image picture);
   void OnInfo(const msg::CameraInfo& info);
   void OnJump();
   void OnSilence();
   void AwaitNext();
   void NoteGap(Duration gap);
-  void Tell(const Sight& sight);
-  void TellNobody();
+  void PublishSight(const Sight& sight);
+  void PublishEmpty();
   std::optional<Lens> LensFor(const LookResult& result) const;
-  void Set(Trouble& trouble, const Result<>& result, const std::string& well) const;
+  void Set(LoggedFault& fault, const Result<>& result, const std::string& well) const;
   std::string PictureTopic() const {
-    return transport::ResolveName(around_.name_space, config_.picture);
+    return transport::ResolveName(dependencies_.name_space, config_.picture);
   }
 
-  const Dependencies around_;
+  const Dependencies dependencies_;
   const VisionConfig config_;
   bool on_ = false;
   bool checked_ = false;
@@ -94,18 +95,18 @@ class FaceTopics {
   std::optional<Lens> lens_;  // of the CameraInfo
   std::uint64_t looked_at_ = 0;
   std::uint64_t left_out_ = 0;
-  bool too_close_now_ = false;  // by the last picture that was looked at
-  bool seen_ = false;           // a picture was looked at since pictures are heard
-  std::int64_t newest_ns_ = 0;  // stamp of the last picture that was given to the looker
-  std::int64_t looked_ns_ = 0;  // stamp of the last picture that was looked at
-  Trouble picture_trouble_;
-  Trouble info_trouble_;
-  Trouble detector_trouble_;
-  Trouble rarity_;
-  int rare_ = 0;  // pictures in a row that were long after the one before
-  Trouble silence_;
-  std::optional<Time> jump_told_;
-  std::optional<Time> asked_;  // the looker, and no result has come since
+  bool too_close_now_ = false;  // by the last picture that was processed
+  bool seen_ = false;           // a picture was processed since the subscription
+  std::int64_t newest_ns_ = 0;  // stamp of the last picture passed to the looker
+  std::int64_t looked_ns_ = 0;  // stamp of the last picture that was processed
+  LoggedFault picture_fault_;
+  LoggedFault info_fault_;
+  LoggedFault detector_fault_;
+  LoggedFault rarity_;
+  int rare_ = 0;  // pictures in a row that came long after the one before
+  LoggedFault silence_;
+  std::optional<Time> jump_logged_at_;
+  std::optional<Time> requested_at_;  // when the looker got a picture, with no result since
   std::unique_ptr<transport::Publisher<msg::PointStamped>> target_;
   std::unique_ptr<transport::Publisher<msg::Bool>> too_close_;
   std::unique_ptr<transport::Publisher<msg::String>> faces_;

@@ -8,7 +8,7 @@
 namespace musher::vision {
 namespace {
 
-// A face that did not overlap and is more than twice or less than half as large is another one.
+// A face without overlap that is more than twice or less than half as large is another one.
 constexpr double kMostSizeRatio = 2;
 
 bool AboutAsLarge(const FaceBox& a, const FaceBox& b) {

@@ -1,13 +1,13 @@
 #pragma once
-// Which face of a picture is which of the last one. Pure: time is the pictures' own.
+// Matches the faces of a picture to those of the last one. Pure: time is the pictures' own.
 //
 //             seen in `confirm_pictures`
 //   new ────────────────────────────────────▶ confirmed ──▶ forgotten: unseen for `forget`
 //    └──▶ dropped: unseen for `confirm_within`, as a false find is, and for two pictures: where
 //         pictures are farther apart than that, the next one has to show it
 //
-// A box continues the track that it overlaps most, or else the nearest one within `distance` that
-// is of about its size. A number is never given twice.
+// A box continues the track that it overlaps most, or else the nearest one within `distance` of
+// about the same size. A number is never reused.
 
 #include <cstdint>
 #include <set>
@@ -46,12 +46,12 @@ class FaceTracker {
  public:
   explicit FaceTracker(const TrackerRules& rules) : rules_(rules) {}
 
-  // What was found in a picture, of a later time than the one before. Those with a number in `kept`
-  // are not forgotten.
+  // The detections of a picture, later than the one before. Tracks with an id in `kept` are not
+  // forgotten.
   void OnPicture(std::int64_t stamp_ns, const std::vector<FaceBox>& boxes,
                  const std::set<int>& kept = {});
 
-  // All that are remembered, the confirmed ones and the others, by id.
+  // All tracks, confirmed or not, by id.
   const std::vector<Track>& tracks() const { return tracks_; }
 
  private:

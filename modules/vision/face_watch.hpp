@@ -1,7 +1,6 @@
 #pragma once
-// From the faces that a detector finds in one picture after the other to what the robot is told of
-// them: who is there, whom to look at, whether somebody is too close. Pure: time is the pictures'
-// own.
+// From the detections in successive pictures to what is published: which persons are there, which
+// one to look at, whether a person is too close. Pure: time is the pictures' own.
 
 #include <cstdint>
 #include <optional>
@@ -23,17 +22,17 @@ struct FaceRules {
   friend bool operator==(const FaceRules&, const FaceRules&) = default;
 };
 
-// What one picture shows.
+// The result of one picture.
 struct Sight {
   struct Face {
     int id = 0;
     FaceBox box;
-    std::optional<double> distance_m;  // nothing: the lens is not known
+    std::optional<double> distance_m;  // nothing: the lens is unknown
   };
   std::int64_t stamp_ns = 0;
   std::vector<Face> faces;        // confirmed ones that are seen in it
   std::optional<Face> target;     // one of them
-  std::optional<bool> too_close;  // nothing: the lens is not known, or nobody was seen yet
+  std::optional<bool> too_close;  // nothing: the lens is unknown, or no face was seen yet
 };
 
 class FaceWatch {
@@ -41,8 +40,8 @@ class FaceWatch {
   explicit FaceWatch(const FaceRules& rules)
       : rules_(rules), tracker_(rules.tracker), target_(rules.target), near_(rules.closeness) {}
 
-  // `stamp_ns` is later than that of the picture before. Without a lens nobody knows how far away a
-  // face is; the largest one is still the nearest.
+  // `stamp_ns` is later than that of the picture before. Without a lens the distance of a face is
+  // unknown; the largest one is still the nearest.
   Sight OnPicture(std::int64_t stamp_ns, const std::vector<FaceBox>& boxes,
                   const std::optional<Lens>& lens);
 

@@ -8,7 +8,7 @@
 namespace musher::vision {
 namespace {
 
-constexpr double kWidest = 1e6;  // pixels; anything beyond is a slip
+constexpr double kWidest = 1e6;  // pixels; anything beyond is an error
 
 bool IsLength(double px) {
   return px > 0 && px < kWidest;

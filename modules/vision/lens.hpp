@@ -1,5 +1,5 @@
 #pragma once
-// How far away a face is, from how large it is seen. Pure.
+// The distance of a face from its size in the picture. Pure.
 //
 // A face whose box is `face_m` high, and `h` pixels in the picture of a pinhole camera with the
 // focal length `f` pixels, is f * face_m / h before the camera. An error of a tenth in the size, of
@@ -14,7 +14,7 @@
 
 namespace musher::vision {
 
-// In units of the picture's own width and height, so that it fits one of any size.
+// In units of the picture's own width and height, so that it fits a picture of any size.
 struct Lens {
   bool fisheye = false;  // r = f theta; else r = f tan(theta)
   double focal_x = 0;
@@ -25,13 +25,13 @@ struct Lens {
   friend bool operator==(const Lens&, const Lens&) = default;
 };
 
-// Fails when its numbers are none of a camera's.
+// Fails when the numbers are not those of a camera.
 Result<Lens> LensOf(const msg::CameraInfo& info);
 
-// A pinhole with square pixels that sees so much from the left edge to the right.
+// A pinhole camera with square pixels and that angle from the left edge to the right.
 Lens PinholeOf(double hfov_rad, std::uint32_t width_px, std::uint32_t height_px);
 
-// From the camera to the face, in a straight line. `height`: of the box, in place of its own.
+// From the camera to the face, in a straight line. `height`: of the box, instead of its own.
 double DistanceM(const Lens& lens, const FaceBox& box, double height, double face_m);
 
 }  // namespace musher::vision

@@ -39,8 +39,8 @@ LookThread::~LookThread() {
 }
 
 Result<> LookThread::Load() {
-  // One that is at a picture is there, and may be at it for long, also where it has begun just now.
-  // (Not a timed_mutex: GCC 12's thread sanitizer does not see how that is locked.)
+  // A detector that is processing a picture exists, and may be busy for long, even if it has just
+  // begun. (Not a timed_mutex: GCC 12's thread sanitizer does not see how that is locked.)
   std::unique_lock lock(detector_mutex_, std::defer_lock);
   while (busy_since_ns_ == 0) {
     if (lock.try_lock()) return LoadLocked();

@@ -1,10 +1,10 @@
 #pragma once
-// Looks for faces beside the loop: a picture takes a detector some milliseconds or many.
+// Detects faces beside the loop: a detector takes some milliseconds for a picture, or many.
 //
-// A picture that is not begun when the next one is given is left out. A detector that throws is
-// replaced by a new one; one that fails `failures` times in a row is given up.
+// A picture that is not begun when the next one arrives is dropped. A detector that throws is
+// replaced by a new one; after `failures` failures in a row it is given up.
 //
-// Threads: Load() and Busy() from any; Look() on the loop, where results come out.
+// Threads: Load() and Busy() from any; Look() on the loop, where the results are delivered.
 
 #include <atomic>
 #include <condition_variable>
@@ -33,13 +33,13 @@ class Looker {
  public:
   virtual ~Looker() = default;
 
-  // Makes the detector, unless it is there. Fails with what is wrong with it.
+  // Creates the detector, unless it exists. Fails with the reason.
   virtual Result<> Load() = 0;
 
-  // The newest picture; on_result, of Begin(), has its result later.
+  // The newest picture; on_result gets its result later.
   virtual void Look(std::int64_t stamp_ns, msg::Image picture) = 0;
 
-  // For how long the detector has been at the same picture; zero: it is at none.
+  // How long the detector has been processing the same picture; zero: none.
   virtual Duration Busy() const = 0;
 };
 
@@ -47,20 +47,20 @@ struct LookThreadEvents {
   std::function<void(LookResult)> on_result;  // on the loop
   std::function<void()> on_left_out;          // on the loop: a newer picture took its place
   std::function<void(Duration)> checkpoint;   // on the thread: see MachineActuator
-  std::function<void(const Error&)> on_detector_lost;  // on the thread, its last word
+  std::function<void(const Error&)> on_detector_lost;  // on the thread, as its last call
 };
 
 class LookThread : public Looker {
  public:
   struct Rules {
-    Duration hang = Milliseconds(5000);  // a picture takes less, or the detector hangs
-    int failures = 5;                    // in a row: the detector is lost
+    Duration hang = Milliseconds(5000);  // a picture that takes longer: the detector hangs
+    int failures = 5;                    // in a row, after which the detector is lost
   };
 
-  // The loop must outlive it, and nothing comes out once it is dropped.
+  // The loop must outlive it; no callbacks after its destruction.
   LookThread(transport::EventLoop& loop, DetectorMaker maker, const Rules& rules,
              LookThreadEvents events);
-  // Waits for a picture that it is at.
+  // Waits for a picture that is being processed.
   ~LookThread() override;
   LookThread(const LookThread&) = delete;
   LookThread& operator=(const LookThread&) = delete;
@@ -82,7 +82,7 @@ class LookThread : public Looker {
   transport::EventLoop& loop_;
   const DetectorMaker maker_;
   const Rules rules_;
-  // Shared with what is posted to the loop, which may come after this is gone.
+  // Shared with work posted to the loop, which may run after the destruction.
   const std::shared_ptr<const LookThreadEvents> events_;
   std::atomic<std::int64_t> busy_since_ns_ = 0;  // of the steady clock; 0: not busy
   std::mutex detector_mutex_;                    // guards detector_; held while it is used

@@ -1,4 +1,4 @@
-// musher-vision-manager: finds faces in the robot's pictures. See README.md beside this.
+// musher-vision-manager: detects faces in the robot's pictures. See README.md in this folder.
 
 #include "musher/modules/program/module_main.hpp"
 #include "musher/modules/vision/vision_config.hpp"
@@ -22,8 +22,9 @@ int main(int argc, char** argv) {
   return musher::program::Main(
       argc, argv,
       {"musher-vision-manager",
-       "Finds faces in the robot's pictures: whom to look at, and whether somebody is too close.",
-       "Exit codes: 0 torn down; 1 not started, or the detector failed again and again, which is "
-       "said on stderr; 2 usage or config."},
+       "Finds faces in the robot's pictures: which person to look at, and whether a person is too "
+       "close.",
+       "Exit codes: 0 torn down; 1 not started, or the detector failed repeatedly (reason on "
+       "stderr); 2 usage or config."},
       Run);
 }

@@ -14,7 +14,7 @@ constexpr std::array<std::pair<std::string_view, std::uint32_t>, 5> kEncodings =
     {{"rgb8", 3}, {"bgr8", 3}, {"rgba8", 4}, {"bgra8", 4}, {"mono8", 1}}};
 constexpr std::uint32_t kMostPx = 8192;  // of a side
 constexpr std::int64_t kNewerNs = 1'000'000;
-constexpr std::int64_t kJumpNs = 1'000'000'000;  // no picture is so late
+constexpr std::int64_t kJumpNs = 1'000'000'000;  // no picture is later than this
 
 Error Fault(const std::string& what) {
   return {MakeCode(ModuleCode::kFace, KeyCode::kParametersInvalid), what};
@@ -55,11 +55,11 @@ Result<> CheckPicture(const msg::Image& picture) {
 StampGate::StampGate(double rate_hz)
     : period_ns_(rate_hz > 0 ? static_cast<std::int64_t>(1e9 / rate_hz) : 0) {}
 
-StampGate::Verdict StampGate::Judge(std::int64_t stamp_ns) {
+StampGate::Verdict StampGate::Check(std::int64_t stamp_ns) {
   const bool jumped = last_ns_ && stamp_ns < *last_ns_ - kJumpNs;
   if (last_ns_ && !jumped) {
     if (stamp_ns < *last_ns_ + kNewerNs) return Verdict::kNotNewer;
-    // One that comes a little early is taken: the camera has a clock of its own.
+    // A picture that is a little early is taken: the camera has its own clock.
     if (stamp_ns < due_ns_ - period_ns_ / 4) return Verdict::kTooSoon;
   }
   const bool in_step = last_ns_ && !jumped && stamp_ns < due_ns_ + period_ns_;

@@ -1,5 +1,5 @@
 #pragma once
-// Which pictures are looked at. Pure.
+// Which pictures are processed. Pure.
 
 #include <cstdint>
 #include <optional>
@@ -10,11 +10,11 @@
 
 namespace musher::vision {
 
-// rgb8, bgr8, rgba8, bgra8 or mono8, and as many bytes as its size says. The Error says what is
-// wrong with it.
+// rgb8, bgr8, rgba8, bgra8 or mono8, and as many bytes as its size needs. The Error says what is
+// wrong.
 Result<> CheckPicture(const msg::Image& picture);
 
-// By their stamps: none twice, none that comes late, and not more of them than asked for.
+// By their stamps: no picture twice, none that is late, and no more than the rate.
 class StampGate {
  public:
   // 0: every picture.
@@ -22,11 +22,11 @@ class StampGate {
 
   enum class Verdict {
     kLook,
-    kLookAnew,  // time has jumped back: what is remembered is of another time
-    kNotNewer,  // than the last one that was looked at, by a millisecond
-    kTooSoon,   // for the rate
+    kLookAnew,  // time jumped back: tracks are void
+    kNotNewer,  // not newer than the last one by a millisecond
+    kTooSoon,   // earlier than the rate permits
   };
-  Verdict Judge(std::int64_t stamp_ns);
+  Verdict Check(std::int64_t stamp_ns);
 
  private:
   const std::int64_t period_ns_;

@@ -1,6 +1,6 @@
 #pragma once
-// Whom the robot looks at: the nearest one who looks at it, kept until lost or until another is
-// clearly nearer. Pure: time is the pictures' own.
+// Which person the robot looks at: the nearest one who looks at it, kept until lost or until
+// another is clearly nearer. Pure: time is the pictures' own.
 
 #include <cstdint>
 #include <optional>
@@ -11,7 +11,7 @@
 namespace musher::vision {
 
 struct TargetRules {
-  Duration lost = Milliseconds(1000);  // not seen from the front for so long: another may be chosen
+  Duration lost = Milliseconds(1000);  // not seen from the front: another may be chosen
   double nearer = 0.25;                // another has to be nearer by this share
 
   friend bool operator==(const TargetRules&, const TargetRules&) = default;
@@ -25,8 +25,8 @@ class TargetChoice {
     int id = 0;
     double height = 0;  // of the face in the picture: the larger, the nearer
   };
-  // Those who are seen from the front in a picture. The chosen one; nothing while it is not among
-  // them.
+  // The persons seen from the front in a picture. Returns the chosen one; nothing while it is not
+  // among them.
   std::optional<int> OnPicture(std::int64_t stamp_ns, const std::vector<Candidate>& frontal);
 
  private:

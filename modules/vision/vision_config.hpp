@@ -25,7 +25,7 @@ struct VisionConfig {
   std::vector<State> look_in = {"Active"};
   double rate_hz = 10;  // pictures looked at in a second of their own time; 0: all
   Duration self_check_time = Milliseconds(5000);
-  Duration silence = Milliseconds(2000);  // without a picture that was looked at
+  Duration silence = Milliseconds(2000);  // timeout without a processed picture
   CascadeConfig cascade;
   LookThread::Rules look;
   FaceRules faces;

@@ -16,7 +16,7 @@ VisionManager::VisionManager(const std::string& actuator_name, VisionConfig conf
 VisionManager::~VisionManager() {
   Shutdown();
   if (!node_) return;
-  // Pictures may come until here, and are given to the looker.
+  // From here on pictures may arrive and are passed to the looker.
   node_->RunOnLoop([this] { topics_.reset(); });
   looker_.reset();
   node_->RunOnLoop([this] { clock_.reset(); });
@@ -60,15 +60,15 @@ Result<> VisionManager::MakeTopics() {
                        .on_detector_lost =
                            [this](const Error& error) {
                              Log({error.code, "the detector is lost: " + error.message});
-                             GiveUp({error.code, "it cannot see any more"});
+                             GiveUp({error.code, "the detector is lost"});
                            }});
-  const Dependencies around = {node_->node(),
-                               *clock_,
-                               machine_config().name_space,
-                               [this] { return msg::FromStamp(clock_->Stamp()).count(); },
-                               [this](const Error& error) { Log(error); },
-                               *looker_};
-  auto topics = FaceTopics::Make(around, config_);
+  const Dependencies dependencies = {node_->node(),
+                                     *clock_,
+                                     machine_config().name_space,
+                                     [this] { return msg::FromStamp(clock_->Stamp()).count(); },
+                                     [this](const Error& error) { Log(error); },
+                                     *looker_};
+  auto topics = FaceTopics::Make(dependencies, config_);
   if (!topics) return topics.error();
   topics_ = std::move(topics).value();
   return Ok();
@@ -80,8 +80,8 @@ Result<> VisionManager::Enter(const State& state) {
     const bool looked = topics_->looks();
     entered = topics_->SetOn(config_.LooksIn(state));
     if (looked && !topics_->looks()) {
-      Log("does not look in " + state + "; so far " + std::to_string(topics_->looked_at()) +
-          " pictures, and " + std::to_string(topics_->left_out()) + " left out for a newer one");
+      Log("detection is off in " + state + "; so far " + std::to_string(topics_->looked_at()) +
+          " pictures, and " + std::to_string(topics_->left_out()) + " dropped for a newer one");
     }
   });
   return entered;

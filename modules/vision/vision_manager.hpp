@@ -1,5 +1,5 @@
 #pragma once
-// The actuator that looks for faces. See README.md beside this.
+// The actuator that detects faces. See README.md in this folder.
 //
 // Threads: state callbacks on the actuator's worker, topics on the loop of its node, the detector
 // on a thread of its own, which ends the actuator when it loses its detector.
@@ -16,7 +16,7 @@ namespace musher::vision {
 
 class VisionManager : public MachineActuator {
  public:
-  // `maker` of the detector; called on the thread that looks and in the self-check.
+  // `maker` makes the detector; called on the detector's thread and in the self-check.
   VisionManager(const std::string& actuator_name, VisionConfig config, DetectorMaker maker);
   ~VisionManager() override;
 

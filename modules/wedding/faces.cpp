@@ -15,7 +15,7 @@ double Number(const Json& face, const char* key) {
   return found != face.end() && found->is_number() ? found->get<double>() : 0;
 }
 
-// From the edge of the box where the face has no centre of its own; nothing without either.
+// The centre of the box if the face has none of its own; nothing without either.
 std::optional<double> Center(const Json& face, const char* center, const char* edge,
                              const char* size) {
   if (face.contains(center)) return Number(face, center);
@@ -23,7 +23,7 @@ std::optional<double> Center(const Json& face, const char* center, const char* e
   return std::nullopt;
 }
 
-// Seconds since 1970, or since the simulation began. Zero for what no clock says.
+// Seconds since 1970, or since the simulation began. Zero for an impossible time.
 Duration StampOf(const Json& object) {
   constexpr double kLatest = 4e9;
   const double seconds = Number(object, "timestamp");

@@ -1,6 +1,6 @@
 #pragma once
-// What is understood of the face message, a JSON document: how many there are, and which one is the
-// largest that looks at the robot.
+// Parses the face message, a JSON document: how many faces there are, and which one is the largest
+// that looks at the robot.
 
 #include <optional>
 #include <string_view>
@@ -15,15 +15,15 @@ struct Faces {
   int count = 0;
   int largest_frontal = -1;  // its face_id, -1: none
   // The centre of the largest frontal one in the picture, 0 to 1; nothing: there is none, or the
-  // message does not say where.
+  // message has no position.
   std::optional<Gaze> center;
   Duration stamp{};  // of the picture; zero: unknown
 
   friend bool operator==(const Faces&, const Faces&) = default;
 };
 
-// Fields that a face does not have count as 0, false and -1, its centre as that of its box; `count`
-// as the length of the list. The stamp is that of the face, else that of the message.
+// Missing fields of a face default to 0, false and -1, its centre to that of its box, `count` to
+// the length of the list. The stamp is that of the face, else that of the message.
 Result<Faces> ReadFaces(std::string_view json);
 
 }  // namespace musher::wedding

@@ -9,7 +9,7 @@ namespace {
 constexpr Duration kFollowStep = Milliseconds(20);
 constexpr Duration kLongestStep = Milliseconds(100);
 
-// Straight ahead for what is no number: a gaze is followed from, so it would stay none for good.
+// Straight ahead for NaN: a gaze is filtered from the last one, so it would stay NaN.
 double WithinPicture(double value) {
   return std::isnan(value) ? 0.5 : std::clamp(value, 0.0, 1.0);
 }
@@ -45,7 +45,7 @@ double Nod(double pitch_rad, Gaze gaze, const GazeRules& rules, Duration step) {
 
 void AngleTrail::Add(Duration stamp, double angle_rad) {
   if (size_ > 0 && stamp < Back(0).stamp) size_ = 0;
-  // Those that come faster than the trail is fine take the place of the last one.
+  // Samples faster than the trail's spacing replace the last one.
   if (size_ >= 2 && stamp - Back(1).stamp < kSpacing) {
     next_ = (next_ + kCapacity - 1) % kCapacity;
     --size_;

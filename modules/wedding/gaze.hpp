@@ -17,15 +17,15 @@ struct Gaze {
   friend bool operator==(const Gaze&, const Gaze&) = default;
 };
 
-// Whether a coordinate of a gaze or of a picture is one: 0 to 1. False of NaN.
+// Whether a coordinate of a gaze or of a picture is valid: 0 to 1. False for NaN.
 constexpr bool IsInUnitRange(double value) {
   return value >= 0 && value <= 1;
 }
 
 // Where the camera sits.
 enum class Mount {
-  kBody,  // it stands still: a point of its picture is a gaze
-  kHead,  // it turns with the head: how the head stood when the picture was taken counts too
+  kBody,  // it does not move: a point of its picture is a gaze
+  kHead,  // it turns with the head: the head's angles at the picture's time are added
 };
 
 struct GazeRules {
@@ -36,35 +36,35 @@ struct GazeRules {
   double yaw_limit_rad = 2.0;               // of head and waist together, to each side
   double pitch_limit_rad = 0;               // up and down; 0: the robot cannot nod
   double pitch_speed_rad_s = 0.5;           // of a nod
-  Duration joints_age = Milliseconds(500);  // how long it is known where the head is
+  Duration joints_age = Milliseconds(500);  // how long the head's measured angles are valid
 
   friend bool operator==(const GazeRules&, const GazeRules&) = default;
 };
 
-// One step of the way to `target`: the same way at every rate of ticks. A long step counts as 100
-// ms, so that nothing jumps after a pause.
+// One step of the way to `target`: the same path at every tick rate. A long step counts as 100 ms,
+// so that nothing jumps after a pause.
 Gaze Follow(Gaze from, Gaze target, double follow, Duration step);
 
-// How the head stood: to the left and down.
+// The angles of the head: to the left and down.
 struct HeadAngles {
   double yaw_rad = 0;
   double pitch_rad = 0;
 };
 
-// The gaze at a point of a picture, 0 to 1 each, that was taken while the head stood so.
+// The gaze at a point of a picture, 0 to 1 each, taken with those head angles.
 Gaze GazeAt(Gaze point, const HeadAngles& head, const GazeRules& rules);
 
-// One step of a head that nods towards a gaze. No joint measures that: it is reckoned.
+// One step of a head that nods towards a gaze. No joint measures the nod: it is computed.
 double Nod(double pitch_rad, Gaze gaze, const GazeRules& rules, Duration step);
 
-// An angle of the head in the last second, so that a picture that has been on its way for a while
-// is understood as it was when it was taken.
+// An angle of the head over the last second, so that a picture that arrives late is interpreted
+// with the angle at its stamp.
 class AngleTrail {
  public:
-  // `stamp` since any epoch. One that is before the last begins a new trail: a clock was set back.
+  // `stamp` since any epoch. A stamp before the last one starts a new trail: a clock was set back.
   void Add(Duration stamp, double angle_rad);
-  // Between the two next to that time; the last one after the end of the trail, nothing before its
-  // beginning.
+  // Interpolated between the two nearest entries; the last one after the end of the trail, nothing
+  // before its beginning.
   std::optional<double> At(Duration stamp) const;
   std::optional<double> Last() const;
   void Clear() { size_ = 0; }

@@ -1,5 +1,5 @@
 #pragma once
-// The robot's 24 joints, in the order in which its messages have them, and where its head looks.
+// The robot's 24 joints, in the order of its messages, and where its head looks.
 
 #include <array>
 #include <cstddef>

@@ -1,4 +1,4 @@
-// musher-wedding: the wedding robot's show. See README.md beside this.
+// musher-wedding: the wedding robot's show. See README.md in this folder.
 
 #include <string_view>
 
@@ -23,8 +23,8 @@ int main(int argc, char** argv) {
   return musher::program::Main(
       argc, argv,
       {"musher-wedding", "The show of the wedding robot, as the actuator wedding.",
-       "To a running show speaks `musher-wedding tell`, a recorded one plays `musher-wedding\n"
-       "replay`; see their --help.\n\n"
-       "Exit codes: 0 torn down; 1 not started, which is said on stderr; 2 usage or config."},
+       "`musher-wedding tell` publishes inputs of a running show, `musher-wedding replay` replays\n"
+       "a recorded one; see their --help.\n\n"
+       "Exit codes: 0 torn down; 1 not started (reason on stderr); 2 usage or config."},
       Run);
 }

@@ -40,8 +40,8 @@ void Perception::TakeTarget(const Target& target, Time now) {
   if (head) target_gaze_ = GazeAt(target.point, *head, gaze_);
 }
 
-// How it stood when a picture was taken; without a stamp that is known, how it stands now. Nothing
-// while nobody says so.
+// The head's angles when a picture was taken; without a usable stamp, the present ones. Nothing
+// while they are unknown.
 std::optional<HeadAngles> Perception::HeadAt(Duration stamp, Time now) const {
   if (!yaw_at_ || now - *yaw_at_ > gaze_.joints_age) return std::nullopt;
   const auto then = [stamp](const AngleTrail& trail, Duration at) {
@@ -57,7 +57,7 @@ Result<> Perception::OnGesture(std::string_view word, Time now) {
     return Error{kCodeFailed, "unknown gesture '" + std::string(word.substr(0, 40)) +
                                   "': none, heart, v or ok are known"};
   }
-  // The same again is the same gesture, held.
+  // A repeated word is the same gesture, held.
   if (*gesture != gesture_ || !Counts(gesture_at_, now)) ++gesture_number_;
   gesture_ = *gesture;
   gesture_at_ = now;
@@ -92,7 +92,7 @@ void Perception::OnTooClosePublisherLost(PublisherId publisher, Time /*now*/) {
 
 void Perception::EvaluateTooClose() {
   const bool before = too_close_;
-  const auto says = [](const auto& word) { return word.second.too_close; };
+  const auto is_close = [](const auto& word) { return word.second.too_close; };
   const auto succeeds = [this](const auto& word) {
     return !word.second.too_close && word.second.first > *too_close_left_;
   };
@@ -100,7 +100,7 @@ void Perception::EvaluateTooClose() {
     too_close_left_.reset();
   }
   too_close_ =
-      too_close_left_ || std::any_of(too_close_words_.begin(), too_close_words_.end(), says);
+      too_close_left_ || std::any_of(too_close_words_.begin(), too_close_words_.end(), is_close);
   if (too_close_ && !before) ++too_close_number_;
 }
 
@@ -114,7 +114,7 @@ Result<> Perception::OnLookAt(Gaze gaze, Time now) {
 }
 
 Result<bool> Perception::OnCamera(double width, double height, double focal_length) {
-  // Beyond it no pinhole camera sees.
+  // Beyond this no pinhole camera can see.
   constexpr double kWidest = 170 * std::numbers::pi / 180;
   const double hfov_rad = 2 * std::atan(width / (2 * focal_length));
   if (!(width >= 1 && height >= 1 && focal_length > 0 && hfov_rad <= kWidest)) {
@@ -172,7 +172,7 @@ void Perception::Refresh(Time now, ShowData& data) {
 }
 
 void Perception::Forget() {
-  // Times of before are not compared with those that come.
+  // Times before the jump are not compared with those after it.
   for (auto& [publisher, word] : too_close_words_) word.first = word.last = Time::min();
   if (too_close_left_) too_close_left_ = Time::min();
   target_at_.reset();

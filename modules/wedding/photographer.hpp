@@ -1,6 +1,6 @@
 #pragma once
-// Has the camera's service take the picture at the shutter, and record an interview. The show does
-// not wait for it; the outcome is logged.
+// Calls the camera's service to take the picture at the shutter, and to record an interview. The
+// show does not wait for the reply; the outcome is logged.
 //
 // Threads: the loop's.
 
@@ -17,7 +17,7 @@ class Photographer {
  public:
   using CameraClient = transport::Client<msg::CameraService>;
 
-  // `log` is called on the loop, as long as `camera` is there.
+  // `log` is called on the loop, as long as `camera` exists.
   Photographer(CameraClient& camera, Duration timeout, std::function<void(const std::string&)> log)
       : camera_(camera), timeout_(timeout), log_(std::move(log)) {}
 

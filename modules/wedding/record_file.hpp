@@ -1,6 +1,6 @@
 #pragma once
-// The file that a recording goes to. One that is there already is kept beside it, once, as
-// FILE.before: a show that was started again has not lost what came before its end.
+// The file of a recording. An existing file is kept once as FILE.before, so that a restarted show
+// does not lose the recording of the run before.
 //
 // Threads: one at a time.
 
@@ -15,12 +15,12 @@ namespace musher::wedding {
 
 class RecordFile {
  public:
-  // Fails when it cannot be written to.
+  // Fails when the file is not writable.
   static Result<std::unique_ptr<RecordFile>> Open(const std::string& path);
 
-  // On the disk at the latest when the state changes.
+  // Flushed to disk at the latest when the state changes.
   void Write(std::string_view line);
-  // False once a line could not be written: what comes after it is lost.
+  // False once a line could not be written: all later lines are lost.
   bool good() const { return stream_.good(); }
 
  private:

@@ -14,7 +14,7 @@ void Append(std::string& text, Number number) {
   text.append(digits.data(), end);
 }
 
-// Takes a number off the front of `text`.
+// Parses a number at the front of `text` and removes it.
 template <class Number>
 bool Take(std::string_view& text, Number& number) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);

@@ -1,6 +1,6 @@
 #pragma once
-// The inputs of the show as a recording has them (behavior/fsm/recorder.hpp), a name and a text:
-// numbers in a row, or one number and what follows it. The first number is always when it came, in
+// The inputs of the show in a recording (behavior/fsm/recorder.hpp), a name and a text: numbers in
+// a row, or one number and a word. The first number is always the time of reception, in
 // nanoseconds since the machine was first started.
 
 #include <initializer_list>
@@ -26,16 +26,16 @@ inline constexpr std::string_view kRest = "rest";
 inline constexpr std::string_view kResume = "resume";
 }  // namespace input
 
-// So that the same number is read again.
+// Formats numbers so that the same numbers are read back.
 std::string InputText(Duration at, std::initializer_list<double> numbers);
 std::string InputText(Duration at, std::string_view word);
 
 struct InputFields {
   Duration at{};
-  std::vector<double> numbers;  // as many as were asked for
-  std::string_view word;        // of the text: all after the time
+  std::vector<double> numbers;  // as many as requested
+  std::string_view word;        // the text after the time
 };
-// Fails where the text has no time, or not `numbers` numbers after it.
+// Fails when the text has no time, or not `numbers` numbers after it.
 Result<InputFields> ReadInput(std::string_view text, std::size_t numbers);
 
 }  // namespace musher::wedding

@@ -1,4 +1,4 @@
-// The show given again what it was given before.
+// Applies the recorded inputs of a show.
 
 #include <array>
 
@@ -60,7 +60,7 @@ Result<> Show::Apply(std::string_view input, std::string_view text) {
   } else if (input == input::kHead) {
     perception_.OnHead(Nanoseconds(numbers[0]), numbers[1], now);
   } else {
-    Settle();  // the machine's part of it is a line of its own
+    Settle();  // the machine's part is recorded as a line of its own
     resting_ = input == input::kRest;
   }
   return Ok();

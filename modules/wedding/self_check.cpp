@@ -9,17 +9,17 @@ void Add(std::string& all, const char* name, const std::string& what) {
 
 }  // namespace
 
-CheckVerdict EvaluateSelfCheck(const MissingParts& findings, const WeddingConfig& config) {
+CheckVerdict EvaluateSelfCheck(const MissingParts& missing, const WeddingConfig& config) {
   std::string required;
   CheckVerdict verdict;
-  const auto judge = [&](Need need, const char* name, const std::string& what) {
+  const auto check = [&](Need need, const char* name, const std::string& what) {
     if (what.empty() || need == Need::kNone) return;
     Add(need == Need::kRequired ? required : verdict.missing, name, what);
   };
-  judge(config.camera, "camera", findings.camera);
-  judge(config.audio, "audio", findings.audio);
-  judge(config.motion, "motion", findings.motion);
-  judge(config.ready, "ready", findings.ready);
+  check(config.camera, "camera", missing.camera);
+  check(config.audio, "audio", missing.audio);
+  check(config.motion, "motion", missing.motion);
+  check(config.ready, "ready", missing.ready);
   if (!required.empty()) {
     verdict.result = Error{MakeCode(ModuleCode::kRobot, KeyCode::kSelfCheckFailed), required};
   }

@@ -1,5 +1,5 @@
 #pragma once
-// The self-check's verdict over the programs that the show needs. Plain values, no IO.
+// The outcome of the self-check from the programs that the show needs. Plain values, no IO.
 
 #include <string>
 
@@ -8,7 +8,7 @@
 
 namespace musher::wedding {
 
-// Of each: nothing when it is well, else what is missing.
+// For each program: empty when it is available, else what is missing.
 struct MissingParts {
   std::string camera;
   std::string audio;
@@ -18,8 +18,8 @@ struct MissingParts {
 
 struct CheckVerdict {
   Result<> result;      // names all that are required and missing
-  std::string missing;  // of the optional ones, for the log; mostly nothing
+  std::string missing;  // of the optional ones, for the log; usually empty
 };
-CheckVerdict EvaluateSelfCheck(const MissingParts& findings, const WeddingConfig& config);
+CheckVerdict EvaluateSelfCheck(const MissingParts& missing, const WeddingConfig& config);
 
 }  // namespace musher::wedding

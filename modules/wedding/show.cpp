@@ -5,15 +5,15 @@
 #include <numbers>
 #include <utility>
 
-#include "musher/modules/wedding/cast.hpp"
 #include "musher/modules/wedding/faces.hpp"
 #include "musher/modules/wedding/recording.hpp"
+#include "musher/modules/wedding/show_states.hpp"
 
 namespace musher::wedding {
 namespace {
 
-constexpr std::string_view kInvalid = "INVALID";       // as the seed has it
-constexpr std::size_t kMostShown = 40;                 // of a word that nobody knows
+constexpr std::string_view kInvalid = "INVALID";       // as on the robot it models
+constexpr std::size_t kMostShown = 40;                 // of an unknown word
 constexpr double kFarthestRad = 4 * std::numbers::pi;  // no joint of a body turns further
 
 std::string Shown(std::string_view word) {
@@ -22,11 +22,11 @@ std::string Shown(std::string_view word) {
 
 }  // namespace
 
-Show::Show(const ShowConfig& config, Stage& stage)
+Show::Show(const ShowConfig& config, ShowOutputs& outputs)
     : config_(config),
-      stage_(stage),
+      outputs_(outputs),
       perception_(config.perception, config.gaze),
-      complaints_([&stage](const std::string& line) { stage.Log(line); }) {
+      log_([&outputs](const std::string& line) { outputs.Log(line); }) {
   data_.follow = config.gaze.follow;
   if (config.actions) actions_.emplace(config.actions->seed);
 }
@@ -36,7 +36,7 @@ Show::~Show() {
 }
 
 Result<> Show::Build(fsm::Machine& machine) {
-  AddCast(machine, data_, config_, actions_ ? &*actions_ : nullptr);
+  AddStates(machine, data_, config_, actions_ ? &*actions_ : nullptr);
   if (Result<> built = machine.Build(state::kIdle); !built) return built;
   machine_ = &machine;
   machine.Listen(this);
@@ -53,11 +53,11 @@ void Show::Note(Time now) {
   now_ = now;
 }
 
-void Show::Refuse(Complaint kind, const Result<>& result) {
-  if (!result) complaints_.Tell(kind, result.error().message, now_);
+void Show::Refuse(LogKind kind, const Result<>& result) {
+  if (!result) log_.Log(kind, result.error().message, now_);
 }
 
-// What happened at now_.
+// The time in a recording of an input received at now_.
 void Show::Record(std::string_view input, std::initializer_list<double> numbers) {
   if (recorder_ == nullptr || !first_start_) return;
   recorder_->Input(input, InputText(now_ - *first_start_, numbers));
@@ -66,7 +66,7 @@ void Show::Record(std::string_view input, std::initializer_list<double> numbers)
 void Show::OnTarget(const Target& target, Time now) {
   Note(now);
   const Result<> taken = perception_.OnTarget(target, now);
-  if (!taken) return Refuse(Complaint::kTarget, taken);
+  if (!taken) return Refuse(LogKind::kTarget, taken);
   Record(input::kTarget, {target.point.x, target.point.y, target.distance_m,
                           static_cast<double>(target.stamp.count())});
 }
@@ -74,7 +74,7 @@ void Show::OnTarget(const Target& target, Time now) {
 void Show::OnGesture(std::string_view word, Time now) {
   Note(now);
   const Result<> taken = perception_.OnGesture(word, now);
-  if (!taken) return Refuse(Complaint::kGesture, taken);
+  if (!taken) return Refuse(LogKind::kGesture, taken);
   if (recorder_ != nullptr && first_start_) {
     recorder_->Input(input::kGesture, InputText(now - *first_start_, word));
   }
@@ -93,7 +93,7 @@ void Show::OnTooClosePublisherLost(PublisherId publisher, Time now) {
   if (perception_.too_close() != before) RecordTooClose();
 }
 
-// A recording has one publisher, which says what holds of all.
+// A recording has one publisher, with the merged value of all.
 void Show::RecordTooClose() {
   Record(input::kTooClose, {perception_.too_close() ? 1.0 : 0.0});
 }
@@ -101,7 +101,7 @@ void Show::RecordTooClose() {
 void Show::OnFaces(std::string_view json, Time now) {
   Note(now);
   const Result<Faces> faces = ReadFaces(json);
-  if (!faces) return Refuse(Complaint::kFaces, faces.error());
+  if (!faces) return Refuse(LogKind::kFaces, faces.error());
   perception_.OnFaces(faces.value(), now);
   const auto count = static_cast<double>(faces.value().count);
   const auto id = static_cast<double>(faces.value().largest_frontal);
@@ -116,39 +116,37 @@ void Show::OnFaces(std::string_view json, Time now) {
 void Show::OnCommand(std::string_view word, Time now) {
   Note(now);
   const std::string command = Tidy(word);
-  if (command == command::kReset) return Refuse(Complaint::kCommand, Reset(now));
+  if (command == command::kReset) return Refuse(LogKind::kCommand, Reset(now));
   const auto event = machine_ == nullptr ? std::nullopt : machine_->FindEvent(command);
   if (!event) {
-    return complaints_.Tell(Complaint::kCommand, "command " + Shown(command) + ": not in this show",
-                            now);
+    return log_.Log(LogKind::kCommand, "command " + Shown(command) + ": not in this show", now);
   }
   if (resting_) {
-    return complaints_.Tell(Complaint::kResting,
-                            "command " + command + " comes to nothing: the show rests", now);
+    return log_.Log(LogKind::kResting, "command " + command + " is refused: the show is paused",
+                    now);
   }
-  Refuse(Complaint::kNoRoom, machine_->Send(*event));
+  Refuse(LogKind::kNoRoom, machine_->Send(*event));
 }
 
 void Show::OnVoiceCommand(std::string_view word, Time now) {
   Note(now);
-  const std::string heard = Tidy(word);
+  const std::string voice = Tidy(word);
   for (const std::string_view known :
        {std::string_view("none"), command::kStop, command::kPhoto, command::kInterview}) {
-    if (heard != known) continue;
+    if (voice != known) continue;
     data_.audio.voice_command = known;
     if (known != "none") OnCommand(known, now);
     return;
   }
-  complaints_.Tell(Complaint::kVoice,
-                   "voice command " + Shown(heard) + ": none, stop, photo or interview are known",
-                   now);
+  log_.Log(LogKind::kVoice,
+           "voice command " + Shown(voice) + ": none, stop, photo or interview are known", now);
 }
 
 void Show::OnVoiceLevel(double level, Time now) {
   Note(now);
   if (!(level >= 0 && level <= 1)) {
-    return complaints_.Tell(Complaint::kVoice,
-                            "voice level " + std::to_string(level) + ": it is 0 to 1", now);
+    return log_.Log(LogKind::kVoice, "voice level " + std::to_string(level) + ": it is 0 to 1",
+                    now);
   }
   perception_.OnVoice(level, now);
   Record(input::kVoiceLevel, {level});
@@ -185,47 +183,47 @@ void Show::OnJointStates(std::span<const std::string> names, std::span<const dou
                          Duration stamp, Time now) {
   Note(now);
   const Result<> taken = TakeJoints(data_.motion.joint_positions, names, positions);
-  if (!taken) return Refuse(Complaint::kJoints, taken);
+  if (!taken) return Refuse(LogKind::kJoints, taken);
   const double yaw_rad = LookYaw(data_.motion.joint_positions);
   perception_.OnHead(stamp, yaw_rad, now);
-  if (config_.gaze.camera == Mount::kBody) return;  // it does not matter there
+  if (config_.gaze.camera == Mount::kBody) return;  // not needed there
   Record(input::kHead, {static_cast<double>(stamp.count()), yaw_rad});
 }
 
 void Show::OnLookAt(Gaze gaze, Time now) {
   Note(now);
-  Refuse(Complaint::kTarget, perception_.OnLookAt(gaze, now));
+  Refuse(LogKind::kTarget, perception_.OnLookAt(gaze, now));
 }
 
 void Show::OnCamera(double width, double height, double focal_length, Time now) {
   Note(now);
   const Result<bool> news = perception_.OnCamera(width, height, focal_length);
-  if (!news) return Refuse(Complaint::kTarget, news.error());
+  if (!news) return Refuse(LogKind::kTarget, news.error());
   if (news.value()) Record(input::kCamera, {width, height, focal_length});
 }
 
 void Show::OnJointCommands(std::span<const std::string> names, std::span<const double> positions,
                            Time now) {
   Note(now);
-  Refuse(Complaint::kJoints, TakeJoints(data_.motion.joint_commands, names, positions));
+  Refuse(LogKind::kJoints, TakeJoints(data_.motion.joint_commands, names, positions));
 }
 
 void Show::AfterTick() {
   MotionData& motion = data_.motion;
   if (motion.target_pose != motion.current_pose) {
     motion.current_pose = motion.target_pose;
-    stage_.TakePose(motion.current_pose);
+    outputs_.TakePose(motion.current_pose);
   }
   if (motion.target_motion != motion.current_motion) {
     motion.current_motion = motion.target_motion;
-    stage_.SetMotion(motion.current_motion);
+    outputs_.SetMotion(motion.current_motion);
   }
-  while (const auto sound = data_.audio.pending_speech.Pop()) stage_.Play(*sound);
-  if (std::exchange(data_.photo_requested, false)) stage_.TakePhoto();
+  while (const auto sound = data_.audio.pending_speech.Pop()) outputs_.Play(*sound);
+  if (std::exchange(data_.photo_requested, false)) outputs_.TakePhoto();
   if (const auto video = std::exchange(data_.video_wanted, std::nullopt)) {
-    stage_.RecordVideo(*video);
+    outputs_.RecordVideo(*video);
   }
-  stage_.LookAt(motion.look_at_target);
+  outputs_.LookAt(motion.look_at_target);
 }
 
 void Show::Rest(Time now, bool frozen) {
@@ -233,10 +231,10 @@ void Show::Rest(Time now, bool frozen) {
   Record(input::kRest, {});
   Settle();
   resting_ = true;
-  // One that is at home already does not come home: pauses fill no history.
+  // In IDLE already: no transition, so that pauses do not fill the history.
   const bool home = state() == state::kIdle && machine_->waiting_commands() == 0;
   if (machine_ != nullptr && machine_->running() && !home) {
-    Refuse(Complaint::kFault, machine_->Reset());
+    Refuse(LogKind::kFault, machine_->Reset());
   }
   if (actions_) actions_->Stop(data_);
   if (!frozen) AfterTick();
@@ -255,13 +253,13 @@ void Show::Settle() {
   data_.audio.pending_speech.Clear();
   data_.photo_requested = false;
   data_.left_alone = false;
-  data_.too_close_asked = 0;
+  data_.too_close_warned = 0;
   data_.motion.target_pose = pose::kNeutral;
   data_.motion.look_at_target = Gaze{};
   if (actions_) actions_->Stop(data_);
   ticked_at_.reset();
   data_.motion.current_motion = {};
-  data_.motion.current_pose = {};  // it is said again: whoever was told may not be there any more
+  data_.motion.current_pose = {};  // published again: its subscriber may have been restarted
 }
 
 Result<> Show::Reset(Time now) {
@@ -278,9 +276,10 @@ void Show::OnInput(const fsm::Machine& /*machine*/, const fsm::Input& input) {
   if (input.kind == fsm::Input::Kind::kStart && !first_start_) first_start_ = input.time;
   if (input.kind != fsm::Input::Kind::kTick) return;
   Note(input.time);
-  // A recording begins with the start; somebody who was too close before it still is.
-  if (!std::exchange(first_told_, true) && perception_.too_close()) Record(input::kTooClose, {1});
-  complaints_.Tick(input.time);
+  // A recording begins with the start; a guest who was too close before it still is.
+  if (!std::exchange(initial_inputs_recorded_, true) && perception_.too_close())
+    Record(input::kTooClose, {1});
+  log_.Tick(input.time);
   perception_.OnGaze(data_.motion.look_at_target, input.time);
   perception_.Refresh(input.time, data_);
   if (actions_) actions_->Tick(ticked_at_ ? input.time - *ticked_at_ : Duration(0), data_);
@@ -296,7 +295,7 @@ void Show::OnChange(const fsm::Machine& machine, const fsm::Change& change) {
     const auto action = ActionOnEntering(to, data_);
     action ? actions_->Start(*action, data_) : actions_->Stop(data_);
   }
-  if (change.from != change.to) stage_.ShowState(to.empty() ? kInvalid : to);
+  if (change.from != change.to) outputs_.ShowState(to.empty() ? kInvalid : to);
 }
 
 }  // namespace musher::wedding

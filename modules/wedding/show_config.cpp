@@ -28,7 +28,7 @@ void Take(TableReader& table, const char* key, double& number, double least, dou
   number = table.Number(key, least, most).value_or(number);
 }
 
-// Degrees in the file.
+// The file has degrees.
 void TakeAngle(TableReader& table, const char* key, double& angle_rad, double least, double most) {
   if (const auto angle_deg = table.Number(key, least, most)) angle_rad = *angle_deg * kRadPerDeg;
 }
@@ -69,7 +69,7 @@ class Reader {
   }
 
  private:
-  // `read` gets the table `key`, where there is one.
+  // `read` gets the table `key`, if present.
   template <class ReadTable>
   void In(TableReader& root, const char* key, ReadTable&& read) {
     const Table* table = root.SubTable(key);
@@ -172,7 +172,7 @@ class Reader {
   const std::filesystem::path folder_;
   Findings& findings_;
   WeddingConfig config_;
-  bool gives_lost_ = false;  // the file has tracking.lost_ms, to be judged there
+  bool gives_lost_ = false;  // the file has tracking.lost_ms, which is checked there
 };
 
 }  // namespace

@@ -25,14 +25,14 @@ struct ShowConfig {
   PhotoRules photo;
   FarewellRules farewell;
   SafeStopRules safe_stop;
-  std::optional<SearchRules> search;        // nothing: there is no such state
+  std::optional<SearchRules> search;        // nothing: no such state
   std::optional<InterviewRules> interview;  // the same
-  std::optional<ActionRules> actions;       // nothing: the states move and speak as they are
+  std::optional<ActionRules> actions;  // nothing: the states move and speak without action packs
 
   friend bool operator==(const ShowConfig&, const ShowConfig&) = default;
 };
 
-// What a self-check wants of another program.
+// How a self-check treats another program.
 enum class Need { kRequired, kOptional, kNone };
 
 struct WeddingConfig {

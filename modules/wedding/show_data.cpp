@@ -3,7 +3,7 @@
 namespace musher::wedding {
 namespace {
 
-// Of a file that somebody may have changed.
+// Validates a value from a file that may have been edited.
 double Within(double value) {
   return value >= 0 && value <= 1 ? value : 0.5;
 }

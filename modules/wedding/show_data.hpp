@@ -1,5 +1,5 @@
 #pragma once
-// What the states of the show share: the seed's data, as of the present tick.
+// The data that the states of the show share, as of the present tick.
 
 #include <array>
 #include <cstddef>
@@ -17,12 +17,12 @@ namespace musher::wedding {
 
 inline constexpr Duration kNever = Duration::max();
 
-// What is known of those before the robot; brought up to date at the beginning of each tick.
+// What is known of the people before the robot; updated at the beginning of each tick.
 struct PerceptionData {
   bool face_detected = false;   // a face was seen, not too long ago
   Gaze face_position;           // in the picture
-  Gaze face_gaze;               // where the robot looks to look at it
-  bool face_gaze_known = true;  // false while nobody says how the head stood
+  Gaze face_gaze;               // the gaze towards it
+  bool face_gaze_known = true;  // false while the head's angles are unknown
   double face_distance_m = 0;
   int face_count = 0;
   int face_id = -1;                   // of the largest frontal one, -1: none
@@ -31,11 +31,11 @@ struct PerceptionData {
 
   Gesture gesture = Gesture::kNone;
   double gesture_confidence = 0;
-  std::uint64_t gesture_number = 0;  // of which; one that is held is one
+  std::uint64_t gesture_number = 0;  // counts gestures; a held gesture counts once
 
   bool too_close = false;
-  std::uint64_t too_close_number = 0;  // of whom: one who stays is one
-  bool blind = false;                  // nobody watches: too_close is not to be trusted
+  std::uint64_t too_close_number = 0;  // counts guests; one who stays counts once
+  bool blind = false;                  // no detector publishes: too_close is not to be trusted
 };
 
 struct MotionData {
@@ -48,10 +48,10 @@ struct MotionData {
   Gaze look_at_target;
 };
 
-// Sounds that have been asked for and not been published yet, in their order.
+// Sounds that have been requested and not been published yet, in order.
 class SoundQueue {
  public:
-  // The oldest gives way where there are too many; says whether none had to.
+  // A full queue drops the oldest; returns whether there was room.
   bool Push(std::string_view sound) {
     const bool room = size_ < ring_.size();
     if (!room) static_cast<void>(Pop());
@@ -75,10 +75,10 @@ class SoundQueue {
 };
 
 struct AudioData {
-  std::string_view voice_command = "none";  // the last one that was heard
-  double voice_level = 0;                   // energy of what is heard, 0 to 1
+  std::string_view voice_command = "none";  // the last one received
+  double voice_level = 0;                   // energy of the microphone's signal, 0 to 1
   SoundQueue pending_speech;
-  std::string_view current_speech;  // the last one that was asked for
+  std::string_view current_speech;  // the last one requested
 };
 
 struct ShowData {
@@ -87,16 +87,15 @@ struct ShowData {
   AudioData audio;
   double follow = 0.3;  // of GazeRules
   bool safety_triggered = false;
-  bool left_alone = false;             // IDLE was commanded: who stands there is not greeted
-  int left_alone_face = -1;            // the face_id of whom, -1: unknown
-  std::uint64_t gesture_answered = 0;  // the number of the last one that was held at a photo
-  std::uint64_t too_close_asked = 0;   // the number of whom was last asked to step back
+  bool left_alone = false;             // IDLE was commanded: the present guest is not greeted
+  int left_alone_face = -1;            // the face_id of that guest, -1: unknown
+  std::uint64_t gesture_answered = 0;  // number of the last gesture answered with a photo
+  std::uint64_t too_close_warned = 0;  // number of the guest last asked to step back
   bool photo_requested = false;        // the shutter
-  std::optional<bool> video_wanted;    // to begin and to end a recording
-  std::optional<Gaze>
-      look_override;  // that a person or program asked for, in the place of all else
+  std::optional<bool> video_wanted;    // begin or end a recording
+  std::optional<Gaze> look_override;   // requested by a person or program; overrides all else
 
-  // What is not seen, heard or measured anew.
+  // All but what is measured anew.
   void Persist(fsm::Archive& archive);
 
   void LeaveAlone() {

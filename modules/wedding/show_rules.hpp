@@ -1,12 +1,12 @@
 #pragma once
-// The show's numbers: of the seed where nothing else is said.
+// The show's numbers and their defaults.
 
 #include "musher/lifecycle/time.hpp"
 
 namespace musher::wedding {
 
 struct IdleRules {
-  Duration confirm{};   // so long a face has to be seen
+  Duration confirm{};   // how long a face has to be seen
   double sway = 0.035;  // of the gaze, to each side
   Duration sway_period = Milliseconds(2500);
 
@@ -15,7 +15,7 @@ struct IdleRules {
 
 struct TrackingRules {
   Duration lost = Milliseconds(1500);
-  double gesture_threshold = 0.7;  // a gesture has to be surer than this
+  double gesture_threshold = 0.7;  // a gesture needs more confidence than this
   bool greets = true;              // false: an action pack does
 
   friend bool operator==(const TrackingRules&, const TrackingRules&) = default;
@@ -37,7 +37,7 @@ struct FarewellRules {
 };
 
 struct SafeStopRules {
-  Duration clear = Milliseconds(2000);  // so long in a row there was no cause
+  Duration clear = Milliseconds(2000);  // how long there must be no cause
 
   friend bool operator==(const SafeStopRules&, const SafeStopRules&) = default;
 };

@@ -1,6 +1,6 @@
 #pragma once
-// Topics and services of the show. They are absolute, as its model has them: a machine's namespace
-// does not change them.
+// Topics and services of the show. They are absolute, as on the robot it models: a machine's
+// namespace does not change them.
 
 namespace musher::wedding::topic {
 

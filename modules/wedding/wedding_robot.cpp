@@ -12,12 +12,13 @@
 namespace musher::wedding {
 namespace {
 
-constexpr Duration kVisionSilence = Milliseconds(2000);  // beyond it, in Active, it is not well
+constexpr Duration kVisionSilence =
+    Milliseconds(2000);  // without a message for longer, in Active, the check fails
 
 FsmActuator::Options OptionsOf(const WeddingConfig& config) {
   FsmActuator::Options options;
   options.rate_hz = config.rate_hz;
-  options.resume = FsmActuator::Resume::kWhereItWas;  // in IDLE: Rest() brought it there
+  options.resume = FsmActuator::Resume::kWhereItWas;  // in IDLE, where Rest() left it
   return options;
 }
 
@@ -25,7 +26,7 @@ Duration ToDuration(const msg::Stamp& stamp) {
   return std::chrono::seconds(stamp.sec) + std::chrono::nanoseconds(stamp.nanosec);
 }
 
-// "No publisher of" and the like; nothing when somebody is there.
+// "no publisher of" and the like; empty when there is one.
 std::string Missing(int matched, const char* what, const char* name) {
   return matched > 0 ? "" : std::string(what) + " " + name;
 }
@@ -75,8 +76,8 @@ void WeddingRobot::OpenTopics(transport::Endpoints& topics) {
   if (config_.second_generation) {
     wire->second.emplace().Open(topics, show_, [this] { return Now(); });
   }
-  Hear(topics, *wire);
-  HearJoints(topics);
+  Subscribe(topics, *wire);
+  SubscribeJoints(topics);
   Serve(topics);
   if (!topics.opened()) return;  // SetUp fails with it
   wire_ = wire;
@@ -89,7 +90,7 @@ void WeddingRobot::OpenTopics(transport::Endpoints& topics) {
   });
 }
 
-void WeddingRobot::Hear(transport::Endpoints& topics, Wire& wire) {
+void WeddingRobot::Subscribe(transport::Endpoints& topics, Wire& wire) {
   wire.target = topics.Hear<msg::PointStamped>(topic::kTarget, [this](const auto& target) {
     seen_at_ = Now();
     show_.OnTarget(
@@ -120,8 +121,8 @@ void WeddingRobot::Hear(transport::Endpoints& topics, Wire& wire) {
                             [this](const auto& level) { show_.OnVoiceLevel(level.data, Now()); });
 }
 
-// Best effort, so that both kinds of publishers are heard.
-void WeddingRobot::HearJoints(transport::Endpoints& topics) {
+// Best effort, so that both kinds of publishers match.
+void WeddingRobot::SubscribeJoints(transport::Endpoints& topics) {
   topics.Hear<msg::JointState>(
       topic::kJointStates,
       [this](const auto& joints) {
@@ -150,7 +151,7 @@ void WeddingRobot::Serve(transport::Endpoints& topics) {
   });
 }
 
-// Those that were started just now may not have been found yet.
+// Programs that were started just now may not have been discovered yet.
 Result<> WeddingRobot::SelfCheck() {
   CheckVerdict verdict;
   const auto look = [&]() -> Result<> {
@@ -168,15 +169,14 @@ MissingParts WeddingRobot::Look() {
   const auto wire = wire_.lock();
   if (!wire) return {};
   MissingParts found;
-  found.camera = Missing(wire->target->MatchedWriters(), "nobody publishes", topic::kTarget);
+  found.camera = Missing(wire->target->MatchedWriters(), "no publisher of", topic::kTarget);
   if (found.camera.empty() && ticking() && (!seen_at_ || Now() - *seen_at_ > kVisionSilence)) {
-    found.camera =
-        "nothing was heard of " + std::string(topic::kTarget) + " and faces_json for 2 s";
+    found.camera = "no message on " + std::string(topic::kTarget) + " and faces_json for 2 s";
   }
-  found.audio = Missing(wire->play->MatchedReaders(), "nobody listens to", topic::kPlay);
-  found.motion = Missing(wire->pose->MatchedReaders(), "nobody listens to", topic::kPose);
+  found.audio = Missing(wire->play->MatchedReaders(), "no subscriber of", topic::kPlay);
+  found.motion = Missing(wire->pose->MatchedReaders(), "no subscriber of", topic::kPose);
   if (wire->second && !wire->second->ready()) {
-    found.ready = std::string(topic::kReady) + " does not say true";
+    found.ready = std::string(topic::kReady) + " is not true";
   }
   return found;
 }
@@ -221,13 +221,13 @@ void WeddingRobot::SetMotion(std::string_view motion) {
 void WeddingRobot::ShowFace() {
   const auto wire = wire_.lock();
   const PerceptionData& seen = show_.data().perception;
-  if (wire && wire->second) wire->second->TellFace(seen.face_detected ? seen.face_id : -1);
+  if (wire && wire->second) wire->second->PublishFace(seen.face_detected ? seen.face_id : -1);
 }
 
 void WeddingRobot::Log(const std::string& line) {
   FsmActuator::Log(line);
   const auto wire = wire_.lock();
-  if (wire && wire->second) wire->second->TellLine(show_.state(), line);
+  if (wire && wire->second) wire->second->PublishLine(show_.state(), line);
 }
 
 void WeddingRobot::ShowState(std::string_view state) {

@@ -1,11 +1,11 @@
 #pragma once
-// The actuator `wedding`: the show on its topics. See README.md beside this.
+// The actuator `wedding`: the show on its topics. See README.md in this folder.
 //
-//   Active                                     the show goes on, from IDLE
-//   DeActive, Protected, LowPower, OTA, Error  neutral pose, gaze ahead, and it rests
-//   an emergency stop                          it rests, and asks nothing of the robot
+//   Active                                     the show runs, from IDLE
+//   DeActive, Protected, LowPower, OTA, Error  neutral pose, gaze ahead, paused
+//   an emergency stop                          paused, and no output to the robot
 //
-// Threads: as FsmActuator has it.
+// Threads: those of FsmActuator.
 
 #include <memory>
 #include <optional>
@@ -24,21 +24,21 @@
 
 namespace musher::wedding {
 
-class WeddingRobot : public FsmActuator, private Stage {
+class WeddingRobot : public FsmActuator, private ShowOutputs {
  public:
   WeddingRobot(const std::string& actuator_name, WeddingConfig config);
   ~WeddingRobot() override;
 
  private:
-  // What there is while the topics are open.
+  // The endpoints while the topics are open.
   struct Wire {
     transport::Publisher<msg::String>* state = nullptr;
     transport::Publisher<msg::String>* pose = nullptr;
     transport::Publisher<msg::PointStamped>* look_at = nullptr;
     transport::Publisher<msg::String>* play = nullptr;
     transport::Subscription* target = nullptr;
-    std::optional<Photographer> photographer;  // where the config names a camera
-    std::optional<SecondGeneration> second;    // where the config has its topics
+    std::optional<Photographer> photographer;  // if the config names a camera
+    std::optional<SecondGeneration> second;    // if the config enables its topics
   };
 
   Result<> BuildMachine(fsm::Machine& machine) override;
@@ -49,8 +49,8 @@ class WeddingRobot : public FsmActuator, private Stage {
   void OnResume() override { show_.Resume(Now()); }
 
   Result<> Record(fsm::Machine& machine);
-  void Hear(transport::Endpoints& topics, Wire& wire);
-  void HearJoints(transport::Endpoints& topics);
+  void Subscribe(transport::Endpoints& topics, Wire& wire);
+  void SubscribeJoints(transport::Endpoints& topics);
   void Serve(transport::Endpoints& topics);
   MissingParts Look();
   void ShowFace();
@@ -65,11 +65,11 @@ class WeddingRobot : public FsmActuator, private Stage {
   void Log(const std::string& line) override;
 
   const WeddingConfig config_;
-  std::unique_ptr<RecordFile> record_;  // before those that write to it
+  std::unique_ptr<RecordFile> record_;  // before the members that write to it
   std::unique_ptr<fsm::Recorder> recorder_;
   Show show_;
   std::weak_ptr<Wire> wire_;
-  std::optional<Time> seen_at_;  // when vision was last heard
+  std::optional<Time> seen_at_;  // when vision last published
 };
 
 }  // namespace musher::wedding

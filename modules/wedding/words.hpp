@@ -1,5 +1,5 @@
 #pragma once
-// The words of the wedding robot as they go over its topics.
+// The words that the wedding robot's topics carry.
 
 #include <array>
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace musher::wedding {
 
-// Those the module has itself; extensions bring their own.
+// The module's own; extensions add theirs.
 namespace state {
 inline constexpr std::string_view kIdle = "IDLE";
 inline constexpr std::string_view kTracking = "TRACKING";
@@ -47,7 +47,7 @@ enum class Gesture { kNone, kHeart, kV, kOk };
 std::optional<Gesture> GestureOf(std::string_view word);  // lower case; "" is none
 std::string_view Name(Gesture gesture);
 
-// Lower case, without blanks at its ends: people type.
+// Lower case, without blanks at its ends, since people type them.
 std::string Tidy(std::string_view word);
 
 }  // namespace musher::wedding

@@ -1,5 +1,5 @@
 #pragma once
-// A battery as a tank of energy: what goes out by the body's activity and comes in by cable or pad.
+// A battery as a store of energy: discharged by the body's activity, charged by cable or pad.
 
 #include "musher/modules/world/scene.hpp"
 
@@ -15,7 +15,7 @@ class Battery {
   void Set(double percent) { percent_ = percent; }
   void Plug(bool in) { cable_ = in; }
 
-  // `on_pad`: the pad charges, too; the cable is the stronger.
+  // `on_pad`: the pad charges, too; the cable is stronger.
   void Step(Duration dt, Activity activity, bool on_pad);
 
   double percent() const { return percent_; }

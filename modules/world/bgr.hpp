@@ -1,5 +1,5 @@
 #pragma once
-// Colours as OpenCV paints them. Not for headers that others include: it needs OpenCV.
+// Colours in OpenCV's format. Do not include it in headers: it needs OpenCV.
 
 #include <opencv2/core.hpp>
 

@@ -16,12 +16,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr Duration kSwitching = Milliseconds(100);
-constexpr Duration kQuickest =
-    Milliseconds(400);            // to stand up or lie down, however little is left
+constexpr Duration kQuickest = Milliseconds(400);  // to stand up or lie down, at least
 constexpr double kTakeoff = 0.2;  // shares of a jump: on the ground until, and from, these
 constexpr double kLanding = 0.8;
 constexpr double kGravity = 9.81;
-constexpr double kStillSpeed = 0.02;  // m/s, rad/s: no more is standing
+constexpr double kStillSpeed = 0.02;  // m/s, rad/s: below this it stands
 
 constexpr double kAmbientC = 28;
 constexpr double kWarmingSeconds = 120;
@@ -34,7 +33,7 @@ double Smooth(double share) {
   return share * share * (3 - 2 * share);
 }
 
-// The part of a jump's flight that is over, 0 to 1.
+// The share of a jump's flight that is over, 0 to 1.
 double Flight(double share) {
   return std::clamp((share - kTakeoff) / (kLanding - kTakeoff), 0.0, 1.0);
 }
@@ -60,7 +59,7 @@ Duration TimeOf(const Scene& scene, const BoardCommand& command, const Motion& m
   }
   const bool plain_stand = motion.kind == Kind::kStand && motion.gait == kAnyGait;
   if (!plain_stand && motion.kind != Kind::kLie) return time;
-  // The less of the way is left, the sooner it is there.
+  // The shorter the distance that is left, the less time it takes.
   const BodySpec& spec = scene.body;
   const double to_m = plain_stand ? spec.stand_height_m : spec.lie_height_m;
   const double way = std::abs(to_m - height_m) / (spec.stand_height_m - spec.lie_height_m);
@@ -179,7 +178,7 @@ void Body::Begin(const Scene& scene, const BoardCommand& command, const Motion& 
 void Body::BeginOff(const Scene& scene) {
   const std::int8_t taken = taken_life_count_;
   Begin(scene, BoardCommand{}, *FindMotion(kModeOff, 0));
-  taken_life_count_ = taken;  // it was nobody's command
+  taken_life_count_ = taken;  // not from a command
 }
 
 void Body::SetFault(const FaultKind& fault, std::size_t motor) {
@@ -191,7 +190,7 @@ void Body::SetFault(const FaultKind& fault, std::size_t motor) {
 }
 
 void Body::Step(const Scene& scene, const Supply& supply, Duration now, Duration dt,
-                Chance& chance) {
+                NormalRandom& random) {
   const double seconds = Seconds(dt);
   supply_ = supply;
   if (!supply_.on() && motion_->kind != Kind::kOff) BeginOff(scene);
@@ -200,7 +199,7 @@ void Body::Step(const Scene& scene, const Supply& supply, Duration now, Duration
 
   const Pose2 pose = pose_;
   const Attitude attitude = attitude_;
-  Move(scene, Drive(scene, now, seconds, chance) + LeapBetween(share, Share()));
+  Move(scene, Drive(scene, now, seconds, random) + LeapBetween(share, Share()));
   attitude_ = NextAttitude(scene, seconds);
   Measure(pose, attitude, seconds);
   const double target_c = kAmbientC + WarmthC(activity());
@@ -217,7 +216,7 @@ double Body::Share() const {
   return time_ > Duration::zero() ? Seconds(elapsed_) / Seconds(time_) : 1;
 }
 
-Vector3d Body::Drive(const Scene& scene, Duration now, double seconds, Chance& chance) {
+Vector3d Body::Drive(const Scene& scene, Duration now, double seconds, NormalRandom& random) {
   const BodySpec& spec = scene.body;
   const bool timed = command_.duration > Duration::zero();
   const bool wanted = timed ? elapsed_ < time_ : now - last_sign_ <= spec.command_timeout;
@@ -228,7 +227,7 @@ Vector3d Body::Drive(const Scene& scene, Duration now, double seconds, Chance& c
   walking_ += (target - walking_) * (1 - std::exp(-seconds / Seconds(spec.lag)));
   if (spec.noise == 0) return walking_ * seconds;
   Vector3d noisy = walking_;
-  for (double& value : noisy) value *= 1 + spec.noise * chance.Normal();
+  for (double& value : noisy) value *= 1 + spec.noise * random.Normal();
   return noisy * seconds;
 }
 
@@ -236,7 +235,7 @@ Vector3d Body::LeapBetween(double share, double next_share) const {
   if (motion_->kind != Kind::kLeap) return Vector3d::Zero();
   const double gain = Smooth(Flight(next_share)) - Smooth(Flight(share));
   if (gain == 0) return Vector3d::Zero();
-  // What it has turned already is taken back out of the way, which is that of its beginning.
+  // What it has turned already is removed from the path, which is in the frame of its start.
   const double turned_rad = motion_->leads.z() * Smooth(Flight(share));
   Vector3d by = motion_->leads * gain;
   by.head<2>() = Rotation2Dd(-turned_rad) * Vector2d(by.head<2>());
@@ -301,7 +300,7 @@ void Body::Measure(const Pose2& pose, const Attitude& attitude, double seconds) 
   acceleration_ = (speed_ - before) / seconds + tilt.transpose() * Vector3d(0, 0, kGravity);
 }
 
-// More than 95 says that it is done.
+// More than 95 counts as done.
 int Body::progress_percent() const {
   constexpr int kNotDone = 95;
   const double share = Share();

@@ -1,16 +1,16 @@
 #pragma once
-// The body of a CyberDog-like quadruped and the motion board in it: takes the board's commands,
-// moves, and reports as the board does.
+// The body of a CyberDog-like quadruped with its motion board: takes the board's commands, moves,
+// and reports as the board does.
 //
 //   Off (0) - Lie (7) - Stand (12) - Walk (11, 9 ...) - Pose (3, 21) - Leap (16, 17) - Show (62
 //   ...)
 //
-// A new command has another life_count than the one before; the same one again is a sign of life.
-// It is refused (switch_status BAN_TRANS) where its mode may not follow the present one, while the
-// body is in the air, or has not stood up yet; and with the fault's status while a fault is there.
+// A new command has another life_count than the one before; a repeated one serves as a heartbeat.
+// A command is refused (switch_status BAN_TRANS) if its mode may not follow the present one, while
+// the body is in the air, or before it has stood up; and with the fault's status during a fault.
 // Walking ends when the commands do. Without power the body sinks down.
 //
-// A plain value: time and chance come in as arguments.
+// A plain value: time and random numbers come in as arguments.
 
 #include <Eigen/Core>
 #include <array>
@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "musher/modules/world/battery.hpp"
-#include "musher/modules/world/chance.hpp"
 #include "musher/modules/world/motion_table.hpp"
+#include "musher/modules/world/normal_random.hpp"
 #include "musher/modules/world/scene.hpp"
 
 namespace musher::world {
@@ -35,7 +35,7 @@ struct BoardCommand {
   std::int8_t life_count = 0;
   Eigen::Vector3d speed{0, 0, 0};     // x and y in m/s, yaw in rad/s
   Eigen::Vector3d attitude{0, 0, 0};  // roll, pitch, yaw in rad, for poses
-  double raised_m = 0;                // for poses: the trunk, over where it stands
+  double raised_m = 0;                // for poses: the trunk, above its standing height
   Duration duration{};                // zero: until the commands end
 };
 
@@ -56,7 +56,7 @@ enum class BoardStatus : std::int8_t {
   kMotor = 13,
 };
 
-// What may go wrong with a board, by the names that scenes give.
+// The faults of a board, by their names in scenes.
 struct FaultKind {
   std::string_view name;
   BoardStatus status = BoardStatus::kNormal;
@@ -82,12 +82,13 @@ class Body {
  public:
   explicit Body(const Scene& scene);
 
-  // Says why when it is refused.
+  // Returns the reason when it refuses the command.
   std::optional<std::string> Take(const Scene& scene, const BoardCommand& command, Duration now);
 
-  void Step(const Scene& scene, const Supply& supply, Duration now, Duration dt, Chance& chance);
+  void Step(const Scene& scene, const Supply& supply, Duration now, Duration dt,
+            NormalRandom& random);
 
-  // Carried to a place: odometry does not notice.
+  // Moved to a place by hand: odometry does not notice.
   void PutDown(const Pose2& at) { pose_ = at; }
   void SetFault(const FaultKind& fault, std::size_t motor);
 
@@ -101,12 +102,12 @@ class Body {
   const std::array<std::int32_t, kMotors>& motor_errors() const { return motor_errors_; }
   double motor_temperature_c(std::size_t motor) const;
 
-  const Pose2& pose() const { return pose_; }          // in the place
+  const Pose2& pose() const { return pose_; }          // in the place's frame
   const Pose2& odometry() const { return odometry_; }  // from where it was switched on
   const Attitude& attitude() const { return attitude_; }
   const Eigen::Vector3d& speed() const { return speed_; }          // m/s in the body's frame
   const Eigen::Vector3d& turn_rate() const { return turn_rate_; }  // rad/s: roll, pitch, yaw
-  // What an accelerometer in the trunk shows, gravity included.
+  // The reading of an accelerometer in the trunk, gravity included.
   const Eigen::Vector3d& acceleration() const { return acceleration_; }
   Activity activity() const;
 
@@ -115,21 +116,21 @@ class Body {
   void Begin(const Scene& scene, const BoardCommand& command, const Motion& motion);
   void BeginOff(const Scene& scene);
   bool Stalled() const;
-  double Share() const;  // how much of the motion is done, 0 to 1
-  // What walking and jumping move it by in a step, in its own frame: x and y in m, yaw in rad.
-  Eigen::Vector3d Drive(const Scene& scene, Duration now, double seconds, Chance& chance);
+  double Share() const;  // progress of the motion, 0 to 1
+  // The displacement by walking and jumping in a step, in its own frame: x and y in m, yaw in rad.
+  Eigen::Vector3d Drive(const Scene& scene, Duration now, double seconds, NormalRandom& random);
   Eigen::Vector3d LeapBetween(double share, double next_share) const;
   Attitude NextAttitude(const Scene& scene, double seconds) const;
   void Move(const Scene& scene, const Eigen::Vector3d& by);
   void Measure(const Pose2& pose, const Attitude& attitude, double seconds);
 
-  const Motion* motion_;  // in the table, which is never changed
+  const Motion* motion_;  // in the table, which is immutable
   int gait_ = 0;
   BoardCommand command_;
   Duration time_{};     // that the motion takes
   Duration elapsed_{};  // of it
   Attitude began_at_;
-  Duration last_sign_{};  // of life, from the commander
+  Duration last_sign_{};  // last heartbeat of the commander
   std::optional<std::int8_t> seen_life_count_;
   std::int8_t taken_life_count_ = 0;
   bool refused_ = false;

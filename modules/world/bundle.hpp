@@ -1,5 +1,5 @@
 #pragma once
-// Rays that are followed together, so that the compiler can do the same to several at once.
+// Rays that are traced together, so that the compiler can vectorise over several at once.
 
 #include <array>
 #include <cstdint>
@@ -12,7 +12,7 @@ inline constexpr std::size_t kBundle = 32;
 template <typename T>
 using Each = std::array<T, kBundle>;
 
-// Where in the picture; whole numbers are the middles of pixels.
+// Positions in the picture; whole numbers are the middles of pixels.
 struct Places {
   Each<float> x, y;
 };
@@ -23,7 +23,7 @@ struct Rays {
   Each<float> dither;  // 0 to 1: hides the borders between coarser and finer ground
 };
 
-// What the rays see. Neighbours that see one surface have the same number, which is not 0.
+// What the rays see. Neighbours on one surface have the same number, which is not 0.
 struct Sights {
   Each<std::uint16_t> surface;
   Each<float> red, green, blue;  // 255 is white

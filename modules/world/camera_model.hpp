@@ -1,5 +1,5 @@
 #pragma once
-// Where a camera is and which way each pixel looks. Pure.
+// Where a camera is and which direction each pixel has. Pure.
 //
 // The camera's own frame is the optical one of ROS: x to the right of the picture, y down, z ahead.
 // Whole numbers are the middles of pixels: (0, 0) is that of the upper left one.
@@ -13,7 +13,7 @@
 
 namespace musher::world {
 
-// The very numbers that CameraInfo publishes.
+// The same numbers that CameraInfo publishes.
 struct Intrinsics {
   CameraModel model = CameraModel::kPinhole;
   int width_px = 0;
@@ -32,7 +32,7 @@ std::optional<Eigen::Vector2d> Project(const Intrinsics& intrinsics,
 // Of length 1, in the camera's frame. The inverse of Project().
 Eigen::Vector3d RayOf(const Intrinsics& intrinsics, const Eigen::Vector2d& pixel);
 
-// Where a head is turned from straight ahead.
+// The angles of a head from straight ahead.
 struct Gaze {
   double yaw_rad = 0;    // to the left
   double pitch_rad = 0;  // downwards
@@ -44,9 +44,9 @@ Eigen::Matrix3d Turned(double yaw_rad, double pitch_rad, double roll_rad);
 // The body's frame in the place's.
 Eigen::Isometry3d BodyInPlace(const Pose2& body, const Attitude& attitude);
 
-// The camera's frame in the place's, for a body there. X_WC p_C = p_W. The gaze turns cameras on
-// the head: by its yaw round the body's upright axis, by its pitch where they are. One that stands
-// in the place stays there.
+// The camera's frame in the place's, for a body at that pose. X_WC p_C = p_W. The gaze turns
+// cameras on the head: by its yaw about the body's upright axis, by its pitch about the camera. A
+// camera mounted in the place does not move.
 Eigen::Isometry3d CameraInPlace(const CameraSpec& camera, const Pose2& body,
                                 const Attitude& attitude, const Gaze& gaze = {});
 

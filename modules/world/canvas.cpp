@@ -14,17 +14,17 @@
 namespace musher::world {
 namespace {
 
-constexpr int kFiner = 2;         // drawn so many times as large, then made smaller
+constexpr int kFiner = 2;         // oversampling factor
 constexpr int kFractionBits = 4;  // of a pixel, that OpenCV takes
 
-// Where Debian's fonts-dejavu-core and fonts-wqy-microhei have them. The second is for what the
-// first has no letters for.
+// Paths of Debian's fonts-dejavu-core and fonts-wqy-microhei. The second is for letters that the
+// first lacks.
 constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr const char* kEastAsianFont = "/usr/share/fonts/truetype/wqy/wqy-microhei.ttc";
 
 using Font = cv::Ptr<cv::freetype::FreeType2>;
 
-// Null where it is not installed.
+// Null if it is not installed.
 Font Load(const char* path) {
   if (access(path, R_OK) != 0) return {};
   Font font = cv::freetype::createFreeType2();
@@ -65,7 +65,7 @@ struct Canvas::Impl {
   Font font = Load(kFont);
   Font east_asian = Load(kEastAsianFont);
 
-  cv::Mat Reduced() const;  // to the size it was asked for
+  cv::Mat Reduced() const;  // to the requested size
 
   const Font& For(const std::string& text) const {
     return east_asian && IsEastAsian(text) ? east_asian : font;

@@ -1,6 +1,5 @@
 #pragma once
-// A picture that is drawn on, in pixels from its upper left corner; everything is smooth at the
-// edges.
+// A picture to draw on, in pixels from its upper left corner; all edges are anti-aliased.
 //
 // Threads: one at a time for each canvas.
 
@@ -45,7 +44,7 @@ class Canvas {
   // The picture as it is, for a surface.
   Texture ToTexture() const;
 
-  // As PNG; the file is there as a whole or not at all.
+  // As PNG; the file is written completely or not at all.
   Result<> Save(const std::string& path) const;
 
  private:

@@ -1,13 +1,13 @@
 #pragma once
-// Faces of people who do not exist, for guests and posters: from the front, drawn so that usual
-// detectors find them.
+// Frontal faces of people who do not exist, for guests and posters: drawn so that common detectors
+// find them.
 
 #include "musher/modules/world/canvas.hpp"
 
 namespace musher::world {
 
-// Head and shoulders on all of a canvas of that size. The same number is the same face; neighbours
-// look different.
+// Head and shoulders that fill a canvas of that size. The same number is the same face; successive
+// numbers look different.
 void DrawFace(int number, double width, double height, Canvas& canvas);
 
 // The head alone, from the top of its hair to its chin, on a canvas of its hair's colour.

@@ -13,14 +13,14 @@ using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Where the hands are for a sign, in heights of the guest; the other side is mirrored.
+// Positions of the hands for a gesture, in heights of the guest; the other side is mirrored.
 struct ArmPose {
   Vector3d elbow, hand;
 };
 ArmPose ArmOf(Gesture gesture, int side) {
   ArmPose down{{0.0, 0.145, 0.62}, {0.04, 0.145, 0.46}};
   if (gesture == Gesture::kHeart) return {{0.05, 0.165, 0.68}, {0.14, 0.022, 0.75}};
-  // One hand is enough for the others.
+  // The other gestures need one hand.
   if (gesture == Gesture::kNone || side > 0) return down;
   return {{0.08, 0.17, 0.66}, {0.15, 0.15, 0.80}};
 }

@@ -1,7 +1,7 @@
 #pragma once
-// What a guest looks like: a head that shows its face, on a body of rounded parts.
+// The looks of a guest: a head with a face, on a body of rounded parts.
 //
-// Threads: never changed once it is made; as many as like may look.
+// Threads: immutable; any number of concurrent readers.
 
 #include <memory>
 #include <vector>
@@ -15,7 +15,7 @@ namespace musher::world {
 struct Figure {
   Figure(const GuestSpec& guest, Texture head);
 
-  // Adds the parts of a guest who is there.
+  // Adds the parts of a guest who is present.
   void Stand(const Guest& guest, std::vector<Thing>& things) const;
 
  private:

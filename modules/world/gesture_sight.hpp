@@ -1,6 +1,6 @@
 #pragma once
-// Which sign a detector of gestures would report of what the front camera sees: the world plays the
-// detector, since there is none yet. A function of the world alone.
+// The gesture that a detector would report from the front camera: the world publishes it in place
+// of a detector, since there is none yet. A function of the world alone.
 
 #include "musher/modules/world/world.hpp"
 
@@ -8,8 +8,8 @@ namespace musher::world {
 
 inline constexpr double kFarthestGestureM = 5;
 
-// Of the nearest guest that makes a sign, looks at the robot and has its head in the picture with
-// nothing of the place before it.
+// Of the nearest guest that makes a gesture, looks at the robot, and whose head is in the picture
+// and not hidden by anything.
 Gesture SeenGesture(const World& world);
 
 }  // namespace musher::world

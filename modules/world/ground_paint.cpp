@@ -116,19 +116,19 @@ class GroundPainter {
   // Patches of many sizes between the two colours, and lighter and darker blades over them.
   void LayGrass() {
     cv::Mat share(image_.size(), CV_32F, cv::Scalar(0));
-    cv::RNG chance(scene_.seed + 1);
+    cv::RNG random(scene_.seed + 1);
     for (const auto& [patch_m, strength] :
          {std::pair(1.6, 0.16), std::pair(0.3, 0.12), std::pair(0.06, 0.16), std::pair(0.012, 0.3),
           std::pair(0.0, 0.2)}) {
       const double cell = std::max(1.0, patch_m * per_m_);
       const auto cells = [cell](int length) { return static_cast<int>(length / cell) + 2; };
       cv::Mat coarse(cells(image_.rows), cells(image_.cols), CV_32F);
-      chance.fill(coarse, cv::RNG::NORMAL, 0.0, strength);
+      random.fill(coarse, cv::RNG::NORMAL, 0.0, strength);
       cv::Mat full;
       cv::resize(coarse, full, image_.size(), 0, 0, cv::INTER_CUBIC);
       share += full;
     }
-    // From one colour to the other in steps that a table holds.
+    // From one colour to the other in steps that fit a table.
     cv::Mat steps;
     share.convertTo(steps, CV_8U, 255, 127.5);
     cv::Mat mixed(1, 256, CV_8UC3);
@@ -144,7 +144,7 @@ class GroundPainter {
     const Ground& ground = scene_.ground;
     cv::Mat picture = cv::imread(ground.file, cv::IMREAD_COLOR);
     if (picture.empty()) {
-      return Error{kCodeFailed, "the picture " + ground.file + " is not there any more"};
+      return Error{kCodeFailed, "the picture " + ground.file + " does not exist any more"};
     }
     cv::flip(picture, picture, 0);  // its upper edge lies along the larger y
     Vector2d least = ground.least_m;
@@ -202,7 +202,7 @@ class GroundPainter {
     if (closed) Fill(RoundOf(line.points_m.front(), radius), line.color);
   }
 
-  // The mask is a quarter as fine as the ground: the edges of shadows are soft.
+  // The mask has a quarter of the ground's resolution: the edges of shadows are soft.
   void Shade() {
     constexpr int kCoarser = 4;
     cv::Mat mask(image_.rows / kCoarser + 1, image_.cols / kCoarser + 1, CV_8U, cv::Scalar(0));
@@ -224,7 +224,7 @@ class GroundPainter {
     per_m_ = per_m;
     cv::Mat full;
     cv::resize(mask, full, mask.size() * kCoarser, 0, 0, cv::INTER_LINEAR);
-    // What is left of the light, in 255ths.
+    // The light that is left, in 255ths.
     const double missing = 1 - LightInShadow(scene_.light);
     full.convertTo(full, CV_8U, -missing, 255);
     cv::Mat left;
@@ -232,7 +232,7 @@ class GroundPainter {
     cv::multiply(image_, left, image_, 1 / 255.0);
   }
 
-  // What stands from `bottom_m` on: its outline there, its outline above, and all between.
+  // An object from `bottom_m` on: its outline there, its outline above, and all between.
   void Cast(const Points& outline_m, double bottom_m, double height_m, cv::Mat& mask) const {
     Points all;
     for (const Vector2d& point : outline_m) {

@@ -1,5 +1,5 @@
 #pragma once
-// Guests of a scene and what they do, as its file has it.
+// Guests of a scene and their acts, as read from its file.
 
 #include <Eigen/Core>
 #include <array>
@@ -17,33 +17,33 @@ namespace musher::world {
 enum class Gesture { kNone, kHeart, kV, kOk };
 inline constexpr std::array<std::string_view, 4> kGestureNames{"none", "heart", "v", "ok"};
 
-// Where a guest looks: at the robot's camera, to the other side, where it goes, or a way.
+// Where a guest looks: at the robot's camera, away from it, where it goes, or in a direction.
 struct GuestLook {
   enum class At { kRobot, kAway, kAhead, kYaw };
   At at = At::kAhead;
   double yaw_rad = 0;  // with kYaw
 };
 
-// What a guest begins to do at a time; what is not given goes on as before.
+// The act of a guest at a time; what is not given goes on as before.
 struct GuestAct {
   Duration at{};
   std::optional<Eigen::Vector2d> walk_to_m;
   std::optional<double> speed_m_s;
   std::optional<GuestLook> look;
   std::optional<Gesture> gesture;
-  bool leave = false;  // is gone when it gets to walk_to_m, else to where it came from
+  bool leave = false;  // leaves at walk_to_m, else where it came from
 };
 
 struct GuestSpec {
   std::string name;
-  Eigen::Vector2d from_m{0, 0};  // where it is first, and leaves to
+  Eigen::Vector2d from_m{0, 0};  // where it appears, and leaves to
   double yaw_rad = 0;
   int face = 0;
   double height_m = 1.7;
   double speed_m_s = 0.8;
   Color color{70, 82, 110};  // of its clothes
   bool gown = false;
-  std::vector<GuestAct> acts;  // by time; there is nobody before the first one
+  std::vector<GuestAct> acts;  // by time; the guest is absent before the first one
 };
 
 inline constexpr double kGuestRadiusM = 0.2;  // on the ground

@@ -13,7 +13,7 @@ constexpr double kTurnRadS = 2.5;      // of a body
 constexpr double kHeadTurnRadS = 4;    // of a head
 constexpr double kFarthestTurn = 1.3;  // rad, of a head on its body
 constexpr double kFarthestNod = 0.7;   // rad
-constexpr double kSideways = 1.9;      // rad: who goes farther round than that goes backwards
+constexpr double kSideways = 1.9;      // rad: a target farther round than that is reached backwards
 
 double Angle(const Vector2d& way) {
   return std::atan2(way.y(), way.x());
@@ -29,7 +29,7 @@ double Towards(double from_rad, double to_rad, double most_rad) {
                         2 * M_PI);
 }
 
-// Which way is to be looked, in the place.
+// The direction to look, in the place's frame.
 double YawOf(const GuestLook& look, const Guest& guest, const Robot& robot, double ahead_rad) {
   const double at_robot = Angle(robot.eyes_m.head<2>() - guest.position_m);
   switch (look.at) {
@@ -131,7 +131,7 @@ void Guests::Move(const GuestSpec& spec, const Robot& robot, double seconds, Gue
   KeepOut(robot, guest);
   const double look = YawOf(plan.look, guest, robot, course.value_or(guest.yaw_rad));
   double face = course.value_or(look);
-  // One who has the robot in view steps back from it, and does not turn round.
+  // A guest who has the robot in view steps back from it, and does not turn round.
   const bool back = plan.look.at == GuestLook::At::kRobot && course && !plan.leaves;
   if (back && std::abs(Between(look, *course)) > kSideways) face = look;
   guest.yaw_rad = Towards(guest.yaw_rad, face, kTurnRadS * seconds);
@@ -139,7 +139,7 @@ void Guests::Move(const GuestSpec& spec, const Robot& robot, double seconds, Gue
 }
 
 double HeadHeightM(const GuestSpec& guest) {
-  return 0.11 + 0.08 * guest.height_m;  // a child's is larger for its height
+  return 0.11 + 0.08 * guest.height_m;  // a child's is larger relative to its height
 }
 
 Vector3d HeadOf(const GuestSpec& spec, const Guest& guest) {

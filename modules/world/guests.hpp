@@ -1,10 +1,11 @@
 #pragma once
-// The guests of a scene: people who come, look, make signs and go by timetables of their own.
+// The guests of a scene: people who come, look, make gestures and leave by timetables of their
+// own.
 //
-//   nobody - first act -> here - leave -> nobody, and again from the start where the scene repeats
+//   absent - first act -> here - leave -> absent, and again from the start if the scene repeats
 //
-// A plain value: time and where the robot is come in as arguments. They walk straight on and are
-// never in the robot's place: where it is in their way they go along its edge.
+// A plain value: time and the robot's position come in as arguments. Guests walk straight and
+// never enter the robot's circle: they walk around its edge.
 
 #include <Eigen/Core>
 #include <optional>
@@ -14,7 +15,7 @@
 
 namespace musher::world {
 
-// How one stands at a moment.
+// The state of one guest.
 struct Guest {
   bool here = false;
   Eigen::Vector2d position_m{0, 0};
@@ -27,7 +28,7 @@ struct Guest {
   friend bool operator==(const Guest&, const Guest&) = default;
 };
 
-// The robot as guests meet it.
+// The robot as an obstacle for guests and as a target of their looks.
 struct Robot {
   Eigen::Vector2d position_m{0, 0};
   double radius_m = 0;
@@ -36,7 +37,7 @@ struct Robot {
 
 class Guests {
  public:
-  // As they are at the beginning; the scene's guests are to be those of each Step().
+  // At the beginning; each Step() must get the scene with the same guests.
   explicit Guests(const Scene& scene);
 
   void Step(const Scene& scene, const Robot& robot, Duration now, Duration dt);
@@ -44,7 +45,7 @@ class Guests {
   const std::vector<Guest>& all() const { return guests_; }  // as the scene lists them
 
  private:
-  // What one is about to do.
+  // What a guest will do next.
   struct Plan {
     std::size_t next_act = 0;
     std::optional<Eigen::Vector2d> walk_to_m;

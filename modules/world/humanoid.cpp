@@ -58,23 +58,23 @@ std::optional<std::string> Humanoid::SetPose(const std::string& name) {
     held_ = {};
     return std::nullopt;
   }
-  constexpr std::size_t kMostTold = 16;
-  if (refused_poses_.size() == kMostTold) return std::nullopt;
+  constexpr std::size_t kMostLogged = 16;
+  if (refused_poses_.size() == kMostLogged) return std::nullopt;
   if (!refused_poses_.insert(Shortened(name)).second) return std::nullopt;
-  std::string complaint = "the pose \"" + Shortened(name) + "\" is refused: it is none of";
-  for (const std::string_view one : known) complaint.append(" ").append(one);
-  if (refused_poses_.size() == kMostTold) complaint += "; no more of them are told";
-  return complaint;
+  std::string reason = "the pose \"" + Shortened(name) + "\" is refused: it is none of";
+  for (const std::string_view one : known) reason.append(" ").append(one);
+  if (refused_poses_.size() == kMostLogged) reason += "; further ones are not logged";
+  return reason;
 }
 
 std::optional<std::string> Humanoid::LookAt(const Vector2d& point) {
   if (!point.allFinite()) {
-    if (std::exchange(told_nan_, true)) return std::nullopt;
-    return "a point to look at that is no number is refused; further ones are not told";
+    if (std::exchange(nan_logged_, true)) return std::nullopt;
+    return "a point to look at that is no number is refused; further ones are not logged";
   }
   look_ = point.cwiseMax(0).cwiseMin(1);
-  if (look_ == point || std::exchange(told_outside_, true)) return std::nullopt;
-  return "a point to look at is outside 0 to 1 and is brought within; further ones are not told";
+  if (look_ == point || std::exchange(outside_logged_, true)) return std::nullopt;
+  return "a point to look at is outside 0 to 1 and is brought within; further ones are not logged";
 }
 
 void Humanoid::Step(Duration dt) {

@@ -23,7 +23,7 @@ Matrix3d Yaw(double angle_rad) {
   return AngleAxisd(angle_rad, Vector3d::UnitZ()).toRotationMatrix();
 }
 
-// Those of the left side on their own side.
+// Mirrors angles of the left side to their own side.
 Vector3d OnSide(std::size_t side, const Vector3d& left_m) {
   return side == 0 ? left_m : Vector3d(left_m.x(), -left_m.y(), left_m.z());
 }

@@ -1,12 +1,12 @@
 #pragma once
-// Where a humanoid's limbs are when its joints stand so: forward kinematics. Pure.
+// The positions of a humanoid's limbs from its joint angles: forward kinematics. Pure.
 //
 //   trunk's middle - hip (pitch, roll, yaw) - knee - ankle (pitch, roll), on either side
 //                  - waist (yaw) - shoulder (pitch, roll, yaw) - elbow (pitch, yaw) - hand
 //                                - neck (yaw)
 //
-// All is in the body's frame: x ahead, y to the left, z up, from the middle of the trunk, in
-// metres.
+// All values are in the body's frame: x ahead, y to the left, z up, from the middle of the trunk,
+// in metres.
 
 #include <Eigen/Geometry>
 #include <array>

@@ -1,5 +1,5 @@
 #pragma once
-// A humanoid's joints, how fast they move and which poses it knows, as a scene has it.
+// A humanoid's joints, their limits and its poses, as read from a scene.
 
 #include <array>
 #include <cmath>
@@ -28,20 +28,20 @@ const std::array<Joint, kJoints>& JointTable();  // in the order of their messag
 
 using Angles = std::array<double, kJoints>;  // rad
 
-// How a joint may move.
+// The limits of a joint's motion.
 struct MotionLimits {
   double speed_rad_s = 0;
   double acceleration_rad_s2 = 0;
 };
 
-// A joint that goes to and fro as long as the pose is held.
+// A joint that swings as long as the pose is held.
 struct Swing {
   std::size_t joint = 0;
   double amplitude_rad = 0;
   double period_s = 1;
 };
 
-// What a pose does with a hand: for the eye only, no joint moves it.
+// The shape of a hand in a pose: only visible, no joint moves it.
 enum class HandShape { kOpen, kCurled, kFist, kV, kThumb };
 inline constexpr std::size_t kSides = 2;  // left, right
 
@@ -61,7 +61,7 @@ struct HumanoidSpec {
   double head_yaw_rad = 70 * M_PI / 180;
   double waist_yaw_rad = 50 * M_PI / 180;
   double pitch_rad = 20 * M_PI / 180;  // the camera's mount; 0: it has none
-  std::string poses_file;              // absolute; empty: it knows neutral only
+  std::string poses_file;              // absolute; empty: neutral only
   std::vector<PoseSpec> poses = {{{std::string(kNeutralPose)}, {}, {}, {}}};
   std::string pose_topic = "/wedding/motion/pose";
   std::string look_at_topic = "/wedding/motion/look_at";

@@ -1,8 +1,8 @@
 #pragma once
-// Which way the places of a picture look and how much light they get, as camera_model.hpp says it
-// for one, but for many at once; and tiles of the picture with the cones they look into.
+// Directions and light of the positions in a picture, like camera_model.hpp but for many at once;
+// and tiles of the picture with the cones they cover.
 //
-// Threads: never changed once it is made.
+// Threads: immutable.
 
 #include <Eigen/Core>
 #include <vector>
@@ -20,7 +20,7 @@ class Lens {
     int x = 0, y = 0, end_x = 0, end_y = 0;  // pixels
     Eigen::Vector3f axis{0, 0, 1};           // in the camera's frame
     float half_angle_rad = 0;
-    bool dark = false;  // nothing is seen in it
+    bool dark = false;  // no light comes through it
   };
 
   explicit Lens(const CameraSpec& camera);
@@ -32,7 +32,7 @@ class Lens {
   // Angle between neighbouring pixels in the middle.
   float pixel_rad() const { return 1 / focal_px_; }
 
-  // Leaves the dither alone. `gains` are factors on the light, 0 where the lens shows nothing.
+  // Leaves the dither alone. `gains` are factors on the light, 0 outside the lens's image.
   void Look(const Places& places, Rays& rays, Each<float>& gains) const;
 
  private:

@@ -1,4 +1,4 @@
-// musher-world: a simulated robot and the place it is in. See README.md beside this.
+// musher-world: a simulated robot and the place it is in. See README.md in this folder.
 
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -9,9 +9,9 @@
 #include "musher/lifecycle/version.hpp"
 #include "musher/modules/program/module_main.hpp"
 #include "musher/modules/world/scene_toml.hpp"
-#include "musher/modules/world/tell.hpp"
 #include "musher/modules/world/world_actuator.hpp"
 #include "musher/modules/world/world_alone.hpp"
+#include "musher/modules/world/world_control.hpp"
 
 namespace {
 
@@ -51,10 +51,10 @@ int Run(const Options& options) {
 }
 
 // musher-world tell WORDS...
-int TellMain(int argc, char** argv) {
-  CLI::App app("Tells a running world something, for people and scripts.", "musher-world tell");
-  app.footer(std::string("What can be told:\n") + musher::world::kTellings +
-             "\n\nExit codes: 0 told; 1 no world, or it refused; 2 usage.");
+int WorldControlMain(int argc, char** argv) {
+  CLI::App app("Controls a running world from the command line.", "musher-world tell");
+  app.footer(std::string("Commands:\n") + musher::world::kWorldCommands +
+             "\n\nExit codes: 0 done; 1 no world, or it refused; 2 usage.");
   std::vector<std::string> words;
   std::string name_space;
   double timeout_s = 5;
@@ -69,14 +69,14 @@ int TellMain(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageError;
   }
-  const auto telling = musher::world::ReadTelling(words);
-  if (!telling) {
-    std::cerr << "musher-world: " << telling.error().message << std::endl;
+  const auto command = musher::world::ParseWorldCommand(words);
+  if (!command) {
+    std::cerr << "musher-world: " << command.error().message << std::endl;
     return kUsageError;
   }
   const auto timeout =
       std::chrono::duration_cast<musher::Duration>(std::chrono::duration<double>(timeout_s));
-  const auto answer = musher::world::Tell(telling.value(), name_space, timeout);
+  const auto answer = musher::world::SendWorldCommand(command.value(), name_space, timeout);
   if (!answer) {
     std::cerr << "musher-world: " << answer.error().message << std::endl;
     return 1;
@@ -88,14 +88,14 @@ int TellMain(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc > 1 && argv[1] == std::string_view("tell")) return TellMain(argc - 1, argv + 1);
+  if (argc > 1 && argv[1] == std::string_view("tell")) return WorldControlMain(argc - 1, argv + 1);
   Options options;
   CLI::App app("A simulated robot and the place it is in, as the actuator world or alone.",
                "musher-world");
   app.footer(
-      "To a running world speaks `musher-world tell`, see its --help.\n\n"
-      "Exit codes: 0 torn down, ended by a signal, or drawn; 1 not started or not drawn, which is\n"
-      "said on stderr; 2 usage or config.");
+      "`musher-world tell` controls a running world, see its --help.\n\n"
+      "Exit codes: 0 torn down, ended by a signal, or drawn; 1 not started or not drawn\n"
+      "(reason on stderr); 2 usage or config.");
   app.set_version_flag("--version", "musher-world " + std::string(musher::Version()),
                        "Print the version");
   constexpr double kLongestS = 100'000;
@@ -105,7 +105,7 @@ int main(int argc, char** argv) {
   app.add_option("--config", options.state_config, "The state config (TOML)")
       ->envname("MUSHER_CONFIG");
   bool check = false;
-  app.add_flag("--check", check, "Report every fault of the configs, and start nothing");
+  app.add_flag("--check", check, "Report every error of the configs, and start nothing");
   auto* alone = app.add_flag("--alone", options.alone, "Run without a machine, until Ctrl+C");
   app.add_option("--namespace", options.name_space, "Of the topics, with --alone")->needs(alone);
   auto* draw = app.add_option("--draw", options.picture,

@@ -1,5 +1,5 @@
 #pragma once
-// Where the marks of an axis are.
+// The positions of an axis's marks.
 
 #include <cmath>
 #include <initializer_list>
@@ -17,8 +17,8 @@ inline std::vector<double> Marks(double least, double most, double every) {
   return marks;
 }
 
-// The first of `distances`, which grow, with which `range` has at most `most` marks; the last one
-// where none has.
+// The first of `distances`, in ascending order, that divides `range` into at most `most` parts;
+// the last one if none does.
 inline double MarkEvery(double range, double most, std::initializer_list<double> distances) {
   for (const double distance : distances) {
     if (range / distance <= most) return distance;

@@ -1,5 +1,5 @@
 #pragma once
-// What becomes of OpenCV's pictures, for the files that know OpenCV.
+// Converts OpenCV's pictures, for the files that use OpenCV.
 
 #include <string>
 
@@ -15,7 +15,7 @@ namespace musher::world {
 // Of a picture of 8 bits: blue, green, red.
 Texture TextureOf(const cv::Mat& image);
 
-// As PNG; the file is there as a whole or not at all.
+// As PNG; the file is written completely or not at all.
 Result<> SavePng(const cv::Mat& image, const std::string& path);
 
 }  // namespace musher::world

@@ -1,6 +1,6 @@
 #pragma once
-// Where a ray meets a thing. Rays and places are as the thing sees them: from its middle, turned
-// with it. In a header, since it is done for every ray.
+// Where a ray meets a thing. Rays and positions are in the thing's frame: from its middle, turned
+// with it. Inline, since it runs for every ray.
 
 #include <Eigen/Core>
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace musher::world {
 
 inline constexpr float kFar = std::numeric_limits<float>::max();
-inline constexpr float kNearest = 1e-3F;  // metres; what is nearer is not seen
+inline constexpr float kNearest = 1e-3F;  // metres; nearer surfaces are not seen
 
 // Of a thing: x and y are its sides, z is its upper and lower side.
 enum Face { kFaceX, kFaceY, kFaceZ, kRound, kFront, kBack };
@@ -89,7 +89,7 @@ inline bool MeetsBoard(const Eigen::Vector3f& half, const Eigen::Vector3f& from,
   return true;
 }
 
-// From `from` along `ray`, both as the thing sees them.
+// From `from` along `ray`, both in the thing's frame.
 inline bool Meets(const Thing& thing, const Eigen::Vector3f& from, const Eigen::Vector3f& ray,
                   float& far_m, int& face) {
   switch (thing.shape) {

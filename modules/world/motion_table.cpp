@@ -34,7 +34,7 @@ Motion Plain(int mode, int gait, Kind kind, int ms, double pitch_rad = 0) {
   return {mode, gait, kind, Milliseconds(ms), kNowhere, kNowhere, 0, pitch_rad, 0};
 }
 
-// Of one mode, those with a gait of their own come first.
+// Of one mode, entries with a gait of their own come first.
 const std::array kMotions = {
     Plain(kModeOff, kAnyGait, Kind::kOff, 500),
     Plain(kModeLie, 0, Kind::kLie, 1000),
@@ -83,8 +83,8 @@ struct Following {
   int gait;
   std::vector<int> next;
 };
-// As the robot's motion table has it; of one mode, those with a gait of their own come first. What
-// stands is ready for anything.
+// As in the robot's motion table; of one mode, entries with a gait of their own come first. From
+// standing every mode may follow.
 const std::array<Following, 24> kFollowing = {{
     {0, kAnyGait, {0, 12, 7, 15}},
     {7, kAnyGait, {0, 12, 7, 80}},

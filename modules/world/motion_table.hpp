@@ -1,7 +1,7 @@
 #pragma once
-// What the board of a CyberDog-like body can do, by mode and gait: how long it takes, where it
-// leads, and which modes may follow. Times are those of a calm robot, well within the limits that
-// the robot's motion table gives.
+// The motions of a CyberDog-like body's board, by mode and gait: how long they take, where they
+// lead, and which modes may follow. Times are those of a calm robot, well within the limits of the
+// robot's motion table.
 
 #include <Eigen/Core>
 #include <span>
@@ -22,11 +22,11 @@ enum class Kind {
 
 struct Motion {
   int mode = 0;
-  int gait = 0;  // kAnyGait: what is not listed
+  int gait = 0;  // kAnyGait: all that are not listed
   Kind kind = Kind::kShow;
   Duration time{};                 // to its end; for kWalk until it is in its gait
   Eigen::Vector3d limit{0, 0, 0};  // kWalk: speed x and y in m/s, yaw in rad/s
-  Eigen::Vector3d leads{0, 0, 0};  // kLeap: x and y in m, yaw in rad, from where it began
+  Eigen::Vector3d leads{0, 0, 0};  // kLeap: x and y in m, yaw in rad, relative to its start
   double height_m = 0;             // kLeap: how high it gets
   double pitch_rad = 0;            // kLeap: how far it turns over; kShow: how it stands
   double roll_rad = 0;
@@ -38,13 +38,13 @@ inline constexpr int kModeOff = 0;
 inline constexpr int kModeLie = 7;
 inline constexpr int kModeStand = 12;
 
-// Null: the board knows no such mode.
+// Null: an unknown mode.
 const Motion* FindMotion(int mode, int gait);
 
 // Whether the mode `next` may follow that mode and gait.
 bool MayFollow(int mode, int gait, int next);
 
-// A name for people: "trot", "lie down".
+// A name for messages: "trot", "lie down".
 const char* NameOf(int mode, int gait);
 
 }  // namespace musher::world

@@ -7,9 +7,9 @@
 namespace musher::world {
 namespace {
 
-constexpr Duration kMostLag = Milliseconds(20);  // that is caught up
+constexpr Duration kMostLag = Milliseconds(20);  // up to which it catches up
 constexpr Duration kMeasuring = std::chrono::seconds(5);
-constexpr double kHeld = 0.97;  // share of the wanted factor that counts as reached
+constexpr double kHeld = 0.97;  // share of the requested factor that counts as reached
 
 }  // namespace
 
@@ -35,8 +35,8 @@ void Pacer::SetPaused(bool paused, Time now) {
   MeasureFrom(now);
 }
 
-std::optional<std::string> Pacer::TakeComplaint() {
-  return std::exchange(complaint_, std::nullopt);
+std::optional<std::string> Pacer::TakeLogLine() {
+  return std::exchange(log_line_, std::nullopt);
 }
 
 Duration Pacer::Period() const {
@@ -52,7 +52,7 @@ void Pacer::Measure(Time now) {
     char text[96];
     std::snprintf(text, sizeof(text), "world time runs %.2f times as fast as real time%s%.2f",
                   *reached_, slow ? " instead of " : " again, as wanted: ", factor_);
-    complaint_ = text;
+    log_line_ = text;
   }
   slow_ = slow;
   measured_since_ = now;

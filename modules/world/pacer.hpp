@@ -1,9 +1,9 @@
 #pragma once
 // When the next step of a world is due, so that world time runs at a chosen factor of real time;
-// and what factor it really reaches.
+// and the factor that is reached.
 //
-// A process that was kept from running does not catch up: what it missed beyond a little is lost,
-// and world time is that much slower. Plain decisions; real time is an argument.
+// After a pause of the process it does not catch up: all but a little of the missed time is
+// dropped, and world time is that much slower. Plain decisions; real time is an argument.
 
 #include <optional>
 #include <string>
@@ -17,22 +17,23 @@ class Pacer {
   // `step` of world time each, from `now` on.
   Pacer(Duration step, double factor, Time now);
 
-  // A step is done; gives when the next one is due, in the past when it is late.
+  // A step is done; returns when the next one is due, in the past when it is late.
   Time Next(Time now);
 
   void SetFactor(double factor, Time now);
-  // World time stands still meanwhile, which counts as no slowness.
+  // World time stands still meanwhile; this does not count as slow.
   void SetPaused(bool paused, Time now);
 
   Time due() const { return due_; }  // the next step
   double factor() const { return factor_; }
   bool paused() const { return paused_; }
 
-  // The factor over the last whole period of measurement; that wanted before the first is over.
+  // The factor over the last whole period of measurement; the requested one before the first is
+  // over.
   double reached() const { return reached_.value_or(factor_); }
 
-  // Something to be logged: the factor cannot be held, or can be again. Once for each change.
-  std::optional<std::string> TakeComplaint();
+  // A line for the log: the factor cannot be reached, or is reached again. Once for each change.
+  std::optional<std::string> TakeLogLine();
 
  private:
   Duration Period() const;
@@ -47,7 +48,7 @@ class Pacer {
   int steps_ = 0;  // since then
   std::optional<double> reached_;
   bool slow_ = false;
-  std::optional<std::string> complaint_;
+  std::optional<std::string> log_line_;
 };
 
 }  // namespace musher::world

@@ -23,7 +23,7 @@ const std::pair<const char*, Color> kMotionColors[] = {
     {"flip", {214, 100, 140}}, {"dance", {150, 110, 190}}, {"show", {170, 140, 200}},
 };
 
-// For states of a robot's own.
+// Colours for states added by a config.
 constexpr Color kOthers[] = {{0, 140, 160}, {180, 110, 60}, {110, 130, 40}, {170, 70, 120}};
 
 }  // namespace
@@ -54,14 +54,14 @@ Color InkOn(const Color& background) {
   return light > 1500 ? kInk : kPaper;
 }
 
-bool HeardAMachine(const Track& track) {
+bool HasMachineState(const Track& track) {
   return std::any_of(track.states().begin(), track.states().end(),
                      [](const std::string& state) { return !state.empty(); });
 }
 
 Color ColorOfWay(const Track& track, const Sample& sample) {
-  return HeardAMachine(track) ? ColorOfState(track.states().at(sample.machine_state))
-                              : ColorOfBattery(sample.battery_percent);
+  return HasMachineState(track) ? ColorOfState(track.states().at(sample.machine_state))
+                                : ColorOfBattery(sample.battery_percent);
 }
 
 }  // namespace musher::world

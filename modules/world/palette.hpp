@@ -22,7 +22,7 @@ inline constexpr Color kScanRed{232, 96, 40};
 inline constexpr Color kSight{250, 238, 196};
 inline constexpr Color kBatteryLine{40, 96, 170};
 
-// A colour of its own for each state; grey where none is known.
+// One colour for each state; grey for an unknown one.
 Color ColorOfState(const std::string& state);
 // From red at 0 to green at 100.
 Color ColorOfBattery(double percent);
@@ -31,8 +31,8 @@ Color ColorOfMotion(const std::string& motion);
 // Dark letters on light colours, light ones on dark.
 Color InkOn(const Color& background);
 
-// What the way was drawn in: the machine's state, or the battery where no machine was heard.
+// The colour of the body's path: by the machine's state, or by the battery without a machine.
 Color ColorOfWay(const Track& track, const Sample& sample);
-bool HeardAMachine(const Track& track);
+bool HasMachineState(const Track& track);
 
 }  // namespace musher::world

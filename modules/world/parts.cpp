@@ -21,7 +21,7 @@ void Bound(const Matrix3d& turned, const Vector3d& half_m, Thing& thing) {
   const double half_slice_m = along_m / slices;
   for (int i = 0; i < slices; ++i) {
     const double middle_m = half_slice_m * (2 * i + 1 - slices);
-    // It is thickest where it is nearest to its middle.
+    // It is thickest at the slice nearest to its middle.
     const double inner = std::max(0.0, std::abs(middle_m) - half_slice_m) / along_m;
     const double radius_m = std::hypot(half_slice_m, thick_m * std::sqrt(1 - inner * inner));
     const Vector3d at_m = turned.col(longest) * middle_m;

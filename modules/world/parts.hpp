@@ -1,5 +1,5 @@
 #pragma once
-// The rounded parts that people and robots are made of.
+// The rounded parts of people and robots.
 
 #include <Eigen/Geometry>
 #include <vector>
@@ -12,8 +12,8 @@ namespace musher::world {
 Thing Rounded(const Eigen::Vector3d& center_m, const Eigen::Matrix3d& turned,
               const Eigen::Vector3d& half_m, const Light3& color);
 
-// Adds parts by where they are in a body's frame: x ahead, y to the left, z up. All of them are as
-// many times as large as told.
+// Adds parts by their position in a body's frame: x ahead, y to the left, z up. All sizes are
+// multiplied by `times`.
 class Parts {
  public:
   // `things` outlive it.

@@ -12,7 +12,7 @@
 namespace musher::world {
 namespace {
 
-// Along the way, without what it was carried.
+// Length of the path, without being carried.
 double WalkedM(const Track& track) {
   double walked_m = 0;
   const std::vector<Sample>& samples = track.samples();
@@ -31,7 +31,7 @@ constexpr double kMapTop = 74;
 constexpr double kMapRight = 856;  // the legend stands beyond
 constexpr double kChartHeight = 300;
 
-// As low as the place needs, and the legend.
+// Only as high as the place and the legend need.
 double MapBottom(const Scene& scene) {
   constexpr double kHighest = kPictureHeight - kChartHeight;
   constexpr double kLeast = 480;

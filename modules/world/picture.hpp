@@ -1,6 +1,6 @@
 #pragma once
-// The picture of a world: seen from above with the way the body took, and beneath it what became of
-// battery, machine and motion over world time.
+// The picture of a world: seen from above with the path of the body, and below it battery, machine
+// state and motion over world time.
 
 #include <string>
 

@@ -1,6 +1,5 @@
 #pragma once
-// Whether a file holds a picture that can be shown. The only question that reading a scene has to
-// OpenCV.
+// Whether a file holds a readable picture. The only use of OpenCV while a scene is read.
 
 #include <string>
 
@@ -10,7 +9,7 @@ namespace musher::world {
 
 inline constexpr int kMostPicturePx = 8192;  // on a side
 
-// The error says what is wrong with it. Never throws.
+// The error says what is wrong. Never throws.
 Result<> CheckPicture(const std::string& path);
 
 }  // namespace musher::world

@@ -11,7 +11,7 @@ using Eigen::Rotation2Dd;
 using Eigen::Vector2d;
 
 constexpr double kTouchingM = 1e-9;  // rounding
-constexpr int kSlides = 4;           // out of so many things at once, as in a corner
+constexpr int kSlides = 4;           // out of this many things at once, as in a corner
 
 double BottomOf(const Ball& ball) {
   return ball.center_m.z() - ball.radius_m;
@@ -21,7 +21,7 @@ double BottomOf(const Thing& thing) {
   return thing.bottom_m;
 }
 
-// Calls `visit` with everything that a body of that height bumps into.
+// Calls `visit` with every obstacle for a body of that height.
 template <class Visit>
 void EachObstacle(const Scene& scene, double height_m, Visit visit) {
   const auto all = [&](const auto& things) {
@@ -35,7 +35,7 @@ void EachObstacle(const Scene& scene, double height_m, Visit visit) {
   all(scene.balls);
 }
 
-// Moves `point` out of everything; says whether anything was in its way.
+// Moves `point` out of all obstacles; returns whether one was in its way.
 bool PushOut(const Scene& scene, Vector2d& point) {
   bool touched = false;
   const double radius = scene.body.radius_m;

@@ -1,6 +1,6 @@
 #pragma once
 // Where a body can be: inside the scene's area and outside its obstacles. A body is a circle.
-// Boxes, circles, boards and balls are in its way, except for those that hang over it.
+// Boxes, circles, boards and balls are obstacles, unless they hang above it.
 
 #include <Eigen/Core>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace musher::world {
 
-// What is left between the point and the nearest surface, negative inside, and the way out.
+// The distance between the point and the nearest surface, negative inside, and the direction away.
 struct Clearance {
   double distance_m = 0;
   Eigen::Vector2d away;  // of length 1
@@ -28,8 +28,8 @@ struct Step2 {
   Eigen::Vector2d to_m;
   bool bumped = false;
 };
-// Where a body gets that is free at `from` and wants to go a short way to `to`: it slides along
-// what is in its way, and stays where it cannot.
+// Where a body gets that is free at `from` and moves a short way to `to`: it slides along
+// obstacles, and stays where it cannot.
 Step2 Go(const Scene& scene, const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m);
 
 bool IsOnPad(const Scene& scene, const Eigen::Vector2d& point_m);

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// The part of a ray that is inside of something; empty when it leaves before it enters.
+// The part of a ray inside a solid; empty when it leaves before it enters.
 struct Span {
   double enter_m = 0;
   double leave_m = kNothing;
@@ -18,7 +18,7 @@ struct Span {
   bool empty() const { return enter_m > leave_m; }
 };
 
-// Cuts from `span` what is not between two parallel planes.
+// Removes from `span` what is not between two parallel planes.
 void Cut(Span& span, double from, double along, double least, double most) {
   if (along == 0) {
     if (from < least || from > most) span.leave_m = -1;
@@ -29,7 +29,7 @@ void Cut(Span& span, double from, double along, double least, double most) {
   span.leave_m = std::min(span.leave_m, leave);
 }
 
-// Cuts from `span` what is not in a ball, or with two coordinates in an upright tube, around 0.
+// Removes from `span` what is not in a ball, or with two coordinates in an upright tube, around 0.
 template <class Vector>
 void CutRound(Span& span, const Vector& from, const Vector& along, double radius) {
   const double a = along.squaredNorm();
@@ -50,7 +50,7 @@ void CutRound(Span& span, const Vector& from, const Vector& along, double radius
 
 }  // namespace
 
-Surroundings::Surroundings(const Scene& scene, const Vector3d& from_m, double most_m)
+RayTargets::RayTargets(const Scene& scene, const Vector3d& from_m, double most_m)
     : from_m_(from_m),
       most_m_(most_m),
       least_place_m_(scene.least_m),
@@ -71,8 +71,8 @@ Surroundings::Surroundings(const Scene& scene, const Vector3d& from_m, double mo
   }
 }
 
-void Surroundings::Add(const Vector2d& center_m, double yaw_rad, const Vector2d& half_m,
-                       double bottom_m, double height_m, double radius_m) {
+void RayTargets::Add(const Vector2d& center_m, double yaw_rad, const Vector2d& half_m,
+                     double bottom_m, double height_m, double radius_m) {
   const Vector2d from = from_m_.head<2>() - center_m;
   if (from.norm() > most_m_ + half_m.norm() + radius_m) return;
   Solid solid;
@@ -86,7 +86,7 @@ void Surroundings::Add(const Vector2d& center_m, double yaw_rad, const Vector2d&
   solids_.push_back(solid);
 }
 
-double Surroundings::DistanceAlong(const Vector3d& along) const {
+double RayTargets::DistanceAlong(const Vector3d& along) const {
   if (from_m_.z() <= 0) return 0;  // in the ground
   double nearest = ToFence(along);
   if (along.z() < 0) nearest = std::min(nearest, -from_m_.z() / along.z());
@@ -112,7 +112,7 @@ double Surroundings::DistanceAlong(const Vector3d& along) const {
   return nearest;
 }
 
-double Surroundings::ToFence(const Vector3d& along) const {
+double RayTargets::ToFence(const Vector3d& along) const {
   double nearest = kNothing;
   for (const int axis : {0, 1}) {
     if (along[axis] == 0) continue;
@@ -128,7 +128,7 @@ double Surroundings::ToFence(const Vector3d& along) const {
 
 double DistanceAlong(const Scene& scene, const Vector3d& from_m, const Vector3d& along,
                      double most_m) {
-  return Surroundings(scene, from_m, most_m).DistanceAlong(along);
+  return RayTargets(scene, from_m, most_m).DistanceAlong(along);
 }
 
 }  // namespace musher::world

@@ -1,5 +1,5 @@
 #pragma once
-// How far it is to the next thing: rays against what stands in a scene - boxes, walls, cylinders,
+// The distance to the next thing: rays against what stands in a scene - boxes, walls, cylinders,
 // balls and boards up to their heights, the fence around the place, and the ground.
 
 #include <Eigen/Core>
@@ -12,13 +12,13 @@ namespace musher::world {
 
 inline constexpr double kNothing = std::numeric_limits<double>::infinity();
 
-// What can be met within `most_m` of one point: made once for all rays of a sensor.
-class Surroundings {
+// What rays of at most `most_m` from one point can hit: made once for all rays of a sensor.
+class RayTargets {
  public:
-  Surroundings(const Scene& scene, const Eigen::Vector3d& from_m, double most_m);
+  RayTargets(const Scene& scene, const Eigen::Vector3d& from_m, double most_m);
 
-  // To the nearest surface in that direction, which has length 1; kNothing beyond most_m. From
-  // inside a thing it is 0.
+  // The distance to the nearest surface in that direction, which has length 1; kNothing beyond
+  // most_m. 0 from inside a thing.
   double DistanceAlong(const Eigen::Vector3d& along) const;
 
  private:

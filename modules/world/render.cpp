@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "musher/modules/world/chance.hpp"
+#include "musher/modules/world/normal_random.hpp"
 #include "musher/modules/world/trace.hpp"
 
 namespace musher::world {
@@ -14,7 +14,7 @@ using Eigen::Vector3f;
 
 constexpr std::size_t kNoiseNumbers = 1U << 16;
 
-// Thresholds that neighbours do not share.
+// Thresholds that differ between neighbours.
 constexpr float kDither[4][4] = {{0.03F, 0.53F, 0.16F, 0.66F},
                                  {0.78F, 0.28F, 0.91F, 0.41F},
                                  {0.22F, 0.72F, 0.09F, 0.59F},
@@ -30,7 +30,7 @@ std::int32_t Level(float light) {
   return static_cast<std::int32_t>(most > 0 ? most : 0);
 }
 
-// One picture while it is drawn.
+// The state of a picture while it is drawn.
 class Drawing {
  public:
   Drawing(const Lens& lens, const Tracer& tracer, Image& image)
@@ -53,7 +53,7 @@ class Drawing {
   }
 
  private:
-  // A ball round a part of a thing, as the camera sees it.
+  // A ball round a part of a thing, as seen from the camera.
   struct Cone {
     std::uint16_t thing = 0;
     Vector3f towards;  // of length 1
@@ -80,7 +80,7 @@ class Drawing {
     }
   }
 
-  // Those that may be in a tile: whose bounds the cone of the tile meets.
+  // The things that may be in a tile: the cone of the tile meets their bounds.
   void FindThings(std::size_t index) {
     const Lens::Tile& tile = lens_.tiles()[index];
     const Vector3f axis = tracer_.turn() * tile.axis;
@@ -89,7 +89,7 @@ class Drawing {
     Tracer::Indices& things = things_[index];
     for (const Cone& cone : cones_) {
       if (!things.empty() && things.back() == cone.thing) continue;
-      // Both half angles together are so wide that everything is in reach, or the axes are nearer.
+      // Both half angles together cover everything, or the axes are closer than their sum.
       const bool wide =
           cone.around || tile.half_angle_rad >= float(M_PI) || cone.cos_half < -cos_tile;
       const float reach = cos_tile * cone.cos_half - sin_tile * cone.sin_half;
@@ -211,10 +211,10 @@ class Drawing {
 }  // namespace
 
 Camera::Camera(const CameraSpec& spec) : spec_(spec), lens_(spec) {
-  Chance chance(1);
+  NormalRandom random(1);
   noise_.reserve(kNoiseNumbers);
   for (std::size_t i = 0; i < kNoiseNumbers; ++i) {
-    noise_.push_back(static_cast<std::int16_t>(std::lround(spec.noise * chance.Normal())));
+    noise_.push_back(static_cast<std::int16_t>(std::lround(spec.noise * random.Normal())));
   }
 }
 
@@ -234,7 +234,7 @@ Image Camera::Shoot(const Scenery& scenery, const View& view) const {
   return image;
 }
 
-// In pieces of a long row of numbers, each from a place of its own.
+// In pieces of a long row of numbers, each from a different offset.
 void Camera::AddNoise(std::uint64_t seed, Image& image) const {
   constexpr std::size_t kPiece = 1024;
   transport::sim::Random random(seed);

@@ -1,9 +1,9 @@
 #pragma once
-// Draws what a camera sees: a pure function of the scenery, the camera, where they are and a seed.
+// Draws what a camera sees: a pure function of the scenery, the camera, the poses and a seed.
 //
-// Each pixel follows its ray to the nearest surface. Where neighbours see different surfaces the
-// pixel is drawn again from four rays. Things are looked for only in the tiles of the picture that
-// they may be in.
+// Each pixel follows its ray to the nearest surface. A pixel whose neighbours see different
+// surfaces is drawn again from four rays. A thing is tested only in the tiles of the picture that
+// it may cover.
 
 #include <cstdint>
 #include <memory>
@@ -28,8 +28,8 @@ struct Image {
   }
 };
 
-// Where the body is when the picture is taken, which casts a shadow, where its head looks, who else
-// is there, what chance adds, and how a humanoid stands; other bodies are not drawn.
+// The variable part of a picture: where the body is, which casts a shadow, where its head looks,
+// the guests, the noise, and a humanoid's stance; other bodies are not drawn.
 struct View {
   Pose2 body;
   Attitude attitude;
@@ -46,7 +46,7 @@ class Camera {
   const Intrinsics& intrinsics() const { return lens_.intrinsics(); }
   const CameraSpec& spec() const { return spec_; }
 
-  // Threads: as many as like at once.
+  // Threads: any number concurrently.
   Image Shoot(const Scenery& scenery, const View& view) const;
 
  private:

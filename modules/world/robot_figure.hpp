@@ -1,6 +1,6 @@
 #pragma once
-// What a humanoid looks like from outside: white limbs, dark joints, a visor for a face, drawn
-// where its joints are. Pure.
+// The looks of a humanoid from outside: white limbs, dark joints, a visor as face, drawn at its
+// joints. Pure.
 
 #include <Eigen/Geometry>
 #include <array>
@@ -11,15 +11,14 @@
 
 namespace musher::world {
 
-// How a humanoid stands at a moment.
+// The stance of a humanoid.
 struct HumanoidStance {
   Angles angles{};
   std::array<HandShape, kSides> hands{};
   double trunk_m = kTrunkM;  // its middle over the ground, upright
 };
 
-// Adds its parts. Those that a camera on the robot itself may have in view are its arms; the inside
-// of its head is none of them.
+// Adds its parts. A camera on the robot itself may only see its arms, not the inside of its head.
 void StandRobot(const HumanoidStance& stance, const Eigen::Isometry3d& body_in_place,
                 bool arms_only, std::vector<Thing>& things);
 

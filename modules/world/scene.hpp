@@ -1,6 +1,6 @@
 #pragma once
-// What a simulated place and robot are like: the contents of a scene file as one value. Positions
-// are metres in the place's frame, x to the right and y upwards as drawn, yaw counter-clockwise.
+// A simulated place and robot: the contents of a scene file as one value. Positions are metres in
+// the place's frame, x to the right and y upwards as drawn, yaw counter-clockwise.
 
 #include <Eigen/Core>
 #include <array>
@@ -54,10 +54,10 @@ struct Ball {
   Eigen::Vector3d center_m;
   double radius_m = 0.1;
   Color color = kThingColor;
-  bool glows = false;  // a lamp: no light and no shadow changes its colour
+  bool glows = false;  // a lamp: light and shadow do not change its colour
 };
 
-// What is to be seen on the front of a board.
+// The front of a board.
 struct Sign {
   enum class Kind { kPlain, kPicture, kQr, kText, kFace };
   Kind kind = Kind::kPlain;
@@ -66,7 +66,7 @@ struct Sign {
   Color ink{24, 24, 26};
 };
 
-// An upright rectangle without thickness that shows its front in the direction of its yaw.
+// An upright rectangle without thickness whose front faces the direction of its yaw.
 struct Board {
   std::string name;
   Eigen::Vector2d center_m;
@@ -122,8 +122,8 @@ enum class CameraModel { kPinhole, kFisheye };
 // What a camera is fixed to: the trunk, the head, which turns, or the place.
 enum class CameraMount { kBody, kHead, kPlace };
 
-// On the robot its place is from the middle of the trunk, x ahead, y to the left, z upwards, else
-// from the place's origin; its angles turn it as the body's do: yaw to the left, then pitch
+// On the robot its position is from the middle of the trunk, x ahead, y to the left, z upwards,
+// else from the place's origin; its angles turn it like the body's: yaw to the left, then pitch
 // downwards, then roll.
 struct CameraSpec {
   bool enabled = true;
@@ -146,12 +146,12 @@ inline constexpr std::size_t kCameras = 3;
 inline constexpr std::array<std::string_view, kCameras> kCameraNames{"front", "left", "right"};
 
 struct CameraSet {
-  // What happens to a shot that is due while the last one is still being drawn.
+  // What happens to a picture that is due while the last one is still being drawn.
   enum class Late { kSkip, kWait };
   Late late = Late::kSkip;
   std::array<CameraSpec, kCameras> cameras;
 
-  CameraSet();  // as CyberDog's: one ahead, and a fisheye on either side
+  CameraSet();  // like CyberDog's: one ahead, and a fisheye on either side
 };
 
 struct BodySpec {
@@ -159,11 +159,11 @@ struct BodySpec {
   double stand_height_m = 0.29;  // of the trunk
   double lie_height_m = 0.08;
   Duration lag = Milliseconds(200);  // time constant with which a commanded speed is taken up
-  double slip = 0.03;                // share of the commanded speed that is lost on the ground
+  double slip = 0.03;                // share of the commanded speed lost to slip
   double noise = 0.02;               // standard deviation of the speed, as a share of it
   double odometry_scale = 1.0;       // distance that odometry shows for a metre walked
   double odometry_yaw_drift_rad_per_m = 0;
-  Duration command_timeout = std::chrono::seconds(1);  // commands silent so long: it stands still
+  Duration command_timeout = std::chrono::seconds(1);  // timeout without a command: it stands still
 };
 
 struct BatterySpec {
@@ -177,14 +177,14 @@ struct BatterySpec {
   double pad_w = 90;
 };
 
-// A time for a motion in place of the built-in one.
+// Replaces the built-in time of a motion.
 struct MotionTime {
   int mode = 0;
   int gait = 0;
   Duration time{};
 };
 
-// What the scene does by itself at a time.
+// Events that the scene triggers at a time.
 struct ChargeTo {
   double percent = 0;
 };
@@ -241,12 +241,12 @@ struct Scene {
   CameraSet cameras;
   std::optional<HumanoidSpec> humanoid;  // else it has no joints and no head
   std::vector<GuestSpec> guests;
-  Duration guests_repeat{};  // after which they come anew; zero: they do not
+  Duration guests_repeat{};  // period of the timetables; zero: no repetition
   std::string gesture_topic = "/wedding/perception/gesture";
   SensorSpecs sensors;
 };
 
-// What may go wrong with a sensor: it is silent. "none" ends these, too.
+// The fault of a sensor: it is silent. "none" ends these, too.
 inline constexpr std::string_view kSensorFaults[] = {
     "camera front",  "camera left",    "camera right",  "lidar",          "ultrasonic", "tof",
     "tof_left_head", "tof_right_head", "tof_left_rear", "tof_right_rear", "gps",        "uwb"};

@@ -1,4 +1,4 @@
-// The guests of a scene, and whether they can be where they are told to be.
+// Reads the guests of a scene, and checks that they can be where they are placed.
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +38,7 @@ std::string At(Duration time) {
   return text;
 }
 
-// Where one is written, and how others call it.
+// Where it is written in the file, and its name in messages.
 struct Written {
   Position at;
   std::string path;
@@ -67,7 +67,7 @@ class GuestReader {
     scene_.guests.push_back(std::move(guest));
   }
 
-  // Plays their timetables once, without the robot's own movements.
+  // Runs their timetables once, without the robot's own movements.
   void Try() {
     if (scene_.guests.size() > kMostGuests) {
       return findings_.Error(written_[kMostGuests].at, "expected at most 50 guests");
@@ -76,15 +76,15 @@ class GuestReader {
     Guests guests(scene_);
     const Robot robot = RobotAtStart();
     const Duration end = End();
-    told_.assign(scene_.guests.size(), false);
+    reported_.assign(scene_.guests.size(), false);
     for (Duration now{}; now < end; now += kTryStep) {
       guests.Step(scene_, robot, now, kTryStep);
-      for (std::size_t i = 0; i < told_.size(); ++i) Judge(guests.all(), i, now);
+      for (std::size_t i = 0; i < reported_.size(); ++i) Check(guests.all(), i, now);
     }
     if (scene_.guests_repeat == Duration::zero()) return;
-    for (std::size_t i = 0; i < told_.size(); ++i) {
+    for (std::size_t i = 0; i < reported_.size(); ++i) {
       if (!guests.all()[i].here || scene_.guests[i].acts.empty()) continue;
-      Tell(i, "is still there when the guests come anew, at repeat_s of [guests]");
+      Report(i, "is still present when the timetable repeats, at repeat_s of [guests]");
     }
   }
 
@@ -128,7 +128,7 @@ class GuestReader {
             CameraInPlace(scene_.cameras.cameras.front(), scene_.start, standing).translation()};
   }
 
-  // When all have done everything, or come anew.
+  // When all have done everything, or repeat.
   Duration End() const {
     constexpr Duration kLastWalk = std::chrono::minutes(2);
     if (scene_.guests_repeat > Duration::zero()) return scene_.guests_repeat;
@@ -139,24 +139,24 @@ class GuestReader {
     return end + kLastWalk;
   }
 
-  void Judge(const std::vector<Guest>& guests, std::size_t i, Duration now) {
+  void Check(const std::vector<Guest>& guests, std::size_t i, Duration now) {
     const Guest& guest = guests[i];
     if (!guest.here) return;
     const GuestSpec& spec = scene_.guests[i];
     if (!IsFree(scene_, guest.position_m, kGuestRadiusM, spec.height_m)) {
-      Tell(i, At(now) + " it is in an obstacle or outside the place");
+      Report(i, At(now) + " it is in an obstacle or outside the place");
     }
     for (std::size_t j = 0; j < i; ++j) {
       if (!guests[j].here) continue;
       if ((guests[j].position_m - guest.position_m).norm() >= 2 * kGuestRadiusM) continue;
-      Tell(i, At(now) + " it is in the place of " + written_[j].path);
+      Report(i, At(now) + " it overlaps " + written_[j].path);
     }
   }
 
-  // Once for each guest: what follows comes of the first.
-  void Tell(std::size_t i, const std::string& what) {
-    if (told_[i]) return;
-    told_[i] = true;
+  // Once for each guest: later errors follow from the first.
+  void Report(std::size_t i, const std::string& what) {
+    if (reported_[i]) return;
+    reported_[i] = true;
     findings_.Error(written_[i].at, written_[i].path + ": " + what);
   }
 
@@ -165,7 +165,7 @@ class GuestReader {
   Findings& findings_;
   Scene& scene_;
   std::vector<Written> written_;
-  std::vector<bool> told_;
+  std::vector<bool> reported_;
 };
 
 }  // namespace

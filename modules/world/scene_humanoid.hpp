@@ -1,5 +1,5 @@
 #pragma once
-// A humanoid in a scene file, and the file of its poses.
+// Reads a humanoid of a scene file, and the file of its poses.
 
 #include <optional>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace musher::world {
 
-// [humanoid], if there is one. Its file of poses is relative to `folder`, and not read yet.
+// [humanoid], if present. Its file of poses is relative to `folder`, and not read yet.
 std::optional<HumanoidSpec> ReadHumanoid(config_toml::TableReader& root, const std::string& folder,
                                          config_toml::Findings& findings);
 

@@ -1,5 +1,6 @@
 #pragma once
-// Values that a scene file has in many places. Each reports what is wrong, as TableReader does.
+// Readers of values that occur in many places of a scene file. Each reports errors, as TableReader
+// does.
 
 #include <Eigen/Core>
 #include <optional>
@@ -27,7 +28,7 @@ void Set(T& field, const std::optional<T>& value) {
   if (value) field = *value;
 }
 
-// Reads the table `key` of `root`, if there is one, and refuses what `read` did not ask for.
+// Reads the table `key` of `root`, if present, and refuses the keys that `read` did not read.
 template <typename Read>
 void Section(TableReader& root, std::string_view key, Findings& findings, Read read) {
   const config_toml::Position at = root.At(key);
@@ -70,10 +71,10 @@ std::optional<Eigen::Vector2d> Range(TableReader& reader, std::string_view key, 
 // x_m and y_m, both required.
 Eigen::Vector2d Center(TableReader& reader);
 std::string Name(TableReader& reader);
-// The name of a topic; with a slash before it whatever the namespace is.
+// The name of a topic; with a leading slash independent of the namespace.
 std::optional<std::string> Topic(TableReader& reader, std::string_view key);
 std::optional<Color> ReadColor(TableReader& reader, std::string_view key, Findings& findings);
-// The absolute path of a picture that can be read; `folder` is what it may be relative to.
+// The absolute path of a readable picture; a relative path starts at `folder`.
 std::optional<std::string> PictureFile(TableReader& reader, std::string_view key,
                                        const std::string& folder);
 

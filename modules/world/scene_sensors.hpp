@@ -1,5 +1,5 @@
 #pragma once
-// The tables of a scene file for the sensors on the body: [lidar], [ultrasonic], [tof] and [gps].
+// Reads the tables of the sensors on the body: [lidar], [ultrasonic], [tof] and [gps].
 
 #include "musher/lifecycle/toml/table_reader.hpp"
 #include "musher/modules/world/sensor_specs.hpp"

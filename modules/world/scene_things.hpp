@@ -1,6 +1,5 @@
 #pragma once
-// What stands, lies and is painted in a scene: the tables of a scene file for it, and what it looks
-// like.
+// Reads what stands, lies and is painted in a scene, and the looks of the scene.
 
 #include <string>
 
@@ -14,7 +13,7 @@ namespace musher::world {
 void ReadThings(config_toml::TableReader& root, const std::string& folder,
                 config_toml::Findings& findings, Scene& scene);
 
-// [guests] and [[guest]]. After everything else: where guests go is judged by what is in their way.
+// [guests] and [[guest]]. Call it last: the paths of guests are checked against the obstacles.
 void ReadGuests(config_toml::TableReader& root, config_toml::Findings& findings, Scene& scene);
 
 // [ground], [light], [cameras] and [camera.*].

@@ -34,7 +34,7 @@ constexpr double kLongestS = 1e6;  // eleven days
 constexpr std::int64_t kMostSeed = std::int64_t{1} << 62;
 constexpr std::int64_t kMostMode = 127;  // what fits into the board's messages
 
-// Scene::start and what events carry: a pose that must be free.
+// Scene::start and poses of events: poses that must be free.
 struct PlacedPose {
   Pose2 pose;
   Position at;
@@ -224,7 +224,7 @@ class Reader {
   std::vector<PlacedPose> placed_;
 };
 
-// Reads the file that the humanoid's poses are in, if it names one.
+// Reads the file of the humanoid's poses, if it names one.
 void ReadPoses(SceneReading& reading) {
   if (!reading.scene || !reading.scene->humanoid) return;
   HumanoidSpec& humanoid = *reading.scene->humanoid;

@@ -1,5 +1,5 @@
 #pragma once
-// Reads a scene file (README.md lists its keys, config/scenes/yard.toml explains each). All faults
+// Reads a scene file (README.md lists its keys, config/scenes/yard.toml explains each). All errors
 // are reported at once, each with its place in the file.
 
 #include <optional>

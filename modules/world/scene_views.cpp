@@ -1,4 +1,4 @@
-// How a scene is lit and looked at.
+// Reads the lighting and the cameras of a scene.
 
 #include <cmath>
 #include <utility>
@@ -91,7 +91,8 @@ void ReadMount(TableReader& reader, bool has_head, bool is_front, CameraSpec& ca
   }
   if (in_place) {
     for (const char* key : {"x_m", "y_m", "z_m"}) reader.Require(key, "where in the place it is");
-    camera = CameraSpec{.enabled = camera.enabled, .on = camera.on};  // as none on a dog
+    camera = CameraSpec{.enabled = camera.enabled,
+                        .on = camera.on};  // no defaults of a CyberDog's camera
   }
   const double farthest_m = in_place ? keys::kFarthestM : kFarthestOnBodyM;
   const double lowest_m = in_place ? keys::kSmallestM : -kFarthestOnBodyM;

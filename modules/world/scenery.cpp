@@ -27,7 +27,7 @@ Thing Upright(Thing::Shape shape, const Vector2d& center, double bottom_m, doubl
   return thing;
 }
 
-// A long thing in several spheres: one would be as high as it is long.
+// A long thing in several spheres: a single one would be as high as it is long.
 void Bound(Thing& thing) {
   if (thing.shape == Thing::Shape::kSphere) {
     thing.bounds = {{thing.center_m, thing.half_m.x()}};
@@ -51,7 +51,7 @@ void Bound(Thing& thing) {
   }
 }
 
-// Plank's law for one wavelength, but for factors that are the same for all.
+// Planck's law for one wavelength, except for factors that are the same for all.
 double Radiance(double wavelength_m, double temperature_k) {
   constexpr double kSecondRadiation = 0.014388;  // m K
   return std::pow(wavelength_m, -5) / std::expm1(kSecondRadiation / (wavelength_m * temperature_k));
@@ -141,7 +141,7 @@ Scenery::Scenery(const Scene& scene, Texture ground)
   for (Thing& thing : things_) Bound(thing);
 }
 
-// From all of the light at one end of the place to what is left at the other.
+// From full light at one end of the place to what is left at the other.
 void Scenery::Dim(const Scene& scene) {
   const Lighting& light = scene.light;
   const Vector2d towards(std::cos(light.gradient_yaw_rad), std::sin(light.gradient_yaw_rad));

@@ -1,7 +1,7 @@
 #pragma once
-// A scene made ready to be looked at: what rays can hit, and the surfaces painted.
+// A scene prepared for drawing: the things that rays can hit, and the painted surfaces.
 //
-// Threads: never changed once it is made; as many as like may look.
+// Threads: immutable; any number of concurrent readers.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -19,7 +19,7 @@ struct Figure;  // see figure.hpp
 
 using Light3 = Eigen::Array3f;  // red, green, blue; 255 is white
 
-// What a sphere round a part of a thing is like.
+// A bounding sphere of a part of a thing.
 struct Ball3 {
   Eigen::Vector3f center_m;
   float radius_m = 0;
@@ -33,8 +33,7 @@ struct Thing {
   Eigen::Vector3f half_m;  // a cylinder's and a sphere's radius is x, a board's x is 0
   float cos_yaw = 1, sin_yaw = 0;
   Light3 color;
-  // Of an ellipsoid, in place of its yaw: from its middle into a frame in which it is the ball of
-  // radius 1.
+  // Of an ellipsoid, instead of its yaw: maps its frame to one in which it is the unit sphere.
   Eigen::Matrix3f to_unit = Eigen::Matrix3f::Identity();
   std::shared_ptr<const Texture> front;  // of a board, or of an ellipsoid's half towards its x
   bool glows = false;
@@ -43,13 +42,13 @@ struct Thing {
 
 class Scenery {
  public:
-  // Fails when a picture is not there any more. Takes some tenths of a second.
+  // Fails when a picture does not exist any more. Takes some tenths of a second.
   static Result<std::unique_ptr<Scenery>> Make(const Scene& scene);
   ~Scenery();
 
-  // What stands still.
+  // Things that do not move.
   const std::vector<Thing>& things() const { return things_; }
-  // That and the guests where they are now, as the scene lists them.
+  // These and the guests at their present positions, as the scene lists them.
   std::vector<Thing> With(const std::vector<Guest>& guests) const;
   const Texture& ground() const { return ground_; }
   float texels_per_m() const { return texels_per_m_; }
@@ -62,13 +61,13 @@ class Scenery {
   const Eigen::Vector3f& towards_light() const { return towards_light_; }
   bool shadows() const { return shadows_; }
   float light_in_shadow() const { return light_in_shadow_; }
-  // What a surface that looks along `normal` gets. Light is scattered: surfaces that look away from
-  // it are not all the same.
+  // The light on a surface with that normal. Light is scattered: surfaces that face away from it
+  // still differ.
   Light3 LightOn(const Eigen::Vector3f& normal) const {
     const float half = 0.5F + 0.5F * normal.dot(towards_light_);
     return tint_ * (ambient_ + (1 - ambient_) * half * half);
   }
-  // Share of the light that comes to a place.
+  // Share of the light at a position.
   float LightAt(float x_m, float y_m) const {
     const float share = dim_from_ - dim_x_ * x_m - dim_y_ * y_m;
     const float most = share < 1 ? share : 1;
@@ -96,7 +95,7 @@ class Scenery {
 
 Light3 ToLight(const Color& color);
 
-// What the light of a black body of that temperature is to one of 6500 K, of the same brightness.
+// The light of a black body of that temperature relative to 6500 K, at the same brightness.
 Light3 TintOf(double temperature_k);
 
 }  // namespace musher::world

@@ -17,18 +17,18 @@ using Eigen::Vector3d;
 constexpr double kEarthRadiusM = 6'378'137;
 constexpr std::size_t kTofSide = 8;
 
-// Of which sensor a chance is.
+// Identifies the sensor in the seed of a random generator.
 enum class Sensor : std::uint64_t { kLidar = 1, kUltrasonic, kGps, kTof, kUwb };
 
-Chance ChanceOf(const World& world, Sensor sensor, std::size_t number = 0) {
+NormalRandom RandomOf(const World& world, Sensor sensor, std::size_t number = 0) {
   transport::sim::Random seed(world.scene().seed);
   transport::sim::Random of_sensor(seed.Next() + static_cast<std::uint64_t>(sensor) + number);
-  return Chance(of_sensor.Next() + static_cast<std::uint64_t>(world.now().count()));
+  return NormalRandom(of_sensor.Next() + static_cast<std::uint64_t>(world.now().count()));
 }
 
-// A sensor in the place: what is about it, and where its own axes point.
+// A sensor in the place: what is around it, and the directions of its axes.
 struct Eye {
-  Surroundings about;
+  RayTargets about;
   Matrix3d turned;
 
   double Look(double yaw, double down) const {
@@ -43,19 +43,19 @@ Eye Open(const World& world, const Mount& mount, double most_m) {
   const Attitude& attitude = world.body().attitude();
   const Matrix3d body = Turned(pose.yaw_rad, attitude.pitch_rad, attitude.roll_rad);
   const Vector3d trunk(pose.position_m.x(), pose.position_m.y(), attitude.height_m);
-  return {Surroundings(world.scene(), trunk + body * mount.position_m, most_m),
+  return {RayTargets(world.scene(), trunk + body * mount.position_m, most_m),
           body * Turned(mount.yaw_rad, mount.pitch_rad, 0)};
 }
 
-// What the sensor says of a distance.
-double Reading(const Reach& reach, double distance_m, Chance& chance) {
-  const double reading = distance_m + reach.noise_m * chance.Normal();
+// The sensor's reading of a distance.
+double Reading(const Reach& reach, double distance_m, NormalRandom& random) {
+  const double reading = distance_m + reach.noise_m * random.Normal();
   if (reading < reach.least_m) return -kNothing;
   if (reading > reach.most_m) return kNothing;
   return reading;
 }
 
-// Rays end a little beyond the reach: noise may bring back what is there.
+// Rays end a little beyond the reach: noise may bring a reading back within.
 double RayLength(const Reach& reach) {
   return reach.most_m + 3 * reach.noise_m;
 }
@@ -76,7 +76,7 @@ Mount TofMount(const TofSpec& tof, std::size_t position) {
 msg::LaserScan MeasureScan(const World& world) {
   const LidarSpec& lidar = world.scene().sensors.lidar;
   const Eye eye = Open(world, lidar.mount, RayLength(lidar.reach));
-  Chance chance = ChanceOf(world, Sensor::kLidar);
+  NormalRandom random = RandomOf(world, Sensor::kLidar);
   const double step = (lidar.to_rad - lidar.from_rad) / (lidar.rays - 1);
   msg::LaserScan scan;
   scan.header = {msg::ToStamp(world.now()), "laser_frame"};
@@ -89,7 +89,7 @@ msg::LaserScan MeasureScan(const World& world) {
   scan.ranges.reserve(static_cast<std::size_t>(lidar.rays));
   for (int i = 0; i < lidar.rays; ++i) {
     const double distance = eye.Look(lidar.from_rad + i * step, 0);
-    scan.ranges.push_back(static_cast<float>(Reading(lidar.reach, distance, chance)));
+    scan.ranges.push_back(static_cast<float>(Reading(lidar.reach, distance, random)));
   }
   return scan;
 }
@@ -107,14 +107,14 @@ msg::Range MeasureUltrasonic(const World& world) {
       nearest = std::min(nearest, eye.Look(off * std::cos(turn), off * std::sin(turn)));
     }
   }
-  Chance chance = ChanceOf(world, Sensor::kUltrasonic);
+  NormalRandom random = RandomOf(world, Sensor::kUltrasonic);
   msg::Range range;
   range.header = {msg::ToStamp(world.now()), "ultrasonic_frame"};
   range.radiation_type = msg::Range::kUltrasound;
   range.field_of_view = static_cast<float>(ultrasonic.cone_rad);
   range.min_range = static_cast<float>(ultrasonic.reach.least_m);
   range.max_range = static_cast<float>(ultrasonic.reach.most_m);
-  range.range = static_cast<float>(Reading(ultrasonic.reach, nearest, chance));
+  range.range = static_cast<float>(Reading(ultrasonic.reach, nearest, random));
   range.variance = static_cast<float>(std::pow(ultrasonic.reach.noise_m, 2));
   return range;
 }
@@ -122,7 +122,7 @@ msg::Range MeasureUltrasonic(const World& world) {
 msg::SingleTofPayload MeasureTof(const World& world, std::size_t position) {
   const TofSpec& tof = world.scene().sensors.tof;
   const Eye eye = Open(world, TofMount(tof, position), RayLength(tof.reach));
-  Chance chance = ChanceOf(world, Sensor::kTof, position);
+  NormalRandom random = RandomOf(world, Sensor::kTof, position);
   msg::SingleTofPayload payload;
   payload.header = {msg::ToStamp(world.now()), "tof_" + std::string(kTofNames.at(position))};
   payload.data_available = true;
@@ -133,11 +133,11 @@ msg::SingleTofPayload MeasureTof(const World& world, std::size_t position) {
   constexpr double kScale = 0.001;
   for (std::size_t row = 0; row < kTofSide; ++row) {
     for (std::size_t column = 0; column < kTofSide; ++column) {
-      const double distance = Reading(tof.reach, eye.Look(-angle(column), angle(row)), chance);
+      const double distance = Reading(tof.reach, eye.Look(-angle(column), angle(row)), random);
       const bool seen = std::isfinite(distance);
       payload.data.push_back(
           static_cast<float>(seen ? std::round(distance / kScale) * kScale : distance));
-      // Light comes back the less the farther it went.
+      // The farther light went, the less of it returns.
       payload.intensity.push_back(
           static_cast<float>(seen ? std::pow(tof.reach.least_m / distance, 2) : 0));
     }
@@ -161,12 +161,12 @@ msg::NavSatFix MeasureFix(const World& world) {
   fix.status.status = gps.fix == GpsSpec::Fix::kFix    ? Status::kFix
                       : gps.fix == GpsSpec::Fix::kSbas ? Status::kSbasFix
                                                        : Status::kGbasFix;
-  Chance chance = ChanceOf(world, Sensor::kGps);
+  NormalRandom random = RandomOf(world, Sensor::kGps);
   const Vector3d noise(gps.noise_m, gps.noise_m, 2 * gps.noise_m);
   Vector3d at_m(world.body().pose().position_m.x(), world.body().pose().position_m.y(),
                 world.body().attitude().height_m);
   for (double* coordinate = at_m.data(); coordinate != at_m.data() + 3; ++coordinate) {
-    *coordinate += noise[coordinate - at_m.data()] * chance.Normal();
+    *coordinate += noise[coordinate - at_m.data()] * random.Normal();
   }
   constexpr double kDegree = M_PI / 180;
   fix.latitude = gps.latitude_deg + at_m.y() / kEarthRadiusM / kDegree;
@@ -197,9 +197,9 @@ std::optional<msg::UwbRaw> MeasureTag(const World& world) {
   if (distance > uwb.most_m) return std::nullopt;
   const double angle = std::remainder(std::atan2(to_tag.y(), to_tag.x()) - pose.yaw_rad, 2 * M_PI);
   const bool hidden = Open(world, {}, distance).Look(angle, 0) < distance;
-  Chance chance = ChanceOf(world, Sensor::kUwb);
-  const double measured = std::max(distance + uwb.noise_m * chance.Normal(), 0.0);
-  const double turned = std::remainder(angle + uwb.noise_rad * chance.Normal(), 2 * M_PI);
+  NormalRandom random = RandomOf(world, Sensor::kUwb);
+  const double measured = std::max(distance + uwb.noise_m * random.Normal(), 0.0);
+  const double turned = std::remainder(angle + uwb.noise_rad * random.Normal(), 2 * M_PI);
   const double rssi = kRssiAtOneMetre - 20 * std::log10(distance) + (hidden ? kShadowed : 0);
   msg::UwbRaw raw;
   raw.header = {msg::ToStamp(world.now()), "uwb"};

@@ -1,7 +1,7 @@
 #pragma once
-// What the range sensors and the GPS of a simulated body measure, as their messages. A function of
-// the world alone: chance is drawn from its seed, the sensor and the time, so that a reading is the
-// same whoever listens to it, and the body's own chance is left alone.
+// The measurements of the range sensors and the GPS of a simulated body, as messages. A function
+// of the world alone: random numbers depend on its seed, the sensor and the time, so that a
+// reading is the same for every subscriber, and the body's random generator is not used.
 
 #include <array>
 #include <optional>
@@ -26,10 +26,10 @@ msg::Range MeasureUltrasonic(const World& world);
 // Zones row by row, from the left above to the right below, as the sensor sees them.
 msg::SingleTofPayload MeasureTof(const World& world, std::size_t position);
 msg::NavSatFix MeasureFix(const World& world);
-// How many satellites that fix is from; NavSatFix has no field for it.
+// The number of satellites of that fix; NavSatFix has no field for it.
 msg::UInt8 CountSatellites(const World& world);
 // Distance and angle of the tag, the latter in rad from straight ahead, left positive; nothing
-// where it is too far. n_los is 1 behind something, else 0.
+// when it is too far. n_los is 1 behind an obstacle, else 0.
 std::optional<msg::UwbRaw> MeasureTag(const World& world);
 
 }  // namespace musher::world

@@ -6,15 +6,15 @@
 
 namespace musher::world {
 
-// Where a sensor sits: from the middle of the trunk, x ahead, y to the left, z upwards. Its angles
-// turn it as the body's do: yaw to the left, then pitch downwards.
+// Where a sensor is mounted: from the middle of the trunk, x ahead, y to the left, z upwards. Its
+// angles turn it like the body's: yaw to the left, then pitch downwards.
 struct Mount {
   Eigen::Vector3d position_m{0, 0, 0};
   double yaw_rad = 0;
   double pitch_rad = 0;
 };
 
-// What all that measure a distance have: nearer than least_m reads -inf, beyond most_m +inf.
+// Common to all range sensors: nearer than least_m reads -inf, beyond most_m +inf.
 struct Reach {
   double least_m = 0;
   double most_m = 0;
@@ -65,7 +65,7 @@ struct GpsSpec {
   int satellites = 9;  // in use; none without a fix
 };
 
-// A tag that a person carries, seen by the body's ultra-wideband radio.
+// A tag carried by a person, measured by the body's ultra-wideband radio.
 struct UwbSpec {
   bool enabled = true;
   Eigen::Vector2d tag_m{2, 1};  // where it is in the place

@@ -1,5 +1,5 @@
 #pragma once
-// What a camera sees, as a file. For authors of scenes.
+// A camera's picture as a file. For authors of scenes.
 
 #include <string>
 
@@ -9,16 +9,16 @@
 
 namespace musher::world {
 
-// What camera `index` of the scene would take a picture of now.
+// The view of the scene's camera `index` now.
 View ViewOf(const World& world, std::size_t index);
 
-// Of camera `index` of the scene, from where the body of `world` is.
+// The picture of the scene's camera `index`, from the pose of the body in `world`.
 Result<Image> TakeShot(const World& world, std::size_t index);
 
-// As PNG; the file is there as a whole or not at all.
+// As PNG; the file is written completely or not at all.
 Result<> SaveImage(const Image& image, const std::string& path);
 
-// The seed of the noise of a camera at a time: the same scene, camera and time are the same noise.
+// The seed of a camera's noise at a time: same scene, camera and time give the same noise.
 std::uint64_t NoiseSeed(const Scene& scene, std::size_t index, Duration at);
 
 }  // namespace musher::world

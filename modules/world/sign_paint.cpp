@@ -31,7 +31,7 @@ struct Sheet {
   double height = 0;
 };
 
-// A code in the middle, with the white rim of four squares that readers want around it.
+// A code in the middle, with the white rim of four squares that readers need around it.
 Texture Code(const Board& board) {
   constexpr int kEncodersRim = 2;
   constexpr int kRim = 4;
@@ -54,7 +54,7 @@ Texture Code(const Board& board) {
   return TextureOf(image);
 }
 
-// As large as the board allows.
+// As large as the board permits.
 Texture Text(const Board& board) {
   const Sheet sheet(board);
   Canvas canvas(sheet.size().width, sheet.size().height, board.color);
@@ -87,7 +87,7 @@ Texture Face(const Board& board) {
 Result<Texture> Picture(const Board& board) {
   cv::Mat image = cv::imread(board.sign.content, cv::IMREAD_COLOR);
   if (image.empty()) {
-    return Error{kCodeFailed, "the picture " + board.sign.content + " is not there any more"};
+    return Error{kCodeFailed, "the picture " + board.sign.content + " does not exist any more"};
   }
   constexpr double kMostPx = 1024;
   const double scale = kMostPx / std::max(image.cols, image.rows);

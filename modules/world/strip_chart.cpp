@@ -76,7 +76,7 @@ class Chart {
     ForRuns(index, [&](const Sample& first, double from, double to) {
       const std::string& name = names.at(static_cast<std::size_t>(index(first)));
       const Color fill = color(name);
-      const std::string word = name.empty() ? "not heard" : name;
+      const std::string word = name.empty() ? "unknown" : name;
       canvas_.FillRect({from, top}, {std::max(to, from + 1), bottom}, fill);
       if (canvas_.TextWidth(word, kSmall) + 8 < to - from) {
         canvas_.Text(word, {(from + to) / 2, bottom - 10}, kSmall, InkOn(fill), Align::kCenter);

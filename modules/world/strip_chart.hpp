@@ -6,9 +6,9 @@
 
 namespace musher::world {
 
-inline constexpr double kChartNames = 84;  // so wide are the names left of its rows
+inline constexpr double kChartNames = 84;  // width of the names left of its rows
 
-// Into the rectangle between the corners, with names to its left and times below it inside.
+// Into the rectangle between the corners, including names at the left and times below.
 void DrawStripChart(const Track& track, const Pixel& corner, const Pixel& opposite, Canvas& canvas);
 
 // "1:05", from seconds of world time.

@@ -1,8 +1,7 @@
 #pragma once
-// The pictures on the surfaces of a scene, painted once before the cameras look.
+// The pictures on the surfaces of a scene, painted once before the cameras are used.
 //
-// Threads: any; they work on nothing that is shared. Painting a ground takes some tenths of a
-// second.
+// Threads: any; no shared data. Painting a ground takes some tenths of a second.
 
 #include "musher/lifecycle/result.hpp"
 #include "musher/modules/world/scene.hpp"
@@ -10,17 +9,17 @@
 
 namespace musher::world {
 
-// The front of a board, its first row uppermost. Fails when its picture is not there any more.
+// The front of a board, its first row uppermost. Fails when its picture does not exist any more.
 Result<Texture> PaintSign(const Board& board);
 
-// What a head shows to those in front of it, hair and all; its edge is an ellipse.
+// The front of a head, hair included; its edge is an ellipse.
 Result<Texture> PaintHead(int face);
 
-// The ground of the place with all that is painted on it and the shadows that fall on it. Its first
-// row lies along least_m.y, its first column along least_m.x.
+// The ground of the place with all that is painted on it and the shadows on it. Its first row lies
+// along least_m.y, its first column along least_m.x.
 Result<Texture> PaintGround(const Scene& scene);
 
-// What share of its light the ground has in a shadow.
+// The share of light that remains in a shadow on the ground.
 double LightInShadow(const Lighting& light);
 
 // From the ground towards the light.

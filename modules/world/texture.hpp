@@ -1,8 +1,8 @@
 #pragma once
-// A picture that is laid on a surface, kept in halves of its size, too, so that it can be looked at
-// from afar without flicker.
+// A picture that is laid on a surface, also stored in successive half sizes, so that it does not
+// flicker at a distance.
 //
-// Threads: never changed; as many as like may look.
+// Threads: immutable; any number of concurrent readers.
 
 #include <algorithm>
 #include <bit>
@@ -14,7 +14,7 @@ namespace musher::world {
 // 0x00RRGGBB.
 using Texel = std::uint32_t;
 
-// The binary logarithm, right to 0.09. Of positive numbers.
+// The binary logarithm of a positive number, with an error of at most 0.09.
 inline float RoughLog2(float value) {
   constexpr float kMantissa = 1.0F / (1U << 23);
   return static_cast<float>(std::bit_cast<std::int32_t>(value)) * kMantissa - 127;
@@ -27,16 +27,16 @@ class Texture {
 
   int width() const { return levels_.front().width; }
   int height() const { return levels_.front().height; }
-  // Of all of it.
+  // The mean of all texels.
   Texel mean() const { return levels_.back().texels.front(); }
 
-  // At (x, y) in 256ths of a texel from the picture's corner; the edge goes on outside. `halvings`
-  // is the binary logarithm of how many texels a pixel covers along one side.
+  // At (x, y) in 256ths of a texel from the picture's corner; clamped to the edge outside.
+  // `halvings` is the binary logarithm of how many texels a pixel covers along one side.
   Texel At(int x, int y, int halvings) const {
     const int level = std::clamp(halvings, 0, last_);
     return Sample(levels_[static_cast<std::size_t>(level)], x >> level, y >> level);
   }
-  // The same smoothly from level to level; x and y in texels.
+  // Interpolated between levels; x and y in texels.
   Texel Smooth(float x, float y, float halvings) const;
 
  private:
@@ -46,7 +46,7 @@ class Texture {
     std::vector<Texel> texels;
   };
 
-  // Between the four texels whose middles are around.
+  // Interpolated between the four texels around.
   static Texel Sample(const Level& level, int x, int y) {
     const int column = std::clamp(x - 128, 0, (level.width - 1) * 256);
     const int row = std::clamp(y - 128, 0, (level.height - 1) * 256);

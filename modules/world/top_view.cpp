@@ -61,7 +61,8 @@ class TopView {
       Label(circle.name, circle.center_m, 2 * circle.radius_m, InkOn(circle.color));
     }
     for (const Ball& ball : scene_.balls) {
-      if (ball.center_m.z() - ball.radius_m > kOverhead) continue;  // it would hide what is below
+      if (ball.center_m.z() - ball.radius_m > kOverhead)
+        continue;  // it would hide the things below
       DrawDisc(ball.center_m.head<2>(), ball.radius_m, ball.color);
     }
     for (const Board& board : scene_.boards) DrawBoard(board);
@@ -125,7 +126,7 @@ class TopView {
     canvas_.Ring(At(center_m), radius_m * scale_, EdgeOf(color), 1.2);
   }
 
-  // A stroke, with a short one in the direction it is read from.
+  // A stroke, with a short one in the direction it faces.
   void DrawBoard(const Board& board) {
     const Rotation2Dd turn(board.yaw_rad);
     const Vector2d along = turn * Vector2d(0, board.width_m / 2);
@@ -149,7 +150,7 @@ class TopView {
     canvas_.Fill(bolt, kPadEdge);
   }
 
-  // In pieces of one colour. Where the body was carried there is no line.
+  // In pieces of one colour. Without a line where the body was carried.
   void Way() {
     const std::vector<Sample>& samples = world_.track().samples();
     std::vector<Pixel> piece = {At(samples.front().pose.position_m)};
@@ -206,7 +207,7 @@ class TopView {
     canvas_.Fill(fan, kSight);
   }
 
-  // As wide as its shoulders, with a stroke to where it looks.
+  // As wide as its shoulders, with a stroke in the direction it looks.
   void DrawGuest(std::size_t index) {
     const GuestSpec& spec = scene_.guests[index];
     const Guest& guest = world_.guests()[index];
@@ -227,7 +228,7 @@ class TopView {
                  kInk, Align::kCenter);
   }
 
-  // A trunk with its head ahead; where it began hollow, where it is now full.
+  // A trunk with its head ahead; hollow at the start, filled at the present position.
   void DrawBody(const Pose2& pose, bool now) {
     const double unit = scene_.body.radius_m;
     const Rotation2Dd turn(pose.yaw_rad);
@@ -303,13 +304,13 @@ void DrawLegend(const World& world, const Pixel& corner, Canvas& canvas) {
   const auto swatch = [&](const Color& color) {
     canvas.FillRect(at + Pixel(0, -9), at + Pixel(26, 1), color);
   };
-  if (HeardAMachine(track)) {
+  if (HasMachineState(track)) {
     title("The way, by machine state");
     for (const auto& [index, seconds] : TimeInStates(track)) {
       const std::string& state = track.states().at(static_cast<std::size_t>(index));
       if (state.empty() && seconds < 1) continue;
       swatch(ColorOfState(state));
-      row(state.empty() ? "not heard yet" : state, ClockText(std::round(seconds)));
+      row(state.empty() ? "unknown" : state, ClockText(std::round(seconds)));
     }
   } else {
     title("The way, by battery");

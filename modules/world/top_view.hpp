@@ -1,15 +1,15 @@
 #pragma once
-// A place seen from above, with the way the body took.
+// A place seen from above, with the path of the body.
 
 #include "musher/modules/world/canvas.hpp"
 #include "musher/modules/world/world.hpp"
 
 namespace musher::world {
 
-inline constexpr double kMapAxis = 34;  // so high is the axis below the place
+inline constexpr double kMapAxis = 34;  // height of the axis below the place
 
-// Draws the place as large as it fits between the corners, at their left, with its axes outside to
-// the left of it and within below it. Gives where it ends to the right.
+// Draws the place as large as fits between the corners, at their left, with its axes to the left
+// of it and below it inside. Returns its right edge.
 double DrawTopView(const World& world, const Pixel& corner, const Pixel& opposite, Canvas& canvas);
 
 void DrawLegend(const World& world, const Pixel& corner, Canvas& canvas);

@@ -90,36 +90,36 @@ Tracer::Tracer(const Scenery& scenery, const std::vector<Thing>& things,
 }
 
 void Tracer::Look(const Rays& rays, const Indices& things, Sights& sights) const {
-  Ways ways;
-  Turn(rays, ways);
-  FindBackground(ways, sights);
+  Paths paths;
+  Turn(rays, paths);
+  FindBackground(paths, sights);
   // Most bundles are all sky or all ground.
   const auto begin = sights.surface.begin();
-  if (std::find(begin, sights.surface.end(), kSky) != sights.surface.end()) ColorSky(ways, sights);
+  if (std::find(begin, sights.surface.end(), kSky) != sights.surface.end()) ColorSky(paths, sights);
   if (std::find(begin, sights.surface.end(), kGroundLabel) != sights.surface.end()) {
-    FindGround(rays, ways);
-    ColorGround(ways, sights);
+    FindGround(rays, paths);
+    ColorGround(paths, sights);
   }
-  ColorBackground(ways, sights);
+  ColorBackground(paths, sights);
   for (const std::uint16_t thing : things) {
     const bool ellipsoid = things_[thing].shape == Thing::Shape::kEllipsoid;
-    ellipsoid ? FindEllipsoid(thing, ways, sights) : FindThing(thing, ways, sights);
+    ellipsoid ? FindEllipsoid(thing, paths, sights) : FindThing(thing, paths, sights);
   }
 }
 
-void Tracer::Turn(const Rays& rays, Ways& ways) const {
+void Tracer::Turn(const Rays& rays, Paths& paths) const {
   const auto turn = [&rays](float x, float y, float z, Each<float>& into) {
     for (std::size_t i = 0; i < kBundle; ++i) {
       into[i] = x * rays.x[i] + y * rays.y[i] + z * rays.z[i];
     }
   };
-  turn(turn_(0, 0), turn_(0, 1), turn_(0, 2), ways.x);
-  turn(turn_(1, 0), turn_(1, 1), turn_(1, 2), ways.y);
-  turn(turn_(2, 0), turn_(2, 1), turn_(2, 2), ways.z);
+  turn(turn_(0, 0), turn_(0, 1), turn_(0, 2), paths.x);
+  turn(turn_(1, 0), turn_(1, 1), turn_(1, 2), paths.y);
+  turn(turn_(2, 0), turn_(2, 1), turn_(2, 2), paths.z);
 }
 
-// Which of fence, ground and sky, and how far.
-void Tracer::FindBackground(Ways& ways, Sights& sights) const {
+// Finds which of fence, ground and sky is hit, and how far.
+void Tracer::FindBackground(Paths& paths, Sights& sights) const {
   constexpr float kTinyLength = 1e-9F;
   const Vector2f to_most = scenery_.most_m() - from_m_.head<2>();
   const Vector2f to_least = scenery_.least_m() - from_m_.head<2>();
@@ -132,15 +132,15 @@ void Tracer::FindBackground(Ways& ways, Sights& sights) const {
     }
   };
   Each<float> by_x, by_y;
-  to_edge(to_least.x(), to_most.x(), ways.x, by_x);
-  to_edge(to_least.y(), to_most.y(), ways.y, by_y);
+  to_edge(to_least.x(), to_most.x(), paths.x, by_x);
+  to_edge(to_least.y(), to_most.y(), paths.y, by_y);
   const float height = from_m_.z();
   const float fence = fenced_ ? scenery_.fence_height_m() : -kFar;
   Each<std::int32_t> surface;
   for (std::size_t i = 0; i < kBundle; ++i) {
-    const float z = ways.z[i];
-    const std::int32_t side_x = ways.x[i] >= 0 ? kFence : kFence + 1;
-    const std::int32_t side_y = ways.y[i] >= 0 ? kFence + 2 : kFence + 3;
+    const float z = paths.z[i];
+    const std::int32_t side_x = paths.x[i] >= 0 ? kFence : kFence + 1;
+    const std::int32_t side_y = paths.y[i] >= 0 ? kFence + 2 : kFence + 3;
     const std::int32_t side = by_x[i] < by_y[i] ? side_x : side_y;
     const float far = by_x[i] < by_y[i] ? by_x[i] : by_y[i];
     const float down = z < kLevel ? z : -1;
@@ -150,15 +150,15 @@ void Tracer::FindBackground(Ways& ways, Sights& sights) const {
     const std::int32_t outside = above < fence ? side : beyond;
     surface[i] = to_ground <= far ? kGroundLabel : outside;
     const float least = above < fence ? far : kFar;
-    ways.far_m[i] = least < to_ground ? least : to_ground;
+    paths.far_m[i] = least < to_ground ? least : to_ground;
   }
   for (std::size_t i = 0; i < kBundle; ++i) {
     sights.surface[i] = static_cast<std::uint16_t>(surface[i]);
   }
 }
 
-// Where it is met, and how much of it a pixel covers. Right where the ground is met only.
-void Tracer::FindGround(const Rays& rays, Ways& ways) const {
+// Where it is met, and how much of it a pixel covers. Only valid where the ground is met.
+void Tracer::FindGround(const Rays& rays, Paths& paths) const {
   const float per_m = scenery_.texels_per_m();
   const float fine = 256 * per_m;  // parts of a texel in a metre
   const Vector2f from = from_m_.head<2>() - scenery_.least_m();
@@ -166,49 +166,49 @@ void Tracer::FindGround(const Rays& rays, Ways& ways) const {
   const float covered = pixel_rad_ * per_m;
   const Vector2f at = from_m_.head<2>();
   for (std::size_t i = 0; i < kBundle; ++i) {
-    const float far = ways.far_m[i] < 1e4F ? ways.far_m[i] : 1e4F;
-    const float x = (from.x() + far * ways.x[i]) * fine;
-    const float y = (from.y() + far * ways.y[i]) * fine;
+    const float far = paths.far_m[i] < 1e4F ? paths.far_m[i] : 1e4F;
+    const float x = (from.x() + far * paths.x[i]) * fine;
+    const float y = (from.y() + far * paths.y[i]) * fine;
     const float right = x > 0 ? x : 0;
     const float up = y > 0 ? y : 0;
-    ways.column[i] = static_cast<std::int32_t>(right < most.x() ? right : most.x());
-    ways.row[i] = static_cast<std::int32_t>(up < most.y() ? up : most.y());
-    const float steep = ways.z[i] < -1e-4F ? -ways.z[i] : 1e-4F;
+    paths.column[i] = static_cast<std::int32_t>(right < most.x() ? right : most.x());
+    paths.row[i] = static_cast<std::int32_t>(up < most.y() ? up : most.y());
+    const float steep = paths.z[i] < -1e-4F ? -paths.z[i] : 1e-4F;
     const float side = far * covered;
-    ways.halvings[i] =
+    paths.halvings[i] =
         static_cast<std::int32_t>(0.5F * RoughLog2(side * side / steep) + rays.dither[i]);
   }
   for (std::size_t i = 0; i < kBundle; ++i) {
-    const float far = ways.far_m[i] < 1e4F ? ways.far_m[i] : 1e4F;
-    ways.light[i] = scenery_.LightAt(at.x() + far * ways.x[i], at.y() + far * ways.y[i]);
+    const float far = paths.far_m[i] < 1e4F ? paths.far_m[i] : 1e4F;
+    paths.light[i] = scenery_.LightAt(at.x() + far * paths.x[i], at.y() + far * paths.y[i]);
   }
-  if (scenery_.shadows()) ShadowOfBody(ways);
+  if (scenery_.shadows()) ShadowOfBody(paths);
 }
 
-void Tracer::ShadowOfBody(Ways& ways) const {
+void Tracer::ShadowOfBody(Paths& paths) const {
   const Vector2f from = from_m_.head<2>() - shadow_m_;
   const Vector2f along_m(shadow_cos_ / shadow_half_m_.x(), shadow_sin_ / shadow_half_m_.x());
   const Vector2f across_m(-shadow_sin_ / shadow_half_m_.y(), shadow_cos_ / shadow_half_m_.y());
   const float missing = 1 - scenery_.light_in_shadow();
   for (std::size_t i = 0; i < kBundle; ++i) {
-    const float far = ways.far_m[i] < 1e4F ? ways.far_m[i] : 1e4F;
-    const float x = from.x() + far * ways.x[i];
-    const float y = from.y() + far * ways.y[i];
+    const float far = paths.far_m[i] < 1e4F ? paths.far_m[i] : 1e4F;
+    const float x = from.x() + far * paths.x[i];
+    const float y = from.y() + far * paths.y[i];
     const float along = along_m.x() * x + along_m.y() * y;
     const float across = across_m.x() * x + across_m.y() * y;
     const float out2 = along * along + across * across;
-    // All of it in the middle, nothing at the rim.
+    // Full in the middle, nothing at the rim.
     const float share = out2 < kShadowRim2 ? 1 - out2 / kShadowRim2 : 0;
     const float full = 1.8F * share;
-    ways.light[i] *= 1 - missing * (full < 1 ? full : 1);
+    paths.light[i] *= 1 - missing * (full < 1 ? full : 1);
   }
 }
 
-void Tracer::ColorSky(const Ways& ways, Sights& sights) const {
+void Tracer::ColorSky(const Paths& paths, Sights& sights) const {
   const Light3 from = horizon_;
   const Light3 by = zenith_ - horizon_;
   for (std::size_t i = 0; i < kBundle; ++i) {
-    const float up = ways.z[i] > 0 ? 1.6F * ways.z[i] : 0;
+    const float up = paths.z[i] > 0 ? 1.6F * paths.z[i] : 0;
     const float share = std::sqrt(up < 1 ? up : 1);
     sights.red[i] = from[0] + share * by[0];
     sights.green[i] = from[1] + share * by[1];
@@ -216,16 +216,17 @@ void Tracer::ColorSky(const Ways& ways, Sights& sights) const {
   }
 }
 
-void Tracer::ColorGround(const Ways& ways, Sights& sights) const {
+void Tracer::ColorGround(const Paths& paths, Sights& sights) const {
   const Texture& ground = scenery_.ground();
   Each<std::int32_t> texels;
   for (std::size_t i = 0; i < kBundle; ++i) {
-    texels[i] = static_cast<std::int32_t>(ground.At(ways.column[i], ways.row[i], ways.halvings[i]));
+    texels[i] =
+        static_cast<std::int32_t>(ground.At(paths.column[i], paths.row[i], paths.halvings[i]));
   }
   const Light3 light = light_on_ground_;
   const auto color = [&](Each<float>& own, int shift, float part) {
     for (std::size_t i = 0; i < kBundle; ++i) {
-      const float here = static_cast<float>(texels[i] >> shift & 0xFF) * part * ways.light[i];
+      const float here = static_cast<float>(texels[i] >> shift & 0xFF) * part * paths.light[i];
       own[i] = sights.surface[i] == kGroundLabel ? here : own[i];
     }
   };
@@ -234,14 +235,14 @@ void Tracer::ColorGround(const Ways& ways, Sights& sights) const {
   color(sights.blue, 0, light[2]);
 }
 
-void Tracer::ColorBackground(const Ways& ways, Sights& sights) const {
+void Tracer::ColorBackground(const Paths& paths, Sights& sights) const {
   std::array<bool, kThings> is_there{};
   for (const std::uint16_t surface : sights.surface) is_there[surface] = true;
   for (std::uint16_t side = kFence; side < kFence + 4; ++side) {
-    if (is_there[side]) ColorFence(ways, side, sights);
+    if (is_there[side]) ColorFence(paths, side, sights);
   }
   for (std::size_t i = 0; is_there[kFarGround] && i < kBundle; ++i) {
-    if (sights.surface[i] == kFarGround) Put(FarGround(ways.far_m[i]), i, sights);
+    if (sights.surface[i] == kFarGround) Put(FarGround(paths.far_m[i]), i, sights);
   }
 }
 
@@ -252,17 +253,17 @@ Light3 Tracer::FarGround(float far_m) const {
 }
 
 // Planks, as long as they can be told apart.
-void Tracer::ColorFence(const Ways& ways, std::uint16_t surface, Sights& sights) const {
+void Tracer::ColorFence(const Paths& paths, std::uint16_t surface, Sights& sights) const {
   constexpr float kPlankM = 0.14F;
   const bool by_x = surface < kFence + 2;
-  const Each<float>& across = by_x ? ways.x : ways.y;
-  const Each<float>& along = by_x ? ways.y : ways.x;
+  const Each<float>& across = by_x ? paths.x : paths.y;
+  const Each<float>& along = by_x ? paths.y : paths.x;
   const float from = by_x ? from_m_.y() : from_m_.x();
   const float at_x = from_m_.x(), at_y = from_m_.y(), height = from_m_.z();
   const float pixel_rad = pixel_rad_;
   Each<float> share;  // of the light
   for (std::size_t i = 0; i < kBundle; ++i) {
-    const float far = ways.far_m[i] < 1e4F ? ways.far_m[i] : 1e4F;
+    const float far = paths.far_m[i] < 1e4F ? paths.far_m[i] : 1e4F;
     const float place = (from + far * along[i]) / kPlankM + 0x10000;  // never below 0
     const auto plank = static_cast<std::int32_t>(place);
     const float in_plank = place - static_cast<float>(plank);
@@ -272,8 +273,8 @@ void Tracer::ColorFence(const Ways& ways, std::uint16_t surface, Sights& sights)
     const float told_apart = Within1(1.3F - 3 * covered);
     const float gap = Within1(1 - from_edge / 0.09F);
     const float shade = 1 + told_apart * (0.16F * Tone(plank) - 0.45F * gap);
-    share[i] = shade * NearGround(height + far * ways.z[i]) *
-               scenery_.LightAt(at_x + far * ways.x[i], at_y + far * ways.y[i]);
+    share[i] = shade * NearGround(height + far * paths.z[i]) *
+               scenery_.LightAt(at_x + far * paths.x[i], at_y + far * paths.y[i]);
   }
   const Light3& light = fence_light_[surface - kFence];
   const auto color = [&](Each<float>& own, float part) {
@@ -287,16 +288,16 @@ void Tracer::ColorFence(const Ways& ways, std::uint16_t surface, Sights& sights)
   color(sights.blue, light[2]);
 }
 
-void Tracer::FindThing(std::size_t index, Ways& ways, Sights& sights) const {
+void Tracer::FindThing(std::size_t index, Paths& paths, Sights& sights) const {
   const Thing& thing = things_[index];
   const Vector3f from = from_local_[index];
   const auto first = kThings + index * kFaces;
   for (std::size_t i = 0; i < kBundle; ++i) {
-    const Vector3f ray(thing.cos_yaw * ways.x[i] + thing.sin_yaw * ways.y[i],
-                       thing.cos_yaw * ways.y[i] - thing.sin_yaw * ways.x[i], ways.z[i]);
+    const Vector3f ray(thing.cos_yaw * paths.x[i] + thing.sin_yaw * paths.y[i],
+                       thing.cos_yaw * paths.y[i] - thing.sin_yaw * paths.x[i], paths.z[i]);
     Hit hit;
-    if (!Meets(thing, from, ray, hit.far_m, hit.face) || hit.far_m >= ways.far_m[i]) continue;
-    ways.far_m[i] = hit.far_m;
+    if (!Meets(thing, from, ray, hit.far_m, hit.face) || hit.far_m >= paths.far_m[i]) continue;
+    paths.far_m[i] = hit.far_m;
     sights.surface[i] = static_cast<std::uint16_t>(first + static_cast<std::size_t>(hit.face));
     Put(LightOf(thing, from, ray, hit), i, sights);
   }
@@ -343,16 +344,16 @@ Light3 Tracer::LightOfBoard(const Thing& thing, const Vector3f& where, float sla
          light;
 }
 
-// Guests are made of many, which fill the picture when they are near: all rays at once.
-void Tracer::FindEllipsoid(std::size_t index, Ways& ways, Sights& sights) const {
+// Guests consist of many ellipsoids, which fill the picture when near: all rays at once.
+void Tracer::FindEllipsoid(std::size_t index, Paths& paths, Sights& sights) const {
   const Thing& thing = things_[index];
   const Eigen::Matrix3f& unit = thing.to_unit;
   const Vector3f from = from_local_[index];
   Each<float> far_m;
   for (std::size_t i = 0; i < kBundle; ++i) {
-    const float x = unit(0, 0) * ways.x[i] + unit(0, 1) * ways.y[i] + unit(0, 2) * ways.z[i];
-    const float y = unit(1, 0) * ways.x[i] + unit(1, 1) * ways.y[i] + unit(1, 2) * ways.z[i];
-    const float z = unit(2, 0) * ways.x[i] + unit(2, 1) * ways.y[i] + unit(2, 2) * ways.z[i];
+    const float x = unit(0, 0) * paths.x[i] + unit(0, 1) * paths.y[i] + unit(0, 2) * paths.z[i];
+    const float y = unit(1, 0) * paths.x[i] + unit(1, 1) * paths.y[i] + unit(1, 2) * paths.z[i];
+    const float z = unit(2, 0) * paths.x[i] + unit(2, 1) * paths.y[i] + unit(2, 2) * paths.z[i];
     const float each = 1 / (x * x + y * y + z * z);
     const float middle = -(from.x() * x + from.y() * y + from.z() * z) * each;
     const float aside_x = from.x() + middle * x;
@@ -366,10 +367,10 @@ void Tracer::FindEllipsoid(std::size_t index, Ways& ways, Sights& sights) const 
   }
   const auto surface = static_cast<std::uint16_t>(kThings + index * kFaces + kRound);
   for (std::size_t i = 0; i < kBundle; ++i) {
-    if (far_m[i] >= ways.far_m[i]) continue;
-    ways.far_m[i] = far_m[i];
+    if (far_m[i] >= paths.far_m[i]) continue;
+    paths.far_m[i] = far_m[i];
     sights.surface[i] = surface;
-    const Vector3f way = far_m[i] * Vector3f(ways.x[i], ways.y[i], ways.z[i]);
+    const Vector3f way = far_m[i] * Vector3f(paths.x[i], paths.y[i], paths.z[i]);
     Put(LightOfEllipsoid(thing, from + unit * way, from_m_ + way, far_m[i]), i, sights);
   }
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Where rays end in a scenery, and what is to be seen there.
+// Where rays end in a scenery, and which colour they see.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -12,18 +12,19 @@
 
 namespace musher::world {
 
-// Looks from one place, for one picture.
+// Traces rays from one position, for one picture.
 class Tracer {
  public:
   using Indices = std::vector<std::uint16_t>;  // of things
 
-  // `things` are all that can be seen, and outlive it. The body's trunk, so high over the ground,
-  // casts a shadow. `pixel_rad` is the angle of a pixel, for how much of a surface it covers.
+  // `things` are all that can be seen, and outlive it. The body casts a shadow; its trunk is
+  // `trunk_m` over the ground. `pixel_rad` is the angle of a pixel; it determines how much of a
+  // surface a pixel covers.
   Tracer(const Scenery& scenery, const std::vector<Thing>& things,
          const Eigen::Isometry3d& camera_in_place, const Pose2& body, double trunk_m,
          double pixel_rad);
 
-  // Sees these things and all that is behind them.
+  // Sees these things and all behind them.
   void Look(const Rays& rays, const Indices& things, Sights& sights) const;
 
   const std::vector<Thing>& things() const { return things_; }
@@ -32,29 +33,29 @@ class Tracer {
   const Eigen::Vector3f& from_m() const { return from_m_; }
 
  private:
-  // What a bundle meets on its way, in the place's frame.
-  struct Ways {
+  // What the rays of a bundle meet, in the place's frame.
+  struct Paths {
     Each<float> x, y, z;
     Each<float> far_m;                         // to the surface
     Each<std::int32_t> column, row, halvings;  // in the ground's texture
-    Each<float> light;                         // share of it that is there
+    Each<float> light;                         // share of the light at the ground
   };
   struct Hit {
     float far_m = 0;
     int face = 0;
   };
 
-  void Turn(const Rays& rays, Ways& ways) const;
-  void FindBackground(Ways& ways, Sights& sights) const;
-  void FindGround(const Rays& rays, Ways& ways) const;
-  void ShadowOfBody(Ways& ways) const;
-  void ColorSky(const Ways& ways, Sights& sights) const;
-  void ColorGround(const Ways& ways, Sights& sights) const;
-  void ColorBackground(const Ways& ways, Sights& sights) const;
-  void ColorFence(const Ways& ways, std::uint16_t surface, Sights& sights) const;
+  void Turn(const Rays& rays, Paths& paths) const;
+  void FindBackground(Paths& paths, Sights& sights) const;
+  void FindGround(const Rays& rays, Paths& paths) const;
+  void ShadowOfBody(Paths& paths) const;
+  void ColorSky(const Paths& paths, Sights& sights) const;
+  void ColorGround(const Paths& paths, Sights& sights) const;
+  void ColorBackground(const Paths& paths, Sights& sights) const;
+  void ColorFence(const Paths& paths, std::uint16_t surface, Sights& sights) const;
   Light3 FarGround(float far_m) const;
-  void FindThing(std::size_t index, Ways& ways, Sights& sights) const;
-  void FindEllipsoid(std::size_t index, Ways& ways, Sights& sights) const;
+  void FindThing(std::size_t index, Paths& paths, Sights& sights) const;
+  void FindEllipsoid(std::size_t index, Paths& paths, Sights& sights) const;
   Light3 LightOfEllipsoid(const Thing& thing, const Eigen::Vector3f& on_unit,
                           const Eigen::Vector3f& where, float far_m) const;
   Light3 LightOf(const Thing& thing, const Eigen::Vector3f& from, const Eigen::Vector3f& ray,

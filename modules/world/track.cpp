@@ -6,7 +6,7 @@ namespace musher::world {
 namespace {
 
 constexpr std::size_t kMostBumps = 200;
-constexpr std::size_t kMostNames = 200;  // of states that a stranger may make up
+constexpr std::size_t kMostNames = 200;  // of states; another publisher may invent any number
 
 std::uint16_t IndexOf(const std::string& name, std::vector<std::string>& names) {
   auto found = std::find(names.begin(), names.end(), name);

@@ -1,6 +1,6 @@
 #pragma once
-// What has been, for the picture: where the body was and in what state, a few times a second. It
-// does not grow for ever: when it is full, every second sample of it goes.
+// The history for the picture: the body's position and state, a few times a second. It is bounded:
+// when it is full, every second sample is dropped.
 
 #include <array>
 #include <cstdint>
@@ -34,12 +34,12 @@ class Track {
  public:
   static constexpr std::size_t kMost = 20'000;  // samples; an hour at 5 Hz is 18,000
 
-  // The first and the last sample always stay.
+  // Keeps the first and the last sample.
   void Add(Sample sample, const std::string& machine_state, const std::string& motion);
   void AddBump(const Bump& bump);
   void SetLight(int target, const Light& light) { lights_[target] = light; }
 
-  // How long since the last one a sample is worth adding.
+  // The least time between two samples.
   Duration period() const { return period_; }
   bool IsDue(Duration now) const { return samples_.empty() || now - samples_.back().at >= period_; }
 

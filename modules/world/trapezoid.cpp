@@ -7,8 +7,9 @@ namespace musher::world {
 
 namespace {
 
-// The fastest speed, in changes of it in a step, from which braking ends after `way`, in what one
-// change moves in a step: whole steps of braking from (k + f) go (k + f) + (k - 1 + f) + ... + f.
+// The fastest speed, in speed changes a step, from which braking ends after `way`, measured in the
+// distance of one change a step: whole steps of braking from (k + f) go (k + f) + (k - 1 + f) +
+// ... + f.
 double Braking(double way) {
   const double steps = std::floor((std::sqrt(1 + 8 * way) - 1) / 2);
   return steps + (way - steps * (steps + 1) / 2) / (steps + 1);

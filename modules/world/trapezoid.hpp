@@ -1,5 +1,5 @@
 #pragma once
-// Motion under limits: as fast as they allow, and braked in time. Pure.
+// Motion within limits: as fast as they allow, and braked in time. Pure.
 
 #include "musher/modules/world/humanoid_specs.hpp"
 
@@ -12,9 +12,9 @@ struct Axis {
   friend bool operator==(const Axis&, const Axis&) = default;
 };
 
-// Where a joint is after the next step on its way to `goal_rad`. Neither its speed nor the change
-// of it is ever beyond the limits, however the goal moves; it comes to rest at a goal that stands
-// still, without going past it unless it was too fast to stop before a goal that is new.
+// Where a joint is after the next step on its way to `goal_rad`. Its speed and acceleration stay
+// within the limits, however the goal moves; it comes to rest at a fixed goal without overshoot,
+// unless it was too fast to stop before a new goal.
 Axis Approach(const Axis& from, double goal_rad, const MotionLimits& limits, double seconds);
 
 }  // namespace musher::world

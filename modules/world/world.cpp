@@ -33,7 +33,7 @@ bool IsDue(Duration now, double rate_hz) {
 
 World::World(Scene scene)
     : scene_(std::make_shared<const Scene>(std::move(scene))),
-      chance_(scene_->seed),
+      random_(scene_->seed),
       body_(*scene_),
       battery_(scene_->battery),
       guests_(*scene_) {
@@ -41,28 +41,28 @@ World::World(Scene scene)
   Record();
 }
 
-Happenings World::Step() {
-  Happenings happenings;
+StepOutputs World::Step() {
+  StepOutputs outputs;
   now_ += kStep;
   while (next_event_ < scene_->events.size() && scene_->events[next_event_].at <= now_) {
-    Happen(scene_->events[next_event_++], happenings);
+    Apply(scene_->events[next_event_++], outputs);
   }
   const bool was_empty = supply_.battery_empty;
   battery_.Step(kStep, body_.activity(), on_pad());
   supply_.battery_empty = battery_.empty();
-  if (supply_.battery_empty && !was_empty) happenings.said.emplace_back("the battery is empty");
+  if (supply_.battery_empty && !was_empty) outputs.log.emplace_back("the battery is empty");
 
-  body_.Step(*scene_, supply_, now_, kStep, chance_);
+  body_.Step(*scene_, supply_, now_, kStep, random_);
   if (body_.bumped() && !touching_) {
     track_.AddBump({now_, body_.pose().position_m});
-    happenings.said.push_back("the body bumped into something at " + At(body_.pose().position_m));
+    outputs.log.push_back("the body bumped into something at " + At(body_.pose().position_m));
   }
   touching_ = body_.bumped();
   if (humanoid_) humanoid_->Step(kStep);
   const Robot robot{body_.pose().position_m, scene_->body.radius_m, CameraPose(0).translation()};
   guests_.Step(*scene_, robot, now_, kStep);
   if (track_.IsDue(now_)) Record();
-  return happenings;
+  return outputs;
 }
 
 std::optional<std::string> World::Command(const BoardCommand& command) {
@@ -89,7 +89,8 @@ std::optional<std::string> World::PutDown(const Pose2& at) {
     return "a place that is not a number is refused";
   }
   if (!IsFree(*scene_, at.position_m)) {
-    return "the body cannot be at " + At(at.position_m) + ": something is there, or it is outside";
+    return "the body cannot be at " + At(at.position_m) +
+           ": an obstacle is there, or it is outside";
   }
   Record();
   body_.PutDown({at.position_m, std::remainder(at.yaw_rad, 2 * M_PI)});
@@ -122,7 +123,7 @@ bool World::on_pad() const {
   return IsOnPad(*scene_, body_.pose().position_m);
 }
 
-void World::Happen(const SceneEvent& event, Happenings& happenings) {
+void World::Apply(const SceneEvent& event, StepOutputs& outputs) {
   const auto objection = std::visit(
       [&](const auto& what) -> std::optional<std::string> {
         using What = std::decay_t<decltype(what)>;
@@ -131,7 +132,7 @@ void World::Happen(const SceneEvent& event, Happenings& happenings) {
         } else if constexpr (std::is_same_v<What, Cable>) {
           Plug(what.in);
         } else if constexpr (std::is_same_v<What, Touch>) {
-          happenings.touches.push_back(what.state);
+          outputs.touches.push_back(what.state);
         } else if constexpr (std::is_same_v<What, FaultOn>) {
           if (const FaultKind* fault = FindFault(what.name)) {
             SetFault(*fault, static_cast<std::size_t>(what.motor));
@@ -141,12 +142,12 @@ void World::Happen(const SceneEvent& event, Happenings& happenings) {
         } else if constexpr (std::is_same_v<What, Carry>) {
           return PutDown(what.at);
         } else {
-          happenings.speed = what.factor;
+          outputs.speed = what.factor;
         }
         return std::nullopt;
       },
       event.what);
-  if (objection) happenings.said.push_back(*objection);
+  if (objection) outputs.log.push_back(*objection);
 }
 
 void World::Record() {
@@ -155,7 +156,7 @@ void World::Record() {
   sample.pose = body_.pose();
   sample.battery_percent = battery_.percent();
   sample.charging = battery_.charging();
-  // One that could walk and does not stands.
+  // A board that could walk and does not walk stands.
   const Motion* motion = FindMotion(body_.mode(), body_.gait());
   const bool idle = motion->kind == Kind::kWalk && body_.activity() == Activity::kStanding;
   track_.Add(sample, machine_state_, idle ? "stand" : NameOf(body_.mode(), body_.gait()));

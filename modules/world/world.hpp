@@ -20,38 +20,38 @@ namespace musher::world {
 
 inline constexpr Duration kStep = Milliseconds(20);
 
-// Whether the step that ends at `now` came to a multiple of the period.
+// Whether the step that ends at `now` reached a multiple of the period.
 bool IsDue(Duration now, double rate_hz);
 
-// What a step brought forth for those outside.
-struct Happenings {
-  std::vector<int> touches;       // touch_state codes
-  std::optional<double> speed;    // the scene changed how fast time runs
-  std::vector<std::string> said;  // for the log
+// The outputs of a step.
+struct StepOutputs {
+  std::vector<int> touches;      // touch_state codes
+  std::optional<double> speed;   // the scene changed the speed of time
+  std::vector<std::string> log;  // for the log
 };
 
 class World {
  public:
   explicit World(Scene scene);
 
-  Happenings Step();
+  StepOutputs Step();
 
-  // A command of the body's commander. Says why when it is refused.
+  // A command of the body's commander. Returns the reason when it is refused.
   std::optional<std::string> Command(const BoardCommand& command);
-  // From 0 to 100; else it says why not.
+  // From 0 to 100; else returns the reason.
   std::optional<std::string> SetBattery(double percent);
   void Plug(bool in);
   void SetMotorPower(bool on) { supply_.motor_power = on; }
-  // Says why when the body cannot be there.
+  // Returns the reason when the body cannot be there.
   std::optional<std::string> PutDown(const Pose2& at);
   // "none" ends the faults of sensors, too.
   void SetFault(const FaultKind& fault, std::size_t motor);
-  // One of kSensorFaults: nothing comes from that sensor any more.
+  // One of kSensorFaults: that sensor publishes nothing any more.
   void Silence(const std::string& sensor) { silent_.insert(sensor); }
-  // What others said, to be drawn: the machine's state, the colour of a light.
+  // Drawn only: the machine's state, the colour of a light.
   void SetMachineState(const std::string& state) { machine_state_ = state; }
   void SetLight(int target, const Light& light);
-  // Of a humanoid; they say why when it is refused.
+  // Of a humanoid; they return the reason when refused.
   std::optional<std::string> SetPose(const std::string& name);
   std::optional<std::string> LookAt(const Eigen::Vector2d& point);
 
@@ -69,19 +69,19 @@ class World {
   bool IsSilent(const std::string& sensor) const { return silent_.contains(sensor); }
 
  private:
-  void Happen(const SceneEvent& event, Happenings& happenings);
+  void Apply(const SceneEvent& event, StepOutputs& outputs);
   void Record();
 
-  std::shared_ptr<const Scene> scene_;  // never changed
+  std::shared_ptr<const Scene> scene_;  // immutable
   Duration now_{};
-  Chance chance_;
+  NormalRandom random_;
   Body body_;
   Battery battery_;
   std::optional<Humanoid> humanoid_;
   Guests guests_;
   Supply supply_;
   std::size_t next_event_ = 0;
-  bool touching_ = false;  // the body was stopped by something in the last step
+  bool touching_ = false;  // an obstacle stopped the body in the last step
   std::string machine_state_;
   std::set<std::string> silent_;  // sensors
   Track track_;

@@ -56,7 +56,7 @@ Result<> WorldActuator::TearDown() {
   node_->RunOnLoop([&] { world = host_->world(); });
   const std::string path = PicturePath();
   if (const Result<> drawn = Draw(*world, path); !drawn) {
-    Log(drawn.error().message);  // no reason to stay
+    Log(drawn.error().message);  // no reason to fail TearDown
     return Ok();
   }
   Log("drawn: " + path);

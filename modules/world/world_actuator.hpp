@@ -1,9 +1,9 @@
 #pragma once
 // The world as an actuator of a machine, usually its first: the others are `after` it. Its states
-// mean little: time goes on in all of them, from SetUp to TearDown.
+// have little effect: time goes on in all of them, from SetUp to TearDown.
 //
-// Threads: the world lives on the loop of the actuator's node; pictures, and what the cameras
-// see, are drawn on threads of their own.
+// Threads: the world runs on the loop of the actuator's node; pictures, and those of the cameras,
+// are drawn on threads of its own.
 
 #include <memory>
 #include <string>
@@ -29,8 +29,8 @@ class WorldActuator : public MachineActuator {
   Scene scene_;
   std::shared_ptr<transport::NodeThread> node_;
   std::unique_ptr<WorldHost> host_;  // on the loop
-  std::thread drawer_;               // the loop starts it, and the destructor waits for it
-  WorkerThread shooter_;             // draws what the cameras see
+  std::thread drawer_;               // started by the loop, joined by the destructor
+  WorkerThread shooter_;             // draws the cameras' pictures
 };
 
 }  // namespace musher::world

@@ -32,7 +32,7 @@ int DrawTo(const World& world, const std::string& path) {
 World Played(const Scene& scene, Duration time) {
   World world(scene);
   while (world.now() < time) {
-    for (const std::string& line : world.Step().said) Say(line);
+    for (const std::string& line : world.Step().log) Say(line);
   }
   return world;
 }

@@ -9,7 +9,7 @@
 
 namespace musher::world {
 
-// Used by one shot at a time, wherever it is drawn.
+// Used by one picture at a time, wherever it is drawn.
 struct WorldCameras::Studio {
   explicit Studio(const Scene& of) : scene(of) {}
 
@@ -84,14 +84,14 @@ void WorldCameras::Request(const Shot& shot) {
   Draw();
 }
 
-// Said once; the first shots are late because the surfaces are being painted.
+// Logged once; the first pictures are late because the surfaces are being painted.
 void WorldCameras::Skip(std::size_t camera) {
   Outlet& outlet = outlets_[camera];
   if (!drew_ || outlet.skipped) return;
   outlet.skipped = true;
   options_.log("camera " + std::string(kCameraNames[camera]) +
                ": a shot was due while the last one was still being drawn, and is skipped; "
-               "further ones are not told");
+               "further ones are not logged");
 }
 
 void WorldCameras::Draw() {
@@ -127,7 +127,7 @@ void WorldCameras::Finish(const Shot& shot, Result<Image> image) {
     queue_.clear();
     waiting_.clear();
   } else {
-    // The next one comes soon.
+    // The next one follows soon.
     static_cast<void>(
         outlet.images->Publish(ToMessage(std::move(image).value(), shot.camera, shot.at)));
   }

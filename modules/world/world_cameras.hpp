@@ -1,16 +1,16 @@
 #pragma once
-// Publishes what the cameras of a simulated body see, each at its rate of world time and only while
-// somebody listens.
+// Publishes what the cameras of a simulated body see, each at its rate of world time and only
+// while it has a subscriber.
 //
 //   world/camera/front, left, right          sensor_msgs/Image, bgr8
 //   world/camera/front/info, left/..., ...   sensor_msgs/CameraInfo, latched
 //
-// A shot that is due is drawn beside the loop from where the body is then, and published when it is
-// done with that time as its stamp. A shot that is due while the camera's last one is not yet done
-// is skipped; or time waits for it, if the scene says so. The surfaces are painted before the first
-// shot, which takes some tenths of a second.
+// A picture that is due is drawn beside the loop from the present pose of the body, and published
+// when it is done with that time as its stamp. A picture that is due while the camera's last one
+// is not done is skipped; or time waits for it, if the scene says so. The surfaces are painted
+// before the first picture, which takes some tenths of a second.
 //
-// Threads: the loop's. Drawing runs on the worker, one shot at a time.
+// Threads: the loop's. Drawing runs on the worker, one picture at a time.
 
 #include <array>
 #include <deque>
@@ -33,11 +33,11 @@ class WorldCameras {
     std::string name_space;
     std::function<void(const std::string&)> log;
     Worker* worker = nullptr;  // draws; outlives the cameras
-    // Time need not wait any longer.
+    // World time can go on.
     std::function<void()> on_free;
   };
 
-  // Those that the scene has. Fails when an endpoint cannot be made.
+  // The cameras of the scene. Fails when an endpoint cannot be made.
   static Result<std::unique_ptr<WorldCameras>> Make(transport::Node& node, const Scene& scene,
                                                     Options options);
   ~WorldCameras();
@@ -45,7 +45,7 @@ class WorldCameras {
   // After each step of the world.
   void OnStep(const World& world);
 
-  // Whether the world's time is to wait for a shot.
+  // Whether world time waits for a picture.
   bool waits() const { return !waiting_.empty(); }
 
  private:
@@ -73,12 +73,12 @@ class WorldCameras {
   const Options options_;
   const CameraSet::Late late_;
   std::array<Outlet, kCameras> outlets_;
-  std::shared_ptr<Studio> studio_;  // where shots are drawn; null after a failure
+  std::shared_ptr<Studio> studio_;  // where pictures are drawn; null after a failure
   std::deque<Shot> queue_;
-  std::deque<Shot> waiting_;  // for the last one of their camera
+  std::deque<Shot> waiting_;  // for the last picture of their camera
   bool drawing_ = false;
   bool drew_ = false;                                           // the surfaces are painted
-  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for what comes back from afar
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for callbacks from other threads
 };
 
 }  // namespace musher::world

@@ -142,8 +142,8 @@ void WorldHost::OnStep() {
     late_ = true;
     return;
   }
-  const Happenings happenings = world_.Step();
-  static_cast<void>(clock_->Publish({msg::ToStamp(world_.now())}));  // the next one comes soon
+  const StepOutputs outputs = world_.Step();
+  static_cast<void>(clock_->Publish({msg::ToStamp(world_.now())}));  // the next one follows soon
   static_cast<void>(body_state_->Publish(ToBodyState(world_)));
   constexpr Duration kBatteryPeriod = std::chrono::seconds(1);
   if (world_.now() % kBatteryPeriod < kStep || world_.now() == kStep) {
@@ -152,11 +152,11 @@ void WorldHost::OnStep() {
   sensors_->OnStep(world_);
   show_->OnStep();
   cameras_->OnStep(world_);
-  for (const int touch : happenings.touches) Touch(touch);
-  for (const std::string& line : happenings.said) Log(line);
-  if (happenings.speed) return SetSpeed(*happenings.speed);
+  for (const int touch : outputs.touches) Touch(touch);
+  for (const std::string& line : outputs.log) Log(line);
+  if (outputs.speed) return SetSpeed(*outputs.speed);
   Arm(pacer_.Next(node_.loop().Now()));
-  Log(pacer_.TakeComplaint());
+  Log(pacer_.TakeLogLine());
 }
 
 void WorldHost::Touch(int state) {
@@ -191,7 +191,7 @@ void WorldHost::SetFault(const std::string& text) {
   std::string rest;
   const bool clean = has_motor ? words.eof() : words.eof() && text.size() == name.size();
   if (fault == nullptr || !clean || motor >= kMotors || (has_motor && !fault->of_a_motor)) {
-    return Log("a fault \"" + text.substr(0, 60) + "\" is refused: there is none of that name");
+    return Log("a fault \"" + text.substr(0, 60) + "\" is refused: unknown fault");
   }
   world_.SetFault(*fault, motor);
   Log("fault: " + text);
@@ -213,8 +213,8 @@ void WorldHost::DrawPicture(std::function<void(bool, const std::string&)> reply)
   });
 }
 
-void WorldHost::Log(const std::optional<std::string>& complaint) const {
-  if (complaint) options_.log(*complaint);
+void WorldHost::Log(const std::optional<std::string>& line) const {
+  if (line) options_.log(*line);
 }
 
 template <msg::Message M>

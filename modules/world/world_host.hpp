@@ -1,8 +1,8 @@
 #pragma once
-// A world on the network: makes its steps at the pace of its scene and talks on its topics.
+// A world on the network: steps at the pace of its scene, publishes and subscribes.
 //
-//   clock                  every step, whatever the namespace
-//   world/body_state       every step          world/body_command    what the body is to do
+//   clock                  every step, in any namespace
+//   world/body_state       every step          world/body_command    commands of the body
 //   world/battery          once a second       world/set_battery     in %
 //   world/touch            when it happens     world/press           a finger on the robot
 //   world/charge           cable in, or out    world/place           puts the body there
@@ -10,9 +10,9 @@
 //   world/scan, ultrasonic, tof/..., gps: see world_sensors.hpp; of humanoids: world_show.hpp
 //   musher/machine_status  of the controller, for the picture
 //
-// Input that cannot be is refused with a line in the log, and nothing moves.
+// Invalid input is refused with a line in the log, and nothing moves.
 //
-// Threads: made, used and dropped on the loop. Drawing takes long and runs in the background.
+// Threads: created, used and destroyed on the loop. Drawing takes long and runs in the background.
 
 #include <functional>
 #include <memory>
@@ -39,7 +39,7 @@ struct HostOptions {
   std::function<void(const std::string&)> log;
   // Runs work beside the loop, from any thread; posts its end to the loop by itself.
   std::function<void(std::function<void()>)> in_background;
-  Worker* shooter = nullptr;  // draws what the cameras see; outlives the host
+  Worker* shooter = nullptr;  // draws the cameras' pictures; outlives the host
 };
 
 class WorldHost {
@@ -72,8 +72,8 @@ class WorldHost {
   void SetSpeed(double factor);
   void SetFault(const std::string& text);
   void DrawPicture(std::function<void(bool, const std::string&)> reply);
-  // Says it, if there is something to say.
-  void Log(const std::optional<std::string>& complaint) const;
+  // Logs the line, if there is one.
+  void Log(const std::optional<std::string>& line) const;
 
   template <msg::Message M>
   Result<> Make(std::unique_ptr<transport::Publisher<M>>& publisher, const std::string& topic,
@@ -90,7 +90,7 @@ class WorldHost {
   World world_;
   Pacer pacer_;
   bool drawing_ = false;
-  bool late_ = false;  // a step was due while the cameras kept time waiting
+  bool late_ = false;  // a step was due while time waited for the cameras
   transport::LoopHandlePtr next_step_;
   std::unique_ptr<transport::Publisher<msg::Clock>> clock_;
   std::unique_ptr<transport::Publisher<msg::BodyState>> body_state_;
@@ -99,7 +99,7 @@ class WorldHost {
   std::unique_ptr<WorldSensors> sensors_;
   std::unique_ptr<WorldCameras> cameras_;
   std::unique_ptr<WorldShow> show_;
-  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for what comes back from afar
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  // for callbacks from other threads
   std::vector<Endpoint> endpoints_;  // last: their callbacks use the rest
 };
 

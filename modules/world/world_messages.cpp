@@ -142,7 +142,7 @@ Result<BoardCommand> FromMessage(const msg::MotionCustomCommand& message) {
   constexpr double kMostTiltRad = 0.8;
   constexpr double kMostRaisedM = 0.15;
   BoardCommand command;
-  // NOLINTBEGIN(bugprone-signed-char-misuse): they are numbers, no letters
+  // NOLINTBEGIN(bugprone-signed-char-misuse): they are numbers, not characters
   command.mode = message.mode;
   command.gait = message.gait_id;
   // NOLINTEND(bugprone-signed-char-misuse)

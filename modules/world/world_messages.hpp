@@ -1,5 +1,5 @@
 #pragma once
-// A world's values as the messages of its topics, and back. What comes from outside is judged.
+// Converts a world's values to messages and back. Input is validated.
 
 #include "musher/lifecycle/result.hpp"
 #include "musher/messages/geometry_msgs/geometry.hpp"
@@ -23,13 +23,13 @@ msg::JointState ToJointState(const std::array<Axis, kJoints>& joints, Duration a
 msg::CameraInfo ToCameraInfo(const Intrinsics& intrinsics, std::size_t index);
 msg::Image ToMessage(Image image, std::size_t index, Duration at);
 
-// Fails when a number is none, or an array has another length than the board's. An empty array is
-// one of zeros.
+// Fails when a number is not finite, or an array has another length than the board's. An empty
+// array counts as zeros.
 Result<BoardCommand> FromMessage(const msg::MotionCustomCommand& message);
 
 Pose2 FromMessage(const msg::Pose& pose);
 
-// The colour that a light shows: of its own or of its predefined effect.
+// The colour that a light shows: its own or that of its predefined effect.
 Light FromMessage(const msg::LedState& led);
 
 }  // namespace musher::world

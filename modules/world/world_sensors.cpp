@@ -10,7 +10,7 @@ void Publish(const std::unique_ptr<transport::Publisher<M>>& publisher, const Wo
              double rate_hz, const std::string& fault, Measure measure) {
   if (!publisher || !IsDue(world.now(), rate_hz) || publisher->MatchedReaders() == 0) return;
   if (world.IsSilent(fault)) return;
-  static_cast<void>(publisher->Publish(measure(world)));  // the next one comes soon
+  static_cast<void>(publisher->Publish(measure(world)));  // the next one follows soon
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
-// Publishes what the sensors of a simulated body measure, each at its rate of world time and only
-// while somebody listens.
+// Publishes the measurements of a simulated body's sensors, each at its rate of world time and
+// only while it has a subscriber.
 //
 //   world/scan   world/ultrasonic   world/gps   world/gps/satellites   world/uwb
 //   world/tof/left_head, right_head, left_rear, right_rear
@@ -18,7 +18,7 @@ namespace musher::world {
 
 class WorldSensors {
  public:
-  // Those that the scene has. Fails when an endpoint cannot be made.
+  // The sensors of the scene. Fails when an endpoint cannot be made.
   static Result<std::unique_ptr<WorldSensors>> Make(transport::Node& node, const Scene& scene,
                                                     const std::string& name_space);
 

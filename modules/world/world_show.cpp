@@ -63,7 +63,7 @@ Result<> WorldShow::ConnectHumanoid(transport::Node& node, const std::string& na
 
 void WorldShow::OnStep() {
   if (const std::optional<Humanoid>& humanoid = world_.humanoid()) {
-    // The next ones come soon.
+    // The next ones follow soon.
     const Duration now = world_.now();
     static_cast<void>(joint_states_->Publish(ToJointState(humanoid->joints(), now)));
     static_cast<void>(joint_commands_->Publish(ToJointState(humanoid->commands(), now)));
@@ -71,17 +71,17 @@ void WorldShow::OnStep() {
   if (gestures_ && IsDue(world_.now(), kGestureHz)) PublishGesture();
 }
 
-// Nothing is said while there is nothing to say, so that others may tell gestures, too.
+// Publishes nothing while there is no gesture, so that other publishers may report gestures, too.
 void WorldShow::PublishGesture() {
   const Gesture seen = SeenGesture(world_);
   if (seen == Gesture::kNone && gesture_ == Gesture::kNone) return;
   gesture_ = seen;
   const auto word = kGestureNames[static_cast<std::size_t>(seen)];
-  static_cast<void>(gestures_->Publish({std::string(word)}));  // the next one comes soon
+  static_cast<void>(gestures_->Publish({std::string(word)}));  // the next one follows soon
 }
 
-void WorldShow::Log(const std::optional<std::string>& complaint) const {
-  if (complaint) log_(*complaint);
+void WorldShow::Log(const std::optional<std::string>& line) const {
+  if (line) log_(*line);
 }
 
 }  // namespace musher::world

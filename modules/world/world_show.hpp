@@ -1,11 +1,11 @@
 #pragma once
-// A humanoid and its guests on the network; the names of all topics are the scene's.
+// A humanoid and its guests on the network; the scene names all topics.
 //
-//   /wedding/motion/pose            std_msgs/String, heard: the pose to take
-//   /wedding/motion/look_at         geometry_msgs/PointStamped, heard: where to look, 0 to 1
-//   /wedding/motion/joint_states    sensor_msgs/JointState, every step: how the joints stand
-//   /wedding/motion/joint_commands  the same, what the motion adapter tells them
-//   /wedding/perception/gesture     std_msgs/String, 10 Hz while a guest makes a sign, then "none"
+//   /wedding/motion/pose            std_msgs/String, subscribed: the pose to take
+//   /wedding/motion/look_at         geometry_msgs/PointStamped, subscribed: the gaze, 0 to 1
+//   /wedding/motion/joint_states    sensor_msgs/JointState, every step: the joints' angles
+//   /wedding/motion/joint_commands  the same, the angles that the motion adapter commands
+//   /wedding/perception/gesture     std_msgs/String, 10 Hz while a guest makes one, then "none"
 //
 // Threads: the loop's.
 
@@ -23,7 +23,8 @@ namespace musher::world {
 
 class WorldShow {
  public:
-  // What the scene has of it. Fails when an endpoint cannot be made. `world` outlives it.
+  // The humanoid and guests of the scene. Fails when an endpoint cannot be made. `world` outlives
+  // it.
   static Result<std::unique_ptr<WorldShow>> Make(transport::Node& node, World& world,
                                                  const std::string& name_space,
                                                  std::function<void(const std::string&)> log);
@@ -40,7 +41,7 @@ class WorldShow {
   Result<> Connect(transport::Node& node, const std::string& name_space);
   Result<> ConnectHumanoid(transport::Node& node, const std::string& name_space);
   void PublishGesture();
-  void Log(const std::optional<std::string>& complaint) const;
+  void Log(const std::optional<std::string>& line) const;
 
   World& world_;
   const std::function<void(const std::string&)> log_;

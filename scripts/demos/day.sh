@@ -30,7 +30,7 @@ ota() {
 }
 # has_said TEXT: whether the robot has said the text since its audio module was started.
 has_said() {
-  grep -q "says \"$1" "$logs/audio.log" && echo yes
+  grep -q "plays \"$1" "$logs/audio.log" && echo yes
 }
 
 # The yard is not part of the robot: it keeps running when the robot is upgraded or switched off.

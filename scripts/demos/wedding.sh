@@ -41,7 +41,7 @@ photographs() {
 }
 # has_said TEXT: whether the robot has said the text since its audio module was started.
 has_said() {
-  grep -q "says \"$1" "$logs/audio.log" && echo yes
+  grep -q "plays \"$1" "$logs/audio.log" && echo yes
 }
 
 # film TOPIC FILE OPTION...: a picture of the topic after each change of the show's state.

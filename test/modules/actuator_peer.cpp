@@ -79,11 +79,11 @@ bool ActuatorPeer::AwaitVisible() {
   return there && AwaitObedience();
 }
 
-// It obeys once it has heard that this is a controller.
+// It accepts commands once it has received the announcement of this controller.
 bool ActuatorPeer::AwaitObedience() {
   const Time deadline = loop_.Now() + std::chrono::seconds(20);
   while (loop_.Now() < deadline) {
-    const Reply reply = Ask();
+    const Reply reply = Query();
     if (reply && reply.value().verdict == msg::ActuatorCommand::kVerdictDone) return true;
   }
   return false;
@@ -113,7 +113,7 @@ void ActuatorPeer::Send(const State& target) {
   client_->Call(request, std::chrono::seconds(60), [this](const Reply& reply) { reply_ = reply; });
 }
 
-ActuatorPeer::Reply ActuatorPeer::Ask() {
+ActuatorPeer::Reply ActuatorPeer::Query() {
   answer_.reset();
   auto request = Request(msg::ActuatorCommand::kKindAsk);
   request.stop = true;

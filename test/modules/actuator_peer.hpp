@@ -1,6 +1,6 @@
 #pragma once
-// The other side of a module's process: starts the real program in a domain of its own and drives
-// it as a controller does.
+// The peer of a module's process: starts the real program in a domain of its own and drives it as
+// a controller does.
 
 #include <csignal>
 #include <functional>
@@ -30,7 +30,7 @@ class ActuatorPeer {
 
   // Starts the program with `module_file` as the text of its file; the output goes to a file.
   void Start(const std::string& module_file);
-  // The same with other arguments, as they are.
+  // The same with other arguments, unchanged.
   void StartWith(std::vector<std::string> arguments);
 
   // Waits until the actuator is set up, so that it can be commanded.
@@ -38,17 +38,17 @@ class ActuatorPeer {
   // Waits for a status; false when it does not come.
   bool AwaitStatus(const std::function<bool(const ActuatorReport&)>& holds);
 
-  // Sends a switch and goes on; the answer comes as reply().
+  // Sends a switch and returns; the reply is available as reply().
   void Send(const State& target);
-  // How does the last switch stand? With a request to stop it.
-  Reply Ask();
+  // Queries the last switch, with a request to stop it.
+  Reply Query();
   bool AwaitReply();
   const std::optional<Reply>& reply() const { return reply_; }
-  // Sends a switch and waits for the answer.
+  // Sends a switch and waits for the reply.
   Reply Switch(const State& target);
 
   void Signal(int signal) { kill(process_->pid(), signal); }
-  // The exit code (or minus the signal), -1000 when it does not end.
+  // The exit code (or minus the signal), -1000 when it does not exit.
   int AwaitExit();
   std::string Output() const;
 
@@ -56,7 +56,7 @@ class ActuatorPeer {
   const ActuatorReport& report() const { return report_; }
   const TempFolder& folder() const { return folder_; }
   transport::Node& node() { return *node_; }
-  // False when it does not come to hold.
+  // Waits until it holds; false on a timeout.
   bool Until(const std::function<bool()>& holds);
 
  private:

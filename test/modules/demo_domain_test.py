@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/demo takes a DDS domain in which no process of this host is."""
+"""Tests that scripts/demo takes a DDS domain without processes of this host."""
 import re
 import socket
 import subprocess

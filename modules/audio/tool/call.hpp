@@ -10,7 +10,7 @@
 
 namespace musher::audio::tool {
 
-// What a call came to: a reply, or how the program ends and why.
+// The outcome of a call: a reply, or the exit code and the reason.
 template <class Reply>
 struct CallEnd {
   std::optional<Reply> reply;
@@ -18,23 +18,23 @@ struct CallEnd {
   Error error;
 };
 
-// Beyond what a sound may take that is waited for, by the clock of the options.
+// Beyond the time of a sound that is waited for, by the clock of the options.
 inline constexpr Duration kLongestCall = std::chrono::seconds(15);
 
 template <msg::Service S>
-CallEnd<typename S::Response> Call(program::HandLink& link, const std::string& service,
+CallEnd<typename S::Response> Call(program::ToolLink& link, const std::string& service,
                                    const typename S::Request& request) {
   constexpr Duration kForever = std::chrono::hours(1);  // of steady time, while the clock goes on
   const auto client = transport::MakeClient<S>(link.node(), link.Name(service));
   if (!client) return {{}, ExitCode::kUsage, client.error()};
   if (!link.AwaitClock()) {
-    return {{}, ExitCode::kNotDone, {kCodeTimeout, "nobody publishes /clock"}};
+    return {{}, ExitCode::kNotDone, {kCodeTimeout, "no publisher of /clock"}};
   }
   std::optional<Result<typename S::Response>> reply;
   client.value()->Call(request, kForever, [&](auto result) { reply = std::move(result); });
   const auto there = [&] { return client.value()->Ready() || reply; };
   if (!link.RunUntil(there, link.discovery()) && !link.interrupted()) {
-    return {{}, ExitCode::kNotDone, link.Nobody("audio module")};
+    return {{}, ExitCode::kNotDone, link.NotFound("audio module")};
   }
   const Time deadline = link.clock().Now() + kLongestCall;
   bool late = false;

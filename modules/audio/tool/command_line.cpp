@@ -10,15 +10,15 @@ constexpr const char* kDescription =
 
 constexpr const char* kFooter = R"(
 Examples:
-  musher-audio say "Good morning"      speak, and come back at the end of the sound
-  musher-audio say 早上好 --now         in the place of what plays, without waiting
+  musher-audio say "Good morning"      speak, and return at the end of the sound
+  musher-audio say 早上好 --now         interrupt what plays, do not wait
   musher-audio play 9000               a phrase
   musher-audio stop                    silence, also for all that waits
   musher-audio volume                  how loud it is
   musher-audio volume 40               make it 40 %
-  musher-audio phrases                 what is said for which number
+  musher-audio phrases                 list the phrases and their numbers
 
-Exit codes: 0 done; 1 refused, failed or nobody answered (reason on stderr); 2 wrong usage;
+Exit codes: 0 done; 1 refused, failed or no reply (reason on stderr); 2 wrong usage;
 130 interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
 
@@ -27,10 +27,10 @@ constexpr int kMostPlayId = 65'535;
 class Grammar {
  public:
   Grammar() {
-    program::SetUpCommandLineTool(app_, global_, "Whose time a wait of 15 s goes by; topic: /clock",
+    program::SetUpCommandLineTool(app_, global_, "Clock of the 15 s timeout; topic: /clock",
                                   kFooter);
     app_.add_option("--phrases", global_.phrases,
-                    "The table of phrases to list; default the one that came with this program")
+                    "The table of phrases to list; default the one installed with this program")
         ->type_name("FILE");
     AddSay();
     AddPlay();
@@ -70,11 +70,11 @@ class Grammar {
   }
 
   void AddNow(CLI::App* command) {
-    command->add_flag("--now", play_.now, "Take the place of what plays, and do not wait");
+    command->add_flag("--now", play_.now, "Interrupt what plays, and do not wait");
   }
 
   void AddVolume() {
-    CLI::App* command = app_.add_subcommand("volume", "Show how loud it is, or change it");
+    CLI::App* command = app_.add_subcommand("volume", "Show or set the volume");
     command->add_option("PERCENT", volume_.percent, "0 to 100")
         ->check(CLI::Range(0, 100).description(""))
         ->type_name("");

@@ -1,5 +1,5 @@
 #pragma once
-// The commands of musher-audio, one function each: prints what came of it and gives the exit code.
+// The commands of musher-audio, one function each: prints the outcome and returns the exit code.
 
 #include <string>
 
@@ -16,7 +16,7 @@ ExitCode Run(const GlobalOptions& global, const PhrasesOptions& options);
 // "musher-audio: <why>" on stderr.
 ExitCode Fail(ExitCode exit, const Error& error);
 
-// "there is no phrase of that number".
+// "unknown phrase number".
 std::string CodeMeaning(std::int32_t code);
 
 }  // namespace musher::audio::tool

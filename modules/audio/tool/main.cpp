@@ -1,4 +1,4 @@
-// musher-audio: lets the robot speak by hand. See README.md one folder above.
+// musher-audio: lets the robot speak from the command line. See README.md one folder above.
 
 #include <variant>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a person can ask of `musher-audio`, as values.
+// The options of `musher-audio`, as values.
 
 #include <cstdint>
 #include <optional>
@@ -13,15 +13,15 @@ namespace musher::audio::tool {
 using program::ExitCode;
 using program::ParseEnd;
 
-struct GlobalOptions : program::HandOptions {
-  std::string phrases;  // the table of phrases; empty: the one beside this program
+struct GlobalOptions : program::ToolOptions {
+  std::string phrases;  // the table of phrases; empty: the one installed with this program
 };
 
-// A text, or a phrase where there is none.
+// A text, or a phrase without one.
 struct PlayOptions {
   std::optional<std::string> text;
   std::uint16_t play_id = 0;
-  bool now = false;  // takes the place of what plays, and does not wait
+  bool now = false;  // interrupts what plays, and does not wait
 };
 struct StopOptions {};
 struct VolumeOptions {

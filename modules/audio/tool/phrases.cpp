@@ -1,4 +1,4 @@
-// musher-audio phrases: what is said for which number.
+// musher-audio phrases: lists the phrases and their numbers.
 
 #include <filesystem>
 #include <iostream>
@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Beside an installed program, or in the tree that it was built in.
+// Next to an installed program, or in the tree that it was built in.
 std::string PhrasesFile() {
   std::error_code error;
   const fs::path bin = fs::read_symlink("/proc/self/exe", error).parent_path();

@@ -1,4 +1,4 @@
-// musher-audio say TEXT, play ID: heard to the end, or at once in the place of what plays.
+// musher-audio say TEXT, play ID: plays to the end, or at once with an interrupt.
 
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -20,20 +20,20 @@ void Print(const GlobalOptions& global, int status, std::int32_t code, const std
   }
 }
 
-ExitCode PlayNow(const GlobalOptions& global, const PlayOptions& options, program::HandLink& link) {
-  const auto orders =
+ExitCode PlayNow(const GlobalOptions& global, const PlayOptions& options, program::ToolLink& link) {
+  const auto publisher =
       transport::MakePublisher<msg::AudioPlayExtend>(link.node(), link.Name("speech_play_extend"));
-  if (!orders) return Fail(ExitCode::kUsage, orders.error());
-  if (!link.RunUntil([&] { return orders.value()->MatchedReaders() > 0; }, link.discovery())) {
+  if (!publisher) return Fail(ExitCode::kUsage, publisher.error());
+  if (!link.RunUntil([&] { return publisher.value()->MatchedReaders() > 0; }, link.discovery())) {
     if (link.interrupted()) return Fail(ExitCode::kInterrupted, {kCodeFailed, "interrupted"});
-    return Fail(ExitCode::kNotDone, link.Nobody("audio module"));
+    return Fail(ExitCode::kNotDone, link.NotFound("audio module"));
   }
-  const Result<> sent = orders.value()->Publish({kModuleName,
-                                                 options.text.has_value(),
-                                                 {kModuleName, options.play_id},
-                                                 options.text.value_or("")});
+  const Result<> sent = publisher.value()->Publish({kModuleName,
+                                                    options.text.has_value(),
+                                                    {kModuleName, options.play_id},
+                                                    options.text.value_or("")});
   if (!sent) return Fail(ExitCode::kNotDone, sent.error());
-  const Result<> taken = orders.value()->Flush(link.discovery());
+  const Result<> taken = publisher.value()->Flush(link.discovery());
   if (!taken) return Fail(ExitCode::kNotDone, taken.error());
   Print(global, msg::AudioTextPlay::kFinished, kCodeOk, "sent");
   return ExitCode::kDone;
@@ -42,7 +42,7 @@ ExitCode PlayNow(const GlobalOptions& global, const PlayOptions& options, progra
 }  // namespace
 
 ExitCode Run(const GlobalOptions& global, const PlayOptions& options) {
-  const auto link = program::HandLink::Open(global);
+  const auto link = program::ToolLink::Open(global);
   if (!link) return Fail(ExitCode::kUsage, link.error());
   if (options.now) return PlayNow(global, options, *link.value());
   const auto end = Call<msg::AudioTextPlay>(*link.value(), "speech_text_play",
@@ -53,7 +53,7 @@ ExitCode Run(const GlobalOptions& global, const PlayOptions& options) {
   if (!end.reply) return Fail(end.exit, end.error);
   const bool done = end.reply->status == msg::AudioTextPlay::kFinished;
   Print(global, end.reply->status, end.reply->code,
-        done ? "said to the end" : CodeMeaning(end.reply->code));
+        done ? "played to the end" : CodeMeaning(end.reply->code));
   if (done) return ExitCode::kDone;
   return Fail(ExitCode::kNotDone, {end.reply->code, CodeMeaning(end.reply->code)});
 }

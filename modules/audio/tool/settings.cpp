@@ -10,7 +10,7 @@
 namespace musher::audio::tool {
 
 ExitCode Run(const GlobalOptions& global, const StopOptions&) {
-  const auto link = program::HandLink::Open(global);
+  const auto link = program::ToolLink::Open(global);
   if (!link) return Fail(ExitCode::kUsage, link.error());
   const auto end = Call<msg::EmptyService>(*link.value(), "stop_play", {});
   if (!end.reply) return Fail(end.exit, end.error);
@@ -23,7 +23,7 @@ ExitCode Run(const GlobalOptions& global, const StopOptions&) {
 }
 
 ExitCode Run(const GlobalOptions& global, const VolumeOptions& options) {
-  const auto link = program::HandLink::Open(global);
+  const auto link = program::ToolLink::Open(global);
   if (!link) return Fail(ExitCode::kUsage, link.error());
   if (options.percent) {
     const auto end = Call<msg::AudioVolumeSet>(*link.value(), "audio_volume_set",

@@ -1,6 +1,6 @@
 #pragma once
-// Which pictures are taken by the changes of a text: one after each, so long after it as it takes
-// to see what came of it. Goes by the stamps of the pictures. Pure.
+// Selects pictures by the changes of a text: one after each, delayed so that it shows the effect.
+// Uses the stamps of the pictures. Pure.
 
 #include <cstdint>
 #include <optional>
@@ -13,7 +13,7 @@ class Caption {
  public:
   explicit Caption(std::int64_t settle_ns) : settle_ns_(settle_ns) {}
 
-  // The same text again is no change. A change before the last one's picture takes its place.
+  // The same text again is no change. A change before the last one's picture replaces it.
   void OnText(std::string text) {
     if (text == text_) return;
     text_ = std::move(text);
@@ -24,7 +24,7 @@ class Caption {
   // Whether this picture is the one of the last change.
   bool Due(std::int64_t stamp_ns) {
     if (!pending_) return false;
-    // The first picture after the change tells its time; after a jump back of time, too.
+    // The first picture after the change sets its time; also after time jumps back.
     if (!changed_ns_ || stamp_ns < *changed_ns_) changed_ns_ = stamp_ns;
     if (stamp_ns < *changed_ns_ + settle_ns_) return false;
     pending_ = false;

@@ -7,7 +7,7 @@ namespace {
 
 using program::Between;
 
-constexpr const char* kDescription = "Looks at the robot's pictures by hand.";
+constexpr const char* kDescription = "Shows and saves the robot's pictures from the command line.";
 
 constexpr const char* kFooter = R"(
 Examples:
@@ -38,7 +38,7 @@ constexpr double kLongestS = 86'400;
 class Grammar {
  public:
   Grammar() {
-    program::SetUpCommandLineTool(app_, global_, "Whose time pictures have; topic: /clock",
+    program::SetUpCommandLineTool(app_, global_, "Clock of the pictures' stamps; topic: /clock",
                                   kFooter);
     AddList();
     AddShot();
@@ -53,8 +53,8 @@ class Grammar {
 
  private:
   void AddList() {
-    CLI::App* command = app_.add_subcommand("list", "Show which pictures come");
-    command->add_option("TOPICS", list_.topics, "Which topics; default those of a dog")
+    CLI::App* command = app_.add_subcommand("list", "List the topics with pictures");
+    command->add_option("TOPICS", list_.topics, "Topics; default those of a CyberDog")
         ->type_name("");
     AddSeconds(command, "--seconds", list_.seconds, "How long to look; default 2");
     command->callback([this] { command_ = list_; });
@@ -92,7 +92,7 @@ class Grammar {
   }
 
   void AddWatch() {
-    CLI::App* command = app_.add_subcommand("watch", "Tell rate, age and loss");
+    CLI::App* command = app_.add_subcommand("watch", "Show rate, age and loss");
     command->add_option("TOPIC", watch_.topic, "Of the pictures")->required()->type_name("");
     AddSeconds(command, "--seconds", watch_.seconds, "How long; default until Ctrl-C");
     AddSeconds(command, "--timeout", watch_.timeout_s, "How long to wait for one; default 10");
@@ -113,7 +113,7 @@ class Grammar {
   }
 
   CLI::App app_{kDescription, "musher-camera"};
-  HandOptions global_;
+  ToolOptions global_;
   ListOptions list_;
   ShotOptions shot_;
   StripOptions strip_;

@@ -17,17 +17,17 @@ ExitCode Fail(ExitCode exit, const Error& error) {
   return exit;
 }
 
-Result<std::unique_ptr<transport::Subscription>> Hear(
-    program::HandLink& link, const std::string& topic,
+Result<std::unique_ptr<transport::Subscription>> SubscribeToPictures(
+    program::ToolLink& link, const std::string& topic,
     std::function<void(msg::Image&&, const transport::SampleInfo&)> on_picture) {
   return transport::MakeSubscription<msg::Image>(link.node(), link.Name(topic),
                                                  std::move(on_picture), transport::kSensorDataQos);
 }
 
 Error NothingCame(const transport::Subscription& subscription, const std::string& topic,
-                  const HandOptions& global, double seconds) {
+                  const ToolOptions& global, double seconds) {
   if (subscription.MatchedWriters() == 0) {
-    return {kCodeNetError, "nobody publishes " + topic + " in namespace '" + global.name_space +
+    return {kCodeNetError, "no publisher of " + topic + " in namespace '" + global.name_space +
                                "'; use --namespace and --domain, or --transport lan for other "
                                "hosts"};
   }
@@ -35,7 +35,7 @@ Error NothingCame(const transport::Subscription& subscription, const std::string
                             " s; is the camera on? (It is off in LowPower and OTA.)"};
 }
 
-Duration AgeOf(const msg::Image& picture, program::HandLink& link, const HandOptions& global) {
+Duration AgeOf(const msg::Image& picture, program::ToolLink& link, const ToolOptions& global) {
   const auto now = global.clock_topic ? link.clock().Now().time_since_epoch()
                                       : std::chrono::duration_cast<Duration>(
                                             std::chrono::system_clock::now().time_since_epoch());

@@ -1,5 +1,5 @@
 #pragma once
-// The commands of musher-camera, one function each: prints what came of it and gives the exit code.
+// The commands of musher-camera, one function each: prints the outcome and returns the exit code.
 
 #include <functional>
 #include <memory>
@@ -12,26 +12,26 @@
 
 namespace musher::camera::tool {
 
-ExitCode Run(const HandOptions& global, const ListOptions& options);
-ExitCode Run(const HandOptions& global, const ShotOptions& options);
-ExitCode Run(const HandOptions& global, const StripOptions& options);
-ExitCode Run(const HandOptions& global, const WatchOptions& options);
+ExitCode Run(const ToolOptions& global, const ListOptions& options);
+ExitCode Run(const ToolOptions& global, const ShotOptions& options);
+ExitCode Run(const ToolOptions& global, const StripOptions& options);
+ExitCode Run(const ToolOptions& global, const WatchOptions& options);
 
 // "musher-camera: <why>" on stderr.
 ExitCode Fail(ExitCode exit, const Error& error);
 
-Result<std::unique_ptr<transport::Subscription>> Hear(
-    program::HandLink& link, const std::string& topic,
+Result<std::unique_ptr<transport::Subscription>> SubscribeToPictures(
+    program::ToolLink& link, const std::string& topic,
     std::function<void(msg::Image&&, const transport::SampleInfo&)> on_picture);
 
-// Why no picture came: nobody publishes it, or he is silent.
+// Why no picture was received: the topic has no publisher, or it is silent.
 Error NothingCame(const transport::Subscription& subscription, const std::string& topic,
-                  const HandOptions& global, double seconds);
+                  const ToolOptions& global, double seconds);
 
-// By the clock that was chosen.
-Duration AgeOf(const msg::Image& picture, program::HandLink& link, const HandOptions& global);
+// By the clock of the options.
+Duration AgeOf(const msg::Image& picture, program::ToolLink& link, const ToolOptions& global);
 
-// As the ending of `file` says; what cannot be converted is refused.
+// In the format of the ending of `file`; a picture that cannot be converted is refused.
 Result<> Save(msg::Image picture, const std::string& file);
 
 std::string Decimal(double value, int digits);

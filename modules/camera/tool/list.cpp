@@ -1,4 +1,4 @@
-// musher-camera list: which pictures come.
+// musher-camera list: the topics with pictures.
 
 #include <cmath>
 #include <iomanip>
@@ -28,7 +28,7 @@ std::string AgeText(double age_ms) {
   return Decimal(age_ms, 1) + " ms";
 }
 
-void Print(const std::list<Row>& rows, const HandOptions& global) {
+void Print(const std::list<Row>& rows, const ToolOptions& global) {
   if (global.json) {
     nlohmann::json json = nlohmann::json::array();
     for (const Row& row : rows) {
@@ -60,17 +60,17 @@ void Print(const std::list<Row>& rows, const HandOptions& global) {
 
 }  // namespace
 
-ExitCode Run(const HandOptions& global, const ListOptions& options) {
-  const auto opened = program::HandLink::Open(global);
+ExitCode Run(const ToolOptions& global, const ListOptions& options) {
+  const auto opened = program::ToolLink::Open(global);
   if (!opened) return Fail(ExitCode::kUsage, opened.error());
-  program::HandLink& link = *opened.value();
+  program::ToolLink& link = *opened.value();
   if (!link.AwaitClock())
-    return Fail(ExitCode::kNotDone, {kCodeNetError, "nobody publishes /clock"});
+    return Fail(ExitCode::kNotDone, {kCodeNetError, "no publisher of /clock"});
   std::list<Row> rows;
   for (const std::string& topic : options.topics.empty() ? kUsual : options.topics) {
     Row& row = rows.emplace_back();
     row.topic = topic;
-    auto subscription = Hear(link, topic, [&](msg::Image&& picture, const auto&) {
+    auto subscription = SubscribeToPictures(link, topic, [&](msg::Image&& picture, const auto&) {
       const Duration age = AgeOf(picture, link, global);
       row.age_ms = std::chrono::duration<double, std::milli>(age).count();
       row.seen.Add(picture, age, std::chrono::steady_clock::now());
@@ -79,11 +79,11 @@ ExitCode Run(const HandOptions& global, const ListOptions& options) {
     row.subscription = std::move(subscription).value();
   }
   link.RunUntil([] { return false; }, link.discovery() + Seconds(options.seconds));
-  // What nobody publishes and nobody asked for is not there.
+  // Omits a topic that has no publisher and was not requested.
   if (options.topics.empty()) {
     rows.remove_if([](const Row& row) { return row.subscription->MatchedWriters() == 0; });
   }
-  if (rows.empty()) return Fail(ExitCode::kNotDone, link.Nobody("pictures are published"));
+  if (rows.empty()) return Fail(ExitCode::kNotDone, link.NotFound("pictures are published"));
   Print(rows, global);
   return ExitCode::kDone;
 }

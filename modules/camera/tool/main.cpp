@@ -1,4 +1,4 @@
-// musher-camera: looks at the robot's pictures by hand. See README.md one folder above.
+// musher-camera: shows and saves the robot's pictures. See README.md one folder above.
 
 #include <variant>
 

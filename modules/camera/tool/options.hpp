@@ -1,5 +1,5 @@
 #pragma once
-// What a person can ask of `musher-camera`, as values.
+// The options of `musher-camera`, as values.
 
 #include <string>
 #include <variant>
@@ -10,11 +10,11 @@
 namespace musher::camera::tool {
 
 using program::ExitCode;
-using program::HandOptions;
 using program::ParseEnd;
+using program::ToolOptions;
 
 struct ListOptions {
-  std::vector<std::string> topics;  // empty: those of a dog
+  std::vector<std::string> topics;  // empty: those of a CyberDog
   double seconds = 2;
 };
 struct ShotOptions {
@@ -41,7 +41,7 @@ struct WatchOptions {
 using CommandOptions = std::variant<ListOptions, ShotOptions, StripOptions, WatchOptions>;
 
 struct CommandLine {
-  HandOptions global;
+  ToolOptions global;
   CommandOptions command;
 };
 

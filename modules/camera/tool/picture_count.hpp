@@ -1,6 +1,6 @@
 #pragma once
-// What a series of pictures was like: how many came, how often, how old they were, and how many are
-// missing. A missing one is known by the gap that it leaves between two stamps. Pure.
+// Statistics of a series of pictures: how many arrived, how often, how old they were, and how many
+// are missing. A missing one is detected by the gap that it leaves between two stamps. Pure.
 
 #include <cstdint>
 #include <string>
@@ -18,11 +18,11 @@ class PictureCount {
   std::size_t count() const { return ages_ms_.size(); }
   // "640x480 bgr8", of the last one.
   const std::string& shape() const { return shape_; }
-  // Pictures a second, from the first that came to the last.
+  // Pictures a second, from the first that arrived to the last.
   double RateHz() const;
   // Below which `share` of the ages lie.
   double AgeMs(double share) const;
-  // Taken for missing between the first and the last.
+  // Missing between the first and the last.
   std::uint64_t Lost() const;
 
  private:

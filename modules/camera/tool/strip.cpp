@@ -1,4 +1,4 @@
-// musher-camera strip: what a camera saw over time, side by side.
+// musher-camera strip: a camera's pictures over time, side by side.
 
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMostColumns = 8;
 
-// Takes a picture when its time has come, by the pictures' own stamps.
+// Takes a picture when it is due, by the pictures' own stamps.
 class Collector {
  public:
   explicit Collector(const StripOptions& options)
@@ -23,7 +23,7 @@ class Collector {
   void OnText(const std::string& text) { caption_.OnText(text); }
 
   void Take(msg::Image picture) {
-    last_heard_ = std::chrono::steady_clock::now();
+    last_picture_at_ = std::chrono::steady_clock::now();
     const std::int64_t stamp_ns = msg::FromStamp(picture.header.stamp).count();
     if (done() || !Due(stamp_ns)) return;
     auto tile = TileOf(std::move(picture), static_cast<std::uint32_t>(options_.width_px));
@@ -39,7 +39,7 @@ class Collector {
 
   bool done() const { return static_cast<int>(tiles_.size()) >= options_.count; }
   bool Silent() const {
-    return std::chrono::steady_clock::now() > last_heard_ + Seconds(options_.timeout_s);
+    return std::chrono::steady_clock::now() > last_picture_at_ + Seconds(options_.timeout_s);
   }
   const std::vector<StripTile>& tiles() const { return tiles_; }
   const std::optional<Error>& unreadable() const { return unreadable_; }
@@ -53,15 +53,15 @@ class Collector {
   Pace pace_;
   Caption caption_;
   std::int64_t first_ns_ = 0;
-  Time last_heard_ = std::chrono::steady_clock::now();
+  Time last_picture_at_ = std::chrono::steady_clock::now();
   std::vector<StripTile> tiles_;
   std::optional<Error> unreadable_;
 };
 
-// Null when no topic is given.
-Result<std::unique_ptr<transport::Subscription>> HearTexts(program::HandLink& link,
-                                                           const std::string& topic,
-                                                           Collector& collector) {
+// Null without a topic.
+Result<std::unique_ptr<transport::Subscription>> SubscribeToTexts(program::ToolLink& link,
+                                                                  const std::string& topic,
+                                                                  Collector& collector) {
   if (topic.empty()) return std::unique_ptr<transport::Subscription>();
   return transport::MakeSubscription<msg::String>(
       link.node(), link.Name(topic),
@@ -70,23 +70,23 @@ Result<std::unique_ptr<transport::Subscription>> HearTexts(program::HandLink& li
 
 }  // namespace
 
-ExitCode Run(const HandOptions& global, const StripOptions& options) {
-  const auto opened = program::HandLink::Open(global);
+ExitCode Run(const ToolOptions& global, const StripOptions& options) {
+  const auto opened = program::ToolLink::Open(global);
   if (!opened) return Fail(ExitCode::kUsage, opened.error());
-  program::HandLink& link = *opened.value();
+  program::ToolLink& link = *opened.value();
   Collector collector(options);
-  const auto subscription = Hear(link, options.topic, [&](msg::Image&& picture, const auto&) {
-    collector.Take(std::move(picture));
-  });
+  const auto subscription = SubscribeToPictures(
+      link, options.topic,
+      [&](msg::Image&& picture, const auto&) { collector.Take(std::move(picture)); });
   if (!subscription) return Fail(ExitCode::kUsage, subscription.error());
-  const auto texts = HearTexts(link, options.changes, collector);
+  const auto texts = SubscribeToTexts(link, options.changes, collector);
   if (!texts) return Fail(ExitCode::kUsage, texts.error());
   while (!collector.done() && !collector.Silent() && !link.interrupted()) {
     link.RunUntil([&] { return collector.done(); }, Milliseconds(200));
   }
   if (collector.tiles().empty()) {
     if (link.interrupted()) {
-      return Fail(ExitCode::kInterrupted, {kCodeFailed, "interrupted before a picture came"});
+      return Fail(ExitCode::kInterrupted, {kCodeFailed, "interrupted before the first picture"});
     }
     if (collector.unreadable()) return Fail(ExitCode::kNotDone, *collector.unreadable());
     return Fail(ExitCode::kNotDone,

@@ -12,7 +12,8 @@ namespace {
 
 constexpr int kGapPx = 4;
 constexpr int kLabelPx = 22;
-constexpr std::int64_t kLongestWorldNs = 1'000'000'000'000'000;  // eleven days; later is a date
+constexpr std::int64_t kLongestWorldNs =
+    1'000'000'000'000'000;  // eleven days; a later stamp is a date
 
 cv::Mat View(const msg::Image& picture) {
   return {static_cast<int>(picture.height), static_cast<int>(picture.width), CV_8UC3,

@@ -1,5 +1,5 @@
 #pragma once
-// Pictures side by side, each with its time under it.
+// Pictures side by side, each labelled with its time.
 //
 // Reentrant.
 

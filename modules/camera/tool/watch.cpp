@@ -18,20 +18,21 @@ void PrintLine(const PictureCount& seen) {
 
 }  // namespace
 
-ExitCode Run(const HandOptions& global, const WatchOptions& options) {
-  const auto opened = program::HandLink::Open(global);
+ExitCode Run(const ToolOptions& global, const WatchOptions& options) {
+  const auto opened = program::ToolLink::Open(global);
   if (!opened) return Fail(ExitCode::kUsage, opened.error());
-  program::HandLink& link = *opened.value();
+  program::ToolLink& link = *opened.value();
   if (!link.AwaitClock())
-    return Fail(ExitCode::kNotDone, {kCodeNetError, "nobody publishes /clock"});
+    return Fail(ExitCode::kNotDone, {kCodeNetError, "no publisher of /clock"});
   PictureCount all;
   PictureCount recent;
-  const auto subscription = Hear(link, options.topic, [&](msg::Image&& picture, const auto&) {
-    const Duration age = AgeOf(picture, link, global);
-    const Time now = std::chrono::steady_clock::now();
-    all.Add(picture, age, now);
-    recent.Add(picture, age, now);
-  });
+  const auto subscription =
+      SubscribeToPictures(link, options.topic, [&](msg::Image&& picture, const auto&) {
+        const Duration age = AgeOf(picture, link, global);
+        const Time now = std::chrono::steady_clock::now();
+        all.Add(picture, age, now);
+        recent.Add(picture, age, now);
+      });
   if (!subscription) return Fail(ExitCode::kUsage, subscription.error());
   if (!link.RunUntil([&] { return all.count() > 0; }, Seconds(options.timeout_s))) {
     if (link.interrupted()) return ExitCode::kInterrupted;

@@ -11,7 +11,8 @@ namespace {
 using program::Between;
 
 constexpr const char* kDescription =
-    "Moves the robot's body by hand, through the topics and services of the motion manager.";
+    "Moves the robot's body from the command line, through the topics and services of the motion "
+    "manager.";
 
 constexpr const char* kFooter = R"(
 Examples:
@@ -23,20 +24,20 @@ Examples:
   musher-motion status                          what the body does
   musher-motion list                            what it can do
 
-Exit codes: 0 done; 1 refused, failed or nobody answered (reason on stderr); 2 wrong usage;
+Exit codes: 0 done; 1 refused, failed or no reply (reason on stderr); 2 wrong usage;
 130 interrupted. A walk that is interrupted is stopped.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
 
 class Grammar {
  public:
   Grammar() {
-    program::SetUpCommandLineTool(app_, global_,
-                                  "Whose time --seconds and 20 Hz go by; topic: /clock", kFooter);
+    program::SetUpCommandLineTool(app_, global_, "Clock of --seconds and 20 Hz; topic: /clock",
+                                  kFooter);
     AddGlobalOptions();
     AddResult();
     AddServo();
     AddWalk();
-    app_.add_subcommand("status", "Show what the body does")->callback([this] {
+    app_.add_subcommand("status", "Show the body's present motion")->callback([this] {
       command_ = StatusOptions{};
     });
     app_.add_subcommand("list", "Show the motions of the table")->callback([this] {
@@ -52,7 +53,7 @@ class Grammar {
  private:
   void AddGlobalOptions() {
     app_.add_option("--motions", global_.motions,
-                    "The motion id table; default the one that came with this program")
+                    "The motion id table; default the one installed with this program")
         ->type_name("FILE");
   }
 
@@ -60,15 +61,17 @@ class Grammar {
     const std::map<std::string, std::int32_t> sources = {
         {"debug", kFromDebug}, {"app", kFromApp},           {"audio", kFromAudio},
         {"vis", kFromVision},  {"blutele", kFromBluetooth}, {"algo", kFromAlgorithm}};
-    command->add_option("--source", source, "In whose name: debug, app, audio, vis, blutele, algo")
+    command
+        ->add_option("--source", source,
+                     "Source of the command: debug, app, audio, vis, blutele, algo")
         ->transform(CLI::CheckedTransformer(sources).description(""))
         ->type_name("NAME");
   }
 
   void AddResult() {
     CLI::App* command = app_.add_subcommand("result", "Do one motion and wait for its end");
-    MotionArguments& arguments = result_.order.arguments;
-    command->add_option("ID", result_.order.id, "A motion id; see musher-motion list")
+    MotionArguments& arguments = result_.requested.arguments;
+    command->add_option("ID", result_.requested.id, "A motion id; see musher-motion list")
         ->required()
         ->type_name("");
     command->add_option("--duration", arguments.duration_ms, "In ms, for motions that need one")
@@ -79,7 +82,8 @@ class Grammar {
     command->add_option("--pos", arguments.pos_des, "Position in m")->type_name("X Y Z");
     command->add_option("--step-height", arguments.step_height, "Front and rear, in m")
         ->type_name("F R");
-    command->add_option("--value", arguments.value, "What the motion makes of it")->type_name("N");
+    command->add_option("--value", arguments.value, "Its meaning depends on the motion")
+        ->type_name("N");
     AddSource(command, result_.source);
     command->callback([this] { command_ = result_; });
   }

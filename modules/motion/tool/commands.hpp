@@ -1,5 +1,5 @@
 #pragma once
-// The commands of musher-motion, one function each: prints what came of it and gives the exit code.
+// The commands of musher-motion, one function each: prints the outcome and returns the exit code.
 
 #include <string>
 
@@ -21,9 +21,9 @@ ExitCode Fail(ExitCode exit, const Error& error);
 std::string CodeMeaning(std::int32_t code);
 std::string Decimal(double value, int digits);
 
-// The table that came with this program, or the one asked for.
+// The table installed with this program, or the one of the options.
 TableReading ReadTable(const GlobalOptions& global);
-// "303 (WALK_USERTROT)", "303" where there is no table.
+// "303 (WALK_USERTROT)", "303" without a table.
 std::string NameOf(const GlobalOptions& global, std::int32_t id);
 
 }  // namespace musher::motion::tool

@@ -1,4 +1,4 @@
-// musher-motion: moves the robot's body by hand. See README.md one folder above.
+// musher-motion: moves the robot's body from the command line. See README.md one folder above.
 
 #include <variant>
 

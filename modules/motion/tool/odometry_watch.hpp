@@ -1,7 +1,8 @@
 #pragma once
-// Whether odometry fails to come. Who walks by it stands still soon without it and gives up after a
-// while; the first may take long, since who sends it may have to be found before. It is given up
-// only at a second look: after a late turn the first look comes before what waits has been read.
+// Detects missing odometry. A walk that depends on it soon stands still without it and gives up
+// after a while; the first sample may take long, since its publisher may have to be discovered. It
+// counts as missing only at a second check: after a late turn of the loop the first check runs
+// before waiting samples have been read.
 
 #include "musher/lifecycle/time.hpp"
 
@@ -9,21 +10,21 @@ namespace musher::motion::tool {
 
 class OdometryWatch {
  public:
-  OdometryWatch(Time begun, Duration until_first) : heard_(begun), allowed_(until_first) {}
+  OdometryWatch(Time begun, Duration until_first) : last_sample_(begun), allowed_(until_first) {}
 
-  void Heard(Time now) {
-    heard_ = now;
+  void OnSample(Time now) {
+    last_sample_ = now;
     allowed_ = kLongest;
     missed_ = false;
   }
 
-  // Too old to walk by.
-  bool Old(Time now) const { return now - heard_ > kOld; }
+  // Too old to walk with.
+  bool Old(Time now) const { return now - last_sample_ > kOld; }
 
-  // Given up. To be asked once in a turn of the loop.
+  // Whether odometry is missing. Called once a turn of the loop.
   bool Missing(Time now) {
     const bool missed_before = missed_;
-    missed_ = now - heard_ > allowed_;
+    missed_ = now - last_sample_ > allowed_;
     return missed_ && missed_before;
   }
 
@@ -31,7 +32,7 @@ class OdometryWatch {
   static constexpr Duration kOld = Milliseconds(500);
   static constexpr Duration kLongest = std::chrono::seconds(5);
 
-  Time heard_;
+  Time last_sample_;
   Duration allowed_;
   bool missed_ = false;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// What a person can ask of `musher-motion`, as values.
+// The options of `musher-motion`, as values.
 
 #include <cstdint>
 #include <optional>
@@ -15,12 +15,13 @@ namespace musher::motion::tool {
 using program::ExitCode;
 using program::ParseEnd;
 
-struct GlobalOptions : program::HandOptions {
-  std::string motions;  // the file of the motion id table; empty: the one beside this program
+struct GlobalOptions : program::ToolOptions {
+  std::string
+      motions;  // the file of the motion id table; empty: the one installed with this program
 };
 
 struct ResultOptions {
-  MotionOrder order;
+  MotionRequest requested;
   std::int32_t source = 0;
 };
 struct ServoOptions {

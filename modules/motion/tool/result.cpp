@@ -1,4 +1,4 @@
-// musher-motion result ID: one motion, to its end.
+// musher-motion result ID: executes one motion to its end.
 
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -14,14 +14,14 @@ constexpr Duration kLongestMotion = std::chrono::seconds(180);
 }  // namespace
 
 ExitCode Run(const GlobalOptions& global, const ResultOptions& options) {
-  const auto link = program::HandLink::Open(global);
+  const auto link = program::ToolLink::Open(global);
   if (!link) return Fail(ExitCode::kUsage, link.error());
   const auto client = transport::MakeClient<msg::MotionResultCmd>(
       link.value()->node(), link.value()->Name("motion_result_cmd"));
   if (!client) return Fail(ExitCode::kUsage, client.error());
-  const MotionArguments& arguments = options.order.arguments;
+  const MotionArguments& arguments = options.requested.arguments;
   msg::MotionResultCmd::Request request;
-  request.motion_id = options.order.id;
+  request.motion_id = options.requested.id;
   request.cmd_source = options.source;
   request.duration = arguments.duration_ms;
   request.value = arguments.value;
@@ -34,14 +34,14 @@ ExitCode Run(const GlobalOptions& global, const ResultOptions& options) {
   const bool found = link.value()->RunUntil([&] { return client.value()->Ready() || reply; },
                                             link.value()->discovery());
   if (!found && !link.value()->interrupted()) {
-    return Fail(ExitCode::kNotDone, link.value()->Nobody("motion manager"));
+    return Fail(ExitCode::kNotDone, link.value()->NotFound("motion manager"));
   }
   if (!link.value()->RunUntil([&] { return reply.has_value(); }, kLongestMotion * 2)) {
     return Fail(ExitCode::kInterrupted, {kCodeFailed, "interrupted; the motion goes on"});
   }
   if (!*reply) return Fail(ExitCode::kNotDone, reply->error());
   const auto& response = reply->value();
-  const std::string name = NameOf(global, options.order.id);
+  const std::string name = NameOf(global, options.requested.id);
   if (global.json) {
     std::cout << nlohmann::json{{"motion_id", response.motion_id},
                                 {"result", response.result},

@@ -9,7 +9,7 @@
 namespace musher::motion::tool {
 namespace {
 
-constexpr int kSlowest = 20;  // a /clock may be so much slower
+constexpr int kSlowest = 20;  // how much slower a /clock may run
 
 }  // namespace
 

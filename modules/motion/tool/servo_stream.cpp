@@ -6,7 +6,7 @@
 
 namespace musher::motion::tool {
 
-Result<std::unique_ptr<ServoStream>> ServoStream::Open(program::HandLink& link, std::int32_t id,
+Result<std::unique_ptr<ServoStream>> ServoStream::Open(program::ToolLink& link, std::int32_t id,
                                                        std::int32_t source) {
   std::unique_ptr<ServoStream> stream(new ServoStream(id, source));
   auto commands = transport::MakePublisher<msg::MotionServoCmd>(
@@ -25,7 +25,7 @@ Result<std::unique_ptr<ServoStream>> ServoStream::Open(program::HandLink& link, 
 
 void ServoStream::OnResponse(const msg::MotionServoResponse& response) {
   ended_ = ending_;
-  if (!sent_) return;  // to somebody else, or too late to matter
+  if (!sent_) return;  // for another client, or outdated
   if (response.code == kCodeOk) {
     moving_ = response.motion_id == id_ && response.status == 0;
     return;

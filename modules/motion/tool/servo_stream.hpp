@@ -1,5 +1,5 @@
 #pragma once
-// Walking by hand: frames of a servo motion to the motion manager.
+// Walking from the command line: frames of a servo motion to the motion manager.
 
 #include <memory>
 #include <optional>
@@ -11,11 +11,11 @@
 
 namespace musher::motion::tool {
 
-// Sends frames of a servo motion and hears what becomes of them. Dropped, or after End(), the body
-// has been told to stop.
+// Publishes frames of a servo motion and receives the responses. The destructor and End() tell the
+// body to stop.
 class ServoStream {
  public:
-  static Result<std::unique_ptr<ServoStream>> Open(program::HandLink& link, std::int32_t id,
+  static Result<std::unique_ptr<ServoStream>> Open(program::ToolLink& link, std::int32_t id,
                                                    std::int32_t source);
   ~ServoStream() { End(); }
   ServoStream(const ServoStream&) = delete;
@@ -25,9 +25,9 @@ class ServoStream {
   void End();
 
   bool Ready() const { return commands_->MatchedReaders() > 0; }
-  // End() has been heard.
+  // The response to End() has been received.
   bool ended() const { return ended_; }
-  // The body does this motion now.
+  // The body executes this motion now.
   bool moving() const { return moving_; }
   // Why it does not, once that is known.
   const std::optional<Error>& refusal() const { return refusal_; }

@@ -14,9 +14,9 @@ constexpr double kLeastSpeed = 0.04;  // m/s: a body does not creep
 constexpr double kLeastTurn = 0.08;   // rad/s
 constexpr double kHighestTurn = 1.0;  // rad/s
 constexpr double kHighestSide = 0.1;  // m/s
-constexpr double kGain = 2.5;         // 1/s: how fast an error is to go away
+constexpr double kGain = 2.5;         // 1/s: feedback gain on the error
 
-// At least `least` that way, unless it is nothing.
+// At least `least` in its direction, unless it is zero.
 double AtLeast(double value, double least) {
   return std::copysign(std::max(std::abs(value), least), value);
 }

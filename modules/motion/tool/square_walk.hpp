@@ -1,8 +1,8 @@
 #pragma once
-// Walks a square: a side straight ahead, a quarter to the left, four times; the body ends where it
-// began, looking as it did. Closed loop on odometry: it holds to the lines and corners of the
-// square that begins at the first pose, so that slip and lag do not add up. Pure: poses come in,
-// speeds go out.
+// Walks a square: a side straight ahead, a quarter turn to the left, four times; the body ends
+// where it began, with the same heading. Closed loop on odometry: it keeps to the lines and
+// corners of the square that begins at the first pose, so that slip and lag do not add up. Pure:
+// poses come in, speeds go out.
 
 #include <Eigen/Geometry>
 #include <array>
@@ -14,7 +14,7 @@ struct PlanarPose {
   double yaw = 0;                                // rad, left is positive
 };
 
-// Of a transform that may be tilted a little.
+// The planar part of a transform that may be tilted a little.
 PlanarPose PlanarPoseOf(const Eigen::Isometry3d& body);
 
 // From -pi to pi.

@@ -1,4 +1,4 @@
-// musher-motion status: what the body does.
+// musher-motion status: the present motion of the body.
 
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -9,7 +9,7 @@
 namespace musher::motion::tool {
 
 ExitCode Run(const GlobalOptions& global, const StatusOptions&) {
-  const auto link = program::HandLink::Open(global);
+  const auto link = program::ToolLink::Open(global);
   if (!link) return Fail(ExitCode::kUsage, link.error());
   std::optional<msg::MotionStatus> status;
   const auto subscription = transport::MakeSubscription<msg::MotionStatus>(
@@ -17,7 +17,7 @@ ExitCode Run(const GlobalOptions& global, const StatusOptions&) {
       [&](const msg::MotionStatus& message, const transport::SampleInfo&) { status = message; });
   if (!subscription) return Fail(ExitCode::kUsage, subscription.error());
   if (!link.value()->RunUntil([&] { return status.has_value(); }, link.value()->discovery())) {
-    return Fail(ExitCode::kNotDone, link.value()->Nobody("motion manager"));
+    return Fail(ExitCode::kNotDone, link.value()->NotFound("motion manager"));
   }
   const std::int32_t code = CodeOfStatus(status->switch_status);
   if (global.json) {
@@ -34,7 +34,8 @@ ExitCode Run(const GlobalOptions& global, const StatusOptions&) {
     return ExitCode::kDone;
   }
   if (status->motion_id == kNoMotion) {
-    std::cout << "the motion board is silent, or does what is not in the table" << std::endl;
+    std::cout << "the motion board is silent, or executes a motion that is not in the table"
+              << std::endl;
     return ExitCode::kDone;
   }
   const bool changing = status->switch_status == msg::MotionStatus::kTransitioning;

@@ -8,10 +8,10 @@ namespace musher::motion::tool {
 namespace {
 
 constexpr Duration kFrame = Milliseconds(50);
-constexpr Duration kLastWord = Milliseconds(500);  // that the end may take to be heard
+constexpr Duration kEndTimeout = Milliseconds(500);  // for the response to the end
 
 ExitCode Interrupted() {
-  return Fail(ExitCode::kInterrupted, {kCodeFailed, "interrupted; the body was told to stop"});
+  return Fail(ExitCode::kInterrupted, {kCodeFailed, "interrupted; the body was commanded to stop"});
 }
 
 }  // namespace
@@ -19,22 +19,22 @@ ExitCode Interrupted() {
 std::variant<std::unique_ptr<Streaming>, ExitCode> Streaming::Open(const GlobalOptions& global,
                                                                    std::int32_t id,
                                                                    std::int32_t source) {
-  auto link = program::HandLink::Open(global);
+  auto link = program::ToolLink::Open(global);
   if (!link) return Fail(ExitCode::kUsage, link.error());
   auto stream = ServoStream::Open(*link.value(), id, source);
   if (!stream) return Fail(ExitCode::kUsage, stream.error());
   std::unique_ptr<Streaming> streaming(new Streaming());
   streaming->link_ = std::move(link).value();
   streaming->stream_ = std::move(stream).value();
-  program::HandLink& found = *streaming->link_;
+  program::ToolLink& found = *streaming->link_;
   if (!found.RunUntil([&] { return streaming->stream_->Ready(); }, found.discovery())) {
     return found.TakeInterrupt() ? Interrupted()
-                                 : Fail(ExitCode::kNotDone, found.Nobody("motion manager"));
+                                 : Fail(ExitCode::kNotDone, found.NotFound("motion manager"));
   }
   if (!found.AwaitClock()) {
     return found.TakeInterrupt()
                ? Interrupted()
-               : Fail(ExitCode::kNotDone, {kCodeNetError, "nobody publishes /clock"});
+               : Fail(ExitCode::kNotDone, {kCodeNetError, "no publisher of /clock"});
   }
   return streaming;
 }
@@ -46,12 +46,12 @@ std::optional<ExitCode> Streaming::Run(Next next, Duration longest, const std::s
   link_->RunUntil(over, longest);
   stream_->End();
   const bool interrupted = link_->TakeInterrupt();
-  link_->RunUntil([&] { return stream_->ended(); }, kLastWord);
+  link_->RunUntil([&] { return stream_->ended(); }, kEndTimeout);
   if (const auto& refusal = stream_->refusal()) {
     return Fail(ExitCode::kNotDone, {refusal->code, what + ": " + refusal->message});
   }
   if (interrupted) return Interrupted();
-  if (!over_) return Fail(ExitCode::kNotDone, {kCodeTimeout, what + " did not end in its time"});
+  if (!over_) return Fail(ExitCode::kNotDone, {kCodeTimeout, what + " did not end in time"});
   return std::nullopt;
 }
 

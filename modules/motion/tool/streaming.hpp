@@ -1,5 +1,5 @@
 #pragma once
-// A servo motion by frames, 20 a second of the link's clock, until what is to be sent ends.
+// A servo motion by frames, 20 a second of the link's clock, until the speeds end.
 //
 //   Streaming ── Open() ── Run(next) ──▶ nothing: it came to its end
 //                    └──────────┴──────▶ the exit code, the reason on stderr; the body has been
@@ -20,24 +20,24 @@ inline constexpr Duration kStandingUp = std::chrono::seconds(20);  // before the
 
 class Streaming {
  public:
-  // The speed of the next frame; none: that was all.
+  // The speed of the next frame; nothing: the end.
   using Next = std::function<std::optional<SpeedLimit>()>;
 
   static std::variant<std::unique_ptr<Streaming>, ExitCode> Open(const GlobalOptions& global,
                                                                  std::int32_t id,
                                                                  std::int32_t source);
 
-  // Streams for at most `longest` of steady time. `what` names it for people.
+  // Streams for at most `longest` of steady time. `what` names it in messages.
   std::optional<ExitCode> Run(Next next, Duration longest, const std::string& what);
 
-  program::HandLink& link() { return *link_; }
+  program::ToolLink& link() { return *link_; }
   bool moving() const { return stream_->moving(); }
 
  private:
   Streaming() = default;
   void Frame(const Next& next);
 
-  std::unique_ptr<program::HandLink> link_;
+  std::unique_ptr<program::ToolLink> link_;
   std::unique_ptr<ServoStream> stream_;
   bool over_ = false;
 };

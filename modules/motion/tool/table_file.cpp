@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Beside an installed program, or in the tree that it was built in.
+// Next to an installed program, or in the tree that it was built in.
 std::string TableFile() {
   std::error_code error;
   const fs::path bin = fs::read_symlink("/proc/self/exe", error).parent_path();

@@ -13,7 +13,7 @@
 namespace musher::motion::tool {
 namespace {
 
-// What the walker knows of the body, and what it makes of it.
+// The state of the walk and the decision on its next speed.
 class Walker {
  public:
   Walker(Streaming& streaming, const WalkOptions& options)
@@ -24,7 +24,7 @@ class Walker {
         streaming_.link().node(), streaming_.link().Name("odom_out"),
         [this](const msg::Odometry& message, const transport::SampleInfo&) {
           pose_ = PlanarPoseOf(FromWire(message.pose.pose));
-          odometry_watch_.Heard(Now());
+          odometry_watch_.OnSample(Now());
         });
     if (!odometry) return odometry.error();
     odometry_ = std::move(odometry).value();
@@ -36,12 +36,12 @@ class Walker {
       return Fault("no odometry on " + streaming_.link().Name("odom_out"));
     }
     if (!walk_) {
-      if (Now() - opened_ > kStandingUp) return Fault("the body does not begin to walk");
+      if (Now() - opened_ > kStandingUp) return Fault("the body does not start walking");
       if (!streaming_.moving() || !pose_) return SpeedLimit{};  // it stands up
       walk_.emplace(*pose_, options_.square_m, options_.speed);
       begun_ = Now();
     }
-    if (odometry_watch_.Old(Now())) return SpeedLimit{};  // not blindly
+    if (odometry_watch_.Old(Now())) return SpeedLimit{};  // do not walk without odometry
     const SpeedLimit speed = walk_->Step(*pose_);
     if (walk_->done()) return std::nullopt;
     return speed;

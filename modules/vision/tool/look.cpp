@@ -44,7 +44,7 @@ class Looking {
     cv::Mat mat = cv::imread(file, cv::IMREAD_COLOR);
     if (mat.empty()) return Error{kCodeFailed, file + " is no picture that can be read"};
     const msg::Image picture = MessageOf(mat);
-    if (Result<> judged = CheckPicture(picture); !judged) return judged;
+    if (Result<> valid = CheckPicture(picture); !valid) return valid;
     const auto begin = std::chrono::steady_clock::now();
     std::vector<FaceBox> faces = detector_.Detect(picture);
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
@@ -52,7 +52,7 @@ class Looking {
                         picture.height, faces.size(), faces.size() == 1 ? "" : "s", took.count());
     std::sort(faces.begin(), faces.end(),
               [](const FaceBox& a, const FaceBox& b) { return a.height > b.height; });
-    for (const FaceBox& face : faces) Tell(face, picture);
+    for (const FaceBox& face : faces) Print(face, picture);
     if (options_.at_m && !faces.empty()) Calibrate(faces[0], picture);
     if (options_.out.empty()) return Ok();
     Draw(faces, mat);
@@ -70,7 +70,7 @@ class Looking {
     return PinholeOf(*hfov_rad, picture.width, picture.height);
   }
 
-  void Tell(const FaceBox& face, const msg::Image& picture) const {
+  void Print(const FaceBox& face, const msg::Image& picture) const {
     out_ << fmt::format("  at {:.3f} {:.3f}, {:.3f} x {:.3f}, confidence {:.2f}", face.center_x(),
                         face.center_y(), face.width, face.height, face.confidence);
     if (const auto lens = LensOf(picture)) {
@@ -98,7 +98,7 @@ class Looking {
 }  // namespace
 
 Result<> Look(const VisionConfig& config, const LookOptions& options, std::ostream& out) {
-  // What is wrong with a file we say ourselves.
+  // Errors of a file are reported here, not by OpenCV.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   auto detector = MakeCascadeDetector(config.cascade);
   if (!detector) return detector.error();

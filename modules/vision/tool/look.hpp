@@ -1,5 +1,5 @@
 #pragma once
-// musher-vision look: what the detector finds in a picture's file. For who tunes it.
+// musher-vision look: what the detector finds in a picture file. For tuning it.
 
 #include <optional>
 #include <ostream>
@@ -16,7 +16,7 @@ struct LookOptions {
   std::vector<std::string> pictures;
   std::string out;                 // the picture with boxes; empty: none
   std::optional<double> hfov_deg;  // of the pictures; else the config's
-  std::optional<double> at_m;      // how far away the largest face is known to be
+  std::optional<double> at_m;      // known distance of the largest face
 };
 
 // Prints a line for each picture and each face. Fails with the first picture that cannot be read or

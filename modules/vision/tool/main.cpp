@@ -1,4 +1,4 @@
-// musher-vision: shows by hand what the detector finds. See README.md one folder above.
+// musher-vision: shows what the detector finds. See README.md one folder above.
 
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -34,7 +34,7 @@ ExitCode Look(const musher::vision::tool::LookOptions& options) {
 
 int main(int argc, char** argv) {
   musher::vision::tool::LookOptions options;
-  CLI::App app("Shows by hand what the detector of musher-vision-manager finds.", "musher-vision");
+  CLI::App app("Shows what the detector of musher-vision-manager finds.", "musher-vision");
   app.footer(kFooter);
   app.set_version_flag("--version", "musher-vision " + std::string(musher::Version()),
                        "Print the version");
@@ -45,7 +45,8 @@ int main(int argc, char** argv) {
   look->add_option("--out", options.out, "Write the (last) picture with boxes to this file");
   look->add_option("--hfov", options.hfov_deg, "Degrees from its left edge to its right one")
       ->check(musher::program::Between(1, 170));
-  look->add_option("--at", options.at_m, "Metres that the largest face is away: tells face_m")
+  look->add_option("--at", options.at_m,
+                   "Distance of the largest face in m; prints the face_m that fits")
       ->check(musher::program::Between(0.05, 100));
   try {
     app.parse(argc, argv);

@@ -14,7 +14,7 @@ constexpr std::array<std::string_view, 4> kGreetings = {"greeting_hello", "greet
                                                         "greeting_bride", "greeting_groom"};
 constexpr std::array<std::string_view, 1> kHello = {"greeting_hello"};
 
-// The packs of the robot's own software.
+// The action packs of the robot's own software.
 const std::array<ActionPack, 7> kPacks = {{
     {pose::kNeutral, motion::kStop, {}, {}},
     {pose::kNeutral,

@@ -1,8 +1,8 @@
 #pragma once
 // Action packs of the robot's second generation: what body and voice do together while a state
-// lasts, as a pose, a motion and a rule by which sounds are drawn.
+// lasts, as a pose, a motion and a rule by which sounds are selected at random.
 //
-// The draws come from a seed, so that a recording plays the same again.
+// The random generator is seeded, so that a recording replays exactly.
 
 #include <cstdint>
 #include <optional>
@@ -37,7 +37,7 @@ enum class Action {
 };
 std::string_view Name(Action action);
 
-// When a pack says something. Times count from the start of its action.
+// When a pack plays a sound. Times count from the start of its action.
 struct Speech {
   Duration first{};        // zero: it never speaks
   Duration again_least{};  // to the next one; zero: it speaks once
@@ -56,7 +56,7 @@ const ActionPack& PackOf(Action action);
 // The action that a state begins with; nothing for a state that moves by itself.
 std::optional<Action> ActionOnEntering(std::string_view state, const ShowData& data);
 
-// Draws each of `sounds` once before one comes again, and none twice in a row.
+// Returns each of `sounds` once before one is repeated, and none twice in a row.
 class ShuffledBag {
  public:
   std::string_view Draw(std::span<const std::string_view> sounds, std::mt19937_64& random);
@@ -72,11 +72,11 @@ class ActionPlayer {
  public:
   explicit ActionPlayer(std::uint64_t seed) : random_(seed) {}
 
-  // Takes the pose and the motion. The same action again changes nothing.
+  // Sets the pose and the motion. The same action again changes nothing.
   void Start(Action action, ShowData& data);
-  // Each tick, `step` after the last one: says what is due.
+  // Each tick, `step` after the last one: plays what is due.
   void Tick(Duration step, ShowData& data);
-  // Nothing is played, and nothing is moved.
+  // Ends the action: no sound, no motion.
   void Stop(ShowData& data);
   std::optional<Action> action() const { return action_; }
 

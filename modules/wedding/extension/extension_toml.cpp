@@ -13,13 +13,13 @@ void Read(TableReader& table, const char* key, Duration& time) {
   time = table.Time(key).value_or(time);
 }
 
-// At the key that the file has.
+// Reported at the key that the file has.
 void Contradict(TableReader& table, const char* key, const char* other, const char* message) {
   const char* given = table.Has(key) ? key : other;
   table.Fault(table.At(given), given, message);
 }
 
-// Of a UTF-8 text.
+// Number of characters of a UTF-8 text.
 int CharactersIn(const std::string& text) {
   constexpr unsigned char kKind = 0xc0;
   constexpr unsigned char kContinuation = 0x80;
@@ -34,7 +34,7 @@ std::optional<SearchRules> ReadSearch(TableReader& table) {
   const bool enabled = table.Bool("enabled").value_or(false);
   SearchRules rules;
   Read(table, "confirm_ms", rules.confirm);
-  Read(table, "nobody_ms", rules.nobody);
+  Read(table, "nobody_ms", rules.no_face);
   Read(table, "timeout_ms", rules.timeout);
   rules.scan = table.Number("scan", 0, 0.5).value_or(rules.scan);
   Read(table, "scan_period_ms", rules.scan_period);
@@ -74,7 +74,7 @@ std::optional<InterviewRules> ReadInterview(TableReader& table) {
   Read(table, "lost_most_ms", rules.lost_most);
   if (rules.lost_least >= rules.lost_most) {
     Contradict(table, "lost_least_ms", "lost_most_ms",
-               "expected lost_least_ms to be less than lost_most_ms: else nobody can be lost so");
+               "expected lost_least_ms to be less than lost_most_ms: else the range is empty");
   }
   if (!enabled) return std::nullopt;
   return rules;

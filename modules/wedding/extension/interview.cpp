@@ -13,7 +13,7 @@ Interview::Interview(ShowData& data, const InterviewRules& rules)
 
 void Interview::Declare(fsm::Ways& ways) {
   WeddingState::Declare(ways);
-  idle_ = ways.To(state::kIdle, "it has asked all, or the face is lost");
+  idle_ = ways.To(state::kIdle, "all questions asked, or the face is lost");
 }
 
 void Interview::OnEnter(const fsm::Tick& tick) {
@@ -63,15 +63,15 @@ bool Interview::HasAnswered(const fsm::Tick& tick) {
   return spoke_ && tick.elapsed - spoke_at_ >= rules_.silence;
 }
 
-// The phase after the present one.
+// Enters the phase after the present one.
 void Interview::NextPhase(const fsm::Tick& tick) {
   if (phase_ == Phase::kQuestion) return Begin(Phase::kListening, tick);
   if (phase_ == Phase::kEnding) return Begin(Phase::kDone, tick);
-  Ask(tick);
+  PlayNextQuestion(tick);
 }
 
-// The next question, or thanks.
-void Interview::Ask(const fsm::Tick& tick) {
+// Plays the next question, or thanks.
+void Interview::PlayNextQuestion(const fsm::Tick& tick) {
   if (static_cast<std::size_t>(question_) < sounds_.size()) {
     data().Say(sounds_.at(static_cast<std::size_t>(question_)));
     ++question_;
@@ -103,7 +103,7 @@ void Interview::Persist(fsm::Archive& archive) {
 void InterviewingTracking::Declare(fsm::Ways& ways) {
   Tracking::Declare(ways);
   command_ = ways.On(command::kInterview);
-  interview_ = ways.To(state::kInterview, rules_.unasked ? "somebody stays, or command interview"
+  interview_ = ways.To(state::kInterview, rules_.unasked ? "a guest stays, or command interview"
                                                          : "command interview");
 }
 
@@ -112,7 +112,7 @@ void InterviewingTracking::OnEnter(const fsm::Tick& tick) {
   stable_ = false;
 }
 
-// A photo and a farewell go before an interview that nobody asked for.
+// A photo and a farewell take precedence over an interview without a command.
 fsm::Next InterviewingTracking::Decide(const fsm::Tick& tick) {
   const fsm::Next next = Tracking::Decide(tick);
   if (tick.command != fsm::kNoEvent && tick.command == command_) return fsm::Next::To(interview_);

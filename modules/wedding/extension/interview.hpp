@@ -1,8 +1,8 @@
 #pragma once
-// INTERVIEW, of the robot's second generation: it asks a guest who stays a few questions and
-// listens to the answers. The camera records them where the config says so.
+// INTERVIEW, of the robot's second generation: it asks a guest a few questions and listens to the
+// answers. The camera records them if the config says so.
 //
-// An extension as SEARCH is: it brings its state, and a TRACKING that leads there.
+// An extension like SEARCH: it adds its state, and a TRACKING that leads to it.
 
 #include <string>
 #include <vector>
@@ -29,18 +29,18 @@ inline constexpr std::string_view kInterviewThanks = "interview_thanks";
 struct InterviewRules {
   Duration greeting = Milliseconds(3000);
   Duration question = Milliseconds(2000);           // at least
-  Duration question_begin = Milliseconds(1500);     // a question takes so long,
-  Duration question_character = Milliseconds(250);  // and so much for each of its characters
+  Duration question_begin = Milliseconds(1500);     // a question takes this time,
+  Duration question_character = Milliseconds(250);  // and this for each of its characters
   std::vector<int> question_characters = {0, 0, 0};
   Duration listening = Milliseconds(8000);  // at most
-  Duration silence = Milliseconds(1500);    // after somebody has spoken
-  double voice_threshold = 0.02;            // of the energy of what is heard
+  Duration silence = Milliseconds(1500);    // after speech
+  double voice_threshold = 0.02;            // of the energy of the microphone's signal
   Duration ending = Milliseconds(2000);
   Duration done = Milliseconds(1000);
-  Duration lost = Milliseconds(1500);  // who is not seen for so long has left
+  Duration lost = Milliseconds(1500);  // unseen for this time: the guest has left
   bool video = false;                  // the camera records the interview
-  // From TRACKING without a command: one who was seen for `stable` and then stays for `stays` in
-  // all, or is lost for between the two.
+  // From TRACKING without a command: a guest who was seen for `stable` and then stays for `stays`
+  // in all, or is lost for a time between the two limits.
   bool unasked = true;
   Duration stable = Milliseconds(2000);
   Duration stays = Milliseconds(3500);
@@ -69,13 +69,13 @@ class Interview : public WeddingState {
   bool IsOver(const fsm::Tick& tick);
   bool HasAnswered(const fsm::Tick& tick);
   void NextPhase(const fsm::Tick& tick);
-  void Ask(const fsm::Tick& tick);
+  void PlayNextQuestion(const fsm::Tick& tick);
   void Begin(Phase phase, const fsm::Tick& tick);
 
   const InterviewRules rules_;
   std::vector<std::string> sounds_;  // of the questions
   Phase phase_ = Phase::kGreeting;
-  Duration phase_began_{};  // since the state was entered, as are the others
+  Duration phase_began_{};  // since the state was entered, like the others
   std::int64_t question_ = 0;
   bool spoke_ = false;
   Duration spoke_at_{};

@@ -1,6 +1,6 @@
 #pragma once
 // IDLE of the robot's second generation: it moves and speaks for a while, then stands still and
-// observes. Faces count while it observes only: a camera that sways sees guests who do not stay.
+// observes. Faces count only while it observes: a swaying camera sees guests who do not stay.
 
 #include <cstdint>
 #include <random>
@@ -14,12 +14,12 @@ struct ActionRules {
   std::uint64_t seed = 1;
   Duration idle_least = Milliseconds(10'000);  // that it moves and speaks,
   Duration idle_most = Milliseconds(20'000);
-  double greeting_probability = 0.3;  // after observing; else it moves on as before
+  double greeting_probability = 0.3;  // after observing; else it moves again as before
   Duration greeting = Milliseconds(3500);
   Duration observe_least = Milliseconds(3000);  // that it observes
   Duration observe_most = Milliseconds(5000);
-  Duration confirm = Milliseconds(500);  // from the first to the last sight of a face
-  Duration lost = Milliseconds(200);     // longer without a sight: it is another face
+  Duration confirm = Milliseconds(500);  // from the first to the last sighting of a face
+  Duration lost = Milliseconds(200);     // longer without a sighting: it is another face
   double same_within = 0.15;             // of the picture, for a face without a number
 
   friend bool operator==(const ActionRules&, const ActionRules&) = default;

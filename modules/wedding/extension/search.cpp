@@ -8,7 +8,7 @@ namespace musher::wedding {
 void Search::Declare(fsm::Ways& ways) {
   WeddingState::Declare(ways);
   tracking_ = ways.To(state::kTracking, "a face stays");
-  idle_ = ways.To(state::kIdle, "nobody is seen, or it takes too long");
+  idle_ = ways.To(state::kIdle, "no face is seen, or timeout");
 }
 
 void Search::OnEnter(const fsm::Tick& /*tick*/) {
@@ -24,7 +24,7 @@ void Search::Run(const fsm::Tick& tick) {
 
 fsm::Next Search::Decide(const fsm::Tick& tick) {
   if (Seen(tick) >= rules_.confirm) return fsm::Next::To(tracking_);
-  if (Lost(tick) >= rules_.nobody || tick.elapsed >= rules_.timeout) return fsm::Next::To(idle_);
+  if (Lost(tick) >= rules_.no_face || tick.elapsed >= rules_.timeout) return fsm::Next::To(idle_);
   return fsm::Next::Stay();
 }
 
@@ -34,7 +34,7 @@ void SearchingIdle::Declare(fsm::Ways& ways) {
   search_ = ways.To(state::kSearch, "a face is seen, or command search");
 }
 
-// Of a face alone: the command tracking is none of Decide's.
+// Of a face alone: the command tracking does not get here.
 fsm::Next SearchingIdle::Decide(const fsm::Tick& tick) {
   const bool commanded = tick.command != fsm::kNoEvent && tick.command == command_;
   return commanded || !Idle::Decide(tick).stays() ? fsm::Next::To(search_) : fsm::Next::Stay();

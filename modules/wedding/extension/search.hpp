@@ -1,8 +1,8 @@
 #pragma once
-// SEARCH, of the robot's second generation: somebody was seen in IDLE; who stays is tracked.
+// SEARCH, of the robot's second generation: a face was seen in IDLE; a face that stays is tracked.
 //
-// An extension: neither the engine nor the five states know of it. It brings its state, and an IDLE
-// that goes there where the plain one would go to TRACKING.
+// An extension: neither the engine nor the five states know it. It adds its state, and an IDLE
+// that leads to it instead of TRACKING.
 
 #include "musher/modules/wedding/states/idle.hpp"
 
@@ -16,9 +16,9 @@ inline constexpr std::string_view kSearch = "search";
 }  // namespace command
 
 struct SearchRules {
-  Duration confirm = Milliseconds(2000);   // a face that stays so long is tracked
-  Duration nobody = Milliseconds(5000);    // without a face for so long: back to IDLE
-  Duration timeout = Milliseconds(10000);  // so long in all
+  Duration confirm = Milliseconds(2000);   // a face that stays this long is tracked
+  Duration no_face = Milliseconds(5000);   // without a face: back to IDLE
+  Duration timeout = Milliseconds(10000);  // in all
   double scan = 0.25;                      // of the gaze, to each side
   Duration scan_period = Milliseconds(8000);
 

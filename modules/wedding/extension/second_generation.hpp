@@ -1,5 +1,5 @@
 #pragma once
-// Topics that the robot's second generation has beside those of the first.
+// Topics that the robot's second generation has in addition to those of the first.
 //
 // Threads: the loop's.
 
@@ -29,17 +29,17 @@ class SecondGeneration {
 
   void SetPose(std::string_view pose) { Publish(set_pose_, std::string(pose)); }
   void SetMotion(std::string_view motion) { Publish(set_motion_, std::string(motion)); }
-  void TellFace(int face_id) { Publish(target_face_id_, std::to_string(face_id)); }
-  void TellLine(std::string_view state, const std::string& line) {
+  void PublishFace(int face_id) { Publish(target_face_id_, std::to_string(face_id)); }
+  void PublishLine(std::string_view state, const std::string& line) {
     Publish(debug_log_, "[" + std::string(state) + "] " + line);
   }
-  // What /wedding/system/ready says; false while nothing was heard.
+  // The last value of /wedding/system/ready; false before the first message.
   bool ready() const { return ready_; }
 
  private:
   using Text = transport::Publisher<msg::String>;
   static void Publish(Text* topic, const std::string& text) {
-    // What cannot be sent is followed by the next.
+    // A lost message is superseded by the next.
     if (topic != nullptr) static_cast<void>(topic->Publish({text}));
   }
 

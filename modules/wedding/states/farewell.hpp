@@ -1,5 +1,5 @@
 #pragma once
-// FAREWELL: the robot waves to those who leave.
+// FAREWELL: the robot waves to guests who leave.
 
 #include "musher/modules/wedding/show_rules.hpp"
 #include "musher/modules/wedding/states/wedding_state.hpp"

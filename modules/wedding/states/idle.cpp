@@ -30,12 +30,12 @@ bool Idle::SeesGuest(const fsm::Tick& /*tick*/) {
   return seen.face_detected && seen.face_seen_for >= rules_.confirm;
 }
 
-// Who stands there when IDLE is commanded, until he has gone or another one is there.
+// The guest who is present when IDLE is commanded is ignored until he leaves or another one comes.
 bool Idle::LeavesAlone() {
   const PerceptionData& seen = data().perception;
-  int& whom = data().left_alone_face;
-  if (whom < 0) whom = seen.face_id;
-  const bool another = seen.face_id >= 0 && seen.face_id != whom;
+  int& ignored = data().left_alone_face;
+  if (ignored < 0) ignored = seen.face_id;
+  const bool another = seen.face_id >= 0 && seen.face_id != ignored;
   if (!seen.face_detected || another) data().left_alone = false;
   return data().left_alone;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// IDLE: the robot looks about a little and waits for somebody to come.
+// IDLE: the robot looks about a little and waits for a guest.
 
 #include "musher/modules/wedding/show_rules.hpp"
 #include "musher/modules/wedding/states/wedding_state.hpp"
@@ -16,7 +16,7 @@ class Idle : public WeddingState {
 
  protected:
   fsm::Next Decide(const fsm::Tick& tick) override;
-  // Whether a face has been seen for long enough to go to it.
+  // Whether a face has been seen for long enough to track it.
   virtual bool SeesGuest(const fsm::Tick& tick);
 
  private:

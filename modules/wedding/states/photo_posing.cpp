@@ -32,7 +32,7 @@ void PhotoPosing::OnEnter(const fsm::Tick& /*tick*/) {
   data().motion.target_pose = PoseFor(data().perception.gesture);
 }
 
-// A late tick brings what it missed, in its order.
+// A late tick executes all missed phases in order.
 fsm::Next PhotoPosing::Decide(const fsm::Tick& tick) {
   while (phase_ != Phase::kDone && tick.elapsed >= ends_.at(static_cast<std::size_t>(phase_))) {
     Begin(static_cast<Phase>(static_cast<int>(phase_) + 1));
@@ -57,8 +57,8 @@ void PhotoPosing::Begin(Phase phase) {
 
 void PhotoPosing::OnExit(const fsm::Tick& /*tick*/) {
   data().motion.target_pose = pose::kNeutral;
-  // One that is still held asked for the photo that there was, or that a command ended; not for one
-  // that a safety stop broke off.
+  // A gesture still held counts as answered by this photo, or by the photo that a command ended;
+  // not by one that a safety stop interrupted.
   const PerceptionData& seen = data().perception;
   const bool broken_off = phase_ < Phase::kShutter && (seen.too_close || seen.blind);
   if (!broken_off) data().gesture_answered = seen.gesture_number;

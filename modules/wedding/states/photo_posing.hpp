@@ -1,5 +1,5 @@
 #pragma once
-// PHOTO_POSING: the robot answers, poses, counts down, takes the picture and thanks.
+// PHOTO_POSING: the robot confirms, poses, counts down, takes the picture and thanks.
 //
 //   confirm 1.0 s -> pose 1.5 s -> countdown 3.0 s -> shutter 0.5 s -> done, back to TRACKING
 

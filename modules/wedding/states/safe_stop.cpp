@@ -5,7 +5,7 @@ namespace musher::wedding {
 void SafeStop::Declare(fsm::Ways& ways) {
   stop_ = ways.On(command::kStop);
   idle_ = ways.On(command::kIdle);
-  to_idle_ = ways.To(state::kIdle, "nobody is too close for a while");
+  to_idle_ = ways.To(state::kIdle, "no guest is too close for a while");
 }
 
 void SafeStop::OnEnter(const fsm::Tick& /*tick*/) {
@@ -14,16 +14,16 @@ void SafeStop::OnEnter(const fsm::Tick& /*tick*/) {
   data_.motion.target_pose = pose::kNeutral;
   data_.motion.look_at_target = Gaze{};
   const PerceptionData& seen = data_.perception;
-  if (seen.too_close && seen.too_close_number != data_.too_close_asked) {
+  if (seen.too_close && seen.too_close_number != data_.too_close_warned) {
     data_.Say(sound::kTooClose);
   }
-  data_.too_close_asked = seen.too_close_number;
+  data_.too_close_warned = seen.too_close_number;
 }
 
 fsm::Next SafeStop::CheckTransition(const fsm::Tick& tick) {
   if (data_.perception.too_close || data_.perception.blind) {
     clear_from_ = tick.elapsed;
-    data_.too_close_asked = data_.perception.too_close_number;
+    data_.too_close_warned = data_.perception.too_close_number;
     return fsm::Next::Stay();
   }
   const bool commanded =

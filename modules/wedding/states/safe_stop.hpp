@@ -1,6 +1,6 @@
 #pragma once
-// SAFE_STOP: somebody is too close, nobody watches, or a state failed. The robot stands neutral and
-// looks ahead until there has been no cause for a while.
+// SAFE_STOP: a guest is too close, no detector publishes, or a state failed. The robot stands
+// neutral and looks ahead until there has been no cause for a while.
 
 #include "musher/behavior/fsm/state.hpp"
 #include "musher/modules/wedding/show_data.hpp"
@@ -8,7 +8,7 @@
 
 namespace musher::wedding {
 
-// Of the commands it obeys stop and idle alone, and only once there is no cause any more.
+// Of the commands it accepts only stop and idle, and only once there is no cause any more.
 class SafeStop : public fsm::State {
  public:
   SafeStop(ShowData& data, const SafeStopRules& rules) : data_(data), rules_(rules) {}
@@ -22,7 +22,7 @@ class SafeStop : public fsm::State {
  private:
   ShowData& data_;
   const SafeStopRules rules_;
-  Duration clear_from_{};  // when there was last a cause, since the state was entered
+  Duration clear_from_{};  // time of the last cause, since the state was entered
   fsm::EventId stop_ = fsm::kNoEvent;
   fsm::EventId idle_ = fsm::kNoEvent;
   fsm::StateId to_idle_ = fsm::kNoState;

@@ -1,5 +1,5 @@
 #pragma once
-// What the states of the show have in common: the commands that each of them obeys.
+// The common base of the show's states: the commands that each of them accepts.
 
 #include "musher/behavior/fsm/state.hpp"
 #include "musher/modules/wedding/show_data.hpp"
@@ -8,11 +8,12 @@ namespace musher::wedding {
 
 class WeddingState : public fsm::State {
  public:
-  // `name` is under which it is registered: nobody is sent where he is.
+  // `name` is the name it is registered under: no transition leads to the same state.
   WeddingState(ShowData& data, std::string_view name) : data_(data), name_(name) {}
 
   void Declare(fsm::Ways& ways) override;
-  // stop and idle lead to IDLE, photo to PHOTO_POSING, tracking to TRACKING; the rest is Decide's.
+  // stop and idle lead to IDLE, photo to PHOTO_POSING, tracking to TRACKING; else Decide() is
+  // called.
   fsm::Next CheckTransition(const fsm::Tick& tick) final;
 
  protected:
@@ -20,7 +21,7 @@ class WeddingState : public fsm::State {
 
   ShowData& data() { return data_; }
 
-  // Looks a little further towards the face before the robot, where it is known which way that is.
+  // Moves the gaze one step towards the face, if its direction is known.
   void FollowFace(const fsm::Tick& tick);
   // The same towards `target`.
   void LookTo(Gaze target, const fsm::Tick& tick);

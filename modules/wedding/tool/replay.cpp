@@ -1,4 +1,4 @@
-// musher-wedding replay FILE [--config SHOW]: the same history again, or where it is another.
+// musher-wedding replay FILE [--config SHOW]: replays a recording and prints the first difference.
 
 #include "musher/behavior/fsm/replay.hpp"
 
@@ -19,8 +19,8 @@ enum Exit : int { kSame = 0, kOther = 1, kUsage = 2 };
 // Recordings are larger than configs: an hour has some 10 MiB.
 constexpr std::size_t kMostBytes = std::size_t{1} << 30;
 
-// There is no robot: what it would do is not asked for.
-class NoStage : public Stage {
+// There is no robot: outputs are ignored.
+class NoOutputs : public ShowOutputs {
  public:
   void TakePose(std::string_view /*pose*/) override {}
   void LookAt(Gaze /*gaze*/) override {}
@@ -56,9 +56,9 @@ int Play(const std::string& file, const ShowConfig& config) {
   if (!text) return Fail(file + ": error: " + text.error().message);
   const Result<fsm::Recording> recording = fsm::ReadRecording(text.value(), file);
   if (!recording) return Fail(recording.error().message);
-  NoStage stage;
+  NoOutputs outputs;
   fsm::Machine machine({.name = recording.value().machine});
-  Show show(config, stage);
+  Show show(config, outputs);
   if (const Result<> built = show.Build(machine); !built) return Fail(built.error().message);
   Printer printer;
   machine.Listen(&printer);
@@ -70,22 +70,23 @@ int Play(const std::string& file, const ShowConfig& config) {
   if (!replayed) return Fail(replayed.error().message);
   std::cout << replayed.value().ticks << " ticks, " << replayed.value().changes << " changes: ";
   if (!replayed.value().difference) {
-    std::cout << "the same again" << std::endl;
+    std::cout << "identical" << std::endl;
     return kSame;
   }
-  std::cout << "not the same\n" << *replayed.value().difference << std::endl;
+  std::cout << "different\n" << *replayed.value().difference << std::endl;
   return kOther;
 }
 
 }  // namespace
 
 int Replay(int argc, const char* const* argv) {
-  CLI::App app("Plays a recording of the show, without a robot and without waiting.",
+  CLI::App app("Replays a recording of the show, without a robot and as fast as possible.",
                "musher-wedding replay");
-  app.footer("Exit codes: 0 the same again; 1 another history; 2 usage, or no recording.");
+  app.footer("Exit codes: 0 identical; 1 different; 2 usage, or no recording.");
   std::string file;
   std::string config_file;
-  app.add_option("FILE", file, "What [record] file of the show's config named")->required();
+  app.add_option("FILE", file, "The recording, from [record] file of the show's config")
+      ->required();
   app.add_option("--config", config_file,
                  "The show's config that it was recorded with; default that of an empty file");
   try {

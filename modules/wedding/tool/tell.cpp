@@ -1,4 +1,4 @@
-// musher-wedding tell: a guest, a detector or a person with a remote, for those without ROS.
+// musher-wedding tell: publishes inputs of a guest, a detector or a remote control, without ROS.
 
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -16,22 +16,23 @@ namespace musher::wedding::tool {
 namespace {
 
 using program::ExitCode;
-using program::HandLink;
+using program::ToolLink;
 
 constexpr const char* kFooter = R"(
 Examples:
   musher-wedding tell target 0.5 0.4 --for 5   a face in the middle, 5 s long
-  musher-wedding tell gesture heart            and it asks for a photo
+  musher-wedding tell gesture heart            requests a photo
   musher-wedding tell too-close true
   musher-wedding tell command photo            stop, idle, photo, tracking, reset
-  musher-wedding tell voice stop               as if it had been heard
+  musher-wedding tell voice stop               as if it had been spoken
 
-Exit codes: 0 told; 1 nobody listens, or /clock stands still (said on stderr); 2 usage; 130 interrupted.
+Exit codes: 0 published; 1 no subscriber, or /clock stands still (reason on stderr);
+2 usage; 130 interrupted.
 Environment: MUSHER_NAMESPACE, ROS_DOMAIN_ID, MUSHER_TRANSPORT, MUSHER_KEYS, MUSHER_IDENTITY.)";
 
 constexpr Duration kLongestStandstill = std::chrono::seconds(5);  // of a clock, in real time
 
-struct Told {
+struct Input {
   const char* topic = nullptr;
   std::variant<msg::String, msg::Bool, msg::PointStamped> message;
 };
@@ -41,8 +42,8 @@ int Fail(ExitCode exit, const std::string& message) {
   return static_cast<int>(exit);
 }
 
-// Until `done` holds, however slow the clock goes; false: it does not go, or there was a Ctrl-C.
-bool RunWhileClockGoes(HandLink& link, const std::function<bool()>& done) {
+// Until `done` holds, however slow the clock runs; false: it stands still, or Ctrl-C was pressed.
+bool RunWhileClockGoes(ToolLink& link, const std::function<bool()>& done) {
   while (!done()) {
     const Time before = link.clock().Now();
     const auto moved = [&] { return done() || link.clock().Now() != before; };
@@ -52,17 +53,17 @@ bool RunWhileClockGoes(HandLink& link, const std::function<bool()>& done) {
 }
 
 template <msg::Message M>
-int Publish(HandLink& link, const std::string& topic, const M& message, Duration time) {
+int Publish(ToolLink& link, const std::string& topic, const M& message, Duration time) {
   const auto publisher = transport::MakePublisher<M>(link.node(), link.Name(topic));
   if (!publisher) return Fail(ExitCode::kUsage, publisher.error().message);
-  const auto heard = [&] { return publisher.value()->MatchedReaders() > 0; };
-  if (!link.RunUntil(heard, link.discovery())) {
+  const auto matched = [&] { return publisher.value()->MatchedReaders() > 0; };
+  if (!link.RunUntil(matched, link.discovery())) {
     if (link.interrupted()) return static_cast<int>(ExitCode::kInterrupted);
-    return Fail(ExitCode::kNotDone, "nobody listens to " + topic + "; is the show running?");
+    return Fail(ExitCode::kNotDone, "no subscriber of " + topic + "; is the show running?");
   }
   Result<> sent = publisher.value()->Publish(message);
   if (time > Duration(0)) {
-    if (!link.AwaitClock()) return Fail(ExitCode::kNotDone, "nobody publishes /clock");
+    if (!link.AwaitClock()) return Fail(ExitCode::kNotDone, "no publisher of /clock");
     const Time end = link.clock().Now() + time;
     const auto again = link.clock().Every(Milliseconds(100), [&] {
       if (sent) sent = publisher.value()->Publish(message);
@@ -81,30 +82,29 @@ int Publish(HandLink& link, const std::string& topic, const M& message, Duration
 class Grammar {
  public:
   Grammar() {
-    program::SetUpCommandLineTool(app_, options_, "Whose time --for goes by; topic: /clock",
-                                  kFooter);
-    app_.add_option("--for", seconds_, "Say it again and again, 10 times a second, for so many s")
+    program::SetUpCommandLineTool(app_, options_, "Clock of --for; topic: /clock", kFooter);
+    app_.add_option("--for", seconds_, "Repeat it 10 times a second for this time")
         ->check(program::Between(0, 3600))
         ->type_name("SECONDS");
     AddTarget();
     AddWord("gesture", topic::kGesture, "none, heart, v or ok");
     AddWord("command", topic::kCommand, "stop, idle, photo, tracking, reset, search, interview");
     AddWord("voice", topic::kVoiceCommand, "none, photo, interview or stop");
-    CLI::App* close = app_.add_subcommand("too-close", "Whether somebody is");
+    CLI::App* close = app_.add_subcommand("too-close", "Whether a guest is too close");
     close->add_option("BOOL", too_close_, "true or false")->required()->type_name("");
-    close->callback([this] { told_ = {topic::kTooClose, msg::Bool{too_close_}}; });
+    close->callback([this] { input_ = {topic::kTooClose, msg::Bool{too_close_}}; });
   }
 
   int Run(int argc, const char* const* argv) {
     if (const auto end = program::Parse(app_, argc, argv, options_)) {
       return program::Say(*end, "musher-wedding");
     }
-    const auto link = HandLink::Open(options_);
+    const auto link = ToolLink::Open(options_);
     if (!link) return Fail(ExitCode::kUsage, link.error().message);
     const auto time = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds_));
     const int exit = std::visit(
-        [&](const auto& message) { return Publish(*link.value(), told_.topic, message, time); },
-        told_.message);
+        [&](const auto& message) { return Publish(*link.value(), input_.topic, message, time); },
+        input_.message);
     if (options_.json) std::cout << (exit == 0 ? "{\"told\": true}" : "{\"told\": false}") << "\n";
     return exit;
   }
@@ -116,22 +116,22 @@ class Grammar {
     command->add_option("Y", point_.y, "0 up, 1 down")->required()->type_name("");
     command->add_option("Z", point_.z, "How far, m; default 1.5")->type_name("");
     command->callback([this] {
-      told_ = {topic::kTarget, msg::PointStamped{{{}, "camera"}, point_}};
+      input_ = {topic::kTarget, msg::PointStamped{{{}, "camera"}, point_}};
     });
   }
   void AddWord(const char* name, const char* topic, const char* words) {
     CLI::App* command = app_.add_subcommand(name, std::string(words));
     command->add_option("WORD", word_, words)->required()->type_name("");
-    command->callback([this, topic] { told_ = {topic, msg::String{word_}}; });
+    command->callback([this, topic] { input_ = {topic, msg::String{word_}}; });
   }
 
-  CLI::App app_{"Tells the wedding robot's show something, on its topics.", "musher-wedding tell"};
-  program::HandOptions options_;
+  CLI::App app_{"Publishes inputs of the wedding robot's show.", "musher-wedding tell"};
+  program::ToolOptions options_;
   double seconds_ = 0;
   msg::Point point_{0.5, 0.5, 1.5};
   bool too_close_ = false;
   std::string word_;
-  Told told_;
+  Input input_;
 };
 
 }  // namespace

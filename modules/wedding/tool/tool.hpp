@@ -1,13 +1,14 @@
 #pragma once
-// What musher-wedding does for people, beside being an actuator.
+// The command-line tools of musher-wedding, beside the actuator.
 
 namespace musher::wedding::tool {
 
-// Each is given the command line from its own name on, and gives the exit code.
+// Each gets the command line from its own name on, and returns the exit code.
 
-// musher-wedding replay FILE: plays a recording, prints what came of it.
+// musher-wedding replay FILE: replays a recording and prints the outcome.
 int Replay(int argc, const char* const* argv);
-// musher-wedding tell gesture heart: publishes what a guest, a detector or a person would.
+// musher-wedding tell gesture heart: publishes an input of the show, in place of a guest, a
+// detector or an operator.
 int Tell(int argc, const char* const* argv);
 
 }  // namespace musher::wedding::tool

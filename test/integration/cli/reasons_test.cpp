@@ -57,7 +57,7 @@ TEST_F(Reasons, StatusSaysThatTheProgramEndedByItself) {
     return message.find("exit code") != std::string::npos;
   });
   EXPECT_THAT(status["actuators"]["voice"]["message"].get<std::string>(),
-              AllOf(HasSubstr("its program ended by itself: exit code 0"),
+              AllOf(HasSubstr("the program exited by itself: exit code 0"),
                     Not(HasSubstr("connection lost"))));
 }
 

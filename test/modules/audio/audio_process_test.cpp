@@ -1,4 +1,4 @@
-// musher-audio-manager as a controller meets it, and musher-audio: the real programs over DDS.
+// musher-audio-manager as a controller drives it, and musher-audio: the real programs over DDS.
 
 #include <gmock/gmock.h>
 
@@ -83,19 +83,22 @@ times = [20000, 20000]
       return text_->Ready() && play_->MatchedReaders() > 0 && report_->MatchedWriters() > 0;
     }));
   }
-  void Ask(const msg::AudioTextPlay::Request& request, Answer& answer) {
+  void RequestText(const msg::AudioTextPlay::Request& request, Answer& answer) {
     text_->Call(request, std::chrono::seconds(60), [&answer](auto reply) { answer = reply; });
   }
-  void Say(const std::string& text, Answer& answer) { Ask({"test", true, {}, text}, answer); }
-  // The answer to the end.
+  void Say(const std::string& text, Answer& answer) {
+    RequestText({"test", true, {}, text}, answer);
+  }
+  // The final reply.
   Response Await(const Answer& answer) {
     const bool there = peer_.Until([&] { return answer.has_value(); });
     EXPECT_TRUE(there && *answer) << peer_.Output();
     return there && *answer ? answer->value() : Response{255, -1};
   }
-  // That it says something that begins so: what sounds may still be what it said before.
+  // Waits for a log line that begins so: what plays may still be the sound before.
   bool AwaitWords(const std::string& words) {
-    return peer_.Until([&] { return peer_.Output().find("says \"" + words) != std::string::npos; });
+    return peer_.Until(
+        [&] { return peer_.Output().find("plays \"" + words) != std::string::npos; });
   }
   Response Said(const std::string& text) {
     Answer answer;
@@ -120,10 +123,10 @@ TEST_F(AudioManagerProcess, AnswersATextWhenItsSoundHasEnded) {
   const Time begun = std::chrono::steady_clock::now();
   EXPECT_EQ(Said("Good morning"), (Response{0, 0})) << peer_.Output();
   const Duration took = std::chrono::steady_clock::now() - begun;
-  const Result<Sound> heard = ReadSound(Spoken("0001.wav"));
-  ASSERT_TRUE(heard);
-  EXPECT_GT(heard.value().Length(), Milliseconds(300));
-  EXPECT_GE(took, heard.value().Length());
+  const Result<Sound> received = ReadSound(Spoken("0001.wav"));
+  ASSERT_TRUE(received);
+  EXPECT_GT(received.value().Length(), Milliseconds(300));
+  EXPECT_GE(took, received.value().Length());
 }
 
 TEST_F(AudioManagerProcess, SpeaksInEveryStateAndFallsSilentAtTearDown) {
@@ -162,10 +165,10 @@ TEST_F(AudioManagerProcess, IsInterruptedByATopic) {
   ASSERT_TRUE(play_->Publish({"test", msg::AudioPlay::kReady}));
   EXPECT_EQ(Await(answer), (Response{1, 5021}));
   EXPECT_TRUE(peer_.Until([this] { return !sounds_; })) << "and the phrase comes to its end";
-  EXPECT_THAT(peer_.Output(), HasSubstr("says \"Good day. I am awake.\" for \"test\""));
+  EXPECT_THAT(peer_.Output(), HasSubstr("plays \"Good day. I am awake.\" for \"test\""));
 }
 
-TEST_F(AudioManagerProcess, SaysTheCuesOfTheWedding) {
+TEST_F(AudioManagerProcess, PlaysTheCuesOfTheWedding) {
   const std::string config = MUSHER_SOURCE_DIR "/config/audio/";
   Start("output = \"silent\"\nlanguage = \"zh\"\n" + kPhrases +
         "[[cues]]\ntopic = \"/wedding/audio/play\"\nfile = \"" + config + "wedding_cues.toml\"\n");
@@ -177,10 +180,10 @@ TEST_F(AudioManagerProcess, SaysTheCuesOfTheWedding) {
   ASSERT_TRUE(peer_.Until([this] { return sounds_; }));
   EXPECT_TRUE(peer_.Until([this] { return !sounds_; })) << "it comes to its end";
   EXPECT_THAT(peer_.Output(), HasSubstr("audio: /wedding/audio/play has no cue \"hiccup\""));
-  EXPECT_THAT(peer_.Output(), HasSubstr("says \"欢迎来到婚礼现场！\" for \"greeting\""));
+  EXPECT_THAT(peer_.Output(), HasSubstr("plays \"欢迎来到婚礼现场！\" for \"greeting\""));
 }
 
-TEST_F(AudioManagerProcess, TakesItsTimesFromTheWorldAndAnswersAfterTenSecondsOfIt) {
+TEST_F(AudioManagerProcess, UsesTheWorldsClockAndAnswersAfterTenSecondsOfIt) {
   StartInAWorld("output = \"silent\"\n" + kPhrases);
   world_step_ = Milliseconds(10);
   EXPECT_EQ(Said("One"), (Response{0, 0})) << "as the world goes on";
@@ -197,18 +200,18 @@ TEST_F(AudioManagerProcess, TakesItsTimesFromTheWorldAndAnswersAfterTenSecondsOf
   EXPECT_EQ(Await(answer), (Response{1, 5007}));
 }
 
-TEST_F(AudioManagerProcess, RefusesWhatCannotBeSaidEachWithItsCode) {
+TEST_F(AudioManagerProcess, RefusesInvalidRequestsEachWithItsCode) {
   Start("output = \"silent\"\n" + kPhrases);
   EXPECT_EQ(Said(""), (Response{1, 5024}));
   EXPECT_EQ(Said(std::string(10'240, 'x')), (Response{1, 5025}));
   EXPECT_EQ(Said("a\xFF"), (Response{1, 5026}));
   Answer unknown;
-  Ask({"test", false, {"test", 4711}, ""}, unknown);
+  RequestText({"test", false, {"test", 4711}, ""}, unknown);
   EXPECT_EQ(Await(unknown), (Response{1, 5023}));
-  EXPECT_THAT(peer_.Output(), HasSubstr("refused for \"test\": there is no phrase 4711"));
+  EXPECT_THAT(peer_.Output(), HasSubstr("refused for \"test\": unknown phrase 4711"));
 }
 
-TEST_F(AudioManagerProcess, GoesOnWhereTheOutputIsLostAndSaysSoOnce) {
+TEST_F(AudioManagerProcess, ContinuesWithoutItsOutputAndLogsItOnce) {
   Start(kWav);
   EXPECT_EQ(Said("One"), (Response{0, 0}));
   std::filesystem::remove_all(peer_.folder() / "spoken");
@@ -216,12 +219,12 @@ TEST_F(AudioManagerProcess, GoesOnWhereTheOutputIsLostAndSaysSoOnce) {
   EXPECT_EQ(Said("Two"), (Response{1, 5012}));
   EXPECT_EQ(Said("Three"), (Response{1, 5012}));
   const std::string log = peer_.Output();
-  EXPECT_EQ(log.find("is not heard"), log.rfind("is not heard")) << log;
+  EXPECT_EQ(log.find("is not played"), log.rfind("is not played")) << log;
   EXPECT_EQ(peer_.Switch("SelfCheck").value().code, 5109);
   std::filesystem::remove(peer_.folder() / "spoken");
   EXPECT_EQ(Said("Four"), (Response{0, 0}));
   EXPECT_EQ(peer_.Switch("SelfCheck").value().code, 0);
-  EXPECT_THAT(peer_.Output(), HasSubstr("the sound device is back"));
+  EXPECT_THAT(peer_.Output(), HasSubstr("the sound device is available again"));
 }
 
 TEST_F(AudioManagerProcess, FailsItsSelfCheckWhereAVoiceIsMissing) {
@@ -235,13 +238,13 @@ TEST_F(AudioManagerProcess, FailsItsSelfCheckWhereAVoiceIsMissing) {
   EXPECT_EQ(Said("One"), (Response{0, 0}));
 }
 
-TEST_F(AudioManagerProcess, ExplainsAFaultyFileAndEndsWithTwo) {
+TEST_F(AudioManagerProcess, ReportsAnInvalidFileAndExitsWithTwo) {
   peer_.Start("output = \"radio\"\n" + kPhrases);
   EXPECT_EQ(peer_.AwaitExit(), 2);
   EXPECT_THAT(peer_.Output(), HasSubstr("audio.toml:1:10: error: output"));
 }
 
-// What a program said and how it ended.
+// The output of a program and how it exited.
 struct Ran {
   int exit = -1;
   std::string output;  // both streams
@@ -259,28 +262,28 @@ Ran RunTool(const std::string& arguments) {
   return ran;
 }
 
-TEST_F(AudioManagerProcess, IsWorkedByTheTool) {
+TEST_F(AudioManagerProcess, IsControlledByTheTool) {
   Start(kWav);
   const Ran loud = RunTool("volume 20");
   EXPECT_EQ(loud.exit, 0) << loud.output;
   EXPECT_EQ(loud.output, "volume 20 %\n");
   EXPECT_THAT(RunTool("--json volume").output, HasSubstr("\"volume\": 20"));
-  const Ran said = RunTool("say One");
-  EXPECT_EQ(said.exit, 0);
-  EXPECT_EQ(said.output, "said to the end\n");
+  const Ran spoken = RunTool("say One");
+  EXPECT_EQ(spoken.exit, 0);
+  EXPECT_EQ(spoken.output, "played to the end\n");
   const Ran played = RunTool("play 1055 --json");
   EXPECT_EQ(played.exit, 0);
   EXPECT_THAT(played.output, HasSubstr("\"status\": 0"));
   const Ran unknown = RunTool("play 4711");
   EXPECT_EQ(unknown.exit, 1);
-  EXPECT_EQ(unknown.output, "musher-audio: there is no phrase of that number (5023)\n");
+  EXPECT_EQ(unknown.output, "musher-audio: unknown phrase number (5023)\n");
   EXPECT_EQ(RunTool("say '早上好' --now").exit, 0);
   ASSERT_TRUE(peer_.Until([this] { return sounds_; }));
   EXPECT_EQ(RunTool("stop").output, "silent\n");
   EXPECT_TRUE(peer_.Until([this] { return !sounds_; }));
 }
 
-TEST(AudioTool, SaysWhatIsWrongWithACommandLine) {
+TEST(AudioTool, ReportsACommandLineError) {
   for (const std::string wrong :
        {"", "sing", "say", "play", "play hello", "play 70000", "volume 101", "volume -1",
         "volume loud", "stop now", "say One --clock sun"}) {
@@ -301,14 +304,14 @@ TEST(AudioTool, ListsThePhrases) {
   EXPECT_THAT(absent.output, HasSubstr("/absent.toml: error: the file cannot be read"));
 }
 
-TEST(AudioTool, SaysThatThereIsNoAudioModule) {
+TEST(AudioTool, ReportsThatThereIsNoAudioModule) {
   for (const std::string command : {"say One", "say One --now"}) {
     const Ran ran = RunTool("--namespace nowhere_at_all " + command);
     EXPECT_EQ(ran.exit, 1) << command;
     EXPECT_THAT(ran.output, HasSubstr("no audio module in namespace 'nowhere_at_all'"));
   }
   EXPECT_THAT(RunTool("--clock topic --namespace nowhere_at_all stop").output,
-              HasSubstr("nobody publishes /clock"));
+              HasSubstr("no publisher of /clock"));
 }
 
 }  // namespace musher::audio::audio_process_test

@@ -1,5 +1,5 @@
-// Topics and services of the voice, on the simulated network, in virtual time. A stand-in makes the
-// sound, 100 ms for each character, so that no thread is needed.
+// Topics and services of the audio module, on the simulated network, in virtual time. A fake makes
+// the sound, 100 ms for each character, so that no thread is needed.
 
 #include "musher/modules/audio/audio_shell.hpp"
 
@@ -58,13 +58,15 @@ class VoiceOnANetwork : public ::testing::Test {
 
   using Answer = std::optional<msg::AudioTextPlay::Response>;
 
-  void Ask(const msg::AudioTextPlay::Request& request, Answer& answer) {
+  void RequestText(const msg::AudioTextPlay::Request& request, Answer& answer) {
     text_->Call(request, std::chrono::seconds(60), [&answer](const auto& reply) {
       ASSERT_TRUE(reply) << reply.error().message;
       answer = reply.value();
     });
   }
-  void Say(const std::string& text, Answer& answer) { Ask({"app", true, {}, text}, answer); }
+  void Say(const std::string& text, Answer& answer) {
+    RequestText({"app", true, {}, text}, answer);
+  }
 
   template <msg::Service S>
   typename S::Response Call(const std::string& service, const typename S::Request& request) {
@@ -115,7 +117,7 @@ class ListeningOnANetwork : public VoiceOnANetwork {
       }).value();
 };
 
-TEST_F(ListeningOnANetwork, PublishesWhatWasUnderstoodAndTheWakeWord) {
+TEST_F(ListeningOnANetwork, PublishesRecognisedTextsAndTheWakeWord) {
   Say("sit down");
   EXPECT_EQ(wake_ups_, 0);
   Say("铁蛋铁蛋, sit down");
@@ -126,7 +128,7 @@ TEST_F(ListeningOnANetwork, PublishesWhatWasUnderstoodAndTheWakeWord) {
   EXPECT_THAT(log_, HasSubstr("world/speech_text: refused"));
 }
 
-TEST_F(ListeningOnANetwork, SaysWhenItSpeaksWhenAllIsSaidAndWhenATextWasUnderstood) {
+TEST_F(ListeningOnANetwork, PublishesWhenItSpeaksWhenItEndsAndWhenATextWasRecognised) {
   std::vector<int> states;
   const auto hears =
       transport::MakeSubscription<msg::UInt8>(
@@ -141,14 +143,14 @@ TEST_F(ListeningOnANetwork, SaysWhenItSpeaksWhenAllIsSaidAndWhenATextWasUndersto
   EXPECT_THAT(states, ElementsAre(3, 0, 2));
 }
 
-TEST_F(ListeningOnANetwork, HearsNothingWhileTheMicrophoneIsOff) {
+TEST_F(ListeningOnANetwork, PublishesNoTextWhileTheMicrophoneIsOff) {
   Call<msg::AudioExecute>("set_audio_state", {"app", {msg::AudioStatus::kOffMic}});
   Say("铁蛋铁蛋");
   EXPECT_THAT(texts_, ElementsAre());
   EXPECT_EQ(wake_ups_, 0);
 }
 
-TEST_F(ListeningOnANetwork, WakesByTheNameThatItWasGiven) {
+TEST_F(ListeningOnANetwork, WakesByItsConfiguredName) {
   EXPECT_TRUE(Call<msg::AudioNickName>("set_nick_name", {"Rex", "hey Rex"}).success);
   Say("hey Rex, come");
   EXPECT_EQ(wake_ups_, 1);
@@ -160,7 +162,7 @@ TEST_F(ListeningOnANetwork, WakesByTheNameThatItWasGiven) {
   EXPECT_EQ(refused.code, 5010);
 }
 
-TEST_F(ListeningOnANetwork, SaysThatThereIsNoAccount) {
+TEST_F(ListeningOnANetwork, RepliesThatThereIsNoAccount) {
   const auto answer = Call<msg::ProtocolTrigger>("audio_active_state", {"account 7"});
   EXPECT_FALSE(answer.success);
   EXPECT_EQ(answer.code, 5008);
@@ -189,10 +191,10 @@ TEST_F(VoiceOnANetwork, AnswersALongerTextAfterTenSeconds) {
 
 TEST_F(VoiceOnANetwork, PlaysAPhraseWhereTheRequestIsNotOnline) {
   Answer answer;
-  Ask({"manager", false, {"manager", 60}, "not this"}, answer);
+  RequestText({"manager", false, {"manager", 60}, "not this"}, answer);
   network_.RunFor(Milliseconds(1'000));
   EXPECT_EQ(answer, (msg::AudioTextPlay::Response{0, 0}));
-  EXPECT_THAT(log_, HasSubstr(R"(says "all well" for "manager")"));
+  EXPECT_THAT(log_, HasSubstr(R"(plays "all well" for "manager")"));
 }
 
 TEST_F(VoiceOnANetwork, IsInterruptedByBothTopics) {
@@ -204,14 +206,14 @@ TEST_F(VoiceOnANetwork, IsInterruptedByBothTopics) {
   EXPECT_EQ(first, (msg::AudioTextPlay::Response{1, 5021}));
   ASSERT_TRUE(extended_->Publish({"app", true, {}, "hello"}));
   network_.RunFor(Milliseconds(300));
-  EXPECT_THAT(log_, HasSubstr(R"(says "hello" for "app")"));
+  EXPECT_THAT(log_, HasSubstr(R"(plays "hello" for "app")"));
   ASSERT_TRUE(extended_->Publish({"app", false, {"app", 60}, "not this"}));
   network_.RunFor(Milliseconds(2'000));
   EXPECT_THAT(log_, ::testing::Not(HasSubstr("not this")));
   EXPECT_FALSE(reports_.back());
 }
 
-TEST_F(VoiceOnANetwork, SaysCuesOfAbsoluteTopicsAndOfThoseInItsNamespace) {
+TEST_F(VoiceOnANetwork, PlaysCuesOfAbsoluteTopicsAndOfThoseInItsNamespace) {
   const auto urgent = transport::MakePublisher<msg::String>(*desk_, "show/play").value();
   const auto patient = transport::MakePublisher<msg::String>(*desk_, "dog1/show/say").value();
   network_.RunFor(Milliseconds(500));
@@ -224,14 +226,14 @@ TEST_F(VoiceOnANetwork, SaysCuesOfAbsoluteTopicsAndOfThoseInItsNamespace) {
   network_.RunFor(Milliseconds(2'500));
   EXPECT_THAT(log_, ::testing::Not(HasSubstr("welcome")));
   network_.RunFor(Milliseconds(1'000));
-  EXPECT_THAT(log_, HasSubstr(R"(says "welcome" for "greeting")"));
+  EXPECT_THAT(log_, HasSubstr(R"(plays "welcome" for "greeting")"));
   Answer second;
   Say(std::string(30, 'b'), second);
   network_.RunFor(Milliseconds(1'000));
   ASSERT_TRUE(urgent->Publish({"shutter"}));
   network_.RunFor(Milliseconds(100));
   EXPECT_EQ(second, (msg::AudioTextPlay::Response{1, 5021}));
-  EXPECT_THAT(log_, HasSubstr(R"(says "/sounds/shutter.wav" for "shutter")"));
+  EXPECT_THAT(log_, HasSubstr(R"(plays "/sounds/shutter.wav" for "shutter")"));
 }
 
 TEST_F(VoiceOnANetwork, FallsSilentByStopPlay) {
@@ -282,7 +284,7 @@ TEST_F(VoiceOnANetwork, KnowsWhichPhrasesItHas) {
   EXPECT_EQ(Call<Query>("sdcard_playid_query", {1101}), (Query::Response{false, 0}));
 }
 
-TEST_F(VoiceOnANetwork, AnswersNobodyAnyMoreWhenItIsDropped) {
+TEST_F(VoiceOnANetwork, AnswersNoCallerAfterItsDestruction) {
   Answer answer;
   Say("hello", answer);
   network_.RunFor(Milliseconds(100));

@@ -1,4 +1,4 @@
-// Sounds that are asked for by name: what is heard of them, and what is wrong with a file.
+// Sounds that are requested by name: what is played, and the errors of a file.
 
 #include <fstream>
 
@@ -22,13 +22,13 @@ constexpr std::size_t kUrgent = 0;  // of TheCueTopics()
 
 class CueDecision : public ::testing::Test, protected Harness {};
 
-TEST_F(CueDecision, SaysTheTextOfACueOrPlaysItsRecording) {
+TEST_F(CueDecision, SpeaksTheTextOfACueOrPlaysItsRecording) {
   Cue(kUrgent, "greeting");
   EXPECT_THAT(Those<Make>(), ElementsAre(Make{1, {"welcome", Language::kEnglish, {}}}));
   Made();
-  EXPECT_THAT(LogText(), HasSubstr(R"(says "welcome" for "greeting")"));
+  EXPECT_THAT(LogText(), HasSubstr(R"(plays "welcome" for "greeting")"));
   Ended();
-  EXPECT_THAT(Answers(), IsEmpty()) << "nobody waits for it";
+  EXPECT_THAT(Answers(), IsEmpty()) << "no caller waits for it";
   Cue(kUrgent, "shutter");
   EXPECT_EQ(Those<Make>().at(0).what.recording, "/sounds/shutter.wav");
 }
@@ -54,7 +54,7 @@ TEST_F(CueDecision, WaitsForItsTurnWhereItsTopicDoesNotInterrupt) {
   EXPECT_EQ(Those<Make>().at(0).what.recording, "/sounds/shutter.wav");
 }
 
-TEST_F(CueDecision, GoesByTheCueItselfWhereThatSaysWhetherItInterrupts) {
+TEST_F(CueDecision, FollowsTheInterruptSettingOfTheCueItself) {
   Say(1, "long scenario");
   Made();
   Cue(kUrgent, "by the way");
@@ -88,19 +88,19 @@ TEST_F(CueDecision, DropsACueWhoseTurnComesTooLate) {
   Cue(kPatientCues, "greeting");
   EXPECT_LE(NextTime(player()), now() + kAnswerTime);
   Pass(kAnswerTime);
-  EXPECT_THAT(LogText(), HasSubstr("\"greeting\" waited too long"));
+  EXPECT_THAT(LogText(), HasSubstr("\"greeting\" was not played: timeout in the queue"));
   Ended();
   EXPECT_THAT(Those<Make>(), IsEmpty());
 }
 
-TEST_F(CueDecision, RefusesACueWhenTooManyWait) {
+TEST_F(CueDecision, RefusesACueWhenTheQueueIsFull) {
   Say(0, "plays");
   for (std::size_t i = 0; i <= kMostWaiting; ++i) Cue(kPatientCues, "greeting");
   EXPECT_THAT(LogText(), HasSubstr("refused cue \"greeting\": 16 wait"));
   EXPECT_THAT(player().waiting, SizeIs(kMostWaiting));
 }
 
-TEST_F(CueDecision, TellsAnUnknownCueOnceAndLeavesWhatPlaysAlone) {
+TEST_F(CueDecision, LogsAnUnknownCueOnceAndLeavesWhatPlaysAlone) {
   Say(1, "plays");
   Made();
   Cue(kUrgent, "greetings");
@@ -120,11 +120,11 @@ TEST_F(CueDecision, DoesNotFillTheLogNorTheMemoryWithTenThousandUnknownCues) {
     log += LogText();
   }
   EXPECT_LT(log.size(), 5'000U);
-  EXPECT_THAT(log, HasSubstr("no more of them are told"));
+  EXPECT_THAT(log, HasSubstr("further ones are not logged"));
   EXPECT_THAT(player().unknown_cues, SizeIs(kMostUnknownCues));
 }
 
-TEST_F(CueDecision, SaysNothingAfterTearDown) {
+TEST_F(CueDecision, PlaysNothingAfterTearDown) {
   Do(play_event::StateEntered{State(kLowPower)});
   Cue(kUrgent, "greeting");
   EXPECT_THAT(Those<Make>(), SizeIs(1)) << "in every other state it does";
@@ -158,7 +158,7 @@ TEST(Cues, AreReadWithTheirTextsAndRecordings) {
   EXPECT_EQ(shutter.interrupts, true);
 }
 
-TEST(Cues, TellAllFaultsOfAFileAtOnce) {
+TEST(Cues, ReportAllErrorsOfAFileAtOnce) {
   const auto reading = ReadCuesText(
       R"([[cue]]
 id = "one"
@@ -203,7 +203,7 @@ TEST(CueTopics, AreReadWithTheConfig) {
               ElementsAre(CueTopic{"/show/play", true, cues}, CueTopic{"show/say", false, cues}));
 }
 
-TEST(CueTopics, TellAllFaultsOfAllFiles) {
+TEST(CueTopics, ReportAllErrorsOfAllFiles) {
   const TempFolder folder;
   std::ofstream(folder / "cues.toml") << "[[cue]]\nid = 3\nen = \"an a\"\n";
   const AudioReading reading = ReadAudioText(

@@ -1,5 +1,5 @@
 #pragma once
-// A player in virtual time, with what it did last.
+// A player in virtual time, with its last actions.
 
 #include <gmock/gmock.h>
 
@@ -29,7 +29,7 @@ inline std::vector<CueTopic> TheCueTopics() {
 
 class Harness {
  public:
-  // What came of an event.
+  // The actions of an event.
   template <class Event>
   PlayActions Do(Event event) {
     actions_ = Step(rules_, player_, PlayEvent(std::move(event)), now_);
@@ -41,19 +41,19 @@ class Harness {
   }
 
   PlayActions Say(CallToken token, const std::string& text) {
-    return Do(play_event::Asked{{token, "app", true, 0, text}});
+    return Do(play_event::PlayRequested{{token, "app", true, 0, text}});
   }
   PlayActions PlayId(CallToken token, std::uint16_t id) {
-    return Do(play_event::Asked{{token, "app", false, id, {}}});
+    return Do(play_event::PlayRequested{{token, "app", false, id, {}}});
   }
   PlayActions Cue(std::size_t topic, const std::string& id) {
-    return Do(play_event::CueAsked{topic, id});
+    return Do(play_event::CueRequested{topic, id});
   }
   // The present sound is made, and begins.
   PlayActions Made() { return Do(play_event::Made{Number(), {}}); }
   PlayActions Ended() { return Do(play_event::Ended{Number(), {}}); }
 
-  // Of the last event, those of a kind.
+  // The actions of the last event of one kind.
   template <class Action>
   std::vector<Action> Those() const {
     std::vector<Action> those;

@@ -36,7 +36,7 @@ int Loudest(const Sound& sound) {
   return loudest;
 }
 
-// Time that goes on by hand.
+// A clock that is advanced by the test.
 class HandClock : public transport::Clock {
  public:
   Time Now() const override { return now_; }
@@ -75,7 +75,7 @@ class Outputs : public ::testing::Test {
     return ended_.value_or(Error{-1, "it does not end"});
   }
   Sound File(const std::string& name) {
-    // A file is written beside the loop; whoever is dropped has written it all.
+    // A file is written beside the loop; the destructor waits until all is written.
     output_.reset();
     const Result<Sound> sound = ReadSound(folder_ / name);
     EXPECT_TRUE(sound) << (sound ? "" : sound.error().message);
@@ -118,10 +118,10 @@ TEST_F(WavFiles, BecomeQuieterInTheMiddleOfASound) {
   output_->SetVolume(0);
   clock_.Pass(Milliseconds(100));
   EXPECT_TRUE(Ended());
-  Sound heard = File("0001.wav");
-  ASSERT_EQ(heard.samples.size(), 4'410U);
-  EXPECT_EQ(std::abs(heard.samples[2'204]), 10'000);
-  EXPECT_EQ(heard.samples[2'205], 0);
+  Sound received = File("0001.wav");
+  ASSERT_EQ(received.samples.size(), 4'410U);
+  EXPECT_EQ(std::abs(received.samples[2'204]), 10'000);
+  EXPECT_EQ(received.samples[2'205], 0);
 }
 
 TEST_F(WavFiles, EndWhereTheSoundWasStopped) {
@@ -143,7 +143,7 @@ TEST_F(WavFiles, GoOnWithTheirNumbersAfterARestart) {
   EXPECT_EQ(File("0042.wav").samples.size(), 220U);
 }
 
-TEST_F(WavFiles, ThatCannotBeWrittenAreToldWithTheCodeOfADevice) {
+TEST_F(WavFiles, ThatCannotBeWrittenAreReportedWithTheCodeOfADevice) {
   std::ofstream(folder_ / "taken") << "a file";
   Make({OutputKind::kWav, "", folder_ / "taken"});
   EXPECT_EQ(output_->Check().error().code, 5109);
@@ -167,7 +167,7 @@ TEST_F(Outputs, InSilenceTakeAsLongAsTheSound) {
 
 TEST_F(Outputs, AreSilentWithOneLineWhereThereIsNoDevice) {
   Make({OutputKind::kAuto, "no_such_device", ""});
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("silent, for there is no sound device: sound device "
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("no sound device, the output is silent: sound device "
                                           "no_such_device: ")));
   EXPECT_TRUE(output_->Check());
   Play(Milliseconds(10));
@@ -175,9 +175,9 @@ TEST_F(Outputs, AreSilentWithOneLineWhereThereIsNoDevice) {
   EXPECT_TRUE(Ended());
 }
 
-TEST_F(Outputs, OfADeviceThatIsNotThereAnswerWithItsCode) {
+TEST_F(Outputs, OfAMissingDeviceFailWithItsCode) {
   Make({OutputKind::kAlsa, "no_such_device", ""});
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("no sound for now: ")));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("no sound yet: ")));
   EXPECT_EQ(output_->Check().error().code, kBoardFailed);
   Play(Milliseconds(10));
   EXPECT_EQ(Ended().error().code, 5012);
@@ -211,7 +211,7 @@ TEST_F(AlsaFile, HasTheWholeSoundAtItsVolume) {
   EXPECT_EQ(Heard(), expected);
 }
 
-TEST_F(AlsaFile, IsFoundAgainAfterItWasLost) {
+TEST_F(AlsaFile, IsAvailableAgainAfterItWasLost) {
   constexpr Duration kLong = Milliseconds(500);  // more than the device's buffer
   Play(kLong);
   EXPECT_TRUE(Ended());
@@ -224,7 +224,7 @@ TEST_F(AlsaFile, IsFoundAgainAfterItWasLost) {
   EXPECT_TRUE(Ended());
 }
 
-TEST_F(AlsaFile, SaysNothingOfTheEndOfWhatWasStopped) {
+TEST_F(AlsaFile, ReportsNoEndOfAStoppedSound) {
   Play(std::chrono::seconds(5));
   output_->Stop();
   Play(Milliseconds(20));
@@ -263,19 +263,19 @@ TEST_F(RealVoice, TakesLongerForMoreText) {
   EXPECT_GT(longer.value().Length(), shorter.value().Length() * 2);
 }
 
-TEST_F(RealVoice, DropsWhatIsNotWantedAnyMore) {
+TEST_F(RealVoice, DropsCancelledSounds) {
   std::string long_text;
   for (int i = 0; i < 1'000; ++i) long_text += "word ";
   maker_.Make({long_text, Language::kEnglish, {}},
-              [](const Result<Sound>&) { ADD_FAILURE() << "nobody wants it"; });
+              [](const Result<Sound>&) { ADD_FAILURE() << "cancelled"; });
   EXPECT_TRUE(Make({"One.", Language::kEnglish, {}}));
   maker_.Make({long_text, Language::kEnglish, {}},
-              [](const Result<Sound>&) { ADD_FAILURE() << "nobody wants it"; });
+              [](const Result<Sound>&) { ADD_FAILURE() << "cancelled"; });
   maker_.Cancel();
   EXPECT_TRUE(maker_.Check());
 }
 
-TEST_F(RealVoice, SaysThatThereIsNoSuchVoice) {
+TEST_F(RealVoice, ReportsAMissingVoice) {
   VoiceConfig config;
   config.english = "klingon_high_court";
   VoiceMaker maker(loop_, config);
@@ -292,7 +292,7 @@ TEST_F(RealVoice, PlaysRecordingsOfSeveralChannelsAsOne) {
   EXPECT_THAT(sound.value().samples, ElementsAre(100, 200, -300));
 }
 
-TEST_F(RealVoice, SaysThatARecordingHasGoneMeanwhile) {
+TEST_F(RealVoice, ReportsARecordingThatIsMissingMeanwhile) {
   EXPECT_EQ(Make({"", Language::kEnglish, folder_ / "gone.wav"}).error().code, 5028);
 }
 

@@ -1,4 +1,4 @@
-// The table of phrases: what is said for a number, and what is wrong with a file.
+// The table of phrases: the text of a number, and the errors of a file.
 
 #include <gmock/gmock.h>
 
@@ -47,7 +47,7 @@ en = "not well"
   EXPECT_EQ(reading.phrases->Find(62, kEn), std::nullopt);
 }
 
-TEST(Phrases, OfARowSayTheirNumber) {
+TEST(Phrases, OfARangeSpeakTheirNumber) {
   const auto reading = ReadPhrasesText(
       "[[phrase]]\nid = 1000\nlast_id = 1100\nen = \"{number} of {number}\"\n", "p.toml");
   ASSERT_TRUE(reading.phrases);
@@ -66,14 +66,14 @@ TEST(Phrases, CanBeRecordings) {
   EXPECT_EQ(reading.phrases->Find(7, kEn)->recording, folder / "bark.wav");
 }
 
-TEST(Phrases, NameTheMissingRecordingWithItsPlace) {
+TEST(Phrases, ReportTheMissingRecordingWithItsPlace) {
   EXPECT_THAT(
       FaultsOf("[[phrase]]\nid = 7\nrecording = \"absent.wav\"\n"),
       ElementsAre(::testing::AllOf(HasSubstr("p.toml:3:13: error: phrase.recording"),
                                    HasSubstr("/tmp/absent.wav: "), HasSubstr("No such file"))));
 }
 
-TEST(Phrases, NameARecordingThatIsNoSound) {
+TEST(Phrases, ReportARecordingWithoutSound) {
   const TempFolder folder;
   std::ofstream(folder / "text.wav") << "this is no sound";
   const auto reading =
@@ -82,7 +82,7 @@ TEST(Phrases, NameARecordingThatIsNoSound) {
   EXPECT_THAT(Texts(reading.diagnostics), ElementsAre(HasSubstr("p.toml:3:13: error: ")));
 }
 
-TEST(Phrases, TellAllFaultsOfAFileAtOnce) {
+TEST(Phrases, ReportAllErrorsOfAFileAtOnce) {
   EXPECT_THAT(
       FaultsOf(R"([[phrase]]
 id = 60
@@ -120,7 +120,7 @@ fr = "encore"
                   HasSubstr("p.toml:23:1: error: phrase: unknown key \"fr\"")));
 }
 
-TEST(Phrases, OfTwoRowsMayNotOverlap) {
+TEST(Phrases, OfTwoRangesMayNotOverlap) {
   EXPECT_THAT(FaultsOf("[[phrase]]\nid = 10\nlast_id = 20\nen = \"a\"\n"
                        "[[phrase]]\nid = 12\nen = \"b\"\n"
                        "[[phrase]]\nid = 20\nlast_id = 30\nen = \"c\"\n"),
@@ -133,7 +133,7 @@ TEST(AudioConfig, OfTheRobotIsWhole) {
   ASSERT_TRUE(reading.config);
   EXPECT_THAT(Texts(reading.diagnostics), IsEmpty());
   EXPECT_EQ(reading.config->output.kind, OutputKind::kAuto);
-  // What CyberDog's manager and this one ask for.
+  // The phrases that CyberDog's manager and this one request.
   std::vector<int> wanted = {60, 61, 2002, 5300, 9000, 10'000, 10'005, 10'020, 10'030, 31'058};
   for (int soc = 0; soc <= 100; ++soc) wanted.push_back(1000 + soc);
   for (int id = 31'006; id <= 31'027; ++id) wanted.push_back(id);
@@ -176,7 +176,7 @@ chinese = "yue"
   EXPECT_EQ(*reading.config, expected);
 }
 
-TEST(AudioConfig, TellsAllFaultsOfBothFiles) {
+TEST(AudioConfig, ReportsAllErrorsOfBothFiles) {
   const TempFolder folder;
   std::ofstream(folder / "phrases.toml") << "[[phrase]]\nid = -1\nen = \"one\"\n";
   const AudioReading reading = ReadAudioText(

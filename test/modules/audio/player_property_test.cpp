@@ -1,4 +1,4 @@
-// What holds for every order of requests, sounds, failures and times.
+// Invariants for every order of requests, sounds, failures and times.
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -13,16 +13,16 @@ namespace musher::audio::testing::player_property_test {
 
 using Pick = std::function<std::size_t(std::size_t below)>;
 
-// Plays the world around a player and looks at everything it does.
+// Drives a player with random events and checks every action.
 class Trial {
  public:
   explicit Trial(Pick pick) : pick_(std::move(pick)) {}
 
-  // Why a promise is broken, or nothing.
+  // The violated invariant, or nothing.
   std::optional<std::string> Run(int steps) {
     for (int i = 0; i < steps && !broken_; ++i) Look(Next());
     for (int i = 0; i < 100 && !broken_ && (making_ != 0 || playing_ != 0); ++i) Look(Finish());
-    Check(open_.empty(), "somebody is never answered");
+    Check(open_.empty(), "a call is never answered");
     Check(!harness_.player().current && harness_.player().waiting.empty(), "something never plays");
     Check(!reported_, "sound is reported for ever");
     return broken_;
@@ -32,14 +32,14 @@ class Trial {
   PlayActions Next() {
     switch (pick_(11)) {
       case 0:
-        return Ask(0);
+        return RequestSound(0);
       case 1:
       case 2:
-        return Ask(Open(harness_.now() + kAnswerTime));
+        return RequestSound(Open(harness_.now() + kAnswerTime));
       case 3:
-        return harness_.Do(play_event::StopAsked{Open(harness_.now())});
+        return harness_.Do(play_event::StopRequested{Open(harness_.now())});
       case 4:
-        return harness_.Do(play_event::VolumeAsked{Open(harness_.now()), Number(150)});
+        return harness_.Do(play_event::VolumeRequested{Open(harness_.now()), Number(150)});
       case 5:
         return Stray(playing_, [](SoundNumber n) { return play_event::Ended{n, {}}; });
       case 6:
@@ -55,23 +55,23 @@ class Trial {
     }
   }
 
-  PlayActions Ask(CallToken token) {
+  PlayActions RequestSound(CallToken token) {
     static const std::vector<std::string> texts = {"hello", "", "\xFF", std::string(101, 'a')};
     if (pick_(2) == 0) return harness_.Say(token, texts[pick_(texts.size())]);
     static const std::vector<std::uint16_t> ids = {60, 1050, 4711, 9999};
     return harness_.PlayId(token, ids[pick_(ids.size())]);
   }
 
-  // Something is said of a sound that is not under way, or only seems so.
+  // An event of a sound that is not in progress, or only seems so.
   template <class MakeEvent>
   PlayActions Stray(SoundNumber true_one, MakeEvent make_event) {
     const SoundNumber number = pick_(20);
     PlayActions actions = harness_.Do(make_event(number));
-    Check(number == true_one || actions.empty(), "a sound that is gone is taken for another");
+    Check(number == true_one || actions.empty(), "an ended sound is confused with another");
     return actions;
   }
 
-  // What is under way comes to its end, one way or the other.
+  // A sound in progress ends, one way or the other.
   PlayActions Finish() {
     const Result<> result = pick_(4) == 0 ? Result<>(Error{5012, "lost"}) : Ok();
     if (making_ != 0) return harness_.Do(play_event::Made{making_, result});
@@ -85,7 +85,7 @@ class Trial {
   }
 
   void Look(const PlayActions& actions) {
-    // Made and Ended of a number that is under way are true whoever said them.
+    // Made and Ended of a number in progress are valid from any source.
     const auto* current = harness_.player().current ? &*harness_.player().current : nullptr;
     for (const PlayAction& action : actions) {
       std::visit([this](const auto& a) { See(a); }, action);
@@ -95,13 +95,13 @@ class Trial {
     for (const auto& [token, deadline] : open_) {
       Check(harness_.now() < deadline, "an answer comes too late");
     }
-    Check(harness_.player().waiting.size() <= kMostWaiting, "too many wait");
+    Check(harness_.player().waiting.size() <= kMostWaiting, "the queue is too long");
     Check(current != nullptr || harness_.player().waiting.empty(), "one waits for nothing");
     Check(harness_.player().volume <= kFullVolume, "the volume is out of its range");
-    Check(playing_ == 0 || reported_, "there is sound and nobody is told");
+    Check(playing_ == 0 || reported_, "sound is not reported");
   }
   void See(const play_action::Answer& answer) {
-    Check(open_.erase(answer.token) == 1, "one is answered twice, or was never asked");
+    Check(open_.erase(answer.token) == 1, "a call is answered twice, or was never made");
   }
   void See(const play_action::Make& make) {
     Check(made_.insert(make.number).second, "a sound is made twice");
@@ -134,14 +134,14 @@ class Trial {
   std::optional<std::string> broken_;
 };
 
-RC_GTEST_PROP(Player, KeepsItsPromisesWhateverHappens, ()) {
+RC_GTEST_PROP(Player, HoldsItsInvariantsUnderRandomEvents, ()) {
   Trial trial([](std::size_t below) { return *rc::gen::inRange<std::size_t>(0, below); });
   const auto broken = trial.Run(*rc::gen::inRange(1, 150));
   if (broken) RC_FAIL(*broken);
 }
 
 // The same from a plain generator, without shrinking and so a lot more of it.
-TEST(Player, KeepsItsPromisesInManyLives) {
+TEST(Player, HoldsItsInvariantsInManyRandomRuns) {
   for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
     std::uint64_t state = seed;
     Trial trial([&](std::size_t below) {

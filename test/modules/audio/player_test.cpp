@@ -1,4 +1,4 @@
-// What is heard, in which order, and what everybody is answered: the decision code alone.
+// What is played, in which order, and what each caller is answered: the decision code alone.
 
 #include "musher/messages/protocol/audio.hpp"
 #include "musher/test/modules/audio/harness.hpp"
@@ -24,7 +24,7 @@ TEST_F(PlayerDecision, MakesTheSoundThenPlaysItAndAnswersAtItsEnd) {
   EXPECT_THAT(Answers(), IsEmpty());
   Made();
   EXPECT_THAT(Those<Play>(), ElementsAre(Play{1}));
-  EXPECT_THAT(LogText(), HasSubstr(R"(says "Hello" for "app")"));
+  EXPECT_THAT(LogText(), HasSubstr(R"(plays "Hello" for "app")"));
   Pass(Milliseconds(9'999));
   EXPECT_THAT(Answers(), IsEmpty());
   Ended();
@@ -42,7 +42,7 @@ TEST_F(PlayerDecision, SpeaksChineseByTheTextsCharactersAndPhrasesInTheConfigsLa
   EXPECT_THAT(Those<Make>(), ElementsAre(Make{3, {"all well", Language::kEnglish, {}}}));
 }
 
-TEST_F(PlayerDecision, SaysTheBatterysLevelAsANumberAndPlaysRecordings) {
+TEST_F(PlayerDecision, SpeaksTheBatterysLevelAsANumberAndPlaysRecordings) {
   PlayId(1, 1055);
   EXPECT_THAT(Those<Make>(), ElementsAre(Make{1, {"at 55 percent", Language::kEnglish, {}}}));
   Made(), Ended();
@@ -84,7 +84,7 @@ TEST_F(PlayerDecision, AnswersTheLimitAlsoWhenTheSoundIsNeverMade) {
   EXPECT_EQ(NextTime(player()), std::nullopt);
 }
 
-TEST_F(PlayerDecision, TakesASoundThatEndsWithItsLimitForOneInTime) {
+TEST_F(PlayerDecision, TreatsASoundThatEndsAtItsLimitAsInTime) {
   Say(1, "ten seconds");
   Made();
   now() += kAnswerTime;
@@ -92,7 +92,7 @@ TEST_F(PlayerDecision, TakesASoundThatEndsWithItsLimitForOneInTime) {
   EXPECT_THAT(Answers(), ElementsAre(Answer{1, 0}));
 }
 
-TEST_F(PlayerDecision, TakesASoundThatEndsAfterItsLimitForOneTooLate) {
+TEST_F(PlayerDecision, TreatsASoundThatEndsAfterItsLimitAsLate) {
   Say(1, "ten seconds and a bit");
   Made();
   now() += kAnswerTime + Milliseconds(1);
@@ -100,7 +100,7 @@ TEST_F(PlayerDecision, TakesASoundThatEndsAfterItsLimitForOneTooLate) {
   EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5007}));
 }
 
-TEST_F(PlayerDecision, InterruptsWhatPlaysByATopicAndSaysSoToTheInterrupted) {
+TEST_F(PlayerDecision, InterruptsWhatPlaysByATopicAndAnswersTheInterruptedCaller) {
   Say(1, "long scenario");
   Made();
   Say(2, "waits");
@@ -113,16 +113,16 @@ TEST_F(PlayerDecision, InterruptsWhatPlaysByATopicAndSaysSoToTheInterrupted) {
       << "those that wait go on waiting";
 }
 
-TEST_F(PlayerDecision, LetsTheNewestOfManyTopicsBeHeard) {
+TEST_F(PlayerDecision, PlaysTheNewestOfManyTopicRequests) {
   Say(0, "one");
   Say(0, "two");
   Say(0, "three");
   EXPECT_EQ(player().current->what.text, "three");
   EXPECT_THAT(player().waiting, IsEmpty());
-  EXPECT_EQ(NextTime(player()), std::nullopt) << "nobody waits for it";
+  EXPECT_EQ(NextTime(player()), std::nullopt) << "no caller waits for it";
 }
 
-TEST_F(PlayerDecision, DoesNotTakeTheEndOfAnInterruptedSoundForThatOfItsSuccessor) {
+TEST_F(PlayerDecision, DoesNotConfuseTheEndOfAnInterruptedSoundWithThatOfItsSuccessor) {
   Say(1, "one");
   Made();
   Say(0, "two");
@@ -137,10 +137,10 @@ TEST_F(PlayerDecision, LeavesWhatPlaysAloneWhenItRefuses) {
   Made();
   PlayId(0, 4711);
   EXPECT_EQ(player().current->what.text, "plays");
-  EXPECT_THAT(LogText(), HasSubstr("there is no phrase 4711"));
+  EXPECT_THAT(LogText(), HasSubstr("unknown phrase 4711"));
 }
 
-TEST_F(PlayerDecision, RefusesWhatCannotBeSaidEachWithItsCode) {
+TEST_F(PlayerDecision, RefusesInvalidRequestsEachWithItsCode) {
   PlayId(1, 4711);
   EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5023}));
   Say(2, "");
@@ -149,13 +149,13 @@ TEST_F(PlayerDecision, RefusesWhatCannotBeSaidEachWithItsCode) {
   EXPECT_THAT(Answers(), ElementsAre(Answer{3, 5024}));
   Say(4, std::string(10'240, 'a'));
   EXPECT_THAT(Answers(), ElementsAre(Answer{4, 5025}));
-  EXPECT_THAT(LogText(), HasSubstr("the text has 10240 characters, of at most 100"));
+  EXPECT_THAT(LogText(), HasSubstr("the text has 10240 characters, the limit is 100"));
   Say(5, "a\xFF");
   EXPECT_THAT(Answers(), ElementsAre(Answer{5, 5026}));
   EXPECT_EQ(player().current, std::nullopt);
 }
 
-TEST_F(PlayerDecision, SaysTheSameRefusalOnceInTenSecondsAndAnswersEach) {
+TEST_F(PlayerDecision, LogsTheSameRefusalOnceInTenSecondsAndAnswersEach) {
   PlayId(1, 4711);
   EXPECT_THAT(LogText(), HasSubstr("4711"));
   PlayId(2, 4711);
@@ -200,7 +200,7 @@ TEST_F(PlayerDecision, StopsAllThatPlaysAndWaits) {
   Say(1, "plays");
   Made();
   Say(2, "waits");
-  Do(play_event::StopAsked{3});
+  Do(play_event::StopRequested{3});
   EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5022}, Answer{2, 5022}, Answer{3, 0}));
   EXPECT_THAT(Those<Silence>(), SizeIs(1));
   EXPECT_EQ(player().current, std::nullopt);
@@ -216,13 +216,13 @@ TEST_F(PlayerDecision, StopsByTheId9999Too) {
 }
 
 TEST_F(PlayerDecision, AnswersAStopOfSilence) {
-  Do(play_event::StopAsked{1});
+  Do(play_event::StopRequested{1});
   EXPECT_THAT(Answers(), ElementsAre(Answer{1, 0}));
 }
 
 TEST_F(PlayerDecision, ReportsSoundEvery500MillisecondsAndItsEndOnce) {
   Say(0, "hello");
-  EXPECT_THAT(Those<Report>(), IsEmpty()) << "not heard yet";
+  EXPECT_THAT(Those<Report>(), IsEmpty()) << "not played yet";
   Made();
   EXPECT_THAT(Those<Report>(), ElementsAre(Report{true}));
   EXPECT_EQ(NextTime(player()), now() + Milliseconds(500));
@@ -247,14 +247,14 @@ TEST_F(PlayerDecision, ReportsNoSilenceBetweenTwoSoundsOfARow) {
   EXPECT_THAT(Those<Report>(), ElementsAre(Report{true}));
 }
 
-TEST_F(PlayerDecision, TellsWhyASoundCouldNotBeMade) {
+TEST_F(PlayerDecision, ReportsWhyASoundCouldNotBeMade) {
   Say(1, "hello");
   Do(play_event::Made{1, Error{5027, "espeak-ng: no"}});
   EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5027}));
   EXPECT_THAT(LogText(), HasSubstr("espeak-ng: no"));
 }
 
-TEST_F(PlayerDecision, TellsALostDeviceOnceAndAnswersEveryoneAndTellsItsReturn) {
+TEST_F(PlayerDecision, LogsALostDeviceOnceAnswersEveryCallerAndLogsItsReturn) {
   const Error lost{5012, "sound device hw:0: No such device"};
   Say(1, "one");
   Made();
@@ -269,14 +269,14 @@ TEST_F(PlayerDecision, TellsALostDeviceOnceAndAnswersEveryoneAndTellsItsReturn) 
   Say(3, "three");
   Made(), Ended();
   EXPECT_THAT(Answers(), ElementsAre(Answer{3, 0}));
-  EXPECT_THAT(LogText(), HasSubstr("the sound device is back"));
+  EXPECT_THAT(LogText(), HasSubstr("the sound device is available again"));
 }
 
 TEST_F(PlayerDecision, ChangesTheVolumeWithinItsRange) {
-  Do(play_event::VolumeAsked{1, 0});
+  Do(play_event::VolumeRequested{1, 0});
   EXPECT_THAT(Those<SetVolume>(), ElementsAre(SetVolume{0}));
   EXPECT_THAT(Answers(), ElementsAre(Answer{1, 0}));
-  Do(play_event::VolumeAsked{2, 101});
+  Do(play_event::VolumeRequested{2, 101});
   EXPECT_THAT(Those<SetVolume>(), IsEmpty());
   EXPECT_THAT(Answers(), ElementsAre(Answer{2, 5010}));
   EXPECT_EQ(player().volume, 0);
@@ -285,11 +285,11 @@ TEST_F(PlayerDecision, ChangesTheVolumeWithinItsRange) {
 TEST_F(PlayerDecision, KeepsTheMicrophonesStateWithoutFallingSilent) {
   Say(1, "plays");
   Made();
-  Do(play_event::MicrophoneAsked{2, msg::AudioStatus::kOffMic});
+  Do(play_event::MicrophoneRequested{2, msg::AudioStatus::kOffMic});
   EXPECT_THAT(Answers(), ElementsAre(Answer{2, 0}));
   EXPECT_TRUE(player().microphone_off);
   EXPECT_NE(player().current, std::nullopt);
-  Do(play_event::MicrophoneAsked{3, 2});
+  Do(play_event::MicrophoneRequested{3, 2});
   EXPECT_THAT(Answers(), ElementsAre(Answer{3, 5010}));
   EXPECT_TRUE(player().microphone_off);
 }
@@ -297,11 +297,11 @@ TEST_F(PlayerDecision, KeepsTheMicrophonesStateWithoutFallingSilent) {
 TEST_F(PlayerDecision, SwitchesVoiceControlOffForAnUpgradeAndKeepsItOff) {
   Do(play_event::StateEntered{State(kOta)});
   EXPECT_FALSE(player().voice_control);
-  Do(play_event::VoiceControlAsked{1, true});
+  Do(play_event::VoiceControlRequested{1, true});
   EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5003}));
   Do(play_event::StateEntered{State(kActive)});
-  EXPECT_FALSE(player().voice_control) << "until somebody wants it";
-  Do(play_event::VoiceControlAsked{2, true});
+  EXPECT_FALSE(player().voice_control) << "until it is requested";
+  Do(play_event::VoiceControlRequested{2, true});
   EXPECT_TRUE(player().voice_control);
 }
 
@@ -331,7 +331,7 @@ TEST_F(PlayerDecision, KeepsWhatWasLeftOfItsTimesWhenTheWorldIsRestarted) {
   EXPECT_THAT(Answers(), ElementsAre(Answer{1, 5007}));
 }
 
-TEST_F(PlayerDecision, CountsFromTheFirstTimeOfAWorldThatWasNotThereYet) {
+TEST_F(PlayerDecision, CountsFromTheFirstTimeOfAWorldThatStartsLater) {
   now() = Time{};
   Say(1, "early");
   now() = Time{} + std::chrono::hours(2);

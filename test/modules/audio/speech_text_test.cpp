@@ -1,4 +1,4 @@
-// What a text is before it is spoken.
+// Checks and preparation of a text before it is spoken.
 
 #include "musher/modules/audio/speech_text.hpp"
 
@@ -28,7 +28,7 @@ TEST(SpeechText, IsInTheLanguageOfTheConfigWhereThereAreOnlyNumbersAndSigns) {
   EXPECT_EQ(LanguageOf("é", kZh), kEn);
 }
 
-TEST(SpeechText, CountsCharactersAndKnowsWhatIsNoUtf8) {
+TEST(SpeechText, CountsCharactersAndDetectsInvalidUtf8) {
   EXPECT_EQ(CharactersIn(""), 0U);
   EXPECT_EQ(CharactersIn("a你🐕"), 3U);
   EXPECT_EQ(CharactersIn("a\xFF"), std::nullopt);
@@ -37,7 +37,7 @@ TEST(SpeechText, CountsCharactersAndKnowsWhatIsNoUtf8) {
   EXPECT_EQ(CharactersIn("\xC0\xAF"), std::nullopt) << "longer than need be";
 }
 
-TEST(SpeechText, SaysNothingInBlanksAndControlCharacters) {
+TEST(SpeechText, HasNothingToSayInBlanksAndControlCharacters) {
   for (const char* nothing : {"", " ", "\t\r\n", "\x01\x1F\x7F", "\xC2\xA0", "　"}) {
     EXPECT_FALSE(HasSomethingToSay(nothing)) << nothing;
   }

@@ -1,4 +1,4 @@
-// The module's file, good and bad.
+// The module's config file, valid and invalid.
 
 #include "musher/modules/camera/camera_config.hpp"
 
@@ -86,7 +86,7 @@ from = "2"
   EXPECT_THAT(config.on_in, ElementsAre("Active"));
 }
 
-TEST(CamerasConfig, ToldAllFaultsAtOnceWithTheirPlace) {
+TEST(CamerasConfig, ReportsAllErrorsAtOnceWithTheirPlace) {
   EXPECT_THAT(
       Faults(R"(skip = ["fornt"]
 [camera.front]
@@ -135,7 +135,7 @@ TEST(CamerasConfig, KeepsTheServicesTopicForItself) {
                                     "camera_service")));
 }
 
-TEST(CamerasConfig, SaysThatAFileIsMissing) {
+TEST(CamerasConfig, ReportsAMissingFile) {
   const CamerasReading reading = ReadCamerasFile("/nowhere/cameras.toml");
   EXPECT_FALSE(reading.config);
   ASSERT_EQ(reading.diagnostics.size(), 1u);

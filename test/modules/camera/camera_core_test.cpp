@@ -1,4 +1,4 @@
-// What one camera does, in virtual time.
+// The decisions for one camera, in virtual time.
 
 #include "musher/modules/camera/camera_core.hpp"
 
@@ -40,58 +40,59 @@ TEST(CameraCore, OpensWhenWantedAndClosesWhenNot) {
   EXPECT_EQ(core.OnFrame(Frame(30), At(30)), CameraActions{}) << "of a source that was closed";
 }
 
-TEST(CameraCore, TellsASilentTopicOnceAndThatItIsBack) {
+TEST(CameraCore, LogsASilentTopicOnceAndThatItIsBack) {
   CameraCore core = Core(SourceKind::kWorld);
   static_cast<void>(core.Want(true, At(0)));
   EXPECT_EQ(core.NextTick(), At(1000));
   EXPECT_EQ(core.Tick(At(999)), CameraActions{});
   const CameraActions silent = core.Tick(At(1000));
-  ASSERT_TRUE(silent.told);
-  EXPECT_EQ(*silent.told, (Told{4407, "front: no picture for 1000 ms"}));
+  ASSERT_TRUE(silent.log);
+  EXPECT_EQ(*silent.log, (LogLine{4407, "front: no picture for 1000 ms"}));
   EXPECT_FALSE(silent.close) << "a topic comes back by itself";
   EXPECT_EQ(core.Tick(At(5000)), CameraActions{});
   const CameraActions back = core.OnFrame(Frame(5001), At(5001));
-  EXPECT_EQ(back.told, (Told{0, "front: pictures come again"}));
+  EXPECT_EQ(back.log, (LogLine{0, "front: receiving pictures again"}));
   EXPECT_TRUE(back.publish);
-  EXPECT_FALSE(core.trouble());
+  EXPECT_FALSE(core.fault());
 }
 
-TEST(CameraCore, OpensADeviceAgainUntilItIsBackAndTellsItOnce) {
+TEST(CameraCore, ReopensADeviceUntilItIsBackAndLogsItOnce) {
   CameraCore core = Core(SourceKind::kDevice);
   static_cast<void>(core.Want(true, At(0)));
   static_cast<void>(core.OnFrame(Frame(10), At(10)));
   const CameraActions gone = core.OnFailed({4412, "unplugged"}, At(100));
-  EXPECT_EQ(gone.told, (Told{4412, "front: unplugged"}));
+  EXPECT_EQ(gone.log, (LogLine{4412, "front: unplugged"}));
   EXPECT_TRUE(gone.close);
   EXPECT_EQ(core.NextTick(), At(600));
   EXPECT_FALSE(core.Tick(At(599)).open);
   EXPECT_TRUE(core.Tick(At(600)).open);
   const CameraActions again = core.OnFailed({4412, "no such device"}, At(601));
-  EXPECT_FALSE(again.told);
-  EXPECT_EQ(core.trouble()->text, "front: no such device");
+  EXPECT_FALSE(again.log);
+  EXPECT_EQ(core.fault()->text, "front: no such device");
   EXPECT_TRUE(core.Tick(At(1101)).open);
-  EXPECT_EQ(core.OnFrame(Frame(1200), At(1200)).told, (Told{0, "front: pictures come again"}));
+  EXPECT_EQ(core.OnFrame(Frame(1200), At(1200)).log,
+            (LogLine{0, "front: receiving pictures again"}));
 }
 
-TEST(CameraCore, OpensADeviceThatIsSilentAgainAndAgain) {
+TEST(CameraCore, ReopensASilentDeviceRepeatedly) {
   CameraCore core = Core(SourceKind::kDevice);
   static_cast<void>(core.Want(true, At(0)));
   const CameraActions silent = core.Tick(At(1000));
-  EXPECT_TRUE(silent.told);
+  EXPECT_TRUE(silent.log);
   EXPECT_TRUE(silent.close);
   EXPECT_TRUE(core.Tick(At(1500)).open);
   const CameraActions still = core.Tick(At(2500));
-  EXPECT_FALSE(still.told);
+  EXPECT_FALSE(still.log);
   EXPECT_TRUE(still.close);
   EXPECT_TRUE(core.Tick(At(3000)).open);
 }
 
-TEST(CameraCore, DoesNotOpenAgainWhatIsOver) {
+TEST(CameraCore, DoesNotReopenASourceThatHasEnded) {
   CameraCore core = Core(SourceKind::kVideo);
   static_cast<void>(core.Want(true, At(0)));
   static_cast<void>(core.OnFrame(Frame(1), At(1)));
   const CameraActions over = core.OnEnded(At(10));
-  EXPECT_EQ(over.told, (Told{0, "front: somewhere is over"}));
+  EXPECT_EQ(over.log, (LogLine{0, "front: somewhere has ended"}));
   EXPECT_TRUE(over.close);
   EXPECT_FALSE(core.NextTick());
   EXPECT_TRUE(core.ended());
@@ -99,26 +100,26 @@ TEST(CameraCore, DoesNotOpenAgainWhatIsOver) {
   EXPECT_TRUE(core.Want(true, At(30)).open) << "from its beginning";
 }
 
-TEST(CameraCore, ForgetsItsTroublesWhenItIsSwitchedOff) {
+TEST(CameraCore, ForgetsItsFaultWhenItIsSwitchedOff) {
   CameraCore core = Core(SourceKind::kDevice);
   static_cast<void>(core.Want(true, At(0)));
   static_cast<void>(core.OnFailed({4412, "unplugged"}, At(1)));
   EXPECT_FALSE(core.Want(false, At(2)).close) << "closed by the failure already";
   EXPECT_FALSE(core.NextTick());
-  EXPECT_FALSE(core.trouble());
+  EXPECT_FALSE(core.fault());
   EXPECT_EQ(core.OnFailed({4412, "late"}, At(3)), CameraActions{});
 }
 
-TEST(CameraCore, TellsAnotherSizeThanAnnouncedOnce) {
+TEST(CameraCore, LogsAnotherSizeThanAnnouncedOnce) {
   CameraCore core = Core(SourceKind::kWorld);
   static_cast<void>(core.Want(true, At(0)));
   core.OnAnnounced(640, 480);
-  EXPECT_FALSE(core.OnFrame(Frame(1), At(1)).told);
+  EXPECT_FALSE(core.OnFrame(Frame(1), At(1)).log);
   const CameraActions other = core.OnFrame(Frame(2, 320, 240), At(2));
-  EXPECT_EQ(other.told, (Told{4410, "front: its pictures are 320x240, not 640x480"}));
+  EXPECT_EQ(other.log, (LogLine{4410, "front: its pictures are 320x240, not 640x480"}));
   EXPECT_TRUE(other.publish);
-  EXPECT_FALSE(core.OnFrame(Frame(3, 320, 240), At(3)).told);
-  EXPECT_TRUE(core.OnFrame(Frame(4), At(4)).told);
+  EXPECT_FALSE(core.OnFrame(Frame(3, 320, 240), At(3)).log);
+  EXPECT_TRUE(core.OnFrame(Frame(4), At(4)).log);
 }
 
 int Published(CameraCore& core, std::int64_t period_ms, std::int64_t jitter_ms, int frames) {

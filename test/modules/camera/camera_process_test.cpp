@@ -1,4 +1,4 @@
-// musher-camera-manager and musher-camera as others meet them: the real programs over DDS.
+// musher-camera-manager and musher-camera from outside: the real programs over DDS.
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -79,7 +79,8 @@ class CameraManagerProcess : public ::testing::Test {
     EXPECT_TRUE(peer_.Until([&] { return answer.has_value(); }));
     return answer && *answer ? answer->value() : CameraService::Response{255, "no answer", -1};
   }
-  // musher-camera with these arguments; its exit code. What it says goes to the file `said`.
+  // Runs musher-camera with these arguments; returns its exit code. The output goes to the file
+  // `said`.
   exec::Child Tool(const std::vector<std::string>& arguments) {
     std::vector<std::string> argv = {std::string(MUSHER_BIN_DIR) + "/musher-camera"};
     argv.insert(argv.end(), arguments.begin(), arguments.end());
@@ -110,7 +111,7 @@ class CameraManagerProcess : public ::testing::Test {
   transport::LoopHandlePtr ticker_;
 };
 
-TEST_F(CameraManagerProcess, LivesThroughAllStatesAndSeesInActiveAndProtectedOnly) {
+TEST_F(CameraManagerProcess, RunsThroughAllStatesAndPublishesInActiveAndProtectedOnly) {
   MakeWorld();
   Start();
   Watch();
@@ -130,7 +131,7 @@ TEST_F(CameraManagerProcess, LivesThroughAllStatesAndSeesInActiveAndProtectedOnl
   EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
 }
 
-TEST_F(CameraManagerProcess, IsOnInSelfCheckWhereItsConfigSaysSo) {
+TEST_F(CameraManagerProcess, IsOnInSelfCheckIfConfigured) {
   MakeWorld();
   Start("on_in = [\"SelfCheck\", \"Active\"]\n" + std::string(kFile));
   ASSERT_TRUE(peer_.Switch("SelfCheck"));
@@ -140,7 +141,7 @@ TEST_F(CameraManagerProcess, IsOnInSelfCheckWhereItsConfigSaysSo) {
   EXPECT_TRUE(peer_.Until([&] { return shots_->MatchedReaders() == 0; }));
 }
 
-TEST_F(CameraManagerProcess, PassesItsSelfCheckWithoutACameraThatIsNotCriticalAndSaysSo) {
+TEST_F(CameraManagerProcess, PassesItsSelfCheckWithoutANonCriticalCameraAndLogsIt) {
   MakeWorld();
   Start();
   const auto checked = peer_.Switch("SelfCheck");
@@ -163,7 +164,7 @@ TEST_F(CameraManagerProcess, FailsItsSelfCheckWithoutACriticalCamera) {
   EXPECT_THAT(checked.value().message, HasSubstr("front (critical): "));
 }
 
-TEST_F(CameraManagerProcess, SavesAPictureWhereItSays) {
+TEST_F(CameraManagerProcess, SavesAPictureAtTheReportedPath) {
   MakeWorld();
   Start();
   EXPECT_EQ(Call({CameraService::kTakePicture, "", 0, 0, 0}).code, 4403) << "in SetUp";
@@ -174,13 +175,13 @@ TEST_F(CameraManagerProcess, SavesAPictureWhereItSays) {
   EXPECT_GT(std::filesystem::file_size(taken.msg), 500u);
 }
 
-TEST_F(CameraManagerProcess, IsNotStartedWithAFileThatIsWrong) {
+TEST_F(CameraManagerProcess, IsNotStartedWithAnInvalidFile) {
   peer_.Start("[camera.front]\ntopic = 3\n");
   EXPECT_EQ(peer_.AwaitExit(), 2);
   EXPECT_THAT(peer_.Output(), HasSubstr(".toml:2:9: error: camera.front.topic"));
 }
 
-TEST_F(CameraManagerProcess, IsWatchedByHand) {
+TEST_F(CameraManagerProcess, IsWatchedByTheTool) {
   MakeWorld();
   Start();
   ASSERT_TRUE(peer_.Switch("Active"));
@@ -203,7 +204,7 @@ TEST_F(CameraManagerProcess, IsSeenAsAStripThatIsWrittenWhenItIsInterrupted) {
   exec::Child whole = Tool({"strip", "image_rgb", "whole.png", "--every", "0.1", "--count", "3"});
   EXPECT_EQ(Await(whole), 0) << Said();
   EXPECT_THAT(Said(), HasSubstr("whole.png: 3 of 3 pictures"));
-  // Interrupted once it has seen something, known by its subscription.
+  // Interrupted once it has received a picture, known by its subscription.
   const auto others = [&] { return shots_->MatchedReaders(); };
   const int before = others();
   exec::Child cut =
@@ -224,7 +225,7 @@ TEST_F(CameraManagerProcess, IsSeenAsAStripWithAPictureForEachChangeOfAText) {
   const auto state = transport::MakePublisher<msg::String>(peer_.node(), "state").value();
   exec::Child tool = Tool({"strip", "image_rgb", "states.png", "--changes", "state", "--every",
                            "0.1", "--count", "2", "--json"});
-  // Said again and again, as states are; it changes to and fro with the pictures, so that one which
+  // Published repeatedly, as states are; it alternates with the pictures, so that a text that
   // comes too early for the tool comes again.
   const auto speaker = peer_.node().loop().Every(Milliseconds(20), [&] {
     EXPECT_TRUE(state->Publish({shown_ / 40 % 2 == 0 ? "IDLE" : "TRACKING"}));
@@ -233,10 +234,10 @@ TEST_F(CameraManagerProcess, IsSeenAsAStripWithAPictureForEachChangeOfAText) {
   EXPECT_THAT(Said(), AllOf(HasSubstr("s  IDLE"), HasSubstr("s  TRACKING")));
 }
 
-TEST_F(CameraManagerProcess, IsMissedByHandWithAClearWord) {
-  exec::Child nobody = Tool({"shot", "image_rgb", "now.png", "--timeout", "0.5"});
-  EXPECT_EQ(Await(nobody), 1);
-  EXPECT_THAT(Said(), HasSubstr("nobody publishes image_rgb"));
+TEST_F(CameraManagerProcess, IsReportedMissingByTheTool) {
+  exec::Child without_publisher = Tool({"shot", "image_rgb", "now.png", "--timeout", "0.5"});
+  EXPECT_EQ(Await(without_publisher), 1);
+  EXPECT_THAT(Said(), HasSubstr("no publisher of image_rgb"));
   exec::Child no_picture = Tool({"shot", "image_rgb", "now.txt"});
   EXPECT_EQ(Await(no_picture), 2);
   EXPECT_THAT(Said(), HasSubstr("ends with .png, .jpg or .bmp"));

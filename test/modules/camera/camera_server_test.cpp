@@ -22,7 +22,7 @@ class CameraServerTest : public CamerasOnANetwork {
   }
 };
 
-TEST_F(CameraServerTest, TakesAPictureAndTellsItsPath) {
+TEST_F(CameraServerTest, TakesAPictureAndRepliesWithItsPath) {
   Start();
   const auto taken = Call({CameraService::kTakePicture, "me.jpg", 32, 24, 0});
   EXPECT_EQ(taken, (CameraService::Response{0, "/saved/me.jpg", 0}));
@@ -37,7 +37,7 @@ TEST_F(CameraServerTest, NamesPicturesByTheirTime) {
   EXPECT_THAT(saved_.pictures, SizeIs(2));
   EXPECT_TRUE(saved_.files.back().counts_on) << "that time may have been before";
   EXPECT_EQ(Call({CameraService::kTakePicture, "me.jpg", 0, 0, 0}).result, 0);
-  EXPECT_FALSE(saved_.files.back().counts_on) << "who asks for a name gets that one or none";
+  EXPECT_FALSE(saved_.files.back().counts_on) << "a requested name is used as it is";
 }
 
 TEST_F(CameraServerTest, SwitchesACameraOnThatIsOnDemand) {
@@ -51,14 +51,14 @@ TEST_F(CameraServerTest, SwitchesACameraOnThatIsOnDemand) {
   EXPECT_EQ(drawn_, 0) << "and off again";
 }
 
-TEST_F(CameraServerTest, GivesUpAfterTwoSecondsWithoutAPicture) {
+TEST_F(CameraServerTest, TimesOutAfterTwoSecondsWithoutAPicture) {
   ticker_.reset();
   Start();
-  const Time asked = network_.now();
+  const Time requested = network_.now();
   const auto late = Call({CameraService::kTakePicture, "", 0, 0, 0});
   EXPECT_EQ(late,
             (CameraService::Response{CameraService::kTimeout, "no picture within 2000 ms", 4407}));
-  EXPECT_GE(network_.now() - asked, Milliseconds(2000));
+  EXPECT_GE(network_.now() - requested, Milliseconds(2000));
 }
 
 TEST_F(CameraServerTest, RecordsAVideoAtItsRate) {
@@ -85,7 +85,7 @@ TEST_F(CameraServerTest, EndsAVideoWhenTheCameraIsSwitchedOff) {
   EXPECT_EQ(refused.msg, "the camera is off");
 }
 
-TEST_F(CameraServerTest, PublishesImageInTheSizeItIsAskedForUntilItIsStopped) {
+TEST_F(CameraServerTest, PublishesImageInTheRequestedSizeUntilItIsStopped) {
   Start();
   std::vector<msg::Image> seen;
   const auto eye = Listen("dog1/image", seen);
@@ -134,7 +134,7 @@ TEST_F(CameraServerTest, ListsAndDeletesFiles) {
   EXPECT_EQ(Call({CameraService::kListFiles, "", 0, 0, 0}).msg, "a.png");
 }
 
-TEST_F(CameraServerTest, SaysWhyItCannotSave) {
+TEST_F(CameraServerTest, RepliesWhyItCannotSave) {
   Start();
   saved_.error = Error{4401, "/saved: the disk is full"};
   const auto full = Call({CameraService::kTakePicture, "", 0, 0, 0});

@@ -1,7 +1,7 @@
 #pragma once
-// The cameras on a simulated network, in virtual time, with the other side on a node of its own:
-// the world that has the pictures, those who watch, and the clients of the service. Sources that
-// are no topic, and the folder, are played by the test.
+// The cameras on a simulated network, in virtual time, with their peers on a node of its own: the
+// world that has the pictures, the subscribers, and the clients of the service. Other sources than
+// topics, and the folder, are fakes of the test.
 
 #include <gmock/gmock.h>
 
@@ -41,7 +41,7 @@ class FakeSource : public Source {
   FakeDevice& device_;
 };
 
-// Keeps pictures in memory and answers at once, or with the error it is told.
+// Keeps pictures in memory and replies at once, or with the error it is given.
 class FakeStore : public Store {
  public:
   struct Content {
@@ -122,7 +122,7 @@ class CamerasOnANetwork : public ::testing::Test {
         *dog_,
         "dog1",
         [this] { return msg::ToStamp(dog_->loop().Now().time_since_epoch()); },
-        [this](const Told& told) { log_.push_back(told); },
+        [this](const LogLine& log) { log_.push_back(log); },
         [this] { return may_; },
         [this](const CameraConfig& camera, SourceEvents events) -> Result<std::unique_ptr<Source>> {
           if (camera.source == SourceKind::kWorld) {
@@ -135,7 +135,7 @@ class CamerasOnANetwork : public ::testing::Test {
   }
   void Run(Duration duration) { network_.RunFor(duration); }
 
-  // The world's front camera: 20 pictures a second, while somebody is subscribed.
+  // The world's front camera: 20 pictures a second, while it has a subscriber.
   void MakeWorld() {
     shots_ = Must(transport::MakePublisher<msg::Image>(*world_, "dog1/world/camera/front",
                                                        transport::kSensorDataQos));
@@ -149,10 +149,10 @@ class CamerasOnANetwork : public ::testing::Test {
   }
   template <msg::Message M>
   std::unique_ptr<transport::Subscription> Listen(
-      const std::string& topic, std::vector<M>& heard,
+      const std::string& topic, std::vector<M>& received,
       const transport::Qos& qos = transport::kSensorDataQos) {
     return Must(transport::MakeSubscription<M>(
-        *world_, topic, [&heard](const M& message, const auto&) { heard.push_back(message); },
+        *world_, topic, [&received](const M& message, const auto&) { received.push_back(message); },
         qos));
   }
   msg::CameraService::Response Call(const msg::CameraService::Request& request) {
@@ -167,7 +167,7 @@ class CamerasOnANetwork : public ::testing::Test {
   }
   std::vector<std::string> Lines() const {
     std::vector<std::string> lines;
-    for (const Told& told : log_) lines.push_back(std::to_string(told.code) + " " + told.text);
+    for (const LogLine& log : log_) lines.push_back(std::to_string(log.code) + " " + log.text);
     return lines;
   }
 
@@ -175,7 +175,7 @@ class CamerasOnANetwork : public ::testing::Test {
   std::unique_ptr<transport::Node> dog_ = network_.MakeNode("dog");
   std::unique_ptr<transport::Node> world_ = network_.MakeNode("desk");
   CamerasConfig config_;
-  std::vector<Told> log_;
+  std::vector<LogLine> log_;
   Result<> may_;
   FakeDevice device_;
   FakeStore::Content saved_;

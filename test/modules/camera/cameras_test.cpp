@@ -1,4 +1,4 @@
-// The cameras with their topics, through the lifecycle and through trouble.
+// The cameras with their topics, through the lifecycle and through faults.
 
 #include "musher/modules/camera/cameras.hpp"
 
@@ -30,7 +30,7 @@ TEST_F(CamerasTest, PublishTheWorldsPicturesUnderTheirOwnName) {
   EXPECT_NE(seen.back().header.stamp, seen[seen.size() - 2].header.stamp) << "the shot's own time";
 }
 
-TEST_F(CamerasTest, TellTheWorldsCameraInfoInTheSizeThatIsPublished) {
+TEST_F(CamerasTest, PublishTheWorldsCameraInfoInThePublishedSize) {
   MakeWorld();
   config_.cameras[0].format = {32, 24, "mono8"};
   const auto infos = Must(transport::MakePublisher<msg::CameraInfo>(
@@ -43,15 +43,15 @@ TEST_F(CamerasTest, TellTheWorldsCameraInfoInTheSizeThatIsPublished) {
   ASSERT_TRUE(infos->Publish(info));
   Start();
   std::vector<msg::Image> seen;
-  std::vector<msg::CameraInfo> told;
+  std::vector<msg::CameraInfo> scaled;
   const auto eye = Listen("dog1/image_front", seen);
-  const auto ear = Listen("dog1/image_front/camera_info", told);
+  const auto subscription = Listen("dog1/image_front/camera_info", scaled);
   Run(Milliseconds(1000));
-  ASSERT_FALSE(told.empty());
-  EXPECT_EQ(told.back().width, 32u);
-  EXPECT_EQ(told.back().k[0], 50);
-  EXPECT_EQ(told.back().distortion_model, "equidistant");
-  EXPECT_EQ(told.back().header, seen.back().header);
+  ASSERT_FALSE(scaled.empty());
+  EXPECT_EQ(scaled.back().width, 32u);
+  EXPECT_EQ(scaled.back().k[0], 50);
+  EXPECT_EQ(scaled.back().distortion_model, "equidistant");
+  EXPECT_EQ(scaled.back().header, seen.back().header);
   EXPECT_EQ(seen.back().encoding, "mono8");
   EXPECT_EQ(seen.back().data.size(), 32u * 24u);
 }
@@ -77,14 +77,14 @@ TEST_F(CamerasTest, AreOffInLowPowerSoThatTheWorldDrawsNothing) {
   }
 }
 
-TEST_F(CamerasTest, OnDemandAreOffWhileNobodyWatches) {
+TEST_F(CamerasTest, OnDemandAreOffWithoutASubscriber) {
   MakeWorld();
   config_.cameras[0].on_demand = true;
   Start();
   Run(Milliseconds(2000));
   EXPECT_EQ(drawn_, 0);
   EXPECT_THAT(Lines(), ::testing::Not(::testing::Contains(HasSubstr("front"))))
-      << "nobody misses its pictures";
+      << "no subscriber misses its pictures";
   std::vector<msg::Image> seen;
   auto eye = Listen("dog1/image_front", seen);
   Run(Milliseconds(1000));
@@ -96,14 +96,14 @@ TEST_F(CamerasTest, OnDemandAreOffWhileNobodyWatches) {
   EXPECT_EQ(drawn_, 0);
 }
 
-TEST_F(CamerasTest, TellOnceThatTheWorldIsSilentAndThatItIsBack) {
+TEST_F(CamerasTest, LogOnceThatTheWorldIsSilentAndThatItIsBack) {
   config_.cameras.pop_back();
   Start();
   Run(Milliseconds(5000));
   EXPECT_THAT(Lines(), ElementsAre("4407 front: no picture for 1000 ms"));
   MakeWorld();
   Run(Milliseconds(1000));
-  EXPECT_THAT(Lines(), ElementsAre(HasSubstr("4407"), "0 front: pictures come again"));
+  EXPECT_THAT(Lines(), ElementsAre(HasSubstr("4407"), "0 front: receiving pictures again"));
 }
 
 TEST_F(CamerasTest, LoseOneThatIsUnpluggedAndGoOnWithTheOthersUntilItIsBack) {
@@ -126,22 +126,22 @@ TEST_F(CamerasTest, LoseOneThatIsUnpluggedAndGoOnWithTheOthersUntilItIsBack) {
   EXPECT_FALSE(front.empty());
   device_.events.on_frame(Picture());
   Run(Milliseconds(100));
-  EXPECT_THAT(Lines(), ElementsAre(HasSubstr("4412"), "0 left: pictures come again"));
+  EXPECT_THAT(Lines(), ElementsAre(HasSubstr("4412"), "0 left: receiving pictures again"));
   ASSERT_THAT(left, SizeIs(1));
   EXPECT_NE(left[0].header.stamp, msg::Stamp{}) << "a device's pictures get ours";
 }
 
-TEST_F(CamerasTest, TellAVideoThatEnds) {
+TEST_F(CamerasTest, LogAVideoThatEnds) {
   Start();
   device_.events.on_frame(Picture());
   device_.events.on_ended();
   Run(Milliseconds(3000));
   EXPECT_FALSE(device_.open);
   EXPECT_EQ(device_.opened, 1);
-  EXPECT_THAT(Lines(), ::testing::Contains("0 left: 0 is over"));
+  EXPECT_THAT(Lines(), ::testing::Contains("0 left: 0 has ended"));
 }
 
-TEST_F(CamerasTest, RefuseAPictureThatCannotBeAndGoOn) {
+TEST_F(CamerasTest, RefuseAnInvalidPictureAndGoOn) {
   MakeWorld();
   shot_.encoding = "yuv422";
   Start();
@@ -150,7 +150,7 @@ TEST_F(CamerasTest, RefuseAPictureThatCannotBeAndGoOn) {
               ::testing::Contains(HasSubstr("4410 front: a picture of encoding \"yuv422\"")));
   shot_ = Picture();
   Run(Milliseconds(5000));
-  EXPECT_THAT(Lines(), ::testing::Contains("0 front: pictures come again"));
+  EXPECT_THAT(Lines(), ::testing::Contains("0 front: receiving pictures again"));
 }
 
 TEST_F(CamerasTest, AreSwitchedOnForASelfCheckWhateverTheState) {
@@ -160,7 +160,7 @@ TEST_F(CamerasTest, AreSwitchedOnForASelfCheckWhateverTheState) {
   Start("LowPower");
   ASSERT_THAT(cameras_->Check(), SizeIs(1));
   EXPECT_EQ(cameras_->Check()[0].result.error(),
-            (Error{4409, "no picture comes from world/camera/front"}));
+            (Error{4409, "no picture from world/camera/front"}));
   cameras_->SetChecked(true);
   Run(Milliseconds(500));
   EXPECT_TRUE(cameras_->Check()[0].result);

@@ -10,7 +10,7 @@ constexpr std::int64_t kSecond = 1'000'000'000;
 
 TEST(Caption, TakesOnePictureAfterAChangeOnceItHasSettled) {
   Caption caption(kSecond);
-  EXPECT_FALSE(caption.Due(0)) << "nothing was said yet";
+  EXPECT_FALSE(caption.Due(0)) << "no text yet";
   caption.OnText("IDLE");
   EXPECT_FALSE(caption.Due(1 * kSecond));
   EXPECT_FALSE(caption.Due(3 * kSecond / 2));
@@ -18,7 +18,7 @@ TEST(Caption, TakesOnePictureAfterAChangeOnceItHasSettled) {
   EXPECT_FALSE(caption.Due(3 * kSecond)) << "there was only one change";
 }
 
-TEST(Caption, TakesTheSameTextAgainForNoChange) {
+TEST(Caption, IgnoresTheSameTextAgain) {
   Caption caption(0);
   caption.OnText("IDLE");
   EXPECT_TRUE(caption.Due(1));

@@ -92,7 +92,7 @@ TEST_F(CaptureSourceTest, ShowsAFolderOfPictures) {
   EXPECT_EQ(frames_[1].data[0], 20);
 }
 
-TEST_F(CaptureSourceTest, SaysWhatIsMissingOrBroken) {
+TEST_F(CaptureSourceTest, ReportsWhatIsMissingOrBroken) {
   const struct {
     SourceKind kind;
     std::string from;
@@ -112,7 +112,7 @@ TEST_F(CaptureSourceTest, SaysWhatIsMissingOrBroken) {
   }
 }
 
-TEST_F(CaptureSourceTest, SaysThatAFileIsNoVideo) {
+TEST_F(CaptureSourceTest, ReportsAFileThatIsNoVideo) {
   const std::string broken = folder_ / "broken.avi";
   std::ofstream(broken) << std::string(10'000, 'x');
   Open(SourceKind::kVideo, broken, true);
@@ -127,7 +127,7 @@ TEST_F(CaptureSourceTest, PlaysWhatIsThereOfAVideoThatIsCutOff) {
   ASSERT_TRUE(Until([this] { return ended_ || failed_; }));
 }
 
-TEST_F(CaptureSourceTest, DeliversNothingOnceItIsDropped) {
+TEST_F(CaptureSourceTest, DeliversNothingAfterItsDestruction) {
   Open(SourceKind::kVideo, Video(), true);
   ASSERT_TRUE(Until([this] { return !frames_.empty(); }));
   source_.reset();

@@ -1,4 +1,4 @@
-// Pictures in other sizes and encodings, and how a camera sees then.
+// Conversion of size and encoding, and the CameraInfo of the result.
 
 #include "musher/modules/camera/fit.hpp"
 
@@ -27,7 +27,7 @@ msg::Image Plain(std::uint32_t width, std::uint32_t height, const std::string& e
   return picture;
 }
 
-TEST(Fit, MovesAPictureThroughThatIsAsItIsWanted) {
+TEST(Fit, MovesAPictureThroughThatFitsAlready) {
   msg::Image picture = Plain(640, 480, "bgr8", {1, 2, 3});
   const std::uint8_t* bytes = picture.data.data();
   const auto same = Fit(std::move(picture), {640, 480, "bgr8"});
@@ -53,7 +53,7 @@ TEST(Fit, TakesRowsWithRoomBetweenThem) {
   EXPECT_EQ(colour.value(), Plain(2, 2, "bgr8", {9, 9, 9}));
 }
 
-TEST(Fit, RefusesPicturesThatCannotBe) {
+TEST(Fit, RefusesInvalidPictures) {
   EXPECT_EQ(Fit(Plain(4, 4, "16UC1", {1, 2}), {}).error().code, 4410);
   msg::Image short_of_bytes = Plain(4, 4, "bgr8", {1, 2, 3});
   short_of_bytes.data.pop_back();
@@ -100,7 +100,7 @@ TEST(Strip, SetsPicturesSideBySideInRows) {
   EXPECT_EQ(tool::DrawStrip({}, 2).width, 0u);
 }
 
-TEST(Strip, SaysTheTimeOfADateRelativeToTheFirstPicture) {
+TEST(Strip, LabelsADateRelativeToTheFirstPicture) {
   const std::int64_t date = 1'700'000'000'000'000'000;
   EXPECT_EQ(tool::LabelOf(date + 2'000'000'000, date), "+2.0 s");
 }

@@ -1,4 +1,4 @@
-// What musher-camera says of a series of pictures.
+// The statistics of musher-camera on a series of pictures.
 
 #include "musher/modules/camera/tool/picture_count.hpp"
 
@@ -31,7 +31,7 @@ TEST(PictureCount, SeesWhatIsMissingByTheGapItLeaves) {
   EXPECT_EQ(count.Lost(), 3u);
 }
 
-TEST(PictureCount, SaysNothingOfNoneAndOfOne) {
+TEST(PictureCount, ReportsNoRateOfNoneOrOne) {
   PictureCount count;
   EXPECT_EQ(count.AgeMs(0.5), 0);
   EXPECT_EQ(count.Lost(), 0u);

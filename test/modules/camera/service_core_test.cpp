@@ -1,4 +1,4 @@
-// What camera_service makes of a request.
+// The decision of camera_service on a request.
 
 #include "musher/modules/camera/service_core.hpp"
 
@@ -27,7 +27,7 @@ TEST(CameraService, KnowsItsCommands) {
             Decision(TakePicture{{320, 240, 5}, "a.jpg"}));
   EXPECT_EQ(Decide({2, "", 640, 480, 0}, kReady, {320, 240, 5}),
             Decision(StartRecording{{640, 480, 5}, ""}));
-  EXPECT_EQ(Decide({4, "", 0, 0, 0}, kReady, {}), Decision(TellState{}));
+  EXPECT_EQ(Decide({4, "", 0, 0, 0}, kReady, {}), Decision(ReportState{}));
   EXPECT_EQ(Decide({5, "a.jpg", 0, 0, 0}, kReady, {}), Decision(DeleteFile{"a.jpg"}));
   EXPECT_EQ(Decide({6, "", 0, 0, 0}, kReady, {}), Decision(ListFiles{}));
   EXPECT_EQ(Decide({9, "", 640, 480, 0}, kReady, {320, 240, 5}),
@@ -46,7 +46,7 @@ TEST(CameraService, RefusesWhatIsUnsupportedOrUndefinedWithItsResultAndCode) {
   EXPECT_EQ(Refused({255, "", 0, 0, 0}).result, CameraService::kUndefined);
 }
 
-TEST(CameraService, RefusesSizesThatNobodyCanMean) {
+TEST(CameraService, RefusesImpossibleSizes) {
   for (const CameraService::Request& request :
        {CameraService::Request{9, "", 640, 0, 0}, CameraService::Request{9, "", 0, 480, 0},
         CameraService::Request{1, "", 5000, 480, 0}, CameraService::Request{2, "", 641, 480, 0},

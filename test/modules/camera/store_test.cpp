@@ -33,9 +33,9 @@ msg::Image Picture() {
 class StoreTest : public ::testing::Test {
  protected:
   template <class T>
-  Result<T> Await(const std::function<void(Store::Done<T>)>& ask) {
+  Result<T> Await(const std::function<void(Store::Done<T>)>& start) {
     std::optional<Result<T>> answer;
-    ask([&answer](const Result<T>& result) { answer = result; });
+    start([&answer](const Result<T>& result) { answer = result; });
     EXPECT_FALSE(answer) << "never inside the call";
     EXPECT_TRUE(
         loop_.RunUntil([&] { return answer.has_value(); }, loop_.Now() + std::chrono::seconds(30)));
@@ -70,8 +70,8 @@ TEST_F(StoreTest, SavesListsAndDeletesPictures) {
   EXPECT_THAT(List(), ElementsAre("b.jpg"));
 }
 
-// The time of a world begins at zero again with its next start, and so do names by the time.
-TEST_F(StoreTest, CountsOnWhereANameThatTheCameraMadeIsThereAlready) {
+// A world's time starts at zero with each run, and so do names by the time.
+TEST_F(StoreTest, NumbersAGeneratedNameThatExistsAlready) {
   const NewFile again = {"picture_16.560.jpg", true};
   EXPECT_EQ(Save(again).value(), saved_ + "/picture_16.560.jpg");
   EXPECT_EQ(Save(again).value(), saved_ + "/picture_16.560_2.jpg");
@@ -115,7 +115,7 @@ TEST_F(StoreTest, RecordsAVideoThatCanBePlayed) {
   EXPECT_EQ(capture.get(cv::CAP_PROP_FPS), 10);
 }
 
-TEST_F(StoreTest, SaysWhyAFolderCannotBeWrittenTo) {
+TEST_F(StoreTest, ReportsWhyAFolderCannotBeWrittenTo) {
   std::ofstream(folder_ / "deep") << "a file where the folder should be";
   const auto path = Save({"a.png"});
   ASSERT_FALSE(path);
@@ -123,7 +123,7 @@ TEST_F(StoreTest, SaysWhyAFolderCannotBeWrittenTo) {
   EXPECT_THAT(path.error().message, HasSubstr("deep/saved"));
 }
 
-TEST_F(StoreTest, EndsAVideoWhenItIsDropped) {
+TEST_F(StoreTest, EndsAVideoInItsDestructor) {
   ASSERT_TRUE(Await<std::string>(
       [&](auto done) { store_->BeginVideo(Picture(), {"walk.avi"}, 10, done); }));
   store_.reset();

@@ -36,7 +36,7 @@ class BatteryOnANetwork : public DevicesOnANetwork {
   }
   std::vector<int> Charges() const {
     std::vector<int> charges;
-    for (const msg::BmsStatus& status : told_) charges.push_back(status.batt_soc);
+    for (const msg::BmsStatus& status : received_) charges.push_back(status.batt_soc);
     return charges;
   }
   std::int32_t Command(std::uint8_t motors, std::uint8_t charging) {
@@ -45,26 +45,27 @@ class BatteryOnANetwork : public DevicesOnANetwork {
     return response.code;
   }
 
-  std::vector<msg::BmsStatus> told_;
+  std::vector<msg::BmsStatus> received_;
   std::vector<msg::Bool> power_;
   std::unique_ptr<transport::Publisher<msg::BatteryState>> battery_ =
       Publisher<msg::BatteryState>("dog1/world/battery");
-  std::unique_ptr<transport::Subscription> ear_ = Listen<msg::BmsStatus>("dog1/bms_status", told_);
+  std::unique_ptr<transport::Subscription> subscription_ =
+      Listen<msg::BmsStatus>("dog1/bms_status", received_);
   std::unique_ptr<transport::Subscription> motors_ =
       Listen<msg::Bool>("dog1/world/motor_power", power_, transport::kLatchedQos);
 };
 
-TEST_F(BatteryOnANetwork, IsToldAsBmsStatus) {
+TEST_F(BatteryOnANetwork, IsPublishedAsBmsStatus) {
   Start();
   SayEachSecond({80, 80});
-  ASSERT_THAT(told_, SizeIs(1));
-  EXPECT_EQ(told_[0].header.frame_id, "battery_id");
-  EXPECT_GT(FromStamp(told_[0].header.stamp).count(), 0);
-  EXPECT_EQ(told_[0].batt_soc, 80);
+  ASSERT_THAT(received_, SizeIs(1));
+  EXPECT_EQ(received_[0].header.frame_id, "battery_id");
+  EXPECT_GT(FromStamp(received_[0].header.stamp).count(), 0);
+  EXPECT_EQ(received_[0].batt_soc, 80);
   EXPECT_THAT(Failures(), ::testing::Not(::testing::Contains(1409)));
 }
 
-TEST_F(BatteryOnANetwork, IsToldAtMostEvery800MsAndTheLastReadingAlways) {
+TEST_F(BatteryOnANetwork, IsPublishedAtMostEvery800MsAndTheLastReadingAlways) {
   Start();
   for (int percent = 80; percent > 60; --percent) {
     Say(percent);
@@ -72,27 +73,27 @@ TEST_F(BatteryOnANetwork, IsToldAtMostEvery800MsAndTheLastReadingAlways) {
   }
   Run(Milliseconds(1000));
   EXPECT_EQ(Charges().back(), 61);
-  for (std::size_t i = 1; i < told_.size(); ++i) {
-    EXPECT_GE(FromStamp(told_[i].header.stamp) - FromStamp(told_[i - 1].header.stamp),
+  for (std::size_t i = 1; i < received_.size(); ++i) {
+    EXPECT_GE(FromStamp(received_[i].header.stamp) - FromStamp(received_[i - 1].header.stamp),
               Milliseconds(800));
   }
 }
 
-TEST_F(BatteryOnANetwork, IsSeenFallingInStepsOf30Percent) {
+TEST_F(BatteryOnANetwork, IsPublishedWhenItFallsInStepsOf30Percent) {
   Start();
   SayEachSecond({100, 100, 70, 40, 10, 0, 0});
   EXPECT_THAT(Charges(), ElementsAre(100, 70, 40, 10, 0));
 }
 
-TEST_F(BatteryOnANetwork, IsNotBelievedWhenItJumpsOnce) {
+TEST_F(BatteryOnANetwork, IsNotPublishedWhenItJumpsOnce) {
   Start();
   SayEachSecond({80, 80, 3, 79});
   EXPECT_THAT(Charges(), ElementsAre(80, 79));
   EXPECT_THAT(log_, ElementsAre(HasSubstr("well, at 80 %"),
-                                "battery: a jump to 3 % waits for the next reading"));
+                                "battery: a jump to 3 % is held until the next reading"));
 }
 
-TEST_F(BatteryOnANetwork, IsRefusedWithOneLineWhenItTalksNonsense) {
+TEST_F(BatteryOnANetwork, IsRefusedWithOneLineWhenItsReadingsAreInvalid) {
   Start();
   SayEachSecond({80, 80});
   log_.clear();
@@ -105,7 +106,7 @@ TEST_F(BatteryOnANetwork, IsRefusedWithOneLineWhenItTalksNonsense) {
   EXPECT_THAT(Failures(), ::testing::Not(::testing::Contains(1409)));
 }
 
-TEST_F(BatteryOnANetwork, IsMissedWhenItFallsSilentAndItsLastValueIsNotRepeated) {
+TEST_F(BatteryOnANetwork, IsReportedWhenItFallsSilentAndItsLastValueIsNotRepeated) {
   Start();
   SayEachSecond({80, 80});
   log_.clear();
@@ -118,28 +119,28 @@ TEST_F(BatteryOnANetwork, IsMissedWhenItFallsSilentAndItsLastValueIsNotRepeated)
   EXPECT_THAT(log_.back(), HasSubstr("well, at 78 %"));
 }
 
-TEST_F(BatteryOnANetwork, IsMissedAtOnceWhenItsPublisherIsGone) {
+TEST_F(BatteryOnANetwork, IsReportedAtOnceWhenItsPublisherIsLost) {
   Start();
   SayEachSecond({80, 80});
   log_.clear();
   battery_.reset();
   Run(Milliseconds(500));
-  EXPECT_THAT(log_, ElementsAre("battery: nobody publishes world/battery"));
-  EXPECT_EQ(devices_->Check()[0].result.error().message, "nobody publishes world/battery");
+  EXPECT_THAT(log_, ElementsAre("battery: no publisher of world/battery"));
+  EXPECT_EQ(devices_->Check()[0].result.error().message, "no publisher of world/battery");
 }
 
 TEST_F(BatteryOnANetwork, SwitchesTheMotorsPower) {
   Start();
   EXPECT_EQ(Command(BmsCmd::kMotorsDown, 0), 0);
   SayEachSecond({80, 80});
-  EXPECT_TRUE(told_.back().power_motor_shutdown);
+  EXPECT_TRUE(received_.back().power_motor_shutdown);
   EXPECT_EQ(Command(BmsCmd::kMotorsUp, 0), 0);
   SayEachSecond({80});
-  EXPECT_FALSE(told_.back().power_motor_shutdown);
+  EXPECT_FALSE(received_.back().power_motor_shutdown);
   EXPECT_THAT(power_, ElementsAre(msg::Bool{false}, msg::Bool{true}));
 }
 
-TEST_F(BatteryOnANetwork, RefusesCommandsThatDoNotExist) {
+TEST_F(BatteryOnANetwork, RefusesUnknownCommands) {
   Start();
   EXPECT_EQ(Command(0, 0), 1410);
   EXPECT_EQ(Command(3, 0), 1410);
@@ -160,7 +161,7 @@ TEST_F(BatteryOnANetwork, PowersMotorsUpOnlyWhereThatIsAllowedAndDownAlways) {
   EXPECT_THAT(power_, ElementsAre(msg::Bool{false}));
 }
 
-TEST_F(BatteryOnANetwork, IsTheHostsOwn) {
+TEST_F(BatteryOnANetwork, ReadsTheHostsBattery) {
   const TempFolder folder;
   std::filesystem::create_directories(folder / "BAT0");
   std::ofstream(folder / "BAT0/type") << "Battery\n";
@@ -170,7 +171,7 @@ TEST_F(BatteryOnANetwork, IsTheHostsOwn) {
   Start();
   Run(Milliseconds(3000));
   EXPECT_THAT(Charges(), Each(64));
-  EXPECT_GE(told_.size(), 2U);
+  EXPECT_GE(received_.size(), 2U);
   std::filesystem::remove_all(folder / "BAT0");
   log_.clear();
   Run(Milliseconds(10'000));
@@ -192,10 +193,10 @@ TEST_F(BatteryOnANetwork, GoesOnWhenTheWorldsClockStartsAgain) {
     Run(Milliseconds(100));
   };
   for (const std::int32_t second : {1000, 1001, 1002}) tick(second);
-  EXPECT_THAT(told_, SizeIs(2));
+  EXPECT_THAT(received_, SizeIs(2));
   for (const std::int32_t second : {1, 2, 3}) tick(second);
-  EXPECT_THAT(told_, SizeIs(5));
-  EXPECT_EQ(told_.back().header.stamp, (msg::Stamp{3, 0}));
+  EXPECT_THAT(received_, SizeIs(5));
+  EXPECT_EQ(received_.back().header.stamp, (msg::Stamp{3, 0}));
 }
 
 }  // namespace musher::device::battery_device_test

@@ -22,42 +22,42 @@ BatteryReading At(double percent) {
   return reading;
 }
 
-// What a filter tells of these readings.
-std::vector<double> Told(const std::vector<double>& readings) {
+// The readings that a filter passes on.
+std::vector<double> Passed(const std::vector<double>& readings) {
   BatteryFilter filter;
-  std::vector<double> told;
+  std::vector<double> passed;
   for (const double percent : readings) {
-    if (const auto counts = filter.Take(At(percent))) told.push_back(counts->percent);
+    if (const auto counts = filter.Take(At(percent))) passed.push_back(counts->percent);
   }
-  return told;
+  return passed;
 }
 
-TEST(BatteryFilter, TellsSmallStepsAtOnce) {
-  EXPECT_THAT(Told({80, 79, 78, 73}), ElementsAre(79, 78, 73));
+TEST(BatteryFilter, PassesSmallStepsAtOnce) {
+  EXPECT_THAT(Passed({80, 79, 78, 73}), ElementsAre(79, 78, 73));
 }
 
-TEST(BatteryFilter, TellsNothingBeforeTheFirstReadingIsConfirmed) {
-  EXPECT_THAT(Told({0}), IsEmpty());
-  EXPECT_THAT(Told({0, 80}), IsEmpty());
-  EXPECT_THAT(Told({0, 80, 80}), ElementsAre(80));
+TEST(BatteryFilter, PassesNothingBeforeTheFirstReadingIsConfirmed) {
+  EXPECT_THAT(Passed({0}), IsEmpty());
+  EXPECT_THAT(Passed({0, 80}), IsEmpty());
+  EXPECT_THAT(Passed({0, 80, 80}), ElementsAre(80));
 }
 
-TEST(BatteryFilter, NeverTellsASingleWrongValue) {
-  EXPECT_THAT(Told({80, 80, 0, 79, 78}), ElementsAre(80, 79, 78));
-  EXPECT_THAT(Told({80, 80, 30, 100, 79}), ElementsAre(80, 79));
+TEST(BatteryFilter, NeverPassesASingleWrongValue) {
+  EXPECT_THAT(Passed({80, 80, 0, 79, 78}), ElementsAre(80, 79, 78));
+  EXPECT_THAT(Passed({80, 80, 30, 100, 79}), ElementsAre(80, 79));
 }
 
-TEST(BatteryFilter, TellsAJumpThatIsConfirmed) {
-  EXPECT_THAT(Told({80, 80, 30, 30}), ElementsAre(80, 30));
-  EXPECT_THAT(Told({10, 10, 60, 62}), ElementsAre(10, 62));
+TEST(BatteryFilter, PassesAJumpThatIsConfirmed) {
+  EXPECT_THAT(Passed({80, 80, 30, 30}), ElementsAre(80, 30));
+  EXPECT_THAT(Passed({10, 10, 60, 62}), ElementsAre(10, 62));
 }
 
-TEST(BatteryFilter, TellsABatteryThatFallsInStepsOf30Percent) {
-  EXPECT_THAT(Told({100, 100, 70, 40, 10, 0, 0}), ElementsAre(100, 70, 40, 10, 0));
+TEST(BatteryFilter, PassesABatteryThatFallsInStepsOf30Percent) {
+  EXPECT_THAT(Passed({100, 100, 70, 40, 10, 0, 0}), ElementsAre(100, 70, 40, 10, 0));
 }
 
-TEST(BatteryFilter, TellsTheNearerOfTwoThatJumpTheSameWay) {
-  EXPECT_THAT(Told({80, 80, 0, 50, 50}), ElementsAre(80, 50, 50));
+TEST(BatteryFilter, PassesTheNearerOfTwoThatJumpTheSameWay) {
+  EXPECT_THAT(Passed({80, 80, 0, 50, 50}), ElementsAre(80, 50, 50));
 }
 
 std::vector<double> AnyCharges(std::size_t least) {
@@ -67,27 +67,27 @@ std::vector<double> AnyCharges(std::size_t least) {
   return charges;
 }
 
-RC_GTEST_PROP(BatteryFilter, TellsALevelThatStaysWhateverWasBefore, ()) {
+RC_GTEST_PROP(BatteryFilter, PassesALevelThatStaysWhateverWasBefore, ()) {
   std::vector<double> readings = AnyCharges(0);
   const double level = *rc::gen::inRange(0, 101);
   readings.insert(readings.end(), 3, level);
-  RC_ASSERT(Told(readings).back() == level);
+  RC_ASSERT(Passed(readings).back() == level);
 }
 
 RC_GTEST_PROP(BatteryFilter, MissesNoLevelOfAFallOfWhateverSteps, ()) {
   std::vector<double> readings = AnyCharges(2);
   std::sort(readings.rbegin(), readings.rend());
   readings.insert(readings.end(), 3, readings.back());
-  const std::vector<double> told = Told(readings);
-  RC_ASSERT(std::is_sorted(told.rbegin(), told.rend()));
+  const std::vector<double> passed = Passed(readings);
+  RC_ASSERT(std::is_sorted(passed.rbegin(), passed.rend()));
   for (std::size_t i = 1; i < readings.size(); ++i) {
-    RC_ASSERT(std::any_of(told.begin(), told.end(), [&](double percent) {
+    RC_ASSERT(std::any_of(passed.begin(), passed.end(), [&](double percent) {
       return std::abs(percent - readings[i]) <= BatteryFilter::kJumpPercent;
     }));
   }
 }
 
-RC_GTEST_PROP(BatteryFilter, TellsNoWrongValueThatStandsAlone, ()) {
+RC_GTEST_PROP(BatteryFilter, PassesNoSingleWrongValue, ()) {
   std::vector<double> readings;
   double true_charge = *rc::gen::inRange(20, 81);
   const auto count = *rc::gen::inRange(3, 40);
@@ -98,7 +98,7 @@ RC_GTEST_PROP(BatteryFilter, TellsNoWrongValueThatStandsAlone, ()) {
     since_wrong = wrong ? 0 : since_wrong + 1;
     readings.push_back(wrong ? 500 : true_charge);
   }
-  for (const double percent : Told(readings)) RC_ASSERT(percent < 500);
+  for (const double percent : Passed(readings)) RC_ASSERT(percent < 500);
 }
 
 BatteryState State(float percentage) {
@@ -111,7 +111,7 @@ BatteryState State(float percentage) {
   return state;
 }
 
-TEST(Battery, IsToldInTheUnitsOfBmsStatus) {
+TEST(Battery, IsConvertedToTheUnitsOfBmsStatus) {
   BatteryState state = State(0.424F);
   state.capacity = 4.5F;
   state.design_capacity = 5;
@@ -129,7 +129,7 @@ TEST(Battery, IsToldInTheUnitsOfBmsStatus) {
 TEST(Battery, LeavesOutWhatIsNotMeasured) {
   BatteryState state = State(1);
   state.voltage = state.current = state.temperature = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_TRUE(Judge(FromMessage(state)));
+  EXPECT_TRUE(Validate(FromMessage(state)));
   const msg::BmsStatus status = ToBmsStatus(FromMessage(state), false);
   EXPECT_EQ(status.batt_soc, 100);
   EXPECT_EQ(status.batt_volt, 0);
@@ -144,7 +144,7 @@ TEST(Battery, SaturatesACurrentThatTheMessageCannotCarry) {
   EXPECT_EQ(ToBmsStatus(FromMessage(state), true).batt_curr, -32'768);
 }
 
-TEST(Battery, TellsWhetherItChargesAndWhetherItIsFull) {
+TEST(Battery, ReportsWhetherItChargesAndWhetherItIsFull) {
   BatteryState state = State(0.5F);
   state.power_supply_status = BatteryState::kStatusCharging;
   EXPECT_TRUE(ToBmsStatus(FromMessage(state), true).power_wired_charging);
@@ -158,7 +158,7 @@ TEST(Battery, TellsWhetherItChargesAndWhetherItIsFull) {
   EXPECT_TRUE(ToBmsStatus(FromMessage(state), true).power_expower_supply);
 }
 
-TEST(Battery, TellsItsFaults) {
+TEST(Battery, ReportsItsFaults) {
   BatteryState state = State(0.5F);
   state.power_supply_health = BatteryState::kHealthOverheat;
   EXPECT_TRUE(ToBmsStatus(FromMessage(state), true).discharge_over_tmp);
@@ -171,12 +171,12 @@ TEST(Battery, TellsItsFaults) {
   EXPECT_TRUE(ToBmsStatus(FromMessage(state), true).cell_volt_abnormal);
 }
 
-TEST(Battery, IsRefusedWhereItCannotBeTrue) {
+TEST(Battery, IsRefusedWhenItIsImpossible) {
   const auto why = [](auto change) {
     BatteryState state = State(0.5F);
     change(state);
-    const Result<> judged = Judge(FromMessage(state));
-    return judged ? "" : std::to_string(judged.error().code) + " " + judged.error().message;
+    const Result<> valid = Validate(FromMessage(state));
+    return valid ? "" : std::to_string(valid.error().code) + " " + valid.error().message;
   };
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInf = std::numeric_limits<float>::infinity();

@@ -1,4 +1,4 @@
-// The small decisions: battery lights, touches and the self-check's verdict.
+// The small decisions: battery lights, touches and the outcome of the self-check.
 
 #include <gmock/gmock.h>
 
@@ -16,7 +16,7 @@ using msg::LedExecute;
 using Shown = LedArbiter::Shown;
 using ::testing::HasSubstr;
 
-// An arbiter that obeyed all these wishes.
+// An arbiter after these requests.
 LedArbiter After(const std::vector<LightRequests>& all) {
   LedArbiter arbiter;
   for (const LightRequests& requests : all) {
@@ -54,7 +54,7 @@ TEST(BatteryLights, WarnOnTheMiniLightOnlyWhenLowAndNotCharging) {
             ground);
 }
 
-TEST(BatteryLights, HideNoOtherClientWhileTheBatteryIsWell) {
+TEST(BatteryLights, HideNoOtherClientWhileTheBatteryIsOk) {
   const LightRequests tracking = {
       {true, "tracking", LedExecute::kHead, LedExecute::kUserColor, 1, 0, 0, 0}};
   EXPECT_EQ(After({tracking, BatteryLights(50, false)}).Show(LedExecute::kHead).client,
@@ -80,7 +80,7 @@ TEST(LowPowerLights, BreatheOnTheTailWhenLowPowerIsLeft) {
             After({BatteryLights(50, false)}).Show(LedExecute::kHead));
 }
 
-TEST(ShutdownLights, AreHiddenByNobody) {
+TEST(ShutdownLights, AreHiddenByNoOtherClient) {
   const LedArbiter arbiter = After({ShutdownLights(), BatteryLights(0, false)});
   EXPECT_EQ(arbiter.Show(LedExecute::kHead).light, (Light{LedExecute::kPredefined, 0xA3, 0, 0, 0}));
   EXPECT_EQ(arbiter.Show(LedExecute::kTail).light, (Light{LedExecute::kPredefined, 0xA3, 0, 0, 0}));
@@ -109,14 +109,14 @@ TEST(DoubleTap, CountsAgainAfterTheClockWentBack) {
   EXPECT_TRUE(taps.Take(3, Time(Milliseconds(100))));
 }
 
-DeviceFinding Well(const std::string& device) {
+DeviceResult Well(const std::string& device) {
   return {device, Ok()};
 }
-DeviceFinding Failing(const std::string& device, std::int32_t code) {
+DeviceResult Failing(const std::string& device, std::int32_t code) {
   return {device, Error{code, "silent"}};
 }
 
-TEST(DeviceSelfCheck, PassesWhenAllAreWell) {
+TEST(DeviceSelfCheck, PassesWhenAllAreOk) {
   EXPECT_TRUE(EvaluateSelfCheck({Well("bms"), Well("led")}, {"bms"}).well());
   EXPECT_TRUE(EvaluateSelfCheck({}, {}).well());
 }
@@ -139,7 +139,7 @@ TEST(DeviceSelfCheck, GivesTheCodeOfACriticalDeviceBeforeAllOthers) {
   EXPECT_THAT(result.error().message, HasSubstr("led (critical): silent, 1109"));
 }
 
-// The sum of these codes is a multiple of 256, which CyberDog's manager takes for "all is well".
+// The sum of these codes is a multiple of 256, which CyberDog's manager treats as "ok".
 TEST(DeviceSelfCheck, IsNotPassedByFailuresWhoseCodesAddUpToNothing) {
   EXPECT_FALSE(EvaluateSelfCheck({Failing("bms", 1151), Failing("led", 1153)}, {}).well());
   EXPECT_FALSE(EvaluateSelfCheck({Failing("bms", 1151), Failing("led", 1153)}, {"led"}).result);

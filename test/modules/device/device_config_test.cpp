@@ -18,14 +18,14 @@ DeviceReading Read(const std::string& text) {
 }
 
 std::vector<std::string> Said(const std::string& text) {
-  std::vector<std::string> said;
+  std::vector<std::string> lines;
   for (const Diagnostic& diagnostic : Read(text).diagnostics) {
-    said.push_back(FormatDiagnostic(diagnostic));
+    lines.push_back(FormatDiagnostic(diagnostic));
   }
-  return said;
+  return lines;
 }
 
-TEST(DeviceConfig, HasWhatTheFileSays) {
+TEST(DeviceConfig, HasTheValuesOfTheFile) {
   const DeviceReading reading = Read(R"(
 self_check_ms = 700
 skip = ["uwb"]
@@ -67,7 +67,7 @@ TEST(DeviceConfig, NeedsNoMoreThanTheBatterysSource) {
   EXPECT_EQ(*reading.config, DeviceConfig());
 }
 
-TEST(DeviceConfig, ReportsAllFaultsAtOnce) {
+TEST(DeviceConfig, ReportsAllErrorsAtOnce) {
   EXPECT_THAT(
       Said("skipp = []\n\nskip = [\"bmss\", \"led\"]\n"
            "critical = [\"led\"]\nself_check_ms = 0\n[battery]\nsource = \"wrld\"\nperiod_ms = 1\n"
@@ -86,13 +86,13 @@ TEST(DeviceConfig, ReportsAllFaultsAtOnce) {
           HasSubstr(":11:10: error: led.source: expected")));
 }
 
-TEST(DeviceConfig, WantsASourceOfTheBattery) {
+TEST(DeviceConfig, NeedsASourceOfTheBattery) {
   EXPECT_THAT(Said(""), ElementsAre(HasSubstr("the key \"battery\" is missing")));
   EXPECT_THAT(Said("[battery]\n"),
               ElementsAre(HasSubstr("battery: the key \"source\" is missing")));
 }
 
-TEST(DeviceConfig, WantsReadingsMoreOftenThanSilenceIsCalled) {
+TEST(DeviceConfig, NeedsAPeriodShorterThanTheSilenceTimeout) {
   EXPECT_THAT(Said("[battery]\nsource = \"host\"\nperiod_ms = 5000\n"),
               ElementsAre(HasSubstr("silence_ms: expected more than period_ms")));
 }
@@ -122,7 +122,7 @@ TEST(DeviceConfig, OfTheDemoIsGoodAndNamesEveryKey) {
   }
 }
 
-TEST(DeviceConfig, SaysWhyAFileCannotBeRead) {
+TEST(DeviceConfig, ReportsWhyAFileCannotBeRead) {
   const DeviceReading missing = ReadDeviceFile("/nowhere/at/all.toml");
   ASSERT_EQ(missing.diagnostics.size(), 1U);
   EXPECT_THAT(missing.diagnostics.front().message, HasSubstr("No such file"));

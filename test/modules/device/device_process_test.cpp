@@ -1,4 +1,4 @@
-// musher-device-manager as a controller meets it: the real program over DDS.
+// musher-device-manager as a controller drives it: the real program over DDS.
 
 #include <gmock/gmock.h>
 
@@ -55,7 +55,7 @@ class DeviceManagerProcess : public ::testing::Test {
             .value();
     status_ = transport::MakeSubscription<msg::BmsStatus>(
                   node, "bms_status",
-                  [this](const msg::BmsStatus& status, const auto&) { told_ = status; })
+                  [this](const msg::BmsStatus& status, const auto&) { received_ = status; })
                   .value();
     ticker_ = node.loop().Every(Milliseconds(50), [this] {
       msg::BatteryState state;
@@ -74,7 +74,7 @@ class DeviceManagerProcess : public ::testing::Test {
   }
 
   test::ActuatorPeer peer_{"device_manager", kAllStates, "musher-device-manager"};
-  std::optional<msg::BmsStatus> told_;
+  std::optional<msg::BmsStatus> received_;
   std::vector<msg::LedState> shown_;
   std::unique_ptr<transport::Publisher<msg::BatteryState>> battery_;
   std::unique_ptr<transport::Publisher<msg::Int32>> touch_;
@@ -83,11 +83,11 @@ class DeviceManagerProcess : public ::testing::Test {
   transport::LoopHandlePtr ticker_;
 };
 
-TEST_F(DeviceManagerProcess, LivesThroughAllStatesWithItsDevices) {
+TEST_F(DeviceManagerProcess, RunsThroughAllStatesWithItsDevices) {
   MakeWorld();
   Start();
-  ASSERT_TRUE(peer_.Until([&] { return told_.has_value(); })) << peer_.Output();
-  EXPECT_EQ(told_->batt_soc, 55);
+  ASSERT_TRUE(peer_.Until([&] { return received_.has_value(); })) << peer_.Output();
+  EXPECT_EQ(received_->batt_soc, 55);
   for (const std::string state : {"SelfCheck", "Active", "DeActive", "Protected", "OTA", "Error"}) {
     const auto done = peer_.Switch(state);
     ASSERT_TRUE(done);
@@ -108,16 +108,16 @@ TEST_F(DeviceManagerProcess, FailsItsSelfCheckWithTheCriticalCodeAndNamesAllThat
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
   EXPECT_EQ(checked.value().code, 1409);
   EXPECT_EQ(checked.value().message,
-            "bms (critical): nobody publishes world/battery, 1409; "
-            "touch: nobody publishes world/touch, 1509; led: nobody shows world/led, 1109");
+            "bms (critical): no publisher of world/battery, 1409; "
+            "touch: no publisher of world/touch, 1509; led: no subscriber of world/led, 1109");
 }
 
 TEST_F(DeviceManagerProcess, AnswersItsServicesByTheRulesAndWakesTheRobotByADoubleTap) {
   MakeWorld();
-  int asked = 0;
+  int calls = 0;
   const auto manager = transport::MakeServer<msg::Trigger>(peer_.node(), "low_power_exit",
-                                                           [&asked](const auto&, auto reply) {
-                                                             ++asked;
+                                                           [&calls](const auto&, auto reply) {
+                                                             ++calls;
                                                              reply({true, ""});
                                                            })
                            .value();
@@ -142,10 +142,10 @@ TEST_F(DeviceManagerProcess, AnswersItsServicesByTheRulesAndWakesTheRobotByADoub
   EXPECT_TRUE(peer_.Switch("LowPower"));
   EXPECT_TRUE(peer_.Until([&] { return touch_->MatchedReaders() > 0; }));
   ASSERT_TRUE(touch_->Publish({msg::TouchStatus::kDouble}));
-  EXPECT_TRUE(peer_.Until([&] { return asked == 1; })) << peer_.Output();
+  EXPECT_TRUE(peer_.Until([&] { return calls == 1; })) << peer_.Output();
 }
 
-TEST_F(DeviceManagerProcess, ExplainsAFaultyFileAndEndsWithTwo) {
+TEST_F(DeviceManagerProcess, ReportsAnInvalidFileAndExitsWithTwo) {
   peer_.Start("[battery]\nsource = \"bucket\"\n");
   EXPECT_EQ(peer_.AwaitExit(), 2);
   EXPECT_THAT(peer_.Output(), HasSubstr("device_manager.toml:2:10: error: battery.source"));

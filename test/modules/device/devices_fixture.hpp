@@ -1,6 +1,6 @@
 #pragma once
-// The devices on a simulated network, in virtual time, with the other side on a node of its own:
-// the world that has battery, lights and pad, and the clients of the services.
+// The devices on a simulated network, in virtual time, with their peers on a node of its own: the
+// world that has battery, lights and pad, and the clients of the services.
 
 #include <gmock/gmock.h>
 
@@ -49,13 +49,13 @@ class DevicesOnANetwork : public ::testing::Test {
       const std::string& topic, const transport::Qos& qos = transport::kDefaultQos) {
     return Must(transport::MakePublisher<M>(*world_, topic, qos));
   }
-  // Everything that comes goes to `heard`.
+  // Appends every received message to `heard`.
   template <msg::Message M>
   std::unique_ptr<transport::Subscription> Listen(
-      const std::string& topic, std::vector<M>& heard,
+      const std::string& topic, std::vector<M>& received,
       const transport::Qos& qos = transport::kDefaultQos) {
     return Must(transport::MakeSubscription<M>(
-        *world_, topic, [&heard](const M& message, const auto&) { heard.push_back(message); },
+        *world_, topic, [&received](const M& message, const auto&) { received.push_back(message); },
         qos));
   }
   template <msg::Service S>
@@ -68,10 +68,10 @@ class DevicesOnANetwork : public ::testing::Test {
     return Must(*answer);
   }
 
-  // Of the check, of those that fail.
+  // The failing devices of the check.
   std::vector<std::int32_t> Failures() const {
     std::vector<std::int32_t> codes;
-    for (const DeviceFinding& finding : devices_->Check()) {
+    for (const DeviceResult& finding : devices_->Check()) {
       if (!finding.result) codes.push_back(finding.result.error().code);
     }
     return codes;

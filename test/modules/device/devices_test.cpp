@@ -21,7 +21,7 @@ class Lights : public DevicesOnANetwork {
                                                  LedExecute::kUserColor, effect, 1, 2, 3})
         .code;
   }
-  // What the world shows last on a target.
+  // The last light that the world shows on a target.
   msg::LedState Last(std::uint8_t target) const {
     msg::LedState last;
     for (const msg::LedState& state : shown_) {
@@ -35,7 +35,7 @@ class Lights : public DevicesOnANetwork {
       Listen<msg::LedState>("dog1/world/led", shown_, kLedQos);
 };
 
-TEST_F(Lights, AreShownWhenAClientAsks) {
+TEST_F(Lights, AreShownOnRequestOfAClient) {
   Start();
   EXPECT_EQ(Wish("vp", 4), 0);
   Run(Milliseconds(100));
@@ -44,7 +44,7 @@ TEST_F(Lights, AreShownWhenAClientAsks) {
   EXPECT_EQ(Last(LedExecute::kTail).client, "system");
 }
 
-TEST_F(Lights, AreToldToTheClientAndTheLogWhenRefused) {
+TEST_F(Lights, AreReportedToTheClientAndTheLogWhenRefused) {
   Start();
   EXPECT_EQ(Wish("vp", 77), 1124);
   EXPECT_THAT(log_, ElementsAre(HasSubstr("led_execute of \"vp\": target 1 has no effect 77")));
@@ -55,16 +55,16 @@ TEST_F(Lights, AreToldToTheClientAndTheLogWhenRefused) {
   EXPECT_EQ(Last(LedExecute::kHead).client, "bms");
 }
 
-// What a client calls itself is a stranger's text.
+// The name of a client is untrusted text.
 TEST_F(Lights, ForgeNoLinesOfTheLog) {
   Start();
-  EXPECT_EQ(Wish("x\nbattery: well, at 100 %" + std::string(10'000, '!'), 4), 1122);
+  EXPECT_EQ(Wish("x\nbattery: ok, at 100 %" + std::string(10'000, '!'), 4), 1122);
   ASSERT_THAT(log_, SizeIs(1));
   EXPECT_THAT(log_[0], ::testing::Not(HasSubstr("\n")));
   EXPECT_LT(log_[0].size(), 1000U);
 }
 
-TEST_F(Lights, AreAllThereForALateWatcher) {
+TEST_F(Lights, AreAllDeliveredToALateSubscriber) {
   Start();
   for (std::uint8_t effect = 1; effect <= 4; ++effect) EXPECT_EQ(Wish("vp", effect), 0);
   std::vector<msg::LedState> late;
@@ -109,7 +109,7 @@ TEST_F(Lights, FollowTheLifecycle) {
   EXPECT_EQ(Last(LedExecute::kMini).effect, LedExecute::kCircularRing);
 }
 
-TEST_F(Lights, AreJudgedAndNotShownWhereThereAreNone) {
+TEST_F(Lights, AreCheckedButNotPublishedWithoutLights) {
   config_.led = false;
   Start();
   EXPECT_EQ(Wish("vp", 4), 0);
@@ -132,33 +132,33 @@ class Tag : public DevicesOnANetwork {
     Run(Milliseconds(100));
   }
 
-  std::vector<msg::UwbRaw> told_;
+  std::vector<msg::UwbRaw> received_;
   std::unique_ptr<transport::Publisher<msg::UwbRaw>> radio_ =
       Publisher<msg::UwbRaw>("dog1/world/uwb", transport::kSensorDataQos);
   std::unique_ptr<transport::Publisher<msg::Bool>> connection_ =
       Publisher<msg::Bool>("dog1/uwb_connected");
-  std::unique_ptr<transport::Subscription> hears_ = Listen<msg::UwbRaw>("dog1/uwb_raw", told_);
+  std::unique_ptr<transport::Subscription> tags_ = Listen<msg::UwbRaw>("dog1/uwb_raw", received_);
 };
 
-TEST_F(Tag, IsToldWhileItIsConnected) {
+TEST_F(Tag, IsPublishedWhileItIsConnected) {
   Start();
   Measure(2, 0.5F);
-  EXPECT_THAT(told_, IsEmpty());
+  EXPECT_THAT(received_, IsEmpty());
   SetConnected(true);
   Measure(2, 0.5F);
-  ASSERT_THAT(told_, SizeIs(1));
-  EXPECT_EQ(told_[0].dist, 2);
+  ASSERT_THAT(received_, SizeIs(1));
+  EXPECT_EQ(received_[0].dist, 2);
   SetConnected(false);
   Measure(2, 0.5F);
-  EXPECT_THAT(told_, SizeIs(1));
+  EXPECT_THAT(received_, SizeIs(1));
 }
 
-TEST_F(Tag, IsNotToldWhereTheReadingCannotBe) {
+TEST_F(Tag, IsNotPublishedWithAnImpossibleReading) {
   Start();
   SetConnected(true);
   Measure(-1, 0);
   Measure(std::numeric_limits<float>::quiet_NaN(), 0);
-  EXPECT_THAT(told_, IsEmpty());
+  EXPECT_THAT(received_, IsEmpty());
   EXPECT_THAT(log_, ElementsAre(HasSubstr("uwb: readings are refused")));
 }
 
@@ -173,7 +173,7 @@ TEST_F(Tag, HasASessionAndASelfCheckOfItsOwn) {
   EXPECT_THAT(Failures(), ::testing::Contains(1609));
 }
 
-TEST_F(Tag, IsRefusedWhereThereIsNoRadio) {
+TEST_F(Tag, IsRefusedWithoutARadio) {
   config_.uwb = false;
   Start();
   EXPECT_EQ(Call<msg::GetUWBMacSessionID>("dog1/get_uwb_mac_session_id", {}).code, 1608);
@@ -186,13 +186,13 @@ class PowerKeyOfTheRobot : public DevicesOnANetwork {
   void Key(bool pressed) { ASSERT_TRUE(key_->Publish({pressed})); }
 
   bool refuses_ = false;
-  int asked_ = 0;
+  int calls_ = 0;
   std::unique_ptr<transport::Publisher<msg::Bool>> key_ =
       Publisher<msg::Bool>("dog1/world/power_key");
   std::unique_ptr<transport::Server<msg::Trigger>> server_ =
       Must(transport::MakeServer<msg::Trigger>(
           *world_, "dog1/poweroff", [this](const auto&, auto reply) {
-            ++asked_;
+            ++calls_;
             reply({!refuses_, refuses_ ? "the machine is in OTA" : ""});
           }));
 };
@@ -201,11 +201,11 @@ TEST_F(PowerKeyOfTheRobot, PowersOffOnceWhenItIsHeldForThreeSeconds) {
   Start();
   Key(true);
   Run(Milliseconds(2900));
-  EXPECT_EQ(asked_, 0);
+  EXPECT_EQ(calls_, 0);
   Run(Milliseconds(200));
-  EXPECT_EQ(asked_, 1);
+  EXPECT_EQ(calls_, 1);
   Run(std::chrono::seconds(10));
-  EXPECT_EQ(asked_, 1) << "it is still held";
+  EXPECT_EQ(calls_, 1) << "it is still held";
 }
 
 TEST_F(PowerKeyOfTheRobot, DoesNothingWhenItIsReleasedBefore) {
@@ -216,7 +216,7 @@ TEST_F(PowerKeyOfTheRobot, DoesNothingWhenItIsReleasedBefore) {
     Key(false);
     Run(Milliseconds(100));
   }
-  EXPECT_EQ(asked_, 0);
+  EXPECT_EQ(calls_, 0);
 }
 
 TEST_F(PowerKeyOfTheRobot, LogsThatThePowerOffIsRefused) {
@@ -238,35 +238,35 @@ class Pad : public DevicesOnANetwork {
   void Serve(bool success) {
     server_ = Must(transport::MakeServer<msg::Trigger>(
         *world_, "dog1/low_power_exit", [this, success](const auto&, auto reply) {
-          ++asked_;
+          ++calls_;
           reply({success, success ? "" : "the battery is empty"});
         }));
   }
 
-  int asked_ = 0;
-  std::vector<msg::TouchStatus> told_;
+  int calls_ = 0;
+  std::vector<msg::TouchStatus> received_;
   std::unique_ptr<transport::Publisher<msg::Int32>> finger_ =
       Publisher<msg::Int32>("dog1/world/touch");
-  std::unique_ptr<transport::Subscription> ear_ =
-      Listen<msg::TouchStatus>("dog1/touch_status", told_);
+  std::unique_ptr<transport::Subscription> subscription_ =
+      Listen<msg::TouchStatus>("dog1/touch_status", received_);
   std::unique_ptr<transport::Server<msg::Trigger>> server_;
 };
 
-TEST_F(Pad, TellsTouchesWithTheirTime) {
+TEST_F(Pad, PublishesTouchesWithTheirTime) {
   Start();
   Touch(msg::TouchStatus::kHold);
-  ASSERT_THAT(told_, SizeIs(1));
-  EXPECT_EQ(told_[0].touch_state, 7);
-  EXPECT_EQ(told_[0].timestamp,
-            static_cast<std::uint64_t>(FromStamp(told_[0].header.stamp).count()));
-  EXPECT_GT(told_[0].timestamp, 0U);
+  ASSERT_THAT(received_, SizeIs(1));
+  EXPECT_EQ(received_[0].touch_state, 7);
+  EXPECT_EQ(received_[0].timestamp,
+            static_cast<std::uint64_t>(FromStamp(received_[0].header.stamp).count()));
+  EXPECT_GT(received_[0].timestamp, 0U);
 }
 
-TEST_F(Pad, RefusesATouchThatDoesNotExist) {
+TEST_F(Pad, RefusesAnUnknownTouch) {
   Start();
   Touch(99);
-  EXPECT_THAT(told_, IsEmpty());
-  EXPECT_THAT(log_, ElementsAre("touch: refused: there is no touch 99"));
+  EXPECT_THAT(received_, IsEmpty());
+  EXPECT_THAT(log_, ElementsAre("touch: refused: unknown touch 99"));
 }
 
 TEST_F(Pad, LeavesLowPowerByADoubleTap) {
@@ -274,34 +274,34 @@ TEST_F(Pad, LeavesLowPowerByADoubleTap) {
   Start();
   state_ = "LowPower";
   Touch(msg::TouchStatus::kSingle);
-  EXPECT_EQ(asked_, 0);
+  EXPECT_EQ(calls_, 0);
   Touch(msg::TouchStatus::kDouble);
-  EXPECT_EQ(asked_, 1);
+  EXPECT_EQ(calls_, 1);
   Touch(msg::TouchStatus::kDouble);  // too soon
-  EXPECT_EQ(asked_, 1);
+  EXPECT_EQ(calls_, 1);
   Run(Milliseconds(2000));
   Touch(msg::TouchStatus::kDouble);
-  EXPECT_EQ(asked_, 2);
+  EXPECT_EQ(calls_, 2);
 }
 
 TEST_F(Pad, ChangesNothingByADoubleTapInOtherStates) {
   Serve(true);
   Start();
   Touch(msg::TouchStatus::kDouble);
-  EXPECT_EQ(asked_, 0);
-  EXPECT_THAT(told_, SizeIs(1));
+  EXPECT_EQ(calls_, 0);
+  EXPECT_THAT(received_, SizeIs(1));
 }
 
-TEST_F(Pad, SaysWhyTheRobotDoesNotWakeUp) {
+TEST_F(Pad, LogsWhyTheRobotDoesNotWakeUp) {
   Serve(false);
   Start();
   state_ = "LowPower";
   Touch(msg::TouchStatus::kDouble);
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("asks to leave low power"),
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("leaving low power is requested"),
                                 "touch: low_power_exit refused: the battery is empty"));
 }
 
-TEST_F(Pad, AsksOnceWhileNobodyAnswersAndSaysSoAfter13Seconds) {
+TEST_F(Pad, CallsOnceWithoutAReplyAndLogsTheTimeoutAfter13Seconds) {
   Start();
   state_ = "LowPower";
   Touch(msg::TouchStatus::kDouble);
@@ -314,7 +314,7 @@ TEST_F(Pad, AsksOnceWhileNobodyAnswersAndSaysSoAfter13Seconds) {
 
 class DeviceCheck : public DevicesOnANetwork {};
 
-TEST_F(DeviceCheck, FailsForEachDeviceWithNobodyBehindIt) {
+TEST_F(DeviceCheck, FailsForEachDeviceWithoutAPeer) {
   Start();
   EXPECT_THAT(Failures(), ElementsAre(1409, 1509, 1109));
   const auto battery = Publisher<msg::BatteryState>("dog1/world/battery");
@@ -322,11 +322,11 @@ TEST_F(DeviceCheck, FailsForEachDeviceWithNobodyBehindIt) {
   std::vector<msg::LedState> shown;
   const auto eye = Listen<msg::LedState>("dog1/world/led", shown, kLedQos);
   Run(Milliseconds(500));
-  EXPECT_THAT(Failures(), ElementsAre(1409));  // there, but nothing is heard of it yet
-  EXPECT_THAT(devices_->Check()[0].result.error().message, HasSubstr("nothing was heard"));
+  EXPECT_THAT(Failures(), ElementsAre(1409));  // present, but no reading yet
+  EXPECT_THAT(devices_->Check()[0].result.error().message, HasSubstr("no reading received"));
 }
 
-TEST_F(DeviceCheck, LeavesOutWhatIsSkippedOrNotThere) {
+TEST_F(DeviceCheck, LeavesOutSkippedAndMissingDevices) {
   config_.skip = {"bms", "uwb"};
   config_.touch = false;
   Start();

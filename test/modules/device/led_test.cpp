@@ -36,7 +36,7 @@ TEST(LedArbiter, ShowsTheDefaultOfSystemAtFirst) {
   EXPECT_EQ(arbiter.Show(LedExecute::kMini).light.effect, 48);
 }
 
-TEST(LedArbiter, ShowsWhoComesFirstInPrecedenceAndKeepsTheOthers) {
+TEST(LedArbiter, ShowsTheFirstClientInPrecedenceAndStoresTheOthers) {
   LedArbiter arbiter;
   EXPECT_TRUE(arbiter.Execute(Wish("tracking", 1)));
   EXPECT_TRUE(arbiter.Execute(Wish("bms", 2)));
@@ -68,7 +68,7 @@ TEST(LedArbiter, KeepsTheTargetsApart) {
   EXPECT_EQ(arbiter.Show(LedExecute::kHead).client, LedClient::kSystem);
 }
 
-TEST(LedArbiter, TakesAReleaseTwiceAndOfWhatWasNeverAskedFor) {
+TEST(LedArbiter, AcceptsARepeatedReleaseAndOneWithoutARequest) {
   LedArbiter arbiter;
   EXPECT_TRUE(arbiter.Execute(Release("bms")));
   EXPECT_TRUE(arbiter.Execute(Release("bms")));
@@ -81,10 +81,10 @@ TEST(LedArbiter, LetsSystemAlwaysOccupy) {
   request.occupation = false;
   EXPECT_TRUE(arbiter.Execute(request));
   EXPECT_EQ(arbiter.Show(LedExecute::kHead).light.effect, 5);
-  EXPECT_EQ(CodeOf(arbiter.Execute(Release("system"))), 1123);  // it is judged as a request
+  EXPECT_EQ(CodeOf(arbiter.Execute(Release("system"))), 1123);  // it is checked like a request
 }
 
-TEST(LedArbiter, JudgesTargetClientModeAndEffectInThisOrder) {
+TEST(LedArbiter, ChecksTargetClientModeAndEffectInThisOrder) {
   LedArbiter arbiter;
   Request request = {true, "nobody", 9, 9, 0xFF, 0, 0, 0};
   EXPECT_EQ(CodeOf(arbiter.Execute(request)), 1121);
@@ -114,7 +114,7 @@ TEST(LedArbiter, LeavesEverythingAsItWasWhenItRefuses) {
   EXPECT_EQ(arbiter, before);
 }
 
-// Every effect there could be, against the ranges of the table.
+// Every possible effect, against the ranges of the table.
 TEST(LedArbiter, KnowsTheEffectsOfEachTargetAndMode) {
   const auto legal = [](std::uint8_t target, std::uint8_t mode) {
     std::set<int> effects;
@@ -150,7 +150,7 @@ Request AnyRequest() {
 
 RC_GTEST_PROP(LedArbiter, AlwaysShowsTheFirstInPrecedenceOfThoseStored, ()) {
   LedArbiter arbiter;
-  // For each target what each client was granted last, by precedence.
+  // For each target the last light granted to each client, by precedence.
   std::map<std::uint8_t, std::map<std::size_t, Light>> stored;
   for (const std::uint8_t target : kLedTargets) stored[target][5] = DefaultLight(target);
   for (int i = *rc::gen::inRange(0, 40); i > 0; --i) {

@@ -55,7 +55,7 @@ TEST_F(PowerSupply, ReadsABattery) {
   EXPECT_FALSE(status.power_expower_supply);
 }
 
-TEST_F(PowerSupply, WorksOutWhatTheDriverDoesNotGive) {
+TEST_F(PowerSupply, ComputesValuesThatTheDriverLacks) {
   Supply("BAT1", {{"type", "Battery"},
                   {"status", "Charging"},
                   {"charge_now", "1000000"},
@@ -82,7 +82,7 @@ TEST_F(PowerSupply, TakesTheFirstBatteryThatFeedsTheHostUnlessOneIsNamed) {
   EXPECT_EQ(Read("A_mouse").value().percent, 50);
 }
 
-TEST_F(PowerSupply, SaysWhichOneIsNotThere) {
+TEST_F(PowerSupply, ReportsWhichOneIsMissing) {
   Supply("AC", {{"type", "Mains"}});
   EXPECT_EQ(Read().error().code, 1412);
   EXPECT_THAT(Read().error().message, HasSubstr("has no battery"));
@@ -91,17 +91,17 @@ TEST_F(PowerSupply, SaysWhichOneIsNotThere) {
               HasSubstr("No such file or directory"));
 }
 
-TEST_F(PowerSupply, IsNotTrustedWithoutAChargeOrWithNonsense) {
+TEST_F(PowerSupply, IsInvalidWithoutAChargeOrWithImpossibleValues) {
   Supply("BAT0", {{"type", "Battery"}, {"status", "Full"}});
-  EXPECT_FALSE(Judge(Read().value()));
+  EXPECT_FALSE(Validate(Read().value()));
   Supply("BAT0", {{"capacity", "lots"}});
-  EXPECT_FALSE(Judge(Read().value()));
+  EXPECT_FALSE(Validate(Read().value()));
   Supply("BAT0", {{"capacity", "250"}});
-  EXPECT_FALSE(Judge(Read().value()));
+  EXPECT_FALSE(Validate(Read().value()));
   Supply("BAT0", {{"capacity", "25"}});
-  EXPECT_TRUE(Judge(Read().value()));
+  EXPECT_TRUE(Validate(Read().value()));
   Supply("BAT0", {{"present", "0"}});
-  EXPECT_FALSE(Judge(Read().value()));
+  EXPECT_FALSE(Validate(Read().value()));
 }
 
 TEST_F(PowerSupply, KnowsTheWordsOfTheKernel) {

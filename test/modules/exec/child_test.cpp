@@ -21,7 +21,7 @@ class ChildTest : public ::testing::Test {
   }
   Result<Child> Shell(const std::string& line) { return Start({{"sh", "-c", line}, "", {}}); }
 
-  // What a command writes, to its end.
+  // The complete output of a command.
   std::string OutputOf(const ChildSpec& spec) {
     int ends[2];
     EXPECT_EQ(pipe2(ends, O_CLOEXEC), 0);
@@ -56,7 +56,7 @@ TEST_F(ChildTest, NamesTheSignalThatKilledIt) {
   EXPECT_EQ(child.value().Reap().Text(), "killed by SIGSEGV");
 }
 
-TEST_F(ChildTest, FailsToStartWhatIsNotThere) {
+TEST_F(ChildTest, FailsToStartAMissingProgram) {
   const auto child = Start({{"no-such-program"}, "", {}});
   ASSERT_FALSE(child);
   EXPECT_EQ(child.error().message, "can't run no-such-program: No such file or directory");
@@ -65,7 +65,7 @@ TEST_F(ChildTest, FailsToStartWhatIsNotThere) {
   EXPECT_THAT(nowhere.error().message, HasSubstr("can't run true in /no/such/folder"));
 }
 
-TEST_F(ChildTest, HasItsFolderItsEnvironmentAndOurs) {
+TEST_F(ChildTest, HasItsFolderAndItsOwnAndTheInheritedEnvironment) {
   setenv("CHILD_TEST", "ours", 1);
   EXPECT_EQ(OutputOf({{"sh", "-c", "echo $(pwd) $CHILD_TEST $EXTRA"}, "/tmp", {{"EXTRA", "more"}}}),
             "/tmp ours more\n");
@@ -73,7 +73,7 @@ TEST_F(ChildTest, HasItsFolderItsEnvironmentAndOurs) {
             "its own\n");
 }
 
-TEST_F(ChildTest, GetsNoDescriptorOfOurs) {
+TEST_F(ChildTest, InheritsNoDescriptor) {
   const int ours = dup(STDOUT_FILENO);  // not close-on-exec, as DDS's sockets are
   EXPECT_EQ(
       OutputOf(
@@ -82,7 +82,7 @@ TEST_F(ChildTest, GetsNoDescriptorOfOurs) {
   close(ours);
 }
 
-TEST_F(ChildTest, TakesSignalsThatWeBlockOrIgnore) {
+TEST_F(ChildTest, TakesSignalsThatTheParentBlocksOrIgnores) {
   sigset_t term;
   sigemptyset(&term);
   sigaddset(&term, SIGTERM);
@@ -93,7 +93,7 @@ TEST_F(ChildTest, TakesSignalsThatWeBlockOrIgnore) {
   EXPECT_EQ(child.value().Stop(std::chrono::seconds(20)).Text(), "killed by SIGTERM");
 }
 
-TEST_F(ChildTest, IsKilledWhenItIsDeafToSigterm) {
+TEST_F(ChildTest, IsKilledWhenItIgnoresSigterm) {
   auto child =
       Shell("trap '' TERM; echo $$ > " + folder_ / "ready" + "; while :; do sleep 1; done");
   ASSERT_TRUE(child);
@@ -101,7 +101,7 @@ TEST_F(ChildTest, IsKilledWhenItIsDeafToSigterm) {
   EXPECT_EQ(child.value().Stop(Milliseconds(1)).Text(), "killed by SIGKILL");
 }
 
-TEST_F(ChildTest, TakesWhatItHasStartedAlongWhenItEnds) {
+TEST_F(ChildTest, KillsItsGroupWhenItExits) {
   auto child = Shell("sleep infinity & echo $! > " + folder_ / "grandchild");
   ASSERT_TRUE(child);
   const pid_t grandchild = ReadPid(folder_ / "grandchild");
@@ -110,7 +110,7 @@ TEST_F(ChildTest, TakesWhatItHasStartedAlongWhenItEnds) {
   EXPECT_TRUE(Gone(grandchild));
 }
 
-TEST_F(ChildTest, IsKilledWhenItIsDropped) {
+TEST_F(ChildTest, IsKilledWhenItIsDestroyed) {
   pid_t pid = 0;
   {
     auto child = Start({{"sleep", "infinity"}, "", {}});

@@ -19,7 +19,7 @@ class CommandTest : public ::testing::Test {
     return RunCommand({{"sh", "-c", line}, "", {}}, reaper_.value(), stop_time, wanted);
   }
 
-  // Not wanted any more as soon as the command has written its pid into `file`.
+  // No longer wanted as soon as the command has written its pid into `file`.
   static std::function<Wanted()> UntilReady(const std::string& file, Wanted then) {
     return [file, then] { return ReadPid(file) > 0 ? then : Wanted::kYes; };
   }
@@ -42,7 +42,7 @@ TEST_F(CommandTest, PassesTheOutputOn) {
   EXPECT_EQ(::testing::internal::GetCapturedStdout(), "out\nerr\n");
 }
 
-TEST_F(CommandTest, BearsMoreOutputThanAPipeHolds) {
+TEST_F(CommandTest, HandlesMoreOutputThanAPipeHolds) {
   ::testing::internal::CaptureStdout();
   const auto end =
       Run("i=0; while [ $i -lt 20000 ]; do echo 0123456789; i=$((i+1)); done; echo end");
@@ -72,7 +72,7 @@ TEST_F(CommandTest, GetsSigkillWhenSigtermDoesNotHelp) {
   EXPECT_EQ(end.value().status.Text(), "killed by SIGKILL");
 }
 
-TEST_F(CommandTest, IsKilledAtOnceWhenItHasToGo) {
+TEST_F(CommandTest, IsKilledAtOnceWhenItMustEnd) {
   const std::string ready = folder_ / "ready";
   const auto end = Run("trap 'exit 3' TERM; echo $$ > " + ready + "; while :; do sleep 0.01; done",
                        UntilReady(ready, Wanted::kGetDone));
@@ -80,7 +80,7 @@ TEST_F(CommandTest, IsKilledAtOnceWhenItHasToGo) {
   EXPECT_EQ(end.value().status.Text(), "killed by SIGKILL");
 }
 
-TEST_F(CommandTest, DoesNotWaitForWhatItLeavesBehind) {
+TEST_F(CommandTest, DoesNotWaitForProcessesItLeavesBehind) {
   const auto end = Run("sleep infinity & echo done");
   ASSERT_TRUE(end);
   EXPECT_TRUE(end.value().status.ok());

@@ -24,7 +24,7 @@ ExecReading Read(const std::string& text) {
   return ReadExecText(text, "/robot/audio.toml", Audio());
 }
 
-// All that is said about `text`, as an editor shows it.
+// All diagnostics of `text`, formatted as for an editor.
 std::vector<std::string> Faults(const std::string& text) {
   const ExecReading reading = Read(text);
   EXPECT_FALSE(reading.config);
@@ -35,7 +35,7 @@ std::vector<std::string> Faults(const std::string& text) {
   return faults;
 }
 
-TEST(ExecConfig, HasWhatTheFileSays) {
+TEST(ExecConfig, HasTheValuesOfTheFile) {
   const ExecReading reading = Read(R"(
 module = 5000
 stop_ms = 700
@@ -84,13 +84,13 @@ TEST(ExecConfig, StartsProgramsInSetUpOnly) {
                                     "is started in SetUp")));
 }
 
-TEST(ExecConfig, WantsEitherRunOrShell) {
+TEST(ExecConfig, NeedsEitherRunOrShell) {
   EXPECT_THAT(Faults("[state.Active]\nrun = [\"true\"]\nshell = \"true\"\n"),
               ElementsAre(HasSubstr("3:9: error: state.Active.shell: expected either run or "
                                     "shell, found both")));
 }
 
-TEST(ExecConfig, ReportsAllFaultsAtOnce) {
+TEST(ExecConfig, ReportsAllErrorsAtOnce) {
   EXPECT_THAT(Faults("modul = 1\nstop_ms = 0\n[state.Active]\nrun = []\nruns = [\"\"]\n"
                      "[state.SetUp]\nrun = [\"\"]\n"),
               ElementsAre(HasSubstr(":1:1: error: unknown key \"modul\"; did you mean \"module\"?"),
@@ -100,18 +100,18 @@ TEST(ExecConfig, ReportsAllFaultsAtOnce) {
                           HasSubstr(":7:8: error: state.SetUp.run: expected a program")));
 }
 
-TEST(ExecConfig, WantsAtLeastAStateTable) {
+TEST(ExecConfig, NeedsAtLeastAStateTable) {
   EXPECT_THAT(Faults("module = 100\n"), ElementsAre(HasSubstr("the key \"state\" is missing")));
   EXPECT_THAT(Faults("state = 3\n"), ElementsAre(HasSubstr("expected a table, found an integer")));
   EXPECT_THAT(Faults("[state]\nActive = 3\n"),
               ElementsAre(HasSubstr("2:10: error: state.Active: expected a table, found")));
 }
 
-TEST(ExecConfig, LocatesWhatIsNotToml) {
+TEST(ExecConfig, ReportsThePlaceOfATomlError) {
   EXPECT_THAT(Faults("module = \n"), ElementsAre(HasSubstr("/robot/audio.toml:1:")));
 }
 
-TEST(ExecConfig, SaysWhyAFileCannotBeRead) {
+TEST(ExecConfig, ReportsWhyAFileCannotBeRead) {
   const ExecReading missing = ReadExecFile("/nowhere/at/all.toml", Audio());
   ASSERT_EQ(missing.diagnostics.size(), 1U);
   EXPECT_THAT(missing.diagnostics.front().message, HasSubstr("No such file"));

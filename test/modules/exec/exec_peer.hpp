@@ -1,5 +1,5 @@
 #pragma once
-// The other side of a musher-exec process, which is the actuator "motion".
+// The peer of a musher-exec process, which is the actuator "motion".
 
 #include "musher/test/modules/actuator_peer.hpp"
 

@@ -1,4 +1,4 @@
-// musher-exec as a controller meets it: the real program over DDS.
+// musher-exec as a controller drives it: the real program over DDS.
 
 #include <gmock/gmock.h>
 
@@ -16,7 +16,7 @@ namespace musher::exec::exec_process_test {
 
 using ::testing::HasSubstr;
 
-// A program that says its pid in the test's folder and runs until it is stopped.
+// A program that prints its pid to a file in the test's folder and runs until it is stopped.
 constexpr const char* kProgram = R"(
 stop_ms = 20000
 module = 3000
@@ -67,7 +67,7 @@ TEST(MusherExec, EndsWithTheReasonWhenSetUpFails) {
   EXPECT_THAT(peer.Output(), HasSubstr("no port"));
 }
 
-TEST(MusherExec, IsBusyWithASlowCommandAndStopsItWhenAsked) {
+TEST(MusherExec, IsBusyWithASlowCommandAndStopsItOnRequest) {
   ExecPeer peer;
   peer.Start(std::string(kProgram) +
              "[state.Active]\nshell = \"echo $$ > $MUSHER_TEST/slow; exec sleep infinity\"\n");
@@ -77,7 +77,7 @@ TEST(MusherExec, IsBusyWithASlowCommandAndStopsItWhenAsked) {
   ASSERT_GT(slow, 0);
   EXPECT_FALSE(peer.reply());
 
-  const auto answer = peer.Ask();
+  const auto answer = peer.Query();
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer.value().status.target, "Active");
   ASSERT_TRUE(peer.AwaitReply());
@@ -87,7 +87,7 @@ TEST(MusherExec, IsBusyWithASlowCommandAndStopsItWhenAsked) {
   EXPECT_EQ(peer.Switch("LowPower").value().status.state, "LowPower");
 }
 
-TEST(MusherExec, EndsAtOnceAndSaysSoWhenItsProgramCrashes) {
+TEST(MusherExec, ExitsAtOnceWithAMessageWhenItsProgramCrashes) {
   ExecPeer peer;
   peer.Start(std::string(kProgram) +
              "[state.Active]\nshell = \"trap '' TERM; echo $$ > $MUSHER_TEST/slow; "
@@ -100,7 +100,7 @@ TEST(MusherExec, EndsAtOnceAndSaysSoWhenItsProgramCrashes) {
   ASSERT_GT(program, 0);
   kill(program, SIGSEGV);
   EXPECT_EQ(peer.AwaitExit(), 1);
-  EXPECT_THAT(peer.Output(), HasSubstr("motion: its program ended by itself: killed by SIGSEGV"));
+  EXPECT_THAT(peer.Output(), HasSubstr("motion: the program exited by itself: killed by SIGSEGV"));
   EXPECT_TRUE(Gone(slow));
 }
 
@@ -120,7 +120,7 @@ start = ["sh", "-c", "sleep infinity & echo $! > $MUSHER_TEST/child; echo $$ > $
   EXPECT_TRUE(Gone(child));
 }
 
-TEST(MusherExec, StopsItsProgramAndEndsOnSigterm) {
+TEST(MusherExec, StopsItsProgramAndExitsOnSigterm) {
   ExecPeer peer;
   peer.Start(kProgram);
   ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
@@ -152,7 +152,7 @@ TEST(MusherExec, EndsWhenTearDownFailsAndItsProgramIsGone) {
   ASSERT_TRUE(peer.AwaitVisible()) << peer.Output();
   peer.Send("TearDown");
   EXPECT_EQ(peer.AwaitExit(), 1);
-  EXPECT_THAT(peer.Output(), HasSubstr("its program ended by itself: killed by SIGTERM"));
+  EXPECT_THAT(peer.Output(), HasSubstr("the program exited by itself: killed by SIGTERM"));
 }
 
 TEST(MusherExec, WrapsAProgramWithoutAFile) {
@@ -167,11 +167,11 @@ TEST(MusherExec, WrapsAProgramWithoutAFile) {
   EXPECT_EQ(peer.AwaitExit(), 1);
 }
 
-// What a person got wrong.
+// Usage errors.
 struct Slip {
   const char* name;
   std::vector<std::string> arguments;
-  const char* said;
+  const char* message;
 };
 
 void PrintTo(const Slip& slip, std::ostream* out) {
@@ -180,11 +180,11 @@ void PrintTo(const Slip& slip, std::ostream* out) {
 
 class MusherExecUsage : public ::testing::TestWithParam<Slip> {};
 
-TEST_P(MusherExecUsage, IsExplainedAndEndsWithTwo) {
+TEST_P(MusherExecUsage, IsReportedAndExitsWithTwo) {
   ExecPeer peer;
   peer.StartWith(GetParam().arguments);
   EXPECT_EQ(peer.AwaitExit(), 2);
-  EXPECT_THAT(peer.Output(), HasSubstr(GetParam().said));
+  EXPECT_THAT(peer.Output(), HasSubstr(GetParam().message));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -209,7 +209,7 @@ INSTANTIATE_TEST_SUITE_P(
              "expected either FILE or -- PROGRAM"}),
     [](const auto& slip) { return slip.param.name; });
 
-TEST(MusherExec, ExplainsItself) {
+TEST(MusherExec, PrintsItsHelp) {
   ExecPeer peer;
   peer.StartWith({"--help"});
   EXPECT_EQ(peer.AwaitExit(), 0);

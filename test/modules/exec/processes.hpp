@@ -1,5 +1,5 @@
 #pragma once
-// Waiting for what processes do, without sleeping for a guessed time.
+// Waiting for events of processes, without sleeping for a guessed time.
 
 #include <dirent.h>
 #include <poll.h>
@@ -13,12 +13,12 @@
 
 namespace musher::exec {
 
-// Far longer than anything here takes; what is waited for ends the wait.
+// A timeout far longer than anything here takes; the awaited event ends the wait.
 inline Time Soon() {
   return std::chrono::steady_clock::now() + std::chrono::seconds(20);
 }
 
-// Whether process `pid` is over, at the latest Soon(). One that nobody has reaped counts as over.
+// Whether process `pid` has exited, at the latest Soon(). An unreaped process counts as exited.
 inline bool Gone(pid_t pid) {
   const auto pidfd = transport::OpenPidfd(pid);
   if (!pidfd) return true;
@@ -26,7 +26,7 @@ inline bool Gone(pid_t pid) {
   return poll(&ended, 1, 20'000) == 1;
 }
 
-// The number in `file` once it is there with the line's end, 0 if it does not come.
+// The number in `file` once its line is complete, 0 on a timeout.
 inline pid_t ReadPid(const std::string& file) {
   for (const Time deadline = Soon(); std::chrono::steady_clock::now() < deadline;) {
     std::ifstream stream(file);

@@ -27,7 +27,7 @@ pid_t PausingGroup() {
   return pid;
 }
 
-TEST(Reaper, KillsWhatWeStartedAndItsChildrenWhenWeAreKilled) {
+TEST(Reaper, KillsChildrenAndGrandchildrenWhenTheParentIsKilled) {
   const TempFolder folder;
   const std::string line = "sleep infinity & echo $! > " + folder / "grandchild" + "; echo $$ > " +
                            folder / "child" + "; wait";
@@ -50,11 +50,12 @@ TEST(Reaper, KillsWhatWeStartedAndItsChildrenWhenWeAreKilled) {
   EXPECT_TRUE(Gone(grandchild));
 }
 
-// A moment of the start of a program.
+// A point in the start of a program.
 enum class Moment { kForked, kExecuted };
 
-// Runs a process that has a reaper and starts a program, kills it by SIGKILL at that moment of the
-// start, and lets the program go on. Gives the program's pid; 0: processes cannot be traced here.
+// Runs a process that has a reaper and starts a program, kills it by SIGKILL at that point of the
+// start, and lets the program go on. Returns the program's pid; 0: processes cannot be traced
+// here.
 pid_t KillTheParentAt(Moment moment) {
   const pid_t parent = fork();
   if (parent == 0) {
@@ -91,7 +92,7 @@ pid_t KillTheParentAt(Moment moment) {
 
 class ReaperInTheMiddleOfAStart : public ::testing::TestWithParam<Moment> {};
 
-TEST_P(ReaperInTheMiddleOfAStart, KillsTheProgramWhenWeAreKilledBeforeWeKnowOfIt) {
+TEST_P(ReaperInTheMiddleOfAStart, KillsTheProgramWhenTheParentIsKilledRightAfterTheFork) {
   const pid_t program = KillTheParentAt(GetParam());
   if (program == 0) GTEST_SKIP() << "processes cannot be traced here";
   EXPECT_TRUE(Gone(program));
@@ -104,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(Moments, ReaperInTheMiddleOfAStart,
                            return moment.param == Moment::kForked ? "Forked" : "Executed";
                          });
 
-TEST(Reaper, LeavesAGroupAloneThatHasEndedForUs) {
+TEST(Reaper, LeavesAGroupAloneAfterRemove) {
   const pid_t removed = PausingGroup();
   const pid_t kept = PausingGroup();
   {

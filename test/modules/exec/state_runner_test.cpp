@@ -44,13 +44,13 @@ class StateRunnerTest : public ::testing::Test {
   ExecConfig config_;
 };
 
-TEST_F(StateRunnerTest, SucceedsWhereThereIsNothingToDo) {
+TEST_F(StateRunnerTest, SucceedsWithoutActions) {
   EXPECT_TRUE(Run("SetUp"));
   EXPECT_TRUE(Run("Active"));
   EXPECT_TRUE(Run("TearDown"));
 }
 
-TEST_F(StateRunnerTest, TakesExitCodeZeroForDone) {
+TEST_F(StateRunnerTest, TreatsExitCodeZeroAsDone) {
   On("Active", "exit 0");
   EXPECT_TRUE(Run("Active"));
 }
@@ -62,7 +62,7 @@ TEST_F(StateRunnerTest, MakesAnExitCodeCyberdogsCodeAndTheLastLineTheReason) {
   EXPECT_EQ(result.error(), (Error{3009, "the motor board does not answer"}));
 }
 
-TEST_F(StateRunnerTest, SaysTheExitCodeOfASilentCommand) {
+TEST_F(StateRunnerTest, ReportsTheExitCodeOfASilentCommand) {
   On("SelfCheck", "exit 9");
   EXPECT_EQ(Run("SelfCheck").error(), (Error{3009, "exit code 9"}));
 }
@@ -80,7 +80,7 @@ TEST_F(StateRunnerTest, CallsACrashFailed) {
   EXPECT_EQ(Run("Active").error(), (Error{3001, "killed by SIGSEGV: hot"}));
 }
 
-TEST_F(StateRunnerTest, TellsACommandItsStateActuatorAndProgram) {
+TEST_F(StateRunnerTest, PassesStateActuatorAndProgramToACommand) {
   Start("exec sleep infinity");
   On("Active",
      "echo $MUSHER_STATE $MUSHER_ACTUATOR > " + folder_ / "told" + "; kill -0 $MUSHER_PROGRAM_PID");
@@ -90,22 +90,22 @@ TEST_F(StateRunnerTest, TellsACommandItsStateActuatorAndProgram) {
   EXPECT_EQ(Content("told"), "Active motion\n");
 }
 
-TEST_F(StateRunnerTest, StopsACommandThatIsNotWaitedForAnyMore) {
+TEST_F(StateRunnerTest, StopsACommandWhoseResultIsNoLongerNeeded) {
   On("Active", "echo $$ > " + folder_ / "ready" + "; exec sleep infinity");
   StateRunner runner("motion", config_, reaper_.value());
   const auto result = runner.Run("Active", [this] { return ReadPid(folder_ / "ready") > 0; });
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error(), (Error{3007, "stopped as it was not waited for any more"}));
+  EXPECT_EQ(result.error(), (Error{3007, "stopped, because its result is no longer needed"}));
 }
 
-TEST_F(StateRunnerTest, TakesAnEndInTimeForDoneEvenWhenStopped) {
+TEST_F(StateRunnerTest, TreatsASuccessfulExitAsDoneEvenWhenStopped) {
   On("Active",
      "trap 'exit 0' TERM; echo $$ > " + folder_ / "ready" + "; while :; do sleep 0.01; done");
   StateRunner runner("motion", config_, reaper_.value());
   EXPECT_TRUE(runner.Run("Active", [this] { return ReadPid(folder_ / "ready") > 0; }));
 }
 
-TEST_F(StateRunnerTest, BeginsNothingOnceItIsHurried) {
+TEST_F(StateRunnerTest, StartsNoCommandAfterHurry) {
   On("Active", "touch " + folder_ / "begun");
   StateRunner runner("motion", config_, reaper_.value());
   runner.Hurry(Wanted::kNo);
@@ -125,7 +125,7 @@ TEST_F(StateRunnerTest, KeepsTheProgramRunningUntilTearDown) {
   EXPECT_TRUE(runner.tearing_down());
 }
 
-TEST_F(StateRunnerTest, KillsAProgramThatIsDeafToSigterm) {
+TEST_F(StateRunnerTest, KillsAProgramThatIgnoresSigterm) {
   config_.stop_time = Milliseconds(50);
   Start("trap '' TERM; echo $$ > " + folder_ / "program" + "; while :; do sleep 1; done");
   StateRunner runner("motion", config_, reaper_.value());
@@ -171,7 +171,7 @@ TEST_F(StateRunnerTest, KeepsTheProgramWhenTearDownFails) {
   EXPECT_EQ(kill(ReadPid(folder_ / "program"), 0), 0);
 }
 
-TEST_F(StateRunnerTest, SeesThatTheProgramHasEnded) {
+TEST_F(StateRunnerTest, DetectsThatTheProgramHasExited) {
   Start("exec sleep infinity");
   On("Active", "kill -KILL $MUSHER_PROGRAM_PID");
   StateRunner runner("motion", config_, reaper_.value());

@@ -1,7 +1,7 @@
 #pragma once
 // A motion board and the body on it, in memory and virtual time: takes commands as they come,
-// changes to the motion after a moment and reports every 20 ms how far it is. A motion that it is
-// in already goes on. What it should do wrong is set from outside.
+// changes to the motion after a delay and reports its progress every 20 ms. A motion in progress
+// goes on. Its faults are injected from outside.
 
 #include <algorithm>
 #include <optional>
@@ -43,7 +43,7 @@ class Board {
     return report;
   }
 
-  BodyReport report;                        // what it says when nothing was commanded yet
+  BodyReport report;                        // its report before the first command
   Duration transition = Milliseconds(100);  // from taking a command to its motion
   Duration motion = Milliseconds(400);      // that every motion takes
   std::int8_t fault = 0;                    // the status when a motion runs

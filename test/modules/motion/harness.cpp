@@ -33,7 +33,7 @@ void Harness::Body(std::int32_t id) {
   board.report.mode = motion.mode;
   board.report.gait = motion.gait;
   board.report.bar = 100;
-  if (!board.silent) Do(motion_event::BoardHeard{board.report});
+  if (!board.silent) Do(motion_event::BoardReported{board.report});
 }
 
 void Harness::Do(const MotionEvent& event) {
@@ -46,12 +46,12 @@ void Harness::Do(const MotionEvent& event) {
       board.Take(send->command, now);
     } else if (const auto* answer = std::get_if<motion_action::Answer>(&action)) {
       EXPECT_TRUE(answers.emplace(answer->token, *answer).second) << "answered twice";
-    } else if (const auto* tell = std::get_if<motion_action::TellServo>(&action)) {
-      told.push_back(*tell);
+    } else if (const auto* response = std::get_if<motion_action::ServoResponse>(&action)) {
+      responses.push_back(*response);
     } else if (const auto* error = std::get_if<motion_action::ReportError>(&action)) {
       reported.push_back(error->code);
     } else if (const auto* say = std::get_if<motion_action::Say>(&action)) {
-      said.push_back(say->text);
+      announced.push_back(say->text);
     } else {
       log.push_back(std::get<motion_action::Log>(action).text);
     }
@@ -67,7 +67,7 @@ void Harness::RunFor(Duration duration) {
     now = std::max(now, next);
     if (now >= next_report_) {
       next_report_ = now + Board::kReport;
-      if (!board.silent) Do(motion_event::BoardHeard{board.Report(now)});
+      if (!board.silent) Do(motion_event::BoardReported{board.Report(now)});
     }
     if (deadline && now >= *deadline) Do(motion_event::TimePassed{});
   }
@@ -85,12 +85,13 @@ std::int32_t Harness::CodeOf(RequestToken token) {
   return answers.count(token) == 0 ? -1 : answers.at(token).code;
 }
 
-RequestToken Harness::Ask(std::int32_t id, std::int32_t source, const MotionArguments& arguments) {
+RequestToken Harness::RequestMotion(std::int32_t id, std::int32_t source,
+                                    const MotionArguments& arguments) {
   return Play({{id, arguments}}, source);
 }
 
-RequestToken Harness::Play(std::vector<MotionOrder> orders, std::int32_t source) {
-  Do(motion_event::PlayArrived{++token_, source, std::move(orders)});
+RequestToken Harness::Play(std::vector<MotionRequest> requests, std::int32_t source) {
+  Do(motion_event::PlayArrived{++token_, source, std::move(requests)});
   return token_;
 }
 
@@ -104,8 +105,8 @@ void Harness::Servo(std::int32_t id, std::int32_t source, std::vector<float> vel
   ServoCommand command;
   command.type = type;
   command.source = source;
-  command.order.id = id;
-  command.order.arguments.vel_des = std::move(vel);
+  command.requested.id = id;
+  command.requested.arguments.vel_des = std::move(vel);
   Do(motion_event::ServoArrived{command});
 }
 
@@ -122,7 +123,7 @@ std::vector<std::int32_t> Harness::Commanded() const {
 }
 
 std::int32_t Harness::ServoCode() const {
-  return told.empty() ? -1 : told.back().code;
+  return responses.empty() ? -1 : responses.back().code;
 }
 
 }  // namespace musher::motion::testing

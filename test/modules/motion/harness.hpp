@@ -1,5 +1,5 @@
 #pragma once
-// The motion manager's decision code, alone with a board and the clock in its hand.
+// The motion manager's decision code, alone with a board and a virtual clock.
 
 #include <functional>
 #include <map>
@@ -17,22 +17,24 @@ const MotionTable& TheTable();
 
 class Harness {
  public:
-  // In Active, the body standing (recovery stand), unless something else is said.
+  // In Active, the body standing (recovery stand), unless stated otherwise.
   Harness();
 
-  // The body's motion, ended, without anybody having commanded it.
+  // The body's motion, ended, without a command.
   void Body(std::int32_t id);
-  // Reports of the board and timers for so long.
+  // Runs reports of the board and timers for that time.
   void RunFor(Duration duration);
-  // The program stands still for so long; then its timers come before what waits to be read.
+  // The program is suspended for that time; then its timers run before the queued messages are
+  // read.
   void StandStill(Duration duration);
   // Until the request is answered; its code, -1 when that takes more than 200 s.
   std::int32_t CodeOf(RequestToken token);
 
   void Do(const MotionEvent& event);
   // A result command; its token.
-  RequestToken Ask(std::int32_t id, std::int32_t source = 0, const MotionArguments& arguments = {});
-  RequestToken Play(std::vector<MotionOrder> orders, std::int32_t source = 0);
+  RequestToken RequestMotion(std::int32_t id, std::int32_t source = 0,
+                             const MotionArguments& arguments = {});
+  RequestToken Play(std::vector<MotionRequest> requests, std::int32_t source = 0);
   RequestToken LieDown(std::int32_t id, int tries);
   // A servo frame.
   void Servo(std::int32_t id, std::int32_t source = 0, std::vector<float> vel = {0.2F, 0, 0},
@@ -46,7 +48,7 @@ class Harness {
   std::int32_t ServoCode() const;
   std::size_t LogLines() const { return log.size(); }
 
-  RequestToken asked() const { return token_; }  // as many requests were made
+  RequestToken requests_made() const { return token_; }  // as many requests were made
 
   struct Sent {
     Time at;
@@ -59,11 +61,11 @@ class Harness {
   Time now{std::chrono::hours(1)};
   std::vector<Sent> sent;
   std::map<RequestToken, motion_action::Answer> answers;
-  std::vector<motion_action::TellServo> told;
+  std::vector<motion_action::ServoResponse> responses;
   std::vector<std::string> log;
   std::vector<std::int32_t> reported;  // to the machine's manager
-  std::vector<std::string> said;
-  // Sees every step: the core as it was, what happened, and what was decided.
+  std::vector<std::string> announced;
+  // Observes every step: the core before it, the event, and the actions.
   std::function<void(const MotionCore& before, const MotionEvent&, const MotionActions&)> watch;
 
  private:

@@ -26,20 +26,20 @@ MotionFaultTest::MotionFaultTest(Draw draw) : draw_(std::move(draw)) {
 }
 
 std::optional<std::string> MotionFaultTest::Run(int steps) {
-  for (int i = 0; i < steps && !broken_; ++i) Happen();
-  // In the end the board does as it is told and nobody has more to say.
+  for (int i = 0; i < steps && !violation_; ++i) Inject();
+  // At the end the board works again and all requests must be completed.
   harness_.board.deaf = harness_.board.silent = harness_.board.ban = harness_.board.stuck = false;
   harness_.board.fault = 0;
   const auto over = [this] {
-    return harness_.core.Idle() && harness_.answers.size() == harness_.asked();
+    return harness_.core.Idle() && harness_.answers.size() == harness_.requests_made();
   };
   for (int i = 0; i < 1500 && !over(); ++i) harness_.RunFor(std::chrono::seconds(1));
-  if (harness_.answers.size() != harness_.asked()) Break("everybody who asks is answered");
-  if (!harness_.core.Idle()) Break("everything ends");
-  return broken_;
+  if (harness_.answers.size() != harness_.requests_made()) Violate("every request is answered");
+  if (!harness_.core.Idle()) Violate("every motion ends");
+  return violation_;
 }
 
-void MotionFaultTest::Happen() {
+void MotionFaultTest::Inject() {
   switch (draw_(8)) {
     case 0:
     case 1:
@@ -73,11 +73,11 @@ void MotionFaultTest::Command() {
   MotionArguments arguments;
   arguments.duration_ms = Any({0, 0, 0, 1000, -1});
   arguments.vel_des = Any<std::vector<float>>({{}, {0.3F, 0, 0}, {-9, 9, 9}, {kNaN, 0, 0}});
-  std::vector<MotionOrder> orders;
+  std::vector<MotionRequest> requests;
   for (std::size_t i = Any<std::size_t>({1, 1, 1, 3, 0}); i > 0; --i) {
-    orders.push_back({Any({111, 101, 121, 140, 303, 212, 309, 0, 7777}), arguments});
+    requests.push_back({Any({111, 101, 121, 140, 303, 212, 309, 0, 7777}), arguments});
   }
-  harness_.Play(std::move(orders), Any({-2, -1, 0, 0, 4, 9}));
+  harness_.Play(std::move(requests), Any({-2, -1, 0, 0, 4, 9}));
 }
 
 void MotionFaultTest::ChangeState() {
@@ -126,32 +126,33 @@ void MotionFaultTest::ChangeBoard() {
   }
 }
 
-// --- The promises --------------------------------------------------------------------------------
+// --- The invariants
+// ------------------------------------------------------------------------------
 
 void MotionFaultTest::Watch(const MotionCore& before, const MotionEvent& event,
                             const MotionActions& actions) {
   for (const MotionAction& action : actions) {
     if (const auto* send = std::get_if<motion_action::Send>(&action)) {
-      Judge(send->command, event);
+      CheckCommand(send->command, event);
     }
   }
   CheckPriority(before, event);
   CheckRest(event);
 }
 
-void MotionFaultTest::Judge(const BodyCommand& command, const MotionEvent& event) {
+void MotionFaultTest::CheckCommand(const BodyCommand& command, const MotionEvent& event) {
   const bool fresh = std::exchange(last_life_, command.life_count) != command.life_count;
-  // A frame of a walk that goes on was taken before; it waited for its turn on the link.
+  // A frame of a running walk was taken before; it waited for its turn on the link.
   const bool goes_on = harness_.core.servo && command.id == last_sent_.id;
   last_sent_ = command;
   if (fresh && !goes_on && !MayBegin(command, event)) {
-    Break("motion " + std::to_string(command.id) + " does not begin where it is forbidden");
+    Violate("motion " + std::to_string(command.id) + " does not begin where it is forbidden");
   }
   const auto& limit = TheTable().Find(command.id)->limit;
   for (std::size_t i = 0; i < command.vel.size(); ++i) {
     const float speed = command.vel.at(i);
-    if (!std::isfinite(speed)) Break("the board is told numbers only");
-    if (limit && std::abs(speed) > limit->at(i)) Break("speeds are within their limits");
+    if (!std::isfinite(speed)) Violate("the board gets finite numbers only");
+    if (limit && std::abs(speed) > limit->at(i)) Violate("speeds are within their limits");
   }
 }
 
@@ -167,7 +168,7 @@ bool MotionFaultTest::MayBegin(const BodyCommand& command, const MotionEvent& ev
   if (core.emergency_stop && command.id != kRecoveryStand) return false;
   if (core.servo && core.servo->moving) return Allows(motion.servo);
   if (!core.job) return false;
-  return !core.job->todo.front().asked || Allows(motion.capability);
+  return !core.job->todo.front().requested || Allows(motion.capability);
 }
 
 bool MotionFaultTest::Allows(const std::string& capability) const {
@@ -180,26 +181,26 @@ void MotionFaultTest::CheckPriority(const MotionCore& before, const MotionEvent&
   const Priorities& priorities = harness_.config.priorities;
   const auto priority = priorities.find(frame->command.source);
   if (priority == priorities.end() || priority->second > priorities.at(before.servo->source)) {
-    Break("only who has priority moves the body");
+    Violate("only a source with priority moves the body");
   }
 }
 
 void MotionFaultTest::CheckRest(const MotionEvent& event) {
   const MotionCore& core = harness_.core;
   const bool time_passed = std::holds_alternative<motion_event::TimePassed>(event);
-  const bool judged = time_passed && !core.second_look;
-  if (judged && core.servo && harness_.now - core.servo->last_frame >= kServoWatchdog) {
-    Break("a walk is stopped 200 ms after its last frame");
+  const bool is_due = time_passed && !core.second_look;
+  if (is_due && core.servo && harness_.now - core.servo->last_frame >= kServoWatchdog) {
+    Violate("a walk is stopped 200 ms after its last frame");
   }
-  // On the way to these the body lies down next, and stands still no more for it.
+  // In these states the body lies down next, and need not stand still before.
   const bool passes = core.closed && (*core.closed == kTearDown || *core.closed == kOta);
-  // Nor is a body told to stand that lies by its own report.
+  // A body that lies by its own report is not commanded to stand either.
   if (passes || std::holds_alternative<motion_event::LieDown>(event)) left_ = last_life_;
-  if (core.Idle() && Walks(last_sent_) && left_ != last_life_) Break("nothing walks unwatched");
+  if (core.Idle() && Walks(last_sent_) && left_ != last_life_) Violate("nothing walks unwatched");
 }
 
-void MotionFaultTest::Break(const std::string& promise) {
-  if (!broken_) broken_ = promise;
+void MotionFaultTest::Violate(const std::string& invariant) {
+  if (!violation_) violation_ = invariant;
 }
 
 }  // namespace musher::motion::testing

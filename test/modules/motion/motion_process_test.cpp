@@ -1,4 +1,4 @@
-// The real motion manager and musher-motion, each its process, over DDS.
+// The real motion manager and musher-motion, each as a process, over DDS.
 
 #include <gmock/gmock.h>
 
@@ -36,29 +36,29 @@ TEST(MotionProcess, StandsWalksASquareAndLiesDownForLowPower) {
   robot.OnBoard([](TopicBoard& board) {
     EXPECT_EQ(board.board.report.mode, kLying) << "nothing moves by itself";
   });
-  EXPECT_EQ(robot.Ask(121), (msg::MotionResultCmd::Response{121, true, 0}));
+  EXPECT_EQ(robot.RequestMotion(121), (msg::MotionResultCmd::Response{121, true, 0}));
 }
 
 TEST(MotionProcess, WalksInProtectedButDoesNoFlip) {
   RobotRig robot;
   ASSERT_TRUE(robot.BringUp());
   ASSERT_TRUE(robot.controller().SetState("Protected"));
-  EXPECT_EQ(robot.Ask(121), (msg::MotionResultCmd::Response{121, false, 3013}));
+  EXPECT_EQ(robot.RequestMotion(121), (msg::MotionResultCmd::Response{121, false, 3013}));
   const Ran walk = RunProgram("musher-motion", {"servo", "--vx", "0.3", "--seconds", "0.3"});
   EXPECT_EQ(walk.exit, 0) << walk.output;
   EXPECT_TRUE(robot.AwaitLog("motion 121 of App is refused"));
 }
 
-TEST(MotionProcess, SaysHonestlyThatTheBodyDidNotLieDown) {
+TEST(MotionProcess, ReportsThatTheBodyDidNotLieDown) {
   RobotRig robot;
   ASSERT_TRUE(robot.BringUp());
-  ASSERT_TRUE(robot.Ask(111).result);
+  ASSERT_TRUE(robot.RequestMotion(111).result);
   robot.OnBoard([](TopicBoard& board) { board.board.deaf = true; });
   const SwitchResult low_power = robot.controller().Switch("LowPower");
   ASSERT_EQ(low_power.actuators.size(), 1U);
   EXPECT_EQ(low_power.actuators[0].code, 3035);
   EXPECT_THAT(low_power.actuators[0].message, HasSubstr("the body does not lie"));
-  EXPECT_EQ(robot.Ask(111).code, 3003) << "and lets nothing move it meanwhile";
+  EXPECT_EQ(robot.RequestMotion(111).code, 3003) << "and lets nothing move it meanwhile";
   robot.OnBoard([](TopicBoard& board) { board.board.deaf = false; });
 }
 
@@ -100,7 +100,7 @@ TEST(MotionProcess, StopsTheBodyWhenTheStreamerIsInterrupted) {
   EXPECT_TRUE(robot.Await([](const TopicBoard& board) { return board.last.gait == 1; }));
 }
 
-TEST(MotionProcess, RefusesAWrongFileWithItsPlaces) {
+TEST(MotionProcess, ReportsThePlacesOfErrorsInAFile) {
   TempFolder folder;
   const Ran ran = RunProgram("musher-motion-manager",
                              {"--actuator", "motion_manager", "--config",
@@ -109,7 +109,7 @@ TEST(MotionProcess, RefusesAWrongFileWithItsPlaces) {
   EXPECT_THAT(ran.output, HasSubstr("absent.toml: error: the file cannot be read"));
 }
 
-TEST(MotionTool, SaysWhatIsWrongWithACommandLine) {
+TEST(MotionTool, ReportsACommandLineError) {
   for (const std::vector<std::string>& wrong : {std::vector<std::string>{},
                                                 {"fly"},
                                                 {"result"},
@@ -133,7 +133,7 @@ TEST(MotionTool, ListsTheTable) {
   EXPECT_THAT(json.output, HasSubstr("\"WALK_USERTROT\""));
 }
 
-TEST(MotionTool, SaysThatThereIsNoMotionManager) {
+TEST(MotionTool, ReportsThatThereIsNoMotionManager) {
   const std::string domain = std::to_string(transport::TestDomain());
   const Ran ran =
       RunProgram("musher-motion", {"--namespace", "nowhere_at_all", "--domain", domain, "status"});

@@ -7,14 +7,14 @@
 
 namespace musher::motion::testing::motion_property_test {
 
-RC_GTEST_PROP(MotionManager, KeepsItsPromisesWhateverHappens, ()) {
+RC_GTEST_PROP(MotionManager, HoldsItsInvariantsUnderRandomEvents, ()) {
   MotionFaultTest trial([](std::size_t below) { return *rc::gen::inRange<std::size_t>(0, below); });
   const auto broken = trial.Run(*rc::gen::inRange(1, 150));
   if (broken) RC_FAIL(*broken);
 }
 
 // The same from a plain generator, without shrinking and so a lot more of it.
-TEST(MotionManager, KeepsItsPromisesInManyLives) {
+TEST(MotionManager, HoldsItsInvariantsInManyRandomRuns) {
   for (std::uint64_t seed = 1; seed <= 500; ++seed) {
     std::uint64_t state = seed;
     MotionFaultTest trial([&](std::size_t below) {

@@ -14,23 +14,23 @@ using ::testing::IsEmpty;
 
 const Error kLowBattery = {3013, "the battery is low"};
 
-TEST(MotionReport, SaysThatTheBatteryIsLowWhenACommandIsRefusedForIt) {
+TEST(MotionReport, AnnouncesALowBatteryWhenItRefusesACommandForIt) {
   Harness harness;
   harness.refused["back_flip"] = kLowBattery;
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3013);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3013);
-  EXPECT_THAT(harness.said, ElementsAre("The battery is low. Charge me first."));
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3013);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3013);
+  EXPECT_THAT(harness.announced, ElementsAre("The battery is low. Charge me first."));
   harness.RunFor(std::chrono::seconds(31));
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3013);
-  EXPECT_EQ(harness.said.size(), 2U) << "half a minute later it is said again";
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3013);
+  EXPECT_EQ(harness.announced.size(), 2U) << "half a minute later it is announced again";
   EXPECT_THAT(harness.reported, IsEmpty()) << "nothing is broken";
 }
 
-TEST(MotionReport, SaysNothingWhenTheStateForbidsACommand) {
+TEST(MotionReport, AnnouncesNothingWhenTheStateForbidsACommand) {
   Harness harness;
   harness.refused["back_flip"] = {3003, "not in LowPower"};
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3003);
-  EXPECT_THAT(harness.said, IsEmpty());
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3003);
+  EXPECT_THAT(harness.announced, IsEmpty());
 }
 
 TEST(MotionReport, ReportsAHotAndAnOverloadedMotorOnce) {
@@ -49,20 +49,20 @@ TEST(MotionReport, ReportsAHotAndAnOverloadedMotorOnce) {
 TEST(MotionReport, ReportsAnEmergencyStopAs3088OnceInThreeMinutes) {
   Harness harness;
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop)), kCodeOk);
-    EXPECT_EQ(harness.CodeOf(harness.Ask(kRecoveryStand)), kCodeOk);
+    EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kEmergencyStop)), kCodeOk);
+    EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kRecoveryStand)), kCodeOk);
   }
   EXPECT_THAT(harness.reported, ElementsAre(3088));
   harness.RunFor(kLogPause);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kEmergencyStop)), kCodeOk);
   EXPECT_THAT(harness.reported, ElementsAre(3088, 3088));
 }
 
-TEST(MotionReport, ReportsNoCommandThatIsOnlyWrong) {
+TEST(MotionReport, ReportsNoErrorForAnInvalidCommand) {
   Harness harness;
-  EXPECT_EQ(harness.CodeOf(harness.Ask(4711)), 3008);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop)), kCodeOk);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3040);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(4711)), 3008);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kEmergencyStop)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3040);
   EXPECT_THAT(harness.reported, ElementsAre(3088));
 }
 

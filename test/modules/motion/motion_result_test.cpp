@@ -1,5 +1,5 @@
-// Result commands: what is taken, how a motion is brought to its end, and the code of each way in
-// which it can go wrong.
+// Result commands: which are taken, how a motion is executed to its end, and the code of each
+// failure.
 
 #include <gmock/gmock.h>
 
@@ -20,9 +20,9 @@ MotionArguments Duration(std::int32_t ms) {
   return arguments;
 }
 
-TEST(MotionResult, IsAnsweredWhenTheBoardSaysThatItIsDone) {
+TEST(MotionResult, IsAnsweredWhenTheBoardReportsItDone) {
   Harness harness;
-  const auto token = harness.Ask(121);
+  const auto token = harness.RequestMotion(121);
   EXPECT_THAT(harness.answers, IsEmpty()) << "the flip has not ended yet";
   EXPECT_EQ(harness.CodeOf(token), kCodeOk);
   EXPECT_EQ(harness.answers.at(token).motion_id, 121);
@@ -32,12 +32,12 @@ TEST(MotionResult, IsAnsweredWhenTheBoardSaysThatItIsDone) {
 
 TEST(MotionResult, IsSentToTheBoardAtOnceAndRepeatedAt20Hz) {
   Harness harness;
-  const Time asked = harness.now;
-  const auto token = harness.Ask(121);
+  const Time requested_at = harness.now;
+  const auto token = harness.RequestMotion(121);
   ASSERT_EQ(harness.CodeOf(token), kCodeOk);
   ASSERT_GE(harness.sent.size(), 8U);
-  EXPECT_EQ(harness.sent[0].at, asked);
-  EXPECT_EQ(harness.sent[1].at, asked + Milliseconds(50));
+  EXPECT_EQ(harness.sent[0].at, requested_at);
+  EXPECT_EQ(harness.sent[1].at, requested_at + Milliseconds(50));
   const std::size_t frames = harness.sent.size();
   harness.RunFor(Milliseconds(1000));
   EXPECT_EQ(harness.sent.size(), frames) << "what has ended is not repeated";
@@ -45,8 +45,8 @@ TEST(MotionResult, IsSentToTheBoardAtOnceAndRepeatedAt20Hz) {
 
 TEST(MotionResult, OfAnUnknownIdIsRefusedWith3008) {
   Harness harness;
-  EXPECT_EQ(harness.CodeOf(harness.Ask(7777)), 3008);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(-5)), 3008);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(7777)), 3008);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(-5)), 3008);
   EXPECT_THAT(harness.sent, IsEmpty());
   EXPECT_THAT(harness.log, Contains(HasSubstr("7777")));
 }
@@ -54,14 +54,14 @@ TEST(MotionResult, OfAnUnknownIdIsRefusedWith3008) {
 // In the original an unknown source threw an exception.
 TEST(MotionResult, OfAnUnknownSourceIsRefusedWith3010) {
   Harness harness;
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121, 9)), 3010);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121, 9)), 3010);
   EXPECT_THAT(harness.sent, IsEmpty());
   EXPECT_THAT(harness.log, Contains(HasSubstr("source 9")));
 }
 
-TEST(MotionResult, CannotBeGivenInTheNameOfTheMachine) {
+TEST(MotionResult, CannotUseTheSourceOfTheMachine) {
   Harness harness;
-  EXPECT_EQ(harness.CodeOf(harness.Ask(101, kFromMachine)), 3006);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(101, kFromMachine)), 3006);
   EXPECT_THAT(harness.sent, IsEmpty());
 }
 
@@ -73,10 +73,11 @@ struct DurationCase {
 
 class MotionDuration : public ::testing::TestWithParam<DurationCase> {};
 
-TEST_P(MotionDuration, GoesByTheTable) {
+TEST_P(MotionDuration, FollowsTheTable) {
   Harness harness;
   const DurationCase& given = GetParam();
-  EXPECT_EQ(harness.CodeOf(harness.Ask(given.id, 0, Duration(given.duration_ms))), given.code);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(given.id, 0, Duration(given.duration_ms))),
+            given.code);
   if (given.code != kCodeOk) {
     EXPECT_THAT(harness.sent, IsEmpty());
     EXPECT_EQ(harness.LogLines(), 1U);
@@ -95,25 +96,25 @@ INSTANTIATE_TEST_SUITE_P(All, MotionDuration,
                                   std::to_string(std::abs(ms)) + "ms";
                          });
 
-TEST(MotionResult, WithANumberThatIsNoneIsRefusedWith3010) {
+TEST(MotionResult, WithNanIsRefusedWith3010) {
   for (const float bad :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
         -std::numeric_limits<float>::infinity()}) {
     Harness harness;
     MotionArguments arguments;
     arguments.pos_des = {0, bad, 0};
-    EXPECT_EQ(harness.CodeOf(harness.Ask(111, 0, arguments)), 3010);
+    EXPECT_EQ(harness.CodeOf(harness.RequestMotion(111, 0, arguments)), 3010);
     EXPECT_THAT(harness.sent, IsEmpty());
     EXPECT_EQ(harness.LogLines(), 1U);
   }
 }
 
-TEST(MotionResult, TakesZerosForAnArrayOfAWrongLengthAndSaysSo) {
+TEST(MotionResult, UsesZerosForAnArrayOfAWrongLengthAndLogsIt) {
   Harness harness;
   MotionArguments arguments;
   arguments.vel_des = {0.3F, 0.1F};
   arguments.foot_pose = {1, 2, 3};
-  EXPECT_EQ(harness.CodeOf(harness.Ask(303, 0, arguments)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(303, 0, arguments)), kCodeOk);
   EXPECT_EQ(harness.sent.front().command.vel, (std::array<float, 3>{}));
   EXPECT_EQ(harness.sent.front().command.foot_pose, (std::array<float, 6>{}));
   EXPECT_THAT(harness.log, Contains(HasSubstr("vel_des has 2 values instead of 3")));
@@ -121,35 +122,35 @@ TEST(MotionResult, TakesZerosForAnArrayOfAWrongLengthAndSaysSo) {
 
 TEST(MotionResult, WithContactZeroStandsOnAllFourFeet) {
   Harness harness;
-  harness.Ask(111);
+  harness.RequestMotion(111);
   EXPECT_EQ(harness.sent.front().command.contact, 15);
   MotionArguments arguments;
   arguments.contact = 1000;
   Harness other;
-  EXPECT_EQ(other.CodeOf(other.Ask(111, 0, arguments)), 3010);
+  EXPECT_EQ(other.CodeOf(other.RequestMotion(111, 0, arguments)), 3010);
 }
 
-TEST(MotionResult, IsSlowedDownToTheLimitsOfTheMotion) {
+TEST(MotionResult, IsLimitedToTheSpeedOfTheMotion) {
   Harness harness;
   MotionArguments arguments;
   arguments.vel_des = {5, -5, 5};
-  harness.Ask(302, 0, arguments);
+  harness.RequestMotion(302, 0, arguments);
   EXPECT_EQ(harness.sent.front().command.vel, (std::array<float, 3>{0.25F, -0.10F, 0.50F}));
-  EXPECT_THAT(harness.log, Contains(HasSubstr("slowed down")));
+  EXPECT_THAT(harness.log, Contains(HasSubstr("limited to its maximum speed")));
 }
 
-TEST(MotionResult, WhileAnotherIsUnderWayIsRefusedWith3011) {
+TEST(MotionResult, WhileAnotherIsInProgressIsRefusedWith3011) {
   Harness harness;
-  const auto first = harness.Ask(121);
+  const auto first = harness.RequestMotion(121);
   harness.RunFor(Milliseconds(100));
-  EXPECT_EQ(harness.CodeOf(harness.Ask(111)), 3011);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(111)), 3011);
   EXPECT_EQ(harness.CodeOf(first), kCodeOk) << "the first one goes on";
 }
 
 TEST(MotionResult, WhileServoCommandsMoveTheBodyIsRefusedWith3011) {
   Harness harness;
   harness.Stream(303, Milliseconds(500));
-  const auto token = harness.Ask(111, kFromDebug);
+  const auto token = harness.RequestMotion(111, kFromDebug);
   ASSERT_EQ(harness.answers.count(token), 1U);
   EXPECT_EQ(harness.answers.at(token).code, 3011);
   EXPECT_TRUE(harness.core.servo);
@@ -159,10 +160,10 @@ TEST(MotionResult, OfGetDownInterruptsADance) {
   for (const std::int32_t dance : {140, 176, 177, 178}) {
     Harness harness;
     harness.board.motion = Milliseconds(60'000);
-    const auto dancing = harness.Ask(dance);
+    const auto dancing = harness.RequestMotion(dance);
     harness.RunFor(Milliseconds(2000));
     harness.board.motion = Milliseconds(400);
-    const auto down = harness.Ask(kGetDown);
+    const auto down = harness.RequestMotion(kGetDown);
     EXPECT_EQ(harness.CodeOf(dancing), 3029);
     EXPECT_EQ(harness.CodeOf(down), kCodeOk);
     EXPECT_THAT(harness.Commanded(), ElementsAre(dance, kGetDown));
@@ -171,65 +172,65 @@ TEST(MotionResult, OfGetDownInterruptsADance) {
 
 TEST(MotionResult, OfGetDownDoesNotInterruptAFlip) {
   Harness harness;
-  const auto flip = harness.Ask(121);
+  const auto flip = harness.RequestMotion(121);
   harness.RunFor(Milliseconds(200));
-  EXPECT_EQ(harness.CodeOf(harness.Ask(kGetDown)), 3011);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kGetDown)), 3011);
   EXPECT_EQ(harness.CodeOf(flip), kCodeOk);
 }
 
 TEST(MotionResult, GoesThroughRecoveryStandWhereTheBodyMayNotGoThereDirectly) {
   Harness harness;
   harness.Body(kGetDown);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), kCodeOk);
   EXPECT_THAT(harness.Commanded(), ElementsAre(kRecoveryStand, 121));
 }
 
 TEST(MotionResult, Of309ComesFromTheGroundStand118) {
   Harness harness;
   harness.Body(kGetDown);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(309)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(309)), kCodeOk);
   EXPECT_THAT(harness.Commanded(), ElementsAre(118, 309, kWalkStand));
 }
 
 TEST(MotionResult, Of309StandsUpFirstWhereEven118IsOutOfReach) {
   Harness harness;
   harness.Body(212);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(309)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(309)), kCodeOk);
   EXPECT_THAT(harness.Commanded(), ElementsAre(kRecoveryStand, 118, 309, kWalkStand));
 }
 
-TEST(MotionResult, FromAMotionThatNobodyKnowsStandsUpFirst) {
+TEST(MotionResult, FromAnUnknownMotionStandsUpFirst) {
   Harness harness;
   harness.board.report.mode = 99;
-  harness.Do(motion_event::BoardHeard{harness.board.report});
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), kCodeOk);
+  harness.Do(motion_event::BoardReported{harness.board.report});
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), kCodeOk);
   EXPECT_THAT(harness.Commanded(), ElementsAre(kRecoveryStand, 121));
 }
 
 TEST(MotionResult, FailsWith3035WhenTheBoardDoesNotTakeItWithin200ms) {
   Harness harness;
   harness.board.deaf = true;
-  const Time asked = harness.now;
-  const auto token = harness.Ask(121);
+  const Time requested_at = harness.now;
+  const auto token = harness.RequestMotion(121);
   EXPECT_EQ(harness.CodeOf(token), 3035);
-  EXPECT_EQ(harness.now, asked + Milliseconds(200));
+  EXPECT_EQ(harness.now, requested_at + Milliseconds(200));
 }
 
 TEST(MotionResult, IsRefusedWith3035WhenTheBoardIsSilent) {
   Harness harness;
   harness.board.silent = true;
   harness.RunFor(Milliseconds(600));
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3035);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3035);
   EXPECT_THAT(harness.sent, IsEmpty());
 }
 
 TEST(MotionResult, FailsWith3027WhenTheTransitionTakesMoreThan3s) {
   Harness harness;
   harness.board.transition = Milliseconds(60'000);
-  const Time asked = harness.now;
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3027);
-  EXPECT_GE(harness.now, asked + Milliseconds(3000));
-  EXPECT_LE(harness.now, asked + Milliseconds(3300));
+  const Time requested_at = harness.now;
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3027);
+  EXPECT_GE(harness.now, requested_at + Milliseconds(3000));
+  EXPECT_LE(harness.now, requested_at + Milliseconds(3300));
 }
 
 struct TimeCase {
@@ -243,11 +244,11 @@ class MotionExecution : public ::testing::TestWithParam<TimeCase> {};
 TEST_P(MotionExecution, FailsWith3028AfterItsTime) {
   Harness harness;
   harness.board.stuck = true;
-  const Time asked = harness.now;
-  const auto token = harness.Ask(GetParam().id, 0, Duration(GetParam().duration_ms));
+  const Time requested_at = harness.now;
+  const auto token = harness.RequestMotion(GetParam().id, 0, Duration(GetParam().duration_ms));
   EXPECT_EQ(harness.CodeOf(token), 3028);
   // From taking the command to the motion the board needs 100 ms, and reports come every 20 ms.
-  const auto took = harness.now - asked;
+  const auto took = harness.now - requested_at;
   EXPECT_GE(took, Milliseconds(GetParam().time_ms + 100));
   EXPECT_LE(took, Milliseconds(GetParam().time_ms + 160));
 }
@@ -270,7 +271,7 @@ class BoardStatus : public ::testing::TestWithParam<StatusCase> {};
 TEST_P(BoardStatus, BecomesTheCodeOfTheMotion) {
   Harness harness;
   harness.board.fault = static_cast<std::int8_t>(GetParam().status);
-  const auto token = harness.Ask(121);
+  const auto token = harness.RequestMotion(121);
   EXPECT_EQ(harness.CodeOf(token), GetParam().code);
   EXPECT_NE(harness.answers.at(token).message, "");
 }
@@ -290,17 +291,17 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(MotionResult, FailsWith3022WhenTheBoardBansTheTransition) {
   Harness harness;
   harness.board.ban = true;
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3022);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3022);
 }
 
 // A board remembers the life count of the last command. A new motion manager that began with the
-// same one was taken for the old one's sign of life.
+// same count would be taken for a heartbeat of the old one.
 TEST(MotionResult, OfANewMotionManagerIsANewCommandForTheBoard) {
   for (int life = 0; life < 127; ++life) {
     Harness harness;
     harness.board.report.life_count = static_cast<std::int8_t>(life);
-    harness.Do(motion_event::BoardHeard{harness.board.report});
-    harness.Ask(121);
+    harness.Do(motion_event::BoardReported{harness.board.report});
+    harness.RequestMotion(121);
     EXPECT_NE(harness.sent.front().command.life_count, life);
     EXPECT_GT(harness.sent.front().command.life_count, 0);
   }
@@ -308,7 +309,7 @@ TEST(MotionResult, OfANewMotionManagerIsANewCommandForTheBoard) {
 
 TEST(MotionResult, OfAWalkEndsStanding) {
   Harness harness;
-  EXPECT_EQ(harness.CodeOf(harness.Ask(303, 0, Duration(1000))), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(303, 0, Duration(1000))), kCodeOk);
   harness.RunFor(Milliseconds(500));
   EXPECT_THAT(harness.Commanded(), ElementsAre(303, kWalkStand));
   EXPECT_EQ(harness.sent.back().command.vel, (std::array<float, 3>{}));
@@ -317,7 +318,7 @@ TEST(MotionResult, OfAWalkEndsStanding) {
 TEST(MotionResult, OfAWalkThatFailsEndsStanding) {
   Harness harness;
   harness.board.stuck = true;
-  EXPECT_EQ(harness.CodeOf(harness.Ask(303, 0, Duration(1000))), 3028);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(303, 0, Duration(1000))), 3028);
   EXPECT_THAT(harness.Commanded(), ElementsAre(303, kWalkStand));
 }
 
@@ -331,35 +332,35 @@ TEST(MotionResult, OfSeveralMotionsIsRefusedWholeWhenOneIsWrong) {
   Harness harness;
   EXPECT_EQ(harness.CodeOf(harness.Play({{130, {}}, {7777, {}}})), 3008);
   EXPECT_EQ(harness.CodeOf(harness.Play({})), 3010);
-  EXPECT_EQ(harness.CodeOf(harness.Play(std::vector<MotionOrder>(1001, {111, {}}))), 3010);
+  EXPECT_EQ(harness.CodeOf(harness.Play(std::vector<MotionRequest>(1001, {111, {}}))), 3010);
   EXPECT_THAT(harness.sent, IsEmpty());
 }
 
-TEST(MotionResult, TellsTheSameCodeInTheLogOnceInThreeMinutes) {
+TEST(MotionResult, LogsTheSameCodeOnceInThreeMinutes) {
   Harness harness;
-  for (int i = 0; i < 100; ++i) harness.Ask(7777);
+  for (int i = 0; i < 100; ++i) harness.RequestMotion(7777);
   EXPECT_EQ(harness.LogLines(), 1U);
   harness.RunFor(std::chrono::seconds(180));
-  harness.Ask(7777);
+  harness.RequestMotion(7777);
   EXPECT_EQ(harness.LogLines(), 2U);
 }
 
-TEST(MotionResult, EndsWhenTheWorldBeginsAnew) {
+TEST(MotionResult, EndsWhenTheWorldIsRestarted) {
   Harness harness;
-  const auto token = harness.Ask(121);
+  const auto token = harness.RequestMotion(121);
   harness.now = Time(std::chrono::seconds(1));
   harness.Do(motion_event::WorldRestarted{});
   EXPECT_EQ(harness.CodeOf(token), 3035);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3035) << "nothing is known of the body yet";
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3035) << "nothing is known of the body yet";
 }
 
-// The reports that came while the program stood still are read one after the other.
-TEST(MotionResult, DoesNotFailByTheOldestReportThatWaited) {
+// The reports that came while the program was suspended are read one after the other.
+TEST(MotionResult, DoesNotFailByAnOldReportInTheQueue) {
   Harness harness;
   const BodyReport before = harness.board.report;
-  const auto flip = harness.Ask(121);
+  const auto flip = harness.RequestMotion(121);
   harness.StandStill(Milliseconds(300));
-  harness.Do(motion_event::BoardHeard{before});
+  harness.Do(motion_event::BoardReported{before});
   EXPECT_EQ(harness.CodeOf(flip), kCodeOk);
 }
 

@@ -1,4 +1,4 @@
-// Servo commands: who has the body, the watchdog, what the streamer is told.
+// Servo commands: which source controls the body, the watchdog, the responses to the streamer.
 
 #include <gmock/gmock.h>
 
@@ -69,12 +69,12 @@ TEST(MotionServo, StopsTheBody200msAfterTheLastFrame) {
   harness.RunFor(Milliseconds(1));
   EXPECT_EQ(harness.sent.back().command.id, kWalkStand);
   EXPECT_EQ(harness.sent.back().at, last + Milliseconds(200));
-  EXPECT_TRUE(harness.core.Idle()) << "whoever comes next gets the body";
+  EXPECT_TRUE(harness.core.Idle()) << "the next source gets control";
   EXPECT_THAT(harness.log, Contains(HasSubstr("no frame for 200 ms")));
 }
 
-// A program that stood still heard nothing meanwhile; that is no fault of the stream.
-TEST(MotionServo, GoesOnWhenItsFramesOnlyWaitedToBeRead) {
+// A program that was suspended received nothing meanwhile; that is no fault of the stream.
+TEST(MotionServo, ContinuesWhenItsFramesWereOnlyQueued) {
   Harness harness;
   harness.Stream(303, Milliseconds(500));
   harness.StandStill(Milliseconds(700));
@@ -84,7 +84,7 @@ TEST(MotionServo, GoesOnWhenItsFramesOnlyWaitedToBeRead) {
   EXPECT_EQ(harness.ServoCode(), kCodeOk);
 }
 
-TEST(MotionServo, IsStoppedAtTheSecondLookWhenNoFrameHadWaited) {
+TEST(MotionServo, IsStoppedAtTheSecondCheckWhenNoFrameWasQueued) {
   Harness harness;
   harness.Stream(303, Milliseconds(500));
   harness.StandStill(Milliseconds(700));
@@ -97,10 +97,10 @@ TEST(MotionServo, IsStoppedAtTheSecondLookWhenNoFrameHadWaited) {
 TEST(MotionServo, IsStoppedWithItsLastValueAndStepHeight) {
   Harness harness;
   ServoCommand command;
-  command.order.id = 303;
-  command.order.arguments.vel_des = {0.3F, 0, 0};
-  command.order.arguments.step_height = {0.06F, 0.07F};
-  command.order.arguments.value = 2;
+  command.requested.id = 303;
+  command.requested.arguments.vel_des = {0.3F, 0, 0};
+  command.requested.arguments.step_height = {0.06F, 0.07F};
+  command.requested.arguments.value = 2;
   harness.Do(motion_event::ServoArrived{command});
   harness.RunFor(Milliseconds(300));
   EXPECT_EQ(harness.sent.back().command.id, kWalkStand);
@@ -148,7 +148,7 @@ TEST(MotionServo, DoesNotBeginWhenTheStreamEndsDuringTheRecoveryStand) {
   EXPECT_TRUE(harness.core.Idle());
 }
 
-// In the beginning its next frame was refused, and the streamer gave up.
+// At first its next frame was refused, and the streamer gave up.
 TEST(MotionServo, ResumesAStreamThatStalledWhileTheBodyStandsUpForIt) {
   Harness harness;
   harness.Body(kGetDown);
@@ -186,7 +186,7 @@ TEST(MotionServo, OfAnotherGaitChangesOver) {
 
 TEST(MotionServo, WhileAResultCommandRunsIsRefusedWith3011) {
   Harness harness;
-  const auto flip = harness.Ask(121);
+  const auto flip = harness.RequestMotion(121);
   harness.RunFor(Milliseconds(100));
   harness.Servo(303);
   EXPECT_EQ(harness.ServoCode(), 3011);
@@ -205,8 +205,8 @@ ServoCommand Frame(std::int32_t id, std::int32_t source, std::vector<float> vel,
   ServoCommand command;
   command.type = type;
   command.source = source;
-  command.order.id = id;
-  command.order.arguments.vel_des = std::move(vel);
+  command.requested.id = id;
+  command.requested.arguments.vel_des = std::move(vel);
   return command;
 }
 
@@ -216,7 +216,7 @@ TEST_P(BadServo, IsRefusedWithItsCodeALogLineAndNothingMoves) {
   Harness harness;
   harness.Do(motion_event::ServoArrived{GetParam().command});
   EXPECT_EQ(harness.ServoCode(), GetParam().code);
-  EXPECT_FALSE(harness.told.back().result) << "a refusal never says success";
+  EXPECT_FALSE(harness.responses.back().result) << "a refusal never reports success";
   EXPECT_EQ(harness.LogLines(), 1U);
   harness.RunFor(Milliseconds(500));
   EXPECT_THAT(harness.sent, IsEmpty());
@@ -241,7 +241,7 @@ INSTANTIATE_TEST_SUITE_P(
                       BadFrame{"EndOfUnknownSource", Frame(303, 17, {}, 2), 3010}),
     [](const auto& param) { return param.param.name; });
 
-TEST(MotionServo, IsSlowedDownToTheLimitsOfItsGaitAndSaysSoOnce) {
+TEST(MotionServo, IsLimitedToTheSpeedOfItsGaitAndLogsItOnce) {
   Harness harness;
   for (int i = 0; i < 20; ++i) {
     harness.Servo(303, 0, {9, -9, 9});
@@ -260,7 +260,7 @@ TEST(MotionServo, IsRefusedWith3035WhenTheBoardIsSilent) {
   EXPECT_THAT(harness.sent, IsEmpty());
 }
 
-TEST(MotionServo, TakesNoBoardForSilentWhoseReportsOnlyWaitToBeRead) {
+TEST(MotionServo, DoesNotTreatABoardAsSilentWhoseReportsAreQueued) {
   Harness harness;
   harness.StandStill(Milliseconds(700));
   harness.Servo(303);
@@ -273,35 +273,36 @@ TEST(MotionServo, TakesNoBoardForSilentWhoseReportsOnlyWaitToBeRead) {
   EXPECT_EQ(harness.ServoCode(), 3035) << "but this one was silent";
 }
 
-TEST(MotionServo, TellsAllTheTimeWhatTheBoardMakesOfIt) {
+TEST(MotionServo, PublishesTheBoardsFeedbackPeriodically) {
   Harness harness;
   harness.Stream(303, Milliseconds(1000));
-  const std::size_t before = harness.told.size();
+  const std::size_t before = harness.responses.size();
   harness.Stream(303, Milliseconds(1000));
-  EXPECT_NEAR(static_cast<double>(harness.told.size() - before), 20, 2);
-  EXPECT_EQ(harness.told.back().motion_id, 303);
-  EXPECT_EQ(harness.told.back().bar, 100);
-  EXPECT_TRUE(harness.told.back().result);
+  EXPECT_NEAR(static_cast<double>(harness.responses.size() - before), 20, 2);
+  EXPECT_EQ(harness.responses.back().motion_id, 303);
+  EXPECT_EQ(harness.responses.back().bar, 100);
+  EXPECT_TRUE(harness.responses.back().result);
 }
 
-TEST(MotionServo, TellsThatTheBoardFellSilent) {
+TEST(MotionServo, ReportsThatTheBoardFellSilent) {
   Harness harness;
   harness.Stream(303, Milliseconds(500));
   harness.board.silent = true;
   harness.Stream(303, Milliseconds(1000));
-  const motion_action::TellServo expected{-1, harness.told.back().cmd_id, -1, -1, false, 3035};
-  EXPECT_EQ(harness.told.back(), expected);
+  const motion_action::ServoResponse expected{-1,  harness.responses.back().cmd_id, -1, -1, false,
+                                              3035};
+  EXPECT_EQ(harness.responses.back(), expected);
 }
 
-TEST(MotionServo, TellsTheBoardsErrorAsItsCode) {
+TEST(MotionServo, ReportsTheBoardsErrorAsItsCode) {
   Harness harness;
   harness.board.fault = 4;
   harness.Stream(303, Milliseconds(500));
   EXPECT_EQ(harness.ServoCode(), 3024);
-  EXPECT_FALSE(harness.told.back().result);
+  EXPECT_FALSE(harness.responses.back().result);
 }
 
-// --- Who has the body
+// --- Control of the body
 
 TEST(MotionPriority, LetsTheHigherOneTakeTheBodyFromTheLower) {
   Harness harness;
@@ -312,13 +313,13 @@ TEST(MotionPriority, LetsTheHigherOneTakeTheBodyFromTheLower) {
   EXPECT_THAT(harness.Commanded(), ElementsAre(303, 308));
 }
 
-// In the original `result` was left as the command before had it.
+// In the original `result` kept the value of the command before.
 TEST(MotionPriority, RefusesTheLowerOneWith3001) {
   Harness harness;
   harness.Stream(303, Milliseconds(200), kFromApp);
   harness.Servo(308, kFromAudio);
   EXPECT_EQ(harness.ServoCode(), 3001);
-  EXPECT_FALSE(harness.told.back().result);
+  EXPECT_FALSE(harness.responses.back().result);
   harness.RunFor(Milliseconds(50));
   EXPECT_THAT(harness.Commanded(), ElementsAre(303));
 }
@@ -347,7 +348,7 @@ TEST(MotionPriority, IsFreeAgainWhenTheStreamEnded) {
   EXPECT_EQ(harness.core.servo->source, kFromAlgorithm);
 }
 
-// A refused frame must not keep the watchdog of the other's quiet.
+// A refused frame must not reset the watchdog of the other source.
 TEST(MotionPriority, FramesOfARefusedOneDoNotKeepTheBodyMoving) {
   Harness harness;
   harness.Servo(303, kFromApp);
@@ -358,7 +359,7 @@ TEST(MotionPriority, FramesOfARefusedOneDoNotKeepTheBodyMoving) {
   EXPECT_EQ(harness.sent.back().command.id, kWalkStand);
 }
 
-TEST(MotionPriority, IsData) {
+TEST(MotionPriority, IsConfigurable) {
   Harness harness;
   harness.config.priorities[kFromAlgorithm] = -5;
   harness.Stream(303, Milliseconds(200), kFromApp);

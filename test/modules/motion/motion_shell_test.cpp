@@ -1,4 +1,4 @@
-// The motion manager on its topics and services, with a body behind two of them; in virtual time.
+// The motion manager on its topics and services, with a body behind two topics; in virtual time.
 
 #include <gmock/gmock.h>
 
@@ -63,7 +63,7 @@ class MotionShellTest : public ::testing::Test {
     return reply->value();
   }
 
-  msg::MotionResultCmd::Response Ask(std::int32_t id) {
+  msg::MotionResultCmd::Response RequestMotion(std::int32_t id) {
     msg::MotionResultCmd::Request request;
     request.motion_id = id;
     return Call<msg::MotionResultCmd>("motion_result_cmd", request);
@@ -98,15 +98,15 @@ class MotionShellTest : public ::testing::Test {
   std::unique_ptr<transport::Publisher<msg::MotionServoCmd>> servo_;
 };
 
-TEST_F(MotionShellTest, TellsTheManagerOfAnEmergencyStopAndThePeopleOfALowBattery) {
+TEST_F(MotionShellTest, ReportsAnEmergencyStopToTheManagerAndAnnouncesALowBattery) {
   std::vector<msg::NodeError> errors;
   std::vector<msg::AudioPlayExtend> speech;
   Listen<msg::NodeError>("node_errors", errors);
   Listen<msg::AudioPlayExtend>("speech_play_extend", speech);
   network_.RunFor(Milliseconds(200));
   refused_ = "back_flip";
-  EXPECT_EQ(Ask(121).code, 3013);
-  EXPECT_EQ(Ask(kEmergencyStop).code, kCodeOk);
+  EXPECT_EQ(RequestMotion(121).code, 3013);
+  EXPECT_EQ(RequestMotion(kEmergencyStop).code, kCodeOk);
   network_.RunFor(Milliseconds(200));
   ASSERT_EQ(errors.size(), 1U);
   EXPECT_EQ(errors[0], (msg::NodeError{"motion_manager", 3088}));
@@ -117,14 +117,14 @@ TEST_F(MotionShellTest, TellsTheManagerOfAnEmergencyStopAndThePeopleOfALowBatter
 
 TEST_F(MotionShellTest, AnswersAResultCommandWhenItsMotionIsDone) {
   const Time begin = network_.now();
-  EXPECT_EQ(Ask(121), (msg::MotionResultCmd::Response{121, true, 0}));
+  EXPECT_EQ(RequestMotion(121), (msg::MotionResultCmd::Response{121, true, 0}));
   EXPECT_GE(network_.now() - begin, board_.board.transition + board_.board.motion);
   EXPECT_EQ(board_.last.mode, 17);
 }
 
-TEST_F(MotionShellTest, AnswersARefusedResultCommandWithItsCodeAndSaysWhy) {
+TEST_F(MotionShellTest, AnswersARefusedResultCommandWithItsCodeAndLogsTheReason) {
   refused_ = "back_flip";
-  EXPECT_EQ(Ask(121), (msg::MotionResultCmd::Response{121, false, 3013}));
+  EXPECT_EQ(RequestMotion(121), (msg::MotionResultCmd::Response{121, false, 3013}));
   EXPECT_EQ(board_.commands, 0);
   EXPECT_THAT(log_, Contains(HasSubstr("the battery is low")));
 }
@@ -156,7 +156,7 @@ TEST_F(MotionShellTest, PublishesItsStatusTenTimesASecond) {
   EXPECT_EQ(status_.back().motor_error.size(), 12U);
 }
 
-TEST_F(MotionShellTest, TellsInItsStatusThatTheBoardIsSilent) {
+TEST_F(MotionShellTest, PublishesInItsStatusThatTheBoardIsSilent) {
   board_.board.silent = true;
   network_.RunFor(std::chrono::seconds(1));
   EXPECT_EQ(status_.back().motion_id, kNoMotion);
@@ -179,7 +179,7 @@ TEST_F(MotionShellTest, PublishesOdometryAndImuFiftyTimesASecond) {
   EXPECT_EQ(imu_.back().orientation, odometry.pose.pose.orientation);
 }
 
-TEST_F(MotionShellTest, TellsTheTemperatureOfItsMotors) {
+TEST_F(MotionShellTest, ReportsTheTemperatureOfItsMotors) {
   board_.board.report.motor_temperature.fill(41.5F);
   network_.RunFor(Milliseconds(100));
   const auto answer = Call<msg::MotorTemp>("motor_temp", {});
@@ -209,7 +209,7 @@ TEST_F(MotionShellTest, PlaysAQueueOfTheBoardsCommands) {
   EXPECT_EQ(board_.commands, before) << "nothing of it was begun";
 }
 
-// In the original a queue that the state forbade was refused without a word.
+// In the original a queue that the state forbade was refused without a reply.
 TEST_F(MotionShellTest, AnswersARefusedQueueWithItsCode) {
   refused_ = "jump";
   msg::MotionCustomCommand jump;
@@ -272,8 +272,8 @@ TEST_F(MotionShellTest, SendsAnEmergencyStopToTheBoardAtOnce) {
   EXPECT_TRUE(network_.RunUntil([&] { return board_.last.mode == 0; }, begin + Milliseconds(5)));
 }
 
-// A pose that is no pose must not end in the odometry of others.
-TEST_F(MotionShellTest, TakesATurnThatIsNoneForNoTurn) {
+// An invalid pose must not be published in the odometry.
+TEST_F(MotionShellTest, TreatsAnInvalidRotationAsIdentity) {
   EXPECT_TRUE(FromWire(msg::BodyState{}).motion.X_OB.isApprox(Eigen::Isometry3d::Identity()));
   msg::BodyState state;
   state.pose.orientation = {0, 0, 0, 0};

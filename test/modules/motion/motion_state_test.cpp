@@ -1,4 +1,4 @@
-// What the state of the machine does to motion: gating, emergency stop, lying down.
+// The effect of the machine's state on motion: gating, emergency stop, lying down.
 
 #include <gmock/gmock.h>
 
@@ -19,21 +19,22 @@ const Error kProtected{3013, "the battery is low, charge it first"};
 TEST(MotionGate, RefusesAResultCommandWithTheCodeAndReasonOfItsCapability) {
   Harness harness;
   harness.refused["back_flip"] = kProtected;
-  const auto token = harness.Ask(121);
+  const auto token = harness.RequestMotion(121);
   EXPECT_EQ(harness.CodeOf(token), 3013);
   EXPECT_EQ(harness.answers.at(token).message, kProtected.message);
   EXPECT_THAT(harness.log, Contains(HasSubstr("the battery is low")));
   EXPECT_THAT(harness.sent, IsEmpty());
-  EXPECT_EQ(harness.CodeOf(harness.Ask(111)), kCodeOk) << "standing up is another capability";
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(111)), kCodeOk)
+      << "standing up is another capability";
 }
 
 TEST(MotionGate, RefusesAServoFrameWithOneResponse) {
   Harness harness;
   harness.refused["walk"] = kInvalid;
   harness.Servo(303);
-  ASSERT_EQ(harness.told.size(), 1U);
-  EXPECT_EQ(harness.told[0].code, 3003);
-  EXPECT_FALSE(harness.told[0].result);
+  ASSERT_EQ(harness.responses.size(), 1U);
+  EXPECT_EQ(harness.responses[0].code, 3003);
+  EXPECT_FALSE(harness.responses[0].result);
   harness.RunFor(Milliseconds(500));
   EXPECT_THAT(harness.sent, IsEmpty());
 }
@@ -48,17 +49,17 @@ TEST(MotionGate, StopsTheBodyWhenTheStateForbidsFurtherFrames) {
   EXPECT_LE(harness.sent.back().at, then + Milliseconds(250));
 }
 
-TEST(MotionGate, IsAskedAgainWhenTheMotionBegins) {
+TEST(MotionGate, IsCheckedAgainWhenTheMotionBegins) {
   Harness harness;
   harness.Body(kGetDown);
-  const auto token = harness.Ask(121);
+  const auto token = harness.RequestMotion(121);
   harness.RunFor(Milliseconds(200));
   harness.refused["back_flip"] = kProtected;  // while it stands up for it
   EXPECT_EQ(harness.CodeOf(token), 3013);
   EXPECT_THAT(harness.Commanded(), ElementsAre(kRecoveryStand));
 }
 
-TEST(MotionGate, IsAskedAgainWhenAServoMotionBeginsAfterStandingUp) {
+TEST(MotionGate, IsCheckedAgainWhenAServoMotionBeginsAfterStandingUp) {
   Harness harness;
   harness.Body(kGetDown);
   harness.Servo(303);
@@ -74,13 +75,13 @@ TEST(MotionGate, IsAskedAgainWhenAServoMotionBeginsAfterStandingUp) {
 TEST(MotionGate, IsShutBeforeTheFirstActive) {
   Harness harness;
   harness.core.closed = State(kUninitialized);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(111)), 3003);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(111)), 3003);
   harness.Servo(303);
   EXPECT_EQ(harness.ServoCode(), 3003);
   EXPECT_THAT(harness.sent, IsEmpty());
 }
 
-// --- A state that leaves no room for motion
+// --- A state in which no motion is permitted
 
 TEST(MotionState, ThatIsClosedStopsAWalkAtOnce) {
   for (const std::string_view state : {kDeActive, kError, kLowPower}) {
@@ -105,10 +106,10 @@ TEST(MotionState, ThatIsTearDownOrOtaSendsNoWalkStand) {
   }
 }
 
-TEST(MotionState, ThatIsErrorAnswersWhoWaitsWith3003AndBreaksOffADance) {
+TEST(MotionState, ThatIsErrorAnswersTheCallerWith3003AndInterruptsADance) {
   Harness harness;
   harness.board.motion = Milliseconds(60'000);
-  const auto dance = harness.Ask(140);
+  const auto dance = harness.RequestMotion(140);
   harness.RunFor(Milliseconds(1000));
   harness.Do(motion_event::Closed{State(kError)});
   EXPECT_EQ(harness.CodeOf(dance), 3003);
@@ -117,7 +118,7 @@ TEST(MotionState, ThatIsErrorAnswersWhoWaitsWith3003AndBreaksOffADance) {
 
 TEST(MotionState, ThatIsErrorLetsAFlipLand) {
   Harness harness;
-  const auto flip = harness.Ask(121);
+  const auto flip = harness.RequestMotion(121);
   harness.RunFor(Milliseconds(200));
   harness.Do(motion_event::Closed{State(kError)});
   EXPECT_EQ(harness.CodeOf(flip), 3003);
@@ -130,7 +131,7 @@ TEST(MotionState, ThatIsErrorEndsATimedWalkStanding) {
   MotionArguments arguments;
   arguments.duration_ms = 10'000;
   harness.board.motion = Milliseconds(10'000);
-  harness.Ask(303, 0, arguments);
+  harness.RequestMotion(303, 0, arguments);
   harness.RunFor(Milliseconds(1000));
   harness.Do(motion_event::Closed{State(kError)});
   EXPECT_EQ(harness.sent.back().command.id, kWalkStand);
@@ -165,7 +166,7 @@ TEST(MotionLieDown, DoesNothingWhereTheBodyLiesAlready) {
   }
 }
 
-TEST(MotionLieDown, IsNotHeldUpByTheStateOrByWhoHasTheBody) {
+TEST(MotionLieDown, IsNotBlockedByTheStateOrByTheControllingSource) {
   Harness harness;
   harness.Stream(303, Milliseconds(500));
   harness.Do(motion_event::Closed{State(kOta)});
@@ -176,14 +177,14 @@ TEST(MotionLieDown, IsNotHeldUpByTheStateOrByWhoHasTheBody) {
 
 TEST(MotionLieDown, InterruptsAnything) {
   Harness harness;
-  const auto flip = harness.Ask(121);
+  const auto flip = harness.RequestMotion(121);
   harness.RunFor(Milliseconds(100));
   EXPECT_EQ(harness.CodeOf(harness.LieDown(kGetDown, 3)), kCodeOk);
   EXPECT_EQ(harness.CodeOf(flip), 3003);
 }
 
 // In the original the state callback reported success whether the body lay or not.
-TEST(MotionLieDown, ThatFailsThreeTimesSaysSo) {
+TEST(MotionLieDown, ThatFailsThreeTimesIsReported) {
   Harness harness;
   harness.board.deaf = true;
   const Time begin = harness.now;
@@ -202,7 +203,7 @@ TEST(MotionLieDown, WithoutALimitGoesOnUntilItSucceeds) {
   EXPECT_THAT(harness.Commanded(), ElementsAre(kPassiveGetDown));
 }
 
-TEST(MotionLieDown, ThatNobodyWaitsForAnyMoreIsGivenUpWith3007) {
+TEST(MotionLieDown, ThatIsCancelledEndsWith3007) {
   Harness harness;
   harness.board.deaf = true;
   const auto token = harness.LieDown(kGetDown, 0);
@@ -214,12 +215,12 @@ TEST(MotionLieDown, ThatNobodyWaitsForAnyMoreIsGivenUpWith3007) {
   EXPECT_EQ(harness.sent.size(), before);
 }
 
-TEST(MotionLieDown, KeepsOthersOutBetweenItsTries) {
+TEST(MotionLieDown, BlocksOtherSourcesBetweenItsTries) {
   Harness harness;
   harness.board.deaf = true;
   harness.LieDown(kGetDown, 3);
   harness.RunFor(Milliseconds(300));
-  EXPECT_EQ(harness.CodeOf(harness.Ask(111)), 3011);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(111)), 3011);
   harness.Servo(303);
   EXPECT_EQ(harness.ServoCode(), 3011);
 }
@@ -229,7 +230,7 @@ TEST(MotionLieDown, KeepsOthersOutBetweenItsTries) {
 TEST(MotionEmergencyStop, IsSentAtOnceWhateverRuns) {
   Harness harness;
   harness.Stream(303, Milliseconds(500));
-  const auto stop = harness.Ask(kEmergencyStop);
+  const auto stop = harness.RequestMotion(kEmergencyStop);
   EXPECT_EQ(harness.sent.back().command.id, kEmergencyStop);
   EXPECT_EQ(harness.sent.back().at, harness.now);
   EXPECT_EQ(harness.ServoCode(), 3040);
@@ -239,22 +240,22 @@ TEST(MotionEmergencyStop, IsSentAtOnceWhateverRuns) {
 
 TEST(MotionEmergencyStop, EndsTheMotionOfAResultCommandWith3040) {
   Harness harness;
-  const auto dance = harness.Ask(140);
+  const auto dance = harness.RequestMotion(140);
   harness.RunFor(Milliseconds(200));
-  harness.Ask(kEmergencyStop);
+  harness.RequestMotion(kEmergencyStop);
   EXPECT_EQ(harness.CodeOf(dance), 3040);
 }
 
 TEST(MotionEmergencyStop, LatchesUntilRecoveryStand) {
   Harness harness;
-  ASSERT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop)), kCodeOk);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3040);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(kGetDown)), 3040);
+  ASSERT_EQ(harness.CodeOf(harness.RequestMotion(kEmergencyStop)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3040);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kGetDown)), 3040);
   harness.Servo(303);
   EXPECT_EQ(harness.ServoCode(), 3040);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop)), kCodeOk) << "once more is fine";
-  EXPECT_EQ(harness.CodeOf(harness.Ask(kRecoveryStand)), kCodeOk);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kEmergencyStop)), kCodeOk) << "once more is fine";
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kRecoveryStand)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), kCodeOk);
 }
 
 // In the original id 0 was refused with 3003 in every state but Active and Protected.
@@ -264,32 +265,32 @@ TEST(MotionEmergencyStop, IsTakenInEveryState) {
     Harness harness;
     harness.core.closed = State(state);
     harness.refused[""] = kInvalid;
-    EXPECT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop)), kCodeOk) << state;
+    EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kEmergencyStop)), kCodeOk) << state;
     EXPECT_THAT(harness.Commanded(), ElementsAre(kEmergencyStop));
   }
 }
 
-TEST(MotionEmergencyStop, IsTakenFromWhoeverSendsIt) {
+TEST(MotionEmergencyStop, IsTakenFromEverySource) {
   for (const std::int32_t source : {-2, -1, 0, 4, 99, -99}) {
     Harness harness;
-    EXPECT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop, source)), kCodeOk);
+    EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kEmergencyStop, source)), kCodeOk);
   }
 }
 
-TEST(MotionEmergencyStop, IsTakenWithNonsenseInIt) {
+TEST(MotionEmergencyStop, IsTakenWithInvalidArguments) {
   Harness harness;
   MotionArguments arguments;
   arguments.vel_des = {std::numeric_limits<float>::quiet_NaN()};
   arguments.duration_ms = -5;
-  EXPECT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop, 0, arguments)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kEmergencyStop, 0, arguments)), kCodeOk);
   EXPECT_EQ(harness.sent.front().command.vel, (std::array<float, 3>{}));
 }
 
 TEST(MotionEmergencyStop, IsRepeatedUntilTheBoardTakesIt) {
   Harness harness;
   harness.board.deaf = true;
-  EXPECT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop)), 3035)
-      << "who asked is told that it is not sure";
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kEmergencyStop)), 3035)
+      << "the caller learns that it is uncertain";
   harness.RunFor(Milliseconds(10'000));
   EXPECT_GE(harness.sent.size(), 200U);
   harness.board.deaf = false;
@@ -304,7 +305,7 @@ TEST(MotionEmergencyStop, OfTheMachineIsTheSame) {
   harness.Stream(303, Milliseconds(500));
   harness.Do(motion_event::EmergencyStop{});
   EXPECT_EQ(harness.sent.back().command.id, kEmergencyStop);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3040);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3040);
 }
 
 TEST(MotionEmergencyStop, OfTheMachineIsNotClearedWhileItIsEngaged) {
@@ -312,16 +313,16 @@ TEST(MotionEmergencyStop, OfTheMachineIsNotClearedWhileItIsEngaged) {
   harness.Do(motion_event::EmergencyStop{});
   harness.RunFor(Milliseconds(1000));
   harness.refused[""] = {3003, "an emergency stop is engaged"};
-  EXPECT_EQ(harness.CodeOf(harness.Ask(kRecoveryStand)), 3003);
-  EXPECT_EQ(harness.CodeOf(harness.Ask(121)), 3040);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kRecoveryStand)), 3003);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(121)), 3040);
   harness.refused.clear();
-  EXPECT_EQ(harness.CodeOf(harness.Ask(kRecoveryStand)), kCodeOk);
+  EXPECT_EQ(harness.CodeOf(harness.RequestMotion(kRecoveryStand)), kCodeOk);
   EXPECT_FALSE(harness.core.emergency_stop);
 }
 
 TEST(MotionEmergencyStop, LeavesABodyThatLiesToLowPower) {
   Harness harness;
-  ASSERT_EQ(harness.CodeOf(harness.Ask(kEmergencyStop)), kCodeOk);
+  ASSERT_EQ(harness.CodeOf(harness.RequestMotion(kEmergencyStop)), kCodeOk);
   EXPECT_EQ(harness.CodeOf(harness.LieDown(kGetDown, 3)), kCodeOk);
 }
 

@@ -1,4 +1,5 @@
-// The motion id table: the installed one says what the robot's does, and a wrong one is told where.
+// The motion id table: the installed one matches the robot's, and errors are reported with a
+// place.
 
 #include <gmock/gmock.h>
 
@@ -63,7 +64,7 @@ TEST(MotionTable, SaysWhichModesMayFollow) {
   EXPECT_FALSE(TheTable().Find(101)->MayGoTo(11));
 }
 
-// From everything the body can be brought to lie and to stand; else nothing could end well.
+// From every motion the body can be brought to lie and to stand; else no motion could end safely.
 TEST(MotionTable, LeadsFromEveryMotionToLyingAndStanding) {
   for (const Motion& motion : TheTable().motions()) {
     EXPECT_TRUE(motion.MayGoTo(7)) << motion.id;
@@ -84,7 +85,7 @@ TEST(MotionTable, LimitsTheSpeedsOfItsGaits) {
   }
 }
 
-// Those that a robot may do to spare itself, as result commands.
+// The result commands that are permitted at a low battery.
 TEST(MotionTable, KeepsTheProtectedMotionsApartFromTheOthers) {
   const std::set<std::string> spared = {"stand", "get_down", "body_pose"};
   std::set<std::int32_t> ids;
@@ -100,9 +101,9 @@ TEST(MotionTable, GivesTheFlipsACapabilityOfTheirOwn) {
   }
 }
 
-// The robot's state config says in Protected what CyberDog's rules say: to stand, to lie, the plain
-// pose as result commands, and walking by servo.
-TEST(MotionTable, AllowsInProtectedWhatARobotMayDoToSpareItself) {
+// The robot's state config permits in Protected the same as CyberDog's rules: to stand, to lie,
+// the plain pose as result commands, and walking by servo.
+TEST(MotionTable, AllowsInProtectedTheMotionsForALowBattery) {
   const musher::ConfigReading robot =
       musher::ReadConfigFile(MUSHER_SOURCE_DIR "/config/robot.toml");
   ASSERT_TRUE(robot.config);
@@ -121,7 +122,7 @@ TEST(MotionTable, AllowsInProtectedWhatARobotMayDoToSpareItself) {
   EXPECT_THAT(results, UnorderedElementsAre(0, 101, 102, 111, 212));
 }
 
-// --- What is wrong with a file
+// --- Errors of a file
 
 constexpr const char* kNeeded = R"(motion = [
   { id = 0, name = "ESTOP", mode = 0, gait = 0, min_exec_time_ms = 1000, next = "all" },
@@ -147,7 +148,7 @@ TEST(MotionTableFile, MayBeAsSmallAsTheManagerNeeds) {
   EXPECT_THAT(FaultsOf(""), IsEmpty());
 }
 
-TEST(MotionTableFile, SaysWhichMotionOfTheManagersOwnIsMissing) {
+TEST(MotionTableFile, ReportsWhichMotionOfTheManagersOwnIsMissing) {
   const TableReading reading = ReadTableText("motion = []\n", "t.toml");
   ASSERT_EQ(reading.diagnostics.size(), 7U);
   EXPECT_THAT(FormatDiagnostic(reading.diagnostics[1]),
@@ -163,7 +164,7 @@ struct BadRow {
 
 class BadTable : public ::testing::TestWithParam<BadRow> {};
 
-TEST_P(BadTable, IsToldWithItsPlace) {
+TEST_P(BadTable, IsReportedWithItsPlace) {
   EXPECT_THAT(FaultsOf(GetParam().row), ElementsAre(GetParam().fault));
 }
 
@@ -173,11 +174,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadRow{
             "TwiceTheSameId",
             R"({ id = 111, name = "X", mode = 1, gait = 9, min_exec_time_ms = 0, next = [0], capability = "x" })",
-            "t.toml:9:8: error: motion: id 111 stands in line 6 already"},
+            "t.toml:9:8: error: motion: id 111 is already defined in line 6 already"},
         BadRow{
             "TwiceTheSameModeAndGait",
             R"({ id = 5, name = "X", mode = 12, gait = 0, min_exec_time_ms = 0, next = [0], capability = "x" })",
-            "t.toml:9:30: error: motion: mode 12 with gait 0 stands in line 6 already"},
+            "t.toml:9:30: error: motion: mode 12 with gait 0 is already defined in line 6 already"},
         BadRow{
             "AnUnknownGroup",
             R"({ id = 5, name = "X", mode = 1, gait = 0, min_exec_time_ms = 0, next = "al", capability = "x" })",
@@ -218,7 +219,7 @@ TEST(MotionConfigFile, TakesAllItsKeys) {
   EXPECT_EQ(reading.config->board_feedback, Milliseconds(3));
 }
 
-TEST(MotionConfigFile, IsToldWhatIsWrongAndWhere) {
+TEST(MotionConfigFile, IsReportedWithErrorAndPlace) {
   const ConfigReading reading = ReadMotionConfigText(
       "clock = \"topic\"\nboard.wait_ms = 0\n[priority]\nap = 1\nvis = 101\n", "m.toml");
   EXPECT_FALSE(reading.config);

@@ -22,9 +22,8 @@ namespace {
 constexpr const char* kStates =
     R"(["SetUp", "TearDown", "SelfCheck", "Active", "DeActive", "Protected", "LowPower", "OTA", "Error"])";
 
-// The board is a thread of a test: a busy host may keep it from its answer for longer than a board
-// may take.
-constexpr const char* kPatience = "\n[board]\nsilent_ms = 5000\nfeedback_ms = 2000\n";
+// The board is a thread of a test: on a busy host its reply may take longer than that of a board.
+constexpr const char* kLongTimeouts = "\n[board]\nsilent_ms = 5000\nfeedback_ms = 2000\n";
 
 void Write(const std::string& file, const std::string& text) {
   std::ofstream(file) << text;
@@ -67,7 +66,7 @@ RobotRig::RobotRig() {
   setenv("ROS_DOMAIN_ID", std::to_string(transport::TestDomain()).c_str(), 1);
   Write(folder_ / "motion.toml", "motions = \"" MUSHER_SOURCE_DIR
                                  "/config/motion/motions.toml\"\n" +
-                                     std::string(kPatience));
+                                     std::string(kLongTimeouts));
   const std::string states(kStates);
   Write(folder_ / "robot.toml",
         "[controller]\nactuators = [\"motion_manager\"]\nstates = " + states +
@@ -143,7 +142,7 @@ bool RobotRig::AwaitLog(const std::string& text) {
   return Await([&](const TopicBoard&) { return Log().find(text) != std::string::npos; });
 }
 
-msg::MotionResultCmd::Response RobotRig::Ask(std::int32_t id) {
+msg::MotionResultCmd::Response RobotRig::RequestMotion(std::int32_t id) {
   using Service = msg::MotionResultCmd;
   std::promise<Result<Service::Response>> reply;
   std::unique_ptr<transport::Client<Service>> client;

@@ -20,7 +20,7 @@
 
 namespace musher::motion::testing {
 
-// What a program said and how it ended.
+// The output of a program and how it exited.
 struct Ran {
   int exit = -1;
   std::string output;  // both streams
@@ -48,15 +48,15 @@ class RobotRig {
   // Waits until it holds; false when it does not.
   bool Await(const std::function<bool(const TopicBoard&)>& holds);
 
-  // What streamers send is heard from now on.
+  // From now on the frames of streamers are received.
   void HearFrames();
   // Waits for a frame of this cmd_type.
   bool AwaitFrame(std::int32_t type);
-  // Waits until the motion manager has written this.
+  // Waits until the motion manager has printed this.
   bool AwaitLog(const std::string& text);
 
-  msg::MotionResultCmd::Response Ask(std::int32_t id);
-  // What the motion manager wrote.
+  msg::MotionResultCmd::Response RequestMotion(std::int32_t id);
+  // The output of the motion manager.
   std::string Log() const;
 
  private:

@@ -28,7 +28,7 @@ struct Walker {
   }
 };
 
-// Walks to the end, by a limit of time; the way it went, step by step.
+// Walks to the end, or to a time limit; returns the path, step by step.
 int StepsToTheEnd(SquareWalk& walk, Walker& walker, std::vector<PlanarPose>* way = nullptr) {
   int steps = 0;
   for (; !walk.done() && steps < 4000; ++steps) {
@@ -74,7 +74,7 @@ TEST(SquareWalk, HoldsItsLinesThoughTheBodySlipsAndVeers) {
   }
 }
 
-TEST(SquareWalk, IsNeverFasterThanItWasTold) {
+TEST(SquareWalk, IsNeverFasterThanItsSpeed) {
   Walker walker;
   SquareWalk walk(walker.pose, 2.0, 0.25);
   for (int i = 0; i < 4000 && !walk.done(); ++i) {

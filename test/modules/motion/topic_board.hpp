@@ -1,6 +1,6 @@
 #pragma once
-// The board behind world/body_command and world/body_state, on any transport. The body walks as
-// fast as it is told.
+// The board behind world/body_command and world/body_state, on any transport. The body walks at
+// the commanded speed.
 //
 // Threads: its node's loop only.
 

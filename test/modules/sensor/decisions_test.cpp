@@ -1,4 +1,4 @@
-// What people may do with a sensor, and the verdict of a self-check.
+// The operations on a sensor, and the outcome of a self-check.
 
 #include <gmock/gmock.h>
 
@@ -26,7 +26,7 @@ TEST(Operating, LeadsFromClosedOverOpenToStartedAndBack) {
   }
 }
 
-TEST(Operating, MayBeAskedTwice) {
+TEST(Operating, MayBeRequestedTwice) {
   for (const Phase phase : {Phase::kClosed, Phase::kOpen, Phase::kStarted}) {
     for (std::uint8_t operation = 1; operation <= 4; ++operation) {
       const Result<Phase> once = Operate(SensorKind::kGps, phase, operation);
@@ -38,7 +38,7 @@ TEST(Operating, MayBeAskedTwice) {
   }
 }
 
-TEST(Operating, RefusesAnyOtherOrderWithTheSensorsCode) {
+TEST(Operating, RefusesOperationsOutOfOrderWithTheSensorsCode) {
   const std::vector<std::pair<Phase, std::uint8_t>> out_of_order = {
       {Phase::kClosed, Operation::kStart},
       {Phase::kClosed, Operation::kStop},
@@ -52,14 +52,14 @@ TEST(Operating, RefusesAnyOtherOrderWithTheSensorsCode) {
   }
 }
 
-TEST(Operating, RefusesAnOperationThatThereIsNot) {
+TEST(Operating, RefusesAnUnknownOperation) {
   for (const auto operation : {std::uint8_t{0}, std::uint8_t{5}, std::uint8_t{255}}) {
     EXPECT_EQ(Operate(SensorKind::kLidar, Phase::kOpen, operation).error().code, 2010);
   }
 }
 
-std::vector<SensorFinding> Findings(const std::vector<SensorKind>& failing) {
-  std::vector<SensorFinding> findings;
+std::vector<SensorResult> Findings(const std::vector<SensorKind>& failing) {
+  std::vector<SensorResult> findings;
   for (const SensorKind kind : kSensorKinds) {
     Result<> result;
     if (std::find(failing.begin(), failing.end(), kind) != failing.end()) {
@@ -98,7 +98,7 @@ TEST(SelfCheck, IsPassedDegradedByTheOthersTogetherUnderTheCodeOfTheFirst) {
   EXPECT_EQ(verdict.degraded.message, "tof: silent, 2209; ultrasonic: silent, 2309");
 }
 
-// Codes that are added up can make 2304 and the like, whose lowest eight bits are 0.
+// Sums of codes can make 2304 and the like, whose lowest eight bits are 0.
 TEST(SelfCheck, NeverTakesAFailureForNone) {
   for (unsigned failing = 0; failing < 16; ++failing) {
     for (unsigned critical = 0; critical < 16; ++critical) {

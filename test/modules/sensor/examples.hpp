@@ -1,5 +1,5 @@
 #pragma once
-// Readings as well sensors give them.
+// Valid readings.
 
 #include <cmath>
 

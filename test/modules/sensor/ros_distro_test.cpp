@@ -1,4 +1,4 @@
-// Nodes of older and newer ROS 2 distributions beside the sensors: sensor_msgs/Range has had its
+// Nodes of older and newer ROS 2 distributions beside the sensors: sensor_msgs/Range has the field
 // `variance` since Iron.
 
 #include "musher/test/modules/sensor/sensors_fixture.hpp"
@@ -57,8 +57,8 @@ INSTANTIATE_TEST_SUITE_P(Ros2, Distributions,
                          [](const auto& row) { return row.param.name; });
 
 TEST_F(SensorsOnANetwork, UnderstandARangeOfAGalacticDriver) {
-  std::vector<msg::Range> heard;
-  const auto subscription = Listen("ultrasonic_payload", heard);
+  std::vector<msg::Range> received;
+  const auto subscription = Listen("ultrasonic_payload", received);
   Drive();
   silent_["ultrasonic"] = true;
   const auto galactic = Publisher<msg::RangeBeforeIron>("driver/ultrasonic");
@@ -67,9 +67,9 @@ TEST_F(SensorsOnANetwork, UnderstandARangeOfAGalacticDriver) {
   reading.header.stamp = Now();
   ASSERT_TRUE(galactic->Publish(reading));
   Run(Milliseconds(100));
-  ASSERT_EQ(heard.size(), 1U);
-  EXPECT_EQ(heard[0].range, 0.25F);
-  EXPECT_EQ(heard[0].variance, 0) << "not known";
+  ASSERT_EQ(received.size(), 1U);
+  EXPECT_EQ(received[0].range, 0.25F);
+  EXPECT_EQ(received[0].variance, 0) << "not known";
 }
 
 }  // namespace musher::sensor::ros_distro_test

@@ -12,11 +12,11 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 std::vector<std::string> Said(const std::string& text) {
-  std::vector<std::string> said;
+  std::vector<std::string> lines;
   for (const Diagnostic& diagnostic : ReadManagerText(text, "/robot/sensors.toml").diagnostics) {
-    said.push_back(FormatDiagnostic(diagnostic));
+    lines.push_back(FormatDiagnostic(diagnostic));
   }
-  return said;
+  return lines;
 }
 
 TEST(SensorManagerConfig, OfTheRepositoryIsGood) {
@@ -28,7 +28,7 @@ TEST(SensorManagerConfig, OfTheRepositoryIsGood) {
   EXPECT_EQ(reading.config->Of(SensorKind::kTof).sources.size(), 4U);
 }
 
-TEST(SensorManagerConfig, HasWhatTheFileSays) {
+TEST(SensorManagerConfig, HasTheValuesOfTheFile) {
   const ManagerReading reading = ReadManagerText(R"(
 self_check_ms = 700
 start_ms = 100
@@ -73,7 +73,7 @@ TEST(SensorManagerConfig, MayHaveNoSensors) {
   EXPECT_EQ(*reading.config, ManagerConfig());
 }
 
-TEST(SensorManagerConfig, ReportsAllFaultsAtOnce) {
+TEST(SensorManagerConfig, ReportsAllErrorsAtOnce) {
   EXPECT_THAT(
       Said("skip = [\"lida\", \"gps\"]\n"
            "critical = [\"gps\"]\nself_check_ms = 0\n[lidar]\nsource = \"/scan\"\nrate_hz = nan\n"
@@ -95,7 +95,7 @@ TEST(SensorManagerConfig, ReportsAllFaultsAtOnce) {
           HasSubstr(":15:1: error: gps: unknown key \"rate\"; expected one of source")));
 }
 
-TEST(SensorManagerConfig, ThatCannotBeReadSaysWhy) {
+TEST(SensorManagerConfig, ThatCannotBeReadReportsWhy) {
   const ManagerReading missing = ReadManagerFile("/nowhere/sensors.toml");
   EXPECT_FALSE(missing.config);
   ASSERT_EQ(missing.diagnostics.size(), 1U);

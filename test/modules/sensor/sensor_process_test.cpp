@@ -1,4 +1,4 @@
-// musher-sensor-manager as a controller meets it, with a real musher-world: programs over DDS.
+// musher-sensor-manager as a controller drives it, with a real musher-world: programs over DDS.
 
 #include <gmock/gmock.h>
 
@@ -88,7 +88,7 @@ class SensorManagerProcess : public ::testing::Test {
     Start();
     ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
   }
-  void Tell(const std::string& fault) {
+  void InjectFault(const std::string& fault) {
     const auto faults = transport::MakePublisher<msg::String>(peer_.node(), "world/fault").value();
     ASSERT_TRUE(peer_.Until([&] { return faults->MatchedReaders() > 0; }));
     ASSERT_TRUE(faults->Publish({fault}));
@@ -156,7 +156,7 @@ TEST_F(SensorManagerProcess, LetsTheWorldRestInLowPowerAndWakesItAgain) {
   int scans = 0;
   Listen("scan", scan, scans);
   StartBoth();
-  // A world's publisher that nobody is matched with makes nothing: our own stands in for it.
+  // A world's publisher without a subscriber makes no readings: the test's publisher replaces it.
   const auto probe = transport::MakePublisher<msg::LaserScan>(peer_.node(), "world/scan",
                                                               transport::kSensorDataQos)
                          .value();
@@ -177,7 +177,7 @@ TEST_F(SensorManagerProcess, LetsTheWorldRestInLowPowerAndWakesItAgain) {
   EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
 }
 
-TEST_F(SensorManagerProcess, LivesThroughAllStates) {
+TEST_F(SensorManagerProcess, RunsThroughAllStates) {
   StartBoth();
   for (const char* state :
        {"SelfCheck", "Active", "DeActive", "Protected", "OTA", "Error", "SelfCheck", "TearDown"}) {
@@ -186,7 +186,7 @@ TEST_F(SensorManagerProcess, LivesThroughAllStates) {
   EXPECT_EQ(peer_.AwaitExit(), 0) << peer_.Output();
 }
 
-TEST_F(SensorManagerProcess, ChecksItselfAlsoWhereItsSensorsSleep) {
+TEST_F(SensorManagerProcess, ChecksSleepingSensorsToo) {
   StartBoth();
   ExpectDone("LowPower");
   ExpectDone("SelfCheck");
@@ -200,7 +200,7 @@ TEST_F(SensorManagerProcess, FailsItsSelfCheckWithTheCriticalCodeAlone) {
   ASSERT_TRUE(checked);
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
   EXPECT_EQ(checked.value().code, 2209);
-  EXPECT_THAT(checked.value().message, HasSubstr("tof (critical): left_head: nothing was heard"));
+  EXPECT_THAT(checked.value().message, HasSubstr("tof (critical): left_head: no reading"));
   EXPECT_THAT(checked.value().message, ::testing::Not(HasSubstr("lidar")));
 }
 
@@ -213,7 +213,7 @@ TEST_F(SensorManagerProcess, PassesItsSelfCheckDegradedWithoutSensorsThatAreNotC
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictDone);
   EXPECT_EQ(checked.value().status.degraded_code, 2109);
   EXPECT_THAT(checked.value().status.degraded_reason,
-              ::testing::AllOf(HasSubstr("lidar: nothing was heard of it yet, 2109; tof: "),
+              ::testing::AllOf(HasSubstr("lidar: no reading received yet, 2109; tof: "),
                                HasSubstr("gps: "), ::testing::Not(HasSubstr("ultrasonic"))));
 }
 
@@ -223,7 +223,7 @@ TEST_F(SensorManagerProcess, ReportsALidarThatFallsSilentAndDoesNotGetUpWithoutI
   Listen("node_errors", error, errors);
   StartBoth();
   ExpectDone("Active");
-  Tell("lidar");
+  InjectFault("lidar");
   ASSERT_TRUE(peer_.Until([&] { return error.has_value(); })) << peer_.Output();
   EXPECT_EQ(error->name, "sensor_manager");
   EXPECT_EQ(error->code, 2107);
@@ -234,11 +234,11 @@ TEST_F(SensorManagerProcess, ReportsALidarThatFallsSilentAndDoesNotGetUpWithoutI
   EXPECT_EQ(up.value().verdict, ActuatorCommand::kVerdictFailed);
   EXPECT_EQ(up.value().code, 2101);
   EXPECT_EQ(up.value().status.state, "LowPower");
-  Tell("none");
+  InjectFault("none");
   ExpectDone("Active");
 }
 
-TEST_F(SensorManagerProcess, IsOperatedByHand) {
+TEST_F(SensorManagerProcess, IsOperatedByTheService) {
   StartBoth();
   const auto client =
       transport::MakeClient<SensorOperation>(peer_.node(), "sensor_operation").value();
@@ -254,7 +254,7 @@ TEST_F(SensorManagerProcess, IsOperatedByHand) {
   EXPECT_EQ(ask(SensorOperation::kTof, SensorOperation::kStart), 2203);
 }
 
-TEST_F(SensorManagerProcess, ExplainsAFaultyFileAndEndsWithTwo) {
+TEST_F(SensorManagerProcess, ReportsAnInvalidFileAndExitsWithTwo) {
   Start("[lidar]\nsource = \"scan\"\n");
   EXPECT_EQ(peer_.AwaitExit(), 2);
   EXPECT_THAT(peer_.Output(), HasSubstr("sensors.toml:2:10: error: lidar.source"));

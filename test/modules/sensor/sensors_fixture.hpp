@@ -1,6 +1,6 @@
 #pragma once
-// The sensors on a simulated network, in virtual time, with drivers and listeners on a node of
-// their own. The clock is the network's, and so are the stamps.
+// The sensors on a simulated network, in virtual time, with drivers and subscribers on a node of
+// its own. The clock is the network's, and so are the stamps.
 
 #include <gmock/gmock.h>
 
@@ -34,17 +34,17 @@ class SensorsOnANetwork : public ::testing::Test {
   }
 
   void Start() {
-    const Dependencies around = {*dog_,
-                                 *clock_,
-                                 "dog1",
-                                 [this] { return Now(); },
-                                 [this](const std::string& line) { log_.push_back(line); },
-                                 [this](std::int32_t code) { reported_.push_back(code); }};
-    sensors_ = Must(Sensors::Make(around, config_));
+    const Dependencies dependencies = {*dog_,
+                                       *clock_,
+                                       "dog1",
+                                       [this] { return Now(); },
+                                       [this](const std::string& line) { log_.push_back(line); },
+                                       [this](std::int32_t code) { reported_.push_back(code); }};
+    sensors_ = Must(Sensors::Make(dependencies, config_));
     Run(Milliseconds(500));  // discovery
   }
 
-  // All drivers at 10 Hz, but for those in `silent_`.
+  // All drivers at 10 Hz, except those in `silent_`.
   void Drive() {
     scan_ = Publisher<msg::LaserScan>("driver/scan");
     range_ = Publisher<msg::Range>("driver/ultrasonic");
@@ -76,12 +76,13 @@ class SensorsOnANetwork : public ::testing::Test {
   std::unique_ptr<transport::Publisher<M>> Publisher(const std::string& topic) {
     return Must(transport::MakePublisher<M>(*world_, "dog1/" + topic, transport::kSensorDataQos));
   }
-  // Everything that comes goes to `heard`.
+  // Appends every received message to `heard`.
   template <msg::Message M>
-  std::unique_ptr<transport::Subscription> Listen(const std::string& topic, std::vector<M>& heard) {
+  std::unique_ptr<transport::Subscription> Listen(const std::string& topic,
+                                                  std::vector<M>& received) {
     return Must(transport::MakeSubscription<M>(
         *world_, "dog1/" + topic,
-        [&heard](const M& message, const auto&) { heard.push_back(message); }));
+        [&received](const M& message, const auto&) { received.push_back(message); }));
   }
   std::int32_t Operate(std::uint16_t id, std::uint8_t operation) {
     const auto client =
@@ -96,12 +97,12 @@ class SensorsOnANetwork : public ::testing::Test {
   }
   std::vector<std::int32_t> Failures() const {
     std::vector<std::int32_t> codes;
-    for (const SensorFinding& finding : sensors_->Check()) {
+    for (const SensorResult& finding : sensors_->Check()) {
       if (!finding.result) codes.push_back(finding.result.error().code);
     }
     return codes;
   }
-  // How many readings each driver was asked for in that time.
+  // How many readings each driver made in that time.
   std::map<std::string, int> SentIn(Duration duration) {
     Run(Milliseconds(500));
     sent_.clear();

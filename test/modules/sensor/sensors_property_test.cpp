@@ -1,4 +1,4 @@
-// Whatever people and the robot's states do to the sensors, in whatever order: one is heard exactly
+// Whatever operations and robot states come, in whatever order: a sensor is subscribed to exactly
 // while it is started and awake.
 
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@ class SensorsAtHand : public SensorsOnANetwork {
  public:
   SensorsAtHand() {
     Drive();
-    ticker_.reset();  // nobody measures: who listens is what is looked at
+    ticker_.reset();  // no readings: only the subscriptions are checked
     Start();
   }
   void TestBody() override {}
@@ -34,7 +34,7 @@ class SensorsAtHand : public SensorsOnANetwork {
   }
 };
 
-RC_GTEST_PROP(SensorsProperty, AreHeardExactlyWhileTheyAreStartedAndAwake, ()) {
+RC_GTEST_PROP(SensorsProperty, AreSubscribedToExactlyWhileTheyAreStartedAndAwake, ()) {
   const std::array<const char*, 5> states = {"Active", "LowPower", "OTA", "Protected", "Error"};
   SensorsAtHand robot;
   std::array<Phase, 4> phases;
@@ -63,11 +63,11 @@ RC_GTEST_PROP(SensorsProperty, AreHeardExactlyWhileTheyAreStartedAndAwake, ()) {
       RC_ASSERT(done.ok() == obeyed);
       if (obeyed) phases = next;
     }
-    const std::array<bool, 4> heard = robot.Heard();
+    const std::array<bool, 4> received = robot.Heard();
     for (const SensorKind kind : kSensorKinds) {
       const auto index = static_cast<std::size_t>(kind);
       const bool awake = !low || kind == SensorKind::kGps;
-      RC_ASSERT(heard.at(index) == (awake && phases.at(index) == Phase::kStarted));
+      RC_ASSERT(received.at(index) == (awake && phases.at(index) == Phase::kStarted));
     }
   }
 }

@@ -53,7 +53,7 @@ class SensorsTest : public SensorsOnANetwork {
   std::vector<std::unique_ptr<transport::Subscription>> subscriptions_;
 };
 
-TEST_F(SensorsTest, TellWhatTheirDriversMeasure) {
+TEST_F(SensorsTest, PublishWhatTheirDriversMeasure) {
   StartAll();
   Run(seconds(2));
   EXPECT_THAT(scans_, SizeIs(20));
@@ -70,7 +70,7 @@ TEST_F(SensorsTest, TellWhatTheirDriversMeasure) {
   EXPECT_THAT(Failures(), IsEmpty());
 }
 
-TEST_F(SensorsTest, TellNoMoreOftenThanTheConfigSays) {
+TEST_F(SensorsTest, PublishNoMoreOftenThanConfigured) {
   config_.Of(SensorKind::kLidar).period = Milliseconds(250);
   config_.Of(SensorKind::kTof).period = Milliseconds(500);
   StartAll();
@@ -80,7 +80,7 @@ TEST_F(SensorsTest, TellNoMoreOftenThanTheConfigSays) {
   EXPECT_THAT(ranges_, SizeIs(100));
 }
 
-TEST_F(SensorsTest, SleepInLowPowerButForTheGpsSoThatNobodyMeasures) {
+TEST_F(SensorsTest, SleepInLowPowerExceptForTheGps) {
   StartAll();
   ASSERT_TRUE(sensors_->Enter("LowPower"));
   EXPECT_THAT(SentIn(seconds(2)), ElementsAre(Pair("gps", 20)));
@@ -90,10 +90,10 @@ TEST_F(SensorsTest, SleepInLowPowerButForTheGpsSoThatNobodyMeasures) {
   EXPECT_THAT(awake, SizeIs(7));
   EXPECT_THAT(awake, Contains(Pair("tof3", 20)));
   EXPECT_THAT(scans_, Not(IsEmpty()));
-  EXPECT_THAT(log_, IsEmpty()) << "who sleeps is not silent";
+  EXPECT_THAT(log_, IsEmpty()) << "a sleeping sensor is not silent";
 }
 
-TEST_F(SensorsTest, SleepInOtaAndAreAllGoneAfterTearDown) {
+TEST_F(SensorsTest, SleepInOtaAndAreUnsubscribedAfterTearDown) {
   StartAll();
   ASSERT_TRUE(sensors_->Enter("OTA"));
   EXPECT_THAT(SentIn(seconds(1)), ElementsAre(Key("gps")));
@@ -110,7 +110,7 @@ TEST_F(SensorsTest, AreAwakeInEveryOtherState) {
   }
 }
 
-TEST_F(SensorsTest, ThatAPersonStoppedStayStoppedWhateverTheStateOfTheRobot) {
+TEST_F(SensorsTest, ThatAnOperatorStoppedStayStoppedInEveryState) {
   StartAll();
   EXPECT_EQ(Operate(Operation::kLidar, Operation::kStop), 0);
   EXPECT_THAT(SentIn(seconds(1)), Not(Contains(Key("lidar"))));
@@ -121,7 +121,7 @@ TEST_F(SensorsTest, ThatAPersonStoppedStayStoppedWhateverTheStateOfTheRobot) {
   EXPECT_THAT(SentIn(seconds(1)), Contains(Pair("lidar", 10)));
 }
 
-TEST_F(SensorsTest, ThatAPersonStartsInLowPowerSleepUntilItIsOver) {
+TEST_F(SensorsTest, ThatAnOperatorStartsInLowPowerSleepUntilItIsOver) {
   StartAll();
   EXPECT_EQ(Operate(Operation::kTof, Operation::kStop), 0);
   ASSERT_TRUE(sensors_->Enter("LowPower"));
@@ -144,19 +144,18 @@ TEST_F(SensorsTest, AreOperatedAllOrNone) {
   EXPECT_THAT(SentIn(seconds(1)), SizeIs(7));
 }
 
-TEST_F(SensorsTest, RefuseWhatTheyCannotDoWithACodeAndALine) {
+TEST_F(SensorsTest, RefuseInvalidOperationsWithACodeAndALogLine) {
   config_.Of(SensorKind::kGps).sources.clear();
   StartAll();
   EXPECT_EQ(Operate(Operation::kGps, Operation::kStart), 2408);
   EXPECT_EQ(Operate(5, Operation::kStart), 2010);
   EXPECT_EQ(Operate(Operation::kLidar, 9), 2010);
   EXPECT_EQ(Operate(Operation::kAll, Operation::kStop), 0) << "of those that there are";
-  EXPECT_THAT(log_,
-              ElementsAre(HasSubstr("there is no gps in the config"),
-                          HasSubstr("there is no sensor 5"), HasSubstr("there is no operation 9")));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("there is no gps in the config"),
+                                HasSubstr("unknown sensor 5"), HasSubstr("unknown operation 9")));
 }
 
-TEST_F(SensorsTest, ThatFallSilentAreSaidOnceAndOnceWhenTheyAreBack) {
+TEST_F(SensorsTest, ThatFallSilentAreLoggedOnceAndOnceWhenTheyAreBack) {
   StartAll();
   silent_["lidar"] = true;
   Run(seconds(10));
@@ -165,11 +164,11 @@ TEST_F(SensorsTest, ThatFallSilentAreSaidOnceAndOnceWhenTheyAreBack) {
   EXPECT_THAT(Failures(), ElementsAre(2109));
   silent_["lidar"] = false;
   Run(seconds(2));
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("silent"), "lidar: well again"));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("silent"), "lidar: ok again"));
   EXPECT_THAT(Failures(), IsEmpty());
 }
 
-// A world that runs fast, and a module that is late: the clock is heard before the readings are.
+// A world that runs fast, and a module that is late: the clock is read before the readings.
 TEST_F(SensorsTest, AreNotSilentBecauseTheModuleWasKeptFromRunning) {
   StartAll();
   network_.Pause(*dog_);
@@ -180,7 +179,7 @@ TEST_F(SensorsTest, AreNotSilentBecauseTheModuleWasKeptFromRunning) {
   EXPECT_THAT(Failures(), IsEmpty());
 }
 
-TEST_F(SensorsTest, WithOneSilentTofOfTwoTellTheOtherAlone) {
+TEST_F(SensorsTest, WithOneSilentTofOfTwoPublishTheOtherAlone) {
   StartAll();
   silent_["tof1"] = true;
   Run(seconds(3));
@@ -192,15 +191,15 @@ TEST_F(SensorsTest, WithOneSilentTofOfTwoTellTheOtherAlone) {
   ASSERT_THAT(Failures(), ElementsAre(2209));
 }
 
-TEST_F(SensorsTest, WhoseDriverIsGoneAreSaidAtOnce) {
+TEST_F(SensorsTest, WhoseDriverIsLostAreLoggedAtOnce) {
   StartAll();
   scan_ = nullptr;
   ticker_.reset();
   Run(Milliseconds(700));
-  EXPECT_THAT(log_, Contains("lidar: nobody publishes driver/scan (2107 (Lidar: Timeout))"));
+  EXPECT_THAT(log_, Contains("lidar: no publisher of driver/scan (2107 (Lidar: Timeout))"));
 }
 
-TEST_F(SensorsTest, RefuseReadingsThatCannotBeAndCountThem) {
+TEST_F(SensorsTest, RefuseImpossibleReadingsAndCountThem) {
   StartAll();
   const msg::LaserScan good = scan_as_;
   scan_as_.ranges[4] = std::numeric_limits<float>::quiet_NaN();
@@ -214,11 +213,11 @@ TEST_F(SensorsTest, RefuseReadingsThatCannotBeAndCountThem) {
   scan_as_ = good;
   Run(seconds(3));
   EXPECT_THAT(log_, ElementsAre(HasSubstr("refused"),
-                                ContainsRegex("lidar: well again, 3[1-3] readings were refused")));
+                                ContainsRegex("lidar: ok again, 3[1-3] readings were refused")));
   EXPECT_THAT(Failures(), IsEmpty());
 }
 
-TEST_F(SensorsTest, WithABadReadingNowAndThenSayItOnce) {
+TEST_F(SensorsTest, WithAnOccasionalBadReadingLogItOnce) {
   StartAll();
   const msg::LaserScan good = scan_as_;
   for (int i = 0; i < 20; ++i) {
@@ -231,7 +230,7 @@ TEST_F(SensorsTest, WithABadReadingNowAndThenSayItOnce) {
   EXPECT_NEAR(static_cast<double>(scans_.size()), 80, 2);
 }
 
-TEST_F(SensorsTest, TellHowManySatellitesTheFixIsFromWhileThatIsHeard) {
+TEST_F(SensorsTest, PublishTheNumberOfSatellitesWhileItIsReceived) {
   config_.Of(SensorKind::kGps).satellites = "driver/satellites";
   const auto satellites = Publisher<msg::UInt8>("driver/satellites");
   StartAll();
@@ -242,7 +241,7 @@ TEST_F(SensorsTest, TellHowManySatellitesTheFixIsFromWhileThatIsHeard) {
   Run(seconds(1));
   EXPECT_EQ(gps_.back().num_sv, 11);
   Run(seconds(4));
-  EXPECT_EQ(gps_.back().num_sv, 0) << "not heard any more";
+  EXPECT_EQ(gps_.back().num_sv, 0) << "not received any more";
 }
 
 TEST_F(SensorsTest, RefuseReadingsFromAnotherTime) {
@@ -258,7 +257,7 @@ TEST_F(SensorsTest, RefuseReadingsFromAnotherTime) {
   };
   publish(-3);
   publish(3);
-  EXPECT_THAT(log_, IsEmpty()) << "late ones may be the fault of who hears them";
+  EXPECT_THAT(log_, IsEmpty()) << "late ones may be caused by this subscriber";
   for (int i = 0; i < 15; ++i) publish(3);
   EXPECT_THAT(ranges_, IsEmpty());
   EXPECT_THAT(log_,
@@ -266,16 +265,16 @@ TEST_F(SensorsTest, RefuseReadingsFromAnotherTime) {
                           "is 3 s ahead (2307 (Ultrasonic: Timeout))"));
   publish(0);
   EXPECT_THAT(ranges_, SizeIs(1));
-  EXPECT_THAT(log_, Contains("ultrasonic: well again, 17 readings were refused"));
+  EXPECT_THAT(log_, Contains("ultrasonic: ok again, 17 readings were refused"));
 }
 
-TEST_F(SensorsTest, AreCheckedInTheirOrderButForThoseThatAreSkipped) {
+TEST_F(SensorsTest, AreCheckedInTheirOrderExceptThoseThatAreSkipped) {
   config_.skip = {SensorKind::kUltrasonic};
   Start();
-  EXPECT_THAT(Failures(), ElementsAre(2109, 2209, 2409)) << "nobody drives them";
+  EXPECT_THAT(Failures(), ElementsAre(2109, 2209, 2409)) << "they have no driver";
 }
 
-TEST_F(SensorsTest, ThatAreCriticalSayWhetherTheyHaveStarted) {
+TEST_F(SensorsTest, ThatAreCriticalReportWhetherTheyHaveStarted) {
   config_.critical = {SensorKind::kTof};
   StartAll();
   EXPECT_TRUE(sensors_->CheckStarted());

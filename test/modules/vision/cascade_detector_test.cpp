@@ -76,11 +76,11 @@ TEST(CascadeDetector, SeesFartherInALargerPicture) {
   EXPECT_EQ(TheDetector(640)->Detect(PictureOfFace(3, 4)).size(), 1U);
 }
 
-TEST(CascadeDetector, FindsNobodyWhereNobodyIs) {
+TEST(CascadeDetector, FindsNoFaceInAnEmptyScene) {
   EXPECT_TRUE(TheDetector()->Detect(PictureOfFace(std::nullopt, 1)).empty());
 }
 
-// The same picture in all that cameras send.
+// The same picture in every encoding of cameras.
 TEST(CascadeDetector, FindsTheSameInEveryEncoding) {
   const msg::Image bgr = PictureOfFace(3, 1, 0.2);
   const auto detector = TheDetector();
@@ -110,7 +110,7 @@ TEST(CascadeDetector, FindsTheSameInEveryEncoding) {
   }
 }
 
-TEST(CascadeDetector, BearsPicturesOfAnySize) {
+TEST(CascadeDetector, HandlesPicturesOfAnySize) {
   const auto detector = TheDetector();
   for (const auto& [width, height] : {std::pair(1U, 1U), std::pair(1U, 2000U), std::pair(2000U, 1U),
                                       std::pair(19U, 21U), std::pair(3840U, 2160U)}) {
@@ -118,7 +118,7 @@ TEST(CascadeDetector, BearsPicturesOfAnySize) {
   }
 }
 
-TEST(CascadeDetector, IsNotMadeOfAFileThatIsNoModel) {
+TEST(CascadeDetector, IsNotMadeFromAnInvalidModel) {
   const TempFolder folder;
   CascadeConfig config;
   config.model = folder / "missing.xml";
@@ -141,7 +141,7 @@ std::string WritePicture(const std::string& file, msg::Image picture) {
   return file;
 }
 
-TEST(LookTool, TellsWhatIsFoundAndDrawsIt) {
+TEST(LookTool, PrintsWhatIsFoundAndDrawsIt) {
   const TempFolder folder;
   tool::LookOptions options;
   options.pictures = {WritePicture(folder / "face.png", PictureOfFace(3, 1))};
@@ -159,7 +159,7 @@ TEST(LookTool, TellsWhatIsFoundAndDrawsIt) {
   EXPECT_GT(cv::norm(before, after), 0);
 }
 
-TEST(LookTool, SaysWhatItCannotReadOrWrite) {
+TEST(LookTool, ReportsWhatItCannotReadOrWrite) {
   const TempFolder folder;
   tool::LookOptions options;
   options.pictures = {folder / "missing.png"};

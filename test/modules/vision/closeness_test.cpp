@@ -24,13 +24,13 @@ class ClosenessTest : public ::testing::Test {
   std::int64_t now_ns_ = 0;
 };
 
-TEST_F(ClosenessTest, NobodyIsTooCloseWhereNobodyIs) {
+TEST_F(ClosenessTest, IsClearWithoutAPerson) {
   EXPECT_FALSE(See({}));
   EXPECT_FALSE(See({{1, 0.9}}));
 }
 
-// As after a restart beside somebody whose face fills the picture.
-TEST_F(ClosenessTest, KnowsNothingUntilSomebodyIsSeenOrItHasLookedForLong) {
+// As after a restart next to a person whose face fills the picture.
+TEST_F(ClosenessTest, IsUnknownUntilAFaceIsSeenOrTheHoldTimeHasPassed) {
   See({});
   SeeNobodyFor(9900);
   EXPECT_FALSE(closeness_.known());
@@ -49,7 +49,7 @@ TEST_F(ClosenessTest, HasTwoLimitsSoThatItDoesNotFlicker) {
   EXPECT_FALSE(See({{1, 0.81}}));
 }
 
-TEST_F(ClosenessTest, AMissedPictureIsNotTakenForOneWhoLeft) {
+TEST_F(ClosenessTest, AMissedDetectionIsNotTreatedAsLeaving) {
   See({{1, 0.5}});
   EXPECT_TRUE(See({}));
   EXPECT_TRUE(See({{1, 0.5}}));
@@ -62,7 +62,7 @@ TEST_F(ClosenessTest, LosingTheFaceThatIsTooCloseDoesNotReadAsClear) {
   EXPECT_TRUE(SeeNobodyFor(9900));
 }
 
-TEST_F(ClosenessTest, IsOverWhenThePicturesShowNobodyForLong) {
+TEST_F(ClosenessTest, IsOverWhenThePicturesShowNoFaceForTheHoldTime) {
   See({{1, 0.3}});
   EXPECT_FALSE(SeeNobodyFor(10200));
 }
@@ -80,13 +80,13 @@ TEST_F(ClosenessTest, AnotherOneFartherAwayDoesNotClearTheFirst) {
   EXPECT_FALSE(See({{1, 1.1}, {2, 2.0}}));
 }
 
-TEST_F(ClosenessTest, LastsUntilAllWhoWereTooCloseHaveGone) {
+TEST_F(ClosenessTest, LastsUntilEveryPersonTooCloseHasLeft) {
   See({{1, 0.4}, {2, 0.5}});
   EXPECT_TRUE(See({{1, 1.1}, {2, 0.5}}));
   EXPECT_FALSE(See({{1, 1.1}, {2, 1.1}}));
 }
 
-RC_GTEST_PROP(ClosenessProperty, IsNeverClearOfOneWhoWasNotSeenToLeave, ()) {
+RC_GTEST_PROP(ClosenessProperty, IsNeverClearOfAPersonWhoWasNotSeenToLeave, ()) {
   const ClosenessRules rules;
   Closeness closeness(rules);
   std::int64_t now_ns = 0;

@@ -1,4 +1,4 @@
-// What the topics tell of the pictures that come.
+// The published topics for the received pictures.
 
 #include "musher/modules/vision/face_topics.hpp"
 
@@ -10,7 +10,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-TEST_F(FaceTopicsTest, TellWhomToLookAtAndHowFarAwayThatIs) {
+TEST_F(FaceTopicsTest, PublishTheTargetAndItsDistance) {
   looker_.found = std::vector{FaceAt(0.3, 0.4, HeightAt(1, 0.18))};
   Start();
   Shoot();
@@ -26,15 +26,15 @@ TEST_F(FaceTopicsTest, TellWhomToLookAtAndHowFarAwayThatIs) {
   EXPECT_THAT(counts_, ElementsAre(0, 1));
 }
 
-TEST_F(FaceTopicsTest, SayThatSomebodyIsTooClose) {
+TEST_F(FaceTopicsTest, PublishThatAPersonIsTooClose) {
   looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
   Start();
   Shoot(2);
   EXPECT_EQ(closes_.back().data, true);
 }
 
-// Who hears them counts old ones as unknown.
-TEST_F(FaceTopicsTest, SayNothingOfWhoIsTooCloseWhilePicturesAreMissing) {
+// Subscribers treat old ones as unknown.
+TEST_F(FaceTopicsTest, DoNotPublishTooCloseWhilePicturesAreMissing) {
   looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(2, 0.18))};
   Start();
   Shoot(3);
@@ -43,22 +43,22 @@ TEST_F(FaceTopicsTest, SayNothingOfWhoIsTooCloseWhilePicturesAreMissing) {
   EXPECT_THAT(closes_, IsEmpty());
   EXPECT_THAT(targets_, IsEmpty());
   EXPECT_THAT(counts_, ElementsAre(0, 0, 0)) << "each 2 s";
-  EXPECT_THAT(log_, ElementsAre("5907 no picture for 2000 ms: none that can be looked at comes on "
+  EXPECT_THAT(log_, ElementsAre("5907 no picture for 2000 ms: no usable picture on "
                                 "robot1/image_rgb"));
   looker_.found = std::vector<FaceBox>();
   Shoot();
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("5907"), "0 pictures come again"));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("5907"), "0 receiving pictures again"));
   EXPECT_EQ(closes_.back().data, false);
 }
 
-TEST_F(FaceTopicsTest, StickToSomebodyBeingTooCloseWhilePicturesAreMissing) {
+TEST_F(FaceTopicsTest, RepeatTooCloseWhilePicturesAreMissing) {
   looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
   Start();
   Shoot(3);
   Forget();
   Run(Milliseconds(7000));
   EXPECT_THAT(closes_, ElementsAre(msg::Bool{true}, msg::Bool{true}, msg::Bool{true}))
-      << "each 2 s: nobody was seen to leave";
+      << "each 2 s: no person was seen to leave";
   looker_.found = std::vector<FaceBox>();
   Shoot();
   EXPECT_EQ(closes_.back().data, true) << "nor by the first picture";
@@ -72,31 +72,31 @@ TEST_F(FaceTopicsTest, StickToSomebodyBeingTooCloseWhilePicturesAreMissing) {
   EXPECT_EQ(closes_.back().data, false);
 }
 
-TEST_F(FaceTopicsTest, SayNothingOfWhoIsTooCloseAfterANewStartUntilTheyHaveLookedForLong) {
+TEST_F(FaceTopicsTest, DoNotPublishTooCloseAfterAStartUntilTheHoldTimeHasPassed) {
   Start();
   Shoot(99);
-  EXPECT_THAT(closes_, IsEmpty()) << "one who fills the picture is not seen";
+  EXPECT_THAT(closes_, IsEmpty()) << "a face that fills the picture is not seen";
   EXPECT_EQ(counts_.size(), 99U);
   Shoot(4);
   EXPECT_FALSE(closes_.empty());
   EXPECT_THAT(closes_, ::testing::Each(msg::Bool{false}));
 }
 
-TEST_F(FaceTopicsTest, SayThatNobodyIsTooCloseAsSoonAsTheySeeSomebodyFartherAway) {
+TEST_F(FaceTopicsTest, PublishThatNoPersonIsTooCloseAsSoonAsTheySeeOneFartherAway) {
   looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(2, 0.18))};
   Start();
   Shoot(2);
   EXPECT_THAT(closes_, ElementsAre(msg::Bool{false}));
 }
 
-TEST_F(FaceTopicsTest, SayWhenNobodyPublishesPictures) {
+TEST_F(FaceTopicsTest, LogThatPicturesHaveNoPublisher) {
   pictures_.reset();
   Start();
   Run(Milliseconds(3000));
-  EXPECT_THAT(log_, ElementsAre("5907 no picture for 2000 ms: nobody publishes robot1/image_rgb"));
+  EXPECT_THAT(log_, ElementsAre("5907 no picture for 2000 ms: no publisher of robot1/image_rgb"));
 }
 
-TEST_F(FaceTopicsTest, HearNoPictureWhileTheyDoNotLook) {
+TEST_F(FaceTopicsTest, SubscribeToNoPictureWhileTheyAreOff) {
   Start(false);
   EXPECT_EQ(pictures_->MatchedReaders(), 0);
   EXPECT_TRUE(topics_->SetOn(true));
@@ -113,7 +113,7 @@ TEST_F(FaceTopicsTest, HearNoPictureWhileTheyDoNotLook) {
   EXPECT_THAT(log_, IsEmpty()) << "silence is wanted";
 }
 
-TEST_F(FaceTopicsTest, KnowAfterAPauseWhoWasTooCloseBeforeIt) {
+TEST_F(FaceTopicsTest, RememberAfterAPauseThatAPersonWasTooClose) {
   looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
   Start();
   Shoot(2);
@@ -127,7 +127,7 @@ TEST_F(FaceTopicsTest, KnowAfterAPauseWhoWasTooCloseBeforeIt) {
   EXPECT_THAT(closes_, ElementsAre(msg::Bool{true}));
 }
 
-TEST_F(FaceTopicsTest, DropAResultThatComesAfterTheyStoppedLooking) {
+TEST_F(FaceTopicsTest, DropAResultThatComesAfterTheyWereSwitchedOff) {
   looker_.hangs = true;
   Start();
   Shoot();
@@ -139,7 +139,7 @@ TEST_F(FaceTopicsTest, DropAResultThatComesAfterTheyStoppedLooking) {
   EXPECT_THAT(counts_, IsEmpty());
 }
 
-TEST_F(FaceTopicsTest, RefuseAPictureThatIsNoneOnceInTheLog) {
+TEST_F(FaceTopicsTest, RefuseAnInvalidPictureAndLogItOnce) {
   Start();
   msg::Image broken = Picture();
   broken.data.pop_back();
@@ -147,10 +147,10 @@ TEST_F(FaceTopicsTest, RefuseAPictureThatIsNoneOnceInTheLog) {
   EXPECT_THAT(looker_.looks, IsEmpty());
   EXPECT_THAT(log_, ElementsAre("5910 9215 bytes of a picture of 64 x 48 with 192 in a row"));
   Shoot(1);
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("5910"), "0 pictures are well again"));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("5910"), "0 pictures are ok again"));
 }
 
-TEST_F(FaceTopicsTest, SeeAFaceInPicturesThatComeRarelyAndSayOnceThatTheyDo) {
+TEST_F(FaceTopicsTest, SeeAFaceInRarePicturesAndLogOnceThatTheyAreRare) {
   looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
   Start();
   for (int i = 0; i < 20; ++i) {
@@ -159,7 +159,7 @@ TEST_F(FaceTopicsTest, SeeAFaceInPicturesThatComeRarelyAndSayOnceThatTheyDo) {
   }
   EXPECT_EQ(targets_.size(), 19U);
   EXPECT_EQ(closes_.back().data, true);
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("pictures are looked at 600 ms apart, more than")));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("pictures are processed 600 ms apart, more than")));
   Shoot(2);
   EXPECT_THAT(log_.back(), HasSubstr("often enough again"));
 }
@@ -172,24 +172,24 @@ TEST_F(FaceTopicsTest, DoNotFillTheLogWhenGoodAndBadPicturesAlternate) {
     Shoot(1);
     Shoot(1, strange);
   }
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("bayer_rggb8"), "0 pictures are well again"));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("bayer_rggb8"), "0 pictures are ok again"));
   Run(Milliseconds(60'000));
   Shoot(1, strange);
   EXPECT_THAT(log_.back(), HasSubstr("bayer_rggb8")) << "after a minute it is news again";
 }
 
 // The world at twice the speed: 2 s of it are one of the detector's.
-TEST_F(FaceTopicsTest, SayThatTheDetectorHangsAlsoWhereTimePassesFaster) {
+TEST_F(FaceTopicsTest, LogThatTheDetectorHangsAlsoWhenTimePassesFaster) {
   Start();
   Shoot(2);
   looker_.hangs = true;
   looker_.busy = Milliseconds(1100);
   Shoot();
   Run(Milliseconds(2000));
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("the detector has been at one for 1100 ms")));
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("the detector has been processing one for 1100 ms")));
 }
 
-TEST_F(FaceTopicsTest, TakeAPictureWithoutAStampForOneOfNow) {
+TEST_F(FaceTopicsTest, StampAPictureWithoutAStampWithTheTimeOfReception) {
   Start();
   const std::int64_t now_ns = clock_->Now().time_since_epoch().count();
   EXPECT_TRUE(pictures_->Publish(Picture()));
@@ -198,7 +198,7 @@ TEST_F(FaceTopicsTest, TakeAPictureWithoutAStampForOneOfNow) {
   EXPECT_NEAR(double(looker_.looks[0] - now_ns), 0, double(10 * kMs));
 }
 
-TEST_F(FaceTopicsTest, StartAnewWhenTheWorldIsStartedAgain) {
+TEST_F(FaceTopicsTest, StartAnewWhenTheWorldIsRestarted) {
   looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};
   Start();
   Run(Milliseconds(60000));
@@ -210,8 +210,8 @@ TEST_F(FaceTopicsTest, StartAnewWhenTheWorldIsStartedAgain) {
   early.header.stamp = {3, 0};
   EXPECT_TRUE(pictures_->Publish(early));
   Run(Milliseconds(100));
-  EXPECT_THAT(closes_, IsEmpty()) << "nobody was seen to leave";
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("0 time has jumped back: all faces are new")));
+  EXPECT_THAT(closes_, IsEmpty()) << "no person was seen to leave";
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("0 time jumped back: all tracks are dropped")));
   topics_->OnResult({60'000 * kMs, 64, 48, std::vector{FaceAt(0.5, 0.5)}, {}});
   Run(Milliseconds(100));
   EXPECT_EQ(counts_.size(), 1U) << "a result of the old time is none any more";
@@ -230,7 +230,7 @@ TEST_F(FaceTopicsTest, DoNotFillTheLogWhenTwoCamerasWithTwoClocksSendOnOneTopic)
   EXPECT_THAT(log_, ElementsAre(HasSubstr("two cameras on robot1/image_rgb")));
 }
 
-TEST_F(FaceTopicsTest, KnowDistancesByTheConfigsAngleWhereNoCameraInfoComes) {
+TEST_F(FaceTopicsTest, KnowDistancesByTheConfiguredAngleWithoutCameraInfo) {
   infos_.reset();
   config_.hfov_rad = 2 * std::atan(320.0 / 600);
   looker_.found = std::vector{FaceAt(0.5, 0.5, HeightAt(0.4, 0.18))};

@@ -22,7 +22,7 @@ class FaceTrackerTest : public ::testing::Test {
     tracker_.OnPicture(now_ns_, boxes);
     return Seen();
   }
-  // The numbers of those that are confirmed and seen.
+  // The numbers of the tracks that are confirmed and seen.
   std::vector<int> Seen() const {
     std::vector<int> ids;
     for (const Track& track : tracker_.tracks()) {
@@ -36,19 +36,19 @@ class FaceTrackerTest : public ::testing::Test {
   std::int64_t now_ns_ = 0;
 };
 
-TEST_F(FaceTrackerTest, BelievesAFaceWhenEnoughPicturesShowIt) {
+TEST_F(FaceTrackerTest, ConfirmsAFaceWhenEnoughPicturesShowIt) {
   EXPECT_THAT(See({FaceAt(0.5, 0.5)}), IsEmpty());
   EXPECT_THAT(See({FaceAt(0.5, 0.5)}), ElementsAre(1));
 }
 
-TEST_F(FaceTrackerTest, BelievesNoFaceThatFlickers) {
+TEST_F(FaceTrackerTest, ConfirmsNoFaceThatFlickers) {
   for (int i = 0; i < 10; ++i) {
     EXPECT_THAT(See({FaceAt(0.5, 0.5)}), IsEmpty());
     EXPECT_THAT(See({}, 600), IsEmpty());
   }
 }
 
-TEST_F(FaceTrackerTest, BelievesAFaceInPicturesThatAreFartherApartThanConfirmWithin) {
+TEST_F(FaceTrackerTest, ConfirmsAFaceInPicturesThatAreFartherApartThanConfirmWithin) {
   EXPECT_THAT(See({FaceAt(0.5, 0.5)}, 600), IsEmpty());
   for (int i = 0; i < 10; ++i) EXPECT_THAT(See({FaceAt(0.5, 0.5)}, 600), ElementsAre(1));
 }
@@ -73,7 +73,7 @@ TEST_F(FaceTrackerTest, GivesAFaceOfAnotherSizeAnotherNumber) {
   EXPECT_THAT(See({FaceAt(0.55, 0.5, 0.1)}), IsEmpty());
 }
 
-TEST_F(FaceTrackerTest, TellsTwoWhoStandSideBySideApart) {
+TEST_F(FaceTrackerTest, DistinguishesTwoFacesSideBySide) {
   for (int i = 0; i < 5; ++i) See({FaceAt(0.4, 0.5), FaceAt(0.6, 0.5)});
   EXPECT_THAT(See({FaceAt(0.61, 0.5), FaceAt(0.41, 0.5)}), ElementsAre(1, 2));
   EXPECT_NEAR(tracker_.tracks()[0].box.center_x(), 0.41, 1e-9);
@@ -104,7 +104,7 @@ TEST_F(FaceTrackerTest, SmoothsTheSizeByTime) {
   EXPECT_NEAR(tracker_.tracks()[0].height, 0.3, 1e-6);
 }
 
-TEST_F(FaceTrackerTest, TakesNoBoxThatIsNone) {
+TEST_F(FaceTrackerTest, TakesNoInvalidBox) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinite = std::numeric_limits<double>::infinity();
   for (const FaceBox& box :

@@ -28,7 +28,7 @@ class FaceWatchTest : public ::testing::Test {
   std::int64_t now_ns_ = 0;
 };
 
-TEST_F(FaceWatchTest, SeesWhoIsThereAndHowFarAway) {
+TEST_F(FaceWatchTest, SeesEachFaceAndItsDistance) {
   EXPECT_TRUE(See({FaceOf(1.5)}).faces.empty());
   const Sight sight = See({FaceOf(1.5)});
   ASSERT_TRUE(sight.target);
@@ -38,20 +38,20 @@ TEST_F(FaceWatchTest, SeesWhoIsThereAndHowFarAway) {
   EXPECT_EQ(sight.stamp_ns, now_ns_);
 }
 
-TEST_F(FaceWatchTest, ChoosesTheNearestOneWhoLooksAtTheRobot) {
+TEST_F(FaceWatchTest, ChoosesTheNearestFaceThatLooksAtTheRobot) {
   const Sight sight = SeeTwice({TurnedAway(FaceOf(0.9, 0.2)), FaceOf(1.2, 0.5), FaceOf(2, 0.8)});
   EXPECT_EQ(sight.faces.size(), 3U);
   ASSERT_TRUE(sight.target);
   EXPECT_NEAR(sight.target->box.center_x(), 0.5, 1e-9);
 }
 
-TEST_F(FaceWatchTest, SaysAlsoOfOneWhoLooksAwayThatItIsTooClose) {
+TEST_F(FaceWatchTest, ReportsTooCloseAlsoForAPersonWhoLooksAway) {
   const Sight sight = SeeTwice({TurnedAway(FaceOf(0.4))});
   EXPECT_FALSE(sight.target);
   EXPECT_EQ(sight.too_close, true);
 }
 
-TEST_F(FaceWatchTest, ASingleFalseFindIsNeitherATargetNorTooClose) {
+TEST_F(FaceWatchTest, ASingleFalseDetectionIsNeitherATargetNorTooClose) {
   SeeTwice({FaceOf(2, 0.2)});
   const Sight sight = See({FaceOf(2, 0.2), FaceOf(0.3, 0.7)});
   EXPECT_NEAR(sight.target->box.center_x(), 0.2, 1e-9);
@@ -78,10 +78,10 @@ TEST_F(FaceWatchTest, WithoutALensKnowsTheNearestButNotHowFarAway) {
   ASSERT_TRUE(sight.target);
   EXPECT_NEAR(sight.target->box.center_x(), 0.2, 1e-9);
   EXPECT_FALSE(sight.target->distance_m);
-  EXPECT_FALSE(sight.too_close) << "nobody can say";
+  EXPECT_FALSE(sight.too_close) << "unknown";
 }
 
-TEST_F(FaceWatchTest, TellsItsFacesAsJson) {
+TEST_F(FaceWatchTest, WritesItsFacesAsJson) {
   See({FaceOf(1)});
   const Sight sight = See({FaceOf(1)});
   const auto json = nlohmann::json::parse(FacesJson(sight));
@@ -100,10 +100,10 @@ TEST_F(FaceWatchTest, TellsItsFacesAsJson) {
   }
 }
 
-TEST(FacesJson, OfNobodyIsAnEmptyList) {
-  Sight nobody;
-  nobody.stamp_ns = 1500 * kMs;
-  EXPECT_EQ(FacesJson(nobody), R"({"faces":[],"count":0,"timestamp":1.5})");
+TEST(FacesJson, WithoutFacesIsAnEmptyList) {
+  Sight empty;
+  empty.stamp_ns = 1500 * kMs;
+  EXPECT_EQ(FacesJson(empty), R"({"faces":[],"count":0,"timestamp":1.5})");
 }
 
 }  // namespace musher::vision::face_watch_test

@@ -1,5 +1,5 @@
-// musher-vision-manager with a detector that does what stands in the file `detector` of its working
-// folder: "throw", "hang" until somebody opens the other end of the fifo `gate`, or nothing.
+// musher-vision-manager with a detector controlled by the file `detector` of its working folder:
+// "throw", "hang" until the other end of the fifo `gate` is opened, or nothing.
 
 #include <filesystem>
 #include <fstream>
@@ -12,17 +12,17 @@
 namespace musher::vision {
 namespace {
 
-std::string Told() {
-  std::string told;
-  std::ifstream("detector") >> told;
-  return told;
+std::string Mode() {
+  std::string mode;
+  std::ifstream("detector") >> mode;
+  return mode;
 }
 
 class FaultyDetector : public Detector {
  public:
   std::vector<FaceBox> Detect(const msg::Image&) override {
-    if (Told() == "hang") std::ifstream("gate").peek();
-    if (Told() == "throw") throw std::runtime_error("as it was told");
+    if (Mode() == "hang") std::ifstream("gate").peek();
+    if (Mode() == "throw") throw std::runtime_error("as it was told");
     return {};
   }
 };

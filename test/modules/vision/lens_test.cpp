@@ -51,7 +51,7 @@ TEST(Lens, MayBeGivenByItsAngle) {
   EXPECT_NEAR(lens.focal_y, FrontLens().focal_y, 1e-9);
 }
 
-TEST(Lens, IsNotMadeOfNumbersThatAreNone) {
+TEST(Lens, IsNotMadeFromInvalidNumbers) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double bad : {0.0, -600.0, nan, std::numeric_limits<double>::infinity()}) {
     for (const std::size_t i : {0, 2, 4, 5}) {

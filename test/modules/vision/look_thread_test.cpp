@@ -1,4 +1,4 @@
-// A real thread and a real loop, with a detector that does what the test says.
+// A real thread and a real loop, with a detector controlled by the test.
 
 #include <gmock/gmock.h>
 
@@ -120,7 +120,7 @@ TEST_F(LookThreadTest, ReplacesADetectorThatThrew) {
   EXPECT_EQ(made_, 3);
 }
 
-TEST_F(LookThreadTest, GivesADetectorUpThatFailsAgainAndAgain) {
+TEST_F(LookThreadTest, GivesUpADetectorThatFailsRepeatedly) {
   script_ = [](const msg::Image&) -> std::vector<FaceBox> { throw std::runtime_error("dead"); };
   Start();
   auto lost = lost_.get_future();
@@ -129,10 +129,10 @@ TEST_F(LookThreadTest, GivesADetectorUpThatFailsAgainAndAgain) {
     ASSERT_TRUE(AwaitResults(count));
   }
   EXPECT_EQ(lost.get(), "3 pictures in a row: the detector failed: dead");
-  thread_->Look(4, Picture());  // nobody is there, and nothing hangs
+  thread_->Look(4, Picture());  // without a detector nothing hangs
 }
 
-TEST_F(LookThreadTest, LoadsTheModelAheadOrSaysWhyNot) {
+TEST_F(LookThreadTest, LoadsTheModelAheadOrReportsWhyNot) {
   broken_ = true;
   Start();
   EXPECT_EQ(thread_->Load().error().message, "there is no such model");
@@ -145,7 +145,7 @@ TEST_F(LookThreadTest, LoadsTheModelAheadOrSaysWhyNot) {
   EXPECT_EQ(made_, 3) << "once it is there it is kept";
 }
 
-// One who waits to load, while another loads for long, does not wait for the picture's end either.
+// A caller that waits to load, while another loads for long, does not wait for the picture either.
 TEST_F(LookThreadTest, LoadsWithoutWaitingForAPictureThatBeginsMeanwhile) {
   std::promise<void> making;
   std::promise<void> let_go;
@@ -170,14 +170,14 @@ TEST_F(LookThreadTest, LoadsWithoutWaitingForAPictureThatBeginsMeanwhile) {
   EXPECT_TRUE(AwaitResults(1));
 }
 
-TEST_F(LookThreadTest, SaysBeforeEachPictureHowLongItMayTake) {
+TEST_F(LookThreadTest, SetsACheckpointBeforeEachPicture) {
   Start();
   thread_->Look(1, Picture());
   ASSERT_TRUE(AwaitResults(1));
   EXPECT_THAT(checkpoints_, ElementsAre(Duration(Milliseconds(700)), Duration::max()));
 }
 
-TEST_F(LookThreadTest, IsDroppedWithAPictureOnItsWay) {
+TEST_F(LookThreadTest, IsDestroyedWhileAPictureIsProcessed) {
   Start();
   thread_->Look(1, Picture());
   thread_.reset();

@@ -14,11 +14,11 @@ using Verdict = StampGate::Verdict;
 std::string Said(const std::function<void(msg::Image&)>& spoil) {
   msg::Image picture = Picture();
   spoil(picture);
-  const Result<> judged = CheckPicture(picture);
-  return judged ? "" : judged.error().message;
+  const Result<> valid = CheckPicture(picture);
+  return valid ? "" : valid.error().message;
 }
 
-TEST(PictureJudge, TakesWhatCamerasSend) {
+TEST(CheckPicture, TakesWhatCamerasSend) {
   for (const auto& [encoding, channels] :
        {std::pair("rgb8", 3), std::pair("bgr8", 3), std::pair("rgba8", 4), std::pair("bgra8", 4),
         std::pair("mono8", 1)}) {
@@ -37,7 +37,7 @@ TEST(PictureJudge, TakesWhatCamerasSend) {
             "");
 }
 
-TEST(PictureJudge, RefusesWhatIsNoPicture) {
+TEST(CheckPicture, RefusesAnInvalidPicture) {
   EXPECT_THAT(Said([](msg::Image& picture) { picture.encoding = "32FC1"; }),
               HasSubstr("this one is '32FC1'"));
   EXPECT_THAT(Said([](msg::Image& picture) { picture.encoding = std::string(100000, 'x'); }),
@@ -65,11 +65,11 @@ TEST(PictureJudge, RefusesWhatIsNoPicture) {
 
 TEST(StampGate, LetsNoPicturePassTwice) {
   StampGate gate(0);
-  EXPECT_EQ(gate.Judge(100 * kMs), Verdict::kLook);
-  EXPECT_EQ(gate.Judge(100 * kMs), Verdict::kNotNewer);
-  EXPECT_EQ(gate.Judge(100 * kMs + 999'999), Verdict::kNotNewer);
-  EXPECT_EQ(gate.Judge(60 * kMs), Verdict::kNotNewer);
-  EXPECT_EQ(gate.Judge(101 * kMs), Verdict::kLook);
+  EXPECT_EQ(gate.Check(100 * kMs), Verdict::kLook);
+  EXPECT_EQ(gate.Check(100 * kMs), Verdict::kNotNewer);
+  EXPECT_EQ(gate.Check(100 * kMs + 999'999), Verdict::kNotNewer);
+  EXPECT_EQ(gate.Check(60 * kMs), Verdict::kNotNewer);
+  EXPECT_EQ(gate.Check(101 * kMs), Verdict::kLook);
 }
 
 TEST(StampGate, KeepsToItsRateWhateverThatOfTheCamera) {
@@ -77,18 +77,18 @@ TEST(StampGate, KeepsToItsRateWhateverThatOfTheCamera) {
     StampGate gate(10);
     int looked = 0;
     for (std::int64_t i = 1; i <= 10 * camera_hz; ++i) {
-      looked += gate.Judge(i * 1'000'000'000 / camera_hz) == Verdict::kLook ? 1 : 0;
+      looked += gate.Check(i * 1'000'000'000 / camera_hz) == Verdict::kLook ? 1 : 0;
     }
     EXPECT_NEAR(looked, 100, 1) << camera_hz << " Hz";
   }
 }
 
-TEST(StampGate, SeesTimeJumpBack) {
+TEST(StampGate, DetectsATimeJumpBack) {
   StampGate gate(10);
-  gate.Judge(100'000 * kMs);
-  EXPECT_EQ(gate.Judge(40 * kMs), Verdict::kLookAnew);
-  EXPECT_EQ(gate.Judge(50 * kMs), Verdict::kTooSoon);
-  EXPECT_EQ(gate.Judge(140 * kMs), Verdict::kLook);
+  gate.Check(100'000 * kMs);
+  EXPECT_EQ(gate.Check(40 * kMs), Verdict::kLookAnew);
+  EXPECT_EQ(gate.Check(50 * kMs), Verdict::kTooSoon);
+  EXPECT_EQ(gate.Check(140 * kMs), Verdict::kLook);
 }
 
 }  // namespace musher::vision::picture_test

@@ -1,4 +1,4 @@
-// What a self-check finds, and that it tells nobody what it sees.
+// The results of a self-check, which publishes nothing.
 
 #include "musher/modules/vision/face_topics.hpp"
 
@@ -15,7 +15,7 @@ TEST_F(FaceTopicsTest, CheckThemselves) {
   Start(false);
   EXPECT_TRUE(topics_->SetChecked(true));
   Run(Milliseconds(100));
-  EXPECT_EQ(Failing(), "nobody publishes robot1/image_rgb");
+  EXPECT_EQ(Failing(), "no publisher of robot1/image_rgb");
   pictures_ = Must(
       transport::MakePublisher<msg::Image>(*desk_, "robot1/image_rgb", transport::kSensorDataQos));
   Run(Milliseconds(100));
@@ -35,8 +35,8 @@ TEST_F(FaceTopicsTest, CheckThemselves) {
   EXPECT_FALSE(topics_->looks());
 }
 
-// A self-check that lasted longer than two pictures told the show of a face.
-TEST_F(FaceTopicsTest, TellNobodyWhatTheySeeInACheck) {
+// A self-check of more than two pictures published a face to the show.
+TEST_F(FaceTopicsTest, PublishNothingDuringACheck) {
   looker_.found = std::vector{FaceAt(0.3, 0.4, HeightAt(0.3, 0.18))};
   Start(false);
   EXPECT_TRUE(topics_->SetChecked(true));
@@ -62,11 +62,11 @@ TEST_F(FaceTopicsTest, FailTheirCheckWithADetectorThatHangsOrFails) {
   Shoot();
   EXPECT_EQ(Failing(), "");
   looker_.busy = Milliseconds(5001);
-  EXPECT_EQ(Failing(), "the detector hangs: it has been at one picture for 5001 ms");
+  EXPECT_EQ(Failing(), "the detector hangs: it has been processing one picture for 5001 ms");
   looker_.hangs = true;
   Shoot();
   Run(Milliseconds(3000));
-  EXPECT_THAT(log_.back(), HasSubstr("the detector has been at one for 5001 ms"));
+  EXPECT_THAT(log_.back(), HasSubstr("the detector has been processing one for 5001 ms"));
 }
 
 }  // namespace musher::vision::self_check_test

@@ -19,7 +19,7 @@ class TargetChoiceTest : public ::testing::Test {
   std::int64_t now_ns_ = 0;
 };
 
-TEST_F(TargetChoiceTest, IsNobodyWhereNobodyLooks) {
+TEST_F(TargetChoiceTest, IsEmptyWithoutAFrontalFace) {
   EXPECT_EQ(See({}), std::nullopt);
 }
 
@@ -34,7 +34,7 @@ TEST_F(TargetChoiceTest, IsKeptWhileAnotherIsOnlyALittleNearer) {
   EXPECT_EQ(See({{1, 0.26}, {2, 0.2}}), 2);
 }
 
-TEST_F(TargetChoiceTest, IsNobodyWhileTheChosenOneIsMissed) {
+TEST_F(TargetChoiceTest, IsEmptyWhileTheChosenFaceIsMissed) {
   See({{1, 0.2}, {2, 0.19}});
   EXPECT_EQ(See({{2, 0.19}}), std::nullopt);
   EXPECT_EQ(See({{1, 0.2}, {2, 0.19}}), 1);
@@ -44,7 +44,7 @@ TEST_F(TargetChoiceTest, IsAnotherOneWhenTheChosenOneIsLost) {
   See({{1, 0.2}, {2, 0.1}});
   EXPECT_EQ(See({{2, 0.1}}, 1000), std::nullopt);
   EXPECT_EQ(See({{2, 0.1}}, 100), 2);
-  EXPECT_EQ(See({{1, 0.12}, {2, 0.1}}), 2) << "who comes back has lost the place";
+  EXPECT_EQ(See({{1, 0.12}, {2, 0.1}}), 2) << "a face that comes back has lost its place";
 }
 
 }  // namespace musher::vision::target_choice_test

@@ -1,6 +1,6 @@
 #pragma once
-// The topics on a simulated network, in virtual time, with a camera and a listener on a node of
-// their own, and a detector that finds what the test says.
+// The topics on a simulated network, in virtual time, with a camera and a subscriber on a node of
+// its own, and a detector whose results the test sets.
 
 #include <gmock/gmock.h>
 
@@ -77,9 +77,11 @@ class FaceTopicsTest : public ::testing::Test {
     }
   }
   template <msg::Message M>
-  std::unique_ptr<transport::Subscription> Listen(const std::string& topic, std::vector<M>& heard) {
+  std::unique_ptr<transport::Subscription> Listen(const std::string& topic,
+                                                  std::vector<M>& received) {
     return Must(transport::MakeSubscription<M>(
-        *desk_, topic, [&heard](const M& message, const auto&) { heard.push_back(message); }));
+        *desk_, topic,
+        [&received](const M& message, const auto&) { received.push_back(message); }));
   }
   void Forget() {
     targets_.clear();

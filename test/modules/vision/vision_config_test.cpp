@@ -13,11 +13,11 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 std::vector<std::string> Said(const std::string& text) {
-  std::vector<std::string> said;
+  std::vector<std::string> lines;
   for (const Diagnostic& diagnostic : ReadVisionText(text, "/robot/faces.toml").diagnostics) {
-    said.push_back(FormatDiagnostic(diagnostic));
+    lines.push_back(FormatDiagnostic(diagnostic));
   }
-  return said;
+  return lines;
 }
 
 TEST(VisionConfig, OfTheRepositoryIsGood) {
@@ -38,7 +38,7 @@ TEST(VisionConfig, IsWholeWithoutAKey) {
   EXPECT_THAT(reading.config->cascade.model, HasSubstr("haarcascade_frontalface_alt2.xml"));
 }
 
-TEST(VisionConfig, HasWhatTheFileSays) {
+TEST(VisionConfig, HasTheValuesOfTheFile) {
   const VisionReading reading = ReadVisionText(R"(
 picture = "/camera/head/image_raw"
 hfov_deg = 90
@@ -92,7 +92,7 @@ hold_ms = 0
   EXPECT_EQ(config.faces, expected);
 }
 
-TEST(VisionConfig, TellsEveryFaultWithItsPlace) {
+TEST(VisionConfig, ReportsEveryErrorWithItsPlace) {
   EXPECT_THAT(
       Said(R"(picture = "image rgb"
 rate_hz = -1
@@ -120,22 +120,22 @@ TEST(VisionConfig, RefusesARateAtWhichAFaceIsForgottenFromOnePictureToTheNext) {
   EXPECT_THAT(Said("rate_hz = 0.19\n[faces]\nforget_ms = 6000\n"), IsEmpty());
 }
 
-// Once the machine is known, which the file alone does not tell.
+// Checked once the machine is known, since the file alone does not name it.
 TEST(StatesOfAModule, RefuseAMisspeltOneWithTheNearest) {
   MachineConfig machine;
   machine.states = {"Active", "DeActive", "Show"};
-  const auto judge = [&](const std::vector<std::string>& states) {
-    const Result<> judged = program::CheckStates(machine, "look_in", states, 5910);
-    return judged ? "" : judged.error().message;
+  const auto check = [&](const std::vector<std::string>& states) {
+    const Result<> checked = program::CheckStates(machine, "look_in", states, 5910);
+    return checked ? "" : checked.error().message;
   };
-  EXPECT_EQ(judge({"Active", "Actve"}),
+  EXPECT_EQ(check({"Active", "Actve"}),
             "look_in: the machine has no state \"Actve\"; did you mean \"Active\"?");
-  EXPECT_EQ(judge({"Wedding"}), "look_in: the machine has no state \"Wedding\"");
-  EXPECT_EQ(judge({"Active", "Show"}), "");
-  EXPECT_EQ(judge({"Protected"}), "") << "of another machine with the same file";
+  EXPECT_EQ(check({"Wedding"}), "look_in: the machine has no state \"Wedding\"");
+  EXPECT_EQ(check({"Active", "Show"}), "");
+  EXPECT_EQ(check({"Protected"}), "") << "of another machine with the same file";
 }
 
-TEST(VisionConfig, ThatCannotBeReadIsTold) {
+TEST(VisionConfig, ThatCannotBeReadIsReported) {
   const VisionReading reading = ReadVisionFile("/no/faces.toml");
   EXPECT_FALSE(reading.config);
   EXPECT_FALSE(reading.diagnostics.empty());

@@ -1,4 +1,4 @@
-// musher-vision-manager as a controller and the robot's other modules meet it: the real programs
+// musher-vision-manager as a controller and the robot's other modules use it: the real programs
 // over DDS.
 
 #include <gmock/gmock.h>
@@ -140,7 +140,7 @@ TEST_F(VisionProcess, LooksInActiveOnlySoThatTheWorldNeedNotDraw) {
 
 TEST_F(VisionProcess, FailsItsSelfCheckWithoutPictures) {
   Start("self_check_ms = 100\n");
-  EXPECT_THAT(Failure("SelfCheck"), HasSubstr("5909 nobody publishes image_rgb"));
+  EXPECT_THAT(Failure("SelfCheck"), HasSubstr("5909 no publisher of image_rgb"));
 }
 
 TEST_F(VisionProcess, FailsItsSelfCheckAndDoesNotLookWithoutAModel) {
@@ -149,20 +149,20 @@ TEST_F(VisionProcess, FailsItsSelfCheckAndDoesNotLookWithoutAModel) {
   EXPECT_THAT(Failure("Active"), HasSubstr("5912 /no/such/model.xml: there is no such model"));
 }
 
-TEST_F(VisionProcess, IsNotStartedWithAFileThatIsWrong) {
+TEST_F(VisionProcess, IsNotStartedWithAnInvalidFile) {
   peer_.Start("rate = 3\n");
   EXPECT_EQ(peer_.AwaitExit(), 2);
   EXPECT_THAT(peer_.Output(), HasSubstr("vision.toml:1:1: error: unknown key \"rate\""));
 }
 
-// With a detector that does what it is told, and a camera of the test's.
+// With a detector and a camera controlled by the test.
 class FaultyVision : public VisionProcess {
  protected:
   FaultyVision() : VisionProcess("faulty_vision") {
     mkfifo((peer_.folder() / "gate").c_str(), 0600);
   }
 
-  void Tell(const std::string& what) {
+  void SetDetector(const std::string& what) {
     std::ofstream(peer_.folder() / "detector.new") << what;
     rename((peer_.folder() / "detector.new").c_str(), (peer_.folder() / "detector").c_str());
   }
@@ -189,9 +189,9 @@ class FaultyVision : public VisionProcess {
   transport::LoopHandlePtr ticker_;
 };
 
-TEST_F(FaultyVision, EndsWithExitCodeOneWhenTheDetectorFailsAgainAndAgain) {
+TEST_F(FaultyVision, ExitsWithOneWhenTheDetectorFailsRepeatedly) {
   StartWithCamera();
-  Tell("throw");
+  SetDetector("throw");
   ASSERT_TRUE(
       peer_.Until([&] { return peer_.Output().find("detector is lost") != std::string::npos; }));
   EXPECT_EQ(peer_.AwaitExit(), 1);
@@ -201,7 +201,7 @@ TEST_F(FaultyVision, EndsWithExitCodeOneWhenTheDetectorFailsAgainAndAgain) {
                 "it was told (5912"));
 }
 
-TEST_F(FaultyVision, IsHungWhenTheDetectorDoesNotComeBackAndWellWhenItDoes) {
+TEST_F(FaultyVision, HangsWhenTheDetectorDoesNotReturnAndRecoversWhenItDoes) {
   std::optional<msg::ActuatorBeat> heartbeat;
   subscriptions_.push_back(
       transport::MakeSubscription<msg::ActuatorBeat>(
@@ -210,7 +210,7 @@ TEST_F(FaultyVision, IsHungWhenTheDetectorDoesNotComeBackAndWellWhenItDoes) {
           transport::kHeartbeatQos)
           .value());
   StartWithCamera();
-  Tell("hang");
+  SetDetector("hang");
   ASSERT_TRUE(peer_.Until([&] {
     return heartbeat && heartbeat->work == msg::ActuatorBeat::kWorkHung;
   })) << (heartbeat
@@ -219,7 +219,7 @@ TEST_F(FaultyVision, IsHungWhenTheDetectorDoesNotComeBackAndWellWhenItDoes) {
                     " ns, waited for " + std::to_string(heartbeat->waited_ns) + " ns; "
               : "no beat; ")
       << peer_.Output();
-  Tell("work");
+  SetDetector("work");
   std::ofstream(peer_.folder() / "gate") << "go on";
   EXPECT_TRUE(peer_.Until([&] { return heartbeat->work == msg::ActuatorBeat::kWorkWell; }));
   ExpectDone("TearDown");

@@ -1,5 +1,5 @@
-// The detector and what is made of its faces, over what the camera of the wedding scene shows while
-// the robot stands and looks ahead.
+// The detector and its results on the camera pictures of the wedding scene, while the robot stands
+// and looks ahead.
 
 #include <gmock/gmock.h>
 
@@ -74,7 +74,7 @@ TEST_F(WeddingScene, TheChildComesTooCloseAndIsUntilItHasSteppedBack) {
   EXPECT_EQ(Watch(59.6, 63).back().too_close, false);
 }
 
-TEST_F(WeddingScene, ThoseWhoPassAndDoNotLookAreNoTarget) {
+TEST_F(WeddingScene, GuestsWhoPassWithoutLookingAreNoTarget) {
   int targets = 0;
   for (const Sight& sight : Watch(22, 29)) targets += sight.target ? 1 : 0;
   EXPECT_LE(targets, 1);

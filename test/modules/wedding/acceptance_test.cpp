@@ -1,4 +1,4 @@
-// What is expected of the wedding robot, in the order in which it was written down.
+// The acceptance criteria of the wedding robot, in their original order.
 
 #include <gmock/gmock.h>
 
@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "musher/behavior/fsm/graph.hpp"
-#include "musher/modules/wedding/cast.hpp"
+#include "musher/modules/wedding/show_states.hpp"
 #include "musher/test/modules/wedding/show_rig.hpp"
 
 namespace musher::wedding::acceptance_test {
@@ -28,14 +28,14 @@ TEST_F(WeddingShow, RunsInIdleInModeNormalOnceItIsStarted) {
 TEST_F(WeddingShow, DoesNotStartInInvalidNorWithoutAnyState) {
   fsm::Machine machine;
   ShowData data;
-  AddCast(machine, data, {});
+  AddStates(machine, data, {});
   EXPECT_THAT(machine.Build("INVALID").error().message, HasSubstr("there is no state INVALID"));
   EXPECT_FALSE(machine.Start({}));
   fsm::Machine empty;
   EXPECT_THAT(empty.Build("IDLE").error().message, HasSubstr("no states are registered"));
 }
 
-TEST_F(WeddingShow, IsDrawnInItsManualAsItIs) {
+TEST_F(WeddingShow, MatchesTheGraphInItsManual) {
   std::ifstream file(MUSHER_SOURCE_DIR "/modules/wedding/README.md");
   const std::string manual((std::istreambuf_iterator<char>(file)), {});
   EXPECT_THAT(manual, HasSubstr("```mermaid\n" + fsm::ToMermaid(machine_->chart()) + "```\n"));
@@ -98,7 +98,7 @@ TEST_F(WeddingShow, IsInIdleWithoutTheSafetyFlagAfterAReset) {
 
 // --- safety ---
 
-TEST_F(WeddingShow, IsInSafeStopOneTickAfterSomebodyIsTooClose) {
+TEST_F(WeddingShow, IsInSafeStopOneTickAfterAGuestIsTooClose) {
   for (const char* from : {"IDLE", "TRACKING", "PHOTO_POSING", "FAREWELL"}) {
     Force(from);
     TooClose(true);
@@ -110,7 +110,7 @@ TEST_F(WeddingShow, IsInSafeStopOneTickAfterSomebodyIsTooClose) {
   }
 }
 
-TEST_F(WeddingShow, IsBackInIdleWithinThreeSecondsOfNobodyBeingTooClose) {
+TEST_F(WeddingShow, IsBackInIdleWithinThreeSecondsOfNoGuestBeingTooClose) {
   TooClose(true);
   Tick();
   TooClose(false);
@@ -118,9 +118,9 @@ TEST_F(WeddingShow, IsBackInIdleWithinThreeSecondsOfNobodyBeingTooClose) {
   EXPECT_FALSE(data().safety_triggered);
 }
 
-// --- being watched ---
+// --- monitoring ---
 
-TEST_F(WeddingShow, TellsEachChangeOfStateForcedOnesToo) {
+TEST_F(WeddingShow, PublishesEachChangeOfStateForcedOnesToo) {
   class Watch : public fsm::Listener {
    public:
     void OnChange(const fsm::Machine& machine, const fsm::Change& change) override {
@@ -138,7 +138,7 @@ TEST_F(WeddingShow, TellsEachChangeOfStateForcedOnesToo) {
   EXPECT_THAT(script_.states, ElementsAre("IDLE", "PHOTO_POSING", "IDLE"));
 }
 
-TEST_F(WeddingShow, CanBeAskedHowItStands) {
+TEST_F(WeddingShow, CanBeQueriedForItsState) {
   Tick(3);
   EXPECT_TRUE(machine_->running());
   EXPECT_EQ(state(), "IDLE");
@@ -149,7 +149,7 @@ TEST_F(WeddingShow, CanBeAskedHowItStands) {
 
 // --- tracking ---
 
-TEST_F(WeddingShow, WavesFarewellWithinTwoSecondsOfTrackingNobody) {
+TEST_F(WeddingShow, WavesFarewellWithinTwoSecondsOfLosingTheFace) {
   Force("TRACKING");
   EXPECT_EQ(TicksTo("FAREWELL", 100), 75) << "1.5 s";
 }
@@ -221,7 +221,7 @@ TEST_F(WeddingShow, IsBackInTrackingAfterAPhotoOfSixSeconds) {
 
 // --- farewell and idle ---
 
-TEST_F(WeddingShow, WavesAndSaysFarewellAndIsInIdleWithinThreeSeconds) {
+TEST_F(WeddingShow, WavesAndSpeaksFarewellAndIsInIdleWithinThreeSeconds) {
   Force("FAREWELL");
   Tick();
   EXPECT_EQ(data().motion.target_pose, "wave");

@@ -44,19 +44,19 @@ class SearchShow : public ShowRig {
   void SetUp() override { Begin(With(SearchRules{}, std::nullopt)); }
 };
 
-TEST_F(SearchShow, SearchesWhenAFaceIsSeenAndTracksWhoStaysForTwoSeconds) {
+TEST_F(SearchShow, SearchesWhenAFaceIsSeenAndTracksAFaceThatStaysForTwoSeconds) {
   EXPECT_EQ(TicksToWithFace("SEARCH", 2), 1);
   EXPECT_EQ(TicksToWithFace("TRACKING", 200), 101);
   EXPECT_THAT(script_.sounds, ElementsAre("greeting"));
 }
 
-TEST_F(SearchShow, GivesUpAfterFiveSecondsWithoutAnybody) {
+TEST_F(SearchShow, TimesOutAfterFiveSecondsWithoutAFace) {
   Command("search");
   EXPECT_EQ(TicksTo("SEARCH", 2), 1);
   EXPECT_EQ(TicksTo("IDLE", 500), 250);
 }
 
-TEST_F(SearchShow, GivesUpAfterTenSecondsOfSomebodyWhoComesAndGoes) {
+TEST_F(SearchShow, TimesOutAfterTenSecondsOfAFaceThatComesAndGoes) {
   Face();
   Tick();
   int ticks = 0;
@@ -71,7 +71,7 @@ TEST_F(SearchShow, GivesUpAfterTenSecondsOfSomebodyWhoComesAndGoes) {
 
 TEST_F(SearchShow, LooksAboutFromSideToSideInAFullTurnOfEightSeconds) {
   SearchRules rules;
-  rules.nobody = Milliseconds(9000);
+  rules.no_face = Milliseconds(9000);
   Begin(With(rules, std::nullopt));
   Command("search");
   Tick(Ticks(Milliseconds(2000)));
@@ -99,7 +99,7 @@ class InterviewShow : public ShowRig {
   void SetUp() override { Begin(With(std::nullopt, InterviewRules{})); }
   void Voice(double level) { show_->OnVoiceLevel(level, now_); }
   // By command, with a face.
-  void Ask() {
+  void StartInterview() {
     Track();
     Command("interview");
     TickWithFace(1);
@@ -107,24 +107,24 @@ class InterviewShow : public ShowRig {
   }
 };
 
-TEST_F(InterviewShow, InterviewsWhoStaysForThreeAndAHalfSeconds) {
+TEST_F(InterviewShow, InterviewsAGuestWhoStaysForThreeAndAHalfSeconds) {
   Track();
   EXPECT_EQ(TicksToWithFace("INTERVIEW", 300), 176);
 }
 
-TEST_F(InterviewShow, InterviewsWhoStayedAndHidesForAMoment) {
+TEST_F(InterviewShow, InterviewsAGuestWhoStayedAndHidesBriefly) {
   Track();
   TickWithFace(Ticks(Milliseconds(2500)));
   EXPECT_EQ(TicksTo("INTERVIEW", 75), 24) << "0.5 s without a face";
 }
 
-TEST_F(InterviewShow, LetsGoWhoNeverStayed) {
+TEST_F(InterviewShow, DoesNotInterviewAGuestWhoLeaves) {
   Track();
   TickWithFace(Ticks(Milliseconds(1000)));
   EXPECT_EQ(TicksTo("FAREWELL", 100), 74);
 }
 
-TEST_F(InterviewShow, AsksOnlyWhenToldToWhereItsConfigSaysSo) {
+TEST_F(InterviewShow, InterviewsOnlyByCommandIfConfigured) {
   InterviewRules rules;
   rules.unasked = false;
   Begin(With(std::nullopt, rules));
@@ -143,7 +143,7 @@ TEST_F(InterviewShow, TakesAPhotoRatherThanAnInterview) {
   EXPECT_EQ(state(), "PHOTO_POSING");
 }
 
-TEST_F(InterviewShow, HeedsTheCommandInTrackingOnly) {
+TEST_F(InterviewShow, HandlesTheCommandInTrackingOnly) {
   Command("interview");
   Tick();
   EXPECT_EQ(state(), "IDLE");
@@ -151,9 +151,9 @@ TEST_F(InterviewShow, HeedsTheCommandInTrackingOnly) {
 }
 
 TEST_F(InterviewShow, AsksThreeQuestionsAndThanks) {
-  Ask();
+  StartInterview();
   EXPECT_EQ(script_.poses.back(), "mic_hold");
-  // 3.0 + 3 * (2.0 + 8.0) + 2.0 + 1.0 s with somebody who says nothing.
+  // 3.0 + 3 * (2.0 + 8.0) + 2.0 + 1.0 s with a guest who does not speak.
   EXPECT_EQ(TicksToWithFace("IDLE", 2000), Ticks(Milliseconds(36'000)));
   EXPECT_THAT(script_.sounds,
               ElementsAre("greeting", "interview_start", "interview_question_1",
@@ -176,14 +176,14 @@ TEST_F(InterviewShow, OfTheShippedConfigAsksWhatTheVoiceSaysAndTakesAsLongAsItsM
 
   const auto interview = ReadWeddingFile(file).config->show.interview;
   Begin(With(std::nullopt, interview));
-  Ask();
+  StartInterview();
   EXPECT_NEAR(TicksToWithFace("IDLE", 5000), Ticks(Milliseconds(43'000)), 2) << "whole ticks";
   EXPECT_THAT(config_toml::ReadTextFile(source + "/modules/wedding/README.md", 1 << 20).value(),
               HasSubstr("43 s later at most"));
 }
 
 TEST_F(InterviewShow, GoesOnASecondAndAHalfAfterAnAnswer) {
-  Ask();
+  StartInterview();
   TickWithFace(Ticks(Milliseconds(5000)));
   ASSERT_EQ(script_.sounds.back(), "interview_question_1");
   for (int i = 0; i < 50; ++i) {
@@ -201,7 +201,7 @@ TEST_F(InterviewShow, SpeaksLongQuestionsToTheirEnd) {
   InterviewRules rules;
   rules.question_characters = {10};
   Begin(With(std::nullopt, rules));
-  Ask();
+  StartInterview();
   TickWithFace(Ticks(Milliseconds(3000 + 4000)));
   Voice(0.5);  // it listens from now on
   TickWithFace(1);
@@ -210,8 +210,8 @@ TEST_F(InterviewShow, SpeaksLongQuestionsToTheirEnd) {
   EXPECT_EQ(script_.sounds.back(), "interview_thanks");
 }
 
-TEST_F(InterviewShow, EndsWhenWhoIsAskedLeaves) {
-  Ask();
+TEST_F(InterviewShow, EndsWhenTheGuestLeaves) {
+  StartInterview();
   EXPECT_EQ(TicksTo("IDLE", 100), 75) << "1.5 s";
   EXPECT_EQ(script_.poses.back(), "neutral");
 }

@@ -36,7 +36,7 @@ TEST(GazeTest, StandsStillWhenNoTimePassesOrItWentBack) {
   EXPECT_EQ(Follow({0.5, 0.5}, {1, 0}, 0.3, Milliseconds(-20)), (Gaze{0.5, 0.5}));
 }
 
-TEST(GazeTest, ComesBackFromWhatIsNoNumber) {
+TEST(GazeTest, RecoversFromNan) {
   const double nan = std::nan("");
   EXPECT_EQ(Follow({nan, nan}, {1, 0}, 0.3, Milliseconds(20)), Gaze{});
   EXPECT_EQ(Follow({0.2, 0.2}, {nan, 0.2}, 0.3, Milliseconds(20)).x, 0.5);
@@ -68,7 +68,7 @@ TEST(GazeTest, TurnsHeightIntoANodWhereTheRobotCanNod) {
   EXPECT_NEAR(GazeAt({0.5, 0.8}, {}, rules).y, 0.5 + down, 1e-9);
 }
 
-TEST(GazeTest, ReckonsHowFarAHeadHasNodded) {
+TEST(GazeTest, ComputesHowFarAHeadHasNodded) {
   GazeRules rules;
   rules.pitch_limit_rad = 0.4;
   EXPECT_NEAR(Nod(0, {0.5, 1}, rules, Milliseconds(20)), 0.01, 1e-12);
@@ -76,7 +76,7 @@ TEST(GazeTest, ReckonsHowFarAHeadHasNodded) {
   EXPECT_EQ(Nod(0.1, {0.5, 0}, rules, Milliseconds(-20)), 0.1);
 }
 
-TEST(AngleTrailTest, TellsHowTheHeadStoodBetweenTwoMeasurements) {
+TEST(AngleTrailTest, InterpolatesBetweenTwoMeasurements) {
   AngleTrail trail;
   EXPECT_FALSE(trail.At(Milliseconds(100)));
   trail.Add(Milliseconds(100), 0.1);
@@ -128,7 +128,7 @@ TEST_F(HeadCamera, TurnsToAFaceAndStaysThereWhileThePictureMovesWithTheHead) {
   EXPECT_NEAR(head, 0.4, 0.001);
 }
 
-// Its picture comes ten times a second and is a tenth of a second old: whoever took the point
+// Its picture comes ten times a second and is a tenth of a second old: a robot that took the point
 // itself for the gaze would nod to and fro.
 TEST_F(HeadCamera, NodsToATallGuestWithoutSwinging) {
   ShowConfig config;
@@ -137,7 +137,7 @@ TEST_F(HeadCamera, NodsToATallGuestWithoutSwinging) {
   Begin(config);
   const double up = 0.2;
   const double edge = std::tan(0.6) * 0.75;
-  double pitch = 0;  // of the robot, as told and as fast as it can
+  double pitch = 0;  // of the robot, as commanded, at its limited speed
   std::vector<std::pair<Duration, double>> shots;
   std::vector<double> pitches;
   for (int i = 0; i < 300; ++i) {
@@ -156,7 +156,7 @@ TEST_F(HeadCamera, NodsToATallGuestWithoutSwinging) {
   for (const double each : pitches) EXPECT_GT(each, -up - 0.02) << "it does not swing";
 }
 
-// Stamps of the system's clock, a nod that is reckoned by the machine's.
+// Stamps of the system's clock, a nod computed by the machine's.
 TEST_F(HeadCamera, UnderstandsAPictureOfANodWhateverClockStampsIt) {
   for (const Duration ahead : {Duration(0), Duration(std::chrono::hours(24 * 365 * 50))}) {
     ShowConfig config;
@@ -195,7 +195,7 @@ TEST_F(HeadCamera, UnderstandsAPictureThatWasOnItsWayForATenthOfASecond) {
   EXPECT_NEAR(data().perception.face_gaze.x, 0.5 - 0.4 / (2 * kYawLimit), 1e-9);
 }
 
-TEST_F(HeadCamera, HoldsItsGazeWhileNobodySaysHowTheHeadStands) {
+TEST_F(HeadCamera, HoldsItsGazeWhileTheHeadsAnglesAreUnknown) {
   Face({0.9, 0.5});
   Tick();
   ASSERT_EQ(state(), "TRACKING");

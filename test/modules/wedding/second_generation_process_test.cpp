@@ -19,10 +19,10 @@ class SecondGenerationProcess : public WeddingProcess {
   }
   void SetUp() override {
     WeddingProcess::SetUp();
-    Hear("wedding/motion/set_pose", set_poses_);
-    Hear("wedding/motion/set_motion", set_motions_);
-    Hear("wedding/fsm/target_face_id", faces_);
-    Hear("wedding/fsm/debug_log", lines_);
+    Subscribe("wedding/motion/set_pose", set_poses_);
+    Subscribe("wedding/motion/set_motion", set_motions_);
+    Subscribe("wedding/fsm/target_face_id", faces_);
+    Subscribe("wedding/fsm/debug_log", lines_);
   }
   bool Await(Words& words, const std::string& word) {
     return peer_.Until([&] { return words.Find(word); });
@@ -61,11 +61,11 @@ TEST_F(SecondGenerationProcess, PublishesItsPoseItsMotionItsTargetAndItsLog) {
 }
 
 TEST_F(SecondGenerationProcess, HasTheCameraRecordAnInterview) {
-  std::vector<int> asked;
+  std::vector<int> calls;
   const auto camera = transport::MakeServer<msg::CameraService>(
                           peer_.node(), "camera_service",
                           [&](const msg::CameraService::Request& request, const auto& reply) {
-                            asked.push_back(request.command);
+                            calls.push_back(request.command);
                             reply({0, "/videos/1.avi", 0});
                           })
                           .value();
@@ -74,19 +74,19 @@ TEST_F(SecondGenerationProcess, HasTheCameraRecordAnInterview) {
   ASSERT_TRUE(AwaitWithFace("TRACKING"));
   Command("interview");
   ASSERT_TRUE(AwaitWithFace("INTERVIEW"));
-  ASSERT_TRUE(peer_.Until([&] { return asked.size() == 1; })) << peer_.Output();
-  EXPECT_EQ(asked[0], msg::CameraService::kStartRecording);
+  ASSERT_TRUE(peer_.Until([&] { return calls.size() == 1; })) << peer_.Output();
+  EXPECT_EQ(calls[0], msg::CameraService::kStartRecording);
   Command("stop");
-  ASSERT_TRUE(peer_.Until([&] { return asked.size() == 2; })) << peer_.Output();
-  EXPECT_EQ(asked[1], msg::CameraService::kStopRecording);
+  ASSERT_TRUE(peer_.Until([&] { return calls.size() == 2; })) << peer_.Output();
+  EXPECT_EQ(calls[1], msg::CameraService::kStopRecording);
 }
 
-TEST_F(SecondGenerationProcess, IsNotReadyUntilTheBodySaysSo) {
+TEST_F(SecondGenerationProcess, IsNotReadyUntilTheBodyReportsIt) {
   Start(File("time_ms = 300\nready = \"required\"\n"));
   const auto refused = peer_.Switch("SelfCheck");
   ASSERT_TRUE(refused);
   EXPECT_NE(refused.value().verdict, msg::ActuatorCommand::kVerdictDone);
-  EXPECT_THAT(refused.value().message, HasSubstr("/wedding/system/ready does not say true"));
+  EXPECT_THAT(refused.value().message, HasSubstr("/wedding/system/ready is not true"));
   const auto ready = transport::MakePublisher<msg::Bool>(peer_.node(), "wedding/system/ready",
                                                          transport::kLatchedQos)
                          .value();

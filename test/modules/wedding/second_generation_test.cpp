@@ -1,4 +1,4 @@
-// The second generation's action packs, its observing IDLE, its gaze from outside and its videos.
+// The second generation's action packs, its observing IDLE, its requested gaze and its videos.
 
 #include <gmock/gmock.h>
 
@@ -171,7 +171,7 @@ TEST_F(SecondShow, APausedShowMovesNothingAndGoesOnWithItsPack) {
   EXPECT_EQ(script_.motions.back(), "sway_normal");
 }
 
-TEST_F(SecondShow, LooksWhereItIsToldForAsLongAsThatCounts) {
+TEST_F(SecondShow, LooksAtTheRequestedPointAsLongAsItIsValid) {
   ToTracking();
   show_->OnLookAt({0.9, 0.1}, now_);
   TickWithFace(Ticks(Milliseconds(1000)), {0.1, 0.9});
@@ -199,7 +199,7 @@ TEST_F(SecondShow, RecordsAVideoOfAnInterviewAlsoWhenItIsBrokenOff) {
   EXPECT_THAT(script_.videos, ElementsAre(true, false));
 }
 
-TEST_F(SecondShow, ARecordingPlaysTheSameAgain) {
+TEST_F(SecondShow, ARecordingReplaysIdentically) {
   for (int i = 0; i < Ticks(Milliseconds(120'000)); ++i) {
     if (i % 700 > 300) Face();
     if (i == 900) show_->OnCamera(640, 480, 500, now_);
@@ -244,7 +244,7 @@ TEST_F(HeadCameraInfo, TheCamerasOwnOpeningTakesThePlaceOfTheConfiguredOne) {
   EXPECT_LT(data().perception.face_gaze.x, configured);
 }
 
-TEST_F(HeadCameraInfo, ACameraThatThereIsNotIsRefused) {
+TEST_F(HeadCameraInfo, AnImpossibleCameraIsRefused) {
   const double nan = std::nan("");
   for (const double focal : {0.0, -1.0, nan, 1e-9}) show_->OnCamera(640, 480, focal, now_);
   show_->OnCamera(0, 480, 500, now_);

@@ -1,4 +1,4 @@
-// What the show does when nothing is heard of perception any more.
+// The show's timeout of perception.
 
 #include <gmock/gmock.h>
 
@@ -19,16 +19,16 @@ class BlindShow : public ShowRig {
   ShowConfig config_;
 };
 
-TEST_F(BlindShow, StopsWhenNothingIsHeardOfPerceptionForSoLongAndGoesOnWhenItIsAgain) {
+TEST_F(BlindShow, StopsOnATimeoutOfPerceptionAndGoesOnWhenItIsBack) {
   TooClose(false);
   Command("photo");
   Tick(Ticks(Milliseconds(3000)));
   ASSERT_EQ(state(), "PHOTO_POSING");
   Tick();
   EXPECT_EQ(state(), "SAFE_STOP");
-  EXPECT_EQ(machine_->unsafe(), "nobody watches");
+  EXPECT_EQ(machine_->unsafe(), "no detector publishes");
   EXPECT_EQ(script_.poses.back(), "neutral");
-  EXPECT_EQ(data().audio.current_speech, "countdown") << "nobody is asked to step back";
+  EXPECT_EQ(data().audio.current_speech, "countdown") << "no guest is asked to step back";
   Command("stop");
   Tick(50 * 60);
   EXPECT_EQ(state(), "SAFE_STOP") << "for a minute, whatever is commanded";
@@ -40,11 +40,11 @@ TEST_F(BlindShow, StopsWhenNothingIsHeardOfPerceptionForSoLongAndGoesOnWhenItIsA
   EXPECT_EQ(state(), "IDLE") << "2.0 s";
 }
 
-TEST_F(BlindShow, StopsWhenNothingWasEverHeard) {
+TEST_F(BlindShow, StopsWithoutAFirstMessage) {
   EXPECT_EQ(TicksTo("SAFE_STOP", 1000), Ticks(Milliseconds(3000)) + 2) << "from its first tick";
 }
 
-TEST_F(BlindShow, GoesOnWhileAnyOfTheThreeIsHeard) {
+TEST_F(BlindShow, GoesOnWhileAnyOfTheThreeTopicsPublishes) {
   for (const int kind : {0, 1, 2}) {
     for (int second = 0; second < 10; ++second) {
       if (kind == 0) Face();
@@ -56,7 +56,7 @@ TEST_F(BlindShow, GoesOnWhileAnyOfTheThreeIsHeard) {
   }
 }
 
-TEST_F(BlindShow, IsNotKeptGoingByWhatIsRefused) {
+TEST_F(BlindShow, IsNotKeptGoingByRefusedInput) {
   for (int i = 0; i < 200; ++i) {
     Face({7, 7});
     show_->OnFaces("{", now_);
@@ -65,7 +65,7 @@ TEST_F(BlindShow, IsNotKeptGoingByWhatIsRefused) {
   EXPECT_EQ(state(), "SAFE_STOP");
 }
 
-TEST_F(BlindShow, LooksAnewAfterARest) {
+TEST_F(BlindShow, StartsTheTimeoutAnewAfterAPause) {
   Tick(Ticks(Milliseconds(2000)));
   show_->Rest(now_);
   now_ += std::chrono::hours(1);
@@ -73,7 +73,7 @@ TEST_F(BlindShow, LooksAnewAfterARest) {
   EXPECT_EQ(TicksTo("SAFE_STOP", 1000), Ticks(Milliseconds(3000)) + 2);
 }
 
-TEST_F(BlindShow, GoesOnForAnHourWhereItsConfigDoesNotAskForEyes) {
+TEST_F(BlindShow, GoesOnForAnHourWithoutABlindTimeout) {
   Begin({}, Milliseconds(100));
   Tick(36'000);
   EXPECT_EQ(state(), "IDLE");

@@ -1,4 +1,4 @@
-// The file of the wedding robot, read and judged.
+// The wedding robot's config file, read and checked.
 
 #include "musher/modules/wedding/show_config.hpp"
 
@@ -27,13 +27,13 @@ WeddingConfig Shipped(const char* file) {
   return reading.config.value_or(WeddingConfig{});
 }
 
-TEST(WeddingConfigTest, IsTheSeedsWhereTheFileIsEmpty) {
+TEST(WeddingConfigTest, HasTheDefaultsWithAnEmptyFile) {
   const WeddingReading reading = ReadWeddingText("", "show.toml");
   EXPECT_THAT(reading.diagnostics, IsEmpty());
   EXPECT_EQ(reading.config, WeddingConfig{});
 }
 
-TEST(WeddingConfigTest, OfTheShippedShowDiffersFromTheSeedsInItsCameraAndInNotGoingOnBlindAlone) {
+TEST(WeddingConfigTest, OfTheShippedShowDiffersFromTheDefaultsInItsCameraAndItsBlindTimeoutOnly) {
   const WeddingConfig config = Shipped("wedding.toml");
   EXPECT_EQ(config.show.gaze.camera, Mount::kHead);
   WeddingConfig plain = config;
@@ -54,7 +54,7 @@ TEST(WeddingConfigTest, OfTheSecondGenerationHasAllItsExtensions) {
   EXPECT_TRUE(Shipped("second_generation.toml").second_generation);
 }
 
-TEST(WeddingConfigTest, OfActionsWithoutSearchAndOfTimesThatContradictEachOtherSaysWhere) {
+TEST(WeddingConfigTest, OfActionsWithoutSearchAndOfContradictingTimesReportsThePlace) {
   EXPECT_THAT(Faults("[actions]\n"
                      "enabled = true\n"
                      "idle_least_ms = 30000\n"
@@ -72,12 +72,12 @@ TEST(WeddingConfigTest, OfActionsWithoutSearchAndOfTimesThatContradictEachOtherS
 }
 
 // scripts/demo wedding kills it: 1.5 s of real time in a world at speed 2, and as much again.
-TEST(WeddingConfigTest, OfTheShippedShowOutlastsADetectorThatIsStartedAgain) {
+TEST(WeddingConfigTest, OfTheShippedShowOutlastsADetectorRestart) {
   EXPECT_GE(Shipped("wedding.toml").show.perception.blind, Milliseconds(6000));
   EXPECT_LE(Shipped("wedding.toml").show.perception.blind, Milliseconds(10'000));
 }
 
-TEST(WeddingConfigTest, SaysAllThatIsWrongAtOnceAndWhere) {
+TEST(WeddingConfigTest, ReportsAllErrorsAtOnceWithTheirPlace) {
   EXPECT_THAT(Faults("rate_hz = 0\n"
                      "[gaze]\n"
                      "camera = \"hat\"\n"

@@ -1,4 +1,4 @@
-// What the show does with what comes in and cannot be.
+// The show with invalid inputs.
 
 #include <gmock/gmock.h>
 
@@ -18,7 +18,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 class ShowInput : public ShowRig {};
 
-TEST_F(ShowInput, RefusesTargetsThatCannotBe) {
+TEST_F(ShowInput, RefusesImpossibleTargets) {
   for (const Target& target :
        {Target{{kNan, 0.5}, 1, {}}, Target{{0.5, kNan}, 1, {}}, Target{{1.01, 0.5}, 1, {}},
         Target{{0.5, -0.1}, 1, {}}, Target{{320, 240}, 1, {}}, Target{{0.5, 0.5}, kNan, {}},
@@ -28,11 +28,11 @@ TEST_F(ShowInput, RefusesTargetsThatCannotBe) {
   }
   Tick();
   EXPECT_EQ(state(), "IDLE");
-  EXPECT_EQ(show_->complaints(), 8);
+  EXPECT_EQ(show_->faults(), 8);
   EXPECT_THAT(script_.log, ElementsAre(HasSubstr("target (nan, 0.5, 1) is not in the picture")));
 }
 
-TEST_F(ShowInput, RefusesGesturesItDoesNotKnowAndKeepsTheOneItHas) {
+TEST_F(ShowInput, RefusesUnknownGesturesAndKeepsTheLastOne) {
   Track();
   Gesture("heart");
   Gesture(std::string(100'000, 'x'));
@@ -41,7 +41,7 @@ TEST_F(ShowInput, RefusesGesturesItDoesNotKnowAndKeepsTheOneItHas) {
   EXPECT_EQ(state(), "PHOTO_POSING");
 }
 
-TEST_F(ShowInput, ReadsFacesAndRefusesWhatIsNone) {
+TEST_F(ShowInput, ReadsFacesAndRefusesInvalidOnes) {
   show_->OnFaces(R"({"faces": [
       {"area": 0.1, "is_frontal": true, "face_id": 3},
       {"area": 0.3, "is_frontal": false, "face_id": 4},
@@ -59,7 +59,7 @@ TEST_F(ShowInput, ReadsFacesAndRefusesWhatIsNone) {
   Tick();
   EXPECT_EQ(data().perception.face_count, 3);
   EXPECT_EQ(data().perception.face_id, 5);
-  EXPECT_EQ(show_->complaints(), 8);
+  EXPECT_EQ(show_->faults(), 8);
   Tick(80);
   EXPECT_EQ(data().perception.face_count, 0) << "too old";
 }
@@ -84,7 +84,7 @@ TEST_F(ShowInput, KnowsTwentyFourJointsByNameOrInTheirOrder) {
   const std::vector<double> broken = {1, kNan};
   show_->OnJointStates(names, broken, Duration(3), now_);
   EXPECT_EQ(data().motion.joint_positions[kHeadYaw], 0.5) << "nothing of them is taken";
-  EXPECT_EQ(show_->complaints(), 4);
+  EXPECT_EQ(show_->faults(), 4);
 }
 
 TEST_F(ShowInput, RefusesJointsSoFarRoundThatTheirSumIsNoNumberAndLooksOnWhereAFaceIs) {
@@ -98,7 +98,7 @@ TEST_F(ShowInput, RefusesJointsSoFarRoundThatTheirSumIsNoNumberAndLooksOnWhereAF
     show_->OnJointStates(names, far, Milliseconds(1000), now_);
     show_->OnJointCommands(names, far, now_);
   }
-  EXPECT_EQ(show_->complaints(), 8);
+  EXPECT_EQ(show_->faults(), 8);
   show_->OnJointStates(names, zero, Milliseconds(1020), now_);
   show_->OnTarget({{0.9, 0.5}, 1.5, Milliseconds(1010)}, now_);
   Tick(3);

@@ -1,4 +1,4 @@
-// Whatever comes in, in whatever order and at whatever pace.
+// Invariants for random inputs in any order and at any pace.
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
@@ -14,7 +14,7 @@ namespace musher::wedding::show_property_test {
 
 constexpr int kKinds = 9;
 
-// The rig without a test of its own, driven by numbers.
+// The rig without a test of its own, driven by random numbers.
 class WildShow : public ShowRig {
  public:
   explicit WildShow(bool extended) {
@@ -27,7 +27,7 @@ class WildShow : public ShowRig {
   }
   void TestBody() override {}
 
-  // One thing that happens, and what follows until the next.
+  // One input, and the time until the next.
   void Happen(int kind, int value) {
     static const std::vector<std::string> kGestures = {"none", "heart", "v", "ok", "HEART", "wave"};
     static const std::vector<std::string> kCommands = {
@@ -80,7 +80,7 @@ class WildShow : public ShowRig {
   bool IsHome() const { return state() == "IDLE" && data().motion.current_pose == "neutral"; }
   int photos() const { return script_.photos; }
 
-  // The recording, played by another show: it does the same.
+  // The recording is replayed by another show with the same result.
   void Replay() {
     const auto read = fsm::ReadRecording(recording_, "wild.record");
     RC_ASSERT(read.ok());
@@ -113,19 +113,20 @@ class WildShow : public ShowRig {
   bool too_close_ = false;
 };
 
-RC_GTEST_PROP(ShowProperty, GoesDeclaredWaysOnlyIsSafeInOneTickAndComesHomeWhenLeftAlone,
+RC_GTEST_PROP(ShowProperty,
+              TakesDeclaredTransitionsOnlyIsSafeInOneTickAndReturnsToIdleWhenLeftAlone,
               (bool extended)) {
   WildShow show(extended);
   const auto events = *rc::gen::container<std::vector<std::pair<int, int>>>(
       200, rc::gen::pair(rc::gen::inRange(0, kKinds), rc::gen::inRange(0, 100)));
   for (const auto& [kind, value] : events) show.Happen(kind, value);
   show.TooClose(false);
-  // Some commands wait, each for its tick; the longest way home is an interview that is due.
+  // Some commands wait, each for its tick; the longest path to IDLE is an interview that is due.
   show.TickFor(Milliseconds(20'000));
   RC_ASSERT(show.IsHome());
 }
 
-RC_GTEST_PROP(ShowProperty, DoesTheSameAgainWhenItsRecordingIsPlayed, (bool extended)) {
+RC_GTEST_PROP(ShowProperty, ReplaysItsRecordingIdentically, (bool extended)) {
   WildShow show(extended);
   const auto events = *rc::gen::container<std::vector<std::pair<int, int>>>(
       200, rc::gen::pair(rc::gen::inRange(0, kKinds), rc::gen::inRange(0, 100)));

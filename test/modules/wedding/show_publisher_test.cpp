@@ -1,4 +1,4 @@
-// Several publishers of one topic, and topics that take the place of others.
+// Several publishers of one topic, and topics that take precedence over others.
 
 #include <gmock/gmock.h>
 
@@ -34,7 +34,7 @@ TEST_F(ShowPublishers, AFalseOfOneCameraDoesNotCancelTheTrueOfAnother) {
   EXPECT_EQ(state(), "IDLE");
 }
 
-TEST_F(ShowPublishers, BothHaveToSayThatNoGuestIsTooClose) {
+TEST_F(ShowPublishers, BothHaveToReportThatNoGuestIsTooClose) {
   TooCloseBy(kFrontCamera, true);
   TooCloseBy(kSideCamera, true);
   TooCloseBy(kFrontCamera, false);
@@ -45,7 +45,7 @@ TEST_F(ShowPublishers, BothHaveToSayThatNoGuestIsTooClose) {
   EXPECT_EQ(state(), "IDLE");
 }
 
-TEST_F(ShowPublishers, TheTrueOfACameraThatDiedHoldsBesideOneThatSawNothingAllAlong) {
+TEST_F(ShowPublishers, TheTrueOfALostCameraHoldsBesideOneThatSawNothingAllAlong) {
   TooCloseBy(kSideCamera, false);
   Tick();
   TooCloseBy(kFrontCamera, true);
@@ -58,7 +58,7 @@ TEST_F(ShowPublishers, TheTrueOfACameraThatDiedHoldsBesideOneThatSawNothingAllAl
   EXPECT_EQ(state(), "SAFE_STOP");
 }
 
-TEST_F(ShowPublishers, TheSuccessorOfACameraThatDiedMayCancelItsTrue) {
+TEST_F(ShowPublishers, TheSuccessorOfALostCameraMayCancelItsTrue) {
   TooCloseBy(kFrontCamera, true);
   Tick();
   Lose(kFrontCamera);
@@ -69,7 +69,7 @@ TEST_F(ShowPublishers, TheSuccessorOfACameraThatDiedMayCancelItsTrue) {
   EXPECT_EQ(state(), "IDLE");
 }
 
-TEST_F(ShowPublishers, TheSuccessorMaySpeakBeforeTheDeathIsNoticed) {
+TEST_F(ShowPublishers, TheSuccessorMayPublishBeforeTheLossIsDetected) {
   TooCloseBy(kFrontCamera, true);
   Tick();
   TooCloseBy(kSuccessor, false);
@@ -80,7 +80,7 @@ TEST_F(ShowPublishers, TheSuccessorMaySpeakBeforeTheDeathIsNoticed) {
   EXPECT_EQ(state(), "IDLE");
 }
 
-TEST_F(ShowPublishers, TheLossOfACameraThatSaidNothingChangesNothing) {
+TEST_F(ShowPublishers, TheLossOfACameraThatPublishedNothingChangesNothing) {
   Lose(kSideCamera);
   TooCloseBy(kFrontCamera, false);
   Lose(kFrontCamera);
@@ -98,7 +98,7 @@ TEST_F(ShowPublishers, ATrueIsCancelledAlsoAfterTimeWentBack) {
   EXPECT_EQ(state(), "IDLE");
 }
 
-TEST_F(ShowPublishers, ARecordingOfSeveralPlaysTheSameAgain) {
+TEST_F(ShowPublishers, ARecordingOfSeveralReplaysIdentically) {
   TooCloseBy(kFrontCamera, true);
   Tick();
   TooCloseBy(kSideCamera, false);
@@ -124,7 +124,7 @@ TEST_F(ShowPublishers, ARecordingOfSeveralPlaysTheSameAgain) {
   EXPECT_EQ(show.state(), last);
 }
 
-TEST_F(ShowPublishers, AFrontalFaceOfFacesJsonIsAFaceWhereNoTargetIsHeard) {
+TEST_F(ShowPublishers, AFrontalFaceOfFacesJsonIsAFaceWithoutATarget) {
   Faces(R"({"is_frontal": true, "area": 0.1, "center_x": 0.25, "center_y": 0.75, "face_id": 3})");
   Tick();
   EXPECT_EQ(state(), "TRACKING");
@@ -132,7 +132,7 @@ TEST_F(ShowPublishers, AFrontalFaceOfFacesJsonIsAFaceWhereNoTargetIsHeard) {
   EXPECT_EQ(data().perception.face_id, 3);
 }
 
-TEST_F(ShowPublishers, TheCentreOfAFaceIsThatOfItsBoxWhereItHasNone) {
+TEST_F(ShowPublishers, TheCentreOfAFaceDefaultsToThatOfItsBox) {
   Faces(R"({"is_frontal": true, "area": 0.1, "x": 0.2, "y": 0.4, "width": 0.1, "height": 0.2})");
   Tick();
   EXPECT_EQ(state(), "TRACKING");
@@ -156,14 +156,14 @@ TEST_F(ShowPublishers, AFaceOutsideThePictureIsRefused) {
   EXPECT_THAT(script_.log[0], ::testing::HasSubstr("is not in the picture: x and y are 0 to 1"));
 }
 
-TEST_F(ShowPublishers, ATargetThatIsHeardGoesBeforeTheFacesOfFacesJson) {
+TEST_F(ShowPublishers, ATargetTakesPrecedenceOverTheFacesOfFacesJson) {
   Face({0.5, 0.5});
   Faces(R"({"is_frontal": true, "area": 0.1, "center_x": 0.1, "center_y": 0.1})");
   Tick();
   EXPECT_EQ(data().perception.face_position, (Gaze{0.5, 0.5}));
 }
 
-TEST_F(ShowPublishers, ADetectorThatPublishesFacesJsonAloneIsFollowedAndMissed) {
+TEST_F(ShowPublishers, ADetectorThatPublishesOnlyFacesJsonIsFollowedAndItsLossIsDetected) {
   for (int i = 0; i < 100; ++i) {
     Faces(R"({"is_frontal": true, "area": 0.1, "center_x": 0.4, "center_y": 0.5})");
     Tick();

@@ -1,4 +1,4 @@
-// The show before its first start, while it rests, and when it is sent home.
+// The show before its first start, while it is paused, and when it is reset to IDLE.
 
 #include <gmock/gmock.h>
 
@@ -11,7 +11,7 @@ namespace musher::wedding::show_rest_test {
 
 class RestingShow : public ShowRig {};
 
-TEST_F(RestingShow, HasInItsRecordingThatSomebodyWasTooCloseBeforeItWasStarted) {
+TEST_F(RestingShow, RecordsThatAGuestWasTooCloseBeforeTheStart) {
   show_.reset();
   recorder_.reset();
   machine_ = std::make_unique<fsm::Machine>(fsm::Machine::Options{.name = "wedding"});
@@ -55,7 +55,7 @@ TEST_F(RestingShow, DoesNotFillItsHistoryWithPausesInIdle) {
   EXPECT_EQ(machine_->history().size(), before + 1) << "home from TRACKING, once";
 }
 
-TEST_F(RestingShow, AsksWhoIsTooCloseOnceHoweverOftenItIsSentHome) {
+TEST_F(RestingShow, AsksAGuestWhoIsTooCloseOnceHoweverOftenItIsReset) {
   TooClose(true);
   Tick(2);
   for (int i = 0; i < 5; ++i) {
@@ -71,7 +71,7 @@ TEST_F(RestingShow, AsksWhoIsTooCloseOnceHoweverOftenItIsSentHome) {
   EXPECT_THAT(script_.sounds, ::testing::ElementsAre("too_close", "too_close")) << "another time";
 }
 
-TEST_F(RestingShow, SweepsACommandAwayThatWaitsInIdle) {
+TEST_F(RestingShow, DropsACommandThatWaitsInIdle) {
   Command("photo");
   show_->Rest(now_);
   show_->Resume(now_);

@@ -1,5 +1,5 @@
 #pragma once
-// A show without a robot: time is a number, and what the show does is written down.
+// A show without a robot: virtual time, and the show's outputs are recorded.
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 
 namespace musher::wedding {
 
-class Script : public Harness {
+class Script : public ShowOutputs {
  public:
   void TakePose(std::string_view pose) override { poses.emplace_back(pose); }
   void LookAt(Gaze gaze) override { gazes.push_back(gaze); }
@@ -60,7 +60,7 @@ class ShowRig : public ::testing::Test {
       show_->AfterTick();
     }
   }
-  // Ticks until the state is `state`; how many it took, -1: more than `most`.
+  // Ticks until the state is `state`; returns how many, -1: more than `most`.
   int TicksTo(std::string_view state, int most) {
     for (int i = 1; i <= most; ++i) {
       Tick();
@@ -68,7 +68,7 @@ class ShowRig : public ::testing::Test {
     }
     return -1;
   }
-  // The same while somebody stands there.
+  // The same with a guest before the robot.
   int TicksToWithFace(std::string_view state, int most, Gaze at = {}) {
     for (int i = 1; i <= most; ++i) {
       Face(at);

@@ -1,4 +1,4 @@
-// What a person who says stop gets while somebody stands before the robot.
+// The effect of a stop command while a guest stands before the robot.
 
 #include <gmock/gmock.h>
 
@@ -17,7 +17,7 @@ class StoppedShow : public ShowRig {
     Track();
     script_ = {};
   }
-  // Of the largest face; the target is told beside it.
+  // Of the largest face; the target is published with it.
   void Id(int id) {
     show_->OnFaces(
         R"({"faces": [{"area": 0.1, "is_frontal": true, "face_id": )" + std::to_string(id) + "}]}",
@@ -73,7 +73,7 @@ TEST_F(StoppedShow, GreetsAnotherOneWhoComesMeanwhile) {
   EXPECT_EQ(state(), "TRACKING");
 }
 
-TEST_F(StoppedShow, GreetsWhoComesWhenNobodyStoodThere) {
+TEST_F(StoppedShow, GreetsAGuestWhoComesWhenNoneStoodThere) {
   Tick(Ticks(Milliseconds(5000)));
   ASSERT_EQ(state(), "IDLE");
   Command("stop");
@@ -82,7 +82,7 @@ TEST_F(StoppedShow, GreetsWhoComesWhenNobodyStoodThere) {
   EXPECT_THAT(script_.log, IsEmpty()) << "a stop in IDLE is handled";
 }
 
-TEST_F(StoppedShow, BeginsWithTheSameFaceAnewWhenItIsToldTo) {
+TEST_F(StoppedShow, TracksTheSameFaceAgainByCommand) {
   Command("stop");
   TickWithFace(10);
   Command("tracking");
@@ -96,7 +96,7 @@ TEST_F(StoppedShow, BeginsWithTheSameFaceAnewWhenItIsToldTo) {
   EXPECT_EQ(state(), "TRACKING");
 }
 
-TEST_F(StoppedShow, StaysStoppedWhenSomebodyWasTooCloseMeanwhile) {
+TEST_F(StoppedShow, StaysStoppedWhenAGuestWasTooCloseMeanwhile) {
   Command("stop");
   TickWithFace(10);
   TooClose(true);
@@ -117,7 +117,7 @@ TEST_F(StoppedShow, IsStoppedByACommandThatComesInIdleBeforeTheFaceIsConfirmed) 
   EXPECT_EQ(state(), "IDLE");
 }
 
-TEST_F(StoppedShow, TakesThePhotoAfterAllThatASafetyStopBrokeOff) {
+TEST_F(StoppedShow, TakesThePhotoThatASafetyStopInterrupted) {
   Track();
   Gesture("heart");
   Face();

@@ -1,5 +1,5 @@
-// What the show promises beyond the acceptance table: the faults of its model that it does not
-// have.
+// Invariants of the show beyond the acceptance table: faults of the robot it models that it does
+// not have.
 
 #include <gmock/gmock.h>
 
@@ -22,7 +22,7 @@ class ShowTest : public ShowRig {};
 
 // --- perception ages by the time, not by the tick ---
 
-TEST_F(ShowTest, UnderstandsAPersonWhoPublishesOnceASecond) {
+TEST_F(ShowTest, AcceptsAPersonWhoPublishesOnceASecond) {
   for (int second = 0; second < 5; ++second) {
     Face();
     Tick(50);
@@ -42,7 +42,7 @@ TEST_F(ShowTest, LosesAFaceAfterTheSameTimeAtEveryRate) {
   }
 }
 
-TEST_F(ShowTest, FollowsTheSameWayAtEveryRate) {
+TEST_F(ShowTest, FollowsTheSamePathAtEveryRate) {
   std::vector<double> reached;
   for (const int period_ms : {5, 20, 40}) {
     Begin({}, Milliseconds(period_ms));
@@ -70,7 +70,7 @@ TEST_F(ShowTest, ForgetsWhatItSawWhenTimeGoesBack) {
 
 // --- safety ---
 
-TEST_F(ShowTest, CountsTheTimeAnewEachTimeSomebodyIsTooClose) {
+TEST_F(ShowTest, RestartsTheTimeEachTimeAGuestIsTooClose) {
   TooClose(true);
   Tick();
   TooClose(false);
@@ -82,7 +82,7 @@ TEST_F(ShowTest, CountsTheTimeAnewEachTimeSomebodyIsTooClose) {
   EXPECT_THAT(script_.sounds, ElementsAre("too_close")) << "asked once";
 }
 
-TEST_F(ShowTest, StaysInSafeStopWhileItsDetectorIsDeadUntilOneSaysThatNobodyIsTooClose) {
+TEST_F(ShowTest, StaysInSafeStopWithoutADetectorUntilOneReportsThatNoGuestIsTooClose) {
   TooClose(true);
   EXPECT_EQ(TicksTo("SAFE_STOP", 1), 1);
   Tick(50 * 60);
@@ -91,7 +91,7 @@ TEST_F(ShowTest, StaysInSafeStopWhileItsDetectorIsDeadUntilOneSaysThatNobodyIsTo
   EXPECT_EQ(TicksTo("IDLE", 150), 100);
 }
 
-TEST_F(ShowTest, RemembersThroughARestThatSomebodyIsTooClose) {
+TEST_F(ShowTest, RemembersThroughAPauseThatAGuestIsTooClose) {
   TooClose(true);
   Tick();
   show_->Rest(now_);
@@ -99,7 +99,7 @@ TEST_F(ShowTest, RemembersThroughARestThatSomebodyIsTooClose) {
   EXPECT_EQ(TicksTo("SAFE_STOP", 1), 1);
 }
 
-TEST_F(ShowTest, ObeysStopInSafeStopOnlyOnceNobodyIsTooClose) {
+TEST_F(ShowTest, HandlesStopInSafeStopOnlyOnceNoGuestIsTooClose) {
   TooClose(true);
   Tick();
   Command("stop");
@@ -197,7 +197,7 @@ TEST_F(ShowTest, TakesNoPhotoWhenItIsStoppedBeforeTheShutter) {
 
 // --- commands ---
 
-TEST_F(ShowTest, HeedsCommandsOneATickInTheirOrder) {
+TEST_F(ShowTest, HandlesCommandsOneATickInOrder) {
   Command("photo");
   Command("tracking");
   Tick();
@@ -206,7 +206,7 @@ TEST_F(ShowTest, HeedsCommandsOneATickInTheirOrder) {
   EXPECT_EQ(state(), "TRACKING");
 }
 
-TEST_F(ShowTest, UnderstandsCommandsInAnyCaseAndWithBlanks) {
+TEST_F(ShowTest, AcceptsCommandsInAnyCaseAndWithBlanks) {
   Command("  Photo\n");
   Tick();
   EXPECT_EQ(state(), "PHOTO_POSING");
@@ -214,7 +214,7 @@ TEST_F(ShowTest, UnderstandsCommandsInAnyCaseAndWithBlanks) {
   EXPECT_EQ(state(), "IDLE");
 }
 
-TEST_F(ShowTest, SurvivesTenThousandCommandsAtOnceAndObeysTheStopAmongThem) {
+TEST_F(ShowTest, SurvivesTenThousandCommandsAtOnceAndHandlesTheStopAmongThem) {
   for (int i = 0; i < 10'000; ++i) Command("photo");
   Command("stop");
   Tick();
@@ -223,7 +223,7 @@ TEST_F(ShowTest, SurvivesTenThousandCommandsAtOnceAndObeysTheStopAmongThem) {
   EXPECT_EQ(machine_->counts().refused + machine_->counts().superseded, 10'000);
   EXPECT_THAT(script_.log, ::testing::SizeIs(1));
   Tick(150);
-  EXPECT_THAT(script_.log.back(), HasSubstr("(and 9966 like it)"));
+  EXPECT_THAT(script_.log.back(), HasSubstr("(and 9966 more)"));
 }
 
 TEST_F(ShowTest, TakesOnePhotoForTenThousandCommands) {
@@ -232,16 +232,16 @@ TEST_F(ShowTest, TakesOnePhotoForTenThousandCommands) {
   EXPECT_EQ(script_.photos, 1);
 }
 
-TEST_F(ShowTest, SaysWhichCommandsNobodyKnows) {
+TEST_F(ShowTest, LogsUnknownCommands) {
   Command("dance");
   Command("search");
   Tick();
   EXPECT_EQ(state(), "IDLE");
   EXPECT_THAT(script_.log, ElementsAre("command 'dance': not in this show"));
-  EXPECT_EQ(show_->complaints(), 2);
+  EXPECT_EQ(show_->faults(), 2);
 }
 
-TEST_F(ShowTest, ObeysTheVoice) {
+TEST_F(ShowTest, HandlesVoiceCommands) {
   show_->OnVoiceCommand("photo", now_);
   Tick();
   EXPECT_EQ(state(), "PHOTO_POSING");
@@ -268,7 +268,7 @@ TEST_F(ShowTest, RestsNeutralAndGoesOnFromIdle) {
   EXPECT_EQ(script_.poses.back(), "neutral");
   EXPECT_EQ(script_.gazes.back(), Gaze{});
   Command("photo");
-  EXPECT_THAT(script_.log, ElementsAre("command photo comes to nothing: the show rests"));
+  EXPECT_THAT(script_.log, ElementsAre("command photo is refused: the show is paused"));
   show_->Resume(now_);
   Tick(2);
   EXPECT_EQ(state(), "IDLE") << "what was seen before does not count any more";
@@ -276,7 +276,7 @@ TEST_F(ShowTest, RestsNeutralAndGoesOnFromIdle) {
   EXPECT_EQ(script_.photos, 0);
 }
 
-TEST_F(ShowTest, AsksNothingOfARobotThatMustNotBeMoved) {
+TEST_F(ShowTest, PublishesNothingForARobotThatMustNotBeMoved) {
   Track();
   TickWithFace(10, {0.9, 0.5});
   const std::size_t gazes = script_.gazes.size();
@@ -287,7 +287,7 @@ TEST_F(ShowTest, AsksNothingOfARobotThatMustNotBeMoved) {
   EXPECT_EQ(state(), "IDLE");
 }
 
-TEST_F(ShowTest, SaysItsPoseAgainToAMotionThatWasStartedAnew) {
+TEST_F(ShowTest, PublishesItsPoseAgainForARestartedMotionAdapter) {
   Tick();
   show_->Rest(now_);
   show_->Resume(now_);
@@ -314,7 +314,7 @@ TEST_F(ShowTest, GoesOnFromASavedPhotoInAnotherProcess) {
   EXPECT_THAT(script_.poses, ElementsAre("heart", "neutral"));
 }
 
-// --- who is there ---
+// --- guests ---
 
 TEST_F(ShowTest, WaitsForAFaceToStayWhereItsConfigSaysSo) {
   ShowConfig config;
@@ -323,7 +323,7 @@ TEST_F(ShowTest, WaitsForAFaceToStayWhereItsConfigSaysSo) {
   EXPECT_EQ(TicksToWithFace("TRACKING", 20), 16);
 }
 
-TEST_F(ShowTest, ComesHomeWhereverItIsLeftAlone) {
+TEST_F(ShowTest, ReturnsToIdleFromEveryStateWhenLeftAlone) {
   for (const char* from : {"IDLE", "TRACKING", "PHOTO_POSING", "FAREWELL", "SAFE_STOP"}) {
     Force(from);
     Tick(Ticks(Milliseconds(10'000)));

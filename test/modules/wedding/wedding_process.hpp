@@ -1,6 +1,6 @@
 #pragma once
-// The real musher-wedding on DDS, with the body, the voice and the eyes of the robot, and a person
-// with a terminal.
+// The real musher-wedding on DDS, with fakes of the robot's body, audio and vision, and an
+// operator on a command line.
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -24,8 +24,8 @@ inline const std::vector<std::string> kAllStates = {"SetUp",    "TearDown", "Sel
                                                     "Active",   "DeActive", "Protected",
                                                     "LowPower", "OTA",      "Error"};
 
-// A show whose photos take half a second, and that sees a guest still who was not seen for a while:
-// of a machine that is busy it would take leave too early.
+// A show whose photos take half a second, with a longer timeout of a face: on a busy machine it
+// would say farewell too early.
 inline constexpr const char* kFile = R"(
 [check]
 time_ms = 5000
@@ -49,11 +49,12 @@ inline std::string LongPose() {
   return file.replace(file.find(brief), brief.size(), "\npose_ms = 60000\n");
 }
 
-// What was heard of a topic, and how far a test has followed it: many words may be heard between
-// two looks, and none of them is missed.
+// The words received on a topic, and how far a test has read them: many words may arrive between
+// two checks, and none of them is missed.
 class Words : public std::vector<std::string> {
  public:
-  // Whether `word` comes after the one that was found last. That one again and again is no news.
+  // Whether `word` comes after the one that was found last. A repetition of that one does not
+  // count.
   bool Find(const std::string& word) {
     while (next_ > 0 && next_ < size() && (*this)[next_] == (*this)[next_ - 1]) ++next_;
     const auto found = std::find(begin() + static_cast<std::ptrdiff_t>(next_), end(), word);
@@ -73,9 +74,9 @@ class Words : public std::vector<std::string> {
 class WeddingProcess : public ::testing::Test {
  protected:
   void SetUp() override {
-    Hear("wedding/fsm/state", states_);
-    Hear("wedding/motion/pose", poses_);
-    Hear("wedding/audio/play", sounds_);
+    Subscribe("wedding/fsm/state", states_);
+    Subscribe("wedding/motion/pose", poses_);
+    Subscribe("wedding/audio/play", sounds_);
     subscriptions_.push_back(
         transport::MakeSubscription<msg::PointStamped>(
             peer_.node(), "wedding/motion/look_at",
@@ -94,8 +95,9 @@ class WeddingProcess : public ::testing::Test {
       return target_->MatchedReaders() == 1 && too_close_->MatchedReaders() == 1 &&
              gesture_->MatchedReaders() == 1 && command_->MatchedReaders() == 1 &&
              voice_->MatchedReaders() == 1 &&
-             std::ranges::all_of(subscriptions_,
-                                 [](const auto& heard) { return heard->MatchedWriters() == 1; });
+             std::ranges::all_of(subscriptions_, [](const auto& received) {
+               return received->MatchedWriters() == 1;
+             });
     })) << peer_.Output();
   }
   void StartActive(const std::string& file = kFile) {
@@ -109,7 +111,7 @@ class WeddingProcess : public ::testing::Test {
     EXPECT_EQ(done.value().verdict, msg::ActuatorCommand::kVerdictDone)
         << state << ": " << done.value().message << peer_.Output();
   }
-  // A guest stands there, seen ten times a second, until the show is in `state`.
+  // A guest stands there, published ten times a second, until the show is in `state`.
   bool AwaitWithFace(const std::string& state) {
     const auto again = peer_.node().loop().Every(Milliseconds(100), [this] { Face(); });
     Face();
@@ -121,8 +123,8 @@ class WeddingProcess : public ::testing::Test {
   bool AwaitPose(const std::string& pose) {
     return peer_.Until([&] { return poses_.Find(pose); });
   }
-  // Until it has told its state three times without a look between; it tells fifty looks a second
-  // where it moves.
+  // Until it has published its state three times without a gaze in between; it publishes fifty
+  // gazes a second while it moves.
   bool AwaitNoMoreLooks() {
     std::size_t looks = looks_.size();
     std::size_t states = states_.size();
@@ -134,7 +136,7 @@ class WeddingProcess : public ::testing::Test {
   }
   void Face(double x = 0.5) { ASSERT_TRUE(target_->Publish({{{}, "camera"}, {x, 0.5, 1.5}})); }
   void Command(const std::string& word) { ASSERT_TRUE(command_->Publish({word})); }
-  // Runs the program as a person does; what it printed is in said_.
+  // Runs the program as a person does; its output is in output_.
   int Run(const std::vector<std::string>& words) {
     exec::ChildSpec spec;
     spec.argv = {MUSHER_BIN_DIR "/musher-wedding"};
@@ -147,10 +149,10 @@ class WeddingProcess : public ::testing::Test {
     const auto look = peer_.node().loop().Every(Milliseconds(20), [] {});  // Until looks at events
     const bool ended = peer_.Until([&] { return child.Ended(); });
     std::ifstream stream(output);
-    said_ = {std::istreambuf_iterator<char>(stream), {}};
+    output_ = {std::istreambuf_iterator<char>(stream), {}};
     return ended ? child.Reap().number : -1000;
   }
-  // Each state once, however often it was shown.
+  // Each state once, however often it was published.
   std::vector<std::string> Changes() const {
     std::vector<std::string> changes(states_.begin(), states_.end());
     changes.erase(std::unique(changes.begin(), changes.end()), changes.end());
@@ -165,7 +167,7 @@ class WeddingProcess : public ::testing::Test {
     return answer->value();
   }
   // All of them, also those that come at once after a while without a CPU.
-  void Hear(const std::string& topic, Words& words) {
+  void Subscribe(const std::string& topic, Words& words) {
     subscriptions_.push_back(
         transport::MakeSubscription<msg::String>(
             peer_.node(), topic,
@@ -179,7 +181,7 @@ class WeddingProcess : public ::testing::Test {
   }
 
   const exec::Keeper keeper_ = exec::Keeper::Start().value();
-  std::string said_;
+  std::string output_;
   test::ActuatorPeer peer_{"wedding", kAllStates, "musher-wedding"};
   Words states_;
   Words poses_;

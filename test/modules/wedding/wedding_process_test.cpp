@@ -1,4 +1,4 @@
-// musher-wedding as a controller and a plain ROS 2-style program meet it: driven through the topics
+// musher-wedding as a controller and a plain ROS 2-style program use it: driven through the topics
 // of the show.
 
 #include "musher/test/modules/wedding/wedding_process.hpp"
@@ -14,8 +14,8 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// A writer keeps the last ten of a reader that has no CPU: what is said again is said seldom here,
-// so that no change is lost.
+// A writer keeps the last ten samples for a reader that has no CPU: repeated messages are rare
+// here, so that no change is lost.
 constexpr const char* kSeldom = "state_rate_hz = 1\n";
 
 TEST_F(WeddingProcess, PlaysTheShowFromGreetingOverPhotoToFarewell) {
@@ -43,12 +43,12 @@ bool HasGap(const std::vector<Duration>& times, Duration gap) {
          }) != times.end();
 }
 
-TEST_F(WeddingProcess, TellsItsStateFiveTimesASecondAndItsGazeFiftyTimes) {
-  std::vector<Duration> told;
+TEST_F(WeddingProcess, PublishesItsStateFiveTimesASecondAndItsGazeFiftyTimes) {
+  std::vector<Duration> published;
   const auto states = transport::MakeSubscription<msg::String>(
                           peer_.node(), "wedding/fsm/state",
                           [&](const msg::String&, const auto&) {
-                            told.push_back(peer_.node().loop().Now().time_since_epoch());
+                            published.push_back(peer_.node().loop().Now().time_since_epoch());
                           })
                           .value();
   const Time began = peer_.node().loop().Now();
@@ -58,11 +58,11 @@ TEST_F(WeddingProcess, TellsItsStateFiveTimesASecondAndItsGazeFiftyTimes) {
     for (std::size_t i = stamps.size(); i < looks_.size(); ++i) {
       stamps.push_back(msg::FromStamp(looks_[i].header.stamp));
     }
-    return stamps.size() > 50 && HasGap(told, Milliseconds(200)) &&
+    return stamps.size() > 50 && HasGap(published, Milliseconds(200)) &&
            HasGap(stamps, Milliseconds(20));
   }));
   const Duration long_ago = peer_.node().loop().Now() - began;
-  EXPECT_LE(told.size(), long_ago / Milliseconds(200) + 3) << "two of them are changes";
+  EXPECT_LE(published.size(), long_ago / Milliseconds(200) + 3) << "two of them are changes";
   EXPECT_LE(stamps.size(), (stamps.back() - stamps.front()) / Milliseconds(20) + 3);
   EXPECT_EQ(looks_.back().header.frame_id, "camera");
   EXPECT_GT(looks_.back().header.stamp.sec, 0);
@@ -70,7 +70,7 @@ TEST_F(WeddingProcess, TellsItsStateFiveTimesASecondAndItsGazeFiftyTimes) {
   EXPECT_EQ(looks_.back().point.z, 0);
 }
 
-TEST_F(WeddingProcess, IsDrivenByAPersonWhoTypesWhatItsManualSays) {
+TEST_F(WeddingProcess, IsDrivenByTheCommandsOfItsManual) {
   StartActive(LongPose());
   Face();
   ASSERT_TRUE(AwaitShown("TRACKING"));
@@ -83,7 +83,7 @@ TEST_F(WeddingProcess, IsDrivenByAPersonWhoTypesWhatItsManualSays) {
   EXPECT_THAT(poses_, Contains("thumbs_up"));
 }
 
-TEST_F(WeddingProcess, StopsForSomebodyWhoIsTooCloseAndGoesOn) {
+TEST_F(WeddingProcess, StopsForAGuestWhoIsTooCloseAndGoesOn) {
   StartActive();
   ASSERT_TRUE(too_close_->Publish({true}));
   ASSERT_TRUE(AwaitShown("SAFE_STOP"));
@@ -92,7 +92,7 @@ TEST_F(WeddingProcess, StopsForSomebodyWhoIsTooCloseAndGoesOn) {
   EXPECT_THAT(sounds_, ElementsAre("too_close"));
 }
 
-TEST_F(WeddingProcess, StaysStoppedForOneCameraThoughAnotherSaysThatNoGuestIsTooClose) {
+TEST_F(WeddingProcess, StaysStoppedForOneCameraThoughAnotherReportsNoGuestTooClose) {
   StartActive();
   auto side = Publisher<msg::Bool>("wedding/perception/too_close");
   ASSERT_TRUE(peer_.Until([&] { return side->MatchedReaders() == 1; }));
@@ -131,23 +131,23 @@ TEST_F(WeddingProcess, AnswersItsServices) {
 }
 
 TEST_F(WeddingProcess, HasTheCameraTakeThePictureAtTheShutter) {
-  int asked = 0;
+  int calls = 0;
   const auto camera = transport::MakeServer<msg::CameraService>(
                           peer_.node(), "camera_service",
                           [&](const msg::CameraService::Request& request, const auto& reply) {
                             EXPECT_EQ(request.command, msg::CameraService::kTakePicture);
-                            ++asked;
-                            if (asked == 1) return reply({0, "/photos/1.jpg", 0});
+                            ++calls;
+                            if (calls == 1) return reply({0, "/photos/1.jpg", 0});
                             reply({msg::CameraService::kInvalidState, "the camera is off", 4403});
                           })
                           .value();
   StartActive(std::string(kSeldom) + kFile);
   Command("photo");
   ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
-  ASSERT_TRUE(peer_.Until([&] { return asked == 1; })) << peer_.Output();
+  ASSERT_TRUE(peer_.Until([&] { return calls == 1; })) << peer_.Output();
   ASSERT_TRUE(AwaitShown("TRACKING"));
   Command("photo");
-  ASSERT_TRUE(peer_.Until([&] { return asked == 2; }));
+  ASSERT_TRUE(peer_.Until([&] { return calls == 2; }));
   ASSERT_TRUE(AwaitWithFace("TRACKING"));
   EXPECT_TRUE(peer_.Until([&] {
     return peer_.Output().find("no photo: the camera is off (result 5, 4403") != std::string::npos;
@@ -178,10 +178,10 @@ TEST_F(WeddingProcess, RestsNeutralInEveryOtherStateAndGoesOnFromIdle) {
     ExpectDone("Active");
     ASSERT_TRUE(peer_.Until([&] { return looks_.size() > looks; })) << rest;
   }
-  EXPECT_THAT(peer_.Output(), HasSubstr("command photo comes to nothing: the show rests"));
+  EXPECT_THAT(peer_.Output(), HasSubstr("command photo is refused: the show is paused"));
 }
 
-TEST_F(WeddingProcess, AsksNothingOfARobotThatIsStoppedInAnEmergency) {
+TEST_F(WeddingProcess, PublishesNothingDuringAnEmergencyStop) {
   StartActive(LongPose());
   Command("photo");
   ASSERT_TRUE(AwaitPose("thumbs_up"));
@@ -202,7 +202,7 @@ TEST_F(WeddingProcess, SurvivesTenThousandCommandsAtOnce) {
   for (int i = 0; i < 10'000; ++i) Command(i % 3 == 0 ? "photo" : i % 3 == 1 ? "dance" : "idle");
   Command("stop");
   ASSERT_TRUE(command_->Flush(std::chrono::seconds(20)));
-  // A pose that none of the commands asks for.
+  // A pose that none of the commands requests.
   const auto guest = peer_.node().loop().Every(Milliseconds(100), [this] {
     Face();
     ASSERT_TRUE(gesture_->Publish({"v"}));
@@ -229,7 +229,7 @@ TEST_F(WeddingProcess, BeginsInIdleAndNeutralAfterItWasKilledInAPose) {
   EXPECT_EQ(Changes().back(), "IDLE");
 }
 
-TEST_F(WeddingProcess, LivesThroughAllStates) {
+TEST_F(WeddingProcess, RunsThroughAllStates) {
   Start();
   const auto seen = peer_.node().loop().Every(Milliseconds(100), [this] { Face(); });
   for (const char* state : {"SelfCheck", "Active", "SelfCheck", "DeActive", "Protected", "OTA",
@@ -240,7 +240,7 @@ TEST_F(WeddingProcess, LivesThroughAllStates) {
   EXPECT_EQ(states_.back(), "INVALID");
 }
 
-TEST_F(WeddingProcess, FailsItsSelfCheckByNameWithoutEyesVoiceOrBody) {
+TEST_F(WeddingProcess, FailsItsSelfCheckByNameWithoutCameraAudioOrMotion) {
   target_.reset();
   subscriptions_.clear();
   peer_.Start("[check]\ntime_ms = 100\n");
@@ -249,22 +249,22 @@ TEST_F(WeddingProcess, FailsItsSelfCheckByNameWithoutEyesVoiceOrBody) {
   ASSERT_TRUE(checked);
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
   EXPECT_THAT(checked.value().message,
-              ::testing::AllOf(HasSubstr("camera: nobody publishes /wedding/perception/target"),
-                               HasSubstr("audio: nobody listens to /wedding/audio/play"),
-                               HasSubstr("motion: nobody listens to /wedding/motion/pose")));
+              ::testing::AllOf(HasSubstr("camera: no publisher of /wedding/perception/target"),
+                               HasSubstr("audio: no subscriber of /wedding/audio/play"),
+                               HasSubstr("motion: no subscriber of /wedding/motion/pose")));
 }
 
-TEST_F(WeddingProcess, GoesOnWithoutWhatIsOptionalAndSaysSo) {
+TEST_F(WeddingProcess, RunsWithoutOptionalPartsAndLogsIt) {
   target_.reset();
   subscriptions_.clear();
   peer_.Start(
       "[check]\ntime_ms = 100\ncamera = \"optional\"\naudio = \"none\"\nmotion = \"none\"\n");
   ASSERT_TRUE(peer_.AwaitVisible()) << peer_.Output();
   ExpectDone("SelfCheck");
-  EXPECT_THAT(peer_.Output(), HasSubstr("self-check: without camera: nobody publishes"));
+  EXPECT_THAT(peer_.Output(), HasSubstr("self-check: without camera: no publisher of"));
 }
 
-TEST_F(WeddingProcess, FailsItsSelfCheckWhereFacesAreCountedAndNobodySaysWhereTheyAre) {
+TEST_F(WeddingProcess, FailsItsSelfCheckWithFacesButWithoutTheirPositions) {
   Start("[check]\ntime_ms = 100\n");
   const auto faces = Publisher<msg::String>("wedding/perception/faces_json");
   ASSERT_TRUE(peer_.Until([&] { return faces->MatchedReaders() == 1; }));
@@ -272,20 +272,20 @@ TEST_F(WeddingProcess, FailsItsSelfCheckWhereFacesAreCountedAndNobodySaysWhereTh
   target_.reset();
   ASSERT_TRUE(peer_.Until([&] {
     const auto checked = peer_.Switch("SelfCheck");
-    return checked && checked.value().message.find("nobody publishes /wedding/perception/target") !=
+    return checked && checked.value().message.find("no publisher of /wedding/perception/target") !=
                           std::string::npos;
   })) << peer_.Output();
 }
 
-TEST_F(WeddingProcess, FailsItsSelfCheckInActiveWhenVisionHasFallenSilent) {
+TEST_F(WeddingProcess, FailsItsSelfCheckInActiveWhenVisionIsSilent) {
   StartActive("[check]\ntime_ms = 100\n");
   const auto checked = peer_.Switch("SelfCheck");
   ASSERT_TRUE(checked);
   EXPECT_EQ(checked.value().verdict, ActuatorCommand::kVerdictFailed);
-  EXPECT_THAT(checked.value().message, HasSubstr("camera: nothing was heard of"));
+  EXPECT_THAT(checked.value().message, HasSubstr("camera: no message on"));
 }
 
-TEST_F(WeddingProcess, ExplainsAFaultyFileAndEndsWithTwo) {
+TEST_F(WeddingProcess, ReportsAnInvalidFileAndExitsWithTwo) {
   peer_.Start("[idle]\nsway = 3\n");
   EXPECT_EQ(peer_.AwaitExit(), 2);
   EXPECT_THAT(peer_.Output(), HasSubstr("wedding.toml:2:8: error: idle.sway"));

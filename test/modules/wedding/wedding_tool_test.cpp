@@ -1,4 +1,4 @@
-// What musher-wedding does for people beside the show.
+// The command-line tools of musher-wedding.
 
 #include "musher/messages/rosgraph_msgs/clock.hpp"
 #include "musher/test/modules/wedding/wedding_process.hpp"
@@ -10,20 +10,20 @@ using ::testing::HasSubstr;
 
 class WeddingTool : public WeddingProcess {};
 
-TEST_F(WeddingTool, IsToldByHandWithoutRos) {
+TEST_F(WeddingTool, PublishesInputsWithoutRos) {
   StartActive();
-  EXPECT_EQ(Run({"tell", "target", "0.5", "0.4", "--for", "0.3"}), 0) << said_;
+  EXPECT_EQ(Run({"tell", "target", "0.5", "0.4", "--for", "0.3"}), 0) << output_;
   ASSERT_TRUE(AwaitShown("TRACKING"));
-  EXPECT_EQ(Run({"tell", "command", "photo"}), 0) << said_;
+  EXPECT_EQ(Run({"tell", "command", "photo"}), 0) << output_;
   ASSERT_TRUE(AwaitShown("PHOTO_POSING"));
-  EXPECT_EQ(Run({"tell", "too-close", "true", "--json"}), 0) << said_;
-  EXPECT_EQ(said_, "{\"told\": true}\n");
+  EXPECT_EQ(Run({"tell", "too-close", "true", "--json"}), 0) << output_;
+  EXPECT_EQ(output_, "{\"told\": true}\n");
   ASSERT_TRUE(AwaitShown("SAFE_STOP"));
   EXPECT_EQ(Run({"tell", "gesture"}), 2);
   EXPECT_EQ(Run({"tell", "target", "left", "0.4"}), 2);
 }
 
-TEST_F(WeddingTool, GivesUpOnAClockThatStandsStill) {
+TEST_F(WeddingTool, TimesOutOnAClockThatStandsStill) {
   StartActive();
   const auto clock = transport::MakePublisher<msg::Clock>(peer_.node(), transport::kClockTopic,
                                                           transport::kClockQos)
@@ -31,11 +31,11 @@ TEST_F(WeddingTool, GivesUpOnAClockThatStandsStill) {
   const auto ticks = peer_.node().loop().Every(Milliseconds(50), [&] {
     static_cast<void>(clock->Publish({{7, 0}}));
   });
-  EXPECT_EQ(Run({"tell", "target", "0.5", "0.4", "--for", "2", "--clock", "topic"}), 1) << said_;
-  EXPECT_THAT(said_, HasSubstr("/clock has stood still for 5 s"));
+  EXPECT_EQ(Run({"tell", "target", "0.5", "0.4", "--for", "2", "--clock", "topic"}), 1) << output_;
+  EXPECT_THAT(output_, HasSubstr("/clock has stood still for 5 s"));
 }
 
-TEST_F(WeddingTool, RecordsAndPlaysTheSameAgain) {
+TEST_F(WeddingTool, RecordsAndReplaysIdentically) {
   const std::string file = peer_.folder() / "show.toml";
   const std::string record = peer_.folder() / "show.record";
   StartActive(std::string(kFile) + "[record]\nfile = \"show.record\"\n");
@@ -47,11 +47,11 @@ TEST_F(WeddingTool, RecordsAndPlaysTheSameAgain) {
   ASSERT_TRUE(AwaitWithFace("TRACKING"));
   ExpectDone("TearDown");
   ASSERT_EQ(peer_.AwaitExit(), 0);
-  EXPECT_EQ(Run({"replay", record, "--config", peer_.folder() / "wedding.toml"}), 0) << said_;
-  EXPECT_THAT(said_, HasSubstr("TRACKING -> PHOTO_POSING  decided"));
-  EXPECT_THAT(said_, HasSubstr("the same again"));
-  EXPECT_EQ(Run({"replay", record}), 1) << "photos of 6 s come to another history";
-  EXPECT_THAT(said_, HasSubstr("show.record:"));
+  EXPECT_EQ(Run({"replay", record, "--config", peer_.folder() / "wedding.toml"}), 0) << output_;
+  EXPECT_THAT(output_, HasSubstr("TRACKING -> PHOTO_POSING  decided"));
+  EXPECT_THAT(output_, HasSubstr("identical"));
+  EXPECT_EQ(Run({"replay", record}), 1) << "photos of 6 s give a different run";
+  EXPECT_THAT(output_, HasSubstr("show.record:"));
   EXPECT_EQ(Run({"replay", file}), 2) << "there is none";
 }
 

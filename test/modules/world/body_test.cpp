@@ -1,4 +1,4 @@
-// The body and its board: what it takes, how it moves and what it reports.
+// The body and its board: which commands it takes, how it moves and what it reports.
 
 #include "musher/modules/world/body.hpp"
 
@@ -38,7 +38,7 @@ TEST_F(BodyTest, TakesUpACommandedSpeedWithItsLag) {
 
 TEST_F(BodyTest, WalksAheadToTheSideAndTurnsLeftForPositiveYaw) {
   commander_.Walk({0.5, 0, 0}, Seconds(4));
-  EXPECT_NEAR(place().x(), 0.5 * 4 - 0.5 * 0.2, 0.01);  // a lag's way is lost
+  EXPECT_NEAR(place().x(), 0.5 * 4 - 0.5 * 0.2, 0.01);  // the distance of one lag is lost
   commander_.Walk({0, 0.3, 0}, Seconds(4));
   EXPECT_NEAR(place().y(), 0.3 * 4 - 0.3 * 0.2, 0.01);
   commander_.Walk({0, 0, 0.5}, Seconds(2));
@@ -92,7 +92,7 @@ TEST_F(BodyTest, WalksForACommandsDurationAndReportsHowFarItIs) {
   EXPECT_NEAR(body().speed().x(), 0, 1e-4);
 }
 
-TEST_F(BodyTest, StandsUpLiesDownAndSaysSoWhenItIsDone) {
+TEST_F(BodyTest, StandsUpLiesDownAndReportsWhenItIsDone) {
   Lying();
   EXPECT_NEAR(body().attitude().height_m, 0.08, 1e-9);
   commander_.Do(12, 0);
@@ -110,7 +110,7 @@ TEST_F(BodyTest, StandsUpLiesDownAndSaysSoWhenItIsDone) {
   EXPECT_NEAR(body().attitude().height_m, 0.08, 1e-9);
 }
 
-TEST_F(BodyTest, RefusesToWalkLyingAndSaysThatTheModeMayNotFollow) {
+TEST_F(BodyTest, RefusesToWalkLyingSinceTheModeMayNotFollow) {
   Lying();
   EXPECT_THAT(commander_.Do(11, 27, {0.5, 0, 0}), Optional(HasSubstr("may not follow mode 7")));
   Pass(world_, Seconds(1));
@@ -148,7 +148,7 @@ TEST_F(BodyTest, TakesTheTimeThatTheSceneGivesAMotionLessWhereLittleIsLeftOfTheW
   EXPECT_EQ(body().progress_percent(), 100);
 }
 
-TEST_F(BodyTest, RefusesAModeThatNobodyKnows) {
+TEST_F(BodyTest, RefusesAnUnknownMode) {
   EXPECT_THAT(commander_.Do(99, 0), Optional(HasSubstr("does not know")));
   EXPECT_EQ(body().status(), BoardStatus::kBanTrans);
 }
@@ -197,7 +197,7 @@ TEST_F(BodyTest, TurnsOverOnceInABackFlip) {
   EXPECT_NEAR(place().x(), -0.4, 1e-9);
 }
 
-TEST_F(BodyTest, TakesUpThePoseItIsTold) {
+TEST_F(BodyTest, TakesUpTheCommandedPose) {
   BoardCommand command;
   command.mode = 21;
   command.life_count = 1;
@@ -274,7 +274,7 @@ TEST_F(BodyTest, DriftsInItsOdometryOnly) {
   EXPECT_NEAR(body().odometry().position_m.norm(), place().x() * 1.1, 0.01);
 }
 
-TEST_F(BodyTest, FeelsGravityAndItsOwnStart) {
+TEST_F(BodyTest, MeasuresGravityAndItsOwnAcceleration) {
   Pass(world_, Seconds(1));
   EXPECT_NEAR(body().acceleration().z(), 9.81, 1e-9);
   commander_.Do(11, 27, {0.5, 0, 0});

@@ -1,4 +1,4 @@
-// Which way pixels look, against closed forms.
+// The directions of pixels, against closed forms.
 
 #include "musher/modules/world/camera_model.hpp"
 

@@ -1,5 +1,5 @@
-// Guests and the camera on the head: what usual eyes find, and that what is seen turns with the
-// head.
+// Guests and the camera on the head: what common detectors find, and that the picture turns with
+// the head.
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
@@ -82,7 +82,7 @@ TEST(GuestFace, IsFoundByAUsualDetectorFromSixtyCentimetresToThreeMetres) {
   }
 }
 
-TEST(GuestFace, IsNotFoundOfOneWhoLooksAway) {
+TEST(GuestFace, IsNotFoundOfAGuestWhoLooksAway) {
   for (const double turned_rad : {M_PI, M_PI / 2}) {
     EXPECT_THAT(FacesIn(ShotOfGuest(3, 1.7, 1.5, turned_rad)), SizeIs(0)) << turned_rad;
   }

@@ -1,4 +1,4 @@
-// Guests: their timetables, their ways, and where they look.
+// Guests: their timetables, their paths, and where they look.
 
 #include "musher/modules/world/guests.hpp"
 
@@ -108,7 +108,7 @@ TEST(Guests, StepBackFromTheRobotWithoutTurningRound) {
   EXPECT_NEAR(world.guests()[0].position_m.x(), 2.5, 0.05);
 }
 
-TEST(Guests, ComeAnewWhereTheSceneRepeats) {
+TEST(Guests, ComeAgainWhenTheSceneRepeats) {
   Scene scene = Hall({WalkAt(1, {4, 1}), LeaveAt(4)});
   scene.guests_repeat = Seconds(8);
   World world(scene);
@@ -160,7 +160,7 @@ TEST(Guests, StepOutOfTheWayOfARobotThatIsPutDown) {
   EXPECT_NEAR(world.guests()[0].position_m.x(), 1.4 + 0.48, 1e-9);
 }
 
-TEST(GestureSight, IsOfAGuestWhoMakesASignInViewAndLooksAtTheRobot) {
+TEST(GestureSight, IsOfAGuestInViewWhoGesturesAndLooksAtTheRobot) {
   World world(Hall({WalkAt(0, {1.5, 0}), SignAt(6, Gesture::kHeart), SignAt(8, Gesture::kNone)}));
   Pass(world, Seconds(5.9));
   EXPECT_EQ(SeenGesture(world), Gesture::kNone);

@@ -51,11 +51,12 @@ class WorldHostTest : public ::testing::Test {
 
   template <class M>
   std::unique_ptr<transport::Subscription> Listen(
-      const std::string& topic, std::vector<M>& heard,
+      const std::string& topic, std::vector<M>& received,
       const transport::Qos& qos = transport::kDefaultQos) {
     return transport::MakeSubscription<M>(
                *desk_, topic,
-               [&heard](const M& message, const SampleInfo&) { heard.push_back(message); }, qos)
+               [&received](const M& message, const SampleInfo&) { received.push_back(message); },
+               qos)
         .value();
   }
 
@@ -69,8 +70,8 @@ class WorldHostTest : public ::testing::Test {
   }
 
   template <class S>
-  std::optional<typename S::Response> Ask(const std::string& service,
-                                          const typename S::Request& request = {}) {
+  std::optional<typename S::Response> CallService(const std::string& service,
+                                                  const typename S::Request& request = {}) {
     auto client = transport::MakeClient<S>(*desk_, "dog1/" + service).value();
     std::optional<typename S::Response> response;
     network_.RunFor(Milliseconds(50));
@@ -128,7 +129,7 @@ TEST_F(WorldHostTest, RunsItsTimeAtTheFactorOfTheScene) {
   EXPECT_NEAR(host_->pacer().reached(), 5, 0.01);
 }
 
-TEST_F(WorldHostTest, LosesTimeWhenItsProcessStandsStillAndDoesNotHurryAfterwards) {
+TEST_F(WorldHostTest, LosesTimeWhenItsProcessIsSuspendedAndDoesNotCatchUp) {
   Open(EmptyYard());
   network_.RunFor(seconds(1));
   network_.Pause(*world_node_);
@@ -146,11 +147,11 @@ TEST_F(WorldHostTest, ChangesItsSpeedAndStandsStillOnRequest) {
   Forget();
   network_.RunFor(seconds(1));
   EXPECT_NEAR(static_cast<double>(clocks_.size()), 500, 2);
-  EXPECT_TRUE(Ask<msg::SetBool>("world/pause", {true}).value().success);
+  EXPECT_TRUE(CallService<msg::SetBool>("world/pause", {true}).value().success);
   Forget();
   network_.RunFor(seconds(5));
   EXPECT_THAT(clocks_, IsEmpty());
-  EXPECT_TRUE(Ask<msg::SetBool>("world/pause", {false}).value().success);
+  EXPECT_TRUE(CallService<msg::SetBool>("world/pause", {false}).value().success);
   Forget();
   network_.RunFor(seconds(1));
   EXPECT_NEAR(static_cast<double>(clocks_.size()), 500, 2);
@@ -174,7 +175,7 @@ TEST_F(WorldHostTest, MovesTheBodyAsItIsCommandedAndReportsIt) {
   EXPECT_GT(state.motor_temperature[2], 20);
 }
 
-TEST_F(WorldHostTest, MovesNothingForACommandThatIsNoNumberAndSaysSo) {
+TEST_F(WorldHostTest, MovesNothingForANanCommandAndLogsIt) {
   Open(EmptyYard());
   const float none = std::nanf("");
   Say("world/body_command", Command(11, 27, {none, 0, 0}));
@@ -192,7 +193,7 @@ TEST_F(WorldHostTest, MovesNothingForACommandThatIsNoNumberAndSaysSo) {
   EXPECT_EQ(states_.back().pose.position.x, 0);
 }
 
-TEST_F(WorldHostTest, SetsTheBatteryAndRefusesWhatNoneCanHave) {
+TEST_F(WorldHostTest, SetsTheBatteryAndRefusesImpossibleLevels) {
   Open(EmptyYard());
   Say("world/set_battery", msg::Float32{15});
   network_.RunFor(seconds(1));
@@ -206,7 +207,7 @@ TEST_F(WorldHostTest, SetsTheBatteryAndRefusesWhatNoneCanHave) {
 
 TEST_F(WorldHostTest, ChargesWhileTheCableIsIn) {
   Open(EmptyYard());
-  EXPECT_TRUE(Ask<msg::SetBool>("world/charge", {true}).value().success);
+  EXPECT_TRUE(CallService<msg::SetBool>("world/charge", {true}).value().success);
   network_.RunFor(seconds(1));
   EXPECT_EQ(charges_.back().power_supply_status, msg::BatteryState::kStatusCharging);
   EXPECT_EQ(charges_.back().location, "cable");
@@ -214,13 +215,13 @@ TEST_F(WorldHostTest, ChargesWhileTheCableIsIn) {
   Say("world/set_battery", msg::Float32{100});
   network_.RunFor(seconds(1));
   EXPECT_EQ(charges_.back().power_supply_status, msg::BatteryState::kStatusFull);
-  EXPECT_TRUE(Ask<msg::SetBool>("world/charge", {false}).value().success);
+  EXPECT_TRUE(CallService<msg::SetBool>("world/charge", {false}).value().success);
   network_.RunFor(seconds(1));
   EXPECT_EQ(charges_.back().power_supply_status, msg::BatteryState::kStatusDischarging);
   EXPECT_LT(charges_.back().current, 0);
 }
 
-TEST_F(WorldHostTest, PassesOnAFingerAndRefusesOneThatDoesNotExist) {
+TEST_F(WorldHostTest, PublishesATouchAndRefusesAnUnknownOne) {
   Scene scene = EmptyYard();
   scene.events = {{seconds(1), Touch{7}}};
   Open(scene);
@@ -232,7 +233,7 @@ TEST_F(WorldHostTest, PassesOnAFingerAndRefusesOneThatDoesNotExist) {
   EXPECT_EQ(log_.size(), 2u);
 }
 
-TEST_F(WorldHostTest, PutsTheBodyWhereItIsToldIfItCanBeThere) {
+TEST_F(WorldHostTest, PlacesTheBodyWhereItCanBe) {
   Open(FullYard());
   msg::PoseStamped place;
   place.pose.position = {-5, 4, 0};
@@ -270,7 +271,7 @@ TEST_F(WorldHostTest, TakesMotorPowerAndFaultsFromItsTopics) {
   EXPECT_EQ(states_.back().switch_status, 3);
 }
 
-TEST_F(WorldHostTest, DrawsWhatItHeardOfMachineAndLightsAndSaysWhere) {
+TEST_F(WorldHostTest, DrawsMachineStateAndLightsAndRepliesWithThePath) {
   Open(EmptyYard());
   auto machine = transport::MakePublisher<msg::MachineStatus>(*desk_, "dog1/musher/machine_status",
                                                               transport::kLatchedQos)
@@ -283,7 +284,7 @@ TEST_F(WorldHostTest, DrawsWhatItHeardOfMachineAndLightsAndSaysWhere) {
   ASSERT_TRUE(machine->Publish(status));
   ASSERT_TRUE(light->Publish({1, 1, 0xA1, 0, 0, 0, "bms"}));
   network_.RunFor(seconds(2));
-  const auto drawn = Ask<msg::Trigger>("world/draw");
+  const auto drawn = CallService<msg::Trigger>("world/draw");
   ASSERT_TRUE(drawn);
   EXPECT_TRUE(drawn->success);
   EXPECT_EQ(drawn->message, folder_ / "world.png");
@@ -293,16 +294,16 @@ TEST_F(WorldHostTest, DrawsWhatItHeardOfMachineAndLightsAndSaysWhere) {
   EXPECT_EQ(world.track().lights().at(1).red, 255);
 }
 
-TEST_F(WorldHostTest, SaysWhyItCannotDraw) {
+TEST_F(WorldHostTest, RepliesWhyItCannotDraw) {
   Open(EmptyYard());
   std::filesystem::create_directory(folder_ / "world.png");
-  const auto drawn = Ask<msg::Trigger>("world/draw");
+  const auto drawn = CallService<msg::Trigger>("world/draw");
   ASSERT_TRUE(drawn);
   EXPECT_FALSE(drawn->success);
   EXPECT_THAT(drawn->message, HasSubstr("cannot be written"));
 }
 
-TEST_F(WorldHostTest, RefusesASpeedThatTimeCannotHave) {
+TEST_F(WorldHostTest, RefusesAnImpossibleSpeedOfTime) {
   Open(EmptyYard());
   for (const float factor : {0.0F, -1.0F, 1000.0F, std::nanf("")}) {
     Say("world/speed", msg::Float32{factor});

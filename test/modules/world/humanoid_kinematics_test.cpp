@@ -1,4 +1,4 @@
-// Where a humanoid's limbs are by its joints, and that its poses are what they are called.
+// The positions of a humanoid's limbs by its joints, and the shapes of its poses.
 
 #include "musher/modules/world/humanoid_kinematics.hpp"
 
@@ -46,7 +46,7 @@ Vector3d Mirrored(const Vector3d& point) {
   return {point.x(), -point.y(), point.z()};
 }
 
-// Each joint anywhere within what it can do.
+// Each joint at random within its limits.
 Angles AnyAngles() {
   Angles angles;
   for (std::size_t i = 0; i < kJoints; ++i) {
@@ -109,7 +109,7 @@ RC_GTEST_PROP(HumanoidKinematicsProperty, NeverChangesTheLengthOfALink, ()) {
   }
 }
 
-// What a side does with rolls and yaws to its own way, the other does as well.
+// A side's rolls and yaws have mirrored signs on the other side.
 RC_GTEST_PROP(HumanoidKinematicsProperty, MirrorsWhatIsMirrored, ()) {
   const Angles angles = AnyAngles();
   Angles mirrored = angles;

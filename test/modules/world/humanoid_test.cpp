@@ -49,32 +49,32 @@ TEST(Humanoid, KnowsThePosesOfTheShowAndOfItsSecondGeneration) {
   }
 }
 
-TEST(Humanoid, RefusesAPoseThatItDoesNotKnowAndStaysInItsOwn) {
+TEST(Humanoid, RefusesAnUnknownPoseAndKeepsItsOwn) {
   Humanoid humanoid(Spec());
   ASSERT_EQ(humanoid.SetPose("heart"), std::nullopt);
   EXPECT_THAT(humanoid.SetPose("salto"),
               Optional(AllOf(HasSubstr("\"salto\" is refused"), HasSubstr("thumbs_up"))));
   EXPECT_EQ(humanoid.pose(), "heart");
-  EXPECT_EQ(humanoid.SetPose("salto"), std::nullopt) << "which was told";
+  EXPECT_EQ(humanoid.SetPose("salto"), std::nullopt) << "logged already";
   EXPECT_THAT(humanoid.SetPose(std::string(10'000, 'x')), Optional(HasSubstr("xxx...")));
 }
 
-TEST(Humanoid, DoesNotFillTheLogWithPosesItDoesNotKnow) {
+TEST(Humanoid, DoesNotFillTheLogWithUnknownPoses) {
   Humanoid humanoid(Spec());
-  int told = 0;
+  int logged = 0;
   for (int i = 0; i < 1000; ++i) {
-    told += humanoid.SetPose(i % 2 == 0 ? "salto" : "dive") ? 1 : 0;
+    logged += humanoid.SetPose(i % 2 == 0 ? "salto" : "dive") ? 1 : 0;
     ASSERT_EQ(humanoid.SetPose("heart"), std::nullopt);
   }
-  EXPECT_EQ(told, 2) << "each once";
+  EXPECT_EQ(logged, 2) << "each once";
   std::string last;
   for (int i = 0; i < 1000; ++i) {
-    const auto complaint = humanoid.SetPose("pose" + std::to_string(i));
-    told += complaint ? 1 : 0;
-    if (complaint) last = *complaint;
+    const auto reason = humanoid.SetPose("pose" + std::to_string(i));
+    logged += reason ? 1 : 0;
+    if (reason) last = *reason;
   }
-  EXPECT_EQ(told, 16);
-  EXPECT_THAT(last, HasSubstr("no more of them are told"));
+  EXPECT_EQ(logged, 16);
+  EXPECT_THAT(last, HasSubstr("further ones are not logged"));
 }
 
 TEST(Humanoid, ComesToRestInItsPose) {
@@ -103,7 +103,7 @@ TEST(Humanoid, RaisesAnArmAtItsSpeedWhichTakesAsLongAsATrapezoidDoes) {
   EXPECT_NEAR(humanoid.joints()[kRightShoulder].position_rad, -way, 1e-3);
 }
 
-TEST(Humanoid, WavesToAndFroAsLongAsItIsTold) {
+TEST(Humanoid, WavesToAndFroAsLongAsThePoseIsHeld) {
   HumanoidSpec spec = Spec();
   spec.limits[static_cast<std::size_t>(JointGroup::kArm)] = {2, 8};
   Humanoid humanoid(spec);
@@ -137,7 +137,7 @@ TEST(Humanoid, TurnsWaistAndHeadToWhereItLooksAndNods) {
   EXPECT_NEAR(Degrees(humanoid.gaze().pitch_rad), 10, 1e-6);
 }
 
-TEST(Humanoid, RefusesToLookAtWhatIsNoNumberAndSaysSoOnce) {
+TEST(Humanoid, RefusesANanGazeAndLogsItOnce) {
   Humanoid humanoid(Spec());
   ASSERT_EQ(humanoid.LookAt({0.25, 0.5}), std::nullopt);
   EXPECT_THAT(humanoid.LookAt({kNan, 0.5}), Optional(HasSubstr("refused")));
@@ -146,7 +146,7 @@ TEST(Humanoid, RefusesToLookAtWhatIsNoNumberAndSaysSoOnce) {
   EXPECT_NEAR(Degrees(humanoid.gaze().yaw_rad), 60, 1e-6);
 }
 
-TEST(Humanoid, BringsALookOutsideItsRangeWithinAndSaysSoOnce) {
+TEST(Humanoid, ClampsAGazeOutsideItsRangeAndLogsItOnce) {
   Humanoid humanoid(Spec());
   EXPECT_THAT(humanoid.LookAt({1.5, 0.5}), Optional(HasSubstr("brought within")));
   EXPECT_EQ(humanoid.LookAt({-7, 0.5}), std::nullopt);
@@ -155,13 +155,13 @@ TEST(Humanoid, BringsALookOutsideItsRangeWithinAndSaysSoOnce) {
   EXPECT_NEAR(Degrees(humanoid.gaze().yaw_rad), -120, 1e-6);
 }
 
-TEST(Humanoid, TellsItsJointsAStepBeforeTheyAreThere) {
+TEST(Humanoid, CommandsItsJointsAStepBeforeTheyMove) {
   Humanoid humanoid(Spec());
   ASSERT_EQ(humanoid.SetPose("heart"), std::nullopt);
   for (int i = 0; i < 100; ++i) {
-    const auto told = humanoid.commands();
+    const auto logged = humanoid.commands();
     humanoid.Step(kStep);
-    EXPECT_EQ(humanoid.joints(), told);
+    EXPECT_EQ(humanoid.joints(), logged);
   }
 }
 

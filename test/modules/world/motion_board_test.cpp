@@ -1,5 +1,5 @@
-// The simulated board under the real motion manager: every motion of the robot's table, asked for
-// as its app asks, on the simulated network and in virtual time.
+// The simulated board under the real motion manager: every motion of the robot's table, requested
+// as its app does, on the simulated network and in virtual time.
 
 #include <gmock/gmock.h>
 
@@ -110,7 +110,7 @@ TEST_F(MotionBoard, DoesEveryMotionWithinTheTimeThatTheRobotGivesIt) {
   EXPECT_EQ(log_.find("refused"), std::string::npos) << log_.substr(0, 1000);
 }
 
-TEST_F(MotionBoard, WalksAsFarAsTheAppAsks) {
+TEST_F(MotionBoard, WalksAsFarAsTheAppRequests) {
   ASSERT_EQ(Do(motion::kRecoveryStand, 0), 0);
   const Eigen::Vector2d before = world_->world().body().pose().position_m;
   ASSERT_EQ(Do(motion::kUserTrot, 4000, {0.5F, 0, 0}), 0);
@@ -120,7 +120,7 @@ TEST_F(MotionBoard, WalksAsFarAsTheAppAsks) {
   EXPECT_NEAR(way.y(), 0, 1e-6);
 }
 
-TEST_F(MotionBoard, TellsTheAppWhyAFaultyBodyDoesNotMove) {
+TEST_F(MotionBoard, ReportsToTheAppWhyAFaultyBodyDoesNotMove) {
   ASSERT_EQ(Do(motion::kRecoveryStand, 0), 0);
   const auto faults = transport::MakePublisher<msg::String>(*desk_, "world/fault").value();
   network_.RunFor(seconds(1));

@@ -68,7 +68,7 @@ TEST_F(Picture, ShowsGuestsWhereTheyAreAndWhatAHumanoidSees) {
   EXPECT_GT(CountAbove(Of(World(scene)), kSight), 1000);
 }
 
-TEST_F(Picture, ShowsWhatTheLidarSeesWhereTheSceneWantsIt) {
+TEST_F(Picture, ShowsTheLidarScanIfTheSceneRequestsIt) {
   Scene scene = FullYard();
   EXPECT_EQ(CountAbove(Of(World(scene)), kScanRed), 0);
   scene.picture.scan = true;
@@ -99,7 +99,7 @@ TEST_F(Picture, ShowsThePadOnlyWhereThereIsOne) {
   EXPECT_GT(CountAbove(Of(World(scene)), kPad), 1000);
 }
 
-TEST_F(Picture, ColoursTheWayAndTheBandByTheMachinesState) {
+TEST_F(Picture, ColoursThePathAndTheBandByTheMachinesState) {
   World world(EmptyYard());
   Commander commander(world);
   world.SetMachineState("Active");
@@ -116,7 +116,7 @@ TEST_F(Picture, ColoursTheWayAndTheBandByTheMachinesState) {
   EXPECT_GT(CountBelow(image, ColorOfState("Active")), 5000);
 }
 
-TEST_F(Picture, ColoursTheWayByBatteryWhereNoMachineWasHeard) {
+TEST_F(Picture, ColoursThePathByBatteryWithoutAMachine) {
   World world(EmptyYard());
   ASSERT_EQ(world.SetBattery(100), std::nullopt);
   Commander(world).Walk({0.6, 0, 0}, Seconds(10));
@@ -147,7 +147,7 @@ TEST_F(Picture, MarksBumpsAndCharging) {
   EXPECT_GT(CountBelow(image, kPad), 5000);
 }
 
-TEST_F(Picture, BearsAnyNameAStrangerMakesUp) {
+TEST_F(Picture, HandlesAnyNameFromTheNetwork) {
   Scene scene = EmptyYard();
   scene.name = std::string(500, 'x') + "\xff\xfe\n";
   World world(scene);
@@ -156,13 +156,13 @@ TEST_F(Picture, BearsAnyNameAStrangerMakesUp) {
   EXPECT_EQ(Of(world).cols, kPictureWidth);
 }
 
-TEST_F(Picture, SaysWhereItCouldNotBeWritten) {
+TEST_F(Picture, ReportsWhereItCouldNotBeWritten) {
   const Result<> drawn = Draw(World(EmptyYard()), "/nowhere/world.png");
   ASSERT_FALSE(drawn);
   EXPECT_THAT(drawn.error().message, ::testing::HasSubstr("/nowhere/world.png"));
 }
 
-TEST_F(Picture, LeavesNoHalfOneBehind) {
+TEST_F(Picture, LeavesNoPartialFileBehind) {
   static_cast<void>(Of(World(EmptyYard())));
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "")) {

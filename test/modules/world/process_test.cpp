@@ -21,7 +21,7 @@
 #include "musher/messages/std_srvs/trigger.hpp"
 #include "musher/modules/exec/child.hpp"
 #include "musher/modules/world/humanoid_specs.hpp"
-#include "musher/modules/world/tell.hpp"
+#include "musher/modules/world/world_control.hpp"
 #include "musher/test/contract/domain.hpp"
 #include "musher/test/controller/temp_folder.hpp"
 #include "musher/transport/clock.hpp"
@@ -79,7 +79,7 @@ class MusherWorld : public ::testing::Test {
   bool Until(const std::function<bool()>& holds) {
     return loop_.RunUntil(holds, loop_.Now() + seconds(20));
   }
-  // Time runs, and the body obeys.
+  // Time runs, and the body takes commands.
   void ExpectLife() {
     ASSERT_TRUE(Until([&] { return clock_->Now() > Time{} && commands_->MatchedReaders() > 0; }));
     const Time before = clock_->Now();
@@ -143,7 +143,7 @@ TEST_F(MusherWorld, RunsAloneUntilASignalAndDrawsThen) {
   EXPECT_GT(fs::file_size(folder_ / "world.png"), 10'000u);
 }
 
-TEST_F(MusherWorld, IsToldWhatIsToHappen) {
+TEST_F(MusherWorld, IsControlledFromTheCommandLine) {
   const auto reaper = exec::Reaper::Start();
   ASSERT_TRUE(reaper);
   exec::ChildSpec spec;
@@ -159,25 +159,25 @@ TEST_F(MusherWorld, IsToldWhatIsToHappen) {
                                percent = state.percentage * 100;
                              })
                              .value();
-  const auto told = [](const std::vector<std::string>& words) -> Result<std::string> {
-    const auto telling = ReadTelling(words);
-    if (!telling) return telling.error();
-    return Tell(telling.value(), "dog1", seconds(20));
+  const auto sent = [](const std::vector<std::string>& words) -> Result<std::string> {
+    const auto command = ParseWorldCommand(words);
+    if (!command) return command.error();
+    return SendWorldCommand(command.value(), "dog1", seconds(20));
   };
-  EXPECT_TRUE(told({"battery", "17.5"}));
+  EXPECT_TRUE(sent({"battery", "17.5"}));
   EXPECT_TRUE(Until([&] { return percent > 1 && percent < 18; }));
-  EXPECT_TRUE(told({"fault", "motor", "3"}));
+  EXPECT_TRUE(sent({"fault", "motor", "3"}));
   EXPECT_TRUE(Until([&] { return state_.motor_error[3] != 0; }));
-  std::string said;
-  const auto ear = transport::MakeSubscription<msg::String>(
-                       *node_, "dog1/world/speech_text",
-                       [&](const msg::String& text, const auto&) { said = text.data; })
-                       .value();
-  EXPECT_TRUE(told({"say", "good", "dog"}));
-  EXPECT_TRUE(Until([&] { return said == "good dog"; }));
-  EXPECT_TRUE(told({"cable", "in"}));
+  std::string spoken;
+  const auto subscription = transport::MakeSubscription<msg::String>(
+                                *node_, "dog1/world/speech_text",
+                                [&](const msg::String& text, const auto&) { spoken = text.data; })
+                                .value();
+  EXPECT_TRUE(sent({"say", "good", "dog"}));
+  EXPECT_TRUE(Until([&] { return spoken == "good dog"; }));
+  EXPECT_TRUE(sent({"cable", "in"}));
   EXPECT_TRUE(Until([&] { return percent > 18; }));
-  const auto drawn = told({"draw"});
+  const auto drawn = sent({"draw"});
   ASSERT_TRUE(drawn) << drawn.error().message;
   EXPECT_EQ(drawn.value(), fs::canonical(folder_ / "world.png"));
   for (const std::vector<std::string>& wrong :
@@ -188,11 +188,11 @@ TEST_F(MusherWorld, IsToldWhatIsToHappen) {
                                              {"dance"},
                                              {"say"},
                                              {"power-key", "left"}}) {
-    EXPECT_FALSE(ReadTelling(wrong)) << wrong[0];
+    EXPECT_FALSE(ParseWorldCommand(wrong)) << wrong[0];
   }
 }
 
-TEST_F(MusherWorld, ShowsWhatItsCamerasSeeToThoseWhoWatch) {
+TEST_F(MusherWorld, PublishesWhatItsCamerasSeeToSubscribers) {
   const auto reaper = exec::Reaper::Start();
   ASSERT_TRUE(reaper);
   exec::ChildSpec spec;
@@ -208,11 +208,11 @@ TEST_F(MusherWorld, ShowsWhatItsCamerasSeeToThoseWhoWatch) {
                           [&](const msg::Image& image, const auto&) { seen.push_back(image); },
                           transport::kSensorDataQos)
                           .value();
-  const auto infos =
-      transport::MakeSubscription<msg::CameraInfo>(
-          *node_, "dog1/world/camera/right/info",
-          [&](const msg::CameraInfo& heard, const auto&) { info = heard; }, transport::kLatchedQos)
-          .value();
+  const auto infos = transport::MakeSubscription<msg::CameraInfo>(
+                         *node_, "dog1/world/camera/right/info",
+                         [&](const msg::CameraInfo& received, const auto&) { info = received; },
+                         transport::kLatchedQos)
+                         .value();
   EXPECT_TRUE(Until([&] { return seen.size() >= 3 && info; }));
   ASSERT_GE(seen.size(), 3U);
   EXPECT_EQ(seen[0].data.size(), 640U * 480 * 3);
@@ -223,7 +223,7 @@ TEST_F(MusherWorld, ShowsWhatItsCamerasSeeToThoseWhoWatch) {
   EXPECT_EQ(child.value().Reap().number, 0);
 }
 
-TEST_F(MusherWorld, PlaysTheWeddingForWhomeverLooks) {
+TEST_F(MusherWorld, PlaysTheWeddingForAnySubscriber) {
   const auto reaper = exec::Reaper::Start();
   ASSERT_TRUE(reaper);
   exec::ChildSpec spec;
@@ -234,25 +234,26 @@ TEST_F(MusherWorld, PlaysTheWeddingForWhomeverLooks) {
   ASSERT_TRUE(child);
   msg::JointState joints;
   std::vector<std::string> gestures;
-  const auto listening = transport::MakeSubscription<msg::JointState>(
-                             *node_, "wedding/motion/joint_states",
-                             [&](const msg::JointState& heard, const auto&) { joints = heard; })
-                             .value();
+  const auto listening =
+      transport::MakeSubscription<msg::JointState>(
+          *node_, "wedding/motion/joint_states",
+          [&](const msg::JointState& received, const auto&) { joints = received; })
+          .value();
   const auto hearing =
       transport::MakeSubscription<msg::String>(
           *node_, "wedding/perception/gesture",
-          [&](const msg::String& heard, const auto&) { gestures.push_back(heard.data); })
+          [&](const msg::String& received, const auto&) { gestures.push_back(received.data); })
           .value();
   const auto poses = transport::MakePublisher<msg::String>(*node_, "wedding/motion/pose").value();
   ASSERT_TRUE(Until([&] { return poses->MatchedReaders() > 0; }));
   ASSERT_TRUE(poses->Publish({"heart"}));
-  ASSERT_TRUE(Tell(Speed{10}, "dog1", seconds(20)));
+  ASSERT_TRUE(SendWorldCommand(Speed{10}, "dog1", seconds(20)));
   const auto elbow = [&] { return joints.position.size() == kJoints ? joints.position[16] : 0; };
   EXPECT_TRUE(Until([&] { return elbow() < -1.5; })) << "the left one is bent, at " << elbow();
-  const auto heard = [&](const char* gesture) {
+  const auto received = [&](const char* gesture) {
     return std::find(gestures.begin(), gestures.end(), gesture) != gestures.end();
   };
-  EXPECT_TRUE(Until([&] { return heard("heart") && heard("v"); })) << "bride and groom";
+  EXPECT_TRUE(Until([&] { return received("heart") && received("v"); })) << "bride and groom";
   child.value().Signal(SIGTERM);
   EXPECT_EQ(child.value().Reap().number, 0);
 }

@@ -86,7 +86,7 @@ TEST(Ranging, MeetsTheGroundBelowAndTheSkyAboveTheFence) {
   EXPECT_NEAR(DistanceAlong(scene, {0, 0, 0.3}, Heading(0), kMost), 10, 1e-12);
 }
 
-TEST(Ranging, KnowsNothingBeyondItsReachAndNoDistanceInsideOfAThing) {
+TEST(Ranging, IsInfiniteBeyondItsReachAndZeroInsideAThing) {
   Scene scene = EmptyYard();
   scene.boxes = {MakeBox({3, 0}, {0.5, 4})};
   EXPECT_EQ(DistanceAlong(scene, {0, 0, 0.3}, Heading(0), 2.4), kNothing);

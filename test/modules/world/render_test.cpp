@@ -1,5 +1,4 @@
-// What the world's cameras see, looked at: where things are in the picture, and what they look
-// like.
+// The pictures of the world's cameras: where things are in the picture, and their looks.
 
 #include "musher/modules/world/render.hpp"
 
@@ -283,7 +282,7 @@ TEST(Render, IsDarkerInTheCornersAndLighterWithMoreExposure) {
   EXPECT_NEAR(level(320, 240), 1.5 * before, 2);
 }
 
-TEST(Render, BearsABodyThatLiesOnItsBackAndACameraInAThing) {
+TEST(Render, HandlesABodyOnItsBackAndACameraInsideAThing) {
   Scene scene = FullYard();
   scene.ground.finest_per_m = 20;
   scene.balls = {{{0.27, 0, 0.3}, 0.2, kMagenta}};
@@ -295,7 +294,7 @@ TEST(Render, BearsABodyThatLiesOnItsBackAndACameraInAThing) {
   }
 }
 
-TEST(Scenery, SaysWhichPictureIsGone) {
+TEST(Scenery, ReportsWhichPictureIsMissing) {
   Scene scene = RoughYard();
   Board board;
   board.sign = {Sign::Kind::kPicture, "/nowhere/poster.png"};

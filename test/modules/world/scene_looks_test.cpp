@@ -1,4 +1,4 @@
-// What a scene file says of looks: the values that come of it. Faults are in scenes/bad.
+// The looks in a scene file: the values that are read. Errors are in scenes/bad.
 
 #include <gmock/gmock.h>
 
@@ -95,7 +95,7 @@ TEST(SceneLooks, FindsPicturesBesideTheScene) {
   EXPECT_EQ(reading.scene->ground.file, folder / "poster.png");
 }
 
-TEST(SceneLooks, SaysWhyAPictureCannotBeShown) {
+TEST(SceneLooks, ReportsWhyAPictureCannotBeShown) {
   const TempFolder folder;
   std::ofstream(folder / "notes.png") << "not a picture";
   const SceneReading reading = ReadSceneText(
@@ -110,7 +110,7 @@ TEST(SceneLooks, SaysWhyAPictureCannotBeShown) {
   EXPECT_THAT(FormatDiagnostic(reading.diagnostics[1]), ::testing::EndsWith("it is a folder"));
 }
 
-TEST(SceneLooks, ChangesOfACameraWhatItSaysAndLeavesTheRest) {
+TEST(SceneLooks, ChangesOnlyTheGivenKeysOfACamera) {
   const Scene scene = Read(R"(
 cameras.late = "wait"
 [camera.front]

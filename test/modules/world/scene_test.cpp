@@ -58,7 +58,7 @@ TEST(Scene, TakesAWallForAThinBoxBetweenItsEnds) {
   EXPECT_NEAR(From(reading.scene->boxes[0], {1, 3.5}).distance_m, 0.5, 1e-9);
 }
 
-TEST(Scene, ThatCannotBeReadSaysWhy) {
+TEST(Scene, ThatCannotBeReadReportsWhy) {
   const SceneReading missing = ReadSceneFile("/nowhere/yard.toml");
   ASSERT_EQ(missing.diagnostics.size(), 1u);
   EXPECT_EQ(FormatDiagnostic(missing.diagnostics[0]),
@@ -68,7 +68,7 @@ TEST(Scene, ThatCannotBeReadSaysWhy) {
   EXPECT_FALSE(folder.scene);
 }
 
-TEST(Scene, ThatIsWrongIsToldEveryFaultWithItsPlace) {
+TEST(Scene, ThatIsInvalidReportsEveryErrorWithItsPlace) {
   int cases = 0;
   for (const auto& entry :
        fs::directory_iterator(MUSHER_SOURCE_DIR "/test/modules/world/scenes/bad")) {

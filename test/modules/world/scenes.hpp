@@ -38,20 +38,20 @@ inline Scene FullYard() {
   return scene;
 }
 
-// Works while it is told to.
+// Executes work at once.
 class PromptWorker : public Worker {
  public:
   void Run(Work work, Done done) override { done(work()); }
 };
 
-// Works when it is let go.
+// Executes work when Release() is called.
 class HeldWorker : public Worker {
  public:
   void Run(Work work, Done done) override {
     held_ = [work = std::move(work), done = std::move(done)] { done(work()); };
   }
   bool holds() const { return held_ != nullptr; }
-  void LetGo() { std::exchange(held_, nullptr)(); }
+  void Release() { std::exchange(held_, nullptr)(); }
 
  private:
   std::function<void()> held_;

@@ -67,7 +67,7 @@ TEST(Sensing, ReadsInfinityWhereNothingIsAndMinusInfinityWhereItIsTooNear) {
   EXPECT_EQ(MeasureUltrasonic(World(scene)).range, -kInfinity);
 }
 
-TEST(Sensing, HearsTheNearestThingInItsCone) {
+TEST(Sensing, MeasuresTheNearestThingInItsCone) {
   Scene scene = Precise();
   const double front = scene.sensors.ultrasonic.mount.position_m.x();
   scene.boxes = {WallAt(front + 0.7)};
@@ -80,7 +80,7 @@ TEST(Sensing, HearsTheNearestThingInItsCone) {
   EXPECT_EQ(MeasureUltrasonic(World(scene)).range, kInfinity);
 }
 
-TEST(Sensing, FeelsTheGroundBeforeItsFeetInMillimetres) {
+TEST(Sensing, MeasuresTheGroundBeforeItsFeetInMillimetres) {
   const Scene scene = Precise();
   for (std::size_t position = 0; position < kTofNames.size(); ++position) {
     const msg::SingleTofPayload tof = MeasureTof(World(scene), position);
@@ -161,7 +161,7 @@ TEST(Sensing, MeasuresHowFarAndInWhichDirectionTheTagIs) {
   EXPECT_FALSE(MeasureTag(World(scene))) << "too far";
 }
 
-TEST(Sensing, SaysThatTheTagIsBehindSomething) {
+TEST(Sensing, ReportsThatTheTagIsBehindAnObstacle) {
   Scene scene = EmptyYard();
   scene.boxes = {WallAt(3)};
   scene.sensors.uwb.tag_m = {5, 0};
@@ -193,7 +193,7 @@ TEST(Sensing, HasNoiseOfTheSizeThatTheSceneSays) {
   EXPECT_NEAR(std::sqrt(squares / kScans), 0.02, 0.002);
 }
 
-TEST(Sensing, IsTheSameFromTheSameSeedAndLeavesTheBodysChanceAlone) {
+TEST(Sensing, IsTheSameFromTheSameSeedAndLeavesTheBodysRandomGeneratorAlone) {
   const Scene scene = FullYard();
   World listened(scene);
   World alone(scene);

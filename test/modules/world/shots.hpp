@@ -42,7 +42,7 @@ inline Eigen::Vector2i PixelOf(const Eigen::Vector3d& point_m) {
   return pixel.value_or(Eigen::Vector2d(0, 0)).array().round().cast<int>();
 }
 
-// Of all pixels that are such.
+// The middle of all pixels of that kind.
 inline std::optional<Eigen::Vector2d> MiddleOf(
     const Image& image, const std::function<bool(const std::uint8_t*)>& is_such) {
   Eigen::Vector2d sum(0, 0);

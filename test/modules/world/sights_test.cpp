@@ -1,4 +1,4 @@
-// What the cameras see is good enough for the eyes that look at it: codes are read, faces found.
+// The cameras' pictures are good enough for detectors: codes are read, faces found.
 
 #include <ZXing/ReadBarcode.h>
 #include <ZXing/TextUtfEncoding.h>

@@ -60,7 +60,7 @@ class WorldCamerasTest : public ::testing::Test {
                transport::kSensorDataQos)
         .value();
   }
-  void Break(const std::string& fault) {
+  void InjectFault(const std::string& fault) {
     const auto say = transport::MakePublisher<msg::String>(*desk_, "dog1/world/fault").value();
     network_.RunFor(Milliseconds(500));
     ASSERT_TRUE(say->Publish({fault}));
@@ -74,7 +74,7 @@ class WorldCamerasTest : public ::testing::Test {
   std::unique_ptr<WorldHost> host_;
 };
 
-TEST_F(WorldCamerasTest, DrawNothingWhileNobodyWatches) {
+TEST_F(WorldCamerasTest, DrawNothingWithoutASubscriber) {
   CountingWorker worker;
   Open(SmallCameras(), worker);
   network_.RunFor(seconds(5));
@@ -118,7 +118,7 @@ TEST_F(WorldCamerasTest, PublishAtTheirRateWithTheWorldsTimeOfTheShot) {
   }
 }
 
-TEST_F(WorldCamerasTest, PublishTheVeryIntrinsicsForThoseWhoComeLater) {
+TEST_F(WorldCamerasTest, LatchTheExactIntrinsicsForLateSubscribers) {
   PromptWorker worker;
   const Scene scene = SmallCameras();
   Open(scene, worker);
@@ -176,7 +176,7 @@ Pictures FrontPictures(const std::vector<std::string>& watched, Duration start) 
   return pictures;
 }
 
-TEST(WorldCameras, ShowTheSameBitForBitWhoeverWatches) {
+TEST(WorldCameras, ShowTheSameBitForBitToAnySubscriber) {
   const Pictures alone = FrontPictures({"front"}, Milliseconds(0));
   EXPECT_GE(alone.size(), 35U);
   EXPECT_EQ(FrontPictures({"front"}, Milliseconds(0)), alone);
@@ -190,7 +190,7 @@ TEST(WorldCameras, ShowTheSameBitForBitWhoeverWatches) {
   EXPECT_NE(alone.begin()->second, std::next(alone.begin())->second) << "noise is not frozen";
 }
 
-TEST_F(WorldCamerasTest, SkipAShotThatIsDueWhileTheLastIsStillDrawnAndSaySoOnce) {
+TEST_F(WorldCamerasTest, SkipAPictureThatIsDueWhileTheLastIsDrawnAndLogItOnce) {
   HeldWorker worker;
   Open(SmallCameras(), worker);
   std::vector<msg::Image> seen;
@@ -199,7 +199,7 @@ TEST_F(WorldCamerasTest, SkipAShotThatIsDueWhileTheLastIsStillDrawnAndSaySoOnce)
   EXPECT_THAT(log_, IsEmpty()) << "the first one paints the surfaces, which takes longer";
   for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE(worker.holds());
-    worker.LetGo();
+    worker.Release();
     network_.RunFor(seconds(1));
   }
   EXPECT_THAT(seen, SizeIs(3));
@@ -222,7 +222,7 @@ TEST_F(WorldCamerasTest, LetTimeWaitForThemWhereTheSceneSaysSo) {
     network_.RunFor(seconds(1));
     ASSERT_EQ(host_->world().now(), before) << "time stands still while a shot is due and drawn";
     ASSERT_TRUE(worker.holds());
-    worker.LetGo();
+    worker.Release();
     network_.RunFor(Milliseconds(500));
   }
   ASSERT_THAT(seen, SizeIs(20));
@@ -235,25 +235,25 @@ TEST_F(WorldCamerasTest, LetTimeWaitForThemWhereTheSceneSaysSo) {
   EXPECT_THAT(log_, Not(Contains(HasSubstr("skipped"))));
 }
 
-TEST_F(WorldCamerasTest, FallSilentWithAFaultUntilItIsMended) {
+TEST_F(WorldCamerasTest, FallSilentWithAFaultUntilItIsFixed) {
   PromptWorker worker;
   Open(SmallCameras(), worker);
   std::vector<msg::Image> front, left;
   const auto watches = {Watch("front", front), Watch("left", left)};
   network_.RunFor(seconds(1));
   EXPECT_FALSE(front.empty());
-  Break("camera front");
+  InjectFault("camera front");
   front.clear();
   left.clear();
   network_.RunFor(seconds(2));
   EXPECT_THAT(front, IsEmpty());
   EXPECT_FALSE(left.empty());
-  Break("none");
+  InjectFault("none");
   network_.RunFor(seconds(1));
   EXPECT_FALSE(front.empty());
 }
 
-TEST_F(WorldCamerasTest, AreNotThereWhereTheSceneHasNone) {
+TEST_F(WorldCamerasTest, AreMissingWithoutCamerasInTheScene) {
   PromptWorker worker;
   Scene scene = SmallCameras();
   scene.cameras.cameras[2].enabled = false;
@@ -264,7 +264,7 @@ TEST_F(WorldCamerasTest, AreNotThereWhereTheSceneHasNone) {
   EXPECT_EQ(watch->MatchedWriters(), 0);
 }
 
-TEST_F(WorldCamerasTest, AreOffWithALineWhenAPictureIsGoneAndTimeGoesOn) {
+TEST_F(WorldCamerasTest, AreOffWithALogLineWhenAPictureIsMissingAndTimeGoesOn) {
   PromptWorker worker;
   Scene scene = SmallCameras();
   Board board;
@@ -277,7 +277,7 @@ TEST_F(WorldCamerasTest, AreOffWithALineWhenAPictureIsGoneAndTimeGoesOn) {
   network_.RunFor(seconds(3));
   EXPECT_THAT(seen, IsEmpty());
   EXPECT_THAT(log_, SizeIs(1));
-  EXPECT_THAT(log_, Contains(HasSubstr("/nowhere/poster.png is not there any more")));
+  EXPECT_THAT(log_, Contains(HasSubstr("/nowhere/poster.png does not exist any more")));
   EXPECT_GT(host_->world().now(), seconds(2));
 }
 
@@ -288,7 +288,7 @@ TEST_F(WorldCamerasTest, MayEndWhileAShotIsDrawn) {
   const auto watch = Watch("front", seen);
   network_.RunFor(seconds(1));
   host_.reset();
-  worker.LetGo();
+  worker.Release();
   network_.RunFor(seconds(1));
   EXPECT_THAT(seen, IsEmpty());
 }

@@ -27,17 +27,19 @@ class WorldSensorsTest : public ::testing::Test {
     network_.RunFor(Milliseconds(500));
   }
   template <class M>
-  std::unique_ptr<transport::Subscription> Listen(const std::string& topic, std::vector<M>& heard) {
-    auto subscription = transport::MakeSubscription<M>(
-                            *desk_, "dog1/world/" + topic,
-                            [&heard](const M& message, const auto&) { heard.push_back(message); },
-                            transport::kSensorDataQos)
-                            .value();
+  std::unique_ptr<transport::Subscription> Listen(const std::string& topic,
+                                                  std::vector<M>& received) {
+    auto subscription =
+        transport::MakeSubscription<M>(
+            *desk_, "dog1/world/" + topic,
+            [&received](const M& message, const auto&) { received.push_back(message); },
+            transport::kSensorDataQos)
+            .value();
     network_.RunFor(Milliseconds(500));
-    heard.clear();
+    received.clear();
     return subscription;
   }
-  void Break(const std::string& fault) {
+  void InjectFault(const std::string& fault) {
     const auto say = transport::MakePublisher<msg::String>(*desk_, "dog1/world/fault").value();
     network_.RunFor(Milliseconds(500));
     ASSERT_TRUE(say->Publish({fault}));
@@ -63,7 +65,7 @@ TEST_F(WorldSensorsTest, PublishEachAtItsRateWithTheWorldsTime) {
   const auto ultrasonic = Listen("ultrasonic", ranges);
   const auto tof = Listen("tof/right_rear", tofs);
   const auto gps = Listen("gps", fixes);
-  for (auto* heard : {&scans}) heard->clear();
+  for (auto* received : {&scans}) received->clear();
   ranges.clear();
   tofs.clear();
   fixes.clear();
@@ -86,8 +88,8 @@ TEST_F(WorldSensorsTest, FallSilentByTheirFaultsUntilThereIsNone) {
   const auto scan = Listen("scan", scans);
   const auto left_head = Listen("tof/left_head", left);
   const auto right_head = Listen("tof/right_head", right);
-  Break("lidar");
-  Break("tof_left_head");
+  InjectFault("lidar");
+  InjectFault("tof_left_head");
   EXPECT_THAT(log_, ::testing::ElementsAre("fault: lidar", "fault: tof_left_head"));
   scans.clear();
   left.clear();
@@ -96,11 +98,11 @@ TEST_F(WorldSensorsTest, FallSilentByTheirFaultsUntilThereIsNone) {
   EXPECT_THAT(scans, IsEmpty());
   EXPECT_THAT(left, IsEmpty());
   EXPECT_THAT(right, SizeIs(10));
-  Break("tof");
+  InjectFault("tof");
   right.clear();
   network_.RunFor(seconds(1));
   EXPECT_THAT(right, IsEmpty());
-  Break("none");
+  InjectFault("none");
   scans.clear();
   left.clear();
   right.clear();

@@ -50,9 +50,11 @@ class WorldShowTest : public ::testing::Test {
     host_ = WorldHost::Start(*world_node_, scene, options).value();
   }
   template <class M>
-  std::unique_ptr<transport::Subscription> Listen(const std::string& topic, std::vector<M>& heard) {
+  std::unique_ptr<transport::Subscription> Listen(const std::string& topic,
+                                                  std::vector<M>& received) {
     return transport::MakeSubscription<M>(
-               *desk_, topic, [&heard](const M& message, const auto&) { heard.push_back(message); })
+               *desk_, topic,
+               [&received](const M& message, const auto&) { received.push_back(message); })
         .value();
   }
   template <class M>
@@ -96,7 +98,7 @@ TEST_F(WorldShowTest, PublishesItsJointsEachStepWithTheWorldsTime) {
   EXPECT_EQ(msg::FromStamp(states[1].header.stamp) - msg::FromStamp(states[0].header.stamp), kStep);
 }
 
-TEST_F(WorldShowTest, TakesThePoseItIsTold) {
+TEST_F(WorldShowTest, TakesTheCommandedPose) {
   Open(Show());
   std::vector<msg::JointState> states;
   const auto reading = Listen("wedding/motion/joint_states", states);
@@ -107,21 +109,21 @@ TEST_F(WorldShowTest, TakesThePoseItIsTold) {
   EXPECT_THAT(log_, IsEmpty());
 }
 
-TEST_F(WorldShowTest, RefusesAPoseThatItDoesNotKnowAndSaysSo) {
+TEST_F(WorldShowTest, RefusesAnUnknownPoseAndLogsIt) {
   Open(Show());
   Say<msg::String>("wedding/motion/pose", {{"heart"}, {"hart"}, {""}});
   EXPECT_EQ(host_->world().humanoid()->pose(), "heart");
   EXPECT_THAT(log_, ElementsAre(HasSubstr("\"hart\" is refused"), HasSubstr("\"\" is refused")));
 }
 
-TEST_F(WorldShowTest, LooksWhereItIsTold) {
+TEST_F(WorldShowTest, LooksAtTheCommandedPoint) {
   Open(Show());
   Say<msg::PointStamped>("wedding/motion/look_at", {Point(0.25, 0.5)});
   network_.RunFor(seconds(5));
   EXPECT_NEAR(host_->world().gaze().yaw_rad * 180 / M_PI, 60, 1e-6);
 }
 
-TEST_F(WorldShowTest, RefusesLooksThatAreNoNumbersAndSaysSoOnce) {
+TEST_F(WorldShowTest, RefusesNanGazesAndLogsItOnce) {
   Open(Show());
   Say<msg::PointStamped>("wedding/motion/look_at",
                          std::vector(100, Point(std::numeric_limits<double>::quiet_NaN(), 0.5)));
@@ -130,7 +132,7 @@ TEST_F(WorldShowTest, RefusesLooksThatAreNoNumbersAndSaysSoOnce) {
   EXPECT_THAT(log_, ElementsAre(HasSubstr("refused")));
 }
 
-TEST_F(WorldShowTest, TellsTheGestureOfAGuestTenTimesASecondAndThatItEnds) {
+TEST_F(WorldShowTest, PublishesTheGestureOfAGuestTenTimesASecondAndItsEnd) {
   Open(Show());
   std::vector<msg::String> gestures;
   const auto hearing = Listen("wedding/perception/gesture", gestures);
@@ -151,7 +153,7 @@ TEST_F(WorldShowTest, UsesTheTopicsOfItsScene) {
   EXPECT_EQ(host_->world().humanoid()->pose(), "heart");
 }
 
-TEST_F(WorldShowTest, IsNoneOfARobotWithoutAHumanoidAndGuests) {
+TEST_F(WorldShowTest, PublishesNothingWithoutAHumanoidAndGuests) {
   Open(EmptyYard());
   const auto say = transport::MakePublisher<msg::String>(*desk_, "wedding/motion/pose").value();
   std::vector<msg::JointState> states;

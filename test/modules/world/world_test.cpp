@@ -49,16 +49,16 @@ TEST(World, KeepsABodyInItsArea) {
   EXPECT_NEAR(world.body().pose().position_m.x(), 10 - world.scene().body.radius_m, 1e-9);
 }
 
-TEST(World, SaysOnceThatTheBodyBumpedIntoSomething) {
+TEST(World, LogsOnceThatTheBodyBumpedIntoSomething) {
   World world(EmptyYard());
   ASSERT_EQ(world.PutDown({{9, 0}, 0}), std::nullopt);
   Commander commander(world);
-  std::vector<std::string> said;
+  std::vector<std::string> lines;
   for (int i = 0; i < 300; ++i) {
     commander.Do(11, 27, {0.5, 0, 0});
-    for (std::string& line : world.Step().said) said.push_back(std::move(line));
+    for (std::string& line : world.Step().log) lines.push_back(std::move(line));
   }
-  EXPECT_THAT(said, ElementsAre(HasSubstr("bumped")));
+  EXPECT_THAT(lines, ElementsAre(HasSubstr("bumped")));
 }
 
 RC_GTEST_PROP(WorldProperty, NeverHasABodyInsideAnObstacle, ()) {
@@ -151,7 +151,7 @@ TEST(World, ChargesByCableAndOnThePad) {
 TEST(World, LetsTheBodySinkWhenTheBatteryIsEmpty) {
   World world(EmptyYard());
   ASSERT_EQ(world.SetBattery(0), std::nullopt);
-  EXPECT_THAT(world.Step().said, Contains(HasSubstr("empty")));
+  EXPECT_THAT(world.Step().log, Contains(HasSubstr("empty")));
   Pass(world, Seconds(2));
   EXPECT_EQ(world.body().mode(), 0);
   EXPECT_EQ(world.body().status(), BoardStatus::kLowBattery);
@@ -160,7 +160,7 @@ TEST(World, LetsTheBodySinkWhenTheBatteryIsEmpty) {
   EXPECT_EQ(world.body().status(), BoardStatus::kNormal);
 }
 
-TEST(World, RefusesABatteryThatCannotBe) {
+TEST(World, RefusesAnImpossibleBatteryLevel) {
   World world(EmptyYard());
   EXPECT_THAT(world.SetBattery(100.5), Optional(HasSubstr("0 to 100")));
   EXPECT_THAT(world.SetBattery(-1), Optional(HasSubstr("0 to 100")));
@@ -170,7 +170,7 @@ TEST(World, RefusesABatteryThatCannotBe) {
 
 TEST(World, RefusesToPutABodyIntoAnObstacle) {
   World world(FullYard());
-  EXPECT_THAT(world.PutDown({{2, -2}, 0}), Optional(HasSubstr("something is there")));
+  EXPECT_THAT(world.PutDown({{2, -2}, 0}), Optional(HasSubstr("an obstacle is there")));
   EXPECT_THAT(world.PutDown({{99, 0}, 0}), Optional(HasSubstr("outside")));
   EXPECT_THAT(world.PutDown({{std::nan(""), 0}, 0}), Optional(HasSubstr("not a number")));
   EXPECT_EQ(world.body().pose().position_m, Vector2d(0, 0));

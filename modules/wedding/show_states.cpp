@@ -1,4 +1,4 @@
-#include "musher/modules/wedding/cast.hpp"
+#include "musher/modules/wedding/show_states.hpp"
 
 #include <memory>
 #include <string>
@@ -19,8 +19,8 @@ void AddCommands(fsm::Machine& machine) {
 
 }  // namespace
 
-void AddCast(fsm::Machine& machine, ShowData& data, const ShowConfig& config,
-             ActionPlayer* actions) {
+void AddStates(fsm::Machine& machine, ShowData& data, const ShowConfig& config,
+               ActionPlayer* actions) {
   AddCommands(machine);
   machine.AddData("show", [&data](fsm::Archive& archive) { data.Persist(archive); });
   std::unique_ptr<Idle> idle = std::make_unique<Idle>(data, config.idle);
@@ -51,9 +51,9 @@ void AddCast(fsm::Machine& machine, ShowData& data, const ShowConfig& config,
     machine.Add(std::string(state::kInterview),
                 std::make_unique<Interview>(data, *config.interview));
   }
-  machine.AddSafetyCheck("somebody is too close",
+  machine.AddSafetyCheck("a guest is too close",
                          [&data](const fsm::Tick&) { return !data.perception.too_close; });
-  machine.AddSafetyCheck("nobody watches",
+  machine.AddSafetyCheck("no detector publishes",
                          [&data](const fsm::Tick&) { return !data.perception.blind; });
 }
 

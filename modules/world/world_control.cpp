@@ -1,4 +1,4 @@
-#include "musher/modules/world/tell.hpp"
+#include "musher/modules/world/world_control.hpp"
 
 #include <charconv>
 #include <cmath>
@@ -16,17 +16,17 @@
 
 namespace musher::world {
 
-const char* const kTellings =
+const char* const kWorldCommands =
     "  battery PERCENT     how full the battery is\n"
     "  cable in|out        the charging cable\n"
     "  touch KIND          single, double, hold, circle, or a number from 1 to 17\n"
     "  say TEXT...         a person says that to the robot\n"
     "  power-key down|up   the power key: held for 3 s the robot is powered off\n"
     "  fault NAME [MOTOR]  of the body or a sensor: see the module's README\n"
-    "  place X Y [YAW]     carries the body there, m and rad\n"
+    "  place X Y [YAW]     moves the body there, m and rad\n"
     "  speed FACTOR        how fast the world's time goes\n"
     "  pause on|off        whether it stands still\n"
-    "  draw                writes the picture, says where";
+    "  draw                writes the picture, prints its path";
 
 namespace {
 
@@ -59,7 +59,7 @@ std::optional<int> TouchKind(const std::string& word) {
   return static_cast<int>(*number);
 }
 
-std::optional<Telling> ReadPlace(const Words& words) {
+std::optional<WorldCommand> ReadPlace(const Words& words) {
   if (words.size() < 3 || words.size() > 4) return std::nullopt;
   const auto x = Number(words[1]);
   const auto y = Number(words[2]);
@@ -68,11 +68,11 @@ std::optional<Telling> ReadPlace(const Words& words) {
   return Carry{{{*x, *y}, *yaw}};
 }
 
-std::optional<Telling> ReadOne(const std::string& what, const std::string& word) {
+std::optional<WorldCommand> ReadOne(const std::string& what, const std::string& word) {
   if (what == "battery" || what == "speed") {
     const auto number = Number(word);
     if (!number) return std::nullopt;
-    return what == "speed" ? Telling(Speed{*number}) : Telling(ChargeTo{*number});
+    return what == "speed" ? WorldCommand(Speed{*number}) : WorldCommand(ChargeTo{*number});
   }
   if (what == "cable") {
     if (const auto in = Either(word, "in", "out")) return Cable{*in};
@@ -86,7 +86,7 @@ std::optional<Telling> ReadOne(const std::string& what, const std::string& word)
   return std::nullopt;
 }
 
-std::optional<Telling> ReadWords(const Words& words) {
+std::optional<WorldCommand> ReadWords(const Words& words) {
   if (words.empty()) return std::nullopt;
   const std::string& what = words.front();
   if (what == "place") return ReadPlace(words);
@@ -102,55 +102,55 @@ std::optional<Telling> ReadWords(const Words& words) {
   return words.size() == 2 ? ReadOne(what, words[1]) : std::nullopt;
 }
 
-class Teller {
+class CommandSender {
  public:
-  Teller(transport::EventLoop& loop, transport::Node& node, std::string name_space,
-         Duration timeout)
+  CommandSender(transport::EventLoop& loop, transport::Node& node, std::string name_space,
+                Duration timeout)
       : loop_(loop),
         node_(node),
         name_space_(std::move(name_space)),
         deadline_(loop.Now() + timeout) {}
 
-  Result<std::string> operator()(const ChargeTo& told) {
-    return Publish<msg::Float32>("set_battery", {static_cast<float>(told.percent)});
+  Result<std::string> operator()(const ChargeTo& command) {
+    return Publish<msg::Float32>("set_battery", {static_cast<float>(command.percent)});
   }
-  Result<std::string> operator()(const Cable& told) {
-    return Ask<msg::SetBool>("charge", {told.in});
+  Result<std::string> operator()(const Cable& command) {
+    return Call<msg::SetBool>("charge", {command.in});
   }
-  Result<std::string> operator()(const Touch& told) {
-    return Publish<msg::Int32>("press", {told.state});
+  Result<std::string> operator()(const Touch& command) {
+    return Publish<msg::Int32>("press", {command.state});
   }
-  Result<std::string> operator()(const Speech& told) {
-    return Publish<msg::String>("speech_text", {told.text});
+  Result<std::string> operator()(const Speech& command) {
+    return Publish<msg::String>("speech_text", {command.text});
   }
-  Result<std::string> operator()(const PowerKey& told) {
-    return Publish<msg::Bool>("power_key", {told.down});
+  Result<std::string> operator()(const PowerKey& command) {
+    return Publish<msg::Bool>("power_key", {command.down});
   }
-  Result<std::string> operator()(const Fault& told) {
-    return Publish<msg::String>("fault", {told.text});
+  Result<std::string> operator()(const Fault& command) {
+    return Publish<msg::String>("fault", {command.text});
   }
-  Result<std::string> operator()(const Carry& told) {
+  Result<std::string> operator()(const Carry& command) {
     msg::PoseStamped pose;
-    pose.pose.position.x = told.at.position_m.x();
-    pose.pose.position.y = told.at.position_m.y();
-    pose.pose.orientation.z = std::sin(told.at.yaw_rad / 2);
-    pose.pose.orientation.w = std::cos(told.at.yaw_rad / 2);
+    pose.pose.position.x = command.at.position_m.x();
+    pose.pose.position.y = command.at.position_m.y();
+    pose.pose.orientation.z = std::sin(command.at.yaw_rad / 2);
+    pose.pose.orientation.w = std::cos(command.at.yaw_rad / 2);
     return Publish<msg::PoseStamped>("place", pose);
   }
-  Result<std::string> operator()(const Speed& told) {
-    return Publish<msg::Float32>("speed", {static_cast<float>(told.factor)});
+  Result<std::string> operator()(const Speed& command) {
+    return Publish<msg::Float32>("speed", {static_cast<float>(command.factor)});
   }
-  Result<std::string> operator()(const Pause& told) {
-    return Ask<msg::SetBool>("pause", {told.on});
+  Result<std::string> operator()(const Pause& command) {
+    return Call<msg::SetBool>("pause", {command.on});
   }
-  Result<std::string> operator()(const DrawNow&) { return Ask<msg::Trigger>("draw", {}); }
+  Result<std::string> operator()(const DrawNow&) { return Call<msg::Trigger>("draw", {}); }
 
  private:
   std::string Name(const std::string& name) const {
     return transport::ResolveName(name_space_, "world/" + name);
   }
 
-  Error Nobody() const {
+  Error NoWorld() const {
     return {kCodeTimeout, "no world answers" +
                               (name_space_.empty() ? "" : " in namespace " + name_space_) +
                               "; is `musher up` running, in the same domain?"};
@@ -160,22 +160,22 @@ class Teller {
   Result<std::string> Publish(const std::string& topic, const M& message) {
     auto publisher = transport::MakePublisher<M>(node_, Name(topic));
     if (!publisher) return publisher.error();
-    const auto heard = [&] { return publisher.value()->MatchedReaders() > 0; };
-    if (!loop_.RunUntil(heard, deadline_)) return Nobody();
+    const auto matched = [&] { return publisher.value()->MatchedReaders() > 0; };
+    if (!loop_.RunUntil(matched, deadline_)) return NoWorld();
     if (auto sent = publisher.value()->Publish(message); !sent) return sent.error();
     if (auto got = publisher.value()->Flush(deadline_ - loop_.Now()); !got) return got.error();
     return std::string();
   }
 
   template <class S>
-  Result<std::string> Ask(const std::string& service, const typename S::Request& request) {
+  Result<std::string> Call(const std::string& service, const typename S::Request& request) {
     auto client = transport::MakeClient<S>(node_, Name(service));
     if (!client) return client.error();
     std::optional<Result<typename S::Response>> answer;
     client.value()->Call(request, deadline_ - loop_.Now(),
                          [&](auto response) { answer.emplace(std::move(response)); });
     loop_.RunUntil([&] { return answer.has_value(); }, deadline_ + Milliseconds(100));
-    if (!answer || !*answer) return Nobody();
+    if (!answer || !*answer) return NoWorld();
     const auto& response = answer->value();
     if (!response.success) return Error{kCodeFailed, response.message};
     return response.message;
@@ -189,21 +189,22 @@ class Teller {
 
 }  // namespace
 
-Result<Telling> ReadTelling(const Words& words) {
-  if (const auto telling = ReadWords(words)) return *telling;
+Result<WorldCommand> ParseWorldCommand(const Words& words) {
+  if (const auto command = ReadWords(words)) return *command;
   std::string said;
   for (const std::string& word : words) said += " " + word;
   return Error{kCodeParametersInvalid,
-               "`tell" + said + "` is nothing a world understands; it knows\n" + kTellings};
+               "`tell" + said + "` is unknown; the commands are\n" + kWorldCommands};
 }
 
-Result<std::string> Tell(const Telling& telling, const std::string& name_space, Duration timeout) {
+Result<std::string> SendWorldCommand(const WorldCommand& command, const std::string& name_space,
+                                     Duration timeout) {
   transport::LinuxEventLoop loop;
   transport::DdsOptions options;
   options.impatient = true;
   auto node = transport::MakeDdsNode(loop, options);
   if (!node) return node.error();
-  return std::visit(Teller(loop, *node.value(), name_space, timeout), telling);
+  return std::visit(CommandSender(loop, *node.value(), name_space, timeout), command);
 }
 
 }  // namespace musher::world

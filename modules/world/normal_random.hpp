@@ -1,13 +1,13 @@
 #pragma once
-// Normally distributed numbers that are the same from the same seed on every machine.
+// Normally distributed random numbers that are the same for the same seed on every machine.
 
 #include "musher/transport/sim/random.hpp"
 
 namespace musher::world {
 
-class Chance {
+class NormalRandom {
  public:
-  explicit Chance(std::uint64_t seed) : random_(seed) {}
+  explicit NormalRandom(std::uint64_t seed) : random_(seed) {}
 
   // Mean 0, standard deviation 1, never beyond 6: twelve uniform numbers added up.
   double Normal() {

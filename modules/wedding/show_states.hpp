@@ -1,5 +1,6 @@
 #pragma once
-// Which states a show has: the five, and those of the extensions that its config asks for.
+// The states of a show: the five of the module, and those of the extensions that its config
+// enables.
 
 #include "musher/behavior/fsm/machine.hpp"
 #include "musher/modules/wedding/extension/actions.hpp"
@@ -10,7 +11,7 @@ namespace musher::wedding {
 
 // Registers states, commands and safety checks. `data` and `actions` outlive the machine; `actions`
 // is null for a show without action packs.
-void AddCast(fsm::Machine& machine, ShowData& data, const ShowConfig& config,
-             ActionPlayer* actions = nullptr);
+void AddStates(fsm::Machine& machine, ShowData& data, const ShowConfig& config,
+               ActionPlayer* actions = nullptr);
 
 }  // namespace musher::wedding
