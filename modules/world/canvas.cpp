@@ -8,7 +8,6 @@
 #include <opencv2/freetype.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "musher/modules/world/bgr.hpp"
 #include "musher/modules/world/mat_pictures.hpp"
 
 namespace musher::world {
@@ -73,23 +72,24 @@ struct Canvas::Impl {
 };
 
 Canvas::Canvas(int width, int height, const Color& background) : impl_(new Impl) {
-  impl_->image = cv::Mat(height * kFiner, width * kFiner, CV_8UC3, Bgr(background));
+  impl_->image = cv::Mat(height * kFiner, width * kFiner, CV_8UC3, Bgr<cv::Scalar>(background));
 }
 
 Canvas::~Canvas() = default;
 
 void Canvas::Line(const Pixel& from, const Pixel& to, const Color& color, double width) {
-  cv::line(impl_->image, Fine(from), Fine(to), Bgr(color), Width(width), cv::LINE_AA,
+  cv::line(impl_->image, Fine(from), Fine(to), Bgr<cv::Scalar>(color), Width(width), cv::LINE_AA,
            kFractionBits);
 }
 
 void Canvas::Polyline(const std::vector<Pixel>& points, const Color& color, double width) {
-  cv::polylines(impl_->image, Fine(points), false, Bgr(color), Width(width), cv::LINE_AA,
-                kFractionBits);
+  cv::polylines(impl_->image, Fine(points), false, Bgr<cv::Scalar>(color), Width(width),
+                cv::LINE_AA, kFractionBits);
 }
 
 void Canvas::Fill(const std::vector<Pixel>& corners, const Color& color) {
-  cv::fillPoly(impl_->image, std::vector{Fine(corners)}, Bgr(color), cv::LINE_AA, kFractionBits);
+  cv::fillPoly(impl_->image, std::vector{Fine(corners)}, Bgr<cv::Scalar>(color), cv::LINE_AA,
+               kFractionBits);
 }
 
 void Canvas::FillRect(const Pixel& corner, const Pixel& opposite, const Color& color) {
@@ -97,22 +97,22 @@ void Canvas::FillRect(const Pixel& corner, const Pixel& opposite, const Color& c
   const cv::Point a(whole(corner.x()), whole(corner.y()));
   const cv::Point b(whole(opposite.x()), whole(opposite.y()));
   const cv::Rect all({0, 0}, impl_->image.size());
-  impl_->image(cv::Rect(a, b) & all).setTo(Bgr(color));
+  impl_->image(cv::Rect(a, b) & all).setTo(Bgr<cv::Scalar>(color));
 }
 
 void Canvas::Outline(const std::vector<Pixel>& corners, const Color& color, double width) {
-  cv::polylines(impl_->image, Fine(corners), true, Bgr(color), Width(width), cv::LINE_AA,
-                kFractionBits);
+  cv::polylines(impl_->image, Fine(corners), true, Bgr<cv::Scalar>(color), Width(width),
+                cv::LINE_AA, kFractionBits);
 }
 
 void Canvas::Disc(const Pixel& center, double radius, const Color& color) {
-  cv::circle(impl_->image, Fine(center), Fine(radius), Bgr(color), cv::FILLED, cv::LINE_AA,
-             kFractionBits);
+  cv::circle(impl_->image, Fine(center), Fine(radius), Bgr<cv::Scalar>(color), cv::FILLED,
+             cv::LINE_AA, kFractionBits);
 }
 
 void Canvas::Ring(const Pixel& center, double radius, const Color& color, double width) {
-  cv::circle(impl_->image, Fine(center), Fine(radius), Bgr(color), Width(width), cv::LINE_AA,
-             kFractionBits);
+  cv::circle(impl_->image, Fine(center), Fine(radius), Bgr<cv::Scalar>(color), Width(width),
+             cv::LINE_AA, kFractionBits);
 }
 
 void Canvas::Text(const std::string& text, const Pixel& at, double size, const Color& color,
@@ -124,11 +124,12 @@ void Canvas::Text(const std::string& text, const Pixel& at, double size, const C
                          static_cast<int>(std::lround(at.y() * kFiner)));
   const int height = static_cast<int>(std::lround(size * kFiner));
   if (const Font& font = impl_->For(text)) {
-    font->putText(impl_->image, text, corner, height, Bgr(color), cv::FILLED, cv::LINE_AA, true);
+    font->putText(impl_->image, text, corner, height, Bgr<cv::Scalar>(color), cv::FILLED,
+                  cv::LINE_AA, true);
   } else {
     cv::putText(impl_->image, text, corner, cv::FONT_HERSHEY_SIMPLEX,
-                cv::getFontScaleFromHeight(cv::FONT_HERSHEY_SIMPLEX, height * 2 / 3), Bgr(color), 1,
-                cv::LINE_AA);
+                cv::getFontScaleFromHeight(cv::FONT_HERSHEY_SIMPLEX, height * 2 / 3),
+                Bgr<cv::Scalar>(color), 1, cv::LINE_AA);
   }
 }
 

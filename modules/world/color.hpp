@@ -14,6 +14,12 @@ struct Color {
   friend bool operator==(const Color&, const Color&) = default;
 };
 
+// In OpenCV's order: cv::Scalar. A template, so that this header needs no OpenCV.
+template <class Scalar>
+Scalar Bgr(const Color& color) {
+  return {double(color.blue), double(color.green), double(color.red)};
+}
+
 // From `a` to `b` by `share`, 0 to 1.
 Color Mix(const Color& a, const Color& b, double share);
 

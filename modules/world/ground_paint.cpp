@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "musher/modules/world/bgr.hpp"
 #include "musher/modules/world/mat_pictures.hpp"
 #include "musher/modules/world/palette.hpp"
 #include "musher/modules/world/surface_paint.hpp"
@@ -53,7 +52,8 @@ class GroundPainter {
     const auto pixels = [&](double length_m) {
       return std::max(1, static_cast<int>(std::ceil(length_m * per_m_)));
     };
-    image_ = cv::Mat(pixels(size.y()), pixels(size.x()), CV_8UC3, Bgr(scene.ground.color));
+    image_ =
+        cv::Mat(pixels(size.y()), pixels(size.x()), CV_8UC3, Bgr<cv::Scalar>(scene.ground.color));
   }
 
   Result<Texture> Paint() {
@@ -79,7 +79,8 @@ class GroundPainter {
     return points;
   }
   void Fill(const Points& corners_m, const Color& color) {
-    cv::fillConvexPoly(image_, Fine(corners_m), Bgr(color), cv::LINE_AA, kGroundFractionBits);
+    cv::fillConvexPoly(image_, Fine(corners_m), Bgr<cv::Scalar>(color), cv::LINE_AA,
+                       kGroundFractionBits);
   }
 
   Result<> Lay() {
@@ -185,7 +186,8 @@ class GroundPainter {
                                std::pair(-0.2, -1.2), std::pair(0.7, 0.2), std::pair(0.1, 0.2)}) {
       bolt.emplace_back(pad.center_m + Vector2d(x, y) * pad.size_m / 4);
     }
-    cv::fillPoly(image_, std::vector{Fine(bolt)}, Bgr(kPadEdge), cv::LINE_AA, kGroundFractionBits);
+    cv::fillPoly(image_, std::vector{Fine(bolt)}, Bgr<cv::Scalar>(kPadEdge), cv::LINE_AA,
+                 kGroundFractionBits);
   }
 
   // Each piece a rectangle, and a disc at each point, so that the width is right at every scale.

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "musher/modules/world/bgr.hpp"
 #include "musher/modules/world/canvas.hpp"
 #include "musher/modules/world/face.hpp"
 #include "musher/modules/world/mat_pictures.hpp"
@@ -48,9 +47,9 @@ Texture Code(const Board& board) {
   const int rim = kRim * side;
   const int width = std::max(sheet.size().width, code.cols + 2 * rim);
   const int height = std::max(sheet.size().height, code.rows + 2 * rim);
-  cv::Mat image(height, width, CV_8UC3, Bgr(board.color));
+  cv::Mat image(height, width, CV_8UC3, Bgr<cv::Scalar>(board.color));
   const cv::Rect where((width - code.cols) / 2, (height - code.rows) / 2, code.cols, code.rows);
-  image(where).setTo(Bgr(board.sign.ink), code < 128);
+  image(where).setTo(Bgr<cv::Scalar>(board.sign.ink), code < 128);
   return TextureOf(image);
 }
 
@@ -108,7 +107,7 @@ Result<Texture> Paint(const Board& board) {
     case Sign::Kind::kFace:
       return Face(board);
   }
-  return TextureOf(cv::Mat(1, 1, CV_8UC3, Bgr(board.color)));
+  return TextureOf(cv::Mat(1, 1, CV_8UC3, Bgr<cv::Scalar>(board.color)));
 }
 
 }  // namespace

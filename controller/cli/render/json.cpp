@@ -1,5 +1,7 @@
 #include "musher/controller/cli/render/json.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "musher/controller/cli/render/json_line.hpp"
 #include "musher/controller/cli/wall_time.hpp"
 
@@ -95,6 +97,10 @@ Json Of(const msg::PolicyInfo& p) {
 }
 
 }  // namespace
+
+std::string JsonLine(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 std::string StatusJson(const msg::MachineStatus& status,
                        const std::map<std::string, Running::Actuator>& unlisted) {

@@ -1,5 +1,7 @@
 // What `musher ota` says with --json.
 
+#include <nlohmann/json.hpp>
+
 #include "musher/controller/cli/render/json.hpp"
 #include "musher/controller/cli/render/json_line.hpp"
 
